@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Runs all tests of the workspace. On a bare Debian machine it first installs what they need: a
+# linker (gcc) and python3, as root or through sudo; without either it prints the line to run.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+missing=()
+command -v gcc >/dev/null || missing+=(gcc libc6-dev)
+command -v python3 >/dev/null || missing+=(python3)
+
+if ((${#missing[@]})); then
+    install="apt-get install -y --no-install-recommends ${missing[*]}"
+    echo "missing: ${missing[*]}"
+    if [[ $(id -u) == 0 ]]; then
+        apt-get update && DEBIAN_FRONTEND=noninteractive $install
+    elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+        sudo apt-get update && sudo DEBIAN_FRONTEND=noninteractive $install
+    else
+        echo "run as root: apt-get update && $install" >&2
+        exit 1
+    fi
+fi
+if ! command -v cargo >/dev/null; then
+    echo "cargo is missing: install Rust (https://rustup.rs), version in Cargo.toml or later" >&2
+    exit 1
+fi
+
+cargo test --workspace --locked "$@"
