@@ -1,0 +1,50 @@
+//! Record layouts of the `.bdt` file: the one source of truth in code for `SPEC.md`.
+//!
+//! No logic lives here: only magic numbers, section kinds and plain records. A test of the
+//! workspace compares every offset below with the tables of `SPEC.md`.
+//!
+//! All multi-byte values are little-endian. Header, mode and section records use unaligned
+//! little-endian types; the big arrays (nodes, rows, triangles, vertices) are native `u32`,
+//! `u16` and `f32` viewed in place, so a reader refuses big-endian hosts.
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(feature = "metadata")]
+extern crate std;
+
+mod header;
+#[cfg(feature = "metadata")]
+mod metadata;
+mod mode;
+mod node;
+mod section;
+mod triangle;
+
+pub use header::{Header, MAGIC, VERSION_MAJOR, VERSION_MINOR};
+#[cfg(feature = "metadata")]
+pub use metadata::{Metadata, MetadataError, ModeMetadata};
+pub use mode::ModeRecord;
+pub use node::{
+    LANES, NodeRecord, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, ROWS_FIXED,
+    ROWS_LEADING, ROWS_PER_MODE, Row, mode_row, row_count,
+};
+pub use section::{SECTION_ORDER, SectionKind, SectionRecord};
+pub use triangle::{GroupRecord, TriangleRecord, group_kind};
+
+/// Sections start at multiples of this many bytes (SPEC 3).
+pub const SECTION_ALIGNMENT: usize = 64;
+
+/// Alignment that the first byte of a file needs in memory (SPEC 3).
+pub const BASE_ALIGNMENT: usize = 4;
+
+/// Most modes that the rounding constants are proved for (SPEC 5).
+pub const MODE_COUNT_MAX: usize = 512;
+
+/// Most node levels, so that a reader's stacks are bounded (SPEC 6).
+pub const DEPTH_MAX: usize = 32;
+
+/// Most triangles in one leaf lane (SPEC 6).
+pub const LEAF_TRIANGLES_MAX: usize = 255;
+
+/// Layout id of every section of this version (SPEC 4).
+pub const LAYOUT_1: u32 = 1;

@@ -1,0 +1,72 @@
+//! Eight-wide nodes and their rows (SPEC 6).
+
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+
+/// Child spheres of a node, stored side by side.
+pub const LANES: usize = 8;
+
+/// One quantity of the eight child spheres.
+pub type Row = [f32; LANES];
+
+/// A node: eight child spheres, each a *lane* that is empty, leads to a child node (inner) or
+/// holds triangles (leaf). 32 bytes.
+///
+/// Nodes stand breadth first: the children of node i are `first_child .. first_child + popcount
+/// (inner_mask)`, in lane order, and `first_child` is 1 plus the number of children of all nodes
+/// before i. In the same way `first_slot` counts the triangles, and `row_start` the rows, of all
+/// nodes before i.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub struct NodeRecord {
+    /// Node index of the first inner lane's child.
+    pub first_child: u32,
+    /// Place in the triangle section of the first leaf lane's first triangle.
+    pub first_slot: u32,
+    /// Index of the node's first row in the row section.
+    pub row_start: u32,
+    /// Index of the node's first mode index in the mode-list section.
+    pub mode_list_start: u32,
+    /// Number of modes that act on the node, m.
+    pub mode_count: u16,
+    /// Bit k: lane k leads to a child node.
+    pub inner_mask: u8,
+    /// Bit k: lane k holds triangles.
+    pub leaf_mask: u8,
+    /// Number of triangles of each leaf lane, 0 for other lanes.
+    pub leaf_counts: [u8; LANES],
+    /// Distance from the root.
+    pub level: u8,
+    /// Zero.
+    pub reserved: [u8; 3],
+}
+
+const _: () = assert!(size_of::<NodeRecord>() == 32);
+
+/// Row of the centres' x (stored units), relative to the origin.
+pub const ROW_CENTRE_X: usize = 0;
+/// Row of the centres' y.
+pub const ROW_CENTRE_Y: usize = 1;
+/// Row of the centres' z.
+pub const ROW_CENTRE_Z: usize = 2;
+/// Row of the rest radii R.
+pub const ROW_RADIUS: usize = 3;
+
+/// Rows before the first mode's.
+pub const ROWS_LEADING: usize = 4;
+
+/// Rows of a mode: Ū_x, Ū_y, Ū_z, ΔR, b⁺, b⁻.
+pub const ROWS_PER_MODE: usize = 6;
+
+/// Rows of a node without its modes': the four leading ones, then, behind the modes, δR and
+/// the δR of scaled steps.
+pub const ROWS_FIXED: usize = 6;
+
+/// First row of a node's k-th active mode.
+pub const fn mode_row(k: usize) -> usize {
+    ROWS_LEADING + ROWS_PER_MODE * k
+}
+
+/// Number of rows of a node with `mode_count` active modes.
+pub const fn row_count(mode_count: usize) -> usize {
+    ROWS_FIXED + ROWS_PER_MODE * mode_count
+}

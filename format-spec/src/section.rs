@@ -1,0 +1,87 @@
+//! The section table (SPEC 4).
+
+use zerocopy::little_endian::{U32, U64};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
+
+/// A section's kind: four ASCII letters.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned,
+)]
+#[repr(C)]
+pub struct SectionKind(pub [u8; 4]);
+
+impl SectionKind {
+    /// [`crate::NodeRecord`] per node, breadth first.
+    pub const NODES: Self = Self(*b"NODE");
+    /// [`crate::Row`]s of all nodes, in node order.
+    pub const ROWS: Self = Self(*b"ROWS");
+    /// `u16` mode indices: the mode lists that nodes share.
+    pub const MODE_LISTS: Self = Self(*b"LIST");
+    /// [`crate::TriangleRecord`] per triangle, in leaf order.
+    pub const TRIANGLES: Self = Self(*b"TRIS");
+    /// `u32` per triangle id: its place in [`Self::TRIANGLES`].
+    pub const TRIANGLE_SLOTS: Self = Self(*b"SLOT");
+    /// `[f32; 3]` per vertex: rest positions relative to the origin, stored units.
+    pub const POSITIONS: Self = Self(*b"VERT");
+    /// `[f32; 3]` per vertex and mode, vertex-major: U_ij, stored units per unit of q.
+    pub const DISPLACEMENTS: Self = Self(*b"DISP");
+    /// [`crate::GroupRecord`] per source group. Optional.
+    pub const GROUPS: Self = Self(*b"GRPS");
+    /// UTF-8 text that group records point into. Optional.
+    pub const GROUP_NAMES: Self = Self(*b"GNAM");
+    /// Metadata in bincode's fixed-width wire format. Optional.
+    pub const METADATA: Self = Self(*b"META");
+
+    /// The kind as text, with `.` for letters that are not printable.
+    pub fn as_text(&self) -> [char; 4] {
+        self.0.map(|b| {
+            if b.is_ascii_graphic() {
+                char::from(b)
+            } else {
+                '.'
+            }
+        })
+    }
+}
+
+impl core::fmt::Display for SectionKind {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        self.as_text()
+            .iter()
+            .try_for_each(|c| core::fmt::Write::write_char(f, *c))
+    }
+}
+
+/// The order of sections in a file; the first seven are always there (SPEC 4).
+pub const SECTION_ORDER: [SectionKind; 10] = [
+    SectionKind::NODES,
+    SectionKind::ROWS,
+    SectionKind::MODE_LISTS,
+    SectionKind::TRIANGLES,
+    SectionKind::TRIANGLE_SLOTS,
+    SectionKind::POSITIONS,
+    SectionKind::DISPLACEMENTS,
+    SectionKind::GROUPS,
+    SectionKind::GROUP_NAMES,
+    SectionKind::METADATA,
+];
+
+/// One entry of the section table, 32 bytes.
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
+#[repr(C)]
+pub struct SectionRecord {
+    /// What the section holds.
+    pub kind: SectionKind,
+    /// How it holds it: [`crate::LAYOUT_1`].
+    pub layout: U32,
+    /// First byte, from the start of the file; a multiple of 64.
+    pub offset: U64,
+    /// Length in bytes, without padding.
+    pub length: U64,
+    /// CRC-32/ISO-HDLC of the section's bytes, without padding.
+    pub crc: U32,
+    /// 1: a reader that does not know the kind must refuse the file. 0: it skips it.
+    pub required: U32,
+}
+
+const _: () = assert!(size_of::<SectionRecord>() == 32);
