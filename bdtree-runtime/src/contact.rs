@@ -1,0 +1,153 @@
+//! What queries report, and where they put it. The words are parry's.
+
+use core::ops::ControlFlow;
+
+/// A vertex: its number among the source's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct VertexId(pub u32);
+
+/// A triangle: its number among the source's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TriangleId(pub u32);
+
+/// A primitive touches a triangle. World coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// The triangle.
+    pub triangle: TriangleId,
+    /// The triangle's point.
+    pub point: [f64; 3],
+    /// Unit normal, from the triangle towards the primitive.
+    pub normal: [f64; 3],
+    /// Signed distance: negative is penetration depth.
+    pub dist: f64,
+    /// Weights of the corners that give `point`; not negative, sum 1.
+    pub barycentric: [f64; 3],
+}
+
+impl Contact {
+    /// A value to fill buffers with.
+    pub const EMPTY: Self = Self {
+        triangle: TriangleId(u32::MAX),
+        point: [0.0; 3],
+        normal: [0.0; 3],
+        dist: 0.0,
+        barycentric: [0.0; 3],
+    };
+}
+
+/// Two triangles touch, or are within the tolerance. World coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairContact {
+    /// The first asset's triangle.
+    pub triangle1: TriangleId,
+    /// The second asset's triangle.
+    pub triangle2: TriangleId,
+    /// The first triangle's point.
+    pub point1: [f64; 3],
+    /// The second triangle's point; equal to `point1` when they touch.
+    pub point2: [f64; 3],
+    /// Distance; 0 when they touch.
+    pub dist: f64,
+    /// Weights of the first triangle's corners that give `point1`.
+    pub barycentric1: [f64; 3],
+    /// Weights of the second triangle's corners that give `point2`.
+    pub barycentric2: [f64; 3],
+}
+
+impl PairContact {
+    /// A value to fill buffers with.
+    pub const EMPTY: Self = Self {
+        triangle1: TriangleId(u32::MAX),
+        triangle2: TriangleId(u32::MAX),
+        point1: [0.0; 3],
+        point2: [0.0; 3],
+        dist: 0.0,
+        barycentric1: [0.0; 3],
+        barycentric2: [0.0; 3],
+    };
+}
+
+/// The point of an asset nearest to a given one. World coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClosestPoint {
+    /// The triangle; the lowest id of those at the same distance.
+    pub triangle: TriangleId,
+    /// Its point.
+    pub point: [f64; 3],
+    /// Distance to the given point.
+    pub distance: f64,
+    /// Weights of the corners that give `point`.
+    pub barycentric: [f64; 3],
+}
+
+/// Where a ray first meets an asset. World coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RayHit {
+    /// The triangle; the lowest id of those at the same distance.
+    pub triangle: TriangleId,
+    /// The point.
+    pub point: [f64; 3],
+    /// Distance from the ray's origin.
+    pub distance: f64,
+    /// Weights of the corners that give `point`.
+    pub barycentric: [f64; 3],
+}
+
+/// Takes what a query finds, in the order of the traversal (the same on every run and
+/// processor kernel that visits the same nodes; sort by id where order matters).
+pub trait Sink<T> {
+    /// Takes one item, or answers `Break` without taking it when there is no room: the query
+    /// then stops and says `truncated`.
+    fn push(&mut self, item: T) -> ControlFlow<()>;
+}
+
+/// A sink over a caller's slice.
+#[derive(Debug)]
+pub struct SliceSink<'s, T> {
+    slots: &'s mut [T],
+    len: usize,
+}
+
+impl<'s, T> SliceSink<'s, T> {
+    /// An empty sink with room for `slots.len()` items; what the slots hold is overwritten.
+    pub fn new(slots: &'s mut [T]) -> Self {
+        Self { slots, len: 0 }
+    }
+
+    /// The items taken so far.
+    pub fn items(&self) -> &[T] {
+        &self.slots[..self.len]
+    }
+
+    /// The items taken so far, to sort or change in place.
+    pub fn items_mut(&mut self) -> &mut [T] {
+        &mut self.slots[..self.len]
+    }
+
+    /// Forgets the items.
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+}
+
+impl<T> Sink<T> for SliceSink<'_, T> {
+    fn push(&mut self, item: T) -> ControlFlow<()> {
+        match self.slots.get_mut(self.len) {
+            Some(slot) => {
+                *slot = item;
+                self.len += 1;
+                ControlFlow::Continue(())
+            }
+            None => ControlFlow::Break(()),
+        }
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<T> Sink<T> for alloc::vec::Vec<T> {
+    fn push(&mut self, item: T) -> ControlFlow<()> {
+        self.push(item);
+        ControlFlow::Continue(())
+    }
+}

@@ -1,0 +1,161 @@
+//! The leaf arithmetic: deformed vertices, only where a query touches them.
+
+use bdtree_format::{SectionKind, TriangleRecord};
+
+use crate::contact::VertexId;
+use crate::error::FormatError;
+use crate::narrow::Triangle;
+use crate::pose::Pose;
+use crate::simd::prefetch;
+use crate::view::Asset;
+
+impl Asset<'_> {
+    /// The deformed position of a vertex, relative to the origin (stored units):
+    /// `p'_i = p_i + (((U_i1 q_1) + U_i2 q_2) + …)` (paper, eq. 1), f32, products and sums rounded
+    /// separately, modes in order, p last. The same bits on every processor.
+    ///
+    /// # Errors
+    /// When there is no such vertex.
+    #[inline]
+    pub fn deformed_stored(
+        &self,
+        pose: &Pose<'_>,
+        vertex: VertexId,
+    ) -> Result<[f32; 3], FormatError> {
+        let i = vertex.0 as usize;
+        let Some(p) = self.positions.get(i) else {
+            return Err(self.out_of_range(SectionKind::POSITIONS, i, self.positions.len(), 12));
+        };
+        let m = pose.q.len();
+        let start = i * m;
+        let Some(fields) = self.displacements.get(start..start + m) else {
+            return Err(self.out_of_range(
+                SectionKind::DISPLACEMENTS,
+                start + m,
+                self.displacements.len(),
+                12,
+            ));
+        };
+        // The sum starts with the first product, not with 0: adding to +0 would turn −0 into +0
+        // and nothing else, and p is added last anyway, so starting from −0 keeps every bit.
+        let mut sum = [-0.0_f32; 3];
+        for (u, q) in fields.iter().zip(pose.q) {
+            for k in 0..3 {
+                sum[k] += u[k] * q;
+            }
+        }
+        Ok([p[0] + sum[0], p[1] + sum[1], p[2] + sum[2]])
+    }
+
+    /// The deformed position of a vertex in the world: f64 from the stored position on.
+    ///
+    /// # Errors
+    /// When there is no such vertex.
+    #[inline]
+    pub fn deformed(&self, pose: &Pose<'_>, vertex: VertexId) -> Result<[f64; 3], FormatError> {
+        Ok(pose.frame.world(self.deformed_stored(pose, vertex)?))
+    }
+
+    /// The deformed corners of a triangle record in the world.
+    #[inline(always)]
+    pub(crate) fn deformed_triangle(
+        &self,
+        pose: &Pose<'_>,
+        record: &TriangleRecord,
+    ) -> Result<Triangle, FormatError> {
+        let [a, b, c] = record.corners.map(VertexId);
+        Ok([
+            self.deformed(pose, a)?,
+            self.deformed(pose, b)?,
+            self.deformed(pose, c)?,
+        ])
+    }
+
+    /// The deformed corners of a triangle record relative to the origin (stored units).
+    #[inline(always)]
+    pub(crate) fn stored_triangle(
+        &self,
+        pose: &Pose<'_>,
+        record: &TriangleRecord,
+        recent: &mut RecentVertices,
+    ) -> Result<[[f32; 3]; 3], FormatError> {
+        let [a, b, c] = record.corners;
+        Ok([
+            recent.deformed(self, pose, a)?,
+            recent.deformed(self, pose, b)?,
+            recent.deformed(self, pose, c)?,
+        ])
+    }
+}
+
+/// Slots of [`RecentVertices`].
+const RECENT: usize = 64;
+
+/// The id of no vertex that is kept.
+const NONE: u32 = u32::MAX;
+
+/// Deformed vertices of one traversal (stored units), so that neighbouring triangles deform a
+/// shared corner once: a direct-mapped table, the newest of a slot stays.
+pub(crate) struct RecentVertices {
+    ids: [u32; RECENT],
+    positions: [[f32; 3]; RECENT],
+}
+
+impl RecentVertices {
+    pub(crate) fn new() -> Self {
+        Self {
+            ids: [NONE; RECENT],
+            positions: [[0.0; 3]; RECENT],
+        }
+    }
+
+    #[inline(always)]
+    fn slot(vertex: u32) -> usize {
+        // Fibonacci hashing (Knuth, vol. 3, 6.4): the top bits of the product.
+        (vertex.wrapping_mul(0x9e37_79b9) >> (32 - RECENT.trailing_zeros())) as usize
+    }
+
+    /// Asks for the numbers of a triangle's vertices that are not remembered: their addresses
+    /// follow no pattern, and all of them together take hardly longer than one.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, asset: &Asset<'_>, record: &TriangleRecord) {
+        /// Displacements in a cache line, rounded down.
+        const PER_LINE: usize = 5;
+        for vertex in record.corners {
+            if self.ids[Self::slot(vertex)] == vertex {
+                continue;
+            }
+            let i = vertex as usize;
+            let m = asset.modes.len();
+            if let Some(p) = asset.positions.get(i) {
+                prefetch(p);
+            }
+            if let Some(fields) = asset
+                .displacements
+                .get(i.saturating_mul(m)..i.saturating_add(1).saturating_mul(m))
+            {
+                let mut at = 0;
+                while at < fields.len() {
+                    prefetch(&fields[at]);
+                    at += PER_LINE;
+                }
+            }
+        }
+    }
+
+    /// [`Asset::deformed_stored`], remembered.
+    #[inline(always)]
+    fn deformed(
+        &mut self,
+        asset: &Asset<'_>,
+        pose: &Pose<'_>,
+        vertex: u32,
+    ) -> Result<[f32; 3], FormatError> {
+        let slot = Self::slot(vertex);
+        if self.ids[slot] != vertex || vertex == NONE {
+            self.positions[slot] = asset.deformed_stored(pose, VertexId(vertex))?;
+            self.ids[slot] = vertex;
+        }
+        Ok(self.positions[slot])
+    }
+}

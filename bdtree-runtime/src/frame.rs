@@ -1,0 +1,196 @@
+//! World ↔ stored coordinates of one placed asset, in f64, with a bound of the error.
+
+use bdtree_format::LANES;
+
+use crate::bound::Spheres;
+use crate::math::{add, dot, norm, scale, sub};
+use crate::pose::{Pose, Transform, U32, round_up};
+use crate::simd::{Quad, Quad3, add3, dot3, scale3, splat3};
+use crate::view::Asset;
+
+/// The placement of one asset.
+///
+/// Leaves use [`Frame::world`], the leaf arithmetic that defines the deformed mesh. Node
+/// tests run in stored units, where f32 serves; the maps to and from there only have to be as
+/// good as [`Frame::error`] says.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Frame {
+    /// Rows of the rotation matrix Q.
+    rotation: [[f64; 3]; 3],
+    translation: [f64; 3],
+    scale: f64,
+    origin: [f64; 3],
+    /// Mesh units per stored unit.
+    unit: f64,
+}
+
+/// Relative error of the f64 maps, in units of the magnitudes that enter them: forming Q from
+/// a normalised quaternion, rotating, scaling and adding take fewer than 64 roundings of 2⁻⁵³;
+/// narrow-phase distances and shears add 2⁻⁴⁸.
+const EPSILON: f64 = 1.0 / (1_u64 << 44) as f64;
+
+impl Frame {
+    pub(crate) fn new(asset: &Asset<'_>, transform: &Transform) -> Self {
+        Self {
+            rotation: rotation_matrix(transform.rotation),
+            translation: transform.translation,
+            scale: transform.scale,
+            origin: asset.origin(),
+            unit: asset.unit(),
+        }
+    }
+
+    /// The leaf arithmetic's second half: `x = t + s·(Q·(origin + p'))`, every operation rounded
+    /// once, in f64 (docs/guarantees.md 1).
+    #[inline(always)]
+    pub(crate) fn world(&self, p: [f32; 3]) -> [f64; 3] {
+        let p = [f64::from(p[0]), f64::from(p[1]), f64::from(p[2])];
+        let mesh = add(self.origin, scale(p, self.unit));
+        let [x, y, z] = self.rotation;
+        let turned = [dot(x, mesh), dot(y, mesh), dot(z, mesh)];
+        add(self.translation, scale(turned, self.scale))
+    }
+
+    /// [`Frame::world`] for four points: the same bits.
+    #[inline(always)]
+    pub(crate) fn world_four<Q: Quad>(&self, p: &[[f32; 4]; 3]) -> Quad3<Q> {
+        let p = [Q::widen(&p[0]), Q::widen(&p[1]), Q::widen(&p[2])];
+        let mesh = add3(splat3(self.origin), scale3(p, Q::splat(self.unit)));
+        let [x, y, z] = self.rotation;
+        let turned = [
+            dot3(splat3(x), mesh),
+            dot3(splat3(y), mesh),
+            dot3(splat3(z), mesh),
+        ];
+        add3(
+            splat3(self.translation),
+            scale3(turned, Q::splat(self.scale)),
+        )
+    }
+
+    /// World units per stored unit.
+    pub(crate) fn world_per_stored(&self) -> f64 {
+        self.scale * self.unit
+    }
+
+    /// A world point in stored coordinates, within [`Frame::error`].
+    pub(crate) fn point_to_stored(&self, x: [f64; 3]) -> [f64; 3] {
+        let rotated = self.inverse_rotate(sub(x, self.translation));
+        scale(
+            sub(scale(rotated, 1.0 / self.scale), self.origin),
+            1.0 / self.unit,
+        )
+    }
+
+    /// A world direction in stored axes; its length is kept.
+    pub(crate) fn inverse_rotate(&self, v: [f64; 3]) -> [f64; 3] {
+        let r = &self.rotation;
+        [0, 1, 2].map(|i| r[0][i] * v[0] + r[1][i] * v[1] + r[2][i] * v[2])
+    }
+
+    /// A stored direction in world axes; its length is kept.
+    pub(crate) fn rotate(&self, v: [f64; 3]) -> [f64; 3] {
+        self.rotation.map(|row| dot(row, v))
+    }
+
+    /// The world position of the origin of stored coordinates.
+    pub(crate) fn origin_in_world(&self) -> [f64; 3] {
+        self.world([0.0; 3])
+    }
+
+    /// Bound, in stored units, of all f64 errors between a world point of norm `x_norm`, its
+    /// stored coordinates, the world corners of vertices within `reach` of the stored origin and
+    /// distances between them.
+    pub(crate) fn error(&self, x_norm: f64, reach: f64) -> f64 {
+        let world = x_norm + norm(self.translation) + self.scale * norm(self.origin);
+        EPSILON * (world / self.world_per_stored() + reach)
+    }
+}
+
+/// The matrix of a unit quaternion (x, y, z, w).
+fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
+    [
+        [
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y - w * z),
+            2.0 * (x * z + w * y),
+        ],
+        [
+            2.0 * (x * y + w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z - w * x),
+        ],
+        [
+            2.0 * (x * z - w * y),
+            2.0 * (y * z + w * x),
+            1.0 - 2.0 * (x * x + y * y),
+        ],
+    ]
+}
+
+/// Stored coordinates of a second asset in those of a first, for node spheres.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PairFrame {
+    /// Rows of s·R, rounded to f32.
+    linear: [[f32; 3]; 3],
+    /// Rounded to f32.
+    offset: [f32; 3],
+    /// σ = s (1 + 2⁻²²), rounded up.
+    radius_scale: f32,
+    /// Added to every radius of the second asset: errors of the map, f64 errors on both sides,
+    /// and the tolerance (stored units of the first).
+    radius_extra: f32,
+}
+
+impl PairFrame {
+    /// The map for a pair of poses, or `None` when the two deformed meshes are certainly farther
+    /// apart than `tolerance` (world units).
+    pub(crate) fn new(a: &Pose<'_>, b: &Pose<'_>, tolerance: f64) -> Option<Self> {
+        let (fa, fb) = (&a.frame, &b.frame);
+        let unit_a = fa.world_per_stored();
+        let s = fb.world_per_stored() / unit_a;
+        let origin_a = fa.origin_in_world();
+        let origin_b = fb.origin_in_world();
+        let offset = fa.point_to_stored(origin_b);
+        // Column k of s·R: where the second asset's axis k points, in the first's axes.
+        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+            .map(|axis| scale(fa.inverse_rotate(fb.rotate(axis)), s));
+        let linear = [0, 1, 2].map(|i| columns.map(|column| column[i] as f32));
+
+        let tolerance = tolerance / unit_a;
+        // Each side's coordinates and corners, in stored units of the first.
+        let far_a = norm(origin_a) + unit_a * a.reach;
+        let far_b = norm(origin_b) + fb.world_per_stored() * b.reach;
+        let exact = fa.error(far_a + far_b, a.reach) + s * fb.error(far_a + far_b, b.reach);
+        // Rounding the map to f32 and applying it in f32 (docs/guarantees.md, instances).
+        const SQRT_3: f64 = 1.732_050_807_568_877_3;
+        let mapped = 16.0 * U32 * (SQRT_3 * s * b.reach + norm(offset));
+        let extra = tolerance + exact + mapped;
+
+        let apart = norm(offset);
+        let reach = f64::from(a.slack) + a.reach + s * (f64::from(b.slack) + b.reach) + extra;
+        if apart > reach * (1.0 + 1.0 / (1 << 20) as f64) {
+            return None;
+        }
+        Some(Self {
+            linear,
+            offset: offset.map(|x| x as f32),
+            radius_scale: round_up(s * (1.0 + 1.0 / (1 << 22) as f64)),
+            radius_extra: round_up(extra),
+        })
+    }
+
+    /// Moves spheres of the second asset into the frame of the first.
+    #[inline]
+    pub(crate) fn carry(&self, spheres: &mut Spheres) {
+        let [x, y, z] = spheres.centre;
+        for k in 0..LANES {
+            for i in 0..3 {
+                let row = &self.linear[i];
+                spheres.centre[i][k] =
+                    (row[0] * x[k] + row[1] * y[k] + row[2] * z[k]) + self.offset[i];
+            }
+            spheres.radius[k] = self.radius_scale * spheres.radius[k] + self.radius_extra;
+        }
+    }
+}

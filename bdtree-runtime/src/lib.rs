@@ -1,0 +1,69 @@
+//! Collision and proximity queries on reduced deformable meshes `p' = p + U q`, straight from
+//! the reduced coordinates `q`, without ever deforming the mesh.
+//!
+//! The flow of a query, one module each:
+//!
+//! `open` bytes → [`Asset`] view → [`Pose`] (q and a placement, prepared once per step) →
+//! [`bound`] (the eight-lane node kernel) → traversal in the caller's memory → exact narrow
+//! phase on touched triangles only → [`contact`]s.
+//!
+//! The crate is `no_std` and never allocates. Features: `std` (default; instruction sets are
+//! detected at run time), `alloc` ([`AlignedBytes`]), `mmap` ([`MappedFile`]).
+//!
+//! # Concepts
+//!
+//! *Mesh units* are the units of the source mesh. *Stored units* are mesh units times a power of
+//! two, relative to the asset's origin; only the tree sees them. *World* is where a pose places
+//! the mesh: `x = rotation · (scale · (origin + p')) + translation`. All public coordinates and
+//! lengths are world.
+//!
+//! *The promise*: for every finite q inside the asset's limits a query returns exactly what
+//! testing every deformed triangle with the same leaf arithmetic returns. `docs/guarantees.md`
+//! derives the constants; they are named here as there.
+#![no_std]
+
+#[cfg(feature = "alloc")]
+extern crate alloc;
+#[cfg(feature = "std")]
+extern crate std;
+
+pub mod bound;
+pub mod contact;
+mod deform;
+#[doc(hidden)]
+pub mod embed;
+pub mod error;
+mod force;
+mod frame;
+mod math;
+#[cfg(feature = "alloc")]
+mod memory;
+#[cfg(feature = "mmap")]
+mod mmap;
+pub mod narrow;
+mod open;
+mod pose;
+pub mod query;
+mod simd;
+mod traverse;
+mod verify;
+mod view;
+
+pub use contact::{
+    ClosestPoint, Contact, PairContact, RayHit, Sink, SliceSink, TriangleId, VertexId,
+};
+pub use error::{Datum, FormatError, PoseError, QueryError};
+pub use force::add_generalized_force;
+#[cfg(feature = "alloc")]
+pub use memory::AlignedBytes;
+#[cfg(feature = "mmap")]
+pub use mmap::MappedFile;
+pub use pose::{Pose, Transform};
+pub use simd::Kernel;
+pub use traverse::{PairStackEntry, StackEntry};
+pub use view::{Asset, Group};
+
+/// The README's query, compiled with the tests.
+#[cfg(all(doctest, feature = "mmap"))]
+#[doc = include_str!("../../README.md")]
+struct Readme;

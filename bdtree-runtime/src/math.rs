@@ -1,0 +1,93 @@
+//! Vectors of three numbers and square roots, in plain IEEE arithmetic.
+//!
+//! Only `+ − × ÷ √`, each rounded once and in the order written: every processor returns the
+//! same bits. Nothing here is fused.
+
+/// Returns `a + b`.
+#[inline(always)]
+pub(crate) fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// Returns `a − b`.
+#[inline(always)]
+pub(crate) fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// Returns `k a`.
+#[inline(always)]
+pub(crate) fn scale(a: [f64; 3], k: f64) -> [f64; 3] {
+    [a[0] * k, a[1] * k, a[2] * k]
+}
+
+/// Returns `a + k b`.
+#[inline(always)]
+pub(crate) fn add_scaled(a: [f64; 3], k: f64, b: [f64; 3]) -> [f64; 3] {
+    add(a, scale(b, k))
+}
+
+/// Returns the dot product, summed from the left.
+#[inline(always)]
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Returns the cross product.
+#[inline(always)]
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// Returns the Euclidean length; 0 for vectors shorter than about 2⁻⁵³⁷.
+#[inline(always)]
+#[allow(dead_code)] // the queries'
+pub(crate) fn norm(a: [f64; 3]) -> f64 {
+    sqrt(dot(a, a))
+}
+
+/// Returns `x` moved into `[low, high]`, and `low` for NaN: unlike `f64::clamp` it cannot panic.
+#[inline(always)]
+pub(crate) fn clamp(x: f64, low: f64, high: f64) -> f64 {
+    if x > high {
+        high
+    } else if x > low {
+        x
+    } else {
+        low
+    }
+}
+
+/// Returns the correctly rounded square root.
+#[cfg(feature = "std")]
+#[inline(always)]
+pub(crate) fn sqrt(x: f64) -> f64 {
+    x.sqrt()
+}
+
+/// Returns the correctly rounded square root.
+#[cfg(not(feature = "std"))]
+#[inline(always)]
+pub(crate) fn sqrt(x: f64) -> f64 {
+    libm::sqrt(x)
+}
+
+/// Returns the correctly rounded square root.
+#[cfg(feature = "std")]
+#[inline(always)]
+#[allow(dead_code)] // the node kernel's
+pub(crate) fn sqrt_f32(x: f32) -> f32 {
+    x.sqrt()
+}
+
+/// Returns the correctly rounded square root.
+#[cfg(not(feature = "std"))]
+#[inline(always)]
+#[allow(dead_code)] // the node kernel's
+pub(crate) fn sqrt_f32(x: f32) -> f32 {
+    libm::sqrtf(x)
+}

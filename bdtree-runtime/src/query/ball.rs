@@ -1,0 +1,179 @@
+//! The triangles within a ball.
+
+use bdtree_format::Row;
+use core::ops::ControlFlow;
+
+use super::{Outcome, SKIP, beyond_four, length, point};
+use crate::bound::WideSpheres;
+use crate::contact::{Contact, Sink, TriangleId};
+use crate::error::QueryError;
+use crate::frame::Frame;
+use crate::math::{cross, norm, scale, sub};
+use crate::narrow::four::closest_four;
+use crate::narrow::{Triangle, closest_point};
+use crate::pose::{Pose, U32, round_up};
+use crate::simd::{Lanes, Quad, Quad3, dot3, splat3, sub3};
+use crate::traverse::{Four, StackEntry, Visitor, one};
+use crate::view::Asset;
+
+/// Reports every triangle whose distance to `center` is at most `radius`: `dist` is distance
+/// minus radius (≤ 0), `point` the triangle's nearest point, `normal` from there to the centre
+/// (the triangle's own normal where the two coincide).
+///
+/// # Errors
+/// A centre or radius that is not finite or beyond 2^100, a negative radius, a pose of another
+/// asset, too short a stack, a corrupt asset.
+pub fn ball(
+    asset: &Asset<'_>,
+    pose: &Pose<'_>,
+    center: [f64; 3],
+    radius: f64,
+    stack: &mut [StackEntry],
+    sink: &mut impl Sink<Contact>,
+) -> Result<Outcome, QueryError> {
+    let center = point(center, "center: a coordinate is not finite or beyond 2^100")?;
+    let radius = length(radius, "radius: negative, not finite or beyond 2^100")?;
+    let stored = pose.frame.point_to_stored(center);
+    let far = norm(stored);
+    // Reach in stored units: the radius, the f64 errors, the centre's rounding to f32.
+    let reach = radius / pose.frame.world_per_stored() * (1.0 + 4.0 * U32)
+        + pose.frame.error(norm(center) + radius, pose.reach)
+        + 2.0 * U32 * far;
+    let mut visitor = Ball {
+        stored: stored.map(|x| x as f32),
+        reach: round_up(reach),
+        center,
+        radius,
+        sink,
+    };
+    let walk = one(asset, pose, stack, &mut visitor)?;
+    Ok(Outcome {
+        nodes_visited: walk.nodes_visited,
+        truncated: walk.stopped,
+    })
+}
+
+struct Ball<'s, S> {
+    stored: [f32; 3],
+    reach: f32,
+    center: [f64; 3],
+    radius: f64,
+    sink: &'s mut S,
+}
+
+impl<S: Sink<Contact>> Visitor for Ball<'_, S> {
+    const ORDERED: bool = false;
+    const IN_FOURS: bool = true;
+
+    #[inline(always)]
+    fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, _keys: &mut Row) -> u8 {
+        spheres.within(self.stored, self.reach, SKIP)
+    }
+
+    fn wanted(&self, _key: f32) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn misses_four<Q: Quad>(&self, corners: &[[[f32; 4]; 3]; 3]) -> u8 {
+        beyond_four::<Q>(corners, self.stored, f64::from(self.reach))
+    }
+
+    #[inline(always)]
+    fn four<Q: Quad>(&mut self, frame: &Frame, four: &Four) -> ControlFlow<()> {
+        let [a, b, c] = &four.corners;
+        let corners = [
+            frame.world_four::<Q>(a),
+            frame.world_four::<Q>(b),
+            frame.world_four::<Q>(c),
+        ];
+        let closest = closest_four(self.center, &corners);
+        let radius = Q::splat(self.radius);
+        let away = Q::bits(closest.distance.above(radius)) & closest.fair;
+        let mut left = !away & !(u8::MAX << four.len);
+        if left == 0 {
+            return ControlFlow::Continue(());
+        }
+        let v = sub3(splat3(self.center), closest.point);
+        let n = dot3(v, v).sqrt();
+        // The others one by one.
+        let plain = Q::bits(n.above(Q::splat(SHORT))) & closest.fair;
+        let point = store3(closest.point);
+        let normal = store3([v[0].div(n), v[1].div(n), v[2].div(n)]);
+        let barycentric = store3(closest.barycentric);
+        let dist = closest.distance.sub(radius).store();
+        while left != 0 {
+            let k = (left.trailing_zeros() & 3) as usize;
+            left &= left - 1;
+            let id = TriangleId(four.ids[k]);
+            if plain & (1 << k) == 0 {
+                self.triangle(id, &four.world(frame, k))?;
+                continue;
+            }
+            self.sink.push(Contact {
+                triangle: id,
+                point: [point[0][k], point[1][k], point[2][k]],
+                normal: [normal[0][k], normal[1][k], normal[2][k]],
+                dist: dist[k],
+                barycentric: [barycentric[0][k], barycentric[1][k], barycentric[2][k]],
+            })?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(never)]
+    fn triangle(&mut self, id: TriangleId, corners: &Triangle) -> ControlFlow<()> {
+        let closest = closest_point(self.center, corners);
+        if closest.distance > self.radius {
+            return ControlFlow::Continue(());
+        }
+        self.sink.push(Contact {
+            triangle: id,
+            point: closest.point,
+            normal: direction(closest.point, self.center).unwrap_or_else(|| normal(corners)),
+            dist: closest.distance - self.radius,
+            barycentric: closest.barycentric,
+        })
+    }
+}
+
+/// Squares of shorter vectors lose digits.
+const SHORT: f64 = f64::from_bits((1023 - 400) << 52);
+
+#[inline(always)]
+fn store3<Q: Quad>([x, y, z]: Quad3<Q>) -> [[f64; 4]; 3] {
+    [x.store(), y.store(), z.store()]
+}
+
+/// The unit vector from one point to another, if they differ.
+fn direction(from: [f64; 3], to: [f64; 3]) -> Option<[f64; 3]> {
+    let v = sub(to, from);
+    let n = norm(v);
+    if n > SHORT {
+        return Some([v[0] / n, v[1] / n, v[2] / n]);
+    }
+    super::unit(v, "").ok()
+}
+
+/// A triangle's unit normal by its corner order; for one of zero area some unit vector across
+/// its longest edge, +z for a single point.
+pub(super) fn normal(corners: &Triangle) -> [f64; 3] {
+    let [a, b, c] = *corners;
+    let (ab, ac) = (sub(b, a), sub(c, a));
+    let largest = ab.iter().chain(&ac).fold(0.0_f64, |m, x| m.max(x.abs()));
+    if largest == 0.0 {
+        return [0.0, 0.0, 1.0];
+    }
+    // Scaled first, so that the product of tiny edges does not vanish.
+    let (ab, ac) = (scale(ab, 1.0 / largest), scale(ac, 1.0 / largest));
+    if let Ok(n) = super::unit(cross(ab, ac), "") {
+        return n;
+    }
+    let edge = if norm(ab) >= norm(ac) { ab } else { ac };
+    let axis = if edge[0].abs() <= 0.5 * norm(edge) {
+        [1.0, 0.0, 0.0]
+    } else {
+        [0.0, 1.0, 0.0]
+    };
+    super::unit(cross(edge, axis), "").unwrap_or([0.0, 0.0, 1.0])
+}

@@ -1,0 +1,111 @@
+//! Four f64 with AVX.
+#![allow(unsafe_code)] // intrinsics; every block has its proof
+
+use core::arch::x86_64::{
+    __m256d, _CMP_GE_OQ, _CMP_GT_OQ, _mm_loadu_ps, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd,
+    _mm256_blendv_pd, _mm256_cmp_pd, _mm256_cvtps_pd, _mm256_div_pd, _mm256_movemask_pd,
+    _mm256_mul_pd, _mm256_set1_pd, _mm256_sqrt_pd, _mm256_storeu_pd, _mm256_sub_pd,
+};
+
+use super::Quad;
+
+/// Four f64 in a register. Only [`super::avx2`] uses it, inside its `walk_avx2`: so wherever one
+/// exists, the processor has AVX2.
+#[derive(Clone, Copy)]
+pub(super) struct Avx4(__m256d);
+
+impl Quad for Avx4 {
+    type Mask = __m256d;
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_set1_pd(x) })
+    }
+
+    #[inline(always)]
+    fn widen(x: &[f32; 4]) -> Self {
+        // SAFETY: SSE is part of x86-64; `x` is four readable f32, any alignment will do.
+        let x = unsafe { _mm_loadu_ps(x.as_ptr()) };
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_cvtps_pd(x) })
+    }
+
+    #[inline(always)]
+    fn store(self) -> [f64; 4] {
+        let mut out = [0.0; 4];
+        // SAFETY: needs AVX, see `Avx4`; `out` is four writable f64, any alignment will do.
+        unsafe { _mm256_storeu_pd(out.as_mut_ptr(), self.0) };
+        out
+    }
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_add_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_sub_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_mul_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_div_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_sqrt_pd(self.0) })
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        let sign = unsafe { _mm256_set1_pd(-0.0) };
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_andnot_pd(sign, self.0) })
+    }
+
+    #[inline(always)]
+    fn above(self, other: Self) -> __m256d {
+        // SAFETY: needs AVX; see `Avx4`.
+        unsafe { _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0) }
+    }
+
+    #[inline(always)]
+    fn at_least(self, other: Self) -> __m256d {
+        // SAFETY: needs AVX; see `Avx4`.
+        unsafe { _mm256_cmp_pd::<_CMP_GE_OQ>(self.0, other.0) }
+    }
+
+    #[inline(always)]
+    fn both(a: __m256d, b: __m256d) -> __m256d {
+        // SAFETY: needs AVX; see `Avx4`.
+        unsafe { _mm256_and_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn select(mask: __m256d, yes: Self, no: Self) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_blendv_pd(no.0, yes.0, mask) })
+    }
+
+    #[inline(always)]
+    fn bits(mask: __m256d) -> u8 {
+        // SAFETY: needs AVX; see `Avx4`.
+        let bits = unsafe { _mm256_movemask_pd(mask) };
+        // One bit for each of the four.
+        bits as u8
+    }
+}

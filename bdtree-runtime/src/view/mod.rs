@@ -1,0 +1,262 @@
+//! The typed view of an opened file: one accessor per section, names as in `SPEC.md`.
+
+use bdtree_format::{
+    GroupRecord, Header, ModeRecord, NodeRecord, Row, SectionKind, SectionRecord, TriangleRecord,
+    group_kind, row_count,
+};
+
+use crate::contact::{TriangleId, VertexId};
+use crate::error::{Datum, FormatError};
+use crate::simd::Kernel;
+
+/// An opened `.bdt` file: borrowed, read-only, shareable between threads and instances.
+///
+/// Opening reads header and tables only, so later records may still break the format's rules;
+/// every access is checked, and a query that meets such a record answers with
+/// [`crate::QueryError::Corrupt`]. [`Asset::verify`] reads everything.
+#[derive(Debug, Clone, Copy)]
+pub struct Asset<'a> {
+    pub(crate) bytes: &'a [u8],
+    pub(crate) header: &'a Header,
+    pub(crate) modes: &'a [ModeRecord],
+    pub(crate) sections: &'a [SectionRecord],
+    pub(crate) nodes: &'a [NodeRecord],
+    pub(crate) rows: &'a [Row],
+    pub(crate) mode_lists: &'a [u16],
+    pub(crate) triangles: &'a [TriangleRecord],
+    pub(crate) triangle_slots: &'a [u32],
+    pub(crate) positions: &'a [[f32; 3]],
+    pub(crate) displacements: &'a [[f32; 3]],
+    pub(crate) groups: &'a [GroupRecord],
+    pub(crate) group_names: &'a [u8],
+    pub(crate) metadata: &'a [u8],
+    /// 2^unit_exponent.
+    pub(crate) unit: f64,
+    pub(crate) kernel: Kernel,
+}
+
+/// A run of triangles that the source put under one name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Group<'a> {
+    /// One of [`bdtree_format::group_kind`].
+    pub kind: u32,
+    /// First triangle id.
+    pub first_triangle: TriangleId,
+    /// Number of triangles.
+    pub triangle_count: u32,
+    /// The source's name.
+    pub name: &'a str,
+}
+
+impl<'a> Asset<'a> {
+    /// Number of vertices N, unused ones included.
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Number of triangles F; ids are `0..F`.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Number of modes M: the length of q.
+    pub fn mode_count(&self) -> usize {
+        self.modes.len()
+    }
+
+    /// Number of eight-wide nodes.
+    pub fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Number of node levels; the root's is level 0.
+    pub fn depth(&self) -> usize {
+        self.header.depth.get() as usize
+    }
+
+    /// The file's bytes.
+    pub fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
+    /// The fixed header.
+    pub fn header(&self) -> &'a Header {
+        self.header
+    }
+
+    /// The mode table: limits, ranges, frequencies and masses, one record per mode.
+    pub fn modes(&self) -> &'a [ModeRecord] {
+        self.modes
+    }
+
+    /// The section table, in file order.
+    pub fn sections(&self) -> &'a [SectionRecord] {
+        self.sections
+    }
+
+    /// All nodes, breadth first.
+    pub fn nodes(&self) -> &'a [NodeRecord] {
+        self.nodes
+    }
+
+    /// The rows of a node: `row_count(m)` of them, see [`bdtree_format::Row`].
+    ///
+    /// # Errors
+    /// When they lie outside the row section.
+    #[inline(always)]
+    pub fn node_rows(&self, node: &NodeRecord) -> Result<&'a [Row], FormatError> {
+        let start = node.row_start as usize;
+        let end = start.saturating_add(row_count(usize::from(node.mode_count)));
+        match self.rows.get(start..end) {
+            Some(rows) => Ok(rows),
+            None => Err(self.out_of_range(SectionKind::ROWS, end, self.rows.len(), 32)),
+        }
+    }
+
+    /// The modes that act on a node, ascending.
+    ///
+    /// # Errors
+    /// When they lie outside the mode-list section.
+    #[inline(always)]
+    pub fn node_modes(&self, node: &NodeRecord) -> Result<&'a [u16], FormatError> {
+        let start = node.mode_list_start as usize;
+        let end = start.saturating_add(usize::from(node.mode_count));
+        match self.mode_lists.get(start..end) {
+            Some(modes) => Ok(modes),
+            None => {
+                let len = self.mode_lists.len();
+                Err(self.out_of_range(SectionKind::MODE_LISTS, end, len, 2))
+            }
+        }
+    }
+
+    /// The triangles in leaf order.
+    pub fn triangles(&self) -> &'a [TriangleRecord] {
+        self.triangles
+    }
+
+    /// The place of each triangle id in [`Asset::triangles`].
+    pub fn triangle_slots(&self) -> &'a [u32] {
+        self.triangle_slots
+    }
+
+    /// A triangle's corners as vertex ids, in the source's order.
+    ///
+    /// # Errors
+    /// When the id is not below [`Asset::triangle_count`] or its record lies outside the file.
+    pub fn triangle(&self, id: TriangleId) -> Result<[VertexId; 3], FormatError> {
+        let count = self.triangle_slots.len();
+        let slot = *self.triangle_slots.get(id.0 as usize).ok_or_else(|| {
+            self.out_of_range(SectionKind::TRIANGLE_SLOTS, id.0 as usize, count, 4)
+        })? as usize;
+        let record = self.triangles.get(slot).ok_or_else(|| {
+            self.out_of_range(SectionKind::TRIANGLES, slot, self.triangles.len(), 16)
+        })?;
+        Ok(record.corners.map(VertexId))
+    }
+
+    /// Rest positions (stored units, relative to the origin), in source order.
+    pub fn positions(&self) -> &'a [[f32; 3]] {
+        self.positions
+    }
+
+    /// Displacements U_ij (stored units per unit of q): `[i * mode_count + j]`.
+    pub fn displacements(&self) -> &'a [[f32; 3]] {
+        self.displacements
+    }
+
+    /// The origin that stored positions are relative to (mesh units).
+    pub fn origin(&self) -> [f64; 3] {
+        self.header.origin.map(|x| x.get())
+    }
+
+    /// Mesh units per stored unit: a power of two.
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// The source's groups, in file order, those of unknown kinds left out (SPEC 7.4); names that
+    /// are not UTF-8 read as empty.
+    pub fn groups(&self) -> impl Iterator<Item = Group<'a>> + use<'a> {
+        let names = self.group_names;
+        let known = |g: &&GroupRecord| g.kind <= group_kind::MATERIAL;
+        self.groups.iter().filter(known).map(move |g| {
+            let start = g.name_start as usize;
+            let bytes = names
+                .get(start..start.saturating_add(g.name_bytes as usize))
+                .unwrap_or_default();
+            Group {
+                kind: g.kind,
+                first_triangle: TriangleId(g.first_triangle),
+                triangle_count: g.triangle_count,
+                name: core::str::from_utf8(bytes).unwrap_or_default(),
+            }
+        })
+    }
+
+    /// The metadata section's bytes; empty when there is none.
+    pub fn metadata(&self) -> &'a [u8] {
+        self.metadata
+    }
+
+    /// The instruction set that node bounds are evaluated with.
+    pub fn kernel(&self) -> Kernel {
+        self.kernel
+    }
+
+    /// The same asset with another kernel, for tests and measurements; `None` when this
+    /// processor lacks it. Results do not depend on it, only visits may.
+    pub fn with_kernel(self, kernel: Kernel) -> Option<Self> {
+        kernel.is_available().then_some(Self { kernel, ..self })
+    }
+
+    /// Entries that the `stack` of a single-asset query needs.
+    pub fn stack_len(&self) -> usize {
+        // A popped node pushes at most eight children, so each level leaves seven behind.
+        7 * self.depth() + 1
+    }
+
+    /// Entries that the `stack` of a pair query between `self` and `other` needs.
+    pub fn pair_stack_len(&self, other: &Asset<'_>) -> usize {
+        // A popped pair of nodes pushes at most 64 pairs and descends in both trees; a leaf lane
+        // against a node pushes eight and descends in one.
+        let (a, b) = (self.depth(), other.depth());
+        63 * a.min(b) + 7 * a.max(b) + 1
+    }
+
+    /// Offset of a section from the start of the file, for error messages.
+    pub(crate) fn section_offset(&self, kind: SectionKind) -> u64 {
+        self.sections
+            .iter()
+            .find(|s| s.kind == kind)
+            .map_or(0, |s| s.offset.get())
+    }
+
+    /// The error for an index beyond a section's end.
+    #[cold]
+    pub(crate) fn out_of_range(
+        &self,
+        kind: SectionKind,
+        index: usize,
+        len: usize,
+        element_bytes: u64,
+    ) -> FormatError {
+        FormatError {
+            section: kind,
+            byte: self
+                .section_offset(kind)
+                .saturating_add((index as u64).saturating_mul(element_bytes)),
+            rule: match kind {
+                SectionKind::NODES => "SPEC 6.8: a child is a node of the file",
+                SectionKind::ROWS => "SPEC 6.3: a node's rows lie inside ROWS",
+                SectionKind::MODE_LISTS => "SPEC 6.7: a node's mode list lies inside LIST",
+                SectionKind::TRIANGLES => "SPEC 6.3: slots lie inside TRIS",
+                SectionKind::TRIANGLE_SLOTS => "SPEC 7.2: a triangle id is below F",
+                SectionKind::POSITIONS => "SPEC 7.1: a corner is a vertex of the file",
+                _ => "SPEC 7.3: a displacement is one of a vertex and a mode of the file",
+            },
+            expected: Datum::Integer(len as u64),
+            found: Datum::Integer(index as u64),
+        }
+    }
+}
