@@ -1,0 +1,429 @@
+//! Elastic (vibration) modes of a body known by its surface only.
+//!
+//! # Units
+//! `p' = p + Σ U_j q_j` is in mesh units; one mesh unit is `scale_m` metres. `q_j = 1` moves the
+//! farthest vertex by one mesh unit, so `U_j` is a ratio and q_j is in mesh units. The modal mass
+//! `m_j = Σ mass · |U|²` is in kg, ω_j in rad/s. Then
+//! `m_j q̈_j + 2ζ m_j ω_j q̇_j + m_j ω_j² q_j = U_jᵀ f` holds with `f` in kg · mesh unit / s², which
+//! is newtons divided by `scale_m` (newtons if the mesh is in metres).
+
+use std::time::Instant;
+
+use crate::basis::{Basis, BasisMode};
+use crate::elastic::canonical::normalise;
+use crate::elastic::element::Element;
+use crate::elastic::factor::FactorError;
+use crate::elastic::fix::hold_all;
+use crate::elastic::lattice::{Lattice, Subject};
+use crate::elastic::locate::anchors;
+use crate::elastic::pieces::{Kind, find_pieces};
+use crate::elastic::resolution::{BYTES_PER_CELL, choose_lattice};
+use crate::elastic::solve::{Limits, Solution, SolveError, solve};
+use crate::error::{BakeError, Problem};
+use crate::input::RawMesh;
+use crate::progress::Progress;
+
+pub use crate::elastic::fix::{Fix, FixRegion};
+pub use crate::elastic::resolution::{NODE_BUDGET, RESOLUTION_MAX};
+
+/// What to bake, and of what.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElasticOptions {
+    /// Number of modes K above the rigid ones, all pieces together. Default 10.
+    pub mode_count: usize,
+    /// Cells along the longest side; `None` takes as many as [`NODE_BUDGET`] allows.
+    pub resolution: Option<u32>,
+    /// Young's modulus in Pa. Default 2e9 (a stiff plastic).
+    pub young_pa: f64,
+    /// Poisson's ratio, in (-1, 0.5). Default 0.35.
+    pub poisson: f64,
+    /// Density in kg/m³. Default 1000.
+    pub density_kg_m3: f64,
+    /// Metres per mesh unit. Default 1.
+    pub scale_m: f64,
+    /// Thickness of open sheets in mesh units; `None` takes 1 % of the box diagonal and warns.
+    pub thickness: Option<f64>,
+    /// What is held.
+    pub fixes: Vec<Fix>,
+    /// Bakes that would take more are refused before they do. Default 4 GiB.
+    pub memory_limit_bytes: u64,
+    /// Up to this many unknowns per component an inertia count proves that no mode was missed.
+    /// Default 70 000.
+    pub verify_dof_max: usize,
+}
+
+impl Default for ElasticOptions {
+    fn default() -> Self {
+        Self {
+            mode_count: 10,
+            resolution: None,
+            young_pa: 2e9,
+            poisson: 0.35,
+            density_kg_m3: 1000.0,
+            scale_m: 1.0,
+            thickness: None,
+            fixes: Vec::new(),
+            memory_limit_bytes: 4 << 30,
+            verify_dof_max: 70_000,
+        }
+    }
+}
+
+/// A piece of the surface, named by its triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PieceId {
+    /// Lowest triangle id.
+    pub first_triangle: u32,
+    /// Number of triangles.
+    pub triangle_count: u32,
+}
+
+/// How the modes were found.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ElasticReport {
+    /// Cells along the longest side.
+    pub resolution: u32,
+    /// Cells that are filled, at least in part.
+    pub cells: usize,
+    /// Unknowns, held ones included.
+    pub dofs: usize,
+    /// Bodies that vibrate on their own.
+    pub components: usize,
+    /// Edge of a cell (mesh units).
+    pub cell_size: f64,
+    /// Memory that the solution was predicted to take.
+    pub predicted_bytes: u64,
+    /// Total mass in kg.
+    pub mass_kg: f64,
+    /// Worst ‖Kx − λMx‖ / (λ‖Mx‖) of the modes.
+    pub residual_max: f64,
+    /// Whether inertia counts proved that no mode was missed.
+    pub inertia_checked: bool,
+    /// Pieces that move in none of the modes.
+    pub pieces_without_mode: Vec<PieceId>,
+    /// Stage name and seconds.
+    pub stages: Vec<(&'static str, f64)>,
+}
+
+/// Pieces thinner than this share of a cell are warned about.
+const THIN_SHARE: f64 = 0.25;
+/// Share of the row-sum lumped mass; see docs/decisions/elastic-mass.md.
+const LUMPED: f64 = 0.5;
+
+/// The K lowest elastic modes of a surface mesh, ascending in frequency, each with ω and modal mass.
+///
+/// Time grows with the cells (see docs/elastic.md), hardly with the triangles.
+///
+/// # Errors
+/// Bad options (all of them at once), a mesh without area, a fix that holds nothing or everything,
+/// more modes than the lattice has, memory beyond the limit.
+pub fn elastic_basis(
+    mesh: &RawMesh,
+    options: &ElasticOptions,
+    progress: &dyn Progress,
+    warnings: &mut Vec<String>,
+) -> Result<(Basis, ElasticReport), BakeError> {
+    check_options(options)?;
+    check_mesh(mesh)?;
+    let mut report = ElasticReport::default();
+    let mut clock = Instant::now();
+    let mut lap = |report: &mut ElasticReport, name| {
+        report.stages.push((name, clock.elapsed().as_secs_f64()));
+        clock = Instant::now();
+    };
+
+    progress.stage("pieces", None);
+    let subject = read_subject(mesh, options, warnings)?;
+    lap(&mut report, "pieces");
+
+    progress.stage("lattice", None);
+    let (lattice, resolution) =
+        choose_lattice(&subject, options.resolution, options.memory_limit_bytes)?;
+    warn_thin(&subject, &lattice, warnings);
+    let held = hold_all(&subject, &lattice, &options.fixes)?;
+    report.resolution = resolution;
+    report.cells = lattice.keys.len();
+    report.dofs = 3 * lattice.node_count();
+    report.components = lattice.components.len();
+    report.cell_size = lattice.grid.cell_size;
+    lap(&mut report, "lattice");
+
+    progress.stage("modes", Some(lattice.components.len() as u64));
+    let element = Element::new(options.poisson, LUMPED);
+    let limits = Limits {
+        wanted: options.mode_count,
+        bytes: options.memory_limit_bytes,
+        verify_dof_max: options.verify_dof_max,
+    };
+    let solution = solve(&lattice, &element, &held, limits, progress)
+        .map_err(|e| solve_error(e, options, resolution))?;
+    if solution.modes.len() < options.mode_count {
+        return Err(BakeError::one(
+            "basis",
+            "--modes",
+            format!(
+                "{} modes asked for, but the lattice of {} cells has only {}; raise --resolution \
+                 (now {resolution})",
+                options.mode_count, report.cells, solution.available
+            ),
+        ));
+    }
+    report.predicted_bytes = solution.bytes + BYTES_PER_CELL * report.cells as u64;
+    report.residual_max = solution.residual;
+    report.inertia_checked = solution.checked;
+    lap(&mut report, "modes");
+
+    progress.stage("vertices", None);
+    let size_m = lattice.grid.cell_size * options.scale_m;
+    let cell_mass = options.density_kg_m3 * size_m.powi(3);
+    let shares = lattice.components.iter().flat_map(|c| &c.moments);
+    report.mass_kg = cell_mass * shares.map(|m| m[0]).sum::<f64>();
+    let basis = to_vertices(&subject, &lattice, &solution, options);
+    list_silent_pieces(&subject, &lattice, &solution, &mut report, warnings);
+    lap(&mut report, "vertices");
+    Ok((basis, report))
+}
+
+fn check_options(options: &ElasticOptions) -> Result<(), BakeError> {
+    let mut problems = Vec::new();
+    let mut positive = |name: &str, value: f64| {
+        if !(value.is_finite() && value > 0.0) {
+            problems.push((name.to_owned(), format!("{value} is not a positive number")));
+        }
+    };
+    positive("--young", options.young_pa);
+    positive("--density", options.density_kg_m3);
+    positive("--scale", options.scale_m);
+    positive("--thickness", options.thickness.unwrap_or(1.0));
+    if !(options.poisson > -1.0 && options.poisson < 0.5) {
+        let message = format!("{} is not between -1 and 0.5", options.poisson);
+        problems.push(("--poisson".to_owned(), message));
+    }
+    if options.mode_count == 0 {
+        problems.push((
+            "--modes".to_owned(),
+            "no elastic mode is asked for".to_owned(),
+        ));
+    }
+    if let Some(r) = options
+        .resolution
+        .filter(|r| !(1..=RESOLUTION_MAX).contains(r))
+    {
+        let message = format!("{r} is not between 1 and {RESOLUTION_MAX}");
+        problems.push(("--resolution".to_owned(), message));
+    }
+    for fix in &options.fixes {
+        if fix.axes == [false; 3] {
+            problems.push(("--fix".to_owned(), "no axis is named".to_owned()));
+        }
+    }
+    if problems.is_empty() {
+        return Ok(());
+    }
+    Err(BakeError {
+        problems: problems
+            .into_iter()
+            .map(|(place, message)| Problem {
+                stage: "basis",
+                place,
+                message,
+            })
+            .collect(),
+    })
+}
+
+fn check_mesh(mesh: &RawMesh) -> Result<(), BakeError> {
+    let bad = |place, message: &str| Err(BakeError::one("basis", place, message));
+    for (i, p) in mesh.positions.iter().enumerate() {
+        // Products of three lengths must stay finite.
+        if p.iter().any(|x| x.is_nan() || x.abs() > 1e90) {
+            return bad(
+                format!("vertex {i}"),
+                "its position is not a number below 1e90",
+            );
+        }
+    }
+    for (i, t) in mesh.triangles.iter().enumerate() {
+        if t.iter().any(|&v| v as usize >= mesh.positions.len()) {
+            return bad(format!("triangle {i}"), "a corner index is out of range");
+        }
+    }
+    Ok(())
+}
+
+fn read_subject<'a>(
+    mesh: &'a RawMesh,
+    options: &ElasticOptions,
+    warnings: &mut Vec<String>,
+) -> Result<Subject<'a>, BakeError> {
+    let pieces = find_pieces(&mesh.positions, &mesh.triangles);
+    if pieces.list.is_empty() {
+        return Err(BakeError::one(
+            "basis",
+            mesh.name.clone(),
+            "no triangle has an area, so there is no mass to vibrate",
+        ));
+    }
+    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in mesh
+        .triangles
+        .iter()
+        .flatten()
+        .map(|&v| mesh.positions[v as usize])
+    {
+        for a in 0..3 {
+            min[a] = min[a].min(p[a]);
+            max[a] = max[a].max(p[a]);
+        }
+    }
+    let diagonal = crate::elastic::vec3::norm(crate::elastic::vec3::sub(max, min));
+    let thickness = options.thickness.unwrap_or(0.01 * diagonal);
+    if thickness > diagonal {
+        return Err(BakeError::one(
+            "basis",
+            "--thickness",
+            format!("{thickness} is more than the mesh's diagonal, {diagonal}"),
+        ));
+    }
+    let sheets = pieces.list.iter().filter(|p| p.kind != Kind::Solid).count();
+    if sheets > 0 && options.thickness.is_none() {
+        warnings.push(format!(
+            "{sheets} of {} pieces enclose no volume and are taken as sheets {thickness} thick \
+             (1 % of the diagonal); set --thickness",
+            pieces.list.len()
+        ));
+    }
+    Ok(Subject::new(mesh, pieces, thickness))
+}
+
+/// Walls much thinner than a cell bend too stiffly where they lie askew: docs/elastic.md.
+fn warn_thin(subject: &Subject<'_>, lattice: &Lattice, warnings: &mut Vec<String>) {
+    let least = THIN_SHARE * lattice.grid.cell_size;
+    let thin = subject.pieces.list.iter().filter(|p| match p.kind {
+        Kind::Solid => 2.0 * p.volume.abs() < least * p.area,
+        _ => subject.thickness < least,
+    });
+    let count = thin.count();
+    if count > 0 {
+        warnings.push(format!(
+            "{count} of {} pieces are thinner than a quarter of a cell ({:.3e} mesh units) and may \
+             come out too stiff in bending; raise --resolution",
+            subject.pieces.list.len(),
+            lattice.grid.cell_size
+        ));
+    }
+}
+
+fn solve_error(error: SolveError, options: &ElasticOptions, resolution: u32) -> BakeError {
+    let message = match error {
+        SolveError::Memory(bytes) => {
+            return BakeError::one(
+                "basis",
+                "--resolution",
+                format!(
+                    "{resolution} cells along the longest side need about {} MB, the limit is {} MB",
+                    bytes.div_ceil(1 << 20),
+                    options.memory_limit_bytes >> 20
+                ),
+            );
+        }
+        SolveError::Factor(c, FactorError::Memory) => {
+            format!("component {c}: not enough memory at resolution {resolution}")
+        }
+        SolveError::Factor(c, FactorError::Pivot) => format!(
+            "component {c}: its stiffness is not positive definite to rounding; try another \
+             --resolution, or a --poisson farther from -1 and 0.5 (now {})",
+            options.poisson
+        ),
+        SolveError::Missed(c, counted, found) => format!(
+            "component {c}: the inertia count finds {counted} modes where the iteration found \
+             {found}; try another --resolution"
+        ),
+        SolveError::Residual(worst) => {
+            format!(
+                "the modes converged to a residual of {worst:.1e} only; try another --resolution"
+            )
+        }
+    };
+    BakeError::one("basis", "elastic modes", message)
+}
+
+fn to_vertices(
+    subject: &Subject<'_>,
+    lattice: &Lattice,
+    solution: &Solution,
+    options: &ElasticOptions,
+) -> Basis {
+    let anchors = anchors(subject, lattice);
+    let size_m = lattice.grid.cell_size * options.scale_m;
+    let cell_mass = options.density_kg_m3 * size_m.powi(3);
+    let speed = (options.young_pa / options.density_kg_m3).sqrt();
+    let mut basis = Basis {
+        vertex_count: subject.mesh.positions.len(),
+        ..Basis::default()
+    };
+    for (j, mode) in solution.modes.iter().enumerate() {
+        let mut field: Vec<[f64; 3]> = anchors
+            .iter()
+            .map(|anchor| {
+                let mut u = [0.0; 3];
+                for a in anchor.iter().filter(|a| a.component == mode.component) {
+                    for (&n, w) in a.nodes.iter().zip(a.weights) {
+                        for (axis, x) in u.iter_mut().enumerate() {
+                            *x += w * mode.vector[3 * n as usize + axis];
+                        }
+                    }
+                }
+                u
+            })
+            .collect();
+        let factor = normalise(&mut field).unwrap_or(1.0);
+        basis.fields.extend(field);
+        basis.modes.push(BasisMode {
+            name: Some(format!("elastic {}", j + 1)),
+            omega_rad_s: Some(mode.value.max(0.0).sqrt() * speed / size_m),
+            modal_mass_kg: Some(cell_mass * factor * factor),
+            q_range: None,
+        });
+    }
+    basis
+}
+
+fn list_silent_pieces(
+    subject: &Subject<'_>,
+    lattice: &Lattice,
+    solution: &Solution,
+    report: &mut ElasticReport,
+    warnings: &mut Vec<String>,
+) {
+    let mut moving = vec![false; lattice.components.len()];
+    for mode in &solution.modes {
+        moving[mode.component] = true;
+    }
+    let mut body_moves = vec![false; subject.pieces.list.len()];
+    for f in &lattice.fillings {
+        if let Some(cell) = lattice.find(f.key) {
+            body_moves[f.body as usize] |= moving[lattice.places[cell].0 as usize];
+        }
+    }
+    for piece in subject.pieces.list.iter().filter(|p| !body_moves[p.body]) {
+        report.pieces_without_mode.push(PieceId {
+            first_triangle: piece.triangles[0].0,
+            triangle_count: piece.triangles.len() as u32,
+        });
+    }
+    let silent = report.pieces_without_mode.len();
+    if silent > 0 {
+        let names: Vec<String> = report.pieces_without_mode[..silent.min(5)]
+            .iter()
+            .map(|p| format!("triangle {}", p.first_triangle))
+            .collect();
+        warnings.push(format!(
+            "{silent} of {} pieces move in none of the {} modes (from {}{})",
+            subject.pieces.list.len(),
+            solution.modes.len(),
+            names.join(", "),
+            if silent > 5 { ", …" } else { "" }
+        ));
+    }
+}

@@ -1,0 +1,174 @@
+//! Given fields: a basis made elsewhere, as a NumPy array, with frequencies if it has them.
+
+mod check;
+mod frequencies;
+
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+use super::{Basis, BasisMode};
+use crate::error::{BakeError, Problem};
+use crate::input::npy::{self, NpyArray};
+
+/// What the axes of a basis array mean. N vertices, M fields; k is x, y, z.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    /// `(N, 3, M)`: vertex, axis, field.
+    N3M,
+    /// `(3N, M)`: row 3i + k is axis k of vertex i.
+    ThreeNM,
+    /// `(M, N, 3)`: field, vertex, axis.
+    MN3,
+}
+
+impl Layout {
+    const ALL: [Layout; 3] = [Layout::N3M, Layout::ThreeNM, Layout::MN3];
+
+    /// The number of fields if an array of `shape` has this layout for `n` vertices.
+    fn mode_count(self, shape: &[usize], n: usize) -> Option<usize> {
+        match (self, shape) {
+            (Layout::N3M, &[a, 3, m]) if a == n => Some(m),
+            (Layout::ThreeNM, &[a, m]) if n.checked_mul(3) == Some(a) => Some(m),
+            (Layout::MN3, &[m, a, 3]) if a == n => Some(m),
+            _ => None,
+        }
+    }
+
+    /// Where axis `k` of vertex `i` in field `j` stands in the array.
+    fn entry(self, array: &NpyArray, i: usize, k: usize, j: usize) -> Option<f64> {
+        match self {
+            Layout::N3M => array.get(&[i, k, j]),
+            Layout::ThreeNM => array.get(&[3 * i + k, j]),
+            Layout::MN3 => array.get(&[j, i, k]),
+        }
+    }
+}
+
+impl fmt::Display for Layout {
+    /// As `--basis-layout` takes it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Layout::N3M => "n3m",
+            Layout::ThreeNM => "3nm",
+            Layout::MN3 => "mn3",
+        })
+    }
+}
+
+impl FromStr for Layout {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Layout::ALL
+            .into_iter()
+            .find(|layout| layout.to_string() == text)
+            .ok_or_else(|| "is none of n3m, 3nm, mn3".to_string())
+    }
+}
+
+/// A basis as given, and what is odd about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GivenBasis {
+    /// The fields in file order; ω if frequencies were given.
+    pub basis: Basis,
+    /// Zero fields and fields that others already span, each with its number from 0.
+    pub warnings: Vec<String>,
+}
+
+/// The basis in the `.npy` file at `path`, for a mesh of `vertex_count` vertices.
+///
+/// float32 or float64, either endianness and order, in one of the shapes of [`Layout`]; mesh units
+/// per unit of q. `layout` settles what the shape leaves open. `frequencies`: a `.npy` or text file
+/// with one number per field, in Hz. Zero and dependent fields are kept, with a warning.
+///
+/// # Errors
+/// A file that cannot be read or is damaged, another dtype, a shape that does not fit or fits in
+/// two ways, no fields, entries that are not finite (vertex, axis and field; the first 100), and
+/// frequencies that are not M finite numbers of at least 0.
+pub fn given_basis(
+    path: &Path,
+    layout: Option<Layout>,
+    frequencies: Option<&Path>,
+    vertex_count: usize,
+) -> Result<GivenBasis, BakeError> {
+    let place = path.display().to_string();
+    let array = npy::parse(&read(path)?, "basis", &place)?;
+    let (layout, mode_count) = settle(&array, layout, vertex_count, &place)?;
+    let mut basis = Basis {
+        vertex_count,
+        fields: Vec::with_capacity(array.values.len() / 3),
+        modes: vec![BasisMode::default(); mode_count],
+    };
+    for j in 0..mode_count {
+        for i in 0..vertex_count {
+            let axis = |k| layout.entry(&array, i, k, j).unwrap_or(f64::NAN);
+            basis.fields.push([axis(0), axis(1), axis(2)]);
+        }
+    }
+    let mut problems = check::non_finite(&basis, &place);
+    if let Some(file) = frequencies {
+        match frequencies::read(file, mode_count) {
+            Ok(omegas) => {
+                for (mode, omega) in basis.modes.iter_mut().zip(omegas) {
+                    mode.omega_rad_s = Some(omega);
+                }
+            }
+            Err(error) => problems.extend(error.problems),
+        }
+    }
+    if !problems.is_empty() {
+        return Err(BakeError { problems });
+    }
+    let warnings = check::oddities(&basis, &place);
+    Ok(GivenBasis { basis, warnings })
+}
+
+/// The bytes of a file of this stage.
+fn read(path: &Path) -> Result<Vec<u8>, BakeError> {
+    std::fs::read(path).map_err(|e| {
+        BakeError::one(
+            "basis",
+            path.display().to_string(),
+            format!("cannot be read: {e}"),
+        )
+    })
+}
+
+/// The one layout that fits, and the number of fields.
+fn settle(
+    array: &NpyArray,
+    asked: Option<Layout>,
+    n: usize,
+    place: &str,
+) -> Result<(Layout, usize), BakeError> {
+    let shape = &array.shape;
+    let fail = |message: String| {
+        Err(BakeError {
+            problems: vec![Problem {
+                stage: "basis",
+                place: format!("{place}: shape"),
+                message,
+            }],
+        })
+    };
+    let fits: Vec<(Layout, usize)> = Layout::ALL
+        .into_iter()
+        .filter(|&layout| asked.is_none_or(|a| a == layout))
+        .filter_map(|layout| Some((layout, layout.mode_count(shape, n)?)))
+        .collect();
+    match (fits.as_slice(), asked) {
+        ([(_, 0)], _) => fail(format!("{shape:?} holds no fields")),
+        ([fit], _) => Ok(*fit),
+        ([], Some(asked)) => fail(format!(
+            "{shape:?} is not of layout {asked} for a mesh of {n} vertices"
+        )),
+        ([], None) => fail(format!(
+            "{shape:?} is none of (N, 3, M), (3N, M), (M, N, 3) for the mesh's N = {n} vertices"
+        )),
+        _ => fail(format!(
+            "{shape:?} reads as (N, 3, M) and as (M, N, 3); say which with --basis-layout n3m or \
+             --basis-layout mn3"
+        )),
+    }
+}

@@ -1,0 +1,41 @@
+//! Displacement fields: where `U` comes from.
+
+pub mod elastic;
+pub mod given;
+
+/// A deformation basis: `p' = p + Σ_j fields[j] q_j`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Basis {
+    /// Number of vertices N; equals the mesh's.
+    pub vertex_count: usize,
+    /// Displacements (mesh units per unit of q), field after field:
+    /// `fields[j * vertex_count + i]` is `U_ij`.
+    pub fields: Vec<[f64; 3]>,
+    /// One entry per field.
+    pub modes: Vec<BasisMode>,
+}
+
+/// What is known about one field.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BasisMode {
+    /// Name for people, if the source has one.
+    pub name: Option<String>,
+    /// Angular frequency ω_j in rad/s, if the field is a vibration mode.
+    pub omega_rad_s: Option<f64>,
+    /// Modal mass m_j in kg, if the field is a vibration mode.
+    pub modal_mass_kg: Option<f64>,
+    /// Typical largest |q_j|; `None` lets the bake choose it.
+    pub q_range: Option<f64>,
+}
+
+impl Basis {
+    /// Number of fields M.
+    pub fn mode_count(&self) -> usize {
+        self.modes.len()
+    }
+
+    /// Field `j`: N displacement vectors.
+    pub fn field(&self, j: usize) -> &[[f64; 3]] {
+        &self.fields[j * self.vertex_count..(j + 1) * self.vertex_count]
+    }
+}

@@ -1,0 +1,149 @@
+//! What `--fix` says: axes and a region.
+
+use std::str::FromStr;
+
+use super::hold::{Region, hold};
+use super::lattice::{Lattice, Subject};
+use crate::error::BakeError;
+
+/// Holds part of the body along some axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fix {
+    /// Whether x, y, z are held.
+    pub axes: [bool; 3],
+    /// Where.
+    pub region: FixRegion,
+}
+
+/// The part of a body that is held.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FixRegion {
+    /// What lies in a box (mesh units, inclusive).
+    Box {
+        /// Lower corner.
+        min: [f64; 3],
+        /// Upper corner.
+        max: [f64; 3],
+    },
+    /// The surface of all groups of this name.
+    Group(String),
+}
+
+impl std::fmt::Display for Fix {
+    /// As [`Fix::from_str`] reads it.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (axis, held) in ["x", "y", "z"].iter().zip(self.axes) {
+            if held {
+                f.write_str(axis)?;
+            }
+        }
+        match &self.region {
+            FixRegion::Box { min, max } => write!(
+                f,
+                ":{},{},{},{},{},{}",
+                min[0], min[1], min[2], max[0], max[1], max[2]
+            ),
+            FixRegion::Group(name) => write!(f, ":{name}"),
+        }
+    }
+}
+
+impl FromStr for Fix {
+    type Err = String;
+
+    /// Reads `xyz:xmin,ymin,zmin,xmax,ymax,zmax` or `z:legs`; six numbers are always a box.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (letters, place) = text
+            .split_once(':')
+            .ok_or_else(|| format!("`{text}`: expected AXES:BOX or AXES:GROUP, as in z:legs"))?;
+        let mut axes = [false; 3];
+        for letter in letters.chars() {
+            let axis = "xyz"
+                .find(letter)
+                .filter(|&a| !axes[a])
+                .ok_or_else(|| format!("`{text}`: axes are x, y, z, each at most once"))?;
+            axes[axis] = true;
+        }
+        if letters.is_empty() {
+            return Err(format!("`{text}`: no axis before the colon"));
+        }
+        if place.is_empty() {
+            return Err(format!("`{text}`: no box or group after the colon"));
+        }
+        let numbers: Result<Vec<f64>, _> = place.split(',').map(|n| n.trim().parse()).collect();
+        let region = match numbers.as_deref() {
+            Ok(&[a, b, c, d, e, f]) => {
+                let (min, max) = ([a, b, c], [d, e, f]);
+                if (0..3).any(|k| min[k].is_nan() || max[k].is_nan() || min[k] > max[k]) {
+                    return Err(format!("`{text}`: a box is xmin,ymin,zmin,xmax,ymax,zmax"));
+                }
+                FixRegion::Box { min, max }
+            }
+            Ok(_) => {
+                return Err(format!(
+                    "`{text}`: a box is six numbers: xmin,ymin,zmin,xmax,ymax,zmax"
+                ));
+            }
+            Err(_) => FixRegion::Group(place.to_owned()),
+        };
+        Ok(Self { axes, region })
+    }
+}
+
+/// Marks, per component and unknown, what the fixes hold together.
+///
+/// # Errors
+/// A fix that holds nothing, an unknown group, nothing left to move.
+pub(crate) fn hold_all(
+    subject: &Subject<'_>,
+    lattice: &Lattice,
+    fixes: &[Fix],
+) -> Result<Vec<Vec<bool>>, BakeError> {
+    let mut held: Vec<Vec<bool>> = lattice
+        .components
+        .iter()
+        .map(|c| vec![false; 3 * c.nodes.len()])
+        .collect();
+    for fix in fixes {
+        let mut ranges = Vec::new();
+        let (region, place) =
+            match &fix.region {
+                FixRegion::Box { min, max } => (
+                    Region::Box {
+                        min: *min,
+                        max: *max,
+                    },
+                    format!("--fix box {min:?} to {max:?}"),
+                ),
+                FixRegion::Group(name) => {
+                    let groups = subject.mesh.groups.iter().filter(|g| g.name == *name);
+                    ranges.extend(groups.map(|g| {
+                        g.first_triangle..g.first_triangle.saturating_add(g.triangle_count)
+                    }));
+                    if ranges.is_empty() {
+                        return Err(BakeError::one(
+                            "basis",
+                            format!("--fix {name}"),
+                            "the mesh has no group of this name",
+                        ));
+                    }
+                    (Region::Triangles(&ranges), format!("--fix {name}"))
+                }
+            };
+        if hold(subject, lattice, &region, fix.axes, &mut held) == 0 {
+            return Err(BakeError::one(
+                "basis",
+                place,
+                "it holds no part of the body",
+            ));
+        }
+    }
+    if held.iter().flatten().all(|h| *h) {
+        return Err(BakeError::one(
+            "basis",
+            "--fix",
+            "everything is held, so nothing can vibrate",
+        ));
+    }
+    Ok(held)
+}

@@ -1,0 +1,26 @@
+//! The finite elements behind elastic modes: from a surface to its lowest vibrations.
+//!
+//! One way through: `pieces` (what is solid, what is a sheet) → `lattice` (cubic cells and how
+//! `moments` fill them) → `element` and `system` (stiffness and mass) → `solve` (`krylov` over
+//! `factor`, or `dense`) → `locate` (back to the vertices). See docs/elastic.md for the numbers.
+//!
+//! Inside, lengths are cells, Young's modulus and density are 1; `basis::elastic` brings units.
+
+pub(crate) mod canonical;
+pub(crate) mod dense;
+pub(crate) mod element;
+pub(crate) mod factor;
+pub(crate) mod fix;
+pub(crate) mod hold;
+pub(crate) mod krylov;
+pub(crate) mod lattice;
+pub(crate) mod locate;
+pub(crate) mod moments;
+pub(crate) mod ordering;
+pub(crate) mod pieces;
+pub(crate) mod resolution;
+pub(crate) mod rigid;
+pub(crate) mod slice;
+pub(crate) mod solve;
+pub(crate) mod system;
+pub(crate) mod vec3;

@@ -1,0 +1,296 @@
+//! Stiffness and mass of one component, in cell units and in order of elimination.
+
+use faer::{Mat, MatRef};
+
+use super::element::Element;
+use super::factor::Pattern;
+use super::lattice::Component;
+use super::ordering::nested_dissection;
+
+/// `K` in 3 × 3 blocks and `M` as a scalar per pair of nodes: both share one pattern.
+#[derive(Debug, Clone)]
+pub(crate) struct System {
+    /// Place of each of the component's nodes in the order of elimination.
+    pub place: Vec<u32>,
+    /// Lattice corner of each node, in that order.
+    pub nodes: Vec<[i32; 3]>,
+    /// Per unknown (node-major, x y z): whether it is held.
+    pub held: Vec<bool>,
+    starts: Vec<usize>,
+    rows: Vec<u32>,
+    stiffness: Vec<[f64; 9]>,
+    mass: Vec<f64>,
+}
+
+impl System {
+    /// Adds up the cells of a component. `held` is per unknown of the component's own node order.
+    pub(crate) fn new(component: &Component, element: &Element, held: &[bool]) -> Self {
+        let order = nested_dissection(&component.nodes);
+        let mut place = vec![0u32; order.len()];
+        for (n, &old) in order.iter().enumerate() {
+            place[old as usize] = n as u32;
+        }
+        let cells: Vec<[u32; 8]> = component
+            .cells
+            .iter()
+            .map(|c| c.map(|n| place[n as usize]))
+            .collect();
+        let (starts, rows) = adjacency(&cells, order.len());
+        let mut system = Self {
+            nodes: order.iter().map(|&n| component.nodes[n as usize]).collect(),
+            held: order
+                .iter()
+                .flat_map(|&n| (0..3).map(move |a| held[3 * n as usize + a]))
+                .collect(),
+            place,
+            stiffness: vec![[0.0; 9]; rows.len()],
+            mass: vec![0.0; rows.len()],
+            starts,
+            rows,
+        };
+        for (cell, moments) in cells.iter().zip(&component.moments) {
+            let (k, m) = element.matrices(moments);
+            for (a, &row) in cell.iter().enumerate() {
+                for (b, &column) in cell.iter().enumerate() {
+                    if row < column {
+                        continue;
+                    }
+                    let range = system.starts[column as usize]..system.starts[column as usize + 1];
+                    let Ok(at) = system.rows[range.clone()].binary_search(&row) else {
+                        continue;
+                    };
+                    let at = range.start + at;
+                    system.mass[at] += m[a][b];
+                    for d in 0..3 {
+                        for e in 0..3 {
+                            system.stiffness[at][3 * d + e] += k[3 * a + d][3 * b + e];
+                        }
+                    }
+                }
+            }
+        }
+        system
+    }
+
+    /// Number of unknowns, held ones included.
+    pub(crate) fn size(&self) -> usize {
+        3 * self.nodes.len()
+    }
+
+    /// Number of entries in the lower triangle.
+    pub(crate) fn entry_count(&self) -> usize {
+        9 * self.rows.len() - 3 * self.nodes.len()
+    }
+
+    /// The lower triangle's pattern, for the factorisation.
+    pub(crate) fn pattern(&self) -> Pattern {
+        let mut columns = Vec::with_capacity(self.size() + 1);
+        let mut rows = Vec::with_capacity(self.entry_count());
+        columns.push(0);
+        for node in 0..self.nodes.len() {
+            for e in 0..3 {
+                for at in self.starts[node]..self.starts[node + 1] {
+                    let row = self.rows[at] as usize;
+                    let first = if row == node { e } else { 0 };
+                    rows.extend((first..3).map(|d| 3 * row + d));
+                }
+                columns.push(rows.len());
+            }
+        }
+        Pattern { columns, rows }
+    }
+
+    /// Values of `K − shift · M` on the pattern; unknowns in `pins` or held are cut off and get a
+    /// positive diagonal.
+    pub(crate) fn values(&self, shift: f64, pins: &[usize]) -> Vec<f64> {
+        let mut off = self.held.clone();
+        for &p in pins {
+            off[p] = true;
+        }
+        let mut values = Vec::with_capacity(self.entry_count());
+        for node in 0..self.nodes.len() {
+            for e in 0..3 {
+                let column = 3 * node + e;
+                for at in self.starts[node]..self.starts[node + 1] {
+                    let row = self.rows[at] as usize;
+                    let first = if row == node { e } else { 0 };
+                    for d in first..3 {
+                        let i = 3 * row + d;
+                        values.push(if i == column && off[i] {
+                            1.0
+                        } else if off[i] || off[column] {
+                            0.0
+                        } else {
+                            let mass = if d == e { self.mass[at] } else { 0.0 };
+                            self.stiffness[at][3 * d + e] - shift * mass
+                        });
+                    }
+                }
+            }
+        }
+        values
+    }
+
+    /// `K x`, with held rows and columns cut off.
+    pub(crate) fn apply_stiffness(&self, x: MatRef<'_, f64>) -> Mat<f64> {
+        self.apply(x, |at, input, output, row, node| {
+            let k = &self.stiffness[at];
+            for d in 0..3 {
+                for e in 0..3 {
+                    output[row][d] += k[3 * d + e] * input[node][e];
+                    if row != node {
+                        output[node][e] += k[3 * d + e] * input[row][d];
+                    }
+                }
+            }
+        })
+    }
+
+    /// `M x`, with held rows and columns cut off.
+    pub(crate) fn apply_mass(&self, x: MatRef<'_, f64>) -> Mat<f64> {
+        self.apply(x, |at, input, output, row, node| {
+            let m = self.mass[at];
+            for d in 0..3 {
+                output[row][d] += m * input[node][d];
+                if row != node {
+                    output[node][d] += m * input[row][d];
+                }
+            }
+        })
+    }
+
+    /// Runs `add(entry, input, output, row, column)` over the lower triangle for each column of x.
+    fn apply(
+        &self,
+        x: MatRef<'_, f64>,
+        add: impl Fn(usize, &[[f64; 3]], &mut [[f64; 3]], usize, usize),
+    ) -> Mat<f64> {
+        let mut result = Mat::zeros(x.nrows(), x.ncols());
+        let mut input = vec![[0.0; 3]; self.nodes.len()];
+        let mut output = input.clone();
+        for c in 0..x.ncols() {
+            for (i, v) in input.as_flattened_mut().iter_mut().enumerate() {
+                *v = if self.held[i] { 0.0 } else { x[(i, c)] };
+            }
+            output.fill([0.0; 3]);
+            for node in 0..self.nodes.len() {
+                for at in self.starts[node]..self.starts[node + 1] {
+                    add(at, &input, &mut output, self.rows[at] as usize, node);
+                }
+            }
+            for (i, &v) in output.as_flattened().iter().enumerate() {
+                result[(i, c)] = if self.held[i] { 0.0 } else { v };
+            }
+        }
+        result
+    }
+
+    /// Diagonal of the mass per node.
+    pub(crate) fn mass_diagonal(&self, node: usize) -> f64 {
+        self.mass[self.starts[node]]
+    }
+}
+
+/// Lower adjacency of the nodes by columns: the node itself first, then its later neighbours.
+fn adjacency(cells: &[[u32; 8]], count: usize) -> (Vec<usize>, Vec<u32>) {
+    let mut first = vec![0usize; count + 1];
+    for n in cells.iter().flatten() {
+        first[*n as usize + 1] += 1;
+    }
+    for n in 0..count {
+        first[n + 1] += first[n];
+    }
+    let mut cursor = first.clone();
+    let mut cells_of = vec![0u32; first[count]];
+    for (c, cell) in cells.iter().enumerate() {
+        for &n in cell {
+            cells_of[cursor[n as usize]] = c as u32;
+            cursor[n as usize] += 1;
+        }
+    }
+    let mut starts = Vec::with_capacity(count + 1);
+    let mut rows = Vec::new();
+    let mut own = Vec::new();
+    starts.push(0);
+    for n in 0..count {
+        own.clear();
+        own.push(n as u32);
+        for &c in &cells_of[first[n]..first[n + 1]] {
+            own.extend(cells[c as usize].iter().filter(|&&m| m > n as u32));
+        }
+        own.sort_unstable();
+        own.dedup();
+        rows.extend_from_slice(&own);
+        starts.push(rows.len());
+    }
+    (starts, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elastic::factor::Symbolic;
+    use crate::elastic::moments::full_cell;
+
+    /// A row of full cells.
+    fn bar(cells: i32) -> Component {
+        let mut c = Component::default();
+        for x in 0..=cells {
+            for n in 0..4 {
+                c.nodes.push([x, n & 1, n >> 1]);
+            }
+        }
+        for x in 0..cells as u32 {
+            let at = |i: u32| 4 * (x + (i & 1)) + (i >> 1);
+            c.cells.push(std::array::from_fn(|i| at(i as u32)));
+            c.moments.push(full_cell());
+        }
+        c
+    }
+
+    #[test]
+    fn order_is_a_permutation_and_solves_match_products() {
+        let component = bar(30);
+        let mut held = vec![false; 3 * component.nodes.len()];
+        held[..12].fill(true);
+        let system = System::new(&component, &Element::new(0.3, 0.5), &held);
+        let mut seen = system.place.clone();
+        seen.sort_unstable();
+        assert!(seen.iter().enumerate().all(|(i, &p)| i == p as usize));
+        let pattern = system.pattern();
+        let symbolic = Symbolic::new(&pattern).expect("memory");
+        let factor = symbolic
+            .factorize(&pattern, &system.values(0.0, &[]))
+            .expect("positive definite");
+        let x = Mat::from_fn(system.size(), 2, |i, j| {
+            if system.held[i] {
+                0.0
+            } else {
+                ((i * 7 + j * 3) % 11) as f64 - 5.0
+            }
+        });
+        let mut y = system.apply_stiffness(x.as_ref());
+        factor.solve(y.as_mut()).expect("memory");
+        for i in 0..system.size() {
+            assert!((y[(i, 0)] - x[(i, 0)]).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn negative_pivots_count_eigenvalues() {
+        let component = bar(12);
+        let held = vec![false; 3 * component.nodes.len()];
+        let system = System::new(&component, &Element::new(0.3, 0.5), &held);
+        let modes = crate::elastic::dense::all_modes(&system, 6).expect("eigenvalues");
+        let pattern = system.pattern();
+        let symbolic = Symbolic::new(&pattern).expect("memory");
+        for n in 1..80 {
+            if modes.values[n] < 1.001 * modes.values[n - 1] {
+                continue; // one of the square section's pairs
+            }
+            let between = 0.5 * (modes.values[n - 1] + modes.values[n]);
+            let count = symbolic.negative_count(&pattern, &system.values(between, &[]));
+            assert_eq!(count, Ok(n + 6));
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Reading what a studio has: meshes and given fields, into `Raw*` types.
+//!
+//! [`read_mesh`] is the door for meshes. Vertices keep the source's order, used or not, and a
+//! triangle's index is its id, so that fields made elsewhere fit. Everything odd but usable becomes
+//! a warning; everything else an error that names file and line, all of them at once.
+
+pub mod npy;
+pub mod obj;
+
+mod load;
+
+pub use load::read_mesh;
+
+/// A triangle mesh in the source's own coordinates and order.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RawMesh {
+    /// File name of the source without its folder.
+    pub name: String,
+    /// SHA-256 of the source file's bytes as they lie on disk.
+    pub hash: [u8; 32],
+    /// Rest positions, one per source vertex in source order, unused ones included (mesh units).
+    pub positions: Vec<[f64; 3]>,
+    /// Corner indices into `positions`; the index of a triangle here is its id.
+    pub triangles: Vec<[u32; 3]>,
+    /// Source groups, in file order; ranges may be empty.
+    pub groups: Vec<RawGroup>,
+    /// What was odd but kept, each with its place.
+    pub warnings: Vec<String>,
+}
+
+/// A run of triangles that the source put under one name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RawGroup {
+    /// What kind of statement named it.
+    pub kind: GroupKind,
+    /// The name as the source spells it.
+    pub name: String,
+    /// First triangle id.
+    pub first_triangle: u32,
+    /// Number of triangles.
+    pub triangle_count: u32,
+}
+
+/// Which statement of the source named a group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GroupKind {
+    /// OBJ `o`.
+    Object,
+    /// OBJ `g`.
+    Group,
+    /// OBJ `usemtl`.
+    Material,
+}

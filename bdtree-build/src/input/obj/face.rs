@@ -1,0 +1,102 @@
+//! One face: what its corners refer to, and whether its triangles have an area.
+
+use std::ops::Range;
+
+use super::notes::{Notes, Oddity};
+use super::tokens;
+
+/// A corner's vertex.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Corner {
+    /// Position of the vertex among the `v` lines, from 0.
+    pub(super) index: u32,
+    /// The vertex has not been read yet; it may come later in the file, or not.
+    pub(super) is_later: bool,
+}
+
+/// A face that can only be checked when all vertices are known.
+pub(super) struct Deferred {
+    pub(super) line: u64,
+    pub(super) triangles: Range<usize>,
+}
+
+/// The vertex that a corner (`7`, `7/1`, `7//3`, `7/1/3`, `-1`) refers to, with `known` vertices
+/// read so far. Texture and normal indices must be integers but are not followed.
+pub(super) fn corner(token: &[u8], known: usize, limit: u32) -> Result<Corner, String> {
+    let mut parts = token.split(|&b| b == b'/');
+    let index = parts.next().unwrap_or_default();
+    let index = tokens::integer(index).ok_or("is not a vertex index")?;
+    for (i, part) in parts.enumerate() {
+        if i > 1 {
+            return Err("has more than three parts".into());
+        }
+        if !part.is_empty() && tokens::integer(part).is_none() {
+            return Err("has a texture or normal index that is no integer".into());
+        }
+    }
+    let known = known as u64;
+    match index {
+        0 => Err("index 0; the first vertex is 1".into()),
+        i if i < 0 => match known.checked_sub(i.unsigned_abs()) {
+            // No truncation: below `known`, which is limited to u32.
+            Some(index) => Ok(Corner {
+                index: index as u32,
+                is_later: false,
+            }),
+            None => Err(format!(
+                "relative index before the first vertex; {known} vertices so far"
+            )),
+        },
+        i => match u32::try_from(i - 1) {
+            Ok(index) if index < limit => Ok(Corner {
+                index,
+                is_later: u64::from(index) >= known,
+            }),
+            _ => Err("index beyond the greatest number of vertices".into()),
+        },
+    }
+}
+
+/// Notes the triangles of one face that repeat a corner or have no area; `first` is the id of the
+/// first. All corners must be known.
+pub(super) fn check_shape(
+    triangles: &[[u32; 3]],
+    first: usize,
+    positions: &[[f64; 3]],
+    line: u64,
+    notes: &mut Notes<'_>,
+) {
+    for (i, &[a, b, c]) in triangles.iter().enumerate() {
+        if a == b || b == c || c == a {
+            notes.oddity(Oddity::RepeatedCorner, line, first + i);
+        } else if is_flat([a, b, c].map(|corner| positions[corner as usize])) {
+            notes.oddity(Oddity::ZeroArea, line, first + i);
+        }
+    }
+}
+
+/// True if the triangle's area is zero as far as f64 can tell: the cross product of two edges is
+/// no longer than its own rounding error.
+pub(super) fn is_flat(corners: [[f64; 3]; 3]) -> bool {
+    // Relative to the product of the edges; the cross product's rounding error is below 4 ε of it.
+    const TOLERANCE: f64 = 8.0 * f64::EPSILON;
+    let [a, b, c] = corners;
+    // Quarter lengths: a difference of finite numbers then stays finite.
+    let edge = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|k| 0.25 * q[k] - 0.25 * p[k]);
+    let (mut e, mut f) = (edge(a, b), edge(a, c));
+    // To unit size, so that neither tiny nor huge meshes leave the range of f64.
+    for v in [&mut e, &mut f] {
+        let size = v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        if size == 0.0 {
+            return true;
+        }
+        *v = v.map(|x| x / size);
+    }
+    let cross = [
+        e[1] * f[2] - e[2] * f[1],
+        e[2] * f[0] - e[0] * f[2],
+        e[0] * f[1] - e[1] * f[0],
+    ];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    dot(cross, cross) <= TOLERANCE * TOLERANCE * dot(e, e) * dot(f, f)
+}

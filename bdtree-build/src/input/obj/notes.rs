@@ -1,0 +1,175 @@
+//! What is said about a file: problems in line order up to a cap, oddities grouped by kind.
+
+use std::collections::BTreeMap;
+
+use super::tokens;
+use crate::error::{BakeError, Problem};
+
+/// Most problems that are listed one by one.
+pub(super) const PROBLEM_CAP: usize = 100;
+/// Most warnings of one kind that are listed one by one.
+const WARNING_CAP: usize = 5;
+/// Most different unknown keywords that are listed.
+const KEYWORD_CAP: usize = 16;
+
+/// Something odd about a triangle that is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Oddity {
+    RepeatedCorner,
+    ZeroArea,
+}
+
+impl Oddity {
+    fn one(self) -> &'static str {
+        match self {
+            Oddity::RepeatedCorner => "repeats a corner",
+            Oddity::ZeroArea => "has zero area",
+        }
+    }
+
+    fn many(self) -> &'static str {
+        match self {
+            Oddity::RepeatedCorner => "triangles that repeat a corner",
+            Oddity::ZeroArea => "triangles with zero area",
+        }
+    }
+}
+
+/// The notes on one file.
+pub(super) struct Notes<'a> {
+    place: &'a str,
+    problems: Vec<(u64, String)>,
+    problem_count: u64,
+    oddities: [(Vec<String>, u64); 2],
+    keywords: BTreeMap<String, u64>,
+    other_keywords: u64,
+    /// `p` statements.
+    pub(super) points: u64,
+    /// `l` statements.
+    pub(super) lines: u64,
+    /// `curv`, `curv2` and `surf` statements.
+    pub(super) curves: u64,
+}
+
+impl<'a> Notes<'a> {
+    pub(super) fn new(place: &'a str) -> Self {
+        Self {
+            place,
+            problems: Vec::new(),
+            problem_count: 0,
+            oddities: Default::default(),
+            keywords: BTreeMap::new(),
+            other_keywords: 0,
+            points: 0,
+            lines: 0,
+            curves: 0,
+        }
+    }
+
+    /// A problem on `line`; line 0 stands for the file as a whole.
+    pub(super) fn problem(&mut self, line: u64, message: String) {
+        self.problem_count += 1;
+        if self.problems.len() < PROBLEM_CAP {
+            self.problems.push((line, message));
+        }
+    }
+
+    pub(super) fn oddity(&mut self, kind: Oddity, line: u64, triangle: usize) {
+        let (listed, count) = &mut self.oddities[kind as usize];
+        *count += 1;
+        if listed.len() < WARNING_CAP {
+            let place = self.place;
+            listed.push(format!(
+                "{place}:{line}: triangle {triangle} {}",
+                kind.one()
+            ));
+        }
+    }
+
+    /// A statement that no OBJ specification knows, or none that matters here.
+    pub(super) fn unknown(&mut self, keyword: &[u8]) {
+        let keyword = tokens::show(keyword);
+        if let Some(count) = self.keywords.get_mut(&keyword) {
+            *count += 1;
+        } else if self.keywords.len() < KEYWORD_CAP {
+            self.keywords.insert(keyword, 1);
+        } else {
+            self.other_keywords += 1;
+        }
+    }
+
+    /// How many points, lines and curves were skipped, in words; `None` if there were none.
+    pub(super) fn skipped(&self) -> Option<String> {
+        let kinds = [
+            (self.points, "point"),
+            (self.lines, "line"),
+            (self.curves, "curve or surface"),
+        ];
+        let words: Vec<String> = kinds
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, kind)| format!("{count} {kind}"))
+            .collect();
+        (!words.is_empty()).then(|| format!("{} statements", words.join(", ")))
+    }
+
+    /// The warnings, if nothing is wrong.
+    pub(super) fn into_warnings(mut self) -> Result<Vec<String>, BakeError> {
+        if self.problem_count > 0 {
+            return Err(self.into_error());
+        }
+        let mut warnings = Vec::new();
+        for kind in [Oddity::RepeatedCorner, Oddity::ZeroArea] {
+            let (listed, count) = std::mem::take(&mut self.oddities[kind as usize]);
+            let more = count - listed.len() as u64;
+            warnings.extend(listed);
+            if more > 0 {
+                let place = self.place;
+                warnings.push(format!("{place}: {more} more {}", kind.many()));
+            }
+        }
+        if let Some(skipped) = self.skipped() {
+            warnings.push(format!("{}: ignored {skipped}", self.place));
+        }
+        if !self.keywords.is_empty() {
+            let mut words: Vec<String> = self
+                .keywords
+                .iter()
+                .map(|(keyword, count)| format!("{count} × `{keyword}`"))
+                .collect();
+            if self.other_keywords > 0 {
+                words.push(format!("{} others", self.other_keywords));
+            }
+            let place = self.place;
+            let words = words.join(", ");
+            warnings.push(format!("{place}: ignored unknown statements: {words}"));
+        }
+        Ok(warnings)
+    }
+
+    fn into_error(mut self) -> BakeError {
+        // Stable: problems of one line stay in the order they were met.
+        self.problems.sort_by_key(|&(line, _)| line);
+        let more = self.problem_count - self.problems.len() as u64;
+        let problem = |place, message| Problem {
+            stage: "input",
+            place,
+            message,
+        };
+        let mut problems: Vec<Problem> = self
+            .problems
+            .into_iter()
+            .map(|(line, message)| match line {
+                0 => problem(self.place.to_string(), message),
+                _ => problem(format!("{}:{line}", self.place), message),
+            })
+            .collect();
+        if more > 0 {
+            problems.push(problem(
+                self.place.to_string(),
+                format!("{more} more problems"),
+            ));
+        }
+        BakeError { problems }
+    }
+}

@@ -1,0 +1,189 @@
+//! What was made: sizes, stage times, errors, tightness. Serialises to the fields of `--json`.
+
+use std::collections::BTreeMap;
+
+use bdtree_format::{ROW_RADIUS, mode_row};
+use serde::Serialize;
+
+use crate::basis::Basis;
+use crate::tree::{LaneKind, Tree};
+use crate::wrap::ball::smallest_ball;
+use crate::wrap::{StoredShape, WrappedTree};
+
+/// Lanes per level that tightness is measured on.
+const SAMPLES_MAX: usize = 1000;
+
+/// Seed of the choice of lanes.
+const SAMPLE_SEED: u64 = 2004;
+
+/// Lanes whose deformed vertices fit a ball of this share of the whole's diagonal are points:
+/// their ratio is rounding.
+const POINT_SIZE_REL: f64 = 1e-6;
+
+/// A finished bake.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BakeReport {
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Number of modes.
+    pub modes: usize,
+    /// Number of eight-wide nodes.
+    pub nodes: usize,
+    /// Number of levels.
+    pub depth: usize,
+    /// Length of the file.
+    pub bytes: usize,
+    /// What was odd but kept.
+    pub warnings: Vec<String>,
+    /// Seconds per stage.
+    pub stages: BTreeMap<String, f64>,
+    /// Frequencies of all modes (Hz), when every mode has one.
+    pub frequencies_hz: Option<Vec<f64>>,
+    /// Error of the basis over the diagonal of the box.
+    pub basis_error_rel: Option<BasisError>,
+    /// Per level, the root's lanes being level 0.
+    pub tightness: Vec<LevelTightness>,
+}
+
+/// Error of a basis against its source, over the diagonal of the box.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BasisError {
+    /// Largest over vertices and frames.
+    pub max: f64,
+    /// Root mean square.
+    pub rms: f64,
+}
+
+impl From<(f64, f64)> for BasisError {
+    fn from((max, rms): (f64, f64)) -> Self {
+        Self { max, rms }
+    }
+}
+
+/// R'/R_opt of the lanes of one level at q = q_range; R_opt is the radius of the smallest ball
+/// of the deformed vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LevelTightness {
+    /// Level of the nodes.
+    pub level: usize,
+    /// Mean ratio.
+    pub mean: f64,
+    /// Largest ratio.
+    pub max: f64,
+}
+
+/// ω_j / 2π of all modes, if every mode has a frequency and there is one.
+pub(crate) fn frequencies_hz(basis: &Basis) -> Option<Vec<f64>> {
+    if basis.modes.is_empty() {
+        return None;
+    }
+    let hertz = |omega: f64| omega / std::f64::consts::TAU;
+    basis
+        .modes
+        .iter()
+        .map(|mode| mode.omega_rad_s.map(hertz))
+        .collect()
+}
+
+/// Tightness per level, on at most 1000 lanes each, the same ones in every run. Lanes that
+/// deform to a point are skipped, and so are levels without others.
+pub(crate) fn tightness(
+    tree: &Tree,
+    triangles: &[[u32; 3]],
+    shape: &StoredShape,
+    wrapped: &WrappedTree,
+) -> Vec<LevelTightness> {
+    let q: Vec<f64> = shape
+        .limits
+        .iter()
+        .map(|limits| f64::from(limits.q_range))
+        .collect();
+    let deformed = shape.deform(&q);
+    let diagonal = f64::from(wrapped.position_norm_max);
+    let mut last_seen = vec![0u32; deformed.len()];
+    let mut stamp = 0;
+    let mut points = Vec::new();
+    let mut levels = Vec::new();
+    for level in 0..tree.depth {
+        let mut lanes: Vec<(usize, usize)> = tree
+            .nodes
+            .iter()
+            .enumerate()
+            .filter(|(_, node)| usize::from(node.level) == level)
+            .flat_map(|(i, node)| {
+                (0..node.lanes.len())
+                    .filter(|&k| node.lanes[k].kind != LaneKind::Empty)
+                    .map(move |k| (i, k))
+            })
+            .collect();
+        sample(&mut lanes);
+        let (mut sum, mut max, mut count) = (0.0, 0.0f64, 0usize);
+        for (i, k) in lanes {
+            stamp += 1;
+            points.clear();
+            for &triangle in tree.triangles_below(tree.nodes[i].lanes[k]) {
+                for corner in triangles[triangle as usize] {
+                    let seen = &mut last_seen[corner as usize];
+                    if *seen != stamp {
+                        *seen = stamp;
+                        points.push(deformed[corner as usize]);
+                    }
+                }
+            }
+            let best = smallest_ball(&points).radius;
+            let ratio = radius_at(wrapped, i, k, &q) / best;
+            if best > POINT_SIZE_REL * diagonal && ratio.is_finite() {
+                sum += ratio;
+                max = max.max(ratio);
+                count += 1;
+            }
+        }
+        if count > 0 {
+            let mean = sum / count as f64;
+            levels.push(LevelTightness { level, mean, max });
+        }
+    }
+    levels
+}
+
+/// R'(q) of one lane in f64, for q ≥ 0 (docs/guarantees.md).
+fn radius_at(wrapped: &WrappedTree, node: usize, lane: usize, q: &[f64]) -> f64 {
+    let node = &wrapped.nodes[node];
+    let rows = &wrapped.rows[node.row_start as usize..];
+    let value = |row: usize| f64::from(rows[row][lane]);
+    let start = node.mode_list_start as usize;
+    let modes = &wrapped.mode_lists[start..start + usize::from(node.mode_count)];
+    let (mut cross, mut growth) = (0.0, 0.0);
+    for (k, &mode) in modes.iter().enumerate() {
+        let q = q[usize::from(mode)];
+        growth += value(mode_row(k) + 3) * q;
+        cross += value(mode_row(k) + 4) * q;
+    }
+    let radius = value(ROW_RADIUS);
+    (radius * radius + 2.0 * cross + growth * growth)
+        .max(0.0)
+        .sqrt()
+}
+
+/// Keeps at most [`SAMPLES_MAX`] items: the first places of a Fisher–Yates shuffle with a
+/// splitmix64 generator (S. Vigna).
+fn sample<T>(items: &mut Vec<T>) {
+    let mut state = SAMPLE_SEED;
+    let mut next = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    };
+    if items.len() <= SAMPLES_MAX {
+        return;
+    }
+    for i in 0..SAMPLES_MAX {
+        let rest = (items.len() - i) as u64;
+        items.swap(i, i + (next() % rest) as usize);
+    }
+    items.truncate(SAMPLES_MAX);
+}

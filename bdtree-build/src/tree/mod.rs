@@ -1,0 +1,151 @@
+//! How triangles are split and ordered: a binary tree built from the top (Quinlan 1994, or by
+//! cost), folded into the file's eight-wide nodes.
+//!
+//! The tree depends on the rest positions as stored and on nothing else, so assets of one mesh
+//! with different bases share their structure. It is the same for any number of threads.
+
+mod binary;
+mod collapse;
+mod split;
+
+use bdtree_format::{DEPTH_MAX, LANES, LEAF_TRIANGLES_MAX};
+
+/// How a set of triangles is divided in two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Split {
+    /// At the middle of the longest axis of the box around the triangles (S. Quinlan, "Efficient
+    /// distance computation between non-convex objects", ICRA 1994).
+    Quinlan,
+    /// Where the two parts together promise the fewest visits: box size times number of leaves,
+    /// over planes on all three axes (a surface-area heuristic), cut so that leaves and the
+    /// nodes above them are full.
+    #[default]
+    Cost,
+}
+
+impl std::fmt::Display for Split {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Quinlan => "quinlan",
+            Self::Cost => "cost",
+        })
+    }
+}
+
+impl std::str::FromStr for Split {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "quinlan" => Ok(Self::Quinlan),
+            "cost" => Ok(Self::Cost),
+            _ => Err("is neither cost nor quinlan".to_string()),
+        }
+    }
+}
+
+/// How a tree is built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TreeSettings {
+    /// How sets are divided.
+    pub split: Split,
+    /// Most triangles in a leaf lane; taken into `1..=255`.
+    pub leaf_size: usize,
+    /// Threads to build with; the tree does not depend on it.
+    pub threads: usize,
+}
+
+/// What one lane of a node holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LaneKind {
+    /// Nothing.
+    #[default]
+    Empty,
+    /// A child node.
+    Inner,
+    /// Triangles.
+    Leaf,
+}
+
+/// One of the eight lanes of a node: a run of [`Tree::order`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Lane {
+    /// What it holds.
+    pub kind: LaneKind,
+    /// First place in [`Tree::order`] of the triangles below the lane.
+    pub start: u32,
+    /// Number of triangles below the lane.
+    pub count: u32,
+}
+
+/// An eight-wide node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TreeNode {
+    /// The lanes; empty ones stand last.
+    pub lanes: [Lane; LANES],
+    /// Index of the first inner lane's child; the others follow.
+    pub first_child: u32,
+    /// Number of triangles in leaf lanes of all nodes before this one.
+    pub first_slot: u32,
+    /// Distance from the root.
+    pub level: u8,
+}
+
+/// Nodes breadth first, and the triangles they hold.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tree {
+    /// The nodes; the root is the first.
+    pub nodes: Vec<TreeNode>,
+    /// Triangle ids such that every lane's triangles are a run (depth first, lane after lane).
+    pub order: Vec<u32>,
+    /// Number of levels.
+    pub depth: usize,
+}
+
+impl Tree {
+    /// The triangles below a lane: ids, ascending within a leaf lane.
+    pub fn triangles_below(&self, lane: Lane) -> &[u32] {
+        let start = lane.start as usize;
+        self.order
+            .get(start..start + lane.count as usize)
+            .unwrap_or_default()
+    }
+
+    /// Triangle ids in the file's order: leaf lanes in node order.
+    pub fn leaf_order(&self) -> impl Iterator<Item = u32> + '_ {
+        self.nodes
+            .iter()
+            .flat_map(|node| node.lanes)
+            .filter(|lane| lane.kind == LaneKind::Leaf)
+            .flat_map(|lane| self.triangles_below(lane).iter().copied())
+    }
+}
+
+/// The tree over `triangles` (corner indices below `positions.len()`) at the stored rest
+/// positions. At most [`DEPTH_MAX`] levels for any input of fewer than 2³² triangles; a mesh
+/// without triangles gives one empty node. O(F log² F).
+pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], settings: &TreeSettings) -> Tree {
+    let leaf_size = settings.leaf_size.clamp(1, LEAF_TRIANGLES_MAX);
+    let mut items = split::items(positions, triangles);
+    let splitter = split::Splitter {
+        split: settings.split,
+        leaf_size,
+        diagonal: split::bounds_of(&items).cost().sqrt(),
+    };
+    let root = binary::build(&mut items, &splitter, settings.threads.max(1));
+    let order = items.iter().map(|item| item.id).collect();
+    let mut tree = collapse::collapse(&root, order);
+    debug_assert!(tree.depth <= DEPTH_MAX);
+    sort_leaves(&mut tree);
+    tree
+}
+
+/// Puts the triangles of each leaf lane in ascending order of ids.
+fn sort_leaves(tree: &mut Tree) {
+    for lane in tree.nodes.iter().flat_map(|node| node.lanes) {
+        if lane.kind == LaneKind::Leaf {
+            let start = lane.start as usize;
+            tree.order[start..start + lane.count as usize].sort_unstable();
+        }
+    }
+}

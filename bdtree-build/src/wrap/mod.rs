@@ -1,0 +1,205 @@
+//! Bounds of every lane around the vertices below it: the wrapped spheres of the paper (eqs. 2–7,
+//! 11), centred on smallest balls, with the second-order terms of docs/guarantees.md.
+
+pub mod ball;
+mod check;
+mod growth;
+mod lane;
+mod modes;
+pub mod round;
+pub mod stored;
+mod units;
+
+use std::sync::Mutex;
+
+use bdtree_format::{LANES, NodeRecord, ROW_CENTRE_X, Row, mode_row, row_count};
+
+pub use stored::{ModeLimits, StoredShape, store};
+
+use crate::error::BakeError;
+use crate::tree::{LaneKind, Tree};
+use lane::Scratch;
+use round::vector_norm_up;
+
+/// The least P + Σ W_j q_limit_j that readers take (SPEC 5.4); P may be any upper bound.
+const REACH_MIN: f32 = 1.0 / (1u32 << 20) as f32;
+
+/// Nodes, rows and mode lists as the file holds them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WrappedTree {
+    /// Breadth first.
+    pub nodes: Vec<NodeRecord>,
+    /// Rows of all nodes, in node order.
+    pub rows: Vec<Row>,
+    /// The mode lists that nodes point into; each ascending, each stored once.
+    pub mode_lists: Vec<u16>,
+    /// P: an upper bound of all ‖p_i‖ and ‖c‖ (stored units).
+    pub position_norm_max: f32,
+    /// W_j: upper bounds of all ‖U_ij‖ and ‖Ū_j‖ (stored units per unit of q).
+    pub field_norms_max: Vec<f32>,
+}
+
+/// Bounds for `tree` over the triangles of `shape` (corner indices below its vertex count). The
+/// result does not depend on `threads`. O(levels · N · M).
+///
+/// # Errors
+/// More rows than a node can point to with 32 bits.
+pub fn wrap(
+    tree: &Tree,
+    triangles: &[[u32; 3]],
+    shape: &StoredShape,
+    threads: usize,
+) -> Result<WrappedTree, BakeError> {
+    let lists = modes::mode_lists(tree, triangles, shape);
+    let mut nodes = Vec::with_capacity(tree.nodes.len());
+    let mut row_total = 0usize;
+    for (node, &(mode_list_start, mode_count)) in tree.nodes.iter().zip(&lists.of_node) {
+        let Ok(row_start) = u32::try_from(row_total) else {
+            let message = "more than 2^32 rows: fewer modes or more triangles per leaf are needed";
+            return Err(BakeError::one("wrap", "", message));
+        };
+        let mask = |kind: LaneKind| {
+            (0..LANES)
+                .filter(|&k| node.lanes[k].kind == kind)
+                .fold(0u8, |mask, k| mask | 1 << k)
+        };
+        nodes.push(NodeRecord {
+            first_child: node.first_child,
+            first_slot: node.first_slot,
+            row_start,
+            mode_list_start,
+            mode_count,
+            inner_mask: mask(LaneKind::Inner),
+            leaf_mask: mask(LaneKind::Leaf),
+            leaf_counts: node.lanes.map(|lane| match lane.kind {
+                LaneKind::Leaf => lane.count as u8,
+                LaneKind::Empty | LaneKind::Inner => 0,
+            }),
+            level: node.level,
+            reserved: [0; 3],
+        });
+        row_total += row_count(usize::from(mode_count));
+    }
+    let step_bounds = growth::step_bounds(shape);
+    let mut rows = vec![[0.0; LANES]; row_total];
+    wrap_nodes(
+        tree,
+        triangles,
+        shape,
+        &nodes,
+        &lists.modes,
+        &step_bounds,
+        threads,
+        &mut rows,
+    );
+    let (mut position_norm_max, field_norms_max) = norms(shape, &nodes, &rows, &lists.modes);
+    if position_norm_max == 0.0 && field_norms_max.iter().all(|&w| w == 0.0) {
+        position_norm_max = REACH_MIN; // a single point that never moves
+    }
+    Ok(WrappedTree {
+        nodes,
+        rows,
+        mode_lists: lists.modes,
+        position_norm_max,
+        field_norms_max,
+    })
+}
+
+/// Fills the rows of all nodes, node by node on `threads` threads.
+#[expect(clippy::too_many_arguments, reason = "one call, all of them borrowed")]
+fn wrap_nodes(
+    tree: &Tree,
+    triangles: &[[u32; 3]],
+    shape: &StoredShape,
+    nodes: &[NodeRecord],
+    lists: &[u16],
+    step_bounds: &[[f32; 2]],
+    threads: usize,
+    rows: &mut [Row],
+) {
+    let mut rest = rows;
+    let mut jobs = Vec::with_capacity(nodes.len());
+    for (node, record) in tree.nodes.iter().zip(nodes) {
+        let (own, behind) = rest.split_at_mut(row_count(usize::from(record.mode_count)));
+        rest = behind;
+        jobs.push((node, record, own));
+    }
+    // The root, which has most vertices, comes first, so threads end at about the same time.
+    let jobs = Mutex::new(jobs.into_iter());
+    let work = || {
+        let mut scratch = Scratch::default();
+        let mut last_seen = vec![0u32; shape.positions.len()];
+        let mut stamp = 0u32;
+        loop {
+            let job = match jobs.lock() {
+                Ok(mut jobs) => jobs.next(),
+                Err(_) => None,
+            };
+            let Some((node, record, own)) = job else {
+                break;
+            };
+            let start = record.mode_list_start as usize;
+            let modes = &lists[start..start + usize::from(record.mode_count)];
+            for (k, lane) in node.lanes.iter().enumerate() {
+                if lane.kind == LaneKind::Empty {
+                    continue;
+                }
+                stamp += 1;
+                scratch.vertices.clear();
+                for &triangle in tree.triangles_below(*lane) {
+                    for corner in triangles[triangle as usize] {
+                        let seen = &mut last_seen[corner as usize];
+                        if *seen != stamp {
+                            *seen = stamp;
+                            scratch.vertices.push(corner);
+                        }
+                    }
+                }
+                lane::write_lane(shape, modes, step_bounds, &mut scratch, own, k);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..threads {
+            scope.spawn(work);
+        }
+        work();
+    });
+}
+
+/// P and W_j over vertices and lanes.
+fn norms(
+    shape: &StoredShape,
+    nodes: &[NodeRecord],
+    rows: &[Row],
+    lists: &[u16],
+) -> (f32, Vec<f32>) {
+    let mode_count = shape.mode_count();
+    let mut position = shape
+        .positions
+        .iter()
+        .map(|&p| vector_norm_up(p))
+        .fold(0.0, f32::max);
+    let mut fields = vec![0.0f32; mode_count];
+    for row in shape.displacements.chunks_exact(mode_count.max(1)) {
+        for (norm, &u) in fields.iter_mut().zip(row) {
+            *norm = norm.max(vector_norm_up(u));
+        }
+    }
+    for node in nodes {
+        let rows = &rows[node.row_start as usize..];
+        let start = node.mode_list_start as usize;
+        let modes = &lists[start..start + usize::from(node.mode_count)];
+        for lane in 0..LANES {
+            let vector = |first: usize| {
+                [rows[first], rows[first + 1], rows[first + 2]].map(|r: Row| r[lane])
+            };
+            position = position.max(vector_norm_up(vector(ROW_CENTRE_X)));
+            for (k, &mode) in modes.iter().enumerate() {
+                let norm = &mut fields[usize::from(mode)];
+                *norm = norm.max(vector_norm_up(vector(mode_row(k))));
+            }
+        }
+    }
+    (position, fields)
+}

@@ -1,0 +1,239 @@
+//! The `bdtree-build` command from outside: exit codes, messages with their place, whole files or
+//! none.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../fixtures")
+        .join(name)
+}
+
+fn run(arguments: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_bdtree-build"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("the command starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Runs, expects exit code `code` and every one of `parts` on stderr, and no file left behind.
+fn refused(arguments: &[&str], code: i32, parts: &[&str]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = run(arguments, folder.path());
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {stderr}");
+    for part in parts {
+        assert!(
+            stderr.contains(part),
+            "{arguments:?}: no `{part}` in: {stderr}"
+        );
+    }
+    assert!(!stderr.contains("panicked"), "{stderr}");
+    let left: Vec<_> = std::fs::read_dir(folder.path()).expect("folder").collect();
+    assert!(left.is_empty(), "{arguments:?} left {left:?}");
+}
+
+#[test]
+fn bakes_beside_the_input_and_reports() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::copy(fixture("torus.obj"), folder.path().join("ring.obj")).expect("copy");
+    let output = run(
+        &["ring.obj", "--modes", "4", "--resolution", "12", "--json"],
+        folder.path(),
+    );
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    for field in [
+        "vertices",
+        "triangles",
+        "modes",
+        "nodes",
+        "depth",
+        "bytes",
+        "warnings",
+        "stages",
+        "frequencies_hz",
+        "basis_error_rel",
+        "tightness",
+    ] {
+        assert!(json.get(field).is_some(), "no field {field}");
+    }
+    assert_eq!(json["modes"], 4);
+    assert_eq!(json["triangles"], 2304);
+    assert_eq!(json["frequencies_hz"].as_array().map(Vec::len), Some(4));
+    assert!(json["basis_error_rel"].is_null());
+    let bytes = std::fs::metadata(folder.path().join("ring.bdt")).expect("ring.bdt");
+    assert_eq!(json["bytes"].as_u64(), Some(bytes.len()));
+}
+
+#[test]
+fn the_same_bytes_for_any_thread_count_and_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = fixture("icosphere.obj").display().to_string();
+    let mut files = Vec::new();
+    for (name, threads) in [("a.bdt", "1"), ("b.bdt", "2"), ("c.bdt", "2")] {
+        let arguments = [
+            &input,
+            "--modes",
+            "7",
+            "--resolution",
+            "10",
+            "-o",
+            name,
+            "--threads",
+            threads,
+            "--quiet",
+        ];
+        let output = run(&arguments, folder.path());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert!(output.stdout.is_empty() && output.stderr.is_empty());
+        files.push(std::fs::read(folder.path().join(name)).expect(name));
+    }
+    assert!(files[0] == files[1] && files[1] == files[2]);
+}
+
+#[test]
+fn rigid_and_gzipped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let packed = folder.path().join("ball.obj.gz");
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    let plain = std::fs::read(fixture("icosphere.obj")).expect("fixture");
+    std::io::Write::write_all(&mut encoder, &plain).expect("gzip");
+    std::fs::write(&packed, encoder.finish().expect("gzip")).expect("file");
+    let output = run(&["ball.obj.gz", "--modes", "0", "--json"], folder.path());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(json["modes"], 0);
+    assert!(json["frequencies_hz"].is_null());
+    assert!(folder.path().join("ball.bdt").is_file());
+}
+
+#[test]
+fn bad_input_names_its_place_and_leaves_nothing() {
+    let path = |name: &str| fixture(name).display().to_string();
+    let out = ["-o", "out.bdt"];
+    let bake =
+        |name: &str| -> Vec<String> { [&path(name), out[0], out[1]].map(str::to_owned).to_vec() };
+    for (name, parts) in [
+        ("bad_empty.obj", vec!["bad_empty.obj"]),
+        ("bad_no_faces.obj", vec!["bad_no_faces.obj", "face"]),
+        ("bad_no_vertices.obj", vec!["bad_no_vertices.obj"]),
+        ("bad_utf16.obj", vec!["bad_utf16.obj", "UTF-16"]),
+        ("bad_truncated.obj", vec!["bad_truncated.obj:"]),
+        ("bad_nan.obj", vec!["bad_nan.obj:"]),
+        ("bad_index_zero.obj", vec!["bad_index_zero.obj:"]),
+        ("bad_index_range.obj", vec!["bad_index_range.obj:"]),
+        (
+            "bad_numbers.obj",
+            vec!["bad_numbers.obj:15", "bad_numbers.obj:21"],
+        ),
+        ("missing.obj", vec!["missing.obj"]),
+    ] {
+        let arguments = bake(name);
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        refused(&arguments, 1, &parts);
+    }
+    let torus = path("torus.obj");
+    refused(
+        &[&torus, "--modes", "100", "--resolution", "2", "-o", "x.bdt"],
+        1,
+        &["modes"],
+    );
+    refused(
+        &[
+            &torus,
+            "--resolution",
+            "1024",
+            "--memory-limit",
+            "200",
+            "-o",
+            "x.bdt",
+        ],
+        1,
+        &["resolution"],
+    );
+    refused(
+        &[&torus, "--poisson", "0.5", "-o", "x.bdt"],
+        1,
+        &["poisson"],
+    );
+    refused(
+        &[&torus, "--modes", "0", "-o", "no/such/folder/x.bdt"],
+        1,
+        &["no/such/folder"],
+    );
+    refused(
+        &[&torus, "--basis", "none.npy", "-o", "x.bdt"],
+        1,
+        &["none.npy"],
+    );
+    refused(
+        &[&torus, "--fix", "xyz:nogroup", "-o", "x.bdt"],
+        1,
+        &["nogroup"],
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let own = folder.path().join("mesh.obj");
+    std::fs::copy(fixture("torus.obj"), &own).expect("copy");
+    let output = run(
+        &["mesh.obj", "--modes", "0", "-o", "mesh.obj"],
+        folder.path(),
+    );
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("is the input"));
+    assert_eq!(
+        std::fs::read(own).expect("kept"),
+        std::fs::read(fixture("torus.obj")).expect("fixture")
+    );
+    let output = run(
+        &["mesh.obj", "--modes", "0", "--young", "1e6"],
+        folder.path(),
+    );
+    assert!(text(&output.stderr).contains("--young is not used"));
+    for option in ["--animation", "--tets"] {
+        refused(&[option, "x"], 1, &[option, "not supported yet"]);
+    }
+    refused(&[&torus, "--modes", "auto"], 1, &["not supported yet"]);
+}
+
+#[test]
+fn usage_errors_exit_with_2() {
+    refused(&[], 2, &["INPUT"]);
+    refused(&["a.obj", "--modes", "many"], 2, &["--modes"]);
+    refused(&["a.obj", "--modes", "513"], 2, &["512"]);
+    refused(&["a.obj", "--leaf-size", "0"], 2, &["--leaf-size"]);
+    refused(&["a.obj", "--no-such-option"], 2, &["--no-such-option"]);
+    refused(&["a.obj", "--fix", "w:0,0,0,1,1,1"], 2, &["--fix"]);
+}
+
+/// A full disk: the old file stays, nothing else is left.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_keeps_the_old_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let target = folder.path().join("ball.bdt");
+    std::fs::write(&target, b"old").expect("old file");
+    // A limit on the size of files stands in for a full disk: writes fail the same way.
+    let output = Command::new("bash")
+        .args([
+            "-c",
+            "trap '' XFSZ; ulimit -f 8; exec \"$0\" \"$1\" --modes 0 -o ball.bdt",
+        ])
+        .arg(env!("CARGO_BIN_EXE_bdtree-build"))
+        .arg(fixture("torus.obj"))
+        .current_dir(folder.path())
+        .output()
+        .expect("bash");
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("ball.bdt"));
+    assert_eq!(std::fs::read(&target).expect("old file"), b"old");
+    assert_eq!(std::fs::read_dir(folder.path()).expect("folder").count(), 1);
+}

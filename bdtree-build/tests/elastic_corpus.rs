@@ -1,0 +1,125 @@
+//! Elastic modes of real meshes. Reads the corpus from the folder in `BDTREE_CORPUS`.
+
+use std::io::Read;
+use std::path::PathBuf;
+
+use bdtree_build::basis::elastic::{ElasticOptions, ElasticReport, elastic_basis};
+use bdtree_build::input::RawMesh;
+use bdtree_build::progress::Silent;
+
+/// The corpus, or `None` with a line that says so.
+fn corpus() -> Option<PathBuf> {
+    let thread = std::thread::current();
+    bdtree_tests::corpus::path(thread.name().unwrap_or("elastic"), "")
+}
+
+/// Positions and fan triangles of an OBJ file, gzip or not; enough for the corpus.
+fn read(path: PathBuf) -> RawMesh {
+    let bytes = std::fs::read(&path).unwrap();
+    let mut text = String::new();
+    if path.extension().is_some_and(|e| e == "gz") {
+        flate2::read::GzDecoder::new(&bytes[..])
+            .read_to_string(&mut text)
+            .unwrap();
+    } else {
+        text = String::from_utf8_lossy(&bytes).into_owned();
+    }
+    let mut mesh = RawMesh {
+        name: path.file_name().unwrap().to_string_lossy().into_owned(),
+        ..RawMesh::default()
+    };
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let p: Vec<f64> = words.take(3).map(|w| w.parse().unwrap()).collect();
+                mesh.positions.push([p[0], p[1], p[2]]);
+            }
+            Some("f") => {
+                let corners: Vec<u32> = words
+                    .map(|w| w.split('/').next().unwrap().parse::<u32>().unwrap() - 1)
+                    .collect();
+                for i in 1..corners.len() - 1 {
+                    mesh.triangles
+                        .push([corners[0], corners[i], corners[i + 1]]);
+                }
+            }
+            _ => {}
+        }
+    }
+    mesh
+}
+
+fn frequencies(mesh: &RawMesh, options: &ElasticOptions) -> (Vec<f64>, ElasticReport) {
+    let (basis, report) = elastic_basis(mesh, options, &Silent, &mut Vec::new()).expect("modes");
+    assert!(basis.fields.iter().flatten().all(|x| x.is_finite()));
+    let hz = basis.modes.iter().filter_map(|m| m.omega_rad_s);
+    (hz.map(|w| w / std::f64::consts::TAU).collect(), report)
+}
+
+#[test]
+fn real_meshes_have_ten_modes_by_default() {
+    let Some(folder) = corpus() else { return };
+    for (name, components) in [("chair_office.obj", 1), ("bridge.obj.gz", 1)] {
+        let mesh = read(folder.join("meshes").join(name));
+        let (hz, report) = frequencies(&mesh, &ElasticOptions::default());
+        println!("{name} {hz:.4?} {report:?}");
+        assert_eq!(hz.len(), 10);
+        assert!(hz[0] > 0.0 && hz.is_sorted());
+        assert!(report.residual_max <= 1e-6 && report.inertia_checked);
+        assert_eq!(report.components, components);
+        assert!(report.predicted_bytes < 1 << 30);
+    }
+}
+
+/// At half the cells the first ten frequencies are still near those of the whole (the same claim
+/// for the default and twice as many cells takes minutes: docs/elastic.md has the numbers).
+#[test]
+fn coarse_lattices_are_near_fine_ones() {
+    let Some(folder) = corpus() else { return };
+    for (name, coarse, tolerance) in [("chair_office.obj", 36, 0.15), ("spot.obj.gz", 20, 0.10)] {
+        let mesh = read(folder.join("meshes").join(name));
+        let at = |resolution| ElasticOptions {
+            resolution: Some(resolution),
+            ..ElasticOptions::default()
+        };
+        let (a, _) = frequencies(&mesh, &at(coarse));
+        let (b, _) = frequencies(&mesh, &at(2 * coarse));
+        println!("{name} {a:.4?} {b:.4?}");
+        for (x, y) in a.iter().zip(&b) {
+            assert!((x / y - 1.0).abs() < tolerance, "{name} {a:?} {b:?}");
+        }
+    }
+}
+
+/// Open, split, unused vertices, thousands of pieces: coarse, for it is about surviving.
+#[test]
+fn odd_meshes_do_not_fail() {
+    let Some(folder) = corpus() else { return };
+    for name in [
+        "meshes/castle_scene.obj.gz",
+        "meshes/curtain.obj",
+        "meshes/palm_tree.obj.gz",
+        "meshes/plane_holes.obj",
+        "meshes/teapot.obj",
+        "meshes/tube_surface.obj.gz",
+        "meshes/chair_sheen_split.obj.gz",
+        "messy/spot_offset_1e6.obj",
+        "messy/spot_scale_1e-6.obj",
+        "messy/curtain_soup.obj",
+        "messy/quadknot.obj",
+    ] {
+        let mesh = read(folder.join(name));
+        let options = ElasticOptions {
+            resolution: Some(20),
+            mode_count: 6,
+            ..ElasticOptions::default()
+        };
+        let (hz, report) = frequencies(&mesh, &options);
+        println!(
+            "{name}: {} cells, {} components, {:.3e} kg, {hz:.3?}",
+            report.cells, report.components, report.mass_kg
+        );
+        assert!(hz[0] > 0.0 && hz.is_sorted() && report.residual_max <= 1e-6);
+    }
+}

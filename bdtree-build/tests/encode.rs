@@ -1,0 +1,397 @@
+//! The file's bytes: canonical order, checksums, padding, the same bytes every time.
+
+mod tree_support;
+
+use bdtree_build::basis::{Basis, BasisMode};
+use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
+use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
+use bdtree_build::progress::Silent;
+use bdtree_build::tree::Split;
+use bdtree_format::{DEPTH_MAX, Header, SECTION_ORDER, SectionKind, row_count};
+use tree_support::*;
+use zerocopy::IntoBytes;
+
+#[test]
+fn bytes_do_not_depend_on_threads_or_run() {
+    let mesh = soup(9000, 1);
+    let basis = waves(&mesh, 5);
+    for split in [Split::Quinlan, Split::Cost] {
+        let bytes = |threads| {
+            let settings = BakeSettings {
+                threads,
+                split,
+                ..BakeSettings::default()
+            };
+            bake_with(&mesh, &basis, &settings).bytes
+        };
+        let first = bytes(1);
+        assert!(first == bytes(1), "a second run differs");
+        assert!(first == bytes(2), "two threads differ from one");
+        assert!(first == bytes(5), "five threads differ from one");
+    }
+}
+
+#[test]
+fn nodes_rows_and_triangles_stand_in_canonical_order() {
+    for (mesh, leaf_size) in [
+        (grid(30), 8),
+        (grid(30), 1),
+        (soup(500, 2), 3),
+        (soup(1, 2), 4),
+    ] {
+        for split in [Split::Quinlan, Split::Cost] {
+            let settings = BakeSettings {
+                leaf_size: Some(leaf_size),
+                split,
+                ..BakeSettings::default()
+            };
+            let bytes = bake_with(&mesh, &waves(&mesh, 3), &settings).bytes;
+            check_canonical(&Decoded::new(&bytes), &mesh, leaf_size);
+        }
+    }
+}
+
+fn check_canonical(file: &Decoded, mesh: &RawMesh, leaf_size: usize) {
+    let (mut child, mut slot, mut row) = (1, 0, 0);
+    for (i, node) in file.nodes.iter().enumerate() {
+        assert_eq!(node.first_child, child);
+        assert_eq!(node.first_slot, slot);
+        assert_eq!(node.row_start, row);
+        assert_eq!(node.inner_mask & node.leaf_mask, 0);
+        assert_eq!(node.reserved, [0; 3]);
+        let used = node.inner_mask | node.leaf_mask;
+        assert_eq!(used & used.wrapping_add(1), 0, "empty lanes stand last");
+        for k in 0..8 {
+            let count = usize::from(node.leaf_counts[k]);
+            assert_eq!(count > 0, node.leaf_mask >> k & 1 == 1);
+            assert!(count <= leaf_size);
+            if used >> k & 1 == 0 {
+                for r in 0..row_count(usize::from(node.mode_count)) {
+                    assert_eq!(file.value(node, r, k).to_bits(), 0);
+                }
+            }
+        }
+        for c in child..child + node.inner_mask.count_ones() {
+            assert_eq!(file.nodes[c as usize].level, node.level + 1);
+            assert!(c as usize > i);
+        }
+        child += node.inner_mask.count_ones();
+        slot += node.leaf_counts.iter().map(|&c| u32::from(c)).sum::<u32>();
+        row += row_count(usize::from(node.mode_count)) as u32;
+        assert!(file.node_modes(node).is_sorted());
+    }
+    assert_eq!(child as usize, file.nodes.len());
+    assert_eq!(slot as usize, mesh.triangles.len());
+    assert_eq!(row as usize, file.rows.len());
+    let depth = file.nodes.iter().map(|node| node.level).max().unwrap() + 1;
+    assert_eq!(u32::from(depth), file.header.depth.get());
+    for row in file.rows.iter().flatten() {
+        assert!(row.is_finite() && !row.is_subnormal());
+        assert_ne!(row.to_bits(), (-0.0f32).to_bits());
+    }
+    for (s, triangle) in file.triangles.iter().enumerate() {
+        assert_eq!(triangle.corners, mesh.triangles[triangle.id as usize]);
+        assert_eq!(file.slots[triangle.id as usize] as usize, s);
+    }
+}
+
+#[test]
+fn sections_are_aligned_ordered_checked_and_padded_with_zeros() {
+    let mut mesh = grid(9);
+    let basis = waves(&mesh, 3);
+    for groups in [0u32, 2] {
+        mesh.groups = (0..groups)
+            .map(|i| RawGroup {
+                kind: GroupKind::Material,
+                name: format!("steel {i}"),
+                first_triangle: i,
+                triangle_count: 1,
+            })
+            .collect();
+        let bytes = bake_with(&mesh, &basis, &BakeSettings::default()).bytes;
+        let file = Decoded::new(&bytes);
+        let kinds: Vec<SectionKind> = file.sections.iter().map(|s| s.kind).collect();
+        let expected: Vec<SectionKind> = SECTION_ORDER
+            .into_iter()
+            .filter(|k| groups > 0 || ![SectionKind::GROUPS, SectionKind::GROUP_NAMES].contains(k))
+            .collect();
+        assert_eq!(kinds, expected);
+        let mut end = file.header.header_bytes.get() as usize;
+        for section in &file.sections {
+            let (start, length) = (section.offset.get() as usize, section.length.get() as usize);
+            assert_eq!(start, end.next_multiple_of(64));
+            assert!(bytes[end..start].iter().all(|&b| b == 0));
+            end = start + length;
+            assert_eq!(section.crc.get(), crc32fast::hash(&bytes[start..end]));
+        }
+        assert_eq!(end, bytes.len());
+        assert_eq!(file.header.file_bytes.get() as usize, bytes.len());
+        let mut header = file.header;
+        header.header_crc = 0.into();
+        let mut block = bytes[..header.header_bytes.get() as usize].to_vec();
+        block[..size_of::<Header>()].copy_from_slice(header.as_bytes());
+        assert_eq!(file.header.header_crc.get(), crc32fast::hash(&block));
+    }
+}
+
+#[test]
+fn any_input_stays_within_the_largest_depth() {
+    let doubling = |n: i32| RawMesh {
+        positions: (0..n).map(|i| [1.1f64.powi(i), 0.0, 0.0]).collect(),
+        triangles: (0..n as u32 - 2).map(|i| [i, i + 1, i + 2]).collect(),
+        ..RawMesh::default()
+    };
+    for mesh in [doubling(600), doubling(100)] {
+        for split in [Split::Quinlan, Split::Cost] {
+            let settings = BakeSettings {
+                leaf_size: Some(1),
+                split,
+                ..BakeSettings::default()
+            };
+            let file = Decoded::new(&bake_with(&mesh, &Basis::default(), &settings).bytes);
+            assert!(file.header.depth.get() as usize <= DEPTH_MAX);
+            check_canonical(&file, &mesh, 1);
+        }
+    }
+}
+
+#[test]
+fn f32_sources_are_stored_as_they_are() {
+    let mut mesh = soup(50, 9);
+    for offset in [0.0, 1e4] {
+        for p in &mut mesh.positions {
+            *p = p.map(|x| f64::from((x + offset) as f32));
+        }
+        let file = bake_default(&mesh, &Basis::default());
+        let origin = file.header.origin.map(|x| x.get());
+        for (p, stored) in mesh.positions.iter().zip(&file.positions) {
+            for k in 0..3 {
+                assert_eq!(origin[k] + f64::from(stored[k]), p[k]);
+            }
+        }
+    }
+}
+
+#[test]
+fn limits_follow_the_longest_displacement() {
+    let mesh = grid(5);
+    let mut fields = basis(&mesh, 3, |j, p| {
+        if j == 1 {
+            [0.0; 3]
+        } else {
+            [0.0, 0.0, p[0] * 3.0]
+        }
+    });
+    fields.modes[2].q_range = Some(0.75);
+    let file = bake_default(&mesh, &fields);
+    let diagonal = (2.0f64 + 0.01).sqrt();
+    let limit = f64::from(file.modes[0].q_limit.get());
+    let reach = limit * 3.0 / diagonal;
+    assert!((95.0..215.0).contains(&reach), "{reach}");
+    assert_eq!(limit.log2().fract(), 0.0);
+    assert_eq!(file.modes[1].q_limit.get(), 2f32.powi(60));
+    assert_eq!(file.modes[1].q_range.get(), 1.0);
+    assert_eq!(file.modes[2].q_range.get(), 0.75);
+    assert_eq!(file.modes[2].step_scale.get(), 0.75);
+    let range = f64::from(file.modes[0].q_range.get()) * 3.0 / diagonal;
+    assert!((0.049..0.051).contains(&range), "{range}");
+}
+
+#[test]
+fn bad_input_is_refused_with_its_place() {
+    let good = grid(3);
+    let fields = waves(&good, 2);
+    let refuse = |mesh: &RawMesh, basis: &Basis| {
+        bake(mesh, basis, &BakeSettings::default(), &[], &Silent)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(refuse(&RawMesh::default(), &Basis::default()).contains("no triangles"));
+    let mut mesh = good.clone();
+    mesh.positions[7][1] = f64::NAN;
+    assert!(refuse(&mesh, &fields).starts_with("vertex 7: "));
+    mesh = good.clone();
+    mesh.triangles[4] = [0, 1, 99];
+    assert!(refuse(&mesh, &fields).starts_with("triangle 4: "));
+    let mut basis = fields.clone();
+    basis.fields[good.positions.len() + 3][0] = f64::INFINITY;
+    assert!(refuse(&good, &basis).starts_with("mode 1, vertex 3: "));
+    basis = fields.clone();
+    basis.fields[2][0] = 1e200;
+    assert!(refuse(&good, &basis).starts_with("mode 0, vertex 2: "));
+    basis = fields.clone();
+    basis.fields[2][0] = 1e38;
+    assert!(refuse(&good, &basis).starts_with("mode 0: "));
+    basis = fields.clone();
+    basis.modes[1].q_range = Some(-1.0);
+    assert!(refuse(&good, &basis).starts_with("mode 1: "));
+    basis = fields.clone();
+    basis.modes[0].omega_rad_s = Some(f64::NAN);
+    assert!(refuse(&good, &basis).starts_with("mode 0: "));
+    mesh = good.clone();
+    mesh.groups.push(RawGroup {
+        kind: GroupKind::Object,
+        name: "wing".to_string(),
+        first_triangle: 10,
+        triangle_count: 9,
+    });
+    assert!(refuse(&mesh, &fields).starts_with("group \"wing\": "));
+    basis = fields.clone();
+    basis.vertex_count = 3;
+    assert!(refuse(&good, &basis).contains("16"));
+    let many = tree_support::basis(&good, 513, |_, p| p);
+    assert!(refuse(&good, &many).contains("513"));
+    let settings = BakeSettings {
+        leaf_size: Some(0),
+        ..BakeSettings::default()
+    };
+    assert!(bake(&good, &fields, &settings, &[], &Silent).is_err());
+}
+
+#[test]
+fn reports_what_was_made() {
+    let mesh = grid(30);
+    let baked = bake_with(&mesh, &waves(&mesh, 4), &BakeSettings::default());
+    let json = serde_json::to_value(&baked.report).unwrap();
+    assert_eq!(json["vertices"], 961);
+    assert_eq!(json["triangles"], 1800);
+    assert_eq!(json["modes"], 4);
+    assert_eq!(json["bytes"], baked.bytes.len());
+    assert!(json["frequencies_hz"].is_null() && json["basis_error_rel"].is_null());
+    let levels = json["tightness"].as_array().unwrap();
+    assert_eq!(levels.len() as u64, json["depth"].as_u64().unwrap());
+    for level in levels {
+        let (mean, max) = (
+            level["mean"].as_f64().unwrap(),
+            level["max"].as_f64().unwrap(),
+        );
+        assert!((1.0 - 1e-6..2.0).contains(&mean) && max >= mean, "{level}");
+    }
+}
+
+#[test]
+fn files_are_written_whole_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.bdt");
+    write_atomically(&path, b"one").unwrap();
+    write_atomically(&path, b"two").unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), b"two");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    let missing = folder.path().join("missing").join("a.bdt");
+    let error = write_atomically(&missing, b"x").unwrap_err();
+    assert_eq!(error.problems[0].stage, "file");
+    assert!(error.problems[0].place.ends_with("a.bdt"));
+    std::fs::create_dir(folder.path().join("taken")).unwrap();
+    assert!(write_atomically(&folder.path().join("taken"), b"x").is_err());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+}
+
+/// The tree itself takes any floats: it is built before anyone has judged them.
+#[test]
+fn trees_of_bad_positions_are_still_trees() {
+    use bdtree_build::tree::{TreeSettings, build};
+    let bad = [
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::MAX,
+        -0.0,
+        1e-45,
+        1.0,
+    ];
+    let positions: Vec<[f32; 3]> = (0..300)
+        .map(|i| [bad[i % 7], bad[i / 7 % 7], bad[i / 49 % 7]])
+        .collect();
+    let triangles: Vec<[u32; 3]> = (0..298).map(|i| [i, i + 1, i + 2]).collect();
+    for split in [Split::Quinlan, Split::Cost] {
+        for leaf_size in [1, 4] {
+            let settings = TreeSettings {
+                split,
+                leaf_size,
+                threads: 1,
+            };
+            let tree = build(&positions, &triangles, &settings);
+            let mut ids: Vec<u32> = tree.leaf_order().collect();
+            ids.sort_unstable();
+            assert!(ids.into_iter().eq(0..298));
+            assert!(tree.depth <= DEPTH_MAX);
+            assert_eq!(build(&[], &[], &settings).nodes.len(), 1);
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_followed_and_devices_stay_devices() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = tempfile::tempdir().unwrap();
+    let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+    std::fs::write(&file, b"old").unwrap();
+    std::os::unix::fs::symlink(&file, &link).unwrap();
+    write_atomically(&link, b"new").unwrap();
+    assert_eq!(std::fs::read(&file).unwrap(), b"new");
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    // A link to a device, so that a broken build of this test replaces the link and nothing else.
+    let null = folder.path().join("null");
+    std::os::unix::fs::symlink("/dev/null", &null).unwrap();
+    write_atomically(&null, b"gone").unwrap();
+    let kind = std::fs::metadata(&null).unwrap().file_type();
+    assert!(kind.is_char_device());
+    #[cfg(target_os = "linux")]
+    {
+        let full = folder.path().join("full");
+        std::os::unix::fs::symlink("/dev/full", &full).unwrap();
+        let error = write_atomically(&full, b"x").unwrap_err().to_string();
+        assert!(error.contains("full: cannot write: "), "{error}");
+    }
+}
+
+#[test]
+fn what_would_not_open_is_not_made() {
+    let mesh = RawMesh {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2]],
+        ..RawMesh::default()
+    };
+    let mut basis = Basis {
+        vertex_count: 3,
+        fields: vec![[0.0, 0.0, 1.0]; 3],
+        modes: vec![BasisMode {
+            modal_mass_kg: Some(0.0),
+            ..BasisMode::default()
+        }],
+    };
+    let made = |basis: &Basis| bake(&mesh, basis, &BakeSettings::default(), &[], &Silent);
+    let error = made(&basis).unwrap_err().to_string();
+    assert_eq!(error, "mode 0: modal mass 0 kg is not a positive number");
+    basis.modes[0].modal_mass_kg = Some(1e-300);
+    assert!(made(&basis).is_ok());
+}
+
+#[test]
+fn sizes_that_readers_refuse_are_refused() {
+    let made = |scale: f64, offset: f64| {
+        let mesh = RawMesh {
+            positions: [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+                .map(|p| p.map(|x| x * scale + offset))
+                .to_vec(),
+            triangles: vec![[0, 1, 2]],
+            ..RawMesh::default()
+        };
+        let settings = BakeSettings::default();
+        bake(&mesh, &Basis::default(), &settings, &[], &Silent).map(|_| ())
+    };
+    for (scale, offset) in [(1e150, 0.0), (1e-310, 0.0), (1e28, 1e30)] {
+        let error = made(scale, offset).unwrap_err().to_string();
+        assert!(error.contains("cannot be stored"), "{error}");
+    }
+    for (scale, offset) in [
+        (1e29, 0.0),
+        (1e-29, 0.0),
+        (1.0, 1e6),
+        (0.0, 0.0),
+        (0.0, 5.0),
+    ] {
+        assert_eq!(made(scale, offset), Ok(()), "{scale} {offset}");
+    }
+}
