@@ -1,0 +1,130 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::q::QText;
+
+/// Looks into, checks, compares, deforms and queries .bdt files.
+///
+/// Exit codes: 0 done, 1 bad input (every problem on standard error with its place), 2 usage.
+#[derive(Debug, Parser)]
+#[command(name = "bdtree", version)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Info(InfoArguments),
+    Verify(VerifyArguments),
+    Diff(DiffArguments),
+    Deform(DeformArguments),
+    Query(QueryArguments),
+}
+
+/// Prints what a file holds: counts, modes, sections, sphere sizes per tree level.
+///
+/// Reads header, tables and tree without checking checksums; `verify` checks them.
+#[derive(Debug, Args)]
+pub struct InfoArguments {
+    /// The .bdt file
+    pub file: PathBuf,
+    /// Print one JSON object (lengths in mesh units, unknown values null)
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Checks every rule of the format: checksums, padding, records and every stored bound.
+///
+/// Exit code 0 when the file is sound, else 1. At most 1000 broken rules are listed. The file is
+/// read into memory, not mapped.
+#[derive(Debug, Args)]
+pub struct VerifyArguments {
+    /// The .bdt file
+    pub file: PathBuf,
+    /// Print one JSON object: ok, errors [{section, byte, rule, expected, found}]
+    #[arg(long)]
+    pub json: bool,
+    #[arg(long, hide = true)]
+    pub(crate) stress: bool,
+    #[arg(long, hide = true, value_name = "N")]
+    pub(crate) cases: Option<u64>,
+}
+
+/// Compares two files: structure exactly, numbers within a tolerance.
+///
+/// Structure is counts, sections, tree, triangles, groups, names and settings. A number's
+/// difference is measured against the largest magnitude of its quantity in both files: positions
+/// and sphere centres against the mesh's size, each mode's field against that mode's largest
+/// displacement, and so on. The version of the builder is shown but does not count.
+///
+/// Exit code 0 when they are the same, 1 when they differ, 2 when one cannot be read.
+#[derive(Debug, Args)]
+pub struct DiffArguments {
+    /// A .bdt file
+    pub a: PathBuf,
+    /// Another
+    pub b: PathBuf,
+    /// Largest difference of numbers over the scale of their quantity, 0 or more (no unit);
+    /// 0: numbers are equal to the last bit
+    #[arg(long, value_name = "E", default_value = "0", value_parser = tolerance)]
+    pub tolerance_rel: f64,
+}
+
+/// Writes the deformed mesh: origin + p + U q in f64, mesh units, in the source's order.
+///
+/// The file's checksums are checked first; it must not change meanwhile.
+#[derive(Debug, Args)]
+pub struct DeformArguments {
+    /// The .bdt file
+    pub file: PathBuf,
+    /// One number per mode, separated by commas, each at most the mode's q_limit in magnitude
+    /// (`info` shows it); the unit is the basis's, for elastic modes: 1 moves the farthest vertex
+    /// by one mesh unit [default: zeros]
+    #[arg(long, allow_hyphen_values = true, value_name = "Q1,Q2,…")]
+    pub q: Option<QText>,
+    /// Time of a frame of the file's animation, in seconds
+    #[arg(
+        long,
+        value_name = "T",
+        conflicts_with = "q",
+        allow_hyphen_values = true
+    )]
+    pub frame: Option<f64>,
+    /// Where to: .obj, or .npy with shape (N, 3), f64 [default: OBJ on standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Do not check the checksums first
+    #[arg(long)]
+    pub no_verify: bool,
+}
+
+/// Answers a scene's queries: one JSON line each, in order.
+///
+/// The whole scene is checked before the first line is printed, and so are the checksums of its
+/// assets; they must not change meanwhile. Coordinates and lengths are world, in and out.
+#[derive(Debug, Args)]
+pub struct QueryArguments {
+    /// The scene as JSON, - for standard input; asset paths in it are relative to its folder
+    /// (standard input: to the current one)
+    #[arg(value_name = "SCENE.json")]
+    pub scene: PathBuf,
+    /// Add nodes_visited to each line: the number of node bounds evaluated
+    #[arg(long)]
+    pub stats: bool,
+    /// Do not check the assets' checksums first
+    #[arg(long)]
+    pub no_verify: bool,
+}
+
+/// A tolerance from 0 on.
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(e) if e >= 0.0 && e.is_finite() => Ok(e),
+        Ok(_) => Err("must be a finite number, 0 or more".to_string()),
+        Err(error) => Err(error.to_string()),
+    }
+}

@@ -1,0 +1,100 @@
+//! `bdtree deform`: the deformed mesh as a file.
+
+mod npy;
+mod obj;
+
+use std::ffi::OsStr;
+use std::io::Write;
+
+use bdtree_runtime::{Asset, Pose, Transform, TriangleId, VertexId};
+
+pub use crate::cli::DeformArguments as Arguments;
+use crate::error::ToolError;
+use crate::output::write_whole;
+pub use crate::q::QText;
+use crate::q::checked_q;
+use crate::{AssetFile, DONE};
+
+/// Writes origin + p' of every vertex (mesh units, f64, source order) to a file or `out`.
+///
+/// # Errors
+/// A file that cannot be read or breaks the format's rules, q that does not fit it, an output
+/// that cannot be written.
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
+    let target = match &arguments.output {
+        None => None,
+        Some(path) => Some(match path.extension().and_then(OsStr::to_str) {
+            Some(e) if e.eq_ignore_ascii_case("obj") => (path, false),
+            Some(e) if e.eq_ignore_ascii_case("npy") => (path, true),
+            _ => {
+                let message = "unknown extension: .obj or .npy can be written";
+                return Err(ToolError::input(path.display(), message));
+            }
+        }),
+    };
+    let file = AssetFile::map(&arguments.file)?;
+    let asset = file.checked_asset(!arguments.no_verify)?;
+    if arguments.frame.is_some() {
+        return Err(ToolError::input(
+            file.path().display(),
+            "--frame: has no animation",
+        ));
+    }
+    let q = arguments.q.as_ref().map(|q| q.0.as_slice());
+    let positions = deformed(&file, &asset, q)?;
+    match target {
+        None => {
+            let triangles = triangles(&file, &asset)?;
+            obj::write(&asset, &positions, &triangles, out).map_err(ToolError::Stdout)?;
+        }
+        Some((path, true)) => write_whole(path, |w| npy::write(&positions, w))?,
+        Some((path, false)) => {
+            let triangles = triangles(&file, &asset)?;
+            write_whole(path, |w| obj::write(&asset, &positions, &triangles, w))?;
+        }
+    }
+    Ok(DONE)
+}
+
+/// The deformed positions, one per vertex of the source (mesh units); q absent: at rest.
+///
+/// # Errors
+/// q that does not fit the asset, an asset that is corrupt.
+pub fn deformed(
+    file: &AssetFile,
+    asset: &Asset<'_>,
+    q: Option<&[f64]>,
+) -> Result<Vec<[f64; 3]>, ToolError> {
+    let name = file.path().display().to_string();
+    let q = checked_q(q, asset, &name).map_err(|problems| {
+        let line = |problem: crate::q::QProblem| match problem.mode {
+            Some(mode) => format!("--q: q[{mode}]: {}", problem.message),
+            None => format!("--q: {}", problem.message),
+        };
+        ToolError::Input(problems.into_iter().map(line).collect())
+    })?;
+    let mut memory = vec![0.0; q.len()];
+    let pose = Pose::new(asset, &q, Transform::IDENTITY, &mut memory)
+        .map_err(|error| ToolError::input("--q", error))?;
+    (0..asset.vertex_count() as u32)
+        .map(|i| {
+            let x = asset
+                .deformed(&pose, VertexId(i))
+                .map_err(|error| file.error(error))?;
+            if x.iter().all(|c| c.is_finite()) {
+                Ok(x)
+            } else {
+                let message = format!("vertex {i} is not finite: corrupt asset, run bdtree verify");
+                Err(ToolError::input(&name, message))
+            }
+        })
+        .collect()
+}
+
+/// The corners of every triangle, by id.
+fn triangles(file: &AssetFile, asset: &Asset<'_>) -> Result<Vec<[VertexId; 3]>, ToolError> {
+    (0..asset.triangle_count() as u32)
+        .map(|id| asset.triangle(TriangleId(id)))
+        .collect::<Result<_, _>>()
+        .map_err(|error| file.error(error))
+}

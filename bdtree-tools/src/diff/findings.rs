@@ -1,0 +1,173 @@
+//! What differs, counted by kind with the first places.
+
+use std::fmt;
+
+/// Places that are listed per kind.
+const EXAMPLES_MAX: usize = 5;
+
+/// One kind of difference.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Difference {
+    /// What differs, such as `section VERT: rest positions`.
+    pub what: String,
+    /// How often.
+    pub count: u64,
+    /// Of how many that were compared; 0 where counting means nothing.
+    pub compared: u64,
+    /// Largest difference over the scale, for numbers.
+    pub largest_rel: Option<f64>,
+    /// The first places, with what each file holds.
+    pub examples: Vec<String>,
+}
+
+/// Everything that differs between two files.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Findings {
+    /// By kind, in file order.
+    pub differences: Vec<Difference>,
+    /// Largest difference over its scale among the numbers that count as equal.
+    pub tolerated_rel: f64,
+    /// What differs but does not count, and what could not be compared.
+    pub notes: Vec<String>,
+}
+
+impl Findings {
+    /// Nothing that counts differs.
+    pub fn is_same(&self) -> bool {
+        self.differences.is_empty()
+    }
+
+    /// Compares one thing.
+    pub(super) fn compare<T: PartialEq + fmt::Debug>(&mut self, what: &str, a: T, b: T) {
+        if a != b {
+            self.differences.push(Difference {
+                what: what.to_string(),
+                count: 1,
+                compared: 0,
+                largest_rel: None,
+                examples: vec![format!("{a:?} and {b:?}")],
+            });
+        }
+    }
+
+    /// Compares records of the same meaning, one by one; their number is compared elsewhere.
+    pub(super) fn compare_records<T: PartialEq + fmt::Debug>(
+        &mut self,
+        what: &str,
+        element: &str,
+        a: &[T],
+        b: &[T],
+    ) -> bool {
+        let mut difference = Difference {
+            what: what.to_string(),
+            count: 0,
+            compared: a.len().min(b.len()) as u64,
+            largest_rel: None,
+            examples: Vec::new(),
+        };
+        for (i, (a, b)) in a.iter().zip(b).enumerate() {
+            if a != b {
+                difference.note(|| format!("{element} {i}: {a:?} and {b:?}"));
+            }
+        }
+        let same = difference.count == 0;
+        self.add(difference);
+        same
+    }
+
+    /// Adds a kind if it was met.
+    fn add(&mut self, difference: Difference) {
+        if difference.count > 0 {
+            self.differences.push(difference);
+        }
+    }
+}
+
+impl Difference {
+    fn note(&mut self, example: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.examples.len() < EXAMPLES_MAX {
+            self.examples.push(example());
+        }
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.what)?;
+        match self.compared {
+            0 => f.write_str(" differs")?,
+            n => write!(f, ": {} of {n} differ", self.count)?,
+        }
+        if let Some(largest) = self.largest_rel {
+            write!(f, ", at most by {largest:e} of the scale")?;
+        }
+        for example in &self.examples {
+            write!(f, "\n    {example}")?;
+        }
+        if self.count > self.examples.len() as u64 {
+            f.write_str("\n    …")?;
+        }
+        Ok(())
+    }
+}
+
+/// Compares numbers of one quantity.
+#[derive(Debug)]
+pub(super) struct Numbers {
+    /// |a − b| over the scale may be this; 0: the bits are equal.
+    tolerance_rel: f64,
+    scale: f64,
+    largest_tolerated: f64,
+    difference: Difference,
+}
+
+impl Numbers {
+    /// Numbers whose differences are measured against `scale`.
+    pub(super) fn new(what: String, tolerance_rel: f64, scale: f64) -> Self {
+        Self {
+            tolerance_rel,
+            scale,
+            largest_tolerated: 0.0,
+            difference: Difference {
+                what,
+                count: 0,
+                compared: 0,
+                largest_rel: None,
+                examples: Vec::new(),
+            },
+        }
+    }
+
+    /// Compares two numbers at a place.
+    pub(super) fn compare(&mut self, a: f64, b: f64, place: impl FnOnce() -> String) {
+        self.difference.compared += 1;
+        if a.to_bits() == b.to_bits() {
+            return;
+        }
+        let relative = (a - b).abs() / self.scale;
+        // A scale of 0 is that of zeros of either sign.
+        if self.tolerance_rel > 0.0 && (a - b).abs() <= self.tolerance_rel * self.scale {
+            self.largest_tolerated = self.largest_tolerated.max(relative);
+            return;
+        }
+        let largest = self.difference.largest_rel.unwrap_or(0.0);
+        self.difference.largest_rel = Some(largest.max(relative));
+        self.difference
+            .note(|| format!("{}: {a:?} and {b:?}", place()));
+    }
+
+    /// Hands over what was found.
+    pub(super) fn finish(self, findings: &mut Findings) {
+        findings.tolerated_rel = findings.tolerated_rel.max(self.largest_tolerated);
+        findings.add(self.difference);
+    }
+}
+
+/// The largest magnitude that is a number.
+pub(super) fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
+    numbers
+        .into_iter()
+        .filter(|x| x.is_finite())
+        .fold(0.0, |largest: f64, x| largest.max(x.abs()))
+}

@@ -1,0 +1,109 @@
+//! `bdtree diff`: whether two files hold the same asset.
+//!
+//! Structure (counts, sections, tree, triangles, groups, names, settings) is compared exactly,
+//! numbers within a tolerance relative to a scale. File length, offsets and checksums follow from
+//! the rest and are not compared; the builder's version does not count, so that a new builder
+//! that bakes the same is seen to do so.
+
+mod findings;
+mod numbers;
+mod structure;
+
+pub use findings::{Difference, Findings};
+
+use std::io::Write;
+
+use crate::AssetFile;
+pub use crate::cli::DiffArguments as Arguments;
+use crate::error::ToolError;
+use crate::info::metadata;
+
+/// Exit code: nothing that counts differs.
+pub const SAME: u8 = 0;
+/// Exit code: something differs.
+pub const DIFFER: u8 = 1;
+
+/// Compares two files and prints each kind of difference with its first places.
+///
+/// # Errors
+/// A file that cannot be read, an output stream that fails.
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
+    let (a, b) = (AssetFile::map(&arguments.a)?, AssetFile::map(&arguments.b)?);
+    let findings = compare(&a, &b, arguments.tolerance_rel)?;
+    print(&findings, out).map_err(ToolError::Stdout)?;
+    Ok(if findings.is_same() { SAME } else { DIFFER })
+}
+
+/// Everything that differs.
+///
+/// # Errors
+/// A file whose header, tables, nodes or metadata break the format's rules.
+pub fn compare(
+    file_a: &AssetFile,
+    file_b: &AssetFile,
+    tolerance_rel: f64,
+) -> Result<Findings, ToolError> {
+    let (a, b) = (&file_a.asset()?, &file_b.asset()?);
+    let metadata_a = metadata(file_a, a)?;
+    let metadata_b = metadata(file_b, b)?;
+    let mut findings = Findings::default();
+    let comparable = structure::compare(a, b, &mut findings);
+    numbers::compare_header(a, b, tolerance_rel, &mut findings);
+    if comparable.modes {
+        numbers::compare_modes(a, b, tolerance_rel, &mut findings);
+    }
+    if comparable.rows {
+        for file in [file_a, file_b] {
+            // The comparison walks both files: find out which one is broken first.
+            let asset = file.asset()?;
+            for node in asset.nodes() {
+                let inside = asset.node_rows(node).and(asset.node_modes(node).map(drop));
+                inside.map_err(|error| file.error(error))?;
+            }
+        }
+        numbers::compare_rows(a, b, tolerance_rel, &mut findings)
+            .map_err(|error| file_a.error(error))?;
+    }
+    if comparable.vertices {
+        numbers::compare_positions(a, b, tolerance_rel, &mut findings);
+    }
+    if comparable.modes {
+        numbers::compare_displacements(a, b, tolerance_rel, &mut findings);
+    }
+    for (what, compared) in [
+        ("rest positions", comparable.vertices),
+        ("mode table and displacements", comparable.modes),
+        ("rows", comparable.rows),
+    ] {
+        if !compared {
+            let note = format!("not compared, since the structure differs: {what}");
+            findings.notes.push(note);
+        }
+    }
+    structure::compare_metadata(
+        metadata_a.as_ref(),
+        metadata_b.as_ref(),
+        tolerance_rel,
+        &mut findings,
+    );
+    Ok(findings)
+}
+
+fn print(findings: &Findings, out: &mut dyn Write) -> std::io::Result<()> {
+    for note in &findings.notes {
+        writeln!(out, "{note}")?;
+    }
+    for difference in &findings.differences {
+        writeln!(out, "{difference}")?;
+    }
+    if findings.is_same() {
+        match findings.tolerated_rel {
+            0.0 => writeln!(out, "same")?,
+            rel => writeln!(
+                out,
+                "same: numbers differ by at most {rel:e} of their scale"
+            )?,
+        }
+    }
+    Ok(())
+}

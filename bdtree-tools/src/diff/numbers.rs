@@ -1,0 +1,200 @@
+//! Numbers, compared against the largest magnitude of their quantity in both files.
+//!
+//! | numbers | scale |
+//! |---|---|
+//! | origin | origin and size of the mesh |
+//! | mode table, each column | its largest entry |
+//! | rest positions; sphere centres and radii | their largest |
+//! | U_ij; Ū_j and ΔR_j; b⁺_j and b⁻_j | the largest of the mode |
+//! | δR; δR of scaled steps | their largest |
+
+use bdtree_format::{Header, LANES, ModeRecord, ROWS_LEADING, ROWS_PER_MODE, Row};
+use bdtree_runtime::{Asset, FormatError};
+
+use super::findings::{Findings, Numbers, largest};
+
+/// Compares the header's real numbers.
+pub(super) fn compare_header(
+    a: &Asset<'_>,
+    b: &Asset<'_>,
+    tolerance_rel: f64,
+    findings: &mut Findings,
+) {
+    let size = |asset: &Asset<'_>| f64::from(asset.header().position_norm_max.get()) * asset.unit();
+    let sizes = [size(a), size(b)];
+    let scale = largest(a.origin().into_iter().chain(b.origin()).chain(sizes));
+    let mut numbers = Numbers::new("header: origin".to_string(), tolerance_rel, scale);
+    for (axis, (x, y)) in a.origin().into_iter().zip(b.origin()).enumerate() {
+        numbers.compare(x, y, || format!("[{axis}]"));
+    }
+    numbers.finish(findings);
+
+    let norm = |header: &Header| f64::from(header.position_norm_max.get());
+    let (x, y) = (norm(a.header()), norm(b.header()));
+    let what = "header: position_norm_max".to_string();
+    let mut numbers = Numbers::new(what, tolerance_rel, largest([x, y]));
+    numbers.compare(x, y, || "stored units".to_string());
+    numbers.finish(findings);
+}
+
+/// Compares the mode tables. An unknown frequency or mass (−1) equals only an unknown one.
+pub(super) fn compare_modes(
+    a: &Asset<'_>,
+    b: &Asset<'_>,
+    tolerance_rel: f64,
+    findings: &mut Findings,
+) {
+    type Column = (&'static str, fn(&ModeRecord) -> f64);
+    let columns: [Column; 6] = [
+        ("q_limit", |m| m.q_limit.get().into()),
+        ("q_range", |m| m.q_range.get().into()),
+        ("step_scale", |m| m.step_scale.get().into()),
+        ("field_norm_max", |m| m.field_norm_max.get().into()),
+        ("omega_rad_s", |m| m.omega_rad_s.get()),
+        ("modal_mass_kg", |m| m.modal_mass_kg.get()),
+    ];
+    for (name, value) in columns {
+        let scale = largest(a.modes().iter().chain(b.modes()).map(value));
+        let what = format!("mode table: {name}");
+        let mut numbers = Numbers::new(what.clone(), tolerance_rel, scale);
+        for (j, (x, y)) in a.modes().iter().zip(b.modes()).enumerate() {
+            let (x, y) = (value(x), value(y));
+            if (x == -1.0) == (y == -1.0) {
+                numbers.compare(x, y, || format!("mode {j}"));
+            } else {
+                findings.compare(&format!("{what}: known or not, mode {j}"), x, y);
+            }
+        }
+        numbers.finish(findings);
+    }
+}
+
+/// Compares rest positions.
+pub(super) fn compare_positions(
+    a: &Asset<'_>,
+    b: &Asset<'_>,
+    tolerance_rel: f64,
+    findings: &mut Findings,
+) {
+    let all = |asset: &Asset<'_>| largest(asset.positions().as_flattened().iter().map(widen));
+    let scale = largest([all(a), all(b)]);
+    let what = "section VERT: rest positions".to_string();
+    let mut numbers = Numbers::new(what, tolerance_rel, scale);
+    for (i, (x, y)) in a.positions().iter().zip(b.positions()).enumerate() {
+        for axis in 0..3 {
+            numbers.compare(x[axis].into(), y[axis].into(), || {
+                format!("vertex {i} [{axis}]")
+            });
+        }
+    }
+    numbers.finish(findings);
+}
+
+/// Compares displacements, mode by mode.
+pub(super) fn compare_displacements(
+    a: &Asset<'_>,
+    b: &Asset<'_>,
+    tolerance_rel: f64,
+    findings: &mut Findings,
+) {
+    let m = a.mode_count();
+    for j in 0..m {
+        let (a, b) = (a.displacements(), b.displacements());
+        let field = |u: &[[f32; 3]]| {
+            let u = u.iter().skip(j).step_by(m);
+            largest(u.flatten().map(widen))
+        };
+        let scale = largest([field(a), field(b)]);
+        let what = format!("section DISP: displacements of mode {j}");
+        let mut numbers = Numbers::new(what, tolerance_rel, scale);
+        let pairs = a.iter().zip(b).skip(j).step_by(m);
+        for (i, (x, y)) in pairs.enumerate() {
+            for axis in 0..3 {
+                numbers.compare(x[axis].into(), y[axis].into(), || {
+                    format!("vertex {i} [{axis}]")
+                });
+            }
+        }
+        numbers.finish(findings);
+    }
+}
+
+/// Compares the rows of nodes that are equal in both files.
+///
+/// # Errors
+/// Rows or mode lists outside their sections.
+pub(super) fn compare_rows(
+    a: &Asset<'_>,
+    b: &Asset<'_>,
+    tolerance_rel: f64,
+    findings: &mut Findings,
+) -> Result<(), FormatError> {
+    let m = a.mode_count();
+    let mut scales = vec![0.0_f64; quantity_count(m)];
+    for asset in [a, b] {
+        for node in asset.nodes() {
+            let modes = asset.node_modes(node)?;
+            for (r, row) in asset.node_rows(node)?.iter().enumerate() {
+                if let Some(scale) = scales.get_mut(quantity(r, modes, m)) {
+                    *scale = scale.max(largest(row.iter().map(widen)));
+                }
+            }
+        }
+    }
+    let mut quantities: Vec<Numbers> = scales
+        .into_iter()
+        .enumerate()
+        .map(|(k, scale)| Numbers::new(quantity_name(k, m), tolerance_rel, scale))
+        .collect();
+    for (i, (node_a, node_b)) in a.nodes().iter().zip(b.nodes()).enumerate() {
+        let modes = a.node_modes(node_a)?;
+        let rows: (&[Row], &[Row]) = (a.node_rows(node_a)?, b.node_rows(node_b)?);
+        for (r, (x, y)) in rows.0.iter().zip(rows.1).enumerate() {
+            if let Some(numbers) = quantities.get_mut(quantity(r, modes, m)) {
+                for k in 0..LANES {
+                    numbers.compare(x[k].into(), y[k].into(), || {
+                        format!("node {i} row {r} lane {k}")
+                    });
+                }
+            }
+        }
+    }
+    for numbers in quantities {
+        numbers.finish(findings);
+    }
+    Ok(())
+}
+
+fn widen(x: &f32) -> f64 {
+    f64::from(*x)
+}
+
+/// Centres and radii, two per mode, δR, δR of scaled steps.
+fn quantity_count(mode_count: usize) -> usize {
+    3 + 2 * mode_count
+}
+
+/// Which quantity a node's row holds; out of range when its mode does not exist.
+fn quantity(row: usize, modes: &[u16], mode_count: usize) -> usize {
+    let Some(behind) = row.checked_sub(ROWS_LEADING) else {
+        return 0;
+    };
+    match modes.get(behind / ROWS_PER_MODE) {
+        Some(mode) if usize::from(*mode) < mode_count => {
+            1 + 2 * usize::from(*mode) + usize::from(behind % ROWS_PER_MODE >= 4)
+        }
+        Some(_) => usize::MAX,
+        None => 1 + 2 * mode_count + (behind - ROWS_PER_MODE * modes.len()),
+    }
+}
+
+fn quantity_name(quantity: usize, mode_count: usize) -> String {
+    let name = match quantity {
+        0 => "centres and radii".to_string(),
+        k if k == 1 + 2 * mode_count => "radius growth delta-R".to_string(),
+        k if k == 2 + 2 * mode_count => "radius growth delta-R of scaled steps".to_string(),
+        k if k % 2 == 1 => format!("mean displacement and growth of mode {}", (k - 1) / 2),
+        k => format!("b+ and b- of mode {}", (k - 1) / 2),
+    };
+    format!("section ROWS: {name}")
+}

@@ -1,0 +1,181 @@
+//! What two files must share exactly: counts, sections, tree, triangles, groups, metadata.
+
+use bdtree_format::{Metadata, SECTION_ORDER, SectionKind};
+use bdtree_runtime::Asset;
+
+use super::findings::{Findings, Numbers, largest};
+use crate::info::hexadecimal;
+
+/// Which arrays have the same shape, so that their numbers can be compared.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Comparable {
+    /// Rest positions: the same number of vertices and the same unit.
+    pub(super) vertices: bool,
+    /// Mode table and displacements: also the same number of modes.
+    pub(super) modes: bool,
+    /// Rows: also the same nodes and mode lists.
+    pub(super) rows: bool,
+}
+
+/// Compares everything but numbers and metadata.
+pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) -> Comparable {
+    let (ha, hb) = (a.header(), b.header());
+    let mut count = |what: &str, x: u32, y: u32| {
+        findings.compare(&format!("header: {what}"), x, y);
+        x == y
+    };
+    let version = |h: &bdtree_format::Header| {
+        u32::from(h.version_major.get()) << 16 | u32::from(h.version_minor.get())
+    };
+    count("version", version(ha), version(hb));
+    count(
+        "features_optional",
+        ha.features_optional.get(),
+        hb.features_optional.get(),
+    );
+    let vertices = count("vertex_count", ha.vertex_count.get(), hb.vertex_count.get());
+    let triangles = count(
+        "triangle_count",
+        ha.triangle_count.get(),
+        hb.triangle_count.get(),
+    );
+    let modes = count("mode_count", ha.mode_count.get(), hb.mode_count.get());
+    let nodes = count("node_count", ha.node_count.get(), hb.node_count.get());
+    count("depth", ha.depth.get(), hb.depth.get());
+    count(
+        "leaf_triangles_max",
+        ha.leaf_triangles_max.get(),
+        hb.leaf_triangles_max.get(),
+    );
+    let (unit_a, unit_b) = (ha.unit_exponent.get(), hb.unit_exponent.get());
+    findings.compare("header: unit_exponent", unit_a, unit_b);
+
+    sections(a, b, findings);
+    let mut rows = vertices && modes && nodes && unit_a == unit_b;
+    if nodes {
+        rows &= findings.compare_records("section NODE: nodes", "node", a.nodes(), b.nodes());
+        rows &= mode_lists(a, b, findings);
+    }
+    if triangles {
+        findings.compare_records(
+            "section TRIS: triangles in leaf order",
+            "slot",
+            a.triangles(),
+            b.triangles(),
+        );
+        findings.compare_records(
+            "section SLOT: triangle slots",
+            "triangle",
+            a.triangle_slots(),
+            b.triangle_slots(),
+        );
+    }
+    let (groups_a, groups_b): (Vec<_>, Vec<_>) = (a.groups().collect(), b.groups().collect());
+    findings.compare(
+        "section GRPS: number of groups",
+        groups_a.len(),
+        groups_b.len(),
+    );
+    findings.compare_records("section GRPS: groups", "group", &groups_a, &groups_b);
+    Comparable {
+        vertices: vertices && unit_a == unit_b,
+        modes: vertices && modes && unit_a == unit_b,
+        rows,
+    }
+}
+
+/// Kinds, layouts and flags; the bytes of sections that this version does not know.
+fn sections(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
+    let table = |asset: &Asset<'_>| -> Vec<(String, u32, u32)> {
+        let sections = asset.sections().iter();
+        sections
+            .map(|s| (s.kind.to_string(), s.layout.get(), s.required.get()))
+            .collect()
+    };
+    let (table_a, table_b) = (table(a), table(b));
+    findings.compare("section table (kind, layout, required)", &table_a, &table_b);
+    if table_a != table_b {
+        return;
+    }
+    for (x, y) in a.sections().iter().zip(b.sections()) {
+        if !SECTION_ORDER.contains(&x.kind) {
+            let bytes = |asset: &Asset<'_>, s: &bdtree_format::SectionRecord| {
+                let start = s.offset.get() as usize;
+                let end = start.saturating_add(s.length.get() as usize);
+                asset.bytes().get(start..end).unwrap_or_default().to_vec()
+            };
+            let what = format!("section {}: length", x.kind);
+            findings.compare(&what, x.length.get(), y.length.get());
+            let what = format!("section {}: bytes", x.kind);
+            findings.compare_records(&what, "byte", &bytes(a, x), &bytes(b, y));
+        }
+    }
+}
+
+/// The mode-list section, found as bytes: nodes only see their part of it.
+fn mode_lists(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) -> bool {
+    let list = |asset: &Asset<'_>| -> Vec<u16> {
+        let sections = asset.sections();
+        let Some(s) = sections.iter().find(|s| s.kind == SectionKind::MODE_LISTS) else {
+            return Vec::new();
+        };
+        let start = s.offset.get() as usize;
+        let end = start.saturating_add(s.length.get() as usize);
+        let bytes = asset.bytes().get(start..end).unwrap_or_default();
+        let pairs = bytes.chunks_exact(2);
+        pairs.map(|x| u16::from_le_bytes([x[0], x[1]])).collect()
+    };
+    let (a, b) = (list(a), list(b));
+    findings.compare("section LIST: length", a.len(), b.len());
+    findings.compare_records("section LIST: mode lists", "entry", &a, &b) && a.len() == b.len()
+}
+
+/// Everything in the metadata but the builder's version, which is only noted.
+pub(super) fn compare_metadata(
+    a: Option<&Metadata>,
+    b: Option<&Metadata>,
+    tolerance_rel: f64,
+    findings: &mut Findings,
+) {
+    let (Some(a), Some(b)) = (a, b) else {
+        return; // the section tables differ, or there is none
+    };
+    if a.builder != b.builder {
+        let note = format!(
+            "builder (does not count): {:?} and {:?}",
+            a.builder, b.builder
+        );
+        findings.notes.push(note);
+    }
+    findings.compare("section META: source_name", &a.source_name, &b.source_name);
+    findings.compare(
+        "section META: source_hash",
+        hexadecimal(&a.source_hash),
+        hexadecimal(&b.source_hash),
+    );
+    findings.compare("section META: basis", &a.basis, &b.basis);
+    findings.compare("section META: settings", &a.settings, &b.settings);
+    findings.compare("section META: modes", &a.modes, &b.modes);
+    findings.compare(
+        "section META: number of warnings",
+        a.warnings.len(),
+        b.warnings.len(),
+    );
+    findings.compare_records(
+        "section META: warnings",
+        "warning",
+        &a.warnings,
+        &b.warnings,
+    );
+    match (a.basis_error_rel, b.basis_error_rel) {
+        (Some((max_a, rms_a)), Some((max_b, rms_b))) => {
+            let scale = largest([max_a, max_b]);
+            let what = "section META: basis_error_rel".to_string();
+            let mut numbers = Numbers::new(what, tolerance_rel, scale);
+            numbers.compare(max_a, max_b, || "max".to_string());
+            numbers.compare(rms_a, rms_b, || "rms".to_string());
+            numbers.finish(findings);
+        }
+        (a, b) => findings.compare("section META: basis_error_rel", a, b),
+    }
+}

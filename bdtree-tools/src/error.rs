@@ -1,0 +1,61 @@
+//! What a command can fail with: one line per problem, each with its place.
+
+use std::io;
+use std::path::PathBuf;
+
+use bdtree_format::MetadataError;
+use bdtree_runtime::FormatError;
+
+/// Why a command gave up.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ToolError {
+    /// A file could not be opened or read.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file breaks a rule of the format.
+    #[error("{}: {error}", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// Which rule, and where.
+        error: FormatError,
+    },
+    /// A file's metadata section is not what the format says.
+    #[error("{}: {error}", path.display())]
+    Metadata {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: MetadataError,
+    },
+    /// Arguments or a scene with problems: one line each, place first.
+    #[error("{}", .0.join("\n"))]
+    Input(Vec<String>),
+    /// Arguments that no file could make right.
+    #[error("{0}")]
+    Usage(String),
+    /// An output file could not be written.
+    #[error("{}: cannot write: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The output stream failed otherwise than by closing.
+    #[error("standard output: {0}")]
+    Stdout(io::Error),
+}
+
+impl ToolError {
+    /// One problem with its place.
+    pub(crate) fn input(place: impl std::fmt::Display, message: impl std::fmt::Display) -> Self {
+        Self::Input(vec![format!("{place}: {message}")])
+    }
+}

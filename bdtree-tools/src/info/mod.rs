@@ -1,0 +1,30 @@
+//! `bdtree info`: what a file holds.
+
+mod report;
+mod text;
+
+pub use report::{BasisError, Group, Info, Level, Mode, Section, Source};
+pub(crate) use report::{hexadecimal, metadata};
+
+use std::io::Write;
+
+pub use crate::cli::InfoArguments as Arguments;
+use crate::error::ToolError;
+use crate::{AssetFile, DONE};
+
+/// Prints what a file holds, as text or as one JSON object.
+///
+/// # Errors
+/// A file that cannot be read or whose header, tables, tree or metadata break the format's rules;
+/// an output stream that fails.
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
+    let file = AssetFile::map(&arguments.file)?;
+    let info = Info::of(&file)?;
+    let text = if arguments.json {
+        serde_json::to_string(&info).map_err(|e| ToolError::Stdout(e.into()))? + "\n"
+    } else {
+        text::text(&arguments.file, &info)
+    };
+    out.write_all(text.as_bytes()).map_err(ToolError::Stdout)?;
+    Ok(DONE)
+}

@@ -1,0 +1,270 @@
+//! The facts of a file, named as `info --json` prints them.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use bdtree_format::{Metadata, NodeRecord, ROW_RADIUS, SectionKind, group_kind};
+use bdtree_runtime::{Asset, Datum, FormatError};
+use serde::Serialize;
+
+use crate::AssetFile;
+use crate::error::ToolError;
+
+/// What a file holds. Lengths are mesh units; unknown values are null.
+#[derive(Debug, Serialize)]
+pub struct Info {
+    /// Format version of the writer, major.minor.
+    pub version: String,
+    /// Length of the file.
+    pub bytes: u64,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Number of modes.
+    pub modes: usize,
+    /// Number of eight-wide nodes.
+    pub nodes: usize,
+    /// Number of node levels.
+    pub depth: usize,
+    /// What stored positions are relative to.
+    pub origin: [f64; 3],
+    /// Hard limit of |q_j| per mode.
+    pub q_limit: Vec<f32>,
+    /// Typical largest |q_j| per mode.
+    pub q_range: Vec<f32>,
+    /// What was baked.
+    pub source: Source,
+    /// One entry per mode.
+    pub mode_info: Vec<Mode>,
+    /// Number of animation frames.
+    pub frames: Option<u64>,
+    /// The sections, in file order.
+    pub sections: Vec<Section>,
+    /// The tree's levels, from the root.
+    pub levels: Vec<Level>,
+    /// Mesh units per stored unit.
+    pub unit: f64,
+    /// Most triangles in one leaf lane.
+    pub leaf_triangles_max: u32,
+    /// What wrote the file.
+    pub builder: Option<String>,
+    /// Where the basis came from.
+    pub basis: Option<String>,
+    /// Error of the basis against its source over the bounding box's diagonal.
+    pub basis_error_rel: Option<BasisError>,
+    /// Settings of the bake.
+    pub settings: Option<BTreeMap<String, String>>,
+    /// What was odd about the source.
+    pub warnings: Option<Vec<String>>,
+    /// The source's groups.
+    pub groups: Vec<Group>,
+}
+
+/// The file that was baked.
+#[derive(Debug, Serialize)]
+pub struct Source {
+    /// Its name without folder.
+    pub name: Option<String>,
+    /// SHA-256 in hexadecimal.
+    pub hash: Option<String>,
+}
+
+/// What is known about a mode.
+#[derive(Debug, Serialize)]
+pub struct Mode {
+    /// Its name.
+    pub name: Option<String>,
+    /// ω / 2π.
+    pub frequency_hz: Option<f64>,
+    /// In kg.
+    pub modal_mass_kg: Option<f64>,
+}
+
+/// A section's place.
+#[derive(Debug, Serialize)]
+pub struct Section {
+    /// Four letters.
+    pub kind: String,
+    /// First byte.
+    pub offset: u64,
+    /// Length.
+    pub bytes: u64,
+}
+
+/// The spheres of the nodes of one level, at rest.
+#[derive(Debug, Serialize)]
+pub struct Level {
+    /// 0: those in the root node.
+    pub level: usize,
+    /// How many.
+    pub spheres: u64,
+    /// Their mean radius; null when there is none.
+    pub radius_mean: Option<f64>,
+    /// Their largest radius.
+    pub radius_max: Option<f64>,
+}
+
+/// Error of a basis.
+#[derive(Debug, Serialize)]
+pub struct BasisError {
+    /// Largest.
+    pub max: f64,
+    /// Root mean square.
+    pub rms: f64,
+}
+
+/// A run of triangles under one name.
+#[derive(Debug, Serialize)]
+pub struct Group {
+    /// `object`, `group` or `material`; other numbers as they are.
+    pub kind: String,
+    /// The source's name.
+    pub name: String,
+    /// First triangle id.
+    pub first_triangle: u32,
+    /// Number of triangles.
+    pub triangles: u32,
+}
+
+impl Info {
+    /// Reads header, tables, nodes, radii and metadata.
+    ///
+    /// # Errors
+    /// What is read and breaks the format's rules.
+    pub fn of(file: &AssetFile) -> Result<Self, ToolError> {
+        let asset = file.asset()?;
+        let metadata = metadata(file, &asset)?;
+        let metadata = metadata.as_ref();
+        let header = asset.header();
+        let known = |x: f64| (x != -1.0).then_some(x);
+        let mode_name = |j: usize| metadata?.modes.get(j)?.name.clone();
+        Ok(Self {
+            version: format!(
+                "{}.{}",
+                header.version_major.get(),
+                header.version_minor.get()
+            ),
+            bytes: header.file_bytes.get(),
+            vertices: asset.vertex_count(),
+            triangles: asset.triangle_count(),
+            modes: asset.mode_count(),
+            nodes: asset.node_count(),
+            depth: asset.depth(),
+            origin: asset.origin(),
+            q_limit: asset.modes().iter().map(|m| m.q_limit.get()).collect(),
+            q_range: asset.modes().iter().map(|m| m.q_range.get()).collect(),
+            source: Source {
+                name: metadata.map(|m| m.source_name.clone()),
+                hash: metadata.map(|m| hexadecimal(&m.source_hash)),
+            },
+            mode_info: asset
+                .modes()
+                .iter()
+                .enumerate()
+                .map(|(j, mode)| Mode {
+                    name: mode_name(j),
+                    frequency_hz: known(mode.omega_rad_s.get()).map(|omega| omega / TAU),
+                    modal_mass_kg: known(mode.modal_mass_kg.get()),
+                })
+                .collect(),
+            frames: None,
+            sections: asset
+                .sections()
+                .iter()
+                .map(|section| Section {
+                    kind: section.kind.to_string(),
+                    offset: section.offset.get(),
+                    bytes: section.length.get(),
+                })
+                .collect(),
+            levels: levels(&asset).map_err(|error| file.error(error))?,
+            unit: asset.unit(),
+            leaf_triangles_max: header.leaf_triangles_max.get(),
+            builder: metadata.map(|m| m.builder.clone()),
+            basis: metadata.map(|m| m.basis.clone()),
+            basis_error_rel: metadata
+                .and_then(|m| m.basis_error_rel)
+                .map(|(max, rms)| BasisError { max, rms }),
+            settings: metadata.map(|m| m.settings.clone()),
+            warnings: metadata.map(|m| m.warnings.clone()),
+            groups: asset
+                .groups()
+                .map(|group| Group {
+                    kind: kind_name(group.kind),
+                    name: group.name.to_string(),
+                    first_triangle: group.first_triangle.0,
+                    triangles: group.triangle_count,
+                })
+                .collect(),
+        })
+    }
+}
+
+/// The metadata section, if there is one.
+pub(crate) fn metadata(file: &AssetFile, asset: &Asset<'_>) -> Result<Option<Metadata>, ToolError> {
+    if asset.metadata().is_empty() {
+        return Ok(None);
+    }
+    let metadata = Metadata::from_bytes(asset.metadata());
+    metadata.map(Some).map_err(|error| ToolError::Metadata {
+        path: file.path().to_path_buf(),
+        error,
+    })
+}
+
+/// A group's kind as a word.
+fn kind_name(kind: u32) -> String {
+    match kind {
+        group_kind::OBJECT => "object".to_string(),
+        group_kind::GROUP => "group".to_string(),
+        group_kind::MATERIAL => "material".to_string(),
+        other => other.to_string(),
+    }
+}
+
+/// Two digits per byte.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// Counts and radii of the lanes that are not empty, by the level of their node.
+fn levels(asset: &Asset<'_>) -> Result<Vec<Level>, FormatError> {
+    let mut sums = vec![(0_u64, 0.0_f64, 0.0_f64); asset.depth()];
+    for (i, node) in asset.nodes().iter().enumerate() {
+        let Some((count, sum, max)) = sums.get_mut(usize::from(node.level)) else {
+            return Err(level_error(asset, i, node));
+        };
+        let rows = asset.node_rows(node)?;
+        let used = node.inner_mask | node.leaf_mask;
+        for (k, radius) in rows[ROW_RADIUS].iter().enumerate() {
+            if used & (1 << k) != 0 {
+                *count += 1;
+                *sum += f64::from(*radius);
+                *max = max.max(f64::from(*radius));
+            }
+        }
+    }
+    let level = |(level, (spheres, sum, max)): (usize, (u64, f64, f64))| Level {
+        level,
+        spheres,
+        radius_mean: (spheres > 0).then(|| sum / spheres as f64 * asset.unit()),
+        radius_max: (spheres > 0).then(|| max * asset.unit()),
+    };
+    Ok(sums.into_iter().enumerate().map(level).collect())
+}
+
+fn level_error(asset: &Asset<'_>, index: usize, node: &NodeRecord) -> FormatError {
+    let section = asset
+        .sections()
+        .iter()
+        .find(|s| s.kind == SectionKind::NODES);
+    let at = section.map_or(0, |s| s.offset.get()) + (index * size_of::<NodeRecord>()) as u64;
+    FormatError {
+        section: SectionKind::NODES,
+        byte: at,
+        rule: "SPEC 6.6: a node's level is below the header's depth",
+        expected: Datum::Integer(asset.depth() as u64),
+        found: Datum::Integer(u64::from(node.level)),
+    }
+}

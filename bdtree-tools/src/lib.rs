@@ -1,0 +1,85 @@
+//! The `bdtree` command as a library: `info`, `verify`, `diff`, `deform`, `query`.
+//!
+//! [`run`] is the whole command with its streams as arguments; each subcommand is one module with
+//! one public `run`. Exit codes: 0 done, 1 bad input (every problem is one line on the error
+//! stream, with its place), 2 usage; `diff` has its own (0 same, 1 differ, 2 unreadable).
+//!
+//! Files are mapped, not read, except by `verify`, which is meant for files of others: a file
+//! must not change while it is mapped.
+#![forbid(unsafe_code)]
+
+mod asset_file;
+mod cli;
+pub mod deform;
+pub mod diff;
+mod error;
+pub mod info;
+mod output;
+mod q;
+pub mod query;
+pub mod scene;
+pub mod verify;
+
+pub use asset_file::AssetFile;
+pub use error::ToolError;
+
+use std::ffi::OsString;
+use std::io::Write;
+
+use clap::Parser;
+use cli::{Cli, Command};
+
+/// Exit code: done.
+pub const DONE: u8 = 0;
+/// Exit code: bad input.
+pub const BAD_INPUT: u8 = 1;
+/// Exit code: usage.
+pub const USAGE: u8 = 2;
+
+/// Runs the command with `arguments` (the program's name first) and returns its exit code. A
+/// reader that closes `out` early is no error.
+pub fn run(
+    arguments: impl IntoIterator<Item = OsString>,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> u8 {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(answer) => {
+            // Help and version are answers, everything else is a mistake.
+            let (stream, code): (&mut dyn Write, u8) = if answer.use_stderr() {
+                (err, USAGE)
+            } else {
+                (out, DONE)
+            };
+            let _ = write!(stream, "{}", answer.render());
+            let _ = stream.flush();
+            return code;
+        }
+    };
+    let out = &mut output::QuietPipe::new(out);
+    let unreadable = match &cli.command {
+        Command::Diff(_) => USAGE,
+        _ => BAD_INPUT,
+    };
+    let result = match cli.command {
+        Command::Info(arguments) => info::run(&arguments, out),
+        Command::Verify(arguments) => verify::run(&arguments, out, err),
+        Command::Diff(arguments) => diff::run(&arguments, out),
+        Command::Deform(arguments) => deform::run(&arguments, out),
+        Command::Query(arguments) => query::run(&arguments, out),
+    };
+    // What was answered before an error stays answered.
+    let flushed = out.flush().map_err(ToolError::Stdout);
+    let result = result.and_then(|code| flushed.map(|()| code));
+    match result {
+        Ok(code) => code,
+        Err(error) => {
+            let _ = writeln!(err, "{error}");
+            match error {
+                ToolError::Usage(_) => USAGE,
+                _ => unreadable,
+            }
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! Where results go: a stream that may close early, files that are whole or absent, numbers that
+//! read back equal.
+
+use std::fmt;
+use std::fs::{self, OpenOptions, Permissions};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::ToolError;
+
+/// A stream whose reader may leave: from then on everything is swallowed, so that commands still
+/// finish with their exit code.
+pub(crate) struct QuietPipe<'w> {
+    stream: &'w mut dyn Write,
+    closed: bool,
+}
+
+impl<'w> QuietPipe<'w> {
+    pub(crate) fn new(stream: &'w mut dyn Write) -> Self {
+        Self {
+            stream,
+            closed: false,
+        }
+    }
+
+    fn unless_closed<T>(&mut self, result: io::Result<T>, swallowed: T) -> io::Result<T> {
+        match result {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => {
+                self.closed = true;
+                Ok(swallowed)
+            }
+            other => other,
+        }
+    }
+}
+
+impl Write for QuietPipe<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.closed {
+            return Ok(bytes.len());
+        }
+        let result = self.stream.write(bytes);
+        self.unless_closed(result, bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.closed {
+            return Ok(());
+        }
+        let result = self.stream.flush();
+        self.unless_closed(result, ())
+    }
+}
+
+/// Writes a file through a temporary one beside it, renamed when complete: a failed or killed
+/// run leaves no half file. Links are followed; a device or a pipe is written to and stays what it
+/// is.
+pub(crate) fn write_whole(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), ToolError> {
+    let attempt = || {
+        if fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+            let mut writer = BufWriter::new(OpenOptions::new().write(true).open(path)?);
+            content(&mut writer)?;
+            return writer.flush();
+        }
+        let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
+        let folder = match target.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let mut builder = tempfile::Builder::new();
+        let permissions = permissions();
+        if let Some(permissions) = permissions {
+            builder.permissions(permissions);
+        }
+        let mut file = builder.tempfile_in(folder)?;
+        let mut writer = BufWriter::new(file.as_file_mut());
+        content(&mut writer)?;
+        writer.flush()?;
+        drop(writer);
+        file.persist(&target).map_err(|e| e.error)?;
+        Ok(())
+    };
+    attempt().map_err(|source| ToolError::Write {
+        path: path.to_path_buf(),
+        source,
+    })
+}
+
+/// Those of a file that a program creates, before the user's mask; temporary files have fewer.
+#[cfg(unix)]
+fn permissions() -> Option<Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn permissions() -> Option<Permissions> {
+    None
+}
+
+/// A number as the shortest text that reads back equal, with an exponent where digits would only
+/// be zeros.
+pub(crate) struct Shortest(pub(crate) f64);
+
+impl fmt::Display for Shortest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let magnitude = self.0.abs();
+        if magnitude == 0.0 || (1e-5..1e16).contains(&magnitude) || !magnitude.is_finite() {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
+        }
+    }
+}
+
+/// Rows of cells as text with aligned columns: the first row is the heading, the first column
+/// is text and the others numbers.
+pub(crate) fn table(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |c: usize| {
+        rows.iter()
+            .filter_map(|row| row.get(c))
+            .map(|cell| cell.chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut text = String::new();
+    for row in rows {
+        let cells: Vec<String> = row
+            .iter()
+            .enumerate()
+            .map(|(c, cell)| match c {
+                0 => format!("{cell:<0$}", widths[c]),
+                _ => format!("{cell:>0$}", widths[c]),
+            })
+            .collect();
+        text.push_str("  ");
+        text.push_str(cells.join("  ").trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+/// Text for a terminal: control characters of names in files are replaced.
+pub(crate) fn printable(text: &str) -> String {
+    text.chars()
+        .map(|c| {
+            if c.is_control() {
+                char::REPLACEMENT_CHARACTER
+            } else {
+                c
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_back_equal() {
+        for x in [
+            0.0,
+            -0.0,
+            0.1,
+            -1.5,
+            1e-5,
+            9.9e-6,
+            1e16,
+            1e300,
+            f64::MIN_POSITIVE,
+            1.0 / 3.0,
+        ] {
+            let text = Shortest(x).to_string();
+            let back: f64 = text.parse().unwrap();
+            assert_eq!(back.to_bits(), x.to_bits(), "{text}");
+            assert!(text.len() <= 24, "{text}");
+        }
+    }
+
+    struct Closed;
+
+    impl Write for Closed {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(ErrorKind::BrokenPipe.into())
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Err(ErrorKind::BrokenPipe.into())
+        }
+    }
+
+    #[test]
+    fn a_closed_pipe_is_quiet() {
+        let mut closed = Closed;
+        let mut pipe = QuietPipe::new(&mut closed);
+        pipe.write_all(b"x").unwrap();
+        pipe.write_all(b"y").unwrap();
+        pipe.flush().unwrap();
+    }
+}

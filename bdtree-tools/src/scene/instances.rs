@@ -1,0 +1,258 @@
+//! The scene's instances: names, assets, q and placements.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+
+use bdtree_runtime::Transform;
+
+use super::fields::{At, Fields, Problems};
+use crate::asset_file::AssetFile;
+use crate::q::checked_q;
+
+/// A placed, deformed asset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Instance {
+    /// Its name in the scene.
+    pub name: String,
+    /// Index of its asset among the scene's.
+    pub asset: usize,
+    /// One number per mode.
+    pub q: Vec<f32>,
+    /// Where it stands.
+    pub transform: Transform,
+}
+
+/// The assets that instances name, each opened once.
+#[derive(Debug)]
+pub(super) struct Assets {
+    folder: PathBuf,
+    verify: bool,
+    /// By canonical path, so that two spellings are one file; `None`: already reported.
+    known: HashMap<PathBuf, Option<usize>>,
+    files: Vec<AssetFile>,
+}
+
+impl Assets {
+    /// Assets relative to a folder; `verify` checks their checksums.
+    pub(super) fn new(folder: &Path, verify: bool) -> Self {
+        Self {
+            folder: folder.to_path_buf(),
+            verify,
+            known: HashMap::new(),
+            files: Vec::new(),
+        }
+    }
+
+    /// The opened files.
+    pub(super) fn into_files(self) -> Vec<AssetFile> {
+        self.files
+    }
+
+    /// Index of the asset with this path, opened and checked when it is met first; what is wrong
+    /// with a file is told once.
+    fn open(&mut self, path: &str, place: &str, problems: &mut Problems) -> Option<usize> {
+        let path = self.folder.join(path);
+        let key = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if let Some(known) = self.known.get(&key) {
+            return *known;
+        }
+        let opened = AssetFile::map(&path).and_then(|file| {
+            file.checked_asset(self.verify)?;
+            Ok(file)
+        });
+        let index = match opened {
+            Ok(file) => {
+                self.files.push(file);
+                Some(self.files.len() - 1)
+            }
+            Err(error) => {
+                problems.add(place, error);
+                None
+            }
+        };
+        self.known.insert(key, index);
+        index
+    }
+}
+
+/// The names that queries may use.
+#[derive(Debug, Default)]
+pub(super) struct Names {
+    /// Place in the list by name, for instances without problems.
+    index: BTreeMap<String, Option<usize>>,
+}
+
+impl Names {
+    /// Names of sound instances, in order.
+    #[cfg(test)]
+    pub(super) fn of(names: &[&str]) -> Self {
+        let entry = |(i, name): (usize, &&str)| (name.to_string(), Some(i));
+        Self {
+            index: names.iter().enumerate().map(entry).collect(),
+        }
+    }
+
+    /// The instance that a field names.
+    pub(super) fn instance(
+        &self,
+        fields: &Fields<'_>,
+        key: &str,
+        problems: &mut Problems,
+    ) -> Found {
+        let Some(name) = fields.text(key, problems) else {
+            return Found::No;
+        };
+        match self.index.get(name) {
+            Some(Some(index)) => Found::Sound(*index),
+            Some(None) => Found::Broken,
+            None => {
+                problems.add(
+                    &fields.place(key),
+                    format_args!("unknown instance {name:?}"),
+                );
+                Found::No
+            }
+        }
+    }
+}
+
+/// What a name leads to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Found {
+    /// An instance, by its index.
+    Sound(usize),
+    /// An instance whose problems are already noted.
+    Broken,
+    /// Nothing; the problem is noted.
+    No,
+}
+
+impl Found {
+    /// The index, if the instance is sound.
+    pub(super) fn index(self) -> Option<usize> {
+        match self {
+            Self::Sound(index) => Some(index),
+            Self::Broken | Self::No => None,
+        }
+    }
+}
+
+/// Reads the instances and opens their assets.
+pub(super) fn read_instances(
+    at: &At<'_>,
+    assets: &mut Assets,
+    problems: &mut Problems,
+) -> (Vec<Instance>, Names) {
+    let mut instances = Vec::new();
+    let mut names = Names::default();
+    for item in at.items(problems).unwrap_or_default() {
+        let known = ["name", "asset", "q", "rotation", "translation", "scale"];
+        let Some(fields) = item.fields(&known, problems) else {
+            continue;
+        };
+        let name = fields.text("name", problems);
+        let duplicate = name.is_some_and(|name| names.index.contains_key(name));
+        if let Some(name) = name
+            && duplicate
+        {
+            problems.add(
+                &fields.place("name"),
+                format_args!("a second instance {name:?}"),
+            );
+        }
+        let instance = read_instance(&fields, name.unwrap_or_default(), assets, problems);
+        if let Some(name) = name
+            && !duplicate
+        {
+            let index = instance.as_ref().map(|_| instances.len());
+            names.index.insert(name.to_string(), index);
+        }
+        instances.extend(instance);
+    }
+    (instances, names)
+}
+
+fn read_instance(
+    fields: &Fields<'_>,
+    name: &str,
+    assets: &mut Assets,
+    problems: &mut Problems,
+) -> Option<Instance> {
+    let path = fields.text("asset", problems);
+    let asset = path.and_then(|path| assets.open(path, &fields.place("asset"), problems));
+    let q = read_q(fields, asset.zip(path), assets, problems);
+    let transform = read_transform(fields, problems);
+    Some(Instance {
+        name: name.to_string(),
+        asset: asset?,
+        q: q?,
+        transform: transform?,
+    })
+}
+
+fn read_q(
+    fields: &Fields<'_>,
+    asset: Option<(usize, &str)>,
+    assets: &Assets,
+    problems: &mut Problems,
+) -> Option<Vec<f32>> {
+    let q = match fields.optional("q") {
+        Some(at) => Some(at.numbers(problems)?),
+        None => None,
+    };
+    let (index, path) = asset?;
+    let asset = assets.files.get(index)?.open().ok()?;
+    match checked_q(q.as_deref(), &asset, path) {
+        Ok(q) => Some(q),
+        Err(found) => {
+            let place = fields.place("q");
+            for problem in found {
+                match problem.mode {
+                    Some(mode) => problems.add(&format!("{place}[{mode}]"), problem.message),
+                    None => problems.add(&place, problem.message),
+                }
+            }
+            None
+        }
+    }
+}
+
+/// The placement, by the rules of [`Transform`].
+fn read_transform(fields: &Fields<'_>, problems: &mut Problems) -> Option<Transform> {
+    const TRANSLATION_MAX: f64 = (1_u128 << 80) as f64;
+    const SCALE_MAX: f64 = (1_u64 << 60) as f64;
+    let before = problems.count();
+    let mut transform = Transform::IDENTITY;
+    if fields.optional("rotation").is_some()
+        && let Some(rotation) = fields.array("rotation", problems)
+    {
+        transform.rotation = rotation;
+        let norm = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if !((norm - 1.0).abs() <= 1e-3) {
+            problems.add(
+                &fields.place("rotation"),
+                format_args!("a quaternion of length {norm}, not within 1e-3 of 1"),
+            );
+        }
+    }
+    if fields.optional("translation").is_some()
+        && let Some(translation) = fields.array::<3>("translation", problems)
+    {
+        transform.translation = translation;
+        if let Some(axis) = translation.iter().position(|x| x.abs() > TRANSLATION_MAX) {
+            let place = format!("{}[{axis}]", fields.place("translation"));
+            problems.add(&place, "beyond 2^80");
+        }
+    }
+    if let Some(at) = fields.optional("scale")
+        && let Some(scale) = at.number(problems)
+    {
+        transform.scale = scale;
+        if scale <= 0.0 {
+            problems.add(&at.place, "not positive");
+        } else if !(1.0 / SCALE_MAX..=SCALE_MAX).contains(&scale) {
+            problems.add(&at.place, "not within 2^-60 to 2^60");
+        }
+    }
+    (problems.count() == before).then_some(transform)
+}

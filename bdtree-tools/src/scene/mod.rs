@@ -1,0 +1,134 @@
+//! SCENE.json: which assets stand where, and what is asked of them.
+//!
+//! A scene is checked as a whole before anything is answered, and every problem is told with its
+//! place, a path like `queries[2].ball.radius`.
+
+mod fields;
+mod instances;
+mod json;
+mod queries;
+
+pub use instances::Instance;
+pub use queries::Query;
+
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+
+use bdtree_runtime::{Pose, PoseError};
+
+use crate::asset_file::AssetFile;
+use crate::error::ToolError;
+use fields::{At, Problems};
+use instances::{Assets, read_instances};
+use json::Json;
+use queries::read_queries;
+
+/// A checked scene with its assets.
+#[derive(Debug)]
+pub struct Scene {
+    /// What messages call the scene.
+    pub source: String,
+    /// The assets, each file once.
+    pub files: Vec<AssetFile>,
+    /// The instances, in the order of the scene.
+    pub instances: Vec<Instance>,
+    /// The queries, in the order of the scene.
+    pub queries: Vec<Query>,
+}
+
+impl Scene {
+    /// Reads a scene file, or standard input for `-`, and opens its assets, which must not
+    /// change while the scene lives. `verify` checks their checksums.
+    ///
+    /// # Errors
+    /// Every problem, with its place.
+    pub fn load(path: &Path, verify: bool) -> Result<Self, ToolError> {
+        if path == Path::new("-") {
+            let mut text = Vec::new();
+            std::io::stdin()
+                .lock()
+                .read_to_end(&mut text)
+                .map_err(|error| ToolError::input("stdin", error))?;
+            return Self::parse(&text, "stdin", Path::new(""), verify);
+        }
+        let text = fs::read(path).map_err(|source| ToolError::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::parse(&text, &path.display().to_string(), folder, verify)
+    }
+
+    /// Reads a scene's text; asset paths are relative to `folder`.
+    ///
+    /// # Errors
+    /// Every problem, with its place after `source`.
+    pub fn parse(
+        text: &[u8],
+        source: &str,
+        folder: &Path,
+        verify: bool,
+    ) -> Result<Self, ToolError> {
+        let json = Json::parse(text).map_err(|error| ToolError::input(source, error))?;
+        let mut problems = Problems::new(source);
+        let mut assets = Assets::new(folder, verify);
+        let (instances, queries) =
+            read_scene(&json, &mut assets, &mut problems).unwrap_or_default();
+        if !problems.is_empty() {
+            return Err(ToolError::Input(problems.into_lines()));
+        }
+        Ok(Self {
+            source: source.to_string(),
+            files: assets.into_files(),
+            instances,
+            queries,
+        })
+    }
+
+    /// The pose of an instance, in `memory` of as many numbers as q has.
+    ///
+    /// # Errors
+    /// None that [`Scene::parse`] has not already told.
+    pub fn pose<'p>(&self, index: usize, memory: &'p mut [f32]) -> Result<Pose<'p>, ToolError> {
+        let instance = &self.instances[index];
+        let asset = self.files[instance.asset].asset()?;
+        Pose::new(&asset, &instance.q, instance.transform, memory).map_err(|error| {
+            let field = match error {
+                PoseError::Rotation => ".rotation",
+                PoseError::Translation => ".translation",
+                PoseError::Scale => ".scale",
+                _ => ".q",
+            };
+            let place = format!("{}: instances[{index}]{field}", self.source);
+            ToolError::input(place, error)
+        })
+    }
+}
+
+fn read_scene(
+    json: &Json,
+    assets: &mut Assets,
+    problems: &mut Problems,
+) -> Option<(Vec<Instance>, Vec<Query>)> {
+    let known = ["instances", "options", "queries"];
+    let root = At::root(json).fields(&known, problems)?;
+    let instances = root.required("instances", problems);
+    let (instances, names) = match &instances {
+        Some(at) => read_instances(at, assets, problems),
+        None => Default::default(),
+    };
+    if let Some(options) = root.optional("options")
+        && let Some(options) = options.fields(&["max_depth"], problems)
+        && let Some(max_depth) = options.optional("max_depth")
+        && *max_depth.json != Json::Null
+    {
+        problems.add(&max_depth.place, "not supported yet");
+    }
+    let queries = root.required("queries", problems);
+    let queries = queries.map_or(Vec::new(), |at| read_queries(&at, &names, problems));
+    Some((instances, queries))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,176 @@
+//! Problems and their places; happy paths need assets and stand in `tests/`.
+
+use super::instances::Names;
+use super::*;
+
+/// The problems of a list of queries with two sound instances, a and b.
+fn problems_of_queries(queries: &str) -> Vec<String> {
+    let json = Json::parse(queries.as_bytes()).expect("JSON");
+    let mut problems = Problems::new("s");
+    let at = At {
+        json: &json,
+        place: "queries".to_string(),
+    };
+    read_queries(&at, &Names::of(&["a", "b"]), &mut problems);
+    problems.into_lines()
+}
+
+/// The problems of a scene's text.
+fn problems_of(text: &str) -> Vec<String> {
+    match Scene::parse(text.as_bytes(), "s", Path::new("no such folder"), true) {
+        Ok(_) => Vec::new(),
+        Err(ToolError::Input(lines)) => lines,
+        Err(error) => vec![error.to_string()],
+    }
+}
+
+#[test]
+fn queries_have_no_problems() {
+    let text = r#"[{"ball": {"instance": "a", "center": [0, -1.5, 1e30], "radius": 0}},
+        {"closest": {"instance": "b", "point": [0, 0, 0]}},
+        {"closest": {"instance": "b", "point": [0, 0, 0], "max_distance": null}},
+        {"ray": {"instance": "a", "origin": [0, 0, 0], "direction": [1e-300, 0, 0],
+                 "max_distance": 2}},
+        {"plane": {"instance": "a", "normal": [0, 0, 2], "offset": -3}},
+        {"pair": {"a": "a", "b": "b"}}, {"pair": {"a": "b", "b": "a", "tolerance": 0.5}}]"#;
+    assert_eq!(problems_of_queries(text), [""; 0]);
+}
+
+#[test]
+fn every_problem_has_its_place() {
+    for (query, expected) in [
+        (
+            r#"{"ball": {"instance": "a", "center": [0, 0, 0], "radius": -1}}"#,
+            "queries[0].ball.radius: negative",
+        ),
+        (
+            r#"{"ball": {"instance": "a", "center": [0, 0], "radius": 1}}"#,
+            "queries[0].ball.center: expected 3 numbers, found 2",
+        ),
+        (
+            r#"{"ball": {"instance": "a", "center": [0, "x", 0], "radius": 1}}"#,
+            "queries[0].ball.center[1]: expected a number, found a string",
+        ),
+        (
+            r#"{"ball": {"instance": "a", "center": [0, 0, 2e30], "radius": 1}}"#,
+            "queries[0].ball.center[2]: beyond 2^100",
+        ),
+        (
+            r#"{"ball": {"instance": "c", "center": [0, 0, 0], "radius": 1}}"#,
+            "queries[0].ball.instance: unknown instance \"c\"",
+        ),
+        (
+            r#"{"ball": {"instance": 1, "center": [0, 0, 0], "radius": 1}}"#,
+            "queries[0].ball.instance: expected a string, found a number",
+        ),
+        (
+            r#"{"ball": {"instance": "a", "center": [0, 0, 0]}}"#,
+            "queries[0].ball.radius: missing",
+        ),
+        (
+            r#"{"ball": {"instance": "a", "centre": 1, "center": [0, 0, 0], "radius": 1}}"#,
+            "queries[0].ball.centre: unknown field (known: instance, center, radius)",
+        ),
+        (
+            r#"{"closest": {"instance": "a", "point": [0, 0, 0], "max_distance": -0.5}}"#,
+            "queries[0].closest.max_distance: negative",
+        ),
+        (
+            r#"{"ray": {"instance": "a", "origin": [0, 0, 0], "direction": [0, 0, -0.0]}}"#,
+            "queries[0].ray.direction: zero vector",
+        ),
+        (
+            r#"{"plane": {"instance": "a", "normal": [0, 0, 0], "offset": 0}}"#,
+            "queries[0].plane.normal: zero vector",
+        ),
+        (
+            r#"{"plane": {"instance": "a", "normal": [0, 0, 1], "offset": -1e31}}"#,
+            "queries[0].plane.offset: beyond 2^100",
+        ),
+        (
+            r#"{"pair": {"a": "a", "b": "a", "tolerance": 0}}"#,
+            "queries[0].pair.b: the same instance as a",
+        ),
+        (
+            r#"{"pair": {"a": "a", "b": "b", "tolerance": -1}}"#,
+            "queries[0].pair.tolerance: negative",
+        ),
+        (
+            r#"{"capsule": {"instance": "a"}}"#,
+            "queries[0].capsule: not supported yet",
+        ),
+        (
+            r#"{"bal": {}}"#,
+            "queries[0].bal: unknown query kind (known: ball, closest, ray, plane, pair)",
+        ),
+        (
+            r#"{"ball": {}, "ray": {}}"#,
+            "queries[0]: expected one query kind, found ball, ray",
+        ),
+        (r#"{}"#, "queries[0]: expected one query kind, found none"),
+        (r#"7"#, "queries[0]: expected an object, found a number"),
+        (
+            r#"{"ball": []}"#,
+            "queries[0].ball: expected an object, found a list",
+        ),
+    ] {
+        assert_eq!(
+            problems_of_queries(&format!("[{query}]")),
+            [format!("s: {expected}")],
+            "{query}"
+        );
+    }
+}
+
+#[test]
+fn all_problems_are_told() {
+    let text = r#"{"instances": [{"name": "a", "asset": "no.bdt", "rotation": [0, 0, 0, 1.1],
+            "translation": [0, 1e30, 0], "scale": 0, "colour": "red"}, {"asset": 3, "q": [[]]}],
+        "options": {"max_depth": 3, "depth": 1},
+        "queries": [{"ball": {"instance": "a", "center": [], "radius": -1}},
+                    {"pair": {"a": "a", "b": "a"}}], "query": 1}"#;
+    let lines = problems_of(text);
+    let places: Vec<&str> = lines
+        .iter()
+        .map(|line| line.split(": ").nth(1).unwrap())
+        .collect();
+    assert_eq!(
+        places,
+        [
+            "query",
+            "instances[0].colour",
+            "instances[0].asset",
+            "instances[0].rotation",
+            "instances[0].translation[1]",
+            "instances[0].scale",
+            "instances[1].name",
+            "instances[1].asset",
+            "instances[1].q[0]",
+            "options.depth",
+            "options.max_depth",
+            "queries[0].ball.center",
+            "queries[0].ball.radius",
+            "queries[1].pair.b",
+        ],
+        "{lines:#?}"
+    );
+}
+
+#[test]
+fn a_scene_is_an_object_with_both_lists() {
+    assert_eq!(problems_of("[]"), ["s: expected an object, found a list"]);
+    assert_eq!(
+        problems_of("{}"),
+        ["s: instances: missing", "s: queries: missing"]
+    );
+    assert_eq!(
+        problems_of(r#"{"instances": {}, "queries": null}"#),
+        [
+            "s: instances: expected a list, found an object",
+            "s: queries: expected a list, found null"
+        ]
+    );
+    assert_eq!(problems_of("{").len(), 1);
+    assert!(problems_of("{").concat().contains("line 1 column 1"));
+    assert!(problems_of(r#"{"instances": [], "queries": []}"#).is_empty());
+}

@@ -1,0 +1,115 @@
+//! `bdtree verify`: every rule of the format, checked.
+
+use std::io::Write;
+use std::ops::ControlFlow;
+
+use bdtree_runtime::{Datum, FormatError};
+use serde::Serialize;
+use serde_json::Value;
+
+pub use crate::cli::VerifyArguments as Arguments;
+use crate::error::ToolError;
+use crate::{AssetFile, BAD_INPUT, DONE};
+
+/// Most broken rules that are listed.
+pub const ERRORS_MAX: usize = 1000;
+
+/// What `--json` prints.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    /// No rule is broken.
+    pub ok: bool,
+    /// The broken rules, at most [`ERRORS_MAX`].
+    pub errors: Vec<BrokenRule>,
+}
+
+/// A broken rule.
+#[derive(Debug, Serialize)]
+pub struct BrokenRule {
+    /// The section's four letters, `HEAD` for the header block.
+    pub section: String,
+    /// Offset from the start of the file.
+    pub byte: u64,
+    /// Number and words of the rule in `SPEC.md`.
+    pub rule: String,
+    /// What the rule asks for: text or number.
+    pub expected: Value,
+    /// What the file holds.
+    pub found: Value,
+}
+
+impl From<&FormatError> for BrokenRule {
+    fn from(error: &FormatError) -> Self {
+        Self {
+            section: error.section.to_string(),
+            byte: error.byte,
+            rule: error.rule.to_string(),
+            expected: value(error.expected),
+            found: value(error.found),
+        }
+    }
+}
+
+/// Numbers stay numbers; what JSON cannot write as one is text.
+fn value(datum: Datum) -> Value {
+    match datum {
+        Datum::Integer(x) => x.into(),
+        Datum::Signed(x) => x.into(),
+        Datum::Real(x) if x.is_finite() => x.into(),
+        other => other.to_string().into(),
+    }
+}
+
+/// The broken rules of a file, at most `limit`.
+pub fn broken_rules(file: &AssetFile, limit: usize) -> Vec<FormatError> {
+    let asset = match file.open() {
+        Ok(asset) => asset,
+        Err(error) => return vec![error],
+    };
+    let mut errors = Vec::new();
+    asset.verify(&mut |error| {
+        errors.push(error);
+        if errors.len() < limit {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    });
+    errors
+}
+
+/// Checks a file: broken rules go to `err`, one per line.
+///
+/// # Errors
+/// A file that cannot be read, an output stream that fails, `--stress`.
+pub fn run(
+    arguments: &Arguments,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> Result<u8, ToolError> {
+    if arguments.stress || arguments.cases.is_some() {
+        let message = "bdtree verify: --stress is not supported yet";
+        return Err(ToolError::Usage(message.to_string()));
+    }
+    let file = AssetFile::read(&arguments.file)?;
+    let errors = broken_rules(&file, ERRORS_MAX);
+    let path = file.path().display();
+    for error in &errors {
+        let _ = writeln!(err, "{path}: {error}");
+    }
+    if errors.len() >= ERRORS_MAX {
+        let _ = writeln!(err, "{path}: stopped after {ERRORS_MAX} broken rules");
+    }
+    let ok = errors.is_empty();
+    if arguments.json {
+        let report = Report {
+            ok,
+            errors: errors.iter().map(BrokenRule::from).collect(),
+        };
+        serde_json::to_writer(&mut *out, &report).map_err(|e| ToolError::Stdout(e.into()))?;
+        writeln!(out).map_err(ToolError::Stdout)?;
+    } else if ok {
+        writeln!(out, "{path}: ok").map_err(ToolError::Stdout)?;
+    }
+    Ok(if ok { DONE } else { BAD_INPUT })
+}

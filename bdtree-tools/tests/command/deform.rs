@@ -1,0 +1,159 @@
+//! `deform`: positions, ids, groups, output files.
+
+use crate::support::{Folder, ball_mesh, basis, positions_of_npy};
+
+/// The `v` lines of an OBJ.
+fn vertices(obj: &str) -> Vec<[f64; 3]> {
+    let lines = obj.lines().filter_map(|line| line.strip_prefix("v "));
+    lines
+        .map(|line| {
+            let numbers: Vec<f64> = line.split(' ').map(|x| x.parse().unwrap()).collect();
+            numbers.try_into().unwrap()
+        })
+        .collect()
+}
+
+#[test]
+fn rest_positions_are_the_source_s() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    let ran = folder.run(&["deform", "a.bdt"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    let found = vertices(&ran.out);
+    assert_eq!(found.len(), mesh.positions.len());
+    for (x, y) in found.iter().zip(&mesh.positions) {
+        for k in 0..3 {
+            // Stored in f32 relative to the origin: half an ulp of about two units.
+            assert!((x[k] - y[k]).abs() < 2e-7, "{x:?} {y:?}");
+        }
+    }
+    let faces: Vec<String> = mesh
+        .triangles
+        .iter()
+        .map(|[a, b, c]| format!("f {} {} {}", a + 1, b + 1, c + 1))
+        .collect();
+    let lines: Vec<&str> = ran.out.lines().filter(|l| l.starts_with("f ")).collect();
+    assert_eq!(lines, faces);
+}
+
+#[test]
+fn groups_stand_before_their_triangles() {
+    let folder = Folder::new();
+    let ran = folder.run(&["deform", "a.bdt"]);
+    let lines: Vec<&str> = ran.out.lines().filter(|l| !l.starts_with('v')).collect();
+    assert_eq!(lines[..3], ["o ball", "g top", "usemtl shiny"]);
+    assert_eq!(lines[3 + 126], "g bottom half");
+    assert_eq!(lines.len(), 4 + 252);
+}
+
+#[test]
+fn q_moves_along_the_fields() {
+    let folder = Folder::new();
+    let (mesh, basis) = (ball_mesh(), basis(&ball_mesh()));
+    let q = [-0.5, 0.75, 1.25];
+    let found = folder.deformed("a.bdt", "-0.5,0.75, 1.25");
+    for (i, x) in found.iter().enumerate() {
+        for k in 0..3 {
+            let moved: f64 = (0..3).map(|j| q[j] * basis.field(j)[i][k]).sum();
+            let expected = mesh.positions[i][k] + moved;
+            assert!((x[k] - expected).abs() < 1e-6, "vertex {i}: {x:?}");
+        }
+    }
+}
+
+#[test]
+fn obj_and_npy_hold_the_same_numbers() {
+    let folder = Folder::new();
+    let q = "-0.1,0.2,3e-1";
+    let ran = folder.run(&["deform", "a.bdt", "--q", q, "-o", "out.obj"]);
+    assert_eq!((ran.code, ran.out.as_str(), ran.err.as_str()), (0, "", ""));
+    let text = String::from_utf8(folder.read("out.obj")).unwrap();
+    let npy = folder.deformed("a.bdt", q);
+    let bits = |x: &[[f64; 3]]| {
+        x.as_flattened()
+            .iter()
+            .map(|x| x.to_bits())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(bits(&vertices(&text)), bits(&npy));
+    let ran = folder.run(&["deform", "a.bdt", "--q=-0.1,0.2,0.3"]);
+    assert_eq!(ran.out, text);
+    // Overwriting is allowed, and nothing else stays behind.
+    let ran = folder.run(&["deform", "rigid.bdt", "--q", "", "-o", "deformed.npy"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    assert_ne!(positions_of_npy(&folder.read("deformed.npy")), npy);
+    let mut files: Vec<_> = std::fs::read_dir(folder.root())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    files.sort();
+    assert_eq!(files, ["a.bdt", "deformed.npy", "out.obj", "rigid.bdt"]);
+}
+
+#[test]
+fn bad_input_is_placed() {
+    let folder = Folder::new();
+    let mut bytes = folder.read("a.bdt");
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1; // in the metadata: nothing that deform reads
+    folder.write("bad.bdt", bytes);
+    for (arguments, text) in [
+        (
+            &["a.bdt", "--q", "1"][..],
+            "--q: q has 1 number, asset a.bdt has 3 modes\n",
+        ),
+        (
+            &["rigid.bdt", "--q", "0,0"],
+            "--q: q has 2 numbers, asset rigid.bdt has 0 modes\n",
+        ),
+        (
+            &["a.bdt", "--q", "nan,0,inf"],
+            "--q: q[0]: not a finite number\n--q: q[2]: not a finite number\n",
+        ),
+        (
+            &["a.bdt", "--frame", "0.5"],
+            "a.bdt: --frame: has no animation\n",
+        ),
+        (
+            &["a.bdt", "-o", "out.stl"],
+            "out.stl: unknown extension: .obj or .npy can be written\n",
+        ),
+    ] {
+        let ran = folder.run(&[&["deform"], arguments].concat());
+        assert_eq!((ran.code, ran.out.as_str()), (1, ""), "{arguments:?}");
+        assert_eq!(ran.err, text);
+    }
+    let ran = folder.run(&["deform", "a.bdt", "--q", "0,-1e30,0"]);
+    assert_eq!(ran.code, 1);
+    assert!(
+        ran.err.starts_with(
+            "--q: q[1]: -1000000000000000000000000000000 is over the asset's limit of "
+        ),
+        "{}",
+        ran.err
+    );
+    let ran = folder.run(&["deform", "a.bdt", "-o", "no/such/out.obj"]);
+    assert_eq!(ran.code, 1);
+    assert!(ran.err.starts_with("no/such/out.obj: cannot write: "));
+
+    let ran = folder.run(&["deform", "bad.bdt"]);
+    assert_eq!((ran.code, ran.out.as_str()), (1, ""));
+    assert!(ran.err.starts_with("bad.bdt: section META at byte "));
+    assert!(ran.err.contains("SPEC 4.1"));
+    let ran = folder.run(&["deform", "bad.bdt", "--no-verify"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_device_stays_a_device() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = Folder::new();
+    // A link, so that a broken build of this test replaces the link and nothing else.
+    let link = folder.path("null.obj");
+    std::os::unix::fs::symlink("/dev/null", &link).unwrap();
+    let ran = folder.run(&["deform", "a.bdt", "-o", "null.obj"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    let kind = std::fs::metadata(&link).unwrap().file_type();
+    assert!(kind.is_char_device());
+}

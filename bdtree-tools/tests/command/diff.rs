@@ -1,0 +1,126 @@
+//! `diff`: same, differ, unreadable; structure exactly, numbers within a tolerance.
+
+use crate::support::{Folder, baked, ball_mesh, basis};
+
+#[test]
+fn equal_files_are_the_same() {
+    let folder = Folder::new();
+    folder.write("b.bdt", folder.read("a.bdt"));
+    let ran = folder.run(&["diff", "a.bdt", "b.bdt"]);
+    assert_eq!(
+        (ran.code, ran.out.as_str(), ran.err.as_str()),
+        (0, "same\n", "")
+    );
+}
+
+#[test]
+fn numbers_are_compared_within_the_tolerance() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    let mut moved = basis(&mesh);
+    for u in &mut moved.fields[..mesh.positions.len()] {
+        u[0] *= 1.0 + 1e-5;
+    }
+    folder.write("b.bdt", baked(&mesh, &moved));
+    let ran = folder.run(&["diff", "a.bdt", "b.bdt"]);
+    assert_eq!((ran.code, ran.err.as_str()), (1, ""));
+    for text in [
+        "section DISP: displacements of mode 0: ",
+        "section ROWS: mean displacement and growth of mode 0: ",
+        "    vertex ",
+        "    node 0 row ",
+        "    …",
+    ] {
+        assert!(ran.out.contains(text), "{text}: {}", ran.out);
+    }
+    for text in ["VERT", "of mode 1", "NODE", "TRIS"] {
+        assert!(!ran.out.contains(text), "{text}: {}", ran.out);
+    }
+    let ran = folder.run(&["diff", "a.bdt", "b.bdt", "--tolerance-rel", "1e-4"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""), "{}", ran.out);
+    assert!(ran.out.starts_with("same: numbers differ by at most "));
+    let ran = folder.run(&["diff", "a.bdt", "b.bdt", "--tolerance-rel", "1e-7"]);
+    assert_eq!(ran.code, 1, "{}", ran.out);
+}
+
+#[test]
+fn structure_is_compared_exactly() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    let mut other = mesh.clone();
+    other.triangles.swap(0, 100);
+    folder.write("ids.bdt", baked(&other, &basis(&mesh)));
+    let mut other = mesh.clone();
+    other.groups[1].name = "upper".to_string();
+    folder.write("group.bdt", baked(&other, &basis(&mesh)));
+    let mut other = mesh.clone();
+    other.name = "boule.obj".to_string();
+    folder.write("source.bdt", baked(&other, &basis(&mesh)));
+    let mut named = basis(&mesh);
+    named.modes[1].name = Some("twist".to_string());
+    named.modes[1].modal_mass_kg = Some(2.0);
+    folder.write("mode.bdt", baked(&mesh, &named));
+    let mut other = mesh.clone();
+    other.positions.pop();
+    let fields = basis(&other);
+    folder.write("vertex.bdt", baked(&other, &fields));
+    for (file, texts) in [
+        (
+            "rigid.bdt",
+            &[
+                "header: mode_count differs\n    3 and 0\n",
+                "not compared, since the structure differs: rows\n",
+            ][..],
+        ),
+        (
+            "ids.bdt",
+            &[
+                "section TRIS: triangles in leaf order: ",
+                " of 252 differ\n    slot ",
+                "section SLOT: triangle slots: ",
+            ],
+        ),
+        (
+            "group.bdt",
+            &[
+                "section GRPS: groups: 1 of 4 differ\n    group 1: ",
+                "upper",
+            ],
+        ),
+        (
+            "source.bdt",
+            &["section META: source_name differs\n    \"ball.obj\" and \"boule.obj\"\n"],
+        ),
+        (
+            "mode.bdt",
+            &[
+                "section META: modes differs",
+                "mode table: modal_mass_kg: known or not, mode 1 differs\n    -1.0 and 2.0",
+            ],
+        ),
+        (
+            "vertex.bdt",
+            &["header: vertex_count differs\n    141 and 140\n"],
+        ),
+    ] {
+        let ran = folder.run(&["diff", "a.bdt", file, "--tolerance-rel", "10"]);
+        assert_eq!((ran.code, ran.err.as_str()), (1, ""), "{file}: {}", ran.out);
+        for text in texts {
+            assert!(ran.out.contains(text), "{file}: {text}: {}", ran.out);
+        }
+    }
+}
+
+#[test]
+fn unreadable_files_are_2() {
+    let folder = Folder::new();
+    folder.write("text.bdt", "not a tree");
+    for (a, b, text) in [
+        ("a.bdt", "no.bdt", "no.bdt: "),
+        ("text.bdt", "a.bdt", "text.bdt: section HEAD at byte 10"),
+    ] {
+        let ran = folder.run(&["diff", a, b]);
+        assert_eq!((ran.code, ran.out.as_str()), (2, ""));
+        assert!(ran.err.starts_with(text), "{}", ran.err);
+    }
+}

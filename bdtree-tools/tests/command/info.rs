@@ -1,0 +1,143 @@
+//! `info`: fields, values, errors.
+
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::{Value, json};
+
+use crate::support::{Folder, ball_mesh};
+
+#[test]
+fn json_has_every_field() {
+    let folder = Folder::new();
+    let info = folder.json(&["info", "a.bdt", "--json"]);
+    let bytes = folder.read("a.bdt");
+    let mesh = ball_mesh();
+    assert_eq!(info["version"], "0.1");
+    assert_eq!(info["bytes"], bytes.len());
+    assert_eq!(info["vertices"], mesh.positions.len());
+    assert_eq!(info["triangles"], mesh.triangles.len());
+    assert_eq!(info["modes"], 3);
+    assert!(info["nodes"].as_u64() > Some(1));
+    assert!(info["depth"].as_u64() > Some(1));
+    assert_eq!(info["origin"].as_array().map(Vec::len), Some(3));
+    assert_eq!(info["q_limit"].as_array().map(Vec::len), Some(3));
+    assert_eq!(info["q_range"], json!([2.0, 2.0, 2.0]));
+    assert_eq!(
+        info["source"],
+        json!({"name": "ball.obj", "hash": "ab".repeat(32)})
+    );
+    let modes = info["mode_info"].as_array().unwrap();
+    assert_eq!(
+        modes[0],
+        json!({"name": "stretch", "frequency_hz": 12.5 / std::f64::consts::TAU, "modal_mass_kg": 3.25})
+    );
+    assert_eq!(
+        modes[1],
+        json!({"name": null, "frequency_hz": null, "modal_mass_kg": null})
+    );
+    assert_eq!(modes.len(), 3);
+    assert_eq!(info.get("frames"), Some(&Value::Null));
+    let sections = info["sections"].as_array().unwrap();
+    assert_eq!(sections[0]["kind"], "NODE");
+    let last = sections.last().unwrap();
+    assert_eq!(last["kind"], "META");
+    let end = last["offset"].as_u64().unwrap() + last["bytes"].as_u64().unwrap();
+    assert_eq!(end, bytes.len() as u64);
+    assert_eq!(info["warnings"], json!(["odd"]));
+    assert_eq!(info["settings"], json!({"modes": "3"}));
+    assert_eq!(
+        info["groups"][3],
+        json!({"kind": "group", "name": "bottom half", "first_triangle": 126, "triangles": 126})
+    );
+}
+
+#[test]
+fn levels_shrink_and_cover_the_mesh() {
+    let folder = Folder::new();
+    let info = folder.json(&["info", "a.bdt", "--json"]);
+    let levels = info["levels"].as_array().unwrap();
+    assert_eq!(Some(levels.len() as u64), info["depth"].as_u64());
+    for (l, level) in levels.iter().enumerate() {
+        assert_eq!(level["level"], l);
+        assert!(level["spheres"].as_u64() > Some(0));
+        assert!(level["radius_mean"].as_f64() <= level["radius_max"].as_f64());
+    }
+    // In mesh units: the spheres of the root are smaller than the ball, those below smaller yet.
+    let largest = |l: usize| levels[l]["radius_max"].as_f64().unwrap();
+    assert!((0.2..1.3).contains(&largest(0)), "{levels:?}");
+    assert!(largest(levels.len() - 1) < largest(0));
+}
+
+#[test]
+fn a_rigid_file_has_empty_lists() {
+    let folder = Folder::new();
+    let info = folder.json(&["info", "rigid.bdt", "--json"]);
+    assert_eq!(info["modes"], 0);
+    for field in ["q_limit", "q_range", "mode_info"] {
+        assert_eq!(info[field], json!([]), "{field}");
+    }
+}
+
+#[test]
+fn text_names_the_facts() {
+    let folder = Folder::new();
+    let ran = folder.run(&["info", "a.bdt"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    for text in [
+        "ball.obj",
+        "given, 3 modes",
+        "4 (1 object, 2 groups, 1 material)",
+        "stretch",
+        "setting      modes = 3",
+        "warning      odd",
+        "NODE",
+        &"ab".repeat(32),
+    ] {
+        assert!(ran.out.contains(text), "{text}: {}", ran.out);
+    }
+}
+
+#[test]
+fn bad_files_are_named() {
+    let folder = Folder::new();
+    folder.write("empty.bdt", "");
+    folder.write("text.bdt", "x".repeat(200));
+    let mut short = folder.read("a.bdt");
+    short.pop();
+    folder.write("short.bdt", short);
+    for (file, text) in [
+        ("no.bdt", "no.bdt: "),
+        (".", ".: "),
+        ("empty.bdt", "empty.bdt: section HEAD at byte 0: SPEC 2.1"),
+        ("text.bdt", "text.bdt: section HEAD at byte 0: SPEC 9.1"),
+        ("short.bdt", "short.bdt: section HEAD at byte 16: SPEC 3.4"),
+    ] {
+        let ran = folder.run(&["info", file, "--json"]);
+        assert_eq!((ran.code, ran.out.as_str()), (1, ""), "{file}");
+        assert!(ran.err.starts_with(text), "{}", ran.err);
+        assert_eq!(ran.err.lines().count(), 1);
+    }
+}
+
+/// The reader of `tests/python`, written from SPEC.md alone, prints the same values.
+#[test]
+fn another_reader_agrees() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folder = Folder::new();
+    let example = root.join("format-spec/tests/example.bdt");
+    let files = [folder.path("a.bdt"), folder.path("rigid.bdt"), example];
+    for file in files {
+        let file = file.to_str().expect("UTF-8");
+        let ours = folder.json(&["info", file, "--json"]);
+        let output = Command::new("python3")
+            .arg(root.join("tests/python/bdt_reader.py"))
+            .arg(file)
+            .output()
+            .expect("python3 runs (README: what the tests need)");
+        let theirs: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        for (field, value) in theirs.as_object().expect("an object") {
+            assert_eq!(&ours[field], value, "{file}: {field}");
+        }
+    }
+}

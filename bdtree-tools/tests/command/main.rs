@@ -1,0 +1,12 @@
+//! The `bdtree` command as tests and pipelines see it: exit codes, streams, JSON fields.
+
+mod deform;
+mod diff;
+mod hostile;
+mod info;
+mod oracle;
+mod query;
+mod scene_errors;
+mod support;
+mod usage;
+mod verify;

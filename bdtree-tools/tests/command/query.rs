@@ -1,0 +1,321 @@
+//! `query`: fields of every kind, and answers against brute force over what `deform` writes.
+
+use std::collections::BTreeSet;
+
+use serde_json::{Value, json};
+
+use crate::oracle::{
+    Point, Triangle, dot, norm, placed, point_distance, ray_distance, sub, triangle_distance,
+};
+use crate::support::{Folder, ball_mesh};
+
+/// Rounding of the oracles and of the runtime's own f64: far above both at coordinates below
+/// 100, far below the mesh.
+const EPSILON: f64 = 1e-10;
+
+/// Distance beyond what a query looks for; at most 0: it reports the triangle.
+type Signed = Box<dyn Fn(&Triangle) -> f64>;
+
+/// A placed, deformed instance, as JSON and as triangles.
+struct Instance {
+    json: Value,
+    triangles: Vec<Triangle>,
+}
+
+fn instance(folder: &Folder, name: &str, q: [f64; 3], at: ([f64; 4], Point, f64)) -> Instance {
+    let q_text = q.map(|x| x.to_string()).join(",");
+    let positions: Vec<Point> = folder
+        .deformed("a.bdt", &q_text)
+        .into_iter()
+        .map(|x| placed(x, at.0, at.1, at.2))
+        .collect();
+    let corners = |t: &[u32; 3]| t.map(|i| positions[i as usize]);
+    Instance {
+        json: json!({"name": name, "asset": "a.bdt", "q": q, "rotation": at.0,
+                     "translation": at.1, "scale": at.2}),
+        triangles: ball_mesh().triangles.iter().map(corners).collect(),
+    }
+}
+
+/// Two instances of the same asset that overlap.
+fn two(folder: &Folder) -> [Instance; 2] {
+    let turned = [0.1, -0.2, 0.3, 0.9273618495495704];
+    [
+        instance(
+            folder,
+            "a",
+            [0.7, -0.4, 1.1],
+            (turned, [-4.0, 3.0, 2.0], 1.5),
+        ),
+        instance(
+            folder,
+            "b",
+            [-0.9, 0.6, 0.0],
+            (turned, [-3.5, 3.4, 1.6], 1.4),
+        ),
+    ]
+}
+
+fn centre(instance: &Instance) -> Point {
+    let corners = instance.triangles.as_flattened();
+    let sum = corners
+        .iter()
+        .fold([0.0; 3], |s, x| [s[0] + x[0], s[1] + x[1], s[2] + x[2]]);
+    sum.map(|x| x / corners.len() as f64)
+}
+
+/// Even spread over directions: a lattice on the sphere.
+fn directions(n: usize) -> impl Iterator<Item = Point> {
+    (0..n).map(move |i| {
+        let z = 1.0 - (2 * i + 1) as f64 / n as f64;
+        let phi = i as f64 * 2.399_963_229_728_653;
+        let r = (1.0 - z * z).sqrt();
+        [r * phi.cos(), r * phi.sin(), z]
+    })
+}
+
+fn away(from: Point, distance: f64, d: Point) -> Point {
+    [0, 1, 2].map(|k| from[k] + distance * d[k])
+}
+
+fn ids(line: &Value) -> BTreeSet<usize> {
+    let list: Vec<usize> = serde_json::from_value(line["triangles"].clone()).expect("ids");
+    assert!(list.is_sorted_by(|a, b| a < b), "{list:?}");
+    list.into_iter().collect()
+}
+
+fn vector(value: &Value) -> Point {
+    serde_json::from_value(value.clone()).expect("three numbers")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+/// Everything surely within is there, everything surely outside is not.
+fn assert_within(found: &BTreeSet<usize>, distances: impl Iterator<Item = f64>) {
+    for (id, distance) in distances.enumerate() {
+        if distance < -EPSILON {
+            assert!(found.contains(&id), "{id} is missing: {distance}");
+        }
+        if distance > EPSILON {
+            assert!(!found.contains(&id), "{id} is too much: {distance}");
+        }
+    }
+}
+
+/// The point that barycentric weights give.
+fn weighted(t: &Triangle, weights: Point) -> Point {
+    [0, 1, 2].map(|k| (0..3).map(|i| weights[i] * t[i][k]).sum())
+}
+
+#[test]
+fn balls_and_planes_find_what_brute_force_finds() {
+    let folder = Folder::new();
+    let [a, b] = two(&folder);
+    let middle = centre(&a);
+    let mut queries = Vec::new();
+    let mut tests: Vec<Signed> = Vec::new();
+    for (i, d) in directions(40).enumerate() {
+        let (center, radius) = (away(middle, 1.4, d), 0.2 * (i % 7) as f64);
+        queries.push(json!({"ball": {"instance": "a", "center": center, "radius": radius}}));
+        tests.push(Box::new(move |t| point_distance(t, center) - radius));
+        let offset = dot(d, middle) - 1.5 + 0.1 * i as f64;
+        let normal = d.map(|x| 3.0 * x);
+        queries.push(json!({"plane": {"instance": "a", "normal": normal, "offset": offset}}));
+        tests.push(Box::new(move |t| {
+            t.iter().map(|x| dot(d, *x)).fold(f64::INFINITY, f64::min) - offset
+        }));
+    }
+    let scene = json!({"instances": [b.json, a.json], "queries": queries});
+    let lines = folder.query(&scene, &[]);
+    assert_eq!(lines.len(), tests.len());
+    let mut contacts_seen = 0;
+    for (i, (line, signed)) in lines.iter().zip(&tests).enumerate() {
+        let kind = ["ball", "plane"][i % 2];
+        assert_eq!((&line["query"], &line["kind"]), (&json!(i), &json!(kind)));
+        assert_eq!(line.as_object().unwrap().len(), 4, "{line}");
+        let found = ids(line);
+        assert_within(&found, a.triangles.iter().map(signed));
+        let contacts = line["contacts"].as_array().unwrap();
+        let order: Vec<usize> = contacts
+            .iter()
+            .map(|c| c["triangle"].as_u64().unwrap() as usize)
+            .collect();
+        assert_eq!(order, found.into_iter().collect::<Vec<_>>());
+        for contact in contacts {
+            contacts_seen += 1;
+            assert_eq!(contact.as_object().unwrap().len(), 5, "{contact}");
+            let triangle = &a.triangles[contact["triangle"].as_u64().unwrap() as usize];
+            let (dist, point) = (number(&contact["dist"]), vector(&contact["point"]));
+            assert!(
+                dist <= 0.0 && (dist - signed(triangle)).abs() < EPSILON,
+                "{contact}"
+            );
+            let same = weighted(triangle, vector(&contact["barycentric"]));
+            assert!(norm(sub(point, same)) < EPSILON, "{contact}");
+            let normal = vector(&contact["normal"]);
+            assert!((norm(normal) - 1.0).abs() < EPSILON, "{contact}");
+            if kind == "ball" && dist + number(&queries[i]["ball"]["radius"]) > 1e-3 {
+                let center = vector(&queries[i]["ball"]["center"]);
+                let gap = dist + number(&queries[i]["ball"]["radius"]);
+                assert!(
+                    norm(sub(away(point, gap, normal), center)) < EPSILON,
+                    "{contact}"
+                );
+            }
+        }
+    }
+    assert!(
+        contacts_seen > 500,
+        "the scene tests little: {contacts_seen}"
+    );
+}
+
+#[test]
+fn nearest_points_and_first_hits_are_those_of_brute_force() {
+    let folder = Folder::new();
+    let [a, b] = two(&folder);
+    let middle = centre(&b);
+    let mut queries = Vec::new();
+    let mut expected = Vec::new();
+    for (i, d) in directions(60).enumerate() {
+        // No limit, one just beyond the answer, one just before it.
+        let limit_for = |best: f64| match i % 3 {
+            0 => None,
+            1 => Some(1.05 * best),
+            _ => Some(0.95 * best),
+        };
+        let point = away(middle, 3.0 * (i % 4) as f64, d);
+        let distances = b.triangles.iter().map(|t| point_distance(t, point));
+        let best = distances.fold(f64::INFINITY, f64::min);
+        queries.push(json!({"closest": {"instance": "b", "point": point,
+                                        "max_distance": limit_for(best)}}));
+        expected.push((i % 3 != 2).then_some(best));
+        let direction = away(middle, 0.7, [d[1], d[2], d[0]]);
+        let direction = sub(direction, point).map(|x| 0.25 * x);
+        let unit = direction.map(|x| x / norm(direction));
+        let hits = b.triangles.iter();
+        let hits = hits.filter_map(|t| ray_distance(t, point, unit, f64::INFINITY));
+        let best = hits.reduce(f64::min);
+        queries.push(
+            json!({"ray": {"instance": "b", "origin": point, "direction": direction,
+                                    "max_distance": best.and_then(limit_for)}}),
+        );
+        expected.push(best.filter(|_| i % 3 != 2));
+    }
+    let scene = json!({"instances": [a.json, b.json], "queries": queries});
+    let lines = folder.query(&scene, &[]);
+    assert_eq!(lines.len(), expected.len());
+    let count = |found: bool| expected.iter().filter(|x| x.is_some() == found).count();
+    assert!(
+        count(true) > 40 && count(false) > 10,
+        "the scene tests little"
+    );
+    for (i, (line, expected)) in lines.iter().zip(&expected).enumerate() {
+        let fields = line.as_object().unwrap();
+        assert_eq!(fields.len(), 6, "{line}");
+        let Some(expected) = expected else {
+            for field in ["triangle", "point", "distance", "barycentric"] {
+                assert_eq!(fields.get(field), Some(&Value::Null), "{line}");
+            }
+            continue;
+        };
+        let distance = number(&line["distance"]);
+        assert!((distance - expected).abs() < EPSILON, "{line}: {expected}");
+        let point = vector(&line["point"]);
+        let triangle = &b.triangles[line["triangle"].as_u64().unwrap() as usize];
+        let same = weighted(triangle, vector(&line["barycentric"]));
+        assert!(norm(sub(point, same)) < EPSILON, "{line}");
+        let query = &queries[i];
+        let from = [&query["closest"]["point"], &query["ray"]["origin"]][i % 2];
+        assert!(
+            (norm(sub(point, vector(from))) - distance).abs() < EPSILON,
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn pairs_are_those_of_brute_force() {
+    let folder = Folder::new();
+    let [a, b] = two(&folder);
+    let tolerances = [0.0, 0.01, 0.05];
+    let pair = |t: f64| json!({"pair": {"a": "a", "b": "b", "tolerance": t}});
+    let mut queries: Vec<Value> = tolerances.map(pair).to_vec();
+    queries.push(json!({"pair": {"a": "b", "b": "a"}}));
+    let scene = json!({"instances": [a.json, b.json], "queries": queries});
+    let lines = folder.query(&scene, &[]);
+    let found: Vec<Vec<[usize; 2]>> = lines
+        .iter()
+        .map(|line| {
+            assert_eq!(line.as_object().unwrap().len(), 3, "{line}");
+            serde_json::from_value(line["triangles"].clone()).expect("pairs of ids")
+        })
+        .collect();
+    assert!(found[0].len() > 20, "the scene tests little");
+    for pairs in &found {
+        assert!(pairs.is_sorted_by(|x, y| x < y));
+    }
+    let sets: Vec<BTreeSet<[usize; 2]>> =
+        found.iter().map(|f| f.iter().copied().collect()).collect();
+    for (i, x) in a.triangles.iter().enumerate() {
+        for (j, y) in b.triangles.iter().enumerate() {
+            let distance = triangle_distance(x, y);
+            for (set, tolerance) in sets.iter().zip(tolerances) {
+                if distance > tolerance + EPSILON {
+                    assert!(!set.contains(&[i, j]), "{i} {j}: {distance}");
+                } else if distance == 0.0 || distance < tolerance - EPSILON {
+                    assert!(set.contains(&[i, j]), "{i} {j}: {distance}");
+                }
+            }
+        }
+    }
+    let swapped: BTreeSet<[usize; 2]> = found[3].iter().map(|[x, y]| [*y, *x]).collect();
+    assert_eq!(swapped, sets[0]);
+}
+
+#[test]
+fn stats_add_one_field() {
+    let folder = Folder::new();
+    let scene = json!({
+        "instances": [{"name": "a", "asset": "a.bdt"}, {"name": "r", "asset": "rigid.bdt", "q": []}],
+        "options": {"max_depth": null},
+        "queries": [{"ball": {"instance": "r", "center": [10, -2.5, 1.25], "radius": 0.2}},
+                    {"closest": {"instance": "a", "point": [0, 0, 0]}},
+                    {"pair": {"a": "a", "b": "r", "tolerance": 0.0}}]});
+    let plain = folder.query(&scene, &[]);
+    let mut stats = folder.query(&scene, &["--stats"]);
+    for (line, plain) in stats.iter_mut().zip(&plain) {
+        let nodes = line.as_object_mut().unwrap().remove("nodes_visited");
+        assert!(nodes.and_then(|n| n.as_u64()) > Some(0));
+        assert_eq!(line, plain);
+    }
+}
+
+#[test]
+fn paths_are_relative_to_the_scene() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("scenes")).unwrap();
+    let scene = |path: &str| {
+        json!({"instances": [{"name": "a", "asset": path}],
+               "queries": [{"closest": {"instance": "a", "point": [10, -2.5, 5]}}]})
+        .to_string()
+    };
+    folder.write("scenes/s.json", scene("../a.bdt"));
+    let from_file = folder.run(&["query", "scenes/s.json"]);
+    assert_eq!((from_file.code, from_file.err.as_str()), (0, ""));
+    let from_stdin = folder.run_with(&["query", "-"], &scene("a.bdt"));
+    assert_eq!((from_stdin.code, from_stdin.err.as_str()), (0, ""));
+    assert_eq!(from_file.out, from_stdin.out);
+    assert!(
+        from_file
+            .out
+            .starts_with(r#"{"query":0,"kind":"closest","triangle":"#),
+        "{}",
+        from_file.out
+    );
+    // The whole scene as a file that lies elsewhere finds nothing.
+    folder.write("scenes/t.json", scene("a.bdt"));
+    assert_eq!(folder.run(&["query", "scenes/t.json"]).code, 1);
+}

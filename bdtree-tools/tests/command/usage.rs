@@ -1,0 +1,69 @@
+//! Help, version, mistakes of usage, closed pipes.
+
+use std::process::{Command, Stdio};
+
+use crate::support::Folder;
+
+#[test]
+fn help_shows_defaults_and_units() {
+    let folder = Folder::new();
+    for (command, texts) in [
+        ("info", &["mesh units"][..]),
+        ("verify", &["1000"]),
+        ("diff", &["[default: 0]", "0 or more"]),
+        ("deform", &["[default: zeros]", "mesh units", "in seconds"]),
+        ("query", &["world"]),
+    ] {
+        let ran = folder.run(&[command, "--help"]);
+        assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+        for text in texts {
+            assert!(ran.out.contains(text), "{command}: {text}: {}", ran.out);
+        }
+    }
+    let ran = folder.run(&["--version"]);
+    assert_eq!(ran.code, 0);
+    assert_eq!(ran.out, concat!("bdtree ", env!("CARGO_PKG_VERSION"), "\n"));
+}
+
+#[test]
+fn mistakes_of_usage_are_2() {
+    let folder = Folder::new();
+    for arguments in [
+        &[][..],
+        &["inof", "a.bdt"],
+        &["info"],
+        &["info", "a.bdt", "b.bdt"],
+        &["verify", "a.bdt", "--stress", "--cases", "3"],
+        &["verify", "a.bdt", "--stress"],
+        &["diff", "a.bdt"],
+        &["diff", "a.bdt", "a.bdt", "--tolerance-rel", "-1"],
+        &["diff", "a.bdt", "a.bdt", "--tolerance-rel", "nan"],
+        &["deform", "a.bdt", "--q", "1,two"],
+        &["deform", "a.bdt", "--q", "0,0,0", "--frame", "1"],
+        &["query"],
+    ] {
+        let ran = folder.run(arguments);
+        assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{arguments:?}");
+        assert!(!ran.err.is_empty(), "{arguments:?}");
+    }
+    let ran = folder.run(&["verify", "a.bdt", "--stress"]);
+    assert!(ran.err.contains("not supported yet"));
+}
+
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let folder = Folder::new();
+    for arguments in [&["deform", "a.bdt"][..], &["info", "a.bdt"], &["--help"]] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_bdtree"))
+            .args(arguments)
+            .current_dir(folder.root())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("bdtree starts");
+        drop(child.stdout.take());
+        let output = child.wait_with_output().expect("bdtree ends");
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        assert!(output.stderr.is_empty(), "{arguments:?}");
+    }
+}

@@ -1,0 +1,99 @@
+//! `verify`: sound files, broken files, the same JSON for both.
+
+use serde_json::{Value, json};
+
+use crate::support::Folder;
+
+#[test]
+fn sound_files_are_ok() {
+    let folder = Folder::new();
+    for file in ["a.bdt", "rigid.bdt"] {
+        assert_eq!(
+            folder.json(&["verify", file, "--json"]),
+            json!({"ok": true, "errors": []})
+        );
+        let ran = folder.run(&["verify", file]);
+        assert_eq!((ran.code, ran.out), (0, format!("{file}: ok\n")));
+    }
+}
+
+#[test]
+fn a_flipped_bit_is_found_and_placed() {
+    let folder = Folder::new();
+    let info = folder.json(&["info", "a.bdt", "--json"]);
+    let sound = folder.read("a.bdt");
+    for section in info["sections"].as_array().unwrap() {
+        let mut bytes = sound.clone();
+        let at = section["offset"].as_u64().unwrap() as usize;
+        bytes[at] ^= 1;
+        folder.write("bad.bdt", &bytes);
+        let ran = folder.run(&["verify", "bad.bdt", "--json"]);
+        assert_eq!(ran.code, 1);
+        let report: Value = serde_json::from_str(&ran.out).unwrap();
+        assert_eq!(report["ok"], false);
+        let error = &report["errors"][0];
+        assert_eq!(error["section"], section["kind"]);
+        assert_eq!(error["byte"], at);
+        assert!(error["rule"].as_str().unwrap().starts_with("SPEC 4.1"));
+        assert!(error["expected"].is_number() && error["found"].is_number());
+        let place = format!(
+            "bad.bdt: section {} at byte {at}: SPEC 4.1",
+            section["kind"].as_str().unwrap()
+        );
+        assert!(ran.err.starts_with(&place), "{}", ran.err);
+        // Every error is one line on the error stream.
+        let errors = report["errors"].as_array().unwrap().len();
+        assert_eq!(ran.err.lines().count(), errors);
+    }
+}
+
+#[test]
+fn an_error_of_opening_has_the_same_form() {
+    let folder = Folder::new();
+    folder.write("text.bdt", "not a tree");
+    let ran = folder.run(&["verify", "text.bdt", "--json"]);
+    assert_eq!(ran.code, 1);
+    let report: Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!(report["ok"], false);
+    assert_eq!(report["errors"].as_array().map(Vec::len), Some(1));
+    let error = report["errors"][0].as_object().unwrap();
+    let fields: Vec<&str> = error.keys().map(String::as_str).collect();
+    assert_eq!(fields, ["byte", "expected", "found", "rule", "section"]);
+    assert_eq!(error["section"], "HEAD");
+    let ran = folder.run(&["verify", "text.bdt"]);
+    assert_eq!((ran.code, ran.out.as_str()), (1, ""));
+    assert!(ran.err.starts_with("text.bdt: section HEAD at byte 10"));
+}
+
+#[test]
+fn long_lists_are_cut() {
+    let folder = Folder::new();
+    let info = folder.json(&["info", "a.bdt", "--json"]);
+    let mut bytes = folder.read("a.bdt");
+    let section = |kind: &str| {
+        let sections = info["sections"].as_array().unwrap();
+        let section = sections.iter().find(|s| s["kind"] == kind).unwrap();
+        let number = |field: &str| section[field].as_u64().unwrap() as usize;
+        number("offset")..number("offset") + number("bytes")
+    };
+    // Every node, triangle and vertex breaks at least one rule.
+    for kind in ["NODE", "TRIS", "SLOT", "VERT", "DISP"] {
+        bytes[section(kind)].fill(0x7e);
+    }
+    folder.write("bad.bdt", bytes);
+    let ran = folder.run(&["verify", "bad.bdt", "--json"]);
+    assert_eq!(ran.code, 1);
+    let report: Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!(report["errors"].as_array().map(Vec::len), Some(1000));
+    assert!(
+        ran.err
+            .ends_with("bad.bdt: stopped after 1000 broken rules\n")
+    );
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let ran = Folder::new().run(&["verify", "no.bdt", "--json"]);
+    assert_eq!((ran.code, ran.out.as_str()), (1, ""));
+    assert!(ran.err.starts_with("no.bdt: "));
+}
