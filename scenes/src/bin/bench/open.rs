@@ -1,0 +1,143 @@
+//! Opening a large file by mapping it: time and resident memory.
+
+use std::error::Error;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use bdtree_build::basis::{Basis, BasisMode};
+use bdtree_build::input::RawMesh;
+use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
+use bdtree_build::progress::Silent;
+use bdtree_runtime::{Asset, MappedFile};
+use bdtree_scenes::{machine, stats};
+use clap::Args;
+use serde_json::json;
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The file; without it target/bench-open.bdt is baked from a grid of a million triangles
+    #[arg(long)]
+    file: Option<PathBuf>,
+    /// How often to open it
+    #[arg(long, default_value_t = 200)]
+    repetitions: usize,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let Some(path) = &arguments.file else {
+        let path = PathBuf::from("target/bench-open.bdt");
+        if !path.exists() {
+            write_atomically(&path, &large_file()?)?;
+        }
+        // A fresh process, whose memory the bake has not filled.
+        let mut command = std::process::Command::new(std::env::current_exe()?);
+        command.arg("open").arg("--file").arg(path);
+        command.args(["--repetitions", &arguments.repetitions.to_string()]);
+        if arguments.json {
+            command.arg("--json");
+        }
+        let status = command.status()?;
+        return if status.success() {
+            Ok(())
+        } else {
+            Err("opening failed".into())
+        };
+    };
+    // A small file first and the measure asked twice: code that is run for the first time becomes
+    // resident too, and is not what is measured.
+    let small = std::env::temp_dir().join(format!("bench-open-{}.bdt", std::process::id()));
+    std::fs::write(
+        &small,
+        include_bytes!("../../../../fixtures/golden/tetrahedron.bdt"),
+    )?;
+    let warm = MappedFile::open(&small)?;
+    std::hint::black_box(Asset::open(&warm)?.node_count());
+    std::fs::remove_file(&small)?;
+    let resident = || machine::status_bytes("VmRSS").unwrap_or(0);
+    let mut times = Vec::with_capacity(arguments.repetitions);
+    let _ = resident();
+    let before = resident();
+    let private_before = machine::status_bytes("RssAnon").unwrap_or(0);
+    let start = Instant::now();
+    let file = MappedFile::open(path)?;
+    let asset = Asset::open(&file)?;
+    let first = start.elapsed().as_secs_f64();
+    let growth = resident().saturating_sub(before);
+    let private = machine::status_bytes("RssAnon")
+        .unwrap_or(0)
+        .saturating_sub(private_before);
+    let huge = machine::mapped_huge_bytes();
+    let bytes = asset.bytes().len();
+    for _ in 0..arguments.repetitions {
+        let start = Instant::now();
+        let again = MappedFile::open(path)?;
+        let asset = Asset::open(&again)?;
+        times.push(start.elapsed().as_secs_f64());
+        std::hint::black_box(asset.node_count());
+    }
+    let typical = stats::median(&times);
+    if arguments.json {
+        let value = json!({
+            "machine": machine::processor(), "file_bytes": bytes, "first_s": first,
+            "median_s": typical, "resident_growth_bytes": growth,
+            "private_growth_bytes": private, "file_huge_page_bytes": huge,
+        });
+        println!("{value:#}");
+    } else {
+        println!("machine       {}", machine::processor());
+        println!("file          {:.1} MB", bytes as f64 / 1e6);
+        println!(
+            "open          {:.1} µs the first time, {:.1} µs median",
+            first * 1e6,
+            typical * 1e6
+        );
+        println!(
+            "resident set  grows by {} KiB, of them private {} KiB; file pages mapped as huge pages {} KiB",
+            growth / 1024,
+            private / 1024,
+            huge / 1024
+        );
+    }
+    Ok(())
+}
+
+/// A waving grid of a million triangles with eight modes.
+fn large_file() -> Result<Vec<u8>, Box<dyn Error>> {
+    const SIDE: u32 = 708;
+    let place = |i: u32| f64::from(i) / f64::from(SIDE - 1);
+    let mut mesh = RawMesh {
+        name: "grid".into(),
+        ..RawMesh::default()
+    };
+    let mut fields: [Vec<[f64; 3]>; 8] = std::array::from_fn(|_| Vec::new());
+    for i in 0..SIDE {
+        for j in 0..SIDE {
+            let (x, y) = (place(i), place(j));
+            mesh.positions.push([x, y, 0.05 * (20.0 * x).sin()]);
+            for (j, field) in fields.iter_mut().enumerate() {
+                let j = j as f64;
+                field.push([0.0, 0.0, 0.1 * ((2.0 + j) * x + (6.0 - j) * y).sin()]);
+            }
+        }
+    }
+    for i in 0..SIDE - 1 {
+        for j in 0..SIDE - 1 {
+            let at = i * SIDE + j;
+            mesh.triangles.push([at, at + SIDE, at + SIDE + 1]);
+            mesh.triangles.push([at, at + SIDE + 1, at + 1]);
+        }
+    }
+    let basis = Basis {
+        vertex_count: mesh.positions.len(),
+        fields: fields.concat(),
+        modes: vec![BasisMode::default(); 8],
+    };
+    let settings = BakeSettings {
+        threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
+        ..BakeSettings::default()
+    };
+    Ok(bake(&mesh, &basis, &settings, &[], &Silent)?.bytes)
+}

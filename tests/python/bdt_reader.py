@@ -1,0 +1,189 @@
+#!/usr/bin/env python3
+"""Reads a .bdt file by format-spec/SPEC.md alone and prints what `bdtree info --json` prints.
+
+Python >= 3.9, standard library only. Checks checksums, padding, canonical order, numbers and
+ranges, but not the bounds. Exit code 1 and one line on stderr when a rule is broken.
+"""
+import json
+import math
+import struct
+import sys
+import zlib
+
+# kind: required, element bytes (SPEC 4.2)
+KINDS = {b"NODE": (1, 32), b"ROWS": (1, 32), b"LIST": (1, 2), b"TRIS": (1, 16), b"SLOT": (1, 4),
+         b"VERT": (1, 12), b"DISP": (1, 12), b"GRPS": (0, 20), b"GNAM": (0, 1), b"META": (0, 1)}
+
+
+def check(holds, rule, what):
+    if not holds:
+        raise ValueError(f"{what} (SPEC {rule})")
+
+
+def up64(n):
+    return (n + 63) // 64 * 64
+
+
+def floats(data, where):
+    values = struct.unpack(f"<{len(data) // 4}f", data)
+    check(all(v == 0 or 2.0 ** -126 <= abs(v) < math.inf for v in values), "5.1", where)
+    return values
+
+
+def short(x):
+    """The f32 x as the shortest decimal that reads back equal."""
+    texts = (f"{x:.{digits}g}" for digits in range(1, 10))
+    return next(float(t) for t in texts if struct.pack("<f", float(t)) == struct.pack("<f", x))
+
+
+def read_header(data):
+    check(data[:8] == b"\x89BDT\r\n\x1a\n" and len(data) >= 128, "9.1", "no header with the magic")
+    (major, minor, size, file_bytes, crc, features, _, e, *origin, n, f, m, nodes, depth, sections,
+     norm, leaf_max) = struct.unpack_from("<2HIQ3Ii3d6IfI", data, 8)
+    check(major == 0, "9.1", f"version {major}.{minor}")
+    check(m <= 512 and sections <= 64, "2.1", "mode_count, section_count")
+    check(size == up64(128 + 32 * (m + sections)) <= len(data), "2.3", f"header_bytes {size}")
+    check(zlib.crc32(data[:24] + bytes(4) + data[28:size]) == crc, "2.4", "header_crc")
+    check(file_bytes == len(data), "3.4", f"file_bytes {file_bytes}, found {len(data)}")
+    check(not any(data[96:128] + data[128 + 32 * (m + sections):size]), "2.1", "reserved bytes, padding")
+    check(features == 0, "9.3", f"unknown required features {features:#x}")
+    check(min(n, f, nodes, depth, leaf_max) >= 1 and depth <= 32 and leaf_max <= 255, "2.1", "counts")
+    check(abs(e) <= 100 and all(abs(o) <= 2.0 ** 80 for o in origin), "5.2", "unit, origin")
+    modes = list(struct.iter_unpack("<4f2d", data[128:128 + 32 * m]))
+    floats(b"".join(struct.pack("<4f", *mode[:4]) for mode in modes), "mode table")
+    for limit, q_range, scale, w, omega, mass in modes:
+        check(0 < q_range <= limit and 0 < scale and 0 <= w, "2.2", "mode table")
+        check(omega == -1 or 0 <= omega < math.inf, "2.2", "omega_rad_s")
+        check(mass == -1 or 0 < mass < math.inf, "2.2", "modal_mass_kg")
+        norm += w * limit
+    check(2.0 ** -20 <= norm <= 2.0 ** 60, "5.4", "range of lengths")
+    return (f"{major}.{minor}", origin, 2.0 ** e, n, f, m, nodes, depth, sections, size, leaf_max, modes)
+
+
+def read_sections(data, at, count, end):
+    found, table = {}, []
+    for kind, layout, offset, length, crc, required in struct.iter_unpack(
+            "<4sIQQII", data[at:at + 32 * count]):
+        name = "".join(chr(b) if 33 <= b <= 126 else "." for b in kind)
+        check(offset == up64(end) and offset + length <= len(data), "3.3", f"{name} at {offset}")
+        check(not any(data[end:offset]), "3.3", f"padding before {name}")
+        end = offset + length
+        check(zlib.crc32(data[offset:end]) == crc, "4.1", f"checksum of {name}")
+        check(required == KINDS.get(kind, (0,))[0], "4.4", f"{name}, required {required}")
+        check(kind not in found, "4.4", f"{name} stands twice")
+        check(kind not in KINDS or layout == 1, "4.4", f"layout {layout} of {name}")
+        found[kind] = data[offset:end]
+        table.append(dict(kind=name, offset=offset, bytes=length))
+    check(end == len(data), "3.4", "bytes behind the last section")
+    check([k for k in found if k in KINDS] == [k for k in KINDS if k in found], "4.2", "order of kinds")
+    check(all(k in found for k in KINDS if KINDS[k][0]), "4.2", "a required section is missing")
+    check((b"GRPS" in found) == (b"GNAM" in found), "4.2", "GRPS and GNAM")
+    return found, table
+
+
+def read_tree(s, m_all, node_count, depth, leaf_max, f):
+    """Checks nodes, rows and lists; returns the radii of each level."""
+    rows = floats(s[b"ROWS"], "ROWS")
+    lists = struct.unpack(f"<{len(s[b'LIST']) // 2}H", s[b"LIST"])
+    child, slot, row, list_end, starts = 1, 0, 0, 0, {}
+    levels, level_of = [[] for _ in range(depth)], {0: 0}
+    for i, (*firsts, start, m, inner, leaf, c0, c1, c2, c3, c4, c5, c6, c7, level) in enumerate(
+            struct.iter_unpack("<4IH11B3x", s[b"NODE"])):
+        counts = (c0, c1, c2, c3, c4, c5, c6, c7)
+        check(firsts == [child, slot, row] and child > i, "6.3", f"node {i}")
+        check(not any(s[b"NODE"][32 * i + 29:32 * i + 32]) and m <= m_all, "6.1", f"node {i}")
+        check(level == level_of.pop(i) < depth, "6.4", f"level of node {i}")
+        check(inner | leaf and not inner & leaf and max(counts) <= leaf_max, "6.2", f"lanes of node {i}")
+        modes = lists[start:start + m]
+        check(all(a < b for a, b in zip(modes, modes[1:] + (m_all,))), "6.7", f"list of node {i}")
+        if m and modes not in starts:
+            check(start == list_end and len(modes) == m, "6.7", f"list of node {i}")
+            starts[modes], list_end = start, list_end + m
+        check(start == starts.get(modes, 0), "6.7", f"list of node {i}")
+        for k in range(8):
+            lane = rows[8 * row + k:8 * (row + 6 + 6 * m):8]
+            check(len(lane) == 6 + 6 * m, "4.3", "length of ROWS")
+            check((leaf >> k & 1) == (counts[k] > 0), "6.2", f"lane {k} of node {i}")
+            if (inner | leaf) >> k & 1:
+                check(min(lane[3], *lane[7:-2:6], *lane[-2:]) >= 0, "6.5", f"lane {k} of node {i}")
+                levels[level].append(lane[3])
+            else:
+                check(not any(lane), "6.5", f"empty lane {k} of node {i}")
+        children = bin(inner).count("1")
+        level_of.update((child + c, level + 1) for c in range(children))
+        child, slot, row = child + children, slot + sum(counts), row + 6 + 6 * m
+    sums, sizes = (child, slot, 8 * row, list_end), (node_count, f, len(rows), len(lists))
+    check(sums == sizes, "6.3", f"sums over nodes {sums}, sections {sizes}")
+    check(all(levels), "6.4", "depth")
+    return levels
+
+
+def read_mesh(s, n, f):
+    slots = struct.unpack(f"<{f}I", s[b"SLOT"])
+    for slot, (a, b, c, triangle) in enumerate(struct.iter_unpack("<4I", s[b"TRIS"])):
+        check(max(a, b, c) < n, "7.1", f"corners in slot {slot}")
+        check(triangle < f and slots[triangle] == slot, "7.2", f"slot {slot}")
+    floats(s[b"VERT"], "VERT")
+    floats(s[b"DISP"], "DISP")
+    before = 0
+    for first, count, _, start, length in struct.iter_unpack("<5I", s.get(b"GRPS", b"")):
+        name = s[b"GNAM"][start:start + length]
+        check(before <= first and first + count <= f and len(name) == length, "7.4", "GRPS")
+        before, _ = first, name.decode("utf-8")
+
+
+def read_metadata(data, m):
+    """Source name, source hash and mode names."""
+    at = 0
+
+    def take(n):
+        nonlocal at
+        at += n
+        check(n <= 4194304 and at <= len(data), "8", "META is too short")
+        return data[at - n:at]
+
+    def count():
+        return int.from_bytes(take(8), "little")
+
+    def text():
+        return take(count()).decode("utf-8")
+
+    def optional(value):
+        tag = take(1)[0]
+        check(tag < 2, "8", "a tag in META")
+        return value() if tag else None
+
+    _builder, name, digest, _basis = text(), text(), take(32).hex(), text()
+    _settings = [(text(), text()) for _ in range(count())]
+    names = [optional(text) for _ in range(count())]
+    _error, _warnings = optional(lambda: take(16)), [text() for _ in range(count())]
+    check(at == len(data) and len(names) == m, "8", "META")
+    return name, digest, names
+
+
+def info(data):
+    version, origin, unit, n, f, m, nodes, depth, sections, end, leaf_max, modes = read_header(data)
+    s, table = read_sections(data, 128 + 32 * m, sections, end)
+    for kind, count in dict(NODE=nodes, TRIS=f, SLOT=f, VERT=n, DISP=n * m).items():
+        check(len(s[kind.encode()]) == count * KINDS[kind.encode()][1], "4.3", f"length of {kind}")
+    check(all(len(s[k]) % KINDS[k][1] == 0 for k in s if k in KINDS), "4.3", "length of a section")
+    levels = read_tree(s, m, nodes, depth, leaf_max, f)
+    read_mesh(s, n, f)
+    name, digest, names = read_metadata(s[b"META"], m) if b"META" in s else (None, None, [None] * m)
+    return dict(
+        version=version, bytes=len(data), vertices=n, triangles=f, modes=m, nodes=nodes, depth=depth,
+        origin=origin, q_limit=[short(q[0]) for q in modes], q_range=[short(q[1]) for q in modes],
+        source=dict(name=name, hash=digest), frames=None, sections=table,
+        mode_info=[dict(name=name, frequency_hz=None if mode[4] == -1 else mode[4] / (2 * math.pi),
+                        modal_mass_kg=None if mode[5] == -1 else mode[5])
+                   for name, mode in zip(names, modes)],
+        levels=[dict(level=i, spheres=len(r), radius_mean=sum(r) / len(r) * unit, radius_max=max(r) * unit)
+                for i, r in enumerate(levels)])
+
+
+if __name__ == "__main__":
+    try:
+        with open(sys.argv[1], "rb") as file:
+            print(json.dumps(info(file.read())))
+    except (ValueError, KeyError, OSError) as error:
+        sys.exit(f"{sys.argv[1]}: {error}")

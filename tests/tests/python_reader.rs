@@ -1,0 +1,58 @@
+//! A reader written from SPEC.md alone, in another language, reads every golden file.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(file: &Path) -> Output {
+    Command::new("python3")
+        .arg(root().join("tests/python/bdt_reader.py"))
+        .arg(file)
+        .output()
+        .expect("python3 runs (README: what the tests need)")
+}
+
+/// All `.bdt` files below `folder`.
+fn golden_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a readable folder") {
+        let path = entry.expect("a readable entry").path();
+        if path.is_dir() {
+            golden_files(&path, found);
+        } else if path.extension().is_some_and(|e| e == "bdt") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn golden_files_are_read() {
+    let mut files = vec![root().join("format-spec/tests/example.bdt")];
+    golden_files(&root().join("fixtures"), &mut files);
+    for file in files {
+        let output = read(&file);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{}: {errors}", file.display());
+        assert!(
+            output
+                .stdout
+                .starts_with(b"{\"version\": \"0.1\", \"bytes\": ")
+        );
+    }
+}
+
+#[test]
+fn a_flipped_bit_is_refused() {
+    let mut bytes = fs::read(root().join("format-spec/tests/example.bdt")).expect("the example");
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("flipped.bdt");
+    fs::write(&file, bytes).expect("written");
+    let output = read(&file);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("checksum of DISP (SPEC 4.1)"));
+}

@@ -1,0 +1,91 @@
+//! Every query equals brute force over all deformed triangles: none missing, none too many, the
+//! same numbers to the last bit.
+
+use bdtree_build::input::{RawMesh, read_mesh};
+use bdtree_runtime::{Asset, Transform};
+use bdtree_tests::compare::{check_pairs, check_pose, kernels};
+use bdtree_tests::{bake, corpus, poses};
+
+fn check_mesh(mesh: &RawMesh, mode_count: usize, seed: u64, rounds: usize) {
+    let basis = bake::smooth_basis(mesh, mode_count, seed);
+    let bytes = bake::baked(mesh, &basis);
+    let asset = Asset::open(&bytes).expect("open");
+    let mut errors = Vec::new();
+    asset.verify(&mut |e| {
+        errors.push(e);
+        core::ops::ControlFlow::Continue(())
+    });
+    assert!(errors.is_empty(), "{}", errors[0]);
+    let mut rng = poses::rng(seed);
+    for asset in kernels(asset) {
+        for share in [0.0, 0.05, 0.5] {
+            let q = poses::random_q(&asset, share, &mut rng);
+            let transform = poses::random_transform(10.0, &mut rng);
+            check_pose(&asset, &q, transform, seed, rounds);
+            check_pose(&asset, &q, Transform::IDENTITY, seed + 1, rounds);
+        }
+    }
+}
+
+#[test]
+fn queries_equal_brute_force_on_a_sphere() {
+    check_mesh(&bake::bumpy_sphere(24, 1), 10, 7, 20);
+    check_mesh(&bake::bumpy_sphere(8, 2), 1, 8, 20);
+    check_mesh(&bake::bumpy_sphere(8, 3), 0, 9, 20);
+    check_mesh(&bake::bumpy_sphere(6, 3), 40, 9, 20);
+}
+
+#[test]
+fn queries_equal_brute_force_at_hard_poses() {
+    let mesh = bake::bumpy_sphere(10, 4);
+    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 7, 5));
+    let asset = Asset::open(&bytes).expect("open");
+    for asset in kernels(asset) {
+        for (i, q) in poses::hard_qs(&asset).iter().enumerate() {
+            check_pose(&asset, q, Transform::IDENTITY, i as u64, 10);
+        }
+    }
+}
+
+#[test]
+fn queries_equal_brute_force_far_from_the_world_origin() {
+    let mut mesh = bake::bumpy_sphere(10, 4);
+    for p in &mut mesh.positions {
+        *p = [p[0] + 1e6, p[1] - 2e6, p[2] + 3.0];
+    }
+    check_mesh(&mesh, 4, 11, 10);
+    let mut tiny = bake::bumpy_sphere(10, 4);
+    for p in &mut tiny.positions {
+        *p = p.map(|c| c * 1e-6);
+    }
+    check_mesh(&tiny, 4, 12, 10);
+}
+
+#[test]
+fn pairs_equal_brute_force() {
+    let mesh = bake::bumpy_sphere(16, 1);
+    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
+    check_pairs(&bytes, 3, 12, 0.4);
+}
+
+#[test]
+fn corpus_queries_equal_brute_force() {
+    for (name, rounds) in [
+        ("fish.obj", 6),
+        ("spot.obj.gz", 6),
+        ("chair_office.obj", 20),
+        ("bridge.obj.gz", 6),
+        ("curtain.obj", 20),
+        ("teapot.obj", 10),
+        ("castle_scene.obj.gz", 4),
+    ] {
+        let test = "corpus_queries_equal_brute_force";
+        let Some(path) = corpus::path(test, &format!("meshes/{name}")) else {
+            return;
+        };
+        let mesh = read_mesh(&path).expect("mesh");
+        check_mesh(&mesh, 10, 21, rounds);
+        let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
+        check_pairs(&bytes, 4, 3, 0.3);
+    }
+}
