@@ -85,7 +85,7 @@ pub struct ElasticReport {
     pub resolution: u32,
     /// Cells that are filled, at least in part.
     pub cells: usize,
-    /// Unknowns, held ones included.
+    /// Unknowns.
     pub dofs: usize,
     /// Bodies that vibrate on their own.
     pub components: usize,
@@ -107,8 +107,6 @@ pub struct ElasticReport {
 
 /// Pieces thinner than this share of a cell are warned about.
 const THIN_SHARE: f64 = 0.25;
-/// Share of the row-sum lumped mass; see docs/decisions/elastic-mass.md.
-const LUMPED: f64 = 0.5;
 
 /// The K lowest elastic modes of a surface mesh, ascending in frequency, each with ω and modal mass.
 ///
@@ -140,22 +138,22 @@ pub fn elastic_basis(
     let (lattice, resolution) =
         choose_lattice(&subject, options.resolution, options.memory_limit_bytes)?;
     warn_thin(&subject, &lattice, warnings);
-    let held = hold_all(&subject, &lattice, &options.fixes)?;
+    let grips = hold_all(&subject, &lattice, &options.fixes)?;
     report.resolution = resolution;
-    report.cells = lattice.keys.len();
+    report.cells = lattice.parts.len();
     report.dofs = 3 * lattice.node_count();
     report.components = lattice.components.len();
     report.cell_size = lattice.grid.cell_size;
     lap(&mut report, "lattice");
 
     progress.stage("modes", Some(lattice.components.len() as u64));
-    let element = Element::new(options.poisson, LUMPED);
+    let element = Element::new(options.poisson);
     let limits = Limits {
         wanted: options.mode_count,
         bytes: options.memory_limit_bytes,
         verify_dof_max: options.verify_dof_max,
     };
-    let solution = solve(&lattice, &element, &held, limits, progress)
+    let solution = solve(&lattice, &element, &grips, limits, progress)
         .map_err(|e| solve_error(e, options, resolution))?;
     if solution.modes.len() < options.mode_count {
         return Err(BakeError::one(
@@ -401,10 +399,8 @@ fn list_silent_pieces(
         moving[mode.component] = true;
     }
     let mut body_moves = vec![false; subject.pieces.list.len()];
-    for f in &lattice.fillings {
-        if let Some(cell) = lattice.find(f.key) {
-            body_moves[f.body as usize] |= moving[lattice.places[cell].0 as usize];
-        }
+    for (body, component) in lattice.bodies() {
+        body_moves[body as usize] |= moving[component];
     }
     for piece in subject.pieces.list.iter().filter(|p| !body_moves[p.body]) {
         report.pieces_without_mode.push(PieceId {

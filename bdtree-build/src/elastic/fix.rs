@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::hold::{Region, hold};
+use super::hold::{Grip, Region, hold};
 use super::lattice::{Lattice, Subject};
 use crate::error::BakeError;
 
@@ -90,7 +90,7 @@ impl FromStr for Fix {
     }
 }
 
-/// Marks, per component and unknown, what the fixes hold together.
+/// Per component, the points that the fixes hold together.
 ///
 /// # Errors
 /// A fix that holds nothing, an unknown group, nothing left to move.
@@ -98,12 +98,9 @@ pub(crate) fn hold_all(
     subject: &Subject<'_>,
     lattice: &Lattice,
     fixes: &[Fix],
-) -> Result<Vec<Vec<bool>>, BakeError> {
-    let mut held: Vec<Vec<bool>> = lattice
-        .components
-        .iter()
-        .map(|c| vec![false; 3 * c.nodes.len()])
-        .collect();
+) -> Result<Vec<Vec<Grip>>, BakeError> {
+    let mut grips: Vec<Vec<Grip>> = vec![Vec::new(); lattice.components.len()];
+    let mut everything = [false; 3];
     for fix in fixes {
         let mut ranges = Vec::new();
         let (region, place) =
@@ -130,20 +127,27 @@ pub(crate) fn hold_all(
                     (Region::Triangles(&ranges), format!("--fix {name}"))
                 }
             };
-        if hold(subject, lattice, &region, fix.axes, &mut held) == 0 {
+        let held = hold(subject, lattice, &region, fix.axes);
+        if held.grips.is_empty() {
             return Err(BakeError::one(
                 "basis",
                 place,
                 "it holds no part of the body",
             ));
         }
+        for (all, axis) in everything.iter_mut().zip(fix.axes) {
+            *all |= held.everything && axis;
+        }
+        for grip in held.grips {
+            grips[grip.anchor.component].push(grip);
+        }
     }
-    if held.iter().flatten().all(|h| *h) {
+    if everything == [true; 3] {
         return Err(BakeError::one(
             "basis",
             "--fix",
             "everything is held, so nothing can vibrate",
         ));
     }
-    Ok(held)
+    Ok(grips)
 }

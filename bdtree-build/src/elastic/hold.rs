@@ -1,7 +1,7 @@
-//! Which unknowns `--fix` holds.
+//! Which points `--fix` holds.
 
 use super::lattice::{Lattice, Subject};
-use super::locate::nearest_cell;
+use super::locate::{Anchor, anchor};
 use super::slice::for_each_fragment;
 
 /// A region to hold, as the lattice sees it.
@@ -18,17 +18,35 @@ pub(crate) enum Region<'a> {
     Triangles(&'a [std::ops::Range<u32>]),
 }
 
-/// Marks, per component and unknown, what a region holds along `axes`; returns how many nodes.
-///
-/// Held are the lattice nodes nearest to the surface in the region (taken at the corners of its
-/// fragments, one cell apart or less) and, in a box, the nodes inside the material.
+/// A point of a component that is held along some axes by a stiff spring.
+#[derive(Debug, Clone)]
+pub(crate) struct Grip {
+    /// Where.
+    pub anchor: Anchor,
+    /// Whether x, y, z are held.
+    pub axes: [bool; 3],
+    /// Share of the spring that its cell gets; the shares of a fix add up to 1 in each cell.
+    pub share: f64,
+}
+
+/// What a region holds.
+#[derive(Debug, Default)]
+pub(crate) struct Held {
+    /// Its points.
+    pub grips: Vec<Grip>,
+    /// Whether no point of the surface lies outside the region.
+    pub everything: bool,
+}
+
+/// The points that a region holds along `axes`: of the surface in the region the corners and
+/// middles of its fragments (one cell apart or less) and, in a box, the middles and corners of
+/// full cells.
 pub(crate) fn hold(
     subject: &Subject<'_>,
     lattice: &Lattice,
     region: &Region<'_>,
     axes: [bool; 3],
-    held: &mut [Vec<bool>],
-) -> usize {
+) -> Held {
     let grid = &lattice.grid;
     let slack = 1e-6;
     let (lo, hi) = match region {
@@ -39,25 +57,21 @@ pub(crate) fn hold(
         Region::Triangles(_) => ([f64::NEG_INFINITY; 3], [f64::INFINITY; 3]),
     };
     let inside = |p: [f64; 3]| (0..3).all(|a| lo[a] <= p[a] && p[a] <= hi[a]);
-    let mut count = 0;
-    let mut mark = |component: usize, node: u32| {
-        count += 1;
-        for (a, on) in axes.iter().enumerate() {
-            if *on {
-                held[component][3 * node as usize + a] = true;
-            }
-        }
-    };
+    let mut everything = true;
+    // Part and point; several fragments share corners.
+    let mut points: Vec<(usize, [f64; 3])> = Vec::new();
     for piece in &subject.pieces.list {
         let body = piece.body as u32;
         for &(id, _) in &piece.triangles {
             if let Region::Triangles(ranges) = region
                 && !ranges.iter().any(|r| r.contains(&id))
             {
+                everything = false;
                 continue;
             }
             let triangle = subject.mesh.triangles[id as usize]
                 .map(|v| grid.local(subject.mesh.positions[v as usize]));
+            everything &= triangle.iter().all(|p| inside(*p));
             let apart = (0..3).any(|a| {
                 triangle.iter().all(|p| p[a] < lo[a]) || triangle.iter().all(|p| p[a] > hi[a])
             });
@@ -65,42 +79,46 @@ pub(crate) fn hold(
                 continue;
             }
             for_each_fragment(triangle, grid.dims, &mut |_, polygon| {
-                for &p in polygon.corners().iter().filter(|p| inside(**p)) {
-                    if let Some(cell) = nearest_cell(lattice, body, p) {
-                        let (component, node) = nearest_node(lattice, cell, p);
-                        mark(component, node);
+                let corners = polygon.corners();
+                let count = corners.len() as f64;
+                let middle =
+                    std::array::from_fn(|a| corners.iter().map(|p| p[a]).sum::<f64>() / count);
+                for &p in corners.iter().chain([&middle]).filter(|p| inside(**p)) {
+                    if let Some(part) = lattice.nearest_part(body, p) {
+                        points.push((part, p));
                     }
                 }
             });
         }
     }
     if let Region::Box { .. } = region {
-        for (component, own) in lattice.components.iter().enumerate() {
-            let mut full = vec![0u8; own.nodes.len()];
-            for (cell, moments) in own.cells.iter().zip(&own.moments) {
-                for &n in cell {
-                    full[n as usize] += u8::from(moments[0] >= 1.0);
-                }
+        for (n, part) in lattice.parts.iter().enumerate() {
+            let own = &lattice.components[part.component as usize];
+            if own.moments[part.place as usize][0] < 1.0 {
+                continue;
             }
-            for (n, node) in own.nodes.iter().enumerate() {
-                if full[n] == 8 && inside(node.map(f64::from)) {
-                    mark(component, n as u32);
+            let corner = part.cell.map(|x| x as f64);
+            let offsets = (0..8).map(|i| [0, 1, 2].map(|a| f64::from((i >> a & 1) as u8)));
+            for offset in offsets.chain([[0.5; 3]]) {
+                let p = std::array::from_fn(|a| corner[a] + offset[a]);
+                if inside(p) {
+                    points.push((n, p));
                 }
             }
         }
     }
-    count
-}
-
-fn nearest_node(lattice: &Lattice, cell: usize, p: [f64; 3]) -> (usize, u32) {
-    let corner = lattice.grid.cell(lattice.keys[cell]);
-    let (component, place) = lattice.places[cell];
-    let mut node = 0;
-    for a in 0..3 {
-        if p[a] - corner[a] as f64 > 0.5 {
-            node |= 1 << a;
-        }
+    points.sort_by(|a, b| {
+        let order = |k: usize| a.1[k].total_cmp(&b.1[k]);
+        a.0.cmp(&b.0).then(order(0)).then(order(1)).then(order(2))
+    });
+    points.dedup();
+    let mut grips = Vec::with_capacity(points.len());
+    for own in points.chunk_by(|a, b| a.0 == b.0) {
+        grips.extend(own.iter().map(|&(part, p)| Grip {
+            anchor: anchor(lattice, part, p),
+            axes,
+            share: 1.0 / own.len() as f64,
+        }));
     }
-    let nodes = &lattice.components[component as usize].cells[place as usize];
-    (component as usize, nodes[node])
+    Held { grips, everything }
 }

@@ -71,8 +71,7 @@ impl Inverse<'_> {
 /// The lowest `wanted` modes (fewer if the body has fewer).
 pub(crate) fn lowest_modes(inverse: &Inverse<'_>, wanted: usize) -> Result<Modes, FactorError> {
     let system = inverse.system;
-    let held = system.held.iter().filter(|h| **h).count();
-    let free = (system.size() - held).saturating_sub(inverse.rigid.ncols());
+    let free = system.size().saturating_sub(inverse.rigid.ncols());
     let wanted = wanted.min(free);
     let dimension_max = free.min(40 * BLOCK + 6 * wanted);
     let mut basis: Vec<Mat<f64>> = Vec::new();
@@ -232,10 +231,7 @@ fn start_block(system: &System, columns: usize, seed: u64) -> Mat<f64> {
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     };
-    Mat::from_fn(system.size(), columns, |i, _| {
-        let x = next();
-        if system.held[i] { 0.0 } else { x }
-    })
+    Mat::from_fn(system.size(), columns, |_, _| next())
 }
 
 /// Takes the basis (`size` columns in all) out of `block`; returns the coefficients.

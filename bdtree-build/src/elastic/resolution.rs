@@ -1,17 +1,21 @@
-//! How many cells: as asked for, or as many as a budget of nodes allows.
+//! How many cells: as asked for, or as many as budgets of nodes and of work allow.
 
 use super::lattice::{Lattice, Subject};
+use super::ordering::nested_dissection;
 use crate::error::BakeError;
 
 /// Nodes that the default resolution may use.
 pub const NODE_BUDGET: usize = 20_000;
+/// Work of the factorisation that the default resolution may take, as [`nested_dissection`] counts
+/// it: some seconds. It limits stout bodies, which need fewer cells than thin ones.
+const WORK_BUDGET: f64 = 2e8;
 /// Cells along the longest side at most.
 pub const RESOLUTION_MAX: u32 = 1024;
 /// The default resolution does not go beyond this many cells along the longest side.
 const AUTO_RESOLUTION_MAX: f64 = 256.0;
 /// A cell with its matrices, nodes and tables takes about this much.
-pub(crate) const BYTES_PER_CELL: u64 = 4096;
-/// The lattice asked for, or the finest one within the node budget.
+pub(crate) const BYTES_PER_CELL: u64 = 8192;
+/// The lattice asked for, or the finest one within the budgets.
 pub(crate) fn choose_lattice(
     subject: &Subject<'_>,
     asked: Option<u32>,
@@ -35,27 +39,32 @@ pub(crate) fn choose_lattice(
     let mut best: Option<(Lattice, u32)> = None;
     let (mut resolution, mut low, mut high) = (24u32, 0u32, AUTO_RESOLUTION_MAX as u32 + 1);
     for _ in 0..8 {
-        let nodes = match subject.lattice(f64::from(resolution), 2 * NODE_BUDGET) {
+        // Of its nodes and of its work, the larger share of the budget.
+        let share = match subject.lattice(f64::from(resolution), 2 * NODE_BUDGET) {
             Ok(lattice) => {
-                let nodes = lattice.node_count();
-                if nodes <= NODE_BUDGET {
+                let nodes = lattice.node_count() as f64 / NODE_BUDGET as f64;
+                let work = lattice.components.iter();
+                let work: f64 = work.map(|c| nested_dissection(&c.nodes).work).sum();
+                // Work grows about as the square of the nodes.
+                let share = nodes.max((work / WORK_BUDGET).sqrt());
+                if share <= 1.0 {
                     low = resolution;
                     best = Some((lattice, resolution));
                 } else {
                     high = resolution;
                 }
-                nodes
+                share
             }
             Err(_) => {
                 high = resolution;
-                4 * NODE_BUDGET
+                4.0
             }
         };
-        if high - low <= 1 || (low == resolution && nodes * 10 >= NODE_BUDGET * 9) {
+        if high - low <= 1 || (low == resolution && share >= 0.9) {
             break;
         }
         // Nodes grow with a power of the resolution between 2 (thin) and 3 (stout).
-        let factor = (0.95 * NODE_BUDGET as f64 / nodes.max(1) as f64).powf(0.4);
+        let factor = (0.95 / share.max(1e-6)).powf(0.4);
         let guess = (f64::from(resolution) * factor).round() as u32;
         resolution = guess.clamp(low + 1, high - 1);
     }
@@ -78,7 +87,7 @@ fn nonempty(
     lattice: Lattice,
     resolution: u32,
 ) -> Result<(Lattice, u32), BakeError> {
-    if lattice.keys.is_empty() {
+    if lattice.parts.is_empty() {
         return Err(BakeError::one(
             "basis",
             subject.mesh.name.clone(),

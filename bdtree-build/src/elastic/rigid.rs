@@ -4,7 +4,8 @@ use faer::{Mat, MatRef};
 
 use super::system::System;
 
-/// `M`-orthonormal rigid motions (size × count) that held unknowns allow, zero where held.
+/// `M`-orthonormal rigid motions (size × count) that the held points allow. (Functions follow lines,
+/// so their coefficients move as points at their centres do.)
 pub(crate) fn rigid_motions(system: &System) -> Mat<f64> {
     let n = system.nodes.len();
     let mut centre = [0.0; 3];
@@ -39,11 +40,6 @@ pub(crate) fn rigid_motions(system: &System) -> Mat<f64> {
     if free.ncols() == 0 {
         return free;
     }
-    for i in (0..3 * n).filter(|&i| system.held[i]) {
-        for j in 0..free.ncols() {
-            free[(i, j)] = 0.0;
-        }
-    }
     // Twice is enough for M-orthonormality to rounding.
     for _ in 0..2 {
         let product = free.transpose() * system.apply_mass(free.as_ref());
@@ -58,25 +54,33 @@ pub(crate) fn rigid_motions(system: &System) -> Mat<f64> {
     free
 }
 
-/// Combinations (6 × count) of the rigid motions that leave all held unknowns where they are.
+/// Combinations (6 × count) of the rigid motions that leave all held points where they are.
 fn null_space(system: &System, all: MatRef<'_, f64>) -> Mat<f64> {
     let mut product = Mat::<f64>::zeros(6, 6);
-    let mut held = 0usize;
-    for i in (0..all.nrows()).filter(|&i| system.held[i]) {
-        held += 1;
-        for a in 0..6 {
-            for b in 0..6 {
-                product[(a, b)] += all[(i, a)] * all[(i, b)];
+    if system.grips.is_empty() {
+        return Mat::identity(6, 6);
+    }
+    for grip in &system.grips {
+        for axis in (0..3).filter(|&a| grip.axes[a]) {
+            let nodes = grip.anchor.nodes.iter().zip(grip.anchor.weights);
+            let mut motion = [0.0; 6];
+            for (&n, w) in nodes {
+                for (j, m) in motion.iter_mut().enumerate() {
+                    *m += w * all[(3 * n as usize + axis, j)];
+                }
+            }
+            for a in 0..6 {
+                for b in 0..6 {
+                    product[(a, b)] += motion[a] * motion[b];
+                }
             }
         }
-    }
-    if held == 0 {
-        return Mat::identity(6, 6);
     }
     let Ok(eigen) = product.self_adjoint_eigen(faer::Side::Lower) else {
         return Mat::zeros(6, 0);
     };
-    // Held corners are whole lattice steps apart, so a true zero is far below one step's share.
+    // Points of one hold are whole lattice steps apart in all; a true zero is far below one step's
+    // share.
     let free: Vec<usize> = (0..6).filter(|&j| eigen.S()[j] < 1e-9).collect();
     Mat::from_fn(6, free.len(), |i, j| eigen.U()[(i, free[j])])
 }
@@ -91,7 +95,7 @@ pub(crate) fn support(system: &System, rigid: MatRef<'_, f64>) -> Vec<usize> {
     for _ in 0..rigid.ncols() {
         let length = |i: usize| (0..rows.ncols()).map(|j| rows[(i, j)] * rows[(i, j)]).sum();
         let mut best = (0, 0.0f64);
-        for i in (0..rows.nrows()).filter(|&i| !system.held[i]) {
+        for i in 0..rows.nrows() {
             let l: f64 = length(i);
             if l > best.1 * (1.0 + 1e-9) {
                 best = (i, l);

@@ -51,7 +51,8 @@ impl Polygon {
         }
     }
 
-    fn range(&self, axis: usize) -> (f64, f64) {
+    /// Least and greatest coordinate.
+    pub(crate) fn range(&self, axis: usize) -> (f64, f64) {
         self.corners()
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| {
@@ -114,36 +115,77 @@ fn slabs(
     }
 }
 
-/// Weights and barycentric coordinates of the seven-point rule of degree 5 (Radon 1948).
-const RULE: [(f64, [f64; 3]); 7] = {
-    const A: f64 = 0.470_142_064_105_115_1;
-    const B: f64 = 0.101_286_507_323_456_34;
-    const WA: f64 = 0.132_394_152_788_506_2;
-    const WB: f64 = 0.125_939_180_544_827_15;
-    const T: f64 = 1.0 / 3.0;
-    [
-        (0.225, [T, T, T]),
-        (WA, [A, A, 1.0 - 2.0 * A]),
-        (WA, [A, 1.0 - 2.0 * A, A]),
-        (WA, [1.0 - 2.0 * A, A, A]),
-        (WB, [B, B, 1.0 - 2.0 * B]),
-        (WB, [B, 1.0 - 2.0 * B, B]),
-        (WB, [1.0 - 2.0 * B, B, B]),
-    ]
-};
-
-/// Calls `visit(point, area vector)` for the quadrature points of a fragment.
-pub(crate) fn integrate(polygon: &Polygon, visit: &mut impl FnMut([f64; 3], [f64; 3])) {
-    let points = polygon.corners();
-    for i in 1..points.len().saturating_sub(1) {
-        let (a, b, c) = (points[0], points[i], points[i + 1]);
-        let vector = scale(cross(sub(b, a), sub(c, a)), 0.5);
-        if norm(vector) == 0.0 {
-            continue;
+/// Gauss-Legendre points on [0, 1] and their weights, by Newton's method on P_n.
+fn gauss_legendre<const N: usize>() -> [(f64, f64); N] {
+    std::array::from_fn(|i| {
+        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (N as f64 + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..8 {
+            let (mut p, mut before) = (x, 1.0);
+            for k in 2..=N {
+                let k = k as f64;
+                (p, before) = (((2.0 * k - 1.0) * x * p - (k - 1.0) * before) / k, p);
+            }
+            slope = N as f64 * (x * p - before) / (x * x - 1.0);
+            x -= p / slope;
         }
-        for (w, l) in RULE {
-            let p = add(add(scale(a, l[0]), scale(b, l[1])), scale(c, l[2]));
-            visit(p, scale(vector, w));
+        (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope))
+    })
+}
+
+/// Quadrature points of a triangle: barycentric coordinates of its last two corners and the
+/// weight, adding up to 1.
+type Rule = Vec<([f64; 2], f64)>;
+
+/// Rules of rising degree with the half extent (in cells) of the fragments they are for.
+///
+/// The integrands are polynomials of degree 13. Where a rule's degree is less, the remainder
+/// shrinks with that power of the extent: at the extents given here it stays below 4e-9 of the
+/// fragment's area (C(13, 2n) h²ⁿ / 2²ⁿ⁻¹ with h the extent in cells).
+pub(crate) struct Rules([(f64, Rule); 5]);
+
+impl Rules {
+    /// Gauss-Legendre points on a square folded into the triangle (Duffy 1982).
+    pub(crate) fn new() -> Self {
+        fn folded<const N: usize>() -> Rule {
+            let line = gauss_legendre::<N>();
+            let mut rule = Vec::with_capacity(N * N);
+            for (u, wu) in line {
+                for (v, wv) in line {
+                    rule.push(([u * (1.0 - v), u * v], 2.0 * wu * wv * u));
+                }
+            }
+            rule
+        }
+        Self([
+            (0.025, folded::<4>()),
+            (0.075, folded::<5>()),
+            (0.125, folded::<6>()),
+            (0.25, folded::<7>()),
+            (f64::INFINITY, folded::<8>()),
+        ])
+    }
+
+    /// Calls `visit(point, area vector)` for the quadrature points of a fragment.
+    pub(crate) fn integrate(&self, polygon: &Polygon, visit: &mut impl FnMut([f64; 3], [f64; 3])) {
+        let half = (0..3).fold(0.0f64, |most, a| {
+            let (lo, hi) = polygon.range(a);
+            most.max(0.5 * (hi - lo))
+        });
+        let [.., (_, last)] = &self.0;
+        let fitting = self.0.iter().find(|(most, _)| half <= *most);
+        let rule = fitting.map_or(last, |(_, rule)| rule);
+        let points = polygon.corners();
+        for i in 1..points.len().saturating_sub(1) {
+            let (a, b, c) = (points[0], points[i], points[i + 1]);
+            let (ab, ac) = (sub(b, a), sub(c, a));
+            let vector = scale(cross(ab, ac), 0.5);
+            if norm(vector) == 0.0 {
+                continue;
+            }
+            for &([u, v], w) in rule {
+                visit(add(a, add(scale(ab, u), scale(ac, v))), scale(vector, w));
+            }
         }
     }
 }
@@ -175,6 +217,41 @@ mod tests {
                 }
             });
             assert!((total - area(&triangle)).abs() < 1e-12 * (1.0 + total));
+        }
+    }
+
+    #[test]
+    fn rules_integrate_the_highest_powers() {
+        let rules = Rules::new();
+        for size in [1.0, 0.5, 0.25, 0.15, 0.05] {
+            let p = [[0.9, 0.95, 1.0], [1.0, 0.9, 0.97], [0.96, 1.0, 0.91]];
+            let q = p.map(|c| std::array::from_fn(|a| 1.0 - size * (1.0 - c[a]) / 0.1));
+            let polygon = Polygon::new(q);
+            let f = |p: [f64; 3]| {
+                let [x, y, z] = p.map(|c| 2.0 * c - 1.0);
+                x.powi(5) * y.powi(4) * z.powi(4)
+            };
+            let mut sum = 0.0;
+            rules.integrate(&polygon, &mut |p, vector| sum += f(p) * norm(vector));
+            // The same over 64 small triangles with the finest rule.
+            let mut fine = vec![q];
+            for _ in 0..3 {
+                fine = fine
+                    .into_iter()
+                    .flat_map(|[a, b, c]| {
+                        let half = |p, q| scale(add(p, q), 0.5);
+                        let (ab, bc, ca) = (half(a, b), half(b, c), half(c, a));
+                        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+                    })
+                    .collect();
+            }
+            let only_last = Rules(std::array::from_fn(|_| (f64::INFINITY, rules.0[4].1.clone())));
+            let mut want = 0.0;
+            for t in fine {
+                only_last.integrate(&Polygon::new(t), &mut |p, v| want += f(p) * norm(v));
+            }
+            let area = 0.5 * norm(cross(sub(q[1], q[0]), sub(q[2], q[0])));
+            assert!((sum - want).abs() < 4e-9 * area, "{size} {sum} {want}");
         }
     }
 }

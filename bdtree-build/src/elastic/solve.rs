@@ -6,6 +6,7 @@ use super::canonical::{CLUSTER_GAP, turn_clusters};
 use super::dense::{DENSE_MAX, all_modes};
 use super::element::Element;
 use super::factor::{FactorError, Symbolic};
+use super::hold::Grip;
 use super::krylov::{Inverse, Modes, lowest_modes};
 use super::lattice::Lattice;
 use super::rigid::{rigid_motions, support};
@@ -73,7 +74,7 @@ const RESIDUAL_MAX: f64 = 1e-6;
 pub(crate) fn solve(
     lattice: &Lattice,
     element: &Element,
-    held: &[Vec<bool>],
+    grips: &[Vec<Grip>],
     limits: Limits,
     progress: &dyn Progress,
 ) -> Result<Solution, SolveError> {
@@ -84,7 +85,7 @@ pub(crate) fn solve(
         ..Solution::default()
     };
     for c in order {
-        let system = System::new(&lattice.components[c], element, &held[c]);
+        let system = System::new(&lattice.components[c], element, &grips[c]);
         let found = solve_component(c, &system, limits, &mut solution)?;
         for (j, &value) in found.values.iter().enumerate().take(limits.wanted) {
             let vector = (0..system.size())
@@ -132,13 +133,9 @@ fn solve_component(
         residual: 0.0,
     };
     let fail = |e| SolveError::Factor(c, e);
-    let free = system.held.iter().filter(|h| !**h).count();
-    if free == 0 {
-        return Ok(none);
-    }
     let rigid = rigid_motions(system);
     let rigid_count = rigid.ncols();
-    let available = free.saturating_sub(rigid_count);
+    let available = system.size().saturating_sub(rigid_count);
     solution.available += available;
     if available == 0 {
         return Ok(none);

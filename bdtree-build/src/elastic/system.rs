@@ -2,20 +2,25 @@
 
 use faer::{Mat, MatRef};
 
-use super::element::Element;
+use super::element::{Element, FUNCTIONS};
 use super::factor::Pattern;
+use super::hold::Grip;
 use super::lattice::Component;
 use super::ordering::nested_dissection;
+
+/// Stiffness of the springs at held points, per cell, in units of Young's modulus times the cell
+/// size: they give way by a thousandth of what the cell itself does.
+const GRIP: f64 = 1e3;
 
 /// `K` in 3 × 3 blocks and `M` as a scalar per pair of nodes: both share one pattern.
 #[derive(Debug, Clone)]
 pub(crate) struct System {
     /// Place of each of the component's nodes in the order of elimination.
     pub place: Vec<u32>,
-    /// Lattice corner of each node, in that order.
+    /// Cell of each node, in that order.
     pub nodes: Vec<[i32; 3]>,
-    /// Per unknown (node-major, x y z): whether it is held.
-    pub held: Vec<bool>,
+    /// Points that are held, with their nodes in that order.
+    pub grips: Vec<Grip>,
     starts: Vec<usize>,
     rows: Vec<u32>,
     stiffness: Vec<[f64; 9]>,
@@ -23,14 +28,14 @@ pub(crate) struct System {
 }
 
 impl System {
-    /// Adds up the cells of a component. `held` is per unknown of the component's own node order.
-    pub(crate) fn new(component: &Component, element: &Element, held: &[bool]) -> Self {
-        let order = nested_dissection(&component.nodes);
+    /// Adds up the cells of a component and the springs at its held points.
+    pub(crate) fn new(component: &Component, element: &Element, grips: &[Grip]) -> Self {
+        let order = nested_dissection(&component.nodes).order;
         let mut place = vec![0u32; order.len()];
         for (n, &old) in order.iter().enumerate() {
             place[old as usize] = n as u32;
         }
-        let cells: Vec<[u32; 8]> = component
+        let cells: Vec<[u32; FUNCTIONS]> = component
             .cells
             .iter()
             .map(|c| c.map(|n| place[n as usize]))
@@ -38,10 +43,7 @@ impl System {
         let (starts, rows) = adjacency(&cells, order.len());
         let mut system = Self {
             nodes: order.iter().map(|&n| component.nodes[n as usize]).collect(),
-            held: order
-                .iter()
-                .flat_map(|&n| (0..3).map(move |a| held[3 * n as usize + a]))
-                .collect(),
+            grips: grips.to_vec(),
             place,
             stiffness: vec![[0.0; 9]; rows.len()],
             mass: vec![0.0; rows.len()],
@@ -49,30 +51,52 @@ impl System {
             rows,
         };
         for (cell, moments) in cells.iter().zip(&component.moments) {
-            let (k, m) = element.matrices(moments);
-            for (a, &row) in cell.iter().enumerate() {
-                for (b, &column) in cell.iter().enumerate() {
-                    if row < column {
-                        continue;
-                    }
-                    let range = system.starts[column as usize]..system.starts[column as usize + 1];
-                    let Ok(at) = system.rows[range.clone()].binary_search(&row) else {
-                        continue;
-                    };
-                    let at = range.start + at;
-                    system.mass[at] += m[a][b];
-                    for d in 0..3 {
-                        for e in 0..3 {
-                            system.stiffness[at][3 * d + e] += k[3 * a + d][3 * b + e];
-                        }
-                    }
+            let own = element.matrices(moments);
+            system.for_each_pair(cell, |system, at, a, b| {
+                system.mass[at] += own.mass[FUNCTIONS * a + b];
+                let block = &own.stiffness[FUNCTIONS * a + b];
+                for (sum, k) in system.stiffness[at].iter_mut().zip(block) {
+                    *sum += k;
                 }
-            }
+            });
+        }
+        for n in 0..system.grips.len() {
+            let grip = &mut system.grips[n];
+            grip.anchor.nodes = grip.anchor.nodes.map(|node| system.place[node as usize]);
+            let Grip {
+                anchor,
+                axes,
+                share,
+            } = grip.clone();
+            system.for_each_pair(&anchor.nodes, |system, at, a, b| {
+                let spring = GRIP * share * anchor.weights[a] * anchor.weights[b];
+                for (axis, held) in axes.iter().enumerate() {
+                    system.stiffness[at][4 * axis] += if *held { spring } else { 0.0 };
+                }
+            });
         }
         system
     }
 
-    /// Number of unknowns, held ones included.
+    /// Calls `add(self, entry, row, column)` for the lower triangle's pairs of a cell's functions.
+    fn for_each_pair(
+        &mut self,
+        cell: &[u32; FUNCTIONS],
+        mut add: impl FnMut(&mut Self, usize, usize, usize),
+    ) {
+        for (b, &column) in cell.iter().enumerate() {
+            let range = self.starts[column as usize]..self.starts[column as usize + 1];
+            for (a, &row) in cell.iter().enumerate() {
+                if row >= column
+                    && let Ok(at) = self.rows[range.clone()].binary_search(&row)
+                {
+                    add(self, range.start + at, a, b);
+                }
+            }
+        }
+    }
+
+    /// Number of unknowns.
     pub(crate) fn size(&self) -> usize {
         3 * self.nodes.len()
     }
@@ -100,10 +124,10 @@ impl System {
         Pattern { columns, rows }
     }
 
-    /// Values of `K − shift · M` on the pattern; unknowns in `pins` or held are cut off and get a
-    /// positive diagonal.
+    /// Values of `K − shift · M` on the pattern; unknowns in `pins` are cut off and get a positive
+    /// diagonal.
     pub(crate) fn values(&self, shift: f64, pins: &[usize]) -> Vec<f64> {
-        let mut off = self.held.clone();
+        let mut off = vec![false; self.size()];
         for &p in pins {
             off[p] = true;
         }
@@ -131,7 +155,7 @@ impl System {
         values
     }
 
-    /// `K x`, with held rows and columns cut off.
+    /// `K x`.
     pub(crate) fn apply_stiffness(&self, x: MatRef<'_, f64>) -> Mat<f64> {
         self.apply(x, |at, input, output, row, node| {
             let k = &self.stiffness[at];
@@ -146,7 +170,7 @@ impl System {
         })
     }
 
-    /// `M x`, with held rows and columns cut off.
+    /// `M x`.
     pub(crate) fn apply_mass(&self, x: MatRef<'_, f64>) -> Mat<f64> {
         self.apply(x, |at, input, output, row, node| {
             let m = self.mass[at];
@@ -170,7 +194,7 @@ impl System {
         let mut output = input.clone();
         for c in 0..x.ncols() {
             for (i, v) in input.as_flattened_mut().iter_mut().enumerate() {
-                *v = if self.held[i] { 0.0 } else { x[(i, c)] };
+                *v = x[(i, c)];
             }
             output.fill([0.0; 3]);
             for node in 0..self.nodes.len() {
@@ -179,7 +203,7 @@ impl System {
                 }
             }
             for (i, &v) in output.as_flattened().iter().enumerate() {
-                result[(i, c)] = if self.held[i] { 0.0 } else { v };
+                result[(i, c)] = v;
             }
         }
         result
@@ -192,7 +216,7 @@ impl System {
 }
 
 /// Lower adjacency of the nodes by columns: the node itself first, then its later neighbours.
-fn adjacency(cells: &[[u32; 8]], count: usize) -> (Vec<usize>, Vec<u32>) {
+fn adjacency(cells: &[[u32; FUNCTIONS]], count: usize) -> (Vec<usize>, Vec<u32>) {
     let mut first = vec![0usize; count + 1];
     for n in cells.iter().flatten() {
         first[*n as usize + 1] += 1;
@@ -230,18 +254,19 @@ fn adjacency(cells: &[[u32; 8]], count: usize) -> (Vec<usize>, Vec<u32>) {
 mod tests {
     use super::*;
     use crate::elastic::factor::Symbolic;
+    use crate::elastic::locate::Anchor;
     use crate::elastic::moments::full_cell;
 
     /// A row of full cells.
     fn bar(cells: i32) -> Component {
         let mut c = Component::default();
-        for x in 0..=cells {
-            for n in 0..4 {
-                c.nodes.push([x, n & 1, n >> 1]);
+        for x in -1..=cells {
+            for n in 0..9 {
+                c.nodes.push([x, n % 3 - 1, n / 3 - 1]);
             }
         }
         for x in 0..cells as u32 {
-            let at = |i: u32| 4 * (x + (i & 1)) + (i >> 1);
+            let at = |i: u32| 9 * (x + i % 3) + i / 3;
             c.cells.push(std::array::from_fn(|i| at(i as u32)));
             c.moments.push(full_cell());
         }
@@ -251,9 +276,18 @@ mod tests {
     #[test]
     fn order_is_a_permutation_and_solves_match_products() {
         let component = bar(30);
-        let mut held = vec![false; 3 * component.nodes.len()];
-        held[..12].fill(true);
-        let system = System::new(&component, &Element::new(0.3, 0.5), &held);
+        let grips: Vec<Grip> = (0..9)
+            .map(|n| Grip {
+                anchor: Anchor {
+                    component: 0,
+                    nodes: component.cells[0],
+                    weights: std::array::from_fn(|i| f64::from(i == n)),
+                },
+                axes: [true; 3],
+                share: 1.0,
+            })
+            .collect();
+        let system = System::new(&component, &Element::new(0.3), &grips);
         let mut seen = system.place.clone();
         seen.sort_unstable();
         assert!(seen.iter().enumerate().all(|(i, &p)| i == p as usize));
@@ -263,24 +297,19 @@ mod tests {
             .factorize(&pattern, &system.values(0.0, &[]))
             .expect("positive definite");
         let x = Mat::from_fn(system.size(), 2, |i, j| {
-            if system.held[i] {
-                0.0
-            } else {
-                ((i * 7 + j * 3) % 11) as f64 - 5.0
-            }
+            ((i * 7 + j * 3) % 11) as f64 - 5.0
         });
         let mut y = system.apply_stiffness(x.as_ref());
         factor.solve(y.as_mut()).expect("memory");
         for i in 0..system.size() {
-            assert!((y[(i, 0)] - x[(i, 0)]).abs() < 1e-7);
+            assert!((y[(i, 0)] - x[(i, 0)]).abs() < 1e-6);
         }
     }
 
     #[test]
     fn negative_pivots_count_eigenvalues() {
         let component = bar(12);
-        let held = vec![false; 3 * component.nodes.len()];
-        let system = System::new(&component, &Element::new(0.3, 0.5), &held);
+        let system = System::new(&component, &Element::new(0.3), &[]);
         let modes = crate::elastic::dense::all_modes(&system, 6).expect("eigenvalues");
         let pattern = system.pattern();
         let symbolic = Symbolic::new(&pattern).expect("memory");
