@@ -224,7 +224,8 @@ fn is_positive(moments: &Moments) -> bool {
     for (p, row) in g.iter_mut().enumerate() {
         for (q, value) in row.iter_mut().enumerate().take(p + 1) {
             let (p, q) = (exponents(p), exponents(q));
-            *value = moments[p[0] + q[0] + POWERS * (p[1] + q[1]) + POWERS * POWERS * (p[2] + q[2])];
+            *value =
+                moments[p[0] + q[0] + POWERS * (p[1] + q[1]) + POWERS * POWERS * (p[2] + q[2])];
         }
     }
     for j in 0..FUNCTIONS {

@@ -261,7 +261,11 @@ fn connect(grid: Grid, fine: Grid, fillings: Fillings) -> Lattice {
             if cells[one] == cells[other] {
                 sets.join(one, other);
             } else if let Some(axis) = (0..3).find(|&a| cells[one][a] != cells[other][a]) {
-                let (lower, upper) = if from < to { (one, other) } else { (other, one) };
+                let (lower, upper) = if from < to {
+                    (one, other)
+                } else {
+                    (other, one)
+                };
                 across.push((lower, upper, axis as u8));
             }
         }

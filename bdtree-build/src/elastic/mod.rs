@@ -2,11 +2,12 @@
 //!
 //! One way through: `pieces` (what is solid, what is a sheet) → `lattice` (cubic cells and how
 //! `moments` fill them) → `element` and `system` (stiffness and mass) → `solve` (`krylov` over
-//! `factor`, or `dense`) → `locate` (back to the vertices). See docs/elastic.md for the numbers.
+//! `factor`) → `locate` (back to the vertices). See docs/elastic.md for the numbers.
 //!
 //! Inside, lengths are cells, Young's modulus and density are 1; `basis::elastic` brings units.
 
 pub(crate) mod canonical;
+#[cfg(test)]
 pub(crate) mod dense;
 pub(crate) mod element;
 pub(crate) mod factor;

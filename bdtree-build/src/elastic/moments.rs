@@ -281,7 +281,9 @@ pub(crate) fn fill(
                     add_solid(&mut table, &rules, grid, body, triangle, sign)?;
                 }
                 Kind::Sheet => add_sheet(&mut table, &rules, grid, body, triangle, thickness)?,
-                Kind::Paper => add_sheet(&mut table, &rules, grid, body, triangle, 0.5 * thickness)?,
+                Kind::Paper => {
+                    add_sheet(&mut table, &rules, grid, body, triangle, 0.5 * thickness)?
+                }
             }
         }
         for &cap in &piece.caps {
@@ -360,47 +362,52 @@ fn add_sheet(
     thickness: f64,
 ) -> Result<(), TooManyCells> {
     let mut outcome = Ok(());
-    for_each_layer(triangle, thickness, grid.cell_size, &mut |layer, depth, next| {
-        let depth = depth / grid.cell_size;
-        let next = scale(next, 1.0 / grid.cell_size);
-        for_each_fragment(
-            layer.map(|p| grid.local(p)),
-            grid.dims,
-            &mut |cell, polygon| {
-                if outcome.is_err() {
-                    return;
-                }
-                let sums = match table.entry(grid.key(cell), body) {
-                    Ok(sums) => sums,
-                    Err(e) => {
-                        outcome = Err(e);
+    for_each_layer(
+        triangle,
+        thickness,
+        grid.cell_size,
+        &mut |layer, depth, next| {
+            let depth = depth / grid.cell_size;
+            let next = scale(next, 1.0 / grid.cell_size);
+            for_each_fragment(
+                layer.map(|p| grid.local(p)),
+                grid.dims,
+                &mut |cell, polygon| {
+                    if outcome.is_err() {
                         return;
                     }
-                };
-                let corners = polygon.corners();
-                for (i, &p) in corners.iter().enumerate() {
-                    let q = corners[(i + 1) % corners.len()];
-                    for (a, crossed) in sums.crossed.iter_mut().enumerate() {
-                        let plane = cell[a] as f64;
-                        // Cutting puts corners exactly into the plane.
-                        if p[a] == plane && q[a] == plane {
-                            *crossed += norm(sub(q, p)) * depth;
+                    let sums = match table.entry(grid.key(cell), body) {
+                        Ok(sums) => sums,
+                        Err(e) => {
+                            outcome = Err(e);
+                            return;
+                        }
+                    };
+                    let corners = polygon.corners();
+                    for (i, &p) in corners.iter().enumerate() {
+                        let q = corners[(i + 1) % corners.len()];
+                        for (a, crossed) in sums.crossed.iter_mut().enumerate() {
+                            let plane = cell[a] as f64;
+                            // Cutting puts corners exactly into the plane.
+                            if p[a] == plane && q[a] == plane {
+                                *crossed += norm(sub(q, p)) * depth;
+                            }
                         }
                     }
-                }
-                rules.integrate(polygon, &mut |p, vector| {
-                    let local: [[f64; POWERS]; 3] =
-                        std::array::from_fn(|a| powers(2.0 * (p[a] - cell[a] as f64) - 1.0));
-                    let w = norm(vector) * depth;
-                    for (n, sum) in sums.own.iter_mut().enumerate() {
-                        *sum += w * local[0][n % 5] * local[1][n / 5 % 5] * local[2][n / 25];
-                    }
-                });
-                table.note_touches(grid, body, cell, polygon);
-                outcome = cover_to_next(table, grid, body, (cell, polygon), next);
-            },
-        );
-    });
+                    rules.integrate(polygon, &mut |p, vector| {
+                        let local: [[f64; POWERS]; 3] =
+                            std::array::from_fn(|a| powers(2.0 * (p[a] - cell[a] as f64) - 1.0));
+                        let w = norm(vector) * depth;
+                        for (n, sum) in sums.own.iter_mut().enumerate() {
+                            *sum += w * local[0][n % 5] * local[1][n / 5 % 5] * local[2][n / 25];
+                        }
+                    });
+                    table.note_touches(grid, body, cell, polygon);
+                    outcome = cover_to_next(table, grid, body, (cell, polygon), next);
+                },
+            );
+        },
+    );
     outcome
 }
 
@@ -418,7 +425,11 @@ fn cover_to_next(
         let other = grid.cell_of(add(middle, next));
         let mut differing = (0..3).filter(|&a| other[a] != cell[a]);
         if let (Some(axis), None) = (differing.next(), differing.next()) {
-            let upper = if other[axis] > cell[axis] { other } else { cell };
+            let upper = if other[axis] > cell[axis] {
+                other
+            } else {
+                cell
+            };
             table.entry(grid.key(upper), body)?.crossed[axis] += 1.0;
         }
     }
@@ -531,7 +542,9 @@ mod tests {
         };
         let pieces = find_pieces(&p, &triangles).list;
         let corners = |id: u32| triangles[id as usize].map(|v| p[v as usize]);
-        let cells = fill(&grid, &pieces, &corners, 0.1, 1000).unwrap_or_default().list;
+        let cells = fill(&grid, &pieces, &corners, 0.1, 1000)
+            .unwrap_or_default()
+            .list;
         let (mut volume, mut first) = (0.0, [0.0; 3]);
         for f in &cells {
             let moments = f.moments.as_deref().copied().unwrap_or(full_cell());
@@ -568,8 +581,13 @@ mod tests {
                 cell_size: 1.0,
                 dims: [4, 4, 4],
             };
-            let cells = fill(&grid, &pieces, &corners, thickness, 1000).unwrap_or_default().list;
-            let volume: f64 = cells.iter().map(|f| f.moments.as_ref().map_or(1.0, |m| m[0])).sum();
+            let cells = fill(&grid, &pieces, &corners, thickness, 1000)
+                .unwrap_or_default()
+                .list;
+            let volume: f64 = cells
+                .iter()
+                .map(|f| f.moments.as_ref().map_or(1.0, |m| m[0]))
+                .sum();
             assert!((volume - 16.0 * thickness).abs() < 1e-9, "{volume}");
         }
     }
@@ -589,8 +607,18 @@ mod tests {
     #[test]
     fn a_gap_leaves_its_faces_bare() {
         let faces = [
-            [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
-            [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
         ];
         for axis in 0..3 {
             // Two slabs of one body across the whole lattice, from 0.5 to 1.8 and 2.1 to 3.5.
@@ -615,7 +643,9 @@ mod tests {
                 cell_size: 1.0,
                 dims: [4; 3],
             };
-            let cells = fill(&grid, &pieces, &corners, 0.1, 1000).unwrap_or_default().list;
+            let cells = fill(&grid, &pieces, &corners, 0.1, 1000)
+                .unwrap_or_default()
+                .list;
             assert_eq!(cells.len(), 64);
             for f in cells {
                 let want = [0.0, 1.0, 0.0, 1.0][grid.cell(f.key)[axis]];

@@ -245,7 +245,9 @@ mod tests {
                     })
                     .collect();
             }
-            let only_last = Rules(std::array::from_fn(|_| (f64::INFINITY, rules.0[4].1.clone())));
+            let only_last = Rules(std::array::from_fn(|_| {
+                (f64::INFINITY, rules.0[4].1.clone())
+            }));
             let mut want = 0.0;
             for t in fine {
                 only_last.integrate(&Polygon::new(t), &mut |p, v| want += f(p) * norm(v));

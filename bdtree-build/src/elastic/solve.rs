@@ -3,7 +3,6 @@
 use faer::Mat;
 
 use super::canonical::{CLUSTER_GAP, turn_clusters};
-use super::dense::{DENSE_MAX, all_modes};
 use super::element::Element;
 use super::factor::{FactorError, Symbolic};
 use super::hold::Grip;
@@ -140,70 +139,66 @@ fn solve_component(
     if available == 0 {
         return Ok(none);
     }
-    let mut modes = if system.size() <= DENSE_MAX {
-        all_modes(system, rigid_count).map_err(fail)?
-    } else {
-        let pattern = system.pattern();
-        let symbolic = Symbolic::new(&pattern).map_err(fail)?;
-        let bytes = predicted_bytes(system, &symbolic, limits.wanted);
-        solution.bytes = solution.bytes.max(bytes);
-        if bytes > limits.bytes {
-            return Err(SolveError::Memory(bytes));
+    let pattern = system.pattern();
+    let symbolic = Symbolic::new(&pattern).map_err(fail)?;
+    let bytes = predicted_bytes(system, &symbolic, limits.wanted);
+    solution.bytes = solution.bytes.max(bytes);
+    if bytes > limits.bytes {
+        return Err(SolveError::Memory(bytes));
+    }
+    let count = |below: f64| -> Result<usize, SolveError> {
+        let values = system.values(below, &[]);
+        let negative = symbolic.negative_count(&pattern, &values).map_err(fail)?;
+        Ok(negative.saturating_sub(rigid_count))
+    };
+    let mut wanted = limits.wanted;
+    let mut counted = None;
+    if solution.modes.len() == limits.wanted {
+        // A sound bound however the modes found so far came about.
+        let bound = solution.modes[limits.wanted - 1].value * (1.0 + 10.0 * CLUSTER_GAP);
+        let below = count(bound)?;
+        if below == 0 {
+            return Ok(none);
         }
-        let count = |below: f64| -> Result<usize, SolveError> {
-            let values = system.values(below, &[]);
-            let negative = symbolic.negative_count(&pattern, &values).map_err(fail)?;
-            Ok(negative.saturating_sub(rigid_count))
+        wanted = wanted.min(below);
+        counted = Some((bound, below));
+    }
+    let pins = support(system, rigid.as_ref());
+    let mut more = EXTRA;
+    let mut modes = loop {
+        let found = {
+            let values = system.values(0.0, &pins);
+            let factor = symbolic.factorize(&pattern, &values).map_err(fail)?;
+            drop(values);
+            let rigid_mass = system.apply_mass(rigid.as_ref());
+            let inverse = Inverse {
+                system,
+                factor: &factor,
+                pins: &pins,
+                rigid: rigid.as_ref(),
+                rigid_mass: rigid_mass.as_ref(),
+            };
+            lowest_modes(&inverse, wanted + more).map_err(fail)?
         };
-        let mut wanted = limits.wanted;
-        let mut counted = None;
-        if solution.modes.len() == limits.wanted {
-            // A sound bound however the modes found so far came about.
-            let bound = solution.modes[limits.wanted - 1].value * (1.0 + 10.0 * CLUSTER_GAP);
-            let below = count(bound)?;
-            if below == 0 {
-                return Ok(none);
-            }
-            wanted = wanted.min(below);
-            counted = Some((bound, below));
+        if system.size() > limits.verify_dof_max && counted.is_none() {
+            solution.checked = false;
+            break found;
         }
-        let pins = support(system, rigid.as_ref());
-        let mut more = EXTRA;
-        loop {
-            let found = {
-                let values = system.values(0.0, &pins);
-                let factor = symbolic.factorize(&pattern, &values).map_err(fail)?;
-                drop(values);
-                let rigid_mass = system.apply_mass(rigid.as_ref());
-                let inverse = Inverse {
-                    system,
-                    factor: &factor,
-                    pins: &pins,
-                    rigid: rigid.as_ref(),
-                    rigid_mass: rigid_mass.as_ref(),
-                };
-                lowest_modes(&inverse, wanted + more).map_err(fail)?
-            };
-            if system.size() > limits.verify_dof_max && counted.is_none() {
-                solution.checked = false;
-                break found;
+        let (bound, below) = match counted {
+            Some(known) => known,
+            None => {
+                let bound = gap_after(&found.values, wanted);
+                (bound, count(bound)?)
             }
-            let (bound, below) = match counted {
-                Some(known) => known,
-                None => {
-                    let bound = gap_after(&found.values, wanted);
-                    (bound, count(bound)?)
-                }
-            };
-            let seen = found.values.iter().filter(|v| **v < bound).count();
-            if seen >= below.min(wanted) && (counted.is_some() || seen == below) {
-                break found;
-            }
-            if more > EXTRA {
-                return Err(SolveError::Missed(c, below, seen));
-            }
-            more = EXTRA + 16; // once more with a larger space
+        };
+        let seen = found.values.iter().filter(|v| **v < bound).count();
+        if seen >= below.min(wanted) && (counted.is_some() || seen == below) {
+            break found;
         }
+        if more > EXTRA {
+            return Err(SolveError::Missed(c, below, seen));
+        }
+        more = EXTRA + 16; // once more with a larger space
     };
     solution.residual = solution.residual.max(modes.residual);
     turn_clusters(system, &mut modes.vectors, &modes.values);

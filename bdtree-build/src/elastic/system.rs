@@ -296,9 +296,7 @@ mod tests {
         let factor = symbolic
             .factorize(&pattern, &system.values(0.0, &[]))
             .expect("positive definite");
-        let x = Mat::from_fn(system.size(), 2, |i, j| {
-            ((i * 7 + j * 3) % 11) as f64 - 5.0
-        });
+        let x = Mat::from_fn(system.size(), 2, |i, j| ((i * 7 + j * 3) % 11) as f64 - 5.0);
         let mut y = system.apply_stiffness(x.as_ref());
         factor.solve(y.as_mut()).expect("memory");
         for i in 0..system.size() {
