@@ -148,15 +148,16 @@ fn beam_errors(mesh: &RawMesh, across: u32) -> ([f64; 2], f64, ElasticReport) {
 fn slender_beam_meets_theory_and_converges() {
     let beam = boxed([20.0, 1.0, 1.0]);
     let mut last = f64::INFINITY;
-    for (across, tolerance) in [(1, 0.05), (2, 0.05), (4, 0.02), (6, 0.01)] {
+    for (across, tolerance) in [(1, 2e-3), (2, 5e-4), (4, 5e-4), (6, 5e-4)] {
         let (bend, axial, report) = beam_errors(&beam, across);
         println!(
             "aligned {across}: bending {bend:+.4?} axial {axial:+.4} {}",
             report.dofs
         );
         assert!(bend[0].abs() < tolerance && axial.abs() < tolerance);
-        assert!((bend[1] - bend[0]).abs() < 1e-3, "the pair is equal");
-        assert!(bend[0].abs() < last, "finer is better");
+        assert!((bend[1] - bend[0]).abs() < 1e-9, "the pair is equal");
+        // Theory itself is right to about 1e-4 here.
+        assert!(bend[0].abs() < last + 1e-4, "finer is not worse");
         last = bend[0].abs();
         assert!((report.mass_kg - 20.0).abs() < 1e-6);
     }
@@ -167,15 +168,15 @@ fn turned_beam_meets_theory_and_converges() {
     for angle in [0.5, 1.1] {
         let beam = rotated(boxed([20.0, 1.0, 1.0]), angle);
         let mut last = f64::INFINITY;
-        for (across, tolerance) in [(2, 0.1), (4, 0.05), (6, 0.05)] {
+        for (across, tolerance) in [(1, 5e-3), (2, 1e-3), (4, 1e-3), (6, 1e-3)] {
             let (bend, axial, report) = beam_errors(&beam, across);
             println!(
                 "turned {angle} {across}: bending {bend:+.4?} axial {axial:+.4} {}",
                 report.dofs
             );
             assert!(bend[0].abs() < tolerance && bend[1].abs() < tolerance);
-            assert!(axial.abs() < 0.01);
-            assert!(bend[1].abs() < last, "finer is better");
+            assert!(axial.abs() < 1e-3);
+            assert!(bend[1].abs() < last + 1e-4, "finer is not worse");
             last = bend[1].abs();
             assert!((report.mass_kg - 20.0).abs() < 1e-3);
         }
@@ -183,16 +184,15 @@ fn turned_beam_meets_theory_and_converges() {
 }
 
 /// A rod along the diagonal of the cells, one or two cells thick: its cells touch along edges, and
-/// a lattice that hinged there would have modes far below theory. (Where it is one cell thick it
-/// is too stiff instead, in the plane of the diagonal: see docs/elastic.md.)
+/// a lattice that hinged there would have modes far below theory.
 #[test]
 fn thin_diagonal_rod_has_no_hinges() {
-    for (direction, cells, stiffest) in [
-        ([1.0, 1.0, 0.0], 14, 1.6),
-        ([1.0, 1.0, 0.0], 15, 1.6),
-        ([1.0, 1.0, 0.0], 29, 1.2),
-        ([1.0, 1.0, 1.0], 12, 1.6),
-        ([1.0, 1.0, 1.0], 24, 1.2),
+    for (direction, cells) in [
+        ([1.0, 1.0, 0.0], 14),
+        ([1.0, 1.0, 0.0], 15),
+        ([1.0, 1.0, 0.0], 29),
+        ([1.0, 1.0, 1.0], 12),
+        ([1.0, 1.0, 1.0], 24),
     ] {
         let l = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
         let x: V3 = direction.map(|d: f64| d / l);
@@ -215,8 +215,8 @@ fn thin_diagonal_rod_has_no_hinges() {
             w[1] / theory,
             report.cell_size
         );
-        assert!(w[0] > 0.95 * theory, "a hinge: {w:?}");
-        assert!(w[1] < stiffest * theory, "locked: {w:?}");
+        assert!(w[0] > 0.995 * theory, "a hinge: {w:?}");
+        assert!(w[1] < 1.005 * theory, "locked: {w:?}");
         // The pair of the second bending mode follows; nothing hides in between.
         assert!(w[2] > 2.0 * w[0]);
     }
@@ -365,7 +365,7 @@ fn sheet_bends_with_its_own_thickness() {
         thickness: Some(0.05),
         ..ElasticOptions::default()
     };
-    for (angle, tolerance) in [(0.0, 0.02), (0.6, 0.6)] {
+    for (angle, tolerance) in [(0.0, 0.02), (0.6, 0.02)] {
         let mesh = rotated(plate.clone(), angle);
         let (basis, report) = solve(&mesh, &o);
         assert!((report.mass_kg / 40_000.0 - 1.0).abs() < 0.01);

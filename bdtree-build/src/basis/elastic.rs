@@ -294,7 +294,7 @@ fn read_subject<'a>(
     Ok(Subject::new(mesh, pieces, thickness))
 }
 
-/// Walls much thinner than a cell bend too stiffly where they lie askew: docs/elastic.md.
+/// Folds between walls much thinner than a cell are too stiff: docs/elastic.md.
 fn warn_thin(subject: &Subject<'_>, lattice: &Lattice, warnings: &mut Vec<String>) {
     let least = THIN_SHARE * lattice.grid.cell_size;
     let thin = subject.pieces.list.iter().filter(|p| match p.kind {
@@ -305,7 +305,7 @@ fn warn_thin(subject: &Subject<'_>, lattice: &Lattice, warnings: &mut Vec<String
     if count > 0 {
         warnings.push(format!(
             "{count} of {} pieces are thinner than a quarter of a cell ({:.3e} mesh units) and may \
-             come out too stiff in bending; raise --resolution",
+             come out too stiff where they fold or join; raise --resolution",
             subject.pieces.list.len(),
             lattice.grid.cell_size
         ));
