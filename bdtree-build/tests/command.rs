@@ -143,7 +143,7 @@ fn bad_input_names_its_place_and_leaves_nothing() {
     }
     let torus = path("torus.obj");
     refused(
-        &[&torus, "--modes", "100", "--resolution", "2", "-o", "x.bdt"],
+        &[&torus, "--modes", "300", "--resolution", "2", "-o", "x.bdt"],
         1,
         &["modes"],
     );

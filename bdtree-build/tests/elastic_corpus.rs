@@ -77,7 +77,7 @@ fn real_meshes_have_ten_modes_by_default() {
 #[test]
 fn coarse_lattices_are_near_fine_ones() {
     let Some(folder) = corpus() else { return };
-    for (name, coarse, tolerance) in [("chair_office.obj", 24, 0.05), ("spot.obj.gz", 14, 0.10)] {
+    for (name, coarse, tolerance) in [("chair_office.obj", 24, 0.10), ("spot.obj.gz", 14, 0.10)] {
         let mesh = read(folder.join("meshes").join(name));
         let at = |resolution| ElasticOptions {
             resolution: Some(resolution),

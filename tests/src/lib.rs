@@ -10,3 +10,4 @@ pub mod golden;
 pub mod mutate;
 pub mod oracle;
 pub mod poses;
+pub mod resident;

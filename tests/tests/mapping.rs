@@ -3,11 +3,11 @@
 
 use std::fs::OpenOptions;
 use std::mem::offset_of;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use bdtree_format::{Header, SectionKind, SectionRecord};
 use bdtree_runtime::{AlignedBytes, Asset, MappedFile, include_bdt};
+use bdtree_tests::resident::mapped_bytes;
 use bdtree_tests::{golden, mutate};
 
 #[test]
@@ -24,24 +24,6 @@ fn all_doors_lead_to_the_same_asset() {
         assert_eq!(asset.triangle_count(), 192);
     }
     assert!(MappedFile::open(golden::folder().join("missing.bdt")).is_err());
-}
-
-/// Resident bytes of this process' mappings of a file. (The counters of the whole process are
-/// approximate, and other threads move them.)
-fn resident(path: &Path) -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/self/smaps").ok()?;
-    let path = path.to_str()?;
-    let (mut ours, mut kibibytes) = (false, 0);
-    for line in text.lines() {
-        let mut words = line.split_whitespace();
-        let first = words.next().unwrap_or("");
-        if !first.ends_with(':') {
-            ours = line.ends_with(path);
-        } else if ours && first == "Rss:" {
-            kibibytes += words.next()?.parse::<u64>().ok()?;
-        }
-    }
-    Some(1024 * kibibytes)
 }
 
 #[test]
@@ -103,10 +85,10 @@ fn a_large_file_opens_without_being_read() {
         })
         .collect();
     times.sort_unstable();
-    assert_eq!(resident(&path).unwrap_or(0), 0, "nothing is mapped now");
+    assert_eq!(mapped_bytes(&path).unwrap_or(0), 0, "nothing is mapped now");
     let mapped = MappedFile::open(&path).expect("mapped");
     let asset = Asset::open(&mapped).expect("open");
-    let grown = resident(&path);
+    let grown = mapped_bytes(&path);
     assert_eq!(asset.positions().len() as u64, VERTICES);
     println!("{end} bytes open in {:?} (median)", times[5]);
     // The aim is 1 ms; five leave room for a busy machine.

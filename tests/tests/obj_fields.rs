@@ -39,11 +39,11 @@ fn large_fixtures_have_their_bytes() {
     let expected = [
         (
             "chair",
-            "545283004b2f5cca97be1887db9c8b08674d84df29e160a440e96664577743f1",
+            "f0168f88fdeef1a794abbed4e79ef1b9db611ca720ce0e4c74568dc5ab3816b0",
         ),
         (
             "fish",
-            "45948bfb44cda31daed749894919b0a792b58b232524890654902b5c342f51c1",
+            "1b608e84dce8db5b97184049a4d83bd8af805f727e30ef50b89db5b7a7c3dd1f",
         ),
         (
             "bridge",

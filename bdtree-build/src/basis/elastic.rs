@@ -31,7 +31,8 @@ pub use crate::elastic::resolution::{NODE_BUDGET, RESOLUTION_MAX};
 pub struct ElasticOptions {
     /// Number of modes K above the rigid ones, all pieces together. Default 10.
     pub mode_count: usize,
-    /// Cells along the longest side; `None` takes as many as [`NODE_BUDGET`] allows.
+    /// Cells along the longest side; `None` takes as many as [`NODE_BUDGET`] and a budget of work
+    /// allow.
     pub resolution: Option<u32>,
     /// Young's modulus in Pa. Default 2e9 (a stiff plastic).
     pub young_pa: f64,

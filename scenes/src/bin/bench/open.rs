@@ -10,6 +10,7 @@ use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::{Asset, MappedFile};
 use bdtree_scenes::{machine, stats};
+use bdtree_tests::resident::mapped_bytes;
 use clap::Args;
 use serde_json::json;
 
@@ -56,16 +57,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let warm = MappedFile::open(&small)?;
     std::hint::black_box(Asset::open(&warm)?.node_count());
     std::fs::remove_file(&small)?;
-    let resident = || machine::status_bytes("VmRSS").unwrap_or(0);
     let mut times = Vec::with_capacity(arguments.repetitions);
-    let _ = resident();
-    let before = resident();
     let private_before = machine::status_bytes("RssAnon").unwrap_or(0);
     let start = Instant::now();
     let file = MappedFile::open(path)?;
     let asset = Asset::open(&file)?;
     let first = start.elapsed().as_secs_f64();
-    let growth = resident().saturating_sub(before);
+    let growth = mapped_bytes(&path.canonicalize()?).unwrap_or(0);
     let private = machine::status_bytes("RssAnon")
         .unwrap_or(0)
         .saturating_sub(private_before);
@@ -95,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             typical * 1e6
         );
         println!(
-            "resident set  grows by {} KiB, of them private {} KiB; file pages mapped as huge pages {} KiB",
+            "resident      {} KiB of the file, {} KiB private; file pages mapped as huge pages {} KiB",
             growth / 1024,
             private / 1024,
             huge / 1024
