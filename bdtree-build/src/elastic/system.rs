@@ -12,6 +12,11 @@ use super::ordering::nested_dissection;
 /// size: they give way by a thousandth of what the cell itself does.
 const GRIP: f64 = 1e3;
 
+/// Columns that a product takes at once.
+const COLUMNS: usize = 8;
+/// A node's three unknowns in these columns.
+type NodeColumns = [[f64; COLUMNS]; 3];
+
 /// `K` in 3 × 3 blocks and `M` as a scalar per pair of nodes: both share one pattern.
 #[derive(Debug, Clone)]
 pub(crate) struct System {
@@ -161,9 +166,14 @@ impl System {
             let k = &self.stiffness[at];
             for d in 0..3 {
                 for e in 0..3 {
-                    output[row][d] += k[3 * d + e] * input[node][e];
+                    let k = k[3 * d + e];
+                    for c in 0..COLUMNS {
+                        output[row][d][c] += k * input[node][e][c];
+                    }
                     if row != node {
-                        output[node][e] += k[3 * d + e] * input[row][d];
+                        for c in 0..COLUMNS {
+                            output[node][e][c] += k * input[row][d][c];
+                        }
                     }
                 }
             }
@@ -175,35 +185,45 @@ impl System {
         self.apply(x, |at, input, output, row, node| {
             let m = self.mass[at];
             for d in 0..3 {
-                output[row][d] += m * input[node][d];
+                for c in 0..COLUMNS {
+                    output[row][d][c] += m * input[node][d][c];
+                }
                 if row != node {
-                    output[node][d] += m * input[row][d];
+                    for c in 0..COLUMNS {
+                        output[node][d][c] += m * input[row][d][c];
+                    }
                 }
             }
         })
     }
 
-    /// Runs `add(entry, input, output, row, column)` over the lower triangle for each column of x.
+    /// Runs `add(entry, input, output, row, column)` over the lower triangle, for so many columns of
+    /// x at once that the matrix is read once for a block.
     fn apply(
         &self,
         x: MatRef<'_, f64>,
-        add: impl Fn(usize, &[[f64; 3]], &mut [[f64; 3]], usize, usize),
+        add: impl Fn(usize, &[NodeColumns], &mut [NodeColumns], usize, usize),
     ) -> Mat<f64> {
         let mut result = Mat::zeros(x.nrows(), x.ncols());
-        let mut input = vec![[0.0; 3]; self.nodes.len()];
+        let mut input = vec![[[0.0; COLUMNS]; 3]; self.nodes.len()];
         let mut output = input.clone();
-        for c in 0..x.ncols() {
-            for (i, v) in input.as_flattened_mut().iter_mut().enumerate() {
-                *v = x[(i, c)];
+        for first in (0..x.ncols()).step_by(COLUMNS) {
+            let count = COLUMNS.min(x.ncols() - first);
+            for (i, values) in input.as_flattened_mut().iter_mut().enumerate() {
+                for (c, v) in values.iter_mut().enumerate() {
+                    *v = if c < count { x[(i, first + c)] } else { 0.0 };
+                }
             }
-            output.fill([0.0; 3]);
+            output.fill([[0.0; COLUMNS]; 3]);
             for node in 0..self.nodes.len() {
                 for at in self.starts[node]..self.starts[node + 1] {
                     add(at, &input, &mut output, self.rows[at] as usize, node);
                 }
             }
-            for (i, &v) in output.as_flattened().iter().enumerate() {
-                result[(i, c)] = v;
+            for (i, values) in output.as_flattened().iter().enumerate() {
+                for (c, &v) in values[..count].iter().enumerate() {
+                    result[(i, first + c)] = v;
+                }
             }
         }
         result
