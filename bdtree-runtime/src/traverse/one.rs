@@ -276,7 +276,7 @@ impl<'a> Asset<'a> {
     /// the usual case; otherwise the record would have to be waited for.
     #[inline(always)]
     fn prefetch_node(&self, index: u32) {
-        /// Two rows each.
+        /// Of 64 bytes: two rows each, or four of 16 bits.
         const LINES: usize = 8;
         let index = index as usize;
         let Some(node) = self.nodes.get(index) else {
