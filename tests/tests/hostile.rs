@@ -102,7 +102,7 @@ struct Scratch {
 impl Scratch {
     fn new() -> Self {
         Self {
-            stack: vec![StackEntry::default(); 7 * 32 + 1],
+            stack: vec![StackEntry::default(); 14 * 32 + 2],
             pair_stack: vec![PairStackEntry::default(); 70 * 32 + 1],
             contacts: vec![Contact::EMPTY; 4096],
             pairs: vec![PairContact::EMPTY; 4096],

@@ -256,8 +256,10 @@ impl<'a> Asset<'a> {
 
     /// Entries that the `stack` of a single-asset query needs.
     pub fn stack_len(&self) -> usize {
-        // A popped node pushes at most eight children, so each level leaves seven behind.
-        7 * self.depth() + 1
+        // Two nodes are popped at a time and push at most sixteen, so each level leaves fourteen
+        // behind; or fifteen, where the second is the only one of a deeper level, which then
+        // holds eight.
+        14 * self.depth() + 2
     }
 
     /// Entries that the `stack` of a pair query between `self` and `other` needs.
