@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use bdtree_format::{ROW_RADIUS, mode_row};
+use bdtree_format::ROW_RADIUS;
 use serde::Serialize;
 
 use crate::basis::Basis;
 use crate::tree::{LaneKind, Tree};
 use crate::wrap::ball::smallest_ball;
-use crate::wrap::{StoredShape, WrappedTree};
+use crate::wrap::{StoredShape, WrappedTree, mode_rows};
 
 /// Lanes per level that tightness is measured on.
 const SAMPLES_MAX: usize = 1000;
@@ -133,7 +133,7 @@ pub(crate) fn tightness(
                 }
             }
             let best = smallest_ball(&points).radius;
-            let ratio = radius_at(wrapped, i, k, &q) / best;
+            let ratio = radius_at(wrapped, shape, i, k, &q) / best;
             if best > POINT_SIZE_REL * diagonal && ratio.is_finite() {
                 sum += ratio;
                 max = max.max(ratio);
@@ -149,19 +149,27 @@ pub(crate) fn tightness(
 }
 
 /// R'(q) of one lane in f64, for q ≥ 0 (docs/guarantees.md).
-fn radius_at(wrapped: &WrappedTree, node: usize, lane: usize, q: &[f64]) -> f64 {
+fn radius_at(
+    wrapped: &WrappedTree,
+    shape: &StoredShape,
+    node: usize,
+    lane: usize,
+    q: &[f64],
+) -> f64 {
     let node = &wrapped.nodes[node];
     let rows = &wrapped.rows[node.row_start as usize..];
-    let value = |row: usize| f64::from(rows[row][lane]);
+    let [_, growth_unit, cross_unit] = node.scale_exponents.map(|e| 2.0_f64.powi(e.into()));
     let start = node.mode_list_start as usize;
     let modes = &wrapped.mode_lists[start..start + usize::from(node.mode_count)];
     let (mut cross, mut growth) = (0.0, 0.0);
     for (k, &mode) in modes.iter().enumerate() {
-        let q = q[usize::from(mode)];
-        growth += value(mode_row(k) + 3) * q;
-        cross += value(mode_row(k) + 4) * q;
+        let mode = usize::from(mode);
+        let share = q[mode] / f64::from(shape.limits[mode].q_limit);
+        let own = mode_rows(rows, k);
+        growth += growth_unit * f64::from(own.growth[lane]) * share;
+        cross += cross_unit * f64::from(own.cross[0][lane]) * share;
     }
-    let radius = value(ROW_RADIUS);
+    let radius = f64::from(rows[ROW_RADIUS][lane]);
     (radius * radius + 2.0 * cross + growth * growth)
         .max(0.0)
         .sqrt()

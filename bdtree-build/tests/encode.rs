@@ -58,16 +58,22 @@ fn check_canonical(file: &Decoded, mesh: &RawMesh, leaf_size: usize) {
         assert_eq!(node.first_slot, slot);
         assert_eq!(node.row_start, row);
         assert_eq!(node.inner_mask & node.leaf_mask, 0);
-        assert_eq!(node.reserved, [0; 3]);
+        assert!(node.scale_exponents.iter().all(|&e| e >= -126));
         let used = node.inner_mask | node.leaf_mask;
         assert_eq!(used & used.wrapping_add(1), 0, "empty lanes stand last");
+        let numbers = 6 + NUMBERS_PER_MODE * usize::from(node.mode_count);
         for k in 0..8 {
+            for number in 0..numbers {
+                let x = file.value(node, number, k);
+                assert!(x.is_finite() && !x.is_subnormal());
+                assert_ne!(x.to_bits(), (-0.0f32).to_bits());
+            }
             let count = usize::from(node.leaf_counts[k]);
             assert_eq!(count > 0, node.leaf_mask >> k & 1 == 1);
             assert!(count <= leaf_size);
             if used >> k & 1 == 0 {
-                for r in 0..row_count(usize::from(node.mode_count)) {
-                    assert_eq!(file.value(node, r, k).to_bits(), 0);
+                for number in 0..numbers {
+                    assert_eq!(file.value(node, number, k).to_bits(), 0);
                 }
             }
         }
@@ -85,10 +91,6 @@ fn check_canonical(file: &Decoded, mesh: &RawMesh, leaf_size: usize) {
     assert_eq!(row as usize, file.rows.len());
     let depth = file.nodes.iter().map(|node| node.level).max().unwrap() + 1;
     assert_eq!(u32::from(depth), file.header.depth.get());
-    for row in file.rows.iter().flatten() {
-        assert!(row.is_finite() && !row.is_subnormal());
-        assert_ne!(row.to_bits(), (-0.0f32).to_bits());
-    }
     for (s, triangle) in file.triangles.iter().enumerate() {
         assert_eq!(triangle.corners, mesh.triangles[triangle.id as usize]);
         assert_eq!(file.slots[triangle.id as usize] as usize, s);

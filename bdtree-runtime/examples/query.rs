@@ -4,7 +4,7 @@ use bdtree_runtime::{Asset, Contact, Pose, SliceSink, StackEntry, Transform, inc
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let asset = Asset::open(include_bdt!("../../fixtures/golden/sphere.bdt"))?;
-    let (mut memory, mut contacts) = ([0.0; 3], [Contact::EMPTY; 64]);
+    let (mut memory, mut contacts) = ([0.0; 6], [Contact::EMPTY; 64]);
     let pose = Pose::new(&asset, &[0.2, -0.1, 0.3], Transform::IDENTITY, &mut memory)?;
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut sink = SliceSink::new(&mut contacts);

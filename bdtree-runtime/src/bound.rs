@@ -11,11 +11,10 @@
 //! Deviation from the paper: b± (docs/guarantees.md 2), because R + s grows under local rotations
 //! and for bodies that shrink.
 
-use bdtree_format::{
-    ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, ROWS_LEADING, ROWS_PER_MODE, Row,
-};
+use bdtree_format::{ModeRows, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, Row};
 
 use crate::simd::Lanes;
+use crate::view::NodeRows;
 
 /// Eight spheres, side by side (stored units, relative to the origin).
 #[derive(Debug, Clone, Copy)]
@@ -60,27 +59,26 @@ impl<V: Lanes> WideSpheres<V> {
 /// What of a pose a node needs.
 #[derive(Debug, Clone, Copy)]
 pub struct BoundPose<'p> {
-    /// q: finite, no subnormals.
-    pub q: &'p [f32],
+    /// q_j over its limit: each 0 or between 2⁻¹⁰⁰ and 1.
+    pub share: &'p [f32],
     /// γ' (docs/guarantees.md): relative error of the radicand.
     pub gamma: f32,
     /// Absolute error of centre, root and deformed vertices (stored units).
     pub slack: f32,
 }
 
-/// The spheres of a node's eight lanes at q; `None` when the rows or mode list do not fit the
-/// pose (a corrupt file). `rows` are a node's rows from the first on, `modes` its active modes.
+/// The spheres of a node's eight lanes at q; `None` when the rows and the mode list `modes` do
+/// not fit the pose (a corrupt file).
 ///
 /// Cost: 10 m flops per lane and one pass over the rows, whatever the mesh.
 #[inline(always)]
 pub(crate) fn evaluate<V: Lanes>(
-    rows: &[Row],
+    rows: &NodeRows<'_>,
     modes: &[u16],
     pose: &BoundPose<'_>,
 ) -> Option<WideSpheres<V>> {
-    let (leading, rest) = rows.split_at_checked(ROWS_LEADING)?;
-    let (per_mode, _) = rest.as_chunks::<ROWS_PER_MODE>();
-    let per_mode = per_mode.get(..modes.len())?;
+    let leading = rows.leading;
+    let per_mode = rows.modes.get(..modes.len())?;
 
     // Two sums of every second mode each: the additions of one alone would wait for each other.
     let mut sums = [Sums::<V>::zero(); 2];
@@ -88,25 +86,28 @@ pub(crate) fn evaluate<V: Lanes>(
     let (mode_pairs, mode_last) = modes.as_chunks::<2>();
     for (rows, modes) in row_pairs.iter().zip(mode_pairs) {
         for k in 0..2 {
-            sums[k].add_mode(&rows[k], *pose.q.get(usize::from(modes[k]))?);
+            sums[k].add_mode(&rows[k], *pose.share.get(usize::from(modes[k]))?);
         }
     }
     for (rows, mode) in row_last.iter().zip(mode_last) {
-        sums[0].add_mode(rows, *pose.q.get(usize::from(*mode))?);
+        sums[0].add_mode(rows, *pose.share.get(usize::from(*mode))?);
     }
+    // Sums of whole numbers times q, which become lengths by one power of two for all modes.
     let [even, odd] = sums;
+    let [centre_unit, growth_unit, cross_unit] = rows.units;
     // Spelled out: closures are not compiled with the instruction set of the caller.
+    let unit = V::splat(centre_unit);
     let centre = [
         even.centre[0].add(odd.centre[0]),
         even.centre[1].add(odd.centre[1]),
         even.centre[2].add(odd.centre[2]),
     ];
-    let growth = even.growth.add(odd.growth);
-    let cross = even.cross.add(odd.cross);
+    let growth = even.growth.add(odd.growth).mul(V::splat(growth_unit));
+    let cross = even.cross.add(odd.cross).mul(V::splat(cross_unit));
     // c last: with c first its rounding error would be M u P instead of u P.
-    let x = centre[0].add(V::load(&leading[ROW_CENTRE_X]));
-    let y = centre[1].add(V::load(&leading[ROW_CENTRE_Y]));
-    let z = centre[2].add(V::load(&leading[ROW_CENTRE_Z]));
+    let x = centre[0].mul_add(unit, V::load(&leading[ROW_CENTRE_X]));
+    let y = centre[1].mul_add(unit, V::load(&leading[ROW_CENTRE_Y]));
+    let z = centre[2].mul_add(unit, V::load(&leading[ROW_CENTRE_Z]));
     let rest_radius = V::load(&leading[ROW_RADIUS]);
     // R² + 2 Σ b|q| + s² + γ' T²: the terms cancel when the node shrinks, T² = (R + s)² does not.
     let total = rest_radius.add(growth);
@@ -145,15 +146,15 @@ impl<V: Lanes> Sums<V> {
     }
 
     #[inline(always)]
-    fn add_mode(&mut self, rows: &[Row; ROWS_PER_MODE], q_j: f32) {
-        let q = V::splat(q_j);
-        let q_abs = V::splat(q_j.abs());
+    fn add_mode(&mut self, rows: &ModeRows, share: f32) {
+        let q = V::splat(share);
+        let q_abs = V::splat(share.abs());
         // Chosen by index, not by a branch: the signs of a new q cannot be predicted.
-        let b = &rows[4 + usize::from(q_j.is_sign_negative())];
+        let b = &rows.cross[usize::from(share.is_sign_negative())];
         for k in 0..3 {
-            self.centre[k] = V::load(&rows[k]).mul_add(q, self.centre[k]);
+            self.centre[k] = V::widen(&rows.centre[k]).mul_add(q, self.centre[k]);
         }
-        self.growth = V::load(&rows[3]).mul_add(q_abs, self.growth);
-        self.cross = V::load(b).mul_add(q_abs, self.cross);
+        self.growth = V::widen_unsigned(&rows.growth).mul_add(q_abs, self.growth);
+        self.cross = V::widen(b).mul_add(q_abs, self.cross);
     }
 }

@@ -98,6 +98,8 @@ const NONE: u32 = u32::MAX;
 /// shared corner once: a direct-mapped table, the newest of a slot stays.
 pub(crate) struct RecentVertices {
     ids: [u32; RECENT],
+    /// The vertex of each slot that was asked for last.
+    asked: [u32; RECENT],
     positions: [[f32; 3]; RECENT],
 }
 
@@ -105,6 +107,7 @@ impl RecentVertices {
     pub(crate) fn new() -> Self {
         Self {
             ids: [NONE; RECENT],
+            asked: [NONE; RECENT],
             positions: [[0.0; 3]; RECENT],
         }
     }
@@ -118,13 +121,15 @@ impl RecentVertices {
     /// Asks for the numbers of a triangle's vertices that are not remembered: their addresses
     /// follow no pattern, and all of them together take hardly longer than one.
     #[inline(always)]
-    pub(crate) fn prefetch(&self, asset: &Asset<'_>, record: &TriangleRecord) {
+    pub(crate) fn prefetch(&mut self, asset: &Asset<'_>, record: &TriangleRecord) {
         /// Displacements in a cache line, rounded down.
         const PER_LINE: usize = 5;
         for vertex in record.corners {
-            if self.ids[Self::slot(vertex)] == vertex {
+            let asked = &mut self.asked[Self::slot(vertex)];
+            if *asked == vertex {
                 continue;
             }
+            *asked = vertex;
             let i = vertex as usize;
             let m = asset.modes.len();
             if let Some(p) = asset.positions.get(i) {

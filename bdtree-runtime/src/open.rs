@@ -23,6 +23,9 @@ const SECTION_COUNT_MAX: u32 = 64;
 const ORIGIN_MAX: f64 = (1_u128 << 80) as f64;
 const UNIT_EXPONENT_MAX: i32 = 100;
 
+/// The largest q_limit: its reciprocal is a normal number.
+const LIMIT_MAX: f32 = f32::from_bits((127 + 126) << 23);
+
 fn header_error(
     byte: usize,
     rule: &'static str,
@@ -354,8 +357,13 @@ fn check_ranges(header: &Header, modes: &[ModeRecord]) -> Result<(), FormatError
         let w = mode.field_norm_max.get();
         let range = mode.q_range.get();
         let positive = |x: f32| x > 0.0 && x.is_normal();
+        // A normal reciprocal, too.
+        let is_limit = |x: f32| {
+            let mantissa = x.to_bits() & ((1 << (f32::MANTISSA_DIGITS - 1)) - 1);
+            positive(x) && mantissa == 0 && x <= LIMIT_MAX
+        };
         for (offset, ok, x) in [
-            (offset_of!(ModeRecord, q_limit), positive(limit), limit),
+            (offset_of!(ModeRecord, q_limit), is_limit(limit), limit),
             (
                 offset_of!(ModeRecord, q_range),
                 positive(range) && range <= limit,
@@ -375,8 +383,8 @@ fn check_ranges(header: &Header, modes: &[ModeRecord]) -> Result<(), FormatError
             if !ok {
                 return Err(header_error(
                     at + offset,
-                    "SPEC 2.2: q_limit, q_range and step_scale are finite and positive, \
-                     q_range at most q_limit, field_norm_max finite and not negative; none is \
+                    "SPEC 2.2: q_limit is a power of two, 2^-126 to 2^126, q_range and step_scale \
+                     are finite and positive, q_range at most q_limit, field_norm_max finite and not negative; none is \
                      subnormal (SPEC 5.1)",
                     "a number in range",
                     x,

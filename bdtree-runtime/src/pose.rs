@@ -1,7 +1,5 @@
 //! A pose: q and a placement, prepared once per instance and step.
 
-use bdtree_format::ModeRecord;
-
 use crate::error::PoseError;
 use crate::frame::Frame;
 use crate::math::sqrt;
@@ -9,6 +7,10 @@ use crate::view::Asset;
 
 /// Unit roundoff of f32: 2⁻²⁴.
 pub(crate) const U32: f64 = 1.0 / (1_u64 << 24) as f64;
+
+/// Smaller shares of a limit than 2⁻¹⁰⁰ are left out of node bounds and their reach is added to
+/// every radius instead: so no product or sum of the kernel is subnormal (docs/guarantees.md).
+const SHARE_MIN: f32 = f32::from_bits((127 - 100) << 23);
 
 /// Where an instance stands: `x = rotation · (scale · x_mesh) + translation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +70,8 @@ impl Default for Transform {
 pub struct Pose<'p> {
     /// q with subnormal entries set to 0 (deviation from the source's q: below 2⁻¹²⁶).
     pub(crate) q: &'p [f32],
+    /// q_j over its limit, which is a power of two; those below [`SHARE_MIN`] are 0.
+    pub(crate) share: &'p [f32],
     /// Added to every radius: covers the f32 evaluation of centres, radii and vertices
     /// (docs/guarantees.md, slack; stored units).
     pub(crate) slack: f32,
@@ -83,7 +87,7 @@ pub struct Pose<'p> {
 }
 
 impl<'p> Pose<'p> {
-    /// Prepares q for an asset at a placement. `memory` needs [`Asset::mode_count`] numbers.
+    /// Prepares q for an asset at a placement. `memory` needs [`Asset::pose_len`] numbers.
     ///
     /// # Errors
     /// q of another length than the asset has modes, NaN, infinite or over the asset's hard
@@ -101,14 +105,17 @@ impl<'p> Pose<'p> {
                 found: q.len(),
             });
         }
-        let found = memory.len();
-        let Some(memory) = memory.get_mut(..q.len()) else {
-            return Err(PoseError::Memory {
-                needed: q.len(),
-                found,
-            });
+        let (needed, found) = (asset.pose_len(), memory.len());
+        let Some((memory, share)) = memory
+            .get_mut(..needed)
+            .and_then(|memory| memory.split_at_mut_checked(q.len()))
+        else {
+            return Err(PoseError::Memory { needed, found });
         };
-        for (mode, ((q, record), out)) in q.iter().zip(modes).zip(memory.iter_mut()).enumerate() {
+        // S(q) = Σ W_j |q_j|, and what of it the modes have that nodes leave out.
+        let (mut s, mut left_out) = (0.0, 0.0);
+        let out = memory.iter_mut().zip(share.iter_mut());
+        for (mode, ((q, record), (out, share))) in q.iter().zip(modes).zip(out).enumerate() {
             if !q.is_finite() {
                 return Err(PoseError::NotFinite { mode });
             }
@@ -120,15 +127,23 @@ impl<'p> Pose<'p> {
                     limit,
                 });
             }
-            *out = if q.abs() < f32::MIN_POSITIVE { 0.0 } else { *q };
+            let q = if q.abs() < f32::MIN_POSITIVE { 0.0 } else { *q };
+            let reach = f64::from(record.field_norm_max.get()) * f64::from(q.abs());
+            s += reach;
+            // Both are exact: limits are powers of two.
+            let of_limit = q * (1.0 / limit);
+            let small = of_limit.abs() < SHARE_MIN;
+            left_out += if small { reach } else { 0.0 };
+            *share = if small { 0.0 } else { of_limit };
+            *out = q;
         }
         let transform = transform.checked()?;
         let p = f64::from(asset.header().position_norm_max.get());
-        let s = amplitude(modes, memory);
         let mode_count = modes.len() as f64;
         Ok(Self {
             q: memory,
-            slack: round_up(slack(p, s, mode_count)),
+            share,
+            slack: round_up(slack(p, s, mode_count) + left_out),
             gamma: round_up((2.0 * mode_count + 16.0) * U32),
             reach: p + s,
             frame: Frame::new(asset, &transform),
@@ -150,15 +165,6 @@ impl<'p> Pose<'p> {
 fn identity(asset: &Asset<'_>) -> (usize, u32) {
     let address = asset.bytes().as_ptr() as usize;
     (address, asset.header().header_crc.get())
-}
-
-/// S(q) = Σ W_j |q_j| (stored units).
-fn amplitude(modes: &[ModeRecord], q: &[f32]) -> f64 {
-    modes
-        .iter()
-        .zip(q)
-        .map(|(mode, q)| f64::from(mode.field_norm_max.get()) * f64::from(q.abs()))
-        .sum()
 }
 
 /// `slack(q) = 8u P + (2M + 8) u S + 2⁻⁵⁴` (docs/guarantees.md 3).

@@ -7,19 +7,34 @@ mod bounds;
 mod metadata;
 mod mode_lists;
 
-use bdtree_format::{GroupRecord, NodeRecord, Row, SectionKind, TriangleRecord, row_count};
+use bdtree_format::{
+    GroupRecord, LANES, NodeRecord, Row, SectionKind, TriangleRecord, mode_row, row_count,
+};
 use core::mem::size_of;
 use core::ops::ControlFlow;
 
 use crate::error::{Datum, FormatError};
 use crate::math::norm;
-use crate::view::Asset;
+use crate::view::{Asset, NodeRows};
 
 /// Takes each broken rule; `Break` ends the check.
 type Report<'r> = &'r mut dyn FnMut(FormatError) -> ControlFlow<()>;
 
 /// Norms may exceed P and W_j by this share of them: far less than one f32 ulp (SPEC 5.8).
 const GUARD: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Least exponent of a unit that 16-bit rows count: the unit is a normal number (SPEC 6.1).
+const EXPONENT_MIN: i8 = -126;
+
+/// The f32 rows of a node with their places among its rows.
+fn plain_rows<'r>(rows: &NodeRows<'r>) -> impl Iterator<Item = (usize, &'r Row)> + use<'r> {
+    let behind = mode_row(rows.modes.len());
+    let (leading, steps) = (rows.leading, rows.steps);
+    leading
+        .iter()
+        .enumerate()
+        .chain((behind..).zip(steps.iter()))
+}
 
 impl<'a> Asset<'a> {
     /// Checks everything that [`Asset::open`] does not read: checksums, padding, the canonical
@@ -115,7 +130,6 @@ impl<'a> Asset<'a> {
     /// Every f32 is finite and not subnormal; rest positions and displacements obey P and W_j.
     fn numbers(&self, report: Report<'_>) -> ControlFlow<()> {
         let sections = [
-            (SectionKind::ROWS, self.rows.as_flattened()),
             (SectionKind::POSITIONS, self.positions.as_flattened()),
             (
                 SectionKind::DISPLACEMENTS,
@@ -133,6 +147,7 @@ impl<'a> Asset<'a> {
                 })?;
             }
         }
+        self.row_numbers(report)?;
         let p = f64::from(self.header.position_norm_max.get());
         for (i, x) in self.positions.iter().enumerate() {
             self.norm_at_most(SectionKind::POSITIONS, i, *x, p, report)?;
@@ -141,6 +156,28 @@ impl<'a> Asset<'a> {
         for (i, u) in self.displacements.iter().enumerate() {
             let w = f64::from(self.modes[i % m].field_norm_max.get());
             self.norm_at_most(SectionKind::DISPLACEMENTS, i, *u, w, report)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The first number of the nodes' f32 rows that is none.
+    fn row_numbers(&self, report: Report<'_>) -> ControlFlow<()> {
+        for node in self.nodes {
+            let Ok(rows) = self.node_rows(node) else {
+                continue; // reported with the node
+            };
+            for (r, row) in plain_rows(&rows) {
+                let bad = |x: &f32| !(x.is_normal() || *x == 0.0);
+                if let Some(lane) = row.iter().position(bad) {
+                    return report(FormatError {
+                        section: SectionKind::ROWS,
+                        byte: self.row_byte(node, r, lane),
+                        rule: "SPEC 5.1: numbers are finite and not subnormal",
+                        expected: Datum::Text("a normal number or zero"),
+                        found: Datum::Real(f64::from(row[lane])),
+                    });
+                }
+            }
         }
         ControlFlow::Continue(())
     }
@@ -176,17 +213,27 @@ impl<'a> Asset<'a> {
         let m = self.modes.len();
         for (i, node) in self.nodes.iter().enumerate() {
             let at = self.section_offset(SectionKind::NODES) + (i * size_of::<NodeRecord>()) as u64;
-            let mut rule = |ok: bool, rule: &'static str, expected: u64, found: u64| {
-                if ok {
-                    return ControlFlow::Continue(());
-                }
+            let mut broken = |rule: &'static str, expected: Datum, found: Datum| {
                 report(FormatError {
                     section: SectionKind::NODES,
                     byte: at,
                     rule,
-                    expected: Datum::Integer(expected),
-                    found: Datum::Integer(found),
+                    expected,
+                    found,
                 })
+            };
+            if let Some(e) = node.scale_exponents.iter().find(|e| **e < EXPONENT_MIN) {
+                broken(
+                    "SPEC 6.1: exponents of units are at least -126",
+                    Datum::Signed(EXPONENT_MIN.into()),
+                    Datum::Signed((*e).into()),
+                )?;
+            }
+            let mut rule = |ok: bool, rule: &'static str, expected: u64, found: u64| {
+                if ok {
+                    return ControlFlow::Continue(());
+                }
+                broken(rule, Datum::Integer(expected), Datum::Integer(found))
             };
             if i as u64 == level_end {
                 level += 1;
@@ -233,19 +280,13 @@ impl<'a> Asset<'a> {
                 )?;
             }
             rule(
-                node.reserved == [0; 3],
-                "SPEC 6.1: reserved bytes are zero",
-                0,
-                node.reserved.iter().map(|b| u64::from(*b)).sum(),
-            )?;
-            rule(
                 usize::from(node.mode_count) <= m,
                 "SPEC 6.1: a node has at most all modes",
                 m as u64,
                 u64::from(node.mode_count),
             )?;
             match self.node_rows(node) {
-                Ok(rows) => self.empty_lanes(node, rows, report)?,
+                Ok(rows) => self.empty_lanes(node, &rows, report)?,
                 Err(error) => report(error)?,
             }
             next_child += u64::from(node.inner_mask.count_ones());
@@ -292,27 +333,61 @@ impl<'a> Asset<'a> {
         ControlFlow::Continue(())
     }
 
-    fn empty_lanes(&self, node: &NodeRecord, rows: &[Row], report: Report<'_>) -> ControlFlow<()> {
+    fn empty_lanes(
+        &self,
+        node: &NodeRecord,
+        rows: &NodeRows<'_>,
+        report: Report<'_>,
+    ) -> ControlFlow<()> {
         let used = node.inner_mask | node.leaf_mask;
-        for (r, row) in rows.iter().enumerate() {
+        let mut zero = |lane: usize, x: f64, byte: u64| {
+            if used & (1 << lane) != 0 || x == 0.0 {
+                return ControlFlow::Continue(());
+            }
+            report(FormatError {
+                section: SectionKind::ROWS,
+                byte,
+                rule: "SPEC 6.5: rows of empty lanes are zero",
+                expected: Datum::Integer(0),
+                found: Datum::Real(x),
+            })
+        };
+        for (r, row) in plain_rows(rows) {
             for (lane, x) in row.iter().enumerate() {
-                if used & (1 << lane) == 0 && *x != 0.0 {
-                    report(FormatError {
-                        section: SectionKind::ROWS,
-                        byte: self.row_byte(node, r, lane),
-                        rule: "SPEC 6.5: rows of empty lanes are zero",
-                        expected: Datum::Integer(0),
-                        found: Datum::Real(f64::from(*x)),
-                    })?;
+                zero(lane, f64::from(*x), self.row_byte(node, r, lane))?;
+            }
+        }
+        for (k, mode) in rows.modes.iter().enumerate() {
+            let [x, y, z] = mode.centre;
+            let [plus, minus] = mode.cross;
+            let growth = mode.growth.map(f64::from);
+            for lane in 0..LANES {
+                let numbers = [
+                    x[lane].into(),
+                    y[lane].into(),
+                    z[lane].into(),
+                    growth[lane],
+                    plus[lane].into(),
+                    minus[lane].into(),
+                ];
+                for (which, x) in numbers.into_iter().enumerate() {
+                    zero(lane, x, self.mode_byte(node, k, which, lane))?;
                 }
             }
         }
         ControlFlow::Continue(())
     }
 
+    /// Where a number of a node's f32 row stands in the file.
     fn row_byte(&self, node: &NodeRecord, row: usize, lane: usize) -> u64 {
         let row = u64::from(node.row_start) + row as u64;
         self.section_offset(SectionKind::ROWS) + row * size_of::<Row>() as u64 + 4 * lane as u64
+    }
+
+    /// Where a number of a node's k-th active mode stands in the file: `which` counts Ū_x, Ū_y,
+    /// Ū_z, ΔR, b⁺ and b⁻.
+    fn mode_byte(&self, node: &NodeRecord, k: usize, which: usize, lane: usize) -> u64 {
+        self.row_byte(node, mode_row(k), 0) + 16 * which as u64 + 2 * lane as u64
     }
 
     /// Corners are vertices, and slots are the inverse of the triangles' ids.

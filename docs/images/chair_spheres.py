@@ -35,12 +35,13 @@ def read(path):
 
     record = np.dtype(
         [("child", "<u4"), ("slot", "<u4"), ("row", "<u4"), ("list", "<u4"), ("modes", "<u2"),
-         ("inner", "u1"), ("leaf", "u1"), ("counts", "u1", 8), ("level", "u1"), ("zero", "u1", 3)]
+         ("inner", "u1"), ("leaf", "u1"), ("counts", "u1", 8), ("level", "u1"), ("exponents", "i1", 3)]
     )
     return {
         "range": np.frombuffer(data, "<f4", 8 * modes, 128).reshape(modes, 8)[:, 1],
         "nodes": array("NODE", record),
         "rows": array("ROWS", "<f4").reshape(-1, 8),
+        "limit": np.frombuffer(data, "<f4", 8 * modes, 128).reshape(modes, 8)[:, 0],
         "lists": array("LIST", "<u2"),
         "triangles": array("TRIS", "<u4").reshape(triangles, 4)[:, :3],
         "p": array("VERT", "<f4").reshape(vertices, 3),
@@ -58,10 +59,12 @@ def spheres(asset, q):
         c, r = row[0:3].copy(), row[3]
         s, cross = np.zeros(8), np.zeros(8)
         for k, j in enumerate(asset["lists"][node["list"] : node["list"] + node["modes"]]):
-            m = row[4 + 6 * k : 10 + 6 * k]
-            c += m[0:3] * q[j]
-            s += m[3] * abs(q[j])
-            cross += (m[4] if q[j] > 0 else m[5]) * abs(q[j])
+            # Three rows' bytes are six of 16 bits, of which the fourth has no signs.
+            m = row[4 + 3 * k : 7 + 3 * k].view("<i2").reshape(6, 8)
+            centre, growth, b = np.exp2(node["exponents"].astype(float)) * abs(q[j]) / asset["limit"][j]
+            c += m[0:3] * centre * np.sign(q[j])
+            s += m[3].view("<u2") * growth
+            cross += (m[4] if q[j] > 0 else m[5]) * b
         grown = np.sqrt(np.maximum(r * r + 2 * cross + s * s, 0))
         for lane in range(8):
             if (node["inner"] | node["leaf"]) >> lane & 1:

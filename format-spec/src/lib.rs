@@ -25,10 +25,10 @@ pub use header::{Header, MAGIC, VERSION_MAJOR, VERSION_MINOR};
 pub use metadata::{Metadata, MetadataError, ModeMetadata};
 pub use mode::ModeRecord;
 pub use node::{
-    LANES, NodeRecord, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, ROWS_FIXED,
+    LANES, ModeRows, NodeRecord, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, ROWS_FIXED,
     ROWS_LEADING, ROWS_PER_MODE, Row, mode_row, row_count,
 };
-pub use section::{SECTION_ORDER, SectionKind, SectionRecord};
+pub use section::{SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord};
 pub use triangle::{GroupRecord, TriangleRecord, group_kind};
 
 /// Sections start at multiples of this many bytes (SPEC 3).
@@ -46,5 +46,8 @@ pub const DEPTH_MAX: usize = 32;
 /// Most triangles in one leaf lane (SPEC 6).
 pub const LEAF_TRIANGLES_MAX: usize = 255;
 
-/// Layout id of every section of this version (SPEC 4).
+/// Layout id of most sections (SPEC 4).
 pub const LAYOUT_1: u32 = 1;
+
+/// Layout id of the nodes and of their rows: rows of modes in 16 bits (SPEC 4).
+pub const LAYOUT_2: u32 = 2;

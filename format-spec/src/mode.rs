@@ -7,7 +7,8 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 #[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
 #[repr(C)]
 pub struct ModeRecord {
-    /// Hard limit of |q_j|, against overflow only; finite and positive.
+    /// Hard limit of |q_j|, against overflow only: a power of two from 2⁻¹²⁶ to 2¹²⁶. The node's
+    /// rows of the mode are those of a q that reaches it.
     pub q_limit: F32,
     /// Typical largest |q_j|, advisory; finite, positive, at most `q_limit`.
     pub q_range: F32,

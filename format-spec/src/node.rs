@@ -5,8 +5,28 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 /// Child spheres of a node, stored side by side.
 pub const LANES: usize = 8;
 
-/// One quantity of the eight child spheres.
+/// One quantity of the eight child spheres, and the unit in which the row section is counted.
 pub type Row = [f32; LANES];
+
+/// What one mode does to the eight child spheres, in 16 bits: three [`Row`]s' worth of bytes.
+///
+/// Numbers count a power of two that the node's lanes and modes share
+/// ([`NodeRecord::scale_exponents`]), and are those of a q that reaches its limit:
+/// Ū_j `q_limit`_j, ΔR_j `q_limit`_j and b±_j `q_limit`_j.
+#[derive(
+    Debug, Clone, Copy, Default, PartialEq, Eq, FromBytes, IntoBytes, KnownLayout, Immutable,
+)]
+#[repr(C)]
+pub struct ModeRows {
+    /// Ū_x, Ū_y and Ū_z.
+    pub centre: [[i16; LANES]; 3],
+    /// ΔR.
+    pub growth: [u16; LANES],
+    /// b⁺ and b⁻.
+    pub cross: [[i16; LANES]; 2],
+}
+
+const _: () = assert!(size_of::<ModeRows>() == ROWS_PER_MODE * size_of::<Row>());
 
 /// A node: eight child spheres, each a *lane* that is empty, leads to a child node (inner) or
 /// holds triangles (leaf). 32 bytes.
@@ -36,8 +56,8 @@ pub struct NodeRecord {
     pub leaf_counts: [u8; LANES],
     /// Distance from the root.
     pub level: u8,
-    /// Zero.
-    pub reserved: [u8; 3],
+    /// Binary exponents of the units in which the node's [`ModeRows`] count: Ū's, ΔR's and b±'s.
+    pub scale_exponents: [i8; 3],
 }
 
 const _: () = assert!(size_of::<NodeRecord>() == 32);
@@ -54,14 +74,14 @@ pub const ROW_RADIUS: usize = 3;
 /// Rows before the first mode's.
 pub const ROWS_LEADING: usize = 4;
 
-/// Rows of a mode: Ū_x, Ū_y, Ū_z, ΔR, b⁺, b⁻.
-pub const ROWS_PER_MODE: usize = 6;
+/// Rows whose bytes a mode's [`ModeRows`] takes.
+pub const ROWS_PER_MODE: usize = 3;
 
 /// Rows of a node without its modes': the four leading ones, then, behind the modes, δR and
 /// the δR of scaled steps.
 pub const ROWS_FIXED: usize = 6;
 
-/// First row of a node's k-th active mode.
+/// First row of a node's k-th active mode: where its [`ModeRows`] begin.
 pub const fn mode_row(k: usize) -> usize {
     ROWS_LEADING + ROWS_PER_MODE * k
 }

@@ -1,5 +1,6 @@
 //! The section table (SPEC 4).
 
+use crate::{LAYOUT_1, LAYOUT_2};
 use zerocopy::little_endian::{U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
@@ -66,13 +67,19 @@ pub const SECTION_ORDER: [SectionKind; 10] = [
     SectionKind::METADATA,
 ];
 
+/// The layouts of the sections in [`SECTION_ORDER`].
+pub const SECTION_LAYOUTS: [u32; SECTION_ORDER.len()] = [
+    LAYOUT_2, LAYOUT_2, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1,
+    LAYOUT_1,
+];
+
 /// One entry of the section table, 32 bytes.
 #[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
 #[repr(C)]
 pub struct SectionRecord {
     /// What the section holds.
     pub kind: SectionKind,
-    /// How it holds it: [`crate::LAYOUT_1`].
+    /// How it holds it: one of [`SECTION_LAYOUTS`].
     pub layout: U32,
     /// First byte, from the start of the file; a multiple of 64.
     pub offset: U64,

@@ -3,7 +3,8 @@
 
 use bdtree_format as fmt;
 use bdtree_format::{
-    GroupRecord, Header, ModeRecord, NodeRecord, SectionKind, SectionRecord, TriangleRecord,
+    GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, SectionKind, SectionRecord,
+    TriangleRecord,
 };
 use core::mem::offset_of;
 use zerocopy::little_endian::{F32, F64, I32, U16, U32, U64};
@@ -21,7 +22,7 @@ macro_rules! spec_type {
         $(impl SpecType for $rust { fn text() -> String { $text.into() } })*
     };
 }
-spec_type!(u8 => "u8", u16 => "u16", u32 => "u32", U16 => "u16", U32 => "u32", U64 => "u64",
+spec_type!(u8 => "u8", i8 => "i8", i16 => "i16", u16 => "u16", u32 => "u32", U16 => "u16", U32 => "u32", U64 => "u64",
     I32 => "i32", F32 => "f32", F64 => "f64", SectionKind => "[u8; 4]");
 
 impl<T: SpecType, const K: usize> SpecType for [T; K] {
@@ -118,8 +119,14 @@ fn section_table_matches_struct() {
 #[test]
 fn node_table_matches_struct() {
     let all = fields!(NodeRecord: first_child, first_slot, row_start, mode_list_start, mode_count,
-        inner_mask, leaf_mask, leaf_counts, level, reserved);
+        inner_mask, leaf_mask, leaf_counts, level, scale_exponents);
     check_record("NodeRecord", size_of::<NodeRecord>(), &all);
+}
+
+#[test]
+fn mode_rows_table_matches_struct() {
+    let all = fields!(ModeRows: centre, growth, cross);
+    check_record("ModeRows", size_of::<ModeRows>(), &all);
 }
 
 #[test]
@@ -169,14 +176,16 @@ fn kinds_match_section_order() {
         ("METADATA", K::METADATA, "0", 1),
     ];
     assert_eq!(rows.len(), named.len());
-    for (row, (name, kind, required, bytes)) in rows.iter().zip(named) {
+    let layouts = fmt::SECTION_LAYOUTS;
+    for ((row, (name, kind, required, bytes)), layout) in rows.iter().zip(named).zip(layouts) {
         let expected = [
             kind.to_string(),
             name.into(),
             required.into(),
             bytes.to_string(),
+            layout.to_string(),
         ];
-        assert_eq!(row[..4], expected.each_ref().map(String::as_str));
+        assert_eq!(row[..5], expected.each_ref().map(String::as_str));
     }
 }
 
@@ -195,8 +204,8 @@ fn rows_match_constants() {
     ];
     assert_eq!(leading, code);
     for m in [0, 1, 3, fmt::MODE_COUNT_MAX] {
-        assert_eq!(fmt::mode_row(m), 4 + 6 * m);
-        assert_eq!(fmt::row_count(m), 6 + 6 * m);
+        assert_eq!(fmt::mode_row(m), 4 + 3 * m);
+        assert_eq!(fmt::row_count(m), 6 + 3 * m);
     }
 }
 
@@ -213,6 +222,7 @@ fn constants_match() {
         ("DEPTH_MAX", fmt::DEPTH_MAX.to_string()),
         ("LEAF_TRIANGLES_MAX", fmt::LEAF_TRIANGLES_MAX.to_string()),
         ("LAYOUT_1", fmt::LAYOUT_1.to_string()),
+        ("LAYOUT_2", fmt::LAYOUT_2.to_string()),
         ("LANES", fmt::LANES.to_string()),
         ("ROWS_LEADING", fmt::ROWS_LEADING.to_string()),
         ("ROWS_PER_MODE", fmt::ROWS_PER_MODE.to_string()),

@@ -13,7 +13,7 @@ fn ball_equals_product_and_brute_force() {
     let asset = Asset::open(&bytes).expect("open");
     let tree = PaperTree::build(&asset);
     let mut rng = poses::rng(5);
-    let mut memory = vec![0.0; asset.mode_count()];
+    let mut memory = vec![0.0; asset.pose_len()];
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let (mut step, mut vertices, mut paper_stack) =
         (Step::default(), Vertices::new(&asset), Vec::new());
@@ -92,7 +92,7 @@ fn spheres_hold_their_vertices() {
     let asset = Asset::open(&bytes).expect("open");
     let tree = PaperTree::build(&asset);
     let nodes = tree.nodes();
-    let mut memory = vec![0.0; asset.mode_count()];
+    let mut memory = vec![0.0; asset.pose_len()];
     let mut step = Step::default();
     let mut qs = poses::hard_qs(&asset);
     let mut rng = poses::rng(9);

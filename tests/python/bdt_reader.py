@@ -10,9 +10,10 @@ import struct
 import sys
 import zlib
 
-# kind: required, element bytes (SPEC 4.2)
-KINDS = {b"NODE": (1, 32), b"ROWS": (1, 32), b"LIST": (1, 2), b"TRIS": (1, 16), b"SLOT": (1, 4),
-         b"VERT": (1, 12), b"DISP": (1, 12), b"GRPS": (0, 20), b"GNAM": (0, 1), b"META": (0, 1)}
+# kind: required, element bytes, layout (SPEC 4.2)
+KINDS = {b"NODE": (1, 32, 2), b"ROWS": (1, 32, 2), b"LIST": (1, 2, 1), b"TRIS": (1, 16, 1),
+         b"SLOT": (1, 4, 1), b"VERT": (1, 12, 1), b"DISP": (1, 12, 1), b"GRPS": (0, 20, 1),
+         b"GNAM": (0, 1, 1), b"META": (0, 1, 1)}
 
 
 def check(holds, rule, what):
@@ -52,6 +53,7 @@ def read_header(data):
     modes = list(struct.iter_unpack("<4f2d", data[128:128 + 32 * m]))
     floats(b"".join(struct.pack("<4f", *mode[:4]) for mode in modes), "mode table")
     for limit, q_range, scale, w, omega, mass in modes:
+        check(math.frexp(limit)[0] == 0.5 and limit <= 2.0 ** 126, "2.2", "q_limit")
         check(0 < q_range <= limit and 0 < scale and 0 <= w, "2.2", "mode table")
         check(omega == -1 or 0 <= omega < math.inf, "2.2", "omega_rad_s")
         check(mass == -1 or 0 < mass < math.inf, "2.2", "modal_mass_kg")
@@ -71,7 +73,7 @@ def read_sections(data, at, count, end):
         check(zlib.crc32(data[offset:end]) == crc, "4.1", f"checksum of {name}")
         check(required == KINDS.get(kind, (0,))[0], "4.4", f"{name}, required {required}")
         check(kind not in found, "4.4", f"{name} stands twice")
-        check(kind not in KINDS or layout == 1, "4.4", f"layout {layout} of {name}")
+        check(kind not in KINDS or layout == KINDS[kind][2], "4.4", f"layout {layout} of {name}")
         found[kind] = data[offset:end]
         table.append(dict(kind=name, offset=offset, bytes=length))
     check(end == len(data), "3.4", "bytes behind the last section")
@@ -83,15 +85,15 @@ def read_sections(data, at, count, end):
 
 def read_tree(s, m_all, node_count, depth, leaf_max, f):
     """Checks nodes, rows and lists; returns the radii of each level."""
-    rows = floats(s[b"ROWS"], "ROWS")
+    rows = s[b"ROWS"]
     lists = struct.unpack(f"<{len(s[b'LIST']) // 2}H", s[b"LIST"])
     child, slot, row, list_end, starts = 1, 0, 0, 0, {}
     levels, level_of = [[] for _ in range(depth)], {0: 0}
-    for i, (*firsts, start, m, inner, leaf, c0, c1, c2, c3, c4, c5, c6, c7, level) in enumerate(
-            struct.iter_unpack("<4IH11B3x", s[b"NODE"])):
+    for i, (*firsts, start, m, inner, leaf, c0, c1, c2, c3, c4, c5, c6, c7, level, e0, e1, e2) in enumerate(
+            struct.iter_unpack("<4IH11B3b", s[b"NODE"])):
         counts = (c0, c1, c2, c3, c4, c5, c6, c7)
         check(firsts == [child, slot, row] and child > i, "6.3", f"node {i}")
-        check(not any(s[b"NODE"][32 * i + 29:32 * i + 32]) and m <= m_all, "6.1", f"node {i}")
+        check(min(e0, e1, e2) >= -126 and m <= m_all, "6.1", f"node {i}")
         check(level == level_of.pop(i) < depth, "6.4", f"level of node {i}")
         check(inner | leaf and not inner & leaf and max(counts) <= leaf_max, "6.2", f"lanes of node {i}")
         modes = lists[start:start + m]
@@ -100,19 +102,22 @@ def read_tree(s, m_all, node_count, depth, leaf_max, f):
             check(start == list_end and len(modes) == m, "6.7", f"list of node {i}")
             starts[modes], list_end = start, list_end + m
         check(start == starts.get(modes, 0), "6.7", f"list of node {i}")
+        own = rows[32 * row:32 * (row + 6 + 3 * m)]
+        check(len(own) == 32 * (6 + 3 * m), "4.3", "length of ROWS")
+        plain = floats(own[:128] + own[128 + 96 * m:], f"rows of node {i}")
+        mode_rows = struct.unpack(f"<{48 * m}H", own[128:128 + 96 * m])
         for k in range(8):
-            lane = rows[8 * row + k:8 * (row + 6 + 6 * m):8]
-            check(len(lane) == 6 + 6 * m, "4.3", "length of ROWS")
+            lane = plain[k::8]
             check((leaf >> k & 1) == (counts[k] > 0), "6.2", f"lane {k} of node {i}")
             if (inner | leaf) >> k & 1:
-                check(min(lane[3], *lane[7:-2:6], *lane[-2:]) >= 0, "6.5", f"lane {k} of node {i}")
+                check(min(lane[3:]) >= 0, "6.5", f"lane {k} of node {i}")
                 levels[level].append(lane[3])
             else:
-                check(not any(lane), "6.5", f"empty lane {k} of node {i}")
+                check(not any(lane + mode_rows[k::8]), "6.5", f"empty lane {k} of node {i}")
         children = bin(inner).count("1")
         level_of.update((child + c, level + 1) for c in range(children))
-        child, slot, row = child + children, slot + sum(counts), row + 6 + 6 * m
-    sums, sizes = (child, slot, 8 * row, list_end), (node_count, f, len(rows), len(lists))
+        child, slot, row = child + children, slot + sum(counts), row + 6 + 3 * m
+    sums, sizes = (child, slot, 32 * row, list_end), (node_count, f, len(rows), len(lists))
     check(sums == sizes, "6.3", f"sums over nodes {sums}, sections {sizes}")
     check(all(levels), "6.4", "depth")
     return levels

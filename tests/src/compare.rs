@@ -13,7 +13,7 @@ use crate::{oracle, poses};
 /// # Panics
 /// When an answer differs.
 pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64, rounds: usize) {
-    let mut memory = vec![0.0; asset.mode_count()];
+    let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(asset, q, transform, &mut memory).expect("pose");
     let triangles = oracle::deformed_triangles(asset, &pose);
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
@@ -134,7 +134,7 @@ pub fn check_pairs(bytes: &AlignedBytes, seed: u64, rounds: usize, gap: f64) {
         for k in 0..3 {
             tb.translation[k] = ta.translation[k] + gap * size * rng.random_range(-1.0..1.0);
         }
-        let mut memory_a = vec![0.0; asset.mode_count()];
+        let mut memory_a = vec![0.0; asset.pose_len()];
         let mut memory_b = memory_a.clone();
         let a = Pose::new(&asset, &qa, ta, &mut memory_a).unwrap();
         let b = Pose::new(&asset, &qb, tb, &mut memory_b).unwrap();

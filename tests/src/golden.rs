@@ -255,10 +255,10 @@ fn answers(bytes: &AlignedBytes) -> String {
             translation: [f64::from(step), 0.0, -0.5],
             scale: 1.0 + 0.5 * f64::from(step),
         };
-        let mut memory = vec![0.0; q.len()];
-        let mut memory2 = vec![0.0; q.len()];
+        let mut memory = vec![0.0; asset.pose_len()];
+        let mut memory2 = vec![0.0; asset.pose_len()];
         let pose = Pose::new(&asset, &q, place, &mut memory).expect("pose");
-        let rest = vec![0.0; q.len()];
+        let rest = vec![0.0; asset.mode_count()];
         let pose2 = Pose::new(&asset, &rest, Transform::IDENTITY, &mut memory2).expect("pose");
         let mut line = |kind: &str, answer: Value| {
             lines.push_str(&json!({"step": step, "kind": kind, "answer": answer}).to_string());

@@ -184,6 +184,16 @@ fn change(bytes: &mut [u8], rng: &mut Pcg64Mcg) {
             let (i, count, at) = element(size_of::<NodeRecord>(), rng);
             change_node(bytes, at, i, count, rng);
         }
+        SectionKind::ROWS if rng.random_range(0..2) == 0 => {
+            // A number in 16 bits, or a row of them.
+            let (_, _, at) = element(2, rng);
+            let value = pick(&[0, 1, 0x7fff, 0x8000, 0xffff_u16], rng).to_le_bytes();
+            for k in 0..pick(&[1, 8], rng) {
+                if at + 2 * k < start + length {
+                    put(bytes, at + 2 * k, &value);
+                }
+            }
+        }
         SectionKind::ROWS | SectionKind::POSITIONS | SectionKind::DISPLACEMENTS => {
             let (_, _, at) = element(4, rng);
             let value = real(rng).to_le_bytes();
@@ -223,7 +233,7 @@ fn change(bytes: &mut [u8], rng: &mut Pcg64Mcg) {
 
 fn change_node(bytes: &mut [u8], at: usize, i: usize, count: usize, rng: &mut Pcg64Mcg) {
     let value = index(i, count, rng);
-    match rng.random_range(0..9) {
+    match rng.random_range(0..10) {
         field @ 0..4 => put(bytes, at + 4 * field, &value.to_le_bytes()),
         4 => put(
             bytes,
@@ -235,6 +245,11 @@ fn change_node(bytes: &mut [u8], at: usize, i: usize, count: usize, rng: &mut Pc
         7 => {
             let lane = rng.random_range(0..8);
             bytes[at + offset_of!(NodeRecord, leaf_counts) + lane] = pick(&[0, 1, 8, 255], rng);
+        }
+        8 => {
+            let which = rng.random_range(0..3);
+            let exponent = pick(&[0, 1, 0x7f, 0x80, 0x82, 0xff], rng);
+            bytes[at + offset_of!(NodeRecord, scale_exponents) + which] = exponent;
         }
         _ => bytes[at + offset_of!(NodeRecord, level)] = value as u8,
     }

@@ -68,7 +68,7 @@ fn queries_allocate_nothing() {
     let mut pairs = [PairContact::EMPTY; 512];
     let (count, found) = allocations(|| {
         let asset = Asset::open(&bytes).expect("open");
-        let (mut memory, mut memory2) = ([0.0; 4], [0.0; 4]);
+        let (mut memory, mut memory2) = ([0.0; 8], [0.0; 8]);
         let q = [0.5, -0.5, 0.2, 0.0];
         let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
         let place = Transform {
@@ -115,7 +115,7 @@ fn a_full_sink_is_said_and_holds_a_part_of_the_answer() {
     let mesh = bake::bumpy_sphere(8, 1);
     let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1));
     let asset = Asset::open(&bytes).expect("open");
-    let mut memory = [0.0; 2];
+    let mut memory = [0.0; 4];
     let pose = Pose::new(&asset, &[0.1, 0.2], Transform::IDENTITY, &mut memory).expect("pose");
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut all: Vec<Contact> = Vec::new();
@@ -155,7 +155,7 @@ fn generalized_forces_are_derivatives_of_work() {
     let (weights, force) = ([0.2, 0.5, 0.3], [1.0, -2.0, 0.5]);
     for id in [0, 7, 50].map(TriangleId) {
         let work = |q: &[f32]| {
-            let mut memory = [0.0; 3];
+            let mut memory = [0.0; 6];
             let pose = Pose::new(&asset, q, place, &mut memory).expect("pose");
             let corners = asset.triangle(id).expect("triangle");
             let mut work = 0.0;
@@ -166,7 +166,7 @@ fn generalized_forces_are_derivatives_of_work() {
             work
         };
         let q = [0.25, -0.5, 0.125];
-        let mut memory = [0.0; 3];
+        let mut memory = [0.0; 6];
         let pose = Pose::new(&asset, &q, place, &mut memory).expect("pose");
         let mut out = [10.0; 3];
         add_generalized_force(&asset, &pose, id, weights, force, &mut out).expect("force");

@@ -89,7 +89,7 @@ fn pair_queries_agree_with_exact_lists() {
             let key = format!("{} {}", sides[i].mesh, sides[i].q.len());
             Asset::open(&files[&key]).expect("open")
         });
-        let mut memory = [0, 1].map(|i| vec![0.0_f32; assets[i].mode_count()]);
+        let mut memory = [0, 1].map(|i| vec![0.0_f32; assets[i].pose_len()]);
         let qs = [0, 1].map(|i| sides[i].q.iter().map(|q| *q as f32).collect::<Vec<_>>());
         let [memory_a, memory_b] = &mut memory;
         let a = Pose::new(&assets[0], &qs[0], transform(&sides[0].matrix), memory_a).expect("pose");

@@ -67,7 +67,7 @@ fn inside_exactly(v: [f32; 3], c: [f32; 3], r: f32) -> bool {
 
 /// Checks all (lane, vertex) cases of one q and returns how many.
 fn check(asset: &Asset<'_>, q: &[f32]) -> u64 {
-    let mut memory = vec![0.0; asset.mode_count()];
+    let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory).expect("pose");
     let mut cases = 0;
     for node in 0..asset.node_count() {
@@ -141,10 +141,11 @@ fn a_body_that_shrinks_to_a_point_stays_inside() {
     for q in [0.5, 0.9, 0.999, 0.999_999, 1.0, 1.000_001, 1.1, 2.0] {
         check(&asset, &[q]);
     }
-    let mut memory = [0.0];
+    let mut memory = [0.0; 2];
     let pose = Pose::new(&asset, &[1.0], Transform::IDENTITY, &mut memory).expect("pose");
     let spheres = asset.node_spheres(&pose, 0).expect("node");
     let largest = spheres.radius.iter().copied().fold(0.0, f32::max);
-    // The paper's bound is 2 R ≈ 2 here; ours is exact up to the root of the rounding term.
-    assert!(largest < 0.01, "{largest}");
+    // The paper's bound is 2 R ≈ 2 here; ours is exact up to the root of the rounding terms, of which
+    // Ū's is the largest: half a unit, 2⁻¹⁶ of the largest Ū.
+    assert!(largest < 0.03, "{largest}");
 }

@@ -39,7 +39,8 @@ fn answers(asset: &Asset<'_>, partner: &Asset<'_>) -> (Vec<Contact>, Vec<PairCon
         let q = poses::random_q(asset, share, &mut rng);
         let place = poses::random_transform(0.5, &mut rng);
         let other = poses::random_transform(0.5, &mut rng);
-        let (mut memory, mut memory2) = (vec![0.0; q.len()], vec![0.0; q.len()]);
+        let (mut memory, mut memory2) =
+            (vec![0.0; asset.pose_len()], vec![0.0; partner.pose_len()]);
         let pose = Pose::new(asset, &q, place, &mut memory).expect("pose");
         let pose2 = Pose::new(partner, &q, other, &mut memory2).expect("pose");
         let point = [0.7, 0.2, -0.4];

@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 
 use bdtree_build::input::{GroupKind, RawGroup};
 use bdtree_format::{
-    GroupRecord, Header, ModeRecord, NodeRecord, ROW_RADIUS, Row, SectionKind, SectionRecord,
-    TriangleRecord, mode_row,
+    GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, ROW_RADIUS, Row, SectionKind,
+    SectionRecord, TriangleRecord, mode_row,
 };
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, FormatError, Pose, QueryError, StackEntry, Transform, TriangleId,
@@ -95,8 +95,8 @@ impl Seen {
             self.note(&error);
             ControlFlow::Continue(())
         });
-        let mut memory = vec![0.0; asset.mode_count()];
-        let q = vec![0.01; memory.len()];
+        let mut memory = vec![0.0; asset.pose_len()];
+        let q = vec![0.01; asset.mode_count()];
         let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
         let mut stack = vec![StackEntry::default(); asset.stack_len()];
         let mut found: Vec<Contact> = Vec::new();
@@ -171,6 +171,25 @@ fn root_bound(row: usize, factor: f32) -> impl Fn(&mut Vec<u8>) {
     move |b| {
         let at = root_row(b, row);
         let value = get_f32(b, at) * factor;
+        put(b, at, &value.to_le_bytes());
+    }
+}
+
+/// The same for a row of the root's k-th mode.
+fn root_mode(bytes: &[u8], k: usize, offset: usize) -> usize {
+    let first = root_row(bytes, 0);
+    let lane = (first - section(bytes, SectionKind::ROWS).start) / size_of::<f32>();
+    first - lane * size_of::<f32>()
+        + mode_row(k) * size_of::<Row>()
+        + offset
+        + lane * size_of::<u16>()
+}
+
+/// Changes a ΔR of the root's first used lane.
+fn root_growth(k: usize, change: impl Fn(u16) -> u16) -> impl Fn(&mut Vec<u8>) {
+    move |b| {
+        let at = root_mode(b, k, offset_of!(ModeRows, growth));
+        let value = change(u16::from_le_bytes([b[at], b[at + 1]]));
         put(b, at, &value.to_le_bytes());
     }
 }
@@ -296,7 +315,7 @@ fn changes() -> Vec<Change> {
         Box::new(of_node(1, offset_of!(NodeRecord, level), 9)),
         Box::new(of_node(0, offset_of!(NodeRecord, inner_mask), 0)),
         Box::new(of_node(0, offset_of!(NodeRecord, leaf_mask), 0xff)),
-        Box::new(of_node(1, offset_of!(NodeRecord, reserved), 1)),
+        Box::new(of_node(1, offset_of!(NodeRecord, scale_exponents), 0x81)),
         Box::new(of_node(1, offset_of!(NodeRecord, mode_count) + 1, 1)),
         Box::new(|b| {
             // Rows and list shrink to nothing, the list's start stays.
@@ -343,10 +362,11 @@ fn changes() -> Vec<Change> {
         Box::new(body(SectionKind::METADATA, 0, u32::MAX)),
         Box::new(root_bound(ROW_RADIUS, -1.0)),
         Box::new(root_bound(ROW_RADIUS, 0.99)),
-        Box::new(root_bound(mode_row(0) + 3, 0.9)),
+        Box::new(root_growth(0, |n| n / 10 * 9)),
         Box::new(|b| {
-            let at = root_row(b, mode_row(0) + 4);
-            put(b, at, &(-100.0_f32).to_le_bytes());
+            // −2¹⁵ units.
+            let at = root_mode(b, 0, offset_of!(ModeRows, cross));
+            put(b, at, &i16::MIN.to_le_bytes());
         }),
         Box::new(move |b| {
             let at = root_row(b, mode_row(last_mode_row(b)));
@@ -451,7 +471,7 @@ fn every_rule_is_triggered() {
     );
     // Accessors.
     let asset = Asset::open(&FILE).expect("open");
-    let mut memory = [0.0; 5];
+    let mut memory = [0.0; 10];
     let pose = Pose::new(&asset, &[0.0; 5], Transform::IDENTITY, &mut memory).expect("pose");
     seen.note(
         &asset

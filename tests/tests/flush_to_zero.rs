@@ -123,7 +123,7 @@ fn check_queries(asset: &Asset<'_>, pose: &Pose<'_>) {
         translation: [0.3 * size, 0.1 * size, 0.0],
         ..Transform::IDENTITY
     };
-    let mut memory = vec![0.0; asset.mode_count()];
+    let mut memory = vec![0.0; asset.pose_len()];
     let other = Pose::new(asset, pose.q(), place, &mut memory).expect("pose");
     let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
     let mut found: Vec<PairContact> = Vec::new();
@@ -147,7 +147,7 @@ fn check_mesh(mesh: &RawMesh, mode_count: usize) {
         for q in qs(&asset) {
             for flush in [false, true] {
                 with_mode(flush, || {
-                    let mut memory = vec![0.0; q.len()];
+                    let mut memory = vec![0.0; asset.pose_len()];
                     let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory);
                     let pose = pose.expect("pose");
                     check_containment(&asset, &pose);

@@ -20,7 +20,7 @@ fn slack(asset: &Asset<'_>, q: &[f32]) -> f64 {
 
 /// How far outside the sphere of (node, lane) the vertex is, over the slack; below 0 inside.
 fn violation(asset: &Asset<'_>, q: &[f32], node: u32, lane: usize, vertex: u32) -> f64 {
-    let mut memory = vec![0.0; q.len()];
+    let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory).expect("pose");
     let spheres = asset.node_spheres(&pose, node).expect("node");
     let radius = f64::from(spheres.radius[lane]);

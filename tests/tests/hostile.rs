@@ -102,7 +102,7 @@ struct Scratch {
 impl Scratch {
     fn new() -> Self {
         Self {
-            stack: vec![StackEntry::default(); 7 * 32 + 1],
+            stack: vec![StackEntry::default(); 14 * 32 + 2],
             pair_stack: vec![PairStackEntry::default(); 70 * 32 + 1],
             contacts: vec![Contact::EMPTY; 4096],
             pairs: vec![PairContact::EMPTY; 4096],
@@ -116,7 +116,7 @@ impl Scratch {
         let q: Vec<f32> = (0..asset.mode_count())
             .map(|j| [0.3_f32, -0.2, 0.0][j % 3].clamp(-limit(j), limit(j)))
             .collect();
-        let mut memory = vec![0.0; q.len()];
+        let mut memory = vec![0.0; asset.pose_len()];
         let pose = Pose::new(asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
         let visits_max = asset.node_count() as u64;
         let (stack, point) = (&mut self.stack, [0.9, 0.3, 0.2]);
@@ -140,10 +140,10 @@ impl Scratch {
             stack,
         ));
         assert!(hit.is_none_or(|n| n.nodes_visited <= visits_max));
-        let mut memory = vec![0.0; partner.mode_count()];
+        let mut memory = vec![0.0; partner.pose_len()];
         let other = Pose::new(
             partner,
-            &vec![0.1; memory.len()],
+            &vec![0.1; partner.mode_count()],
             Transform::IDENTITY,
             &mut memory,
         )

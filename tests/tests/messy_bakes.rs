@@ -56,7 +56,7 @@ fn check(path: &Path) -> Result<(), String> {
         "{name}"
     );
     let mut rng = poses::rng(1);
-    let mut memory = vec![0.0; asset.mode_count()];
+    let mut memory = vec![0.0; asset.pose_len()];
     let q = poses::random_q(&asset, 0.1, &mut rng);
     let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
     let triangles = oracle::deformed_triangles(&asset, &pose);

@@ -29,7 +29,7 @@ fn every_pose_error_is_triggered() {
     let (rotation, translation, scale) = ([0.0, 0.0, 0.0, 1.1], [f64::NAN, 0.0, 0.0], 0.0);
     for (found, expected, text) in [
         (
-            posed(&[0.0; 4], 5, here),
+            posed(&[0.0; 4], 10, here),
             PoseError::ModeCount {
                 expected: 5,
                 found: 4,
@@ -37,25 +37,25 @@ fn every_pose_error_is_triggered() {
             "q has 4 entries but the asset has 5 modes",
         ),
         (
-            posed(&[0.0; 5], 4, here),
+            posed(&[0.0; 5], 9, here),
             PoseError::Memory {
-                needed: 5,
-                found: 4,
+                needed: 10,
+                found: 9,
             },
-            "pose memory holds 4 numbers, 5 are needed",
+            "pose memory holds 9 numbers, 10 are needed",
         ),
         (
-            posed(&q(f32::NAN), 5, here),
+            posed(&q(f32::NAN), 10, here),
             PoseError::NotFinite { mode: 2 },
             "q[2] is not a finite number",
         ),
         (
-            posed(&q(f32::NEG_INFINITY), 5, here),
+            posed(&q(f32::NEG_INFINITY), 10, here),
             PoseError::NotFinite { mode: 2 },
             "q[2] is not",
         ),
         (
-            posed(&q(-limit * 2.0), 5, here),
+            posed(&q(-limit * 2.0), 10, here),
             PoseError::OverLimit {
                 mode: 2,
                 found: limit * 2.0,
@@ -64,14 +64,14 @@ fn every_pose_error_is_triggered() {
             "is over the asset's limit of",
         ),
         (
-            posed(&q(0.0), 5, Transform { rotation, ..here }),
+            posed(&q(0.0), 10, Transform { rotation, ..here }),
             PoseError::Rotation,
             "quaternion",
         ),
         (
             posed(
                 &q(0.0),
-                5,
+                10,
                 Transform {
                     translation,
                     ..here
@@ -81,7 +81,7 @@ fn every_pose_error_is_triggered() {
             "translation is not finite",
         ),
         (
-            posed(&q(0.0), 5, Transform { scale, ..here }),
+            posed(&q(0.0), 10, Transform { scale, ..here }),
             PoseError::Scale,
             "scale is not one",
         ),
@@ -89,7 +89,7 @@ fn every_pose_error_is_triggered() {
         assert_eq!(found, expected);
         assert!(found.to_string().contains(text), "{found}");
     }
-    let mut memory = [0.0; 5];
+    let mut memory = [0.0; 10];
     assert!(
         Pose::new(&asset, &q(limit), here, &mut memory).is_ok(),
         "limits are inclusive"
@@ -102,7 +102,7 @@ fn every_query_error_is_triggered() {
     let asset = Asset::open(&file).expect("open");
     let copy = AlignedBytes::copy_of(&file);
     let other = Asset::open(&copy).expect("open");
-    let mut memory = [0.0; 5];
+    let mut memory = [0.0; 10];
     let pose = Pose::new(&asset, &[0.0; 5], Transform::IDENTITY, &mut memory).expect("pose");
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut pairs = vec![Default::default(); asset.pair_stack_len(&asset)];

@@ -1,14 +1,15 @@
 //! `verify` finds bounds that are too small, under valid checksums. What is guaranteed, per SPEC
 //! 5.8: R, ΔR and δR that the vertices below a lane exceed by 2⁻⁴⁰ of them, far less than the step
-//! to the next f32; b± that is below its recomputed value by more than the guards, of which
-//! 2⁻²¹ R ΔR is always enough. So one f32 step less is found wherever the recomputed bound lies
-//! above it, which this test decides on its own, lane by lane.
+//! to the next f32 or to the next unit; b± that is below its recomputed value by more than the
+//! guards, of which 2⁻²¹ R ΔR is always enough. So one step less (the next f32, or a unit of 16-bit
+//! rows) is found wherever the recomputed bound lies above it, which this test decides on its own,
+//! lane by lane.
 
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
-use bdtree_format::{ROW_RADIUS, SectionKind, mode_row};
-use bdtree_runtime::{AlignedBytes, Asset};
+use bdtree_format::{LANES, ROW_RADIUS, Row, SectionKind, mode_row};
+use bdtree_runtime::{AlignedBytes, Asset, NodeRows};
 use bdtree_tests::mutate::{get_f32, put, repair, section};
 use bdtree_tests::{bake, golden};
 
@@ -83,6 +84,18 @@ fn compare(needed: f64, allowed: f64, doubt: f64) -> Verdict {
     ((needed - allowed).abs() > doubt).then_some(needed > allowed)
 }
 
+/// A number of a node's lane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Number {
+    Radius,
+    /// ΔR of the k-th active mode.
+    Growth(usize),
+    /// b⁺ (0) or b⁻ (1) of the k-th active mode.
+    Cross(usize, usize),
+    /// δR, plain (0) or scaled (1).
+    Step(usize),
+}
+
 struct Lane<'a> {
     asset: &'a Asset<'a>,
     node: usize,
@@ -91,26 +104,61 @@ struct Lane<'a> {
 }
 
 impl Lane<'_> {
-    fn value(&self, row: usize) -> f64 {
+    fn rows(&self) -> NodeRows<'_> {
         let node = &self.asset.nodes()[self.node];
-        f64::from(self.asset.node_rows(node).expect("rows")[row][self.lane])
+        self.asset.node_rows(node).expect("rows")
     }
 
-    fn vector(&self, row: usize) -> [f64; 3] {
-        [self.value(row), self.value(row + 1), self.value(row + 2)]
+    fn mode_count(&self) -> usize {
+        self.rows().modes.len()
+    }
+
+    /// The number for q at its limit, if it is a mode's, and in units of its row.
+    fn units(&self, number: Number) -> (f64, f64) {
+        let (rows, lane) = (self.rows(), self.lane);
+        let [_, growth, cross] = rows.units.map(f64::from);
+        match number {
+            Number::Radius => (f64::from(rows.leading[ROW_RADIUS][lane]), 1.0),
+            Number::Growth(k) => (f64::from(rows.modes[k].growth[lane]), growth),
+            Number::Cross(k, which) => (f64::from(rows.modes[k].cross[which][lane]), cross),
+            Number::Step(which) => (f64::from(rows.steps[which][lane]), 1.0),
+        }
+    }
+
+    fn value(&self, number: Number) -> f64 {
+        let (units, unit) = self.units(number);
+        units * unit
+    }
+
+    /// Where the number stands in ROWS.
+    fn place(&self, number: Number) -> usize {
+        let first = self.asset.nodes()[self.node].row_start as usize;
+        let row = |row: usize| (first + row) * size_of::<Row>();
+        let of_mode = |k: usize, which: usize| row(mode_row(k)) + 2 * (LANES * which + self.lane);
+        match number {
+            Number::Radius => row(ROW_RADIUS) + 4 * self.lane,
+            Number::Growth(k) => of_mode(k, 3),
+            Number::Cross(k, which) => of_mode(k, 4 + which),
+            Number::Step(which) => row(mode_row(self.mode_count()) + which) + 4 * self.lane,
+        }
     }
 
     fn arm(&self, i: usize) -> [f64; 3] {
-        let (p, c) = (self.asset.positions()[i], self.vector(0));
-        [0, 1, 2].map(|k| f64::from(p[k]) - c[k])
+        let (p, c) = (self.asset.positions()[i], self.rows().leading);
+        [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(c[k][self.lane]))
     }
 
+    /// w_ij for q_j at its limit.
     fn field(&self, i: usize, k: usize) -> [f64; 3] {
         let node = &self.asset.nodes()[self.node];
-        let mode = self.asset.node_modes(node).expect("list")[k];
-        let u = self.asset.displacements()[i * self.asset.mode_count() + usize::from(mode)];
-        let mean = self.vector(mode_row(k));
-        [0, 1, 2].map(|a| f64::from(u[a]) - mean[a])
+        let mode = usize::from(self.asset.node_modes(node).expect("list")[k]);
+        let u = self.asset.displacements()[i * self.asset.mode_count() + mode];
+        let limit = f64::from(self.asset.modes()[mode].q_limit.get());
+        let (rows, unit) = (self.rows(), f64::from(self.rows().units[0]));
+        let mean = rows.modes[k]
+            .centre
+            .map(|row| f64::from(row[self.lane]) * unit);
+        [0, 1, 2].map(|a| f64::from(u[a]) * limit - mean[a])
     }
 
     fn largest(&self, f: impl Fn(usize) -> f64) -> f64 {
@@ -120,16 +168,15 @@ impl Lane<'_> {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// SPEC 5.8 for row `row` at the value `lowered`.
-    fn verdict(&self, row: usize, lowered: f64) -> Verdict {
-        let m = usize::from(self.asset.nodes()[self.node].mode_count);
+    /// SPEC 5.8 for a number at the value `lowered`.
+    fn verdict(&self, number: Number, lowered: f64) -> Verdict {
         let square = lowered * lowered;
-        if row == ROW_RADIUS {
+        if number == Number::Radius {
             let needed = self.largest(|i| dot(self.arm(i), self.arm(i)));
             return compare(needed, square * (1.0 + power(-44)), square * power(-49));
         }
-        if row >= mode_row(m) {
-            let scaled = row > mode_row(m);
+        if let Number::Step(which) = number {
+            let scaled = which == 1;
             let count = self.asset.mode_count();
             let needed = self.largest(|i| {
                 let fields: Vec<[f64; 3]> = (0..count)
@@ -143,13 +190,15 @@ impl Lane<'_> {
             });
             return compare(needed, square, square * power(-39));
         }
-        let (k, which) = ((row - mode_row(0)) / 6, (row - mode_row(0)) % 6);
-        if which == 3 {
+        if let Number::Growth(k) = number {
             let needed = self.largest(|i| dot(self.field(i, k), self.field(i, k)));
             return compare(needed, square * (1.0 + power(-44)), square * power(-49));
         }
-        let sign = if which == 4 { 1.0 } else { -1.0 };
-        let (r, growth) = (self.value(ROW_RADIUS), self.value(mode_row(k) + 3));
+        let Number::Cross(k, which) = number else {
+            unreachable!("all others are done");
+        };
+        let sign = if which == 0 { 1.0 } else { -1.0 };
+        let (r, growth) = (self.value(Number::Radius), self.value(Number::Growth(k)));
         let needed = self.largest(|i| {
             let (x, w) = (self.arm(i), self.field(i, k));
             let d = (r * r - dot(x, x)).max(0.0) + power(-48) * r * r;
@@ -159,6 +208,9 @@ impl Lane<'_> {
         compare(needed, lowered, r * growth * power(-48))
     }
 }
+
+/// The least number of 16 bits.
+const LEAST: f64 = i16::MIN as f64;
 
 /// The places in ROWS that verify reports.
 fn reported(bytes: &[u8]) -> BTreeSet<usize> {
@@ -183,52 +235,63 @@ fn check(bytes: &AlignedBytes, irregular: bool) {
     let mut counts = [[0; 2]; 4];
     for (i, node) in asset.nodes().iter().enumerate() {
         for lane in (0..8).filter(|k| (node.inner_mask | node.leaf_mask) >> k & 1 == 1) {
-            let m = usize::from(node.mode_count);
             let lane = Lane {
                 asset: &asset,
                 node: i,
                 lane,
                 vertices: vertices(&asset, i, lane).into_iter().collect(),
             };
-            let bounds = (0..m).flat_map(|k| mode_row(k) + 3..mode_row(k) + 6);
-            for row in [ROW_RADIUS]
+            let of_mode = |k| [Number::Growth(k), Number::Cross(k, 0), Number::Cross(k, 1)];
+            let plain = [Number::Radius, Number::Step(0), Number::Step(1)];
+            for number in plain
                 .into_iter()
-                .chain(bounds)
-                .chain(mode_row(m)..mode_row(m) + 2)
+                .chain((0..lane.mode_count()).flat_map(of_mode))
             {
-                let at = rows + 32 * (node.row_start as usize + row) + 4 * lane.lane;
-                let stored = get_f32(bytes, at);
-                let mut lower = |value: f32| {
-                    put(&mut changed, at, &value.to_le_bytes());
+                let at = rows + lane.place(number);
+                let (units, unit) = lane.units(number);
+                // Writes a number of the kind that is stored.
+                let mut lower = |to: f64| {
+                    let stored: Vec<u8> = bytes[at..at + 4].to_vec();
+                    match number {
+                        Number::Growth(_) => put(&mut changed, at, &(to as u16).to_le_bytes()),
+                        Number::Cross(..) => put(&mut changed, at, &(to as i16).to_le_bytes()),
+                        _ => put(&mut changed, at, &(to as f32).to_le_bytes()),
+                    }
                     repair(&mut changed);
                     let found = reported(&changed).contains(&at);
-                    put(&mut changed, at, &stored.to_le_bytes());
+                    put(&mut changed, at, &stored);
                     found
                 };
-                let lowered = stored.next_down();
-                if !lowered.is_normal() {
+                let (kind, lowered) = match number {
+                    Number::Radius => (0, f64::from(get_f32(bytes, at).next_down())),
+                    Number::Step(_) => (3, f64::from(get_f32(bytes, at).next_down())),
+                    Number::Growth(_) => (1, units - 1.0),
+                    Number::Cross(..) => (2, units - 1.0),
+                };
+                let storable = match kind {
+                    1 => lowered >= 0.0,
+                    2 => lowered >= LEAST,
+                    _ => (lowered as f32).is_normal(),
+                };
+                if !storable {
                     continue;
                 }
                 let found = lower(lowered);
-                let verdict = lane.verdict(row, f64::from(lowered));
+                let verdict = lane.verdict(number, lowered * unit);
                 assert!(
                     verdict.is_none_or(|expected| expected == found),
-                    "node {i}, lane {}, row {row}: {stored} lowered, found: {found}",
+                    "node {i}, lane {}, {number:?}: {units} lowered, found: {found}",
                     lane.lane
                 );
-                let kind = match row {
-                    ROW_RADIUS => 0,
-                    _ if row >= mode_row(m) => 3,
-                    _ if (row - mode_row(0)) % 6 == 3 => 1,
-                    _ => 2,
-                };
                 counts[kind][0] += usize::from(found);
                 counts[kind][1] += 1;
-                if kind == 2 {
-                    let mode = (row - mode_row(0)) / 6;
-                    let product = lane.value(ROW_RADIUS) * lane.value(mode_row(mode) + 3);
-                    let lower_still = (f64::from(stored) - power(-21) * product) as f32;
-                    assert!(lower(lower_still.next_down()), "node {i}, row {row}");
+                if let Number::Cross(k, _) = number {
+                    let product = lane.value(Number::Radius) * lane.value(Number::Growth(k));
+                    let lower_still = units - 1.0 - (power(-21) * product / unit).ceil();
+                    assert!(
+                        lower_still < LEAST || lower(lower_still),
+                        "node {i}, {number:?}"
+                    );
                 }
             }
         }
@@ -241,7 +304,7 @@ fn check(bytes: &AlignedBytes, irregular: bool) {
         let [found, tried] = counts[kind];
         assert!(
             !irregular || 100 * found >= 98 * tried,
-            "bounds are as small as f32 allows"
+            "bounds are as small as their rows allow"
         );
     }
     assert!(counts[0][1] > 0);

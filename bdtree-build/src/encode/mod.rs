@@ -4,7 +4,7 @@
 mod plan;
 
 use bdtree_format::{
-    GroupRecord, Header, LAYOUT_1, MAGIC, Metadata, ModeRecord, SECTION_ORDER, SectionKind,
+    GroupRecord, Header, MAGIC, Metadata, ModeRecord, SECTION_LAYOUTS, SECTION_ORDER, SectionKind,
     SectionRecord, TriangleRecord, VERSION_MAJOR, VERSION_MINOR, group_kind,
 };
 use zerocopy::IntoBytes;
@@ -153,7 +153,7 @@ fn write_header_block(
         let place = SECTION_ORDER.iter().position(|k| k == kind);
         let record = SectionRecord {
             kind: *kind,
-            layout: LAYOUT_1.into(),
+            layout: place.map_or(0, |p| SECTION_LAYOUTS[p]).into(),
             offset: (offset as u64).into(),
             length: (bytes.len() as u64).into(),
             crc: crc32fast::hash(bytes).into(),

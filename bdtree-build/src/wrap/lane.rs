@@ -1,96 +1,246 @@
-//! The bounds of one lane from the vertices below it (docs/guarantees.md).
+//! The bounds of a node's lanes from the vertices below them (docs/guarantees.md).
 
-use bdtree_format::{LANES, ROW_CENTRE_X, ROW_RADIUS, Row, mode_row, row_count};
+use bdtree_format::{LANES, ModeRows, ROW_CENTRE_X, ROW_RADIUS, Row, mode_row, row_count};
+use zerocopy::IntoBytes;
 
 use super::ball::{dot, norm2, smallest_ball, sub};
-use super::round::{norm_up, round_nearest, round_up};
+use super::grid::Grid;
+use super::round::{norm_above, norm_up, round_nearest};
 use super::stored::StoredShape;
 
 /// Relative and absolute guards of d, e and x·w (SPEC 5.7).
 const GUARD_SQUARE: f64 = 1.0 / (1u64 << 48) as f64;
 const GUARD_PRODUCT: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// Ū_j, ΔR_j, b⁺_j and b⁻_j of a lane, as stored.
+/// Bits of Ū and b±, without their signs, and of ΔR.
+const SIGNED_BITS: i32 = 15;
+const UNSIGNED_BITS: i32 = 16;
+
+/// Ū_j, ΔR_j, b⁺_j and b⁻_j of a lane at q_j = `q_limit`_j: Ū_j as stored, ΔR_j as stored once
+/// all of the node are known, b± before their rounding.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct ModeBound {
-    pub(super) centre: [f32; 3],
-    pub(super) growth: f32,
-    pub(super) cross_plus: f32,
-    pub(super) cross_minus: f32,
+struct ModeBound {
+    centre: [f64; 3],
+    growth: f64,
+    cross: [f64; 2],
 }
 
-/// Memory that is used again from lane to lane.
+/// Memory of one lane, used again from node to node.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
-    /// Vertices below the lane, each once.
+pub(super) struct Lane {
+    /// Vertices below the lane, each once; none when it is empty.
     pub(super) vertices: Vec<u32>,
-    points: Vec<[f64; 3]>,
+    /// R, as stored.
+    radius: f64,
     /// x_i = p_i − c.
     arms: Vec<[f64; 3]>,
     /// √d_i, from below.
     depth_roots: Vec<f64>,
+    /// Per mode, the centre of the displacements' smallest ball and their mean.
+    centres: Vec<[[f64; 3]; 2]>,
+    /// Per mode, the bounds about the two, until one of them is chosen.
     candidates: Vec<[ModeBound; 2]>,
+    bounds: Vec<ModeBound>,
 }
 
-/// Writes lane `lane` of a node with the modes `modes`: `rows` are the node's rows,
-/// `step_bounds` the two δR of each vertex.
-pub(super) fn write_lane(
+/// Memory that is used again from node to node.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    pub(super) lanes: [Lane; LANES],
+    points: Vec<[f64; 3]>,
+}
+
+/// Writes the rows of a node with the modes `modes`, whose vertices `scratch` holds, and returns
+/// the exponents of the units that its mode rows count; `step_bounds` are the two δR of each
+/// vertex.
+///
+/// Ū is rounded first, then ΔR about it, then b± for both: whatever a rounding did is in the
+/// bounds that follow it.
+pub(super) fn write_node(
     shape: &StoredShape,
     modes: &[u16],
     step_bounds: &[[f32; 2]],
     scratch: &mut Scratch,
     rows: &mut [Row],
-    lane: usize,
-) {
-    debug_assert!(rows.len() == row_count(modes.len()) && lane < LANES);
-    let vertices = &scratch.vertices;
-    let (points, arms) = (&mut scratch.points, &mut scratch.arms);
-    points.clear();
-    points.extend(vertices.iter().map(|&i| shape.position(i)));
-    let centre = smallest_ball(points).centre.map(round_nearest);
-    let wide_centre = centre.map(f64::from);
-    arms.clear();
-    arms.extend(points.iter().map(|&p| sub(p, wide_centre)));
-    let radius = norm_up(arms.iter().map(|&x| norm2(x)).fold(0.0, f64::max));
-    let wide_radius = f64::from(radius);
-    scratch.depth_roots.clear();
-    scratch
-        .depth_roots
-        .extend(arms.iter().map(|&x| excess_root(wide_radius, norm2(x))));
+) -> [i8; 3] {
+    debug_assert!(rows.len() == row_count(modes.len()));
+    let Scratch { lanes, points } = scratch;
+    let mut used: Vec<(usize, &mut Lane)> = lanes
+        .iter_mut()
+        .enumerate()
+        .filter(|(_, lane)| !lane.vertices.is_empty())
+        .collect();
 
-    scratch.candidates.clear();
-    for &mode in modes {
+    for (k, lane) in &mut used {
+        let centre = lane.set_rest(shape, points);
+        for (axis, x) in centre.into_iter().enumerate() {
+            rows[ROW_CENTRE_X + axis][*k] = x;
+        }
+        rows[ROW_RADIUS][*k] = lane.radius as f32; // made from an f32
+        for which in 0..2 {
+            rows[mode_row(modes.len()) + which][*k] = lane
+                .vertices
+                .iter()
+                .map(|&i| step_bounds[i as usize][which])
+                .fold(0.0, f32::max);
+        }
+        lane.set_centres(shape, modes, points);
+    }
+
+    let centres = used.iter().flat_map(|(_, lane)| &lane.centres);
+    let centre_grid = Grid::covering(largest(centres.flatten().flatten().copied()), SIGNED_BITS);
+    for (_, lane) in &mut used {
+        lane.choose_bounds(shape, modes, centre_grid, points);
+    }
+    let bounds = used.iter().flat_map(|(_, lane)| &lane.bounds);
+    let growth_grid = Grid::covering(largest(bounds.map(|b| b.growth)), UNSIGNED_BITS);
+    for (_, lane) in &mut used {
+        lane.round_growths(shape, modes, growth_grid, points);
+    }
+    let bounds = used.iter().flat_map(|(_, lane)| &lane.bounds);
+    let cross_grid = Grid::covering(largest(bounds.flat_map(|b| b.cross)), SIGNED_BITS);
+
+    for k in 0..modes.len() {
+        let mut out = ModeRows::default();
+        for (lane, scratch) in &used {
+            let bound = scratch.bounds[k];
+            for (row, x) in out.centre.iter_mut().zip(bound.centre) {
+                row[*lane] = centre_grid.nearest(x); // on the grid already
+            }
+            out.growth[*lane] = growth_grid.up_unsigned(bound.growth); // the same
+            for (row, b) in out.cross.iter_mut().zip(bound.cross) {
+                row[*lane] = cross_grid.up(b);
+            }
+        }
+        rows[mode_row(k)..mode_row(k + 1)]
+            .as_mut_bytes()
+            .copy_from_slice(out.as_bytes());
+    }
+    [centre_grid, growth_grid, cross_grid].map(Grid::exponent)
+}
+
+/// The largest magnitude.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |m, x| m.max(x.abs()))
+}
+
+impl Lane {
+    /// R, x_i and √d_i about the smallest ball's centre as stored, which is returned.
+    fn set_rest(&mut self, shape: &StoredShape, points: &mut Vec<[f64; 3]>) -> [f32; 3] {
         points.clear();
-        points.extend(vertices.iter().map(|&i| shape.displacement(i, mode)));
-        let ball = smallest_ball(points).centre;
-        let mean = mean(points);
-        scratch.candidates.push(
-            [ball, mean]
-                .map(|centre| bound_mode(points, centre, arms, &scratch.depth_roots, wide_radius)),
-        );
+        points.extend(self.vertices.iter().map(|&i| shape.position(i)));
+        let centre = smallest_ball(points).centre.map(round_nearest);
+        let wide = centre.map(f64::from);
+        self.arms.clear();
+        self.arms.extend(points.iter().map(|&p| sub(p, wide)));
+        let square = self.arms.iter().map(|&x| norm2(x)).fold(0.0, f64::max);
+        let radius = f64::from(norm_up(square));
+        self.depth_roots.clear();
+        self.depth_roots
+            .extend(self.arms.iter().map(|&x| excess_root(radius, norm2(x))));
+        self.radius = radius;
+        centre
     }
-    let chosen = choose(&scratch.candidates, wide_radius, |k| {
-        shape.limits[usize::from(modes[k])].q_range
-    });
 
-    for (axis, &x) in centre.iter().enumerate() {
-        rows[ROW_CENTRE_X + axis][lane] = x;
-    }
-    rows[ROW_RADIUS][lane] = radius;
-    for (k, (pair, which)) in scratch.candidates.iter().zip(chosen).enumerate() {
-        let bound = pair[usize::from(which)];
-        let [x, y, z] = bound.centre;
-        let values = [x, y, z, bound.growth, bound.cross_plus, bound.cross_minus];
-        for (row, value) in rows[mode_row(k)..].iter_mut().zip(values) {
-            row[lane] = value;
+    /// The two candidates of each mode's Ū, before they are rounded.
+    fn set_centres(&mut self, shape: &StoredShape, modes: &[u16], points: &mut Vec<[f64; 3]>) {
+        self.centres.clear();
+        for &mode in modes {
+            self.load_field(shape, mode, points);
+            self.centres
+                .push([smallest_ball(points).centre, mean(points)]);
         }
     }
-    for which in 0..2 {
-        rows[mode_row(modes.len()) + which][lane] = vertices
-            .iter()
-            .map(|&i| step_bounds[i as usize][which])
-            .fold(0.0, f32::max);
+
+    /// Takes for each mode the better of its two candidates, rounded.
+    fn choose_bounds(
+        &mut self,
+        shape: &StoredShape,
+        modes: &[u16],
+        grid: Grid,
+        points: &mut Vec<[f64; 3]>,
+    ) {
+        self.candidates.clear();
+        for (k, &mode) in modes.iter().enumerate() {
+            self.load_field(shape, mode, points);
+            let bounds = self.centres[k].map(|centre| {
+                let centre = centre.map(|x| grid.value(grid.nearest(x)));
+                let growth = growth_about(points, centre);
+                self.bound_mode(points, centre, growth)
+            });
+            self.candidates.push(bounds);
+        }
+        let chosen = choose(&self.candidates, self.radius, |k| {
+            let limits = shape.limits[usize::from(modes[k])];
+            f64::from(limits.q_range) / f64::from(limits.q_limit)
+        });
+        self.bounds.clear();
+        let pairs = self.candidates.iter().zip(chosen);
+        self.bounds
+            .extend(pairs.map(|(pair, which)| pair[usize::from(which)]));
     }
+
+    /// Rounds ΔR up, which makes b± smaller.
+    fn round_growths(
+        &mut self,
+        shape: &StoredShape,
+        modes: &[u16],
+        grid: Grid,
+        points: &mut Vec<[f64; 3]>,
+    ) {
+        for (k, &mode) in modes.iter().enumerate() {
+            self.load_field(shape, mode, points);
+            let ModeBound { centre, growth, .. } = self.bounds[k];
+            let growth = grid.value(grid.up_unsigned(growth));
+            self.bounds[k] = self.bound_mode(points, centre, growth);
+        }
+    }
+
+    /// U_ij `q_limit`_j of the vertices below: exact.
+    fn load_field(&self, shape: &StoredShape, mode: u16, points: &mut Vec<[f64; 3]>) {
+        let limit = f64::from(shape.limits[usize::from(mode)].q_limit);
+        points.clear();
+        points.extend(
+            self.vertices
+                .iter()
+                .map(|&i| shape.displacement(i, mode).map(|x| x * limit)),
+        );
+    }
+
+    /// The bound of one mode about a stored Ū with a ΔR that reaches every displacement.
+    fn bound_mode(&self, field: &[[f64; 3]], centre: [f64; 3], growth: f64) -> ModeBound {
+        if self.radius == 0.0 || growth == 0.0 {
+            return ModeBound {
+                centre,
+                growth,
+                cross: [0.0; 2],
+            };
+        }
+        let (mut plus, mut minus) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        for ((&u, &x), &depth_root) in field.iter().zip(&self.arms).zip(&self.depth_roots) {
+            let w = sub(u, centre);
+            let product = dot(x, w);
+            let root = depth_root * excess_root(growth, norm2(w)) * (1.0 - GUARD_PRODUCT);
+            plus = plus.max(product - root);
+            minus = minus.max(-product - root);
+        }
+        let guard = GUARD_PRODUCT * self.radius * growth;
+        ModeBound {
+            centre,
+            growth,
+            cross: [plus + guard, minus + guard],
+        }
+    }
+}
+
+/// max ‖u − centre‖, from above.
+fn growth_about(field: &[[f64; 3]], centre: [f64; 3]) -> f64 {
+    norm_above(
+        field
+            .iter()
+            .map(|&u| norm2(sub(u, centre)))
+            .fold(0.0, f64::max),
+    )
 }
 
 /// √(R² − ‖x‖²) from below: at least 0, at most the root.
@@ -112,58 +262,15 @@ fn mean(points: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|axis| base[axis] + sum[axis] / points.len() as f64)
 }
 
-/// The bound of one mode about `centre`, rounded first: whatever the rounding did is in ΔR and b.
-fn bound_mode(
-    field: &[[f64; 3]],
-    centre: [f64; 3],
-    arms: &[[f64; 3]],
-    depth_roots: &[f64],
-    radius: f64,
-) -> ModeBound {
-    let centre = centre.map(round_nearest);
-    let wide = centre.map(f64::from);
-    let growth = norm_up(
-        field
-            .iter()
-            .map(|&u| norm2(sub(u, wide)))
-            .fold(0.0, f64::max),
-    );
-    let wide_growth = f64::from(growth);
-    if radius == 0.0 || growth == 0.0 {
-        return ModeBound {
-            centre,
-            growth,
-            ..ModeBound::default()
-        };
-    }
-    let (mut plus, mut minus) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-    for ((&u, &x), &depth_root) in field.iter().zip(arms).zip(depth_roots) {
-        let w = sub(u, wide);
-        let product = dot(x, w);
-        let root = depth_root * excess_root(wide_growth, norm2(w)) * (1.0 - GUARD_PRODUCT);
-        plus = plus.max(product - root);
-        minus = minus.max(-product - root);
-    }
-    let guard = GUARD_PRODUCT * radius * wide_growth;
-    ModeBound {
-        centre,
-        growth,
-        cross_plus: round_up(plus + guard),
-        cross_minus: round_up(minus + guard),
-    }
-}
-
 /// Which of the two candidates each mode takes so that R'² is least, averaged over the signs of
-/// q at |q_j| = q_range_j: all the first, all the second, or a descent from the better of these.
-fn choose(candidates: &[[ModeBound; 2]], radius: f64, q_range: impl Fn(usize) -> f32) -> Vec<bool> {
-    let q: Vec<f64> = (0..candidates.len())
-        .map(|k| f64::from(q_range(k)))
-        .collect();
+/// q at |q_j| = q_range_j, given as shares of the limits: all the first, all the second, or a descent from the better of these.
+fn choose(candidates: &[[ModeBound; 2]], radius: f64, q_range: impl Fn(usize) -> f64) -> Vec<bool> {
+    let q: Vec<f64> = (0..candidates.len()).map(q_range).collect();
     let cross = |k: usize, which: bool| {
         let bound = candidates[k][usize::from(which)];
-        (f64::from(bound.cross_plus) + f64::from(bound.cross_minus)) * q[k]
+        (bound.cross[0] + bound.cross[1]) * q[k]
     };
-    let growth = |k: usize, which: bool| f64::from(candidates[k][usize::from(which)].growth) * q[k];
+    let growth = |k: usize, which: bool| candidates[k][usize::from(which)].growth * q[k];
     let total = |which: bool| {
         let range = 0..candidates.len();
         (

@@ -3,6 +3,7 @@
 
 pub mod ball;
 mod check;
+mod grid;
 mod growth;
 mod lane;
 mod modes;
@@ -12,7 +13,8 @@ mod units;
 
 use std::sync::Mutex;
 
-use bdtree_format::{LANES, NodeRecord, ROW_CENTRE_X, Row, mode_row, row_count};
+use bdtree_format::{LANES, ModeRows, NodeRecord, ROW_CENTRE_X, Row, mode_row, row_count};
+use zerocopy::IntoBytes;
 
 pub use stored::{ModeLimits, StoredShape, store};
 
@@ -20,6 +22,7 @@ use crate::error::BakeError;
 use crate::tree::{LaneKind, Tree};
 use lane::Scratch;
 use round::vector_norm_up;
+use units::power;
 
 /// The least P + Σ W_j q_limit_j that readers take (SPEC 5.4); P may be any upper bound.
 const REACH_MIN: f32 = 1.0 / (1u32 << 20) as f32;
@@ -76,7 +79,7 @@ pub fn wrap(
                 LaneKind::Empty | LaneKind::Inner => 0,
             }),
             level: node.level,
-            reserved: [0; 3],
+            scale_exponents: [0; 3], // with the rows
         });
         row_total += row_count(usize::from(mode_count));
     }
@@ -86,7 +89,7 @@ pub fn wrap(
         tree,
         triangles,
         shape,
-        &nodes,
+        &mut nodes,
         &lists.modes,
         &step_bounds,
         threads,
@@ -105,13 +108,13 @@ pub fn wrap(
     })
 }
 
-/// Fills the rows of all nodes, node by node on `threads` threads.
+/// Fills the rows of all nodes and the exponents of their units, node by node on `threads` threads.
 #[expect(clippy::too_many_arguments, reason = "one call, all of them borrowed")]
 fn wrap_nodes(
     tree: &Tree,
     triangles: &[[u32; 3]],
     shape: &StoredShape,
-    nodes: &[NodeRecord],
+    nodes: &mut [NodeRecord],
     lists: &[u16],
     step_bounds: &[[f32; 2]],
     threads: usize,
@@ -140,23 +143,23 @@ fn wrap_nodes(
             };
             let start = record.mode_list_start as usize;
             let modes = &lists[start..start + usize::from(record.mode_count)];
-            for (k, lane) in node.lanes.iter().enumerate() {
+            for (lane, below) in node.lanes.iter().zip(&mut scratch.lanes) {
+                below.vertices.clear();
                 if lane.kind == LaneKind::Empty {
                     continue;
                 }
                 stamp += 1;
-                scratch.vertices.clear();
                 for &triangle in tree.triangles_below(*lane) {
                     for corner in triangles[triangle as usize] {
                         let seen = &mut last_seen[corner as usize];
                         if *seen != stamp {
                             *seen = stamp;
-                            scratch.vertices.push(corner);
+                            below.vertices.push(corner);
                         }
                     }
                 }
-                lane::write_lane(shape, modes, step_bounds, &mut scratch, own, k);
             }
+            record.scale_exponents = lane::write_node(shape, modes, step_bounds, &mut scratch, own);
         }
     };
     std::thread::scope(|scope| {
@@ -165,6 +168,14 @@ fn wrap_nodes(
         }
         work();
     });
+}
+
+/// The numbers of a node's k-th active mode as `rows`, the node's, hold them.
+pub(crate) fn mode_rows(rows: &[Row], k: usize) -> ModeRows {
+    let mut out = ModeRows::default();
+    out.as_mut_bytes()
+        .copy_from_slice(rows[mode_row(k)..mode_row(k + 1)].as_bytes());
+    out
 }
 
 /// P and W_j over vertices and lanes.
@@ -178,12 +189,12 @@ fn norms(
     let mut position = shape
         .positions
         .iter()
-        .map(|&p| vector_norm_up(p))
+        .map(|&p| vector_norm_up(p.map(f64::from)))
         .fold(0.0, f32::max);
     let mut fields = vec![0.0f32; mode_count];
     for row in shape.displacements.chunks_exact(mode_count.max(1)) {
         for (norm, &u) in fields.iter_mut().zip(row) {
-            *norm = norm.max(vector_norm_up(u));
+            *norm = norm.max(vector_norm_up(u.map(f64::from)));
         }
     }
     for node in nodes {
@@ -191,13 +202,17 @@ fn norms(
         let start = node.mode_list_start as usize;
         let modes = &lists[start..start + usize::from(node.mode_count)];
         for lane in 0..LANES {
-            let vector = |first: usize| {
-                [rows[first], rows[first + 1], rows[first + 2]].map(|r: Row| r[lane])
-            };
-            position = position.max(vector_norm_up(vector(ROW_CENTRE_X)));
-            for (k, &mode) in modes.iter().enumerate() {
-                let norm = &mut fields[usize::from(mode)];
-                *norm = norm.max(vector_norm_up(vector(mode_row(k))));
+            let centre = [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTRE_X + axis][lane]));
+            position = position.max(vector_norm_up(centre));
+        }
+        let unit = power(i32::from(node.scale_exponents[0]));
+        for (k, &mode) in modes.iter().enumerate() {
+            let mode = usize::from(mode);
+            let per_q = unit / f64::from(shape.limits[mode].q_limit);
+            let centre = mode_rows(rows, k).centre;
+            for lane in 0..LANES {
+                let centre = centre.map(|row| f64::from(row[lane]) * per_q);
+                fields[mode] = fields[mode].max(vector_norm_up(centre));
             }
         }
     }

@@ -27,12 +27,17 @@ fn flush(x: f32) -> f32 {
 
 /// An upper bound of a norm from its square as computed in f64 from stored values: covers the
 /// rounding of differences, squares, sums and the root.
-pub fn norm_up(square: f64) -> f32 {
+pub fn norm_above(square: f64) -> f64 {
     // 2⁻⁴⁸ is eight times what the evaluation in f64 can lose.
-    round_up((square * (1.0 + f64::EPSILON * 16.0)).sqrt() * (1.0 + f64::EPSILON * 2.0))
+    (square * (1.0 + f64::EPSILON * 16.0)).sqrt() * (1.0 + f64::EPSILON * 2.0)
+}
+
+/// [`norm_above`] as stored.
+pub fn norm_up(square: f64) -> f32 {
+    round_up(norm_above(square))
 }
 
 /// An upper bound of the norm of a stored vector.
-pub(super) fn vector_norm_up(v: [f32; 3]) -> f32 {
-    norm_up(super::ball::norm2(v.map(f64::from)))
+pub(super) fn vector_norm_up(v: [f64; 3]) -> f32 {
+    norm_up(super::ball::norm2(v))
 }

@@ -21,7 +21,8 @@ const UNIT_EXPONENT_MAX: i32 = 100;
 /// Exponent of q_limit of a field that is zero.
 const ZERO_LIMIT_EXPONENT: i32 = 60;
 
-/// Exponent of the largest product of P and W_j: bounds b± stay far below f32's range.
+/// Exponent of the largest product of P and W_j: with it norms and step bounds stay far below f32's
+/// range.
 const PRODUCT_EXPONENT_MAX: i32 = 120;
 
 /// The limits of one mode.
@@ -209,13 +210,13 @@ fn add_limits(
     let mut norms = vec![0.0f32; mode_count];
     for row in shape.displacements.chunks_exact(mode_count.max(1)) {
         for (norm, &u) in norms.iter_mut().zip(row) {
-            *norm = norm.max(vector_norm_up(u));
+            *norm = norm.max(vector_norm_up(u.map(f64::from)));
         }
     }
     let position_norm = shape
         .positions
         .iter()
-        .map(|&p| vector_norm_up(p))
+        .map(|&p| vector_norm_up(p.map(f64::from)))
         .fold(0.0, f32::max);
     let diagonal = scale(reference(shape.diagonal), -shape.unit_exponent);
     let mut reach = f64::from(position_norm);

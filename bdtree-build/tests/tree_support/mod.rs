@@ -8,11 +8,15 @@ use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Baked, bake};
 use bdtree_build::progress::Silent;
 use bdtree_format::{
-    Header, ModeRecord, NodeRecord, ROWS_PER_MODE, Row, SectionKind, SectionRecord, TriangleRecord,
+    Header, ModeRecord, ModeRows, NodeRecord, ROWS_LEADING, Row, SectionKind, SectionRecord,
+    TriangleRecord, mode_row,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use zerocopy::FromBytes;
+use zerocopy::{FromBytes, IntoBytes};
+
+/// Ū_x, Ū_y, Ū_z, ΔR, b⁺ and b⁻.
+pub(crate) const NUMBERS_PER_MODE: usize = 6;
 
 pub(crate) fn rng(seed: u64) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(seed)
@@ -264,9 +268,43 @@ impl Decoded {
         &self.lists[start..start + usize::from(node.mode_count)]
     }
 
-    /// Row `row` of a node, one lane.
-    pub(crate) fn value(&self, node: &NodeRecord, row: usize, lane: usize) -> f32 {
-        self.rows[node.row_start as usize + row][lane]
+    /// The numbers of a node's lane, [`NUMBERS_PER_MODE`] for each mode between its four leading
+    /// and its two last rows: per unit of q, exact unless beyond the range of f32.
+    pub(crate) fn value(&self, node: &NodeRecord, number: usize, lane: usize) -> f32 {
+        let rows = &self.rows[node.row_start as usize..];
+        let Some(behind) = number.checked_sub(ROWS_LEADING) else {
+            return rows[number][lane];
+        };
+        let (k, which) = (behind / NUMBERS_PER_MODE, behind % NUMBERS_PER_MODE);
+        let modes = self.node_modes(node);
+        let Some(&mode) = modes.get(k) else {
+            return rows[mode_row(modes.len()) + which][lane];
+        };
+        let bytes = rows[mode_row(k)..mode_row(k + 1)].as_bytes();
+        let own = ModeRows::read_from_bytes(bytes).unwrap();
+        let (units, exponent) = match which {
+            0..3 => (f64::from(own.centre[which][lane]), node.scale_exponents[0]),
+            3 => (f64::from(own.growth[lane]), node.scale_exponents[1]),
+            _ => (
+                f64::from(own.cross[which - 4][lane]),
+                node.scale_exponents[2],
+            ),
+        };
+        let limit = self.modes[usize::from(mode)].q_limit.get();
+        (units * 2f64.powi(exponent.into()) / f64::from(limit)) as f32
+    }
+
+    /// One unit of Ū, ΔR and b± of a node, per share of a mode's limit.
+    pub(crate) fn units(&self, node: &NodeRecord) -> [f64; 3] {
+        node.scale_exponents.map(|e| 2f64.powi(e.into()))
+    }
+
+    /// Σ |q_j| over its limit.
+    pub(crate) fn shares(&self, q: &[f32]) -> f64 {
+        q.iter()
+            .zip(&self.modes)
+            .map(|(q, mode)| f64::from(q.abs()) / f64::from(mode.q_limit.get()))
+            .sum()
     }
 
     /// Triangle slots below every lane of every node, by walking down from it.
@@ -319,7 +357,7 @@ impl Decoded {
         let (mut cross, mut growth) = (0.0, 0.0);
         for (k, &mode) in self.node_modes(node).iter().enumerate() {
             let q = f64::from(q[usize::from(mode)]);
-            let row = 4 + ROWS_PER_MODE * k;
+            let row = ROWS_LEADING + NUMBERS_PER_MODE * k;
             for (axis, c) in centre.iter_mut().enumerate() {
                 *c += at(row + axis) * q;
             }

@@ -1,8 +1,8 @@
 //! The section table: order, places and lengths of sections, and their bytes as records.
 
 use bdtree_format::{
-    GroupRecord, Header, LAYOUT_1, ModeRecord, NodeRecord, Row, SECTION_ALIGNMENT, SECTION_ORDER,
-    SectionKind, SectionRecord, TriangleRecord,
+    GroupRecord, Header, ModeRecord, NodeRecord, Row, SECTION_ALIGNMENT, SECTION_LAYOUTS,
+    SECTION_ORDER, SectionKind, SectionRecord, TriangleRecord,
 };
 use core::mem::{offset_of, size_of};
 use zerocopy::FromBytes;
@@ -94,11 +94,12 @@ pub(super) fn locate_sections(
                 required,
             ));
         }
-        if section.layout.get() != LAYOUT_1 {
+        let layout = SECTION_LAYOUTS[rank];
+        if section.layout.get() != layout {
             return Err(header_error(
                 at + offset_of!(SectionRecord, layout),
                 "SPEC 4.4: unknown layouts are refused",
-                LAYOUT_1,
+                layout,
                 section.layout.get(),
             ));
         }

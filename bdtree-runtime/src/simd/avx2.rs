@@ -1,9 +1,10 @@
 //! AVX2 and FMA: a row is one register.
 #![allow(unsafe_code)] // intrinsics; every block has its proof
 
-use bdtree_format::Row;
+use bdtree_format::{LANES, Row};
 use core::arch::x86_64::{
-    __m256, _CMP_GT_OQ, _mm256_add_ps, _mm256_cmp_ps, _mm256_fmadd_ps, _mm256_loadu_ps,
+    __m256, _CMP_GT_OQ, _mm_loadu_si128, _mm256_add_ps, _mm256_cmp_ps, _mm256_cvtepi16_epi32,
+    _mm256_cvtepi32_ps, _mm256_cvtepu16_epi32, _mm256_fmadd_ps, _mm256_loadu_ps,
     _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_sqrt_ps, _mm256_storeu_ps,
     _mm256_sub_ps,
 };
@@ -14,7 +15,7 @@ use crate::bound::{BoundPose, Spheres, evaluate};
 use crate::error::QueryError;
 use crate::pose::Pose;
 use crate::traverse::{StackEntry, Visitor, Walk, walk};
-use crate::view::Asset;
+use crate::view::{Asset, NodeRows};
 
 /// Eight f32 in a register. Private to this module, which only uses it inside
 /// [`evaluate_avx2`] and [`walk_avx2`]: so wherever one exists, the processor has AVX2 and FMA.
@@ -34,6 +35,26 @@ impl Lanes for Avx8 {
     fn load(row: &Row) -> Self {
         // SAFETY: needs AVX, see `Avx8`; a `Row` is eight readable f32, any alignment will do.
         Self(unsafe { _mm256_loadu_ps(row.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn widen(row: &[i16; LANES]) -> Self {
+        // SAFETY: SSE2 is part of x86-64; `row` is eight readable i16, any alignment will do.
+        let row = unsafe { _mm_loadu_si128(row.as_ptr().cast()) };
+        // SAFETY: needs AVX2; see `Avx8`.
+        let wide = unsafe { _mm256_cvtepi16_epi32(row) };
+        // SAFETY: needs AVX; see `Avx8`.
+        Self(unsafe { _mm256_cvtepi32_ps(wide) })
+    }
+
+    #[inline(always)]
+    fn widen_unsigned(row: &[u16; LANES]) -> Self {
+        // SAFETY: SSE2 is part of x86-64; `row` is eight readable u16, any alignment will do.
+        let row = unsafe { _mm_loadu_si128(row.as_ptr().cast()) };
+        // SAFETY: needs AVX2; see `Avx8`.
+        let wide = unsafe { _mm256_cvtepu16_epi32(row) };
+        // SAFETY: needs AVX; see `Avx8`.
+        Self(unsafe { _mm256_cvtepi32_ps(wide) })
     }
 
     #[inline(always)]
@@ -86,14 +107,14 @@ impl Lanes for Avx8 {
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn evaluate_avx2(rows: &[Row], modes: &[u16], pose: &BoundPose<'_>) -> Option<Spheres> {
+fn evaluate_avx2(rows: &NodeRows<'_>, modes: &[u16], pose: &BoundPose<'_>) -> Option<Spheres> {
     Some(evaluate::<Avx8>(rows, modes, pose)?.store())
 }
 
 /// [`evaluate`] with AVX2.
 #[inline]
 pub(super) fn evaluate_checked(
-    rows: &[Row],
+    rows: &NodeRows<'_>,
     modes: &[u16],
     pose: &BoundPose<'_>,
 ) -> Option<Spheres> {

@@ -4,13 +4,13 @@
 //! when an asset is opened. Kernels may differ in the last bits (fused or separate multiply and
 //! add): both are inside the slack, so they change visits at most, never results.
 
-use bdtree_format::Row;
+use bdtree_format::{LANES, Row};
 
 use crate::bound::{BoundPose, Spheres, evaluate};
 use crate::error::QueryError;
 use crate::pose::Pose;
 use crate::traverse::{StackEntry, Visitor, Walk, mask_of, walk};
-use crate::view::Asset;
+use crate::view::{Asset, NodeRows};
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -32,6 +32,10 @@ pub(crate) trait Lanes: Copy {
 
     fn splat(x: f32) -> Self;
     fn load(row: &Row) -> Self;
+    /// The numbers of a row of 16 bits: exact.
+    fn widen(row: &[i16; LANES]) -> Self;
+    /// [`Lanes::widen`] for numbers that are not negative.
+    fn widen_unsigned(row: &[u16; LANES]) -> Self;
     fn store(self) -> Row;
     fn add(self, other: Self) -> Self;
     #[inline(always)]
@@ -92,7 +96,7 @@ impl Kernel {
     #[inline]
     pub(crate) fn evaluate(
         self,
-        rows: &[Row],
+        rows: &NodeRows<'_>,
         modes: &[u16],
         pose: &BoundPose<'_>,
     ) -> Option<Spheres> {

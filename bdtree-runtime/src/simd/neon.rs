@@ -1,9 +1,11 @@
 //! NEON: a row is two registers.
 #![allow(unsafe_code)] // intrinsics; every block has its proof
 
-use bdtree_format::Row;
+use bdtree_format::{LANES, Row};
 use core::arch::aarch64::{
-    float32x4_t, vaddq_f32, vdupq_n_f32, vfmaq_f32, vld1q_f32, vmulq_f32, vsqrtq_f32, vst1q_f32,
+    float32x4_t, vaddq_f32, vcvtq_f32_s32, vcvtq_f32_u32, vdupq_n_f32, vfmaq_f32, vget_low_s16,
+    vget_low_u16, vld1q_f32, vld1q_s16, vld1q_u16, vmovl_high_s16, vmovl_high_u16, vmovl_s16,
+    vmovl_u16, vmulq_f32, vsqrtq_f32, vst1q_f32,
 };
 
 use super::Lanes;
@@ -32,6 +34,40 @@ impl Lanes for Neon8 {
         let a = unsafe { vld1q_f32(low.as_ptr()) };
         // SAFETY: the same for `high`.
         let b = unsafe { vld1q_f32(high.as_ptr()) };
+        Self(a, b)
+    }
+
+    #[inline(always)]
+    fn widen(row: &[i16; LANES]) -> Self {
+        // SAFETY: NEON is part of AArch64; `row` is eight readable i16.
+        let row = unsafe { vld1q_s16(row.as_ptr()) };
+        // SAFETY: NEON is part of AArch64.
+        let half = unsafe { vget_low_s16(row) };
+        // SAFETY: as above.
+        let low = unsafe { vmovl_s16(half) };
+        // SAFETY: as above.
+        let high = unsafe { vmovl_high_s16(row) };
+        // SAFETY: as above.
+        let a = unsafe { vcvtq_f32_s32(low) };
+        // SAFETY: as above.
+        let b = unsafe { vcvtq_f32_s32(high) };
+        Self(a, b)
+    }
+
+    #[inline(always)]
+    fn widen_unsigned(row: &[u16; LANES]) -> Self {
+        // SAFETY: NEON is part of AArch64; `row` is eight readable u16.
+        let row = unsafe { vld1q_u16(row.as_ptr()) };
+        // SAFETY: NEON is part of AArch64.
+        let half = unsafe { vget_low_u16(row) };
+        // SAFETY: as above.
+        let low = unsafe { vmovl_u16(half) };
+        // SAFETY: as above.
+        let high = unsafe { vmovl_high_u16(row) };
+        // SAFETY: as above.
+        let a = unsafe { vcvtq_f32_u32(low) };
+        // SAFETY: as above.
+        let b = unsafe { vcvtq_f32_u32(high) };
         Self(a, b)
     }
 

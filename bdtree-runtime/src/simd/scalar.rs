@@ -35,6 +35,16 @@ impl Lanes for Array8 {
     }
 
     #[inline(always)]
+    fn widen(row: &[i16; LANES]) -> Self {
+        Self(row.map(f32::from))
+    }
+
+    #[inline(always)]
+    fn widen_unsigned(row: &[u16; LANES]) -> Self {
+        Self(row.map(f32::from))
+    }
+
+    #[inline(always)]
     fn store(self) -> Row {
         self.0
     }

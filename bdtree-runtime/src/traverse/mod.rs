@@ -10,12 +10,12 @@ mod two;
 pub(crate) use one::{Four, Visitor, Walk, one, walk};
 pub(crate) use two::{PairVisitor, two};
 
-use bdtree_format::{LANES, NodeRecord, Row, SectionKind};
+use bdtree_format::{LANES, NodeRecord, SectionKind};
 
 use crate::bound::{BoundPose, Spheres};
 use crate::error::{Datum, FormatError};
 use crate::pose::Pose;
-use crate::view::Asset;
+use crate::view::{Asset, NodeRows};
 
 /// One entry of a single-asset traversal's stack: a node to visit.
 #[derive(Debug, Clone, Copy, Default)]
@@ -123,16 +123,16 @@ impl<'a> Asset<'a> {
         &self,
         pose: &Pose<'_>,
         node: &NodeRecord,
-        evaluate: impl Fn(&[Row], &[u16], &BoundPose<'_>) -> Option<T>,
+        evaluate: impl Fn(&NodeRows<'_>, &[u16], &BoundPose<'_>) -> Option<T>,
     ) -> Result<T, FormatError> {
         let rows = self.node_rows(node)?;
         let modes = self.node_modes(node)?;
         let bound_pose = BoundPose {
-            q: pose.q,
+            share: pose.share,
             gamma: pose.gamma,
             slack: pose.slack,
         };
-        match evaluate(rows, modes, &bound_pose) {
+        match evaluate(&rows, modes, &bound_pose) {
             Some(result) => Ok(result),
             None => Err(self.unknown_mode(node)),
         }

@@ -99,6 +99,24 @@ impl Four {
     }
 }
 
+/// Nodes that are evaluated one right after the other where the order of visits is free: the
+/// second does not wait for the first one's numbers.
+const TOGETHER: usize = 2;
+
+/// Stands where no second node is.
+const NO_NODE: NodeRecord = NodeRecord {
+    first_child: 0,
+    first_slot: 0,
+    row_start: 0,
+    mode_list_start: 0,
+    mode_count: 0,
+    inner_mask: 0,
+    leaf_mask: 0,
+    leaf_counts: [0; LANES],
+    level: 0,
+    scale_exponents: [0; 3],
+};
+
 /// What a traversal did.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Walk {
@@ -147,78 +165,87 @@ pub(crate) fn walk<L: Lanes, V: Visitor>(
     stack[0] = StackEntry { node: 0, key: 0.0 };
     let mut len = 1;
     while len > 0 {
-        len -= 1;
-        let entry = stack[len];
-        if V::ORDERED && !visitor.wanted(entry.key) {
+        let together = if V::ORDERED { 1 } else { len.min(TOGETHER) };
+        len -= together;
+        let entries = [stack[len], stack[len + together - 1]];
+        if V::ORDERED && !visitor.wanted(entries[0].key) {
             continue;
         }
-        walk.nodes_visited += 1;
+        walk.nodes_visited += together as u64;
         if walk.nodes_visited > visits_max {
             return Err(asset.endless(visits_max).into());
         }
-        let node = asset.node(entry.node)?;
-        asset.prefetch_triangles(node);
-        let spheres = asset.evaluate_with(pose, node, evaluate::<L>)?;
-        let mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
-        let (order, count) = order(mask, &keys, V::ORDERED);
-        let lanes = &order[..count];
+        let mut found = [(&NO_NODE, 0); TOGETHER];
+        for k in 0..together {
+            let node = asset.node(entries[k].node)?;
+            asset.prefetch_triangles(node);
+            let spheres = asset.evaluate_with(pose, node, evaluate::<L>)?;
+            let mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
+            found[k] = (node, mask);
+        }
+        for k in 0..together {
+            let (node, mask) = found[k];
+            let (order, count) = order(mask, &keys, V::ORDERED);
+            let lanes = &order[..count];
 
-        // Farthest first, so that the nearest is popped next.
-        let mut rest = count;
-        while rest > 0 {
-            rest -= 1;
-            let lane = lanes[rest];
-            if node.leaf_mask & (1 << lane) != 0 {
+            // Farthest first, so that the nearest is popped next.
+            let mut rest = count;
+            while rest > 0 {
+                rest -= 1;
+                let lane = lanes[rest];
+                if node.leaf_mask & (1 << lane) != 0 {
+                    continue;
+                }
+                let Some(slot) = stack.get_mut(len) else {
+                    return Err(asset.too_deep().into());
+                };
+                let child = lane_subtree(node, lane).start;
+                asset.prefetch_node(child);
+                *slot = StackEntry {
+                    node: child,
+                    key: keys[lane],
+                };
+                len += 1;
+            }
+            if mask & node.leaf_mask == 0 {
                 continue;
             }
-            let Some(slot) = stack.get_mut(len) else {
-                return Err(asset.too_deep().into());
-            };
-            let child = lane_subtree(node, lane).start;
-            asset.prefetch_node(child);
-            *slot = StackEntry {
-                node: child,
-                key: keys[lane],
-            };
-            len += 1;
-        }
-        if mask & node.leaf_mask == 0 {
-            continue;
-        }
-        for &lane in lanes {
-            if node.leaf_mask & (1 << lane) != 0 {
-                for record in asset.leaf(node, lane)? {
-                    recent.prefetch(asset, record);
+            for &lane in lanes {
+                if node.leaf_mask & (1 << lane) != 0 {
+                    for record in asset.leaf(node, lane)? {
+                        recent.prefetch(asset, record);
+                    }
                 }
             }
-        }
-        for &lane in lanes {
-            if node.leaf_mask & (1 << lane) == 0 || (V::ORDERED && !visitor.wanted(keys[lane])) {
-                continue;
-            }
-            for record in asset.leaf(node, lane)? {
-                let stored = asset.stored_triangle(pose, record, &mut recent)?;
-                if V::IN_FOURS {
-                    fresh.push(record.id, &stored);
-                    if fresh.len == 4
-                        && hand_on::<L, V>(pose, &mut fresh, &mut near, visitor).is_break()
-                    {
+            for &lane in lanes {
+                if node.leaf_mask & (1 << lane) == 0 || (V::ORDERED && !visitor.wanted(keys[lane]))
+                {
+                    continue;
+                }
+                for record in asset.leaf(node, lane)? {
+                    let stored = asset.stored_triangle(pose, record, &mut recent)?;
+                    if V::IN_FOURS {
+                        fresh.push(record.id, &stored);
+                        if fresh.len == 4
+                            && hand_on::<L, V>(pose, &mut fresh, &mut near, visitor).is_break()
+                        {
+                            walk.stopped = true;
+                            return Ok(walk);
+                        }
+                        continue;
+                    }
+                    if visitor.misses(&stored) {
+                        continue;
+                    }
+                    let corners = [
+                        pose.frame.world(stored[0]),
+                        pose.frame.world(stored[1]),
+                        pose.frame.world(stored[2]),
+                    ];
+                    if visitor.triangle(TriangleId(record.id), &corners).is_break() {
                         walk.stopped = true;
                         return Ok(walk);
                     }
-                    continue;
-                }
-                if visitor.misses(&stored) {
-                    continue;
-                }
-                let corners = [
-                    pose.frame.world(stored[0]),
-                    pose.frame.world(stored[1]),
-                    pose.frame.world(stored[2]),
-                ];
-                if visitor.triangle(TriangleId(record.id), &corners).is_break() {
-                    walk.stopped = true;
-                    return Ok(walk);
                 }
             }
         }
@@ -276,7 +303,7 @@ impl<'a> Asset<'a> {
     /// the usual case; otherwise the record would have to be waited for.
     #[inline(always)]
     fn prefetch_node(&self, index: u32) {
-        /// Two rows each.
+        /// Of 64 bytes: two rows each, or four of 16 bits.
         const LINES: usize = 8;
         let index = index as usize;
         let Some(node) = self.nodes.get(index) else {

@@ -1,15 +1,12 @@
 //! Recomputes every lane's bounds from the vertices below it, within SPEC 5.8.
 
-use bdtree_format::{
-    LANES, NodeRecord, ROW_CENTRE_X, ROW_RADIUS, ROWS_LEADING, ROWS_PER_MODE, Row, SectionKind,
-    mode_row,
-};
+use bdtree_format::{LANES, NodeRecord, ROW_CENTRE_X, ROW_RADIUS, SectionKind, mode_row};
 use core::ops::ControlFlow;
 
 use super::{GUARD, Report};
 use crate::error::{Datum, FormatError};
 use crate::math::{dot, norm, sqrt, sub};
-use crate::view::Asset;
+use crate::view::{Asset, NodeRows};
 
 /// Shares of R² and ΔR_j² by which squares may exceed them.
 const GUARD_RADIUS: f64 = 1.0 / (1_u64 << 44) as f64;
@@ -32,7 +29,7 @@ impl Asset<'_> {
                 let check = LaneCheck {
                     asset: self,
                     node,
-                    rows,
+                    rows: &rows,
                     modes,
                     lane,
                 };
@@ -78,58 +75,103 @@ impl Asset<'_> {
 struct LaneCheck<'c, 'a> {
     asset: &'c Asset<'a>,
     node: &'c NodeRecord,
-    rows: &'a [Row],
+    rows: &'c NodeRows<'a>,
     modes: &'a [u16],
     lane: usize,
 }
 
+/// A mode's Ū, ΔR, b⁺ and b⁻ in one lane, for q_j at its limit.
+struct LaneMode {
+    /// `q_limit`_j.
+    limit: f64,
+    centre: [f64; 3],
+    growth: f64,
+    cross: [f64; 2],
+}
+
+/// Places of a mode's rows among its six.
+const GROWTH: usize = 3;
+const CROSS: usize = 4;
+
 impl LaneCheck<'_, '_> {
-    fn value(&self, row: usize) -> f64 {
-        f64::from(self.rows[row][self.lane])
+    fn centre(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| f64::from(self.rows.leading[ROW_CENTRE_X + axis][self.lane]))
     }
 
-    fn vector(&self, row: usize) -> [f64; 3] {
-        [self.value(row), self.value(row + 1), self.value(row + 2)]
+    fn radius(&self) -> f64 {
+        f64::from(self.rows.leading[ROW_RADIUS][self.lane])
     }
 
-    /// The error of a row whose value is not at least `needed`.
-    fn too_small(&self, row: usize, needed: f64, rule: &'static str) -> FormatError {
-        FormatError {
-            section: SectionKind::ROWS,
-            byte: self.asset.row_byte(self.node, row, self.lane),
-            rule,
-            expected: Datum::Real(needed),
-            found: Datum::Real(self.value(row)),
+    /// The numbers of the k-th active mode, exact.
+    fn mode(&self, k: usize) -> LaneMode {
+        let rows = &self.rows.modes[k];
+        let [centre, growth, cross] = self.rows.units.map(f64::from);
+        let mode = usize::from(self.modes[k]);
+        LaneMode {
+            limit: f64::from(self.asset.modes[mode].q_limit.get()),
+            centre: rows.centre.map(|row| f64::from(row[self.lane]) * centre),
+            growth: f64::from(rows.growth[self.lane]) * growth,
+            cross: rows.cross.map(|row| f64::from(row[self.lane]) * cross),
         }
     }
 
-    /// Centres obey P and W_j; radii and growths are not negative.
+    /// The error of an f32 row whose value is not at least `needed`.
+    fn too_small(&self, row: usize, found: f64, needed: f64, rule: &'static str) -> FormatError {
+        let byte = self.asset.row_byte(self.node, row, self.lane);
+        self.broken(byte, found, needed, rule)
+    }
+
+    /// The error of number `which` of the k-th active mode, which is not at least `needed`.
+    fn mode_too_small(
+        &self,
+        (k, which): (usize, usize),
+        found: f64,
+        needed: f64,
+        rule: &'static str,
+    ) -> FormatError {
+        let byte = self.asset.mode_byte(self.node, k, which, self.lane);
+        self.broken(byte, found, needed, rule)
+    }
+
+    fn broken(&self, byte: u64, found: f64, needed: f64, rule: &'static str) -> FormatError {
+        FormatError {
+            section: SectionKind::ROWS,
+            byte,
+            rule,
+            expected: Datum::Real(needed),
+            found: Datum::Real(found),
+        }
+    }
+
+    /// Centres obey P and W_j; radii are not negative.
     fn norms(&self, report: Report<'_>) -> ControlFlow<()> {
-        let p = f64::from(self.asset.header.position_norm_max.get());
-        let n = norm(self.vector(ROW_CENTRE_X));
-        let mut check = |row: usize, n: f64, limit: f64| {
+        let mut check = |byte: u64, n: f64, limit: f64| {
             if n * (1.0 - GUARD) > limit {
-                return report(FormatError {
-                    section: SectionKind::ROWS,
-                    byte: self.asset.row_byte(self.node, row, self.lane),
-                    rule: "SPEC 5.3: no norm is above position_norm_max or field_norm_max",
-                    expected: Datum::Real(limit),
-                    found: Datum::Real(n),
-                });
+                let rule = "SPEC 5.3: no norm is above position_norm_max or field_norm_max";
+                return report(self.broken(byte, n, limit, rule));
             }
             ControlFlow::Continue(())
         };
-        check(ROW_CENTRE_X, n, p)?;
+        let p = f64::from(self.asset.header.position_norm_max.get());
+        let byte = self.asset.row_byte(self.node, ROW_CENTRE_X, self.lane);
+        check(byte, norm(self.centre()), p)?;
         for (k, mode) in self.modes.iter().enumerate() {
+            let LaneMode { limit, centre, .. } = self.mode(k);
             let w = self.asset.modes[usize::from(*mode)].field_norm_max.get();
-            check(mode_row(k), norm(self.vector(mode_row(k))), f64::from(w))?;
+            let byte = self.asset.mode_byte(self.node, k, 0, self.lane);
+            check(byte, norm(centre) / limit, f64::from(w))?;
         }
-        let growths = (0..self.modes.len()).map(|k| mode_row(k) + 3);
-        let steps = mode_row(self.modes.len())..self.rows.len();
-        for row in [ROW_RADIUS].into_iter().chain(growths).chain(steps) {
-            if self.value(row) < 0.0 {
-                let rule = "SPEC 6.5: R, delta R and the step bounds are not negative";
-                report(self.too_small(row, 0.0, rule))?;
+        let steps = mode_row(self.modes.len());
+        let [step, scaled] = self.rows.steps;
+        for (row, values) in [
+            (ROW_RADIUS, &self.rows.leading[ROW_RADIUS]),
+            (steps, step),
+            (steps + 1, scaled),
+        ] {
+            let found = f64::from(values[self.lane]);
+            if found < 0.0 {
+                let rule = "SPEC 6.5: R and the step bounds are not negative";
+                report(self.too_small(row, found, 0.0, rule))?;
             }
         }
         ControlFlow::Continue(())
@@ -148,11 +190,11 @@ impl LaneCheck<'_, '_> {
     fn vertex(&self, i: usize, report: Report<'_>) -> ControlFlow<()> {
         let asset = self.asset;
         let m = asset.modes.len();
-        let radius = self.value(ROW_RADIUS);
-        let x = sub(asset.positions[i].map(f64::from), self.vector(ROW_CENTRE_X));
+        let radius = self.radius();
+        let x = sub(asset.positions[i].map(f64::from), self.centre());
         if dot(x, x) > radius * radius * (1.0 + GUARD_RADIUS) {
             let rule = "SPEC 6.6: R reaches every vertex below the lane";
-            report(self.too_small(ROW_RADIUS, norm(x), rule))?;
+            report(self.too_small(ROW_RADIUS, radius, norm(x), rule))?;
         }
         let d = (radius * radius - dot(x, x)).max(0.0) + GUARD_SQUARE * radius * radius;
         let fields = &asset.displacements[i * m..(i + 1) * m];
@@ -184,27 +226,34 @@ impl LaneCheck<'_, '_> {
                 continue;
             }
             listed.next();
-            let row = mode_row(k);
-            k += 1;
-            let w = sub(u, self.vector(row));
-            let growth = self.value(row + 3);
+            // At the mode's limit: exact, since limits are powers of two.
+            let LaneMode {
+                limit,
+                centre,
+                growth,
+                cross,
+            } = self.mode(k);
+            let w = sub(u.map(|x| x * limit), centre);
             if dot(w, w) > growth * growth * (1.0 + GUARD_RADIUS) {
                 let rule = "SPEC 6.6: delta R reaches every displacement below the lane";
-                report(self.too_small(row + 3, norm(w), rule))?;
+                report(self.mode_too_small((k, GROWTH), growth, norm(w), rule))?;
             }
             let e = (growth * growth - dot(w, w)).max(0.0) + GUARD_SQUARE * growth * growth;
             let saved = sqrt(d * e) + GUARD_PRODUCT * radius * growth;
             let along = dot(x, w);
-            for (row, along) in [(row + 4, along), (row + 5, -along)] {
-                if self.value(row) < along - saved {
+            for (which, along) in [along, -along].into_iter().enumerate() {
+                if cross[which] < along - saved {
                     let rule = "SPEC 6.6: b+ and b- hold for every vertex below the lane";
-                    report(self.too_small(row, along - saved, rule))?;
+                    let place = (k, CROSS + which);
+                    report(self.mode_too_small(place, cross[which], along - saved, rule))?;
                 }
             }
+            k += 1;
         }
-        let last = ROWS_LEADING + ROWS_PER_MODE * self.modes.len();
-        for (row, gram) in [(last, gram), (last + 1, gram_scaled)] {
-            let found = self.value(row);
+        let behind = mode_row(self.modes.len());
+        let [step, scaled] = self.rows.steps;
+        for (row, values, gram) in [(behind, step, gram), (behind + 1, scaled, gram_scaled)] {
+            let found = f64::from(values[self.lane]);
             if !at_most_square(&gram, found) {
                 report(FormatError {
                     section: SectionKind::ROWS,

@@ -1,9 +1,10 @@
 //! The typed view of an opened file: one accessor per section, names as in `SPEC.md`.
 
 use bdtree_format::{
-    GroupRecord, Header, ModeRecord, NodeRecord, Row, SectionKind, SectionRecord, TriangleRecord,
-    group_kind, row_count,
+    GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, ROWS_LEADING, ROWS_PER_MODE, Row,
+    SectionKind, SectionRecord, TriangleRecord, group_kind, row_count,
 };
+use zerocopy::{FromBytes, IntoBytes};
 
 use crate::contact::{TriangleId, VertexId};
 use crate::error::{Datum, FormatError};
@@ -33,6 +34,33 @@ pub struct Asset<'a> {
     /// 2^unit_exponent.
     pub(crate) unit: f64,
     pub(crate) kernel: Kernel,
+}
+
+/// The rows of a node (SPEC 6.5).
+#[derive(Debug, Clone, Copy)]
+pub struct NodeRows<'a> {
+    /// c and R (stored units).
+    pub leading: &'a [Row; ROWS_LEADING],
+    /// One per active mode, in [`NodeRows::units`].
+    pub modes: &'a [ModeRows],
+    /// δR and the δR of scaled steps (stored units).
+    pub steps: &'a [Row; 2],
+    /// What one unit of Ū, of ΔR (stored units) and of b± (their square) in `modes` is, for a
+    /// mode that is at its limit.
+    pub units: [f32; 3],
+}
+
+/// 2^e for each e, 0 for e below −126 (SPEC 6.1).
+#[inline(always)]
+fn units(exponents: [i8; 3]) -> [f32; 3] {
+    let [a, b, c] = exponents;
+    [unit(a), unit(b), unit(c)]
+}
+
+#[inline(always)]
+fn unit(exponent: i8) -> f32 {
+    // The bias added, the exponent's bits of an f32.
+    f32::from_bits(((i32::from(exponent) + 127).max(0) as u32) << 23)
 }
 
 /// A run of triangles that the source put under one name.
@@ -99,18 +127,29 @@ impl<'a> Asset<'a> {
         self.nodes
     }
 
-    /// The rows of a node: `row_count(m)` of them, see [`bdtree_format::Row`].
+    /// The rows of a node.
     ///
     /// # Errors
     /// When they lie outside the row section.
     #[inline(always)]
-    pub fn node_rows(&self, node: &NodeRecord) -> Result<&'a [Row], FormatError> {
+    pub fn node_rows(&self, node: &NodeRecord) -> Result<NodeRows<'a>, FormatError> {
         let start = node.row_start as usize;
-        let end = start.saturating_add(row_count(usize::from(node.mode_count)));
-        match self.rows.get(start..end) {
-            Some(rows) => Ok(rows),
-            None => Err(self.out_of_range(SectionKind::ROWS, end, self.rows.len(), 32)),
+        let m = usize::from(node.mode_count);
+        let end = start.saturating_add(row_count(m));
+        let rows = self.rows.get(start..end).unwrap_or_default();
+        if let Some((leading, rest)) = rows.split_first_chunk::<ROWS_LEADING>()
+            && let Some((modes, steps)) = rest.split_at_checked(ROWS_PER_MODE * m)
+            && let Ok(modes) = <[ModeRows]>::ref_from_bytes_with_elems(modes.as_bytes(), m)
+            && let Some(steps) = steps.first_chunk()
+        {
+            return Ok(NodeRows {
+                leading,
+                modes,
+                steps,
+                units: units(node.scale_exponents),
+            });
         }
+        Err(self.out_of_range(SectionKind::ROWS, end, self.rows.len(), 32))
     }
 
     /// The modes that act on a node, ascending.
@@ -210,10 +249,17 @@ impl<'a> Asset<'a> {
         kernel.is_available().then_some(Self { kernel, ..self })
     }
 
+    /// Numbers that the `memory` of a [`crate::Pose`] needs: two per mode.
+    pub fn pose_len(&self) -> usize {
+        2 * self.modes.len()
+    }
+
     /// Entries that the `stack` of a single-asset query needs.
     pub fn stack_len(&self) -> usize {
-        // A popped node pushes at most eight children, so each level leaves seven behind.
-        7 * self.depth() + 1
+        // Two nodes are popped at a time and push at most sixteen, so each level leaves fourteen
+        // behind; or fifteen, where the second is the only one of a deeper level, which then
+        // holds eight.
+        14 * self.depth() + 2
     }
 
     /// Entries that the `stack` of a pair query between `self` and `other` needs.

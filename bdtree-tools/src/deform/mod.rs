@@ -73,7 +73,7 @@ pub fn deformed(
         };
         ToolError::Input(problems.into_iter().map(line).collect())
     })?;
-    let mut memory = vec![0.0; q.len()];
+    let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(asset, &q, Transform::IDENTITY, &mut memory)
         .map_err(|error| ToolError::input("--q", error))?;
     (0..asset.vertex_count() as u32)

@@ -141,14 +141,30 @@ impl Numbers {
 
     /// Compares two numbers at a place.
     pub(super) fn compare(&mut self, a: f64, b: f64, place: impl FnOnce() -> String) {
+        self.compare_rounded(a, b, 0.0, place);
+    }
+
+    /// Compares two numbers which `grid` apart may be by what writers round alone: where there is
+    /// a tolerance, only what is beyond counts against it.
+    pub(super) fn compare_rounded(
+        &mut self,
+        a: f64,
+        b: f64,
+        grid: f64,
+        place: impl FnOnce() -> String,
+    ) {
         self.difference.compared += 1;
         if a.to_bits() == b.to_bits() {
             return;
         }
-        let relative = (a - b).abs() / self.scale;
+        let tolerated = if self.tolerance_rel > 0.0 { grid } else { 0.0 };
+        let beyond = ((a - b).abs() - tolerated).max(0.0);
+        let relative = beyond / self.scale;
         // A scale of 0 is that of zeros of either sign.
-        if self.tolerance_rel > 0.0 && (a - b).abs() <= self.tolerance_rel * self.scale {
-            self.largest_tolerated = self.largest_tolerated.max(relative);
+        if self.tolerance_rel > 0.0 && beyond <= self.tolerance_rel * self.scale {
+            if beyond > 0.0 {
+                self.largest_tolerated = self.largest_tolerated.max(relative);
+            }
             return;
         }
         let largest = self.difference.largest_rel.unwrap_or(0.0);

@@ -5,11 +5,11 @@
 //! | origin | origin and size of the mesh |
 //! | mode table, each column | its largest entry |
 //! | rest positions; sphere centres and radii | their largest |
-//! | U_ij; Ū_j and ΔR_j; b⁺_j and b⁻_j | the largest of the mode |
+//! | U_ij; Ū_j and ΔR_j; b⁺_j and b⁻_j (the last two: beyond what their grids explain) | the largest of the mode |
 //! | δR; δR of scaled steps | their largest |
 
-use bdtree_format::{Header, LANES, ModeRecord, ROWS_LEADING, ROWS_PER_MODE, Row};
-use bdtree_runtime::{Asset, FormatError};
+use bdtree_format::{Header, LANES, ModeRecord, ROW_RADIUS, ROWS_LEADING};
+use bdtree_runtime::{Asset, FormatError, NodeRows};
 
 use super::findings::{Findings, Numbers, largest};
 
@@ -134,9 +134,9 @@ pub(super) fn compare_rows(
     for asset in [a, b] {
         for node in asset.nodes() {
             let modes = asset.node_modes(node)?;
-            for (r, row) in asset.node_rows(node)?.iter().enumerate() {
+            for (r, row) in numbers(&asset.node_rows(node)?).iter().enumerate() {
                 if let Some(scale) = scales.get_mut(quantity(r, modes, m)) {
-                    *scale = scale.max(largest(row.iter().map(widen)));
+                    *scale = scale.max(largest(row.iter().copied()));
                 }
             }
         }
@@ -148,13 +148,16 @@ pub(super) fn compare_rows(
         .collect();
     for (i, (node_a, node_b)) in a.nodes().iter().zip(b.nodes()).enumerate() {
         let modes = a.node_modes(node_a)?;
-        let rows: (&[Row], &[Row]) = (a.node_rows(node_a)?, b.node_rows(node_b)?);
-        for (r, (x, y)) in rows.0.iter().zip(rows.1).enumerate() {
+        let (own_a, own_b) = (a.node_rows(node_a)?, b.node_rows(node_b)?);
+        let (rows_a, rows_b) = (numbers(&own_a), numbers(&own_b));
+        let units = [0, 1, 2].map(|k| f64::from(own_a.units[k].max(own_b.units[k])));
+        for (r, (x, y)) in rows_a.iter().zip(&rows_b).enumerate() {
             if let Some(numbers) = quantities.get_mut(quantity(r, modes, m)) {
                 for k in 0..LANES {
-                    numbers.compare(x[k].into(), y[k].into(), || {
-                        format!("node {i} row {r} lane {k}")
-                    });
+                    let larger = |row: usize| rows_a[row][k].max(rows_b[row][k]);
+                    let grid = grid(r, modes.len(), units, larger);
+                    numbers
+                        .compare_rounded(x[k], y[k], grid, || format!("node {i} row {r} lane {k}"));
                 }
             }
         }
@@ -169,6 +172,50 @@ fn widen(x: &f32) -> f64 {
     f64::from(*x)
 }
 
+/// Ū_x, Ū_y, Ū_z, ΔR, b⁺ and b⁻.
+const NUMBERS_PER_MODE: usize = 6;
+
+/// The numbers of a node, one row of lanes each: the f32 rows as they are, those of the modes in
+/// stored units for a q at its limit.
+fn numbers(rows: &NodeRows<'_>) -> Vec<[f64; LANES]> {
+    let [centre, growth, cross] = rows.units.map(f64::from);
+    let mut all: Vec<_> = rows.leading.iter().map(|row| row.map(f64::from)).collect();
+    for mode in rows.modes {
+        let signed = |row: [i16; LANES], unit: f64| row.map(|n| f64::from(n) * unit);
+        all.extend(mode.centre.map(|row| signed(row, centre)));
+        all.push(mode.growth.map(|n| f64::from(n) * growth));
+        all.extend(mode.cross.map(|row| signed(row, cross)));
+    }
+    all.extend(rows.steps.iter().map(|row| row.map(f64::from)));
+    all
+}
+
+/// By how much a lane's numbers of row `row` may differ between two files whose unrounded numbers
+/// agree; `larger` is the larger of both files in a row.
+///
+/// Ū is half a unit off in each coordinate, so each w_ij less than one; ΔR follows that and is
+/// rounded up. In b⁺ and b⁻ the product x·w moves by R times that, and √(d e) by the root of the
+/// change of e = ΔR² − ‖w‖², times R at most.
+fn grid(row: usize, mode_count: usize, units: [f64; 3], larger: impl Fn(usize) -> f64) -> f64 {
+    let Some(behind) = row.checked_sub(ROWS_LEADING) else {
+        return 0.0;
+    };
+    let (k, which) = (behind / NUMBERS_PER_MODE, behind % NUMBERS_PER_MODE);
+    if k >= mode_count {
+        return 0.0;
+    }
+    let [centre, growth, cross] = units;
+    match which {
+        0..3 => centre,
+        3 => 2.0 * centre + growth,
+        _ => {
+            let widest = larger(ROWS_LEADING + NUMBERS_PER_MODE * k + 3);
+            let root = (2.0 * widest * (2.0 * centre + growth)).sqrt();
+            2.0 * larger(ROW_RADIUS) * (centre + root) + cross
+        }
+    }
+}
+
 /// Centres and radii, two per mode, δR, δR of scaled steps.
 fn quantity_count(mode_count: usize) -> usize {
     3 + 2 * mode_count
@@ -179,12 +226,12 @@ fn quantity(row: usize, modes: &[u16], mode_count: usize) -> usize {
     let Some(behind) = row.checked_sub(ROWS_LEADING) else {
         return 0;
     };
-    match modes.get(behind / ROWS_PER_MODE) {
+    match modes.get(behind / NUMBERS_PER_MODE) {
         Some(mode) if usize::from(*mode) < mode_count => {
-            1 + 2 * usize::from(*mode) + usize::from(behind % ROWS_PER_MODE >= 4)
+            1 + 2 * usize::from(*mode) + usize::from(behind % NUMBERS_PER_MODE >= 4)
         }
         Some(_) => usize::MAX,
-        None => 1 + 2 * mode_count + (behind - ROWS_PER_MODE * modes.len()),
+        None => 1 + 2 * mode_count + (behind - NUMBERS_PER_MODE * modes.len()),
     }
 }
 

@@ -235,7 +235,7 @@ fn levels(asset: &Asset<'_>) -> Result<Vec<Level>, FormatError> {
         let Some((count, sum, max)) = sums.get_mut(usize::from(node.level)) else {
             return Err(level_error(asset, i, node));
         };
-        let rows = asset.node_rows(node)?;
+        let rows = asset.node_rows(node)?.leading;
         let used = node.inner_mask | node.leaf_mask;
         for (k, radius) in rows[ROW_RADIUS].iter().enumerate() {
             if used & (1 << k) != 0 {

@@ -22,7 +22,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     let mut memory: Vec<Vec<f32>> = scene
         .instances
         .iter()
-        .map(|instance| vec![0.0; instance.q.len()])
+        .map(|instance| vec![0.0; 2 * instance.q.len()])
         .collect();
     let mut placed = Vec::with_capacity(scene.instances.len());
     for (i, memory) in memory.iter_mut().enumerate() {

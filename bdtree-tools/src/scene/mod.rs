@@ -86,7 +86,7 @@ impl Scene {
         })
     }
 
-    /// The pose of an instance, in `memory` of as many numbers as q has.
+    /// The pose of an instance, in `memory` of two numbers per entry of q.
     ///
     /// # Errors
     /// None that [`Scene::parse`] has not already told.

@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 
+use bdtree_runtime::{AlignedBytes, Asset};
 use serde_json::json;
 
 use crate::support::Folder;
@@ -82,9 +83,11 @@ fn damaged_files_are_refused_or_answered() {
             );
             answered += u32::from(code == 0);
         }
-        if bytes != sound {
-            assert_eq!(run(&folder, &["query", "scene.json"]).0, 1, "case {case}");
-        }
+        // Queries check sums, which do not cover the padding between sections.
+        let copy = AlignedBytes::copy_of(&bytes);
+        let summed = Asset::open(&copy).and_then(|asset| asset.verify_checksums());
+        let code = run(&folder, &["query", "scene.json"]).0;
+        assert_eq!(code, u8::from(summed.is_err()), "case {case}");
     }
     assert!(answered > 100, "the cases test little: {answered}");
 }

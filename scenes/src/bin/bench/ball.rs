@@ -51,7 +51,7 @@ struct Case {
 /// triangle's first corner, the others within the spread.
 fn cases(asset: &Asset<'_>, arguments: &Arguments) -> Result<Vec<Case>, Box<dyn Error>> {
     let mut rng = poses::rng(arguments.scene.seed);
-    let mut memory = vec![0.0; asset.mode_count()];
+    let mut memory = vec![0.0; asset.pose_len()];
     let radius = arguments.radius * poses::diagonal(asset) * asset.unit();
     let mut all = Vec::with_capacity(arguments.balls);
     for i in 0..arguments.balls {
@@ -144,7 +144,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let (mesh, basis) = arguments.scene.load()?;
     let bytes = AlignedBytes::copy_of(&arguments.scene.bake(&mesh, &basis)?.bytes);
     let asset = Asset::open(&bytes)?;
-    let memory = vec![0.0; asset.mode_count()];
+    let memory = vec![0.0; asset.pose_len()];
     let mut product = Product {
         asset,
         memory: memory.clone(),
@@ -244,7 +244,7 @@ impl Work {
     /// Walks the product's tree once more, outside the clock, to count occupied lanes and the
     /// triangles of touched leaf lanes.
     fn count_lanes(&mut self, asset: &Asset<'_>, case: &Case) -> Result<(), Box<dyn Error>> {
-        let mut memory = vec![0.0; asset.mode_count()];
+        let mut memory = vec![0.0; asset.pose_len()];
         let pose = Pose::new(asset, &case.q, Transform::IDENTITY, &mut memory)?;
         let (origin, unit) = (asset.origin(), asset.unit());
         let center = [0, 1, 2].map(|k| ((case.center[k] - origin[k]) / unit) as f32);
@@ -291,7 +291,7 @@ impl Work {
 /// Mean R'/R over all spheres above a thousandth of the largest, at the first few q.
 fn growth(asset: &Asset<'_>, tree: &PaperTree, cases: &[Case]) -> Result<Value, Box<dyn Error>> {
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
-    let mut memory = vec![0.0; asset.mode_count()];
+    let mut memory = vec![0.0; asset.pose_len()];
     let mut step = Step::default();
     let least = tree.numbers(0)[0][3] * 1e-3;
     for case in cases.iter().take(5) {
@@ -299,7 +299,7 @@ fn growth(asset: &Asset<'_>, tree: &PaperTree, cases: &[Case]) -> Result<Value, 
         step.prepare(asset, &pose);
         for i in 0..asset.node_count() as u32 {
             let node = &asset.nodes()[i as usize];
-            let rest = asset.node_rows(node)?[bdtree_format::ROW_RADIUS];
+            let rest = asset.node_rows(node)?.leading[bdtree_format::ROW_RADIUS];
             let spheres = asset.node_spheres(&pose, i)?;
             for k in 0..bdtree_format::LANES {
                 if rest[k] > least {
@@ -323,8 +323,8 @@ fn growth(asset: &Asset<'_>, tree: &PaperTree, cases: &[Case]) -> Result<Value, 
 fn limits(work: &Work, cases: &[Case], product: &Product<'_>, paper: &Paper<'_>) -> Value {
     let m = product.asset.mode_count() as f64;
     let balls = cases.len() as f64;
-    // Four leading rows, five of a mode's six, and the record.
-    let node_bytes = 32.0 + 32.0 * (4.0 + 5.0 * m);
+    // The record, four leading rows, and five of a mode's six rows of 16 bits.
+    let node_bytes = 32.0 + 32.0 * 4.0 + 16.0 * 5.0 * m;
     let vertex_bytes = 12.0 * (1.0 + m);
     let bytes = |nodes: u64, node: f64, triangles: u64| {
         (nodes as f64 * node + triangles as f64 * (16.0 + 0.5 * vertex_bytes)) / balls
@@ -353,7 +353,7 @@ fn limits(work: &Work, cases: &[Case], product: &Product<'_>, paper: &Paper<'_>)
 const NEAR_NODES: usize = 64;
 
 fn product_node_ns(product: &Product<'_>, case: &Case) -> f64 {
-    let mut memory = vec![0.0; product.asset.mode_count()];
+    let mut memory = vec![0.0; product.asset.pose_len()];
     let Ok(pose) = Pose::new(&product.asset, &case.q, Transform::IDENTITY, &mut memory) else {
         return f64::NAN;
     };
@@ -364,7 +364,7 @@ fn product_node_ns(product: &Product<'_>, case: &Case) -> f64 {
 }
 
 fn paper_node_ns(paper: &Paper<'_>, case: &Case) -> f64 {
-    let mut memory = vec![0.0; paper.asset.mode_count()];
+    let mut memory = vec![0.0; paper.asset.pose_len()];
     let Ok(pose) = Pose::new(&paper.asset, &case.q, Transform::IDENTITY, &mut memory) else {
         return f64::NAN;
     };
