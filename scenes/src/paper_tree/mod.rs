@@ -1,4 +1,5 @@
-//! The paper's BD-Tree, plain: the baseline that the product is measured against.
+//! The paper's BD-Tree: the baseline that the product is measured against, written with care here and
+//! once more plainly in [`PlainTree`].
 //!
 //! D. L. James and D. K. Pai, *BD-Tree: Output-Sensitive Collision Detection for Reduced
 //! Deformable Models*, SIGGRAPH 2004: a binary tree of wrapped spheres with exactly one triangle
@@ -15,8 +16,10 @@
 //! and predicates, and pays for rounding in the same manner, so its answers are the same.
 
 mod build;
+mod plain;
 mod query;
 
+pub use plain::PlainTree;
 pub use query::{BallCounts, Step, Vertices};
 
 /// Set in the link of a leaf.

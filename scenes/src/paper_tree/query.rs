@@ -1,6 +1,6 @@
 //! Queries on the paper's tree: spheres where visited, triangles where reached.
 
-use bdtree_runtime::narrow::closest_point;
+use bdtree_runtime::narrow::{Closest, closest_point};
 use bdtree_runtime::{Asset, Contact, Pose, TriangleId, VertexId};
 
 use super::PaperTree;
@@ -9,7 +9,7 @@ use super::PaperTree;
 const U32: f64 = 1.0 / (1_u64 << 24) as f64;
 
 /// Relative error of squared f32 distances, as in the runtime.
-const SKIP: f32 = 1.0 - 1.0 / (1 << 20) as f32;
+pub(super) const SKIP: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 
 /// Relative error of the f64 maps between world and stored coordinates, as in the runtime.
 const FRAME: f64 = 1.0 / (1_u64 << 44) as f64;
@@ -71,6 +71,11 @@ pub struct Step {
 }
 
 impl Step {
+    /// Rounding of centres, radii and vertices (stored units).
+    pub(super) fn slack(&self) -> f32 {
+        self.slack
+    }
+
     /// Prepares q, as the pose holds it.
     pub fn prepare(&mut self, asset: &Asset<'_>, pose: &Pose<'_>) {
         self.q.clear();
@@ -89,6 +94,53 @@ impl Step {
         self.slack = (slack + 2.0_f64.powi(-54)) as f32 * 1.000_001;
         self.reach = p + s;
     }
+}
+
+/// A ball's centre in stored units and its radius there, rounding included.
+pub(super) fn reach_of(
+    asset: &Asset<'_>,
+    step: &Step,
+    center: [f64; 3],
+    radius: f64,
+) -> ([f32; 3], f32) {
+    let (origin, unit) = (asset.origin(), asset.unit());
+    let stored = [0, 1, 2].map(|k| (center[k] - origin[k]) / unit);
+    let world = norm(center) + radius + norm(origin);
+    let reach = radius / unit * (1.0 + 4.0 * U32)
+        + FRAME * (world / unit + step.reach)
+        + 2.0 * U32 * norm(stored);
+    (
+        stored.map(|c| c as f32),
+        reach as f32 * (1.0 + 4.0 * U32 as f32),
+    )
+}
+
+/// The contact of a ball with a triangle, if they touch.
+pub(super) fn contact_within(
+    triangle: TriangleId,
+    center: [f64; 3],
+    radius: f64,
+    closest: &Closest,
+) -> Option<Contact> {
+    if closest.distance > radius {
+        return None;
+    }
+    let mut normal = [0, 1, 2].map(|k| center[k] - closest.point[k]);
+    let length = norm(normal);
+    if length > 0.0 {
+        normal = normal.map(|n| n / length);
+    }
+    Some(Contact {
+        triangle,
+        point: closest.point,
+        normal,
+        dist: closest.distance - radius,
+        barycentric: closest.barycentric,
+    })
+}
+
+fn norm(v: [f64; 3]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
 impl PaperTree {
@@ -119,16 +171,7 @@ impl PaperTree {
         (vertices, stack): (&mut Vertices, &mut Vec<u32>),
         found: &mut Vec<Contact>,
     ) -> BallCounts {
-        let (origin, unit) = (asset.origin(), asset.unit());
-        let stored = [0, 1, 2].map(|k| (center[k] - origin[k]) / unit);
-        let norm = |v: [f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-        let world = norm(center) + radius + norm(origin);
-        let reach = radius / unit * (1.0 + 4.0 * U32)
-            + FRAME * (world / unit + step.reach)
-            + 2.0 * U32 * norm(stored);
-        let reach = reach as f32 * (1.0 + 4.0 * U32 as f32);
-        let [x, y, z] = stored.map(|c| c as f32);
-
+        let ([x, y, z], reach) = reach_of(asset, step, center, radius);
         let mut counts = BallCounts::default();
         stack.clear();
         stack.push(0);
@@ -149,20 +192,7 @@ impl PaperTree {
             counts.triangles += 1;
             let corners = self.corners[id as usize].map(|v| vertices.get(asset, pose, v));
             let closest = closest_point(center, &corners);
-            if closest.distance <= radius {
-                let mut normal = [0, 1, 2].map(|k| center[k] - closest.point[k]);
-                let length = norm(normal);
-                if length > 0.0 {
-                    normal = normal.map(|n| n / length);
-                }
-                found.push(Contact {
-                    triangle: TriangleId(id),
-                    point: closest.point,
-                    normal,
-                    dist: closest.distance - radius,
-                    barycentric: closest.barycentric,
-                });
-            }
+            found.extend(contact_within(TriangleId(id), center, radius, &closest));
         }
         counts
     }

@@ -1,4 +1,4 @@
-//! A small ball against a deforming mesh: the product beside the paper's plain tree.
+//! A small ball against a deforming mesh: the product beside the paper's tree, plain and with care.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -7,7 +7,7 @@ use std::time::Instant;
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Pose, StackEntry, Transform, TriangleId, query,
 };
-use bdtree_scenes::paper_tree::{BallCounts, PaperTree, Step, Vertices};
+use bdtree_scenes::paper_tree::{BallCounts, PaperTree, PlainTree, Step, Vertices};
 use bdtree_scenes::{machine, stats};
 use bdtree_tests::poses;
 use clap::Args;
@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
     /// Balls are centred up to this many radii from a vertex (half of them up to half of it)
     #[arg(long, default_value_t = 2.0)]
     spread: f64,
-    /// Rounds; in each both contenders answer all balls, taking turns to be first
+    /// Rounds; in each all contenders answer all balls, taking turns to be first
     #[arg(long, default_value_t = 31)]
     rounds: usize,
     /// Print JSON
@@ -99,6 +99,7 @@ impl Product<'_> {
 struct Paper<'a> {
     asset: Asset<'a>,
     tree: PaperTree,
+    plain: PlainTree,
     memory: Vec<f32>,
     step: Step,
     vertices: Vertices,
@@ -119,6 +120,21 @@ impl Paper<'_> {
             &self.step,
             (case.center, case.radius),
             (&mut self.vertices, &mut self.stack),
+            &mut self.found,
+        )
+    }
+
+    fn answer_plainly(&mut self, case: &Case) -> BallCounts {
+        let pose = Pose::new(&self.asset, &case.q, Transform::IDENTITY, &mut self.memory)
+            .expect("q within limits");
+        self.step.prepare(&self.asset, &pose);
+        self.found.clear();
+        self.plain.ball(
+            &self.asset,
+            &pose,
+            &self.step,
+            (case.center, case.radius),
+            &mut self.stack,
             &mut self.found,
         )
     }
@@ -151,9 +167,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         stack: vec![StackEntry::default(); asset.stack_len()],
         found: Vec::new(),
     };
+    let tree = PaperTree::build(&asset);
     let mut paper = Paper {
         asset,
-        tree: PaperTree::build(&asset),
+        plain: PlainTree::of(&tree),
+        tree,
         memory,
         step: Step::default(),
         vertices: Vertices::new(&asset),
@@ -171,6 +189,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             ids(&paper.found),
             "both trees find the same triangles"
         );
+        paper.answer_plainly(case);
+        assert_eq!(ids(&product.found), ids(&paper.found), "as does the plain");
         work.contacts += product.found.len();
         work.touching += usize::from(!product.found.is_empty());
         work.paper.spheres += counts.spheres;
@@ -178,38 +198,39 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         work.count_lanes(&asset, case)?;
     }
 
-    let (mut ours, mut theirs, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+    // Times per round of the product, the tree with care and the plain one.
+    let mut times: [Vec<f64>; 3] = Default::default();
     for round in 0..arguments.rounds {
-        let mut times = [0.0; 2];
-        for turn in 0..2 {
-            let which = (round + turn) % 2;
-            times[which] = if which == 0 {
-                time_pass(&cases, |case| {
+        for turn in 0..3 {
+            let which = (round + turn) % 3;
+            times[which].push(match which {
+                0 => time_pass(&cases, |case| {
                     black_box(product.answer(case));
-                })
-            } else {
-                time_pass(&cases, |case| {
+                }),
+                1 => time_pass(&cases, |case| {
                     black_box(paper.answer(case));
-                })
-            };
+                }),
+                _ => time_pass(&cases, |case| {
+                    black_box(paper.answer_plainly(case));
+                }),
+            });
         }
-        ratios.push(times[1] / times[0]);
-        ours.push(times[0]);
-        theirs.push(times[1]);
     }
     let figures = Figures {
-        product_ns: stats::median(&ours),
-        paper_ns: stats::median(&theirs),
-        ratio: stats::median(&ratios),
-        ratio_quartiles: [0.25, 0.75].map(|p| stats::quantile(&ratios, p)),
+        ns: times.each_ref().map(|t| stats::median(t)),
+        care: Ratio::of(&times[1], &times[0]),
+        plain: Ratio::of(&times[2], &times[0]),
     };
     let value = json!({
         "machine": machine::processor(),
         "mesh": {"name": mesh.name, "vertices": asset.vertex_count(),
             "triangles": asset.triangle_count(), "modes": asset.mode_count()},
         "balls": cases.len(), "rounds": arguments.rounds, "radius_rel": arguments.radius,
-        "figures": {"product_ns": figures.product_ns, "paper_ns": figures.paper_ns,
-            "ratio": figures.ratio, "ratio_quartiles": figures.ratio_quartiles,},
+        "figures": {"product_ns": figures.ns[0], "paper_ns": figures.ns[1],
+            "plain_ns": figures.ns[2],
+            "ratio": figures.care.median, "ratio_quartiles": figures.care.quartiles,
+            "ratio_plain": figures.plain.median,
+            "ratio_plain_quartiles": figures.plain.quartiles,},
         "counts": work.per_ball(cases.len(), &asset, &paper.tree),
         "growth": growth(&asset, &paper.tree, &cases)?,
         "limits": limits(&work, &cases, &product, &paper),
@@ -222,11 +243,27 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Nanoseconds per ball of the three contenders, and how many times the product's they take.
 struct Figures {
-    product_ns: f64,
-    paper_ns: f64,
-    ratio: f64,
-    ratio_quartiles: [f64; 2],
+    ns: [f64; 3],
+    care: Ratio,
+    plain: Ratio,
+}
+
+/// Of the rounds' quotients.
+struct Ratio {
+    median: f64,
+    quartiles: [f64; 2],
+}
+
+impl Ratio {
+    fn of(times: &[f64], base: &[f64]) -> Self {
+        let all: Vec<f64> = times.iter().zip(base).map(|(t, b)| t / b).collect();
+        Self {
+            median: stats::median(&all),
+            quartiles: [0.25, 0.75].map(|p| stats::quantile(&all, p)),
+        }
+    }
 }
 
 /// What all balls together took.
@@ -408,7 +445,7 @@ fn print(value: &Value, figures: &Figures) {
     println!(
         "           ns/ball   nodes  spheres  triangles   R'/R   kB read  ns at L2 / 16 MiB   ns/node near (flops)"
     );
-    for (name, ns) in [("product", figures.product_ns), ("paper", figures.paper_ns)] {
+    for (name, ns) in [("product", figures.ns[0]), ("paper", figures.ns[1])] {
         println!(
             "{name:<8} {ns:>9.0} {:>7.1} {:>8.1} {:>10.1} {:>6.3} {:>9.1} {:>9.0} / {:<7.0} {:>7.1} ({:.0})",
             number(&format!("/counts/{name}/nodes")),
@@ -422,10 +459,16 @@ fn print(value: &Value, figures: &Figures) {
             number(&format!("/limits/{name}_node_flops")),
         );
     }
-    println!(
-        "ratio      {:.2} median of rounds (quartiles {:.2} to {:.2})",
-        figures.ratio, figures.ratio_quartiles[0], figures.ratio_quartiles[1],
-    );
+    println!("plain    {:>9.0}", figures.ns[2]);
+    for (what, ratio) in [
+        ("the paper's tree, plain", &figures.plain),
+        ("the paper's tree, with care", &figures.care),
+    ] {
+        println!(
+            "ratio      {:.2} to {what}, median of rounds (quartiles {:.2} to {:.2})",
+            ratio.median, ratio.quartiles[0], ratio.quartiles[1],
+        );
+    }
     println!(
         "reading    {:.0} GB/s from 256 KiB, {:.0} GB/s from 16 MiB; triangle sets equal",
         number("/limits/read_l2_bytes_per_s") / 1e9,
