@@ -1,37 +1,15 @@
 //! Elastic modes against beam theory: convergence, locking, orientation, symmetry.
 
+mod elastic_support;
+
 use bdtree_build::basis::Basis;
 use bdtree_build::basis::elastic::{ElasticOptions, ElasticReport, elastic_basis};
 use bdtree_build::input::RawMesh;
 use bdtree_build::progress::Silent;
-
-type V3 = [f64; 3];
-
-const CUBE_FACES: [[u32; 3]; 12] = [
-    [0, 2, 1],
-    [1, 2, 3],
-    [4, 5, 6],
-    [5, 7, 6],
-    [0, 1, 4],
-    [1, 5, 4],
-    [2, 6, 3],
-    [3, 6, 7],
-    [0, 4, 2],
-    [2, 4, 6],
-    [1, 3, 5],
-    [3, 7, 5],
-];
+use elastic_support::V3;
 
 fn boxed(size: V3) -> RawMesh {
-    let positions = (0..8)
-        .map(|i| std::array::from_fn(|a| if i >> a & 1 == 1 { size[a] } else { 0.0 }))
-        .collect();
-    RawMesh {
-        name: "box".into(),
-        positions,
-        triangles: CUBE_FACES.to_vec(),
-        ..RawMesh::default()
-    }
+    elastic_support::boxed([0.0; 3], size)
 }
 
 /// Turns about the axis (1, 2, 3) by `angle`.

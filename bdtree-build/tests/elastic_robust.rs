@@ -1,39 +1,13 @@
 //! Elastic modes of meshes as they come: open, split, inside out, empty, far away.
 
+mod elastic_support;
+
 use bdtree_build::basis::Basis;
 use bdtree_build::basis::elastic::{ElasticOptions, ElasticReport, Fix, FixRegion, elastic_basis};
 use bdtree_build::error::BakeError;
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
 use bdtree_build::progress::Silent;
-
-type V3 = [f64; 3];
-
-const CUBE_FACES: [[u32; 3]; 12] = [
-    [0, 2, 1],
-    [1, 2, 3],
-    [4, 5, 6],
-    [5, 7, 6],
-    [0, 1, 4],
-    [1, 5, 4],
-    [2, 6, 3],
-    [3, 6, 7],
-    [0, 4, 2],
-    [2, 4, 6],
-    [1, 3, 5],
-    [3, 7, 5],
-];
-
-fn boxed(from: V3, size: V3) -> RawMesh {
-    let positions = (0..8)
-        .map(|i| std::array::from_fn(|a| from[a] + if i >> a & 1 == 1 { size[a] } else { 0.0 }))
-        .collect();
-    RawMesh {
-        name: "box.obj".into(),
-        positions,
-        triangles: CUBE_FACES.to_vec(),
-        ..RawMesh::default()
-    }
-}
+use elastic_support::{V3, boxed};
 
 fn join(mut a: RawMesh, b: &RawMesh) -> RawMesh {
     let n = a.positions.len() as u32;

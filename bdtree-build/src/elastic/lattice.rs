@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 
 use super::element::FUNCTIONS;
-use super::moments::{
-    Filling, Fillings, Grid, Moments, SHARE_MIN, TooManyCells, add_eighth, fill, full_cell,
-};
+use super::fill::fill;
+use super::grid::Grid;
+use super::moments::{Moments, add_eighth, full_cell};
 use super::pieces::{DisjointSets, Kind, Pieces};
+use super::table::{Filling, Fillings, SHARE_MIN, TooManyCells};
 use crate::input::RawMesh;
 
 /// A connected set of cells: its own vibrating body.

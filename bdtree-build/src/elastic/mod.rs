@@ -1,7 +1,7 @@
 //! The finite elements behind elastic modes: from a surface to its lowest vibrations.
 //!
-//! One way through: `pieces` (what is solid, what is a sheet) → `lattice` (cubic cells and how
-//! `moments` fill them) → `element` and `system` (stiffness and mass) → `solve` (`krylov` over
+//! One way through: `pieces` (what is solid, what is a sheet) → `lattice` (cubic cells) over `fill` (what
+//! fills them) → `element` and `system` (stiffness and mass) → `solve` (`krylov` over
 //! `factor`) → `locate` (back to the vertices). See docs/elastic.md for the numbers.
 //!
 //! Inside, lengths are cells, Young's modulus and density are 1; `basis::elastic` brings units.
@@ -11,7 +11,9 @@ pub(crate) mod canonical;
 pub(crate) mod dense;
 pub(crate) mod element;
 pub(crate) mod factor;
+pub(crate) mod fill;
 pub(crate) mod fix;
+pub(crate) mod grid;
 pub(crate) mod hold;
 pub(crate) mod krylov;
 pub(crate) mod lattice;
@@ -24,4 +26,5 @@ pub(crate) mod rigid;
 pub(crate) mod slice;
 pub(crate) mod solve;
 pub(crate) mod system;
+pub(crate) mod table;
 pub(crate) mod vec3;
