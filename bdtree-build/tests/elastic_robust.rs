@@ -152,6 +152,37 @@ fn pieces_apart_get_their_own_modes() {
     }
 }
 
+/// A face of two triangles is held as a whole: the pair of a square bar stays equal.
+#[test]
+fn a_face_of_two_triangles_is_clamped() {
+    let bar = boxed([0.0; 3], [10.0, 1.0, 1.0]);
+    for resolution in [7, 10, 20] {
+        let mut o = options(resolution);
+        o.fixes = vec!["xyz:0,0,0,0,1,1".parse().unwrap()];
+        let w = omegas(&bar, &o);
+        assert_close(&w[..1], &w[1..2], 1e-3);
+        // Euler and Bernoulli: β₁L = 1.875104, E = 2e9, ρ = 1000.
+        let euler = 1.875_104f64.powi(2) / 100.0 * (2e6f64 / 12.0).sqrt();
+        assert!(
+            (w[0] / euler - 1.0).abs() < 0.02,
+            "{resolution}: {w:?} {euler}"
+        );
+    }
+}
+
+/// A sheet weighs area times thickness at every resolution, also where it is some cells thick.
+#[test]
+fn sheets_of_some_cells_keep_their_mass() {
+    let mut sheet = boxed([0.0; 3], [1.0; 3]);
+    sheet.triangles = vec![[0, 1, 3], [0, 3, 2]];
+    for (thickness, resolution) in [(0.1, 35), (0.1, 8), (0.05, 44), (0.02, 60)] {
+        let mut o = options(resolution);
+        o.thickness = Some(thickness);
+        let mass = run(&sheet, &o).unwrap().1.mass_kg;
+        assert!((mass / (1000.0 * thickness) - 1.0).abs() < 1e-9, "{mass}");
+    }
+}
+
 /// Two bars that touch are one body wherever the lattice's planes lie; a third piece moves them.
 #[test]
 fn pieces_that_touch_join_wherever_the_lattice_lies() {

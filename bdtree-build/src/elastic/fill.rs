@@ -1,9 +1,9 @@
 //! What fills each cell: exact volume integrals from the surface alone.
 //!
 //! For a solid the moments come from the divergence theorem along x: a fragment of the surface adds
-//! its own integral to its cell and its shadow to all cells before it in the row. A sheet is
-//! integrated over its area at Gauss points through its thickness, which carries its bending
-//! stiffness.
+//! its own integral to its cell and its shadow to all cells before it in the row. A sheet thicker than
+//! a cell is made of prisms, a thinner one is integrated over its area at two Gauss points through its
+//! thickness, which carry its bending stiffness.
 
 use super::grid::Grid;
 use super::moments::{LINE, Moments, POWERS, powers};
@@ -11,40 +11,6 @@ use super::pieces::{Kind, Piece};
 use super::slice::Rules;
 use super::table::{Filling, Fillings, SHARE_MIN, Shadow, Sums, Table, TooManyCells};
 use super::vec3::{add, cross, norm, scale, sub};
-
-/// Calls `visit` with the corners of each triangle of the sheet's layers, the thickness that layer
-/// stands for and the way to the next one: two Gauss layers per cell size of thickness.
-pub(crate) fn for_each_layer(
-    triangle: [[f64; 3]; 3],
-    thickness: f64,
-    cell_size: f64,
-    visit: &mut impl FnMut([[f64; 3]; 3], f64, [f64; 3]),
-) {
-    let [a, b, c] = triangle;
-    let normal = cross(sub(b, a), sub(c, a));
-    let length = norm(normal);
-    if length.is_nan() || length <= 0.0 {
-        return;
-    }
-    let normal = scale(normal, 1.0 / length);
-    // A sheet thicker than hundreds of cells is a block seen from its side; the cell limit ends it.
-    let slices = (thickness / cell_size).ceil().clamp(1.0, 4096.0) as usize;
-    let step = thickness / slices as f64;
-    let height = |layer: usize| {
-        let middle = ((layer / 2) as f64 + 0.5) * step - 0.5 * thickness;
-        let gauss = if layer.is_multiple_of(2) { -1.0 } else { 1.0 };
-        middle + gauss * step / 12f64.sqrt()
-    };
-    for layer in 0..2 * slices {
-        let shift = scale(normal, height(layer));
-        let next = if layer + 1 < 2 * slices {
-            scale(normal, height(layer + 1) - height(layer))
-        } else {
-            [0.0; 3]
-        };
-        visit(triangle.map(|p| add(p, shift)), 0.5 * step, next);
-    }
-}
 
 /// Moments of every body in every cell it fills, sorted by cell, then body.
 ///
@@ -57,7 +23,8 @@ pub(crate) fn fill(
     limit: usize,
 ) -> Result<Fillings, TooManyCells> {
     let several = pieces.iter().any(|p| p.body != pieces[0].body);
-    let mut table = Table::new(several, limit);
+    // Sums take a kilobyte and more; cells that no surface meets, which have none, take little.
+    let mut table = Table::new(several, limit / 4);
     let rules = Rules::new();
     for piece in pieces {
         let body = piece.body as u32;
@@ -68,9 +35,12 @@ pub(crate) fn fill(
                     let sign = if reverse { -piece.sign } else { piece.sign };
                     add_solid(&mut table, &rules, grid, body, triangle, sign)?;
                 }
-                Kind::Sheet => add_sheet(&mut table, &rules, grid, body, triangle, thickness)?,
+                Kind::Sheet => {
+                    add_sheet(&mut table, &rules, grid, body, triangle, (thickness, 1.0))?;
+                }
+                // It is there twice.
                 Kind::Paper => {
-                    add_sheet(&mut table, &rules, grid, body, triangle, 0.5 * thickness)?
+                    add_sheet(&mut table, &rules, grid, body, triangle, (thickness, 0.5))?;
                 }
             }
         }
@@ -119,27 +89,41 @@ fn add_solid(
     })
 }
 
+/// A sheet's triangle with its thickness (mesh units); `weight` is the share of it that counts.
 fn add_sheet(
     table: &mut Table,
     rules: &Rules,
     grid: &Grid,
     body: u32,
     triangle: [[f64; 3]; 3],
-    thickness: f64,
+    (thickness, weight): (f64, f64),
 ) -> Result<(), TooManyCells> {
-    let mut outcome = Ok(());
-    for_each_layer(
-        triangle,
-        thickness,
-        grid.cell_size,
-        &mut |layer, depth, next| {
-            if outcome.is_ok() {
-                let (depth, next) = (depth / grid.cell_size, scale(next, 1.0 / grid.cell_size));
-                outcome = add_layer(table, rules, grid, body, (layer, depth, next));
-            }
-        },
-    );
-    outcome
+    let [a, b, c] = triangle;
+    let normal = cross(sub(b, a), sub(c, a));
+    let length = norm(normal);
+    if length.is_nan() || length <= 0.0 {
+        return Ok(());
+    }
+    let normal = scale(normal, thickness / length);
+    let moved = |share: f64| triangle.map(|p| add(p, scale(normal, share)));
+    if thickness > grid.cell_size {
+        // Layers would not fit the cells evenly: the prism that it is.
+        let (low, high) = (moved(-0.5), moved(0.5));
+        add_solid(table, rules, grid, body, high, weight)?;
+        add_solid(table, rules, grid, body, [low[0], low[2], low[1]], weight)?;
+        for i in 0..3 {
+            let j = (i + 1) % 3;
+            add_solid(table, rules, grid, body, [low[i], low[j], high[j]], weight)?;
+            add_solid(table, rules, grid, body, [low[i], high[j], high[i]], weight)?;
+        }
+        return Ok(());
+    }
+    // Two Gauss layers carry the bending stiffness.
+    let gauss = 1.0 / 12f64.sqrt();
+    let depth = 0.5 * weight * thickness / grid.cell_size;
+    let next = scale(normal, 2.0 * gauss / grid.cell_size);
+    add_layer(table, rules, grid, body, (moved(-gauss), depth, next))?;
+    add_layer(table, rules, grid, body, (moved(gauss), depth, [0.0; 3]))
 }
 
 /// One layer of a sheet: its triangle, the thickness it stands for and the way to the next one

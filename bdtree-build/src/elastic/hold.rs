@@ -2,7 +2,7 @@
 
 use super::lattice::{Lattice, Subject};
 use super::locate::{Anchor, anchor};
-use super::slice::for_each_fragment;
+use super::slice::{Rules, for_each_fragment};
 
 /// A region to hold, as the lattice sees it.
 #[derive(Debug, Clone)]
@@ -39,8 +39,7 @@ pub(crate) struct Held {
 }
 
 /// The points that a region holds along `axes`: of the surface in the region the corners and
-/// middles of its fragments (one cell apart or less) and, in a box, the middles and corners of
-/// full cells.
+/// inner points of its fragments (16 and more in a cell) and, in a box, those of full cells.
 pub(crate) fn hold(
     subject: &Subject<'_>,
     lattice: &Lattice,
@@ -57,6 +56,7 @@ pub(crate) fn hold(
         Region::Triangles(_) => ([f64::NEG_INFINITY; 3], [f64::INFINITY; 3]),
     };
     let inside = |p: [f64; 3]| (0..3).all(|a| lo[a] <= p[a] && p[a] <= hi[a]);
+    let rules = Rules::new();
     let mut everything = true;
     // Part and point; several fragments share corners.
     let mut points: Vec<(usize, [f64; 3])> = Vec::new();
@@ -79,15 +79,20 @@ pub(crate) fn hold(
                 continue;
             }
             for_each_fragment(triangle, grid.dims, &mut |_, polygon| {
-                let corners = polygon.corners();
-                let count = corners.len() as f64;
-                let middle =
-                    std::array::from_fn(|a| corners.iter().map(|p| p[a]).sum::<f64>() / count);
-                for &p in corners.iter().chain([&middle]).filter(|p| inside(**p)) {
+                let mut polygon = *polygon;
+                if matches!(region, Region::Box { .. }) {
+                    for a in 0..3 {
+                        polygon = polygon.clip(a, lo[a], 1.0).clip(a, hi[a], -1.0);
+                    }
+                }
+                let mut add = |p: [f64; 3]| {
                     if let Some(part) = lattice.nearest_part(body, p) {
                         points.push((part, p));
                     }
-                }
+                };
+                // Corners too: a line or a point that is held has no area.
+                polygon.corners().iter().for_each(|&p| add(p));
+                rules.for_each_point(&polygon, &mut add);
             });
         }
     }
@@ -97,13 +102,14 @@ pub(crate) fn hold(
             if own.moments[part.place as usize][0] < 1.0 {
                 continue;
             }
-            let corner = part.cell.map(|x| x as f64);
-            let offsets = (0..8).map(|i| [0, 1, 2].map(|a| f64::from((i >> a & 1) as u8)));
-            for offset in offsets.chain([[0.5; 3]]) {
-                let p = std::array::from_fn(|a| corner[a] + offset[a]);
-                if inside(p) {
-                    points.push((n, p));
-                }
+            let from: [f64; 3] = std::array::from_fn(|a| lo[a].max(part.cell[a] as f64));
+            let to: [f64; 3] = std::array::from_fn(|a| hi[a].min((part.cell[a] + 1) as f64));
+            if (0..3).all(|a| from[a] <= to[a]) {
+                points.extend((0..27usize).map(|i| {
+                    let step = [i % 3, i / 3 % 3, i / 9].map(|k| 0.5 * k as f64);
+                    let p = std::array::from_fn(|a| from[a] + step[a] * (to[a] - from[a]));
+                    (n, p)
+                }));
             }
         }
     }

@@ -13,7 +13,7 @@ const WORK_BUDGET: f64 = 2e8;
 pub const RESOLUTION_MAX: u32 = 1024;
 /// The default resolution does not go beyond this many cells along the longest side.
 const AUTO_RESOLUTION_MAX: f64 = 256.0;
-/// A cell with its matrices, nodes and tables takes about this much.
+/// A cell with its fine cells, matrices, nodes and tables takes about this much.
 pub(crate) const BYTES_PER_CELL: u64 = 8192;
 /// The lattice asked for, or the finest one within the budgets.
 pub(crate) fn choose_lattice(

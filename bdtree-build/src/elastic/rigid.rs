@@ -79,8 +79,8 @@ fn null_space(system: &System, all: MatRef<'_, f64>) -> Mat<f64> {
     let Ok(eigen) = product.self_adjoint_eigen(faer::Side::Lower) else {
         return Mat::zeros(6, 0);
     };
-    // Points of one hold are whole lattice steps apart in all; a true zero is far below one step's
-    // share.
+    // Motions are of size 1 at the body's end: what moves all held points by less than 3e-5 of that in
+    // all is free, for a hold of one point or of points on a line.
     let free: Vec<usize> = (0..6).filter(|&j| eigen.S()[j] < 1e-9).collect();
     Mat::from_fn(6, free.len(), |i, j| eigen.U()[(i, free[j])])
 }

@@ -5,13 +5,13 @@ use super::vec3::{add, cross, norm, scale, sub};
 /// A convex fragment: a triangle cut by six planes has at most nine corners.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Polygon {
-    points: [[f64; 3]; 12],
+    points: [[f64; 3]; 16],
     count: usize,
 }
 
 impl Polygon {
     fn new(triangle: [[f64; 3]; 3]) -> Self {
-        let mut points = [[0.0; 3]; 12];
+        let mut points = [[0.0; 3]; 16];
         points[..3].copy_from_slice(&triangle);
         Self { points, count: 3 }
     }
@@ -22,9 +22,9 @@ impl Polygon {
     }
 
     /// The part with `side · (x[axis] − at) ≥ 0`.
-    fn clip(&self, axis: usize, at: f64, side: f64) -> Self {
+    pub(crate) fn clip(&self, axis: usize, at: f64, side: f64) -> Self {
         let mut out = Self {
-            points: [[0.0; 3]; 12],
+            points: [[0.0; 3]; 16],
             count: 0,
         };
         let distance = |p: [f64; 3]| side * (p[axis] - at);
@@ -44,7 +44,7 @@ impl Polygon {
     }
 
     fn push(&mut self, p: [f64; 3]) {
-        // Rounding could add a corner to a sliver; twelve places are room to spare.
+        // Six more planes of a region make fifteen; rounding could add a corner to a sliver.
         if self.count < self.points.len() {
             self.points[self.count] = p;
             self.count += 1;
@@ -168,13 +168,7 @@ impl Rules {
 
     /// Calls `visit(point, area vector)` for the quadrature points of a fragment.
     pub(crate) fn integrate(&self, polygon: &Polygon, visit: &mut impl FnMut([f64; 3], [f64; 3])) {
-        let half = (0..3).fold(0.0f64, |most, a| {
-            let (lo, hi) = polygon.range(a);
-            most.max(0.5 * (hi - lo))
-        });
-        let [.., (_, last)] = &self.0;
-        let fitting = self.0.iter().find(|(most, _)| half <= *most);
-        let rule = fitting.map_or(last, |(_, rule)| rule);
+        let rule = self.fitting(polygon);
         let points = polygon.corners();
         for i in 1..points.len().saturating_sub(1) {
             let (a, b, c) = (points[0], points[i], points[i + 1]);
@@ -187,6 +181,29 @@ impl Rules {
                 visit(add(a, add(scale(ab, u), scale(ac, v))), scale(vector, w));
             }
         }
+    }
+
+    /// Calls `visit` with sixteen points of every triangle of a fragment.
+    pub(crate) fn for_each_point(&self, polygon: &Polygon, visit: &mut impl FnMut([f64; 3])) {
+        let [(_, coarsest), ..] = &self.0;
+        let points = polygon.corners();
+        for i in 1..points.len().saturating_sub(1) {
+            let (a, b, c) = (points[0], points[i], points[i + 1]);
+            for &([u, v], _) in coarsest {
+                visit(add(a, add(scale(sub(b, a), u), scale(sub(c, a), v))));
+            }
+        }
+    }
+
+    /// The rule for a fragment of this size.
+    fn fitting(&self, polygon: &Polygon) -> &Rule {
+        let half = (0..3).fold(0.0f64, |most, a| {
+            let (lo, hi) = polygon.range(a);
+            most.max(0.5 * (hi - lo))
+        });
+        let [.., (_, last)] = &self.0;
+        let fitting = self.0.iter().find(|(most, _)| half <= *most);
+        fitting.map_or(last, |(_, rule)| rule)
     }
 }
 

@@ -1,5 +1,5 @@
 //! The same tree as one writes it down from the paper: a record per node, a loop over modes, triangles
-//! deformed where a leaf is reached. No layout for vector instructions, nothing kept per step.
+//! deformed where a leaf is reached. No layout for vector instructions, no vertex kept for the next leaf.
 
 use bdtree_runtime::narrow::closest_point;
 use bdtree_runtime::{Asset, Contact, Pose, TriangleId, VertexId};
