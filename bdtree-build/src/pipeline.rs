@@ -9,7 +9,7 @@ use std::time::Instant;
 use bdtree_format::{BASE_ALIGNMENT, LEAF_TRIANGLES_MAX, Metadata, ModeMetadata};
 use bdtree_runtime::{AlignedBytes, Asset};
 
-use crate::basis::Basis;
+use crate::basis::{Basis, BasisError};
 use crate::encode::{Parts, encode};
 use crate::error::BakeError;
 use crate::input::RawMesh;
@@ -45,9 +45,8 @@ pub struct BakeSettings {
     pub threads: usize,
     /// Where the basis came from: `rigid`, `given`, `elastic`, …
     pub basis_kind: String,
-    /// Largest and root-mean-square error of the basis against its source over the diagonal of
-    /// the box, if there is a source to measure against.
-    pub basis_error_rel: Option<(f64, f64)>,
+    /// Error of the basis against its source, if there is a source to measure against.
+    pub basis_error: Option<BasisError>,
     /// Settings for the metadata: option name and value. No paths, no thread counts.
     pub metadata: BTreeMap<String, String>,
 }
@@ -59,7 +58,7 @@ impl Default for BakeSettings {
             split: Split::default(),
             threads: 1,
             basis_kind: "given".to_string(),
-            basis_error_rel: None,
+            basis_error: None,
             metadata: BTreeMap::new(),
         }
     }
@@ -138,7 +137,7 @@ pub fn bake(
         warnings,
         stages: stages.end(),
         frequencies_hz: report::frequencies_hz(basis),
-        basis_error_rel: settings.basis_error_rel.map(Into::into),
+        basis_error_rel: settings.basis_error.map(Into::into),
         tightness,
     };
     Ok(Baked { bytes, report })
@@ -189,7 +188,7 @@ fn metadata(
                 name: mode.name.clone(),
             })
             .collect(),
-        basis_error_rel: settings.basis_error_rel,
+        basis_error_rel: settings.basis_error.map(|e| (e.max_rel, e.rms_rel)),
         warnings: kept,
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use bdtree_format::ROW_RADIUS;
 use serde::Serialize;
 
-use crate::basis::Basis;
+use crate::basis::{Basis, BasisError};
 use crate::tree::{LaneKind, Tree};
 use crate::wrap::ball::smallest_ball;
 use crate::wrap::{StoredShape, WrappedTree, mode_rows};
@@ -42,23 +42,32 @@ pub struct BakeReport {
     /// Frequencies of all modes (Hz), when every mode has one.
     pub frequencies_hz: Option<Vec<f64>>,
     /// Error of the basis over the diagonal of the box.
-    pub basis_error_rel: Option<BasisError>,
+    pub basis_error_rel: Option<ErrorReport>,
     /// Per level, the root's lanes being level 0.
     pub tightness: Vec<LevelTightness>,
 }
 
 /// Error of a basis against its source, over the diagonal of the box.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct BasisError {
+pub struct ErrorReport {
     /// Largest over vertices and frames.
     pub max: f64,
     /// Root mean square.
     pub rms: f64,
+    /// The frame of the largest, from 0.
+    pub frame: Option<usize>,
+    /// The vertex of the largest.
+    pub vertex: usize,
 }
 
-impl From<(f64, f64)> for BasisError {
-    fn from((max, rms): (f64, f64)) -> Self {
-        Self { max, rms }
+impl From<BasisError> for ErrorReport {
+    fn from(error: BasisError) -> Self {
+        Self {
+            max: error.max_rel,
+            rms: error.rms_rel,
+            frame: error.frame,
+            vertex: error.vertex,
+        }
     }
 }
 

@@ -362,6 +362,7 @@ fn what_would_not_open_is_not_made() {
             modal_mass_kg: Some(0.0),
             ..BasisMode::default()
         }],
+        animation: None,
     };
     let made = |basis: &Basis| bake(&mesh, basis, &BakeSettings::default(), &[], &Silent);
     let error = made(&basis).unwrap_err().to_string();

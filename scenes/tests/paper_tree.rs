@@ -140,6 +140,7 @@ fn growth_decays_by_level() {
             .flat_map(|field| mesh.positions.iter().map(|p| field(*p)))
             .collect(),
         modes: vec![BasisMode::default(); fields.len()],
+        animation: None,
     };
     let bytes = bake::baked(&mesh, &basis);
     let asset = Asset::open(&bytes).expect("open");

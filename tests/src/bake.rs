@@ -81,6 +81,7 @@ pub fn smooth_basis(mesh: &RawMesh, mode_count: usize, seed: u64) -> Basis {
             };
             mode_count
         ],
+        animation: None,
     }
 }
 

@@ -116,6 +116,7 @@ fn basis(mesh: &RawMesh, fields: &[&dyn Fn([f64; 3]) -> [f64; 3]]) -> Basis {
                 q_range: Some(0.5),
             })
             .collect(),
+        animation: None,
     }
 }
 

@@ -20,6 +20,7 @@ fn baked(folder: &Path, side: &collisions::Side) -> AlignedBytes {
         vertex_count: mesh.positions.len(),
         fields: fields.collect(),
         modes: vec![BasisMode::default(); side.fields.len()],
+        animation: None,
     };
     bake::baked(&mesh, &basis)
 }

@@ -99,6 +99,7 @@ pub fn given_basis(
         vertex_count,
         fields: Vec::with_capacity(array.values.len() / 3),
         modes: vec![BasisMode::default(); mode_count],
+        animation: None,
     };
     for j in 0..mode_count {
         for i in 0..vertex_count {

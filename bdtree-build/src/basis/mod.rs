@@ -1,7 +1,10 @@
 //! Displacement fields: where `U` comes from.
 
+pub mod animation;
 pub mod elastic;
 pub mod given;
+
+pub use animation::{Animation, RigidMotion};
 
 /// A deformation basis: `p' = p + Σ_j fields[j] q_j`.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -13,6 +16,22 @@ pub struct Basis {
     pub fields: Vec<[f64; 3]>,
     /// One entry per field.
     pub modes: Vec<BasisMode>,
+    /// q over time, if the source is an animation.
+    pub animation: Option<Animation>,
+}
+
+/// How far a basis, as the file stores it, is from its source: over all vertices, and over all
+/// frames where there are frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BasisError {
+    /// Largest distance over the diagonal of the box around the rest positions.
+    pub max_rel: f64,
+    /// Root mean square of the distances over the same diagonal.
+    pub rms_rel: f64,
+    /// The frame of the largest distance, from 0.
+    pub frame: Option<usize>,
+    /// The vertex of the largest distance.
+    pub vertex: usize,
 }
 
 /// What is known about one field.

@@ -81,6 +81,7 @@ pub(crate) fn basis(
         vertex_count: mesh.positions.len(),
         fields: Vec::new(),
         modes: vec![BasisMode::default(); modes],
+        animation: None,
     };
     for j in 0..modes {
         basis
@@ -166,6 +167,7 @@ pub(crate) fn bridge(modes: usize) -> Option<(RawMesh, Basis)> {
         vertex_count: n,
         fields,
         modes: vec![BasisMode::default(); modes],
+        animation: None,
     };
     Some((mesh, basis))
 }
@@ -207,6 +209,7 @@ pub(crate) fn subdivide(mesh: &RawMesh, basis: &Basis) -> (RawMesh, Basis) {
         vertex_count: fine.positions.len(),
         fields,
         modes: basis.modes.clone(),
+        animation: None,
     };
     (fine, fine_basis)
 }

@@ -200,5 +200,6 @@ pub(crate) fn basis(mesh: &RawMesh) -> Basis {
             mode(None, None, None),
             mode(Some("wave"), None, None),
         ],
+        animation: None,
     }
 }

@@ -126,6 +126,7 @@ fn large_file() -> Result<Vec<u8>, Box<dyn Error>> {
         vertex_count: mesh.positions.len(),
         fields: fields.concat(),
         modes: vec![BasisMode::default(); 8],
+        animation: None,
     };
     let settings = BakeSettings {
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
