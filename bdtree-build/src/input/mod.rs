@@ -6,6 +6,7 @@
 
 pub mod npy;
 pub mod obj;
+pub mod volume;
 
 mod load;
 
