@@ -14,6 +14,7 @@ use crate::encode::{Parts, encode};
 use crate::error::BakeError;
 use crate::input::RawMesh;
 use crate::progress::Progress;
+use crate::report::visits::{self, Visits};
 use crate::report::{self, BakeReport};
 use crate::tree::{self, Split, TreeSettings};
 use crate::wrap;
@@ -123,9 +124,14 @@ pub fn bake(
         wrapped: &wrapped,
         metadata: &metadata,
     })?;
-    check_opens(&bytes)?;
 
     stages.begin("report");
+    let visits = measure_visits(&bytes)?;
+    warnings.extend(visits::warning(
+        visits,
+        wrapped.nodes.len(),
+        basis.mode_count(),
+    ));
     let tightness = report::tightness(&tree, &mesh.triangles, &shape, &wrapped);
     let report = BakeReport {
         vertices: mesh.positions.len(),
@@ -139,12 +145,14 @@ pub fn bake(
         frequencies_hz: report::frequencies_hz(basis),
         basis_error_rel: settings.basis_error.map(Into::into),
         tightness,
+        visits,
     };
     Ok(Baked { bytes, report })
 }
 
-/// Refuses bytes that readers would refuse: no such file is written.
-fn check_opens(bytes: &[u8]) -> Result<(), BakeError> {
+/// Opens the file that was made and queries it. Bytes that readers would refuse are refused here:
+/// no such file is written.
+fn measure_visits(bytes: &[u8]) -> Result<Visits, BakeError> {
     let copy;
     let aligned = if (bytes.as_ptr() as usize).is_multiple_of(BASE_ALIGNMENT) {
         bytes
@@ -152,13 +160,12 @@ fn check_opens(bytes: &[u8]) -> Result<(), BakeError> {
         copy = AlignedBytes::copy_of(bytes);
         &copy
     };
-    match Asset::open(aligned) {
-        Ok(_) => Ok(()),
-        Err(error) => {
-            let message = format!("the file that was made cannot be opened: {error}");
-            Err(BakeError::one("encode", "", message))
-        }
-    }
+    let asset = Asset::open(aligned).map_err(|error| {
+        let message = format!("the file that was made cannot be opened: {error}");
+        BakeError::one("encode", "", message)
+    })?;
+    visits::visits(&asset)
+        .ok_or_else(|| BakeError::one("encode", "", "the file that was made cannot be queried"))
 }
 
 fn metadata(

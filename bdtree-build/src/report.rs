@@ -1,5 +1,8 @@
 //! What was made: sizes, stage times, errors, tightness. Serialises to the fields of `--json`.
 
+mod random;
+pub(crate) mod visits;
+
 use std::collections::BTreeMap;
 
 use bdtree_format::ROW_RADIUS;
@@ -9,12 +12,11 @@ use crate::basis::{Basis, BasisError};
 use crate::tree::{LaneKind, Tree};
 use crate::wrap::ball::smallest_ball;
 use crate::wrap::{StoredShape, WrappedTree, mode_rows};
+use random::Random;
+pub use visits::Visits;
 
 /// Lanes per level that tightness is measured on.
 const SAMPLES_MAX: usize = 1000;
-
-/// Seed of the choice of lanes.
-const SAMPLE_SEED: u64 = 2004;
 
 /// Lanes whose deformed vertices fit a ball of this share of the whole's diagonal are points:
 /// their ratio is rounding.
@@ -45,6 +47,8 @@ pub struct BakeReport {
     pub basis_error_rel: Option<ErrorReport>,
     /// Per level, the root's lanes being level 0.
     pub tightness: Vec<LevelTightness>,
+    /// Nodes that small queries visit.
+    pub visits: Visits,
 }
 
 /// Error of a basis against its source, over the diagonal of the box.
@@ -127,7 +131,7 @@ pub(crate) fn tightness(
                     .map(move |k| (i, k))
             })
             .collect();
-        sample(&mut lanes);
+        Random::new().keep(SAMPLES_MAX, &mut lanes);
         let (mut sum, mut max, mut count) = (0.0, 0.0f64, 0usize);
         for (i, k) in lanes {
             stamp += 1;
@@ -182,25 +186,4 @@ fn radius_at(
     (radius * radius + 2.0 * cross + growth * growth)
         .max(0.0)
         .sqrt()
-}
-
-/// Keeps at most [`SAMPLES_MAX`] items: the first places of a Fisher–Yates shuffle with a
-/// splitmix64 generator (S. Vigna).
-fn sample<T>(items: &mut Vec<T>) {
-    let mut state = SAMPLE_SEED;
-    let mut next = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    if items.len() <= SAMPLES_MAX {
-        return;
-    }
-    for i in 0..SAMPLES_MAX {
-        let rest = (items.len() - i) as u64;
-        items.swap(i, i + (next() % rest) as usize);
-    }
-    items.truncate(SAMPLES_MAX);
 }

@@ -201,7 +201,11 @@ fn bad_input_names_its_place_and_leaves_nothing() {
     for option in ["--animation", "--tets"] {
         refused(&[option, "x"], 1, &[option, "not supported yet"]);
     }
-    refused(&[&torus, "--modes", "auto"], 1, &["not supported yet"]);
+    refused(
+        &[&torus, "--modes", "auto", "--max-error-rel", "0.01"],
+        1,
+        &["--modes auto", "no source"],
+    );
 }
 
 #[test]
@@ -209,6 +213,13 @@ fn usage_errors_exit_with_2() {
     refused(&[], 2, &["INPUT"]);
     refused(&["a.obj", "--modes", "many"], 2, &["--modes"]);
     refused(&["a.obj", "--modes", "513"], 2, &["512"]);
+    refused(&["a.obj", "--modes", "auto"], 2, &["--max-error-rel"]);
+    refused(&["a.obj", "--max-error-rel", "0"], 2, &["--max-error-rel"]);
+    refused(
+        &["a.obj", "--modes", "3", "--max-error-rel", "0.1"],
+        2,
+        &["--modes 3", "--max-error-rel"],
+    );
     refused(&["a.obj", "--leaf-size", "0"], 2, &["--leaf-size"]);
     refused(&["a.obj", "--no-such-option"], 2, &["--no-such-option"]);
     refused(&["a.obj", "--fix", "w:0,0,0,1,1,1"], 2, &["--fix"]);

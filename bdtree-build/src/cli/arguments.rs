@@ -20,9 +20,15 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "OUT.bdt")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Number of modes, 0 to 512 [default: 10; with --basis: all its fields].
-    #[arg(long, value_name = "K")]
+    /// Number of modes, 0 to 512, or auto: as few as reach --max-error-rel [default: 10; with
+    /// --basis and morph targets: all].
+    #[arg(long, value_name = "K|auto")]
     pub(crate) modes: Option<String>,
+
+    /// Largest error that --modes auto may leave at any vertex in any frame, over the diagonal of
+    /// the box around the rest positions, above 0.
+    #[arg(long, value_name = "E")]
+    pub(crate) max_error_rel: Option<f64>,
 
     /// Given displacement fields (mesh units per unit of q): .npy, f32 or f64, shape (N,3,M),
     /// (3N,M) or (M,N,3).
@@ -115,9 +121,6 @@ pub(crate) struct Arguments {
     pub(crate) tets: Option<PathBuf>,
     /// Not supported yet.
     #[arg(long, hide = true)]
-    pub(crate) max_error_rel: Option<f64>,
-    /// Not supported yet.
-    #[arg(long, hide = true)]
     pub(crate) align: bool,
     /// Not supported yet.
     #[arg(long, hide = true)]
@@ -152,8 +155,6 @@ impl Arguments {
         [
             (self.animation.is_some(), "--animation"),
             (self.tets.is_some(), "--tets"),
-            (self.modes.as_deref() == Some("auto"), "--modes auto"),
-            (self.max_error_rel.is_some(), "--max-error-rel"),
             (self.align, "--align"),
             (self.about.is_some(), "--about"),
             (self.bound.is_some(), "--bound"),
@@ -163,17 +164,50 @@ impl Arguments {
         .find_map(|(given, name)| given.then_some(name))
     }
 
-    /// K of `--modes K`, if given.
-    pub(crate) fn mode_count(&self) -> Result<Option<usize>, String> {
-        let Some(text) = &self.modes else {
-            return Ok(None);
-        };
-        match text.parse::<usize>() {
-            Ok(k) if k <= bdtree_format::MODE_COUNT_MAX => Ok(Some(k)),
-            _ => Err(format!(
-                "`{text}` is not a number of modes from 0 to {}",
-                bdtree_format::MODE_COUNT_MAX
-            )),
+    /// What `--modes` and `--max-error-rel` ask for, where [`Arguments::check`] passed.
+    pub(crate) fn modes(&self) -> Modes {
+        match (self.modes.as_deref(), self.max_error_rel) {
+            (None | Some("auto"), Some(error)) => Modes::Auto(error),
+            (Some(text), _) => text.parse().map_or(Modes::Unsaid, Modes::Count),
+            (None, None) => Modes::Unsaid,
         }
     }
+
+    /// What clap cannot see: a usage error.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        if let Some(error) = self.max_error_rel
+            && !(error.is_finite() && error > 0.0)
+        {
+            return Err(format!("--max-error-rel: {error} is not a positive number"));
+        }
+        match (self.modes.as_deref(), self.max_error_rel) {
+            (Some("auto"), None) => Err("--modes auto needs --max-error-rel E".to_string()),
+            (None | Some("auto"), _) => Ok(()),
+            (Some(text), error) => match text.parse::<usize>() {
+                Ok(k) if k > bdtree_format::MODE_COUNT_MAX => Err(format!(
+                    "--modes: {k} is more than {}",
+                    bdtree_format::MODE_COUNT_MAX
+                )),
+                Ok(_) if error.is_some() => Err(format!(
+                    "--modes {text} and --max-error-rel both say how many modes: give one"
+                )),
+                Ok(_) => Ok(()),
+                Err(_) => Err(format!(
+                    "--modes: `{text}` is neither `auto` nor a number of modes from 0 to {}",
+                    bdtree_format::MODE_COUNT_MAX
+                )),
+            },
+        }
+    }
+}
+
+/// How many modes are asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Modes {
+    /// As the kind of source has it.
+    Unsaid,
+    /// This many.
+    Count(usize),
+    /// As few as leave at most this error over the box diagonal.
+    Auto(f64),
 }
