@@ -114,6 +114,7 @@ fn basis(mesh: &RawMesh, fields: &[&dyn Fn([f64; 3]) -> [f64; 3]]) -> Basis {
                 omega_rad_s: (j == 1).then_some(12.5),
                 modal_mass_kg: (j == 1).then_some(0.25),
                 q_range: Some(0.5),
+                default_q: None,
             })
             .collect(),
         animation: None,

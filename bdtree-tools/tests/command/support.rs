@@ -188,6 +188,7 @@ pub(crate) fn basis(mesh: &RawMesh) -> Basis {
         omega_rad_s,
         modal_mass_kg,
         q_range: Some(2.0),
+        default_q: None,
     };
     Basis {
         vertex_count: mesh.positions.len(),
