@@ -275,9 +275,8 @@ fn add_limits(
                 continue;
             }
             warnings.push(format!(
-                "mode {j}: limit of q raised from {limit} to {}, since it is {} in frame {}",
+                "mode {j}: limit of q raised from {limit} to {} for frame {}",
                 power(exponent),
-                far.q,
                 far.frame
             ));
             limit = power(exponent);
