@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use bdtree_format::{BASE_ALIGNMENT, LEAF_TRIANGLES_MAX, Metadata, ModeMetadata};
+use bdtree_format::{BASE_ALIGNMENT, ErrorMetadata, LEAF_TRIANGLES_MAX, Metadata, ModeMetadata};
 use bdtree_runtime::{AlignedBytes, Asset};
 
 use crate::basis::{Basis, BasisError};
@@ -137,6 +137,7 @@ pub fn bake(
         vertices: mesh.positions.len(),
         triangles: mesh.triangles.len(),
         modes: basis.mode_count(),
+        frames: shape.frames.as_ref().map(|frames| frames.records.len()),
         nodes: wrapped.nodes.len(),
         depth: tree.depth,
         bytes: bytes.len(),
@@ -193,9 +194,15 @@ fn metadata(
             .iter()
             .map(|mode| ModeMetadata {
                 name: mode.name.clone(),
+                default_q: mode.default_q,
             })
             .collect(),
-        basis_error_rel: settings.basis_error.map(|e| (e.max_rel, e.rms_rel)),
+        basis_error_rel: settings.basis_error.map(|e| ErrorMetadata {
+            max: e.max_rel,
+            rms: e.rms_rel,
+            frame: e.frame.map(|frame| frame as u64),
+            vertex: Some(e.vertex as u64),
+        }),
         warnings: kept,
     }
 }

@@ -31,6 +31,8 @@ pub struct BakeReport {
     pub triangles: usize,
     /// Number of modes.
     pub modes: usize,
+    /// Number of frames of the animation, if there is one.
+    pub frames: Option<usize>,
     /// Number of eight-wide nodes.
     pub nodes: usize,
     /// Number of levels.

@@ -2,7 +2,7 @@
 
 mod tree_support;
 
-use bdtree_build::basis::{Basis, BasisMode};
+use bdtree_build::basis::{Animation, Basis, BasisMode};
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
 use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
 use bdtree_build::progress::Silent;
@@ -100,8 +100,13 @@ fn check_canonical(file: &Decoded, mesh: &RawMesh, leaf_size: usize) {
 #[test]
 fn sections_are_aligned_ordered_checked_and_padded_with_zeros() {
     let mut mesh = grid(9);
-    let basis = waves(&mesh, 3);
-    for groups in [0u32, 2] {
+    let mut basis = waves(&mesh, 3);
+    for (groups, frames) in [(0u32, 0), (2, 0), (0, 3)] {
+        basis.animation = (frames > 0).then(|| Animation {
+            frame_count: frames,
+            q: vec![0.25; 3 * frames],
+            ..Animation::default()
+        });
         mesh.groups = (0..groups)
             .map(|i| RawGroup {
                 kind: GroupKind::Material,
@@ -116,6 +121,7 @@ fn sections_are_aligned_ordered_checked_and_padded_with_zeros() {
         let expected: Vec<SectionKind> = SECTION_ORDER
             .into_iter()
             .filter(|k| groups > 0 || ![SectionKind::GROUPS, SectionKind::GROUP_NAMES].contains(k))
+            .filter(|k| frames > 0 || ![SectionKind::FRAMES, SectionKind::FRAME_Q].contains(k))
             .collect();
         assert_eq!(kinds, expected);
         let mut end = file.header.header_bytes.get() as usize;

@@ -108,7 +108,7 @@ impl Frame {
 }
 
 /// The matrix of a unit quaternion (x, y, z, w).
-fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
+pub(crate) fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
     [
         [
             1.0 - 2.0 * (y * y + z * z),

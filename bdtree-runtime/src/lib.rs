@@ -27,6 +27,7 @@ extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
 
+mod animation;
 pub mod bound;
 pub mod contact;
 mod deform;
@@ -49,6 +50,7 @@ mod traverse;
 mod verify;
 mod view;
 
+pub use animation::AnimationFrame;
 pub use contact::{
     ClosestPoint, Contact, PairContact, RayHit, Sink, SliceSink, TriangleId, VertexId,
 };

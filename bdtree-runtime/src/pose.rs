@@ -1,8 +1,8 @@
 //! A pose: q and a placement, prepared once per instance and step.
 
 use crate::error::PoseError;
-use crate::frame::Frame;
-use crate::math::sqrt;
+use crate::frame::{Frame, rotation_matrix};
+use crate::math::{add, dot, scale, sqrt};
 use crate::view::Asset;
 
 /// Unit roundoff of f32: 2⁻²⁴.
@@ -30,6 +30,28 @@ impl Transform {
         translation: [0.0; 3],
         scale: 1.0,
     };
+
+    /// The placement that does what `first` does and then what `self` does: an instance of a frame
+    /// that has its own rigid motion stands at `place.after(frame.transform())`.
+    ///
+    /// # Errors
+    /// What [`Pose::new`] refuses of a placement: of either one, or of both together.
+    pub fn after(self, first: Self) -> Result<Self, PoseError> {
+        let (outer, inner) = (self.checked()?, first.checked()?);
+        let turned = rotation_matrix(outer.rotation).map(|row| dot(row, inner.translation));
+        let ([x, y, z, w], [a, b, c, d]) = (outer.rotation, inner.rotation);
+        Self {
+            rotation: [
+                w * a + x * d + y * c - z * b,
+                w * b - x * c + y * d + z * a,
+                w * c + x * b - y * a + z * d,
+                w * d - x * a - y * b - z * c,
+            ],
+            translation: add(outer.translation, scale(turned, outer.scale)),
+            scale: outer.scale * inner.scale,
+        }
+        .checked()
+    }
 
     /// The transform with its quaternion normalised in f64.
     ///

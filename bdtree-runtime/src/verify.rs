@@ -4,6 +4,7 @@
 //! nodes, and of triangles, per level.
 
 mod bounds;
+mod frames;
 mod metadata;
 mod mode_lists;
 
@@ -83,6 +84,7 @@ impl<'a> Asset<'a> {
             self.mode_lists(&mut note)?;
             self.group_ranges(&mut note)?;
         }
+        self.frame_numbers(report)?;
         self.metadata_record(report)?;
         if sound {
             self.bounds(report)?;

@@ -76,6 +76,8 @@ pub struct DiffArguments {
 
 /// Writes the deformed mesh: origin + p + U q in f64, mesh units, in the source's order.
 ///
+/// A frame's rigid motion, if one was taken out, is put back: R (origin + p + U q) + t.
+///
 /// The file's checksums are checked first; it must not change meanwhile.
 #[derive(Debug, Args)]
 pub struct DeformArguments {
@@ -86,14 +88,10 @@ pub struct DeformArguments {
     /// by one mesh unit [default: zeros]
     #[arg(long, allow_hyphen_values = true, value_name = "Q1,Q2,…")]
     pub q: Option<QText>,
-    /// Time of a frame of the file's animation, in seconds
-    #[arg(
-        long,
-        value_name = "T",
-        conflicts_with = "q",
-        allow_hyphen_values = true
-    )]
-    pub frame: Option<f64>,
+    /// Frame of the file's animation, counted from 0, instead of --q (`info` shows how many there
+    /// are)
+    #[arg(long, value_name = "T", conflicts_with = "q")]
+    pub frame: Option<u64>,
     /// Where to: .obj, or .npy with shape (N, 3), f64 [default: OBJ on standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,

@@ -13,6 +13,7 @@ mod cli;
 pub mod deform;
 pub mod diff;
 mod error;
+mod frames;
 pub mod info;
 mod output;
 mod q;

@@ -12,6 +12,7 @@
 #[cfg(feature = "metadata")]
 extern crate std;
 
+mod frame;
 mod header;
 #[cfg(feature = "metadata")]
 mod metadata;
@@ -20,9 +21,10 @@ mod node;
 mod section;
 mod triangle;
 
+pub use frame::FrameRecord;
 pub use header::{Header, MAGIC, VERSION_MAJOR, VERSION_MINOR};
 #[cfg(feature = "metadata")]
-pub use metadata::{Metadata, MetadataError, ModeMetadata};
+pub use metadata::{ErrorMetadata, Metadata, MetadataError, ModeMetadata};
 pub use mode::ModeRecord;
 pub use node::{
     LANES, ModeRows, NodeRecord, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, ROWS_FIXED,
@@ -49,5 +51,6 @@ pub const LEAF_TRIANGLES_MAX: usize = 255;
 /// Layout id of most sections (SPEC 4).
 pub const LAYOUT_1: u32 = 1;
 
-/// Layout id of the nodes and of their rows: rows of modes in 16 bits (SPEC 4).
+/// Layout id of the nodes and of their rows (rows of modes in 16 bits), and of the metadata (errors
+/// with their place) (SPEC 4).
 pub const LAYOUT_2: u32 = 2;

@@ -22,9 +22,9 @@ pub struct Metadata {
     pub settings: BTreeMap<String, String>,
     /// One entry per mode.
     pub modes: Vec<ModeMetadata>,
-    /// Largest and root-mean-square error of the basis against its source, over the diagonal of
-    /// the bounding box, if there is a source to measure against.
-    pub basis_error_rel: Option<(f64, f64)>,
+    /// Error of the basis against its source over the diagonal of the bounding box, if there is a
+    /// source to measure against.
+    pub basis_error_rel: Option<ErrorMetadata>,
     /// What was odd about the source but kept.
     pub warnings: Vec<String>,
 }
@@ -34,6 +34,24 @@ pub struct Metadata {
 pub struct ModeMetadata {
     /// Name, if the source has one.
     pub name: Option<String>,
+    /// The source's default weight, if it has one.
+    pub default_q: Option<f64>,
+}
+
+/// How far a basis is from its source: distances over all vertices (and all frames, where there
+/// are frames) over the diagonal of the bounding box.
+#[derive(
+    Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, SchemaRead, SchemaWrite,
+)]
+pub struct ErrorMetadata {
+    /// Largest.
+    pub max: f64,
+    /// Root mean square.
+    pub rms: f64,
+    /// The source's frame that has the largest, from 0.
+    pub frame: Option<u64>,
+    /// The vertex that has the largest.
+    pub vertex: Option<u64>,
 }
 
 /// The metadata section could not be written or read.

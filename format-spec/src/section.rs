@@ -26,6 +26,10 @@ impl SectionKind {
     pub const POSITIONS: Self = Self(*b"VERT");
     /// `[f32; 3]` per vertex and mode, vertex-major: U_ij, stored units per unit of q.
     pub const DISPLACEMENTS: Self = Self(*b"DISP");
+    /// [`crate::FrameRecord`] per frame of the animation. Optional.
+    pub const FRAMES: Self = Self(*b"FRMS");
+    /// `f32` per frame and mode, frame-major: q of the frames. Optional.
+    pub const FRAME_Q: Self = Self(*b"FRMQ");
     /// [`crate::GroupRecord`] per source group. Optional.
     pub const GROUPS: Self = Self(*b"GRPS");
     /// UTF-8 text that group records point into. Optional.
@@ -54,7 +58,7 @@ impl core::fmt::Display for SectionKind {
 }
 
 /// The order of sections in a file; the first seven are always there (SPEC 4).
-pub const SECTION_ORDER: [SectionKind; 10] = [
+pub const SECTION_ORDER: [SectionKind; 12] = [
     SectionKind::NODES,
     SectionKind::ROWS,
     SectionKind::MODE_LISTS,
@@ -62,6 +66,8 @@ pub const SECTION_ORDER: [SectionKind; 10] = [
     SectionKind::TRIANGLE_SLOTS,
     SectionKind::POSITIONS,
     SectionKind::DISPLACEMENTS,
+    SectionKind::FRAMES,
+    SectionKind::FRAME_Q,
     SectionKind::GROUPS,
     SectionKind::GROUP_NAMES,
     SectionKind::METADATA,
@@ -70,7 +76,7 @@ pub const SECTION_ORDER: [SectionKind; 10] = [
 /// The layouts of the sections in [`SECTION_ORDER`].
 pub const SECTION_LAYOUTS: [u32; SECTION_ORDER.len()] = [
     LAYOUT_2, LAYOUT_2, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1,
-    LAYOUT_1,
+    LAYOUT_1, LAYOUT_1, LAYOUT_2,
 ];
 
 /// One entry of the section table, 32 bytes.

@@ -1,7 +1,7 @@
 //! The metadata section's bytes are those of SPEC 8, written here by hand.
 #![cfg(feature = "metadata")]
 
-use bdtree_format::{Metadata, ModeMetadata};
+use bdtree_format::{ErrorMetadata, Metadata, ModeMetadata};
 
 fn example() -> Metadata {
     Metadata {
@@ -13,10 +13,19 @@ fn example() -> Metadata {
         modes: vec![
             ModeMetadata {
                 name: Some("up".into()),
+                default_q: None,
             },
-            ModeMetadata { name: None },
+            ModeMetadata {
+                name: None,
+                default_q: Some(0.75),
+            },
         ],
-        basis_error_rel: Some((0.5, 0.25)),
+        basis_error_rel: Some(ErrorMetadata {
+            max: 0.5,
+            rms: 0.25,
+            frame: Some(258),
+            vertex: None,
+        }),
         warnings: vec!["w".into()],
     }
 }
@@ -45,9 +54,15 @@ fn by_hand() -> Vec<u8> {
     b.push(1);
     text(&mut b, "up");
     b.push(0);
+    b.push(0);
+    b.push(1);
+    b.extend([0, 0, 0, 0, 0, 0, 0xE8, 0x3F]);
     b.push(1);
     b.extend([0, 0, 0, 0, 0, 0, 0xE0, 0x3F]);
     b.extend([0, 0, 0, 0, 0, 0, 0xD0, 0x3F]);
+    b.push(1);
+    b.extend([2, 1, 0, 0, 0, 0, 0, 0]);
+    b.push(0);
     count(&mut b, 1);
     text(&mut b, "w");
     b

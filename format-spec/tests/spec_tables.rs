@@ -3,7 +3,7 @@
 
 use bdtree_format as fmt;
 use bdtree_format::{
-    GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, SectionKind, SectionRecord,
+    FrameRecord, GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, SectionKind, SectionRecord,
     TriangleRecord,
 };
 use core::mem::offset_of;
@@ -151,6 +151,12 @@ fn group_table_matches_struct() {
 }
 
 #[test]
+fn frame_table_matches_struct() {
+    let all = fields!(FrameRecord: time_s, rotation, translation);
+    check_record("FrameRecord", size_of::<FrameRecord>(), &all);
+}
+
+#[test]
 fn kinds_match_section_order() {
     use SectionKind as K;
     let rows = table_behind("### 4.2");
@@ -171,6 +177,8 @@ fn kinds_match_section_order() {
             "1",
             size_of::<[f32; 3]>(),
         ),
+        ("FRAMES", K::FRAMES, "0", size_of::<FrameRecord>()),
+        ("FRAME_Q", K::FRAME_Q, "0", size_of::<f32>()),
         ("GROUPS", K::GROUPS, "0", size_of::<GroupRecord>()),
         ("GROUP_NAMES", K::GROUP_NAMES, "0", 1),
         ("METADATA", K::METADATA, "0", 1),

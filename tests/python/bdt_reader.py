@@ -12,8 +12,8 @@ import zlib
 
 # kind: required, element bytes, layout (SPEC 4.2)
 KINDS = {b"NODE": (1, 32, 2), b"ROWS": (1, 32, 2), b"LIST": (1, 2, 1), b"TRIS": (1, 16, 1),
-         b"SLOT": (1, 4, 1), b"VERT": (1, 12, 1), b"DISP": (1, 12, 1), b"GRPS": (0, 20, 1),
-         b"GNAM": (0, 1, 1), b"META": (0, 1, 1)}
+         b"SLOT": (1, 4, 1), b"VERT": (1, 12, 1), b"DISP": (1, 12, 1), b"FRMS": (0, 64, 1),
+         b"FRMQ": (0, 4, 1), b"GRPS": (0, 20, 1), b"GNAM": (0, 1, 1), b"META": (0, 1, 2)}
 
 
 def check(holds, rule, what):
@@ -79,7 +79,8 @@ def read_sections(data, at, count, end):
     check(end == len(data), "3.4", "bytes behind the last section")
     check([k for k in found if k in KINDS] == [k for k in KINDS if k in found], "4.2", "order of kinds")
     check(all(k in found for k in KINDS if KINDS[k][0]), "4.2", "a required section is missing")
-    check((b"GRPS" in found) == (b"GNAM" in found), "4.2", "GRPS and GNAM")
+    for pair in ((b"GRPS", b"GNAM"), (b"FRMS", b"FRMQ")):
+        check((pair[0] in found) == (pair[1] in found), "4.2", "one section of a pair is missing")
     return found, table
 
 
@@ -137,8 +138,26 @@ def read_mesh(s, n, f):
         before, _ = first, name.decode("utf-8")
 
 
-def read_metadata(data, m):
-    """Source name, source hash and mode names."""
+def read_frames(s, limits):
+    """Number of frames and seconds from the first to the last."""
+    if b"FRMS" not in s:
+        return None, None
+    frames = list(struct.iter_unpack("<8d", s[b"FRMS"]))
+    q, m = floats(s[b"FRMQ"], "FRMQ"), len(limits)
+    check(frames and len(s[b"FRMS"]) % 64 == 0, "7.5", "FRMS")
+    check(len(q) == len(frames) * m, "4.3", "length of FRMQ")
+    times = [frame[0] for frame in frames]
+    known = any(time != -1 for time in times)
+    check(not known or all(0 <= a <= b < math.inf for a, b in zip([0.0] + times, times)), "7.5", "times")
+    for k, (_, x, y, z, w, *translation) in enumerate(frames):
+        check(abs(x * x + y * y + z * z + w * w - 1) <= 2.0 ** -20, "7.5", f"rotation of frame {k}")
+        check(all(abs(t) <= 2.0 ** 80 for t in translation), "7.5", f"translation of frame {k}")
+    check(all(abs(x) <= limits[i % m] for i, x in enumerate(q)), "7.5", "q of a frame is over its limit")
+    return len(frames), times[-1] - times[0] if known else None
+
+
+def read_metadata(data, n, m):
+    """Source name, source hash, error of the basis, name and default weight of each mode."""
     at = 0
 
     def take(n):
@@ -158,12 +177,21 @@ def read_metadata(data, m):
         check(tag < 2, "8", "a tag in META")
         return value() if tag else None
 
+    def number():
+        x = struct.unpack("<d", take(8))[0]
+        check(math.isfinite(x), "8", "a number in META")
+        return x
+
+    def error():
+        return dict(max=number(), rms=number(), frame=optional(count), vertex=optional(count))
+
     _builder, name, digest, _basis = text(), text(), take(32).hex(), text()
     _settings = [(text(), text()) for _ in range(count())]
-    names = [optional(text) for _ in range(count())]
-    _error, _warnings = optional(lambda: take(16)), [text() for _ in range(count())]
-    check(at == len(data) and len(names) == m, "8", "META")
-    return name, digest, names
+    modes = [(optional(text), optional(number)) for _ in range(count())]
+    error, _warnings = optional(error), [text() for _ in range(count())]
+    check(at == len(data) and len(modes) == m, "8", "META")
+    check(not error or min(error["max"], error["rms"]) >= 0 and (error["vertex"] or 0) < n, "8", "error")
+    return name, digest, error, modes
 
 
 def info(data):
@@ -174,14 +202,19 @@ def info(data):
     check(all(len(s[k]) % KINDS[k][1] == 0 for k in s if k in KINDS), "4.3", "length of a section")
     levels = read_tree(s, m, nodes, depth, leaf_max, f)
     read_mesh(s, n, f)
-    name, digest, names = read_metadata(s[b"META"], m) if b"META" in s else (None, None, [None] * m)
+    frames, duration = read_frames(s, [mode[0] for mode in modes])
+    name, digest, error, described = None, None, None, [(None, None)] * m
+    if b"META" in s:
+        name, digest, error, described = read_metadata(s[b"META"], n, m)
+    omegas = [mode[4] for mode in modes if mode[4] != -1]
     return dict(
         version=version, bytes=len(data), vertices=n, triangles=f, modes=m, nodes=nodes, depth=depth,
         origin=origin, q_limit=[short(q[0]) for q in modes], q_range=[short(q[1]) for q in modes],
-        source=dict(name=name, hash=digest), frames=None, sections=table,
+        source=dict(name=name, hash=digest), frames=frames, duration_s=duration, basis_error_rel=error,
+        highest_frequency_hz=max(omegas) / (2 * math.pi) if omegas else None, sections=table,
         mode_info=[dict(name=name, frequency_hz=None if mode[4] == -1 else mode[4] / (2 * math.pi),
-                        modal_mass_kg=None if mode[5] == -1 else mode[5])
-                   for name, mode in zip(names, modes)],
+                        modal_mass_kg=None if mode[5] == -1 else mode[5], default_q=default)
+                   for (name, default), mode in zip(described, modes)],
         levels=[dict(level=i, spheres=len(r), radius_mean=sum(r) / len(r) * unit, radius_max=max(r) * unit)
                 for i, r in enumerate(levels)])
 

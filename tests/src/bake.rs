@@ -1,13 +1,13 @@
 //! Baking in tests: default settings, aligned bytes.
 
-use bdtree_build::basis::{Basis, BasisMode};
+use bdtree_build::basis::{Animation, Basis, BasisMode, RigidMotion};
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::AlignedBytes;
 use rand::RngExt;
 
-use crate::poses::rng;
+use crate::poses::{random_transform, rng};
 
 /// The file of a mesh and a basis, default settings.
 ///
@@ -122,5 +122,31 @@ pub fn bumpy_sphere(n: u32, seed: u64) -> RawMesh {
         positions,
         triangles,
         ..RawMesh::default()
+    }
+}
+
+/// A basis with frames: random q within `share` of the modes' ranges, random turns and moves,
+/// times. The first frame is at rest.
+pub fn with_frames(basis: Basis, frame_count: usize, share: f64, seed: u64) -> Basis {
+    let mut rng = rng(seed);
+    let mode_count = basis.mode_count();
+    let mut q = vec![0.0; mode_count];
+    let mut motions = vec![RigidMotion::IDENTITY];
+    for _ in 1..frame_count {
+        q.extend((0..mode_count).map(|_| share * rng.random_range(-1.0..1.0)));
+        let place = random_transform(1.0, &mut rng);
+        motions.push(RigidMotion {
+            rotation: place.rotation,
+            translation: place.translation,
+        });
+    }
+    Basis {
+        animation: Some(Animation {
+            frame_count,
+            times_s: Some((0..frame_count).map(|k| 0.04 * k as f64).collect()),
+            q,
+            motions,
+        }),
+        ..basis
     }
 }

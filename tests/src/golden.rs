@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
 
-use bdtree_build::basis::{Basis, BasisMode};
+use bdtree_build::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
@@ -33,6 +33,7 @@ pub fn files() -> Vec<(String, Vec<u8>)> {
         ("sphere", sphere_with_groups()),
         ("sparse", sparse()),
         ("foreign", foreign()),
+        ("animated", animated()),
     ] {
         let answers = answers(&AlignedBytes::copy_of(&bytes));
         files.push((format!("{name}.bdt"), bytes));
@@ -114,6 +115,7 @@ fn basis(mesh: &RawMesh, fields: &[&dyn Fn([f64; 3]) -> [f64; 3]]) -> Basis {
                 omega_rad_s: (j == 1).then_some(12.5),
                 modal_mass_kg: (j == 1).then_some(0.25),
                 q_range: Some(0.5),
+                default_q: None,
             })
             .collect(),
         animation: None,
@@ -162,6 +164,47 @@ fn sparse() -> Vec<u8> {
         .map(|f| f as &dyn Fn([f64; 3]) -> [f64; 3])
         .collect();
     made(&mesh, &basis(&mesh, &fields), "given")
+}
+
+/// Four frames of two fields, turned and moved, with times, default weights and a stated error.
+fn animated() -> Vec<u8> {
+    let mesh = cube_sphere(2);
+    let mut basis = basis(
+        &mesh,
+        &[&|[x, _, z]| [z, 0.0, 0.5 * x], &|[x, y, z]| {
+            [0.2 * x * x, 0.2 * y * y, 0.2 * z * z]
+        }],
+    );
+    basis.modes[0].default_q = Some(0.125);
+    let motion = |rotation, translation| RigidMotion {
+        rotation,
+        translation,
+    };
+    basis.animation = Some(Animation {
+        frame_count: 4,
+        times_s: Some(vec![0.0, 0.25, 0.5, 2.0]),
+        // 300 is beyond the limit that the field alone would give.
+        q: vec![0.0, 0.0, 0.3, -0.7, -1.25, 1e-40, 300.0, 0.5],
+        motions: vec![
+            RigidMotion::IDENTITY,
+            motion([0.6, 0.0, 0.0, 0.8], [0.5, 0.0, 0.0]),
+            motion([0.5, -0.5, 0.5, 0.5], [0.0, -2.0, 0.25]),
+            motion([0.0, 0.48, 0.64, -0.6], [1e3, 0.0, -0.1]),
+        ],
+    });
+    let settings = BakeSettings {
+        basis_kind: "given".to_string(),
+        basis_error: Some(BasisError {
+            max_rel: 0.0625,
+            rms_rel: 0.01,
+            frame: Some(2),
+            vertex: 5,
+        }),
+        ..BakeSettings::default()
+    };
+    bake(&mesh, &basis, &settings, &[], &Silent)
+        .expect("bake")
+        .bytes
 }
 
 /// A file that the encoder never writes: an unknown optional section before all others, unknown
@@ -241,12 +284,9 @@ fn foreign() -> Vec<u8> {
     bytes
 }
 
-/// One JSON line per query; `f64` as the shortest decimals that read back equal.
-fn answers(bytes: &AlignedBytes) -> String {
-    let asset = Asset::open(bytes).expect("open");
-    let mut lines = String::new();
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
-    let mut pair_stack = vec![PairStackEntry::default(); asset.pair_stack_len(&asset)];
+/// Three steps with a q and a placement each, then the frames, as they are and placed.
+fn steps(asset: &Asset<'_>) -> Vec<(Vec<f32>, Transform)> {
+    let mut steps = Vec::new();
     for step in 0..3_i32 {
         let q: Vec<f32> = (0..asset.mode_count())
             .map(|j| step as f32 * if j % 2 == 0 { 0.25 } else { -0.125 })
@@ -256,6 +296,24 @@ fn answers(bytes: &AlignedBytes) -> String {
             translation: [f64::from(step), 0.0, -0.5],
             scale: 1.0 + 0.5 * f64::from(step),
         };
+        steps.push((q, place));
+    }
+    let place = steps[1].1;
+    for frame in (0..asset.frame_count()).filter_map(|k| asset.frame(k)) {
+        let placed = place.after(frame.transform()).expect("a placement");
+        steps.push((frame.q().to_vec(), frame.transform()));
+        steps.push((frame.q().to_vec(), placed));
+    }
+    steps
+}
+
+/// One JSON line per query; `f64` as the shortest decimals that read back equal.
+fn answers(bytes: &AlignedBytes) -> String {
+    let asset = Asset::open(bytes).expect("open");
+    let mut lines = String::new();
+    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let mut pair_stack = vec![PairStackEntry::default(); asset.pair_stack_len(&asset)];
+    for (step, (q, place)) in steps(&asset).into_iter().enumerate() {
         let mut memory = vec![0.0; asset.pose_len()];
         let mut memory2 = vec![0.0; asset.pose_len()];
         let pose = Pose::new(&asset, &q, place, &mut memory).expect("pose");

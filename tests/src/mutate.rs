@@ -155,6 +155,8 @@ fn change(bytes: &mut [u8], rng: &mut Pcg64Mcg) {
         SectionKind::TRIANGLE_SLOTS,
         SectionKind::POSITIONS,
         SectionKind::DISPLACEMENTS,
+        SectionKind::FRAMES,
+        SectionKind::FRAME_Q,
         SectionKind::GROUPS,
         SectionKind::GROUP_NAMES,
         SectionKind::METADATA,
@@ -194,7 +196,14 @@ fn change(bytes: &mut [u8], rng: &mut Pcg64Mcg) {
                 }
             }
         }
-        SectionKind::ROWS | SectionKind::POSITIONS | SectionKind::DISPLACEMENTS => {
+        SectionKind::FRAMES => {
+            let (_, _, at) = element(8, rng);
+            put(bytes, at, &f64::from(real(rng)).to_le_bytes());
+        }
+        SectionKind::ROWS
+        | SectionKind::POSITIONS
+        | SectionKind::DISPLACEMENTS
+        | SectionKind::FRAME_Q => {
             let (_, _, at) = element(4, rng);
             let value = real(rng).to_le_bytes();
             // One value, or a run: a whole row, a whole triangle.

@@ -61,7 +61,8 @@ fn queries_allocate_nothing() {
         "allocations are counted"
     );
     let mesh = bake::bumpy_sphere(12, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 4, 1));
+    let basis = bake::with_frames(bake::smooth_basis(&mesh, 4, 1), 3, 1.0, 1);
+    let bytes = bake::baked(&mesh, &basis);
     let mut stack = [StackEntry::default(); 256];
     let mut pair_stack = [PairStackEntry::default(); 1024];
     let mut contacts = [Contact::EMPTY; 512];
@@ -103,6 +104,11 @@ fn queries_allocate_nothing() {
         let mut out = [0.0; 4];
         add_generalized_force(&asset, &pose, id, [1.0, 0.0, 0.0], [1.0; 3], &mut out)
             .expect("force");
+        let frame = asset.frame(2).expect("a frame");
+        let placed = place.after(frame.transform()).expect("a placement");
+        let pose = Pose::new(&asset, frame.q(), placed, &mut memory).expect("pose");
+        let near = query::closest(&asset, &pose, point, f64::INFINITY, &mut stack).expect("near");
+        found += usize::from(near.hit.is_some());
         assert!(asset.verify(&mut |_| std::ops::ControlFlow::Break(())));
         found
     });

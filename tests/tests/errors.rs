@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 
 use bdtree_build::input::{GroupKind, RawGroup};
 use bdtree_format::{
-    GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, ROW_RADIUS, Row, SectionKind,
-    SectionRecord, TriangleRecord, mode_row,
+    FrameRecord, GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, ROW_RADIUS, Row,
+    SectionKind, SectionRecord, TriangleRecord, mode_row,
 };
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, FormatError, Pose, QueryError, StackEntry, Transform, TriangleId,
@@ -17,7 +17,8 @@ use bdtree_runtime::{
 use bdtree_tests::bake;
 use bdtree_tests::mutate::{get_f32, get_u32, put, record, repair, section, table};
 
-/// Several nodes, five local modes (so the header block ends with padding), groups, metadata.
+/// Several nodes, five local modes (so the header block ends with padding), frames, groups,
+/// metadata.
 static FILE: LazyLock<AlignedBytes> = LazyLock::new(|| {
     let mut mesh = bake::bumpy_sphere(14, 1);
     for name in ["a", "b"] {
@@ -35,7 +36,7 @@ static FILE: LazyLock<AlignedBytes> = LazyLock::new(|| {
             *u = [0.0; 3];
         }
     }
-    bake::baked(&mesh, &basis)
+    bake::baked(&mesh, &bake::with_frames(basis, 3, 1.0, 1))
 });
 
 /// Rules that no input reaches: they guard what earlier rules already ensure.
@@ -53,6 +54,7 @@ fn rules() -> BTreeSet<String> {
         include_str!("../../bdtree-runtime/src/open/sections.rs"),
         include_str!("../../bdtree-runtime/src/verify.rs"),
         include_str!("../../bdtree-runtime/src/verify/bounds.rs"),
+        include_str!("../../bdtree-runtime/src/verify/frames.rs"),
         include_str!("../../bdtree-runtime/src/verify/metadata.rs"),
         include_str!("../../bdtree-runtime/src/verify/mode_lists.rs"),
         include_str!("../../bdtree-runtime/src/traverse/mod.rs"),
@@ -121,6 +123,12 @@ fn node_count(bytes: &[u8]) -> usize {
 }
 
 fn u32_at(bytes: &mut [u8], at: usize, value: u32) {
+    put(bytes, at, &value.to_le_bytes());
+}
+
+/// Changes a number of a frame.
+fn frame(bytes: &mut [u8], k: usize, offset: usize, value: f64) {
+    let at = section(bytes, SectionKind::FRAMES).start + k * size_of::<FrameRecord>() + offset;
     put(bytes, at, &value.to_le_bytes());
 }
 
@@ -239,7 +247,9 @@ fn changes() -> Vec<Change> {
         Box::new(header(offset_of!(Header, header_bytes), 64)),
         Box::new(|b| b.truncate(130)),
         Box::new(|b| {
-            let at = table(b) + 10 * size_of::<SectionRecord>();
+            let count = get_u32(b, offset_of!(Header, section_count)) as usize;
+            let at = table(b) + count * size_of::<SectionRecord>();
+            assert!(at < get_u32(b, offset_of!(Header, header_bytes)) as usize);
             b[at] = 1;
         }),
         Box::new(header(offset_of!(Header, reserved), 1)),
@@ -299,6 +309,41 @@ fn changes() -> Vec<Change> {
             u32_at(b, at + offset_of!(SectionRecord, required), 0);
         }),
         Box::new(field(SectionKind::GROUP_NAMES, kind, name(b"GNAX"))),
+        Box::new(field(SectionKind::FRAMES, kind, name(b"FRMX"))),
+        Box::new(|b| {
+            // No frames: FRMS shrinks to nothing, and the rest of its place becomes a section that
+            // nobody knows.
+            let at = record(b, SectionKind::FRAMES);
+            let start = section(b, SectionKind::FRAMES).start;
+            let q = record(b, SectionKind::FRAME_Q);
+            put(
+                b,
+                at + offset_of!(SectionRecord, length),
+                &0_u64.to_le_bytes(),
+            );
+            put(
+                b,
+                q + offset_of!(SectionRecord, offset),
+                &(start as u64).to_le_bytes(),
+            );
+            let end = section(b, SectionKind::GROUPS).start;
+            let length = (end - start) as u64;
+            put(
+                b,
+                q + offset_of!(SectionRecord, length),
+                &length.to_le_bytes(),
+            );
+        }),
+        Box::new(field(
+            SectionKind::FRAME_Q,
+            offset_of!(SectionRecord, length),
+            56,
+        )),
+        Box::new(|b| frame(b, 2, offset_of!(FrameRecord, time_s), 0.01)),
+        Box::new(|b| frame(b, 1, offset_of!(FrameRecord, rotation), f64::NAN)),
+        Box::new(|b| frame(b, 1, offset_of!(FrameRecord, translation) + 8, 1e25)),
+        Box::new(body(SectionKind::FRAME_Q, 4, bits(f32::NAN))),
+        Box::new(body(SectionKind::FRAME_Q, 4, bits(-1e30))),
         Box::new(|b| {
             b.push(0);
             let length = (b.len() as u64).to_le_bytes();

@@ -45,7 +45,13 @@ fn golden_files_are_made_again_byte_for_byte() {
 
 #[test]
 fn golden_files_are_sound() {
-    for name in ["tetrahedron.bdt", "sphere.bdt", "sparse.bdt", "foreign.bdt"] {
+    for name in [
+        "tetrahedron.bdt",
+        "sphere.bdt",
+        "sparse.bdt",
+        "foreign.bdt",
+        "animated.bdt",
+    ] {
         let bytes = read(name);
         let asset = Asset::open(&bytes).expect("open");
         assert_sound(&asset, name);
@@ -57,6 +63,27 @@ fn golden_files_are_sound() {
     starts.sort_unstable();
     starts.dedup();
     assert!(starts.len() > 3, "the sparse fields give several lists");
+}
+
+#[test]
+fn a_golden_animation_has_its_frames() {
+    let bytes = read("animated.bdt");
+    let asset = Asset::open(&bytes).expect("open");
+    let times: Vec<Option<f64>> = (0..asset.frame_count())
+        .map(|k| asset.frame(k).expect("a frame").time_s())
+        .collect();
+    assert_eq!(times, [Some(0.0), Some(0.25), Some(0.5), Some(2.0)]);
+    let last = asset.frame(3).expect("a frame");
+    assert_eq!(last.q(), [300.0, 0.5]);
+    assert_eq!(last.transform().translation, [1e3, 0.0, -0.1]);
+    assert_eq!(asset.modes()[0].q_limit.get(), 512.0);
+    let metadata = Metadata::from_bytes(asset.metadata()).expect("metadata");
+    let error = metadata.basis_error_rel.expect("an error");
+    assert_eq!(
+        (error.max, error.frame, error.vertex),
+        (0.0625, Some(2), Some(5))
+    );
+    assert_eq!(metadata.modes[0].default_q, Some(0.125));
 }
 
 /// The asset of `sphere.bdt` in other, legal bytes gives the same answers.

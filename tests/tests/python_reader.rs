@@ -39,7 +39,7 @@ fn golden_files_are_read() {
         assert!(
             output
                 .stdout
-                .starts_with(b"{\"version\": \"0.2\", \"bytes\": ")
+                .starts_with(b"{\"version\": \"0.3\", \"bytes\": ")
         );
     }
 }

@@ -383,6 +383,7 @@ fn to_vertices(
             omega_rad_s: Some(mode.value.max(0.0).sqrt() * speed / size_m),
             modal_mass_kg: Some(cell_mass * factor * factor),
             q_range: None,
+            default_q: None,
         });
     }
     basis

@@ -45,6 +45,8 @@ pub struct BasisMode {
     pub modal_mass_kg: Option<f64>,
     /// Typical largest |q_j|; `None` lets the bake choose it.
     pub q_range: Option<f64>,
+    /// The source's default weight, if it has one: for the metadata only.
+    pub default_q: Option<f64>,
 }
 
 impl Basis {

@@ -67,6 +67,11 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
             SectionKind::TRIANGLE_SLOTS => slots.as_bytes(),
             SectionKind::POSITIONS => parts.shape.positions.as_bytes(),
             SectionKind::DISPLACEMENTS => parts.shape.displacements.as_bytes(),
+            SectionKind::FRAMES | SectionKind::FRAME_Q => match (&parts.shape.frames, kind) {
+                (None, _) => continue,
+                (Some(frames), SectionKind::FRAMES) => frames.records.as_bytes(),
+                (Some(frames), _) => frames.q.as_bytes(),
+            },
             SectionKind::GROUPS if !groups.is_empty() => groups.as_bytes(),
             SectionKind::GROUP_NAMES if !groups.is_empty() => names.as_bytes(),
             SectionKind::METADATA => &metadata,

@@ -81,6 +81,12 @@ pub(super) fn check_numbers(mesh: &RawMesh, basis: &Basis) -> Result<(), BakeErr
             let message = format!("modal mass {mass} kg is not a positive number");
             problems.add(format!("mode {j}"), message);
         }
+        if let Some(weight) = mode.default_q
+            && !weight.is_finite()
+        {
+            let message = format!("default weight {weight} is not finite");
+            problems.add(format!("mode {j}"), message);
+        }
         for (i, u) in basis.field(j).iter().enumerate() {
             if !u.iter().all(|x| x.is_finite()) {
                 let message = format!("displacement {u:?} is not finite");

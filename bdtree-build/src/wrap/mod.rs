@@ -3,6 +3,7 @@
 
 pub mod ball;
 mod check;
+pub mod frames;
 mod grid;
 mod growth;
 mod lane;

@@ -2,8 +2,11 @@
 //! (SPEC 5). Tree and bounds are made from these numbers and no others.
 
 use super::check::{Problems, check_counts, check_numbers};
+use super::frames::{Farthest, StoredFrames, place, store_frames};
 use super::round::{round_nearest, vector_norm_up};
-use super::units::{exponent, length, limit_exponent, origin, power, scale};
+use super::units::{
+    LIMIT_EXPONENTS, exponent, exponent_up, length, limit_exponent, origin, power, scale,
+};
 use crate::basis::Basis;
 use crate::error::BakeError;
 use crate::input::RawMesh;
@@ -51,6 +54,8 @@ pub struct StoredShape {
     pub displacements: Vec<[f32; 3]>,
     /// One per mode.
     pub limits: Vec<ModeLimits>,
+    /// The animation, if there is one; each q is within its limit.
+    pub frames: Option<StoredFrames>,
 }
 
 impl StoredShape {
@@ -99,7 +104,7 @@ impl StoredShape {
 /// # Errors
 /// No triangle, a corner without a vertex, a basis for another number of vertices, more than 512
 /// modes, counts over u32, numbers that are not finite or that f32 cannot hold, a range of q that
-/// is not positive: each with its vertex or mode.
+/// is not positive, an animation that cannot be stored: each with its vertex, mode or frame.
 pub fn store(
     mesh: &RawMesh,
     basis: &Basis,
@@ -107,6 +112,11 @@ pub fn store(
 ) -> Result<StoredShape, BakeError> {
     check_counts(mesh, basis)?;
     check_numbers(mesh, basis)?;
+    let frames = store_frames(basis)?;
+    let farthest = match &frames {
+        Some(frames) => frames.farthest(basis.mode_count()),
+        None => vec![None; basis.mode_count()],
+    };
     let (low, high) = bounds(&mesh.positions);
     let diagonal = length(std::array::from_fn(|k| high[k] - low[k]));
     if !diagonal.is_finite() {
@@ -121,6 +131,7 @@ pub fn store(
     let unit_exponent = unit_exponent(
         longest_position(&mesh.positions, relative),
         &longest,
+        &farthest,
         diagonal,
     );
     if unit_exponent.abs() > UNIT_EXPONENT_MAX
@@ -163,8 +174,9 @@ pub fn store(
         positions,
         displacements,
         limits: Vec::with_capacity(mode_count),
+        frames,
     };
-    add_limits(&mut shape, basis, &longest, warnings)?;
+    add_limits(&mut shape, basis, &longest, &farthest, warnings)?;
     Ok(shape)
 }
 
@@ -182,11 +194,20 @@ fn reference(diagonal: f64) -> f64 {
 }
 
 /// e: 0 where the reach allows it, else such that the diagonal is about one unit.
-fn unit_exponent(position_reach: f64, longest: &[f64], diagonal: f64) -> i32 {
+fn unit_exponent(
+    position_reach: f64,
+    longest: &[f64],
+    farthest: &[Option<Farthest>],
+    diagonal: f64,
+) -> i32 {
     let fields: f64 = longest
         .iter()
-        .filter(|&&w| w > 0.0)
-        .map(|&w| scale(w, limit_exponent(w, reference(diagonal))))
+        .zip(farthest)
+        .filter(|&(&w, _)| w > 0.0)
+        .map(|(&w, far)| {
+            let own = limit_exponent(w, reference(diagonal));
+            scale(w, far.map_or(own, |far| own.max(exponent_up(far.q))))
+        })
         .sum();
     let reach = position_reach + fields;
     // One power of two inside, for what rounding adds later.
@@ -199,10 +220,14 @@ fn unit_exponent(position_reach: f64, longest: &[f64], diagonal: f64) -> i32 {
 }
 
 /// q_limit, q_range and S of each mode from the stored fields.
+///
+/// A limit is raised for frames that go beyond it, since every frame is playable; never for a
+/// range, which is advisory: a larger limit makes the grids of all rows coarser.
 fn add_limits(
     shape: &mut StoredShape,
     basis: &Basis,
     longest: &[f64],
+    farthest: &[Option<Farthest>],
     warnings: &mut Vec<String>,
 ) -> Result<(), BakeError> {
     let mut problems = Problems::default();
@@ -220,6 +245,7 @@ fn add_limits(
         .fold(0.0, f32::max);
     let diagonal = scale(reference(shape.diagonal), -shape.unit_exponent);
     let mut reach = f64::from(position_norm);
+    let mut raised = Vec::new();
     for (j, mode) in basis.modes.iter().enumerate() {
         let norm = f64::from(norms[j]);
         if norm == 0.0 && longest[j] > 0.0 {
@@ -232,12 +258,30 @@ fn add_limits(
             problems.add(format!("mode {j}"), message.to_string());
             continue;
         }
-        let (limit, typical) = if norm > 0.0 {
+        let (mut limit, typical) = if norm > 0.0 {
             let limit = power(limit_exponent(norm, diagonal));
             (limit, RANGE_DIAGONALS * diagonal / norm)
         } else {
             (power(ZERO_LIMIT_EXPONENT), 1.0)
         };
+        if let Some(far) = farthest[j].filter(|far| far.q > limit) {
+            let exponent = exponent_up(far.q);
+            if exponent > LIMIT_EXPONENTS.1 {
+                let message = format!(
+                    "q {:e} is beyond the largest limit, 2^{}",
+                    far.q as f32, LIMIT_EXPONENTS.1
+                );
+                problems.add(place(far.frame, j), message);
+                continue;
+            }
+            warnings.push(format!(
+                "mode {j}: limit of q raised from {limit} to {} for frame {}",
+                power(exponent),
+                far.frame
+            ));
+            limit = power(exponent);
+            raised.push((j, far, norm));
+        }
         reach += norm * limit;
         let wanted = mode.q_range.unwrap_or(typical);
         if wanted > limit {
@@ -251,6 +295,16 @@ fn add_limits(
             q_range,
             step_scale: q_range,
         });
+    }
+    if reach > power(REACH_EXPONENTS.1) {
+        for (j, far, norm) in raised.into_iter().filter(|(_, _, norm)| *norm > 0.0) {
+            let diagonals = norm * far.q / diagonal;
+            let message = format!(
+                "q {:e} moves a vertex by {diagonals:.1e} box diagonals: too far for f32",
+                far.q as f32
+            );
+            problems.add(place(far.frame, j), message);
+        }
     }
     problems.into_result()?;
     if reach > power(REACH_EXPONENTS.1) || (reach > 0.0 && reach < power(REACH_EXPONENTS.0)) {

@@ -6,7 +6,7 @@
 const LIMIT_DIAGONALS: f64 = 100.0;
 
 /// Exponents of the least and the largest q_limit.
-const LIMIT_EXPONENTS: (i32, i32) = (-126, 120);
+pub(super) const LIMIT_EXPONENTS: (i32, i32) = (-126, 120);
 
 /// 2^e for e in −1022 ..= 1023.
 pub(super) fn power(e: i32) -> f64 {
@@ -25,6 +25,11 @@ pub(super) fn exponent(x: f64) -> i32 {
         return exponent(x * power(200)) - 200;
     }
     ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023
+}
+
+/// ⌈log₂ x⌉ for a normal x > 0.
+pub(super) fn exponent_up(x: f64) -> i32 {
+    exponent(x) + i32::from(power(exponent(x)) < x)
 }
 
 /// ‖v‖ without overflow or underflow on the way.

@@ -1,8 +1,8 @@
 //! The section table: order, places and lengths of sections, and their bytes as records.
 
 use bdtree_format::{
-    GroupRecord, Header, ModeRecord, NodeRecord, Row, SECTION_ALIGNMENT, SECTION_LAYOUTS,
-    SECTION_ORDER, SectionKind, SectionRecord, TriangleRecord,
+    FrameRecord, GroupRecord, Header, ModeRecord, NodeRecord, Row, SECTION_ALIGNMENT,
+    SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord, TriangleRecord,
 };
 use core::mem::{offset_of, size_of};
 use zerocopy::FromBytes;
@@ -96,12 +96,15 @@ pub(super) fn locate_sections(
         }
         let layout = SECTION_LAYOUTS[rank];
         if section.layout.get() != layout {
-            return Err(header_error(
-                at + offset_of!(SectionRecord, layout),
-                "SPEC 4.4: unknown layouts are refused",
-                layout,
-                section.layout.get(),
-            ));
+            return Err(FormatError {
+                section: section.kind,
+                ..header_error(
+                    at + offset_of!(SectionRecord, layout),
+                    "SPEC 4.4: unknown layouts are refused",
+                    layout,
+                    section.layout.get(),
+                )
+            });
         }
         check_length(header, section, at)?;
         located[rank] = Some((offset as usize, end as usize));
@@ -126,6 +129,7 @@ pub(super) fn locate_sections(
             "one of them",
         ));
     }
+    check_animation(header, sections, table)?;
     if end != bytes.len() as u64 {
         return Err(header_error(
             offset_of!(Header, file_bytes),
@@ -153,6 +157,7 @@ fn check_length(header: &Header, section: &SectionRecord, at: usize) -> Result<(
         SectionKind::TRIANGLE_SLOTS => (count(f, 4), 1),
         SectionKind::POSITIONS => (count(n, 12), 1),
         SectionKind::DISPLACEMENTS => (count(n, 12 * m as usize), 1),
+        SectionKind::FRAMES => (None, size_of::<FrameRecord>()),
         SectionKind::GROUPS => (None, size_of::<GroupRecord>()),
         _ => (None, 1),
     };
@@ -174,6 +179,52 @@ fn check_length(header: &Header, section: &SectionRecord, at: usize) -> Result<(
         }),
         _ => Ok(()),
     }
+}
+
+/// Both sections or none; at least one frame, and q for each frame and mode.
+fn check_animation(
+    header: &Header,
+    sections: &[SectionRecord],
+    table: usize,
+) -> Result<(), FormatError> {
+    let find = |kind| {
+        let (i, section) = sections.iter().enumerate().find(|(_, s)| s.kind == kind)?;
+        let at = table + i * size_of::<SectionRecord>() + offset_of!(SectionRecord, length);
+        Some((at, section.length.get()))
+    };
+    let (frames, q) = match (find(SectionKind::FRAMES), find(SectionKind::FRAME_Q)) {
+        (None, None) => return Ok(()),
+        (Some(frames), Some(q)) => (frames, q),
+        _ => {
+            return Err(header_error(
+                table,
+                "SPEC 4.2: FRMS and FRMQ are both there or both absent",
+                "both or none",
+                "one of them",
+            ));
+        }
+    };
+    let (at, length) = frames;
+    if length == 0 {
+        return Err(header_error(
+            at,
+            "SPEC 7.5: an animation has at least one frame",
+            size_of::<FrameRecord>(),
+            0_u32,
+        ));
+    }
+    let (at, found) = q;
+    let numbers = (length / size_of::<FrameRecord>() as u64) * 4;
+    let expected = numbers.saturating_mul(u64::from(header.mode_count.get()));
+    if found != expected {
+        return Err(header_error(
+            at,
+            "SPEC 4.3: FRMQ holds one number per frame and mode",
+            expected,
+            found,
+        ));
+    }
+    Ok(())
 }
 
 /// Offset and bytes of a section; empty when it is absent.

@@ -23,11 +23,12 @@ impl Asset<'_> {
             bytes: self.metadata,
             at: 0,
         };
-        if let Err((expected, found)) = reader.record(self.modes.len() as u64) {
+        let counts = (self.modes.len() as u64, self.positions.len() as u64);
+        if let Err((expected, found)) = reader.record(counts) {
             report(FormatError {
                 section: SectionKind::METADATA,
                 byte: self.section_offset(SectionKind::METADATA) + reader.at as u64,
-                rule: "SPEC 8: metadata is the record of layout 1",
+                rule: "SPEC 8: metadata is the record of layout 2",
                 expected: Datum::Text(expected),
                 found,
             })?;
@@ -45,7 +46,7 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn record(&mut self, mode_count: u64) -> Result<(), Broken> {
+    fn record(&mut self, (mode_count, vertex_count): (u64, u64)) -> Result<(), Broken> {
         self.text()?; // builder
         self.text()?; // source_name
         self.take(32)?; // source_hash
@@ -67,10 +68,12 @@ impl<'a> Reader<'a> {
             if self.present()? {
                 self.text()?;
             }
+            if self.present()? {
+                self.number()?;
+            }
         }
         if self.present()? {
-            self.number()?;
-            self.number()?;
+            self.error(vertex_count)?;
         }
         for _ in 0..self.length()? {
             self.text()?;
@@ -79,6 +82,26 @@ impl<'a> Reader<'a> {
             0 => Ok(()),
             more => Err(("the end of the section", Datum::Integer(more as u64))),
         }
+    }
+
+    /// basis_error_rel.
+    fn error(&mut self, vertex_count: u64) -> Result<(), Broken> {
+        for _ in 0..2 {
+            let x = self.number()?;
+            if x < 0.0 {
+                return Err(("an error that is not negative", Datum::Real(x)));
+            }
+        }
+        if self.present()? {
+            self.eight()?; // frame
+        }
+        if self.present()? {
+            let vertex = u64::from_le_bytes(self.eight()?);
+            if vertex >= vertex_count {
+                return Err(("a vertex of the file", Datum::Integer(vertex)));
+            }
+        }
+        Ok(())
     }
 
     fn take(&mut self, count: usize) -> Result<&'a [u8], Broken> {
@@ -120,9 +143,9 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn number(&mut self) -> Result<(), Broken> {
+    fn number(&mut self) -> Result<f64, Broken> {
         match f64::from_le_bytes(self.eight()?) {
-            x if x.is_finite() => Ok(()),
+            x if x.is_finite() => Ok(x),
             x => Err(("a finite number", Datum::Real(x))),
         }
     }

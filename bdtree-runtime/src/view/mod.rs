@@ -1,8 +1,8 @@
 //! The typed view of an opened file: one accessor per section, names as in `SPEC.md`.
 
 use bdtree_format::{
-    GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, ROWS_LEADING, ROWS_PER_MODE, Row,
-    SectionKind, SectionRecord, TriangleRecord, group_kind, row_count,
+    FrameRecord, GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, ROWS_LEADING,
+    ROWS_PER_MODE, Row, SectionKind, SectionRecord, TriangleRecord, group_kind, row_count,
 };
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -28,6 +28,8 @@ pub struct Asset<'a> {
     pub(crate) triangle_slots: &'a [u32],
     pub(crate) positions: &'a [[f32; 3]],
     pub(crate) displacements: &'a [[f32; 3]],
+    pub(crate) frames: &'a [FrameRecord],
+    pub(crate) frame_q: &'a [f32],
     pub(crate) groups: &'a [GroupRecord],
     pub(crate) group_names: &'a [u8],
     pub(crate) metadata: &'a [u8],

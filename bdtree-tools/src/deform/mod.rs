@@ -10,16 +10,18 @@ use bdtree_runtime::{Asset, Pose, Transform, TriangleId, VertexId};
 
 pub use crate::cli::DeformArguments as Arguments;
 use crate::error::ToolError;
+use crate::frames::frame_of;
 use crate::output::write_whole;
 pub use crate::q::QText;
 use crate::q::checked_q;
 use crate::{AssetFile, DONE};
 
-/// Writes origin + p' of every vertex (mesh units, f64, source order) to a file or `out`.
+/// Writes origin + p' of every vertex (mesh units, f64, source order) to a file or `out`; of a frame
+/// R (origin + p') + t.
 ///
 /// # Errors
-/// A file that cannot be read or breaks the format's rules, q that does not fit it, an output
-/// that cannot be written.
+/// A file that cannot be read or breaks the format's rules, q or a frame that does not fit it, an
+/// output that cannot be written.
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
     let target = match &arguments.output {
         None => None,
@@ -34,14 +36,16 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     };
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;
-    if arguments.frame.is_some() {
-        return Err(ToolError::input(
-            file.path().display(),
-            "--frame: has no animation",
-        ));
-    }
-    let q = arguments.q.as_ref().map(|q| q.0.as_slice());
-    let positions = deformed(&file, &asset, q)?;
+    let (q, transform) = shown(arguments, &file, &asset)?;
+    let option = if arguments.frame.is_some() {
+        "--frame"
+    } else {
+        "--q"
+    };
+    let mut memory = vec![0.0; asset.pose_len()];
+    let pose = Pose::new(&asset, &q, transform, &mut memory)
+        .map_err(|error| ToolError::input(option, error))?;
+    let positions = deformed(&file, &asset, &pose)?;
     match target {
         None => {
             let triangles = triangles(&file, &asset)?;
@@ -56,16 +60,19 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     Ok(DONE)
 }
 
-/// The deformed positions, one per vertex of the source (mesh units); q absent: at rest.
-///
-/// # Errors
-/// q that does not fit the asset, an asset that is corrupt.
-pub fn deformed(
+/// q and placement of what the arguments ask for: a frame with its rigid motion, or any q.
+fn shown(
+    arguments: &Arguments,
     file: &AssetFile,
     asset: &Asset<'_>,
-    q: Option<&[f64]>,
-) -> Result<Vec<[f64; 3]>, ToolError> {
+) -> Result<(Vec<f32>, Transform), ToolError> {
     let name = file.path().display().to_string();
+    if let Some(index) = arguments.frame {
+        let frame = frame_of(asset, &name, index)
+            .map_err(|message| ToolError::input("--frame", message))?;
+        return Ok((frame.q().to_vec(), frame.transform()));
+    }
+    let q = arguments.q.as_ref().map(|q| q.0.as_slice());
     let q = checked_q(q, asset, &name).map_err(|problems| {
         let line = |problem: crate::q::QProblem| match problem.mode {
             Some(mode) => format!("--q: q[{mode}]: {}", problem.message),
@@ -73,19 +80,28 @@ pub fn deformed(
         };
         ToolError::Input(problems.into_iter().map(line).collect())
     })?;
-    let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(asset, &q, Transform::IDENTITY, &mut memory)
-        .map_err(|error| ToolError::input("--q", error))?;
+    Ok((q, Transform::IDENTITY))
+}
+
+/// The deformed positions, one per vertex of the source.
+///
+/// # Errors
+/// An asset that is corrupt.
+pub fn deformed(
+    file: &AssetFile,
+    asset: &Asset<'_>,
+    pose: &Pose<'_>,
+) -> Result<Vec<[f64; 3]>, ToolError> {
     (0..asset.vertex_count() as u32)
         .map(|i| {
             let x = asset
-                .deformed(&pose, VertexId(i))
+                .deformed(pose, VertexId(i))
                 .map_err(|error| file.error(error))?;
             if x.iter().all(|c| c.is_finite()) {
                 Ok(x)
             } else {
                 let message = format!("vertex {i} is not finite: corrupt asset, run bdtree verify");
-                Err(ToolError::input(&name, message))
+                Err(ToolError::input(file.path().display(), message))
             }
         })
         .collect()

@@ -1,11 +1,13 @@
 //! `bdtree diff`: whether two files hold the same asset.
 //!
-//! Structure (counts, sections, tree, triangles, groups, names, settings) is compared exactly,
+//! Structure (counts, sections, tree, triangles, groups, frames, names, settings) is compared exactly,
 //! numbers within a tolerance relative to a scale. File length, offsets and checksums follow from
 //! the rest and are not compared; the builder's version does not count, so that a new builder
 //! that bakes the same is seen to do so.
 
 mod findings;
+mod frames;
+mod metadata;
 mod numbers;
 mod structure;
 
@@ -16,7 +18,7 @@ use std::io::Write;
 use crate::AssetFile;
 pub use crate::cli::DiffArguments as Arguments;
 use crate::error::ToolError;
-use crate::info::metadata;
+use crate::info;
 
 /// Exit code: nothing that counts differs.
 pub const SAME: u8 = 0;
@@ -44,8 +46,8 @@ pub fn compare(
     tolerance_rel: f64,
 ) -> Result<Findings, ToolError> {
     let (a, b) = (&file_a.asset()?, &file_b.asset()?);
-    let metadata_a = metadata(file_a, a)?;
-    let metadata_b = metadata(file_b, b)?;
+    let metadata_a = info::metadata(file_a, a)?;
+    let metadata_b = info::metadata(file_b, b)?;
     let mut findings = Findings::default();
     let comparable = structure::compare(a, b, &mut findings);
     numbers::compare_header(a, b, tolerance_rel, &mut findings);
@@ -70,17 +72,21 @@ pub fn compare(
     if comparable.modes {
         numbers::compare_displacements(a, b, tolerance_rel, &mut findings);
     }
+    if comparable.frames {
+        frames::compare(a, b, tolerance_rel, &mut findings);
+    }
     for (what, compared) in [
         ("rest positions", comparable.vertices),
         ("mode table and displacements", comparable.modes),
         ("rows", comparable.rows),
+        ("frames", comparable.frames),
     ] {
         if !compared {
             let note = format!("not compared, since the structure differs: {what}");
             findings.notes.push(note);
         }
     }
-    structure::compare_metadata(
+    metadata::compare(
         metadata_a.as_ref(),
         metadata_b.as_ref(),
         tolerance_rel,

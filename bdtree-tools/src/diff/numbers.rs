@@ -7,6 +7,8 @@
 //! | rest positions; sphere centres and radii | their largest |
 //! | U_ij; Ū_j and ΔR_j; b⁺_j and b⁻_j (the last two: beyond what their grids explain) | the largest of the mode |
 //! | δR; δR of scaled steps | their largest |
+//! | times and rotations of frames; q of a mode in all frames | their largest |
+//! | translations of frames | their largest and the size of the mesh |
 
 use bdtree_format::{Header, LANES, ModeRecord, ROW_RADIUS, ROWS_LEADING};
 use bdtree_runtime::{Asset, FormatError, NodeRows};
@@ -20,8 +22,7 @@ pub(super) fn compare_header(
     tolerance_rel: f64,
     findings: &mut Findings,
 ) {
-    let size = |asset: &Asset<'_>| f64::from(asset.header().position_norm_max.get()) * asset.unit();
-    let sizes = [size(a), size(b)];
+    let sizes = [mesh_size(a), mesh_size(b)];
     let scale = largest(a.origin().into_iter().chain(b.origin()).chain(sizes));
     let mut numbers = Numbers::new("header: origin".to_string(), tolerance_rel, scale);
     for (axis, (x, y)) in a.origin().into_iter().zip(b.origin()).enumerate() {
@@ -35,6 +36,11 @@ pub(super) fn compare_header(
     let mut numbers = Numbers::new(what, tolerance_rel, largest([x, y]));
     numbers.compare(x, y, || "stored units".to_string());
     numbers.finish(findings);
+}
+
+/// How far the mesh reaches from its origin (mesh units).
+pub(super) fn mesh_size(asset: &Asset<'_>) -> f64 {
+    f64::from(asset.header().position_norm_max.get()) * asset.unit()
 }
 
 /// Compares the mode tables. An unknown frequency or mass (−1) equals only an unknown one.

@@ -1,10 +1,9 @@
-//! What two files must share exactly: counts, sections, tree, triangles, groups, metadata.
+//! What two files must share exactly: counts, sections, tree, triangles, groups.
 
-use bdtree_format::{Metadata, NodeRecord, SECTION_ORDER, SectionKind};
+use bdtree_format::{NodeRecord, SECTION_ORDER, SectionKind};
 use bdtree_runtime::Asset;
 
-use super::findings::{Findings, Numbers, largest};
-use crate::info::hexadecimal;
+use super::findings::Findings;
 
 /// Which arrays have the same shape, so that their numbers can be compared.
 #[derive(Debug, Clone, Copy)]
@@ -15,6 +14,8 @@ pub(super) struct Comparable {
     pub(super) modes: bool,
     /// Rows: also the same nodes and mode lists.
     pub(super) rows: bool,
+    /// Frames: the same number of them and of modes.
+    pub(super) frames: bool,
 }
 
 /// Compares everything but numbers and metadata.
@@ -85,10 +86,13 @@ pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) -> 
         groups_b.len(),
     );
     findings.compare_records("section GRPS: groups", "group", &groups_a, &groups_b);
+    let (frames_a, frames_b) = (a.frame_count(), b.frame_count());
+    findings.compare("section FRMS: number of frames", frames_a, frames_b);
     Comparable {
         vertices: vertices && unit_a == unit_b,
         modes: vertices && modes && unit_a == unit_b,
         rows,
+        frames: modes && frames_a == frames_b,
     }
 }
 
@@ -136,54 +140,4 @@ fn mode_lists(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) -> bool {
     let (a, b) = (list(a), list(b));
     findings.compare("section LIST: length", a.len(), b.len());
     findings.compare_records("section LIST: mode lists", "entry", &a, &b) && a.len() == b.len()
-}
-
-/// Everything in the metadata but the builder's version, which is only noted.
-pub(super) fn compare_metadata(
-    a: Option<&Metadata>,
-    b: Option<&Metadata>,
-    tolerance_rel: f64,
-    findings: &mut Findings,
-) {
-    let (Some(a), Some(b)) = (a, b) else {
-        return; // the section tables differ, or there is none
-    };
-    if a.builder != b.builder {
-        let note = format!(
-            "builder (does not count): {:?} and {:?}",
-            a.builder, b.builder
-        );
-        findings.notes.push(note);
-    }
-    findings.compare("section META: source_name", &a.source_name, &b.source_name);
-    findings.compare(
-        "section META: source_hash",
-        hexadecimal(&a.source_hash),
-        hexadecimal(&b.source_hash),
-    );
-    findings.compare("section META: basis", &a.basis, &b.basis);
-    findings.compare("section META: settings", &a.settings, &b.settings);
-    findings.compare("section META: modes", &a.modes, &b.modes);
-    findings.compare(
-        "section META: number of warnings",
-        a.warnings.len(),
-        b.warnings.len(),
-    );
-    findings.compare_records(
-        "section META: warnings",
-        "warning",
-        &a.warnings,
-        &b.warnings,
-    );
-    match (a.basis_error_rel, b.basis_error_rel) {
-        (Some((max_a, rms_a)), Some((max_b, rms_b))) => {
-            let scale = largest([max_a, max_b]);
-            let what = "section META: basis_error_rel".to_string();
-            let mut numbers = Numbers::new(what, tolerance_rel, scale);
-            numbers.compare(max_a, max_b, || "max".to_string());
-            numbers.compare(rms_a, rms_b, || "rms".to_string());
-            numbers.finish(findings);
-        }
-        (a, b) => findings.compare("section META: basis_error_rel", a, b),
-    }
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::AssetFile;
 use crate::error::ToolError;
+use crate::frames::duration_s;
 
 /// What a file holds. Lengths are mesh units; unknown values are null.
 #[derive(Debug, Serialize)]
@@ -37,8 +38,12 @@ pub struct Info {
     pub source: Source,
     /// One entry per mode.
     pub mode_info: Vec<Mode>,
-    /// Number of animation frames.
-    pub frames: Option<u64>,
+    /// Number of animation frames; null when there is no animation.
+    pub frames: Option<usize>,
+    /// Seconds from the first frame to the last; null when the source does not say.
+    pub duration_s: Option<f64>,
+    /// Frequency where a modal basis ends: the largest that is known.
+    pub highest_frequency_hz: Option<f64>,
     /// The sections, in file order.
     pub sections: Vec<Section>,
     /// The tree's levels, from the root.
@@ -79,6 +84,8 @@ pub struct Mode {
     pub frequency_hz: Option<f64>,
     /// In kg.
     pub modal_mass_kg: Option<f64>,
+    /// The source's default weight.
+    pub default_q: Option<f64>,
 }
 
 /// A section's place.
@@ -112,6 +119,10 @@ pub struct BasisError {
     pub max: f64,
     /// Root mean square.
     pub rms: f64,
+    /// The source's frame that has the largest.
+    pub frame: Option<u64>,
+    /// The vertex that has the largest.
+    pub vertex: Option<u64>,
 }
 
 /// A run of triangles under one name.
@@ -138,7 +149,7 @@ impl Info {
         let metadata = metadata.as_ref();
         let header = asset.header();
         let known = |x: f64| (x != -1.0).then_some(x);
-        let mode_name = |j: usize| metadata?.modes.get(j)?.name.clone();
+        let described = |j: usize| metadata?.modes.get(j);
         Ok(Self {
             version: format!(
                 "{}.{}",
@@ -163,12 +174,20 @@ impl Info {
                 .iter()
                 .enumerate()
                 .map(|(j, mode)| Mode {
-                    name: mode_name(j),
+                    name: described(j).and_then(|m| m.name.clone()),
                     frequency_hz: known(mode.omega_rad_s.get()).map(|omega| omega / TAU),
                     modal_mass_kg: known(mode.modal_mass_kg.get()),
+                    default_q: described(j).and_then(|m| m.default_q),
                 })
                 .collect(),
-            frames: None,
+            frames: Some(asset.frame_count()).filter(|count| *count > 0),
+            duration_s: duration_s(&asset),
+            highest_frequency_hz: asset
+                .modes()
+                .iter()
+                .filter_map(|mode| known(mode.omega_rad_s.get()))
+                .reduce(f64::max)
+                .map(|omega| omega / TAU),
             sections: asset
                 .sections()
                 .iter()
@@ -185,7 +204,12 @@ impl Info {
             basis: metadata.map(|m| m.basis.clone()),
             basis_error_rel: metadata
                 .and_then(|m| m.basis_error_rel)
-                .map(|(max, rms)| BasisError { max, rms }),
+                .map(|error| BasisError {
+                    max: error.max,
+                    rms: error.rms,
+                    frame: error.frame,
+                    vertex: error.vertex,
+                }),
             settings: metadata.map(|m| m.settings.clone()),
             warnings: metadata.map(|m| m.warnings.clone()),
             groups: asset

@@ -32,13 +32,33 @@ pub(super) fn text(path: &Path, info: &Info) -> String {
     let basis = info.basis.as_deref().map_or_else(unknown, printable);
     fact("basis", format!("{basis}, {}", counted(info.modes, "mode")));
     if let Some(error) = &info.basis_error_rel {
+        let places = [("frame", error.frame), ("vertex", error.vertex)];
+        let place: Vec<String> = places
+            .iter()
+            .filter_map(|(what, place)| Some(format!("{what} {}", (*place)?)))
+            .collect();
+        let place = match place.as_slice() {
+            [] => String::new(),
+            place => format!(" ({})", place.join(", ")),
+        };
         fact(
             "basis error",
             format!(
-                "largest {}, rms {} (over the diagonal)",
-                error.max, error.rms
+                "largest {}{place}, rms {}, over the diagonal",
+                Shortest(error.max),
+                Shortest(error.rms)
             ),
         );
+    }
+    if let Some(highest) = info.highest_frequency_hz {
+        fact("basis ends", format!("at {} Hz", Shortest(highest)));
+    }
+    if let Some(frames) = info.frames {
+        let time = match info.duration_s {
+            Some(seconds) => format!("{} s", Shortest(seconds)),
+            None => "times unknown".to_string(),
+        };
+        fact("animation", format!("{}, {time}", counted(frames, "frame")));
     }
     fact(
         "tree",
@@ -100,6 +120,7 @@ fn modes(text: &mut String, info: &Info) {
         "name",
         "frequency [Hz]",
         "modal mass [kg]",
+        "default q",
         "q_range",
         "q_limit",
     ])];
@@ -109,6 +130,7 @@ fn modes(text: &mut String, info: &Info) {
             mode.name.as_deref().map_or("-".to_string(), printable),
             optional(mode.frequency_hz),
             optional(mode.modal_mass_kg),
+            optional(mode.default_q),
             info.q_range[j].to_string(),
             info.q_limit[j].to_string(),
         ]);

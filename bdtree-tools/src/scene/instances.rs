@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
-use bdtree_runtime::Transform;
+use bdtree_runtime::{Asset, Transform};
 
 use super::fields::{At, Fields, Problems};
+use super::shown::read_shown;
 use crate::asset_file::AssetFile;
-use crate::q::checked_q;
 
 /// A placed, deformed asset.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +18,9 @@ pub struct Instance {
     pub asset: usize,
     /// One number per mode.
     pub q: Vec<f32>,
-    /// Where it stands.
+    /// The frame of the asset's animation that q is of, if it is one.
+    pub frame: Option<u64>,
+    /// Where it stands; a frame's rigid motion is part of it.
     pub transform: Transform,
 }
 
@@ -41,6 +43,11 @@ impl Assets {
             known: HashMap::new(),
             files: Vec::new(),
         }
+    }
+
+    /// An opened asset.
+    pub(super) fn asset(&self, index: usize) -> Option<Asset<'_>> {
+        self.files.get(index)?.open().ok()
     }
 
     /// The opened files.
@@ -146,7 +153,15 @@ pub(super) fn read_instances(
     let mut instances = Vec::new();
     let mut names = Names::default();
     for item in at.items(problems).unwrap_or_default() {
-        let known = ["name", "asset", "q", "rotation", "translation", "scale"];
+        let known = [
+            "name",
+            "asset",
+            "q",
+            "frame",
+            "rotation",
+            "translation",
+            "scale",
+        ];
         let Some(fields) = item.fields(&known, problems) else {
             continue;
         };
@@ -180,41 +195,25 @@ fn read_instance(
 ) -> Option<Instance> {
     let path = fields.text("asset", problems);
     let asset = path.and_then(|path| assets.open(path, &fields.place("asset"), problems));
-    let q = read_q(fields, asset.zip(path), assets, problems);
-    let transform = read_transform(fields, problems);
-    Some(Instance {
-        name: name.to_string(),
-        asset: asset?,
-        q: q?,
-        transform: transform?,
-    })
-}
-
-fn read_q(
-    fields: &Fields<'_>,
-    asset: Option<(usize, &str)>,
-    assets: &Assets,
-    problems: &mut Problems,
-) -> Option<Vec<f32>> {
-    let q = match fields.optional("q") {
-        Some(at) => Some(at.numbers(problems)?),
-        None => None,
-    };
-    let (index, path) = asset?;
-    let asset = assets.files.get(index)?.open().ok()?;
-    match checked_q(q.as_deref(), &asset, path) {
-        Ok(q) => Some(q),
-        Err(found) => {
-            let place = fields.place("q");
-            for problem in found {
-                match problem.mode {
-                    Some(mode) => problems.add(&format!("{place}[{mode}]"), problem.message),
-                    None => problems.add(&place, problem.message),
-                }
+    let shown = read_shown(fields, asset.zip(path), assets, problems);
+    let place = read_transform(fields, problems);
+    let (asset, shown, mut transform) = (asset?, shown?, place?);
+    if let Some((_, motion)) = shown.frame {
+        match transform.after(motion) {
+            Ok(both) => transform = both,
+            Err(error) => {
+                problems.add(&fields.place("frame"), error);
+                return None;
             }
-            None
         }
     }
+    Some(Instance {
+        name: name.to_string(),
+        asset,
+        q: shown.q,
+        frame: shown.frame.map(|(number, _)| number),
+        transform,
+    })
 }
 
 /// The placement, by the rules of [`Transform`].

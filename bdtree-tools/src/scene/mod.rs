@@ -7,6 +7,7 @@ mod fields;
 mod instances;
 mod json;
 mod queries;
+mod shown;
 
 pub use instances::Instance;
 pub use queries::Query;
@@ -98,6 +99,7 @@ impl Scene {
                 PoseError::Rotation => ".rotation",
                 PoseError::Translation => ".translation",
                 PoseError::Scale => ".scale",
+                _ if instance.frame.is_some() => ".frame",
                 _ => ".q",
             };
             let place = format!("{}: instances[{index}]{field}", self.source);

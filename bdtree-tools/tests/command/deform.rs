@@ -111,8 +111,8 @@ fn bad_input_is_placed() {
             "--q: q[0]: not a finite number\n--q: q[2]: not a finite number\n",
         ),
         (
-            &["a.bdt", "--frame", "0.5"],
-            "a.bdt: --frame: has no animation\n",
+            &["a.bdt", "--frame", "0"],
+            "--frame: asset a.bdt has no animation\n",
         ),
         (
             &["a.bdt", "-o", "out.stl"],

@@ -5,7 +5,9 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 
-use crate::support::{Folder, ball_mesh};
+use bdtree_build::basis::BasisError;
+
+use crate::support::{Folder, animated, baked_with_error, ball_mesh};
 
 #[test]
 fn json_has_every_field() {
@@ -13,7 +15,7 @@ fn json_has_every_field() {
     let info = folder.json(&["info", "a.bdt", "--json"]);
     let bytes = folder.read("a.bdt");
     let mesh = ball_mesh();
-    assert_eq!(info["version"], "0.2");
+    assert_eq!(info["version"], "0.3");
     assert_eq!(info["bytes"], bytes.len());
     assert_eq!(info["vertices"], mesh.positions.len());
     assert_eq!(info["triangles"], mesh.triangles.len());
@@ -30,11 +32,12 @@ fn json_has_every_field() {
     let modes = info["mode_info"].as_array().unwrap();
     assert_eq!(
         modes[0],
-        json!({"name": "stretch", "frequency_hz": 12.5 / std::f64::consts::TAU, "modal_mass_kg": 3.25})
+        json!({"name": "stretch", "frequency_hz": 12.5 / std::f64::consts::TAU, "modal_mass_kg": 3.25,
+               "default_q": null})
     );
     assert_eq!(
         modes[1],
-        json!({"name": null, "frequency_hz": null, "modal_mass_kg": null})
+        json!({"name": null, "frequency_hz": null, "modal_mass_kg": null, "default_q": null})
     );
     assert_eq!(modes.len(), 3);
     assert_eq!(info.get("frames"), Some(&Value::Null));
@@ -126,7 +129,16 @@ fn another_reader_agrees() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let folder = Folder::new();
     let example = root.join("format-spec/tests/example.bdt");
-    let files = [folder.path("a.bdt"), folder.path("rigid.bdt"), example];
+    let (mesh, basis) = (ball_mesh(), animated(&ball_mesh()));
+    let error = BasisError {
+        max_rel: 0.0125,
+        rms_rel: 0.002,
+        frame: Some(2),
+        vertex: 17,
+    };
+    folder.write("moving.bdt", baked_with_error(&mesh, &basis, Some(error)));
+    let files = ["a.bdt", "rigid.bdt", "moving.bdt"].map(|name| folder.path(name));
+    let files = files.into_iter().chain([example]);
     for file in files {
         let file = file.to_str().expect("UTF-8");
         let ours = folder.json(&["info", file, "--json"]);

@@ -2,6 +2,7 @@
 
 mod deform;
 mod diff;
+mod frames;
 mod hostile;
 mod info;
 mod oracle;

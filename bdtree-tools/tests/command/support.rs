@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use bdtree_build::basis::{Basis, BasisMode};
+use bdtree_build::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
@@ -117,7 +117,16 @@ pub(crate) fn positions_of_npy(bytes: &[u8]) -> Vec<[f64; 3]> {
 }
 
 pub(crate) fn baked(mesh: &RawMesh, basis: &Basis) -> Vec<u8> {
+    baked_with_error(mesh, basis, None)
+}
+
+pub(crate) fn baked_with_error(
+    mesh: &RawMesh,
+    basis: &Basis,
+    basis_error: Option<BasisError>,
+) -> Vec<u8> {
     let settings = BakeSettings {
+        basis_error,
         leaf_size: Some(4),
         metadata: BTreeMap::from([("modes".to_string(), "3".to_string())]),
         ..BakeSettings::default()
@@ -188,6 +197,7 @@ pub(crate) fn basis(mesh: &RawMesh) -> Basis {
         omega_rad_s,
         modal_mass_kg,
         q_range: Some(2.0),
+        default_q: None,
     };
     Basis {
         vertex_count: mesh.positions.len(),
@@ -202,4 +212,28 @@ pub(crate) fn basis(mesh: &RawMesh) -> Basis {
         ],
         animation: None,
     }
+}
+
+/// q of [`animated`]'s frames.
+pub(crate) const FRAME_Q: [[f64; 3]; 3] = [[0.0; 3], [0.5, -0.25, 1.0], [-1.5, 0.75, 0.125]];
+
+/// [`basis`] in three frames: at rest, turned about x, turned about all axes and moved.
+pub(crate) fn animated(mesh: &RawMesh) -> Basis {
+    let motion = |rotation, translation| RigidMotion {
+        rotation,
+        translation,
+    };
+    let mut basis = basis(mesh);
+    basis.modes[2].default_q = Some(0.75);
+    basis.animation = Some(Animation {
+        frame_count: 3,
+        times_s: Some(vec![0.5, 0.75, 2.5]),
+        q: FRAME_Q.as_flattened().to_vec(),
+        motions: vec![
+            RigidMotion::IDENTITY,
+            motion([0.6, 0.0, 0.0, 0.8], [0.0; 3]),
+            motion([0.5, -0.5, 0.5, 0.5], [3.0, -1.0, 0.25]),
+        ],
+    });
+    basis
 }

@@ -11,7 +11,10 @@ fn help_shows_defaults_and_units() {
         ("info", &["mesh units"][..]),
         ("verify", &["1000"]),
         ("diff", &["[default: 0]", "0 or more"]),
-        ("deform", &["[default: zeros]", "mesh units", "in seconds"]),
+        (
+            "deform",
+            &["[default: zeros]", "mesh units", "counted from 0"],
+        ),
         ("query", &["world"]),
     ] {
         let ran = folder.run(&[command, "--help"]);
