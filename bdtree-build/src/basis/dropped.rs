@@ -59,7 +59,9 @@ pub fn keep_fields(
     let whole = basis.vertex_count.checked_mul(count);
     if basis.vertex_count != mesh.positions.len() || whole != Some(basis.fields.len()) {
         let (found, vertices) = (basis.fields.len(), mesh.positions.len());
-        return fail(format!("{found} displacements of {count} fields for {vertices} vertices"));
+        return fail(format!(
+            "{found} displacements of {count} fields for {vertices} vertices"
+        ));
     }
     let source = Source::new(mesh, &basis);
     match keep {
