@@ -6,6 +6,7 @@ pub mod collisions;
 pub mod compare;
 pub mod corpus;
 pub mod fixtures;
+pub mod gltf_twin;
 pub mod golden;
 pub mod mutate;
 pub mod oracle;

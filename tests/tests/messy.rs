@@ -190,10 +190,8 @@ fn other_messy_formats_are_refused_with_what_is_read() {
     let Some(folder) = corpus("messy") else {
         return;
     };
-    let formats = ["gltf", "glb", "pc2", "mdd"];
-    let others = files(&folder)
-        .into_iter()
-        .chain(files(&folder.join("gltf")));
+    let formats = ["pc2", "mdd"];
+    let others = files(&folder).into_iter();
     let mut count = 0;
     for path in others.filter(|p| {
         p.extension()
@@ -201,7 +199,7 @@ fn other_messy_formats_are_refused_with_what_is_read() {
     }) {
         let error = read_mesh(&path).unwrap_err().to_string();
         assert!(
-            error.contains("not supported yet (read now: .obj, .obj.gz)"),
+            error.contains("not supported yet (read now: .obj, .obj.gz"),
             "{error}"
         );
         count += 1;

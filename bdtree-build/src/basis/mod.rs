@@ -1,8 +1,10 @@
 //! Displacement fields: where `U` comes from.
 
 pub mod animation;
+pub mod dropped;
 pub mod elastic;
 pub mod given;
+pub mod morph;
 
 pub use animation::{Animation, RigidMotion};
 

@@ -8,25 +8,33 @@ use std::path::Path;
 use flate2::bufread::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
-use super::{RawMesh, obj};
+use super::{RawMesh, gltf, obj};
 use crate::error::BakeError;
 
 /// What every refusal of a format ends with.
-const SUPPORTED: &str = "read now: .obj, .obj.gz";
+const SUPPORTED: &str = "read now: .obj, .obj.gz, .gltf, .glb";
 
 /// Extensions of formats that are known but not read yet.
-const LATER: [&str; 13] = [
-    "gltf", "glb", "ply", "stl", "off", "veg", "vtk", "msh", "pc2", "mdd", "abc", "fbx", "dae",
+const LATER: [&str; 11] = [
+    "ply", "stl", "off", "veg", "vtk", "msh", "pc2", "mdd", "abc", "fbx", "dae",
 ];
 
-/// The mesh at `path`, chosen by extension (any case): `.obj` or `.obj.gz`.
+/// A format by its extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Obj,
+    Gltf,
+}
+
+/// The mesh at `path`, chosen by extension (any case): `.obj`, `.obj.gz`, `.gltf` or `.glb`.
 ///
 /// Compression is recognised by content, so a compressed `.obj` and a plain `.obj.gz` are read
 /// too. The whole file is held in memory while it is read.
 ///
 /// # Errors
 /// A path that cannot be read, a format that is not read, damaged compression, and every problem
-/// of the OBJ text (see [`obj::parse`]), each with the path as given and the line.
+/// of the OBJ text (see [`obj::parse`]) or the glTF file (see [`gltf::read_gltf`]), each with the
+/// path as given and the line or the JSON path.
 pub fn read_mesh(path: &Path) -> Result<RawMesh, BakeError> {
     let place = path.display().to_string();
     let meta = fs::metadata(path).map_err(|e| unreadable(&place, &e))?;
@@ -37,7 +45,9 @@ pub fn read_mesh(path: &Path) -> Result<RawMesh, BakeError> {
             format!("is a folder, not a mesh file ({SUPPORTED})"),
         ));
     }
-    check_format(path, &place)?;
+    if format(path, &place)? == Format::Gltf {
+        return gltf::read_gltf(path, None).map(|model| model.mesh);
+    }
     let bytes = fs::read(path).map_err(|e| unreadable(&place, &e))?;
     let text = decompress(&bytes, &place)?;
     let mut mesh = obj::parse(&text, &place)?;
@@ -53,8 +63,8 @@ fn unreadable(place: &str, error: &std::io::Error) -> BakeError {
     BakeError::one("input", place, format!("cannot be read: {error}"))
 }
 
-/// Refuses every extension but `.obj` and `.obj.gz`.
-fn check_format(path: &Path, place: &str) -> Result<(), BakeError> {
+/// What the extension says; only OBJ text is read compressed.
+fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
     let name = path
         .file_name()
         .map(|name| name.to_string_lossy().to_lowercase())
@@ -68,10 +78,12 @@ fn check_format(path: &Path, place: &str) -> Result<(), BakeError> {
         ));
     };
     let message = match extension {
-        "obj" => return Ok(()),
+        "obj" => return Ok(Format::Obj),
+        "gltf" | "glb" if inner == name => return Ok(Format::Gltf),
         known if LATER.contains(&known) => {
             format!(".{known} files are not supported yet ({SUPPORTED})")
         }
+        "gltf" | "glb" => format!("compressed .{extension} files are not read ({SUPPORTED})"),
         other => format!("unknown mesh format .{other} ({SUPPORTED})"),
     };
     Err(BakeError::one("input", place, message))

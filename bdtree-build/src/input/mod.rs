@@ -1,16 +1,20 @@
 //! Reading what a studio has: meshes and given fields, into `Raw*` types.
 //!
-//! [`read_mesh`] is the door for meshes. Vertices keep the source's order, used or not, and a
+//! [`read_mesh`] is the door for meshes, [`gltf::read_gltf`] that for meshes with morph targets. Vertices keep the source's order, used or not, and a
 //! triangle's index is its id, so that fields made elsewhere fit. Everything odd but usable becomes
 //! a warning; everything else an error that names file and line, all of them at once.
 
+pub mod gltf;
 pub mod npy;
 pub mod obj;
 pub mod volume;
 
+mod flat;
 mod load;
+mod morphs;
 
 pub use load::read_mesh;
+pub use morphs::{RawClip, RawModel, RawMorphs, RawTarget};
 
 /// A triangle mesh in the source's own coordinates and order.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -45,10 +49,10 @@ pub struct RawGroup {
 /// Which statement of the source named a group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GroupKind {
-    /// OBJ `o`.
+    /// OBJ `o`; a glTF node.
     Object,
-    /// OBJ `g`.
+    /// OBJ `g`; a glTF primitive.
     Group,
-    /// OBJ `usemtl`.
+    /// OBJ `usemtl`; a glTF material.
     Material,
 }

@@ -1,0 +1,266 @@
+//! Fields that a basis does without, and what that costs.
+
+use std::borrow::Cow;
+use std::cmp::Reverse;
+
+use super::{Animation, Basis, BasisError};
+use crate::error::BakeError;
+use crate::input::RawMesh;
+use crate::wrap::{self, StoredShape};
+
+/// A field without a range of its own moves its farthest vertex by this share of the box diagonal,
+/// as [`wrap::store`] has it.
+const RANGE_DIAGONALS: f64 = 0.05;
+
+/// Which fields of a basis to keep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Keep {
+    /// All.
+    All,
+    /// The first so many.
+    First(usize),
+    /// As few as keep the error, over the box diagonal, at most at this.
+    Auto {
+        /// Largest distance over the box diagonal, 0 or more.
+        max_error_rel: f64,
+    },
+}
+
+/// A basis with some fields left out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kept {
+    /// The fields that are left, in their old order, and their q over time.
+    pub basis: Basis,
+    /// The old number of each field, ascending.
+    pub fields: Vec<usize>,
+    /// How far the stored basis can be from all fields while each |q_j| stays within its range: per
+    /// vertex the sum over the fields of range × distance, left-out fields counting in full.
+    pub error: BasisError,
+}
+
+/// `basis` with the fields that `keep` says. The error counts rounding to f32 too.
+///
+/// A field's reach is its range times its longest displacement; its range is
+/// [`BasisMode::q_range`](super::BasisMode), else what moves its farthest vertex by 5 % of the
+/// diagonal. `Auto` drops fields in the order of their reach, the smallest first, as many as the
+/// error allows; zero fields cost nothing and go.
+///
+/// # Errors
+/// More fields asked for than there are, an error limit that is no number of at least 0, and what
+/// [`wrap::store`] refuses.
+pub fn keep_fields(
+    mesh: &RawMesh,
+    basis: Basis,
+    keep: Keep,
+    warnings: &mut Vec<String>,
+) -> Result<Kept, BakeError> {
+    let count = basis.mode_count();
+    let fail = |message| Err(BakeError::one("basis", mesh.name.as_str(), message));
+    let whole = basis.vertex_count.checked_mul(count);
+    if basis.vertex_count != mesh.positions.len() || whole != Some(basis.fields.len()) {
+        let (found, vertices) = (basis.fields.len(), mesh.positions.len());
+        return fail(format!(
+            "{found} displacements of {count} fields for {vertices} vertices"
+        ));
+    }
+    let source = Source::new(mesh, &basis);
+    match keep {
+        Keep::All => source.keep(Cow::Owned(basis), &vec![true; count]),
+        Keep::First(wanted) if wanted > count => fail(format!(
+            "{wanted} modes asked for, but there are {count} fields"
+        )),
+        Keep::First(wanted) => {
+            let is_kept: Vec<bool> = (0..count).map(|j| j < wanted).collect();
+            source.keep(Cow::Owned(basis), &is_kept)
+        }
+        Keep::Auto {
+            max_error_rel: limit,
+        } if !(limit >= 0.0 && limit.is_finite()) => fail(format!(
+            "an error limit of {limit} is not a number of at least 0"
+        )),
+        Keep::Auto {
+            max_error_rel: limit,
+        } => {
+            let (order, worst) = source.drop_order(&basis);
+            let fits = |w: &f64| *w <= limit * source.diagonal;
+            let mut dropped = worst.partition_point(fits).saturating_sub(1);
+            loop {
+                let mut is_kept = vec![true; count];
+                for &j in &order[..dropped] {
+                    is_kept[j] = false;
+                }
+                let kept = source.keep(Cow::Borrowed(&basis), &is_kept)?;
+                if kept.error.max_rel <= limit || worst[dropped] == 0.0 {
+                    if kept.error.max_rel > limit {
+                        let rounding = kept.error.max_rel;
+                        warnings.push(format!(
+                            "the error limit {limit} is below what rounding to f32 costs, {rounding}"
+                        ));
+                    }
+                    return Ok(kept);
+                }
+                // Rounding takes the rest: do with fewer.
+                dropped = worst
+                    .partition_point(|&w| w < worst[dropped])
+                    .saturating_sub(1);
+            }
+        }
+    }
+}
+
+/// All fields, with what their errors are measured by.
+struct Source<'a> {
+    mesh: &'a RawMesh,
+    /// Diagonal of the box around the rest positions; 1 for a point.
+    diagonal: f64,
+    /// Range of |q_j| per field; 0 for zero fields without one.
+    ranges: Vec<f64>,
+}
+
+impl<'a> Source<'a> {
+    fn new(mesh: &'a RawMesh, basis: &Basis) -> Self {
+        let diagonal = diagonal(&mesh.positions);
+        let ranges = (0..basis.mode_count())
+            .map(|j| {
+                let longest = basis
+                    .field(j)
+                    .iter()
+                    .map(|&u| length(u))
+                    .fold(0.0, f64::max);
+                let typical = if longest > 0.0 {
+                    RANGE_DIAGONALS * diagonal / longest
+                } else {
+                    0.0
+                };
+                basis.modes[j].q_range.unwrap_or(typical)
+            })
+            .collect();
+        Self {
+            mesh,
+            diagonal,
+            ranges,
+        }
+    }
+
+    /// The fields by ascending reach (of equal ones the last first), and after each count of
+    /// dropped ones how far a vertex can be off.
+    fn drop_order(&self, basis: &Basis) -> (Vec<usize>, Vec<f64>) {
+        let reach = |j: usize| {
+            let longest = basis
+                .field(j)
+                .iter()
+                .map(|&u| length(u))
+                .fold(0.0, f64::max);
+            self.ranges[j] * longest
+        };
+        let mut order: Vec<(f64, Reverse<usize>)> = (0..basis.mode_count())
+            .map(|j| (reach(j), Reverse(j)))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let order: Vec<usize> = order.into_iter().map(|(_, Reverse(j))| j).collect();
+        let mut off = vec![0.0; basis.vertex_count];
+        let mut worst = vec![0.0];
+        for &j in &order {
+            for (off, &u) in off.iter_mut().zip(basis.field(j)) {
+                *off += self.ranges[j] * length(u);
+            }
+            worst.push(off.iter().copied().fold(0.0, f64::max));
+        }
+        (order, worst)
+    }
+
+    /// The basis without the fields that are not kept, and its error.
+    fn keep(&self, basis: Cow<'_, Basis>, is_kept: &[bool]) -> Result<Kept, BakeError> {
+        let mut off = vec![0.0; basis.vertex_count];
+        for (j, _) in is_kept.iter().enumerate().filter(|(_, kept)| !**kept) {
+            for (off, &u) in off.iter_mut().zip(basis.field(j)) {
+                *off += self.ranges[j] * length(u);
+            }
+        }
+        let fields: Vec<usize> = (0..is_kept.len()).filter(|&j| is_kept[j]).collect();
+        let basis = if fields.len() == is_kept.len() {
+            basis.into_owned()
+        } else {
+            select(&basis, &fields)
+        };
+        // The bake stores again and says what is odd.
+        let stored = wrap::store(self.mesh, &basis, &mut Vec::new())?;
+        self.add_rounding(&stored, &basis, &fields, &mut off);
+        let error = self.error(&off);
+        Ok(Kept {
+            basis,
+            fields,
+            error,
+        })
+    }
+
+    /// Adds what rounding to f32 costs each vertex.
+    fn add_rounding(&self, stored: &StoredShape, basis: &Basis, fields: &[usize], off: &mut [f64]) {
+        let unit = 2.0_f64.powi(stored.unit_exponent);
+        let back = |x: [f32; 3]| x.map(|x| f64::from(x) * unit);
+        for (i, off) in off.iter_mut().enumerate() {
+            let (p, s) = (self.mesh.positions[i], back(stored.positions[i]));
+            *off += length(std::array::from_fn(|k| p[k] - stored.origin[k] - s[k]));
+            for (j, &old) in fields.iter().enumerate() {
+                let u = basis.field(j)[i];
+                let s = back(stored.displacements[i * fields.len() + j]);
+                *off += self.ranges[old] * length(std::array::from_fn(|k| u[k] - s[k]));
+            }
+        }
+    }
+
+    fn error(&self, off: &[f64]) -> BasisError {
+        let mut vertex = 0;
+        for (i, x) in off.iter().enumerate() {
+            if *x > off[vertex] {
+                vertex = i;
+            }
+        }
+        let square: f64 = off.iter().map(|x| x * x).sum();
+        BasisError {
+            max_rel: off.get(vertex).map_or(0.0, |x| x / self.diagonal),
+            rms_rel: (square / off.len().max(1) as f64).sqrt() / self.diagonal,
+            frame: None,
+            vertex,
+        }
+    }
+}
+
+/// The fields of the given numbers (ascending), and their q.
+fn select(basis: &Basis, fields: &[usize]) -> Basis {
+    let fields_of = |j: &usize| basis.field(*j).iter().copied();
+    Basis {
+        vertex_count: basis.vertex_count,
+        fields: fields.iter().flat_map(fields_of).collect(),
+        modes: fields.iter().map(|&j| basis.modes[j].clone()).collect(),
+        animation: basis.animation.as_ref().map(|animation| {
+            let frames = animation.q.chunks_exact(basis.mode_count().max(1));
+            Animation {
+                frame_count: animation.frame_count,
+                times_s: animation.times_s.clone(),
+                q: frames
+                    .flat_map(|q| fields.iter().map(move |&j| q[j]))
+                    .collect(),
+                motions: animation.motions.clone(),
+            }
+        }),
+    }
+}
+
+/// Diagonal of the box around `points`; 1 where it is 0.
+fn diagonal(points: &[[f64; 3]]) -> f64 {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for p in points {
+        for k in 0..3 {
+            low[k] = low[k].min(p[k]);
+            high[k] = high[k].max(p[k]);
+        }
+    }
+    let diagonal = length(std::array::from_fn(|k| (high[k] - low[k]).max(0.0)));
+    if diagonal > 0.0 { diagonal } else { 1.0 }
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

@@ -1,0 +1,95 @@
+//! Morph targets as fields: q is the weight.
+
+use super::dropped::{Keep, Kept, keep_fields};
+use super::{Animation, Basis, BasisError, BasisMode};
+use crate::error::BakeError;
+use crate::input::{RawMesh, RawMorphs};
+
+/// A basis of morph targets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MorphBasis {
+    /// One field per target that is kept, with the clip's weights as its animation.
+    pub basis: Basis,
+    /// The weight that the source gives each field where nothing is animated.
+    pub default_weights: Vec<f64>,
+    /// How far it is from all targets ([`Kept::error`]).
+    pub error: BasisError,
+}
+
+/// The fields of `morphs`, those that `keep` says: p' = p + Σ weight × displacement.
+///
+/// The range of a weight is the largest of 1, |default| and its values over the clip. Targets that
+/// move nothing are kept with a warning (by `Auto` they are dropped).
+///
+/// # Errors
+/// See [`keep_fields`]; a target of a vertex that is not there.
+pub fn morph_basis(
+    mesh: &RawMesh,
+    morphs: &RawMorphs,
+    keep: Keep,
+    warnings: &mut Vec<String>,
+) -> Result<MorphBasis, BakeError> {
+    let (n, count) = (mesh.positions.len(), morphs.targets.len());
+    let mut basis = Basis {
+        vertex_count: n,
+        fields: vec![[0.0; 3]; n * count],
+        modes: Vec::with_capacity(count),
+        animation: None,
+    };
+    for (j, target) in morphs.targets.iter().enumerate() {
+        let field = &mut basis.fields[j * n..(j + 1) * n];
+        for &(vertex, u) in &target.displacements {
+            let Some(place) = field.get_mut(vertex as usize) else {
+                let message = format!("target {j} moves vertex {vertex} of {n}");
+                return Err(BakeError::one("basis", mesh.name.as_str(), message));
+            };
+            *place = u;
+        }
+        basis.modes.push(BasisMode {
+            name: target.name.clone(),
+            q_range: Some(range(morphs, j)),
+            ..BasisMode::default()
+        });
+    }
+    if let Some(clip) = &morphs.clip {
+        basis.animation = Some(Animation {
+            frame_count: clip.times_s.len(),
+            times_s: Some(clip.times_s.clone()),
+            q: clip.weights.clone(),
+            motions: Vec::new(),
+        });
+    }
+    let Kept {
+        basis,
+        fields,
+        error,
+    } = keep_fields(mesh, basis, keep, warnings)?;
+    for (j, mode) in basis.modes.iter().enumerate() {
+        if basis.field(j).iter().all(|u| *u == [0.0; 3]) {
+            let name = mode
+                .name
+                .as_deref()
+                .map_or(String::new(), |name| format!(" {name:?}"));
+            warnings.push(format!("{}: mode {j}{name} is zero everywhere", mesh.name));
+        }
+    }
+    Ok(MorphBasis {
+        default_weights: fields
+            .iter()
+            .map(|&j| morphs.targets[j].default_weight)
+            .collect(),
+        basis,
+        error,
+    })
+}
+
+/// Typical largest |weight| of target `j`.
+fn range(morphs: &RawMorphs, j: usize) -> f64 {
+    let count = morphs.targets.len();
+    let default = morphs.targets[j].default_weight.abs();
+    let clip = morphs
+        .clip
+        .iter()
+        .flat_map(|clip| clip.weights.iter().skip(j).step_by(count));
+    clip.fold(default.max(1.0), |m, w| m.max(w.abs()))
+}

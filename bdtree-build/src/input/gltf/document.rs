@@ -1,0 +1,266 @@
+//! The JSON text as the `gltf` crate's document, checked: every index that geometry needs exists.
+//!
+//! The crate's types and its validation do the work. Around them: mistakes in what a mesh looks
+//! like cannot stop a bake, since those parts are not read; numbers that the crate rounds to f32
+//! are read again as f64; what the crate refuses though glTF 2.0 allows it is filled in; and its
+//! panics are contained (an accessor of a POSITION that does not exist is one).
+
+use gltf::json::validation::{Error as Flaw, Validate};
+use gltf::json::{Path, Root};
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::extensions;
+use super::notes::Notes;
+use super::quiet::contained;
+
+/// Parts of a document that say what a mesh looks like or how it is skinned.
+const UNREAD: [&str; 6] = [
+    "cameras",
+    "images",
+    "materials",
+    "samplers",
+    "skins",
+    "textures",
+];
+
+/// Keys whose numbers may be beyond 32 bits; all others are indices or codes.
+const LARGE: [&str; 12] = [
+    "byteLength",
+    "byteOffset",
+    "count",
+    "extensions",
+    "extras",
+    "matrix",
+    "max",
+    "min",
+    "rotation",
+    "scale",
+    "translation",
+    "weights",
+];
+
+/// A document whose indices were checked.
+pub(super) struct Document {
+    pub(super) root: Root,
+    /// The numbers of `root` in f64, and its names of targets.
+    pub(super) exact: Exact,
+    /// Name of each material.
+    pub(super) materials: Vec<Option<String>>,
+}
+
+/// What the crate's types leave out or round.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Exact {
+    pub(super) nodes: Vec<ExactNode>,
+    pub(super) meshes: Vec<ExactMesh>,
+}
+
+/// The numbers of a node.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct ExactNode {
+    pub(super) matrix: Option<[f64; 16]>,
+    pub(super) translation: Option<[f64; 3]>,
+    pub(super) rotation: Option<[f64; 4]>,
+    pub(super) scale: Option<[f64; 3]>,
+    pub(super) weights: Option<Vec<f64>>,
+}
+
+/// The numbers and notes of a mesh.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct ExactMesh {
+    pub(super) weights: Option<Vec<f64>>,
+    pub(super) extras: Value,
+    pub(super) primitives: Vec<ExactPrimitive>,
+}
+
+/// The notes of a primitive.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct ExactPrimitive {
+    pub(super) extras: Value,
+}
+
+/// The document in `json`; `None` after noting what is wrong with it.
+pub(super) fn parse(json: &[u8], notes: &mut Notes) -> Option<Document> {
+    let mut value: Value = match serde_json::from_slice(json) {
+        Ok(value) => value,
+        Err(error) => {
+            notes.problem("JSON", error.to_string());
+            return None;
+        }
+    };
+    check_version(&value, notes);
+    let materials = names(&value, "materials");
+    fill_in(&mut value, notes);
+    check_size(&value, &mut String::new(), notes);
+    if !notes.is_clean() {
+        return None;
+    }
+    let mut root: Root = typed(&value, notes)?;
+    let exact: Exact = typed(&value, notes)?;
+    drop(value);
+    let required = std::mem::take(&mut root.extensions_required);
+    extensions::check(&required, &root.extensions_used, notes);
+    root.extensions_used.extend(required);
+    validate(&root, notes);
+    notes.is_clean().then_some(Document {
+        root,
+        exact,
+        materials,
+    })
+}
+
+/// Refuses what is no glTF 2.
+fn check_version(value: &Value, notes: &mut Notes) {
+    if !value.is_object() {
+        notes.problem("JSON", "is not an object");
+    }
+    for (key, wanted) in [("version", "2."), ("minVersion", "2.0")] {
+        if let Some(version) = value["asset"][key].as_str()
+            && !version.starts_with(wanted)
+        {
+            let at = format!("asset.{key}");
+            notes.problem(at, format!("glTF {version:?} is not read; 2.0 is"));
+        }
+    }
+}
+
+/// Refuses indices beyond 32 bits, which the crate would cut.
+fn check_size(value: &Value, at: &mut String, notes: &mut Notes) {
+    let length = at.len();
+    match value {
+        Value::Number(number) if number.as_u64() > Some(u32::MAX.into()) => {
+            notes.problem(&*at, format!("{number} is beyond 32 bits"));
+        }
+        Value::Array(list) => {
+            for (i, value) in list.iter().enumerate() {
+                at.push_str(&format!("[{i}]"));
+                check_size(value, at, notes);
+                at.truncate(length);
+            }
+        }
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                if LARGE.contains(&key.as_str()) {
+                    continue;
+                }
+                let dot = if at.is_empty() { "" } else { "." };
+                at.push_str(&format!("{dot}{key}"));
+                check_size(value, at, notes);
+                at.truncate(length);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The `name` of each element of the list `key`.
+fn names(value: &Value, key: &str) -> Vec<Option<String>> {
+    let list = value[key].as_array();
+    list.into_iter()
+        .flatten()
+        .map(|element| element["name"].as_str().map(str::to_string))
+        .collect()
+}
+
+/// Takes out what is not read, and fills in what glTF 2.0 lets a file leave out but the crate's
+/// types demand.
+fn fill_in(value: &mut Value, notes: &mut Notes) {
+    let Some(root) = value.as_object_mut() else {
+        return;
+    };
+    for key in UNREAD {
+        root.remove(key);
+    }
+    let list = |list: Option<&mut Value>| match list {
+        Some(Value::Array(list)) => std::mem::take(list),
+        _ => Vec::new(),
+    };
+    if let Some(Value::Array(scenes)) = root.get_mut("scenes") {
+        for scene in scenes.iter_mut().filter_map(Value::as_object_mut) {
+            scene.entry("nodes").or_insert(Value::Array(Vec::new()));
+        }
+    }
+    if let Some(Value::Array(animations)) = root.get_mut("animations") {
+        for (i, animation) in animations.iter_mut().enumerate() {
+            let mut channels = list(animation.get_mut("channels"));
+            let all = channels.len();
+            channels.retain(|channel| {
+                !channel["target"].is_object() || channel["target"].get("node").is_some()
+            });
+            if channels.len() < all {
+                let at = format!("animations[{i}]");
+                let message = format!("ignored {} channels without a node", all - channels.len());
+                notes.warn(at, message);
+            }
+            if all > 0 {
+                animation["channels"] = Value::Array(channels);
+            }
+        }
+    }
+}
+
+/// `value` as a `T`; its mistake is noted with its JSON path.
+fn typed<'v, T: Deserialize<'v>>(value: &'v Value, notes: &mut Notes) -> Option<T> {
+    match contained(|| serde_path_to_error::deserialize(value)) {
+        Ok(Ok(typed)) => Some(typed),
+        Ok(Err(error)) => {
+            let path = error.path().to_string();
+            let at = if path == "." { "" } else { &path };
+            notes.problem(at, error.inner().to_string());
+            None
+        }
+        Err(panic) => {
+            notes.problem("JSON", format!("damaged: {panic}"));
+            None
+        }
+    }
+}
+
+/// Notes what the crate's validation finds wrong with geometry.
+fn validate(root: &Root, notes: &mut Notes) {
+    let mut found: Vec<(Path, Flaw)> = Vec::new();
+    let end = contained(|| {
+        root.validate(root, Path::new, &mut |path, flaw| {
+            found.push((path(), flaw))
+        });
+    });
+    for (path, flaw) in found {
+        let at = path.as_str().replace(".positions", ".POSITION");
+        if matters(&at, flaw) {
+            let message = match flaw {
+                Flaw::IndexOutOfBounds => "there is no such element",
+                Flaw::Invalid => "is not a value that glTF 2.0 knows",
+                Flaw::Missing => "is missing",
+                Flaw::Oversize => "is larger than any memory",
+                Flaw::Unsupported => "is not supported",
+            };
+            notes.problem(at, message);
+        }
+    }
+    if let Err(panic) = end
+        && notes.is_clean()
+    {
+        notes.problem("JSON", format!("damaged: {panic}"));
+    }
+}
+
+/// False for flaws in parts that are not read, or that are looked at where they are used.
+fn matters(at: &str, flaw: Flaw) -> bool {
+    let key = at.rsplit('.').next().unwrap_or(at);
+    match key {
+        // Not read: the elements were taken out.
+        "camera" | "material" | "skin" | "normals" | "tangents" => false,
+        // Bounds are not used.
+        "min" | "max" => false,
+        // An accessor without data is one of zeros.
+        "bufferView" => flaw != Flaw::Missing,
+        _ if at.starts_with("animations") => false,
+        _ if key.starts_with("attributes[") => key.contains("POSITION"),
+        _ => true,
+    }
+}

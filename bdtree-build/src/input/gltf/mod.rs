@@ -1,0 +1,139 @@
+//! glTF 2.0, `.gltf` and `.glb`: meshes where the scene's nodes put them, and their morph targets.
+//!
+//! What is read and what is not, ids, names, clips and errors: `docs/morph-targets.md`. The `gltf`
+//! crate reads and validates the document; buffers and accessors are read here, checked first.
+//!
+//! Flow: container → document → nodes → plan → mesh → model → clip.
+
+mod accessor;
+mod affine;
+mod buffers;
+mod clip;
+mod container;
+mod curve;
+mod document;
+mod elements;
+mod extensions;
+mod mesh;
+mod model;
+mod nodes;
+mod notes;
+mod plan;
+mod quiet;
+mod topology;
+mod uri;
+
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use super::{RawModel, RawMorphs};
+use crate::error::BakeError;
+use accessor::Accessors;
+use buffers::Buffers;
+use mesh::MeshData;
+use model::Model;
+use notes::Notes;
+
+/// The mesh and the morph targets in the glTF file at `path`, binary or text.
+///
+/// Vertices: the default scene's mesh nodes depth first, their primitives in order, each with all
+/// elements of its positions, moved by the node's world matrix at rest. Buffers are the binary
+/// chunk, `data:` URIs or files in the document's folder. `clip` names the animation to read;
+/// `None` takes the first that moves weights. The hash is that of the file at `path` alone.
+///
+/// # Errors
+/// Every problem with its JSON path, the first 100: damaged or unsupported files, required
+/// extensions that are not known, data out of bounds or of the wrong type, numbers that are not
+/// finite, indices out of range, nodes with two parents, an unknown `clip`.
+pub fn read_gltf(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError> {
+    let place = path.display().to_string();
+    let bytes = std::fs::read(path)
+        .map_err(|e| BakeError::one("input", place.as_str(), format!("cannot be read: {e}")))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut model = parse(&bytes, &place, folder, clip)?;
+    model.mesh.hash = Sha256::digest(&bytes).into();
+    model.mesh.name = path
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned())
+        .unwrap_or_default();
+    Ok(model)
+}
+
+/// The model in the glTF bytes `bytes`; `name` and `hash` are left empty.
+///
+/// `place` is the file's name in problems and warnings, `folder` where files of buffers lie.
+///
+/// # Errors
+/// See [`read_gltf`].
+pub fn parse(
+    bytes: &[u8],
+    place: &str,
+    folder: &Path,
+    clip: Option<&str>,
+) -> Result<RawModel, BakeError> {
+    let mut notes = Notes::new(place.to_string());
+    let model = read(bytes, folder, clip, &mut notes);
+    let warnings = notes.into_warnings()?;
+    let mut model = model.unwrap_or_default();
+    model.mesh.warnings = warnings;
+    Ok(model)
+}
+
+/// The model; `None` only after noting why there is none.
+fn read(bytes: &[u8], folder: &Path, clip: Option<&str>, notes: &mut Notes) -> Option<RawModel> {
+    let container = container::split(bytes, notes)?;
+    let document = document::parse(&container.json, notes)?;
+    let root = &document.root;
+    let instances = nodes::instances(&document, notes);
+    plan::check(root, &instances, notes);
+    if !notes.is_clean() {
+        return None;
+    }
+    let accessors = Accessors {
+        list: &root.accessors,
+        buffers: Buffers::new(root, container.binary.as_deref(), folder),
+    };
+    let quantised = root
+        .extensions_used
+        .iter()
+        .any(|name| name == extensions::QUANTIZATION);
+    let mut meshes: Vec<MeshData> = Vec::new();
+    meshes.resize_with(root.meshes.len(), MeshData::default);
+    let mut is_read = vec![false; meshes.len()];
+    for instance in &instances {
+        if let Some(is_read) = is_read.get_mut(instance.mesh)
+            && !std::mem::replace(is_read, true)
+        {
+            let index = instance.mesh;
+            meshes[index] = mesh::read(&document, &accessors, quantised, index, notes);
+        }
+    }
+    if !notes.is_clean() {
+        return None;
+    }
+    let model = Model::build(&document, &instances, &meshes, notes);
+    if model.mesh.triangles.is_empty() {
+        let message = match notes.skipped() {
+            Some(skipped) => format!("no triangles, only {skipped}"),
+            None => "no triangles".to_string(),
+        };
+        notes.problem("", message);
+    }
+    let defaults: Vec<f64> = model.targets.iter().map(|t| t.default_weight).collect();
+    let clip = clip::read(
+        &root.animations,
+        &accessors,
+        &model.nodes,
+        &defaults,
+        clip,
+        notes,
+    );
+    Some(RawModel {
+        mesh: model.mesh,
+        morphs: RawMorphs {
+            targets: model.targets,
+            clip,
+        },
+    })
+}

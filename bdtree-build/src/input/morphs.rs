@@ -1,0 +1,44 @@
+//! Morph targets and their weights over time, as a source has them.
+
+use super::RawMesh;
+
+/// A mesh with its morph targets: none for a file that has none.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RawModel {
+    /// The mesh with all weights at 0.
+    pub mesh: RawMesh,
+    /// What its weights do.
+    pub morphs: RawMorphs,
+}
+
+/// Morph targets and, if the source has one, their weights over time.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RawMorphs {
+    /// The targets in source order.
+    pub targets: Vec<RawTarget>,
+    /// The weights over time.
+    pub clip: Option<RawClip>,
+}
+
+/// One morph target: weight w moves each vertex by w times its displacement.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RawTarget {
+    /// Name for people, if the source has one.
+    pub name: Option<String>,
+    /// The weight that the source gives it where nothing is animated.
+    pub default_weight: f64,
+    /// Vertex and displacement (mesh units per unit of weight), by ascending vertex; vertices left
+    /// out do not move.
+    pub displacements: Vec<(u32, [f64; 3])>,
+}
+
+/// Weights over time; linear between frames.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RawClip {
+    /// Name of the animation in its source.
+    pub name: String,
+    /// Seconds of each frame, ascending. Two frames of the same time are a jump.
+    pub times_s: Vec<f64>,
+    /// `weights[t * M + j]` is the weight of target j in frame t; M is the number of targets.
+    pub weights: Vec<f64>,
+}
