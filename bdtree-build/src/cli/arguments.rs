@@ -8,12 +8,13 @@ use std::path::PathBuf;
 
 /// Bakes a mesh and a deformation basis into a memory-mappable .bdt file.
 ///
-/// Without --basis the lowest elastic (vibration) modes of the body that the surface encloses are
-/// computed; --modes 0 bakes a rigid asset.
+/// The fields are the morph targets of a glTF file, or what --basis gives; else the lowest elastic
+/// (vibration) modes of the body that the surface encloses are computed. --modes 0 bakes a rigid
+/// asset.
 #[derive(Debug, Parser)]
 #[command(name = "bdtree-build", version)]
 pub(crate) struct Arguments {
-    /// The mesh: .obj or .obj.gz.
+    /// The mesh: .obj, .obj.gz, .gltf or .glb.
     pub(crate) input: Option<PathBuf>,
 
     /// Output file [default: INPUT with .bdt, beside it].
@@ -52,6 +53,11 @@ pub(crate) struct Arguments {
         help_heading = "Given fields"
     )]
     pub(crate) frequencies: Option<PathBuf>,
+
+    /// Which of a glTF file's animations gives the weights over time, by name [default: the first
+    /// that moves any].
+    #[arg(long, value_name = "NAME", help_heading = "Morph targets")]
+    pub(crate) clip: Option<String>,
 
     /// Lattice cells along the longest side, 1 to 1024 [default: as many as a fixed budget of
     /// lattice nodes allows].

@@ -2,6 +2,7 @@
 
 mod elastic;
 mod given;
+mod morph;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,7 +11,7 @@ use std::time::Instant;
 use bdtree_build::basis::elastic::ElasticReport;
 use bdtree_build::basis::{Basis, BasisError};
 use bdtree_build::error::BakeError;
-use bdtree_build::input::{RawMesh, read_mesh};
+use bdtree_build::input::{RawMesh, read_model};
 use bdtree_build::progress::Progress;
 
 use super::Arguments;
@@ -63,15 +64,24 @@ pub(super) fn read(arguments: &Arguments, progress: &dyn Progress) -> Result<Sou
     let begin = Instant::now();
     progress.stage("input", None);
     let input = arguments.input.as_deref().unwrap_or(Path::new(""));
-    let mut source = Source::rigid(read_mesh(input)?);
+    let model = read_model(input, arguments.clip.as_deref())?;
+    let mut source = Source::rigid(model.mesh);
     let input_seconds = begin.elapsed().as_secs_f64();
 
     let begin = Instant::now();
     progress.stage("basis", None);
     if let Some(path) = &arguments.basis {
         given::add(arguments, path, &mut source)?;
-    } else if arguments.modes() != Modes::Count(0) {
+    } else if arguments.modes() == Modes::Count(0) {
+        // Rigid, whatever the input could do.
+    } else if !model.morphs.targets.is_empty() {
+        morph::add(arguments, &model.morphs, &mut source)?;
+    } else {
         elastic::add(arguments, &mut source, progress)?;
+    }
+    if arguments.clip.is_some() && source.kind != "morph" {
+        let warning = "--clip is not used: only morph targets need it".to_string();
+        source.warnings.push(warning);
     }
     if source.kind != "elastic" {
         for option in arguments.elastic_only() {

@@ -8,7 +8,7 @@ use std::path::Path;
 use flate2::bufread::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
-use super::{RawMesh, gltf, obj};
+use super::{RawMesh, RawModel, gltf, obj};
 use crate::error::BakeError;
 
 /// What every refusal of a format ends with.
@@ -36,6 +36,15 @@ enum Format {
 /// of the OBJ text (see [`obj::parse`]) or the glTF file (see [`gltf::read_gltf`]), each with the
 /// path as given and the line or the JSON path.
 pub fn read_mesh(path: &Path) -> Result<RawMesh, BakeError> {
+    read_model(path, None).map(|model| model.mesh)
+}
+
+/// The mesh at `path`, as [`read_mesh`] reads it, with its morph targets if it has some; `clip`
+/// names the animation that gives their weights over time.
+///
+/// # Errors
+/// Those of [`read_mesh`]; an animation of another name.
+pub fn read_model(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError> {
     let place = path.display().to_string();
     let meta = fs::metadata(path).map_err(|e| unreadable(&place, &e))?;
     if meta.is_dir() {
@@ -46,7 +55,7 @@ pub fn read_mesh(path: &Path) -> Result<RawMesh, BakeError> {
         ));
     }
     if format(path, &place)? == Format::Gltf {
-        return gltf::read_gltf(path, None).map(|model| model.mesh);
+        return gltf::read_gltf(path, clip);
     }
     let bytes = fs::read(path).map_err(|e| unreadable(&place, &e))?;
     let text = decompress(&bytes, &place)?;
@@ -56,7 +65,10 @@ pub fn read_mesh(path: &Path) -> Result<RawMesh, BakeError> {
         .file_name()
         .map(|name| name.to_string_lossy().into_owned())
         .unwrap_or_default();
-    Ok(mesh)
+    Ok(RawModel {
+        mesh,
+        ..RawModel::default()
+    })
 }
 
 fn unreadable(place: &str, error: &std::io::Error) -> BakeError {

@@ -13,7 +13,7 @@ mod flat;
 mod load;
 mod morphs;
 
-pub use load::read_mesh;
+pub use load::{read_mesh, read_model};
 pub use morphs::{RawClip, RawModel, RawMorphs, RawTarget};
 
 /// A triangle mesh in the source's own coordinates and order.

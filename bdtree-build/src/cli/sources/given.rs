@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use bdtree_build::basis::dropped::{Keep, keep_fields};
 use bdtree_build::basis::given::given_basis;
 use bdtree_build::error::BakeError;
 
+use super::morph::keep;
 use super::{Source, name};
 use crate::cli::Arguments;
-use crate::cli::arguments::Modes;
 
 /// Adds the fields at `path` to a mesh.
 pub(super) fn add(
@@ -23,18 +24,22 @@ pub(super) fn add(
         source.mesh.positions.len(),
     )?;
     source.warnings.extend(given.warnings);
-    let mut basis = given.basis;
-    if let Modes::Count(count) = arguments.modes() {
-        let found = basis.mode_count();
-        if count > found {
-            let message = format!("--modes {count}, but the array holds {found} fields");
-            let place = path.display().to_string();
-            return Err(BakeError::one("basis", place, message));
-        }
-        basis.modes.truncate(count);
-        basis.fields.truncate(count * basis.vertex_count);
+    let found = given.basis.mode_count();
+    if let Keep::First(count) = keep(arguments)
+        && count > found
+    {
+        let message = format!("--modes {count}, but the array holds {found} fields");
+        let place = path.display().to_string();
+        return Err(BakeError::one("basis", place, message));
     }
-    source.basis = basis;
+    let kept = keep_fields(
+        &source.mesh,
+        given.basis,
+        keep(arguments),
+        &mut source.warnings,
+    )?;
+    source.basis = kept.basis;
+    source.error = Some(kept.error);
     source.kind = "given";
     source.set("basis", name(path));
     if let Some(layout) = arguments.basis_layout {
