@@ -78,8 +78,8 @@ pub struct Baked {
 /// stages join the mesh's own in report and metadata.
 ///
 /// # Errors
-/// Whatever [`wrap::store`], [`wrap::wrap`] and [`encode`] refuse, a leaf size out of range, and a
-/// file that [`Asset::open`] would refuse.
+/// Whatever [`wrap::store`], [`wrap::wrap`] and [`encode`] refuse, a leaf size out of range, a basis
+/// error that is no number or of no vertex, and a file that [`Asset::open`] would refuse.
 pub fn bake(
     mesh: &RawMesh,
     basis: &Basis,
@@ -115,6 +115,7 @@ pub fn bake(
     let wrapped = wrap::wrap(&tree, &mesh.triangles, &shape, settings.threads)?;
 
     stages.begin("encode");
+    check_error(settings.basis_error, mesh)?;
     let metadata = metadata(mesh, basis, settings, &warnings);
     let bytes = encode(&Parts {
         mesh,
@@ -205,6 +206,22 @@ fn metadata(
         }),
         warnings: kept,
     }
+}
+
+/// A stated error is a measured one (SPEC 8).
+fn check_error(error: Option<BasisError>, mesh: &RawMesh) -> Result<(), BakeError> {
+    let Some(error) = error else {
+        return Ok(());
+    };
+    let is_norm = |x: f64| x >= 0.0 && x.is_finite();
+    if is_norm(error.max_rel) && is_norm(error.rms_rel) && error.vertex < mesh.positions.len() {
+        return Ok(());
+    }
+    let message = format!(
+        "{error:?} is no error of a mesh of {} vertices",
+        mesh.positions.len()
+    );
+    Err(BakeError::one("encode", "error of the basis", message))
 }
 
 /// The stages that have begun, with their times.

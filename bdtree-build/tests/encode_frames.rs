@@ -274,4 +274,26 @@ fn the_metadata_states_errors_and_weights() {
         assert_eq!(json["frames"], 4);
         assert_eq!(json["basis_error_rel"]["max"], 0.125);
     }
+    for bad in [
+        BasisError {
+            vertex: 16,
+            ..error
+        },
+        BasisError {
+            max_rel: f64::NAN,
+            ..error
+        },
+        BasisError {
+            rms_rel: -0.5,
+            ..error
+        },
+    ] {
+        let settings = BakeSettings {
+            basis_error: Some(bad),
+            ..BakeSettings::default()
+        };
+        let refused = bake(&mesh, &basis, &settings, &[], &Silent).expect_err("a refusal");
+        let text = refused.to_string();
+        assert!(text.starts_with("error of the basis: "), "{text}");
+    }
 }

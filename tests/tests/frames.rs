@@ -34,7 +34,15 @@ fn errors(bytes: &[u8]) -> Vec<FormatError> {
 #[test]
 fn queries_on_frames_equal_brute_force() {
     let (mesh, basis) = animated();
-    let bytes = bake::baked(&mesh, &basis);
+    check_frames(&mesh, &basis);
+    // A frame that raises a mode's limit: it moves vertices by 500 diagonals.
+    let mut far = basis;
+    far.animation.as_mut().expect("an animation").q[2 * 6 + 3] = -1e4;
+    check_frames(&mesh, &far);
+}
+
+fn check_frames(mesh: &RawMesh, basis: &Basis) {
+    let bytes = bake::baked(mesh, basis);
     assert_eq!(errors(&bytes), []);
     let asset = Asset::open(&bytes).expect("open");
     let mut rng = poses::rng(5);

@@ -5,8 +5,8 @@ use std::fs;
 use std::mem::offset_of;
 use std::ops::ControlFlow;
 
-use bdtree_format::{Header, Metadata, SectionKind};
-use bdtree_runtime::{AlignedBytes, Asset};
+use bdtree_format::{Header, Metadata, SectionKind, SectionRecord};
+use bdtree_runtime::{AlignedBytes, Asset, Datum};
 use bdtree_tests::{golden, mutate};
 
 fn read(name: &str) -> AlignedBytes {
@@ -119,4 +119,58 @@ fn a_later_minor_version_is_read() {
     assert_eq!(asset.groups().nth(1).expect("a group").name, "Glas ü");
     let metadata = Metadata::from_bytes(asset.metadata()).expect("metadata");
     assert_eq!(metadata.modes[2].name.as_deref(), Some("field 2"));
+}
+
+/// What 0.1 and 0.2 wrote otherwise was never released.
+#[test]
+fn earlier_layouts_are_refused_by_name() {
+    for kind in [SectionKind::NODES, SectionKind::ROWS, SectionKind::METADATA] {
+        let mut bytes = read("sphere.bdt").to_vec();
+        let at = mutate::record(&bytes, kind) + offset_of!(SectionRecord, layout);
+        mutate::put(&mut bytes, at, &1_u32.to_le_bytes());
+        mutate::repair(&mut bytes);
+        let error = Asset::open(&AlignedBytes::copy_of(&bytes)).expect_err("layout 1");
+        assert_eq!((error.section, error.byte), (kind, at as u64), "{error}");
+        assert_eq!(
+            (error.expected, error.found),
+            (Datum::Integer(2), Datum::Integer(1))
+        );
+        assert!(
+            error.rule.starts_with("SPEC 4.4: unknown layouts"),
+            "{error}"
+        );
+    }
+}
+
+/// SPEC 8, for numbers that the builder would not write.
+#[test]
+fn errors_that_are_none_are_found() {
+    let sound = read("animated.bdt").to_vec();
+    let place = mutate::section(&sound, SectionKind::METADATA);
+    type Change = fn(&mut Metadata);
+    let changes: [Change; 5] = [
+        |m| m.basis_error_rel.as_mut().expect("an error").vertex = Some(26),
+        |m| m.basis_error_rel.as_mut().expect("an error").max = f64::NAN,
+        |m| m.basis_error_rel.as_mut().expect("an error").rms = -1.0,
+        |m| m.modes[0].default_q = Some(f64::INFINITY),
+        |m| m.modes[1].default_q = Some(0.0),
+    ];
+    for (i, change) in changes.into_iter().enumerate() {
+        let mut metadata = Metadata::from_bytes(&sound[place.clone()]).expect("metadata");
+        change(&mut metadata);
+        let mut section = metadata.to_bytes().expect("bytes");
+        section.truncate(place.len()); // the last change makes it longer
+        let mut bytes = sound.clone();
+        mutate::put(&mut bytes, place.start, &section);
+        mutate::repair(&mut bytes);
+        let copy = AlignedBytes::copy_of(&bytes);
+        let mut found = Vec::new();
+        Asset::open(&copy).expect("open").verify(&mut |error| {
+            found.push(error);
+            ControlFlow::Continue(())
+        });
+        assert_eq!(found.len(), 1, "change {i}: {found:?}");
+        assert_eq!(found[0].section, SectionKind::METADATA);
+        assert!(found[0].rule.starts_with("SPEC 8"), "{}", found[0]);
+    }
 }
