@@ -44,14 +44,17 @@ fn local_basis(mesh: &RawMesh, mode_count: usize) -> Basis {
     basis
 }
 
-/// Rigid, two modes, ten local modes: small files.
+/// Rigid, two modes, ten local modes of which vertices list some: small files.
 static SMALL: LazyLock<Vec<AlignedBytes>> = LazyLock::new(|| {
     let mesh = sphere(4);
-    vec![
+    let files = vec![
         bake::baked(&mesh, &bake::rigid(&mesh)),
         bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1)),
         bake::baked(&mesh, &local_basis(&mesh, 10)),
-    ]
+    ];
+    let asset = Asset::open(&files[2]).expect("open");
+    assert!(!asset.vertex_modes().is_empty());
+    files
 });
 
 /// A few hundred triangles, on several levels.
@@ -212,7 +215,7 @@ fn every_flipped_bit_is_found_and_harmless() {
         }
     }
     println!("{flips} flips, {opened} files opened");
-    assert!(flips > 100_000 && opened > flips / 2);
+    assert!(flips > 90_000 && opened > flips / 2);
 }
 
 /// Records set to extreme values under valid checksums.
