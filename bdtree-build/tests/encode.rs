@@ -2,6 +2,8 @@
 
 mod tree_support;
 
+use std::collections::BTreeSet;
+
 use bdtree_build::basis::{Animation, Basis, BasisMode};
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
 use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
@@ -86,6 +88,7 @@ fn check_canonical(file: &Decoded, mesh: &RawMesh, leaf_size: usize) {
         row += row_count(usize::from(node.mode_count)) as u32;
         assert!(file.node_modes(node).is_sorted());
     }
+    check_lists(file);
     assert_eq!(child as usize, file.nodes.len());
     assert_eq!(slot as usize, mesh.triangles.len());
     assert_eq!(row as usize, file.rows.len());
@@ -95,6 +98,67 @@ fn check_canonical(file: &Decoded, mesh: &RawMesh, leaf_size: usize) {
         assert_eq!(triangle.corners, mesh.triangles[triangle.id as usize]);
         assert_eq!(file.slots[triangle.id as usize] as usize, s);
     }
+}
+
+/// Each list of nodes and vertices once, the largest first, nothing else; the entries of vertices
+/// without a gap.
+fn check_lists(file: &Decoded) {
+    let of_nodes = file.nodes.iter().map(|node| file.node_modes(node));
+    let of_vertices = file.vertex_modes.windows(2).map(|pair| {
+        let count = pair[1].first_entry - pair[0].first_entry;
+        &file.lists[pair[0].mode_list_start as usize..][..count as usize]
+    });
+    let distinct: BTreeSet<&[u16]> = of_nodes.chain(of_vertices).collect();
+    let stored: Vec<u16> = distinct.into_iter().rev().flatten().copied().collect();
+    assert_eq!(file.lists, stored);
+    for pair in file.vertex_modes.windows(2) {
+        let is_empty = pair[0].first_entry == pair[1].first_entry;
+        assert!(pair[0].first_entry <= pair[1].first_entry);
+        assert!(!is_empty || pair[0].mode_list_start == 0);
+    }
+}
+
+/// Displacements of listed modes where that saves a quarter of their bytes, from fields on all of the
+/// mesh to fields on none.
+#[test]
+fn vertices_list_their_modes_where_it_saves_a_quarter() {
+    let mesh = grid(30);
+    let mut seen = BTreeSet::new();
+    for step in 0..=40 {
+        let width = 0.6 - 0.015 * f64::from(step);
+        let local = basis(&mesh, 10, |j, p| {
+            let distance = (p[0] - j as f64 / 9.0).abs();
+            [0.0, 0.0, (width - distance).max(0.0)]
+        });
+        let bytes = bake_with(&mesh, &local, &BakeSettings::default()).bytes;
+        let file = Decoded::new(&bytes);
+        check_lists(&file);
+        let modes_of = |i: usize| -> Vec<u16> {
+            let row = &file.displacements[10 * i..10 * (i + 1)];
+            let moved = (0..10).filter(|j| row[*j] != [0.0; 3]);
+            moved.map(|j| j as u16).collect()
+        };
+        let n = file.positions.len();
+        let lists: BTreeSet<Vec<u16>> = (0..n).map(modes_of).collect();
+        let of_nodes: BTreeSet<Vec<u16>> = file
+            .nodes
+            .iter()
+            .map(|x| file.node_modes(x).to_vec())
+            .collect();
+        let more: usize = lists.difference(&of_nodes).map(Vec::len).sum();
+        let entries: usize = (0..n).map(|i| modes_of(i).len()).sum();
+        let saves = 4 * (12 * entries + 8 * (n + 1) + 2 * more) <= 3 * 12 * n * 10;
+        assert_eq!(!file.vertex_modes.is_empty(), saves, "width {width}");
+        let length = file
+            .sections
+            .iter()
+            .find(|s| s.kind == SectionKind::DISPLACEMENTS);
+        let stored = if saves { entries } else { 10 * n };
+        assert_eq!(length.unwrap().length.get() as usize, 12 * stored);
+        assert_eq!(length.unwrap().layout.get(), if saves { 2 } else { 1 });
+        seen.insert((saves, entries == 0));
+    }
+    assert_eq!(seen.len(), 3, "all modes, some, none");
 }
 
 #[test]
@@ -122,6 +186,7 @@ fn sections_are_aligned_ordered_checked_and_padded_with_zeros() {
             .into_iter()
             .filter(|k| groups > 0 || ![SectionKind::GROUPS, SectionKind::GROUP_NAMES].contains(k))
             .filter(|k| frames > 0 || ![SectionKind::FRAMES, SectionKind::FRAME_Q].contains(k))
+            .filter(|k| *k != SectionKind::VERTEX_MODES)
             .collect();
         assert_eq!(kinds, expected);
         let mut end = file.header.header_bytes.get() as usize;

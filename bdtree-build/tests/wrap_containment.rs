@@ -154,6 +154,10 @@ fn spheres_contain_their_vertices_under_local_fields() {
             .iter()
             .any(|node| node.mode_count == 0 || node.mode_count < 12)
     );
+    assert!(
+        !file.vertex_modes.is_empty(),
+        "vertices leave modes out too"
+    );
     for (i, node) in file.nodes.iter().enumerate() {
         let modes = file.node_modes(node).to_vec();
         for k in 0..8 {

@@ -11,8 +11,9 @@ use crate::view::Asset;
 
 impl Asset<'_> {
     /// The deformed position of a vertex, relative to the origin (stored units):
-    /// `p'_i = p_i + (((U_i1 q_1) + U_i2 q_2) + …)` (paper, eq. 1), f32, products and sums rounded
-    /// separately, modes in order, p last. The same bits on every processor.
+    /// `p'_i = p_i + (((U_i1 q_1) + U_i2 q_2) + …)` (paper, eq. 1) over the modes that are stored
+    /// for it, f32, products and sums rounded separately, modes in order, p last. The same bits on
+    /// every processor.
     ///
     /// # Errors
     /// When there is no such vertex.
@@ -26,22 +27,25 @@ impl Asset<'_> {
         let Some(p) = self.positions.get(i) else {
             return Err(self.out_of_range(SectionKind::POSITIONS, i, self.positions.len(), 12));
         };
-        let m = pose.q.len();
-        let start = i * m;
-        let Some(fields) = self.displacements.get(start..start + m) else {
-            return Err(self.out_of_range(
-                SectionKind::DISPLACEMENTS,
-                start + m,
-                self.displacements.len(),
-                12,
-            ));
-        };
         // The sum starts with the first product, not with 0: adding to +0 would turn −0 into +0
         // and nothing else, and p is added last anyway, so starting from −0 keeps every bit.
         let mut sum = [-0.0_f32; 3];
-        for (u, q) in fields.iter().zip(pose.q) {
-            for k in 0..3 {
-                sum[k] += u[k] * q;
+        if self.vertex_modes.is_empty() {
+            let fields = self.all_displacements(vertex, pose.q.len())?;
+            for (u, q) in fields.iter().zip(pose.q) {
+                for k in 0..3 {
+                    sum[k] += u[k] * q;
+                }
+            }
+        } else {
+            let (fields, modes) = self.listed_displacements(vertex)?;
+            for (u, mode) in fields.iter().zip(modes) {
+                let Some(q) = pose.q.get(usize::from(*mode)) else {
+                    return Err(self.unknown_mode_of(vertex));
+                };
+                for k in 0..3 {
+                    sum[k] += u[k] * q;
+                }
             }
         }
         Ok([p[0] + sum[0], p[1] + sum[1], p[2] + sum[2]])
@@ -122,8 +126,6 @@ impl RecentVertices {
     /// follow no pattern, and all of them together take hardly longer than one.
     #[inline(always)]
     pub(crate) fn prefetch(&mut self, asset: &Asset<'_>, record: &TriangleRecord) {
-        /// Displacements in a cache line, rounded down.
-        const PER_LINE: usize = 5;
         for vertex in record.corners {
             let asked = &mut self.asked[Self::slot(vertex)];
             if *asked == vertex {
@@ -131,19 +133,19 @@ impl RecentVertices {
             }
             *asked = vertex;
             let i = vertex as usize;
-            let m = asset.modes.len();
             if let Some(p) = asset.positions.get(i) {
                 prefetch(p);
             }
-            if let Some(fields) = asset
-                .displacements
-                .get(i.saturating_mul(m)..i.saturating_add(1).saturating_mul(m))
-            {
-                let mut at = 0;
-                while at < fields.len() {
-                    prefetch(&fields[at]);
-                    at += PER_LINE;
-                }
+            let entries = if asset.vertex_modes.is_empty() {
+                let m = asset.modes.len();
+                i.saturating_mul(m)..i.saturating_add(1).saturating_mul(m)
+            } else if let Some([own, next]) = asset.vertex_modes_of(i) {
+                own.first_entry as usize..next.first_entry as usize
+            } else {
+                continue;
+            };
+            if let Some(fields) = asset.displacements.get(entries) {
+                prefetch_all(fields);
             }
         }
     }
@@ -162,5 +164,17 @@ impl RecentVertices {
             self.ids[slot] = vertex;
         }
         Ok(self.positions[slot])
+    }
+}
+
+/// Asks for the displacements of a vertex.
+#[inline(always)]
+fn prefetch_all(fields: &[[f32; 3]]) {
+    /// Displacements in a cache line, rounded down.
+    const PER_LINE: usize = 5;
+    let mut at = 0;
+    while at < fields.len() {
+        prefetch(&fields[at]);
+        at += PER_LINE;
     }
 }

@@ -26,21 +26,18 @@ pub fn add_generalized_force(
 ) -> Result<(), FormatError> {
     let corners = asset.triangle(triangle)?;
     let m = asset.mode_count();
-    if out.len() < m {
+    let Some(out) = out.get_mut(..m) else {
         return Err(asset.out_of_range(SectionKind::DISPLACEMENTS, m, out.len(), 12));
-    }
+    };
     // x = t + s Q (origin + unit p'), so ∂x/∂q_j · f = s unit U_ij · (Qᵀ f).
     let frame = &pose.frame;
     let local = frame.inverse_rotate(force);
     let scale = frame.world_per_stored();
     for (corner, weight) in corners.iter().zip(barycentric) {
-        let start = (corner.0 as usize).saturating_mul(m);
-        let end = start.saturating_add(m);
-        let Some(fields) = asset.displacements.get(start..end) else {
-            let len = asset.displacements.len();
-            return Err(asset.out_of_range(SectionKind::DISPLACEMENTS, end, len, 12));
-        };
-        for (u, out) in fields.iter().zip(out.iter_mut()) {
+        for (mode, u) in asset.displacements(*corner)?.iter() {
+            let Some(out) = out.get_mut(mode) else {
+                return Err(asset.unknown_mode_of(*corner));
+            };
             let [x, y, z] = u.map(f64::from);
             *out += weight * scale * (x * local[0] + y * local[1] + z * local[2]);
         }

@@ -63,7 +63,7 @@ pub use mmap::MappedFile;
 pub use pose::{Pose, Transform};
 pub use simd::Kernel;
 pub use traverse::{PairStackEntry, StackEntry};
-pub use view::{Asset, Group, NodeRows};
+pub use view::{Asset, Displacements, Group, NodeRows};
 
 /// The README's query, compiled with the tests.
 #[cfg(all(doctest, feature = "mmap"))]

@@ -5,7 +5,7 @@ mod sections;
 use bdtree_format::{
     BASE_ALIGNMENT, DEPTH_MAX, FrameRecord, GroupRecord, Header, LEAF_TRIANGLES_MAX, MAGIC,
     MODE_COUNT_MAX, ModeRecord, NodeRecord, Row, SECTION_ALIGNMENT, SectionKind, SectionRecord,
-    TriangleRecord, VERSION_MAJOR,
+    TriangleRecord, VERSION_MAJOR, VertexModes,
 };
 use core::mem::{offset_of, size_of};
 use zerocopy::FromBytes;
@@ -117,6 +117,7 @@ impl<'a> Asset<'a> {
             triangle_slots: view::<u32>(SectionKind::TRIANGLE_SLOTS, slice)?,
             positions,
             displacements: view::<[f32; 3]>(SectionKind::DISPLACEMENTS, slice)?,
+            vertex_modes: view::<VertexModes>(SectionKind::VERTEX_MODES, slice)?,
             frames: view::<FrameRecord>(SectionKind::FRAMES, slice)?,
             frame_q: view::<f32>(SectionKind::FRAME_Q, slice)?,
             groups: view::<GroupRecord>(SectionKind::GROUPS, slice)?,

@@ -7,6 +7,8 @@ mod bounds;
 mod frames;
 mod metadata;
 mod mode_lists;
+mod spectral;
+mod vertex_modes;
 
 use bdtree_format::{
     GroupRecord, LANES, NodeRecord, Row, SectionKind, TriangleRecord, mode_row, row_count,
@@ -14,6 +16,7 @@ use bdtree_format::{
 use core::mem::size_of;
 use core::ops::ControlFlow;
 
+use crate::contact::VertexId;
 use crate::error::{Datum, FormatError};
 use crate::math::norm;
 use crate::view::{Asset, NodeRows};
@@ -44,8 +47,8 @@ impl<'a> Asset<'a> {
     /// rule is broken.
     ///
     /// Cost: a pass over the file and, per tree level, one over the triangles' corners and their
-    /// modes; where mode lists differ, one over the node records before each node. Bounds are
-    /// checked only when everything they rest on is sound.
+    /// modes; per 2¹⁵ entries of the mode lists, one over the records of nodes and vertices. Bounds
+    /// are checked only when everything they rest on is sound.
     pub fn verify(&self, report: &mut dyn FnMut(FormatError) -> ControlFlow<()>) -> bool {
         let mut sound = true;
         let mut report = |error| {
@@ -81,6 +84,7 @@ impl<'a> Asset<'a> {
             self.numbers(&mut note)?;
             self.node_order(&mut note)?;
             self.triangle_order(&mut note)?;
+            self.vertex_modes_order(&mut note)?;
             self.mode_lists(&mut note)?;
             self.group_ranges(&mut note)?;
         }
@@ -154,10 +158,18 @@ impl<'a> Asset<'a> {
         for (i, x) in self.positions.iter().enumerate() {
             self.norm_at_most(SectionKind::POSITIONS, i, *x, p, report)?;
         }
-        let m = self.modes.len();
-        for (i, u) in self.displacements.iter().enumerate() {
-            let w = f64::from(self.modes[i % m].field_norm_max.get());
-            self.norm_at_most(SectionKind::DISPLACEMENTS, i, *u, w, report)?;
+        for i in 0..self.positions.len() as u32 {
+            let Ok(own) = self.displacements(VertexId(i)) else {
+                continue; // reported with its record
+            };
+            let first = self.first_displacement(i);
+            for (k, (mode, u)) in own.iter().enumerate() {
+                let Some(record) = self.modes.get(mode) else {
+                    continue; // reported with its list
+                };
+                let w = f64::from(record.field_norm_max.get());
+                self.norm_at_most(SectionKind::DISPLACEMENTS, first + k, u, w, report)?;
+            }
         }
         ControlFlow::Continue(())
     }

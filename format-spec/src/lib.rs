@@ -20,6 +20,7 @@ mod mode;
 mod node;
 mod section;
 mod triangle;
+mod vertex;
 
 pub use frame::FrameRecord;
 pub use header::{Header, MAGIC, VERSION_MAJOR, VERSION_MINOR};
@@ -32,6 +33,7 @@ pub use node::{
 };
 pub use section::{SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord};
 pub use triangle::{GroupRecord, TriangleRecord, group_kind};
+pub use vertex::VertexModes;
 
 /// Sections start at multiples of this many bytes (SPEC 3).
 pub const SECTION_ALIGNMENT: usize = 64;
@@ -51,6 +53,6 @@ pub const LEAF_TRIANGLES_MAX: usize = 255;
 /// Layout id of most sections (SPEC 4).
 pub const LAYOUT_1: u32 = 1;
 
-/// Layout id of the nodes and of their rows (rows of modes in 16 bits), and of the metadata (errors
-/// with their place) (SPEC 4).
+/// Layout id of the nodes and of their rows (rows of modes in 16 bits), of displacements of each
+/// vertex's mode list, and of the metadata (errors with their place) (SPEC 4).
 pub const LAYOUT_2: u32 = 2;

@@ -16,7 +16,7 @@ impl SectionKind {
     pub const NODES: Self = Self(*b"NODE");
     /// [`crate::Row`]s of all nodes, in node order.
     pub const ROWS: Self = Self(*b"ROWS");
-    /// `u16` mode indices: the mode lists that nodes share.
+    /// `u16` mode indices: the mode lists that nodes and vertices share.
     pub const MODE_LISTS: Self = Self(*b"LIST");
     /// [`crate::TriangleRecord`] per triangle, in leaf order.
     pub const TRIANGLES: Self = Self(*b"TRIS");
@@ -24,8 +24,12 @@ impl SectionKind {
     pub const TRIANGLE_SLOTS: Self = Self(*b"SLOT");
     /// `[f32; 3]` per vertex: rest positions relative to the origin, stored units.
     pub const POSITIONS: Self = Self(*b"VERT");
-    /// `[f32; 3]` per vertex and mode, vertex-major: U_ij, stored units per unit of q.
+    /// `[f32; 3]` per vertex and mode, vertex-major: U_ij, stored units per unit of q. In layout 2
+    /// only of the modes that [`Self::VERTEX_MODES`] lists.
     pub const DISPLACEMENTS: Self = Self(*b"DISP");
+    /// [`crate::VertexModes`] per vertex, and one that ends the last: which modes displacements of
+    /// layout 2 are of. Absent in layout 1.
+    pub const VERTEX_MODES: Self = Self(*b"VMOD");
     /// [`crate::FrameRecord`] per frame of the animation. Optional.
     pub const FRAMES: Self = Self(*b"FRMS");
     /// `f32` per frame and mode, frame-major: q of the frames. Optional.
@@ -58,7 +62,7 @@ impl core::fmt::Display for SectionKind {
 }
 
 /// The order of sections in a file; the first seven are always there (SPEC 4).
-pub const SECTION_ORDER: [SectionKind; 12] = [
+pub const SECTION_ORDER: [SectionKind; 13] = [
     SectionKind::NODES,
     SectionKind::ROWS,
     SectionKind::MODE_LISTS,
@@ -66,6 +70,7 @@ pub const SECTION_ORDER: [SectionKind; 12] = [
     SectionKind::TRIANGLE_SLOTS,
     SectionKind::POSITIONS,
     SectionKind::DISPLACEMENTS,
+    SectionKind::VERTEX_MODES,
     SectionKind::FRAMES,
     SectionKind::FRAME_Q,
     SectionKind::GROUPS,
@@ -74,9 +79,20 @@ pub const SECTION_ORDER: [SectionKind; 12] = [
 ];
 
 /// The layouts of the sections in [`SECTION_ORDER`].
-pub const SECTION_LAYOUTS: [u32; SECTION_ORDER.len()] = [
-    LAYOUT_2, LAYOUT_2, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1, LAYOUT_1,
-    LAYOUT_1, LAYOUT_1, LAYOUT_2,
+pub const SECTION_LAYOUTS: [&[u32]; SECTION_ORDER.len()] = [
+    &[LAYOUT_2],
+    &[LAYOUT_2],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1, LAYOUT_2],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
 ];
 
 /// One entry of the section table, 32 bytes.

@@ -4,7 +4,7 @@
 use bdtree_format as fmt;
 use bdtree_format::{
     FrameRecord, GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, SectionKind, SectionRecord,
-    TriangleRecord,
+    TriangleRecord, VertexModes,
 };
 use core::mem::offset_of;
 use zerocopy::little_endian::{F32, F64, I32, U16, U32, U64};
@@ -136,6 +136,12 @@ fn triangle_table_matches_struct() {
 }
 
 #[test]
+fn vertex_table_matches_struct() {
+    let all = fields!(VertexModes: first_entry, mode_list_start);
+    check_record("VertexModes", size_of::<VertexModes>(), &all);
+}
+
+#[test]
 fn group_table_matches_struct() {
     let all = fields!(GroupRecord: first_triangle, triangle_count, kind, name_start, name_bytes);
     check_record("GroupRecord", size_of::<GroupRecord>(), &all);
@@ -177,6 +183,12 @@ fn kinds_match_section_order() {
             "1",
             size_of::<[f32; 3]>(),
         ),
+        (
+            "VERTEX_MODES",
+            K::VERTEX_MODES,
+            "1",
+            size_of::<VertexModes>(),
+        ),
         ("FRAMES", K::FRAMES, "0", size_of::<FrameRecord>()),
         ("FRAME_Q", K::FRAME_Q, "0", size_of::<f32>()),
         ("GROUPS", K::GROUPS, "0", size_of::<GroupRecord>()),
@@ -184,14 +196,15 @@ fn kinds_match_section_order() {
         ("METADATA", K::METADATA, "0", 1),
     ];
     assert_eq!(rows.len(), named.len());
-    let layouts = fmt::SECTION_LAYOUTS;
+    let layouts =
+        fmt::SECTION_LAYOUTS.map(|ids| ids.iter().map(u32::to_string).collect::<Vec<_>>());
     for ((row, (name, kind, required, bytes)), layout) in rows.iter().zip(named).zip(layouts) {
         let expected = [
             kind.to_string(),
             name.into(),
             required.into(),
             bytes.to_string(),
-            layout.to_string(),
+            layout.join(", "),
         ];
         assert_eq!(row[..5], expected.each_ref().map(String::as_str));
     }

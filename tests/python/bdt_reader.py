@@ -10,10 +10,11 @@ import struct
 import sys
 import zlib
 
-# kind: required, element bytes, layout (SPEC 4.2)
+# kind: required, element bytes, layouts (SPEC 4.2)
 KINDS = {b"NODE": (1, 32, 2), b"ROWS": (1, 32, 2), b"LIST": (1, 2, 1), b"TRIS": (1, 16, 1),
-         b"SLOT": (1, 4, 1), b"VERT": (1, 12, 1), b"DISP": (1, 12, 1), b"FRMS": (0, 64, 1),
-         b"FRMQ": (0, 4, 1), b"GRPS": (0, 20, 1), b"GNAM": (0, 1, 1), b"META": (0, 1, 2)}
+         b"SLOT": (1, 4, 1), b"VERT": (1, 12, 1), b"DISP": (1, 12, 1, 2), b"VMOD": (1, 8, 1),
+         b"FRMS": (0, 64, 1), b"FRMQ": (0, 4, 1), b"GRPS": (0, 20, 1), b"GNAM": (0, 1, 1),
+         b"META": (0, 1, 2)}
 
 
 def check(holds, rule, what):
@@ -63,7 +64,7 @@ def read_header(data):
 
 
 def read_sections(data, at, count, end):
-    found, table = {}, []
+    found, table, layouts = {}, [], {}
     for kind, layout, offset, length, crc, required in struct.iter_unpack(
             "<4sIQQII", data[at:at + 32 * count]):
         name = "".join(chr(b) if 33 <= b <= 126 else "." for b in kind)
@@ -73,22 +74,40 @@ def read_sections(data, at, count, end):
         check(zlib.crc32(data[offset:end]) == crc, "4.1", f"checksum of {name}")
         check(required == KINDS.get(kind, (0,))[0], "4.4", f"{name}, required {required}")
         check(kind not in found, "4.4", f"{name} stands twice")
-        check(kind not in KINDS or layout == KINDS[kind][2], "4.4", f"layout {layout} of {name}")
-        found[kind] = data[offset:end]
+        check(kind not in KINDS or layout in KINDS[kind][2:], "4.4", f"layout {layout} of {name}")
+        found[kind], layouts[kind] = data[offset:end], layout
         table.append(dict(kind=name, offset=offset, bytes=length))
     check(end == len(data), "3.4", "bytes behind the last section")
     check([k for k in found if k in KINDS] == [k for k in KINDS if k in found], "4.2", "order of kinds")
-    check(all(k in found for k in KINDS if KINDS[k][0]), "4.2", "a required section is missing")
+    check(all(k in found for k in KINDS if KINDS[k][0] and k != b"VMOD"), "4.2", "a section is missing")
+    check((b"VMOD" in found) == (layouts[b"DISP"] == 2), "4.2", "VMOD and the layout of DISP")
     for pair in ((b"GRPS", b"GNAM"), (b"FRMS", b"FRMQ")):
         check((pair[0] in found) == (pair[1] in found), "4.2", "one section of a pair is missing")
     return found, table
 
 
-def read_tree(s, m_all, node_count, depth, leaf_max, f):
-    """Checks nodes, rows and lists; returns the radii of each level."""
+def read_lists(data, m):
+    """The mode lists by where they start: in descending order, so each entry that does not ascend
+    begins one."""
+    entries = struct.unpack(f"<{len(data) // 2}H", data)
+    check(all(j < m for j in entries), "6.7", "entries of LIST")
+    starts = [i for i, j in enumerate(entries) if i == 0 or j <= entries[i - 1]]
+    lists = {a: entries[a:b] for a, b in zip(starts, starts[1:] + [len(entries)])}
+    contents = list(lists.values())
+    check(all(a > b for a, b in zip(contents, contents[1:])), "6.7", "order of LIST")
+    return lists
+
+
+def use_list(lists, used, start, count, where):
+    """Checks that a whole list is used, or none."""
+    check(len(lists.get(start, ())) == count if count else start == 0, "6.7", f"list of {where}")
+    used.update([start] if count else [])
+
+
+def read_tree(s, m_all, node_count, depth, leaf_max, f, lists, used):
+    """Checks nodes and rows; returns the radii of each level."""
     rows = s[b"ROWS"]
-    lists = struct.unpack(f"<{len(s[b'LIST']) // 2}H", s[b"LIST"])
-    child, slot, row, list_end, starts = 1, 0, 0, 0, {}
+    child, slot, row = 1, 0, 0
     levels, level_of = [[] for _ in range(depth)], {0: 0}
     for i, (*firsts, start, m, inner, leaf, c0, c1, c2, c3, c4, c5, c6, c7, level, e0, e1, e2) in enumerate(
             struct.iter_unpack("<4IH11B3b", s[b"NODE"])):
@@ -97,12 +116,7 @@ def read_tree(s, m_all, node_count, depth, leaf_max, f):
         check(min(e0, e1, e2) >= -126 and m <= m_all, "6.1", f"node {i}")
         check(level == level_of.pop(i) < depth, "6.4", f"level of node {i}")
         check(inner | leaf and not inner & leaf and max(counts) <= leaf_max, "6.2", f"lanes of node {i}")
-        modes = lists[start:start + m]
-        check(all(a < b for a, b in zip(modes, modes[1:] + (m_all,))), "6.7", f"list of node {i}")
-        if m and modes not in starts:
-            check(start == list_end and len(modes) == m, "6.7", f"list of node {i}")
-            starts[modes], list_end = start, list_end + m
-        check(start == starts.get(modes, 0), "6.7", f"list of node {i}")
+        use_list(lists, used, start, m, f"node {i}")
         own = rows[32 * row:32 * (row + 6 + 3 * m)]
         check(len(own) == 32 * (6 + 3 * m), "4.3", "length of ROWS")
         plain = floats(own[:128] + own[128 + 96 * m:], f"rows of node {i}")
@@ -118,19 +132,26 @@ def read_tree(s, m_all, node_count, depth, leaf_max, f):
         children = bin(inner).count("1")
         level_of.update((child + c, level + 1) for c in range(children))
         child, slot, row = child + children, slot + sum(counts), row + 6 + 3 * m
-    sums, sizes = (child, slot, 32 * row, list_end), (node_count, f, len(rows), len(lists))
+    sums, sizes = (child, slot, 32 * row), (node_count, f, len(rows))
     check(sums == sizes, "6.3", f"sums over nodes {sums}, sections {sizes}")
     check(all(levels), "6.4", "depth")
     return levels
 
 
-def read_mesh(s, n, f):
+def read_mesh(s, n, f, lists, used):
     slots = struct.unpack(f"<{f}I", s[b"SLOT"])
     for slot, (a, b, c, triangle) in enumerate(struct.iter_unpack("<4I", s[b"TRIS"])):
         check(max(a, b, c) < n, "7.1", f"corners in slot {slot}")
         check(triangle < f and slots[triangle] == slot, "7.2", f"slot {slot}")
     floats(s[b"VERT"], "VERT")
     floats(s[b"DISP"], "DISP")
+    records = list(struct.iter_unpack("<2I", s.get(b"VMOD", b"")))
+    if records:
+        check((records[0][0], records[-1]) == (0, (len(s[b"DISP"]) // 12, 0)), "7.6", "ends of VMOD")
+    for i, ((first, start), (end, _)) in enumerate(zip(records, records[1:])):
+        check(first <= end, "7.6", f"entries of vertex {i}")
+        use_list(lists, used, start, end - first, f"vertex {i}")
+    check(used == set(lists), "6.7", "lists that nothing uses")
     before = 0
     for first, count, _, start, length in struct.iter_unpack("<5I", s.get(b"GRPS", b"")):
         name = s[b"GNAM"][start:start + length]
@@ -197,11 +218,13 @@ def read_metadata(data, n, m):
 def info(data):
     version, origin, unit, n, f, m, nodes, depth, sections, end, leaf_max, modes = read_header(data)
     s, table = read_sections(data, 128 + 32 * m, sections, end)
-    for kind, count in dict(NODE=nodes, TRIS=f, SLOT=f, VERT=n, DISP=n * m).items():
+    per_vertex = dict(VMOD=n + 1) if b"VMOD" in s else dict(DISP=n * m)
+    for kind, count in dict(NODE=nodes, TRIS=f, SLOT=f, VERT=n, **per_vertex).items():
         check(len(s[kind.encode()]) == count * KINDS[kind.encode()][1], "4.3", f"length of {kind}")
     check(all(len(s[k]) % KINDS[k][1] == 0 for k in s if k in KINDS), "4.3", "length of a section")
-    levels = read_tree(s, m, nodes, depth, leaf_max, f)
-    read_mesh(s, n, f)
+    lists, used = read_lists(s[b"LIST"], m), set()
+    levels = read_tree(s, m, nodes, depth, leaf_max, f, lists, used)
+    read_mesh(s, n, f, lists, used)
     frames, duration = read_frames(s, [mode[0] for mode in modes])
     name, digest, error, described = None, None, None, [(None, None)] * m
     if b"META" in s:

@@ -7,6 +7,8 @@ use bdtree_build::progress::Silent;
 use bdtree_runtime::AlignedBytes;
 use rand::RngExt;
 
+use crate::fixtures::mesh::Mesh;
+use crate::fixtures::{face, fields};
 use crate::poses::{random_transform, rng};
 
 /// The file of a mesh and a basis, default settings.
@@ -83,6 +85,55 @@ pub fn smooth_basis(mesh: &RawMesh, mode_count: usize, seed: u64) -> Basis {
         ],
         animation: None,
     }
+}
+
+/// `mode_count` local fields: each moves the vertices near one vertex and leaves the others exactly
+/// at rest, so files of them list the modes of each vertex; scaled like [`smooth_basis`].
+pub fn local_basis(mesh: &RawMesh, mode_count: usize, seed: u64) -> Basis {
+    let plain = Mesh {
+        positions: mesh.positions.clone(),
+        triangles: mesh.triangles.clone(),
+    };
+    basis_of(&fields::local_fields(&plain, mode_count, seed))
+}
+
+/// A basis of these fields, all of range 1.
+pub fn basis_of(fields: &[Vec<[f64; 3]>]) -> Basis {
+    Basis {
+        vertex_count: fields.first().map_or(0, Vec::len),
+        fields: fields.concat(),
+        modes: vec![
+            BasisMode {
+                q_range: Some(1.0),
+                ..BasisMode::default()
+            };
+            fields.len()
+        ],
+        animation: None,
+    }
+}
+
+/// The face of the fixtures and a basis of its 52 shapes.
+pub fn face_with_shapes() -> (RawMesh, Basis) {
+    let face = face::face();
+    let shapes = face::face_shapes(&face);
+    let mut basis = Basis::default();
+    basis.vertex_count = face.positions.len();
+    for shape in shapes {
+        basis.fields.extend(shape.field);
+        basis.modes.push(BasisMode {
+            name: Some(shape.name),
+            q_range: Some(1.0),
+            ..BasisMode::default()
+        });
+    }
+    let mesh = RawMesh {
+        name: "face.obj".into(),
+        positions: face.positions,
+        triangles: face.triangles,
+        ..RawMesh::default()
+    };
+    (mesh, basis)
 }
 
 /// A UV sphere of radius 1 whose surface bulges: closed, about `2 n²` triangles.

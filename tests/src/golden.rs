@@ -16,6 +16,7 @@ use bdtree_runtime::{
 use serde_json::{Value, json};
 
 use crate::mutate;
+use crate::sections::{self, Part};
 
 /// Where the golden files lie.
 pub fn folder() -> PathBuf {
@@ -212,52 +213,19 @@ fn animated() -> Vec<u8> {
 /// needed, negative zeros.
 fn foreign() -> Vec<u8> {
     let source = sphere_with_groups();
-    let count = mutate::get_u32(&source, offset_of!(Header, section_count)) as usize;
-    let table = mutate::table(&source);
-    let mut sections: Vec<(Vec<u8>, Vec<u8>)> = Vec::new();
-    let mut unknown = vec![0; 32];
+    let mut unknown = vec![0; size_of::<SectionRecord>()];
     unknown[..8].copy_from_slice(b"XTRA\x2a\0\0\0");
-    sections.push((unknown, b"what a later version adds".to_vec()));
-    for i in 0..count {
-        let record = source[table + 32 * i..table + 32 * (i + 1)].to_vec();
-        if record[..4] != SectionKind::METADATA.0 {
-            let kind = SectionKind(record[..4].try_into().expect("four bytes"));
-            sections.push((record, source[mutate::section(&source, kind)].to_vec()));
-        }
-    }
-    let mut bytes = source[..table].to_vec();
-    let header_bytes = (table + 32 * sections.len()).next_multiple_of(64);
-    bytes.resize(header_bytes, 0);
-    for (i, (mut record, body)) in sections.into_iter().enumerate() {
-        bytes.resize(bytes.len().next_multiple_of(64), 0);
-        mutate::put(
-            &mut record,
-            offset_of!(SectionRecord, offset),
-            &(bytes.len() as u64).to_le_bytes(),
-        );
-        mutate::put(
-            &mut record,
-            offset_of!(SectionRecord, length),
-            &(body.len() as u64).to_le_bytes(),
-        );
-        bytes.extend(body);
-        mutate::put(&mut bytes, table + 32 * i, &record);
-        mutate::put(
-            &mut bytes,
-            offset_of!(Header, section_count),
-            &(i as u32 + 1).to_le_bytes(),
-        );
-    }
-    let file_bytes = (bytes.len() as u64).to_le_bytes();
+    let mut parts = vec![Part {
+        record: unknown,
+        body: b"what a later version adds".to_vec(),
+    }];
+    parts.extend(sections::take_apart(&source));
+    parts.retain(|part| part.kind() != SectionKind::METADATA);
+    let mut bytes = sections::put_together(&source, parts);
     for (at, value) in [
         (
-            offset_of!(Header, header_bytes),
-            &(header_bytes as u32).to_le_bytes()[..],
-        ),
-        (offset_of!(Header, file_bytes), &file_bytes),
-        (
             offset_of!(Header, features_optional),
-            &0x8000_0001_u32.to_le_bytes(),
+            &0x8000_0001_u32.to_le_bytes()[..],
         ),
         (
             offset_of!(Header, leaf_triangles_max),

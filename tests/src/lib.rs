@@ -12,3 +12,4 @@ pub mod mutate;
 pub mod oracle;
 pub mod poses;
 pub mod resident;
+pub mod sections;

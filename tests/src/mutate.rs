@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use bdtree_format::{
     GroupRecord, Header, ModeRecord, NodeRecord, SectionKind, SectionRecord, TriangleRecord,
+    VertexModes,
 };
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -155,6 +156,7 @@ fn change(bytes: &mut [u8], rng: &mut Pcg64Mcg) {
         SectionKind::TRIANGLE_SLOTS,
         SectionKind::POSITIONS,
         SectionKind::DISPLACEMENTS,
+        SectionKind::VERTEX_MODES,
         SectionKind::FRAMES,
         SectionKind::FRAME_Q,
         SectionKind::GROUPS,
@@ -223,11 +225,11 @@ fn change(bytes: &mut [u8], rng: &mut Pcg64Mcg) {
             let field = 4 * rng.random_range(0..4);
             put(bytes, at + field, &index(i, count, rng).to_le_bytes());
         }
-        SectionKind::TRIANGLE_SLOTS | SectionKind::GROUPS => {
-            let size = if kind == SectionKind::GROUPS {
-                size_of::<GroupRecord>()
-            } else {
-                4
+        SectionKind::TRIANGLE_SLOTS | SectionKind::VERTEX_MODES | SectionKind::GROUPS => {
+            let size = match kind {
+                SectionKind::GROUPS => size_of::<GroupRecord>(),
+                SectionKind::VERTEX_MODES => size_of::<VertexModes>(),
+                _ => 4,
             };
             let (i, count, at) = element(size, rng);
             let field = 4 * rng.random_range(0..size / 4);

@@ -6,8 +6,8 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use bdtree_runtime::{
-    Asset, Contact, PairContact, PairStackEntry, Pose, SliceSink, StackEntry, Transform,
-    TriangleId, add_generalized_force, query,
+    AlignedBytes, Asset, Contact, PairContact, PairStackEntry, Pose, SliceSink, StackEntry,
+    Transform, TriangleId, add_generalized_force, query,
 };
 use bdtree_tests::{bake, poses};
 
@@ -61,14 +61,22 @@ fn queries_allocate_nothing() {
         "allocations are counted"
     );
     let mesh = bake::bumpy_sphere(12, 1);
-    let basis = bake::with_frames(bake::smooth_basis(&mesh, 4, 1), 3, 1.0, 1);
-    let bytes = bake::baked(&mesh, &basis);
+    for basis in [
+        bake::with_frames(bake::smooth_basis(&mesh, 4, 1), 3, 1.0, 1),
+        bake::local_basis(&mesh, 4, 1),
+    ] {
+        nothing_is_allocated(&bake::baked(&mesh, &basis));
+    }
+}
+
+/// A file of four modes.
+fn nothing_is_allocated(bytes: &AlignedBytes) {
     let mut stack = [StackEntry::default(); 256];
     let mut pair_stack = [PairStackEntry::default(); 1024];
     let mut contacts = [Contact::EMPTY; 512];
     let mut pairs = [PairContact::EMPTY; 512];
     let (count, found) = allocations(|| {
-        let asset = Asset::open(&bytes).expect("open");
+        let asset = Asset::open(bytes).expect("open");
         let (mut memory, mut memory2) = ([0.0; 8], [0.0; 8]);
         let q = [0.5, -0.5, 0.2, 0.0];
         let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
@@ -154,15 +162,21 @@ fn a_full_sink_is_said_and_holds_a_part_of_the_answer() {
 #[test]
 fn generalized_forces_are_derivatives_of_work() {
     let mesh = bake::bumpy_sphere(8, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 1));
-    let asset = Asset::open(&bytes).expect("open");
+    let dense = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 1));
+    let sparse = bake::baked(&mesh, &bake::local_basis(&mesh, 3, 1));
+    for bytes in [dense, sparse] {
+        forces_are_derivatives(&Asset::open(&bytes).expect("open"));
+    }
+}
+
+fn forces_are_derivatives(asset: &Asset<'_>) {
     let mut rng = poses::rng(3);
     let place = poses::random_transform(2.0, &mut rng);
     let (weights, force) = ([0.2, 0.5, 0.3], [1.0, -2.0, 0.5]);
     for id in [0, 7, 50].map(TriangleId) {
         let work = |q: &[f32]| {
             let mut memory = [0.0; 6];
-            let pose = Pose::new(&asset, q, place, &mut memory).expect("pose");
+            let pose = Pose::new(asset, q, place, &mut memory).expect("pose");
             let corners = asset.triangle(id).expect("triangle");
             let mut work = 0.0;
             for (corner, weight) in corners.iter().zip(weights) {
@@ -173,9 +187,9 @@ fn generalized_forces_are_derivatives_of_work() {
         };
         let q = [0.25, -0.5, 0.125];
         let mut memory = [0.0; 6];
-        let pose = Pose::new(&asset, &q, place, &mut memory).expect("pose");
+        let pose = Pose::new(asset, &q, place, &mut memory).expect("pose");
         let mut out = [10.0; 3];
-        add_generalized_force(&asset, &pose, id, weights, force, &mut out).expect("force");
+        add_generalized_force(asset, &pose, id, weights, force, &mut out).expect("force");
         for j in 0..3 {
             let (mut up, mut down) = (q, q);
             up[j] += 1.0;

@@ -10,8 +10,12 @@ use bdtree_tests::{bake, poses};
 #[test]
 fn bytes_depend_on_the_input_only() {
     let mesh = bake::bumpy_sphere(20, 3);
-    for mode_count in [0, 1, 9] {
-        let basis = bake::smooth_basis(&mesh, mode_count, 4);
+    for (mode_count, is_local) in [(0, false), (1, false), (9, false), (9, true)] {
+        let basis = if is_local {
+            bake::local_basis(&mesh, mode_count, 4)
+        } else {
+            bake::smooth_basis(&mesh, mode_count, 4)
+        };
         let made = |threads| {
             let settings = BakeSettings {
                 threads,
@@ -20,6 +24,8 @@ fn bytes_depend_on_the_input_only() {
             bake::baked_with(&mesh, &basis, &settings)
         };
         let first = made(1);
+        let asset = Asset::open(&first).expect("open");
+        assert_eq!(asset.vertex_modes().is_empty(), !is_local);
         for threads in [1, 2, 3, 7] {
             assert!(
                 *made(threads) == *first,

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use bdtree_build::input::{GroupKind, RawGroup};
 use bdtree_format::{
     FrameRecord, GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, ROW_RADIUS, Row,
-    SectionKind, SectionRecord, TriangleRecord, mode_row,
+    SectionKind, SectionRecord, TriangleRecord, VertexModes, mode_row,
 };
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, FormatError, Pose, QueryError, StackEntry, Transform, TriangleId,
@@ -17,7 +17,7 @@ use bdtree_runtime::{
 use bdtree_tests::bake;
 use bdtree_tests::mutate::{get_f32, get_u32, put, record, repair, section, table};
 
-/// Several nodes, five local modes (so the header block ends with padding), frames, groups,
+/// Several nodes, six local modes (so the header block ends with padding), frames, groups,
 /// metadata.
 static FILE: LazyLock<AlignedBytes> = LazyLock::new(|| {
     let mut mesh = bake::bumpy_sphere(14, 1);
@@ -29,7 +29,7 @@ static FILE: LazyLock<AlignedBytes> = LazyLock::new(|| {
             triangle_count: 4,
         });
     }
-    let mut basis = bake::smooth_basis(&mesh, 5, 1);
+    let mut basis = bake::smooth_basis(&mesh, 6, 1);
     let count = mesh.positions.len();
     for (k, u) in basis.fields.iter_mut().enumerate() {
         if mesh.positions[k % count][(k / count) % 3] < 0.5 {
@@ -57,8 +57,10 @@ fn rules() -> BTreeSet<String> {
         include_str!("../../bdtree-runtime/src/verify/frames.rs"),
         include_str!("../../bdtree-runtime/src/verify/metadata.rs"),
         include_str!("../../bdtree-runtime/src/verify/mode_lists.rs"),
+        include_str!("../../bdtree-runtime/src/verify/vertex_modes.rs"),
         include_str!("../../bdtree-runtime/src/traverse/mod.rs"),
         include_str!("../../bdtree-runtime/src/view/mod.rs"),
+        include_str!("../../bdtree-runtime/src/view/displacements.rs"),
     ];
     let mut rules = BTreeSet::new();
     for source in sources {
@@ -172,6 +174,15 @@ fn body(kind: SectionKind, offset: usize, value: u32) -> impl Fn(&mut Vec<u8>) {
         let at = section(b, kind).start + offset;
         u32_at(b, at, value);
     }
+}
+
+/// Changes a vertex's record in VMOD.
+fn vertex_record(vertex: usize, offset: usize, value: u32) -> impl Fn(&mut Vec<u8>) {
+    body(
+        SectionKind::VERTEX_MODES,
+        vertex * size_of::<VertexModes>() + offset,
+        value,
+    )
 }
 
 /// Multiplies a bound of the root's first used lane.
@@ -418,19 +429,77 @@ fn changes() -> Vec<Change> {
             put(b, at, &0.0_f32.to_le_bytes());
         }),
         Box::new(|b| {
-            // A vertex below a node that leaves a mode out moves with it after all.
+            // A vertex's displacements are those of other modes, which the node above leaves out.
             let bytes = AlignedBytes::copy_of(b);
             let asset = Asset::open(&bytes).expect("open");
-            let m = asset.mode_count();
-            let left_out = asset.nodes().iter().find_map(|n| {
+            let modes = |v: usize| -> Vec<usize> {
+                let own = asset.displacements(VertexId(v as u32)).expect("a vertex");
+                own.iter().map(|(mode, _)| mode).collect()
+            };
+            let count = asset.vertex_count();
+            let swap = asset.nodes().iter().find_map(|n| {
                 let list = asset.node_modes(n).expect("list");
-                let j = (0..m).find(|j| !list.contains(&(*j as u16)))?;
                 let leaf = n.leaf_counts.iter().any(|c| *c > 0);
                 let v = asset.triangles()[n.first_slot as usize].corners[0] as usize;
-                leaf.then_some(12 * (v * m + j))
+                let other = (0..count).find(|other| {
+                    let other = modes(*other);
+                    let left_out = |j: &usize| !list.contains(&(*j as u16));
+                    other.len() == modes(v).len() && other.iter().any(left_out)
+                });
+                leaf.then_some((v, other?))
             });
-            let at = section(b, SectionKind::DISPLACEMENTS).start + left_out.expect("a local mode");
-            put(b, at, &1e-6_f32.to_le_bytes());
+            let (v, other) = swap.expect("local modes");
+            let start = asset.vertex_modes()[other].mode_list_start;
+            vertex_record(v, 4, start)(b);
+        }),
+        Box::new(vertex_record(7, 0, u32::MAX)),
+        Box::new(vertex_record(0, 0, 1)),
+        Box::new(|b| {
+            // The record behind the last vertex's.
+            let last = get_u32(b, offset_of!(Header, vertex_count)) as usize;
+            vertex_record(last, 4, 1)(b);
+        }),
+        Box::new(|b| {
+            // The vertex with the longest list has one mode less: part of a list.
+            let bytes = AlignedBytes::copy_of(b);
+            let asset = Asset::open(&bytes).expect("open");
+            let records = asset.vertex_modes();
+            let length = |v: &usize| records[v + 1].first_entry - records[*v].first_entry;
+            let longest = (0..asset.vertex_count()).max_by_key(length).expect("one");
+            let next = records[longest + 1].first_entry;
+            vertex_record(longest + 1, 0, next - 1)(b);
+        }),
+        Box::new(|b| {
+            // An empty list that stands elsewhere than at 0.
+            let bytes = AlignedBytes::copy_of(b);
+            let asset = Asset::open(&bytes).expect("open");
+            let pairs = asset.vertex_modes().windows(2);
+            let still = |pair: &[VertexModes]| pair[0].first_entry == pair[1].first_entry;
+            let v = pairs.map(still).position(|x| x).expect("a vertex at rest");
+            vertex_record(v, 4, 1)(b);
+        }),
+        Box::new(|b| {
+            // The lists of the file, but none of them used by a vertex: all have the first.
+            for v in 0..get_u32(b, offset_of!(Header, vertex_count)) as usize {
+                vertex_record(v, 4, 0)(b);
+            }
+        }),
+        Box::new(|b| {
+            // Vertices of list 0 have one beyond the section instead, which queries meet.
+            for v in 0..get_u32(b, offset_of!(Header, vertex_count)) as usize {
+                vertex_record(v, 4, u32::MAX)(b);
+            }
+        }),
+        Box::new(|b| {
+            // Modes that do not exist, which queries meet.
+            let lists = section(b, SectionKind::MODE_LISTS);
+            b[lists].fill(0xff);
+        }),
+        Box::new(field(SectionKind::VERTEX_MODES, kind, name(b"VMOX"))),
+        Box::new(|b| {
+            let at = record(b, SectionKind::VERTEX_MODES);
+            put(b, at, b"VMOX");
+            u32_at(b, at + offset_of!(SectionRecord, required), 0);
         }),
         Box::new(|b| {
             // A leaf lane of the last node has one triangle less or more.
@@ -516,8 +585,8 @@ fn every_rule_is_triggered() {
     );
     // Accessors.
     let asset = Asset::open(&FILE).expect("open");
-    let mut memory = [0.0; 10];
-    let pose = Pose::new(&asset, &[0.0; 5], Transform::IDENTITY, &mut memory).expect("pose");
+    let mut memory = [0.0; 12];
+    let pose = Pose::new(&asset, &[0.0; 6], Transform::IDENTITY, &mut memory).expect("pose");
     seen.note(
         &asset
             .triangle(TriangleId(u32::MAX))
@@ -534,7 +603,7 @@ fn every_rule_is_triggered() {
         TriangleId(0),
         [1.0, 0.0, 0.0],
         [1.0; 3],
-        &mut [0.0; 4],
+        &mut [0.0; 5],
     );
     seen.note(&short.expect_err("too short"));
 

@@ -63,6 +63,7 @@ fn golden_files_are_sound() {
     starts.sort_unstable();
     starts.dedup();
     assert!(starts.len() > 3, "the sparse fields give several lists");
+    assert!(!asset.vertex_modes().is_empty(), "vertices have lists too");
 }
 
 #[test]

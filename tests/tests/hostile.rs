@@ -44,17 +44,21 @@ fn local_basis(mesh: &RawMesh, mode_count: usize) -> Basis {
     basis
 }
 
-/// Rigid, two modes, ten local modes, two modes with frames: small files.
+/// Rigid, two modes, ten local modes of which vertices list some, two modes with frames: small
+/// files.
 static SMALL: LazyLock<Vec<AlignedBytes>> = LazyLock::new(|| {
     let mesh = sphere(4);
     let tiny = bake::bumpy_sphere(2, 1);
     let moving = bake::smooth_basis(&tiny, 2, 1);
-    vec![
+    let files = vec![
         bake::baked(&mesh, &bake::rigid(&mesh)),
         bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1)),
         bake::baked(&mesh, &local_basis(&mesh, 10)),
         bake::baked(&tiny, &bake::with_frames(moving, 3, 1.0, 1)),
-    ]
+    ];
+    let asset = Asset::open(&files[2]).expect("open");
+    assert!(!asset.vertex_modes().is_empty());
+    files
 });
 
 /// A few hundred triangles, on several levels.
@@ -234,7 +238,7 @@ fn every_flipped_bit_is_found_and_harmless() {
         }
     }
     println!("{flips} flips, {opened} files opened");
-    assert!(flips > 100_000 && opened > flips / 2);
+    assert!(flips > 90_000 && opened > flips / 2);
 }
 
 /// Records set to extreme values under valid checksums.

@@ -4,6 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use bdtree_format::SectionKind;
+use bdtree_tests::mutate;
+
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
@@ -55,4 +58,29 @@ fn a_flipped_bit_is_refused() {
     let output = read(&file);
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("checksum of DISP (SPEC 4.1)"));
+}
+
+/// The rules of vertices' modes, under valid checksums.
+#[test]
+fn broken_vertex_records_are_refused() {
+    let sound = fs::read(root().join("fixtures/golden/sparse.bdt")).expect("a golden file");
+    let place = mutate::section(&sound, SectionKind::VERTEX_MODES);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("broken.bdt");
+    for (at, value, rule) in [
+        (place.start, 1_u32, "ends of VMOD (SPEC 7.6)"),
+        (place.start + 8, u32::MAX, "list of vertex 0 (SPEC 6.7)"),
+        (place.end - 16, 0, "(SPEC 7.6)"),
+        (place.start + 4, 1 << 20, "list of vertex 0 (SPEC 6.7)"),
+        (place.end - 4, 1, "ends of VMOD (SPEC 7.6)"),
+    ] {
+        let mut bytes = sound.clone();
+        mutate::put(&mut bytes, at, &value.to_le_bytes());
+        mutate::repair(&mut bytes);
+        fs::write(&file, bytes).expect("written");
+        let output = read(&file);
+        assert_eq!(output.status.code(), Some(1));
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(text.contains(rule), "{text}");
+    }
 }

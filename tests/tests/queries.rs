@@ -1,14 +1,23 @@
 //! Every query equals brute force over all deformed triangles: none missing, none too many, the
 //! same numbers to the last bit.
 
+use bdtree_build::basis::Basis;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_runtime::{Asset, Transform};
 use bdtree_tests::compare::{check_pairs, check_pose, kernels};
 use bdtree_tests::{bake, corpus, poses};
 
 fn check_mesh(mesh: &RawMesh, mode_count: usize, seed: u64, rounds: usize) {
-    let basis = bake::smooth_basis(mesh, mode_count, seed);
-    let bytes = bake::baked(mesh, &basis);
+    check_basis(
+        mesh,
+        &bake::smooth_basis(mesh, mode_count, seed),
+        seed,
+        rounds,
+    );
+}
+
+fn check_basis(mesh: &RawMesh, basis: &Basis, seed: u64, rounds: usize) {
+    let bytes = bake::baked(mesh, basis);
     let asset = Asset::open(&bytes).expect("open");
     let mut errors = Vec::new();
     asset.verify(&mut |e| {
@@ -36,13 +45,32 @@ fn queries_equal_brute_force_on_a_sphere() {
 }
 
 #[test]
+fn queries_equal_brute_force_under_local_fields() {
+    let mesh = bake::bumpy_sphere(20, 1);
+    check_basis(&mesh, &bake::local_basis(&mesh, 16, 2), 7, 20);
+    let bytes = bake::baked(&mesh, &bake::local_basis(&mesh, 100, 3));
+    check_pairs(&bytes, 3, 12, 0.4);
+}
+
+#[test]
+fn queries_equal_brute_force_on_a_face() {
+    let (mesh, basis) = bake::face_with_shapes();
+    check_basis(&mesh, &basis, 5, 4);
+}
+
+#[test]
 fn queries_equal_brute_force_at_hard_poses() {
     let mesh = bake::bumpy_sphere(10, 4);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 7, 5));
-    let asset = Asset::open(&bytes).expect("open");
-    for asset in kernels(asset) {
-        for (i, q) in poses::hard_qs(&asset).iter().enumerate() {
-            check_pose(&asset, q, Transform::IDENTITY, i as u64, 10);
+    for basis in [
+        bake::smooth_basis(&mesh, 7, 5),
+        bake::local_basis(&mesh, 7, 5),
+    ] {
+        let bytes = bake::baked(&mesh, &basis);
+        let asset = Asset::open(&bytes).expect("open");
+        for asset in kernels(asset) {
+            for (i, q) in poses::hard_qs(&asset).iter().enumerate() {
+                check_pose(&asset, q, Transform::IDENTITY, i as u64, 10);
+            }
         }
     }
 }

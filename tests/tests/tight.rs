@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use bdtree_format::{LANES, ROW_RADIUS, Row, SectionKind, mode_row};
-use bdtree_runtime::{AlignedBytes, Asset, NodeRows};
+use bdtree_runtime::{AlignedBytes, Asset, Displacements, NodeRows, VertexId};
 use bdtree_tests::mutate::{get_f32, put, repair, section};
 use bdtree_tests::{bake, golden};
 
@@ -148,11 +148,16 @@ impl Lane<'_> {
         [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(c[k][self.lane]))
     }
 
+    fn displacements(&self, i: usize) -> Displacements<'_> {
+        let own = self.asset.displacements(VertexId(i as u32));
+        own.expect("a vertex")
+    }
+
     /// w_ij for q_j at its limit.
     fn field(&self, i: usize, k: usize) -> [f64; 3] {
         let node = &self.asset.nodes()[self.node];
         let mode = usize::from(self.asset.node_modes(node).expect("list")[k]);
-        let u = self.asset.displacements()[i * self.asset.mode_count() + mode];
+        let u = self.displacements(i).of(mode);
         let limit = f64::from(self.asset.modes()[mode].q_limit.get());
         let (rows, unit) = (self.rows(), f64::from(self.rows().units[0]));
         let mean = rows.modes[k]
@@ -182,7 +187,7 @@ impl Lane<'_> {
                 let fields: Vec<[f64; 3]> = (0..count)
                     .map(|j| {
                         let s = f64::from(self.asset.modes()[j].step_scale.get());
-                        let u = self.asset.displacements()[i * count + j].map(f64::from);
+                        let u = self.displacements(i).of(j).map(f64::from);
                         u.map(|c| if scaled { c * s } else { c })
                     })
                     .collect();

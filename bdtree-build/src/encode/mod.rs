@@ -3,9 +3,12 @@
 
 mod plan;
 
+use std::borrow::Cow;
+
 use bdtree_format::{
-    GroupRecord, Header, MAGIC, Metadata, ModeRecord, SECTION_LAYOUTS, SECTION_ORDER, SectionKind,
-    SectionRecord, TriangleRecord, VERSION_MAJOR, VERSION_MINOR, group_kind,
+    GroupRecord, Header, LAYOUT_1, LAYOUT_2, MAGIC, Metadata, ModeRecord, SECTION_LAYOUTS,
+    SECTION_ORDER, SectionKind, SectionRecord, TriangleRecord, VERSION_MAJOR, VERSION_MINOR,
+    group_kind,
 };
 use zerocopy::IntoBytes;
 
@@ -19,7 +22,7 @@ use plan::Plan;
 #[cfg(target_endian = "big")]
 compile_error!("the big arrays of a .bdt file are written as they lie in memory, little-endian");
 
-/// Sections that a reader must know.
+/// Sections that every file has.
 const REQUIRED_SECTIONS: usize = 7;
 
 /// Largest magnitude of the length unit's exponent and of the origin (SPEC 5.2).
@@ -57,6 +60,7 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
         .to_bytes()
         .map_err(|e| BakeError::one("encode", "", e.to_string()))?;
 
+    let fields = displacements(parts);
     let mut sections: Vec<(SectionKind, &[u8])> = Vec::with_capacity(SECTION_ORDER.len());
     for kind in SECTION_ORDER {
         let bytes: &[u8] = match kind {
@@ -66,7 +70,8 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
             SectionKind::TRIANGLES => triangles.as_bytes(),
             SectionKind::TRIANGLE_SLOTS => slots.as_bytes(),
             SectionKind::POSITIONS => parts.shape.positions.as_bytes(),
-            SectionKind::DISPLACEMENTS => parts.shape.displacements.as_bytes(),
+            SectionKind::DISPLACEMENTS => fields.as_bytes(),
+            SectionKind::VERTEX_MODES if has_lists(parts) => parts.wrapped.vertex_modes.as_bytes(),
             SectionKind::FRAMES | SectionKind::FRAME_Q => match (&parts.shape.frames, kind) {
                 (None, _) => continue,
                 (Some(frames), SectionKind::FRAMES) => frames.records.as_bytes(),
@@ -156,13 +161,22 @@ fn write_header_block(
     }
     for ((kind, bytes), &offset) in sections.iter().zip(&plan.offsets) {
         let place = SECTION_ORDER.iter().position(|k| k == kind);
+        let layout = match *kind {
+            SectionKind::DISPLACEMENTS if has_lists(parts) => LAYOUT_2,
+            SectionKind::DISPLACEMENTS => LAYOUT_1,
+            _ => place
+                .and_then(|p| SECTION_LAYOUTS[p].last().copied())
+                .unwrap_or(0),
+        };
+        let is_required =
+            place.is_some_and(|p| p < REQUIRED_SECTIONS) || *kind == SectionKind::VERTEX_MODES;
         let record = SectionRecord {
             kind: *kind,
-            layout: place.map_or(0, |p| SECTION_LAYOUTS[p]).into(),
+            layout: layout.into(),
             offset: (offset as u64).into(),
             length: (bytes.len() as u64).into(),
             crc: crc32fast::hash(bytes).into(),
-            required: u32::from(place.is_some_and(|p| p < REQUIRED_SECTIONS)).into(),
+            required: u32::from(is_required).into(),
         };
         append(record.as_bytes(), &mut block);
     }
@@ -170,6 +184,28 @@ fn write_header_block(
     header.header_crc = crc32fast::hash(&block).into();
     block[..size_of::<Header>()].copy_from_slice(header.as_bytes());
     file[..block.len()].copy_from_slice(&block);
+}
+
+/// Whether displacements are those of the vertices' mode lists only (layout 2).
+fn has_lists(parts: &Parts) -> bool {
+    !parts.wrapped.vertex_modes.is_empty()
+}
+
+/// The displacements that are stored.
+fn displacements<'a>(parts: &Parts<'a>) -> Cow<'a, [[f32; 3]]> {
+    let (shape, wrapped) = (parts.shape, parts.wrapped);
+    if !has_lists(parts) {
+        return Cow::Borrowed(&shape.displacements);
+    }
+    let rows = shape.displacements.chunks_exact(shape.mode_count().max(1));
+    let mut stored = Vec::new();
+    for (row, records) in rows.zip(wrapped.vertex_modes.windows(2)) {
+        let start = records[0].mode_list_start as usize;
+        let count = (records[1].first_entry - records[0].first_entry) as usize;
+        let modes = &wrapped.mode_lists[start..start + count];
+        stored.extend(modes.iter().map(|&j| row[usize::from(j)]));
+    }
+    Cow::Owned(stored)
 }
 
 fn leaf_triangles_max(parts: &Parts) -> u32 {

@@ -14,7 +14,9 @@ mod units;
 
 use std::sync::Mutex;
 
-use bdtree_format::{LANES, ModeRows, NodeRecord, ROW_CENTRE_X, Row, mode_row, row_count};
+use bdtree_format::{
+    LANES, ModeRows, NodeRecord, ROW_CENTRE_X, Row, VertexModes, mode_row, row_count,
+};
 use zerocopy::IntoBytes;
 
 pub use stored::{ModeLimits, StoredShape, store};
@@ -35,8 +37,10 @@ pub struct WrappedTree {
     pub nodes: Vec<NodeRecord>,
     /// Rows of all nodes, in node order.
     pub rows: Vec<Row>,
-    /// The mode lists that nodes point into; each ascending, each stored once.
+    /// The mode lists that nodes and vertices point into; each ascending, each stored once.
     pub mode_lists: Vec<u16>,
+    /// Which modes each vertex has, and a last record (SPEC 7.6); empty where it has all.
+    pub vertex_modes: Vec<VertexModes>,
     /// P: an upper bound of all ‖p_i‖ and ‖c‖ (stored units).
     pub position_norm_max: f32,
     /// W_j: upper bounds of all ‖U_ij‖ and ‖Ū_j‖ (stored units per unit of q).
@@ -104,6 +108,7 @@ pub fn wrap(
         nodes,
         rows,
         mode_lists: lists.modes,
+        vertex_modes: lists.of_vertex,
         position_norm_max,
         field_norms_max,
     })

@@ -9,7 +9,7 @@ use bdtree_build::pipeline::{BakeSettings, Baked, bake};
 use bdtree_build::progress::Silent;
 use bdtree_format::{
     Header, ModeRecord, ModeRows, NodeRecord, ROWS_LEADING, Row, SectionKind, SectionRecord,
-    TriangleRecord, mode_row,
+    TriangleRecord, VertexModes, mode_row,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -233,7 +233,10 @@ pub(crate) struct Decoded {
     pub(crate) triangles: Vec<TriangleRecord>,
     pub(crate) slots: Vec<u32>,
     pub(crate) positions: Vec<[f32; 3]>,
+    /// U_ij of all vertices and modes, vertex-major, whichever layout holds them.
     pub(crate) displacements: Vec<[f32; 3]>,
+    /// Empty in layout 1.
+    pub(crate) vertex_modes: Vec<VertexModes>,
 }
 
 impl Decoded {
@@ -248,16 +251,27 @@ impl Decoded {
             let start = record.offset.get() as usize;
             &bytes[start..start + record.length.get() as usize]
         };
+        let lists: Vec<u16> = records(section(SectionKind::MODE_LISTS));
+        let entries: Vec<[f32; 3]> = records(section(SectionKind::DISPLACEMENTS));
+        let vertex_modes = match sections.iter().any(|s| s.kind == SectionKind::VERTEX_MODES) {
+            true => records(section(SectionKind::VERTEX_MODES)),
+            false => Vec::new(),
+        };
+        let displacements = match vertex_modes.is_empty() {
+            true => entries,
+            false => expanded(&entries, &vertex_modes, &lists, modes.len()),
+        };
         Self {
             header,
             modes,
             nodes: records(section(SectionKind::NODES)),
             rows: records(section(SectionKind::ROWS)),
-            lists: records(section(SectionKind::MODE_LISTS)),
+            lists,
             triangles: records(section(SectionKind::TRIANGLES)),
             slots: records(section(SectionKind::TRIANGLE_SLOTS)),
             positions: records(section(SectionKind::POSITIONS)),
-            displacements: records(section(SectionKind::DISPLACEMENTS)),
+            displacements,
+            vertex_modes,
             sections: sections.clone(),
         }
     }
@@ -412,6 +426,27 @@ impl Decoded {
             })
             .collect()
     }
+}
+
+/// The displacements of all modes: zero where a vertex's list leaves one out (SPEC 7.6).
+fn expanded(
+    entries: &[[f32; 3]],
+    vertex_modes: &[VertexModes],
+    lists: &[u16],
+    mode_count: usize,
+) -> Vec<[f32; 3]> {
+    let mut all = vec![[0.0; 3]; (vertex_modes.len() - 1) * mode_count];
+    for (pair, row) in vertex_modes
+        .windows(2)
+        .zip(all.chunks_exact_mut(mode_count))
+    {
+        let own = &entries[pair[0].first_entry as usize..pair[1].first_entry as usize];
+        let modes = &lists[pair[0].mode_list_start as usize..][..own.len()];
+        for (u, j) in own.iter().zip(modes) {
+            row[usize::from(*j)] = *u;
+        }
+    }
+    all
 }
 
 fn records<T: FromBytes>(bytes: &[u8]) -> Vec<T> {

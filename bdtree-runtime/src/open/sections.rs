@@ -1,8 +1,9 @@
 //! The section table: order, places and lengths of sections, and their bytes as records.
 
 use bdtree_format::{
-    FrameRecord, GroupRecord, Header, ModeRecord, NodeRecord, Row, SECTION_ALIGNMENT,
-    SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord, TriangleRecord,
+    FrameRecord, GroupRecord, Header, LAYOUT_1, LAYOUT_2, ModeRecord, NodeRecord, Row,
+    SECTION_ALIGNMENT, SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord, TriangleRecord,
+    VertexModes,
 };
 use core::mem::{offset_of, size_of};
 use zerocopy::FromBytes;
@@ -24,6 +25,7 @@ pub(super) fn locate_sections(
 ) -> Result<Located, FormatError> {
     let mut located: Located = [None; SECTION_ORDER.len()];
     let mut next_rank = 0;
+    let mut lists_modes = false;
     let mut end = u64::from(header.header_bytes.get());
     let table = size_of::<Header>() + header.mode_count.get() as usize * size_of::<ModeRecord>();
     for (i, section) in sections.iter().enumerate() {
@@ -85,27 +87,28 @@ pub(super) fn locate_sections(
             ));
         }
         next_rank = rank + 1;
-        let always = u32::from(rank < SECTIONS_ALWAYS);
-        if required != always {
+        let needed = u32::from(rank < SECTIONS_ALWAYS || section.kind == SectionKind::VERTEX_MODES);
+        if required != needed {
             return Err(header_error(
                 at + offset_of!(SectionRecord, required),
-                "SPEC 4.2: the sections that are always there are required, the others are not",
-                always,
+                "SPEC 4.2: sections that queries need are required, the others are not",
+                needed,
                 required,
             ));
         }
-        let layout = SECTION_LAYOUTS[rank];
-        if section.layout.get() != layout {
+        let (layouts, layout) = (SECTION_LAYOUTS[rank], section.layout.get());
+        if !layouts.contains(&layout) {
             return Err(FormatError {
                 section: section.kind,
                 ..header_error(
                     at + offset_of!(SectionRecord, layout),
                     "SPEC 4.4: unknown layouts are refused",
+                    layouts.last().copied().unwrap_or(LAYOUT_1),
                     layout,
-                    section.layout.get(),
                 )
             });
         }
+        lists_modes |= section.kind == SectionKind::DISPLACEMENTS && layout == LAYOUT_2;
         check_length(header, section, at)?;
         located[rank] = Some((offset as usize, end as usize));
     }
@@ -125,6 +128,14 @@ pub(super) fn locate_sections(
         return Err(header_error(
             table,
             "SPEC 4.2: GRPS and GNAM are both there or both absent",
+            "both or none",
+            "one of them",
+        ));
+    }
+    if present(SectionKind::VERTEX_MODES) != lists_modes {
+        return Err(header_error(
+            table,
+            "SPEC 4.2: VMOD is there exactly when DISP has layout 2",
             "both or none",
             "one of them",
         ));
@@ -156,7 +167,13 @@ fn check_length(header: &Header, section: &SectionRecord, at: usize) -> Result<(
         SectionKind::TRIANGLES => (count(f, size_of::<TriangleRecord>()), 1),
         SectionKind::TRIANGLE_SLOTS => (count(f, 4), 1),
         SectionKind::POSITIONS => (count(n, 12), 1),
+        SectionKind::DISPLACEMENTS if section.layout.get() == LAYOUT_2 => (None, 12),
         SectionKind::DISPLACEMENTS => (count(n, 12 * m as usize), 1),
+        // One ends the last vertex's.
+        SectionKind::VERTEX_MODES => {
+            let record = size_of::<VertexModes>();
+            (count(n, record).map(|bytes| bytes + record as u64), 1)
+        }
         SectionKind::FRAMES => (None, size_of::<FrameRecord>()),
         SectionKind::GROUPS => (None, size_of::<GroupRecord>()),
         _ => (None, 1),

@@ -134,16 +134,16 @@ impl<'a> Asset<'a> {
         };
         match evaluate(&rows, modes, &bound_pose) {
             Some(result) => Ok(result),
-            None => Err(self.unknown_mode(node)),
+            None => Err(self.unknown_mode(node.mode_list_start)),
         }
     }
 
     /// The error for a mode list that names a mode the asset lacks.
     #[cold]
-    fn unknown_mode(&self, node: &NodeRecord) -> FormatError {
-        let at = node.mode_list_start as usize;
+    pub(crate) fn unknown_mode(&self, mode_list_start: u32) -> FormatError {
+        let at = mode_list_start as usize;
         FormatError {
-            rule: "SPEC 6.7: a mode list holds indices below the mode count",
+            rule: "SPEC 6.7: mode lists hold indices below the mode count",
             ..self.out_of_range(SectionKind::MODE_LISTS, at, self.mode_count(), 2)
         }
     }

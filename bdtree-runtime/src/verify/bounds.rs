@@ -3,7 +3,9 @@
 use bdtree_format::{LANES, NodeRecord, ROW_CENTRE_X, ROW_RADIUS, SectionKind, mode_row};
 use core::ops::ControlFlow;
 
+use super::spectral::at_most_square;
 use super::{GUARD, Report};
+use crate::contact::VertexId;
 use crate::error::{Datum, FormatError};
 use crate::math::{dot, norm, sqrt, sub};
 use crate::view::{Asset, NodeRows};
@@ -14,8 +16,6 @@ const GUARD_RADIUS: f64 = 1.0 / (1_u64 << 44) as f64;
 const GUARD_SQUARE: f64 = 1.0 / (1_u64 << 48) as f64;
 /// Share of R ΔR_j by which b± may be too small.
 const GUARD_PRODUCT: f64 = 1.0 / (1_u64 << 40) as f64;
-/// Share of δR² by which a vertex's norm may exceed it.
-const GUARD_STEP: f64 = 1.0 / (1_u64 << 41) as f64;
 
 impl Asset<'_> {
     /// Recomputes every lane's bounds from the vertices below it.
@@ -180,30 +180,34 @@ impl LaneCheck<'_, '_> {
     fn triangles(&self, slots: core::ops::Range<usize>, report: Report<'_>) -> ControlFlow<()> {
         for triangle in self.asset.triangles.get(slots).unwrap_or_default() {
             for corner in triangle.corners {
-                self.vertex(corner as usize, report)?;
+                self.vertex(corner, report)?;
             }
         }
         ControlFlow::Continue(())
     }
 
     /// docs/guarantees.md, the bound, with the stored centres, radii and growths.
-    fn vertex(&self, i: usize, report: Report<'_>) -> ControlFlow<()> {
+    fn vertex(&self, vertex: u32, report: Report<'_>) -> ControlFlow<()> {
         let asset = self.asset;
-        let m = asset.modes.len();
+        let Ok(own) = asset.displacements(VertexId(vertex)) else {
+            return ControlFlow::Continue(()); // reported before
+        };
         let radius = self.radius();
-        let x = sub(asset.positions[i].map(f64::from), self.centre());
+        let x = sub(
+            asset.positions[vertex as usize].map(f64::from),
+            self.centre(),
+        );
         if dot(x, x) > radius * radius * (1.0 + GUARD_RADIUS) {
             let rule = "SPEC 6.6: R reaches every vertex below the lane";
             report(self.too_small(ROW_RADIUS, radius, norm(x), rule))?;
         }
-        let d = (radius * radius - dot(x, x)).max(0.0) + GUARD_SQUARE * radius * radius;
-        let fields = &asset.displacements[i * m..(i + 1) * m];
-        let mut listed = self.modes.iter().map(|j| usize::from(*j)).peekable();
-        let mut k = 0;
         // Gram matrices U Uᵀ of the vertex's 3 × M block, plain and with scaled steps.
         let mut gram = [[0.0; 3]; 3];
         let mut gram_scaled = [[0.0; 3]; 3];
-        for (j, u) in fields.iter().enumerate() {
+        // The node's modes before the k-th are done.
+        let mut k = 0;
+        let node_mode = |k: usize| self.modes.get(k).map(|j| usize::from(*j));
+        for (entry, (j, u)) in own.iter().enumerate() {
             let u = u.map(f64::from);
             let s = f64::from(asset.modes[j].step_scale.get());
             for r in 0..3 {
@@ -212,43 +216,27 @@ impl LaneCheck<'_, '_> {
                     gram_scaled[r][c] += u[r] * s * (u[c] * s);
                 }
             }
-            if listed.peek() != Some(&j) {
-                if u != [0.0; 3] {
-                    report(FormatError {
-                        section: SectionKind::DISPLACEMENTS,
-                        byte: asset.section_offset(SectionKind::DISPLACEMENTS)
-                            + 12 * (i * m + j) as u64,
-                        rule: "SPEC 6.7: a mode that a node leaves out moves no vertex below it",
-                        expected: Datum::Real(0.0),
-                        found: Datum::Real(norm(u)),
-                    })?;
-                }
-                continue;
+            // Modes that are not stored for the vertex do not move it.
+            while node_mode(k).is_some_and(|mode| mode < j) {
+                self.mode_bounds(k, x, [0.0; 3], report)?;
+                k += 1;
             }
-            listed.next();
-            // At the mode's limit: exact, since limits are powers of two.
-            let LaneMode {
-                limit,
-                centre,
-                growth,
-                cross,
-            } = self.mode(k);
-            let w = sub(u.map(|x| x * limit), centre);
-            if dot(w, w) > growth * growth * (1.0 + GUARD_RADIUS) {
-                let rule = "SPEC 6.6: delta R reaches every displacement below the lane";
-                report(self.mode_too_small((k, GROWTH), growth, norm(w), rule))?;
+            if node_mode(k) == Some(j) {
+                self.mode_bounds(k, x, u, report)?;
+                k += 1;
+            } else if u != [0.0; 3] {
+                let index = asset.first_displacement(vertex) + entry;
+                report(FormatError {
+                    section: SectionKind::DISPLACEMENTS,
+                    byte: asset.section_offset(SectionKind::DISPLACEMENTS) + 12 * index as u64,
+                    rule: "SPEC 6.7: a mode that a node leaves out moves no vertex below it",
+                    expected: Datum::Real(0.0),
+                    found: Datum::Real(norm(u)),
+                })?;
             }
-            let e = (growth * growth - dot(w, w)).max(0.0) + GUARD_SQUARE * growth * growth;
-            let saved = sqrt(d * e) + GUARD_PRODUCT * radius * growth;
-            let along = dot(x, w);
-            for (which, along) in [along, -along].into_iter().enumerate() {
-                if cross[which] < along - saved {
-                    let rule = "SPEC 6.6: b+ and b- hold for every vertex below the lane";
-                    let place = (k, CROSS + which);
-                    report(self.mode_too_small(place, cross[which], along - saved, rule))?;
-                }
-            }
-            k += 1;
+        }
+        for k in k..self.modes.len() {
+            self.mode_bounds(k, x, [0.0; 3], report)?;
         }
         let behind = mode_row(self.modes.len());
         let [step, scaled] = self.rows.steps;
@@ -266,51 +254,40 @@ impl LaneCheck<'_, '_> {
         }
         ControlFlow::Continue(())
     }
-}
 
-/// Whether the largest eigenvalue of a symmetric positive semidefinite matrix is at most
-/// `bound²`, up to the guard: whether bound² I − G has no negative pivot. Pivots are the largest
-/// diagonal entries left, so that rounding stays at a few times 2⁻⁵³ of bound², and a negative
-/// eigenvalue −η leaves a last pivot of −η or less.
-fn at_most_square(g: &[[f64; 3]; 3], bound: f64) -> bool {
-    let square = bound * bound;
-    if g[0][0] + g[1][1] + g[2][2] <= square {
-        return true; // the common case, and the trace bounds the largest eigenvalue
-    }
-    let slack = GUARD_STEP * square;
-    let mut a = *g;
-    for (r, row) in a.iter_mut().enumerate() {
-        for (c, x) in row.iter_mut().enumerate() {
-            *x = if r == c { square - *x } else { -*x };
+    /// ΔR, b⁺ and b⁻ of the node's k-th active mode, which moves a vertex at `x` from the centre
+    /// by `u` per unit of q.
+    fn mode_bounds(
+        &self,
+        k: usize,
+        x: [f64; 3],
+        u: [f64; 3],
+        report: Report<'_>,
+    ) -> ControlFlow<()> {
+        let radius = self.radius();
+        let d = (radius * radius - dot(x, x)).max(0.0) + GUARD_SQUARE * radius * radius;
+        // At the mode's limit: exact, since limits are powers of two.
+        let LaneMode {
+            limit,
+            centre,
+            growth,
+            cross,
+        } = self.mode(k);
+        let w = sub(u.map(|x| x * limit), centre);
+        if dot(w, w) > growth * growth * (1.0 + GUARD_RADIUS) {
+            let rule = "SPEC 6.6: delta R reaches every displacement below the lane";
+            report(self.mode_too_small((k, GROWTH), growth, norm(w), rule))?;
         }
-    }
-    let mut left = [true; 3];
-    for _ in 0..3 {
-        let open = |i: &usize| left[*i];
-        let Some(p) = (0..3)
-            .filter(open)
-            .max_by(|i, j| a[*i][*i].total_cmp(&a[*j][*j]))
-        else {
-            break;
-        };
-        let pivot = a[p][p];
-        if pivot <= slack {
-            // What is left has no larger diagonal: only near zero is it not negative.
-            return (0..3).filter(open).all(|i| {
-                a[i][i] >= -slack
-                    && (0..3)
-                        .filter(open)
-                        .all(|j| i == j || a[i][j].abs() <= slack)
-            });
-        }
-        left[p] = false;
-        for i in 0..3 {
-            for j in 0..3 {
-                if left[i] && left[j] {
-                    a[i][j] -= a[i][p] * a[p][j] / pivot;
-                }
+        let e = (growth * growth - dot(w, w)).max(0.0) + GUARD_SQUARE * growth * growth;
+        let saved = sqrt(d * e) + GUARD_PRODUCT * radius * growth;
+        let along = dot(x, w);
+        for (which, along) in [along, -along].into_iter().enumerate() {
+            if cross[which] < along - saved {
+                let rule = "SPEC 6.6: b+ and b- hold for every vertex below the lane";
+                let place = (k, CROSS + which);
+                report(self.mode_too_small(place, cross[which], along - saved, rule))?;
             }
         }
+        ControlFlow::Continue(())
     }
-    true
 }

@@ -1,8 +1,13 @@
 //! The typed view of an opened file: one accessor per section, names as in `SPEC.md`.
 
+mod displacements;
+
+pub use displacements::Displacements;
+
 use bdtree_format::{
     FrameRecord, GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, ROWS_LEADING,
-    ROWS_PER_MODE, Row, SectionKind, SectionRecord, TriangleRecord, group_kind, row_count,
+    ROWS_PER_MODE, Row, SectionKind, SectionRecord, TriangleRecord, VertexModes, group_kind,
+    row_count,
 };
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -28,6 +33,8 @@ pub struct Asset<'a> {
     pub(crate) triangle_slots: &'a [u32],
     pub(crate) positions: &'a [[f32; 3]],
     pub(crate) displacements: &'a [[f32; 3]],
+    /// Empty where all modes move all vertices.
+    pub(crate) vertex_modes: &'a [VertexModes],
     pub(crate) frames: &'a [FrameRecord],
     pub(crate) frame_q: &'a [f32],
     pub(crate) groups: &'a [GroupRecord],
@@ -201,11 +208,6 @@ impl<'a> Asset<'a> {
         self.positions
     }
 
-    /// Displacements U_ij (stored units per unit of q): `[i * mode_count + j]`.
-    pub fn displacements(&self) -> &'a [[f32; 3]] {
-        self.displacements
-    }
-
     /// The origin that stored positions are relative to (mesh units).
     pub fn origin(&self) -> [f64; 3] {
         self.header.origin.map(|x| x.get())
@@ -297,10 +299,12 @@ impl<'a> Asset<'a> {
             rule: match kind {
                 SectionKind::NODES => "SPEC 6.8: a child is a node of the file",
                 SectionKind::ROWS => "SPEC 6.3: a node's rows lie inside ROWS",
-                SectionKind::MODE_LISTS => "SPEC 6.7: a node's mode list lies inside LIST",
+                SectionKind::MODE_LISTS => "SPEC 6.7: mode lists lie inside LIST",
                 SectionKind::TRIANGLES => "SPEC 6.3: slots lie inside TRIS",
                 SectionKind::TRIANGLE_SLOTS => "SPEC 7.2: a triangle id is below F",
-                SectionKind::POSITIONS => "SPEC 7.1: a corner is a vertex of the file",
+                SectionKind::POSITIONS | SectionKind::VERTEX_MODES => {
+                    "SPEC 7.1: a corner is a vertex of the file"
+                }
                 _ => "SPEC 7.3: a displacement is one of a vertex and a mode of the file",
             },
             expected: Datum::Integer(len as u64),

@@ -70,7 +70,8 @@ pub fn compare(
         numbers::compare_positions(a, b, tolerance_rel, &mut findings);
     }
     if comparable.modes {
-        numbers::compare_displacements(a, b, tolerance_rel, &mut findings);
+        let files = [(file_a, a), (file_b, b)];
+        numbers::compare_displacements(files, tolerance_rel, &mut findings)?;
     }
     if comparable.frames {
         frames::compare(a, b, tolerance_rel, &mut findings);

@@ -11,9 +11,11 @@
 //! | translations of frames | their largest and the size of the mesh |
 
 use bdtree_format::{Header, LANES, ModeRecord, ROW_RADIUS, ROWS_LEADING};
-use bdtree_runtime::{Asset, FormatError, NodeRows};
+use bdtree_runtime::{Asset, FormatError, NodeRows, VertexId};
 
 use super::findings::{Findings, Numbers, largest};
+use crate::AssetFile;
+use crate::error::ToolError;
 
 /// Compares the header's real numbers.
 pub(super) fn compare_header(
@@ -96,33 +98,61 @@ pub(super) fn compare_positions(
     numbers.finish(findings);
 }
 
-/// Compares displacements, mode by mode.
+/// Compares displacements, each mode against its own scale. What one file stores and the other
+/// leaves out is compared with zero.
+///
+/// # Errors
+/// Displacements or mode lists outside their sections, in the file that is named.
 pub(super) fn compare_displacements(
-    a: &Asset<'_>,
-    b: &Asset<'_>,
+    files: [(&AssetFile, &Asset<'_>); 2],
     tolerance_rel: f64,
     findings: &mut Findings,
-) {
-    let m = a.mode_count();
-    for j in 0..m {
-        let (a, b) = (a.displacements(), b.displacements());
-        let field = |u: &[[f32; 3]]| {
-            let u = u.iter().skip(j).step_by(m);
-            largest(u.flatten().map(widen))
-        };
-        let scale = largest([field(a), field(b)]);
-        let what = format!("section DISP: displacements of mode {j}");
-        let mut numbers = Numbers::new(what, tolerance_rel, scale);
-        let pairs = a.iter().zip(b).skip(j).step_by(m);
-        for (i, (x, y)) in pairs.enumerate() {
+) -> Result<(), ToolError> {
+    let [(_, first), _] = files;
+    let vertices = || (0..first.vertex_count() as u32).map(VertexId);
+    let fields = |which: usize, vertex: VertexId| {
+        let (file, asset) = files[which];
+        let own = asset.displacements(vertex);
+        own.map_err(|error| file.error(error))
+    };
+    let mut scales = vec![0.0; first.mode_count()];
+    for vertex in vertices() {
+        for which in 0..2 {
+            for (mode, u) in fields(which, vertex)?.iter() {
+                // A mode that does not exist is in the lists, which are compared as they are.
+                if let Some(scale) = scales.get_mut(mode) {
+                    *scale = largest(u.iter().map(widen).chain([*scale]));
+                }
+            }
+        }
+    }
+    let mut modes: Vec<Numbers> = scales
+        .into_iter()
+        .enumerate()
+        .map(|(j, scale)| {
+            let what = format!("section DISP: displacements of mode {j}");
+            Numbers::new(what, tolerance_rel, scale)
+        })
+        .collect();
+    for vertex in vertices() {
+        let (a, b) = (fields(0, vertex)?, fields(1, vertex)?);
+        let only_b = b.iter().filter(|(mode, _)| !a.has(*mode));
+        for (mode, _) in a.iter().chain(only_b) {
+            let Some(numbers) = modes.get_mut(mode) else {
+                continue;
+            };
+            let (x, y) = (a.of(mode), b.of(mode));
             for axis in 0..3 {
                 numbers.compare(x[axis].into(), y[axis].into(), || {
-                    format!("vertex {i} [{axis}]")
+                    format!("vertex {} [{axis}]", vertex.0)
                 });
             }
         }
+    }
+    for numbers in modes {
         numbers.finish(findings);
     }
+    Ok(())
 }
 
 /// Compares the rows of nodes that are equal in both files.

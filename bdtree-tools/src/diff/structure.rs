@@ -65,6 +65,14 @@ pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) -> 
         rows &= findings.compare_records("section NODE: nodes", "node", &linked(a), &linked(b));
         rows &= mode_lists(a, b, findings);
     }
+    if vertices {
+        findings.compare_records(
+            "section VMOD: modes of vertices",
+            "vertex",
+            a.vertex_modes(),
+            b.vertex_modes(),
+        );
+    }
     if triangles {
         findings.compare_records(
             "section TRIS: triangles in leaf order",

@@ -1,6 +1,6 @@
 //! Building the paper's tree: longest axis, median, one triangle per leaf; wrapped spheres.
 
-use bdtree_runtime::Asset;
+use bdtree_runtime::{Asset, VertexId};
 
 use super::{LEAF, Link, PaperTree};
 
@@ -21,10 +21,17 @@ impl PaperTree {
                 [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0)
             })
             .collect();
+        let fields: Vec<[f32; 3]> = (0..positions.len() as u32)
+            .flat_map(|i| {
+                let own = asset.displacements(VertexId(i)).expect("a sound asset");
+                (0..mode_count).map(move |j| own.of(j))
+            })
+            .collect();
         let node_count = 2 * corners.len() - 1;
         let mut builder = Builder {
             asset,
             centroids: &centroids,
+            fields: &fields,
             seen: vec![u32::MAX; positions.len()],
             vertices: Vec::new(),
             tree: Self {
@@ -48,6 +55,8 @@ struct Builder<'a, 'b> {
     asset: &'a Asset<'b>,
     corners: &'a [[u32; 3]],
     centroids: &'a [[f32; 3]],
+    /// U_ij, vertex-major.
+    fields: &'a [[f32; 3]],
     /// Node that last collected a vertex.
     seen: Vec<u32>,
     /// The vertices below the current node.
@@ -122,9 +131,8 @@ impl Builder<'_, '_> {
         self.tree.numbers.push(with_radius(centre, radius));
 
         let m = self.tree.mode_count;
-        let fields = self.asset.displacements();
         for j in 0..m {
-            let field = |v: &u32| fields[*v as usize * m + j];
+            let field = |v: &u32| self.fields[*v as usize * m + j];
             let mut sum = [0.0_f64; 3];
             for v in &self.vertices {
                 let u = field(v);
