@@ -92,7 +92,7 @@ pub const SECTION_LAYOUTS: [&[u32]; SECTION_ORDER.len()] = [
     &[LAYOUT_1],
     &[LAYOUT_1],
     &[LAYOUT_1],
-    &[LAYOUT_1],
+    &[LAYOUT_2],
 ];
 
 /// One entry of the section table, 32 bytes.

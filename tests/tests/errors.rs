@@ -348,7 +348,7 @@ fn changes() -> Vec<Change> {
         Box::new(field(
             SectionKind::FRAME_Q,
             offset_of!(SectionRecord, length),
-            56,
+            76, // instead of 3 frames × 6 modes × 4 bytes, up to the same multiple of 64
         )),
         Box::new(|b| frame(b, 2, offset_of!(FrameRecord, time_s), 0.01)),
         Box::new(|b| frame(b, 1, offset_of!(FrameRecord, rotation), f64::NAN)),
