@@ -512,17 +512,23 @@ fn a_short_file_cannot_ask_for_much() {
     let expected = "m: 9999000000 vertices with every node's mesh written out; at most 134217728 are read\n\
                     m: 9999000000 triangles with every node's mesh written out; at most 134217728 are read";
     assert_eq!(text, expected);
-    // Many targets that are one accessor.
-    let target = json!({"POSITION": positions});
-    let primitive = json!({"attributes": {"POSITION": positions}, "targets": vec![target; 20000]});
-    file.document
-        .insert("meshes".into(), json!([{"primitives": [primitive]}]));
-    file.document.insert("nodes".into(), json!([{"mesh": 0}]));
-    file.document
-        .insert("scenes".into(), json!([{"nodes": [0]}]));
-    let text = read(&file.glb()).expect_err("large");
-    assert!(
-        text.starts_with("m: 199980000 displacements of morph targets"),
-        "{text}"
-    );
+    // Many targets that are one accessor, and many that are none.
+    for (target, count, start) in [
+        (
+            json!({"POSITION": positions}),
+            20_000,
+            "m: 199980000 displacements of morph targets with",
+        ),
+        (json!({}), 70_000, "m: 70000 morph targets with"),
+    ] {
+        let primitive =
+            json!({"attributes": {"POSITION": positions}, "targets": vec![target; count]});
+        file.document
+            .insert("meshes".into(), json!([{"primitives": [primitive]}]));
+        file.document.insert("nodes".into(), json!([{"mesh": 0}]));
+        file.document
+            .insert("scenes".into(), json!([{"nodes": [0]}]));
+        let text = read(&file.glb()).expect_err("large");
+        assert!(text.starts_with(start), "{text}");
+    }
 }
