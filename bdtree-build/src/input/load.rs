@@ -29,7 +29,8 @@ enum Format {
 /// The mesh at `path`, chosen by extension (any case): `.obj`, `.obj.gz`, `.gltf` or `.glb`.
 ///
 /// Compression is recognised by content, so a compressed `.obj` and a plain `.obj.gz` are read
-/// too. The whole file is held in memory while it is read.
+/// too. The whole file is held in memory while it is read. Of a glTF file this is the mesh with all
+/// weights at 0; [`gltf::read_gltf`] has the morph targets too.
 ///
 /// # Errors
 /// A path that cannot be read, a format that is not read, damaged compression, and every problem

@@ -1,5 +1,7 @@
 //! The animation that moves weights, as frames between which weights are linear.
 
+use std::collections::{HashMap, HashSet};
+
 use gltf::json::Animation;
 use gltf::json::animation::{Channel, Property};
 use gltf::json::validation::Checked;
@@ -63,9 +65,10 @@ pub(super) fn read(
         notes.warn("animations", message);
     }
     let mut curves: Vec<(MorphNode, Curve)> = Vec::new();
+    let mut moved = HashSet::new();
     for &(i, channel, node) in &chosen.channels {
         let at = format!("animations[{}].channels[{i}]", chosen.index);
-        if curves.iter().any(|(known, _)| *known == node) {
+        if !moved.insert(node.first) {
             notes.problem(at, "moves the weights of a node that another channel moves");
         } else if let Some(curve) = curve(chosen, channel, node.count, accessors, notes) {
             curves.push((node, curve));
@@ -90,18 +93,17 @@ fn candidates<'a>(
 ) -> Vec<Candidate<'a>> {
     let (mut moving, mut moved, mut stray) = (0, 0, 0);
     let mut candidates = Vec::new();
+    let known: HashMap<Option<usize>, MorphNode> = nodes.iter().map(|n| (n.node, *n)).collect();
     for (index, animation) in animations.iter().enumerate() {
         let mut channels = Vec::new();
         let before = moved;
         for (i, channel) in animation.channels.iter().enumerate() {
             let node = channel.target.node.value();
             match channel.target.path {
-                Checked::Valid(Property::MorphTargetWeights) => {
-                    match nodes.iter().find(|known| known.node == Some(node)) {
-                        Some(&known) => channels.push((i, channel, known)),
-                        None => stray += 1,
-                    }
-                }
+                Checked::Valid(Property::MorphTargetWeights) => match known.get(&Some(node)) {
+                    Some(&own) => channels.push((i, channel, own)),
+                    None => stray += 1,
+                },
                 _ => moved += 1,
             }
         }

@@ -140,12 +140,13 @@ impl Model {
                 .iter()
                 .all(|(_, u)| u.iter().all(|x| x.is_finite()))
             {
-                let at = format!("meshes[{}]: target {k}", instance.mesh);
-                notes.problem(at, "its displacements leave the range of numbers");
+                let at = format!("meshes[{}]", instance.mesh);
+                let message = format!("displacements of target {k} leave the range of numbers");
+                notes.problem(at, message);
             }
             if !speaks {
-                let at = format!("meshes[{}]: target {k}", instance.mesh);
-                notes.warn(at, "moves no positions");
+                let at = format!("meshes[{}]", instance.mesh);
+                notes.warn(at, format!("target {k} moves no positions"));
             }
             let name = match (&prefix, name) {
                 (Some(prefix), Some(name)) => Some(format!("{prefix}/{name}")),

@@ -1,36 +1,41 @@
 //! How large a model gets, before anything is read: a short file can name the same data many times.
 
-use gltf::json::Root;
-use gltf::json::accessor::Accessor;
-use gltf::json::mesh::{Primitive, Semantic};
+use gltf::json::mesh::{Mesh, Primitive, Semantic};
 use gltf::json::validation::Checked;
+use gltf::json::{Accessor, Root};
 
 use super::nodes::Instance;
 use super::notes::Notes;
 
-/// Most vertices, triangles and displacements of a model, each.
+/// Most vertices, triangles, displacements and animated weights of a model, each.
 pub(super) const ELEMENTS_MAX: u64 = 1 << 27;
 
-/// Vertices, triangles and displacements, at most.
-type Size = [u64; 3];
+/// Most primitives.
+const PRIMITIVES_MAX: u64 = 1 << 20;
+
+/// Most morph targets; far more than a file has modes, for those that are dropped.
+const TARGETS_MAX: u64 = 1 << 16;
+
+/// What is counted, and how much of it is read.
+const LIMITS: [(&str, u64); 5] = [
+    ("vertices", ELEMENTS_MAX),
+    ("triangles", ELEMENTS_MAX),
+    ("displacements of morph targets", ELEMENTS_MAX),
+    ("primitives", PRIMITIVES_MAX),
+    ("morph targets", TARGETS_MAX),
+];
+
+/// Counts in the order of [`LIMITS`], never too small.
+type Size = [u64; 5];
 
 /// Notes a model that would be too large.
 pub(super) fn check(root: &Root, instances: &[Instance], notes: &mut Notes) {
-    let sizes: Vec<Size> = root
-        .meshes
-        .iter()
-        .map(|mesh| sum(mesh.primitives.iter().map(|p| primitive(root, p))))
-        .collect();
+    let sizes: Vec<Size> = root.meshes.iter().map(|m| mesh(root, m)).collect();
     let placed = instances.iter().filter_map(|i| sizes.get(i.mesh).copied());
-    let [vertices, triangles, displacements] = sum(placed);
-    for (count, what) in [
-        (vertices, "vertices"),
-        (triangles, "triangles"),
-        (displacements, "displacements of morph targets"),
-    ] {
-        if count > ELEMENTS_MAX {
+    for (count, (what, limit)) in sum(placed).into_iter().zip(LIMITS) {
+        if count > limit {
             let message = format!(
-                "{count} {what} with every node's mesh written out; at most {ELEMENTS_MAX} are read"
+                "{count} {what} with every node's mesh written out; at most {limit} are read"
             );
             notes.problem("", message);
         }
@@ -38,9 +43,17 @@ pub(super) fn check(root: &Root, instances: &[Instance], notes: &mut Notes) {
 }
 
 fn sum(sizes: impl Iterator<Item = Size>) -> Size {
-    sizes.fold([0; 3], |sum, size| {
+    sizes.fold(Size::default(), |sum, size| {
         std::array::from_fn(|k| sum[k].saturating_add(size[k]))
     })
+}
+
+fn mesh(root: &Root, mesh: &Mesh) -> Size {
+    let targets = mesh.primitives.iter().flat_map(|p| &p.targets);
+    let [vertices, triangles, displacements, primitives, _] =
+        sum(mesh.primitives.iter().map(|p| primitive(root, p)));
+    let targets = targets.map(Vec::len).max().unwrap_or(0) as u64;
+    [vertices, triangles, displacements, primitives, targets]
 }
 
 fn primitive(root: &Root, primitive: &Primitive) -> Size {
@@ -63,5 +76,5 @@ fn primitive(root: &Root, primitive: &Primitive) -> Size {
             (Some(_), _) => a.count.0,
         })
         .fold(0, u64::saturating_add);
-    [vertices, triangles, displacements]
+    [vertices, triangles, displacements, 1, 0]
 }

@@ -1,0 +1,9 @@
+//! glTF files: what is read, what is refused and where, and what morph targets become.
+
+mod buffers;
+mod clips;
+mod hostile;
+mod mistakes;
+mod morph;
+mod read;
+mod support;

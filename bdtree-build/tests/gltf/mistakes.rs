@@ -1,0 +1,534 @@
+//! Every mistake is named with its place.
+
+use bdtree_tests::fixtures::{self, gltf::Writer, gltf::pack};
+use serde_json::{Value, json};
+
+use crate::support::{edited, parts, read, rewritten};
+
+/// An edit of the sound file, and the one problem it leads to.
+const DOCUMENT: &[(&str, &str, &str)] = &[
+    // The document.
+    (
+        "/asset/version",
+        "\"1.0\"",
+        "asset.version: glTF \"1.0\" is not read; 2.0 is",
+    ),
+    (
+        "/asset/minVersion",
+        "\"2.1\"",
+        "asset.minVersion: glTF \"2.1\" is not read; 2.0 is",
+    ),
+    ("/asset", "null", "missing field `asset`"),
+    (
+        "/meshes",
+        "{}",
+        "meshes: invalid type: map, expected a sequence",
+    ),
+    (
+        "/nodes/0/scale",
+        "[2, \"x\", 2]",
+        "nodes[0].scale[1]: invalid type: string \"x\", expected f32",
+    ),
+    (
+        "/nodes/0/scale",
+        "[2, 2]",
+        "nodes[0].scale: invalid length 2, expected an array of length 3",
+    ),
+    (
+        "/extensionsRequired",
+        "[\"EXT_meshopt_compression\"]",
+        "extensionsRequired[0]: EXT_meshopt_compression is not supported",
+    ),
+    // Nodes.
+    ("/scene", "5", "scene: there is no such element"),
+    (
+        "/nodes/0/children",
+        "[1, 9]",
+        "nodes[0].children[1]: there is no such element",
+    ),
+    (
+        "/nodes/0/children",
+        "[1, 1]",
+        "nodes[1]: reached from nodes[0] and from nodes[0]; a node has one parent",
+    ),
+    (
+        "/scenes/0/nodes",
+        "[0, 2]",
+        "nodes[2]: reached from nodes[0] and from scenes[0]; a node has one parent",
+    ),
+    (
+        "/nodes/1/mesh",
+        "7",
+        "nodes[1].mesh: there is no such element",
+    ),
+    (
+        "/nodes/1/mesh",
+        "4294967296",
+        "nodes[1].mesh: 4294967296 is beyond 32 bits",
+    ),
+    (
+        "/nodes/0/rotation",
+        "[0, 0, 0, 0]",
+        "nodes[0]: rotation [0.0, 0.0, 0.0, 0.0] has no direction",
+    ),
+    (
+        "/nodes/2/matrix/3",
+        "0.5",
+        "nodes[2]: matrix: its last row is not 0, 0, 0, 1",
+    ),
+    (
+        "/nodes/2/weights",
+        "[1]",
+        "nodes[2].weights: 1 weights for 2 morph targets",
+    ),
+    // Meshes.
+    (
+        "/meshes/0/weights",
+        "[]",
+        "meshes[0].weights: 0 weights for 2 morph targets",
+    ),
+    (
+        "/meshes/0/primitives/0/attributes",
+        "{}",
+        "meshes[0].primitives[0].attributes[\"POSITION\"]: is missing",
+    ),
+    (
+        "/meshes/0/primitives/0/mode",
+        "7",
+        "meshes[0].primitives[0].mode: is not a value that glTF 2.0 knows",
+    ),
+    (
+        "/meshes/0/primitives/0/indices",
+        "null",
+        "meshes[0].primitives[0]: 26 corners are no whole number of triangles",
+    ),
+    (
+        "/meshes/0/primitives/0/indices",
+        "88",
+        "meshes[0].primitives[0].indices: there is no such element",
+    ),
+    (
+        "/meshes/0/primitives/0/indices",
+        "0",
+        "meshes[0].primitives[0].indices: accessors[0] is not of type SCALAR",
+    ),
+    (
+        "/meshes/0/primitives/0/targets/1/POSITION",
+        "88",
+        "meshes[0].primitives[0].targets[1].POSITION: there is no such element",
+    ),
+    (
+        "/meshes/0/primitives/0/targets/1/POSITION",
+        "1",
+        "meshes[0].primitives[0].targets[1].POSITION: accessors[1] is not of type VEC3",
+    ),
+    (
+        "/meshes/0/primitives/-",
+        "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}",
+        "meshes[0].primitives[1]: 0 morph targets, but primitives[0] of the same mesh has 2",
+    ),
+    // Accessors.
+    (
+        "/accessors/0/type",
+        "\"VEC5\"",
+        "accessors[0].type: is not a value that glTF 2.0 knows",
+    ),
+    (
+        "/accessors/0/type",
+        "\"VEC4\"",
+        "meshes[0].primitives[0].attributes.POSITION: accessors[0] is not of type VEC3",
+    ),
+    (
+        "/accessors/0/componentType",
+        "5130",
+        "accessors[0].componentType: is not a value that glTF 2.0 knows",
+    ),
+    (
+        "/accessors/0/componentType",
+        "5125",
+        "meshes[0].primitives[0].attributes.POSITION: accessors[0]: componentType 5125 (UNSIGNED_INT) is not FLOAT (integers belong to KHR_mesh_quantization, which is not named)",
+    ),
+    (
+        "/accessors/0/count",
+        "27",
+        "meshes[0].primitives[0].attributes.POSITION: accessors[0]: 27 elements of 12 bytes, 12 apart from byte 0, end beyond bufferViews[0], which has 312 bytes",
+    ),
+    (
+        "/accessors/0/count",
+        "4294967296",
+        "8589934592 vertices with every node's mesh written out; at most 134217728 are read",
+    ),
+    (
+        "/accessors/0/count",
+        "-1",
+        "accessors[0].count: invalid value: integer `-1`, expected u64",
+    ),
+    (
+        "/accessors/0/bufferView",
+        "null",
+        "meshes[0].primitives[0].attributes.POSITION: accessors[0] has no bufferView: its data may be in an extension",
+    ),
+    (
+        "/accessors/0/bufferView",
+        "77",
+        "accessors[0].bufferView: there is no such element",
+    ),
+    (
+        "/accessors/0/byteOffset",
+        "18446744073709551615",
+        "meshes[0].primitives[0].attributes.POSITION: accessors[0]: 26 elements of 12 bytes, 12 apart from byte 18446744073709551615, end beyond bufferViews[0], which has 312 bytes",
+    ),
+    (
+        "/accessors/1/componentType",
+        "5126",
+        "meshes[0].primitives[0].indices: accessors[1]: componentType 5126 (FLOAT) is not UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT",
+    ),
+    (
+        "/accessors/1/count",
+        "142",
+        "meshes[0].primitives[0]: 142 corners are no whole number of triangles",
+    ),
+    (
+        "/accessors/1/count",
+        "2",
+        "meshes[0].primitives[0]: 2 corners; a triangle has 3",
+    ),
+    (
+        "/accessors/2/count",
+        "25",
+        "meshes[0].primitives[0].targets[0].POSITION: 25 displacements for 26 vertices",
+    ),
+    (
+        "/accessors/3/sparse/count",
+        "27",
+        "meshes[0].primitives[0].targets[1].POSITION: accessors[3].sparse replaces 27 of 26 elements",
+    ),
+    (
+        "/accessors/3/sparse/count",
+        "9",
+        "meshes[0].primitives[0].targets[1].POSITION: accessors[3].sparse.indices: 9 elements of 1 bytes, 1 apart from byte 0, end beyond bufferViews[3], which has 1 bytes",
+    ),
+    (
+        "/accessors/3/sparse/indices/componentType",
+        "5126",
+        "accessors[3].sparse.indices.componentType: is not a value that glTF 2.0 knows",
+    ),
+    (
+        "/accessors/3/sparse/values/bufferView",
+        "40",
+        "accessors[3].sparse.values.bufferView: there is no such element",
+    ),
+    // Buffers.
+    (
+        "/bufferViews/0/buffer",
+        "3",
+        "bufferViews[0].buffer: there is no such element",
+    ),
+    (
+        "/bufferViews/0/byteStride",
+        "8",
+        "meshes[0].primitives[0].attributes.POSITION: accessors[0]: stride 8 of bufferViews[0] is below 12",
+    ),
+    (
+        "/bufferViews/0/byteOffset",
+        "18446744073709551615",
+        "meshes[0].primitives[0].attributes.POSITION: bufferViews[0] of 312 bytes from byte 18446744073709551615 ends beyond buffers[0], which has 1084",
+    ),
+    (
+        "/buffers/0/byteLength",
+        "1000000000",
+        "buffers[0]: byteLength is 1000000000, but there are 1084 bytes",
+    ),
+    // Animations.
+    (
+        "/animations/0/samplers/0/input",
+        "99",
+        "animations[0].samplers[0].input: there is no accessors[99]",
+    ),
+    (
+        "/animations/0/samplers/0/input",
+        "0",
+        "animations[0].samplers[0].input: accessors[0] is not of type SCALAR",
+    ),
+    (
+        "/animations/0/samplers/0/output",
+        "7",
+        "animations[0].samplers[0].output: 4 values for 3 keys of 2 morph targets",
+    ),
+    (
+        "/animations/0/samplers/0/output",
+        "1",
+        "animations[0].samplers[0].output: accessors[1]: componentType 5123 (UNSIGNED_SHORT) is not FLOAT or normalized BYTE or SHORT",
+    ),
+    (
+        "/animations/0/samplers/0/interpolation",
+        "\"CURVE\"",
+        "animations[0].samplers[0]: interpolation is none of LINEAR, STEP, CUBICSPLINE",
+    ),
+    (
+        "/animations/0/samplers/0/interpolation",
+        "\"CUBICSPLINE\"",
+        "animations[0].samplers[0].output: 6 values for 3 keys of 3 values of 2 morph targets",
+    ),
+    (
+        "/animations/0/channels/1/sampler",
+        "5",
+        "animations[0].samplers[5]: there is no such element",
+    ),
+    (
+        "/animations/0/channels/1/target/node",
+        "1",
+        "animations[0].channels[1]: moves the weights of a node that another channel moves",
+    ),
+    (
+        "/animations/0/channels",
+        "5",
+        "animations[0].channels: invalid type: integer `5`, expected a sequence",
+    ),
+];
+
+#[test]
+fn mistakes_in_the_document_are_named() {
+    for (pointer, value, problem) in DOCUMENT {
+        let value: Value = serde_json::from_str(value).expect(value);
+        let text = read(&edited(&[(pointer, value.clone())])).expect_err(pointer);
+        assert_eq!(text, format!("m: {problem}"), "{pointer} = {value}");
+    }
+}
+
+#[test]
+fn mistakes_in_the_numbers_are_named() {
+    let position = "meshes[0].primitives[0].attributes.POSITION";
+    let indices = "meshes[0].primitives[0].indices";
+    let f = |x: f32| x.to_le_bytes().to_vec();
+    let u = |x: u16| x.to_le_bytes().to_vec();
+    for (file, problem) in [
+        (rewritten(0, 12, &f(f32::NAN)), format!("{position}: vertex 1: [NaN, 0.0, -1.0] is not finite")),
+        (rewritten(2, 4, &f(f32::INFINITY)), "meshes[0].primitives[0].targets[0].POSITION: vertex 0: [1.0, inf, 1.0] is not finite".into()),
+        (rewritten(1, 2, &u(26)), format!("{indices}: index 1 is 26, but there are 26 vertices")),
+        (rewritten(1, 4, &u(65535)), format!("{indices}: index 2 is 65535: glTF 2.0 has no primitive restart")),
+        (rewritten(4, 4, &f(-1.0)), "animations[0].samplers[0].input: key 1 at -1 s: times are numbers of at least 0 that ascend".into()),
+        (rewritten(4, 8, &f(0.25)), "animations[0].samplers[0].input: key 2 at 0.25 s: times are numbers of at least 0 that ascend".into()),
+        (rewritten(5, 8, &f(f32::NAN)), "animations[0].samplers[0].output: value 2 is NaN".into()),
+    ] {
+        assert_eq!(read(&file).expect_err(&problem), format!("m: {problem}"));
+    }
+}
+
+#[test]
+fn sparse_indices_ascend_within_their_accessor() {
+    let file = |replaced: &[u32]| {
+        let mut file = Writer::default();
+        let positions = file.vectors(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        let replaced: Vec<_> = replaced.iter().map(|i| (*i, [1.0; 3])).collect();
+        let moves = file.sparse(3, None, &replaced);
+        let primitive =
+            json!({"attributes": {"POSITION": positions}, "targets": [{"POSITION": moves}]});
+        file.add("meshes", json!({"primitives": [primitive]}));
+        file.add("nodes", json!({"mesh": 0}));
+        file.add("scenes", json!({"nodes": [0]}));
+        read(&file.glb()).map(|model| model.morphs.targets[0].displacements.len())
+    };
+    let place = "m: meshes[0].primitives[0].targets[0].POSITION: accessors[1].sparse.indices";
+    assert_eq!(file(&[0, 2]), Ok(2));
+    assert_eq!(
+        file(&[0, 3]),
+        Err(format!(
+            "{place}: index 1 is 3, but accessors[1] has 3 elements"
+        ))
+    );
+    assert_eq!(
+        file(&[2, 0]),
+        Err(format!("{place}: index 1 is not above the one before it"))
+    );
+    assert_eq!(
+        file(&[1, 1]),
+        Err(format!("{place}: index 1 is not above the one before it"))
+    );
+}
+
+#[test]
+fn at_most_a_hundred_problems_are_listed() {
+    let mut file = Writer::default();
+    let positions = file.vectors(&vec![[f64::NAN, 0.0, 0.0]; 300]);
+    file.add(
+        "meshes",
+        json!({"primitives": [{"attributes": {"POSITION": positions}}]}),
+    );
+    file.add("nodes", json!({"mesh": 0}));
+    file.add("scenes", json!({"nodes": [0]}));
+    let (mut document, binary) = file.parts();
+    document["accessors"][0]["min"] = json!([0, 0, 0]);
+    document["accessors"][0]["max"] = json!([0, 0, 0]);
+    let text = read(&pack(document.to_string().as_bytes(), &binary)).expect_err("NaN");
+    assert_eq!(text.lines().count(), 101);
+    assert!(text.ends_with("\nm: 200 more problems"), "{text}");
+}
+
+#[test]
+fn broken_fixtures_say_what_is_wrong() {
+    for (name, problem) in [
+        (
+            "bad_gltf_truncated.glb",
+            "m: GLB header: length 3528 at byte 8, but the file has 1764 bytes",
+        ),
+        // Validation by the crate panics here, after it has reported what is wrong.
+        (
+            "bad_gltf_accessor.glb",
+            "m: meshes[0].primitives[0].attributes[\"POSITION\"]: there is no such element",
+        ),
+        (
+            "bad_gltf_index.glb",
+            "m: meshes[0].primitives[0].indices: accessors[1]: 4000 elements of 2 bytes, 2 apart from byte 0, end beyond bufferViews[1], which has 288 bytes",
+        ),
+        (
+            "bad_gltf_cycle.glb",
+            "m: nodes[0]: reached from scenes[0] and from nodes[2]; a node has one parent",
+        ),
+        (
+            "bad_gltf_required.glb",
+            "m: extensionsRequired[0]: KHR_draco_mesh_compression is not supported",
+        ),
+    ] {
+        assert_eq!(read(&fixtures::content(name)).expect_err(name), problem);
+    }
+}
+
+#[test]
+fn containers_are_checked() {
+    for (bytes, problem) in [
+        (&b""[..], "m: the file is empty"),
+        (
+            b"glTF\x02\0",
+            "m: GLB header: truncated: 12 bytes make a header",
+        ),
+        (
+            b"glTF\x01\0\0\0\x14\0\0\0aaaabbbb",
+            "m: GLB header: version 1 at byte 4; 2 is read",
+        ),
+        (
+            b"glTF\x02\0\0\0\x04\0\0\0aaaabbbb",
+            "m: GLB header: length 4 at byte 8, but the file has 20 bytes",
+        ),
+        (
+            b"glTF\x02\0\0\0\x14\0\0\0\x09\0\0\0JSON",
+            "m: GLB chunks: JSON chunk length exceeds that of slice",
+        ),
+        (
+            b"glTF\x02\0\0\0\x14\0\0\0\0\0\0\0BIN\0",
+            "m: GLB chunks: was not expecting BIN\\0 chunk",
+        ),
+        (b"[1, 2]", "m: JSON: is not an object"),
+        (
+            b"{\"asset\":\n tru",
+            "m: JSON: EOF while parsing a value at line 2 column 4",
+        ),
+    ] {
+        assert_eq!(read(bytes).expect_err(problem), problem);
+    }
+    let (document, _) = parts();
+    let text = read(document.to_string().as_bytes()).expect_err("no buffer");
+    assert_eq!(
+        text,
+        "m: buffers[0]: has no uri, and the file has no binary chunk"
+    );
+}
+
+/// Oddities that do not stop a bake.
+#[test]
+fn what_is_odd_but_kept_is_said() {
+    for (edits, warning) in [
+        (
+            ("/nodes/0/rotation", json!([0, 3, 3, 0])),
+            "m: nodes[0]: rotation of length 4.242640687119285 brought to length 1",
+        ),
+        (
+            ("/nodes/2/scale", json!([3, 3, 3])),
+            "m: nodes[2]: matrix is used; translation, rotation and scale beside it are not",
+        ),
+        (
+            ("/nodes/2/matrix/15", json!(1.000001)),
+            "m: nodes[2]: matrix: its last row is taken as 0, 0, 0, 1, which it nearly is",
+        ),
+        (
+            ("/nodes/1/skin", json!(0)),
+            "m: ignored the skins of 1 mesh nodes: they are read at rest, where the nodes stand",
+        ),
+        (
+            ("/extensionsUsed", json!(["EXT_mesh_gpu_instancing"])),
+            "m: extensionsUsed: EXT_mesh_gpu_instancing is ignored",
+        ),
+        (
+            (
+                "/animations/1/channels/0/target",
+                json!({"path": "pointer"}),
+            ),
+            "m: animations[1]: ignored 1 channels without a node",
+        ),
+        (
+            ("/animations/0/channels/1/target/node", json!(0)),
+            "m: animations: ignored 1 channels for weights of nodes without morph targets",
+        ),
+    ] {
+        let model = read(&edited(&[edits])).expect(warning);
+        assert!(
+            model.mesh.warnings.iter().any(|w| w == warning),
+            "{warning}: {:?}",
+            model.mesh.warnings
+        );
+        assert_eq!(model.mesh.positions.len(), 52);
+    }
+    // What a mesh looks like is not read: mistakes there stop nothing.
+    let file = edited(&[
+        (
+            "/materials/0",
+            json!({"name": "red", "normalTexture": {"scale": "wide"}}),
+        ),
+        ("/textures", json!("none")),
+        ("/cameras", json!([{}])),
+        ("/meshes/0/primitives/0/attributes/TEXCOORD_0", json!(77)),
+        (
+            "/extensionsRequired",
+            json!(["KHR_texture_basisu", "KHR_materials_unlit"]),
+        ),
+    ]);
+    assert_eq!(
+        read(&file).expect("sound").mesh,
+        read(&edited(&[])).expect("sound").mesh
+    );
+}
+
+#[test]
+fn a_short_file_cannot_ask_for_much() {
+    // A thousand nodes of a mesh of a thousand primitives of the same ten thousand vertices.
+    let mut file = Writer::default();
+    let positions = file.vectors(&vec![[0.0; 3]; 9999]);
+    let primitive = json!({"attributes": {"POSITION": positions}});
+    file.add("meshes", json!({"primitives": vec![primitive; 1000]}));
+    file.document
+        .insert("nodes".into(), json!(vec![json!({"mesh": 0}); 1000]));
+    file.add("scenes", json!({"nodes": (0..1000).collect::<Vec<_>>()}));
+    let text = read(&file.glb()).expect_err("large");
+    let expected = "m: 9999000000 vertices with every node's mesh written out; at most 134217728 are read\n\
+                    m: 9999000000 triangles with every node's mesh written out; at most 134217728 are read";
+    assert_eq!(text, expected);
+    // Many targets that are one accessor, and many that are none.
+    for (target, count, start) in [
+        (
+            json!({"POSITION": positions}),
+            20_000,
+            "m: 199980000 displacements of morph targets with",
+        ),
+        (json!({}), 70_000, "m: 70000 morph targets with"),
+    ] {
+        let primitive =
+            json!({"attributes": {"POSITION": positions}, "targets": vec![target; count]});
+        file.document
+            .insert("meshes".into(), json!([{"primitives": [primitive]}]));
+        file.document.insert("nodes".into(), json!([{"mesh": 0}]));
+        file.document
+            .insert("scenes".into(), json!([{"nodes": [0]}]));
+        let text = read(&file.glb()).expect_err("large");
+        assert!(text.starts_with(start), "{text}");
+    }
+}
