@@ -2,6 +2,7 @@
 
 pub mod animation;
 pub mod elastic;
+pub mod embed;
 pub mod given;
 
 pub use animation::{Animation, RigidMotion};

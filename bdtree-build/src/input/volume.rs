@@ -15,8 +15,9 @@ pub(crate) mod trilinear;
 mod veg;
 mod vtk;
 
-pub use load::read_volume;
+pub use load::{parse_volume, read_volume};
 pub use surface::surface;
+pub(crate) use surface::{Face, boundary};
 
 /// A volume mesh in the source's own coordinates and order.
 #[derive(Debug, Clone, Default, PartialEq)]

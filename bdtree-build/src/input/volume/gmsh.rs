@@ -10,15 +10,12 @@ use super::RawVolume;
 use super::check::finish;
 use super::draft::Draft;
 use super::notes::Notes;
-use super::source::{ByteOrder, Kind, Layout, Source};
+use super::source::{ByteOrder, Kind, Layout, Source, Stop};
 use crate::error::BakeError;
 use crate::input::obj::tokens::show;
 use entities::Entities;
 use groups::Groups;
 use nodes::Tags;
-
-/// Why reading cannot go on: line or byte, and a message.
-type Stop = (u64, String);
 
 /// Sections that say nothing of nodes, elements or groups.
 const SKIPPED: [&str; 11] = [

@@ -34,10 +34,9 @@ pub fn read_volume(path: &Path) -> Result<RawVolume, BakeError> {
         let message = format!("is a folder, not a volume file ({SUPPORTED})");
         return Err(BakeError::one("input", place, message));
     }
-    let parse = parser(path, &place)?;
+    parser(&place)?;
     let bytes = fs::read(path).map_err(|e| unreadable(&place, &e))?;
-    let content = decompress(&bytes, &place)?;
-    let mut volume = parse(&content, &place)?;
+    let mut volume = parse_volume(&bytes, &place)?;
     volume.hash = Sha256::digest(&bytes).into();
     volume.name = path
         .file_name()
@@ -46,14 +45,22 @@ pub fn read_volume(path: &Path) -> Result<RawVolume, BakeError> {
     Ok(volume)
 }
 
+/// The volume mesh in the bytes of a file, whose name `place` tells the format and stands in
+/// messages; `name` and `hash` are left empty. See [`read_volume`].
+///
+/// # Errors
+/// As [`read_volume`].
+pub fn parse_volume(bytes: &[u8], place: &str) -> Result<RawVolume, BakeError> {
+    let parse = parser(place)?;
+    parse(&decompress(bytes, place)?, place)
+}
+
 /// Reads the bytes of a file; the second argument is its name in messages.
 type Parser = fn(&[u8], &str) -> Result<RawVolume, BakeError>;
 
-fn parser(path: &Path, place: &str) -> Result<Parser, BakeError> {
-    let name = path
-        .file_name()
-        .map(|name| name.to_string_lossy().to_lowercase())
-        .unwrap_or_default();
+fn parser(place: &str) -> Result<Parser, BakeError> {
+    let name = place.rsplit(['/', '\\']).next().unwrap_or_default();
+    let name = name.to_lowercase();
     let inner = name.strip_suffix(".gz").unwrap_or(&name);
     let message = match inner.rsplit_once('.').map(|(_, extension)| extension) {
         Some("veg") => return Ok(veg::parse),

@@ -1,7 +1,7 @@
 //! Whether an element has a volume, and which way round its corners go.
 
-use super::trilinear::{CORNERS, determinant, tangents};
-use crate::elastic::vec3::{norm, sub};
+use super::trilinear::{CORNERS, determinant, rounding, tangents};
+use crate::elastic::vec3::sub;
 
 /// What the corners of an element enclose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,19 +53,6 @@ pub(super) fn hexahedron(corners: &[[f64; 3]; 8]) -> Sense {
     } else {
         Sense::Folded
     }
-}
-
-/// How far from zero rounding can carry the determinant of `columns`: its own, and that of the
-/// corners' coordinates, by which a flat element may seem to have a height.
-fn rounding(corners: &[[f64; 3]], columns: [[f64; 3]; 3]) -> f64 {
-    let lengths = columns.map(norm);
-    let longest = lengths.iter().fold(0.0_f64, |m, &l| m.max(l));
-    let reach = corners
-        .iter()
-        .flatten()
-        .fold(0.0_f64, |m, x| m.max(x.abs()));
-    let own = 16.0 * lengths.iter().product::<f64>();
-    f64::EPSILON * (own + 8.0 * reach * longest * longest)
 }
 
 #[cfg(test)]

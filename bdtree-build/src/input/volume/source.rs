@@ -2,6 +2,9 @@
 
 use crate::input::obj::tokens::{integer, show};
 
+/// Why reading cannot go on: line or byte (0: the file as a whole), and a message.
+pub(super) type Stop = (u64, String);
+
 /// How text is cut into records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Layout {

@@ -6,14 +6,16 @@ use crate::input::RawMesh;
 /// A face of the boundary, seen from outside counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Face {
-    /// Its nodes; the fourth is [`NONE`] for a triangle.
+    /// Its nodes; the fourth is [`Face::NONE`] for a triangle.
     pub(crate) corners: [u32; 4],
 }
 
-/// The fourth corner of a triangle. No node: a volume of 2³² nodes is refused.
-const NONE: u32 = u32::MAX;
+const NONE: u32 = Face::NONE;
 
 impl Face {
+    /// The fourth corner of a triangle. No node: a volume of 2³² nodes is refused.
+    pub(crate) const NONE: u32 = u32::MAX;
+
     /// Three nodes or four.
     pub(crate) fn nodes(&self) -> &[u32] {
         let count = if self.corners[3] == NONE { 3 } else { 4 };

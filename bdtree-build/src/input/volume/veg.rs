@@ -7,7 +7,7 @@ use super::RawVolume;
 use super::check::finish;
 use super::draft::{Draft, Element};
 use super::notes::{Notes, Tally};
-use super::source::{Kind, Layout, Source};
+use super::source::{Kind, Layout, Source, Stop};
 use crate::error::BakeError;
 use crate::input::obj::tokens::show;
 use assign::Assignment;
@@ -23,8 +23,14 @@ pub(super) fn parse(text: &[u8], file: &str) -> Result<RawVolume, BakeError> {
         vertices: None,
         elements: None,
     };
-    reader.sections();
-    reader.close()
+    match reader.sections() {
+        Ok(elements) => {
+            let (assignment, draft) = (reader.assignment, &mut reader.draft);
+            assignment.resolve(elements.base, draft, &mut reader.notes);
+        }
+        Err((position, message)) => reader.notes.problem(position, message),
+    }
+    finish(reader.draft, reader.notes)
 }
 
 struct Reader<'a> {
@@ -38,13 +44,14 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn sections(&mut self) {
+    /// All sections; how the elements are numbered.
+    fn sections(&mut self) -> Result<Numbering, Stop> {
         while self.source.next_record() {
             let position = self.source.position();
             let keyword = self.source.field().unwrap_or_default();
             match keyword.to_ascii_uppercase().as_slice() {
-                b"*VERTICES" => self.vertices(position),
-                b"*ELEMENTS" => self.elements(position),
+                b"*VERTICES" => self.vertices(position)?,
+                b"*ELEMENTS" => self.elements(position)?,
                 b"*MATERIAL" => self.assignment.material(&mut self.source, &mut self.notes),
                 b"*SET" => self.assignment.set(&mut self.source, &mut self.notes),
                 b"*REGION" => self.assignment.region(&mut self.source, &mut self.notes),
@@ -63,10 +70,14 @@ impl<'a> Reader<'a> {
                 }
                 _ => {
                     let message = format!("`{}` before any section: no .veg text", show(keyword));
-                    self.notes.problem(position, message);
-                    return;
+                    return Err((position, message));
                 }
             }
+        }
+        match (self.vertices, self.elements) {
+            (Some(_), Some(elements)) => Ok(elements),
+            (None, _) => Err((0, "no *VERTICES section".into())),
+            _ => Err((0, "no *ELEMENTS section".into())),
         }
     }
 
@@ -76,15 +87,12 @@ impl<'a> Reader<'a> {
     }
 
     /// `count 3 0 0`, then `number x y z` lines.
-    fn vertices(&mut self, position: u64) {
+    fn vertices(&mut self, position: u64) -> Result<(), Stop> {
         if self.vertices.is_some() {
-            self.notes
-                .problem(position, "a second *VERTICES section".into());
+            return Err((position, "a second *VERTICES section".into()));
         }
         self.source.skip_line();
-        let Some((declared, count_at)) = self.count("the number of vertices", 7) else {
-            return;
-        };
+        let (declared, count_at) = self.count("the number of vertices", 7)?;
         let mut numbers = Numbers::default();
         let mut longer = Tally::default();
         while self.next_line_of_section() {
@@ -115,52 +123,41 @@ impl<'a> Reader<'a> {
         let message = "vertices have more than three coordinates; the first three are used";
         self.notes.warn_tally(&longer, message);
         self.vertices = Some(numbers.numbering());
+        Ok(())
     }
 
     /// `TET` or `CUBIC`, then `count corners 0`, then `number corner …` lines.
-    fn elements(&mut self, position: u64) {
+    fn elements(&mut self, position: u64) -> Result<(), Stop> {
         if self.elements.is_some() {
-            self.notes
-                .problem(position, "a second *ELEMENTS section".into());
+            return Err((position, "a second *ELEMENTS section".into()));
         }
-        self.source.skip_line();
         let Some(vertices) = self.vertices else {
-            self.notes
-                .problem(position, "*ELEMENTS before *VERTICES".into());
-            return;
+            return Err((position, "*ELEMENTS before *VERTICES".into()));
         };
-        let mut kind: &[u8] = b"";
-        if self.next_line_of_section() {
-            kind = self.source.field().unwrap_or_default();
-        }
-        let kind_at = self.source.position();
+        self.source.skip_line();
+        let found = self.next_line_of_section();
+        let position = self.source.position();
+        let kind = self.source.field().filter(|_| found).unwrap_or_default();
         self.source.skip_line();
         match kind.to_ascii_uppercase().as_slice() {
-            b"TET" => {
-                let read = self.element_lines::<4>(vertices);
-                self.draft.tetrahedra = read;
-            }
-            b"CUBIC" => {
-                // Vega's order is VTK's: around the bottom, then around the top.
-                let read = self.element_lines::<8>(vertices);
-                self.draft.hexahedra = read;
-            }
+            b"TET" => self.draft.tetrahedra = self.element_lines(vertices)?,
+            // Vega's order is VTK's: around the bottom, then around the top.
+            b"CUBIC" => self.draft.hexahedra = self.element_lines(vertices)?,
             _ => {
                 let kind = show(kind);
                 let message = format!("elements of type `{kind}`; TET and CUBIC are read");
-                self.notes.problem(kind_at, message);
-                while self.next_line_of_section() {
-                    self.source.skip_line();
-                }
+                return Err((position, message));
             }
         }
+        Ok(())
     }
 
-    fn element_lines<const N: usize>(&mut self, vertices: Numbering) -> Vec<Element<N>> {
+    fn element_lines<const N: usize>(
+        &mut self,
+        vertices: Numbering,
+    ) -> Result<Vec<Element<N>>, Stop> {
+        let (declared, count_at) = self.count("the number of elements", 2 * N + 1)?;
         let mut elements = Vec::new();
-        let Some((declared, count_at)) = self.count("the number of elements", 2 * N + 1) else {
-            return elements;
-        };
         let known = self.draft.nodes.len();
         let mut numbers = Numbers::default();
         while self.next_line_of_section() {
@@ -206,31 +203,23 @@ impl<'a> Reader<'a> {
         }
         self.compare("elements", declared, numbers.count, count_at);
         self.elements = Some(numbers.numbering());
-        elements
+        Ok(elements)
     }
 
     /// The number at the start of the next line, and where that is.
-    fn count(&mut self, what: &str, each: usize) -> Option<(usize, u64)> {
+    fn count(&mut self, what: &str, each: usize) -> Result<(usize, u64), Stop> {
         let found = self.next_line_of_section();
         let position = self.source.position();
         let count = if found {
-            self.source
-                .text_integer(what)
-                .and_then(|n| self.source.fits(what, n, each))
+            let count = self.source.text_integer(what);
+            count.and_then(|count| self.source.fits(what, count, each))
         } else {
             Err(format!("{what} is missing"))
         };
         self.source.skip_line();
-        match count {
-            Ok(count) => Some((count, position)),
-            Err(message) => {
-                self.notes.problem(position, message);
-                while self.next_line_of_section() {
-                    self.source.skip_line();
-                }
-                None
-            }
-        }
+        count
+            .map(|count| (count, position))
+            .map_err(|message| (position, message))
     }
 
     fn compare(&mut self, what: &str, declared: usize, found: i64, position: u64) {
@@ -238,19 +227,6 @@ impl<'a> Reader<'a> {
             let message = format!("{declared} {what} declared, {found} found");
             self.notes.problem(position, message);
         }
-    }
-
-    fn close(mut self) -> Result<RawVolume, BakeError> {
-        if self.vertices.is_none() && !self.notes.has_problems() {
-            self.notes.problem(0, "no *VERTICES section".into());
-        }
-        if let Some(elements) = self.elements {
-            self.assignment
-                .resolve(elements.base, &mut self.draft, &mut self.notes);
-        } else if !self.notes.has_problems() {
-            self.notes.problem(0, "no *ELEMENTS section".into());
-        }
-        finish(self.draft, self.notes)
     }
 }
 

@@ -8,13 +8,10 @@ use super::RawVolume;
 use super::check::finish;
 use super::draft::Draft;
 use super::notes::Notes;
-use super::source::{ByteOrder, Kind, Layout, Source};
+use super::source::{ByteOrder, Kind, Layout, Source, Stop};
 use crate::error::BakeError;
 use crate::input::obj::tokens::show;
 use cells::Cells;
-
-/// Why reading cannot go on: line or byte, and a message.
-type Stop = (u64, String);
 
 /// The volume in the bytes of a legacy VTK file; `file` is its name in messages.
 pub(super) fn parse(bytes: &[u8], file: &str) -> Result<RawVolume, BakeError> {

@@ -1,9 +1,9 @@
 //! `$Elements`: tetrahedra, hexahedra, and the elements of groups.
 
 use super::super::draft::{Element, Shape};
-use super::super::source::Kind;
+use super::super::source::{Kind, Stop};
 use super::nodes::Tags;
-use super::{Reader, Stop, Version, kinds};
+use super::{Reader, Version, kinds};
 
 impl Reader<'_> {
     /// After `$Elements`.

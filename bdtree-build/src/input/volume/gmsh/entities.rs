@@ -3,8 +3,8 @@
 
 use std::collections::HashMap;
 
-use super::super::source::{Kind, Source};
-use super::{Format, Reader, Stop};
+use super::super::source::{Kind, Source, Stop};
+use super::{Format, Reader};
 
 /// Physical tags by dimension and tag of an entity.
 #[derive(Default)]
@@ -50,9 +50,16 @@ fn read(
         source.integer("the number of partitions", format.size)?;
         source.end();
         begin(source, "the ghost entities")?;
-        // Each with its tag and partition, all on one line in text.
-        skip(source, format, "the number of ghost entities", 2)?;
+        let what = "the number of ghost entities";
+        let ghosts = source.integer(what, format.size)?;
+        let ghosts = source.fits(what, ghosts, 4)?;
         source.end();
+        for _ in 0..ghosts {
+            begin(source, "a ghost entity")?;
+            source.integer("the tag of a ghost entity", Kind::I32)?;
+            source.integer("a partition", Kind::I32)?;
+            source.end();
+        }
     }
     begin(source, "the numbers of entities")?;
     let mut counts = [0; 4];
@@ -69,7 +76,7 @@ fn read(
             if is_partitioned {
                 source.integer("the parent's dimension", Kind::I32)?;
                 source.integer("the parent's tag", Kind::I32)?;
-                skip(source, format, "the number of partitions", 1)?;
+                skip(source, format, "the number of partitions")?;
             }
             // A point's position, or the corners of a box.
             for _ in 0..if dimension == 0 { 3 } else { 6 } {
@@ -83,7 +90,7 @@ fn read(
                 physical.push(source.integer("a physical tag", Kind::I32)?);
             }
             if dimension > 0 {
-                skip(source, format, "the number of bounding entities", 1)?;
+                skip(source, format, "the number of bounding entities")?;
             }
             source.end();
             if !physical.is_empty() {
@@ -94,11 +101,10 @@ fn read(
     Ok(())
 }
 
-/// A count, and `width` integers for each.
-fn skip(source: &mut Source<'_>, format: Format, what: &str, width: usize) -> Result<(), String> {
+/// A count, and as many tags.
+fn skip(source: &mut Source<'_>, format: Format, what: &str) -> Result<(), String> {
     let count = source.integer(what, format.size)?;
-    let count = source.fits(what, count, 2 * width)?;
-    for _ in 0..count * width {
+    for _ in 0..source.fits(what, count, 2)? {
         source.integer("a tag", Kind::I32)?;
     }
     Ok(())

@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::RawNodeSet;
-use super::super::source::Source;
-use super::Stop;
+use super::super::source::{Source, Stop};
 
 /// The named groups, in file order.
 #[derive(Default)]

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::super::notes::Notes;
-use super::super::source::{Kind, Source};
-use super::{Format, Reader, Stop, Version};
+use super::super::source::{Kind, Source, Stop};
+use super::{Format, Reader, Version};
 
 /// The index of every node by its tag.
 #[derive(Debug, Default)]

@@ -78,15 +78,15 @@ impl Assignment {
         let line = if found { source.line_rest() } else { b"" };
         let mut parts = line.splitn(2, |&b| b == b',');
         match (parts.next(), parts.next()) {
-            (Some(set), Some(material)) => {
-                self.regions.push(Region {
-                    set: name(set),
-                    material: name(material),
-                    position,
-                });
-                source.skip_line();
-            }
+            (Some(set), Some(material)) => self.regions.push(Region {
+                set: name(set),
+                material: name(material),
+                position,
+            }),
             _ => notes.problem(position, "*REGION needs a line `set, material`".into()),
+        }
+        if found {
+            source.skip_line();
         }
     }
 

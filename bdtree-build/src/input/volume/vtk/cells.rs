@@ -2,8 +2,8 @@
 
 use super::super::draft::{Draft, Element, Shape};
 use super::super::notes::Notes;
-use super::super::source::{Kind, Source};
-use super::{Stop, ends_early, kind, kinds, start};
+use super::super::source::{Kind, Source, Stop};
+use super::{ends_early, kind, kinds, start};
 use crate::input::obj::tokens::show;
 
 /// The cells as they stand in the file.
@@ -70,7 +70,7 @@ impl Cells {
                 return Err((position, format!("{count} cells declared, {cell} found")));
             }
             let here = source.position();
-            let stop = |message| (here, format!("cell {cell}: {message}"));
+            let stop = |message| (here, format!("element {cell}: {message}"));
             let points = source
                 .integer("the number of points", Kind::I32)
                 .map_err(stop)?;
@@ -160,7 +160,7 @@ impl Cells {
             let here = source.position();
             let kind = source.integer("the type", Kind::I32);
             self.types
-                .push(kind.map_err(|m| (here, format!("cell {cell}: {m}")))?);
+                .push(kind.map_err(|m| (here, format!("element {cell}: {m}")))?);
         }
         Ok(())
     }
@@ -210,7 +210,7 @@ impl Cells {
                 }),
             };
             if let Err(message) = built {
-                notes.problem(position, format!("cell {cell}: {message}"));
+                notes.problem(position, format!("element {cell}: {message}"));
             }
         }
     }

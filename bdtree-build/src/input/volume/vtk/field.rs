@@ -1,7 +1,7 @@
 //! `FIELD` and `METADATA` between the parts of a grid: skipped.
 
-use super::super::source::Source;
-use super::{Stop, kinds, start};
+use super::super::source::{Source, Stop};
+use super::{kinds, start};
 use crate::input::obj::tokens::show;
 
 /// After `FIELD`: a name and a number of arrays, then each array's name, components, tuples, type
