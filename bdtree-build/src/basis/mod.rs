@@ -3,6 +3,7 @@
 pub mod animation;
 pub mod dropped;
 pub mod elastic;
+pub mod embed;
 pub mod given;
 pub mod morph;
 

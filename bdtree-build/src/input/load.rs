@@ -72,7 +72,7 @@ pub fn read_model(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError
     })
 }
 
-fn unreadable(place: &str, error: &std::io::Error) -> BakeError {
+pub(super) fn unreadable(place: &str, error: &std::io::Error) -> BakeError {
     BakeError::one("input", place, format!("cannot be read: {error}"))
 }
 
@@ -103,7 +103,7 @@ fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
 }
 
 /// The text inside `bytes`: gunzipped (all members) when they begin like gzip, else as they are.
-fn decompress<'a>(bytes: &'a [u8], place: &str) -> Result<Cow<'a, [u8]>, BakeError> {
+pub(super) fn decompress<'a>(bytes: &'a [u8], place: &str) -> Result<Cow<'a, [u8]>, BakeError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(bytes));
     }

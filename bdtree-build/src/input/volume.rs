@@ -1,4 +1,23 @@
 //! Volume meshes made elsewhere: tetrahedra and hexahedra, with their materials.
+//!
+//! [`read_volume`] is the door; [`surface()`] is what such a mesh shows. docs/volumes.md says what is
+//! read and how.
+
+mod check;
+mod draft;
+mod gmsh;
+mod load;
+mod notes;
+mod shape;
+mod source;
+mod surface;
+pub(crate) mod trilinear;
+mod veg;
+mod vtk;
+
+pub use load::{parse_volume, read_volume};
+pub use surface::surface;
+pub(crate) use surface::{Face, boundary};
 
 /// A volume mesh in the source's own coordinates and order.
 #[derive(Debug, Clone, Default, PartialEq)]

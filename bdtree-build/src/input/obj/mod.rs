@@ -7,7 +7,7 @@ mod face;
 mod finish;
 mod lines;
 mod notes;
-mod tokens;
+pub(super) mod tokens;
 
 use super::{GroupKind, RawGroup, RawMesh};
 use crate::error::BakeError;

@@ -60,7 +60,7 @@ pub(super) fn position(mut tokens: Tokens<'_>) -> Result<[f64; 3], String> {
 
 /// A decimal integer with or without a sign; `None` for anything else. Values beyond i64 become
 /// its ends: they are out of every range anyway.
-pub(super) fn integer(token: &[u8]) -> Option<i64> {
+pub(in crate::input) fn integer(token: &[u8]) -> Option<i64> {
     let (negative, digits) = match token {
         [b'-', digits @ ..] => (true, digits),
         [b'+', digits @ ..] => (false, digits),
@@ -82,7 +82,7 @@ pub(super) fn integer(token: &[u8]) -> Option<i64> {
 }
 
 /// A word for a message: printable, at most 32 characters.
-pub(super) fn show(token: &[u8]) -> String {
+pub(in crate::input) fn show(token: &[u8]) -> String {
     let text = String::from_utf8_lossy(&token[..token.len().min(128)]);
     let mut shown: String = text.chars().take(32).flat_map(char::escape_debug).collect();
     if token.len() > 128 || text.chars().count() > 32 {
