@@ -19,6 +19,7 @@ use crate::elastic::locate::anchors;
 use crate::elastic::pieces::{Kind, find_pieces};
 use crate::elastic::resolution::{BYTES_PER_CELL, choose_lattice};
 use crate::elastic::solve::{Limits, Solution, SolveError, solve};
+use crate::elastic::system::System;
 use crate::error::{BakeError, Problem};
 use crate::input::RawMesh;
 use crate::progress::Progress;
@@ -154,7 +155,9 @@ pub fn elastic_basis(
         bytes: options.memory_limit_bytes,
         verify_dof_max: options.verify_dof_max,
     };
-    let solution = solve(&lattice, &element, &grips, limits, progress)
+    let sizes: Vec<usize> = lattice.components.iter().map(|c| c.nodes.len()).collect();
+    let system = |c: usize| System::of_lattice(&lattice.components[c], &element, &grips[c]);
+    let solution = solve(&sizes, system, limits, progress)
         .map_err(|e| solve_error(e, options, resolution))?;
     if solution.modes.len() < options.mode_count {
         return Err(BakeError::one(

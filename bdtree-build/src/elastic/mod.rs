@@ -6,7 +6,9 @@
 //!
 //! Inside, lengths are cells, Young's modulus and density are 1; `basis::elastic` brings units.
 
+pub(crate) mod assemble;
 pub(crate) mod canonical;
+pub(crate) mod component;
 #[cfg(test)]
 pub(crate) mod dense;
 pub(crate) mod element;
@@ -15,6 +17,7 @@ pub(crate) mod fill;
 pub(crate) mod fix;
 pub(crate) mod grid;
 pub(crate) mod hold;
+pub(crate) mod joints;
 pub(crate) mod krylov;
 pub(crate) mod lattice;
 pub(crate) mod locate;
