@@ -9,8 +9,8 @@
 
 use std::time::Instant;
 
-use crate::basis::{Basis, BasisMode};
-use crate::elastic::canonical::normalise;
+use crate::basis::Basis;
+use crate::basis::modal::{ModalField, modal_basis};
 use crate::elastic::element::Element;
 use crate::elastic::factor::FactorError;
 use crate::elastic::fix::hold_all;
@@ -157,8 +157,8 @@ pub fn elastic_basis(
     };
     let sizes: Vec<usize> = lattice.components.iter().map(|c| c.nodes.len()).collect();
     let system = |c: usize| System::of_lattice(&lattice.components[c], &element, &grips[c]);
-    let solution = solve(&sizes, system, limits, progress)
-        .map_err(|e| solve_error(e, options, resolution))?;
+    let solution =
+        solve(&sizes, system, limits, progress).map_err(|e| solve_error(e, options, resolution))?;
     if solution.modes.len() < options.mode_count {
         return Err(BakeError::one(
             "basis",
@@ -180,7 +180,7 @@ pub fn elastic_basis(
     let cell_mass = options.density_kg_m3 * size_m.powi(3);
     let shares = lattice.components.iter().flat_map(|c| &c.moments);
     report.mass_kg = cell_mass * shares.map(|m| m[0]).sum::<f64>();
-    let basis = to_vertices(&subject, &lattice, &solution, options);
+    let basis = to_vertices(&subject, &lattice, &solution, options, warnings);
     list_silent_pieces(&subject, &lattice, &solution, &mut report, warnings);
     lap(&mut report, "vertices");
     Ok((basis, report))
@@ -346,6 +346,7 @@ fn solve_error(error: SolveError, options: &ElasticOptions, resolution: u32) -> 
                 "the modes converged to a residual of {worst:.1e} only; try another --resolution"
             )
         }
+        SolveError::Element(c, cell) => format!("component {c}: cell {cell} has no stiffness"),
     };
     BakeError::one("basis", "elastic modes", message)
 }
@@ -355,17 +356,14 @@ fn to_vertices(
     lattice: &Lattice,
     solution: &Solution,
     options: &ElasticOptions,
+    warnings: &mut Vec<String>,
 ) -> Basis {
     let anchors = anchors(subject, lattice);
     let size_m = lattice.grid.cell_size * options.scale_m;
     let cell_mass = options.density_kg_m3 * size_m.powi(3);
     let speed = (options.young_pa / options.density_kg_m3).sqrt();
-    let mut basis = Basis {
-        vertex_count: subject.mesh.positions.len(),
-        ..Basis::default()
-    };
-    for (j, mode) in solution.modes.iter().enumerate() {
-        let mut field: Vec<[f64; 3]> = anchors
+    let fields = solution.modes.iter().map(|mode| ModalField {
+        field: anchors
             .iter()
             .map(|anchor| {
                 let mut u = [0.0; 3];
@@ -378,17 +376,11 @@ fn to_vertices(
                 }
                 u
             })
-            .collect();
-        let factor = normalise(&mut field).unwrap_or(1.0);
-        basis.fields.extend(field);
-        basis.modes.push(BasisMode {
-            name: Some(format!("elastic {}", j + 1)),
-            omega_rad_s: Some(mode.value.max(0.0).sqrt() * speed / size_m),
-            modal_mass_kg: Some(cell_mass * factor * factor),
-            q_range: None,
-        });
-    }
-    basis
+            .collect(),
+        omega_rad_s: mode.value.max(0.0).sqrt() * speed / size_m,
+        modal_mass_kg: cell_mass,
+    });
+    modal_basis(subject.mesh.positions.len(), fields, warnings)
 }
 
 fn list_silent_pieces(

@@ -3,6 +3,8 @@
 pub mod animation;
 pub mod elastic;
 pub mod given;
+pub mod modal;
+pub mod volume;
 
 pub use animation::{Animation, RigidMotion};
 

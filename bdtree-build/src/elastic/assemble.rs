@@ -19,6 +19,18 @@ pub(crate) struct ElementMatrices {
     pub mass: Vec<f64>,
 }
 
+impl ElementMatrices {
+    /// Puts the sum of each row of the mass on its diagonal.
+    pub(crate) fn lump(&mut self) {
+        let count = self.mass.len().isqrt();
+        for (i, row) in self.mass.chunks_exact_mut(count.max(1)).enumerate() {
+            let sum = row.iter().sum();
+            row.fill(0.0);
+            row[i] = sum;
+        }
+    }
+}
+
 /// Lists of nodes, one per element.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct NodeLists {
@@ -81,10 +93,13 @@ pub(crate) struct Source<'a> {
 
 impl System {
     /// Adds up the elements, whose matrices `matrices` tells, and the springs.
+    ///
+    /// # Errors
+    /// The element that has no matrices.
     pub(crate) fn assemble<'m>(
         source: &Source<'_>,
-        matrices: impl Fn(usize) -> Cow<'m, ElementMatrices>,
-    ) -> Self {
+        matrices: impl Fn(usize) -> Option<Cow<'m, ElementMatrices>>,
+    ) -> Result<Self, usize> {
         let mut place = vec![0u32; source.order.len()];
         for (n, &old) in source.order.iter().enumerate() {
             place[old as usize] = n as u32;
@@ -109,7 +124,7 @@ impl System {
             rows,
         };
         for (e, nodes) in elements.iter().enumerate() {
-            let own = matrices(e);
+            let own = matrices(e).ok_or(e)?;
             let count = nodes.len();
             system.for_each_pair(nodes, |system, at, a, b| {
                 system.mass[at] += own.mass[count * a + b];
@@ -134,7 +149,7 @@ impl System {
                 }
             });
         }
-        system
+        Ok(system)
     }
 
     /// Calls `add(self, entry, row, column)` for the lower triangle's pairs of an element's nodes.

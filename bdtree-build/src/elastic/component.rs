@@ -10,7 +10,11 @@ use super::system::System;
 impl System {
     /// Adds up the cells of a component and the springs at its held points. Functions follow
     /// lines, so their coefficients move as points at their centres do: those are the positions.
-    pub(crate) fn of_lattice(component: &Component, element: &Element, grips: &[Grip]) -> Self {
+    pub(crate) fn of_lattice(
+        component: &Component,
+        element: &Element,
+        grips: &[Grip],
+    ) -> Result<Self, usize> {
         let mut cells = NodeLists::default();
         for cell in &component.cells {
             cells.push(*cell);
@@ -22,17 +26,19 @@ impl System {
             grips,
             ..Source::default()
         };
-        Self::assemble(&source, |cell| element.matrices(&component.moments[cell]))
+        Self::assemble(&source, |cell| {
+            Some(element.matrices(&component.moments[cell]))
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faer::Mat;
     use crate::elastic::factor::Symbolic;
     use crate::elastic::locate::Anchor;
     use crate::elastic::moments::full_cell;
+    use faer::Mat;
 
     /// A row of full cells.
     fn bar(cells: i32) -> Component {
@@ -64,7 +70,7 @@ mod tests {
                 share: 1.0,
             })
             .collect();
-        let system = System::of_lattice(&component, &Element::new(0.3), &grips);
+        let system = System::of_lattice(&component, &Element::new(0.3), &grips).expect("a system");
         let mut seen = system.place.clone();
         seen.sort_unstable();
         assert!(seen.iter().enumerate().all(|(i, &p)| i == p as usize));
@@ -84,7 +90,7 @@ mod tests {
     #[test]
     fn negative_pivots_count_eigenvalues() {
         let component = bar(12);
-        let system = System::of_lattice(&component, &Element::new(0.3), &[]);
+        let system = System::of_lattice(&component, &Element::new(0.3), &[]).expect("a system");
         let modes = crate::elastic::dense::all_modes(&system, 6).expect("eigenvalues");
         let pattern = system.pattern();
         let symbolic = Symbolic::new(&pattern).expect("memory");

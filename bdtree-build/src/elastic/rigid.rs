@@ -131,8 +131,7 @@ fn null_space(system: &System, frames: &[Frame], own: MatRef<'_, f64>) -> Mat<f6
         let (node, other) = (node as usize, other as usize);
         for axis in 0..3 {
             let here = std::array::from_fn(|j| own[(3 * node + axis, j)]);
-            let there =
-                std::array::from_fn(|j| -frames[other].motion(system.nodes[node], j)[axis]);
+            let there = std::array::from_fn(|j| -frames[other].motion(system.nodes[node], j)[axis]);
             add_square(&mut product, &[(blocks.of(node), here), (other, there)]);
         }
     }

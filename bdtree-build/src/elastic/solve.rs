@@ -50,6 +50,8 @@ pub(crate) enum SolveError {
     Missed(usize, usize, usize),
     /// The worst residual reached.
     Residual(f64),
+    /// This element of this component has no stiffness: (component, element).
+    Element(usize, usize),
 }
 
 /// What bounds the work.
@@ -69,10 +71,11 @@ const RESIDUAL_MAX: f64 = 1e-6;
 /// Solves component after component, the largest first: once enough modes are known, an inertia
 /// count tells cheaply that a further component has none below them.
 ///
-/// `sizes` are the components' numbers of nodes, `system` makes the system of one.
+/// `sizes` are the components' numbers of nodes; `system` makes the system of one, or names an
+/// element that cannot be.
 pub(crate) fn solve(
     sizes: &[usize],
-    system: impl Fn(usize) -> System,
+    system: impl Fn(usize) -> Result<System, usize>,
     limits: Limits,
     progress: &dyn Progress,
 ) -> Result<Solution, SolveError> {
@@ -83,7 +86,7 @@ pub(crate) fn solve(
         ..Solution::default()
     };
     for c in order {
-        let system = system(c);
+        let system = system(c).map_err(|element| SolveError::Element(c, element))?;
         let found = solve_component(c, &system, limits, &mut solution)?;
         for (j, &value) in found.values.iter().enumerate().take(limits.wanted) {
             let vector = (0..system.size())

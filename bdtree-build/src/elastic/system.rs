@@ -3,8 +3,8 @@
 use faer::{Mat, MatRef};
 
 use super::factor::Pattern;
-use super::joints::Blocks;
 use super::hold::Grip;
+use super::joints::Blocks;
 
 /// Columns that a product takes at once.
 const COLUMNS: usize = 8;
