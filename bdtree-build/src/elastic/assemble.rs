@@ -207,3 +207,18 @@ pub(crate) fn adjacency(elements: &NodeLists, count: usize) -> (Vec<usize>, Vec<
     }
     (starts, rows)
 }
+
+/// Strain energy of an element whose nodes move so.
+#[cfg(test)]
+pub(crate) fn energy(own: &ElementMatrices, moved: &[[f64; 3]]) -> f64 {
+    let count = moved.len();
+    let mut sum = 0.0;
+    for i in 0..count {
+        for j in 0..count {
+            for (n, k) in own.stiffness[count * i + j].iter().enumerate() {
+                sum += 0.5 * moved[i][n / 3] * k * moved[j][n % 3];
+            }
+        }
+    }
+    sum
+}

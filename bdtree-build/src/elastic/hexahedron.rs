@@ -137,3 +137,148 @@ pub(crate) fn matrices(p: &[[f64; 3]; 8], law: &Law, density: f64) -> Option<Ele
         mass,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elastic::assemble::energy;
+
+    type V3 = [f64; 3];
+
+    fn boxed(size: V3) -> [V3; 8] {
+        CORNERS.map(|c| std::array::from_fn(|a| 0.5 * size[a] * c[a]))
+    }
+
+    /// The inner nodes of R. H. MacNeal, R. L. Harder, "A proposed standard set of problems to
+    /// test finite element accuracy" (1985), in VTK's order.
+    const INNER: [V3; 8] = [
+        [0.249, 0.342, 0.192],
+        [0.826, 0.288, 0.288],
+        [0.850, 0.649, 0.263],
+        [0.273, 0.750, 0.230],
+        [0.320, 0.186, 0.643],
+        [0.677, 0.305, 0.683],
+        [0.788, 0.693, 0.644],
+        [0.165, 0.745, 0.702],
+    ];
+
+    /// The inner cell and the six around it in the unit cube: nodes 0 to 7 inside, 8 to 15 outside.
+    fn patch() -> Vec<[usize; 8]> {
+        let faces = [
+            [0, 1, 2, 3],
+            [4, 7, 6, 5],
+            [0, 4, 5, 1],
+            [1, 5, 6, 2],
+            [2, 6, 7, 3],
+            [3, 7, 4, 0],
+        ];
+        // Seen from inside the inner cell a face runs so that the cell beyond it is upright.
+        let around = faces
+            .map(|f: [usize; 4]| std::array::from_fn(|n| if n < 4 { 8 + f[n] } else { f[n - 4] }));
+        let inner = std::array::from_fn(|n| n);
+        [vec![inner], around.to_vec()].concat()
+    }
+
+    fn patch_nodes() -> Vec<V3> {
+        let outer = CORNERS.map(|c| c.map(|x| 0.5 + 0.5 * x));
+        [INNER, outer].concat()
+    }
+
+    #[test]
+    fn skewed_cells_pass_the_patch_test() {
+        let nodes = patch_nodes();
+        for law in [
+            Law::new(1e6, 0.25),
+            Law::new(1.0, 0.499),
+            Law::new(1.0, -0.5),
+        ] {
+            let u = |[x, y, z]: V3| {
+                [
+                    1e-3 * (x + 0.5 * y + 0.5 * z),
+                    1e-3 * (0.5 * x + y + 0.5 * z),
+                    1e-3 * (0.5 * x + 0.5 * y + z),
+                ]
+            };
+            let mut forces = [[0.0; 3]; 16];
+            let (mut total, mut largest) = (0.0, 0.0f64);
+            for cell in patch() {
+                let p = cell.map(|n| nodes[n]);
+                assert!(least_determinant(&p) > 0.0, "{cell:?}");
+                total += volume(&p);
+                let own = matrices(&p, &law, 1.0).expect("a sound cell");
+                for i in 0..8 {
+                    for j in 0..8 {
+                        let uj = u(p[j]);
+                        for (n, k) in own.stiffness[8 * i + j].iter().enumerate() {
+                            forces[cell[i]][n / 3] += k * uj[n % 3];
+                            largest = largest.max((k * uj[n % 3]).abs());
+                        }
+                    }
+                }
+            }
+            assert!((total - 1.0).abs() < 1e-12);
+            for f in forces[..8].iter().flatten() {
+                assert!(f.abs() < 1e-12 * largest, "{f} of {largest}");
+            }
+        }
+    }
+
+    /// Pure bending of a box: the energy of beam theory, which trilinear functions miss by far.
+    #[test]
+    fn boxes_bend_without_locking() {
+        let (size, poisson) = ([4.0, 0.5, 2.0], 0.3);
+        let p = boxed(size);
+        let own = matrices(&p, &Law::new(1.0, poisson), 1.0).expect("a sound cell");
+        // u = xy, v = −(x² + ν (y² − z²)) / 2, which is a constant at the corners, w = −νyz.
+        let bending = energy(&own, &p.map(|[x, y, z]| [x * y, 0.0, -poisson * y * z]));
+        let inertia = size[2] * size[1].powi(3) / 12.0;
+        assert!((bending / (0.5 * inertia * size[0]) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rigid_motions_cost_nothing_and_nothing_else_does() {
+        let p: [V3; 8] = std::array::from_fn(|n| patch_nodes()[patch()[3][n]]);
+        let own = matrices(&p, &Law::new(1.0, 0.3), 2.0).expect("a sound cell");
+        let full = nalgebra::DMatrix::from_fn(24, 24, |i, j| {
+            own.stiffness[8 * (i / 3) + j / 3][3 * (i % 3) + j % 3]
+        });
+        let mut values: Vec<f64> = full.symmetric_eigenvalues().iter().copied().collect();
+        values.sort_by(f64::total_cmp);
+        assert!(values[5].abs() < 1e-14 && values[6] > 1e-3, "{values:?}");
+        let mass: f64 = own.mass.iter().sum();
+        assert!((mass - 2.0 * volume(&p)).abs() < 1e-14);
+    }
+
+    /// Its mass is that of many small boxes at the places where they lie.
+    #[test]
+    fn mass_is_the_integral_of_the_functions() {
+        let p: [V3; 8] = std::array::from_fn(|n| patch_nodes()[patch()[1][n]]);
+        let own = matrices(&p, &Law::new(1.0, 0.3), 1.0).expect("a sound cell");
+        let steps = 40;
+        let mut sums = [0.0; 64];
+        for n in 0..steps * steps * steps {
+            let x = [n % steps, n / steps % steps, n / (steps * steps)]
+                .map(|k| (2 * k + 1) as f64 / steps as f64 - 1.0);
+            let weight = jacobian(&p, x).determinant() * (2.0 / steps as f64).powi(3);
+            let values = values(x);
+            for (n, s) in sums.iter_mut().enumerate() {
+                *s += weight * values[n / 8] * values[n % 8];
+            }
+        }
+        for (m, s) in own.mass.iter().zip(sums) {
+            // The midpoint rule's error is of second order in the step.
+            assert!((m - s).abs() < 2e-3 * own.mass[0], "{m} {s}");
+        }
+    }
+
+    #[test]
+    fn cells_turned_inside_out_are_told() {
+        let mut p = boxed([1.0; 3]);
+        assert!((least_determinant(&p) - 0.125).abs() < 1e-15);
+        p.swap(0, 6);
+        assert!(least_determinant(&p) < 0.0);
+        let mut p = boxed([1.0; 3]);
+        p[6] = [-0.6, -0.6, -0.6];
+        assert!(least_determinant(&p) < 0.0);
+    }
+}

@@ -7,6 +7,8 @@
 //! Inside, lengths are cells, Young's modulus and density are 1; `basis::elastic` brings units.
 
 pub(crate) mod assemble;
+#[cfg(test)]
+mod bars;
 pub(crate) mod canonical;
 pub(crate) mod component;
 #[cfg(test)]
