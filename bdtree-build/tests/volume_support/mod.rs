@@ -60,8 +60,8 @@ pub(crate) fn five_tetrahedra(mut volume: RawVolume, n: [usize; 3]) -> RawVolume
     let even = [
         [0, 1, 3, 4],
         [1, 2, 3, 6],
-        [1, 4, 6, 5],
-        [3, 4, 7, 6],
+        [1, 4, 5, 6],
+        [3, 4, 6, 7],
         [1, 3, 4, 6],
     ];
     let odd = [
