@@ -278,7 +278,12 @@ fn solve_error(
         ),
         SolveError::Residual(worst) => (
             volume.name.clone(),
-            format!("the modes converged to a residual of {worst:.1e} only"),
+            format!(
+                "the modes converged to a residual of {worst:.1e} only: its stiffest and softest \
+                 motions are too far apart for the precision of numbers (nearly flat elements, a \
+                 Poisson's ratio too near 0.5, materials a billion times apart, a wire of \
+                 thousands of elements)"
+            ),
         ),
         SolveError::Element(c, e) => (
             format!("{}: element {}", volume.name, parts[c].elements[e] + 1),

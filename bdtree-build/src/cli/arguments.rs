@@ -77,9 +77,14 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LENGTH", help_heading = "Elastic modes")]
     pub(crate) thickness: Option<f64>,
 
-    /// Holds part of the body along axes: AXES:xmin,ymin,zmin,xmax,ymax,zmax (mesh units) or
-    /// AXES:GROUP, AXES being letters of xyz. May be given several times.
-    #[arg(long, value_name = "AXES:BOX|GROUP", help_heading = "Elastic modes")]
+    /// Holds part of the body along axes: AXES:xmin,ymin,zmin,xmax,ymax,zmax (mesh units),
+    /// AXES:GROUP, or AXES:@FILE with numbers of vertices from 1, AXES being letters of xyz. May be
+    /// given several times.
+    #[arg(
+        long,
+        value_name = "AXES:BOX|GROUP|@FILE",
+        help_heading = "Elastic modes"
+    )]
     pub(crate) fix: Vec<Fix>,
 
     /// Refuses bakes that would take more than this many MiB.

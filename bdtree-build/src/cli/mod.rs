@@ -241,7 +241,8 @@ fn fields(
         settings.insert("thickness".into(), thickness.to_string());
     }
     if !options.fixes.is_empty() {
-        let text: Vec<String> = options.fixes.iter().map(ToString::to_string).collect();
+        let fixes = options.fixes.iter().map(|f| f.without_folders());
+        let text: Vec<String> = fixes.map(|f| f.to_string()).collect();
         settings.insert("fix".into(), text.join(" "));
     }
     Ok(Fields {
