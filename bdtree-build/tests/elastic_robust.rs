@@ -346,6 +346,26 @@ fn groups_can_be_held() {
     assert_close(&omegas(&mesh, &o), &by_group, 1e-3);
 }
 
+/// A list holds the triangles that have only its vertices, and the vertices.
+#[test]
+fn lists_of_vertices_can_be_held() {
+    let mut mesh = boxed([0.0; 3], [8.0, 1.0, 1.0]);
+    mesh.positions.push([99.0; 3]); // no triangle uses it
+    let mut o = options(32);
+    o.fixes = vec!["xyz:0,0,0,0,1,1".parse().unwrap()];
+    let by_box = omegas(&mesh, &o);
+    let list = tempfile::NamedTempFile::new().unwrap();
+    // The corners with x = 0, from 1.
+    std::fs::write(list.path(), "1,3,\n5 7 9").unwrap();
+    o.fixes = vec![format!("xyz:@{}", list.path().display()).parse().unwrap()];
+    assert_close(&omegas(&mesh, &o), &by_box, 1e-3);
+    for (text, want) in [("1,3,10", ":1: `10`"), ("9", "holds no part")] {
+        std::fs::write(list.path(), text).unwrap();
+        let error = run(&mesh, &o).expect_err("an error").to_string();
+        assert!(error.contains(want), "{error}");
+    }
+}
+
 /// Whatever the triangles, the answer is modes or an error.
 #[test]
 fn random_soups_never_panic() {

@@ -9,8 +9,8 @@
 
 use std::time::Instant;
 
-use crate::basis::{Basis, BasisMode};
-use crate::elastic::canonical::normalise;
+use crate::basis::Basis;
+use crate::basis::modal::{ModalField, modal_basis};
 use crate::elastic::element::Element;
 use crate::elastic::factor::FactorError;
 use crate::elastic::fix::hold_all;
@@ -19,6 +19,7 @@ use crate::elastic::locate::anchors;
 use crate::elastic::pieces::{Kind, find_pieces};
 use crate::elastic::resolution::{BYTES_PER_CELL, choose_lattice};
 use crate::elastic::solve::{Limits, Solution, SolveError, solve};
+use crate::elastic::system::System;
 use crate::error::{BakeError, Problem};
 use crate::input::RawMesh;
 use crate::progress::Progress;
@@ -154,8 +155,10 @@ pub fn elastic_basis(
         bytes: options.memory_limit_bytes,
         verify_dof_max: options.verify_dof_max,
     };
-    let solution = solve(&lattice, &element, &grips, limits, progress)
-        .map_err(|e| solve_error(e, options, resolution))?;
+    let sizes: Vec<usize> = lattice.components.iter().map(|c| c.nodes.len()).collect();
+    let system = |c: usize| System::of_lattice(&lattice.components[c], &element, &grips[c]);
+    let solution =
+        solve(&sizes, system, limits, progress).map_err(|e| solve_error(e, options, resolution))?;
     if solution.modes.len() < options.mode_count {
         return Err(BakeError::one(
             "basis",
@@ -177,7 +180,7 @@ pub fn elastic_basis(
     let cell_mass = options.density_kg_m3 * size_m.powi(3);
     let shares = lattice.components.iter().flat_map(|c| &c.moments);
     report.mass_kg = cell_mass * shares.map(|m| m[0]).sum::<f64>();
-    let basis = to_vertices(&subject, &lattice, &solution, options);
+    let basis = to_vertices(&subject, &lattice, &solution, options, warnings);
     list_silent_pieces(&subject, &lattice, &solution, &mut report, warnings);
     lap(&mut report, "vertices");
     Ok((basis, report))
@@ -343,6 +346,7 @@ fn solve_error(error: SolveError, options: &ElasticOptions, resolution: u32) -> 
                 "the modes converged to a residual of {worst:.1e} only; try another --resolution"
             )
         }
+        SolveError::Element(c, cell) => format!("component {c}: cell {cell} has no stiffness"),
     };
     BakeError::one("basis", "elastic modes", message)
 }
@@ -352,17 +356,14 @@ fn to_vertices(
     lattice: &Lattice,
     solution: &Solution,
     options: &ElasticOptions,
+    warnings: &mut Vec<String>,
 ) -> Basis {
     let anchors = anchors(subject, lattice);
     let size_m = lattice.grid.cell_size * options.scale_m;
     let cell_mass = options.density_kg_m3 * size_m.powi(3);
     let speed = (options.young_pa / options.density_kg_m3).sqrt();
-    let mut basis = Basis {
-        vertex_count: subject.mesh.positions.len(),
-        ..Basis::default()
-    };
-    for (j, mode) in solution.modes.iter().enumerate() {
-        let mut field: Vec<[f64; 3]> = anchors
+    let fields = solution.modes.iter().map(|mode| ModalField {
+        field: anchors
             .iter()
             .map(|anchor| {
                 let mut u = [0.0; 3];
@@ -375,18 +376,11 @@ fn to_vertices(
                 }
                 u
             })
-            .collect();
-        let factor = normalise(&mut field).unwrap_or(1.0);
-        basis.fields.extend(field);
-        basis.modes.push(BasisMode {
-            name: Some(format!("elastic {}", j + 1)),
-            omega_rad_s: Some(mode.value.max(0.0).sqrt() * speed / size_m),
-            modal_mass_kg: Some(cell_mass * factor * factor),
-            q_range: None,
-            default_q: None,
-        });
-    }
-    basis
+            .collect(),
+        omega_rad_s: mode.value.max(0.0).sqrt() * speed / size_m,
+        modal_mass_kg: cell_mass,
+    });
+    modal_basis(subject.mesh.positions.len(), fields, warnings)
 }
 
 fn list_silent_pieces(

@@ -5,7 +5,9 @@ pub mod dropped;
 pub mod elastic;
 pub mod embed;
 pub mod given;
+pub mod modal;
 pub mod morph;
+pub mod volume;
 
 pub use animation::{Animation, RigidMotion};
 

@@ -3,8 +3,8 @@
 use bdtree_build::basis::elastic::{ElasticOptions, Fix, RESOLUTION_MAX};
 use bdtree_build::basis::given::Layout;
 use bdtree_build::tree::Split;
-use clap::Parser;
-use std::path::PathBuf;
+use clap::{Parser, ValueEnum};
+use std::path::{Path, PathBuf};
 
 /// Bakes a mesh and a deformation basis into a memory-mappable .bdt file.
 ///
@@ -59,16 +59,30 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", help_heading = "Morph targets")]
     pub(crate) clip: Option<String>,
 
+    /// A volume mesh of tetrahedra or hexahedra whose modes move the mesh: .veg (VegaFEM), .vtk
+    /// (legacy) or .msh (Gmsh). Without INPUT its surface is the mesh.
+    #[arg(
+        long,
+        value_name = "VOLUME",
+        conflicts_with = "basis",
+        help_heading = "Given volumes"
+    )]
+    pub(crate) tets: Option<PathBuf>,
+
+    /// How the elements of --tets carry their mass [default: consistent].
+    #[arg(long, value_name = "MASS", help_heading = "Given volumes")]
+    pub(crate) mass: Option<Mass>,
+
     /// Lattice cells along the longest side, 1 to 1024 [default: as many as a fixed budget of
     /// lattice nodes allows].
     #[arg(long, value_name = "CELLS", value_parser = clap::value_parser!(u32).range(1..=i64::from(RESOLUTION_MAX)), help_heading = "Elastic modes")]
     pub(crate) resolution: Option<u32>,
 
-    /// Young's modulus in Pa, above 0 [default: 2e9].
+    /// Young's modulus in Pa, above 0 [default: that of --tets, else 2e9].
     #[arg(long, value_name = "PA", help_heading = "Elastic modes")]
     pub(crate) young: Option<f64>,
 
-    /// Poisson's ratio, in (-1, 0.5) [default: 0.35].
+    /// Poisson's ratio, in (-1, 0.5) [default: that of --tets, else 0.35].
     #[arg(
         long,
         value_name = "NU",
@@ -77,7 +91,7 @@ pub(crate) struct Arguments {
     )]
     pub(crate) poisson: Option<f64>,
 
-    /// Density in kg/m³, above 0 [default: 1000].
+    /// Density in kg/m³, above 0 [default: that of --tets, else 1000].
     #[arg(long, value_name = "KG_M3", help_heading = "Elastic modes")]
     pub(crate) density: Option<f64>,
 
@@ -89,9 +103,14 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LENGTH", help_heading = "Elastic modes")]
     pub(crate) thickness: Option<f64>,
 
-    /// Holds part of the body along axes: AXES:xmin,ymin,zmin,xmax,ymax,zmax (mesh units) or
-    /// AXES:GROUP, AXES being letters of xyz. May be given several times.
-    #[arg(long, value_name = "AXES:BOX|GROUP", help_heading = "Elastic modes")]
+    /// Holds part of the body along axes: AXES:xmin,ymin,zmin,xmax,ymax,zmax (mesh units),
+    /// AXES:GROUP, or AXES:@FILE with numbers of vertices from 1, AXES being letters of xyz. May be
+    /// given several times.
+    #[arg(
+        long,
+        value_name = "AXES:BOX|GROUP|@FILE",
+        help_heading = "Elastic modes"
+    )]
     pub(crate) fix: Vec<Fix>,
 
     /// Refuses bakes that would take more than this many MiB.
@@ -122,9 +141,6 @@ pub(crate) struct Arguments {
     /// Not supported yet: compressed animations.
     #[arg(long, hide = true)]
     pub(crate) animation: Option<PathBuf>,
-    /// Not supported yet: given volume meshes.
-    #[arg(long, hide = true)]
-    pub(crate) tets: Option<PathBuf>,
     /// Not supported yet.
     #[arg(long, hide = true)]
     pub(crate) align: bool,
@@ -140,19 +156,28 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// The options that were given but only elastic modes use.
-    pub(crate) fn elastic_only(&self) -> Vec<&'static str> {
+    /// The file that names the output where `-o` does not.
+    pub(crate) fn main_file(&self) -> Option<&Path> {
+        self.input.as_deref().or(self.tets.as_deref())
+    }
+
+    /// The options that were given and that only some kinds of sources use, with these kinds.
+    pub(crate) fn used_by(&self) -> Vec<(&'static str, &'static [&'static str])> {
+        const LATTICE: &[&str] = &["elastic"];
+        const BODIES: &[&str] = &["elastic", "volume"];
         [
-            (self.resolution.is_some(), "--resolution"),
-            (self.young.is_some(), "--young"),
-            (self.poisson.is_some(), "--poisson"),
-            (self.density.is_some(), "--density"),
-            (self.scale.is_some(), "--scale"),
-            (self.thickness.is_some(), "--thickness"),
-            (!self.fix.is_empty(), "--fix"),
+            (self.resolution.is_some(), "--resolution", LATTICE),
+            (self.thickness.is_some(), "--thickness", LATTICE),
+            (self.young.is_some(), "--young", BODIES),
+            (self.poisson.is_some(), "--poisson", BODIES),
+            (self.density.is_some(), "--density", BODIES),
+            (self.scale.is_some(), "--scale", BODIES),
+            (!self.fix.is_empty(), "--fix", BODIES),
+            (self.mass.is_some(), "--mass", &["volume"]),
+            (self.clip.is_some(), "--clip", &["morph"]),
         ]
         .into_iter()
-        .filter_map(|(given, name)| given.then_some(name))
+        .filter_map(|(given, name, kinds)| given.then_some((name, kinds)))
         .collect()
     }
 
@@ -160,7 +185,6 @@ impl Arguments {
     pub(crate) fn unsupported(&self) -> Option<&'static str> {
         [
             (self.animation.is_some(), "--animation"),
-            (self.tets.is_some(), "--tets"),
             (self.align, "--align"),
             (self.about.is_some(), "--about"),
             (self.bound.is_some(), "--bound"),
@@ -204,6 +228,24 @@ impl Arguments {
                 )),
             },
         }
+    }
+}
+
+/// Values of `--mass`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Mass {
+    /// With the functions that carry the displacement.
+    Consistent,
+    /// At the nodes.
+    Lumped,
+}
+
+impl std::fmt::Display for Mass {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Consistent => "consistent",
+            Self::Lumped => "lumped",
+        })
     }
 }
 

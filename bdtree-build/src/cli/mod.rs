@@ -12,6 +12,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use bdtree_build::basis::elastic::ElasticReport;
+use bdtree_build::basis::volume::VolumeReport;
 use bdtree_build::error::BakeError;
 use bdtree_build::pipeline::{BakeSettings, bake, default_leaf_size, write_atomically};
 use bdtree_build::progress::Progress;
@@ -23,8 +24,11 @@ pub(crate) fn run(arguments: &Arguments) -> ExitCode {
         eprintln!("bdtree-build: {message}");
         return ExitCode::from(2);
     }
-    if arguments.input.is_none() && arguments.unsupported().is_none() {
-        eprintln!("bdtree-build: no INPUT: name a mesh (.obj, .obj.gz); --help shows all options");
+    if arguments.main_file().is_none() && arguments.unsupported().is_none() {
+        eprintln!(
+            "bdtree-build: no INPUT: name a mesh (.obj, .obj.gz, .gltf, .glb); --help shows all \
+             options"
+        );
         return ExitCode::from(2);
     }
     let progress = progress::Bar::new(arguments.quiet || arguments.json);
@@ -48,13 +52,14 @@ struct Done {
     output: PathBuf,
     report: BakeReport,
     elastic: Option<ElasticReport>,
+    volume: Option<VolumeReport>,
 }
 
 fn bake_file(arguments: &Arguments, progress: &dyn Progress) -> Result<Done, BakeError> {
     if let Some(option) = arguments.unsupported() {
         return Err(BakeError::one("input", option, "not supported yet"));
     }
-    let input = arguments.input.as_deref().unwrap_or(Path::new(""));
+    let input = arguments.main_file().unwrap_or(Path::new(""));
     let output = arguments
         .output
         .clone()
@@ -108,6 +113,7 @@ fn bake_file(arguments: &Arguments, progress: &dyn Progress) -> Result<Done, Bak
         output,
         report: baked.report,
         elastic: source.elastic,
+        volume: source.volume,
     })
 }
 
@@ -115,7 +121,7 @@ fn available_threads() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
-/// INPUT with `.obj` or `.obj.gz` replaced by `.bdt`.
+/// The main file's name with its extension (and `.gz` before it) replaced by `.bdt`.
 fn default_output(input: &Path) -> PathBuf {
     let without_gz = if input
         .extension()

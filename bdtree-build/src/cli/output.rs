@@ -1,6 +1,7 @@
 //! The summary that people read, or the JSON object that machines read.
 
 use bdtree_build::basis::elastic::ElasticReport;
+use bdtree_build::basis::volume::VolumeReport;
 use serde::Serialize;
 use std::io::Write;
 use std::process::ExitCode;
@@ -17,6 +18,7 @@ struct Json<'d> {
     #[serde(flatten)]
     report: &'d bdtree_build::report::BakeReport,
     elastic: Option<ElasticJson>,
+    volume: Option<VolumeJson>,
 }
 
 #[derive(Serialize)]
@@ -63,6 +65,33 @@ impl From<&ElasticReport> for ElasticJson {
     }
 }
 
+#[derive(Serialize)]
+struct VolumeJson {
+    elements: usize,
+    nodes: usize,
+    dofs: usize,
+    components: usize,
+    predicted_bytes: u64,
+    mass_kg: f64,
+    residual_max: f64,
+    inertia_checked: bool,
+}
+
+impl From<&VolumeReport> for VolumeJson {
+    fn from(r: &VolumeReport) -> Self {
+        Self {
+            elements: r.elements,
+            nodes: r.nodes,
+            dofs: r.dofs,
+            components: r.components,
+            predicted_bytes: r.predicted_bytes,
+            mass_kg: r.mass_kg,
+            residual_max: r.residual_max,
+            inertia_checked: r.inertia_checked,
+        }
+    }
+}
+
 /// Prints; a closed pipe is no error.
 pub(super) fn print(done: &Done, json: bool, quiet: bool) -> ExitCode {
     if !quiet && !json {
@@ -80,6 +109,7 @@ pub(super) fn print(done: &Done, json: bool, quiet: bool) -> ExitCode {
             output: done.output.display().to_string(),
             report: &done.report,
             elastic: done.elastic.as_ref().map(ElasticJson::from),
+            volume: done.volume.as_ref().map(VolumeJson::from),
         };
         serde_json::to_string(&object)
             .map_err(std::io::Error::other)
@@ -112,9 +142,32 @@ fn summary(done: &Done, out: &mut impl Write) -> std::io::Result<()> {
             e.cells, e.cell_size, e.resolution, e.dofs, e.mass_kg
         )?;
     }
+    if let Some(v) = &done.volume {
+        writeln!(
+            out,
+            "volume: {} elements on {} nodes, {} unknowns, {:.4} kg",
+            v.elements, v.nodes, v.dofs, v.mass_kg
+        )?;
+    }
     if let Some(hz) = &r.frequencies_hz {
         let text: Vec<String> = hz.iter().map(|f| format!("{f:.4}")).collect();
         writeln!(out, "frequencies (Hz): {}", text.join(" "))?;
+        let end = hz.iter().fold(0.0, |m: f64, f| m.max(*f));
+        writeln!(
+            out,
+            "the basis ends at {end:.4} Hz: faster motion is left out"
+        )?;
+    }
+    if let Some(frames) = r.frames {
+        writeln!(out, "animation: {frames} frames")?;
+    }
+    if let Some(e) = &r.basis_error_rel {
+        let frame = e.frame.map_or(String::new(), |t| format!(" in frame {t}"));
+        writeln!(
+            out,
+            "error of the basis over the box diagonal: at most {:.3e} (vertex {}{frame}), rms {:.3e}",
+            e.max, e.vertex, e.rms
+        )?;
     }
     if !r.tightness.is_empty() {
         let text: Vec<String> = r

@@ -3,15 +3,18 @@
 mod elastic;
 mod given;
 mod morph;
+mod volume;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
 use bdtree_build::basis::elastic::ElasticReport;
+use bdtree_build::basis::volume::VolumeReport;
 use bdtree_build::basis::{Basis, BasisError};
 use bdtree_build::error::BakeError;
-use bdtree_build::input::{RawMesh, read_model};
+use bdtree_build::input::volume::RawVolume;
+use bdtree_build::input::{RawMesh, RawMorphs, read_model};
 use bdtree_build::progress::Progress;
 
 use super::Arguments;
@@ -29,6 +32,7 @@ pub(super) struct Source {
     /// How far the fields are from what they were made of.
     pub(super) error: Option<BasisError>,
     pub(super) elastic: Option<ElasticReport>,
+    pub(super) volume: Option<VolumeReport>,
     /// Options for the metadata: name and value.
     pub(super) settings: BTreeMap<String, String>,
     pub(super) warnings: Vec<String>,
@@ -48,6 +52,7 @@ impl Source {
             kind: "rigid",
             error: None,
             elastic: None,
+            volume: None,
             settings: BTreeMap::new(),
             warnings: Vec::new(),
             seconds: BTreeMap::new(),
@@ -59,33 +64,36 @@ impl Source {
     }
 }
 
+/// What an input file holds besides its mesh.
+enum Extra {
+    Nothing,
+    Morphs(RawMorphs),
+    Volume(RawVolume),
+}
+
 /// Reads and computes what the arguments ask for.
 pub(super) fn read(arguments: &Arguments, progress: &dyn Progress) -> Result<Source, BakeError> {
     let begin = Instant::now();
     progress.stage("input", None);
-    let input = arguments.input.as_deref().unwrap_or(Path::new(""));
-    let model = read_model(input, arguments.clip.as_deref())?;
-    let mut source = Source::rigid(model.mesh);
+    let (mut source, extra) = read_files(arguments)?;
     let input_seconds = begin.elapsed().as_secs_f64();
 
     let begin = Instant::now();
     progress.stage("basis", None);
-    if let Some(path) = &arguments.basis {
-        given::add(arguments, path, &mut source)?;
-    } else if arguments.modes() == Modes::Count(0) {
+    match (&arguments.basis, extra) {
+        (Some(path), _) => given::add(arguments, path, &mut source)?,
         // Rigid, whatever the input could do.
-    } else if !model.morphs.targets.is_empty() {
-        morph::add(arguments, &model.morphs, &mut source)?;
-    } else {
-        elastic::add(arguments, &mut source, progress)?;
+        _ if arguments.modes() == Modes::Count(0) => {}
+        (None, Extra::Volume(volume)) => {
+            volume::add(arguments, &volume, &mut source, progress)?;
+        }
+        (None, Extra::Morphs(morphs)) => morph::add(arguments, &morphs, &mut source)?,
+        (None, Extra::Nothing) => elastic::add(arguments, &mut source, progress)?,
     }
-    if arguments.clip.is_some() && source.kind != "morph" {
-        let warning = "--clip is not used: only morph targets need it".to_string();
-        source.warnings.push(warning);
-    }
-    if source.kind != "elastic" {
-        for option in arguments.elastic_only() {
-            let warning = format!("{option} is not used: only elastic modes need it");
+    for (option, users) in arguments.used_by() {
+        if !users.contains(&source.kind) {
+            let users = users.join(" and ");
+            let warning = format!("{option} is not used: only {users} modes need it");
             source.warnings.push(warning);
         }
     }
@@ -95,6 +103,21 @@ pub(super) fn read(arguments: &Arguments, progress: &dyn Progress) -> Result<Sou
         ("basis".to_string(), basis_seconds),
     ]);
     Ok(source)
+}
+
+fn read_files(arguments: &Arguments) -> Result<(Source, Extra), BakeError> {
+    if let Some(path) = &arguments.tets {
+        let (volume, source) = volume::read(arguments, path)?;
+        return Ok((source, Extra::Volume(volume)));
+    }
+    let input = arguments.input.as_deref().unwrap_or(Path::new(""));
+    let model = read_model(input, arguments.clip.as_deref())?;
+    let extra = if model.morphs.targets.is_empty() {
+        Extra::Nothing
+    } else {
+        Extra::Morphs(model.morphs)
+    };
+    Ok((Source::rigid(model.mesh), extra))
 }
 
 /// The file's name without its folder.

@@ -122,14 +122,15 @@ fn complete(turn: &mut Mat<f64>, mut done: usize) {
 }
 
 fn test_fields(system: &System) -> Mat<f64> {
-    let (mut lo, mut hi) = ([i32::MAX; 3], [i32::MIN; 3]);
+    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for node in &system.nodes {
         for a in 0..3 {
             lo[a] = lo[a].min(node[a]);
             hi[a] = hi[a].max(node[a]);
         }
     }
-    let reach = (0..3).map(|a| f64::from(hi[a] - lo[a])).fold(1.0, f64::max);
+    let reach = (0..3).map(|a| hi[a] - lo[a]).fold(0.0, f64::max);
+    let reach = if reach > 0.0 { reach } else { 1.0 };
     let mut exponents = Vec::new();
     for degree in 1..=3i32 {
         for a in (0..=degree).rev() {
@@ -138,18 +139,24 @@ fn test_fields(system: &System) -> Mat<f64> {
             }
         }
     }
-    Mat::from_fn(system.size(), 3 * exponents.len(), |i, j| {
+    let mut fields = Mat::from_fn(system.size(), 3 * exponents.len(), |i, j| {
         if i % 3 != j % 3 {
             return 0.0;
         }
         let node = system.nodes[i / 3];
         (0..3)
             .map(|a| {
-                let middle = 0.5 * (f64::from(lo[a]) + f64::from(hi[a]));
-                (2.0 * (f64::from(node[a]) - middle) / reach).powi(exponents[j / 3][a])
+                let middle = 0.5 * (lo[a] + hi[a]);
+                (2.0 * (node[a] - middle) / reach).powi(exponents[j / 3][a])
             })
             .product()
-    })
+    });
+    for &i in &system.held {
+        for j in 0..fields.ncols() {
+            fields[(i, j)] = 0.0;
+        }
+    }
+    fields
 }
 
 /// Scales a field so that the farthest vertex moves by 1, its leading component positive; returns

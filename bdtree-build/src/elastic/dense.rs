@@ -9,10 +9,13 @@ use super::system::System;
 
 /// Every elastic mode, ascending; `rigid_count` zero modes come before them and are left out.
 pub(crate) fn all_modes(system: &System, rigid_count: usize) -> Result<Modes, FactorError> {
-    let n = system.size();
-    let unit = Mat::<f64>::identity(n, n);
-    let k = system.apply_stiffness(unit.as_ref());
-    let m = system.apply_mass(unit.as_ref());
+    let free: Vec<usize> = (0..system.size())
+        .filter(|i| system.held.binary_search(i).is_err())
+        .collect();
+    let n = free.len();
+    let unit = Mat::from_fn(system.size(), n, |i, j| f64::from(i == free[j]));
+    let k = unit.transpose() * system.apply_stiffness(unit.as_ref());
+    let m = unit.transpose() * system.apply_mass(unit.as_ref());
     let eigen = m
         .self_adjoint_eigen(Side::Lower)
         .map_err(|_| FactorError::Pivot)?;
@@ -25,7 +28,7 @@ pub(crate) fn all_modes(system: &System, rigid_count: usize) -> Result<Modes, Fa
         .self_adjoint_eigen(Side::Lower)
         .map_err(|_| FactorError::Pivot)?;
     let first = rigid_count.min(n);
-    let vectors = whiten * eigen.U().subcols(first, n - first);
+    let vectors = unit * whiten * eigen.U().subcols(first, n - first);
     let values: Vec<f64> = (first..n).map(|j| eigen.S()[j]).collect();
     let residual = worst_residual(system, &vectors, &values);
     Ok(Modes {

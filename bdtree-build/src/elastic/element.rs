@@ -12,6 +12,7 @@
 //!
 //! Everything is in cell units: edge 1, Young's modulus 1, density 1.
 
+use super::assemble::ElementMatrices;
 use super::moments::{Moments, POWERS, full_cell};
 
 /// Functions that act in a cell: number `a + 3b + 9c` is centred `a − 1`, `b − 1`, `c − 1` cells
@@ -23,15 +24,6 @@ const PAIRS: usize = 9;
 /// A cell's filling is thinned out over the whole cell by this share of itself, so that functions
 /// that hardly meet the filled part stay apart. It stiffens a wall of t cell sizes by 1e-4 / t².
 const SPREAD: f64 = 1e-4;
-
-/// Stiffness and mass of a cell.
-#[derive(Debug, Clone)]
-pub(crate) struct CellMatrices {
-    /// Per pair of functions at `27 i + j`: the 3 × 3 block, row-major.
-    pub stiffness: Vec<[f64; 9]>,
-    /// Per pair of functions: the mass of each direction.
-    pub mass: Vec<f64>,
-}
 
 /// The three functions of one axis at ξ in [-1, 1] across the cell.
 pub(crate) fn spline(x: f64) -> [f64; 3] {
@@ -73,7 +65,7 @@ pub(crate) struct Element {
     mu: f64,
     /// N N, N' N, N N', N' N'.
     products: [Products; 4],
-    full: CellMatrices,
+    full: ElementMatrices,
 }
 
 /// Places in [`Element::products`].
@@ -94,7 +86,7 @@ impl Element {
                 products(&VALUES, &SLOPES),
                 products(&SLOPES, &SLOPES),
             ],
-            full: CellMatrices {
+            full: ElementMatrices {
                 stiffness: Vec::new(),
                 mass: Vec::new(),
             },
@@ -104,7 +96,7 @@ impl Element {
     }
 
     /// Stiffness and mass of a cell with this filling.
-    pub(crate) fn matrices(&self, moments: &Moments) -> std::borrow::Cow<'_, CellMatrices> {
+    pub(crate) fn matrices(&self, moments: &Moments) -> std::borrow::Cow<'_, ElementMatrices> {
         if moments[0] >= 1.0 {
             return std::borrow::Cow::Borrowed(&self.full);
         }
@@ -112,7 +104,7 @@ impl Element {
     }
 
     /// Axis after axis, so that each step sums over one power only.
-    fn integrate(&self, moments: &Moments) -> CellMatrices {
+    fn integrate(&self, moments: &Moments) -> ElementMatrices {
         let [nn, dn, nd, dd] = [NN, DN, ND, DD].map(|kind| self.along_x(moments, kind));
         let mass = self.along_z(&self.along_y(&nn, NN), NN);
         let xx = self.along_z(&self.along_y(&dd, NN), NN);
@@ -145,7 +137,7 @@ impl Element {
                 block
             })
             .collect();
-        CellMatrices { stiffness, mass }
+        ElementMatrices { stiffness, mass }
     }
 
     /// Sums over the powers of ξ: per pair of x, what remains in η and ζ.
@@ -284,7 +276,7 @@ mod tests {
         out
     }
 
-    fn energy(matrices: &CellMatrices, u: &dyn Fn([f64; 3]) -> [f64; 3]) -> f64 {
+    fn energy(matrices: &ElementMatrices, u: &dyn Fn([f64; 3]) -> [f64; 3]) -> f64 {
         let c = coefficients(u);
         let mut sum = 0.0;
         for i in 0..FUNCTIONS {

@@ -1,9 +1,11 @@
 //! What `--fix` says: axes and a region.
 
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use super::hold::{Grip, Region, hold};
 use super::lattice::{Lattice, Subject};
+use super::node_list::read_list;
 use crate::error::BakeError;
 
 /// Holds part of the body along some axes.
@@ -25,8 +27,33 @@ pub enum FixRegion {
         /// Upper corner.
         max: [f64; 3],
     },
-    /// The surface of all groups of this name.
+    /// The surface of all groups of this name; of a volume mesh, its node set of this name.
     Group(String),
+    /// The vertices whose numbers, from 1, a file lists, with the triangles between them; of a
+    /// volume mesh, those nodes.
+    List(PathBuf),
+}
+
+impl FixRegion {
+    /// What messages call it.
+    pub(crate) fn place(&self) -> String {
+        match self {
+            Self::Box { min, max } => format!("--fix box {min:?} to {max:?}"),
+            Self::Group(name) => format!("--fix {name}"),
+            Self::List(path) => format!("--fix @{}", path.display()),
+        }
+    }
+}
+
+impl Fix {
+    /// As [`Fix::from_str`] reads it, but files without their folders.
+    pub fn without_folders(&self) -> Self {
+        let mut own = self.clone();
+        if let FixRegion::List(path) = &mut own.region {
+            *path = path.file_name().map(PathBuf::from).unwrap_or_default();
+        }
+        own
+    }
 }
 
 impl std::fmt::Display for Fix {
@@ -44,6 +71,7 @@ impl std::fmt::Display for Fix {
                 min[0], min[1], min[2], max[0], max[1], max[2]
             ),
             FixRegion::Group(name) => write!(f, ":{name}"),
+            FixRegion::List(path) => write!(f, ":@{}", path.display()),
         }
     }
 }
@@ -51,11 +79,12 @@ impl std::fmt::Display for Fix {
 impl FromStr for Fix {
     type Err = String;
 
-    /// Reads `xyz:xmin,ymin,zmin,xmax,ymax,zmax` or `z:legs`; six numbers are always a box.
+    /// Reads `xyz:xmin,ymin,zmin,xmax,ymax,zmax`, `z:legs` or `z:@FILE`; six numbers are always a
+    /// box, and what begins with `@` a file.
     fn from_str(text: &str) -> Result<Self, String> {
-        let (letters, place) = text
-            .split_once(':')
-            .ok_or_else(|| format!("`{text}`: expected AXES:BOX or AXES:GROUP, as in z:legs"))?;
+        let (letters, place) = text.split_once(':').ok_or_else(|| {
+            format!("`{text}`: expected AXES:BOX, AXES:GROUP or AXES:@FILE, as in z:legs")
+        })?;
         let mut axes = [false; 3];
         for letter in letters.chars() {
             let axis = "xyz"
@@ -68,7 +97,14 @@ impl FromStr for Fix {
             return Err(format!("`{text}`: no axis before the colon"));
         }
         if place.is_empty() {
-            return Err(format!("`{text}`: no box or group after the colon"));
+            return Err(format!("`{text}`: no box, group or file after the colon"));
+        }
+        if let Some(path) = place.strip_prefix('@') {
+            if path.is_empty() {
+                return Err(format!("`{text}`: no file after the @"));
+            }
+            let region = FixRegion::List(PathBuf::from(path));
+            return Ok(Self { axes, region });
         }
         let numbers: Result<Vec<f64>, _> = place.split(',').map(|n| n.trim().parse()).collect();
         let region = match numbers.as_deref() {
@@ -93,7 +129,7 @@ impl FromStr for Fix {
 /// Per component, the points that the fixes hold together.
 ///
 /// # Errors
-/// A fix that holds nothing, an unknown group, nothing left to move.
+/// A fix that holds nothing, an unknown group, a bad list, nothing left to move.
 pub(crate) fn hold_all(
     subject: &Subject<'_>,
     lattice: &Lattice,
@@ -103,15 +139,13 @@ pub(crate) fn hold_all(
     let mut everything = [false; 3];
     for fix in fixes {
         let mut ranges = Vec::new();
-        let (region, place) =
+        let vertices;
+        let region =
             match &fix.region {
-                FixRegion::Box { min, max } => (
-                    Region::Box {
-                        min: *min,
-                        max: *max,
-                    },
-                    format!("--fix box {min:?} to {max:?}"),
-                ),
+                FixRegion::Box { min, max } => Region::Box {
+                    min: *min,
+                    max: *max,
+                },
                 FixRegion::Group(name) => {
                     let groups = subject.mesh.groups.iter().filter(|g| g.name == *name);
                     ranges.extend(groups.map(|g| {
@@ -120,18 +154,22 @@ pub(crate) fn hold_all(
                     if ranges.is_empty() {
                         return Err(BakeError::one(
                             "basis",
-                            format!("--fix {name}"),
+                            fix.region.place(),
                             "the mesh has no group of this name",
                         ));
                     }
-                    (Region::Triangles(&ranges), format!("--fix {name}"))
+                    Region::Triangles(&ranges)
+                }
+                FixRegion::List(path) => {
+                    vertices = read_list(path, subject.mesh.positions.len(), "vertex")?;
+                    Region::Vertices(&vertices)
                 }
             };
         let held = hold(subject, lattice, &region, fix.axes);
         if held.grips.is_empty() {
             return Err(BakeError::one(
                 "basis",
-                place,
+                fix.region.place(),
                 "it holds no part of the body",
             ));
         }

@@ -16,6 +16,19 @@ pub(crate) enum Region<'a> {
     },
     /// Triangle ids.
     Triangles(&'a [std::ops::Range<u32>]),
+    /// Vertices, ascending, and the triangles that have no other corners.
+    Vertices(&'a [u32]),
+}
+
+impl Region<'_> {
+    /// Whether it holds of a triangle all that lies in its box.
+    fn takes(&self, id: u32, corners: [u32; 3]) -> bool {
+        match self {
+            Self::Box { .. } => true,
+            Self::Triangles(ranges) => ranges.iter().any(|r| r.contains(&id)),
+            Self::Vertices(list) => corners.iter().all(|c| list.binary_search(c).is_ok()),
+        }
+    }
 }
 
 /// A point of a component that is held along some axes by a stiff spring.
@@ -53,7 +66,7 @@ pub(crate) fn hold(
             grid.local(*min).map(|x| x - slack),
             grid.local(*max).map(|x| x + slack),
         ),
-        Region::Triangles(_) => ([f64::NEG_INFINITY; 3], [f64::INFINITY; 3]),
+        _ => ([f64::NEG_INFINITY; 3], [f64::INFINITY; 3]),
     };
     let inside = |p: [f64; 3]| (0..3).all(|a| lo[a] <= p[a] && p[a] <= hi[a]);
     let rules = Rules::new();
@@ -63,9 +76,7 @@ pub(crate) fn hold(
     for piece in &subject.pieces.list {
         let body = piece.body as u32;
         for &(id, _) in &piece.triangles {
-            if let Region::Triangles(ranges) = region
-                && !ranges.iter().any(|r| r.contains(&id))
-            {
+            if !region.takes(id, subject.mesh.triangles[id as usize]) {
                 everything = false;
                 continue;
             }
@@ -94,6 +105,18 @@ pub(crate) fn hold(
                 polygon.corners().iter().for_each(|&p| add(p));
                 rules.for_each_point(&polygon, &mut add);
             });
+        }
+    }
+    if let Region::Vertices(list) = region {
+        for &v in *list {
+            let piece = subject.pieces.of_vertex[v as usize];
+            let Some(body) = piece.map(|p| subject.pieces.list[p as usize].body) else {
+                continue; // no triangle with area uses it
+            };
+            let p = grid.local(subject.mesh.positions[v as usize]);
+            if let Some(part) = lattice.nearest_part(body as u32, p) {
+                points.push((part, p));
+            }
         }
     }
     if let Region::Box { .. } = region {

@@ -71,7 +71,7 @@ impl Inverse<'_> {
 /// The lowest `wanted` modes (fewer if the body has fewer).
 pub(crate) fn lowest_modes(inverse: &Inverse<'_>, wanted: usize) -> Result<Modes, FactorError> {
     let system = inverse.system;
-    let free = system.size().saturating_sub(inverse.rigid.ncols());
+    let free = system.free_count().saturating_sub(inverse.rigid.ncols());
     let wanted = wanted.min(free);
     let dimension_max = free.min(40 * BLOCK + 6 * wanted);
     let mut basis: Vec<Mat<f64>> = Vec::new();
@@ -221,7 +221,7 @@ pub(crate) fn worst_residual(system: &System, vectors: &Mat<f64>, values: &[f64]
     worst
 }
 
-/// Random numbers from a fixed seed (SplitMix64, Steele et al. 2014).
+/// Random numbers from a fixed seed (SplitMix64, Steele et al. 2014), zero where held.
 fn start_block(system: &System, columns: usize, seed: u64) -> Mat<f64> {
     let mut state = 0x5EED_u64 ^ (seed << 32);
     let mut next = || {
@@ -231,7 +231,13 @@ fn start_block(system: &System, columns: usize, seed: u64) -> Mat<f64> {
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     };
-    Mat::from_fn(system.size(), columns, |_, _| next())
+    let mut block = Mat::from_fn(system.size(), columns, |_, _| next());
+    for &i in &system.held {
+        for j in 0..columns {
+            block[(i, j)] = 0.0;
+        }
+    }
+    block
 }
 
 /// Takes the basis (`size` columns in all) out of `block`; returns the coefficients.

@@ -3,11 +3,8 @@
 use faer::Mat;
 
 use super::canonical::{CLUSTER_GAP, turn_clusters};
-use super::element::Element;
 use super::factor::{FactorError, Symbolic};
-use super::hold::Grip;
 use super::krylov::{Inverse, Modes, lowest_modes};
-use super::lattice::Lattice;
 use super::rigid::{rigid_motions, support};
 use super::system::System;
 use crate::progress::Progress;
@@ -20,9 +17,10 @@ const EXTRA: usize = 4;
 pub(crate) struct ComponentMode {
     /// Component.
     pub component: usize,
-    /// Eigenvalue in cell units.
+    /// Eigenvalue in the system's units.
     pub value: f64,
-    /// Displacement per unknown of the component's nodes, unit modal mass in cell units.
+    /// Displacement per unknown of the component's nodes, unit modal mass in the system's
+    /// units.
     pub vector: Vec<f64>,
 }
 
@@ -37,7 +35,7 @@ pub(crate) struct Solution {
     pub checked: bool,
     /// Largest memory a component was predicted to take.
     pub bytes: u64,
-    /// Elastic modes that the lattice has, at most; meaningful when fewer than asked for exist.
+    /// Elastic modes that the body has, at most; meaningful when fewer than asked for exist.
     pub available: usize,
 }
 
@@ -52,6 +50,8 @@ pub(crate) enum SolveError {
     Missed(usize, usize, usize),
     /// The worst residual reached.
     Residual(f64),
+    /// This element of this component has no stiffness: (component, element).
+    Element(usize, usize),
 }
 
 /// What bounds the work.
@@ -70,21 +70,23 @@ const RESIDUAL_MAX: f64 = 1e-6;
 
 /// Solves component after component, the largest first: once enough modes are known, an inertia
 /// count tells cheaply that a further component has none below them.
+///
+/// `sizes` are the components' numbers of nodes; `system` makes the system of one, or names an
+/// element that cannot be.
 pub(crate) fn solve(
-    lattice: &Lattice,
-    element: &Element,
-    grips: &[Vec<Grip>],
+    sizes: &[usize],
+    system: impl Fn(usize) -> Result<System, usize>,
     limits: Limits,
     progress: &dyn Progress,
 ) -> Result<Solution, SolveError> {
-    let mut order: Vec<usize> = (0..lattice.components.len()).collect();
-    order.sort_by_key(|&c| (usize::MAX - lattice.components[c].nodes.len(), c));
+    let mut order: Vec<usize> = (0..sizes.len()).collect();
+    order.sort_by_key(|&c| (usize::MAX - sizes[c], c));
     let mut solution = Solution {
         checked: true,
         ..Solution::default()
     };
     for c in order {
-        let system = System::new(&lattice.components[c], element, &grips[c]);
+        let system = system(c).map_err(|element| SolveError::Element(c, element))?;
         let found = solve_component(c, &system, limits, &mut solution)?;
         for (j, &value) in found.values.iter().enumerate().take(limits.wanted) {
             let vector = (0..system.size())
@@ -134,7 +136,7 @@ fn solve_component(
     let fail = |e| SolveError::Factor(c, e);
     let rigid = rigid_motions(system);
     let rigid_count = rigid.ncols();
-    let available = system.size().saturating_sub(rigid_count);
+    let available = system.free_count().saturating_sub(rigid_count);
     solution.available += available;
     if available == 0 {
         return Ok(none);

@@ -15,9 +15,11 @@ use crate::error::BakeError;
 const SUPPORTED: &str = "read now: .obj, .obj.gz, .gltf, .glb";
 
 /// Extensions of formats that are known but not read yet.
-const LATER: [&str; 11] = [
-    "ply", "stl", "off", "veg", "vtk", "msh", "pc2", "mdd", "abc", "fbx", "dae",
-];
+const LATER: [&str; 6] = ["ply", "stl", "off", "abc", "fbx", "dae"];
+
+/// Extensions of what is read, but not as the mesh.
+const VOLUMES: [&str; 3] = ["veg", "vtk", "msh"];
+const SEQUENCES: [&str; 3] = ["pc2", "mdd", "npy"];
 
 /// A format by its extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,6 +97,12 @@ fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
         "gltf" | "glb" if inner == name => return Ok(Format::Gltf),
         known if LATER.contains(&known) => {
             format!(".{known} files are not supported yet ({SUPPORTED})")
+        }
+        volume if VOLUMES.contains(&volume) => {
+            format!("is a volume mesh, not a surface: give it as --tets ({SUPPORTED})")
+        }
+        sequence if SEQUENCES.contains(&sequence) => {
+            format!("is no mesh: frames are given as --animation, fields as --basis ({SUPPORTED})")
         }
         "gltf" | "glb" => format!("compressed .{extension} files are not read ({SUPPORTED})"),
         other => format!("unknown mesh format .{other} ({SUPPORTED})"),

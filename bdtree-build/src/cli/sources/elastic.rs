@@ -1,6 +1,6 @@
 //! Vibration modes of the body that a surface encloses.
 
-use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
+use bdtree_build::basis::elastic::{ElasticOptions, Fix, elastic_basis};
 use bdtree_build::error::BakeError;
 use bdtree_build::progress::Progress;
 
@@ -40,8 +40,7 @@ pub(super) fn add(
         source.set("thickness", thickness);
     }
     if !options.fixes.is_empty() {
-        let text: Vec<String> = options.fixes.iter().map(ToString::to_string).collect();
-        source.set("fix", text.join(" "));
+        source.set("fix", fix_text(&options.fixes));
     }
     source.elastic = Some(report);
     Ok(())
@@ -59,4 +58,13 @@ pub(super) fn count(arguments: &Arguments) -> Result<usize, BakeError> {
              (--modes K); the bake states the frequency where they end",
         )),
     }
+}
+
+/// For the metadata, which names no folders.
+pub(super) fn fix_text(fixes: &[Fix]) -> String {
+    let text: Vec<String> = fixes
+        .iter()
+        .map(|fix| fix.without_folders().to_string())
+        .collect();
+    text.join(" ")
 }

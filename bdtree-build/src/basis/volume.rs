@@ -1,0 +1,294 @@
+//! Vibration modes of a given volume mesh. Units are those of [`elastic`](super::elastic).
+
+mod check;
+
+use std::time::Instant;
+
+use super::elastic::{ElasticOptions, Fix};
+use super::modal::ModalField;
+use crate::elastic::factor::FactorError;
+use crate::elastic::hold_nodes::hold_nodes;
+use crate::elastic::joints::BLOCKS_MAX;
+use crate::elastic::solve::{Limits, Solution, SolveError, solve};
+use crate::elastic::volume::Part;
+use crate::error::BakeError;
+use crate::input::volume::RawVolume;
+use crate::progress::Progress;
+
+/// How elements carry their mass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MassMatrix {
+    /// With the functions that carry the displacement.
+    #[default]
+    Consistent,
+    /// At the nodes: the sums of the consistent matrix's rows.
+    Lumped,
+}
+
+/// What to compute of a volume mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VolumeOptions {
+    /// Number of modes K above those without strain, all parts together. Default 10.
+    pub mode_count: usize,
+    /// Young's modulus in Pa of all elements; `None`: the file's, 2e9 where it has none.
+    pub young_pa: Option<f64>,
+    /// Poisson's ratio of all elements, in (-1, 0.5); `None`: the file's, 0.35 where it has none.
+    pub poisson: Option<f64>,
+    /// Density of all elements in kg/m³; `None`: the file's, 1000 where it has none.
+    pub density_kg_m3: Option<f64>,
+    /// Metres per mesh unit. Default 1.
+    pub scale_m: f64,
+    /// How elements carry their mass.
+    pub mass: MassMatrix,
+    /// What is held, exactly.
+    pub fixes: Vec<Fix>,
+    /// Bakes that would take more are refused before they do. Default 4 GiB.
+    pub memory_limit_bytes: u64,
+    /// Up to this many unknowns per part an inertia count proves that no mode was missed.
+    /// Default 70 000.
+    pub verify_dof_max: usize,
+}
+
+impl Default for VolumeOptions {
+    fn default() -> Self {
+        let elastic = ElasticOptions::default();
+        Self {
+            mode_count: elastic.mode_count,
+            young_pa: None,
+            poisson: None,
+            density_kg_m3: None,
+            scale_m: elastic.scale_m,
+            mass: MassMatrix::Consistent,
+            fixes: Vec::new(),
+            memory_limit_bytes: elastic.memory_limit_bytes,
+            verify_dof_max: elastic.verify_dof_max,
+        }
+    }
+}
+
+/// Modes on the nodes of a volume mesh.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct VolumeModes {
+    /// Ascending in frequency.
+    pub modes: Vec<VolumeMode>,
+}
+
+/// One of them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct VolumeMode {
+    /// Angular frequency in rad/s.
+    pub omega_rad_s: f64,
+    /// Displacement of each node of the mesh, for a modal mass Σ mass · |U|² of 1 kg; zero where
+    /// the node is held or belongs to no element.
+    pub field: Vec<[f64; 3]>,
+}
+
+impl VolumeModes {
+    /// The modes on the vertices of a mesh, `embed` being what carries a field of the nodes there:
+    /// what [`modal_basis`](super::modal::modal_basis) takes.
+    pub fn on_vertices<'a>(
+        &'a self,
+        embed: impl Fn(&[[f64; 3]]) -> Vec<[f64; 3]> + 'a,
+    ) -> impl Iterator<Item = ModalField> + 'a {
+        self.modes.iter().map(move |mode| ModalField {
+            field: embed(&mode.field),
+            omega_rad_s: mode.omega_rad_s,
+            modal_mass_kg: 1.0,
+        })
+    }
+}
+
+/// How the modes were found.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct VolumeReport {
+    /// Elements.
+    pub elements: usize,
+    /// Nodes that belong to elements.
+    pub nodes: usize,
+    /// Unknowns that are not held.
+    pub dofs: usize,
+    /// Parts that vibrate on their own: they share no node.
+    pub components: usize,
+    /// Memory that the solution was predicted to take.
+    pub predicted_bytes: u64,
+    /// Total mass in kg.
+    pub mass_kg: f64,
+    /// Worst ‖Kx − λMx‖ / (λ‖Mx‖) of the modes.
+    pub residual_max: f64,
+    /// Whether inertia counts proved that no mode was missed.
+    pub inertia_checked: bool,
+    /// Stage name and seconds.
+    pub stages: Vec<(&'static str, f64)>,
+}
+
+/// The K lowest vibration modes of a volume mesh: linear tetrahedra, hexahedra with incompatible
+/// modes, and held nodes that do not move at all (docs/volumes.md).
+///
+/// # Errors
+/// Bad options (all of them at once), elements that are turned inside out or flat, materials that
+/// are none, a fix that holds nothing or everything, more modes than the mesh has, memory beyond
+/// the limit.
+pub fn volume_modes(
+    volume: &RawVolume,
+    options: &VolumeOptions,
+    progress: &dyn Progress,
+    warnings: &mut Vec<String>,
+) -> Result<(VolumeModes, VolumeReport), BakeError> {
+    let mut report = VolumeReport::default();
+    let mut clock = Instant::now();
+    let mut lap = |report: &mut VolumeReport, name| {
+        report.stages.push((name, clock.elapsed().as_secs_f64()));
+        clock = Instant::now();
+    };
+    progress.stage("elements", None);
+    check::options(options)?;
+    let (model, units) = check::model(volume, options, warnings)?;
+    let parts = model.parts().map_err(|(node, blocks)| {
+        let message = format!(
+            "{} blocks of elements hang together by single nodes or edges only, at most \
+             {BLOCKS_MAX} can be handled",
+            blocks.0
+        );
+        let place = format!("{}: the part of node {}", volume.name, node + 1);
+        BakeError::one("basis", place, message)
+    })?;
+    let mut used = vec![false; volume.nodes.len()];
+    for &n in parts.iter().flat_map(|p| &p.nodes) {
+        used[n as usize] = true;
+    }
+    let held = hold_nodes(volume, &used, units.length, &options.fixes)?;
+    report.elements = model.elements.len();
+    report.nodes = parts.iter().map(|p| p.nodes.len()).sum();
+    let held_count = held.iter().flatten().filter(|h| **h).count();
+    report.dofs = 3 * report.nodes - held_count;
+    report.components = parts.len();
+    report.mass_kg = units.mass_kg
+        * (0..model.elements.len())
+            .map(|e| model.mass(e, model.shape(e).0))
+            .sum::<f64>();
+    warn_joints(&parts, warnings);
+    lap(&mut report, "elements");
+
+    progress.stage("modes", Some(parts.len() as u64));
+    let limits = Limits {
+        wanted: options.mode_count,
+        bytes: options.memory_limit_bytes,
+        verify_dof_max: options.verify_dof_max,
+    };
+    let sizes: Vec<usize> = parts.iter().map(|p| p.nodes.len()).collect();
+    let system = |c: usize| model.system(&parts[c], &held);
+    let solution = solve(&sizes, system, limits, progress)
+        .map_err(|e| solve_error(e, volume, &parts, options))?;
+    if solution.modes.len() < options.mode_count {
+        let message = format!(
+            "{} modes asked for, but the volume mesh has only {}",
+            options.mode_count, solution.available
+        );
+        return Err(BakeError::one("basis", "--modes", message));
+    }
+    report.predicted_bytes = solution.bytes;
+    report.residual_max = solution.residual;
+    report.inertia_checked = solution.checked;
+    warn_silent(&parts, &solution, warnings);
+    lap(&mut report, "modes");
+
+    let scale = 1.0 / units.mass_kg.sqrt();
+    let modes = solution.modes.iter().map(|mode| {
+        let mut field = vec![[0.0; 3]; volume.nodes.len()];
+        let values = mode.vector.as_chunks::<3>().0.iter();
+        for (&n, u) in parts[mode.component].nodes.iter().zip(values) {
+            field[n as usize] = u.map(|x| x * scale);
+        }
+        VolumeMode {
+            omega_rad_s: mode.value.max(0.0).sqrt() * units.omega_rad_s,
+            field,
+        }
+    });
+    let modes = modes.collect();
+    Ok((VolumeModes { modes }, report))
+}
+
+fn warn_joints(parts: &[Part], warnings: &mut Vec<String>) {
+    for part in parts.iter().filter(|p| p.blocks.further > 0) {
+        let joint = part.blocks.joints.first();
+        let node = joint.map_or(0, |&(n, _)| part.nodes[n as usize]);
+        warnings.push(format!(
+            "{} blocks of elements hang together by single nodes or edges only (first: node {}); \
+             what moves there without strain is left out of the modes",
+            part.blocks.further + 1,
+            node + 1
+        ));
+    }
+}
+
+fn warn_silent(parts: &[Part], solution: &Solution, warnings: &mut Vec<String>) {
+    let mut moving = vec![false; parts.len()];
+    for mode in &solution.modes {
+        moving[mode.component] = true;
+    }
+    let silent: Vec<u32> = (parts.iter().zip(&moving))
+        .filter(|(_, moves)| !**moves)
+        .filter_map(|(part, _)| part.nodes.first().copied())
+        .collect();
+    if silent.is_empty() {
+        return;
+    }
+    let names: Vec<String> = (silent.iter().take(5))
+        .map(|n| format!("node {}", n + 1))
+        .collect();
+    warnings.push(format!(
+        "{} of {} parts move in none of the {} modes (from {}{})",
+        silent.len(),
+        parts.len(),
+        solution.modes.len(),
+        names.join(", "),
+        if silent.len() > 5 { ", …" } else { "" }
+    ));
+}
+
+fn solve_error(
+    error: SolveError,
+    volume: &RawVolume,
+    parts: &[Part],
+    options: &VolumeOptions,
+) -> BakeError {
+    let part = |c: usize| {
+        let node = parts[c].nodes.first().map_or(0, |n| n + 1);
+        format!("{}: the part of node {node}", volume.name)
+    };
+    let (place, message) = match error {
+        SolveError::Memory(bytes) => (
+            volume.name.clone(),
+            format!(
+                "its elements need about {} MB, the limit is {} MB",
+                bytes.div_ceil(1 << 20),
+                options.memory_limit_bytes >> 20
+            ),
+        ),
+        SolveError::Factor(c, FactorError::Memory) => (part(c), "not enough memory".to_owned()),
+        SolveError::Factor(c, FactorError::Pivot) => (
+            part(c),
+            "its stiffness is not positive definite to rounding: elements may be nearly flat, or \
+             a Poisson's ratio too near -1 or 0.5"
+                .to_owned(),
+        ),
+        SolveError::Missed(c, counted, found) => (
+            part(c),
+            format!("the inertia count finds {counted} modes where the iteration found {found}"),
+        ),
+        SolveError::Residual(worst) => (
+            volume.name.clone(),
+            format!(
+                "the modes converged to a residual of {worst:.1e} only: its stiffest and softest \
+                 motions are too far apart for the precision of numbers (nearly flat elements, a \
+                 Poisson's ratio too near 0.5, materials a billion times apart, a wire of \
+                 thousands of elements)"
+            ),
+        ),
+        SolveError::Element(c, e) => (
+            format!("{}: element {}", volume.name, parts[c].elements[e] + 1),
+            "it has no stiffness to rounding".to_owned(),
+        ),
+    };
+    BakeError::one("basis", place, message)
+}

@@ -1,0 +1,249 @@
+//! What is asked and given, checked and brought to common units.
+
+use super::VolumeOptions;
+use crate::basis::elastic::ElasticOptions;
+use crate::elastic::assemble::NodeLists;
+use crate::elastic::law::Law;
+use crate::elastic::volume::Model;
+use crate::error::{BakeError, Problem};
+use crate::input::volume::{RawMaterial, RawVolume};
+
+/// Problems listed at most.
+const PROBLEMS_MAX: usize = 100;
+
+/// Elements whose least Jacobian determinant is below this share of their longest edge's cube are
+/// flat to rounding.
+const FLAT: f64 = 1e-12;
+
+/// Linear tetrahedra with a larger Poisson's ratio lock.
+const LOCKING_POISSON: f64 = 0.4;
+
+/// What a model's numbers count.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Units {
+    /// Mesh units.
+    pub length: f64,
+    /// Kilograms.
+    pub mass_kg: f64,
+    /// Square root of an eigenvalue, in rad/s.
+    pub omega_rad_s: f64,
+}
+
+/// Problems as they are found; the first hundred.
+#[derive(Default)]
+struct Found(Vec<Problem>);
+
+impl Found {
+    fn add(&mut self, place: String, message: impl Into<String>) {
+        if self.0.len() < PROBLEMS_MAX {
+            self.0.push(Problem {
+                stage: "basis",
+                place,
+                message: message.into(),
+            });
+        }
+    }
+
+    fn done(self) -> Result<(), BakeError> {
+        if self.0.is_empty() {
+            return Ok(());
+        }
+        Err(BakeError { problems: self.0 })
+    }
+}
+
+pub(super) fn options(options: &VolumeOptions) -> Result<(), BakeError> {
+    let mut found = Found::default();
+    for (name, value) in [
+        ("--young", options.young_pa),
+        ("--density", options.density_kg_m3),
+        ("--scale", Some(options.scale_m)),
+    ] {
+        if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
+            found.add(name.to_owned(), format!("{value} is not a positive number"));
+        }
+    }
+    if let Some(value) = options.poisson.filter(|v| !(*v > -1.0 && *v < 0.5)) {
+        let message = format!("{value} is not between -1 and 0.5");
+        found.add("--poisson".to_owned(), message);
+    }
+    if options.mode_count == 0 {
+        found.add("--modes".to_owned(), "no mode is asked for");
+    }
+    if options.fixes.iter().any(|fix| fix.axes == [false; 3]) {
+        found.add("--fix".to_owned(), "no axis is named");
+    }
+    found.done()
+}
+
+/// The elements with their materials, in units of their size, stiffness and density.
+pub(super) fn model(
+    volume: &RawVolume,
+    options: &VolumeOptions,
+    warnings: &mut Vec<String>,
+) -> Result<(Model, Units), BakeError> {
+    let mut found = Found::default();
+    let place = |text: String| format!("{}: {text}", volume.name);
+    for (n, p) in volume.nodes.iter().enumerate() {
+        // Products of three lengths must stay finite.
+        if p.iter().any(|x| x.is_nan() || x.abs() > 1e90) {
+            let message = "its position is not a number below 1e90";
+            found.add(place(format!("node {}", n + 1)), message);
+        }
+    }
+    let mut elements = NodeLists::default();
+    for t in &volume.tetrahedra {
+        elements.push(*t);
+    }
+    for h in &volume.hexahedra {
+        elements.push(*h);
+    }
+    if elements.len() == 0 {
+        found.add(volume.name.clone(), "has no elements");
+    }
+    for (e, corners) in elements.iter().enumerate() {
+        if corners.iter().any(|&n| n as usize >= volume.nodes.len()) {
+            let message = "a corner index is out of range";
+            found.add(place(format!("element {}", e + 1)), message);
+        }
+    }
+    let materials = materials(volume, options, &mut found);
+    let material_of = volume.material_of.as_slice();
+    if !(material_of.is_empty() || material_of.len() == elements.len()) {
+        let message = "there is not one material for each element";
+        found.add(volume.name.clone(), message);
+    }
+    for (e, &m) in material_of.iter().enumerate() {
+        if m as usize >= materials.len() {
+            let message = format!("its material {m} does not exist");
+            found.add(place(format!("element {}", e + 1)), message);
+        }
+    }
+    found.done()?;
+
+    let length = mean_edge(&volume.nodes, &elements);
+    let young_pa = materials.iter().map(|m| m.young_pa).fold(0.0, f64::max);
+    let density = materials
+        .iter()
+        .map(|m| m.density_kg_m3)
+        .fold(0.0, f64::max);
+    let size_m = length * options.scale_m;
+    let units = Units {
+        length,
+        mass_kg: density * size_m.powi(3),
+        omega_rad_s: (young_pa / density).sqrt() / size_m,
+    };
+    let mut found = Found::default();
+    if !(units.mass_kg.is_normal() && units.omega_rad_s.is_normal()) {
+        let message = format!("elements {size_m:e} m long are beyond the range of numbers");
+        found.add(volume.name.clone(), message);
+    }
+    let middle = middle(&volume.nodes, &elements);
+    let model = Model {
+        positions: volume
+            .nodes
+            .iter()
+            .map(|p| std::array::from_fn(|a| (p[a] - middle[a]) / length))
+            .collect(),
+        elements,
+        materials: materials
+            .iter()
+            .map(|m| {
+                let law = Law::new(m.young_pa / young_pa, m.poisson);
+                (law, m.density_kg_m3 / density)
+            })
+            .collect(),
+        material_of: material_of.to_vec(),
+        lumped: options.mass == super::MassMatrix::Lumped,
+    };
+    for e in 0..model.elements.len() {
+        let (volume, shape) = model.shape(e);
+        if !(volume > 0.0 && shape > FLAT) {
+            let message = "it is flat or turned inside out";
+            found.add(place(format!("element {}", e + 1)), message);
+        }
+    }
+    found.done()?;
+    warn_locking(volume, &materials, warnings);
+    Ok((model, units))
+}
+
+/// The file's materials with what the options override; one by default.
+fn materials(volume: &RawVolume, options: &VolumeOptions, found: &mut Found) -> Vec<RawMaterial> {
+    let default = ElasticOptions::default();
+    let mut materials = volume.materials.clone();
+    if materials.is_empty() {
+        materials.push(RawMaterial {
+            name: None,
+            young_pa: default.young_pa,
+            poisson: default.poisson,
+            density_kg_m3: default.density_kg_m3,
+        });
+    }
+    for (n, m) in materials.iter_mut().enumerate() {
+        m.young_pa = options.young_pa.unwrap_or(m.young_pa);
+        m.poisson = options.poisson.unwrap_or(m.poisson);
+        m.density_kg_m3 = options.density_kg_m3.unwrap_or(m.density_kg_m3);
+        let name = m.name.clone().unwrap_or_else(|| (n + 1).to_string());
+        let place = || format!("{}: material {name}", volume.name);
+        for (what, value) in [
+            ("Young's modulus", m.young_pa),
+            ("density", m.density_kg_m3),
+        ] {
+            if !(value.is_normal() && value > 0.0) {
+                let message = format!("its {what}, {value}, is not a positive number");
+                found.add(place(), message);
+            }
+        }
+        if !(m.poisson > -1.0 && m.poisson < 0.5) {
+            let message = format!(
+                "its Poisson's ratio, {}, is not between -1 and 0.5",
+                m.poisson
+            );
+            found.add(place(), message);
+        }
+    }
+    materials
+}
+
+/// Mean distance of successive corners.
+fn mean_edge(nodes: &[[f64; 3]], elements: &NodeLists) -> f64 {
+    let (mut sum, mut count) = (0.0, 0usize);
+    for corners in elements.iter() {
+        for pair in corners.windows(2) {
+            let [a, b] = [pair[0], pair[1]].map(|n| nodes[n as usize]);
+            sum += crate::elastic::vec3::norm(crate::elastic::vec3::sub(a, b));
+            count += 1;
+        }
+    }
+    sum / count.max(1) as f64
+}
+
+/// Middle of the box around the elements.
+fn middle(nodes: &[[f64; 3]], elements: &NodeLists) -> [f64; 3] {
+    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for &n in elements.iter().flatten() {
+        for a in 0..3 {
+            lo[a] = lo[a].min(nodes[n as usize][a]);
+            hi[a] = hi[a].max(nodes[n as usize][a]);
+        }
+    }
+    std::array::from_fn(|a| 0.5 * (lo[a] + hi[a]))
+}
+
+fn warn_locking(volume: &RawVolume, materials: &[RawMaterial], warnings: &mut Vec<String>) {
+    let of_tetrahedra = |m: usize| {
+        let own = volume.material_of.iter().take(volume.tetrahedra.len());
+        volume.material_of.is_empty() || own.into_iter().any(|&x| x as usize == m)
+    };
+    let worst = (materials.iter().enumerate())
+        .filter(|(m, _)| !volume.tetrahedra.is_empty() && of_tetrahedra(*m))
+        .map(|(_, m)| m.poisson)
+        .fold(0.0, f64::max);
+    if worst > LOCKING_POISSON {
+        warnings.push(format!(
+            "linear tetrahedra with a Poisson's ratio of {worst} are too stiff: their frequencies \
+             come out too high (docs/volumes.md); hexahedra, finer tetrahedra or a lower ratio help"
+        ));
+    }
+}

@@ -1,0 +1,166 @@
+//! A given volume mesh as finite elements: its components, their systems.
+
+use std::borrow::Cow;
+
+use super::assemble::{ElementMatrices, NodeLists, Source};
+use super::dissection::dissect_mesh;
+use super::joints::{Blocks, TooManyBlocks, find_blocks};
+use super::law::Law;
+use super::pieces::DisjointSets;
+use super::system::System;
+use super::{hexahedron, tetrahedron};
+
+/// Elements that hang together by nodes: their own vibrating body.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Part {
+    /// Nodes of the mesh, ascending.
+    pub nodes: Vec<u32>,
+    /// Elements of the mesh, ascending.
+    pub elements: Vec<u32>,
+    /// Places in `nodes` of each element's corners.
+    pub corners: NodeLists,
+    /// What of it is stiff in itself.
+    pub blocks: Blocks,
+}
+
+/// Elements, and what they are made of, in units of their size, stiffness and density.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Model {
+    /// Node positions.
+    pub positions: Vec<[f64; 3]>,
+    /// Corners of each element, tetrahedra and hexahedra.
+    pub elements: NodeLists,
+    /// Law and density of each material.
+    pub materials: Vec<(Law, f64)>,
+    /// Material of each element; empty: the first.
+    pub material_of: Vec<u32>,
+    /// Whether the mass is summed up on the diagonal.
+    pub lumped: bool,
+}
+
+impl Model {
+    /// The parts, in the order of their first nodes.
+    ///
+    /// # Errors
+    /// A part of more blocks than can be handled: its first node.
+    pub(crate) fn parts(&self) -> Result<Vec<Part>, (u32, TooManyBlocks)> {
+        let count = self.positions.len();
+        let mut sets = DisjointSets::new(count);
+        for corners in self.elements.iter() {
+            for pair in corners.windows(2) {
+                sets.join(pair[0] as usize, pair[1] as usize);
+            }
+        }
+        let mut used = vec![false; count];
+        for &n in self.elements.iter().flatten() {
+            used[n as usize] = true;
+        }
+        let mut parts: Vec<Part> = Vec::new();
+        let mut part_of = vec![u32::MAX; count];
+        let mut place = vec![0u32; count];
+        for n in (0..count).filter(|&n| used[n]) {
+            let root = sets.find(n);
+            if part_of[root] == u32::MAX {
+                part_of[root] = parts.len() as u32;
+                parts.push(Part::default());
+            }
+            let own = &mut parts[part_of[root] as usize];
+            place[n] = own.nodes.len() as u32;
+            own.nodes.push(n as u32);
+        }
+        for (e, corners) in self.elements.iter().enumerate() {
+            let Some(&first) = corners.first() else {
+                continue;
+            };
+            let own = &mut parts[part_of[sets.find(first as usize)] as usize];
+            own.elements.push(e as u32);
+            own.corners.push(corners.iter().map(|&n| place[n as usize]));
+        }
+        for own in &mut parts {
+            let positions = self.positions_of(own);
+            own.blocks = find_blocks(&positions, &own.corners).map_err(|e| (own.nodes[0], e))?;
+        }
+        Ok(parts)
+    }
+
+    fn positions_of(&self, part: &Part) -> Vec<[f64; 3]> {
+        let nodes = part.nodes.iter();
+        nodes.map(|&n| self.positions[n as usize]).collect()
+    }
+
+    /// The system of a part; `held` tells of every node of the mesh which axes are held.
+    ///
+    /// # Errors
+    /// The place in the part of an element that has no stiffness.
+    pub(crate) fn system(&self, part: &Part, held: &[[bool; 3]]) -> Result<System, usize> {
+        let positions = self.positions_of(part);
+        let source = Source {
+            order: dissect_mesh(&positions, &part.corners),
+            positions,
+            elements: Cow::Borrowed(&part.corners),
+            grips: &[],
+            held: part.nodes.iter().map(|&n| held[n as usize]).collect(),
+            blocks: Cow::Borrowed(&part.blocks),
+        };
+        System::assemble(&source, |e| {
+            self.matrices(part.elements[e] as usize).map(Cow::Owned)
+        })
+    }
+
+    /// Stiffness and mass of an element.
+    fn matrices(&self, element: usize) -> Option<ElementMatrices> {
+        let (law, density) = self.material(element);
+        let corners = self.elements.get(element);
+        let mut own = if let Some(p) = self.corners(corners) {
+            tetrahedron::matrices(&p, law, density)
+        } else {
+            hexahedron::matrices(&self.corners(corners)?, law, density)?
+        };
+        if self.lumped {
+            own.lump();
+        }
+        Some(own)
+    }
+
+    fn material(&self, element: usize) -> (&Law, f64) {
+        let index = self.material_of.get(element).map_or(0, |&m| m as usize);
+        let (law, density) = &self.materials[index];
+        (law, *density)
+    }
+
+    /// Positions of N corners, if there are so many.
+    fn corners<const N: usize>(&self, corners: &[u32]) -> Option<[[f64; 3]; N]> {
+        let corners: &[u32; N] = corners.try_into().ok()?;
+        Some(corners.map(|n| self.positions[n as usize]))
+    }
+
+    /// Volume of an element, and how far it is from being turned inside out anywhere: its least
+    /// Jacobian determinant over the cube of its longest edge.
+    pub(crate) fn shape(&self, element: usize) -> (f64, f64) {
+        let corners = self.elements.get(element);
+        let (volume, least) = if let Some(p) = self.corners(corners) {
+            let volume = tetrahedron::volume(&p);
+            (volume, volume)
+        } else if let Some(p) = self.corners(corners) {
+            (hexahedron::volume(&p), hexahedron::least_determinant(&p))
+        } else {
+            return (0.0, 0.0);
+        };
+        let mut longest = 0.0f64;
+        for &a in corners {
+            for &b in corners {
+                let [a, b] = [a, b].map(|n| self.positions[n as usize]);
+                longest = longest.max(super::vec3::norm(super::vec3::sub(a, b)));
+            }
+        }
+        (volume, least / longest.powi(3))
+    }
+
+    /// Mass of an element of this volume.
+    pub(crate) fn mass(&self, element: usize, volume: f64) -> f64 {
+        self.material(element).1 * volume
+    }
+}
+
+#[cfg(test)]
+mod tests;
