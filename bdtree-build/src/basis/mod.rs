@@ -3,6 +3,7 @@
 pub mod animation;
 pub mod elastic;
 pub mod given;
+pub mod pca;
 
 pub use animation::{Animation, RigidMotion};
 

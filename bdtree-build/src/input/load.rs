@@ -49,7 +49,7 @@ pub fn read_mesh(path: &Path) -> Result<RawMesh, BakeError> {
     Ok(mesh)
 }
 
-fn unreadable(place: &str, error: &std::io::Error) -> BakeError {
+pub(super) fn unreadable(place: &str, error: &std::io::Error) -> BakeError {
     BakeError::one("input", place, format!("cannot be read: {error}"))
 }
 

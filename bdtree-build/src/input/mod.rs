@@ -6,9 +6,11 @@
 
 pub mod npy;
 pub mod obj;
+pub mod sequence;
 pub mod volume;
 
 mod load;
+mod number;
 
 pub use load::read_mesh;
 
