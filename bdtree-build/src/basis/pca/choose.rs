@@ -16,7 +16,8 @@ const FIRST_BATCH: usize = 16;
 ///
 /// The largest error is at least the root mean square, so the search begins where that is small
 /// enough. From there one reading of the frames measures many numbers of modes: the sum over
-/// modes is formed in order, so that the first K modes of a basis are the basis of K modes.
+/// modes is formed in order, so that the first K modes of a basis are, but for rounding, the basis
+/// of K modes.
 pub(super) fn fewest(
     reduction: &Reduction<'_>,
     max_error_rel: f64,
@@ -33,42 +34,28 @@ pub(super) fn fewest(
     let mut curve: Vec<CurvePoint> = Vec::new();
     loop {
         let to = (from + batch).min(cap);
-        let mut basis = reduction.basis(to, progress)?;
+        let basis = reduction.basis(to, progress)?;
         let errors = reduction.errors(&basis, from, progress)?;
         for (modes, error) in (from..).zip(errors) {
             curve.push(CurvePoint { modes, error });
             if error.max_rel > max_error_rel {
                 continue;
             }
-            if modes < to {
-                truncate(&mut basis, modes);
-                // A smaller basis may be stored in another unit: what counts is measured on it.
-                let again = reduction.errors(&basis, modes, progress)?;
-                if let (Some(point), Some(&error)) = (curve.last_mut(), again.first()) {
-                    point.error = error;
-                    if error.max_rel > max_error_rel {
-                        basis = reduction.basis(to, progress)?;
-                        continue;
-                    }
+            // Made anew, so that it is the same to the last bit as if this many had been asked
+            // for; then what counts is measured on it.
+            let basis = reduction.basis(modes, progress)?;
+            let again = reduction.errors(&basis, modes, progress)?;
+            if let (Some(point), Some(&error)) = (curve.last_mut(), again.first()) {
+                point.error = error;
+                if error.max_rel <= max_error_rel {
+                    return Ok((basis, curve));
                 }
             }
-            return Ok((basis, curve));
         }
         if to == cap {
             return Err(unreachable(reduction, max_error_rel, &curve));
         }
         (from, batch) = (to + 1, 2 * batch);
-    }
-}
-
-/// Keeps the first `count` modes.
-fn truncate(basis: &mut Basis, count: usize) {
-    let before = basis.mode_count().max(1);
-    basis.modes.truncate(count);
-    basis.fields.truncate(count * basis.vertex_count);
-    if let Some(animation) = &mut basis.animation {
-        let rows = animation.q.chunks_exact(before);
-        animation.q = rows.flat_map(|q| &q[..count]).copied().collect();
     }
 }
 

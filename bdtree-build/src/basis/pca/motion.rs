@@ -148,11 +148,13 @@ mod tests {
             let known = turn([1.0, 2.0, -0.5], angle, [10.0, -3.0, 0.5]);
             let moved = BODY.map(|p| Motion::from(&known).apply(p));
             let found = fit(&BODY, &moved, &RigidMotion::IDENTITY);
-            // Rounding of coordinates of about ten.
-            assert!(sum_of_squares(&found, &BODY, &moved) < 1e-27, "{angle}");
+            // Five points two units away; nearness turns them by itself over the smaller moments,
+            // which are about a tenth of the largest.
+            let tolerance = 5.0 * (2.0 * 10.0 * NEARNESS).powi(2);
+            assert!(sum_of_squares(&found, &BODY, &moved) < tolerance, "{angle}");
             let back = moved.map(|p| Motion::from(&found).undo(p));
             let still = sum_of_squares(&RigidMotion::IDENTITY, &BODY, &back);
-            assert!(still < 1e-27, "{angle}");
+            assert!(still < tolerance, "{angle}");
         }
     }
 
@@ -190,7 +192,7 @@ mod tests {
         assert!(rotation(&found).angle_to(&rotation(&near)) < 1e-3);
         let point = [[1.0, 2.0, 3.0]];
         let found = fit(&point, &[[4.0, 4.0, 4.0]], &near);
-        assert_eq!(found.rotation, near.rotation);
+        assert!(rotation(&found).angle_to(&rotation(&near)) < 1e-15);
         let at = Motion::from(&found).apply(point[0]);
         assert!(at.iter().all(|x| (x - 4.0).abs() < 1e-15));
     }

@@ -115,7 +115,7 @@ impl<'a> Reduction<'a> {
             });
         } else if modes < wanted {
             warnings.push(format!(
-                "{name}: {modes} modes, not {wanted}: the {frames} frames differ in no more ways \
+                "{name}: {modes} of {wanted} modes: the {frames} frames differ in no more ways \
                  (singular value {modes} is {next:.3e}, rounding {floor:.3e})"
             ));
         }
