@@ -7,6 +7,7 @@ pub mod embed;
 pub mod given;
 pub mod modal;
 pub mod morph;
+pub mod pca;
 pub mod volume;
 
 pub use animation::{Animation, RigidMotion};

@@ -54,6 +54,34 @@ pub(crate) struct Arguments {
     )]
     pub(crate) frequencies: Option<PathBuf>,
 
+    /// Frames whose principal components are the fields: a folder of .obj frames in the order of
+    /// their names, a .pc2, a .mdd or a .npy file of shape (T,N,3). A folder needs no INPUT: its
+    /// first frame is the mesh.
+    #[arg(long, value_name = "FRAMES", conflicts_with_all = ["basis", "tets"], help_heading = "Animations")]
+    pub(crate) animation: Option<PathBuf>,
+
+    /// What the rest positions are: the mean of the frames, or INPUT's [default: mean].
+    #[arg(
+        long,
+        value_name = "REST",
+        requires = "animation",
+        help_heading = "Animations"
+    )]
+    pub(crate) about: Option<About>,
+
+    /// Takes the rigid motion out of each frame; playback puts it back.
+    #[arg(long, requires = "animation", help_heading = "Animations")]
+    pub(crate) align: bool,
+
+    /// Frames per second, above 0, for frames without times [default: times unknown].
+    #[arg(
+        long,
+        value_name = "FPS",
+        requires = "animation",
+        help_heading = "Animations"
+    )]
+    pub(crate) fps: Option<f64>,
+
     /// Which of a glTF file's animations gives the weights over time, by name [default: the first
     /// that moves any].
     #[arg(long, value_name = "NAME", help_heading = "Morph targets")]
@@ -138,15 +166,6 @@ pub(crate) struct Arguments {
     #[arg(long)]
     pub(crate) quiet: bool,
 
-    /// Not supported yet: compressed animations.
-    #[arg(long, hide = true)]
-    pub(crate) animation: Option<PathBuf>,
-    /// Not supported yet.
-    #[arg(long, hide = true)]
-    pub(crate) align: bool,
-    /// Not supported yet.
-    #[arg(long, hide = true)]
-    pub(crate) about: Option<String>,
     /// Not supported yet.
     #[arg(long, hide = true)]
     pub(crate) bound: Option<String>,
@@ -158,7 +177,8 @@ pub(crate) struct Arguments {
 impl Arguments {
     /// The file that names the output where `-o` does not.
     pub(crate) fn main_file(&self) -> Option<&Path> {
-        self.input.as_deref().or(self.tets.as_deref())
+        let first = [&self.input, &self.tets, &self.animation];
+        first.into_iter().find_map(Option::as_deref)
     }
 
     /// The options that were given and that only some kinds of sources use, with these kinds.
@@ -183,15 +203,9 @@ impl Arguments {
 
     /// The first option that later versions will know.
     pub(crate) fn unsupported(&self) -> Option<&'static str> {
-        [
-            (self.animation.is_some(), "--animation"),
-            (self.align, "--align"),
-            (self.about.is_some(), "--about"),
-            (self.bound.is_some(), "--bound"),
-            (self.advise, "--advise"),
-        ]
-        .into_iter()
-        .find_map(|(given, name)| given.then_some(name))
+        [(self.bound.is_some(), "--bound"), (self.advise, "--advise")]
+            .into_iter()
+            .find_map(|(given, name)| given.then_some(name))
     }
 
     /// What `--modes` and `--max-error-rel` ask for, where [`Arguments::check`] passed.
@@ -228,6 +242,24 @@ impl Arguments {
                 )),
             },
         }
+    }
+}
+
+/// Values of `--about`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum About {
+    /// The mean of the frames.
+    Mean,
+    /// The positions of INPUT.
+    Input,
+}
+
+impl std::fmt::Display for About {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Mean => "mean",
+            Self::Input => "input",
+        })
     }
 }
 

@@ -121,8 +121,14 @@ fn available_threads() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
-/// The main file's name with its extension (and `.gz` before it) replaced by `.bdt`.
+/// The main file's name with its extension (and `.gz` before it) replaced by `.bdt`; a folder's
+/// name with `.bdt` behind it.
 fn default_output(input: &Path) -> PathBuf {
+    if input.is_dir() {
+        let mut name = input.file_name().unwrap_or("frames".as_ref()).to_owned();
+        name.push(".bdt");
+        return input.with_file_name(name);
+    }
     let without_gz = if input
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("gz"))

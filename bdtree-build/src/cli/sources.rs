@@ -1,5 +1,6 @@
 //! Where mesh and fields come from, as the arguments say.
 
+mod animation;
 mod elastic;
 mod given;
 mod morph;
@@ -13,6 +14,7 @@ use bdtree_build::basis::elastic::ElasticReport;
 use bdtree_build::basis::volume::VolumeReport;
 use bdtree_build::basis::{Basis, BasisError};
 use bdtree_build::error::BakeError;
+use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::input::volume::RawVolume;
 use bdtree_build::input::{RawMesh, RawMorphs, read_model};
 use bdtree_build::progress::Progress;
@@ -68,6 +70,7 @@ impl Source {
 enum Extra {
     Nothing,
     Morphs(RawMorphs),
+    Frames(Box<FrameSequence>),
     Volume(RawVolume),
 }
 
@@ -75,13 +78,16 @@ enum Extra {
 pub(super) fn read(arguments: &Arguments, progress: &dyn Progress) -> Result<Source, BakeError> {
     let begin = Instant::now();
     progress.stage("input", None);
-    let (mut source, extra) = read_files(arguments)?;
+    let (mut source, extra) = read_files(arguments, progress)?;
     let input_seconds = begin.elapsed().as_secs_f64();
 
     let begin = Instant::now();
     progress.stage("basis", None);
     match (&arguments.basis, extra) {
         (Some(path), _) => given::add(arguments, path, &mut source)?,
+        (None, Extra::Frames(frames)) => {
+            animation::add(arguments, &frames, &mut source, progress)?;
+        }
         // Rigid, whatever the input could do.
         _ if arguments.modes() == Modes::Count(0) => {}
         (None, Extra::Volume(volume)) => {
@@ -105,7 +111,14 @@ pub(super) fn read(arguments: &Arguments, progress: &dyn Progress) -> Result<Sou
     Ok(source)
 }
 
-fn read_files(arguments: &Arguments) -> Result<(Source, Extra), BakeError> {
+fn read_files(
+    arguments: &Arguments,
+    progress: &dyn Progress,
+) -> Result<(Source, Extra), BakeError> {
+    if let Some(path) = &arguments.animation {
+        let (frames, source) = animation::read(arguments, path, progress)?;
+        return Ok((source, Extra::Frames(Box::new(frames))));
+    }
     if let Some(path) = &arguments.tets {
         let (volume, source) = volume::read(arguments, path)?;
         return Ok((source, Extra::Volume(volume)));

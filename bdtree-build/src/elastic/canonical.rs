@@ -63,7 +63,7 @@ pub(crate) fn turn_clusters(system: &System, vectors: &mut Mat<f64>, values: &[f
 }
 
 /// Orthogonal matrix whose columns follow the best columns of `c`, one after the other.
-fn rotation(mut c: Mat<f64>) -> Mat<f64> {
+pub(crate) fn rotation(mut c: Mat<f64>) -> Mat<f64> {
     let d = c.nrows();
     let mut turn = Mat::<f64>::zeros(d, d);
     let mut done = 0;
@@ -167,20 +167,25 @@ pub(crate) fn normalise(field: &mut [[f64; 3]]) -> Option<f64> {
     if farthest.is_nan() || farthest <= 0.0 {
         return None;
     }
+    let sign = leading_sign(field);
+    let factor = sign / farthest;
+    for v in field.iter_mut().flatten() {
+        *v = *v * factor + 0.0; // + 0.0: no negative zeros
+    }
+    Some(factor)
+}
+
+/// 1, or −1 if the leading component of the field is negative: the first of the largest.
+pub(crate) fn leading_sign(field: &[[f64; 3]]) -> f64 {
     let largest = field.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
     // Symmetric bodies have several largest components; rounding must not choose among them.
     let lead = field
         .iter()
         .flatten()
         .find(|x| x.abs() >= (1.0 - 1e-6) * largest);
-    let sign = if lead.is_some_and(|x| *x < 0.0) {
+    if lead.is_some_and(|x| *x < 0.0) {
         -1.0
     } else {
         1.0
-    };
-    let factor = sign / farthest;
-    for v in field.iter_mut().flatten() {
-        *v = *v * factor + 0.0; // + 0.0: no negative zeros
     }
-    Some(factor)
 }

@@ -7,11 +7,13 @@
 pub mod gltf;
 pub mod npy;
 pub mod obj;
+pub mod sequence;
 pub mod volume;
 
 mod flat;
 mod load;
 mod morphs;
+mod number;
 
 pub use load::{read_mesh, read_model};
 pub use morphs::{RawClip, RawModel, RawMorphs, RawTarget};

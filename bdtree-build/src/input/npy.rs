@@ -5,6 +5,7 @@
 //! against hostile files: it multiplies the extents unchecked (a panic where overflow is checked)
 //! and parses the header as any Python literal, by recursion.
 
+use super::number::Number;
 use crate::error::BakeError;
 
 /// An array of real numbers as it lies in a file.
@@ -41,78 +42,99 @@ pub fn parse(bytes: &[u8], stage: &'static str, place: &str) -> Result<NpyArray,
 }
 
 fn parse_bytes(bytes: &[u8]) -> Result<NpyArray, String> {
-    let rest = bytes
-        .strip_prefix(b"\x93NUMPY")
-        .ok_or("is not a .npy file (no NumPy signature)")?;
-    let cut = "truncated in the header";
-    let (&[major, _minor], rest) = rest.split_first_chunk::<2>().ok_or(cut)?;
-    let (header_bytes, rest) = match major {
-        1 => {
-            let (size, rest) = rest.split_first_chunk::<2>().ok_or(cut)?;
-            (usize::from(u16::from_le_bytes(*size)), rest)
-        }
-        2 | 3 => {
-            let (size, rest) = rest.split_first_chunk::<4>().ok_or(cut)?;
-            (u32::from_le_bytes(*size) as usize, rest)
-        }
-        other => return Err(format!("unknown .npy version {other}")),
-    };
-    let (header, data) = rest.split_at_checked(header_bytes).ok_or(cut)?;
-    let header = std::str::from_utf8(header).map_err(|_| "header is not text")?;
-
-    let read = number_reader(header)?;
-    let fortran = match word(entry(header, "fortran_order")?) {
-        "True" => true,
-        "False" => false,
-        _ => return Err("header: fortran_order is neither True nor False".into()),
-    };
-    let shape = shape(entry(header, "shape")?)?;
-    let too_large = || format!("shape {shape:?} is larger than any memory");
-    let count = shape
-        .iter()
-        .try_fold(1_usize, |n, &extent| n.checked_mul(extent))
-        .ok_or_else(too_large)?;
-    let need = count.checked_mul(read.size).ok_or_else(too_large)?;
-    if data.len() != need {
-        let odd = if data.len() < need {
-            "truncated"
-        } else {
-            "has bytes after its data"
-        };
-        let found = data.len();
-        return Err(format!(
-            "{odd}: shape {shape:?} needs {need} bytes of data, found {found}"
-        ));
-    }
-    let values = data.chunks_exact(read.size).map(read.number).collect();
-    let strides = strides(&shape, fortran);
+    let header = Header::parse(bytes)?;
+    let data = bytes.get(header.data_offset..).unwrap_or_default();
+    header.check_size(data.len() as u64)?;
+    let mut values = Vec::with_capacity(data.len() / header.number.size());
+    header.number.each(data, |value| values.push(value));
+    let strides = strides(&header.shape, header.fortran);
     Ok(NpyArray {
-        shape,
+        shape: header.shape,
         values,
         strides,
     })
 }
 
-/// How one number is stored.
-struct Number {
-    size: usize,
-    number: fn(&[u8]) -> f64,
+/// What stands before the data.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Header {
+    /// Extent per axis.
+    pub(crate) shape: Vec<usize>,
+    /// How the entries are stored.
+    pub(crate) number: Number,
+    /// The first index varies fastest in the file, not the last.
+    pub(crate) fortran: bool,
+    /// Byte of the file at which the data begins.
+    pub(crate) data_offset: usize,
 }
 
-fn number_reader(header: &str) -> Result<Number, String> {
-    fn take<const N: usize>(bytes: &[u8]) -> [u8; N] {
-        bytes.first_chunk().copied().unwrap_or([0; N])
+impl Header {
+    /// The header at the start of `bytes`, which may end anywhere behind it.
+    pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
+        let rest = bytes
+            .strip_prefix(b"\x93NUMPY")
+            .ok_or("is not a .npy file (no NumPy signature)")?;
+        let cut = "truncated in the header";
+        let (&[major, _minor], rest) = rest.split_first_chunk::<2>().ok_or(cut)?;
+        let (header_bytes, rest) = match major {
+            1 => {
+                let (size, rest) = rest.split_first_chunk::<2>().ok_or(cut)?;
+                (usize::from(u16::from_le_bytes(*size)), rest)
+            }
+            2 | 3 => {
+                let (size, rest) = rest.split_first_chunk::<4>().ok_or(cut)?;
+                (u32::from_le_bytes(*size) as usize, rest)
+            }
+            other => return Err(format!("unknown .npy version {other}")),
+        };
+        let (header, data) = rest.split_at_checked(header_bytes).ok_or(cut)?;
+        let header = std::str::from_utf8(header).map_err(|_| "header is not text")?;
+        let fortran = match word(entry(header, "fortran_order")?) {
+            "True" => true,
+            "False" => false,
+            _ => return Err("header: fortran_order is neither True nor False".into()),
+        };
+        Ok(Self {
+            number: number(header)?,
+            shape: shape(entry(header, "shape")?)?,
+            fortran,
+            data_offset: bytes.len() - data.len(),
+        })
     }
+
+    /// Nothing, if the shape needs exactly `found` bytes of data.
+    pub(crate) fn check_size(&self, found: u64) -> Result<(), String> {
+        let shape = &self.shape;
+        let need = shape
+            .iter()
+            .try_fold(self.number.size(), |n, &extent| n.checked_mul(extent))
+            .ok_or_else(|| format!("shape {shape:?} is larger than any memory"))?
+            as u64;
+        if found == need {
+            return Ok(());
+        }
+        let odd = if found < need {
+            "truncated"
+        } else {
+            "has bytes after its data"
+        };
+        Err(format!(
+            "{odd}: shape {shape:?} needs {need} bytes of data, found {found}"
+        ))
+    }
+}
+
+fn number(header: &str) -> Result<Number, String> {
     let descr = entry(header, "descr")?;
     let dtype = descr
         .strip_prefix(['\'', '"'])
         .and_then(|rest| rest.split(['\'', '"']).next())
         .unwrap_or("a structure");
-    let (size, number): (usize, fn(&[u8]) -> f64) = match dtype {
-        "<f4" => (4, |b| f32::from_le_bytes(take(b)).into()),
-        ">f4" => (4, |b| f32::from_be_bytes(take(b)).into()),
-        "<f8" => (8, |b| f64::from_le_bytes(take(b))),
-        ">f8" => (8, |b| f64::from_be_bytes(take(b))),
+    Ok(match dtype {
+        "<f4" => Number::F4Le,
+        ">f4" => Number::F4Be,
+        "<f8" => Number::F8Le,
+        ">f8" => Number::F8Be,
         other => {
             let kind = match other
                 .trim_start_matches(['<', '>', '|', '='])
@@ -135,8 +157,7 @@ fn number_reader(header: &str) -> Result<Number, String> {
                 "dtype {shown}{kind}: needs float32 or float64 (f4, f8)"
             ));
         }
-    };
-    Ok(Number { size, number })
+    })
 }
 
 /// What follows `'key':` in the header.

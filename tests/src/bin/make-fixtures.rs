@@ -11,6 +11,9 @@ struct Options {
     /// Write the large ones too, into fixtures/generated.
     #[arg(long)]
     large: bool,
+    /// Write the sail too, 362 MB in fixtures/generated, for measuring.
+    #[arg(long)]
+    sail: bool,
     /// Write nothing; fail if a file differs from what would be written.
     #[arg(long)]
     check: bool,
@@ -34,6 +37,12 @@ fn main() -> ExitCode {
             eprintln!("{}: {error}", path.display());
             code = ExitCode::FAILURE;
         }
+    }
+    if options.sail
+        && let Err(error) = fixtures::animation::sail()
+    {
+        eprintln!("sail: {error}");
+        code = ExitCode::FAILURE;
     }
     code
 }

@@ -1,0 +1,220 @@
+//! One sequence on its way to a basis: what is known before the number of modes is.
+
+use super::align::align;
+use super::fields::fields;
+use super::measure;
+use super::rank::{Rank, Rounding, rank};
+use super::snapshots::{Snapshots, centre, mean};
+use super::tsqr::{Spectrum, Tsqr};
+use super::{About, PcaOptions};
+use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
+use crate::error::BakeError;
+use crate::input::RawMesh;
+use crate::input::sequence::{FrameSequence, Problems};
+use crate::progress::Progress;
+use crate::wrap::{self, StoredShape};
+
+/// Rest positions, singular values, motions.
+pub(super) struct Reduction<'a> {
+    snapshots: Snapshots<'a>,
+    memory_limit_bytes: u64,
+    motions: Vec<RigidMotion>,
+    /// The mesh with the rest positions.
+    pub(super) mesh: RawMesh,
+    pub(super) spectrum: Spectrum,
+    pub(super) rank: Rank,
+    /// Diagonal of the box around the rest positions, or 1 where that is zero.
+    pub(super) size: f64,
+}
+
+impl<'a> Reduction<'a> {
+    /// Reads the sequence once, and once more per round of `align`.
+    pub(super) fn new(
+        mesh: &RawMesh,
+        sequence: &'a FrameSequence,
+        options: &PcaOptions,
+        progress: &dyn Progress,
+    ) -> Result<Self, BakeError> {
+        check_memory(sequence, 0, options.memory_limit_bytes)?;
+        let mut snapshots = Snapshots::new(sequence, options.chunk_vertices);
+        let motions = if options.align {
+            align(&mut snapshots, &mesh.positions, options.about, progress)?
+        } else {
+            Vec::new()
+        };
+        let mut mesh = mesh.clone();
+        let rest = &mut mesh.positions;
+        let (n, frames) = (rest.len(), sequence.frame_count());
+        let mut tsqr = Tsqr::new(3 * n, frames);
+        let resolution = tsqr.resolution();
+        let mut rounding = Rounding::default();
+        let mut values = Vec::new();
+        progress.stage(
+            "principal components",
+            Some(snapshots.chunks().count() as u64),
+        );
+        for vertices in snapshots.chunks() {
+            let rows = 3 * vertices.len();
+            snapshots.read(&vertices, &mut values)?;
+            rounding.add(&values, rows);
+            snapshots.align(&mut values);
+            let rest = &mut rest[vertices];
+            if options.about == About::Mean {
+                mean(&values, rows, rest);
+            }
+            centre(&mut values, rest);
+            tsqr.add(&values);
+            progress.advance(1);
+        }
+        let spectrum = tsqr.finish().ok_or_else(|| {
+            let message = "the singular value decomposition does not converge";
+            BakeError::one("basis", sequence.name(), message)
+        })?;
+        // Refuses what cannot be stored before the rest of the work.
+        let rigid = Basis {
+            vertex_count: n,
+            ..Basis::default()
+        };
+        let diagonal = wrap::store(&mesh, &rigid, &mut Vec::new())?.diagonal;
+        let rounding = rounding.singular_value(sequence.is_single(), frames);
+        let rank = rank(&spectrum, rounding, resolution, diagonal);
+        Ok(Self {
+            snapshots,
+            memory_limit_bytes: options.memory_limit_bytes,
+            motions,
+            mesh,
+            spectrum,
+            rank,
+            size: if diagonal > 0.0 { diagonal } else { 1.0 },
+        })
+    }
+
+    /// Root mean square over all vertices and frames of what `modes` modes leave at least, relative
+    /// to the diagonal.
+    pub(super) fn rms_rel(&self, modes: usize) -> f64 {
+        let tail = self.spectrum.values.iter().skip(modes);
+        // From the smallest on, so that small ones count.
+        let sum: f64 = tail.rev().map(|s| s * s).sum();
+        let frames = self.snapshots.sequence.frame_count();
+        (sum / (frames * self.mesh.positions.len()) as f64).sqrt() / self.size
+    }
+
+    /// Says so if fewer than `wanted` modes exist, or none.
+    pub(super) fn warn(&self, wanted: usize, warnings: &mut Vec<String>) {
+        let sequence = self.sequence();
+        let (name, frames) = (sequence.name(), sequence.frame_count());
+        let Rank { modes, floor } = self.rank;
+        let next = self.spectrum.values.get(modes).copied().unwrap_or(0.0);
+        if modes == 0 {
+            warnings.push(match frames {
+                1 => format!("{name}: one frame, no modes: the shape is rigid"),
+                _ => format!(
+                    "{name}: the {frames} frames differ by rounding only, no modes: the shape is \
+                     rigid (largest singular value {next:.3e}, rounding {floor:.3e})"
+                ),
+            });
+        } else if modes < wanted {
+            warnings.push(format!(
+                "{name}: {modes} of {wanted} modes: the {frames} frames differ in no more ways \
+                 (singular value {modes} is {next:.3e}, rounding {floor:.3e})"
+            ));
+        }
+    }
+
+    /// The basis of the first `count` modes, at most the rank.
+    pub(super) fn basis(&self, count: usize, progress: &dyn Progress) -> Result<Basis, BakeError> {
+        let sequence = self.sequence();
+        check_memory(sequence, count, self.memory_limit_bytes)?;
+        let rest = &self.mesh.positions;
+        let (spectrum, rank) = (&self.spectrum, self.rank.modes);
+        let fields = fields(&self.snapshots, rest, spectrum, rank, count, progress)?;
+        let frames = sequence.frame_count();
+        let q = (0..frames)
+            .flat_map(|t| (0..count).map(move |j| (j, t)))
+            .map(|at| fields.q[at])
+            .collect();
+        let mode = |j| {
+            let range = (0..frames).fold(0.0, |m: f64, t| m.max(fields.q[(j, t)].abs()));
+            BasisMode {
+                q_range: (range > 0.0).then_some(range),
+                ..BasisMode::default()
+            }
+        };
+        Ok(Basis {
+            vertex_count: rest.len(),
+            modes: (0..count).map(mode).collect(),
+            fields: fields.fields,
+            animation: Some(Animation {
+                frame_count: frames,
+                times_s: sequence.times_s().map(<[f64]>::to_vec),
+                q,
+                motions: self.motions.clone(),
+            }),
+        })
+    }
+
+    /// The errors of the first `from`, `from + 1`, … modes of `basis`.
+    pub(super) fn errors(
+        &self,
+        basis: &Basis,
+        from: usize,
+        progress: &dyn Progress,
+    ) -> Result<Vec<BasisError>, BakeError> {
+        // The bake stores once more, and says then what is odd.
+        let shape = wrap::store(&self.mesh, basis, &mut Vec::new())?;
+        let q = basis.animation.as_ref().map_or(&[][..], |a| &a.q);
+        self.check_limits(&shape, q)?;
+        measure::errors(&self.snapshots, &shape, q, from, progress)
+    }
+
+    /// Where the frames come from.
+    pub(super) fn sequence(&self) -> &'a FrameSequence {
+        self.snapshots.sequence
+    }
+
+    /// Refuses frames that a reader could not play back.
+    fn check_limits(&self, shape: &StoredShape, q: &[f64]) -> Result<(), BakeError> {
+        let sequence = self.sequence();
+        let mut problems = Problems::new("basis");
+        for (t, q) in q.chunks_exact(shape.mode_count().max(1)).enumerate() {
+            for (j, (q, limits)) in q.iter().zip(&shape.limits).enumerate() {
+                if q.abs() > f64::from(limits.q_limit) {
+                    problems.add(|| {
+                        let message = format!(
+                            "q of mode {j} is {q}, beyond the limit {}, which is where the mode \
+                             moves a vertex by 100 diagonals; --align takes rigid motion out",
+                            limits.q_limit
+                        );
+                        (sequence.place(t), message)
+                    });
+                }
+            }
+        }
+        problems.into_result(sequence.name())
+    }
+}
+
+/// Refuses work whose largest matrices need more than the limit.
+fn check_memory(sequence: &FrameSequence, modes: usize, limit_bytes: u64) -> Result<(), BakeError> {
+    let (frames, vertices) = (sequence.frame_count(), sequence.vertex_count());
+    let rows = vertices.saturating_mul(3);
+    let (held_rows, columns) = Tsqr::held(rows, frames);
+    let square = frames.min(rows) as u64 * frames as u64;
+    // The triangle with the rows on top of it; both factors of its decomposition and as much room
+    // to work; fields in f64, and once more in f32.
+    let numbers = (held_rows as u64 * columns as u64).saturating_add(square.saturating_mul(5));
+    let fields = (vertices as u64)
+        .saturating_mul(modes as u64)
+        .saturating_mul(36);
+    let need = numbers.saturating_mul(8).saturating_add(fields);
+    if need <= limit_bytes {
+        return Ok(());
+    }
+    let message = format!(
+        "{frames} frames of {vertices} vertices with {modes} modes need about {} MiB, the limit is \
+         {} MiB (--memory-limit)",
+        need >> 20,
+        limit_bytes >> 20
+    );
+    Err(BakeError::one("basis", sequence.name(), message))
+}
