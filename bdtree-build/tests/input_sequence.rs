@@ -408,7 +408,10 @@ fn files_are_as_long_as_they_say() {
     for name in ["wave.pc2", "wave.mdd", "wave.npy"] {
         let bytes = fs::read(fixtures::path(name)).expect("readable");
         let path = folder.path().join(name);
-        for end in (0..300).chain([bytes.len() - 13, bytes.len() - 1]) {
+        for end in (0..150)
+            .step_by(3)
+            .chain([bytes.len() - 13, bytes.len() - 1])
+        {
             fs::write(&path, &bytes[..end]).expect("writable");
             let text = refusal(&path, Some(&mesh));
             assert!(text.starts_with(name), "{end}: {text}");
@@ -418,7 +421,7 @@ fn files_are_as_long_as_they_say() {
         assert!(text.contains("has bytes after its"), "{text}");
         // Every byte of the header, some values: no panic, no absurd allocation.
         for at in 0..bytes.len().min(140) {
-            for value in [0, 1, 0x7f, 0x80, 0xff] {
+            for value in [0, 0x7f, 0xff] {
                 let mut damaged = bytes.clone();
                 damaged[at] = value;
                 fs::write(&path, damaged).expect("writable");
