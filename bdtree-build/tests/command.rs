@@ -199,8 +199,41 @@ fn bad_input_names_its_place_and_leaves_nothing() {
     );
     assert!(text(&output.stderr).contains("--young is not used"));
     for option in ["--animation", "--tets"] {
-        refused(&[option, "x"], 1, &[option, "not supported yet"]);
+        refused(&[option, "x.nothing"], 1, &["x.nothing"]);
     }
+    refused(
+        &[&torus, "--bound", "aabb"],
+        1,
+        &["--bound", "not supported yet"],
+    );
+    // What is read, but not as the mesh.
+    refused(&[&path("beam_tets.veg")], 1, &["--tets"]);
+    refused(&[&path("wave.pc2")], 1, &["--animation"]);
+    refused(
+        &["--animation", &path("wave.pc2")],
+        1,
+        &["wave.pc2", "mesh"],
+    );
+    refused(
+        &[&torus, "--animation", &path("wave.pc2")],
+        1,
+        &["wave.pc2", "1152"],
+    );
+    refused(
+        &["--animation", &path("bad_wave_count")],
+        1,
+        &["bad_wave_count"],
+    );
+    refused(
+        &["--tets", &path("bad_volume_flat.veg")],
+        1,
+        &["bad_volume_flat.veg"],
+    );
+    refused(
+        &[&path("bad_gltf_accessor.glb")],
+        1,
+        &["bad_gltf_accessor.glb"],
+    );
     refused(
         &[&torus, "--modes", "auto", "--max-error-rel", "0.01"],
         1,
@@ -215,6 +248,10 @@ fn usage_errors_exit_with_2() {
     refused(&["a.obj", "--modes", "513"], 2, &["512"]);
     refused(&["a.obj", "--modes", "auto"], 2, &["--max-error-rel"]);
     refused(&["a.obj", "--max-error-rel", "0"], 2, &["--max-error-rel"]);
+    refused(&["a.obj", "--range-rel", "0"], 2, &["--range-rel"]);
+    refused(&["a.obj", "--align"], 2, &["--animation"]);
+    refused(&["--animation", "a", "--tets", "b"], 2, &["--tets"]);
+    refused(&["--tets", "a.veg", "--mass", "heavy"], 2, &["consistent"]);
     refused(
         &["a.obj", "--modes", "3", "--max-error-rel", "0.1"],
         2,
@@ -223,6 +260,113 @@ fn usage_errors_exit_with_2() {
     refused(&["a.obj", "--leaf-size", "0"], 2, &["--leaf-size"]);
     refused(&["a.obj", "--no-such-option"], 2, &["--no-such-option"]);
     refused(&["a.obj", "--fix", "w:0,0,0,1,1,1"], 2, &["--fix"]);
+}
+
+/// Runs with `--json`, expects success, and gives the object.
+fn baked(arguments: &[&str], folder: &Path) -> Value {
+    let output = run(&[arguments, &["--json"]].concat(), folder);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+#[test]
+fn frames_become_modes_and_play() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::os::unix::fs::symlink(fixture("wave"), folder.path().join("my.frames")).expect("link");
+    let json = baked(&["--animation", "my.frames/", "--fps", "30"], folder.path());
+    assert!(folder.path().join("my.frames.bdt").is_file());
+    assert_eq!(json["frames"], 6);
+    assert!(json["basis_error_rel"]["max"].as_f64() < Some(1e-6));
+    assert!(json["frequencies_hz"].is_null());
+    let modes = json["modes"].as_u64();
+
+    let wave = fixture("wave.pc2").display().to_string();
+    let mesh = fixture("wave/wave_00.obj").display().to_string();
+    let limit = ["--modes", "auto", "--max-error-rel", "0.05", "--align"];
+    let arguments = [
+        &[mesh.as_str(), "--animation", &wave, "-o", "few.bdt"],
+        &limit[..],
+    ]
+    .concat();
+    let json = baked(&arguments, folder.path());
+    assert!(json["modes"].as_u64() < modes);
+    let error = &json["basis_error_rel"];
+    let (max, rms) = (error["max"].as_f64(), error["rms"].as_f64());
+    assert!(max <= Some(0.05) && rms < max && rms > Some(0.0));
+    assert!(error["frame"].is_u64() && error["vertex"].is_u64());
+}
+
+#[test]
+fn morph_targets_are_modes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = fixture("morph_nodes.glb").display().to_string();
+    let all = baked(&[&input, "-o", "all.bdt"], folder.path());
+    let count = all["modes"].as_u64().expect("modes");
+    assert!(count >= 2 && all["frames"].is_u64());
+    let one = baked(&[&input, "-o", "one.bdt", "--modes", "1"], folder.path());
+    assert_eq!(one["modes"], 1);
+    let error = |json: &Value| json["basis_error_rel"]["max"].as_f64().expect("error");
+    assert!(error(&one) > 0.01 && error(&all) < 1e-6);
+    let limit = error(&one).to_string();
+    let arguments = [&input, "-o", "auto.bdt", "--max-error-rel", &limit];
+    let auto = baked(&arguments, folder.path());
+    assert!(auto["modes"].as_u64() < Some(count) && error(&auto) <= error(&one));
+    let rigid = baked(&[&input, "-o", "rigid.bdt", "--modes", "0"], folder.path());
+    let warnings = rigid["warnings"].to_string();
+    assert!(warnings.contains("morph targets"), "{warnings}");
+}
+
+#[test]
+fn volumes_give_modes_to_their_surface_or_to_a_mesh() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let tets = fixture("beam_tets.veg").display().to_string();
+    let bake = |more: &[&str]| {
+        let arguments = [
+            &["--tets", tets.as_str(), "-o", "beam.bdt", "--modes", "6"],
+            more,
+        ]
+        .concat();
+        baked(&arguments, folder.path())
+    };
+    let own = bake(&[]);
+    assert_eq!(own["frequencies_hz"].as_array().map(Vec::len), Some(6));
+    assert!(own["volume"]["elements"].as_u64() > Some(10));
+    let lumped = bake(&["--mass", "lumped"]);
+    let first = |json: &Value| json["frequencies_hz"][0].as_f64().expect("frequency");
+    assert!(first(&lumped) < first(&own));
+    // Any mesh near it can be carried along.
+    let mesh = folder.path().join("skin.obj");
+    std::fs::write(
+        &mesh,
+        "v 0.1 0.1 0.1\nv 0.4 0.1 0.1\nv 0.1 0.2 0.1\nf 1 2 3\n",
+    )
+    .expect("mesh");
+    let skin = bake(&["skin.obj"]);
+    assert_eq!(skin["vertices"], 3);
+    assert_eq!(skin["frequencies_hz"], own["frequencies_hz"]);
+}
+
+#[test]
+fn ranges_are_a_share_of_the_diagonal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = fixture("beam.obj").display().to_string();
+    let mean = |share: &str| {
+        let arguments = [
+            &input,
+            "--modes",
+            "3",
+            "--resolution",
+            "20",
+            "-o",
+            "x.bdt",
+            "--range-rel",
+            share,
+        ];
+        let json = baked(&arguments.map(AsRef::as_ref), folder.path());
+        json["tightness"][0]["mean"].as_f64().expect("tightness")
+    };
+    // Farther out spheres grow more.
+    assert!(mean("0.2") > mean("0.02"));
 }
 
 /// A full disk: the old file stays, nothing else is left.

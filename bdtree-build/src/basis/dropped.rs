@@ -6,11 +6,7 @@ use std::cmp::Reverse;
 use super::{Animation, Basis, BasisError};
 use crate::error::BakeError;
 use crate::input::RawMesh;
-use crate::wrap::{self, StoredShape};
-
-/// A field without a range of its own moves its farthest vertex by this share of the box diagonal,
-/// as [`wrap::store`] has it.
-const RANGE_DIAGONALS: f64 = 0.05;
+use crate::wrap::{self, RANGE_DIAGONALS, StoredShape};
 
 /// Which fields of a basis to keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,7 +115,10 @@ struct Source<'a> {
 
 impl<'a> Source<'a> {
     fn new(mesh: &'a RawMesh, basis: &Basis) -> Self {
-        let diagonal = diagonal(&mesh.positions);
+        let diagonal = match mesh.diagonal() {
+            0.0 => 1.0,
+            diagonal => diagonal,
+        };
         let ranges = (0..basis.mode_count())
             .map(|j| {
                 let longest = basis
@@ -245,20 +244,6 @@ fn select(basis: &Basis, fields: &[usize]) -> Basis {
             }
         }),
     }
-}
-
-/// Diagonal of the box around `points`; 1 where it is 0.
-fn diagonal(points: &[[f64; 3]]) -> f64 {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for p in points {
-        for k in 0..3 {
-            low[k] = low[k].min(p[k]);
-            high[k] = high[k].max(p[k]);
-        }
-    }
-    let diagonal = length(std::array::from_fn(|k| (high[k] - low[k]).max(0.0)));
-    if diagonal > 0.0 { diagonal } else { 1.0 }
 }
 
 fn length(v: [f64; 3]) -> f64 {

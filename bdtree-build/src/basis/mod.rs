@@ -61,6 +61,22 @@ impl Basis {
         self.modes.len()
     }
 
+    /// Gives every field without a range the one that moves its farthest vertex by `length` (mesh
+    /// units). Zero fields stay without.
+    pub fn set_ranges(&mut self, length: f64) {
+        for j in 0..self.mode_count() {
+            let squares = self.field(j).iter();
+            let longest = squares
+                .map(|u| u.iter().map(|x| x * x).sum::<f64>())
+                .fold(0.0, f64::max)
+                .sqrt();
+            let mode = &mut self.modes[j];
+            if mode.q_range.is_none() && longest > 0.0 {
+                mode.q_range = Some(length / longest);
+            }
+        }
+    }
+
     /// Field `j`: N displacement vectors.
     pub fn field(&self, j: usize) -> &[[f64; 3]] {
         &self.fields[j * self.vertex_count..(j + 1) * self.vertex_count]

@@ -145,6 +145,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "MIB", default_value_t = ElasticOptions::default().memory_limit_bytes >> 20, help_heading = "Elastic modes")]
     pub(crate) memory_limit: u64,
 
+    /// Typical range of q for elastic modes and given fields: how far a mode moves its farthest
+    /// vertex, over the diagonal of the box, above 0 [default: 0.05]. Tightness is measured there.
+    #[arg(long, value_name = "SHARE")]
+    pub(crate) range_rel: Option<f64>,
+
     /// Most triangles in a leaf lane, 1 to 255 [default: 4; 8 above 524288 triangles].
     #[arg(long, value_name = "TRIANGLES", value_parser = clap::value_parser!(u8).range(1..), help_heading = "Tree")]
     pub(crate) leaf_size: Option<u8>,
@@ -185,6 +190,7 @@ impl Arguments {
     pub(crate) fn used_by(&self) -> Vec<(&'static str, &'static [&'static str])> {
         const LATTICE: &[&str] = &["elastic"];
         const BODIES: &[&str] = &["elastic", "volume"];
+        const FREE: &[&str] = &["elastic", "volume", "given"];
         [
             (self.resolution.is_some(), "--resolution", LATTICE),
             (self.thickness.is_some(), "--thickness", LATTICE),
@@ -193,6 +199,7 @@ impl Arguments {
             (self.density.is_some(), "--density", BODIES),
             (self.scale.is_some(), "--scale", BODIES),
             (!self.fix.is_empty(), "--fix", BODIES),
+            (self.range_rel.is_some(), "--range-rel", FREE),
             (self.mass.is_some(), "--mass", &["volume"]),
             (self.clip.is_some(), "--clip", &["morph"]),
         ]
@@ -219,10 +226,13 @@ impl Arguments {
 
     /// What clap cannot see: a usage error.
     pub(crate) fn check(&self) -> Result<(), String> {
-        if let Some(error) = self.max_error_rel
-            && !(error.is_finite() && error > 0.0)
-        {
-            return Err(format!("--max-error-rel: {error} is not a positive number"));
+        for (name, value) in [
+            ("--max-error-rel", self.max_error_rel),
+            ("--range-rel", self.range_rel),
+        ] {
+            if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
+                return Err(format!("{name}: {value} is not a positive number"));
+            }
         }
         match (self.modes.as_deref(), self.max_error_rel) {
             (Some("auto"), None) => Err("--modes auto needs --max-error-rel E".to_string()),

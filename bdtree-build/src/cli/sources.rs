@@ -61,6 +61,14 @@ impl Source {
         }
     }
 
+    /// What `--range-rel` says, for fields that have no range of their own.
+    fn set_ranges(&mut self, arguments: &Arguments) {
+        if let Some(share) = arguments.range_rel {
+            self.basis.set_ranges(share * self.mesh.diagonal());
+            self.set("range-rel", share);
+        }
+    }
+
     fn set(&mut self, name: &str, value: impl ToString) {
         self.settings.insert(name.to_string(), value.to_string());
     }
@@ -83,6 +91,10 @@ pub(super) fn read(arguments: &Arguments, progress: &dyn Progress) -> Result<Sou
 
     let begin = Instant::now();
     progress.stage("basis", None);
+    let targets = match &extra {
+        Extra::Morphs(morphs) => morphs.targets.len(),
+        _ => 0,
+    };
     match (&arguments.basis, extra) {
         (Some(path), _) => given::add(arguments, path, &mut source)?,
         (None, Extra::Frames(frames)) => {
@@ -95,6 +107,10 @@ pub(super) fn read(arguments: &Arguments, progress: &dyn Progress) -> Result<Sou
         }
         (None, Extra::Morphs(morphs)) => morph::add(arguments, &morphs, &mut source)?,
         (None, Extra::Nothing) => elastic::add(arguments, &mut source, progress)?,
+    }
+    if targets > 0 && source.kind != "morph" {
+        let warning = format!("the {targets} morph targets of the input are not used");
+        source.warnings.push(warning);
     }
     for (option, users) in arguments.used_by() {
         if !users.contains(&source.kind) {
@@ -131,6 +147,11 @@ fn read_files(
         Extra::Morphs(model.morphs)
     };
     Ok((Source::rigid(model.mesh), extra))
+}
+
+/// SHA-256 as text.
+fn hexadecimal(hash: [u8; 32]) -> String {
+    hash.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The file's name without its folder.

@@ -35,6 +35,21 @@ pub struct RawMesh {
     pub warnings: Vec<String>,
 }
 
+impl RawMesh {
+    /// Diagonal of the box around all vertices (mesh units).
+    pub fn diagonal(&self) -> f64 {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for p in &self.positions {
+            for k in 0..3 {
+                low[k] = low[k].min(p[k]);
+                high[k] = high[k].max(p[k]);
+            }
+        }
+        let square: f64 = (0..3).map(|k| (high[k] - low[k]).max(0.0).powi(2)).sum();
+        square.sqrt()
+    }
+}
+
 /// A run of triangles that the source put under one name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RawGroup {

@@ -19,7 +19,7 @@ use bdtree_format::{
 };
 use zerocopy::IntoBytes;
 
-pub use stored::{ModeLimits, StoredShape, store};
+pub use stored::{ModeLimits, RANGE_DIAGONALS, StoredShape, store};
 
 use crate::error::BakeError;
 use crate::tree::{LaneKind, Tree};

@@ -11,8 +11,9 @@ use crate::basis::Basis;
 use crate::error::BakeError;
 use crate::input::RawMesh;
 
-/// A mode moves its farthest vertex by this share of the box diagonal at its typical range.
-const RANGE_DIAGONALS: f64 = 0.05;
+/// A mode without a range of its own moves its farthest vertex by this share of the box diagonal at
+/// its typical range.
+pub const RANGE_DIAGONALS: f64 = 0.05;
 
 /// Exponents of the least and the largest reach P + Σ W_j q_limit_j in stored units.
 const REACH_EXPONENTS: (i32, i32) = (-20, 60);

@@ -8,7 +8,7 @@ use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::progress::Progress;
 
-use super::{MODES_DEFAULT, Source, name};
+use super::{MODES_DEFAULT, Source, hexadecimal, name};
 use crate::cli::Arguments;
 use crate::cli::arguments::{About, Modes};
 
@@ -27,6 +27,7 @@ pub(super) fn read(
     let mut source = Source::rigid(mesh);
     source.warnings.extend_from_slice(sequence.warnings());
     source.set("animation", name(path));
+    source.set("animation-sha256", hexadecimal(sequence.hash()));
     Ok((sequence, source))
 }
 

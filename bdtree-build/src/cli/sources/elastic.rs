@@ -30,6 +30,7 @@ pub(super) fn add(
     let (basis, report) = elastic_basis(&source.mesh, &options, progress, &mut source.warnings)?;
     source.basis = basis;
     source.kind = "elastic";
+    source.set_ranges(arguments);
     source.set("modes", options.mode_count);
     source.set("resolution", report.resolution);
     source.set("young", options.young_pa);

@@ -32,9 +32,11 @@ pub(super) fn add(
         let place = path.display().to_string();
         return Err(BakeError::one("basis", place, message));
     }
+    source.basis = given.basis;
+    source.set_ranges(arguments);
     let kept = keep_fields(
         &source.mesh,
-        given.basis,
+        std::mem::take(&mut source.basis),
         keep(arguments),
         &mut source.warnings,
     )?;

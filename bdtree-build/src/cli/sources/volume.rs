@@ -11,7 +11,7 @@ use bdtree_build::input::volume::{RawVolume, read_volume, surface};
 use bdtree_build::progress::Progress;
 
 use super::elastic::{count, fix_text};
-use super::{Source, name};
+use super::{Source, hexadecimal, name};
 use crate::cli::Arguments;
 use crate::cli::arguments::Mass;
 
@@ -27,6 +27,7 @@ pub(super) fn read(arguments: &Arguments, path: &Path) -> Result<(RawVolume, Sou
         source.warnings.extend(volume.warnings.iter().cloned());
     }
     source.set("tets", name(path));
+    source.set("tets-sha256", hexadecimal(volume.hash));
     Ok((volume, source))
 }
 
@@ -64,6 +65,7 @@ pub(super) fn add(
         modal_basis(volume.nodes.len(), fields, &mut source.warnings)
     };
     source.kind = "volume";
+    source.set_ranges(arguments);
     source.set("modes", options.mode_count);
     source.set("mass", arguments.mass.unwrap_or(Mass::Consistent));
     source.set("scale", options.scale_m);
