@@ -8,6 +8,7 @@ mod draft;
 mod gmsh;
 mod load;
 mod notes;
+mod number;
 mod shape;
 mod source;
 mod surface;

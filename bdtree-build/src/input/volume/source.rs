@@ -1,5 +1,6 @@
 //! A file's bytes as words and numbers: text by lines, text by words, or binary.
 
+use super::number::{ByteOrder, Kind};
 use crate::input::obj::tokens::{integer, show};
 
 /// Why reading cannot go on: line or byte (0: the file as a whole), and a message.
@@ -12,39 +13,6 @@ pub(super) enum Layout {
     Lines,
     /// Line ends separate words as blanks do.
     Words,
-}
-
-/// The order of the bytes of a binary number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ByteOrder {
-    Little,
-    Big,
-}
-
-/// What a binary number is; text spells all of them the same way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F32,
-    F64,
-}
-
-impl Kind {
-    pub(super) fn bytes(self) -> usize {
-        match self {
-            Kind::I8 | Kind::U8 => 1,
-            Kind::I16 | Kind::U16 => 2,
-            Kind::I32 | Kind::U32 | Kind::F32 => 4,
-            Kind::I64 | Kind::U64 | Kind::F64 => 8,
-        }
-    }
 }
 
 /// Where the reader stands in the bytes of a file.
@@ -193,17 +161,10 @@ impl<'t> Source<'t> {
         }
     }
 
-    /// The bytes of a binary number, least significant first.
-    fn number(&mut self, what: &str, kind: Kind, order: ByteOrder) -> Result<[u8; 8], String> {
-        let bytes = self
-            .take(kind.bytes())
-            .ok_or_else(|| format!("the file ends before {what}"))?;
-        let mut number = [0; 8];
-        number[..bytes.len()].copy_from_slice(bytes);
-        if order == ByteOrder::Big {
-            number[..bytes.len()].reverse();
-        }
-        Ok(number)
+    /// The bytes of a binary number.
+    fn number(&mut self, what: &str, kind: Kind) -> Result<&'t [u8], String> {
+        self.take(kind.bytes())
+            .ok_or_else(|| format!("the file ends before {what}"))
     }
 
     /// An integer in text, whatever the numbers of the file are. What lies beyond i64 becomes its
@@ -218,18 +179,8 @@ impl<'t> Source<'t> {
         let Some(order) = self.binary else {
             return self.text_integer(what);
         };
-        let number = self.number(what, kind, order)?;
-        let value = u64::from_le_bytes(number);
-        Ok(match kind {
-            Kind::I8 => i64::from(value as u8 as i8),
-            Kind::I16 => i64::from(value as u16 as i16),
-            Kind::I32 => i64::from(value as u32 as i32),
-            Kind::I64 => value as i64,
-            Kind::U8 | Kind::U16 | Kind::U32 | Kind::U64 => {
-                i64::try_from(value).unwrap_or(i64::MAX)
-            }
-            Kind::F32 | Kind::F64 => return Err(format!("{what} is not stored as an integer")),
-        })
+        kind.integer(self.number(what, kind)?, order)
+            .ok_or_else(|| format!("{what} is not stored as an integer"))
     }
 
     /// A finite number.
@@ -243,14 +194,7 @@ impl<'t> Source<'t> {
                 None => Err(format!("{what} `{}` is not a number", show(word))),
             };
         };
-        let value = match kind {
-            Kind::F64 => f64::from_le_bytes(self.number(what, kind, order)?),
-            Kind::F32 => {
-                let bits = u64::from_le_bytes(self.number(what, kind, order)?);
-                f64::from(f32::from_bits(bits as u32))
-            }
-            _ => self.integer(what, kind)? as f64,
-        };
+        let value = kind.real(self.number(what, kind)?, order);
         if value.is_finite() {
             Ok(value)
         } else {

@@ -1,5 +1,6 @@
 //! Legacy VTK files (`.vtk`): unstructured grids, text or binary, versions 1 to 5.1.
 
+mod arrays;
 mod cells;
 mod field;
 mod kinds;
@@ -8,7 +9,8 @@ use super::RawVolume;
 use super::check::finish;
 use super::draft::Draft;
 use super::notes::Notes;
-use super::source::{ByteOrder, Kind, Layout, Source, Stop};
+use super::number::{ByteOrder, Kind};
+use super::source::{Layout, Source, Stop};
 use crate::error::BakeError;
 use crate::input::obj::tokens::show;
 use cells::Cells;

@@ -1,7 +1,8 @@
 //! `$Elements`: tetrahedra, hexahedra, and the elements of groups.
 
 use super::super::draft::{Element, Shape};
-use super::super::source::{Kind, Stop};
+use super::super::number::Kind;
+use super::super::source::Stop;
 use super::nodes::Tags;
 use super::{Reader, Version, kinds};
 

@@ -3,7 +3,8 @@
 
 use std::collections::HashMap;
 
-use super::super::source::{Kind, Source, Stop};
+use super::super::number::Kind;
+use super::super::source::{Source, Stop};
 use super::{Format, Reader};
 
 /// Physical tags by dimension and tag of an entity.

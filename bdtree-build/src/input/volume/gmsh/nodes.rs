@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use super::super::notes::Notes;
-use super::super::source::{Kind, Source, Stop};
+use super::super::number::Kind;
+use super::super::source::{Source, Stop};
 use super::{Format, Reader, Version};
 
 /// The index of every node by its tag.

@@ -2,7 +2,8 @@
 
 use super::super::draft::Draft;
 use super::super::notes::Notes;
-use super::super::source::{Kind, Source};
+use super::super::number::Kind;
+use super::super::source::Source;
 use super::super::{RawMaterial, RawNodeSet};
 use super::next_line_of_section;
 use crate::input::obj::tokens::{integer, show};

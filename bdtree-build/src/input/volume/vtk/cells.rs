@@ -2,9 +2,10 @@
 
 use super::super::draft::{Draft, Element, Shape};
 use super::super::notes::Notes;
-use super::super::source::{Kind, Source, Stop};
-use super::{ends_early, kind, kinds, start};
-use crate::input::obj::tokens::show;
+use super::super::number::Kind;
+use super::super::source::{Source, Stop};
+use super::arrays::integers;
+use super::{ends_early, kinds, start};
 
 /// The cells as they stand in the file.
 #[derive(Default)]
@@ -101,8 +102,8 @@ impl Cells {
 
     /// The form since version 5.
     fn arrays(&mut self, source: &mut Source<'_>, starts: i64, points: i64) -> Result<(), Stop> {
-        let (starts, _) = array(source, b"OFFSETS", starts)?;
-        let (points, positions) = array(source, b"CONNECTIVITY", points)?;
+        let (starts, _) = integers(source, b"OFFSETS", starts)?;
+        let (points, positions) = integers(source, b"CONNECTIVITY", points)?;
         let position = source.position();
         let mut last = 0;
         for &offset in &starts {
@@ -234,42 +235,4 @@ fn corners<const N: usize>(points: &[i64], known: usize) -> Result<[u32; N], Str
             .ok_or_else(|| format!("point {point} is not one of the {known} (from 0)"))?;
     }
     Ok(corners)
-}
-
-/// `NAME type`, then `count` integers; each with its line or byte.
-fn array(source: &mut Source<'_>, name: &[u8], count: i64) -> Result<(Vec<i64>, Vec<u64>), Stop> {
-    let word = source.word().unwrap_or_default();
-    let position = source.position();
-    if !word.eq_ignore_ascii_case(name) {
-        return Err((
-            position,
-            format!("`{}` where {} is due", show(word), show(name)),
-        ));
-    }
-    let at = |message| (position, message);
-    let kind = kind(source).map_err(at)?;
-    let each = if source.binary.is_some() {
-        kind.bytes()
-    } else {
-        2
-    };
-    let name = show(name);
-    let count = source
-        .fits(&format!("the length of {name}"), count, each)
-        .map_err(at)?;
-    let mut values = Vec::with_capacity(count);
-    let mut positions = Vec::with_capacity(count);
-    for entry in 0..count {
-        if ends_early(source) {
-            return Err((
-                position,
-                format!("{name} needs {count} numbers, {entry} found"),
-            ));
-        }
-        let here = source.position();
-        let value = source.integer("a number", kind);
-        values.push(value.map_err(|m| (here, format!("{name}, entry {entry}: {m}")))?);
-        positions.push(here);
-    }
-    Ok((values, positions))
 }

@@ -1,7 +1,7 @@
 //! The names and numbers of VTK's types.
 
 use super::super::draft::Shape;
-use super::super::source::Kind;
+use super::super::number::Kind;
 
 /// The type of numbers called `word`; `None` for bits, strings and names unknown.
 pub(super) fn number(word: &[u8]) -> Option<Kind> {
