@@ -1,16 +1,14 @@
 //! Vibration modes of a given volume mesh. Units are those of [`elastic`](super::elastic).
 
 mod check;
+mod tell;
 
 use std::time::Instant;
 
 use super::elastic::{ElasticOptions, Fix};
 use super::modal::ModalField;
-use crate::elastic::factor::FactorError;
 use crate::elastic::hold_nodes::hold_nodes;
-use crate::elastic::joints::BLOCKS_MAX;
-use crate::elastic::solve::{Limits, Solution, SolveError, solve};
-use crate::elastic::volume::Part;
+use crate::elastic::solve::{Limits, solve};
 use crate::error::BakeError;
 use crate::input::volume::RawVolume;
 use crate::progress::Progress;
@@ -143,15 +141,9 @@ pub fn volume_modes(
     progress.stage("elements", None);
     check::options(options)?;
     let (model, units) = check::model(volume, options, warnings)?;
-    let parts = model.parts().map_err(|(node, blocks)| {
-        let message = format!(
-            "{} blocks of elements hang together by single nodes or edges only, at most \
-             {BLOCKS_MAX} can be handled",
-            blocks.0
-        );
-        let place = format!("{}: the part of node {}", volume.name, node + 1);
-        BakeError::one("basis", place, message)
-    })?;
+    let parts = model
+        .parts()
+        .map_err(|(node, blocks)| tell::joints_error(volume, node, blocks))?;
     let mut used = vec![false; volume.nodes.len()];
     for &n in parts.iter().flat_map(|p| &p.nodes) {
         used[n as usize] = true;
@@ -166,7 +158,7 @@ pub fn volume_modes(
         * (0..model.elements.len())
             .map(|e| model.mass(e, model.shape(e).0))
             .sum::<f64>();
-    warn_joints(&parts, warnings);
+    tell::joints(&parts, warnings);
     lap(&mut report, "elements");
 
     progress.stage("modes", Some(parts.len() as u64));
@@ -178,7 +170,7 @@ pub fn volume_modes(
     let sizes: Vec<usize> = parts.iter().map(|p| p.nodes.len()).collect();
     let system = |c: usize| model.system(&parts[c], &held);
     let solution = solve(&sizes, system, limits, progress)
-        .map_err(|e| solve_error(e, volume, &parts, options))?;
+        .map_err(|e| tell::solve_error(e, volume, &parts, options))?;
     if solution.modes.len() < options.mode_count {
         let message = format!(
             "{} modes asked for, but the volume mesh has only {}",
@@ -189,7 +181,7 @@ pub fn volume_modes(
     report.predicted_bytes = solution.bytes;
     report.residual_max = solution.residual;
     report.inertia_checked = solution.checked;
-    warn_silent(&parts, &solution, warnings);
+    tell::silent(&parts, &solution, warnings);
     lap(&mut report, "modes");
 
     let scale = 1.0 / units.mass_kg.sqrt();
@@ -206,89 +198,4 @@ pub fn volume_modes(
     });
     let modes = modes.collect();
     Ok((VolumeModes { modes }, report))
-}
-
-fn warn_joints(parts: &[Part], warnings: &mut Vec<String>) {
-    for part in parts.iter().filter(|p| p.blocks.further > 0) {
-        let joint = part.blocks.joints.first();
-        let node = joint.map_or(0, |&(n, _)| part.nodes[n as usize]);
-        warnings.push(format!(
-            "{} blocks of elements hang together by single nodes or edges only (first: node {}); \
-             what moves there without strain is left out of the modes",
-            part.blocks.further + 1,
-            node + 1
-        ));
-    }
-}
-
-fn warn_silent(parts: &[Part], solution: &Solution, warnings: &mut Vec<String>) {
-    let mut moving = vec![false; parts.len()];
-    for mode in &solution.modes {
-        moving[mode.component] = true;
-    }
-    let silent: Vec<u32> = (parts.iter().zip(&moving))
-        .filter(|(_, moves)| !**moves)
-        .filter_map(|(part, _)| part.nodes.first().copied())
-        .collect();
-    if silent.is_empty() {
-        return;
-    }
-    let names: Vec<String> = (silent.iter().take(5))
-        .map(|n| format!("node {}", n + 1))
-        .collect();
-    warnings.push(format!(
-        "{} of {} parts move in none of the {} modes (from {}{})",
-        silent.len(),
-        parts.len(),
-        solution.modes.len(),
-        names.join(", "),
-        if silent.len() > 5 { ", …" } else { "" }
-    ));
-}
-
-fn solve_error(
-    error: SolveError,
-    volume: &RawVolume,
-    parts: &[Part],
-    options: &VolumeOptions,
-) -> BakeError {
-    let part = |c: usize| {
-        let node = parts[c].nodes.first().map_or(0, |n| n + 1);
-        format!("{}: the part of node {node}", volume.name)
-    };
-    let (place, message) = match error {
-        SolveError::Memory(bytes) => (
-            volume.name.clone(),
-            format!(
-                "its elements need about {} MB, the limit is {} MB",
-                bytes.div_ceil(1 << 20),
-                options.memory_limit_bytes >> 20
-            ),
-        ),
-        SolveError::Factor(c, FactorError::Memory) => (part(c), "not enough memory".to_owned()),
-        SolveError::Factor(c, FactorError::Pivot) => (
-            part(c),
-            "its stiffness is not positive definite to rounding: elements may be nearly flat, or \
-             a Poisson's ratio too near -1 or 0.5"
-                .to_owned(),
-        ),
-        SolveError::Missed(c, counted, found) => (
-            part(c),
-            format!("the inertia count finds {counted} modes where the iteration found {found}"),
-        ),
-        SolveError::Residual(worst) => (
-            volume.name.clone(),
-            format!(
-                "the modes converged to a residual of {worst:.1e} only: its stiffest and softest \
-                 motions are too far apart for the precision of numbers (nearly flat elements, a \
-                 Poisson's ratio too near 0.5, materials a billion times apart, a wire of \
-                 thousands of elements)"
-            ),
-        ),
-        SolveError::Element(c, e) => (
-            format!("{}: element {}", volume.name, parts[c].elements[e] + 1),
-            "it has no stiffness to rounding".to_owned(),
-        ),
-    };
-    BakeError::one("basis", place, message)
 }

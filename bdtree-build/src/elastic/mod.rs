@@ -1,10 +1,17 @@
-//! The finite elements behind elastic modes: from a surface to its lowest vibrations.
+//! The finite elements behind elastic modes: from a surface or a volume to its lowest vibrations.
 //!
-//! One way through: `pieces` (what is solid, what is a sheet) → `lattice` (cubic cells) over `fill` (what
-//! fills them) → `element` and `system` (stiffness and mass) → `solve` (`krylov` over
-//! `factor`) → `locate` (back to the vertices). See docs/elastic.md for the numbers.
+//! From a surface: `pieces` (what is solid, what is a sheet) → `lattice` (cubic cells) over `fill` (what
+//! fills them) → `element` and `component` (stiffness and mass) → `solve` → `locate` (back to the
+//! vertices). See docs/elastic.md for the numbers.
 //!
-//! Inside, lengths are cells, Young's modulus and density are 1; `basis::elastic` brings units.
+//! From a volume: `volume` (parts that hang together, their `joints`) → `tetrahedron` and
+//! `hexahedron` → `solve`. See docs/volumes.md.
+//!
+//! Both meet in `assemble` and `system` (K, M, what is held), which `solve` takes through `rigid`
+//! (motions without strain), `krylov` and `factor`.
+//!
+//! Inside, lengths are cells or elements, Young's modulus and density are 1; `basis::elastic` and
+//! `basis::volume` bring units.
 
 pub(crate) mod assemble;
 #[cfg(test)]

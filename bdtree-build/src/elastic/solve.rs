@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::canonical::{CLUSTER_GAP, turn_clusters};
 use super::factor::{FactorError, Symbolic};
-use super::krylov::{Inverse, Modes, lowest_modes};
+use super::krylov::{Inverse, Modes, RESIDUAL_MAX, lowest_modes};
 use super::rigid::{rigid_motions, support};
 use super::system::System;
 use crate::progress::Progress;
@@ -29,7 +29,7 @@ pub(crate) struct ComponentMode {
 pub(crate) struct Solution {
     /// Ascending; at most as many as asked for.
     pub modes: Vec<ComponentMode>,
-    /// Worst ‖Kx − λMx‖ / (λ‖Mx‖).
+    /// Worst residual of [`Modes`].
     pub residual: f64,
     /// Whether an inertia count confirmed every component's number of modes.
     pub checked: bool,
@@ -64,9 +64,6 @@ pub(crate) struct Limits {
     /// Components up to this many unknowns get an inertia count.
     pub verify_dof_max: usize,
 }
-
-/// Residual above which a result is refused.
-const RESIDUAL_MAX: f64 = 1e-6;
 
 /// Solves component after component, the largest first: once enough modes are known, an inertia
 /// count tells cheaply that a further component has none below them.

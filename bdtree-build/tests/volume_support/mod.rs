@@ -5,6 +5,8 @@
 use std::path::Path;
 
 use bdtree_build::basis::volume::{VolumeModes, VolumeOptions, VolumeReport, volume_modes};
+use bdtree_build::error::BakeError;
+use bdtree_build::input::RawMesh;
 use bdtree_build::input::volume::{RawMaterial, RawVolume};
 use bdtree_build::progress::Silent;
 
@@ -81,6 +83,38 @@ pub(crate) fn five_tetrahedra(mut volume: RawVolume, n: [usize; 3]) -> RawVolume
     volume
 }
 
+/// The surface of a body of hexahedra: two triangles per quad that only one of them has.
+pub(crate) fn surface(volume: &RawVolume) -> RawMesh {
+    let quads = [
+        [0, 3, 2, 1],
+        [4, 5, 6, 7],
+        [0, 1, 5, 4],
+        [1, 2, 6, 5],
+        [2, 3, 7, 6],
+        [3, 0, 4, 7],
+    ];
+    let mut faces: Vec<([u32; 4], [u32; 4])> = Vec::new();
+    for cell in &volume.hexahedra {
+        for quad in quads.map(|q| q.map(|c: usize| cell[c])) {
+            let mut key = quad;
+            key.sort_unstable();
+            faces.push((key, quad));
+        }
+    }
+    faces.sort_unstable();
+    let outer = faces.chunk_by(|a, b| a.0 == b.0).filter(|f| f.len() == 1);
+    let triangles = outer.flat_map(|f| {
+        let [a, b, c, d] = f[0].1;
+        [[a, b, c], [a, c, d]]
+    });
+    RawMesh {
+        name: "block.obj".to_owned(),
+        positions: volume.nodes.clone(),
+        triangles: triangles.collect(),
+        ..RawMesh::default()
+    }
+}
+
 /// Puts two volumes side by side.
 pub(crate) fn join(mut a: RawVolume, b: &RawVolume) -> RawVolume {
     let n = a.nodes.len() as u32;
@@ -90,6 +124,19 @@ pub(crate) fn join(mut a: RawVolume, b: &RawVolume) -> RawVolume {
     a.hexahedra
         .extend(b.hexahedra.iter().map(|t| t.map(|c| c + n)));
     a
+}
+
+/// Cells of [`bar`].
+pub(crate) const BAR: [usize; 3] = [8, 2, 2];
+
+/// A bar of 4 × 1 × 1.
+pub(crate) fn bar() -> RawVolume {
+    block(BAR, [4.0, 1.0, 1.0])
+}
+
+/// Steel.
+pub(crate) fn steel(modes: usize) -> VolumeOptions {
+    of(2e11, 0.3, 7800.0, modes)
 }
 
 /// One material for all.
@@ -112,6 +159,15 @@ pub(crate) fn solve(volume: &RawVolume, options: &VolumeOptions) -> (VolumeModes
         assert!(mode.field.iter().flatten().all(|x| x.is_finite()));
     }
     (modes, report)
+}
+
+/// Frequencies in Hz, or why there are none.
+pub(crate) fn run(volume: &RawVolume, options: &VolumeOptions) -> Result<Vec<f64>, BakeError> {
+    let (modes, _) = volume_modes(volume, options, &Silent, &mut Vec::new())?;
+    assert!(modes.modes.iter().all(|m| m.omega_rad_s.is_finite()));
+    let fields = modes.modes.iter().flat_map(|m| &m.field);
+    assert!(fields.flatten().all(|x| x.is_finite()));
+    Ok(hertz(&modes))
 }
 
 /// Frequencies in Hz.

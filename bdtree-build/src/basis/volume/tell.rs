@@ -1,0 +1,108 @@
+//! Warnings and errors in words.
+
+use super::VolumeOptions;
+use crate::elastic::factor::FactorError;
+use crate::elastic::joints::{BLOCKS_MAX, TooManyBlocks};
+use crate::elastic::solve::{Solution, SolveError};
+use crate::elastic::volume::Part;
+use crate::error::BakeError;
+use crate::input::volume::RawVolume;
+
+/// Too many joints in the part of this node.
+pub(super) fn joints_error(volume: &RawVolume, node: u32, blocks: TooManyBlocks) -> BakeError {
+    let message = format!(
+        "{} blocks of elements hang together by single nodes or edges only, at most {BLOCKS_MAX} \
+         can be handled",
+        blocks.0
+    );
+    let place = format!("{}: the part of node {}", volume.name, node + 1);
+    BakeError::one("basis", place, message)
+}
+
+/// Parts that bend at joints.
+pub(super) fn joints(parts: &[Part], warnings: &mut Vec<String>) {
+    for part in parts.iter().filter(|p| p.blocks.further > 0) {
+        let joint = part.blocks.joints.first();
+        let node = joint.map_or(0, |&(n, _)| part.nodes[n as usize]);
+        warnings.push(format!(
+            "{} blocks of elements hang together by single nodes or edges only (first: node {}); \
+             what moves there without strain is left out of the modes",
+            part.blocks.further + 1,
+            node + 1
+        ));
+    }
+}
+
+/// Parts that move in none of the modes.
+pub(super) fn silent(parts: &[Part], solution: &Solution, warnings: &mut Vec<String>) {
+    let mut moving = vec![false; parts.len()];
+    for mode in &solution.modes {
+        moving[mode.component] = true;
+    }
+    let silent: Vec<u32> = (parts.iter().zip(&moving))
+        .filter(|(_, moves)| !**moves)
+        .filter_map(|(part, _)| part.nodes.first().copied())
+        .collect();
+    if silent.is_empty() {
+        return;
+    }
+    let names: Vec<String> = (silent.iter().take(5))
+        .map(|n| format!("node {}", n + 1))
+        .collect();
+    warnings.push(format!(
+        "{} of {} parts move in none of the {} modes (from {}{})",
+        silent.len(),
+        parts.len(),
+        solution.modes.len(),
+        names.join(", "),
+        if silent.len() > 5 { ", …" } else { "" }
+    ));
+}
+
+/// Why there are no modes.
+pub(super) fn solve_error(
+    error: SolveError,
+    volume: &RawVolume,
+    parts: &[Part],
+    options: &VolumeOptions,
+) -> BakeError {
+    let part = |c: usize| {
+        let node = parts[c].nodes.first().map_or(0, |n| n + 1);
+        format!("{}: the part of node {node}", volume.name)
+    };
+    let (place, message) = match error {
+        SolveError::Memory(bytes) => (
+            volume.name.clone(),
+            format!(
+                "its elements need about {} MB, the limit is {} MB",
+                bytes.div_ceil(1 << 20),
+                options.memory_limit_bytes >> 20
+            ),
+        ),
+        SolveError::Factor(c, FactorError::Memory) => (part(c), "not enough memory".to_owned()),
+        SolveError::Factor(c, FactorError::Pivot) => (
+            part(c),
+            "its stiffness is not positive definite to rounding: elements may be nearly flat, or \
+             a Poisson's ratio too near -1 or 0.5"
+                .to_owned(),
+        ),
+        SolveError::Missed(c, counted, found) => (
+            part(c),
+            format!("the inertia count finds {counted} modes where the iteration found {found}"),
+        ),
+        SolveError::Residual(worst) => (
+            volume.name.clone(),
+            format!(
+                "the modes converged to a residual of {worst:.1e} only: its stiffest and softest \
+                 motions are too far apart for the precision of numbers (nearly flat elements, a \
+                 Poisson's ratio too near 0.5, materials a billion times apart, a wire of \
+                 thousands of elements)"
+            ),
+        ),
+        SolveError::Element(c, e) => (
+            format!("{}: element {}", volume.name, parts[c].elements[e] + 1),
+            "it has no stiffness to rounding".to_owned(),
+        ),
+    };
+    BakeError::one("basis", place, message)
+}
