@@ -8,16 +8,16 @@ use std::path::{Path, PathBuf};
 
 /// Bakes a mesh and a deformation basis into a memory-mappable .bdt file.
 ///
-/// The fields are the morph targets of a glTF file, or what --basis gives; else the lowest elastic
-/// (vibration) modes of the body that the surface encloses are computed. --modes 0 bakes a rigid
-/// asset.
+/// The fields are the principal components of --animation, the vibration modes of --tets, the fields
+/// of --basis, or the morph targets of a glTF file; else the lowest elastic (vibration) modes of the
+/// body that the surface encloses are computed. --modes 0 bakes a rigid asset.
 #[derive(Debug, Parser)]
 #[command(name = "bdtree-build", version)]
 pub(crate) struct Arguments {
-    /// The mesh: .obj, .obj.gz, .gltf or .glb.
+    /// The mesh: .obj, .obj.gz, .gltf or .glb. --tets and a folder of frames can do without.
     pub(crate) input: Option<PathBuf>,
 
-    /// Output file [default: INPUT with .bdt, beside it].
+    /// Output file [default: INPUT, else --tets or --animation, with .bdt, beside it].
     #[arg(short, long, value_name = "OUT.bdt")]
     pub(crate) output: Option<PathBuf>,
 
