@@ -1,7 +1,7 @@
 //! Points embedded in volumes: linear fields, flat elements, what is refused.
 
 use super::bodies::{
-    bent, check_weights, distance, embedded, hexahedra, inside, tetrahedra, volumes,
+    bent, check_weights, distance, distorted, embedded, hexahedra, inside, tetrahedra, volumes,
 };
 use bdtree_build::basis::embed::embed;
 use bdtree_build::input::volume::RawVolume;
@@ -84,6 +84,20 @@ fn flat_elements_leave_no_gaps() {
                 worst < 1e-13 * (1.0 + offset),
                 "{height} {offset}: {worst:e}"
             );
+        }
+    }
+}
+
+/// Where Newton's method alone loses its way.
+#[test]
+fn distorted_hexahedra_are_inverted() {
+    for volume in distorted(300) {
+        let points = inside(&volume, 40);
+        let embedding = embedded(&points, &volume);
+        check_weights(&embedding);
+        let moved = embedding.apply(&volume.nodes);
+        for (p, q) in points.iter().zip(moved) {
+            assert!(distance(*p, q) < 1e-13, "{p:?}");
         }
     }
 }
