@@ -34,7 +34,7 @@ pub struct Embedding {
     starts: Vec<usize>,
     /// Points that lie outside of all elements, by more than rounding.
     pub outside: usize,
-    /// The point farthest outside, and its distance over the diagonal of the box around the nodes.
+    /// The point farthest outside, and its distance over the diagonal of the box around the elements.
     pub farthest: Option<(usize, f64)>,
 }
 

@@ -2,9 +2,9 @@
 
 use super::shapes::{dot, sub, trilinear};
 use bdtree_build::basis::embed::{Embedding, embed};
-use bdtree_build::input::volume::RawVolume;
+use bdtree_build::input::volume::{RawVolume, parse_volume};
 use bdtree_tests::fixtures::math::Random;
-use bdtree_tests::fixtures::volume::{hex_block, tet_block};
+use bdtree_tests::fixtures::volume::{Format, Volume, hex_block, tet_block};
 
 pub(crate) fn tetrahedra((nodes, tetrahedra): (Vec<[f64; 3]>, Vec<[u32; 4]>)) -> RawVolume {
     RawVolume {
@@ -60,6 +60,20 @@ pub(crate) fn volumes() -> Vec<RawVolume> {
         bent(hexahedra(hex_block(4, 3, 3, size))),
         shaken(hexahedra(hex_block(4, 3, 3, size)), 0.03),
     ]
+}
+
+/// Single hexahedra, as distorted as is read at all.
+pub(crate) fn distorted(count: usize) -> Vec<RawVolume> {
+    let mut random = Random::new(29);
+    let cells = std::iter::repeat_with(|| {
+        let (mut nodes, cell) = hex_block(1, 1, 1, [1.0; 3]);
+        for x in nodes.iter_mut().flatten() {
+            *x += random.range(-0.8, 0.8);
+        }
+        let file = Volume::of_hexahedra((nodes, cell)).to_file(Format::Vtk2Binary);
+        parse_volume(&file, "m.vtk").ok()
+    });
+    cells.flatten().take(count).collect()
 }
 
 /// Points inside: weighted means of the corners of elements.

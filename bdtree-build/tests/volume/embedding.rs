@@ -1,7 +1,7 @@
 //! Points embedded in volumes: linear fields, flat elements, what is refused.
 
 use super::bodies::{
-    bent, check_weights, distance, embedded, hexahedra, inside, tetrahedra, volumes,
+    bent, check_weights, distance, distorted, embedded, hexahedra, inside, tetrahedra, volumes,
 };
 use bdtree_build::basis::embed::embed;
 use bdtree_build::input::volume::RawVolume;
@@ -88,9 +88,25 @@ fn flat_elements_leave_no_gaps() {
     }
 }
 
+/// Where Newton's method alone loses its way.
+#[test]
+fn distorted_hexahedra_are_inverted() {
+    for volume in distorted(300) {
+        let points = inside(&volume, 40);
+        let embedding = embedded(&points, &volume);
+        check_weights(&embedding);
+        let moved = embedding.apply(&volume.nodes);
+        for (p, q) in points.iter().zip(moved) {
+            assert!(distance(*p, q) < 1e-13, "{p:?}");
+        }
+    }
+}
+
 #[test]
 fn rounding_is_not_called_outside() {
-    let volume = tetrahedra(tet_block(3, 3, 3, [1.0; 3]));
+    let mut volume = tetrahedra(tet_block(3, 3, 3, [1.0; 3]));
+    // A node of no element does not count.
+    volume.nodes.push([1e6; 3]);
     let mut warnings = Vec::new();
     let points = [[1.0 + 1e-7, 0.5, 0.5], [0.5, -1e-7, 0.5]];
     let embedding = embed(&points, &volume, &mut warnings).unwrap();

@@ -44,6 +44,16 @@ fn the_surface_is_closed_and_encloses_the_elements() {
 }
 
 #[test]
+fn the_volumes_warnings_come_along() {
+    let volume = RawVolume {
+        warnings: vec!["v: odd".into()],
+        ..raw(&block())
+    };
+    let inside = "v: 6 of 60 nodes are inside: vertices without triangles";
+    assert_eq!(surface(&volume).warnings, ["v: odd", inside]);
+}
+
+#[test]
 fn nodes_inside_are_counted() {
     let mesh = surface(&raw(&Volume::of_hexahedra(hex_block(4, 3, 5, [1.0; 3]))));
     assert_eq!(

@@ -8,7 +8,8 @@ pub(super) struct Aabb {
 }
 
 impl Aabb {
-    const EMPTY: Self = Self {
+    /// Around nothing.
+    pub(super) const EMPTY: Self = Self {
         low: [f64::INFINITY; 3],
         high: [f64::NEG_INFINITY; 3],
     };
@@ -18,7 +19,8 @@ impl Aabb {
         points.fold(Self::EMPTY, |all, p| all.with(&Self { low: p, high: p }))
     }
 
-    fn with(mut self, other: &Self) -> Self {
+    /// The smallest box around both.
+    pub(super) fn with(mut self, other: &Self) -> Self {
         for a in 0..3 {
             self.low[a] = self.low[a].min(other.low[a]);
             self.high[a] = self.high[a].max(other.high[a]);

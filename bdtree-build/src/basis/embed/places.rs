@@ -14,7 +14,7 @@ pub(super) struct Places<'v> {
     face_tree: BoxTree,
     /// How far rounding may carry a point out of the box of its element.
     slack: f64,
-    /// Of the box around all nodes.
+    /// Of the box around all elements.
     pub(super) diagonal: f64,
 }
 
@@ -32,7 +32,7 @@ impl<'v> Places<'v> {
         let boxes: Vec<Aabb> = tetrahedra.chain(hexahedra).collect();
         let faces = boundary(volume).faces;
         let face_boxes: Vec<Aabb> = faces.iter().map(|face| around(face.nodes())).collect();
-        let all = Aabb::around(volume.nodes.iter().copied());
+        let all = boxes.iter().fold(Aabb::EMPTY, |all, item| all.with(item));
         Self {
             volume,
             elements: BoxTree::new(&boxes),

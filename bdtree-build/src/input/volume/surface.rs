@@ -107,14 +107,16 @@ fn key(face: [u32; 4]) -> ([u32; 4], bool) {
 /// order.
 ///
 /// Triangles follow the elements (tetrahedra first) and an element's faces; the face of a hexahedron
-/// is cut into a fan around its first corner. Nodes inside belong to no triangle: a warning counts
-/// them, as it does faces of three elements or more and elements that overlap.
+/// is cut into a fan around its first corner. The volume's warnings come along. Nodes inside belong
+/// to no triangle: a warning counts them, as it does faces of three elements or more and elements
+/// that overlap.
 pub fn surface(volume: &RawVolume) -> RawMesh {
     let boundary = boundary(volume);
     let mut mesh = RawMesh {
         name: volume.name.clone(),
         hash: volume.hash,
         positions: volume.nodes.clone(),
+        warnings: volume.warnings.clone(),
         ..RawMesh::default()
     };
     let mut used = vec![false; volume.nodes.len()];

@@ -179,7 +179,7 @@ fn array(source: &mut Source<'_>, what: &str, width: usize) -> Result<(usize, Ki
 
 /// Reads the name of a type; in binary files, the end of its line too.
 fn kind(source: &mut Source<'_>) -> Result<Kind, String> {
-    let word = source.field().unwrap_or_default();
+    let word = source.word().unwrap_or_default();
     let kind = kinds::number(word).ok_or_else(|| format!("numbers of type `{}`", show(word)))?;
     start(source);
     Ok(kind)

@@ -35,7 +35,7 @@ fn skip_array(source: &mut Source<'_>) -> Result<(), String> {
     // A text value may be as short as an empty line.
     let values = components.checked_mul(tuples).unwrap_or(i64::MAX);
     let values = source.fits(what, values, 0)?;
-    let word = source.field().unwrap_or_default();
+    let word = source.word().unwrap_or_default();
     let is_string = matches!(
         word.to_ascii_lowercase().as_slice(),
         b"string" | b"utf8_string"
