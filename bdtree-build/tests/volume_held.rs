@@ -3,7 +3,7 @@
 mod volume_support;
 
 use bdtree_build::basis::elastic::{Fix, FixRegion};
-use bdtree_build::basis::volume::VolumeOptions;
+use bdtree_build::basis::volume::{MassMatrix, VolumeOptions};
 use bdtree_build::input::volume::{RawMaterial, RawNodeSet, RawVolume};
 use volume_support::{bar, hertz, run, solve, steel};
 
@@ -56,6 +56,14 @@ fn box_set_and_list_hold_the_same_nodes() {
         ..steel(6)
     };
     assert_eq!(run(&volume, &options).unwrap(), want);
+}
+
+#[test]
+fn mass_is_read_from_text() {
+    for mass in [MassMatrix::Consistent, MassMatrix::Lumped] {
+        assert_eq!(mass.to_string().parse(), Ok(mass));
+    }
+    assert!("Lumped".parse::<MassMatrix>().is_err());
 }
 
 #[test]

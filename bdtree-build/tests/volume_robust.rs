@@ -137,6 +137,30 @@ fn single_elements_vibrate() {
     }
 }
 
+/// Hexahedra with two edges that are points: two of them in each cell of a bar.
+#[test]
+fn wedges_are_hexahedra_with_coinciding_corners() {
+    let n = [16, 4, 4];
+    let whole = block(n, [4.0, 1.0, 1.0]);
+    let mut wedges = whole.clone();
+    wedges.hexahedra = (whole.hexahedra.iter())
+        .flat_map(|c| {
+            let half = |[a, b, d]: [usize; 3]| [a, b, d, d, a + 4, b + 4, d + 4, d + 4];
+            [[0, 1, 2], [0, 2, 3]].map(|ends| half(ends).map(|k| c[k]))
+        })
+        .collect();
+    let want = run(&whole, &steel(8)).unwrap();
+    let (modes, report) = solve(&wedges, &steel(8));
+    assert!((report.mass_kg / (4.0 * 7800.0) - 1.0).abs() < 1e-12);
+    // Triangles are stiffer than squares, by a tenth across their long sides.
+    assert_close(&hertz(&modes), &want, 0.12);
+    let lumped = VolumeOptions {
+        mass: MassMatrix::Lumped,
+        ..steel(8)
+    };
+    assert_close(&run(&wedges, &lumped).unwrap(), &want, 0.12);
+}
+
 #[test]
 fn units_and_modal_masses() {
     let volume = block([16, 2, 2], [4.0, 0.4, 0.4]);

@@ -3,6 +3,8 @@
 mod check;
 mod tell;
 
+use std::fmt;
+use std::str::FromStr;
 use std::time::Instant;
 
 use super::elastic::{ElasticOptions, Fix};
@@ -21,6 +23,26 @@ pub enum MassMatrix {
     Consistent,
     /// At the nodes: the sums of the consistent matrix's rows.
     Lumped,
+}
+
+impl fmt::Display for MassMatrix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Consistent => "consistent",
+            Self::Lumped => "lumped",
+        })
+    }
+}
+
+impl FromStr for MassMatrix {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        [Self::Consistent, Self::Lumped]
+            .into_iter()
+            .find(|mass| mass.to_string() == text)
+            .ok_or_else(|| "is neither consistent nor lumped".to_owned())
+    }
 }
 
 /// What to compute of a volume mesh.
