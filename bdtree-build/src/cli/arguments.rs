@@ -2,6 +2,7 @@
 
 use bdtree_build::basis::elastic::{ElasticOptions, Fix, RESOLUTION_MAX};
 use bdtree_build::basis::given::Layout;
+use bdtree_build::basis::volume::MassMatrix;
 use bdtree_build::tree::Split;
 use clap::{Parser, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -97,9 +98,9 @@ pub(crate) struct Arguments {
     )]
     pub(crate) tets: Option<PathBuf>,
 
-    /// How the elements of --tets carry their mass [default: consistent].
+    /// How the elements of --tets carry their mass: consistent or lumped [default: consistent].
     #[arg(long, value_name = "MASS", help_heading = "Given volumes")]
-    pub(crate) mass: Option<Mass>,
+    pub(crate) mass: Option<MassMatrix>,
 
     /// Lattice cells along the longest side, 1 to 1024 [default: as many as a fixed budget of
     /// lattice nodes allows].
@@ -269,24 +270,6 @@ impl std::fmt::Display for About {
         f.write_str(match self {
             Self::Mean => "mean",
             Self::Input => "input",
-        })
-    }
-}
-
-/// Values of `--mass`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Mass {
-    /// With the functions that carry the displacement.
-    Consistent,
-    /// At the nodes.
-    Lumped,
-}
-
-impl std::fmt::Display for Mass {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Consistent => "consistent",
-            Self::Lumped => "lumped",
         })
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bdtree_build::basis::embed::embed;
 use bdtree_build::basis::modal::modal_basis;
-use bdtree_build::basis::volume::{MassMatrix, VolumeOptions, volume_modes};
+use bdtree_build::basis::volume::{VolumeOptions, volume_modes};
 use bdtree_build::error::BakeError;
 use bdtree_build::input::read_mesh;
 use bdtree_build::input::volume::{RawVolume, read_volume, surface};
@@ -13,7 +13,6 @@ use bdtree_build::progress::Progress;
 use super::elastic::{count, fix_text};
 use super::{Source, hexadecimal, name};
 use crate::cli::Arguments;
-use crate::cli::arguments::Mass;
 
 /// The volume at `path`, and the mesh that it moves: INPUT, or the volume's own surface.
 pub(super) fn read(arguments: &Arguments, path: &Path) -> Result<(RawVolume, Source), BakeError> {
@@ -45,10 +44,7 @@ pub(super) fn add(
         poisson: arguments.poisson,
         density_kg_m3: arguments.density,
         scale_m: arguments.scale.unwrap_or(default.scale_m),
-        mass: match arguments.mass {
-            None | Some(Mass::Consistent) => MassMatrix::Consistent,
-            Some(Mass::Lumped) => MassMatrix::Lumped,
-        },
+        mass: arguments.mass.unwrap_or(default.mass),
         fixes: arguments.fix.clone(),
         memory_limit_bytes: arguments.memory_limit.saturating_mul(1 << 20),
         ..default
@@ -67,7 +63,7 @@ pub(super) fn add(
     source.kind = "volume";
     source.set_ranges(arguments);
     source.set("modes", options.mode_count);
-    source.set("mass", arguments.mass.unwrap_or(Mass::Consistent));
+    source.set("mass", options.mass);
     source.set("scale", options.scale_m);
     let material = [
         ("young", options.young_pa),
