@@ -23,6 +23,28 @@ impl Asset<'_> {
         pose: &Pose<'_>,
         vertex: VertexId,
     ) -> Result<[f32; 3], FormatError> {
+        if self.lists_modes() {
+            self.deformed_listed(pose.q, vertex)
+        } else {
+            self.deformed_in::<false>(pose.q, vertex)
+        }
+    }
+
+    /// Not inlined: beside it the loop over all modes would be compiled worse.
+    #[inline(never)]
+    fn deformed_listed(&self, q: &[f32], vertex: VertexId) -> Result<[f32; 3], FormatError> {
+        self.deformed_in::<true>(q, vertex)
+    }
+
+    /// [`Asset::deformed_stored`] for the layout of displacements that the asset has: `LISTED` is
+    /// [`Asset::lists_modes`], which traversals ask once, since in one piece of code each layout
+    /// slows down the other.
+    #[inline(always)]
+    fn deformed_in<const LISTED: bool>(
+        &self,
+        q: &[f32],
+        vertex: VertexId,
+    ) -> Result<[f32; 3], FormatError> {
         let i = vertex.0 as usize;
         let Some(p) = self.positions.get(i) else {
             return Err(self.out_of_range(SectionKind::POSITIONS, i, self.positions.len(), 12));
@@ -30,19 +52,28 @@ impl Asset<'_> {
         // The sum starts with the first product, not with 0: adding to +0 would turn −0 into +0
         // and nothing else, and p is added last anyway, so starting from −0 keeps every bit.
         let mut sum = [-0.0_f32; 3];
-        if self.vertex_modes.is_empty() {
-            let fields = self.all_displacements(vertex, pose.q.len())?;
-            for (u, q) in fields.iter().zip(pose.q) {
+        if LISTED {
+            let (fields, modes) = self.listed_displacements(vertex)?;
+            for (u, mode) in fields.iter().zip(modes) {
+                let Some(q) = q.get(usize::from(*mode)) else {
+                    return Err(self.unknown_mode_of(vertex));
+                };
                 for k in 0..3 {
                     sum[k] += u[k] * q;
                 }
             }
         } else {
-            let (fields, modes) = self.listed_displacements(vertex)?;
-            for (u, mode) in fields.iter().zip(modes) {
-                let Some(q) = pose.q.get(usize::from(*mode)) else {
-                    return Err(self.unknown_mode_of(vertex));
-                };
+            let m = q.len();
+            let start = i * m;
+            let Some(fields) = self.displacements.get(start..start + m) else {
+                return Err(self.out_of_range(
+                    SectionKind::DISPLACEMENTS,
+                    start + m,
+                    self.displacements.len(),
+                    12,
+                ));
+            };
+            for (u, q) in fields.iter().zip(q) {
                 for k in 0..3 {
                     sum[k] += u[k] * q;
                 }
@@ -77,7 +108,7 @@ impl Asset<'_> {
 
     /// The deformed corners of a triangle record relative to the origin (stored units).
     #[inline(always)]
-    pub(crate) fn stored_triangle(
+    pub(crate) fn stored_triangle<const LISTED: bool>(
         &self,
         pose: &Pose<'_>,
         record: &TriangleRecord,
@@ -85,9 +116,9 @@ impl Asset<'_> {
     ) -> Result<[[f32; 3]; 3], FormatError> {
         let [a, b, c] = record.corners;
         Ok([
-            recent.deformed(self, pose, a)?,
-            recent.deformed(self, pose, b)?,
-            recent.deformed(self, pose, c)?,
+            recent.deformed::<LISTED>(self, pose, a)?,
+            recent.deformed::<LISTED>(self, pose, b)?,
+            recent.deformed::<LISTED>(self, pose, c)?,
         ])
     }
 }
@@ -125,7 +156,13 @@ impl RecentVertices {
     /// Asks for the numbers of a triangle's vertices that are not remembered: their addresses
     /// follow no pattern, and all of them together take hardly longer than one.
     #[inline(always)]
-    pub(crate) fn prefetch(&mut self, asset: &Asset<'_>, record: &TriangleRecord) {
+    pub(crate) fn prefetch<const LISTED: bool>(
+        &mut self,
+        asset: &Asset<'_>,
+        record: &TriangleRecord,
+    ) {
+        /// Displacements in a cache line, rounded down.
+        const PER_LINE: usize = 5;
         for vertex in record.corners {
             let asked = &mut self.asked[Self::slot(vertex)];
             if *asked == vertex {
@@ -136,23 +173,26 @@ impl RecentVertices {
             if let Some(p) = asset.positions.get(i) {
                 prefetch(p);
             }
-            let entries = if asset.vertex_modes.is_empty() {
-                let m = asset.modes.len();
-                i.saturating_mul(m)..i.saturating_add(1).saturating_mul(m)
-            } else if let Some([own, next]) = asset.vertex_modes_of(i) {
-                own.first_entry as usize..next.first_entry as usize
+            let entries = if LISTED {
+                let records = asset.vertex_modes_of(i);
+                records.map(|[own, next]| own.first_entry as usize..next.first_entry as usize)
             } else {
-                continue;
+                let m = asset.modes.len();
+                Some(i.saturating_mul(m)..i.saturating_add(1).saturating_mul(m))
             };
-            if let Some(fields) = asset.displacements.get(entries) {
-                prefetch_all(fields);
+            if let Some(fields) = entries.and_then(|entries| asset.displacements.get(entries)) {
+                let mut at = 0;
+                while at < fields.len() {
+                    prefetch(&fields[at]);
+                    at += PER_LINE;
+                }
             }
         }
     }
 
     /// [`Asset::deformed_stored`], remembered.
     #[inline(always)]
-    fn deformed(
+    fn deformed<const LISTED: bool>(
         &mut self,
         asset: &Asset<'_>,
         pose: &Pose<'_>,
@@ -160,21 +200,9 @@ impl RecentVertices {
     ) -> Result<[f32; 3], FormatError> {
         let slot = Self::slot(vertex);
         if self.ids[slot] != vertex || vertex == NONE {
-            self.positions[slot] = asset.deformed_stored(pose, VertexId(vertex))?;
+            self.positions[slot] = asset.deformed_in::<LISTED>(pose.q, VertexId(vertex))?;
             self.ids[slot] = vertex;
         }
         Ok(self.positions[slot])
-    }
-}
-
-/// Asks for the displacements of a vertex.
-#[inline(always)]
-fn prefetch_all(fields: &[[f32; 3]]) {
-    /// Displacements in a cache line, rounded down.
-    const PER_LINE: usize = 5;
-    let mut at = 0;
-    while at < fields.len() {
-        prefetch(&fields[at]);
-        at += PER_LINE;
     }
 }

@@ -1,5 +1,6 @@
 //! A pose: q and a placement, prepared once per instance and step.
 
+use crate::bound::BoundPose;
 use crate::error::PoseError;
 use crate::frame::{Frame, rotation_matrix};
 use crate::math::{add, dot, scale, sqrt};
@@ -176,6 +177,16 @@ impl<'p> Pose<'p> {
     /// q as the queries use it: the given one with subnormal entries set to 0.
     pub fn q(&self) -> &'p [f32] {
         self.q
+    }
+
+    /// What node bounds need of it.
+    #[inline(always)]
+    pub(crate) fn bound(&self) -> BoundPose<'p> {
+        BoundPose {
+            share: self.share,
+            gamma: self.gamma,
+            slack: self.slack,
+        }
     }
 
     /// Whether the pose was made for this asset.

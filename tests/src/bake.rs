@@ -117,8 +117,10 @@ pub fn basis_of(fields: &[Vec<[f64; 3]>]) -> Basis {
 pub fn face_with_shapes() -> (RawMesh, Basis) {
     let face = face::face();
     let shapes = face::face_shapes(&face);
-    let mut basis = Basis::default();
-    basis.vertex_count = face.positions.len();
+    let mut basis = Basis {
+        vertex_count: face.positions.len(),
+        ..Basis::default()
+    };
     for shape in shapes {
         basis.fields.extend(shape.field);
         basis.modes.push(BasisMode {

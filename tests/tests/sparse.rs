@@ -73,6 +73,11 @@ fn both_layouts_give_equal_numbers() {
         assert_eq!(own.of(a.mode_count()), [0.0; 3]);
         assert!(!all.has(a.mode_count()));
     }
+    for asset in [&a, &b] {
+        let beyond = VertexId(asset.vertex_count() as u32);
+        assert!(asset.displacements(beyond).is_err());
+        assert!(asset.displacements(VertexId(u32::MAX)).is_err());
+    }
     let mut rng = poses::rng(4);
     let mut qs = poses::hard_qs(&a);
     qs.extend((0..8).map(|_| poses::random_q(&a, 0.3, &mut rng)));

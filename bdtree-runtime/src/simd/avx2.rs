@@ -125,18 +125,18 @@ pub(super) fn evaluate_checked(
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn walk_avx2<V: Visitor>(
+fn walk_avx2<V: Visitor, const LISTED: bool>(
     asset: &Asset<'_>,
     pose: &Pose<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
 ) -> Result<Walk, QueryError> {
-    walk::<Avx8, V>(asset, pose, stack, visitor)
+    walk::<Avx8, V, LISTED>(asset, pose, stack, visitor)
 }
 
 /// [`walk`] with AVX2.
 #[inline]
-pub(super) fn walk_checked<V: Visitor>(
+pub(super) fn walk_checked<V: Visitor, const LISTED: bool>(
     asset: &Asset<'_>,
     pose: &Pose<'_>,
     stack: &mut [StackEntry],
@@ -144,5 +144,5 @@ pub(super) fn walk_checked<V: Visitor>(
 ) -> Result<Walk, QueryError> {
     debug_assert!(Kernel::Avx2.is_available());
     // SAFETY: as in `evaluate_checked`.
-    unsafe { walk_avx2(asset, pose, stack, visitor) }
+    unsafe { walk_avx2::<V, LISTED>(asset, pose, stack, visitor) }
 }

@@ -113,7 +113,7 @@ impl Kernel {
 
     /// [`walk`] with this kernel.
     #[inline]
-    pub(crate) fn walk<V: Visitor>(
+    pub(crate) fn walk<V: Visitor, const LISTED: bool>(
         self,
         asset: &Asset<'_>,
         pose: &Pose<'_>,
@@ -122,10 +122,10 @@ impl Kernel {
     ) -> Result<Walk, QueryError> {
         match self {
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => avx2::walk_checked(asset, pose, stack, visitor),
+            Self::Avx2 => avx2::walk_checked::<V, LISTED>(asset, pose, stack, visitor),
             #[cfg(target_arch = "aarch64")]
-            Self::Neon => walk::<neon::Neon8, V>(asset, pose, stack, visitor),
-            _ => walk::<scalar::Array8, V>(asset, pose, stack, visitor),
+            Self::Neon => walk::<neon::Neon8, V, LISTED>(asset, pose, stack, visitor),
+            _ => walk::<scalar::Array8, V, LISTED>(asset, pose, stack, visitor),
         }
     }
 }

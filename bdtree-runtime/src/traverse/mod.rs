@@ -12,10 +12,10 @@ pub(crate) use two::{PairVisitor, two};
 
 use bdtree_format::{LANES, NodeRecord, SectionKind};
 
-use crate::bound::{BoundPose, Spheres};
+use crate::bound::Spheres;
 use crate::error::{Datum, FormatError};
 use crate::pose::Pose;
-use crate::view::{Asset, NodeRows};
+use crate::view::Asset;
 
 /// One entry of a single-asset traversal's stack: a node to visit.
 #[derive(Debug, Clone, Copy, Default)]
@@ -112,28 +112,9 @@ impl<'a> Asset<'a> {
         pose: &Pose<'_>,
         node: &NodeRecord,
     ) -> Result<Spheres, FormatError> {
-        self.evaluate_with(pose, node, |rows, modes, pose| {
-            self.kernel.evaluate(rows, modes, pose)
-        })
-    }
-
-    /// What `evaluate` makes of a node's rows, modes and the pose.
-    #[inline(always)]
-    fn evaluate_with<T>(
-        &self,
-        pose: &Pose<'_>,
-        node: &NodeRecord,
-        evaluate: impl Fn(&NodeRows<'_>, &[u16], &BoundPose<'_>) -> Option<T>,
-    ) -> Result<T, FormatError> {
-        let rows = self.node_rows(node)?;
-        let modes = self.node_modes(node)?;
-        let bound_pose = BoundPose {
-            share: pose.share,
-            gamma: pose.gamma,
-            slack: pose.slack,
-        };
-        match evaluate(&rows, modes, &bound_pose) {
-            Some(result) => Ok(result),
+        let (rows, modes) = (self.node_rows(node)?, self.node_modes(node)?);
+        match self.kernel.evaluate(&rows, modes, &pose.bound()) {
+            Some(spheres) => Ok(spheres),
             None => Err(self.unknown_mode(node.mode_list_start)),
         }
     }

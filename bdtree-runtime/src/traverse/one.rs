@@ -133,13 +133,18 @@ pub(crate) fn one<V: Visitor>(
     stack: &mut [StackEntry],
     visitor: &mut V,
 ) -> Result<Walk, QueryError> {
-    asset.kernel.walk(asset, pose, stack, visitor)
+    if asset.lists_modes() {
+        asset.kernel.walk::<V, true>(asset, pose, stack, visitor)
+    } else {
+        asset.kernel.walk::<V, false>(asset, pose, stack, visitor)
+    }
 }
 
-/// [`one`] for one instruction set: inlined where that is enabled, so that node bounds, the
-/// visitor's test of them and the leaves are one piece of code.
+/// [`one`] for one instruction set and one layout of displacements (`LISTED`: the vertices list
+/// their modes): inlined where the former is enabled, so that node bounds, the visitor's test of
+/// them and the leaves are one piece of code.
 #[inline(always)]
-pub(crate) fn walk<L: Lanes, V: Visitor>(
+pub(crate) fn walk<L: Lanes, V: Visitor, const LISTED: bool>(
     asset: &Asset<'_>,
     pose: &Pose<'_>,
     stack: &mut [StackEntry],
@@ -179,7 +184,12 @@ pub(crate) fn walk<L: Lanes, V: Visitor>(
         for k in 0..together {
             let node = asset.node(entries[k].node)?;
             asset.prefetch_triangles(node);
-            let spheres = asset.evaluate_with(pose, node, evaluate::<L>)?;
+            let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
+            // Spelled out: behind a function that takes `evaluate` it would not be compiled with
+            // the instruction set of the caller.
+            let Some(spheres) = evaluate::<L>(&rows, modes, &pose.bound()) else {
+                return Err(asset.unknown_mode(node.mode_list_start).into());
+            };
             let mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
             found[k] = (node, mask);
         }
@@ -213,7 +223,7 @@ pub(crate) fn walk<L: Lanes, V: Visitor>(
             for &lane in lanes {
                 if node.leaf_mask & (1 << lane) != 0 {
                     for record in asset.leaf(node, lane)? {
-                        recent.prefetch(asset, record);
+                        recent.prefetch::<LISTED>(asset, record);
                     }
                 }
             }
@@ -223,7 +233,7 @@ pub(crate) fn walk<L: Lanes, V: Visitor>(
                     continue;
                 }
                 for record in asset.leaf(node, lane)? {
-                    let stored = asset.stored_triangle(pose, record, &mut recent)?;
+                    let stored = asset.stored_triangle::<LISTED>(pose, record, &mut recent)?;
                     if V::IN_FOURS {
                         fresh.push(record.id, &stored);
                         if fresh.len == 4

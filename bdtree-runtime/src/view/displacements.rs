@@ -53,20 +53,31 @@ impl<'a> Asset<'a> {
     ///
     /// # Errors
     /// No such vertex; displacements or mode list outside their sections.
-    #[inline(always)]
+    #[inline]
     pub fn displacements(&self, vertex: VertexId) -> Result<Displacements<'a>, FormatError> {
-        if self.vertex_modes.is_empty() {
-            let fields = self.all_displacements(vertex, self.modes.len())?;
+        if self.lists_modes() {
+            let (fields, modes) = self.listed_displacements(vertex)?;
             return Ok(Displacements {
                 fields,
-                modes: None,
+                modes: Some(modes),
             });
         }
-        let (fields, modes) = self.listed_displacements(vertex)?;
-        Ok(Displacements {
-            fields,
-            modes: Some(modes),
-        })
+        let (i, m) = (vertex.0 as usize, self.modes.len());
+        if i >= self.positions.len() {
+            return Err(self.out_of_range(SectionKind::POSITIONS, i, self.positions.len(), 12));
+        }
+        let start = i.saturating_mul(m);
+        let end = start.saturating_add(m);
+        match self.displacements.get(start..end) {
+            Some(fields) => Ok(Displacements {
+                fields,
+                modes: None,
+            }),
+            None => {
+                let len = self.displacements.len();
+                Err(self.out_of_range(SectionKind::DISPLACEMENTS, end, len, 12))
+            }
+        }
     }
 
     /// Where the displacements and the mode list of each vertex begin, and a last record that ends
@@ -75,22 +86,10 @@ impl<'a> Asset<'a> {
         self.vertex_modes
     }
 
-    /// Layout 1: of all modes.
+    /// Whether vertices list their modes (layout 2 of DISP).
     #[inline(always)]
-    pub(crate) fn all_displacements(
-        &self,
-        vertex: VertexId,
-        mode_count: usize,
-    ) -> Result<&'a [[f32; 3]], FormatError> {
-        let start = (vertex.0 as usize).saturating_mul(mode_count);
-        let end = start.saturating_add(mode_count);
-        match self.displacements.get(start..end) {
-            Some(fields) => Ok(fields),
-            None => {
-                let len = self.displacements.len();
-                Err(self.out_of_range(SectionKind::DISPLACEMENTS, end, len, 12))
-            }
-        }
+    pub(crate) fn lists_modes(&self) -> bool {
+        !self.vertex_modes.is_empty()
     }
 
     /// Layout 2: of the vertex's modes, and these modes.

@@ -5,6 +5,7 @@
 
 mod bake;
 mod ball;
+mod face;
 mod open;
 mod scene;
 
@@ -25,6 +26,8 @@ enum Command {
     Ball(ball::Arguments),
     /// Stage times of a bake and the largest resident set
     Bake(bake::Arguments),
+    /// Local blend shapes of a face beside dense modes: bytes and time of a ball query
+    Face(face::Arguments),
     /// Opening a large file by mapping it
     Open(open::Arguments),
 }
@@ -33,6 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     match Cli::parse().command {
         Command::Ball(arguments) => ball::run(&arguments),
         Command::Bake(arguments) => bake::run(&arguments),
+        Command::Face(arguments) => face::run(&arguments),
         Command::Open(arguments) => open::run(&arguments),
     }
 }
