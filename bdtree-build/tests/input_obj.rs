@@ -169,9 +169,11 @@ fn paths_that_are_no_mesh_say_why() {
         std::fs::write(&path, "x").unwrap();
         path
     };
-    for later in ["a.ply", "a.stl.gz", "a.veg", "a.pc2", "a.fbx"] {
+    for later in ["a.ply", "a.stl.gz", "a.fbx"] {
         assert!(message(&touch(later)).contains("not supported yet (read now: .obj, .obj.gz"));
     }
+    assert!(message(&touch("a.veg")).contains("give it as --tets"));
+    assert!(message(&touch("a.pc2")).contains("given as --animation"));
     assert!(message(&touch("a.glb.gz")).contains("compressed .glb files are not read"));
     assert!(message(&touch("a.txt")).contains("unknown mesh format .txt"));
     assert!(message(&touch("noextension")).contains("no file extension"));
