@@ -42,14 +42,9 @@ pub struct Kept {
 /// error allows; zero fields cost nothing and go.
 ///
 /// # Errors
-/// More fields asked for than there are, an error limit that is no number of at least 0, and what
-/// [`wrap::store`] refuses.
-pub fn keep_fields(
-    mesh: &RawMesh,
-    basis: Basis,
-    keep: Keep,
-    warnings: &mut Vec<String>,
-) -> Result<Kept, BakeError> {
+/// More fields asked for than there are, an error limit that is no number of at least 0 or that
+/// all fields together do not keep, and what [`wrap::store`] refuses.
+pub fn keep_fields(mesh: &RawMesh, basis: Basis, keep: Keep) -> Result<Kept, BakeError> {
     let count = basis.mode_count();
     let fail = |message| Err(BakeError::one("basis", mesh.name.as_str(), message));
     let whole = basis.vertex_count.checked_mul(count);
@@ -86,14 +81,15 @@ pub fn keep_fields(
                     is_kept[j] = false;
                 }
                 let kept = source.keep(Cow::Borrowed(&basis), &is_kept)?;
-                if kept.error.max_rel <= limit || worst[dropped] == 0.0 {
-                    if kept.error.max_rel > limit {
-                        let rounding = kept.error.max_rel;
-                        warnings.push(format!(
-                            "the error limit {limit} is below what rounding to f32 costs, {rounding}"
-                        ));
-                    }
+                if kept.error.max_rel <= limit {
                     return Ok(kept);
+                }
+                if worst[dropped] == 0.0 {
+                    return fail(format!(
+                        "no choice of fields keeps the error within {limit:e} of the diagonal: all of \
+                         them leave {:e} at vertex {}, by rounding to f32",
+                        kept.error.max_rel, kept.error.vertex
+                    ));
                 }
                 // Rounding takes the rest: do with fewer.
                 dropped = worst

@@ -9,6 +9,7 @@ use std::str::FromStr;
 
 use super::{Basis, BasisMode};
 use crate::error::{BakeError, Problem};
+use crate::input::forget_folder;
 use crate::input::npy::{self, NpyArray};
 
 /// What the axes of a basis array mean. N vertices, M fields; k is x, y, z.
@@ -121,7 +122,8 @@ pub fn given_basis(
     if !problems.is_empty() {
         return Err(BakeError { problems });
     }
-    let warnings = check::oddities(&basis, &place);
+    let mut warnings = check::oddities(&basis, &place);
+    forget_folder(path, &mut warnings);
     Ok(GivenBasis { basis, warnings })
 }
 

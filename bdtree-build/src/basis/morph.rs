@@ -63,7 +63,7 @@ pub fn morph_basis(
         basis,
         fields,
         error,
-    } = keep_fields(mesh, basis, keep, warnings)?;
+    } = keep_fields(mesh, basis, keep)?;
     for (j, mode) in basis.modes.iter().enumerate() {
         if basis.field(j).iter().all(|u| *u == [0.0; 3]) {
             let name = mode

@@ -1,6 +1,6 @@
 //! What the command line says. Exit code 2 for what clap refuses.
 
-use bdtree_build::basis::elastic::{ElasticOptions, Fix, RESOLUTION_MAX};
+use bdtree_build::basis::elastic::{ElasticOptions, Fix, FixRegion, RESOLUTION_MAX};
 use bdtree_build::basis::given::Layout;
 use bdtree_build::basis::volume::MassMatrix;
 use bdtree_build::tree::Split;
@@ -187,6 +187,23 @@ impl Arguments {
         first.into_iter().find_map(Option::as_deref)
     }
 
+    /// Every file that is read.
+    pub(crate) fn inputs(&self) -> Vec<&Path> {
+        let lists = self.fix.iter().filter_map(|fix| match &fix.region {
+            FixRegion::List(path) => Some(path.as_path()),
+            _ => None,
+        });
+        let named = [
+            &self.input,
+            &self.basis,
+            &self.frequencies,
+            &self.animation,
+            &self.tets,
+        ];
+        let named = named.into_iter().filter_map(Option::as_deref);
+        named.chain(lists).collect()
+    }
+
     /// The options that were given and that only some kinds of sources use, with these kinds.
     pub(crate) fn used_by(&self) -> Vec<(&'static str, &'static [&'static str])> {
         const LATTICE: &[&str] = &["elastic"];
@@ -230,10 +247,18 @@ impl Arguments {
         for (name, value) in [
             ("--max-error-rel", self.max_error_rel),
             ("--range-rel", self.range_rel),
+            ("--fps", self.fps),
+            ("--young", self.young),
+            ("--density", self.density),
+            ("--scale", self.scale),
+            ("--thickness", self.thickness),
         ] {
             if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
                 return Err(format!("{name}: {value} is not a positive number"));
             }
+        }
+        if let Some(poisson) = self.poisson.filter(|nu| !(*nu > -1.0 && *nu < 0.5)) {
+            return Err(format!("--poisson: {poisson} is not between -1 and 0.5"));
         }
         match (self.modes.as_deref(), self.max_error_rel) {
             (Some("auto"), None) => Err("--modes auto needs --max-error-rel E".to_string()),

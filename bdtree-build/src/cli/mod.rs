@@ -7,6 +7,8 @@ mod sources;
 
 pub(crate) use arguments::Arguments;
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -17,6 +19,7 @@ use bdtree_build::error::BakeError;
 use bdtree_build::pipeline::{BakeSettings, bake, default_leaf_size, write_atomically};
 use bdtree_build::progress::Progress;
 use bdtree_build::report::BakeReport;
+use bdtree_format::MAGIC;
 
 /// Exit codes: 0 done, 1 bad input, 2 usage.
 pub(crate) fn run(arguments: &Arguments) -> ExitCode {
@@ -64,16 +67,7 @@ fn bake_file(arguments: &Arguments, progress: &dyn Progress) -> Result<Done, Bak
         .output
         .clone()
         .unwrap_or_else(|| default_output(input));
-    if let (Ok(from), Ok(to)) = (input.canonicalize(), output.canonicalize())
-        && from == to
-    {
-        let place = output.display().to_string();
-        return Err(BakeError::one(
-            "file",
-            place,
-            "is the input: it would be overwritten",
-        ));
-    }
+    check_output(arguments, &output)?;
     let source = sources::read(arguments, progress)?;
     let mut settings = BakeSettings {
         leaf_size: arguments.leaf_size.map(usize::from),
@@ -115,6 +109,40 @@ fn bake_file(arguments: &Arguments, progress: &dyn Progress) -> Result<Done, Bak
         elastic: source.elastic,
         volume: source.volume,
     })
+}
+
+/// Refuses an output that would overwrite what the bake reads, or what is no `.bdt` file.
+fn check_output(arguments: &Arguments, output: &Path) -> Result<(), BakeError> {
+    let refuse = |message: &str| {
+        let place = output.display().to_string();
+        Err(BakeError::one("file", place, message))
+    };
+    let same = |path: &Path| {
+        let both = (path.canonicalize(), output.canonicalize());
+        matches!(both, (Ok(from), Ok(to)) if from == to)
+    };
+    if arguments.inputs().into_iter().any(same) {
+        return refuse("is an input: it would be overwritten");
+    }
+    let has = |extension: &str| {
+        let own = output.extension();
+        own.is_some_and(|own| own.eq_ignore_ascii_case(extension))
+    };
+    if has("bdt") {
+        return Ok(());
+    }
+    // Buffers of a glTF file, frames, lists of vertices: whatever lies there is not ours.
+    let mut start = [0; MAGIC.len()];
+    if std::fs::metadata(output).is_ok_and(|meta| meta.is_file() && meta.len() > 0)
+        && let Ok(mut file) = File::open(output)
+        && (file.read_exact(&mut start).is_err() || start != MAGIC)
+    {
+        return refuse("is there already and no .bdt file: it would be overwritten");
+    }
+    if has("obj") && arguments.animation.as_deref().is_some_and(Path::is_dir) {
+        return refuse("would become a frame: name the output .bdt");
+    }
+    Ok(())
 }
 
 fn available_threads() -> usize {

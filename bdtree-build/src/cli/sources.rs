@@ -100,12 +100,12 @@ pub(super) fn read(arguments: &Arguments, progress: &dyn Progress) -> Result<Sou
         (None, Extra::Frames(frames)) => {
             animation::add(arguments, &frames, &mut source, progress)?;
         }
+        (None, Extra::Morphs(morphs)) => morph::add(arguments, &morphs, &mut source)?,
         // Rigid, whatever the input could do.
         _ if arguments.modes() == Modes::Count(0) => {}
         (None, Extra::Volume(volume)) => {
             volume::add(arguments, &volume, &mut source, progress)?;
         }
-        (None, Extra::Morphs(morphs)) => morph::add(arguments, &morphs, &mut source)?,
         (None, Extra::Nothing) => elastic::add(arguments, &mut source, progress)?,
     }
     if targets > 0 && source.kind != "morph" {

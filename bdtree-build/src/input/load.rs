@@ -68,10 +68,24 @@ pub fn read_model(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError
         .file_name()
         .map(|name| name.to_string_lossy().into_owned())
         .unwrap_or_default();
+    forget_folder(path, &mut mesh.warnings);
     Ok(RawModel {
         mesh,
         ..RawModel::default()
     })
+}
+
+/// Takes the folder of `path` out of warnings: they go into the file, which names no folders and
+/// must not depend on how a path was typed.
+pub(crate) fn forget_folder(path: &Path, warnings: &mut [String]) {
+    let full = path.display().to_string();
+    let full = full.trim_end_matches('/');
+    let Some(name) = path.file_name().map(|name| name.to_string_lossy()) else {
+        return;
+    };
+    for warning in warnings.iter_mut().filter(|_| full != name) {
+        *warning = warning.replace(full, &name);
+    }
 }
 
 pub(super) fn unreadable(place: &str, error: &std::io::Error) -> BakeError {

@@ -15,6 +15,7 @@ mod load;
 mod morphs;
 mod number;
 
+pub(crate) use load::forget_folder;
 pub use load::{read_mesh, read_model};
 pub use morphs::{RawClip, RawModel, RawMorphs, RawTarget};
 

@@ -139,7 +139,7 @@ pub fn store(
         || origin.iter().any(|x| x.abs() > power(ORIGIN_EXPONENT_MAX))
     {
         let message = format!(
-            "a box of diagonal {diagonal} around {origin:?} cannot be stored: sizes lie within \
+            "a box of diagonal {diagonal:e} around {origin:?} cannot be stored: sizes lie within \
              2^±{UNIT_EXPONENT_MAX} mesh units, positions within 2^{ORIGIN_EXPONENT_MAX} of the origin"
         );
         return Err(BakeError::one("encode", mesh.name.as_str(), message));
@@ -276,9 +276,11 @@ fn add_limits(
                 continue;
             }
             warnings.push(format!(
-                "mode {j}: limit of q raised from {limit} to {} for frame {}",
+                "mode {j}: limit of q raised from {limit} to {} for frame {}, which moves a vertex by \
+                 {:.0} box diagonals (--align takes rigid motion out of frames)",
                 power(exponent),
-                far.frame
+                far.frame,
+                norm * far.q / diagonal
             ));
             limit = power(exponent);
             raised.push((j, far, norm));

@@ -233,7 +233,7 @@ fn given_fields_are_dropped_by_the_same_rule() {
         ],
         animation: None,
     };
-    let keep = |keep| keep_fields(&mesh, basis.clone(), keep, &mut Vec::new());
+    let keep = |keep| keep_fields(&mesh, basis.clone(), keep);
     // The diagonal is 5: reaches are 2, 0.25 (5 % of it) and 0.125.
     let one = keep(Keep::First(1)).expect("sound");
     assert_eq!((one.error.max_rel, one.error.vertex), (0.05, 1));

@@ -10,9 +10,9 @@ use super::{About, PcaOptions};
 use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use crate::error::BakeError;
 use crate::input::RawMesh;
-use crate::input::sequence::{FrameSequence, Problems};
+use crate::input::sequence::FrameSequence;
 use crate::progress::Progress;
-use crate::wrap::{self, StoredShape};
+use crate::wrap;
 
 /// Rest positions, singular values, motions.
 pub(super) struct Reduction<'a> {
@@ -163,34 +163,12 @@ impl<'a> Reduction<'a> {
         // The bake stores once more, and says then what is odd.
         let shape = wrap::store(&self.mesh, basis, &mut Vec::new())?;
         let q = basis.animation.as_ref().map_or(&[][..], |a| &a.q);
-        self.check_limits(&shape, q)?;
         measure::errors(&self.snapshots, &shape, q, from, progress)
     }
 
     /// Where the frames come from.
     pub(super) fn sequence(&self) -> &'a FrameSequence {
         self.snapshots.sequence
-    }
-
-    /// Refuses frames that a reader could not play back.
-    fn check_limits(&self, shape: &StoredShape, q: &[f64]) -> Result<(), BakeError> {
-        let sequence = self.sequence();
-        let mut problems = Problems::new("basis");
-        for (t, q) in q.chunks_exact(shape.mode_count().max(1)).enumerate() {
-            for (j, (q, limits)) in q.iter().zip(&shape.limits).enumerate() {
-                if q.abs() > f64::from(limits.q_limit) {
-                    problems.add(|| {
-                        let message = format!(
-                            "q of mode {j} is {q}, beyond the limit {}, which is where the mode \
-                             moves a vertex by 100 diagonals; --align takes rigid motion out",
-                            limits.q_limit
-                        );
-                        (sequence.place(t), message)
-                    });
-                }
-            }
-        }
-        problems.into_result(sequence.name())
     }
 }
 

@@ -38,7 +38,6 @@ pub(super) fn add(
         &source.mesh,
         std::mem::take(&mut source.basis),
         keep(arguments),
-        &mut source.warnings,
     )?;
     source.basis = kept.basis;
     source.error = Some(kept.error);

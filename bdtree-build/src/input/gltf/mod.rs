@@ -27,7 +27,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::{RawModel, RawMorphs};
+use super::{RawModel, RawMorphs, forget_folder};
 use crate::error::BakeError;
 use accessor::Accessors;
 use buffers::Buffers;
@@ -57,6 +57,7 @@ pub fn read_gltf(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError>
         .file_name()
         .map(|name| name.to_string_lossy().into_owned())
         .unwrap_or_default();
+    forget_folder(path, &mut model.mesh.warnings);
     Ok(model)
 }
 

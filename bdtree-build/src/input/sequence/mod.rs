@@ -82,11 +82,15 @@ impl FrameSequence {
             return Err(BakeError::one("input", "--fps", message));
         }
         let meta = fs::metadata(path).map_err(|e| load::unreadable(&place, &e))?;
-        let opened = if meta.is_dir() {
+        let mut opened = if meta.is_dir() {
             folder::open(path, input, fps, progress)?
         } else {
             caches::open(path, input, fps, progress)?
         };
+        load::forget_folder(path, &mut opened.warnings);
+        if let Some(mesh) = &mut opened.first_mesh {
+            load::forget_folder(path, &mut mesh.warnings);
+        }
         let name = path.file_name().map_or_else(
             || "frames".to_string(), // `.` and `..`
             |name| name.to_string_lossy().into_owned(),

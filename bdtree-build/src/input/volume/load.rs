@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::{RawVolume, gmsh, veg, vtk};
 use crate::error::BakeError;
-use crate::input::load::{decompress, unreadable};
+use crate::input::load::{decompress, forget_folder, unreadable};
 
 /// What every refusal of a format ends with.
 const SUPPORTED: &str = "read as volumes: .veg, .vtk, .msh, each also .gz";
@@ -42,6 +42,7 @@ pub fn read_volume(path: &Path) -> Result<RawVolume, BakeError> {
         .file_name()
         .map(|name| name.to_string_lossy().into_owned())
         .unwrap_or_default();
+    forget_folder(path, &mut volume.warnings);
     Ok(volume)
 }
 
