@@ -53,6 +53,10 @@ fn large_fixtures_have_their_bytes() {
             "curtain",
             "c3163091379f4b121fa0c509920820c3c9489a2f39e244407567d966e7235a5f",
         ),
+        (
+            "face",
+            "fbbd4a4d41b9719ca45c011f265cbb4ff3fd3293a9aa58395ab49052a4c9c755",
+        ),
     ];
     let folder = tempfile::tempdir().expect("a folder for the test");
     for (name, hash) in expected {

@@ -43,6 +43,53 @@ fn numbers_are_compared_within_the_tolerance() {
     assert_eq!(ran.code, 1, "{}", ran.out);
 }
 
+/// Files whose vertices list their modes, against each other and against one with all modes.
+#[test]
+fn local_fields_are_compared_too() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    let mut local = basis(&mesh);
+    let n = mesh.positions.len();
+    for (k, u) in local.fields.iter_mut().enumerate() {
+        if mesh.positions[k % n][2] < 0.4 * (k / n) as f64 {
+            *u = [0.0; 3];
+        }
+    }
+    folder.write("local.bdt", baked(&mesh, &local));
+    let ran = folder.run(&["diff", "local.bdt", "local.bdt"]);
+    assert_eq!((ran.code, ran.out.as_str()), (0, "same\n"));
+    let moved = (0..n).rfind(|i| local.fields[*i][0].abs() > 0.1);
+    let moved = moved.expect("a vertex that moves");
+    local.fields[moved][0] *= 1.0 + 1e-5;
+    folder.write("number.bdt", baked(&mesh, &local));
+    let ran = folder.run(&["diff", "local.bdt", "number.bdt"]);
+    assert_eq!((ran.code, ran.err.as_str()), (1, ""));
+    assert!(
+        ran.out
+            .contains("section DISP: displacements of mode 0: 1 of ")
+    );
+    assert!(ran.out.contains(&format!("    vertex {moved} [0]: ")));
+    assert!(!ran.out.contains("of mode 1") && !ran.out.contains("VMOD"));
+    let ran = folder.run(&["diff", "local.bdt", "number.bdt", "--tolerance-rel", "1e-4"]);
+    assert_eq!(ran.code, 0, "{}", ran.out);
+
+    local.fields[moved] = [0.0; 3];
+    folder.write("fewer.bdt", baked(&mesh, &local));
+    for (file, texts) in [
+        ("fewer.bdt", &["section VMOD: modes of vertices: "][..]),
+        ("a.bdt", &["section table (kind, layout, required) differs"]),
+    ] {
+        let ran = folder.run(&["diff", "local.bdt", file, "--tolerance-rel", "1e-4"]);
+        assert_eq!((ran.code, ran.err.as_str()), (1, ""), "{file}");
+        for text in texts
+            .iter()
+            .chain(&["section DISP: displacements of mode 0: "])
+        {
+            assert!(ran.out.contains(text), "{file}: {text}: {}", ran.out);
+        }
+    }
+}
+
 #[test]
 fn structure_is_compared_exactly() {
     let folder = Folder::new();
