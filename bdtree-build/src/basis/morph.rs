@@ -1,5 +1,7 @@
 //! Morph targets as fields: q is the weight.
 
+use bdtree_format::MODE_COUNT_MAX;
+
 use super::dropped::{Keep, Kept, keep_fields};
 use super::{Animation, Basis, BasisError, BasisMode};
 use crate::error::BakeError;
@@ -22,14 +24,18 @@ pub struct MorphBasis {
 /// move nothing are kept with a warning (by `Auto` they are dropped).
 ///
 /// # Errors
-/// See [`keep_fields`]; a target of a vertex that is not there.
+/// See [`keep_fields`]; a target of a vertex that is not there; more targets to keep than a file
+/// holds; fields that need more memory than the limit, before they are made: a source lists only
+/// what moves, the fields have a displacement for every vertex.
 pub fn morph_basis(
     mesh: &RawMesh,
     morphs: &RawMorphs,
     keep: Keep,
+    memory_limit_bytes: u64,
     warnings: &mut Vec<String>,
 ) -> Result<MorphBasis, BakeError> {
     let (n, count) = (mesh.positions.len(), morphs.targets.len());
+    check_size(mesh, count, keep, memory_limit_bytes)?;
     let mut basis = Basis {
         vertex_count: n,
         fields: vec![[0.0; 3]; n * count],
@@ -81,6 +87,37 @@ pub fn morph_basis(
         basis,
         error,
     })
+}
+
+/// Refuses fields that no file holds, or that need more than the limit.
+fn check_size(mesh: &RawMesh, count: usize, keep: Keep, limit: u64) -> Result<(), BakeError> {
+    let fail = |message| Err(BakeError::one("basis", mesh.name.as_str(), message));
+    // Bytes of the kept displacements: in f32, and where fields are left out once more in f64.
+    let (kept, each) = match keep {
+        Keep::All => (count, 12),
+        Keep::First(wanted) => (wanted.min(count), 36),
+        Keep::Auto { .. } => (count.min(MODE_COUNT_MAX), 36),
+    };
+    if kept > MODE_COUNT_MAX {
+        return fail(format!(
+            "{kept} morph targets are to be kept, a file holds at most {MODE_COUNT_MAX} \
+             (--modes keeps fewer)"
+        ));
+    }
+    let vertices = mesh.positions.len();
+    let per_vertex = (count as u64)
+        .saturating_mul(24)
+        .saturating_add(kept as u64 * each);
+    let need = (vertices as u64).saturating_mul(per_vertex);
+    if need > limit {
+        return fail(format!(
+            "{count} morph targets of {vertices} vertices need about {} MiB, the limit is {} MiB \
+             (--memory-limit)",
+            need >> 20,
+            limit >> 20
+        ));
+    }
+    Ok(())
 }
 
 /// Typical largest |weight| of target `j`.

@@ -20,7 +20,7 @@ pub(crate) fn read_list(path: &Path, count: usize, what: &str) -> Result<Vec<u32
         BakeError::one("basis", name.to_string(), message)
     })?;
     let mut list = Vec::new();
-    let mut problems = Vec::new();
+    let (mut problems, mut more) = (Vec::new(), 0usize);
     for (line, bytes) in text.split(|&b| b == b'\n').enumerate() {
         let bytes = bytes.split(|&b| b == b'#').next().unwrap_or_default();
         let words = bytes.split(|b| b.is_ascii_whitespace() || *b == b',');
@@ -36,9 +36,16 @@ pub(crate) fn read_list(path: &Path, count: usize, what: &str) -> Result<Vec<u32
                         shown(word)
                     ),
                 }),
-                _ => {}
+                _ => more += 1,
             }
         }
+    }
+    if more > 0 {
+        problems.push(Problem {
+            stage: "basis",
+            place: name.to_string(),
+            message: format!("{more} more problems"),
+        });
     }
     if !problems.is_empty() {
         return Err(BakeError { problems });

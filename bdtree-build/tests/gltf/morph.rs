@@ -18,7 +18,7 @@ fn model() -> RawModel {
 
 fn morph(model: &RawModel, keep: Keep) -> (MorphBasis, Vec<String>) {
     let mut warnings = Vec::new();
-    let basis = morph_basis(&model.mesh, &model.morphs, keep, &mut warnings);
+    let basis = morph_basis(&model.mesh, &model.morphs, keep, 1 << 30, &mut warnings);
     (basis.unwrap_or_else(|e| panic!("{e}")), warnings)
 }
 

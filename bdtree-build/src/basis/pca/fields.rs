@@ -1,5 +1,7 @@
 //! From singular values to displacement fields and their q: U = X V Σ⁻¹, made orthonormal again.
 
+use std::ops::Range;
+
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
@@ -32,13 +34,8 @@ pub(super) fn fields(
     count: usize,
     progress: &dyn Progress,
 ) -> Result<Fields, BakeError> {
-    let descending: Vec<f64> = spectrum.values[..rank].iter().map(|s| -s).collect();
-    let clusters = canonical::clusters(&descending);
-    let made = clusters
-        .iter()
-        .map(|c| c.end)
-        .find(|&end| end >= count)
-        .unwrap_or(0);
+    let clusters = clusters(spectrum, rank);
+    let made = made(&clusters, count);
     let mut modes = project(snapshots, rest, spectrum, made, progress)?;
     orthonormalise(&mut modes, rest.len())?;
     for cluster in clusters.iter().filter(|c| c.len() > 1 && c.end <= made) {
@@ -59,6 +56,27 @@ pub(super) fn fields(
         fields: modes.fields,
         q,
     })
+}
+
+/// Numbers of displacements per vertex that [`fields`] holds at a time: the modes that it makes,
+/// and those of the largest space that it turns once more.
+pub(super) fn held(spectrum: &Spectrum, rank: usize, count: usize) -> usize {
+    let clusters = clusters(spectrum, rank);
+    let made = made(&clusters, count);
+    let turned = clusters.iter().filter(|c| c.len() > 1 && c.end <= made);
+    made + turned.map(Range::len).max().unwrap_or(0)
+}
+
+/// The modes of equal singular values.
+fn clusters(spectrum: &Spectrum, rank: usize) -> Vec<Range<usize>> {
+    let descending: Vec<f64> = spectrum.values[..rank].iter().map(|s| -s).collect();
+    canonical::clusters(&descending)
+}
+
+/// How many modes are made for the first `count`.
+fn made(clusters: &[Range<usize>], count: usize) -> usize {
+    let mut ends = clusters.iter().map(|c| c.end);
+    ends.find(|&end| end >= count).unwrap_or(0)
 }
 
 /// X V Σ⁻¹, and its product with X.

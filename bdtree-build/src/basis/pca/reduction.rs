@@ -1,7 +1,7 @@
 //! One sequence on its way to a basis: what is known before the number of modes is.
 
 use super::align::align;
-use super::fields::fields;
+use super::fields::{fields, held};
 use super::measure;
 use super::rank::{Rank, Rounding, rank};
 use super::snapshots::{Snapshots, centre, mean};
@@ -35,7 +35,7 @@ impl<'a> Reduction<'a> {
         options: &PcaOptions,
         progress: &dyn Progress,
     ) -> Result<Self, BakeError> {
-        check_memory(sequence, 0, options.memory_limit_bytes)?;
+        check_memory(sequence, 0, 0, options.memory_limit_bytes)?;
         let mut snapshots = Snapshots::new(sequence, options.chunk_vertices);
         let motions = if options.align {
             align(&mut snapshots, &mesh.positions, options.about, progress)?
@@ -124,9 +124,10 @@ impl<'a> Reduction<'a> {
     /// The basis of the first `count` modes, at most the rank.
     pub(super) fn basis(&self, count: usize, progress: &dyn Progress) -> Result<Basis, BakeError> {
         let sequence = self.sequence();
-        check_memory(sequence, count, self.memory_limit_bytes)?;
         let rest = &self.mesh.positions;
         let (spectrum, rank) = (&self.spectrum, self.rank.modes);
+        let held = held(spectrum, rank, count);
+        check_memory(sequence, count, held, self.memory_limit_bytes)?;
         let fields = fields(&self.snapshots, rest, spectrum, rank, count, progress)?;
         let frames = sequence.frame_count();
         let q = (0..frames)
@@ -173,24 +174,35 @@ impl<'a> Reduction<'a> {
 }
 
 /// Refuses work whose largest matrices need more than the limit.
-fn check_memory(sequence: &FrameSequence, modes: usize, limit_bytes: u64) -> Result<(), BakeError> {
+///
+/// `held` fields are in memory at a time to make `modes`.
+fn check_memory(
+    sequence: &FrameSequence,
+    modes: usize,
+    held: usize,
+    limit_bytes: u64,
+) -> Result<(), BakeError> {
     let (frames, vertices) = (sequence.frame_count(), sequence.vertex_count());
     let rows = vertices.saturating_mul(3);
     let (held_rows, columns) = Tsqr::held(rows, frames);
     let square = frames.min(rows) as u64 * frames as u64;
     // The triangle with the rows on top of it; both factors of its decomposition and as much room
-    // to work; fields in f64, and once more in f32.
+    // to work; fields in f64, and those that stay once more in f32.
     let numbers = (held_rows as u64 * columns as u64).saturating_add(square.saturating_mul(5));
-    let fields = (vertices as u64)
-        .saturating_mul(modes as u64)
-        .saturating_mul(36);
+    let per_vertex = (held as u64 * 24).saturating_add(modes as u64 * 12);
+    let fields = (vertices as u64).saturating_mul(per_vertex);
     let need = numbers.saturating_mul(8).saturating_add(fields);
     if need <= limit_bytes {
         return Ok(());
     }
+    let equal = if held > modes {
+        format!(" ({held} fields at a time, since singular values are equal)")
+    } else {
+        String::new()
+    };
     let message = format!(
-        "{frames} frames of {vertices} vertices with {modes} modes need about {} MiB, the limit is \
-         {} MiB (--memory-limit)",
+        "{frames} frames of {vertices} vertices with {modes} modes{equal} need about {} MiB, the \
+         limit is {} MiB (--memory-limit)",
         need >> 20,
         limit_bytes >> 20
     );

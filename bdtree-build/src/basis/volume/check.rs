@@ -29,14 +29,18 @@ pub(super) struct Units {
     pub omega_rad_s: f64,
 }
 
-/// Problems as they are found; the first hundred.
+/// Problems as they are found: the first hundred, and how many there are.
 #[derive(Default)]
-struct Found(Vec<Problem>);
+struct Found {
+    listed: Vec<Problem>,
+    count: usize,
+}
 
 impl Found {
     fn add(&mut self, place: String, message: impl Into<String>) {
-        if self.0.len() < PROBLEMS_MAX {
-            self.0.push(Problem {
+        self.count += 1;
+        if self.listed.len() < PROBLEMS_MAX {
+            self.listed.push(Problem {
                 stage: "basis",
                 place,
                 message: message.into(),
@@ -44,11 +48,22 @@ impl Found {
         }
     }
 
-    fn done(self) -> Result<(), BakeError> {
-        if self.0.is_empty() {
+    /// A failure if there are problems; `place` is where those that are only counted lie.
+    fn done(mut self, place: &str) -> Result<(), BakeError> {
+        if self.count == 0 {
             return Ok(());
         }
-        Err(BakeError { problems: self.0 })
+        let more = self.count - self.listed.len();
+        if more > 0 {
+            self.listed.push(Problem {
+                stage: "basis",
+                place: place.to_owned(),
+                message: format!("{more} more problems"),
+            });
+        }
+        Err(BakeError {
+            problems: self.listed,
+        })
     }
 }
 
@@ -73,7 +88,7 @@ pub(super) fn options(options: &VolumeOptions) -> Result<(), BakeError> {
     if options.fixes.iter().any(|fix| fix.axes == [false; 3]) {
         found.add("--fix".to_owned(), "no axis is named");
     }
-    found.done()
+    found.done("")
 }
 
 /// The elements with their materials, in units of their size, stiffness and density.
@@ -119,7 +134,7 @@ pub(super) fn model(
             found.add(place(format!("element {}", e + 1)), message);
         }
     }
-    found.done()?;
+    found.done(&volume.name)?;
 
     let length = mean_edge(&volume.nodes, &elements);
     let young_pa = materials.iter().map(|m| m.young_pa).fold(0.0, f64::max);
@@ -163,7 +178,7 @@ pub(super) fn model(
             found.add(place(format!("element {}", e + 1)), message);
         }
     }
-    found.done()?;
+    found.done(&volume.name)?;
     warn_locking(volume, &materials, warnings);
     Ok((model, units))
 }

@@ -15,7 +15,9 @@ pub(super) fn add(
     morphs: &RawMorphs,
     source: &mut Source,
 ) -> Result<(), BakeError> {
-    let morph = morph_basis(&source.mesh, morphs, keep(arguments), &mut source.warnings)?;
+    let limit_bytes = arguments.memory_limit.saturating_mul(1 << 20);
+    let warnings = &mut source.warnings;
+    let morph = morph_basis(&source.mesh, morphs, keep(arguments), limit_bytes, warnings)?;
     source.basis = morph.basis;
     for (mode, weight) in source.basis.modes.iter_mut().zip(morph.default_weights) {
         mode.default_q = Some(weight);

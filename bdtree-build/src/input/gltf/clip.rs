@@ -64,20 +64,30 @@ pub(super) fn read(
         );
         notes.warn("animations", message);
     }
-    let mut curves: Vec<(MorphNode, Curve)> = Vec::new();
+    let number_count = number_count(chosen, accessors);
+    if number_count > ELEMENTS_MAX {
+        let at = format!("animations[{}].samplers", chosen.index);
+        let message = format!(
+            "{number_count} times and values of all samplers; at most {ELEMENTS_MAX} are read"
+        );
+        notes.problem(at, message);
+        return None;
+    }
+    let mut curves = Curves::default();
+    let mut moves: Vec<(MorphNode, usize)> = Vec::new();
     let mut moved = HashSet::new();
     for &(i, channel, node) in &chosen.channels {
         let at = format!("animations[{}].channels[{i}]", chosen.index);
         if !moved.insert(node.first) {
             notes.problem(at, "moves the weights of a node that another channel moves");
-        } else if let Some(curve) = curve(chosen, channel, node.count, accessors, notes) {
-            curves.push((node, curve));
+        } else if let Some(curve) = curves.of(chosen, channel, node.count, accessors, notes) {
+            moves.push((node, curve));
         }
     }
     if !notes.is_clean() {
         return None;
     }
-    let (times_s, weights) = frames(chosen, &curves, defaults, notes)?;
+    let (times_s, weights) = frames(chosen, &curves.list, &moves, defaults, notes)?;
     Some(RawClip {
         name: chosen.name.clone(),
         times_s,
@@ -131,15 +141,58 @@ fn candidates<'a>(
     candidates
 }
 
-/// The curve of one channel for `width` weights.
+/// Times and values of the samplers that move weights, never too few: many samplers can name the
+/// same bytes.
+fn number_count(of: &Candidate<'_>, accessors: &Accessors<'_>) -> u64 {
+    let samplers: HashSet<usize> = of.channels.iter().map(|c| c.1.sampler.value()).collect();
+    samplers
+        .into_iter()
+        .filter_map(|sampler| of.animation.samplers.get(sampler))
+        .flat_map(|sampler| [sampler.input.value(), sampler.output.value()])
+        .filter_map(|index| accessors.list.get(index))
+        .fold(0, |sum, accessor| sum.saturating_add(accessor.count.0))
+}
+
+/// The curves of an animation; channels with one sampler share one.
+#[derive(Default)]
+struct Curves {
+    list: Vec<Curve>,
+    /// Index in `list` by sampler and number of weights; `None` if something is wrong with it.
+    known: HashMap<(usize, usize), Option<usize>>,
+}
+
+impl Curves {
+    /// Index of the curve of one channel for `width` weights. What is wrong with a sampler is noted
+    /// once.
+    fn of(
+        &mut self,
+        of: &Candidate<'_>,
+        channel: &Channel,
+        width: usize,
+        accessors: &Accessors<'_>,
+        notes: &mut Notes,
+    ) -> Option<usize> {
+        let sampler = channel.sampler.value();
+        if let Some(&known) = self.known.get(&(sampler, width)) {
+            return known;
+        }
+        let index = curve(of, sampler, width, accessors, notes).map(|curve| {
+            self.list.push(curve);
+            self.list.len() - 1
+        });
+        self.known.insert((sampler, width), index);
+        index
+    }
+}
+
+/// The curve of a sampler for `width` weights.
 fn curve(
     of: &Candidate<'_>,
-    channel: &Channel,
+    sampler: usize,
     width: usize,
     accessors: &Accessors<'_>,
     notes: &mut Notes,
 ) -> Option<Curve> {
-    let sampler = channel.sampler.value();
     let place = format!("animations[{}].samplers[{sampler}]", of.index);
     let Some(sampler) = of.animation.samplers.get(sampler) else {
         notes.problem(place, "there is no such element");
@@ -205,15 +258,36 @@ fn curve(
 /// the weights before and after.
 fn frames(
     of: &Candidate<'_>,
-    curves: &[(MorphNode, Curve)],
+    curves: &[Curve],
+    moves: &[(MorphNode, usize)],
     defaults: &[f64],
     notes: &mut Notes,
 ) -> Option<(Vec<f64>, Vec<f64>)> {
     let at = format!("animations[{}]", of.index);
-    let mut keys = Vec::new();
+    let too_many = |notes: &mut Notes| {
+        let message = format!(
+            "more than {ELEMENTS_MAX} weights in all frames, with {} in each; no more are read",
+            defaults.len()
+        );
+        notes.problem(&at, message);
+    };
+    // No overflow: the limit is far below 2³².
+    let most = ELEMENTS_MAX as usize / defaults.len().max(1);
+    let mut keys: Vec<f64> = Vec::new();
     let mut off = 0.0_f64;
-    for (_, curve) in curves {
-        off = off.max(curve.add_times(&mut keys));
+    for curve in curves {
+        let frames = curve.frames(most);
+        keys.extend(frames.iter().flat_map(|(times, _)| times));
+        // Two ascending runs, which this sort merges.
+        keys.sort_by(f64::total_cmp);
+        keys.dedup();
+        match frames {
+            Some((_, own)) if keys.len() <= most => off = off.max(own),
+            _ => {
+                too_many(notes);
+                return None;
+            }
+        }
     }
     if off > 0.0 {
         notes.warn(
@@ -221,22 +295,21 @@ fn frames(
             format!("bends so fast that weights between frames are off by up to {off}"),
         );
     }
-    keys.sort_by(f64::total_cmp);
-    keys.dedup();
-    let weight_count = (keys.len() as u64).saturating_mul(defaults.len() as u64);
-    if weight_count > ELEMENTS_MAX {
-        let message =
-            format!("{weight_count} weights in all frames; at most {ELEMENTS_MAX} are read");
-        notes.problem(at, message);
-        return None;
-    }
     let (mut times, mut weights) = (Vec::new(), Vec::new());
     let (mut before, mut after) = (defaults.to_vec(), defaults.to_vec());
     for t in keys {
-        for (node, curve) in curves {
+        for &(node, curve) in moves {
+            let Some(curve) = curves.get(curve) else {
+                continue;
+            };
             let own = node.first..node.first + node.count;
             curve.weights(t, Side::Before, &mut before[own.clone()]);
             curve.weights(t, Side::After, &mut after[own]);
+        }
+        // A jump makes two frames of one key.
+        if times.len() + 2 > most && (before != after || times.len() == most) {
+            too_many(notes);
+            return None;
         }
         if before != after {
             times.push(t);

@@ -76,13 +76,24 @@ impl Curve {
         }
     }
 
-    /// Adds the times between which the curve is linear within the tolerance. Returns by how much
-    /// it is beyond that where it bends too fast, 0 if nowhere.
-    pub(super) fn add_times(&self, times: &mut Vec<f64>) -> f64 {
-        times.extend(&self.times);
+    /// The ascending times between which the curve is linear within the tolerance, and by how much
+    /// it is beyond that where it bends too fast, 0 if nowhere. `None` for more than `most` times.
+    pub(super) fn frames(&self, most: usize) -> Option<(Vec<f64>, f64)> {
+        let mut times: Vec<f64> = Vec::new();
+        let mut push = |t: f64| {
+            if times.last().is_none_or(|&last| last < t) {
+                if times.len() == most {
+                    return None;
+                }
+                times.push(t);
+            }
+            Some(())
+        };
         if self.interpolation != Interpolation::CubicSpline {
-            return 0.0;
+            self.times.iter().try_for_each(|&t| push(t))?;
+            return Some((times, 0.0));
         }
+        push(*self.times.first()?)?;
         let weights = (0..self.times.len()).flat_map(|key| self.row(key, 0));
         let tolerance = TOLERANCE_REL * weights.fold(1.0, |m: f64, w| m.max(w.abs()));
         let mut worst = 0.0_f64;
@@ -96,9 +107,12 @@ impl Curve {
             if wanted > PIECES_MAX as f64 {
                 worst = worst.max(off / (PIECES_MAX * PIECES_MAX) as f64);
             }
-            times.extend((1..pieces).map(|i| pair[0] + span * (i as f64 / pieces as f64)));
+            for i in 1..pieces {
+                push(pair[0] + span * (i as f64 / pieces as f64))?;
+            }
+            push(pair[1])?;
         }
-        worst
+        Some((times, worst))
     }
 
     /// Largest |p''| of the cubic piece after key `from`, per square of the piece's length: p'' is
@@ -191,11 +205,10 @@ mod tests {
             let d = (a[k] + b[k] - 2.0 * rise) / (h * h);
             v[k] + s * (a[k] + s * (c + s * d))
         };
-        let mut times = Vec::new();
-        assert_eq!(curve.add_times(&mut times), 0.0);
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        assert!(times.len() < 200, "{}", times.len());
+        let (times, off) = curve.frames(200).expect("few frames");
+        assert_eq!(off, 0.0);
+        assert!(times.is_sorted_by(|a, b| a < b));
+        assert!(curve.frames(times.len()).is_some() && curve.frames(times.len() - 1).is_none());
         let mut worst = 0.0_f64;
         for pair in times.windows(2) {
             let (v, w) = (

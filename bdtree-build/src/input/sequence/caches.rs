@@ -60,10 +60,6 @@ pub(super) fn open(
         Err(error) => return Err(load::unreadable(&place, &error)),
     };
     let header = read_header(&mut file, file_bytes, fps).map_err(fail)?;
-    if header.frame_count == 0 || header.vertex_count == 0 {
-        let (frames, vertices) = (header.frame_count, header.vertex_count);
-        return Err(fail(format!("holds {frames} frames of {vertices} points")));
-    }
     check_vertex_count(&place, input, header.vertex_count)?;
     if input.is_none() {
         let message = "holds positions but no faces: name the mesh they belong to as INPUT";
@@ -110,13 +106,14 @@ fn count(what: &str, count: i32) -> Result<usize, String> {
     usize::try_from(count).map_err(|_| format!("the header says {count} {what}"))
 }
 
-/// Nothing, if frames of `vertices` points in float32 behind `offset` bytes end where the file does.
+/// Nothing, if frames of `vertices` points in float32 behind `offset` bytes end where the file
+/// does, and there are some.
 fn check_size(frames: usize, vertices: usize, offset: u64, file_bytes: u64) -> Result<(), String> {
     // No overflow: both counts were i32.
     let frame = 12 * vertices as u64;
     let need = (frame as u128) * (frames as u128) + u128::from(offset);
     if need == u128::from(file_bytes) {
-        return Ok(());
+        return check_some(frames, vertices);
     }
     let says = format!(
         "{frames} frames of {vertices} points need {need} bytes, the file has {file_bytes}"
@@ -126,6 +123,15 @@ fn check_size(frames: usize, vertices: usize, offset: u64, file_bytes: u64) -> R
     }
     let whole = file_bytes.saturating_sub(offset) / frame.max(1);
     Err(format!("truncated: {says}, which is {whole} whole frames"))
+}
+
+/// Nothing, if there are frames and vertices. In a file of the right size their numbers are then
+/// below that of its bytes.
+fn check_some(frames: usize, vertices: usize) -> Result<(), String> {
+    if frames == 0 || vertices == 0 {
+        return Err(format!("holds {frames} frames of {vertices} points"));
+    }
+    Ok(())
 }
 
 fn pc2(file: &mut File, file_bytes: u64, fps: Option<f64>) -> Result<Header, String> {
@@ -212,6 +218,7 @@ fn npy(file: &mut File, file_bytes: u64, fps: Option<f64>) -> Result<Header, Str
     };
     let offset = header.data_offset as u64;
     header.check_size(file_bytes.saturating_sub(offset))?;
+    check_some(frame_count, vertex_count)?;
     Ok(Header {
         number: header.number,
         order: if header.fortran {

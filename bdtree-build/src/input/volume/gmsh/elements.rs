@@ -1,5 +1,7 @@
 //! `$Elements`: tetrahedra, hexahedra, and the elements of groups.
 
+use std::collections::HashMap;
+
 use super::super::draft::{Element, Shape};
 use super::super::number::Kind;
 use super::super::source::Stop;
@@ -50,8 +52,8 @@ impl Reader<'_> {
             let kind = self.source.text_integer("the type of the element")?;
             let tags = self.source.text_integer("the number of tags")?;
             let tags = self.source.fits("the number of tags", tags, 2)?;
-            let physical = self.first_tag(tags)?;
-            self.element(nodes, number, kind, physical, *at)?;
+            let mut group = self.first_tag(tags)?;
+            self.element(nodes, number, kind, &mut group, *at)?;
             self.source.end();
         }
         Ok(())
@@ -76,21 +78,21 @@ impl Reader<'_> {
                 let number = self
                     .source
                     .integer("the number of the element", Kind::I32)?;
-                let physical = self.first_tag(tags)?;
-                self.element(nodes, number, kind, physical, *at)?;
+                let mut group = self.first_tag(tags)?;
+                self.element(nodes, number, kind, &mut group, *at)?;
             }
         }
         Ok(())
     }
 
     /// Reads `count` tags; the first is the physical group.
-    fn first_tag(&mut self, count: usize) -> Result<Physical, String> {
+    fn first_tag(&mut self, count: usize) -> Result<Membership, String> {
         let mut first = None;
         for _ in 0..count {
             let tag = self.source.integer("a tag", Kind::I32)?;
             first = first.or(Some(tag));
         }
-        Ok(Physical::Tag(first))
+        Ok(Membership::Tag(first))
     }
 
     /// Version 4.1: blocks of one type and entity.
@@ -105,8 +107,10 @@ impl Reader<'_> {
         self.source.end();
         let header_at = *at;
         let mut found = 0;
+        let mut named: HashMap<(i64, i64), Vec<usize>> = HashMap::new();
         for _ in 0..blocks {
             self.begin("a block of elements", at)?;
+            let block_at = *at;
             let dimension = self.source.integer("the dimension of a block", Kind::I32)?;
             let tag = self.source.integer("the entity of a block", Kind::I32)?;
             let kind = self.source.integer("the type of a block", Kind::I32)?;
@@ -114,11 +118,25 @@ impl Reader<'_> {
             let count = self.source.integer(what, size)?;
             self.source.end();
             let count = self.source.fits(what, count, 4)?;
+            let named = named.entry((dimension, tag)).or_insert_with(|| {
+                let tags = self.entities.physical(dimension, tag);
+                self.groups.named(dimension, tags)
+            });
+            let mut group = match named.as_slice() {
+                [] => Membership::Tag(None),
+                _ => Membership::Block(Vec::new()),
+            };
             for _ in 0..count {
                 self.begin("an element", at)?;
                 let number = self.source.integer("the number of the element", size)?;
-                self.element(nodes, number, kind, Physical::Entity(dimension, tag), *at)?;
+                self.element(nodes, number, kind, &mut group, *at)?;
                 self.source.end();
+            }
+            if let Membership::Block(mut nodes) = group {
+                nodes.sort_unstable();
+                nodes.dedup();
+                let added = self.groups.add_block(named, &nodes);
+                added.inspect_err(|_| *at = block_at)?;
             }
             found += count as i64;
         }
@@ -136,7 +154,7 @@ impl Reader<'_> {
         tags: &Tags,
         number: i64,
         kind: i64,
-        physical: Physical,
+        group: &mut Membership,
         position: u64,
     ) -> Result<(), String> {
         let is_binary = self.source.binary.is_some();
@@ -173,14 +191,10 @@ impl Reader<'_> {
                 .problem(position, format!("element {number}: {message}"));
             return Ok(());
         }
-        match physical {
-            Physical::Tag(Some(tag)) => self.groups.add(dimension, tag, nodes),
-            Physical::Tag(None) => {}
-            Physical::Entity(of, entity) => {
-                for &tag in self.entities.physical(of, entity) {
-                    self.groups.add(of, tag, nodes);
-                }
-            }
+        match group {
+            Membership::Tag(Some(tag)) => self.groups.add(dimension, *tag, nodes),
+            Membership::Tag(None) => {}
+            Membership::Block(of_block) => of_block.extend_from_slice(nodes),
         }
         match (shape, &*nodes) {
             (Shape::Tetrahedron, &[a, b, c, d]) => {
@@ -208,11 +222,10 @@ impl Reader<'_> {
     }
 }
 
-/// How an element names its groups.
-#[derive(Clone, Copy)]
-enum Physical {
-    /// By the group's tag.
+/// How an element belongs to groups.
+enum Membership {
+    /// To the one with the tag.
     Tag(Option<i64>),
-    /// As its entity does: dimension and tag.
-    Entity(i64, i64),
+    /// To those of its block, whose nodes so far these are.
+    Block(Vec<u32>),
 }

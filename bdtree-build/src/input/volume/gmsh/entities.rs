@@ -7,7 +7,7 @@ use super::super::number::Kind;
 use super::super::source::{Source, Stop};
 use super::{Format, Reader};
 
-/// Physical tags by dimension and tag of an entity.
+/// Physical tags, ascending, each once, by dimension and tag of an entity.
 #[derive(Default)]
 pub(super) struct Entities {
     physical: HashMap<(i64, i64), Vec<i64>>,
@@ -88,8 +88,12 @@ fn read(
             let tags = source.fits(what, tags, 2)?;
             let mut physical = Vec::with_capacity(tags);
             for _ in 0..tags {
-                physical.push(source.integer("a physical tag", Kind::I32)?);
+                // The sign of a tag is an orientation.
+                let tag = source.integer("a physical tag", Kind::I32)?;
+                physical.push(tag.saturating_abs());
             }
+            physical.sort_unstable();
+            physical.dedup();
             if dimension > 0 {
                 skip(source, format, "the number of bounding entities")?;
             }

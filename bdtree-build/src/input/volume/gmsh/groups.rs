@@ -5,12 +5,18 @@ use std::collections::HashMap;
 use super::super::RawNodeSet;
 use super::super::source::{Source, Stop};
 
+/// Most nodes of all groups together, as blocks of elements name them: a short file can put each
+/// of many elements into each of many groups.
+const MEMBERS_MAX: usize = 1 << 27;
+
 /// The named groups, in file order.
 #[derive(Default)]
 pub(super) struct Groups {
     sets: Vec<RawNodeSet>,
     /// Dimension and tag to the index in `sets`.
     index: HashMap<(i64, i64), usize>,
+    /// Nodes that blocks have added.
+    members: usize,
 }
 
 impl Groups {
@@ -45,6 +51,31 @@ impl Groups {
         if let Some(&set) = self.index.get(&(dimension, tag.saturating_abs())) {
             self.sets[set].nodes.extend_from_slice(nodes);
         }
+    }
+
+    /// Indices of the named groups of `dimension` with these tags, for [`Groups::add_block`].
+    pub(super) fn named(&self, dimension: i64, tags: &[i64]) -> Vec<usize> {
+        let index = |tag: &i64| self.index.get(&(dimension, tag.saturating_abs())).copied();
+        tags.iter().filter_map(index).collect()
+    }
+
+    /// A block of elements with these nodes belongs to the groups `named`.
+    pub(super) fn add_block(&mut self, named: &[usize], nodes: &[u32]) -> Result<(), String> {
+        let more = named.len().saturating_mul(nodes.len());
+        self.members = self.members.saturating_add(more);
+        if self.members > MEMBERS_MAX {
+            let (groups, nodes) = (named.len(), nodes.len());
+            return Err(format!(
+                "with this block of {nodes} nodes in {groups} groups all groups have more than \
+                 {MEMBERS_MAX} nodes"
+            ));
+        }
+        for &set in named {
+            if let Some(set) = self.sets.get_mut(set) {
+                set.nodes.extend_from_slice(nodes);
+            }
+        }
+        Ok(())
     }
 
     /// The nodes of every named group.
