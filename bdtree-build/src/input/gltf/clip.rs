@@ -6,11 +6,12 @@ use gltf::json::Animation;
 use gltf::json::animation::{Channel, Property};
 use gltf::json::validation::Checked;
 
-use super::accessor::{Accessors, Purpose};
+use super::accessor::Accessors;
 use super::curve::{Curve, Side};
 use super::model::MorphNode;
 use super::notes::Notes;
 use super::plan::ELEMENTS_MAX;
+use super::samplers::Curves;
 use crate::input::RawClip;
 
 /// An animation with the channels that move weights of nodes that are read.
@@ -64,23 +65,24 @@ pub(super) fn read(
         );
         notes.warn("animations", message);
     }
-    let number_count = number_count(chosen, accessors);
-    if number_count > ELEMENTS_MAX {
-        let at = format!("animations[{}].samplers", chosen.index);
-        let message = format!(
-            "{number_count} times and values of all samplers; at most {ELEMENTS_MAX} are read"
-        );
-        notes.problem(at, message);
+    let mut curves = Curves::of(chosen.index, chosen.animation);
+    let used = chosen
+        .channels
+        .iter()
+        .map(|c| c.1.sampler.value())
+        .collect();
+    if !curves.check_size(used, accessors, notes) {
         return None;
     }
-    let mut curves = Curves::default();
     let mut moves: Vec<(MorphNode, usize)> = Vec::new();
     let mut moved = HashSet::new();
     for &(i, channel, node) in &chosen.channels {
         let at = format!("animations[{}].channels[{i}]", chosen.index);
         if !moved.insert(node.first) {
             notes.problem(at, "moves the weights of a node that another channel moves");
-        } else if let Some(curve) = curves.of(chosen, channel, node.count, accessors, notes) {
+        } else if let Some(curve) =
+            curves.add(channel.sampler.value(), node.count, accessors, notes)
+        {
             moves.push((node, curve));
         }
     }
@@ -139,119 +141,6 @@ fn candidates<'a>(
         notes.warn("animations", message);
     }
     candidates
-}
-
-/// Times and values of the samplers that move weights, never too few: many samplers can name the
-/// same bytes.
-fn number_count(of: &Candidate<'_>, accessors: &Accessors<'_>) -> u64 {
-    let samplers: HashSet<usize> = of.channels.iter().map(|c| c.1.sampler.value()).collect();
-    samplers
-        .into_iter()
-        .filter_map(|sampler| of.animation.samplers.get(sampler))
-        .flat_map(|sampler| [sampler.input.value(), sampler.output.value()])
-        .filter_map(|index| accessors.list.get(index))
-        .fold(0, |sum, accessor| sum.saturating_add(accessor.count.0))
-}
-
-/// The curves of an animation; channels with one sampler share one.
-#[derive(Default)]
-struct Curves {
-    list: Vec<Curve>,
-    /// Index in `list` by sampler and number of weights; `None` if something is wrong with it.
-    known: HashMap<(usize, usize), Option<usize>>,
-}
-
-impl Curves {
-    /// Index of the curve of one channel for `width` weights. What is wrong with a sampler is noted
-    /// once.
-    fn of(
-        &mut self,
-        of: &Candidate<'_>,
-        channel: &Channel,
-        width: usize,
-        accessors: &Accessors<'_>,
-        notes: &mut Notes,
-    ) -> Option<usize> {
-        let sampler = channel.sampler.value();
-        if let Some(&known) = self.known.get(&(sampler, width)) {
-            return known;
-        }
-        let index = curve(of, sampler, width, accessors, notes).map(|curve| {
-            self.list.push(curve);
-            self.list.len() - 1
-        });
-        self.known.insert((sampler, width), index);
-        index
-    }
-}
-
-/// The curve of a sampler for `width` weights.
-fn curve(
-    of: &Candidate<'_>,
-    sampler: usize,
-    width: usize,
-    accessors: &Accessors<'_>,
-    notes: &mut Notes,
-) -> Option<Curve> {
-    let place = format!("animations[{}].samplers[{sampler}]", of.index);
-    let Some(sampler) = of.animation.samplers.get(sampler) else {
-        notes.problem(place, "there is no such element");
-        return None;
-    };
-    let Checked::Valid(interpolation) = sampler.interpolation else {
-        notes.problem(place, "interpolation is none of LINEAR, STEP, CUBICSPLINE");
-        return None;
-    };
-    let (input, output) = (format!("{place}.input"), format!("{place}.output"));
-    let times = accessors.read(sampler.input.value(), Purpose::Times, &input, notes);
-    let values = accessors.read(sampler.output.value(), Purpose::Weights, &output, notes);
-    let (times, values) = times.zip(values)?;
-    let keys = times.count;
-    if keys == 0 {
-        notes.problem(input, "has no keys");
-        return None;
-    }
-    if Curve::value_count(interpolation, keys, width) != Some(values.count) {
-        let kind = match interpolation {
-            gltf::json::animation::Interpolation::CubicSpline => " of 3 values",
-            _ => "",
-        };
-        let message = format!(
-            "{} values for {keys} keys{kind} of {width} morph targets",
-            values.count
-        );
-        notes.problem(output, message);
-        return None;
-    }
-    let times = times.all::<1>().into_flattened();
-    let mut equal = 0;
-    for (i, &t) in times.iter().enumerate() {
-        let before = if i == 0 { 0.0 } else { times[i - 1] };
-        if !(t.is_finite() && t >= before) {
-            let message = format!("key {i} at {t} s: times are numbers of at least 0 that ascend");
-            notes.problem(&input, message);
-        } else if i > 0 && t == before {
-            equal += 1;
-        }
-    }
-    if equal > 0 {
-        notes.warn(
-            input,
-            format!("{equal} keys have the time of the key before them: jumps"),
-        );
-    }
-    let values = values.all::<1>().into_flattened();
-    for (i, w) in values.iter().enumerate() {
-        if !w.is_finite() {
-            notes.problem(&output, format!("value {i} is {w}"));
-        }
-    }
-    Some(Curve {
-        interpolation,
-        times,
-        width,
-        values,
-    })
 }
 
 /// Times, and the weights of all targets at each. A time at which a curve jumps comes twice: with

@@ -20,6 +20,7 @@ mod nodes;
 mod notes;
 mod plan;
 mod quiet;
+mod samplers;
 mod topology;
 mod uri;
 

@@ -1,0 +1,145 @@
+//! The samplers of an animation as curves.
+
+use std::collections::{HashMap, HashSet};
+
+use gltf::json::Animation;
+use gltf::json::validation::Checked;
+
+use super::accessor::{Accessors, Purpose};
+use super::curve::Curve;
+use super::notes::Notes;
+use super::plan::ELEMENTS_MAX;
+
+/// The curves of an animation; channels with one sampler share one.
+pub(super) struct Curves<'a> {
+    pub(super) list: Vec<Curve>,
+    /// The animation and its index.
+    animation: (usize, &'a Animation),
+    /// Index in `list` by sampler and number of weights; `None` if something is wrong with it.
+    known: HashMap<(usize, usize), Option<usize>>,
+}
+
+impl<'a> Curves<'a> {
+    /// None of those of the animation `index`.
+    pub(super) fn of(index: usize, animation: &'a Animation) -> Self {
+        Self {
+            list: Vec::new(),
+            animation: (index, animation),
+            known: HashMap::new(),
+        }
+    }
+
+    /// The samplers `used` are not too large; otherwise that is noted. Many samplers can name the
+    /// same bytes.
+    pub(super) fn check_size(
+        &self,
+        used: HashSet<usize>,
+        accessors: &Accessors<'_>,
+        notes: &mut Notes,
+    ) -> bool {
+        let (index, animation) = self.animation;
+        let count = used
+            .into_iter()
+            .filter_map(|sampler| animation.samplers.get(sampler))
+            .flat_map(|sampler| [sampler.input.value(), sampler.output.value()])
+            .filter_map(|index| accessors.list.get(index))
+            .fold(0_u64, |sum, accessor| sum.saturating_add(accessor.count.0));
+        if count > ELEMENTS_MAX {
+            let message = format!(
+                "{count} times and values of all samplers; at most {ELEMENTS_MAX} are read"
+            );
+            notes.problem(format!("animations[{index}].samplers"), message);
+        }
+        count <= ELEMENTS_MAX
+    }
+
+    /// Index of the curve of a sampler for `width` weights. What is wrong with it is noted once.
+    pub(super) fn add(
+        &mut self,
+        sampler: usize,
+        width: usize,
+        accessors: &Accessors<'_>,
+        notes: &mut Notes,
+    ) -> Option<usize> {
+        if let Some(&known) = self.known.get(&(sampler, width)) {
+            return known;
+        }
+        let curve = curve(self.animation, sampler, width, accessors, notes);
+        let index = curve.map(|curve| {
+            self.list.push(curve);
+            self.list.len() - 1
+        });
+        self.known.insert((sampler, width), index);
+        index
+    }
+}
+
+/// The curve of a sampler for `width` weights.
+fn curve(
+    animation: (usize, &Animation),
+    sampler: usize,
+    width: usize,
+    accessors: &Accessors<'_>,
+    notes: &mut Notes,
+) -> Option<Curve> {
+    let (index, animation) = animation;
+    let place = format!("animations[{}].samplers[{sampler}]", index);
+    let Some(sampler) = animation.samplers.get(sampler) else {
+        notes.problem(place, "there is no such element");
+        return None;
+    };
+    let Checked::Valid(interpolation) = sampler.interpolation else {
+        notes.problem(place, "interpolation is none of LINEAR, STEP, CUBICSPLINE");
+        return None;
+    };
+    let (input, output) = (format!("{place}.input"), format!("{place}.output"));
+    let times = accessors.read(sampler.input.value(), Purpose::Times, &input, notes);
+    let values = accessors.read(sampler.output.value(), Purpose::Weights, &output, notes);
+    let (times, values) = times.zip(values)?;
+    let keys = times.count;
+    if keys == 0 {
+        notes.problem(input, "has no keys");
+        return None;
+    }
+    if Curve::value_count(interpolation, keys, width) != Some(values.count) {
+        let kind = match interpolation {
+            gltf::json::animation::Interpolation::CubicSpline => " of 3 values",
+            _ => "",
+        };
+        let message = format!(
+            "{} values for {keys} keys{kind} of {width} morph targets",
+            values.count
+        );
+        notes.problem(output, message);
+        return None;
+    }
+    let times = times.all::<1>().into_flattened();
+    let mut equal = 0;
+    for (i, &t) in times.iter().enumerate() {
+        let before = if i == 0 { 0.0 } else { times[i - 1] };
+        if !(t.is_finite() && t >= before) {
+            let message = format!("key {i} at {t} s: times are numbers of at least 0 that ascend");
+            notes.problem(&input, message);
+        } else if i > 0 && t == before {
+            equal += 1;
+        }
+    }
+    if equal > 0 {
+        notes.warn(
+            input,
+            format!("{equal} keys have the time of the key before them: jumps"),
+        );
+    }
+    let values = values.all::<1>().into_flattened();
+    for (i, w) in values.iter().enumerate() {
+        if !w.is_finite() {
+            notes.problem(&output, format!("value {i} is {w}"));
+        }
+    }
+    Some(Curve {
+        interpolation,
+        times,
+        width,
+        values,
+    })
+}
