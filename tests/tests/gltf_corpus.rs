@@ -138,7 +138,13 @@ fn characters_are_what_their_table_says() {
             }
         }
         let mut warnings = Vec::new();
-        let morph = morph_basis(&model.mesh, &model.morphs, Keep::All, 4 << 30, &mut warnings);
+        let morph = morph_basis(
+            &model.mesh,
+            &model.morphs,
+            Keep::All,
+            4 << 30,
+            &mut warnings,
+        );
         let morph = morph.unwrap_or_else(|e| panic!("{name}: {e}"));
         println!("{name}: {:?} {warnings:?}", morph.error);
         assert!(morph.error.max_rel < 1e-6, "{name}");

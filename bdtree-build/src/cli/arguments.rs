@@ -143,7 +143,7 @@ pub(crate) struct Arguments {
     pub(crate) fix: Vec<Fix>,
 
     /// Refuses bakes that would take more than this many MiB.
-    #[arg(long, value_name = "MIB", default_value_t = ElasticOptions::default().memory_limit_bytes >> 20, help_heading = "Elastic modes")]
+    #[arg(long, value_name = "MIB", default_value_t = ElasticOptions::default().memory_limit_bytes >> 20)]
     pub(crate) memory_limit: u64,
 
     /// Typical range of q for elastic modes and given fields: how far a mode moves its farthest
