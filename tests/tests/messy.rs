@@ -6,6 +6,8 @@
 use std::path::{Path, PathBuf};
 
 use bdtree_build::input::read_mesh;
+use bdtree_build::input::sequence::FrameSequence;
+use bdtree_build::progress::Silent;
 
 /// The corpus folder `name`, or `None` after saying that it is skipped.
 fn corpus(name: &str) -> Option<PathBuf> {
@@ -198,10 +200,11 @@ fn other_messy_formats_are_refused_with_what_is_read() {
             .is_some_and(|e| formats.iter().any(|f| e == *f))
     }) {
         let error = read_mesh(&path).unwrap_err().to_string();
-        assert!(
-            error.contains("not supported yet (read now: .obj, .obj.gz"),
-            "{error}"
-        );
+        assert!(error.contains("frames are given as --animation"), "{error}");
+        let mesh = read_mesh(&bdtree_tests::fixtures::path("cube_quads")).expect("a mesh");
+        let error = FrameSequence::open(&path, Some(&mesh), None, &Silent).unwrap_err();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        assert!(error.to_string().contains(&*name), "{error}");
         count += 1;
     }
     assert!(count > 0);

@@ -179,27 +179,27 @@ fn the_stated_error_is_what_dropped_targets_can_move() {
         assert!(few.error.rms_rel <= few.error.max_rel);
     }
     let mut kept = 13;
-    for limit in [0.0, 1e-9, 1e-6, 0.01, 0.05, 0.1, 0.2, 0.5, 10.0] {
-        let (few, warnings) = morph(
-            &model,
-            Keep::Auto {
-                max_error_rel: limit,
-            },
+    let auto = |limit| Keep::Auto {
+        max_error_rel: limit,
+    };
+    for limit in [0.0, 1e-9] {
+        let basis = morph_basis(
+            &model.mesh,
+            &model.morphs,
+            auto(limit),
+            1 << 30,
+            &mut Vec::new(),
         );
+        let text = basis.expect_err("below rounding").to_string();
+        assert!(text.contains("by rounding to f32"), "{text}");
+    }
+    for limit in [1e-6, 0.01, 0.05, 0.1, 0.2, 0.5, 10.0] {
+        let (few, warnings) = morph(&model, auto(limit));
         let count = few.basis.mode_count();
         assert!(count <= kept, "a looser limit, fewer targets");
         kept = count;
-        let is_below_rounding = limit < 1e-7;
-        assert_eq!(
-            !warnings.is_empty(),
-            is_below_rounding,
-            "{limit}: {warnings:?}"
-        );
-        assert!(
-            is_below_rounding || few.error.max_rel <= limit,
-            "{limit}: {:?}",
-            few.error
-        );
+        assert!(warnings.is_empty(), "{limit}: {warnings:?}");
+        assert!(few.error.max_rel <= limit, "{limit}: {:?}", few.error);
     }
     assert_eq!(kept, 0);
 }

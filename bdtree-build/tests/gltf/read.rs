@@ -76,7 +76,8 @@ fn nodes_place_meshes_and_their_targets() {
         group(GroupKind::Material, "red", 48, 48),
     ];
     assert_eq!(model.mesh.groups, expected);
-    let place = path.display();
+    // Warnings go into the file, which names no folders.
+    let place = "morph_nodes.glb";
     let expected = [
         format!(
             "{place}: animations: ignored 1 channels of 1 animations that move nodes, not weights"
