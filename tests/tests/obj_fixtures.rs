@@ -38,8 +38,10 @@ fn counts_are_as_listed() {
         let found = (mesh.positions.len(), mesh.triangles.len());
         assert_eq!(found, (vertices, triangles), "{name}");
     }
-    let valid = fixtures::meshes().filter(|f| !f.is_broken).count();
-    assert_eq!(valid, COUNTS.len());
+    for fixture in fixtures::meshes().filter(|f| !f.is_broken) {
+        let is_listed = COUNTS.iter().any(|(name, ..)| *name == fixture.name);
+        assert!(is_listed, "{}", fixture.name);
+    }
 }
 
 /// Table 1 of the paper: triangles exactly, vertices within 2 %.
