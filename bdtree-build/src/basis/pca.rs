@@ -113,8 +113,8 @@ pub struct CurvePoint {
 ///
 /// # Errors
 /// Another number of vertices than `mesh`, more than 512 modes, an error bound that is not
-/// positive or that no number of modes reaches, frames that cannot be played back because q leaves
-/// its limit, a mesh that cannot be stored, more memory than the limit, files that cannot be read
+/// positive or that no number of modes reaches, frames so far away that no limit of q holds them,
+/// a mesh that cannot be stored, more memory than the limit, files that cannot be read
 /// any more.
 pub fn pca_basis(
     mesh: &RawMesh,
