@@ -28,8 +28,8 @@ pub use header::{Header, MAGIC, VERSION_MAJOR, VERSION_MINOR};
 pub use metadata::{ErrorMetadata, Metadata, MetadataError, ModeMetadata};
 pub use mode::ModeRecord;
 pub use node::{
-    LANES, ModeRows, NodeRecord, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, ROWS_FIXED,
-    ROWS_LEADING, ROWS_PER_MODE, Row, mode_row, row_count,
+    LANES, ModePair, NodeRecord, PairRow, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS,
+    ROWS_FIXED, ROWS_LEADING, ROWS_PER_PAIR, Row, pair_count, pair_row, row_count,
 };
 pub use section::{SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord};
 pub use triangle::{GroupRecord, TriangleRecord, group_kind};
@@ -53,6 +53,9 @@ pub const LEAF_TRIANGLES_MAX: usize = 255;
 /// Layout id of most sections (SPEC 4).
 pub const LAYOUT_1: u32 = 1;
 
-/// Layout id of the nodes and of their rows (rows of modes in 16 bits), of displacements of each
+/// Layout id of the nodes (with exponents of the units of their rows), of displacements of each
 /// vertex's mode list, and of the metadata (errors with their place) (SPEC 4).
 pub const LAYOUT_2: u32 = 2;
+
+/// Layout id of the rows (modes in pairs, in 16 bits) (SPEC 4).
+pub const LAYOUT_3: u32 = 3;

@@ -8,25 +8,40 @@ pub const LANES: usize = 8;
 /// One quantity of the eight child spheres, and the unit in which the row section is counted.
 pub type Row = [f32; LANES];
 
-/// What one mode does to the eight child spheres, in 16 bits: three [`Row`]s' worth of bytes.
+/// One quantity of the eight child spheres for two modes: lane by lane the numbers of the two, side
+/// by side, as instructions that sum products of pairs take them.
+pub type PairRow = [[i16; 2]; LANES];
+
+/// What two modes do to the eight child spheres, in 16 bits: six [`Row`]s' worth of bytes.
 ///
 /// Numbers count a power of two that the node's lanes and modes share
 /// ([`NodeRecord::scale_exponents`]), and are those of a q that reaches its limit:
-/// Ū_j `q_limit`_j, ΔR_j `q_limit`_j and b±_j `q_limit`_j.
+/// Ū_j `q_limit`_j, ΔR_j `q_limit`_j and b±_j `q_limit`_j. Where a node's modes are odd in number,
+/// the second of its last pair is zero.
 #[derive(
     Debug, Clone, Copy, Default, PartialEq, Eq, FromBytes, IntoBytes, KnownLayout, Immutable,
 )]
 #[repr(C)]
-pub struct ModeRows {
+pub struct ModePair {
     /// Ū_x, Ū_y and Ū_z.
-    pub centre: [[i16; LANES]; 3],
-    /// ΔR.
-    pub growth: [u16; LANES],
+    pub centre: [PairRow; 3],
+    /// ΔR, not negative.
+    pub growth: PairRow,
     /// b⁺ and b⁻.
-    pub cross: [[i16; LANES]; 2],
+    pub cross: [PairRow; 2],
 }
 
-const _: () = assert!(size_of::<ModeRows>() == ROWS_PER_MODE * size_of::<Row>());
+const _: () = assert!(size_of::<ModePair>() == ROWS_PER_PAIR * size_of::<Row>());
+
+impl ModePair {
+    /// Ū_x, Ū_y, Ū_z, ΔR, b⁺ and b⁻ of one lane for the first mode of the pair (`which` even) or
+    /// the second (odd), in units.
+    pub fn numbers(&self, which: usize, lane: usize) -> [i16; 6] {
+        let [x, y, z] = &self.centre;
+        let [plus, minus] = &self.cross;
+        [x, y, z, &self.growth, plus, minus].map(|row| row[lane % LANES][which % 2])
+    }
+}
 
 /// A node: eight child spheres, each a *lane* that is empty, leads to a child node (inner) or
 /// holds triangles (leaf). 32 bytes.
@@ -56,7 +71,7 @@ pub struct NodeRecord {
     pub leaf_counts: [u8; LANES],
     /// Distance from the root.
     pub level: u8,
-    /// Binary exponents of the units in which the node's [`ModeRows`] count: Ū's, ΔR's and b±'s.
+    /// Binary exponents of the units in which the node's [`ModePair`]s count: Ū's, ΔR's and b±'s.
     pub scale_exponents: [i8; 3],
 }
 
@@ -74,19 +89,24 @@ pub const ROW_RADIUS: usize = 3;
 /// Rows before the first mode's.
 pub const ROWS_LEADING: usize = 4;
 
-/// Rows whose bytes a mode's [`ModeRows`] takes.
-pub const ROWS_PER_MODE: usize = 3;
+/// Rows whose bytes a [`ModePair`] takes.
+pub const ROWS_PER_PAIR: usize = 6;
 
-/// Rows of a node without its modes': the four leading ones, then, behind the modes, δR and
+/// Rows of a node without its modes': the four leading ones, then, behind the pairs, δR and
 /// the δR of scaled steps.
 pub const ROWS_FIXED: usize = 6;
 
-/// First row of a node's k-th active mode: where its [`ModeRows`] begin.
-pub const fn mode_row(k: usize) -> usize {
-    ROWS_LEADING + ROWS_PER_MODE * k
+/// Pairs that `mode_count` modes fill, the last one perhaps by half.
+pub const fn pair_count(mode_count: usize) -> usize {
+    mode_count.div_ceil(2)
+}
+
+/// First row of the k-th [`ModePair`] of a node, which holds its active modes 2 k and 2 k + 1.
+pub const fn pair_row(k: usize) -> usize {
+    ROWS_LEADING + ROWS_PER_PAIR * k
 }
 
 /// Number of rows of a node with `mode_count` active modes.
 pub const fn row_count(mode_count: usize) -> usize {
-    ROWS_FIXED + ROWS_PER_MODE * mode_count
+    ROWS_FIXED + ROWS_PER_PAIR * pair_count(mode_count)
 }

@@ -1,6 +1,6 @@
 //! The section table (SPEC 4).
 
-use crate::{LAYOUT_1, LAYOUT_2};
+use crate::{LAYOUT_1, LAYOUT_2, LAYOUT_3};
 use zerocopy::little_endian::{U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
@@ -81,7 +81,7 @@ pub const SECTION_ORDER: [SectionKind; 13] = [
 /// The layouts of the sections in [`SECTION_ORDER`].
 pub const SECTION_LAYOUTS: [&[u32]; SECTION_ORDER.len()] = [
     &[LAYOUT_2],
-    &[LAYOUT_2],
+    &[LAYOUT_3],
     &[LAYOUT_1],
     &[LAYOUT_1],
     &[LAYOUT_1],

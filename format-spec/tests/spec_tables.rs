@@ -3,7 +3,7 @@
 
 use bdtree_format as fmt;
 use bdtree_format::{
-    FrameRecord, GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, SectionKind, SectionRecord,
+    FrameRecord, GroupRecord, Header, ModePair, ModeRecord, NodeRecord, SectionKind, SectionRecord,
     TriangleRecord, VertexModes,
 };
 use core::mem::offset_of;
@@ -124,9 +124,9 @@ fn node_table_matches_struct() {
 }
 
 #[test]
-fn mode_rows_table_matches_struct() {
-    let all = fields!(ModeRows: centre, growth, cross);
-    check_record("ModeRows", size_of::<ModeRows>(), &all);
+fn mode_pair_table_matches_struct() {
+    let all = fields!(ModePair: centre, growth, cross);
+    check_record("ModePair", size_of::<ModePair>(), &all);
 }
 
 #[test]
@@ -225,8 +225,8 @@ fn rows_match_constants() {
     ];
     assert_eq!(leading, code);
     for m in [0, 1, 3, fmt::MODE_COUNT_MAX] {
-        assert_eq!(fmt::mode_row(m), 4 + 3 * m);
-        assert_eq!(fmt::row_count(m), 6 + 3 * m);
+        assert_eq!(fmt::pair_row(m), 4 + 6 * m);
+        assert_eq!(fmt::row_count(m), 6 + 6 * m.div_ceil(2));
     }
 }
 
@@ -244,9 +244,10 @@ fn constants_match() {
         ("LEAF_TRIANGLES_MAX", fmt::LEAF_TRIANGLES_MAX.to_string()),
         ("LAYOUT_1", fmt::LAYOUT_1.to_string()),
         ("LAYOUT_2", fmt::LAYOUT_2.to_string()),
+        ("LAYOUT_3", fmt::LAYOUT_3.to_string()),
         ("LANES", fmt::LANES.to_string()),
         ("ROWS_LEADING", fmt::ROWS_LEADING.to_string()),
-        ("ROWS_PER_MODE", fmt::ROWS_PER_MODE.to_string()),
+        ("ROWS_PER_PAIR", fmt::ROWS_PER_PAIR.to_string()),
         ("ROWS_FIXED", fmt::ROWS_FIXED.to_string()),
     ];
     let spec: Vec<(&str, String)> = table_behind("### 9.4")
