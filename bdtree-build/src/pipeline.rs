@@ -42,6 +42,9 @@ pub struct BakeSettings {
     pub leaf_size: Option<usize>,
     /// How sets of triangles are divided.
     pub split: Split,
+    /// Whether spheres hold those below them at every q ([`wrap::nest`]): larger bounds, for bounded
+    /// depth where proxies are to lie in their ancestors' spheres.
+    pub nested: bool,
     /// Threads to work with; the bytes do not depend on it.
     pub threads: usize,
     /// Where the basis came from: `rigid`, `given`, `elastic`, …
@@ -57,6 +60,7 @@ impl Default for BakeSettings {
         Self {
             leaf_size: None,
             split: Split::default(),
+            nested: false,
             threads: 1,
             basis_kind: "given".to_string(),
             basis_error: None,
@@ -112,7 +116,10 @@ pub fn bake(
     );
 
     stages.begin("wrap");
-    let wrapped = wrap::wrap(&tree, &mesh.triangles, &shape, settings.threads)?;
+    let mut wrapped = wrap::wrap(&tree, &mesh.triangles, &shape, settings.threads)?;
+    if settings.nested {
+        wrap::nest(&mut wrapped);
+    }
 
     stages.begin("encode");
     check_error(settings.basis_error, mesh)?;

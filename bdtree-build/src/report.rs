@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::basis::{Basis, BasisError};
 use crate::tree::{LaneKind, Tree};
 use crate::wrap::ball::smallest_ball;
-use crate::wrap::{StoredShape, WrappedTree, mode_rows};
+use crate::wrap::{StoredShape, WrappedTree, mode_pair};
 use random::Random;
 pub use visits::Visits;
 
@@ -180,9 +180,9 @@ fn radius_at(
     for (k, &mode) in modes.iter().enumerate() {
         let mode = usize::from(mode);
         let share = q[mode] / f64::from(shape.limits[mode].q_limit);
-        let own = mode_rows(rows, k);
-        growth += growth_unit * f64::from(own.growth[lane]) * share;
-        cross += cross_unit * f64::from(own.cross[0][lane]) * share;
+        let [_, _, _, own_growth, plus, _] = mode_pair(rows, k / 2).numbers(k, lane);
+        growth += growth_unit * f64::from(own_growth) * share;
+        cross += cross_unit * f64::from(plus) * share;
     }
     let radius = f64::from(rows[ROW_RADIUS][lane]);
     (radius * radius + 2.0 * cross + growth * growth)

@@ -72,6 +72,7 @@ fn bake_file(arguments: &Arguments, progress: &dyn Progress) -> Result<Done, Bak
     let mut settings = BakeSettings {
         leaf_size: arguments.leaf_size.map(usize::from),
         split: arguments.split,
+        nested: arguments.nested,
         threads: arguments
             .threads
             .map_or_else(available_threads, usize::from),
@@ -88,6 +89,10 @@ fn bake_file(arguments: &Arguments, progress: &dyn Progress) -> Result<Done, Bak
     ];
     for (name, value) in shown {
         settings.metadata.insert(name.to_string(), value);
+    }
+    if arguments.nested {
+        let (name, value) = ("nested".to_string(), "true".to_string());
+        settings.metadata.insert(name, value);
     }
     let mut baked = bake(
         &source.mesh,

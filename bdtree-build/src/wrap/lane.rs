@@ -1,6 +1,8 @@
 //! The bounds of a node's lanes from the vertices below them (docs/guarantees.md).
 
-use bdtree_format::{LANES, ModeRows, ROW_CENTRE_X, ROW_RADIUS, Row, mode_row, row_count};
+use bdtree_format::{
+    LANES, ModePair, ROW_CENTRE_X, ROW_RADIUS, Row, pair_count, pair_row, row_count,
+};
 use zerocopy::IntoBytes;
 
 use super::ball::{dot, norm2, smallest_ball, sub};
@@ -11,10 +13,6 @@ use super::stored::StoredShape;
 /// Relative and absolute guards of d, e and x·w (SPEC 5.7).
 const GUARD_SQUARE: f64 = 1.0 / (1u64 << 48) as f64;
 const GUARD_PRODUCT: f64 = 1.0 / (1u64 << 40) as f64;
-
-/// Bits of Ū and b±, without their signs, and of ΔR.
-const SIGNED_BITS: i32 = 15;
-const UNSIGNED_BITS: i32 = 16;
 
 /// Ū_j, ΔR_j, b⁺_j and b⁻_j of a lane at q_j = `q_limit`_j: Ū_j as stored, ΔR_j as stored once
 /// all of the node are known, b± before their rounding.
@@ -78,7 +76,7 @@ pub(super) fn write_node(
         }
         rows[ROW_RADIUS][*k] = lane.radius as f32; // made from an f32
         for which in 0..2 {
-            rows[mode_row(modes.len()) + which][*k] = lane
+            rows[pair_row(pair_count(modes.len())) + which][*k] = lane
                 .vertices
                 .iter()
                 .map(|&i| step_bounds[i as usize][which])
@@ -88,31 +86,32 @@ pub(super) fn write_node(
     }
 
     let centres = used.iter().flat_map(|(_, lane)| &lane.centres);
-    let centre_grid = Grid::covering(largest(centres.flatten().flatten().copied()), SIGNED_BITS);
+    let centre_grid = Grid::covering(largest(centres.flatten().flatten().copied()));
     for (_, lane) in &mut used {
         lane.choose_bounds(shape, modes, centre_grid, points);
     }
     let bounds = used.iter().flat_map(|(_, lane)| &lane.bounds);
-    let growth_grid = Grid::covering(largest(bounds.map(|b| b.growth)), UNSIGNED_BITS);
+    let growth_grid = Grid::covering(largest(bounds.map(|b| b.growth)));
     for (_, lane) in &mut used {
         lane.round_growths(shape, modes, growth_grid, points);
     }
     let bounds = used.iter().flat_map(|(_, lane)| &lane.bounds);
-    let cross_grid = Grid::covering(largest(bounds.flat_map(|b| b.cross)), SIGNED_BITS);
+    let cross_grid = Grid::covering(largest(bounds.flat_map(|b| b.cross)));
 
-    for k in 0..modes.len() {
-        let mut out = ModeRows::default();
+    for pair in 0..pair_count(modes.len()) {
+        let mut out = ModePair::default();
         for (lane, scratch) in &used {
-            let bound = scratch.bounds[k];
-            for (row, x) in out.centre.iter_mut().zip(bound.centre) {
-                row[*lane] = centre_grid.nearest(x); // on the grid already
-            }
-            out.growth[*lane] = growth_grid.up_unsigned(bound.growth); // the same
-            for (row, b) in out.cross.iter_mut().zip(bound.cross) {
-                row[*lane] = cross_grid.up(b);
+            for (which, bound) in scratch.bounds[2 * pair..].iter().take(2).enumerate() {
+                for (row, x) in out.centre.iter_mut().zip(bound.centre) {
+                    row[*lane][which] = centre_grid.nearest(x); // on the grid already
+                }
+                out.growth[*lane][which] = growth_grid.up(bound.growth); // the same
+                for (row, b) in out.cross.iter_mut().zip(bound.cross) {
+                    row[*lane][which] = cross_grid.up(b);
+                }
             }
         }
-        rows[mode_row(k)..mode_row(k + 1)]
+        rows[pair_row(pair)..pair_row(pair + 1)]
             .as_mut_bytes()
             .copy_from_slice(out.as_bytes());
     }
@@ -191,7 +190,7 @@ impl Lane {
         for (k, &mode) in modes.iter().enumerate() {
             self.load_field(shape, mode, points);
             let ModeBound { centre, growth, .. } = self.bounds[k];
-            let growth = grid.value(grid.up_unsigned(growth));
+            let growth = grid.value(grid.up(growth));
             self.bounds[k] = self.bound_mode(points, centre, growth);
         }
     }

@@ -8,6 +8,7 @@ mod grid;
 mod growth;
 mod lane;
 mod modes;
+mod nested;
 pub mod round;
 pub mod stored;
 mod units;
@@ -15,10 +16,11 @@ mod units;
 use std::sync::Mutex;
 
 use bdtree_format::{
-    LANES, ModeRows, NodeRecord, ROW_CENTRE_X, Row, VertexModes, mode_row, row_count,
+    LANES, ModePair, NodeRecord, ROW_CENTRE_X, Row, VertexModes, pair_row, row_count,
 };
 use zerocopy::IntoBytes;
 
+pub use nested::nest;
 pub use stored::{ModeLimits, RANGE_DIAGONALS, StoredShape, store};
 
 use crate::error::BakeError;
@@ -176,11 +178,11 @@ fn wrap_nodes(
     });
 }
 
-/// The numbers of a node's k-th active mode as `rows`, the node's, hold them.
-pub(crate) fn mode_rows(rows: &[Row], k: usize) -> ModeRows {
-    let mut out = ModeRows::default();
+/// The k-th pair of a node's active modes as `rows`, the node's, hold it.
+pub(crate) fn mode_pair(rows: &[Row], k: usize) -> ModePair {
+    let mut out = ModePair::default();
     out.as_mut_bytes()
-        .copy_from_slice(rows[mode_row(k)..mode_row(k + 1)].as_bytes());
+        .copy_from_slice(rows[pair_row(k)..pair_row(k + 1)].as_bytes());
     out
 }
 
@@ -215,9 +217,10 @@ fn norms(
         for (k, &mode) in modes.iter().enumerate() {
             let mode = usize::from(mode);
             let per_q = unit / f64::from(shape.limits[mode].q_limit);
-            let centre = mode_rows(rows, k).centre;
+            let pair = mode_pair(rows, k / 2);
             for lane in 0..LANES {
-                let centre = centre.map(|row| f64::from(row[lane]) * per_q);
+                let [x, y, z, ..] = pair.numbers(k, lane);
+                let centre = [x, y, z].map(|n| f64::from(n) * per_q);
                 fields[mode] = fields[mode].max(vector_norm_up(centre));
             }
         }

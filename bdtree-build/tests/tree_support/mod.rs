@@ -8,8 +8,8 @@ use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Baked, bake};
 use bdtree_build::progress::Silent;
 use bdtree_format::{
-    Header, ModeRecord, ModeRows, NodeRecord, ROWS_LEADING, Row, SectionKind, SectionRecord,
-    TriangleRecord, VertexModes, mode_row,
+    Header, ModePair, ModeRecord, NodeRecord, ROWS_LEADING, Row, SectionKind, SectionRecord,
+    TriangleRecord, VertexModes, pair_count, pair_row,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -295,18 +295,12 @@ impl Decoded {
         let (k, which) = (behind / NUMBERS_PER_MODE, behind % NUMBERS_PER_MODE);
         let modes = self.node_modes(node);
         let Some(&mode) = modes.get(k) else {
-            return rows[mode_row(modes.len()) + which][lane];
+            return rows[pair_row(pair_count(modes.len())) + which][lane];
         };
-        let bytes = rows[mode_row(k)..mode_row(k + 1)].as_bytes();
-        let own = ModeRows::read_from_bytes(bytes).unwrap();
-        let (units, exponent) = match which {
-            0..3 => (f64::from(own.centre[which][lane]), node.scale_exponents[0]),
-            3 => (f64::from(own.growth[lane]), node.scale_exponents[1]),
-            _ => (
-                f64::from(own.cross[which - 4][lane]),
-                node.scale_exponents[2],
-            ),
-        };
+        let bytes = rows[pair_row(k / 2)..pair_row(k / 2 + 1)].as_bytes();
+        let own = ModePair::read_from_bytes(bytes).unwrap().numbers(k, lane);
+        let exponent = node.scale_exponents[[0, 0, 0, 1, 2, 2][which]];
+        let units = f64::from(own[which]);
         let limit = self.modes[usize::from(mode)].q_limit.get();
         (units * 2f64.powi(exponent.into()) / f64::from(limit)) as f32
     }
