@@ -7,13 +7,15 @@
 //! R'(q)² = R² + 2 Σ_j b_j |q_j| + s²,   s = Σ_j ΔR_j |q_j|,   b_j = b⁺_j if q_j > 0 else b⁻_j
 //! ```
 //!
-//! which is never above the paper's R + s: per mode five multiply-adds and eight lanes at once.
+//! which is never above the paper's R + s. Rows and q are whole numbers here, so the sums over modes
+//! are exact: for two modes six instructions that multiply and add pairs, eight lanes at once.
 //! Deviation from the paper: b± (docs/guarantees.md 2), because R + s grows under local rotations
 //! and for bodies that shrink.
 
-use bdtree_format::{ModeRows, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, Row};
+use bdtree_format::{ModePair, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, Row};
 
-use crate::simd::Lanes;
+use crate::shares::Shares;
+use crate::simd::{Lanes, PairSums};
 use crate::view::NodeRows;
 
 /// Eight spheres, side by side (stored units, relative to the origin).
@@ -29,11 +31,29 @@ pub struct Spheres {
 /// [`Spheres`] still in registers.
 #[derive(Clone, Copy)]
 pub(crate) struct WideSpheres<V> {
-    centre: [V; 3],
-    radius: V,
+    pub(crate) centre: [V; 3],
+    pub(crate) radius: V,
 }
 
 impl<V: Lanes> WideSpheres<V> {
+    #[inline(always)]
+    pub(crate) fn load(spheres: &Spheres) -> Self {
+        let [x, y, z] = &spheres.centre;
+        Self {
+            centre: [V::load(x), V::load(y), V::load(z)],
+            radius: V::load(&spheres.radius),
+        }
+    }
+
+    /// The same centres with radii larger by `added`.
+    #[inline(always)]
+    pub(crate) fn grown(self, added: V) -> Self {
+        Self {
+            radius: self.radius.add(added),
+            ..self
+        }
+    }
+
     #[inline(always)]
     pub(crate) fn store(self) -> Spheres {
         let [x, y, z] = self.centre;
@@ -54,23 +74,73 @@ impl<V: Lanes> WideSpheres<V> {
         let squared = dx.mul(dx).add(dy.mul(dy)).add(dz.mul(dz));
         !squared.mul(V::splat(skip)).above(reach.mul(reach))
     }
+
+    /// Per lane a lower bound of the distance to another sphere, where it is positive; negative the
+    /// deeper they overlap, NaN where nothing is known. `shrink` is below 1 by the relative error of
+    /// the computation.
+    #[inline(always)]
+    pub(crate) fn gaps(self, [x, y, z, radius]: [f32; 4], shrink: f32) -> V {
+        let dx = self.centre[0].sub(V::splat(x));
+        let dy = self.centre[1].sub(V::splat(y));
+        let dz = self.centre[2].sub(V::splat(z));
+        let squared = dx.mul(dx).add(dy.mul(dy)).add(dz.mul(dz));
+        let reach = self.radius.add(V::splat(radius));
+        squared.sqrt().mul(V::splat(shrink)).sub(reach)
+    }
+
+    /// Per lane how far all of it lies beyond all of another sphere along `direction` (unit), less
+    /// what rounding takes from the radii.
+    #[inline(always)]
+    pub(crate) fn gaps_along(self, direction: [f32; 3], [x, y, z, radius]: [f32; 4]) -> V {
+        let dx = self.centre[0].sub(V::splat(x)).mul(V::splat(direction[0]));
+        let dy = self.centre[1].sub(V::splat(y)).mul(V::splat(direction[1]));
+        let dz = self.centre[2].sub(V::splat(z)).mul(V::splat(direction[2]));
+        const GROW: f32 = 1.0 + 1.0 / (1 << 21) as f32;
+        let reach = self.radius.add(V::splat(radius)).mul(V::splat(GROW));
+        dx.add(dy).add(dz).sub(reach)
+    }
+
+    /// The spheres moved by a linear map given by its rows and an offset; radii times `factor` plus
+    /// `extra`.
+    #[inline(always)]
+    pub(crate) fn mapped(
+        self,
+        linear: &[[f32; 3]; 3],
+        offset: [f32; 3],
+        factor: f32,
+        extra: f32,
+    ) -> Self {
+        let [x, y, z] = self.centre;
+        let mut centre = self.centre;
+        for i in 0..3 {
+            let row = &linear[i];
+            let sum = x.mul(V::splat(row[0])).add(y.mul(V::splat(row[1])));
+            centre[i] = sum.add(z.mul(V::splat(row[2]))).add(V::splat(offset[i]));
+        }
+        Self {
+            centre,
+            radius: self.radius.mul(V::splat(factor)).add(V::splat(extra)),
+        }
+    }
 }
 
 /// What of a pose a node needs.
 #[derive(Debug, Clone, Copy)]
-pub struct BoundPose<'p> {
-    /// q_j over its limit: each 0 or between 2⁻¹⁰⁰ and 1.
-    pub share: &'p [f32],
-    /// γ' (docs/guarantees.md): relative error of the radicand.
-    pub gamma: f32,
-    /// Absolute error of centre, root and deformed vertices (stored units).
-    pub slack: f32,
+pub(crate) struct BoundPose<'p> {
+    /// q̃: q in whole numbers.
+    pub(crate) shares: Shares<'p>,
+    /// Absolute error of centre, root and deformed vertices, and what q̃ is off (stored units).
+    pub(crate) slack: f32,
 }
 
-/// The spheres of a node's eight lanes at q; `None` when the rows and the mode list `modes` do
+/// γ' = 16 u (docs/guarantees.md): relative error of the radicand.
+const GAMMA: f32 = 16.0 / (1_u32 << 24) as f32;
+
+/// The spheres of a node's eight lanes at q, of the same bits on every processor; `None` when the rows and the mode list `modes` do
 /// not fit the pose (a corrupt file).
 ///
-/// Cost: 10 m flops per lane and one pass over the rows, whatever the mesh.
+/// Cost: 6 sums of two products per lane and pair of modes, and one pass over the rows (two for a
+/// pose in two parts), whatever the mesh.
 #[inline(always)]
 pub(crate) fn evaluate<V: Lanes>(
     rows: &NodeRows<'_>,
@@ -78,36 +148,31 @@ pub(crate) fn evaluate<V: Lanes>(
     pose: &BoundPose<'_>,
 ) -> Option<WideSpheres<V>> {
     let leading = rows.leading;
-    let per_mode = rows.modes.get(..modes.len())?;
-
-    // Two sums of every second mode each: the additions of one alone would wait for each other.
-    let mut sums = [Sums::<V>::zero(); 2];
-    let (row_pairs, row_last) = per_mode.as_chunks::<2>();
-    let (mode_pairs, mode_last) = modes.as_chunks::<2>();
-    for (rows, modes) in row_pairs.iter().zip(mode_pairs) {
-        for k in 0..2 {
-            sums[k].add_mode(&rows[k], *pose.share.get(usize::from(modes[k]))?);
+    let shares = &pose.shares;
+    let mut sums = Sums::<V>::of(rows.pairs, modes, shares, shares.coarse)?.rounded();
+    if !shares.fine.is_empty() {
+        let fine = Sums::<V>::of(rows.pairs, modes, shares, shares.fine)?.rounded();
+        let ratio = V::splat(shares.ratio);
+        for k in 0..5 {
+            sums[k] = sums[k].add(fine[k].mul(ratio));
         }
     }
-    for (rows, mode) in row_last.iter().zip(mode_last) {
-        sums[0].add_mode(rows, *pose.share.get(usize::from(*mode))?);
-    }
-    // Sums of whole numbers times q, which become lengths by one power of two for all modes.
-    let [even, odd] = sums;
-    let [centre_unit, growth_unit, cross_unit] = rows.units;
-    // Spelled out: closures are not compiled with the instruction set of the caller.
-    let unit = V::splat(centre_unit);
-    let centre = [
-        even.centre[0].add(odd.centre[0]),
-        even.centre[1].add(odd.centre[1]),
-        even.centre[2].add(odd.centre[2]),
+    // Whole numbers become shares of the limits, then lengths. In this order: a unit may be so small
+    // that its product with the scale vanishes.
+    let scale = V::splat(shares.scale);
+    let unit = [
+        V::splat(rows.units[0]),
+        V::splat(rows.units[1]),
+        V::splat(rows.units[2]),
     ];
-    let growth = even.growth.add(odd.growth).mul(V::splat(growth_unit));
-    let cross = even.cross.add(odd.cross).mul(V::splat(cross_unit));
-    // c last: with c first its rounding error would be M u P instead of u P.
-    let x = centre[0].mul_add(unit, V::load(&leading[ROW_CENTRE_X]));
-    let y = centre[1].mul_add(unit, V::load(&leading[ROW_CENTRE_Y]));
-    let z = centre[2].mul_add(unit, V::load(&leading[ROW_CENTRE_Z]));
+    let growth = sums[3].mul(scale).mul(unit[1]);
+    let cross = sums[4].mul(scale).mul(unit[2]);
+    let x = sums[0].mul(scale);
+    let y = sums[1].mul(scale);
+    let z = sums[2].mul(scale);
+    let x = V::load(&leading[ROW_CENTRE_X]).add(x.mul(unit[0]));
+    let y = V::load(&leading[ROW_CENTRE_Y]).add(y.mul(unit[0]));
+    let z = V::load(&leading[ROW_CENTRE_Z]).add(z.mul(unit[0]));
     let rest_radius = V::load(&leading[ROW_RADIUS]);
     // R² + 2 Σ b|q| + s² + γ' T²: the terms cancel when the node shrinks, T² = (R + s)² does not.
     let total = rest_radius.add(growth);
@@ -115,7 +180,7 @@ pub(crate) fn evaluate<V: Lanes>(
         .mul(rest_radius)
         .add(cross.add(cross))
         .add(growth.mul(growth))
-        .add(total.mul(total).mul(V::splat(pose.gamma)));
+        .add(total.mul(total).mul(V::splat(GAMMA)));
     let radius = radicand.sqrt().add(V::splat(pose.slack));
     Some(WideSpheres {
         centre: [x, y, z],
@@ -123,38 +188,78 @@ pub(crate) fn evaluate<V: Lanes>(
     })
 }
 
-/// Running sums over modes.
+/// Running sums over modes: exact, in whole numbers (SPEC 5.6).
 #[derive(Clone, Copy)]
-struct Sums<V> {
-    /// Σ Ū_j q_j.
-    centre: [V; 3],
-    /// Σ ΔR_j |q_j|.
-    growth: V,
-    /// Σ b_j |q_j|.
-    cross: V,
+struct Sums<V: Lanes> {
+    /// Σ Ū_j n_j.
+    centre: [V::Sums; 3],
+    /// Σ ΔR_j |n_j|.
+    growth: V::Sums,
+    /// Σ b⁺_j max(n_j, 0) and Σ b⁻_j max(−n_j, 0).
+    cross: [V::Sums; 2],
 }
 
 impl<V: Lanes> Sums<V> {
+    /// The sums over the modes `modes` of a node, with `numbers` (of `shares`) as n.
     #[inline(always)]
-    fn zero() -> Self {
-        let zero = V::splat(0.0);
-        Self {
+    fn of(
+        pairs: &[ModePair],
+        modes: &[u16],
+        shares: &Shares<'_>,
+        numbers: &[[i16; 2]],
+    ) -> Option<Self> {
+        let zero = V::Sums::zero();
+        let mut sums = Self {
             centre: [zero; 3],
             growth: zero,
-            cross: zero,
+            cross: [zero; 2],
+        };
+        if modes.len() == shares.mode_count {
+            // The node has all modes, in the order of the pose.
+            for k in shares.active {
+                let k = *k as usize;
+                sums.add_pair(pairs.get(k)?, *numbers.get(k)?);
+            }
+            return Some(sums);
         }
+        let numbers = numbers.as_flattened().get(..shares.mode_count)?;
+        let (listed, last) = modes.as_chunks::<2>();
+        for (pair, [a, b]) in pairs.iter().zip(listed) {
+            let a = *numbers.get(usize::from(*a))?;
+            let b = *numbers.get(usize::from(*b))?;
+            sums.add_pair(pair, [a, b]);
+        }
+        if let [a] = last {
+            let a = *numbers.get(usize::from(*a))?;
+            sums.add_pair(pairs.get(listed.len())?, [a, 0]);
+        }
+        Some(sums)
     }
 
     #[inline(always)]
-    fn add_mode(&mut self, rows: &ModeRows, share: f32) {
-        let q = V::splat(share);
-        let q_abs = V::splat(share.abs());
-        // Chosen by index, not by a branch: the signs of a new q cannot be predicted.
-        let b = &rows.cross[usize::from(share.is_sign_negative())];
+    fn add_pair(&mut self, pair: &ModePair, n: [i16; 2]) {
+        let n = V::Sums::factor(n);
+        let magnitude = V::Sums::magnitude(n);
+        let positive = V::Sums::positive(n);
+        let negative = V::Sums::positive_of_opposite(n);
         for k in 0..3 {
-            self.centre[k] = V::widen(&rows.centre[k]).mul_add(q, self.centre[k]);
+            self.centre[k] = self.centre[k].add_products(&pair.centre[k], n);
         }
-        self.growth = V::widen_unsigned(&rows.growth).mul_add(q_abs, self.growth);
-        self.cross = V::widen(b).mul_add(q_abs, self.cross);
+        self.growth = self.growth.add_products(&pair.growth, magnitude);
+        self.cross[0] = self.cross[0].add_products(&pair.cross[0], positive);
+        self.cross[1] = self.cross[1].add_products(&pair.cross[1], negative);
+    }
+
+    /// Σ Ū_j n_j, Σ ΔR_j |n_j| and Σ b_j |n_j|, rounded to f32.
+    #[inline(always)]
+    fn rounded(self) -> [V; 5] {
+        let [x, y, z] = self.centre;
+        [
+            V::round(x),
+            V::round(y),
+            V::round(z),
+            V::round(self.growth),
+            V::round(self.cross[0].add(self.cross[1])),
+        ]
     }
 }

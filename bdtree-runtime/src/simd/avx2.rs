@@ -1,60 +1,57 @@
 //! AVX2 and FMA: a row is one register.
 #![allow(unsafe_code)] // intrinsics; every block has its proof
 
-use bdtree_format::{LANES, Row};
+use bdtree_format::{PairRow, Row};
 use core::arch::x86_64::{
-    __m256, _CMP_GT_OQ, _mm_loadu_si128, _mm256_add_ps, _mm256_cmp_ps, _mm256_cvtepi16_epi32,
-    _mm256_cvtepi32_ps, _mm256_cvtepu16_epi32, _mm256_fmadd_ps, _mm256_loadu_ps,
-    _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_sqrt_ps, _mm256_storeu_ps,
-    _mm256_sub_ps,
+    __m256, __m256i, _CMP_GT_OQ, _mm256_abs_epi16, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps,
+    _mm256_cvtepi32_ps, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_madd_epi16,
+    _mm256_max_epi16, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
+    _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_si256, _mm256_sqrt_ps, _mm256_storeu_ps,
+    _mm256_sub_epi16, _mm256_sub_ps,
 };
+use core::marker::PhantomData;
 
 use super::avx4::Avx4;
-use super::{Kernel, Lanes};
+use super::{Kernel, Lanes, PairSums, Work};
 use crate::bound::{BoundPose, Spheres, evaluate};
+use crate::cache::Posed;
 use crate::error::QueryError;
-use crate::pose::Pose;
 use crate::traverse::{StackEntry, Visitor, Walk, walk};
 use crate::view::{Asset, NodeRows};
 
-/// Eight f32 in a register. Private to this module, which only uses it inside
-/// [`evaluate_avx2`] and [`walk_avx2`]: so wherever one exists, the processor has AVX2 and FMA.
+/// Eight f32 in a register, beside which whole numbers are summed by `S`. Only functions that
+/// enable AVX2 and FMA use it, here and in [`super::avx512`]: so wherever one exists, the processor
+/// has both.
 #[derive(Clone, Copy)]
-struct Avx8(__m256);
+pub(super) struct Avx8<S>(__m256, PhantomData<S>);
 
-impl Lanes for Avx8 {
+impl<S> Avx8<S> {
+    #[inline(always)]
+    fn new(v: __m256) -> Self {
+        Self(v, PhantomData)
+    }
+}
+
+impl<S: AvxSums> Lanes for Avx8<S> {
     type Quad = Avx4;
+    type Sums = S;
 
     #[inline(always)]
     fn splat(x: f32) -> Self {
         // SAFETY: needs AVX; see `Avx8`.
-        Self(unsafe { _mm256_set1_ps(x) })
+        Self::new(unsafe { _mm256_set1_ps(x) })
     }
 
     #[inline(always)]
     fn load(row: &Row) -> Self {
         // SAFETY: needs AVX, see `Avx8`; a `Row` is eight readable f32, any alignment will do.
-        Self(unsafe { _mm256_loadu_ps(row.as_ptr()) })
+        Self::new(unsafe { _mm256_loadu_ps(row.as_ptr()) })
     }
 
     #[inline(always)]
-    fn widen(row: &[i16; LANES]) -> Self {
-        // SAFETY: SSE2 is part of x86-64; `row` is eight readable i16, any alignment will do.
-        let row = unsafe { _mm_loadu_si128(row.as_ptr().cast()) };
-        // SAFETY: needs AVX2; see `Avx8`.
-        let wide = unsafe { _mm256_cvtepi16_epi32(row) };
+    fn round(sums: S) -> Self {
         // SAFETY: needs AVX; see `Avx8`.
-        Self(unsafe { _mm256_cvtepi32_ps(wide) })
-    }
-
-    #[inline(always)]
-    fn widen_unsigned(row: &[u16; LANES]) -> Self {
-        // SAFETY: SSE2 is part of x86-64; `row` is eight readable u16, any alignment will do.
-        let row = unsafe { _mm_loadu_si128(row.as_ptr().cast()) };
-        // SAFETY: needs AVX2; see `Avx8`.
-        let wide = unsafe { _mm256_cvtepu16_epi32(row) };
-        // SAFETY: needs AVX; see `Avx8`.
-        Self(unsafe { _mm256_cvtepi32_ps(wide) })
+        Self::new(unsafe { _mm256_cvtepi32_ps(sums.register()) })
     }
 
     #[inline(always)]
@@ -68,31 +65,43 @@ impl Lanes for Avx8 {
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         // SAFETY: needs AVX; see `Avx8`.
-        Self(unsafe { _mm256_add_ps(self.0, other.0) })
+        Self::new(unsafe { _mm256_add_ps(self.0, other.0) })
     }
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         // SAFETY: needs AVX; see `Avx8`.
-        Self(unsafe { _mm256_mul_ps(self.0, other.0) })
+        Self::new(unsafe { _mm256_mul_ps(self.0, other.0) })
     }
 
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         // SAFETY: needs FMA; see `Avx8`.
-        Self(unsafe { _mm256_fmadd_ps(self.0, factor.0, term.0) })
+        Self::new(unsafe { _mm256_fmadd_ps(self.0, factor.0, term.0) })
     }
 
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         // SAFETY: needs AVX; see `Avx8`.
-        Self(unsafe { _mm256_sub_ps(self.0, other.0) })
+        Self::new(unsafe { _mm256_sub_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: needs AVX; see `Avx8`.
+        Self::new(unsafe { _mm256_min_ps(self.0, other.0) })
     }
 
     #[inline(always)]
     fn sqrt(self) -> Self {
         // SAFETY: needs AVX; see `Avx8`.
-        Self(unsafe { _mm256_sqrt_ps(self.0) })
+        Self::new(unsafe { _mm256_sqrt_ps(self.0) })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: needs AVX; see `Avx8`.
+        Self::new(unsafe { _mm256_max_ps(self.0, other.0) })
     }
 
     #[inline(always)]
@@ -106,9 +115,111 @@ impl Lanes for Avx8 {
     }
 }
 
+/// Sums that lie in one register.
+pub(super) trait AvxSums: PairSums {
+    fn register(self) -> __m256i;
+}
+
+/// `vpmaddwd`. As [`Avx8`], only where AVX2 is enabled.
+#[derive(Clone, Copy)]
+struct Whole8(__m256i);
+
+impl AvxSums for Whole8 {
+    #[inline(always)]
+    fn register(self) -> __m256i {
+        self.0
+    }
+}
+
+impl PairSums for Whole8 {
+    type Factor = AvxFactor;
+
+    #[inline(always)]
+    fn zero() -> Self {
+        Self(zero())
+    }
+
+    #[inline(always)]
+    fn factor(n: [i16; 2]) -> AvxFactor {
+        AvxFactor::splat(n)
+    }
+
+    #[inline(always)]
+    fn magnitude(n: AvxFactor) -> AvxFactor {
+        n.magnitude()
+    }
+
+    #[inline(always)]
+    fn positive(n: AvxFactor) -> AvxFactor {
+        n.positive()
+    }
+
+    #[inline(always)]
+    fn positive_of_opposite(n: AvxFactor) -> AvxFactor {
+        n.positive_of_opposite()
+    }
+
+    #[inline(always)]
+    fn add_products(self, row: &PairRow, n: AvxFactor) -> Self {
+        // SAFETY: needs AVX2; see `Whole8`.
+        let products = unsafe { _mm256_madd_epi16(load(row), n.0) };
+        self.add(Self(products))
+    }
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        // SAFETY: needs AVX2; see `Whole8`.
+        Self(unsafe { _mm256_add_epi32(self.0, other.0) })
+    }
+}
+
+/// Two numbers, eight times. As [`Avx8`], only where AVX2 is enabled.
+#[derive(Clone, Copy)]
+pub(super) struct AvxFactor(pub(super) __m256i);
+
+impl AvxFactor {
+    #[inline(always)]
+    pub(super) fn splat([a, b]: [i16; 2]) -> Self {
+        let both = u32::from(a as u16) | (u32::from(b as u16) << 16);
+        // SAFETY: needs AVX; see `AvxFactor`.
+        Self(unsafe { _mm256_set1_epi32(both as i32) })
+    }
+
+    #[inline(always)]
+    pub(super) fn magnitude(self) -> Self {
+        // SAFETY: needs AVX2; see `AvxFactor`.
+        Self(unsafe { _mm256_abs_epi16(self.0) })
+    }
+
+    #[inline(always)]
+    pub(super) fn positive(self) -> Self {
+        // SAFETY: needs AVX2; see `AvxFactor`.
+        Self(unsafe { _mm256_max_epi16(self.0, zero()) })
+    }
+
+    #[inline(always)]
+    pub(super) fn positive_of_opposite(self) -> Self {
+        // max(−n, 0) = max(n, 0) − n.
+        // SAFETY: needs AVX2; see `AvxFactor`.
+        Self(unsafe { _mm256_sub_epi16(self.positive().0, self.0) })
+    }
+}
+
+#[inline(always)]
+pub(super) fn zero() -> __m256i {
+    // SAFETY: needs AVX; only types that exist where it is enabled use this.
+    unsafe { _mm256_setzero_si256() }
+}
+
+#[inline(always)]
+pub(super) fn load(row: &PairRow) -> __m256i {
+    // SAFETY: needs AVX, as for `zero`; `row` is 32 readable bytes, any alignment will do.
+    unsafe { _mm256_loadu_si256(row.as_ptr().cast()) }
+}
+
 #[target_feature(enable = "avx2,fma")]
 fn evaluate_avx2(rows: &NodeRows<'_>, modes: &[u16], pose: &BoundPose<'_>) -> Option<Spheres> {
-    Some(evaluate::<Avx8>(rows, modes, pose)?.store())
+    Some(evaluate::<Avx8<Whole8>>(rows, modes, pose)?.store())
 }
 
 /// [`evaluate`] with AVX2.
@@ -127,22 +238,35 @@ pub(super) fn evaluate_checked(
 #[target_feature(enable = "avx2,fma")]
 fn walk_avx2<V: Visitor, const LISTED: bool>(
     asset: &Asset<'_>,
-    pose: &Pose<'_>,
+    posed: Posed<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
 ) -> Result<Walk, QueryError> {
-    walk::<Avx8, V, LISTED>(asset, pose, stack, visitor)
+    walk::<Avx8<Whole8>, V, LISTED>(asset, posed, stack, visitor)
 }
 
 /// [`walk`] with AVX2.
 #[inline]
 pub(super) fn walk_checked<V: Visitor, const LISTED: bool>(
     asset: &Asset<'_>,
-    pose: &Pose<'_>,
+    posed: Posed<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
 ) -> Result<Walk, QueryError> {
     debug_assert!(Kernel::Avx2.is_available());
     // SAFETY: as in `evaluate_checked`.
-    unsafe { walk_avx2::<V, LISTED>(asset, pose, stack, visitor) }
+    unsafe { walk_avx2::<V, LISTED>(asset, posed, stack, visitor) }
+}
+
+#[target_feature(enable = "avx2,fma")]
+fn run_avx2<W: Work>(work: W) -> W::Output {
+    work.run::<Avx8<Whole8>>()
+}
+
+/// [`Work::run`] with AVX2.
+#[inline]
+pub(super) fn run_checked<W: Work>(work: W) -> W::Output {
+    debug_assert!(Kernel::Avx2.is_available());
+    // SAFETY: as in `evaluate_checked`.
+    unsafe { run_avx2(work) }
 }

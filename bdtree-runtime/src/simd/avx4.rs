@@ -3,14 +3,15 @@
 
 use core::arch::x86_64::{
     __m256d, _CMP_GE_OQ, _CMP_GT_OQ, _mm_loadu_ps, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd,
-    _mm256_blendv_pd, _mm256_cmp_pd, _mm256_cvtps_pd, _mm256_div_pd, _mm256_movemask_pd,
-    _mm256_mul_pd, _mm256_set1_pd, _mm256_sqrt_pd, _mm256_storeu_pd, _mm256_sub_pd,
+    _mm256_blendv_pd, _mm256_cmp_pd, _mm256_cvtps_pd, _mm256_div_pd, _mm256_loadu_pd,
+    _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd, _mm256_set1_pd, _mm256_sqrt_pd,
+    _mm256_storeu_pd, _mm256_sub_pd,
 };
 
 use super::Quad;
 
-/// Four f64 in a register. Only [`super::avx2`] uses it, inside its `walk_avx2`: so wherever one
-/// exists, the processor has AVX2.
+/// Four f64 in a register. Only [`super::avx2`] uses it, inside its `walk_avx2` and
+/// `run_avx2`: so wherever one exists, the processor has AVX2.
 #[derive(Clone, Copy)]
 pub(super) struct Avx4(__m256d);
 
@@ -21,6 +22,12 @@ impl Quad for Avx4 {
     fn splat(x: f64) -> Self {
         // SAFETY: needs AVX; see `Avx4`.
         Self(unsafe { _mm256_set1_pd(x) })
+    }
+
+    #[inline(always)]
+    fn load(x: &[f64; 4]) -> Self {
+        // SAFETY: needs AVX, see `Avx4`; `x` is four readable f64, any alignment will do.
+        Self(unsafe { _mm256_loadu_pd(x.as_ptr()) })
     }
 
     #[inline(always)]
@@ -93,6 +100,12 @@ impl Quad for Avx4 {
     fn both(a: __m256d, b: __m256d) -> __m256d {
         // SAFETY: needs AVX; see `Avx4`.
         unsafe { _mm256_and_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn either(a: __m256d, b: __m256d) -> __m256d {
+        // SAFETY: needs AVX; see `Avx4`.
+        unsafe { _mm256_or_pd(a, b) }
     }
 
     #[inline(always)]

@@ -1,14 +1,15 @@
 //! Eight lanes of f32: one small vocabulary, one implementation per instruction set.
 //!
 //! The node kernel is written once over [`Lanes`]; which implementation runs is chosen once,
-//! when an asset is opened. Kernels may differ in the last bits (fused or separate multiply and
-//! add): both are inside the slack, so they change visits at most, never results.
+//! when an asset is opened. Kernels sum the same whole numbers over the modes and round what
+//! follows alike, so node bounds have the same bits everywhere; tests of them may differ in the last
+//! bits (fused or separate multiply and add), which changes visits at most, never results.
 
-use bdtree_format::{LANES, Row};
+use bdtree_format::{LANES, PairRow, Row};
 
 use crate::bound::{BoundPose, Spheres, evaluate};
+use crate::cache::Posed;
 use crate::error::QueryError;
-use crate::pose::Pose;
 use crate::traverse::{StackEntry, Visitor, Walk, mask_of, walk};
 use crate::view::{Asset, NodeRows};
 
@@ -16,26 +17,32 @@ use crate::view::{Asset, NodeRows};
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx4;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod prefetch;
 pub(crate) mod quad;
 mod scalar;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod simd128;
 
 pub(crate) use prefetch::prefetch;
 pub(crate) use quad::{Quad, Quad3, add3, cross3, dot3, scale3, select3, splat3, sub3};
+/// The kernel that has the same bits on every processor.
+pub(crate) use scalar::Array8 as Reference;
 
 /// Eight f32 side by side.
 pub(crate) trait Lanes: Copy {
     /// Four f64 of the same instruction set.
     type Quad: Quad;
+    /// Eight whole numbers of the same instruction set.
+    type Sums: PairSums;
 
     fn splat(x: f32) -> Self;
     fn load(row: &Row) -> Self;
-    /// The numbers of a row of 16 bits: exact.
-    fn widen(row: &[i16; LANES]) -> Self;
-    /// [`Lanes::widen`] for numbers that are not negative.
-    fn widen_unsigned(row: &[u16; LANES]) -> Self;
+    /// Whole numbers, rounded to the nearest.
+    fn round(sums: Self::Sums) -> Self;
     fn store(self) -> Row;
     fn add(self, other: Self) -> Self;
     #[inline(always)]
@@ -46,12 +53,57 @@ pub(crate) trait Lanes: Copy {
     /// self × factor + term, fused or not.
     fn mul_add(self, factor: Self, term: Self) -> Self;
     fn sqrt(self) -> Self;
+    /// The larger of the two, either one where one is NaN.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        let (mut a, b) = (self.store(), other.store());
+        for k in 0..LANES {
+            a[k] = if a[k] > b[k] { a[k] } else { b[k] };
+        }
+        Self::load(&a)
+    }
+    /// The smaller of the two, either one where one is NaN.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        let (mut a, b) = (self.store(), other.store());
+        for k in 0..LANES {
+            a[k] = if a[k] < b[k] { a[k] } else { b[k] };
+        }
+        Self::load(&a)
+    }
     /// The lanes in which `self > other`; none where one is NaN.
     #[inline(always)]
     fn above(self, other: Self) -> u8 {
         let (a, b) = (self.store(), other.store());
         mask_of(|k| a[k] > b[k])
     }
+}
+
+/// Eight sums of products of whole numbers, 32 bits each: exact as long as they fit, and otherwise
+/// (corrupt files) any number.
+pub(crate) trait PairSums: Copy {
+    /// What the two numbers of each lane are multiplied by: none is −2¹⁵.
+    type Factor: Copy;
+
+    fn zero() -> Self;
+    fn factor(n: [i16; 2]) -> Self::Factor;
+    /// |n|.
+    fn magnitude(n: Self::Factor) -> Self::Factor;
+    /// max(n, 0).
+    fn positive(n: Self::Factor) -> Self::Factor;
+    /// max(−n, 0).
+    fn positive_of_opposite(n: Self::Factor) -> Self::Factor;
+    /// Adds in each lane both products.
+    fn add_products(self, row: &PairRow, n: Self::Factor) -> Self;
+    fn add(self, other: Self) -> Self;
+}
+
+/// A piece of work that is written over [`Lanes`].
+pub(crate) trait Work {
+    type Output;
+
+    /// Inlined where the instruction set is enabled: mark it and what it calls `inline(always)`.
+    fn run<L: Lanes>(self) -> Self::Output;
 }
 
 /// An instruction set that node bounds are evaluated with.
@@ -62,11 +114,24 @@ pub enum Kernel {
     Scalar,
     /// x86-64 with AVX2 and FMA.
     Avx2,
+    /// x86-64 with AVX2, FMA and AVX-512 F, VL and VNNI.
+    Avx512,
     /// AArch64, where NEON is always there.
     Neon,
+    /// WebAssembly, where the build enables `simd128`.
+    Simd128,
 }
 
 impl Kernel {
+    /// All of them, available or not.
+    pub const ALL: [Self; 5] = [
+        Self::Scalar,
+        Self::Avx2,
+        Self::Avx512,
+        Self::Neon,
+        Self::Simd128,
+    ];
+
     /// Whether this processor has it. Without feature `std` only what the build targets counts.
     pub fn is_available(self) -> bool {
         match self {
@@ -78,15 +143,32 @@ impl Kernel {
             }
             #[cfg(all(target_arch = "x86_64", not(feature = "std")))]
             Self::Avx2 => cfg!(all(target_feature = "avx2", target_feature = "fma")),
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            Self::Avx512 => {
+                Self::Avx2.is_available()
+                    && std::arch::is_x86_feature_detected!("avx512f")
+                    && std::arch::is_x86_feature_detected!("avx512vl")
+                    && std::arch::is_x86_feature_detected!("avx512vnni")
+            }
+            #[cfg(all(target_arch = "x86_64", not(feature = "std")))]
+            Self::Avx512 => {
+                Self::Avx2.is_available()
+                    && cfg!(all(
+                        target_feature = "avx512f",
+                        target_feature = "avx512vl",
+                        target_feature = "avx512vnni"
+                    ))
+            }
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 => false,
+            Self::Avx2 | Self::Avx512 => false,
             Self::Neon => cfg!(target_arch = "aarch64"),
+            Self::Simd128 => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
         }
     }
 
     /// The fastest one that is available.
     pub fn best() -> Self {
-        [Self::Avx2, Self::Neon]
+        [Self::Avx512, Self::Avx2, Self::Neon, Self::Simd128]
             .into_iter()
             .find(|k| k.is_available())
             .unwrap_or(Self::Scalar)
@@ -106,8 +188,28 @@ impl Kernel {
             Self::Avx2 => avx2::evaluate_checked(rows, modes, pose),
             #[cfg(target_arch = "aarch64")]
             Self::Neon => evaluate::<neon::Neon8>(rows, modes, pose).map(|s| s.store()),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => avx512::evaluate_checked(rows, modes, pose),
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Self::Simd128 => evaluate::<simd128::Simd8>(rows, modes, pose).map(|s| s.store()),
             #[allow(unreachable_patterns)] // the other architecture's kernels
             _ => evaluate::<scalar::Array8>(rows, modes, pose).map(|s| s.store()),
+        }
+    }
+
+    /// Does a piece of work with this kernel.
+    #[inline]
+    pub(crate) fn run<W: Work>(self, work: W) -> W::Output {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => avx2::run_checked(work),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => work.run::<neon::Neon8>(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => avx512::run_checked(work),
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Self::Simd128 => work.run::<simd128::Simd8>(),
+            _ => work.run::<scalar::Array8>(),
         }
     }
 
@@ -116,16 +218,20 @@ impl Kernel {
     pub(crate) fn walk<V: Visitor, const LISTED: bool>(
         self,
         asset: &Asset<'_>,
-        pose: &Pose<'_>,
+        posed: Posed<'_>,
         stack: &mut [StackEntry],
         visitor: &mut V,
     ) -> Result<Walk, QueryError> {
         match self {
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => avx2::walk_checked::<V, LISTED>(asset, pose, stack, visitor),
+            Self::Avx2 => avx2::walk_checked::<V, LISTED>(asset, posed, stack, visitor),
             #[cfg(target_arch = "aarch64")]
-            Self::Neon => walk::<neon::Neon8, V, LISTED>(asset, pose, stack, visitor),
-            _ => walk::<scalar::Array8, V, LISTED>(asset, pose, stack, visitor),
+            Self::Neon => walk::<neon::Neon8, V, LISTED>(asset, posed, stack, visitor),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => avx512::walk_checked::<V, LISTED>(asset, posed, stack, visitor),
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Self::Simd128 => walk::<simd128::Simd8, V, LISTED>(asset, posed, stack, visitor),
+            _ => walk::<scalar::Array8, V, LISTED>(asset, posed, stack, visitor),
         }
     }
 }

@@ -1,15 +1,16 @@
 //! NEON: a row is two registers.
 #![allow(unsafe_code)] // intrinsics; every block has its proof
 
-use bdtree_format::{LANES, Row};
+use bdtree_format::{PairRow, Row};
 use core::arch::aarch64::{
-    float32x4_t, vaddq_f32, vcvtq_f32_s32, vcvtq_f32_u32, vdupq_n_f32, vfmaq_f32, vget_low_s16,
-    vget_low_u16, vld1q_f32, vld1q_s16, vld1q_u16, vmovl_high_s16, vmovl_high_u16, vmovl_s16,
-    vmovl_u16, vmulq_f32, vsqrtq_f32, vst1q_f32,
+    float32x4_t, int16x8_t, int32x4_t, vabsq_s16, vaddq_f32, vaddq_s32, vcvtq_f32_s32, vdupq_n_f32,
+    vdupq_n_s16, vdupq_n_s32, vfmaq_f32, vget_low_s16, vld1q_f32, vld1q_s16, vmaxq_f32, vmaxq_s16,
+    vminq_f32, vmlal_high_s16, vmlal_s16, vmulq_f32, vpaddq_s32, vreinterpretq_s16_s32, vsqrtq_f32,
+    vst1q_f32, vsubq_s16,
 };
 
-use super::Lanes;
 use super::quad::Array4;
+use super::{Lanes, PairSums};
 
 /// Eight f32 in two registers; every AArch64 target of this build has NEON.
 #[derive(Clone, Copy)]
@@ -17,6 +18,7 @@ pub(super) struct Neon8(float32x4_t, float32x4_t);
 
 impl Lanes for Neon8 {
     type Quad = Array4;
+    type Sums = Whole8;
 
     #[inline(always)]
     fn splat(x: f32) -> Self {
@@ -38,37 +40,17 @@ impl Lanes for Neon8 {
     }
 
     #[inline(always)]
-    fn widen(row: &[i16; LANES]) -> Self {
-        // SAFETY: NEON is part of AArch64; `row` is eight readable i16.
-        let row = unsafe { vld1q_s16(row.as_ptr()) };
+    fn round(sums: Whole8) -> Self {
+        let [a, b, c, d] = sums.0;
         // SAFETY: NEON is part of AArch64.
-        let half = unsafe { vget_low_s16(row) };
+        let low = unsafe { vpaddq_s32(a, b) };
         // SAFETY: as above.
-        let low = unsafe { vmovl_s16(half) };
+        let high = unsafe { vpaddq_s32(c, d) };
         // SAFETY: as above.
-        let high = unsafe { vmovl_high_s16(row) };
+        let low = unsafe { vcvtq_f32_s32(low) };
         // SAFETY: as above.
-        let a = unsafe { vcvtq_f32_s32(low) };
-        // SAFETY: as above.
-        let b = unsafe { vcvtq_f32_s32(high) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn widen_unsigned(row: &[u16; LANES]) -> Self {
-        // SAFETY: NEON is part of AArch64; `row` is eight readable u16.
-        let row = unsafe { vld1q_u16(row.as_ptr()) };
-        // SAFETY: NEON is part of AArch64.
-        let half = unsafe { vget_low_u16(row) };
-        // SAFETY: as above.
-        let low = unsafe { vmovl_u16(half) };
-        // SAFETY: as above.
-        let high = unsafe { vmovl_high_u16(row) };
-        // SAFETY: as above.
-        let a = unsafe { vcvtq_f32_u32(low) };
-        // SAFETY: as above.
-        let b = unsafe { vcvtq_f32_u32(high) };
-        Self(a, b)
+        let high = unsafe { vcvtq_f32_s32(high) };
+        Self(low, high)
     }
 
     #[inline(always)]
@@ -117,5 +99,103 @@ impl Lanes for Neon8 {
         // SAFETY: as above.
         let b = unsafe { vsqrtq_f32(self.1) };
         Self(a, b)
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: NEON is part of AArch64.
+        let a = unsafe { vmaxq_f32(self.0, other.0) };
+        // SAFETY: as above.
+        let b = unsafe { vmaxq_f32(self.1, other.1) };
+        Self(a, b)
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: NEON is part of AArch64.
+        let a = unsafe { vminq_f32(self.0, other.0) };
+        // SAFETY: as above.
+        let b = unsafe { vminq_f32(self.1, other.1) };
+        Self(a, b)
+    }
+}
+
+/// Both sums of two lanes in each register, added at the end.
+#[derive(Clone, Copy)]
+pub(super) struct Whole8([int32x4_t; 4]);
+
+impl PairSums for Whole8 {
+    type Factor = int16x8_t;
+
+    #[inline(always)]
+    fn zero() -> Self {
+        // SAFETY: NEON is part of AArch64.
+        Self([unsafe { vdupq_n_s32(0) }; 4])
+    }
+
+    #[inline(always)]
+    fn factor([a, b]: [i16; 2]) -> int16x8_t {
+        let both = u32::from(a as u16) | (u32::from(b as u16) << 16);
+        // SAFETY: NEON is part of AArch64.
+        let both = unsafe { vdupq_n_s32(both as i32) };
+        // SAFETY: as above.
+        unsafe { vreinterpretq_s16_s32(both) }
+    }
+
+    #[inline(always)]
+    fn magnitude(n: int16x8_t) -> int16x8_t {
+        // SAFETY: NEON is part of AArch64.
+        unsafe { vabsq_s16(n) }
+    }
+
+    #[inline(always)]
+    fn positive(n: int16x8_t) -> int16x8_t {
+        // SAFETY: NEON is part of AArch64.
+        let zero = unsafe { vdupq_n_s16(0) };
+        // SAFETY: as above.
+        unsafe { vmaxq_s16(n, zero) }
+    }
+
+    #[inline(always)]
+    fn positive_of_opposite(n: int16x8_t) -> int16x8_t {
+        // max(−n, 0) = max(n, 0) − n.
+        // SAFETY: NEON is part of AArch64.
+        unsafe { vsubq_s16(Self::positive(n), n) }
+    }
+
+    #[inline(always)]
+    fn add_products(self, row: &PairRow, n: int16x8_t) -> Self {
+        let ([low, high], _) = row.as_flattened().as_chunks::<8>() else {
+            return self;
+        };
+        // SAFETY: NEON is part of AArch64; `low` is eight readable i16.
+        let low = unsafe { vld1q_s16(low.as_ptr()) };
+        // SAFETY: the same for `high`.
+        let high = unsafe { vld1q_s16(high.as_ptr()) };
+        let [a, b, c, d] = self.0;
+        // SAFETY: NEON is part of AArch64.
+        let factor = unsafe { vget_low_s16(n) };
+        // SAFETY: as above.
+        let low_half = unsafe { vget_low_s16(low) };
+        // SAFETY: as above.
+        let high_half = unsafe { vget_low_s16(high) };
+        // SAFETY: as above.
+        let a = unsafe { vmlal_s16(a, low_half, factor) };
+        // SAFETY: as above.
+        let b = unsafe { vmlal_high_s16(b, low, n) };
+        // SAFETY: as above.
+        let c = unsafe { vmlal_s16(c, high_half, factor) };
+        // SAFETY: as above.
+        let d = unsafe { vmlal_high_s16(d, high, n) };
+        Self([a, b, c, d])
+    }
+
+    #[inline(always)]
+    fn add(mut self, other: Self) -> Self {
+        for k in 0..4 {
+            // SAFETY: NEON is part of AArch64.
+            self.0[k] = unsafe { vaddq_s32(self.0[k], other.0[k]) };
+        }
+        self
     }
 }

@@ -11,6 +11,7 @@ pub(crate) trait Quad: Copy {
     type Mask: Copy;
 
     fn splat(x: f64) -> Self;
+    fn load(x: &[f64; 4]) -> Self;
     fn widen(x: &[f32; 4]) -> Self;
     fn store(self) -> [f64; 4];
     fn add(self, other: Self) -> Self;
@@ -24,6 +25,7 @@ pub(crate) trait Quad: Copy {
     /// `self ≥ other`; false where one is NaN.
     fn at_least(self, other: Self) -> Self::Mask;
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// `yes` where the mask is set, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Bit k is decision k.
@@ -60,6 +62,11 @@ impl Quad for Array4 {
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Self([x; 4])
+    }
+
+    #[inline(always)]
+    fn load(x: &[f64; 4]) -> Self {
+        Self(*x)
     }
 
     #[inline(always)]
@@ -116,6 +123,11 @@ impl Quad for Array4 {
     #[inline(always)]
     fn both(a: [bool; 4], b: [bool; 4]) -> [bool; 4] {
         [a[0] & b[0], a[1] & b[1], a[2] & b[2], a[3] & b[3]]
+    }
+
+    #[inline(always)]
+    fn either(a: [bool; 4], b: [bool; 4]) -> [bool; 4] {
+        [a[0] | b[0], a[1] | b[1], a[2] | b[2], a[3] | b[3]]
     }
 
     #[inline(always)]

@@ -1,14 +1,14 @@
 //! The portable kernel: arrays of eight, which the compiler may vectorise. Multiply and add are
 //! rounded separately, so its bits are the same on every processor.
 
-use bdtree_format::{LANES, Row};
+use bdtree_format::{LANES, PairRow, Row};
 
-use super::Lanes;
 use super::quad::Array4;
+use super::{Lanes, PairSums};
 use crate::math::sqrt_f32;
 
 #[derive(Clone, Copy)]
-pub(super) struct Array8(Row);
+pub(crate) struct Array8(Row);
 
 impl Array8 {
     #[inline(always)]
@@ -23,6 +23,7 @@ impl Array8 {
 
 impl Lanes for Array8 {
     type Quad = Array4;
+    type Sums = Whole8;
 
     #[inline(always)]
     fn splat(x: f32) -> Self {
@@ -35,13 +36,12 @@ impl Lanes for Array8 {
     }
 
     #[inline(always)]
-    fn widen(row: &[i16; LANES]) -> Self {
-        Self(row.map(f32::from))
-    }
-
-    #[inline(always)]
-    fn widen_unsigned(row: &[u16; LANES]) -> Self {
-        Self(row.map(f32::from))
+    fn round(sums: Whole8) -> Self {
+        let mut out = [0.0; LANES];
+        for k in 0..LANES {
+            out[k] = sums.0[k] as f32;
+        }
+        Self(out)
     }
 
     #[inline(always)]
@@ -65,7 +65,62 @@ impl Lanes for Array8 {
     }
 
     #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
     fn sqrt(self) -> Self {
         Self(self.0.map(sqrt_f32))
+    }
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct Whole8([i32; LANES]);
+
+impl PairSums for Whole8 {
+    type Factor = [i16; 2];
+
+    #[inline(always)]
+    fn zero() -> Self {
+        Self([0; LANES])
+    }
+
+    #[inline(always)]
+    fn factor(n: [i16; 2]) -> [i16; 2] {
+        n
+    }
+
+    #[inline(always)]
+    fn magnitude([a, b]: [i16; 2]) -> [i16; 2] {
+        [a.wrapping_abs(), b.wrapping_abs()]
+    }
+
+    #[inline(always)]
+    fn positive([a, b]: [i16; 2]) -> [i16; 2] {
+        [a.max(0), b.max(0)]
+    }
+
+    #[inline(always)]
+    fn positive_of_opposite([a, b]: [i16; 2]) -> [i16; 2] {
+        [a.wrapping_neg().max(0), b.wrapping_neg().max(0)]
+    }
+
+    #[inline(always)]
+    fn add_products(mut self, row: &PairRow, [a, b]: [i16; 2]) -> Self {
+        for k in 0..LANES {
+            let [x, y] = row[k];
+            let products = (i32::from(x) * i32::from(a)).wrapping_add(i32::from(y) * i32::from(b));
+            self.0[k] = self.0[k].wrapping_add(products);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn add(mut self, other: Self) -> Self {
+        for k in 0..LANES {
+            self.0[k] = self.0[k].wrapping_add(other.0[k]);
+        }
+        self
     }
 }
