@@ -93,10 +93,14 @@ pub enum PoseError {
         /// The asset's limit.
         limit: f32,
     },
+    /// The tolerance is NaN or negative.
+    Tolerance,
     /// The quaternion is not finite or its norm is off by more than 1e-3.
     Rotation,
     /// A translation is not finite or beyond 2^80.
     Translation,
+    /// The reference is not the pose that the cache was started with, or a pose is one of another asset.
+    Reference,
     /// The scale is not within 2^-60 … 2^60.
     Scale,
 }
@@ -120,10 +124,14 @@ impl fmt::Display for PoseError {
                     "q[{mode}]: |{found}| is over the asset's limit of {limit}"
                 )
             }
+            Self::Tolerance => f.write_str("the pose's tolerance is NaN or negative"),
             Self::Rotation => {
                 f.write_str("rotation is not a quaternion within 1e-3 of unit length")
             }
             Self::Translation => f.write_str("translation is not finite or beyond 2^80"),
+            Self::Reference => f.write_str(
+                "the reference is not the pose that the cache was started with, or of another asset",
+            ),
             Self::Scale => f.write_str("scale is not one positive number between 2^-60 and 2^60"),
         }
     }
@@ -140,7 +148,8 @@ pub enum QueryError {
     /// An argument is NaN, infinite, beyond 2^100, a zero vector, or negative where a length is
     /// meant. The text names it.
     Argument(&'static str),
-    /// The caller's stack is shorter than `Asset::stack_len` or `Asset::pair_stack_len` says.
+    /// The caller's memory is shorter than `Asset::stack_len`, `Asset::pair_stack_len` or
+    /// `broad::grid_slots` says.
     Memory {
         /// Entries needed.
         needed: usize,
@@ -159,7 +168,7 @@ impl fmt::Display for QueryError {
             Self::Memory { needed, found } => {
                 write!(
                     f,
-                    "traversal stack holds {found} entries, {needed} are needed"
+                    "the caller's memory holds {found} entries, {needed} are needed"
                 )
             }
             Self::Corrupt(error) => write!(f, "corrupt asset: {error}"),

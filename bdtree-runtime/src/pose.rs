@@ -1,17 +1,20 @@
 //! A pose: q and a placement, prepared once per instance and step.
 
+use zerocopy::{FromBytes, IntoBytes};
+
 use crate::bound::BoundPose;
 use crate::error::PoseError;
 use crate::frame::{Frame, rotation_matrix};
 use crate::math::{add, dot, scale, sqrt};
+use crate::shares::{Given, Memory, Shares};
 use crate::view::Asset;
 
 /// Unit roundoff of f32: 2⁻²⁴.
 pub(crate) const U32: f64 = 1.0 / (1_u64 << 24) as f64;
 
-/// Smaller shares of a limit than 2⁻¹⁰⁰ are left out of node bounds and their reach is added to
-/// every radius instead: so no product or sum of the kernel is subnormal (docs/guarantees.md).
-const SHARE_MIN: f32 = f32::from_bits((127 - 100) << 23);
+/// q̃ gets a second part where one alone would add more than this, times P / √F, to every radius:
+/// about a thirtieth of the radius of a leaf of four triangles.
+const COARSE: f64 = 0.125;
 
 /// Where an instance stands: `x = rotation · (scale · x_mesh) + translation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,14 +96,12 @@ impl Default for Transform {
 pub struct Pose<'p> {
     /// q with subnormal entries set to 0 (deviation from the source's q: below 2⁻¹²⁶).
     pub(crate) q: &'p [f32],
-    /// q_j over its limit, which is a power of two; those below [`SHARE_MIN`] are 0.
-    pub(crate) share: &'p [f32],
-    /// Added to every radius: covers the f32 evaluation of centres, radii and vertices
-    /// (docs/guarantees.md, slack; stored units).
+    /// q̃, for node bounds.
+    shares: Shares<'p>,
+    /// Added to every radius: covers the f32 evaluation of centres, radii and vertices, and what q̃
+    /// differs from q (docs/guarantees.md, slack; stored units).
     pub(crate) slack: f32,
-    /// γ' = (2M + 16) u: times T² it is added under the root (docs/guarantees.md).
-    pub(crate) gamma: f32,
-    /// B = P + S(q): no deformed vertex and no lane centre is farther from the origin
+    /// B = P + S: no deformed vertex and no lane centre is farther from the origin
     /// (stored units, before rounding).
     pub(crate) reach: f64,
     pub(crate) frame: Frame,
@@ -121,6 +122,24 @@ impl<'p> Pose<'p> {
         transform: Transform,
         memory: &'p mut [f32],
     ) -> Result<Self, PoseError> {
+        Self::with_tolerance(asset, q, transform, 0.0, memory)
+    }
+
+    /// A pose whose node bounds leave out the modes that matter least: two by two, in the order of
+    /// the asset, as long as those left out move no vertex by more than `tolerance` together (world
+    /// units). Spheres become larger by what they move. Queries answer as they do for
+    /// [`Pose::new`], since triangles have all modes; they visit more nodes, each of which costs
+    /// less.
+    ///
+    /// # Errors
+    /// Those of [`Pose::new`]; a tolerance that is NaN or negative.
+    pub fn with_tolerance(
+        asset: &Asset<'_>,
+        q: &[f32],
+        transform: Transform,
+        tolerance: f64,
+        memory: &'p mut [f32],
+    ) -> Result<Self, PoseError> {
         let modes = asset.modes();
         if q.len() != modes.len() {
             return Err(PoseError::ModeCount {
@@ -128,17 +147,19 @@ impl<'p> Pose<'p> {
                 found: q.len(),
             });
         }
+        if !(tolerance >= 0.0) {
+            return Err(PoseError::Tolerance);
+        }
         let (needed, found) = (asset.pose_len(), memory.len());
-        let Some((memory, share)) = memory
+        let Some((own, memory)) = memory
             .get_mut(..needed)
-            .and_then(|memory| memory.split_at_mut_checked(q.len()))
+            .and_then(|memory| split(memory, q.len()))
         else {
             return Err(PoseError::Memory { needed, found });
         };
-        // S(q) = Σ W_j |q_j|, and what of it the modes have that nodes leave out.
-        let (mut s, mut left_out) = (0.0, 0.0);
-        let out = memory.iter_mut().zip(share.iter_mut());
-        for (mode, ((q, record), (out, share))) in q.iter().zip(modes).zip(out).enumerate() {
+        // S(q) = Σ W_j |q_j|.
+        let mut s = 0.0;
+        for (mode, ((q, record), out)) in q.iter().zip(modes).zip(own.iter_mut()).enumerate() {
             if !q.is_finite() {
                 return Err(PoseError::NotFinite { mode });
             }
@@ -151,25 +172,23 @@ impl<'p> Pose<'p> {
                 });
             }
             let q = if q.abs() < f32::MIN_POSITIVE { 0.0 } else { *q };
-            let reach = f64::from(record.field_norm_max.get()) * f64::from(q.abs());
-            s += reach;
-            // Both are exact: limits are powers of two.
-            let of_limit = q * (1.0 / limit);
-            let small = of_limit.abs() < SHARE_MIN;
-            left_out += if small { reach } else { 0.0 };
-            *share = if small { 0.0 } else { of_limit };
+            s += f64::from(record.field_norm_max.get()) * f64::from(q.abs());
             *out = q;
         }
         let transform = transform.checked()?;
+        let frame = Frame::new(asset, &transform);
         let p = f64::from(asset.header().position_norm_max.get());
-        let mode_count = modes.len() as f64;
+        let given = Given { modes, q: own };
+        let coarse = COARSE * p / sqrt(asset.triangle_count() as f64);
+        let (shares, left_out) = given.round(tolerance / frame.world_per_stored(), coarse, memory);
+        // q̃ may reach farther than q by what the two differ.
+        let s = s + left_out;
         Ok(Self {
-            q: memory,
-            share,
-            slack: round_up(slack(p, s, mode_count) + left_out),
-            gamma: round_up((2.0 * mode_count + 16.0) * U32),
+            q: own,
+            shares,
+            slack: round_up(slack(p, s, modes.len() as f64) + left_out),
             reach: p + s,
-            frame: Frame::new(asset, &transform),
+            frame,
             asset: identity(asset),
         })
     }
@@ -179,14 +198,44 @@ impl<'p> Pose<'p> {
         self.q
     }
 
+    /// Modes that node bounds take into account: what the others move is in [`Pose::slack`].
+    pub fn active_modes(&self) -> usize {
+        let pairs = self.shares.active.iter();
+        let in_pair = |k: &u32| (self.q.len() - 2 * *k as usize).min(2);
+        pairs.map(in_pair).sum()
+    }
+
+    /// By how much every sphere is larger than its formula says, in world units: rounding, modes
+    /// left out, and q rounded for node bounds.
+    pub fn slack(&self) -> f64 {
+        f64::from(self.slack) * self.frame.world_per_stored()
+    }
+
     /// What node bounds need of it.
     #[inline(always)]
     pub(crate) fn bound(&self) -> BoundPose<'p> {
         BoundPose {
-            share: self.share,
-            gamma: self.gamma,
+            shares: self.shares,
             slack: self.slack,
         }
+    }
+
+    /// A number that tells poses of an asset apart by what node spheres depend on.
+    pub(crate) fn fingerprint(&self) -> u64 {
+        let (address, crc) = self.asset;
+        let words = [
+            address as u64,
+            u64::from(crc),
+            u64::from(self.slack.to_bits()),
+        ];
+        let q = self.q.iter().map(|q| u64::from(q.to_bits()));
+        hashed(words.into_iter().chain(q))
+    }
+
+    /// [`Pose::fingerprint`] of q and placement.
+    pub(crate) fn placed_fingerprint(&self) -> u64 {
+        let placement = self.frame.numbers().map(f64::to_bits);
+        hashed(core::iter::once(self.fingerprint()).chain(placement))
     }
 
     /// Whether the pose was made for this asset.
@@ -195,15 +244,36 @@ impl<'p> Pose<'p> {
     }
 }
 
+/// FNV-1a over words of 64 bits.
+fn hashed(words: impl Iterator<Item = u64>) -> u64 {
+    words.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+        (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
+
 fn identity(asset: &Asset<'_>) -> (usize, u32) {
     let address = asset.bytes().as_ptr() as usize;
     (address, asset.header().header_crc.get())
 }
 
-/// `slack(q) = 8u P + (2M + 8) u S + 2⁻⁵⁴` (docs/guarantees.md 3).
+/// The memory of q and that of its shares.
+fn split(memory: &mut [f32], mode_count: usize) -> Option<(&mut [f32], Memory<'_>)> {
+    let (q, rest) = memory.split_at_mut_checked(mode_count)?;
+    let pairs = rest.len() / 3;
+    let (coarse, rest) = rest.split_at_mut_checked(pairs)?;
+    let (fine, active) = rest.split_at_mut_checked(pairs)?;
+    let shares = Memory {
+        coarse: <[[i16; 2]]>::mut_from_bytes(coarse.as_mut_bytes()).ok()?,
+        fine: <[[i16; 2]]>::mut_from_bytes(fine.as_mut_bytes()).ok()?,
+        active: <[u32]>::mut_from_bytes(active.as_mut_bytes()).ok()?,
+    };
+    Some((q, shares))
+}
+
+/// `8u P + (M + 12) u S + 2⁻⁵⁴` (docs/guarantees.md, slack).
 fn slack(p: f64, s: f64, mode_count: f64) -> f64 {
     const ABSOLUTE: f64 = 1.0 / (1_u64 << 54) as f64;
-    8.0 * U32 * p + (2.0 * mode_count + 8.0) * U32 * s + ABSOLUTE
+    8.0 * U32 * p + (mode_count + 12.0) * U32 * s + ABSOLUTE
 }
 
 /// An f32 not below `x`, which is not negative and below 2¹²⁰: rounding to nearest loses at

@@ -11,7 +11,7 @@ mod spectral;
 mod vertex_modes;
 
 use bdtree_format::{
-    GroupRecord, LANES, NodeRecord, Row, SectionKind, TriangleRecord, mode_row, row_count,
+    GroupRecord, LANES, NodeRecord, PairRow, Row, SectionKind, TriangleRecord, pair_row, row_count,
 };
 use core::mem::size_of;
 use core::ops::ControlFlow;
@@ -32,7 +32,7 @@ const EXPONENT_MIN: i8 = -126;
 
 /// The f32 rows of a node with their places among its rows.
 fn plain_rows<'r>(rows: &NodeRows<'r>) -> impl Iterator<Item = (usize, &'r Row)> + use<'r> {
-    let behind = mode_row(rows.modes.len());
+    let behind = pair_row(rows.pairs.len());
     let (leading, steps) = (rows.leading, rows.steps);
     leading
         .iter()
@@ -354,42 +354,38 @@ impl<'a> Asset<'a> {
         report: Report<'_>,
     ) -> ControlFlow<()> {
         let used = node.inner_mask | node.leaf_mask;
-        let mut zero = |lane: usize, x: f64, byte: u64| {
-            if used & (1 << lane) != 0 || x == 0.0 {
-                return ControlFlow::Continue(());
-            }
-            report(FormatError {
-                section: SectionKind::ROWS,
-                byte,
-                rule: "SPEC 6.5: rows of empty lanes are zero",
-                expected: Datum::Integer(0),
-                found: Datum::Real(x),
-            })
-        };
         for (r, row) in plain_rows(rows) {
             for (lane, x) in row.iter().enumerate() {
-                zero(lane, f64::from(*x), self.row_byte(node, r, lane))?;
+                if used & (1 << lane) == 0 && *x != 0.0 {
+                    report(self.not_zero(self.row_byte(node, r, lane), f64::from(*x)))?;
+                }
             }
         }
-        for (k, mode) in rows.modes.iter().enumerate() {
-            let [x, y, z] = mode.centre;
-            let [plus, minus] = mode.cross;
-            let growth = mode.growth.map(f64::from);
+        for k in 0..2 * rows.pairs.len() {
+            // The last pair's second place is nobody's where the modes are odd in number.
+            let of_mode = k < usize::from(node.mode_count);
             for lane in 0..LANES {
-                let numbers = [
-                    x[lane].into(),
-                    y[lane].into(),
-                    z[lane].into(),
-                    growth[lane],
-                    plus[lane].into(),
-                    minus[lane].into(),
-                ];
-                for (which, x) in numbers.into_iter().enumerate() {
-                    zero(lane, x, self.mode_byte(node, k, which, lane))?;
+                if of_mode && used & (1 << lane) != 0 {
+                    continue;
+                }
+                for (which, n) in rows.numbers(k, lane).into_iter().enumerate() {
+                    if n != 0 {
+                        report(self.not_zero(self.mode_byte(node, k, which, lane), n.into()))?;
+                    }
                 }
             }
         }
         ControlFlow::Continue(())
+    }
+
+    fn not_zero(&self, byte: u64, found: f64) -> FormatError {
+        FormatError {
+            section: SectionKind::ROWS,
+            byte,
+            rule: "SPEC 6.5: rows are zero in empty lanes and where a pair has no second mode",
+            expected: Datum::Integer(0),
+            found: Datum::Real(found),
+        }
     }
 
     /// Where a number of a node's f32 row stands in the file.
@@ -401,7 +397,8 @@ impl<'a> Asset<'a> {
     /// Where a number of a node's k-th active mode stands in the file: `which` counts Ū_x, Ū_y,
     /// Ū_z, ΔR, b⁺ and b⁻.
     fn mode_byte(&self, node: &NodeRecord, k: usize, which: usize, lane: usize) -> u64 {
-        self.row_byte(node, mode_row(k), 0) + 16 * which as u64 + 2 * lane as u64
+        let place = size_of::<PairRow>() * which + 4 * lane + 2 * (k % 2);
+        self.row_byte(node, pair_row(k / 2), 0) + place as u64
     }
 
     /// Corners are vertices, and slots are the inverse of the triangles' ids.

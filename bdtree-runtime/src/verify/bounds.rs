@@ -1,6 +1,6 @@
 //! Recomputes every lane's bounds from the vertices below it, within SPEC 5.8.
 
-use bdtree_format::{LANES, NodeRecord, ROW_CENTRE_X, ROW_RADIUS, SectionKind, mode_row};
+use bdtree_format::{LANES, NodeRecord, ROW_CENTRE_X, ROW_RADIUS, SectionKind, pair_row};
 use core::ops::ControlFlow;
 
 use super::spectral::at_most_square;
@@ -89,6 +89,8 @@ struct LaneMode {
     cross: [f64; 2],
 }
 
+const NOT_NEGATIVE: &str = "SPEC 6.5: R, delta R and the step bounds are not negative";
+
 /// Places of a mode's rows among its six.
 const GROWTH: usize = 3;
 const CROSS: usize = 4;
@@ -104,14 +106,14 @@ impl LaneCheck<'_, '_> {
 
     /// The numbers of the k-th active mode, exact.
     fn mode(&self, k: usize) -> LaneMode {
-        let rows = &self.rows.modes[k];
+        let [x, y, z, r, plus, minus] = self.rows.numbers(k, self.lane).map(f64::from);
         let [centre, growth, cross] = self.rows.units.map(f64::from);
         let mode = usize::from(self.modes[k]);
         LaneMode {
             limit: f64::from(self.asset.modes[mode].q_limit.get()),
-            centre: rows.centre.map(|row| f64::from(row[self.lane]) * centre),
-            growth: f64::from(rows.growth[self.lane]) * growth,
-            cross: rows.cross.map(|row| f64::from(row[self.lane]) * cross),
+            centre: [x * centre, y * centre, z * centre],
+            growth: r * growth,
+            cross: [plus * cross, minus * cross],
         }
     }
 
@@ -161,7 +163,13 @@ impl LaneCheck<'_, '_> {
             let byte = self.asset.mode_byte(self.node, k, 0, self.lane);
             check(byte, norm(centre) / limit, f64::from(w))?;
         }
-        let steps = mode_row(self.modes.len());
+        for k in 0..self.modes.len() {
+            let growth = self.mode(k).growth;
+            if growth < 0.0 {
+                report(self.mode_too_small((k, GROWTH), growth, 0.0, NOT_NEGATIVE))?;
+            }
+        }
+        let steps = pair_row(self.rows.pairs.len());
         let [step, scaled] = self.rows.steps;
         for (row, values) in [
             (ROW_RADIUS, &self.rows.leading[ROW_RADIUS]),
@@ -170,8 +178,7 @@ impl LaneCheck<'_, '_> {
         ] {
             let found = f64::from(values[self.lane]);
             if found < 0.0 {
-                let rule = "SPEC 6.5: R and the step bounds are not negative";
-                report(self.too_small(row, found, 0.0, rule))?;
+                report(self.too_small(row, found, 0.0, NOT_NEGATIVE))?;
             }
         }
         ControlFlow::Continue(())
@@ -238,7 +245,7 @@ impl LaneCheck<'_, '_> {
         for k in k..self.modes.len() {
             self.mode_bounds(k, x, [0.0; 3], report)?;
         }
-        let behind = mode_row(self.modes.len());
+        let behind = pair_row(self.rows.pairs.len());
         let [step, scaled] = self.rows.steps;
         for (row, values, gram) in [(behind, step, gram), (behind + 1, scaled, gram_scaled)] {
             let found = f64::from(values[self.lane]);

@@ -5,9 +5,9 @@ mod displacements;
 pub use displacements::Displacements;
 
 use bdtree_format::{
-    FrameRecord, GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, ROWS_LEADING,
-    ROWS_PER_MODE, Row, SectionKind, SectionRecord, TriangleRecord, VertexModes, group_kind,
-    row_count,
+    FrameRecord, GroupRecord, Header, ModePair, ModeRecord, NodeRecord, ROWS_LEADING,
+    ROWS_PER_PAIR, Row, SectionKind, SectionRecord, TriangleRecord, VertexModes, group_kind,
+    pair_count, row_count,
 };
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -50,13 +50,23 @@ pub struct Asset<'a> {
 pub struct NodeRows<'a> {
     /// c and R (stored units).
     pub leading: &'a [Row; ROWS_LEADING],
-    /// One per active mode, in [`NodeRows::units`].
-    pub modes: &'a [ModeRows],
+    /// One for every two active modes, in [`NodeRows::units`].
+    pub pairs: &'a [ModePair],
     /// δR and the δR of scaled steps (stored units).
     pub steps: &'a [Row; 2],
-    /// What one unit of Ū, of ΔR (stored units) and of b± (their square) in `modes` is, for a
+    /// What one unit of Ū, of ΔR (stored units) and of b± (their square) in `pairs` is, for a
     /// mode that is at its limit.
     pub units: [f32; 3],
+}
+
+impl NodeRows<'_> {
+    /// Ū_x, Ū_y, Ū_z, ΔR, b⁺ and b⁻ of one lane for the node's k-th active mode, in
+    /// [`NodeRows::units`]; zeros where there is none.
+    pub fn numbers(&self, k: usize, lane: usize) -> [i16; 6] {
+        self.pairs
+            .get(k / 2)
+            .map_or([0; 6], |pair| pair.numbers(k, lane))
+    }
 }
 
 /// 2^e for each e, 0 for e below −126 (SPEC 6.1).
@@ -144,16 +154,17 @@ impl<'a> Asset<'a> {
     pub fn node_rows(&self, node: &NodeRecord) -> Result<NodeRows<'a>, FormatError> {
         let start = node.row_start as usize;
         let m = usize::from(node.mode_count);
+        let count = pair_count(m);
         let end = start.saturating_add(row_count(m));
         let rows = self.rows.get(start..end).unwrap_or_default();
         if let Some((leading, rest)) = rows.split_first_chunk::<ROWS_LEADING>()
-            && let Some((modes, steps)) = rest.split_at_checked(ROWS_PER_MODE * m)
-            && let Ok(modes) = <[ModeRows]>::ref_from_bytes_with_elems(modes.as_bytes(), m)
+            && let Some((pairs, steps)) = rest.split_at_checked(ROWS_PER_PAIR * count)
+            && let Ok(pairs) = <[ModePair]>::ref_from_bytes_with_elems(pairs.as_bytes(), count)
             && let Some(steps) = steps.first_chunk()
         {
             return Ok(NodeRows {
                 leading,
-                modes,
+                pairs,
                 steps,
                 units: units(node.scale_exponents),
             });
@@ -253,9 +264,9 @@ impl<'a> Asset<'a> {
         kernel.is_available().then_some(Self { kernel, ..self })
     }
 
-    /// Numbers that the `memory` of a [`crate::Pose`] needs: two per mode.
+    /// Numbers that the `memory` of a [`crate::Pose`] needs: five for every two modes.
     pub fn pose_len(&self) -> usize {
-        2 * self.modes.len()
+        self.modes.len() + 3 * pair_count(self.modes.len())
     }
 
     /// Entries that the `stack` of a single-asset query needs.
@@ -272,6 +283,12 @@ impl<'a> Asset<'a> {
         // against a node pushes eight and descends in one.
         let (a, b) = (self.depth(), other.depth());
         63 * a.min(b) + 7 * a.max(b) + 1
+    }
+
+    /// Entries that the `stack` of a distance query between `self` and `other` needs.
+    pub fn distance_stack_len(&self, other: &Asset<'_>) -> usize {
+        // Each visit opens one node of one side and puts eight pairs in place of one.
+        7 * (self.depth() + other.depth()) + 1
     }
 
     /// Offset of a section from the start of the file, for error messages.
