@@ -36,6 +36,23 @@ impl Contact {
     };
 }
 
+/// Two triangles that touch, or are within the tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TrianglePair {
+    /// The first asset's triangle.
+    pub triangle1: TriangleId,
+    /// The second asset's triangle.
+    pub triangle2: TriangleId,
+}
+
+impl TrianglePair {
+    /// A value to fill buffers with.
+    pub const EMPTY: Self = Self {
+        triangle1: TriangleId(u32::MAX),
+        triangle2: TriangleId(u32::MAX),
+    };
+}
+
 /// Two triangles touch, or are within the tolerance. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairContact {
@@ -92,6 +109,34 @@ pub struct RayHit {
     pub distance: f64,
     /// Weights of the corners that give `point`.
     pub barycentric: [f64; 3],
+}
+
+/// A sphere of a bounded query ([`Posed::bounded`](crate::Posed::bounded)): it holds the deformed
+/// triangles below a lane of the level at which the query stopped. World coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Proxy {
+    /// Centre.
+    pub center: [f64; 3],
+    /// Radius.
+    pub radius: f64,
+}
+
+impl Proxy {
+    /// A value to fill buffers with.
+    pub const EMPTY: Self = Self {
+        center: [0.0; 3],
+        radius: 0.0,
+    };
+}
+
+impl RayHit {
+    /// A value to fill buffers with.
+    pub const EMPTY: Self = Self {
+        triangle: TriangleId(u32::MAX),
+        point: [0.0; 3],
+        distance: 0.0,
+        barycentric: [0.0; 3],
+    };
 }
 
 /// Takes what a query finds, in the order of the traversal (the same on every run and

@@ -1,11 +1,9 @@
 //! World ↔ stored coordinates of one placed asset, in f64, with a bound of the error.
 
-use bdtree_format::LANES;
-
-use crate::bound::Spheres;
-use crate::math::{add, dot, norm, scale, sub};
+use crate::bound::WideSpheres;
+use crate::math::{add, dot, norm, scale, sqrt, sub};
 use crate::pose::{Pose, Transform, U32, round_up};
-use crate::simd::{Quad, Quad3, add3, dot3, scale3, splat3};
+use crate::simd::{Lanes, Quad, Quad3, add3, dot3, scale3, splat3};
 use crate::view::Asset;
 
 /// The placement of one asset.
@@ -68,6 +66,34 @@ impl Frame {
         )
     }
 
+    /// How far a point within `reach` of the stored origin comes, at most, when it keeps its stored
+    /// coordinates and the placement changes from `from` to this one; with the errors of both
+    /// (world units).
+    pub(crate) fn moved(&self, from: &Self, reach_from: f64, reach: f64) -> f64 {
+        let origin = norm(sub(self.origin_in_world(), from.origin_in_world()));
+        let mut square = 0.0;
+        for (row, row_from) in self.rotation.iter().zip(&from.rotation) {
+            let change = sub(scale(*row, self.scale), scale(*row_from, from.scale));
+            square += dot(change, change);
+        }
+        // The Frobenius norm is not below the spectral one.
+        let turned = sqrt(square) * self.unit * reach_from;
+        let errors = self.error(0.0, reach) * self.world_per_stored()
+            + from.error(0.0, reach_from) * from.world_per_stored();
+        (origin + turned) * (1.0 + EPSILON) + errors
+    }
+
+    /// Numbers that tell placements apart.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let rotation = self.rotation;
+        let rest = [self.scale, self.unit];
+        rotation
+            .into_iter()
+            .chain([self.translation, self.origin])
+            .flatten()
+            .chain(rest)
+    }
+
     /// World units per stored unit.
     pub(crate) fn world_per_stored(&self) -> f64 {
         self.scale * self.unit
@@ -128,6 +154,68 @@ pub(crate) fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
     ]
 }
 
+/// What maps stored coordinates of a second asset to those of a first, in f64.
+pub(crate) struct PairMap {
+    /// World units per stored unit of the first.
+    pub(crate) unit_a: f64,
+    /// Stored units of the first per stored unit of the second.
+    scale: f64,
+    /// Rows of s·R.
+    linear: [[f64; 3]; 3],
+    /// Where the second's origin lies, in stored coordinates of the first.
+    pub(crate) offset: [f64; 3],
+    /// The first's vertices and lane centres are this near to its origin, slack included.
+    pub(crate) reach_a: f64,
+    /// The second's likewise, in stored units of the first.
+    pub(crate) reach_b: f64,
+    /// Errors of f64 on both sides (stored units of the first).
+    pub(crate) exact: f64,
+    /// Error of s·R rounded to f32 and applied in f32; what the offset adds is 16u of its length
+    /// (docs/guarantees.md, instances).
+    pub(crate) turned: f64,
+}
+
+impl PairMap {
+    pub(crate) fn new(a: &Pose<'_>, b: &Pose<'_>) -> Self {
+        let (fa, fb) = (&a.frame, &b.frame);
+        let unit_a = fa.world_per_stored();
+        let s = fb.world_per_stored() / unit_a;
+        let origin_a = fa.origin_in_world();
+        let origin_b = fb.origin_in_world();
+        let offset = fa.point_to_stored(origin_b);
+        // Column k of s·R: where the second asset's axis k points, in the first's axes.
+        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+            .map(|axis| scale(fa.inverse_rotate(fb.rotate(axis)), s));
+        let linear = [0, 1, 2].map(|i| columns.map(|column| column[i]));
+
+        // Each side's coordinates and corners, in stored units of the first.
+        let far_a = norm(origin_a) + unit_a * a.reach;
+        let far_b = norm(origin_b) + fb.world_per_stored() * b.reach;
+        let exact = fa.error(far_a + far_b, a.reach) + s * fb.error(far_a + far_b, b.reach);
+        const SQRT_3: f64 = 1.732_050_807_568_877_3;
+        Self {
+            unit_a,
+            scale: s,
+            linear,
+            offset,
+            reach_a: f64::from(a.slack) + a.reach,
+            reach_b: s * (f64::from(b.slack) + b.reach),
+            exact,
+            turned: 16.0 * U32 * SQRT_3 * s * b.reach,
+        }
+    }
+
+    /// The map in f32, its radii larger by `extra`.
+    pub(crate) fn rounded(&self, offset: [f64; 3], extra: f64) -> PairFrame {
+        PairFrame {
+            linear: self.linear.map(|row| row.map(|x| x as f32)),
+            offset: offset.map(|x| x as f32),
+            radius_scale: round_up(self.scale * (1.0 + 1.0 / (1 << 22) as f64)),
+            radius_extra: round_up(extra),
+        }
+    }
+}
+
 /// Stored coordinates of a second asset in those of a first, for node spheres.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PairFrame {
@@ -146,51 +234,23 @@ impl PairFrame {
     /// The map for a pair of poses, or `None` when the two deformed meshes are certainly farther
     /// apart than `tolerance` (world units).
     pub(crate) fn new(a: &Pose<'_>, b: &Pose<'_>, tolerance: f64) -> Option<Self> {
-        let (fa, fb) = (&a.frame, &b.frame);
-        let unit_a = fa.world_per_stored();
-        let s = fb.world_per_stored() / unit_a;
-        let origin_a = fa.origin_in_world();
-        let origin_b = fb.origin_in_world();
-        let offset = fa.point_to_stored(origin_b);
-        // Column k of s·R: where the second asset's axis k points, in the first's axes.
-        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-            .map(|axis| scale(fa.inverse_rotate(fb.rotate(axis)), s));
-        let linear = [0, 1, 2].map(|i| columns.map(|column| column[i] as f32));
-
-        let tolerance = tolerance / unit_a;
-        // Each side's coordinates and corners, in stored units of the first.
-        let far_a = norm(origin_a) + unit_a * a.reach;
-        let far_b = norm(origin_b) + fb.world_per_stored() * b.reach;
-        let exact = fa.error(far_a + far_b, a.reach) + s * fb.error(far_a + far_b, b.reach);
-        // Rounding the map to f32 and applying it in f32 (docs/guarantees.md, instances).
-        const SQRT_3: f64 = 1.732_050_807_568_877_3;
-        let mapped = 16.0 * U32 * (SQRT_3 * s * b.reach + norm(offset));
-        let extra = tolerance + exact + mapped;
-
-        let apart = norm(offset);
-        let reach = f64::from(a.slack) + a.reach + s * (f64::from(b.slack) + b.reach) + extra;
-        if apart > reach * (1.0 + 1.0 / (1 << 20) as f64) {
+        let map = PairMap::new(a, b);
+        let extra = tolerance / map.unit_a + map.exact + map.turned + 16.0 * U32 * norm(map.offset);
+        let reach = map.reach_a + map.reach_b + extra;
+        if norm(map.offset) > reach * (1.0 + 1.0 / (1 << 20) as f64) {
             return None;
         }
-        Some(Self {
-            linear,
-            offset: offset.map(|x| x as f32),
-            radius_scale: round_up(s * (1.0 + 1.0 / (1 << 22) as f64)),
-            radius_extra: round_up(extra),
-        })
+        Some(map.rounded(map.offset, extra))
     }
 
-    /// Moves spheres of the second asset into the frame of the first.
-    #[inline]
-    pub(crate) fn carry(&self, spheres: &mut Spheres) {
-        let [x, y, z] = spheres.centre;
-        for k in 0..LANES {
-            for i in 0..3 {
-                let row = &self.linear[i];
-                spheres.centre[i][k] =
-                    (row[0] * x[k] + row[1] * y[k] + row[2] * z[k]) + self.offset[i];
-            }
-            spheres.radius[k] = self.radius_scale * spheres.radius[k] + self.radius_extra;
-        }
+    /// Spheres of the second asset in the frame of the first.
+    #[inline(always)]
+    pub(crate) fn carry<L: Lanes>(&self, spheres: WideSpheres<L>) -> WideSpheres<L> {
+        spheres.mapped(
+            &self.linear,
+            self.offset,
+            self.radius_scale,
+            self.radius_extra,
+        )
     }
 }

@@ -3,7 +3,8 @@
 //!
 //! The flow of a query, one module each:
 //!
-//! `open` bytes → [`Asset`] view → [`Pose`] (q and a placement, prepared once per step) →
+//! `open` bytes → [`Asset`] view → [`Pose`] (q and a placement, prepared once per step; a
+//! [`StepCache`] keeps what its queries compute) →
 //! [`bound`] (the eight-lane node kernel) → traversal in the caller's memory → exact narrow
 //! phase on touched triangles only → [`contact`]s.
 //!
@@ -29,10 +30,13 @@ extern crate std;
 
 mod animation;
 pub mod bound;
+pub mod broad;
+mod cache;
 pub mod contact;
 mod deform;
 #[doc(hidden)]
 pub mod embed;
+mod epoch;
 pub mod error;
 mod force;
 mod frame;
@@ -41,18 +45,23 @@ mod math;
 mod memory;
 #[cfg(feature = "mmap")]
 mod mmap;
+mod motion;
 pub mod narrow;
 mod open;
 mod pose;
+mod proxy;
 pub mod query;
+mod shares;
 mod simd;
 mod traverse;
 mod verify;
 mod view;
 
 pub use animation::AnimationFrame;
+pub use cache::{CachedPose, LeafSlot, NodeSlot, Posed, StepCache};
 pub use contact::{
-    ClosestPoint, Contact, PairContact, RayHit, Sink, SliceSink, TriangleId, VertexId,
+    ClosestPoint, Contact, PairContact, Proxy, RayHit, Sink, SliceSink, TriangleId, TrianglePair,
+    VertexId,
 };
 pub use error::{Datum, FormatError, PoseError, QueryError};
 pub use force::add_generalized_force;
@@ -60,9 +69,10 @@ pub use force::add_generalized_force;
 pub use memory::AlignedBytes;
 #[cfg(feature = "mmap")]
 pub use mmap::MappedFile;
+pub use motion::Motion;
 pub use pose::{Pose, Transform};
 pub use simd::Kernel;
-pub use traverse::{PairStackEntry, StackEntry};
+pub use traverse::{FrontSlot, PairStackEntry, SearchEntry, StackEntry};
 pub use view::{Asset, Displacements, Group, NodeRows};
 
 /// The README's query, compiled with the tests.

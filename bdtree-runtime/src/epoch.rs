@@ -1,0 +1,75 @@
+//! How far a pose has moved from the one that nodes were evaluated at (paper, eqs. 8–11).
+
+use bdtree_format::Row;
+
+use crate::math::sqrt;
+use crate::pose::{Pose, U32, round_up};
+use crate::simd::Lanes;
+use crate::view::Asset;
+
+/// What the spheres of another pose need so that they hold at this one: R'' = R' + δR ‖q − q₀‖ + slack.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drift {
+    /// ‖q − q₀‖ and, if it bounds anything, ‖S⁻¹ (q − q₀)‖, from above.
+    norm: f32,
+    scaled_norm: Option<f32>,
+    /// The slack at q; that at q₀ is in the radii already (stored units).
+    slack: f32,
+}
+
+impl Drift {
+    /// The drift from `reference` to `pose`, if both are poses of `asset`.
+    pub(crate) fn new(asset: &Asset<'_>, reference: &Pose<'_>, pose: &Pose<'_>) -> Option<Self> {
+        if !reference.belongs_to(asset) || !pose.belongs_to(asset) {
+            return None;
+        }
+        let (mut square, mut scaled_square) = (0.0, 0.0);
+        let steps = pose.q().iter().zip(reference.q());
+        for ((q, q0), mode) in steps.zip(asset.modes()) {
+            // Exact but for one rounding: both are f32.
+            let step = f64::from(*q) - f64::from(*q0);
+            square += step * step;
+            if step != 0.0 {
+                let scaled = step / f64::from(mode.step_scale.get());
+                scaled_square += scaled * scaled;
+            }
+        }
+        // q stays below its limits, so squares are finite; a scale of 0 gives infinity.
+        let scaled_norm = sqrt(scaled_square);
+        Some(Self {
+            norm: norm_up(sqrt(square)),
+            scaled_norm: (scaled_norm < f64::from(f32::MAX) / 2.0).then(|| norm_up(scaled_norm)),
+            slack: pose.slack,
+        })
+    }
+
+    /// What eight radii grow by: `steps` are the rows δR and scaled δR of the node. The smaller of the
+    /// two bounds; its product rounds by u, which the norms have in them.
+    #[inline(always)]
+    pub(crate) fn wide<L: Lanes>(&self, steps: &[Row; 2]) -> L {
+        let mut step = L::load(&steps[0]).mul(L::splat(self.norm));
+        if let Some(norm) = self.scaled_norm {
+            step = step.min(L::load(&steps[1]).mul(L::splat(norm)));
+        }
+        step.add(L::splat(self.slack))
+    }
+
+    /// [`Drift::wide`] without vectors.
+    pub(crate) fn added(&self, steps: &[Row; 2]) -> Row {
+        let mut added = steps[0].map(|x| x * self.norm);
+        if let Some(norm) = self.scaled_norm {
+            for (x, y) in added.iter_mut().zip(&steps[1]) {
+                *x = x.min(y * norm);
+            }
+        }
+        added.map(|x| x + self.slack)
+    }
+}
+
+/// An f32 above `norm` by at least 8u of it; 0 for 0.
+fn norm_up(norm: f64) -> f32 {
+    if norm == 0.0 {
+        return 0.0;
+    }
+    round_up(norm * (1.0 + 8.0 * U32))
+}

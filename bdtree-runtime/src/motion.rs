@@ -1,0 +1,81 @@
+//! How far an instance has moved over steps, at most.
+
+use crate::epoch::Drift;
+use crate::error::QueryError;
+use crate::pose::Pose;
+use crate::view::Asset;
+
+/// An upper bound of the way that any point of an instance has come, summed over steps: what
+/// [`PairFront`](crate::query::PairFront) rests on. One per instance, for as long as it lives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// World units.
+    total: f64,
+    /// Tells apart the poses that it started at and stands at.
+    start: u64,
+    at: u64,
+}
+
+impl Motion {
+    /// No motion yet, at `pose`.
+    pub fn new(pose: &Pose<'_>) -> Self {
+        let at = pose.placed_fingerprint();
+        Self {
+            total: 0.0,
+            start: at,
+            at,
+        }
+    }
+
+    /// Adds a step, from the pose that the motion stands at to another. A vertex comes at most
+    /// δR ‖q − q₀‖ far by deforming (paper, eq. 9; the root's δR) and what the change of the placement
+    /// does to a ball around the instance; both with their rounding. No step at all adds nothing.
+    ///
+    /// # Errors
+    /// [`QueryError::PoseMismatch`] if the motion does not stand at `from` or a pose is one of another
+    /// asset; a corrupt asset.
+    pub fn advance(
+        &mut self,
+        asset: &Asset<'_>,
+        from: &Pose<'_>,
+        to: &Pose<'_>,
+    ) -> Result<(), QueryError> {
+        if !self.is_at(from) {
+            return Err(QueryError::PoseMismatch);
+        }
+        let drift = Drift::new(asset, from, to).ok_or(QueryError::PoseMismatch)?;
+        let at = to.placed_fingerprint();
+        if at == self.at {
+            return Ok(());
+        }
+        let root = asset.node_rows(asset.node(0)?)?;
+        // The drift has the slack at `to` in it; each slack pays for the vertices of its pose.
+        let added = drift.added(root.steps).into_iter().fold(0.0_f32, f32::max);
+        let deformed = f64::from(added) + f64::from(from.slack);
+        let deformed = deformed * to.frame.world_per_stored();
+        let step = deformed + to.frame.moved(&from.frame, from.reach, to.reach);
+        // NaN, of a corrupt file, must not count as no motion.
+        self.total = if step >= 0.0 {
+            self.total + step * (1.0 + f64::EPSILON)
+        } else {
+            f64::INFINITY
+        };
+        self.at = at;
+        Ok(())
+    }
+
+    /// The bound so far (world units).
+    pub fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// Whether this is the pose where the motion stands.
+    pub(crate) fn is_at(&self, pose: &Pose<'_>) -> bool {
+        self.at == pose.placed_fingerprint()
+    }
+
+    /// What tells this motion from that of another instance.
+    pub(crate) fn start(&self) -> u64 {
+        self.start
+    }
+}
