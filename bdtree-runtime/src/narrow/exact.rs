@@ -9,6 +9,7 @@
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
 use super::Triangle;
+use crate::math::{cross, dot, sub};
 
 /// Smallest and largest magnitude, besides 0, for which the predicates are exact: 2^∓300.
 const TINY: f64 = f64::from_bits((1023 - 300) << 52);
@@ -54,6 +55,43 @@ fn sign(x: f64) -> i8 {
 #[inline]
 fn coord3([x, y, z]: [f64; 3]) -> Coord3D<f64> {
     Coord3D { x, y, z }
+}
+
+/// Rounding of a height over a plane, against the sum of the magnitudes of its products: below
+/// 9 u, counted as 16 u = 2⁻⁴⁹.
+pub(super) const HEIGHT_ROUNDING: f64 = f64::from_bits((1023 - 49) << 52);
+
+/// Returns [`above`] for each corner of `tri` over the plane of `base`.
+#[inline]
+pub(super) fn sides(base: &Triangle, tri: &Triangle) -> [i8; 3] {
+    let [a, b, c] = *base;
+    let (e, f) = (sub(b, a), sub(c, a));
+    let normal = cross(e, f);
+    let (e, f) = (magnitudes(e), magnitudes(f));
+    let size = [
+        e[1] * f[2] + e[2] * f[1],
+        e[2] * f[0] + e[0] * f[2],
+        e[0] * f[1] + e[1] * f[0],
+    ];
+    let mut sides = [0; 3];
+    for k in 0..3 {
+        let d = sub(tri[k], a);
+        let fast = dot(normal, d);
+        let error = HEIGHT_ROUNDING * dot(size, magnitudes(d));
+        sides[k] = if fast > error {
+            1
+        } else if fast < -error {
+            -1
+        } else {
+            above(a, b, c, tri[k])
+        };
+    }
+    sides
+}
+
+#[inline]
+fn magnitudes([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [x.abs(), y.abs(), z.abs()]
 }
 
 /// Returns 1 if `d` is above the plane of `a, b, c` (seen from there they turn left), −1 below, 0 in it.
@@ -104,6 +142,44 @@ pub(super) fn det2([x1, y1]: [f64; 2], [x2, y2]: [f64; 2]) -> f64 {
     head + (more + rest)
 }
 
+/// Returns the exact sign of `normal · x + offset`.
+///
+/// Products must not under- or overflow: arguments 0 or between 2⁻⁴⁰⁰ and 2⁵⁰⁰.
+#[inline]
+pub(super) fn plane_side(normal: [f64; 3], offset: f64, x: [f64; 3]) -> i8 {
+    let products = [0, 1, 2].map(|k| normal[k] * x[k]);
+    let [p, q, r] = products;
+    let fast = ((p + q) + r) + offset;
+    // Four roundings per term at most, and of the products one.
+    let lost = 4.0 * f64::EPSILON * ((p.abs() + q.abs()) + r.abs() + offset.abs());
+    if fast.abs() > lost {
+        return sign(fast);
+    }
+    let mut terms = [0.0; 7];
+    for k in 0..3 {
+        terms[2 * k] = products[k];
+        terms[2 * k + 1] = product_tail(normal[k], x[k], products[k]);
+    }
+    terms[6] = offset;
+    sign_of_sum(terms)
+}
+
+/// Returns the exact sign of a sum (Shewchuk's grow-expansion: the parts never overlap and grow
+/// in magnitude, so the last one that is not 0 decides).
+#[cold]
+fn sign_of_sum<const N: usize>(terms: [f64; N]) -> i8 {
+    let mut parts = [0.0; N];
+    for (count, term) in terms.into_iter().enumerate() {
+        let mut sum = term;
+        for part in &mut parts[..count] {
+            (sum, *part) = two_sum(sum, *part);
+        }
+        parts[count] = sum;
+    }
+    let last = parts.iter().rev().find(|x| **x != 0.0);
+    last.map_or(0, |x| sign(*x))
+}
+
 /// Returns the rounding error of `product = a · b` (Dekker, Veltkamp): no fused operation.
 #[inline]
 fn product_tail(a: f64, b: f64, product: f64) -> f64 {
@@ -138,7 +214,7 @@ mod tests {
     use num_traits::{Signed, ToPrimitive, Zero};
     use rand::{RngExt, SeedableRng};
 
-    use super::det2;
+    use super::{det2, plane_side};
 
     #[test]
     fn det2_has_the_exact_sign_and_full_precision() {
@@ -164,5 +240,31 @@ mod tests {
                 assert!(error.to_f64().expect("in range") <= 3.0 * f64::EPSILON);
             }
         }
+    }
+
+    #[test]
+    fn plane_side_has_the_exact_sign() {
+        let exact = |x: f64| BigRational::from_float(x).expect("finite");
+        let mut r = rand_pcg::Pcg64::seed_from_u64(2);
+        let mut zeros = 0;
+        for case in 0..20_000 {
+            let mut number = || {
+                let x: f64 = r.random_range(-1.0..1.0);
+                if case % 3 == 0 { (x * 8.0).round() } else { x }
+            };
+            let normal = [number(), number(), number()];
+            let x = [number(), number(), number()];
+            // On the plane up to a few units in the last place.
+            let height = normal[0] * x[0] + normal[1] * x[1] + normal[2] * x[2];
+            let offset = -height * (1.0 + f64::from(case % 5 - 2) * f64::EPSILON);
+            let mut truth = exact(offset);
+            for k in 0..3 {
+                truth += exact(normal[k]) * exact(x[k]);
+            }
+            let expected = i8::from(truth.is_positive()) - i8::from(truth.is_negative());
+            assert_eq!(plane_side(normal, offset, x), expected);
+            zeros += i32::from(expected == 0);
+        }
+        assert!(zeros > 1000, "{zeros}");
     }
 }

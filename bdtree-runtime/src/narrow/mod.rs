@@ -5,12 +5,14 @@
 //! `+ − × ÷ √`, so every processor returns the same bits.
 //!
 //! *What a hit is worth.* With u = 2⁻⁵³ and L the largest coordinate difference between the
-//! corners of the two things compared (ray and point: between corner and origin or point):
+//! corners of the two things compared (ray, point and box: between corner and origin, point or centre):
 //!
 //! | function | statement |
 //! |---|---|
 //! | [`triangles_intersect`] | exact: τ = 0 |
-//! | [`closest_point`], [`triangle_distance()`] | computed ≥ exact − τ, τ = 32 u L = 2⁻⁴⁸ L |
+//! | [`closest_point`], [`triangle_distance()`], [`segment_triangle_distance`] | computed ≥ exact − τ, τ = 32 u L = 2⁻⁴⁸ L |
+//! | [`OrientedBox::contact`] | exact in the box's axes as computed: exact distance ≤ τ = 256 u L = 2⁻⁴⁵ L |
+//! | [`Frustum::triangle`] | inside: exact, τ = 0; outside: no point in common |
 //! | [`ray_hit`] | a point of the exact triangle lies within τ = 128 u L = 2⁻⁴⁶ L of origin + t·direction |
 //!
 //! The constants add up the roundings of each step at their worst; tests against rational arithmetic
@@ -20,16 +22,25 @@
 //! *Range.* Coordinates that are 0 or between 2⁻³⁰⁰ and 2³⁰⁰ in magnitude. Below, they count as 0;
 //! above, results are meaningless but still come back. Distances are sound up to 2¹⁰⁰.
 
+pub mod box_triangle;
+mod clip;
 mod exact;
 pub(crate) mod four;
+pub(crate) mod four_by_four;
+pub mod frustum_triangle;
 mod plane_minimum;
 pub mod point_triangle;
 pub mod ray_triangle;
+pub mod segment_triangle;
 pub mod triangle_distance;
 pub mod triangle_triangle;
 
+pub use box_triangle::{BoxContact, OrientedBox};
+pub use frustum_triangle::{Frustum, FrustumState};
 pub use point_triangle::{Closest, closest_point};
 pub use ray_triangle::{Ray, RayHit, ray_hit};
+pub use segment_triangle::{SegmentDistance, segment_triangle_distance};
+pub(crate) use triangle_distance::nearest_points;
 pub use triangle_distance::{PairDistance, triangle_distance};
 pub use triangle_triangle::triangles_intersect;
 

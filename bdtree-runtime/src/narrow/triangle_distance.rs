@@ -56,7 +56,23 @@ impl Candidate {
 /// 01, 12, 20 of a, each against those of b. Swapping a and b may choose another pair of points and
 /// change the distance by rounding.
 pub fn triangle_distance(a: &Triangle, b: &Triangle) -> PairDistance {
-    let touching = triangles_intersect(a, b);
+    distance_of::<3>(a, b, triangles_intersect(a, b))
+}
+
+/// [`triangle_distance`] where [`triangles_intersect`] has answered `touching` already.
+pub(crate) fn nearest_points(a: &Triangle, b: &Triangle, touching: bool) -> PairDistance {
+    distance_of::<3>(a, b, touching)
+}
+
+/// [`nearest_points`] where a is a triangle (`CORNERS` 3) or, its last two corners being the
+/// same, a segment (2), whose repeated corner and edges need not be asked.
+#[inline(always)]
+pub(super) fn distance_of<const CORNERS: usize>(
+    a: &Triangle,
+    b: &Triangle,
+    touching: bool,
+) -> PairDistance {
+    let edges_of_a = if CORNERS == 2 { 1 } else { 3 };
     let mut best = Candidate {
         squared: f64::INFINITY,
         weights: [[1.0, 0.0, 0.0]; 2],
@@ -68,9 +84,9 @@ pub fn triangle_distance(a: &Triangle, b: &Triangle) -> PairDistance {
         crossings(b, a, [1, 0], enough, &mut best);
     }
     if !touching || best.squared > enough {
-        corners_against(a, b, [0, 1], &mut best);
+        corners_against(&a[..CORNERS], b, [0, 1], &mut best);
         corners_against(b, a, [1, 0], &mut best);
-        for i in 0..3 {
+        for i in 0..edges_of_a {
             for j in 0..3 {
                 if let Some(candidate) = edges_minimum(a, i, b, j) {
                     best.improve(candidate);
@@ -113,7 +129,7 @@ fn rounding_squared(a: &Triangle, b: &Triangle) -> f64 {
 
 /// Improves `best` by the corners of `from` against `to`; `order` says which of them is a and b.
 #[inline]
-fn corners_against(from: &Triangle, to: &Triangle, order: [usize; 2], best: &mut Candidate) {
+fn corners_against(from: &[[f64; 3]], to: &Triangle, order: [usize; 2], best: &mut Candidate) {
     let [p, q, r] = *to;
     let low = [0, 1, 2].map(|k| p[k].min(q[k]).min(r[k]));
     let high = [0, 1, 2].map(|k| p[k].max(q[k]).max(r[k]));

@@ -5,7 +5,7 @@
 //! segments and triangles, seen along an axis that does not lie in their common plane.
 
 use super::Triangle;
-use super::exact::{above, open_axis, tame, turn};
+use super::exact::{above, open_axis, sides, tame, turn};
 
 /// Returns whether the closed triangles share a point; exact, so symmetric and independent of corner order.
 ///
@@ -21,11 +21,11 @@ pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
         return true;
     }
     let [a, b] = tame([*a, *b]);
-    let sides_b = b.map(|p| above(a[0], a[1], a[2], p));
+    let sides_b = sides(&a, &b);
     if strictly_one_side(sides_b) {
         return false;
     }
-    let sides_a = a.map(|p| above(b[0], b[1], b[2], p));
+    let sides_a = sides(&b, &a);
     if strictly_one_side(sides_a) {
         return false;
     }

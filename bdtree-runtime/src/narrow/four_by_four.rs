@@ -1,0 +1,215 @@
+//! Four triangles against four: which pairs certainly do not touch, told before the exact test.
+//!
+//! The rejections are those of [`triangles_intersect`](super::triangles_intersect), boxes and
+//! planes, four at a time; a plane counts only where rounding cannot have turned a sign
+//! (Shewchuk's first stage, "Adaptive Precision Floating-Point Arithmetic and Fast Robust
+//! Geometric Predicates", 1997).
+
+use super::Triangle;
+use super::exact::HEIGHT_ROUNDING;
+use crate::simd::{Quad, Quad3, cross3, dot3, sub3};
+
+/// Largest sum of a triangle's coordinates, in magnitude, that is filtered: 2¹⁰⁰.
+const LARGEST: f64 = f64::from_bits((1023 + 100) << 52);
+
+/// 2⁻⁹⁰: what numbers below 2⁻³⁰⁰, which the exact test reads as 0, and underflow can add to a height
+/// of such triangles.
+const ABSOLUTE: f64 = f64::from_bits((1023 - 90) << 52);
+
+/// Of each coordinate, that of four.
+type Rows = [[f64; 4]; 3];
+
+/// Four triangles, with their boxes and planes.
+#[derive(Clone, Copy)]
+pub(crate) struct WorldFour {
+    corners: [Rows; 3],
+    low: Rows,
+    high: Rows,
+    /// The box of all four.
+    all: [[f64; 3]; 2],
+    /// (b − a) × (c − a).
+    normal: Rows,
+    /// The same with the magnitudes of all products added up.
+    size: Rows,
+    /// The triangles that may be rejected: no NaN, nothing infinite or huge.
+    fair: u8,
+}
+
+impl WorldFour {
+    pub(crate) const EMPTY: Self = Self {
+        corners: [[[0.0; 4]; 3]; 3],
+        low: [[0.0; 4]; 3],
+        high: [[0.0; 4]; 3],
+        all: [[0.0; 3]; 2],
+        normal: [[0.0; 4]; 3],
+        size: [[0.0; 4]; 3],
+        fair: 0,
+    };
+
+    /// Replaces the triangles.
+    #[inline(always)]
+    pub(crate) fn set<Q: Quad>(&mut self, corners: [Quad3<Q>; 3]) {
+        let [a, b, c] = corners;
+        let mut sum = Q::splat(0.0);
+        for k in 0..3 {
+            self.low[k] = lower(lower(a[k], b[k]), c[k]).store();
+            self.high[k] = higher(higher(a[k], b[k]), c[k]).store();
+            let ([p, q, r, s], [t, u, v, w]) = (self.low[k], self.high[k]);
+            self.all[0][k] = p.min(q).min(r.min(s));
+            self.all[1][k] = t.max(u).max(v.max(w));
+            for i in 0..3 {
+                self.corners[i][k] = corners[i][k].store();
+                sum = sum.add(corners[i][k].abs());
+            }
+        }
+        let (e, f) = (sub3(b, a), sub3(c, a));
+        self.normal = store3(cross3(e, f));
+        let (e, f) = (abs3(e), abs3(f));
+        self.size = store3([
+            e[1].mul(f[2]).add(e[2].mul(f[1])),
+            e[2].mul(f[0]).add(e[0].mul(f[2])),
+            e[0].mul(f[1]).add(e[1].mul(f[0])),
+        ]);
+        self.fair = Q::bits(Q::splat(LARGEST).at_least(sum));
+    }
+
+    /// Triangle `k`, below 4.
+    #[inline(always)]
+    pub(crate) fn triangle(&self, k: usize) -> Triangle {
+        let mut corners = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for axis in 0..3 {
+                corners[i][axis] = self.corners[i][axis][k & 3];
+            }
+        }
+        corners
+    }
+
+    /// The triangles whose boxes meet that of all of `others`.
+    #[inline(always)]
+    pub(crate) fn meeting<Q: Quad>(&self, others: &Self) -> u8 {
+        let [low, high] = others.all;
+        let mut meet = Q::splat(0.0).at_least(Q::splat(0.0));
+        for axis in 0..3 {
+            meet = Q::both(
+                meet,
+                Q::load(&self.high[axis]).at_least(Q::splat(low[axis])),
+            );
+            meet = Q::both(
+                meet,
+                Q::splat(high[axis]).at_least(Q::load(&self.low[axis])),
+            );
+        }
+        // Where something is not fair, its box may mean nothing.
+        let all = if others.fair & 15 == 15 { 0 } else { u8::MAX };
+        Q::bits(meet) | !self.fair | all
+    }
+
+    /// Those of `others` that may share a point with triangle `k`.
+    #[inline(always)]
+    pub(crate) fn touching<Q: Quad>(&self, k: usize, others: &Self) -> u8 {
+        if self.fair & (1 << k) == 0 {
+            return u8::MAX;
+        }
+        let mut meet = Q::splat(0.0).at_least(Q::splat(0.0));
+        for axis in 0..3 {
+            let low: Q = one(&self.low, axis, k);
+            let high: Q = one(&self.high, axis, k);
+            meet = Q::both(meet, Q::load(&others.high[axis]).at_least(low));
+            meet = Q::both(meet, high.at_least(Q::load(&others.low[axis])));
+        }
+        let mut left = Q::bits(meet) & others.fair;
+        if left != 0 {
+            let mine = [
+                one3(&self.corners[0], k),
+                one3(&self.corners[1], k),
+                one3(&self.corners[2], k),
+            ];
+            let theirs = [
+                load3(&others.corners[0]),
+                load3(&others.corners[1]),
+                load3(&others.corners[2]),
+            ];
+            left &= !beside::<Q>(mine[0], one3(&self.normal, k), one3(&self.size, k), &theirs);
+            if left != 0 {
+                let (normal, size) = (load3(&others.normal), load3(&others.size));
+                left &= !beside::<Q>(theirs[0], normal, size, &mine);
+            }
+        }
+        left | !others.fair
+    }
+
+    /// Those of `others` whose distance to triangle `k` may be at most `tolerance`, as
+    /// [`triangle_distance`](super::triangle_distance()) computes it: their boxes say so, with room
+    /// for its rounding.
+    #[inline(always)]
+    pub(crate) fn near<Q: Quad>(&self, k: usize, others: &Self, tolerance: f64) -> u8 {
+        if self.fair & (1 << k) == 0 {
+            return u8::MAX;
+        }
+        let mut near = Q::splat(0.0).at_least(Q::splat(0.0));
+        for axis in 0..3 {
+            let low1: Q = one(&self.low, axis, k);
+            let high1: Q = one(&self.high, axis, k);
+            let (low2, high2) = (Q::load(&others.low[axis]), Q::load(&others.high[axis]));
+            let gap = higher(low2.sub(high1), low1.sub(high2));
+            let span = higher(high1, high2).sub(lower(low1, low2));
+            let reach = Q::splat(tolerance).add(span.mul(Q::splat(1e-12)));
+            near = Q::both(near, reach.at_least(gap));
+        }
+        Q::bits(near) | !others.fair
+    }
+}
+
+/// Where all corners surely lie strictly on one side of the plane through `a`.
+#[inline(always)]
+fn beside<Q: Quad>(a: Quad3<Q>, normal: Quad3<Q>, size: Quad3<Q>, corners: &[Quad3<Q>; 3]) -> u8 {
+    let yes = Q::splat(0.0).at_least(Q::splat(0.0));
+    let (mut above, mut below) = (yes, yes);
+    for corner in corners {
+        let d = sub3(*corner, a);
+        let height = dot3(normal, d);
+        let error = dot3(size, abs3(d))
+            .mul(Q::splat(HEIGHT_ROUNDING))
+            .add(Q::splat(ABSOLUTE));
+        above = Q::both(above, height.above(error));
+        below = Q::both(below, Q::splat(0.0).sub(height).above(error));
+    }
+    Q::bits(above) | Q::bits(below)
+}
+
+/// Coordinate `axis` of triangle `k` four times.
+#[inline(always)]
+fn one<Q: Quad>(rows: &Rows, axis: usize, k: usize) -> Q {
+    Q::splat(rows[axis][k & 3])
+}
+
+#[inline(always)]
+fn one3<Q: Quad>(rows: &Rows, k: usize) -> Quad3<Q> {
+    [one(rows, 0, k), one(rows, 1, k), one(rows, 2, k)]
+}
+
+#[inline(always)]
+fn load3<Q: Quad>([x, y, z]: &Rows) -> Quad3<Q> {
+    [Q::load(x), Q::load(y), Q::load(z)]
+}
+
+#[inline(always)]
+fn store3<Q: Quad>([x, y, z]: Quad3<Q>) -> Rows {
+    [x.store(), y.store(), z.store()]
+}
+
+#[inline(always)]
+fn abs3<Q: Quad>([x, y, z]: Quad3<Q>) -> Quad3<Q> {
+    [x.abs(), y.abs(), z.abs()]
+}
+
+#[inline(always)]
+fn lower<Q: Quad>(a: Q, b: Q) -> Q {
+    Q::select(a.above(b), b, a)
+}
+
+#[inline(always)]
+fn higher<Q: Quad>(a: Q, b: Q) -> Q {
+    Q::select(a.above(b), a, b)
+}
