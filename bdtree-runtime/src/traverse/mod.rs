@@ -4,11 +4,27 @@
 //! and it stops with `Corrupt` after as many visits, or pairs of triangles, as sound trees can
 //! take, so shared or chained children cannot make it long.
 
+mod bounded;
+mod budget;
+mod gap;
+mod leaf_pairs;
+mod leaves;
+mod nearest;
+mod nearest_two;
 mod one;
+mod supports;
 mod two;
 
-pub(crate) use one::{Four, Visitor, Walk, one, walk};
-pub(crate) use two::{PairVisitor, two};
+pub use nearest_two::SearchEntry;
+pub use two::FrontSlot;
+
+pub(crate) use budget::{BudgetedOne, Guided, Queue};
+pub(crate) use gap::Gap;
+pub(crate) use leaf_pairs::LeafPairs;
+pub(crate) use leaves::Four;
+pub(crate) use nearest_two::{NearestTwo, Stack};
+pub(crate) use one::{Visitor, Walk, one, walk};
+pub(crate) use two::{PairVisitor, Two};
 
 use bdtree_format::{LANES, NodeRecord, SectionKind};
 
@@ -17,21 +33,24 @@ use crate::error::{Datum, FormatError};
 use crate::pose::Pose;
 use crate::view::Asset;
 
-/// One entry of a single-asset traversal's stack: a node to visit.
+/// One entry of a single-asset traversal's stack: a node or a leaf to visit.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct StackEntry {
-    node: u32,
+    at: Subtree,
     /// Lower bound of what the query minimises, below the node.
     key: f32,
 }
 
-/// One entry of a pair traversal's stack: two subtrees whose spheres meet.
+/// One entry of a pair traversal's stack: two nodes, and which of their lanes are to meet.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PairStackEntry {
-    a: Subtree,
-    b: Subtree,
-    /// Where one side is a leaf lane: its sphere (centre, radius) in the frame of `a`.
-    leaf_sphere: [f32; 4],
+    a: u32,
+    b: u32,
+    /// Where lanes of `a` must reach, to be looked at again: the sphere (centre, radius) of `b` in
+    /// the frame of `a`.
+    sphere: [f32; 4],
+    lanes_a: u8,
+    lanes_b: u8,
 }
 
 /// A node, or the triangles of one leaf lane.
@@ -152,17 +171,6 @@ impl<'a> Asset<'a> {
             found: Datum::Text("a deeper tree"),
         }
     }
-}
-
-/// The indices of the set bits, ascending.
-fn bits(mut mask: u8) -> impl Iterator<Item = usize> {
-    core::iter::from_fn(move || {
-        (mask != 0).then(|| {
-            let k = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
-            k
-        })
-    })
 }
 
 /// A mask from one decision per lane.

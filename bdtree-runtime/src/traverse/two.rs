@@ -1,26 +1,49 @@
 //! Two trees against each other, in the frame of the first.
+//!
+//! A visit takes one node of each tree and tests eight lanes against eight. Where both lanes are
+//! inner, both trees descend; the leaf lanes of one node stay together while the other descends.
 
 use bdtree_format::{LANES, NodeRecord, SectionKind, TriangleRecord};
 use core::ops::ControlFlow;
 
-use super::{PairStackEntry, Subtree, Walk, bits, lane_subtree, mask_of, used_lanes};
-use crate::bound::Spheres;
+use super::{PairStackEntry, Subtree, Walk, bounded, lane_subtree};
+use crate::bound::{Spheres, WideSpheres};
+use crate::cache::{CHUNK, LeafChunk, NodeSlot, Posed};
 use crate::contact::TriangleId;
+use crate::deform::RecentVertices;
 use crate::error::QueryError;
 use crate::frame::PairFrame;
 use crate::narrow::Triangle;
-use crate::pose::Pose;
+use crate::narrow::four_by_four::WorldFour;
+use crate::simd::{Lanes, Work};
 use crate::view::Asset;
 
 /// Relative error of a squared distance and a sum of two radii in f32 (docs/guarantees.md).
 const SKIP: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 
-/// Triangles deformed at once on each side of a leaf pair.
-const TILE: usize = 8;
+/// Nodes that a traversal keeps for itself where the caller grants fewer.
+const NODES: usize = 16;
+
+/// Groups of four triangles in the world that a traversal keeps of each asset.
+const FOURS: usize = 32;
+
+/// Leaves that a traversal remembers having asked for.
+const ANNOUNCED: usize = 64;
+
+/// Most pairs of leaf lanes that are collected, two visits' worth, so that their triangles are on the way from memory
+/// before the first is looked at.
+const QUEUE: usize = 2 * LANES * LANES;
 
 /// A question about pairs of triangles of two deformed meshes.
 pub(crate) trait PairVisitor {
-    /// Takes two triangles' world corners; `Break` ends the traversal.
+    /// Farther apart, triangles are no answer (world units).
+    fn tolerance(&self) -> f64;
+
+    /// Told of the pairs of leaves whose spheres meet.
+    #[inline(always)]
+    fn meet(&mut self, _leaves: &[FrontSlot]) {}
+
+    /// Takes the world corners of two triangles that may be an answer; `Break` ends the traversal.
     fn triangles(
         &mut self,
         a: TriangleId,
@@ -30,230 +53,584 @@ pub(crate) trait PairVisitor {
     ) -> ControlFlow<()>;
 }
 
+/// What a pair traversal walks.
+pub(crate) struct Two<'s, 'a> {
+    pub(crate) assets: [&'s Asset<'a>; 2],
+    pub(crate) posed: [Posed<'s>; 2],
+    pub(crate) frame: &'s PairFrame,
+    /// Only these pairs of leaves are looked at, if there are any given, and no nodes.
+    pub(crate) leaves: Option<&'s [FrontSlot]>,
+}
+
+/// Memory for a pair of leaves.
+#[derive(Debug, Clone, Copy)]
+pub struct FrontSlot {
+    a: Subtree,
+    b: Subtree,
+}
+
+impl FrontSlot {
+    /// A slot to fill memory with.
+    pub const EMPTY: Self = Self {
+        a: Subtree {
+            start: 0,
+            triangles: 0,
+        },
+        b: Subtree {
+            start: 0,
+            triangles: 0,
+        },
+    };
+}
+
 /// One side of the traversal.
 struct Side<'s, 'a> {
     asset: &'s Asset<'a>,
-    pose: &'s Pose<'s>,
-    /// The node evaluated last: siblings' pairs share it.
-    cached: Option<(u32, Spheres)>,
-    evaluations: u64,
+    posed: Posed<'s>,
+    recent: RecentVertices,
+    fours: [KeptFour; FOURS],
+    /// First triangle slots of leaves whose vertices were asked for last.
+    announced: [u32; ANNOUNCED],
+    updated: u64,
 }
 
-impl<'a> Side<'_, 'a> {
-    /// A node and its spheres, moved to the common frame by `to_common`.
-    fn node(
+/// Up to four triangles of a leaf in the world.
+#[derive(Clone, Copy)]
+struct KeptFour {
+    /// First triangle slot.
+    start: u32,
+    /// How many there are; 0: nothing is kept.
+    len: u32,
+    ids: [u32; CHUNK],
+    world: WorldFour,
+}
+
+impl KeptFour {
+    const EMPTY: Self = Self {
+        start: 0,
+        len: 0,
+        ids: [0; CHUNK],
+        world: WorldFour::EMPTY,
+    };
+}
+
+impl<'s, 'a> Side<'s, 'a> {
+    fn new(asset: &'s Asset<'a>, posed: Posed<'s>) -> Self {
+        Self {
+            asset,
+            posed,
+            recent: RecentVertices::new(),
+            fours: [KeptFour::EMPTY; FOURS],
+            announced: [u32::MAX; ANNOUNCED],
+            updated: 0,
+        }
+    }
+
+    /// A node and its spheres, in the asset's own frame.
+    #[inline(always)]
+    fn node<L: Lanes>(
         &mut self,
         index: u32,
-        to_common: impl Fn(&mut Spheres),
-    ) -> Result<(&'a NodeRecord, Spheres), QueryError> {
+    ) -> Result<(&'a NodeRecord, WideSpheres<L>), QueryError> {
         let node = self.asset.node(index)?;
-        if let Some((cached, spheres)) = self.cached
-            && cached == index
-        {
-            return Ok((node, spheres));
-        }
-        let mut spheres = self.asset.spheres(self.pose, node)?;
-        to_common(&mut spheres);
-        self.evaluations += 1;
-        self.cached = Some((index, spheres));
+        let (spheres, evaluated) = self.posed.spheres::<L>(self.asset, index)?;
+        self.updated += u64::from(evaluated);
         Ok((node, spheres))
     }
 
+    #[inline(always)]
     fn records(&self, leaf: Subtree) -> Result<&'a [TriangleRecord], QueryError> {
         let start = leaf.start as usize;
         let end = start.saturating_add(leaf.triangles as usize);
-        self.asset.triangles.get(start..end).ok_or_else(|| {
-            let len = self.asset.triangles.len();
-            self.asset
-                .out_of_range(SectionKind::TRIANGLES, end, len, 16)
-                .into()
-        })
+        match self.asset.triangles.get(start..end) {
+            Some(records) => Ok(records),
+            None => {
+                let len = self.asset.triangles.len();
+                Err(self
+                    .asset
+                    .out_of_range(SectionKind::TRIANGLES, end, len, 16)
+                    .into())
+            }
+        }
     }
 
-    /// Deforms up to [`TILE`] triangles.
-    fn deform(
-        &self,
-        records: &[TriangleRecord],
-        tile: &mut [Triangle; TILE],
-    ) -> Result<(), QueryError> {
-        for (record, corners) in records.iter().zip(tile) {
-            *corners = self.asset.deformed_triangle(self.pose, record)?;
+    /// Asks for what the children in `lanes` and the triangles of a node need.
+    #[inline(always)]
+    fn prefetch_children(&self, node: &NodeRecord, mut lanes: u8) {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+            lanes &= lanes - 1;
+            let child = lane_subtree(node, lane).start;
+            self.posed.prefetch_node(self.asset, child);
+        }
+    }
+
+    /// The leaf lanes in `lanes`, whose vertices are asked for.
+    #[inline(always)]
+    fn announce(
+        &mut self,
+        node: &NodeRecord,
+        mut lanes: u8,
+    ) -> Result<[Subtree; LANES], QueryError> {
+        let mut leaves = [Subtree::default(); LANES];
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+            lanes &= lanes - 1;
+            leaves[lane] = lane_subtree(node, lane);
+            self.announce_leaf(leaves[lane])?;
+        }
+        Ok(leaves)
+    }
+
+    /// Asks for the vertices of a leaf.
+    #[inline(always)]
+    fn announce_leaf(&mut self, leaf: Subtree) -> Result<(), QueryError> {
+        let announced = &mut self.announced[leaf.start as usize / 4 % ANNOUNCED];
+        if *announced == leaf.start {
+            return Ok(());
+        }
+        *announced = leaf.start;
+        let records = self.records(leaf)?;
+        if self.asset.lists_modes() {
+            for record in records {
+                self.recent.prefetch::<true>(self.asset, record);
+            }
+        } else {
+            for record in records {
+                self.recent.prefetch::<false>(self.asset, record);
+            }
         }
         Ok(())
     }
+
+    /// The first four of `records`, the triangles from `start` on, in the world.
+    #[inline(always)]
+    fn four<L: Lanes>(
+        &mut self,
+        start: usize,
+        records: &[TriangleRecord],
+    ) -> Result<&KeptFour, QueryError> {
+        let start = start as u32;
+        let len = records.len().min(CHUNK) as u32;
+        // Leaves that follow each other begin two to four slots apart: those of a node share no place.
+        let kept = &mut self.fours[start as usize / 2 % FOURS];
+        if kept.start != start || kept.len != len {
+            kept.len = 0; // until it is whole
+            let mut spare = LeafChunk::EMPTY;
+            let (asset, recent) = (self.asset, &mut self.recent);
+            let frame = &self.posed.pose.frame;
+            let leaf = if asset.lists_modes() {
+                self.posed
+                    .leaf::<true>(asset, start, records, recent, &mut spare)?
+            } else {
+                self.posed
+                    .leaf::<false>(asset, start, records, recent, &mut spare)?
+            };
+            kept.world.set::<L::Quad>([
+                frame.world_four(&leaf.corners[0]),
+                frame.world_four(&leaf.corners[1]),
+                frame.world_four(&leaf.corners[2]),
+            ]);
+            kept.ids = leaf.ids;
+            kept.start = start;
+            kept.len = len;
+        }
+        Ok(kept)
+    }
 }
 
-/// Visits all pairs of leaf triangles whose lanes' spheres meet.
-pub(crate) fn two<V: PairVisitor>(
-    (asset_a, pose_a): (&Asset<'_>, &Pose<'_>),
-    (asset_b, pose_b): (&Asset<'_>, &Pose<'_>),
-    frame: &PairFrame,
+impl Two<'_, '_> {
+    /// Visits all pairs of leaf triangles whose lanes' spheres meet, with the first asset's kernel.
+    pub(crate) fn walk<V: PairVisitor>(
+        self,
+        stack: &mut [PairStackEntry],
+        visitor: &mut V,
+    ) -> Result<Walk, QueryError> {
+        let [asset_a, asset_b] = self.assets;
+        let needed = asset_a.pair_stack_len(asset_b);
+        let found = stack.len();
+        let Some(stack) = stack.get_mut(..needed) else {
+            return Err(QueryError::Memory { needed, found });
+        };
+        let [posed_a, posed_b] = self.posed;
+        if posed_a.is_bounded() || posed_b.is_bounded() {
+            let (a, b) = ((asset_a, posed_a), (asset_b, posed_b));
+            return bounded::two(a, b, self.frame, stack, visitor);
+        }
+        let (mut nodes_a, mut nodes_b) = ([NodeSlot::EMPTY; NODES], [NodeSlot::EMPTY; NODES]);
+        let two = Two {
+            assets: self.assets,
+            posed: [
+                posed_a.at_least(asset_a, &mut nodes_a),
+                posed_b.at_least(asset_b, &mut nodes_b),
+            ],
+            frame: self.frame,
+            leaves: self.leaves,
+        };
+        asset_a.kernel.run(TwoWalk {
+            two,
+            stack,
+            visitor,
+        })
+    }
+}
+
+/// A walk and who it is for.
+struct TwoWalk<'w, 's, 'a, V> {
+    two: Two<'s, 'a>,
+    stack: &'w mut [PairStackEntry],
+    visitor: &'w mut V,
+}
+
+impl<V: PairVisitor> Work for TwoWalk<'_, '_, '_, V> {
+    type Output = Result<Walk, QueryError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        walk_two::<L, V>(self.two, self.stack, self.visitor)
+    }
+}
+
+#[inline(always)]
+fn walk_two<L: Lanes, V: PairVisitor>(
+    two: Two<'_, '_>,
     stack: &mut [PairStackEntry],
     visitor: &mut V,
 ) -> Result<Walk, QueryError> {
-    let needed = asset_a.pair_stack_len(asset_b);
-    let found = stack.len();
-    let Some(stack) = stack.get_mut(..needed) else {
-        return Err(QueryError::Memory { needed, found });
-    };
-    // A sound pair of trees has at most one entry for each pair of a node or leaf lane of one
-    // and a node or leaf lane of the other, and a node has eight lanes.
-    let subtrees = |asset: &Asset<'_>| (1 + LANES as u64) * asset.node_count() as u64;
-    let visits_max = subtrees(asset_a).saturating_mul(subtrees(asset_b));
+    let [asset_a, asset_b] = two.assets;
+    let [posed_a, posed_b] = two.posed;
+    let frame = two.frame;
+    // In a sound pair of trees two nodes meet at most once with all lanes, and never again with
+    // the leaf lanes of one if they did.
+    let nodes = |asset: &Asset<'_>| asset.node_count() as u64;
+    let visits_max = nodes(asset_a)
+        .saturating_mul(nodes(asset_b))
+        .saturating_mul(3);
     let mut visits = 0;
-    // A sound pair of trees meets each pair of triangles once.
+    let mut nodes_visited = 0;
+    // It meets each pair of triangles once.
     let mut tests_left = asset_a.triangle_count() as u64 * asset_b.triangle_count() as u64;
 
-    let mut a = Side {
-        asset: asset_a,
-        pose: pose_a,
-        cached: None,
-        evaluations: 0,
+    let mut a = Side::new(asset_a, posed_a);
+    let mut b = Side::new(asset_b, posed_b);
+    if let Some(kept) = two.leaves {
+        let mut stopped = false;
+        for pairs in kept.chunks(QUEUE) {
+            for pair in pairs {
+                a.announce_leaf(pair.a)?;
+                b.announce_leaf(pair.b)?;
+            }
+            stopped = leaves::<L, V>(&mut a, &mut b, pairs, &mut tests_left, visitor)?.is_break();
+            if stopped {
+                break;
+            }
+        }
+        return Ok(Walk {
+            stopped,
+            ..Walk::default()
+        });
+    }
+    let mut queue = [FrontSlot::EMPTY; QUEUE];
+    let mut queued = 0;
+    let Some(first) = stack.first_mut() else {
+        return Err(asset_a.too_deep().into());
     };
-    let mut b = Side {
-        asset: asset_b,
-        pose: pose_b,
-        cached: None,
-        evaluations: 0,
+    *first = PairStackEntry {
+        a: 0,
+        b: 0,
+        sphere: EVERYWHERE,
+        lanes_a: u8::MAX,
+        lanes_b: u8::MAX,
     };
-    let mut walk = Walk {
-        nodes_visited: 0,
-        stopped: false,
-    };
-    stack[0] = PairStackEntry::default();
     let mut len = 1;
-    while len > 0 {
+    loop {
+        if len == 0 || queued > QUEUE - LANES * LANES {
+            let pairs = queue.get(..queued).unwrap_or_default();
+            visitor.meet(pairs);
+            let stopped =
+                leaves::<L, V>(&mut a, &mut b, pairs, &mut tests_left, visitor)?.is_break();
+            queued = 0;
+            if stopped || len == 0 {
+                return Ok(Walk {
+                    nodes_visited,
+                    nodes_updated: a.updated + b.updated,
+                    stopped,
+                });
+            }
+        }
         len -= 1;
         let entry = stack[len];
         visits += 1;
         if visits > visits_max {
             return Err(asset_a.endless(visits_max).into());
         }
-        let mut push = |a: Subtree, b: Subtree, leaf_sphere: [f32; 4]| {
-            let Some(slot) = stack.get_mut(len) else {
-                return Err(QueryError::from(asset_a.too_deep()));
+        nodes_visited += 1;
+        let (node_a, spheres_a) = a.node::<L>(entry.a)?;
+        let [x, y, z, radius] = entry.sphere;
+        let lanes_a = entry.lanes_a & spheres_a.within([x, y, z], radius, SKIP);
+        if lanes_a & (node_a.inner_mask | node_a.leaf_mask) == 0 {
+            continue;
+        }
+        nodes_visited += 1;
+        let (node_b, spheres_b) = b.node::<L>(entry.b)?;
+        if node_a.leaf_mask & lanes_a != 0 && node_b.leaf_mask & entry.lanes_b != 0 {
+            asset_a.prefetch_triangles(node_a);
+            asset_b.prefetch_triangles(node_b);
+        }
+        let spheres_a = spheres_a.store();
+        let spheres_b = frame.carry(spheres_b);
+        let stored_b = spheres_b.store();
+        let leaf_a = node_a.leaf_mask & lanes_a;
+        let leaf_b = node_b.leaf_mask & entry.lanes_b;
+        let inner_a = node_a.inner_mask & !node_a.leaf_mask & lanes_a;
+        let inner_b = node_b.inner_mask & !node_b.leaf_mask & entry.lanes_b;
+
+        // Byte i, bit j: lane i of a meets lane j of b.
+        let mut meets = 0_u64;
+        let mut left = leaf_a | inner_a;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize & (LANES - 1);
+            left &= left - 1;
+            let [x, y, z, radius] = lane_sphere(&spheres_a, lane);
+            let mask = spheres_b.within([x, y, z], radius, SKIP);
+            meets |= u64::from(mask) << (8 * lane);
+        }
+        let (rows_leaf, rows_inner) = (rows(leaf_a), rows(inner_a));
+        let (columns_leaf, columns_inner) = (columns(leaf_b), columns(inner_b));
+
+        // Inner lanes of a against all leaf lanes of b together.
+        let mut found = lowest(meets & rows_inner & columns_leaf);
+        while found != 0 {
+            let lane = (found.trailing_zeros() as usize / 8) & (LANES - 1);
+            found &= found - 1;
+            let entry = PairStackEntry {
+                a: lane_subtree(node_a, lane).start,
+                b: entry.b,
+                sphere: EVERYWHERE,
+                lanes_a: u8::MAX,
+                lanes_b: (meets >> (8 * lane)) as u8 & leaf_b,
             };
-            *slot = PairStackEntry { a, b, leaf_sphere };
-            len += 1;
-            Ok(())
-        };
-        match (entry.a.triangles, entry.b.triangles) {
-            (0, 0) => {
-                let (node_a, spheres_a) = a.node(entry.a.start, |_| ())?;
-                let (node_b, spheres_b) = b.node(entry.b.start, |s| frame.carry(s))?;
-                let mask_b = used_lanes(node_b);
-                for lane_a in bits(used_lanes(node_a)) {
-                    let sphere_a = lane_sphere(&spheres_a, lane_a);
-                    let sub_a = lane_subtree(node_a, lane_a);
-                    for lane_b in bits(meeting(&spheres_b, sphere_a) & mask_b) {
-                        let sub_b = lane_subtree(node_b, lane_b);
-                        match (sub_a.triangles, sub_b.triangles) {
-                            (0, 0) => push(sub_a, sub_b, [0.0; 4])?,
-                            (0, _) => push(sub_a, sub_b, lane_sphere(&spheres_b, lane_b))?,
-                            (_, 0) => push(sub_a, sub_b, sphere_a)?,
-                            _ => {
-                                if leaves(&a, sub_a, &b, sub_b, &mut tests_left, visitor)?
-                                    .is_break()
-                                {
-                                    walk.stopped = true;
-                                }
-                            }
-                        }
-                        if walk.stopped {
-                            walk.nodes_visited = a.evaluations + b.evaluations;
-                            return Ok(walk);
-                        }
-                    }
-                }
-            }
-            (0, _) | (_, 0) => {
-                let a_is_node = entry.a.triangles == 0;
-                let (node, spheres) = if a_is_node {
-                    a.node(entry.a.start, |_| ())?
-                } else {
-                    b.node(entry.b.start, |s| frame.carry(s))?
-                };
-                let mask = used_lanes(node);
-                for lane in bits(meeting(&spheres, entry.leaf_sphere) & mask) {
-                    let sub = lane_subtree(node, lane);
-                    let (sub_a, sub_b) = if a_is_node {
-                        (sub, entry.b)
-                    } else {
-                        (entry.a, sub)
-                    };
-                    if sub.triangles == 0 {
-                        push(sub_a, sub_b, entry.leaf_sphere)?;
-                    } else if leaves(&a, sub_a, &b, sub_b, &mut tests_left, visitor)?.is_break() {
-                        walk.stopped = true;
-                        walk.nodes_visited = a.evaluations + b.evaluations;
-                        return Ok(walk);
-                    }
-                }
-            }
-            // Two leaf lanes are tested where they are found, never pushed.
-            _ => {
-                if leaves(&a, entry.a, &b, entry.b, &mut tests_left, visitor)?.is_break() {
-                    walk.stopped = true;
-                    break;
-                }
-            }
+            push(stack, &mut len, entry, asset_a)?;
+        }
+        // All leaf lanes of a together against inner lanes of b.
+        let mut found = meets & rows_leaf & columns_inner;
+        while found != 0 {
+            let lane = found.trailing_zeros() as usize & (LANES - 1);
+            let column = BYTES << lane;
+            let lanes_a = gather((found & column) >> lane);
+            found &= !column;
+            let entry = PairStackEntry {
+                a: entry.a,
+                b: lane_subtree(node_b, lane).start,
+                sphere: EVERYWHERE, // these lanes have been found to meet it
+                lanes_a,
+                lanes_b: u8::MAX,
+            };
+            push(stack, &mut len, entry, asset_a)?;
+        }
+        let both = meets & rows_inner & columns_inner;
+        a.prefetch_children(node_a, gather(lowest(both)));
+        b.prefetch_children(node_b, any_row(both));
+        let mut found = both;
+        while found != 0 {
+            let bit = found.trailing_zeros() as usize;
+            let (lane_a, lane_b) = ((bit / 8) & (LANES - 1), bit & (LANES - 1));
+            found &= found - 1;
+            let entry = PairStackEntry {
+                a: lane_subtree(node_a, lane_a).start,
+                b: lane_subtree(node_b, lane_b).start,
+                sphere: lane_sphere(&stored_b, lane_b),
+                lanes_a: u8::MAX,
+                lanes_b: u8::MAX,
+            };
+            push(stack, &mut len, entry, asset_a)?;
+        }
+
+        let mut found = meets & rows_leaf & columns_leaf;
+        if found == 0 {
+            continue;
+        }
+        let leaves_a = a.announce(node_a, gather(lowest(found)))?;
+        let leaves_b = b.announce(node_b, any_row(found))?;
+        while found != 0 {
+            let bit = found.trailing_zeros() as usize;
+            found &= found - 1;
+            let Some(slot) = queue.get_mut(queued) else {
+                break; // there is room for all of a visit
+            };
+            *slot = FrontSlot {
+                a: leaves_a[(bit / 8) & (LANES - 1)],
+                b: leaves_b[bit & (LANES - 1)],
+            };
+            queued += 1;
         }
     }
-    walk.nodes_visited = a.evaluations + b.evaluations;
-    Ok(walk)
 }
 
+/// Puts an entry on the stack.
+#[inline(always)]
+fn push(
+    stack: &mut [PairStackEntry],
+    len: &mut usize,
+    entry: PairStackEntry,
+    asset: &Asset<'_>,
+) -> Result<(), QueryError> {
+    let Some(slot) = stack.get_mut(*len) else {
+        return Err(asset.too_deep().into());
+    };
+    *slot = entry;
+    *len += 1;
+    Ok(())
+}
+
+/// The lowest bit of each byte.
+const BYTES: u64 = 0x0101_0101_0101_0101;
+
+/// All bits of the bytes that `lanes` names.
+#[inline(always)]
+fn rows(lanes: u8) -> u64 {
+    // A copy for each byte, of which it keeps its own bit.
+    lowest((u64::from(lanes) * BYTES) & 0x8040_2010_0804_0201) * 0xff
+}
+
+/// The bits of `lanes` in each byte.
+#[inline(always)]
+fn columns(lanes: u8) -> u64 {
+    u64::from(lanes) * BYTES
+}
+
+/// The lowest bit of each byte that is not 0.
+#[inline(always)]
+fn lowest(bytes: u64) -> u64 {
+    let low = bytes & (0x7f * BYTES);
+    (((low + 0x7f * BYTES) | bytes) >> 7) & BYTES
+}
+
+/// A bit for each byte: its lowest.
+#[inline(always)]
+fn gather(bytes: u64) -> u8 {
+    // The sum puts the lowest bit of byte k at bit 56 + k; no two meet.
+    ((bytes & BYTES).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
+}
+
+/// The bits that any byte has.
+#[inline(always)]
+fn any_row(bytes: u64) -> u8 {
+    let half = bytes | bytes >> 32;
+    let quarter = half | half >> 16;
+    (quarter | quarter >> 8) as u8
+}
+
+/// A sphere that everything meets.
+pub(super) const EVERYWHERE: [f32; 4] = [0.0, 0.0, 0.0, f32::INFINITY];
+
 /// One lane's centre and radius.
+#[inline(always)]
 fn lane_sphere(spheres: &Spheres, lane: usize) -> [f32; 4] {
     let [x, y, z] = &spheres.centre;
     [x[lane], y[lane], z[lane], spheres.radius[lane]]
 }
 
-/// The lanes whose spheres may meet a sphere; NaN meets.
+/// Tests the triangles of pairs of leaf lanes, as long as `tests_left` lasts.
 #[inline(always)]
-fn meeting(spheres: &Spheres, [x, y, z, r]: [f32; 4]) -> u8 {
-    mask_of(|k| {
-        let dx = spheres.centre[0][k] - x;
-        let dy = spheres.centre[1][k] - y;
-        let dz = spheres.centre[2][k] - z;
-        let reach = spheres.radius[k] + r;
-        let apart = (dx * dx + dy * dy + dz * dz) * SKIP > reach * reach;
-        !apart
-    })
-}
-
-/// All triangle pairs of two leaf lanes, tile by tile, as long as `tests_left` lasts.
-fn leaves<V: PairVisitor>(
-    a: &Side<'_, '_>,
-    leaf_a: Subtree,
-    b: &Side<'_, '_>,
-    leaf_b: Subtree,
+fn leaves<L: Lanes, V: PairVisitor>(
+    a: &mut Side<'_, '_>,
+    b: &mut Side<'_, '_>,
+    pairs: &[FrontSlot],
     tests_left: &mut u64,
     visitor: &mut V,
 ) -> Result<ControlFlow<()>, QueryError> {
-    let tests = u64::from(leaf_a.triangles) * u64::from(leaf_b.triangles);
-    let Some(left) = tests_left.checked_sub(tests) else {
-        return Err(a.asset.endless(*tests_left).into());
-    };
-    *tests_left = left;
-    let mut tile_a = [[[0.0; 3]; 3]; TILE];
-    let mut tile_b = [[[0.0; 3]; 3]; TILE];
-    for records_a in a.records(leaf_a)?.chunks(TILE) {
-        a.deform(records_a, &mut tile_a)?;
-        for records_b in b.records(leaf_b)?.chunks(TILE) {
-            b.deform(records_b, &mut tile_b)?;
-            for (record_a, corners_a) in records_a.iter().zip(&tile_a) {
-                for (record_b, corners_b) in records_b.iter().zip(&tile_b) {
-                    let (id_a, id_b) = (TriangleId(record_a.id), TriangleId(record_b.id));
-                    if visitor
-                        .triangles(id_a, corners_a, id_b, corners_b)
-                        .is_break()
-                    {
-                        return Ok(ControlFlow::Break(()));
-                    }
+    let tolerance = visitor.tolerance();
+    for FrontSlot {
+        a: leaf_a,
+        b: leaf_b,
+    } in pairs
+    {
+        let tests = u64::from(leaf_a.triangles) * u64::from(leaf_b.triangles);
+        let Some(fewer) = tests_left.checked_sub(tests) else {
+            return Err(a.asset.endless(*tests_left).into());
+        };
+        *tests_left = fewer;
+        let mut rest_a = a.records(*leaf_a)?;
+        let mut start_a = leaf_a.start as usize;
+        while !rest_a.is_empty() {
+            let four_a = a.four::<L>(start_a, rest_a)?;
+            let mut rest_b = b.records(*leaf_b)?;
+            let mut start_b = leaf_b.start as usize;
+            while !rest_b.is_empty() {
+                let four_b = b.four::<L>(start_b, rest_b)?;
+                if test_fours::<L, V>(four_a, four_b, tolerance, visitor).is_break() {
+                    return Ok(ControlFlow::Break(()));
                 }
+                start_b += CHUNK;
+                rest_b = rest_b.get(CHUNK..).unwrap_or_default();
             }
+            start_a += CHUNK;
+            rest_a = rest_a.get(CHUNK..).unwrap_or_default();
         }
     }
     Ok(ControlFlow::Continue(()))
+}
+
+/// Hands on those of four times four pairs that may be an answer.
+#[inline(always)]
+fn test_fours<L: Lanes, V: PairVisitor>(
+    a: &KeptFour,
+    b: &KeptFour,
+    tolerance: f64,
+    visitor: &mut V,
+) -> ControlFlow<()> {
+    let (mut rows, mut used_b) = (!(u8::MAX << a.len), !(u8::MAX << b.len));
+    if tolerance == 0.0 {
+        used_b &= b.world.meeting::<L::Quad>(&a.world);
+        if used_b == 0 {
+            return ControlFlow::Continue(());
+        }
+        rows &= a.world.meeting::<L::Quad>(&b.world);
+    }
+    while rows != 0 {
+        let i = rows.trailing_zeros() as usize & (CHUNK - 1);
+        rows &= rows - 1;
+        let mut left = used_b
+            & if tolerance > 0.0 {
+                a.world.near::<L::Quad>(i, &b.world, tolerance)
+            } else {
+                a.world.touching::<L::Quad>(i, &b.world)
+            };
+        if left == 0 {
+            continue;
+        }
+        let corners_a = a.world.triangle(i);
+        while left != 0 {
+            let j = left.trailing_zeros() as usize & (CHUNK - 1);
+            left &= left - 1;
+            let (id_a, id_b) = (TriangleId(a.ids[i]), TriangleId(b.ids[j]));
+            visitor.triangles(id_a, &corners_a, id_b, &b.world.triangle(j))?;
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{any_row, columns, gather, lowest, rows};
+
+    #[test]
+    fn byte_masks_are_what_their_bits_say() {
+        for lanes in 0..=u8::MAX {
+            let bit = |k: usize| lanes & (1 << k) != 0;
+            for (i, byte) in rows(lanes).to_le_bytes().into_iter().enumerate() {
+                assert_eq!(byte, if bit(i) { 0xff } else { 0 });
+            }
+            assert_eq!(columns(lanes).to_le_bytes(), [lanes; 8]);
+            assert_eq!(gather(lowest(rows(lanes))), lanes);
+            let bytes = [0, 1, 2, 3, 4, 5, 6, 7].map(|k| if bit(k) { 1_u8 << (k ^ 3) } else { 0 });
+            let packed = u64::from_le_bytes(bytes);
+            assert_eq!(gather(lowest(packed)), lanes);
+            assert_eq!(
+                any_row(packed),
+                bytes.iter().fold(0, |all, byte| all | byte)
+            );
+        }
+    }
 }

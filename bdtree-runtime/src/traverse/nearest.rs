@@ -1,0 +1,86 @@
+//! One tree against a question that the nearest answers: nearest first.
+
+use bdtree_format::{LANES, Row};
+
+use super::leaves::Leaves;
+use super::one::{Visitor, Walk};
+use super::{StackEntry, lane_subtree};
+use crate::cache::Posed;
+use crate::error::QueryError;
+use crate::simd::Lanes;
+use crate::view::Asset;
+
+/// Visits nodes and leaves in the order of their keys, as far as the stack shows it, until the
+/// visitor wants no more.
+#[inline(always)]
+pub(super) fn nearest_first<L: Lanes, V: Visitor, const LISTED: bool>(
+    asset: &Asset<'_>,
+    posed: &mut Posed<'_>,
+    stack: &mut [StackEntry],
+    visitor: &mut V,
+) -> Result<Walk, QueryError> {
+    let pose = posed.pose;
+    let mut walk = Walk::default();
+    let visits_max = asset.node_count() as u64;
+    let mut keys: Row = [0.0; LANES];
+    let mut leaves = Leaves::new();
+    stack[0] = StackEntry {
+        key: f32::NEG_INFINITY,
+        ..StackEntry::default()
+    };
+    let mut len = 1;
+    while len > 0 {
+        len -= 1;
+        let StackEntry { at, key } = stack[len];
+        if !visitor.wanted(key) {
+            continue;
+        }
+        if at.triangles > 0 {
+            let flow = leaves.take::<L, V, LISTED>(asset, posed, at, visitor)?;
+            if flow.is_break() {
+                walk.stopped = true;
+                return Ok(walk);
+            }
+            continue;
+        }
+        walk.nodes_visited += 1;
+        if walk.nodes_visited > visits_max {
+            return Err(asset.endless(visits_max).into());
+        }
+        let node = asset.node(at.start)?;
+        if !posed.keeps_node(at.start) {
+            asset.prefetch_triangles(node);
+        }
+        let (spheres, evaluated) = posed.spheres::<L>(asset, at.start)?;
+        walk.nodes_updated += u64::from(evaluated);
+        let mut mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
+        // Sorted into the stack: the nearest on top, of equal ones the lowest lane.
+        let Some(room) = stack.get_mut(len..len + LANES) else {
+            return Err(asset.too_deep().into());
+        };
+        let mut count = 0;
+        while mask != 0 {
+            let lane = (7 - mask.leading_zeros()) as usize;
+            mask &= !(1 << lane);
+            let at = lane_subtree(node, lane);
+            if node.leaf_mask & (1 << lane) == 0 {
+                posed.prefetch_node(asset, at.start);
+            } else if at.triangles == 0 {
+                continue; // a corrupt file's
+            } else {
+                leaves.ask::<LISTED>(asset, posed, at)?;
+            }
+            let key = keys[lane];
+            let mut place = count;
+            while place > 0 && room[place - 1].key < key {
+                room[place] = room[place - 1];
+                place -= 1;
+            }
+            room[place] = StackEntry { at, key };
+            count += 1;
+        }
+        len += count;
+    }
+    walk.stopped = leaves.finish::<L, V>(&pose.frame, visitor).is_break();
+    Ok(walk)
+}
