@@ -5,13 +5,14 @@ use core::ops::ControlFlow;
 
 use super::{ARGUMENT_MAX, Outcome, unit};
 use crate::bound::WideSpheres;
+use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::math::{dot, norm};
 use crate::narrow::Triangle;
 use crate::pose::{Pose, U32, round_up};
 use crate::simd::Lanes;
-use crate::traverse::{StackEntry, Visitor, mask_of, one};
+use crate::traverse::{StackEntry, Visitor, one};
 use crate::view::Asset;
 
 /// Reports every triangle with a vertex where `normal · x ≤ offset`, `normal` being normalised
@@ -21,64 +22,99 @@ use crate::view::Asset;
 /// # Errors
 /// A normal that is zero or not finite, an offset that is not finite or beyond 2^100, a pose of
 /// another asset, too short a stack, a corrupt asset.
-pub fn plane(
+pub fn plane<'p>(
     asset: &Asset<'_>,
-    pose: &Pose<'_>,
+    pose: impl Into<Posed<'p>>,
     normal: [f64; 3],
     offset: f64,
     stack: &mut [StackEntry],
     sink: &mut impl Sink<Contact>,
 ) -> Result<Outcome, QueryError> {
+    plane_posed(asset, pose.into(), normal, offset, stack, sink)
+}
+
+/// [`plane`], compiled here for all callers.
+fn plane_posed(
+    asset: &Asset<'_>,
+    posed: Posed<'_>,
+    normal: [f64; 3],
+    offset: f64,
+    stack: &mut [StackEntry],
+    sink: &mut dyn Sink<Contact>,
+) -> Result<Outcome, QueryError> {
+    let pose = posed.pose;
     let normal = unit(normal, "normal: zero or not finite")?;
     if !(offset.abs() <= ARGUMENT_MAX) {
         return Err(QueryError::Argument("offset: not finite or beyond 2^100"));
     }
-    let frame = &pose.frame;
-    // n·x = n·o + k (n_s·p'), o the stored origin's world position, k world per stored unit.
-    let origin = frame.origin_in_world();
-    let stored_offset = (offset - dot(normal, origin)) / frame.world_per_stored();
-    let error = frame.error(offset.abs() + norm(origin), pose.reach);
-    // Beyond twice the reach an offset decides alone; clamping keeps its f32 rounding small.
-    let far = 2.0 * pose.reach + 2.0 * error + 1.0;
-    let stored_offset = stored_offset.clamp(-far, far);
-    let extra = error + 8.0 * U32 * pose.reach + 2.0 * U32 * stored_offset.abs();
     let mut visitor = Plane {
-        stored_normal: frame.inverse_rotate(normal).map(|x| x as f32),
-        stored_offset: stored_offset as f32,
-        extra: round_up(extra),
+        stored: StoredPlane::new(pose, normal, offset),
         normal,
         offset,
         sink,
     };
-    let walk = one(asset, pose, stack, &mut visitor)?;
+    let walk = one(asset, posed, stack, &mut visitor)?;
     Ok(Outcome {
         nodes_visited: walk.nodes_visited,
+        nodes_updated: walk.nodes_updated,
         truncated: walk.stopped,
     })
 }
 
-struct Plane<'s, S> {
-    stored_normal: [f32; 3],
-    stored_offset: f32,
-    extra: f32,
-    normal: [f64; 3],
-    offset: f64,
-    sink: &'s mut S,
+/// A plane among the spheres of a body: points where `normal · x = offset` (stored units).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StoredPlane {
+    normal: [f32; 3],
+    offset: f32,
+    /// What heights of centres may be off by, besides what their spheres' slack covers.
+    pub(super) extra: f32,
 }
 
-impl<S: Sink<Contact>> Visitor for Plane<'_, S> {
+impl StoredPlane {
+    /// The world plane `normal · x = offset`, `normal` being unit.
+    pub(super) fn new(pose: &Pose<'_>, normal: [f64; 3], offset: f64) -> Self {
+        let frame = &pose.frame;
+        // n·x = n·o + k (n_s·p'), o the stored origin's world position, k world per stored unit.
+        let origin = frame.origin_in_world();
+        let stored_offset = (offset - dot(normal, origin)) / frame.world_per_stored();
+        let error = frame.error(offset.abs() + norm(origin), pose.reach);
+        // Beyond twice the reach an offset decides alone; clamping keeps its f32 rounding small.
+        let far = 2.0 * pose.reach + 2.0 * error + 1.0;
+        let stored_offset = stored_offset.clamp(-far, far);
+        let extra = error + 8.0 * U32 * pose.reach + 2.0 * U32 * stored_offset.abs();
+        Self {
+            normal: frame.inverse_rotate(normal).map(|x| x as f32),
+            offset: stored_offset as f32,
+            extra: round_up(extra),
+        }
+    }
+
+    /// Heights of the spheres' centres above the plane.
+    #[inline(always)]
+    pub(super) fn heights<L: Lanes>(&self, spheres: &WideSpheres<L>) -> L {
+        let [x, y, z] = spheres.centre;
+        let [nx, ny, nz] = self.normal;
+        x.mul(L::splat(nx))
+            .add(y.mul(L::splat(ny)))
+            .add(z.mul(L::splat(nz)))
+            .sub(L::splat(self.offset))
+    }
+}
+
+struct Plane<'s> {
+    stored: StoredPlane,
+    normal: [f64; 3],
+    offset: f64,
+    sink: &'s mut (dyn Sink<Contact> + 's),
+}
+
+impl Visitor for Plane<'_> {
     const ORDERED: bool = false;
 
     #[inline(always)]
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, _keys: &mut Row) -> u8 {
-        let spheres = spheres.store();
-        let [nx, ny, nz] = self.stored_normal;
-        let [x, y, z] = &spheres.centre;
-        mask_of(|k| {
-            let height = (nx * x[k] + ny * y[k] + nz * z[k]) - self.stored_offset;
-            let above = height > spheres.radius[k] + self.extra;
-            !above
-        })
+        let height = self.stored.heights(&spheres);
+        !height.above(spheres.radius.add(L::splat(self.stored.extra)))
     }
 
     fn wanted(&self, _key: f32) -> bool {
