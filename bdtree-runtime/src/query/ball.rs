@@ -5,6 +5,7 @@ use core::ops::ControlFlow;
 
 use super::{Outcome, SKIP, beyond_four, length, point};
 use crate::bound::WideSpheres;
+use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::frame::Frame;
@@ -23,45 +24,70 @@ use crate::view::Asset;
 /// # Errors
 /// A centre or radius that is not finite or beyond 2^100, a negative radius, a pose of another
 /// asset, too short a stack, a corrupt asset.
-pub fn ball(
+pub fn ball<'p>(
     asset: &Asset<'_>,
-    pose: &Pose<'_>,
+    pose: impl Into<Posed<'p>>,
     center: [f64; 3],
     radius: f64,
     stack: &mut [StackEntry],
     sink: &mut impl Sink<Contact>,
 ) -> Result<Outcome, QueryError> {
-    let center = point(center, "center: a coordinate is not finite or beyond 2^100")?;
-    let radius = length(radius, "radius: negative, not finite or beyond 2^100")?;
-    let stored = pose.frame.point_to_stored(center);
-    let far = norm(stored);
-    // Reach in stored units: the radius, the f64 errors, the centre's rounding to f32.
-    let reach = radius / pose.frame.world_per_stored() * (1.0 + 4.0 * U32)
-        + pose.frame.error(norm(center) + radius, pose.reach)
-        + 2.0 * U32 * far;
-    let mut visitor = Ball {
-        stored: stored.map(|x| x as f32),
-        reach: round_up(reach),
-        center,
-        radius,
-        sink,
-    };
-    let walk = one(asset, pose, stack, &mut visitor)?;
+    ball_posed(asset, pose.into(), center, radius, stack, sink)
+}
+
+/// [`ball`], compiled here for all callers.
+fn ball_posed(
+    asset: &Asset<'_>,
+    posed: Posed<'_>,
+    center: [f64; 3],
+    radius: f64,
+    stack: &mut [StackEntry],
+    sink: &mut dyn Sink<Contact>,
+) -> Result<Outcome, QueryError> {
+    let pose = posed.pose;
+    let mut visitor = Ball::new(pose, center, radius, sink)?;
+    let walk = one(asset, posed, stack, &mut visitor)?;
     Ok(Outcome {
         nodes_visited: walk.nodes_visited,
+        nodes_updated: walk.nodes_updated,
         truncated: walk.stopped,
     })
 }
 
-struct Ball<'s, S> {
+pub(super) struct Ball<'s> {
     stored: [f32; 3],
     reach: f32,
     center: [f64; 3],
     radius: f64,
-    sink: &'s mut S,
+    sink: &'s mut (dyn Sink<Contact> + 's),
 }
 
-impl<S: Sink<Contact>> Visitor for Ball<'_, S> {
+impl<'s> Ball<'s> {
+    pub(super) fn new(
+        pose: &Pose<'_>,
+        center: [f64; 3],
+        radius: f64,
+        sink: &'s mut (dyn Sink<Contact> + 's),
+    ) -> Result<Self, QueryError> {
+        let center = point(center, "center: a coordinate is not finite or beyond 2^100")?;
+        let radius = length(radius, "radius: negative, not finite or beyond 2^100")?;
+        let stored = pose.frame.point_to_stored(center);
+        let far = norm(stored);
+        // Reach in stored units: the radius, the f64 errors, the centre's rounding to f32.
+        let reach = radius / pose.frame.world_per_stored() * (1.0 + 4.0 * U32)
+            + pose.frame.error(norm(center) + radius, pose.reach)
+            + 2.0 * U32 * far;
+        Ok(Self {
+            stored: stored.map(|x| x as f32),
+            reach: round_up(reach),
+            center,
+            radius,
+            sink,
+        })
+    }
+}
+
+impl Visitor for Ball<'_> {
     const ORDERED: bool = false;
     const IN_FOURS: bool = true;
 
@@ -146,7 +172,7 @@ fn store3<Q: Quad>([x, y, z]: Quad3<Q>) -> [[f64; 4]; 3] {
 }
 
 /// The unit vector from one point to another, if they differ.
-fn direction(from: [f64; 3], to: [f64; 3]) -> Option<[f64; 3]> {
+pub(super) fn direction(from: [f64; 3], to: [f64; 3]) -> Option<[f64; 3]> {
     let v = sub(to, from);
     let n = norm(v);
     if n > SHORT {

@@ -3,15 +3,16 @@
 use bdtree_format::{LANES, Row};
 use core::ops::ControlFlow;
 
-use super::{Nearest, beyond, limit, point};
+use super::{Nearest, beyond_four, limit, point};
 use crate::bound::WideSpheres;
+use crate::cache::Posed;
 use crate::contact::{ClosestPoint, TriangleId};
 use crate::error::QueryError;
-use crate::math::{norm, sqrt_f32};
+use crate::math::norm;
 use crate::narrow::{Triangle, closest_point};
 use crate::pose::{Pose, U32, round_up};
-use crate::simd::Lanes;
-use crate::traverse::{StackEntry, Visitor, mask_of, one};
+use crate::simd::{Lanes, Quad};
+use crate::traverse::{StackEntry, Visitor, one};
 use crate::view::Asset;
 
 /// Beyond this many times the asset's reach f32 distances prune nothing and may overflow.
@@ -23,48 +24,70 @@ const FAR: f64 = (1_u64 << 30) as f64;
 /// # Errors
 /// A point that is not finite or beyond 2^100, a negative or NaN distance, a pose of another
 /// asset, too short a stack, a corrupt asset.
-pub fn closest(
+pub fn closest<'p>(
     asset: &Asset<'_>,
-    pose: &Pose<'_>,
+    pose: impl Into<Posed<'p>>,
     to: [f64; 3],
     max_distance: f64,
     stack: &mut [StackEntry],
 ) -> Result<Nearest<ClosestPoint>, QueryError> {
-    let to = point(to, "point: a coordinate is not finite or beyond 2^100")?;
-    let max_distance = limit(max_distance, "max_distance: negative, NaN or beyond 2^100")?;
-    let stored = pose.frame.point_to_stored(to);
-    let far = norm(stored);
-    let extra = pose.frame.error(norm(to), pose.reach) + 2.0 * U32 * far;
-    let mut visitor = Closest {
-        stored: (far <= FAR * pose.reach).then(|| stored.map(|x| x as f32)),
-        extra: round_up(extra),
-        stored_per_world: 1.0 / pose.frame.world_per_stored(),
-        bound: f32::INFINITY,
-        to,
-        max_distance,
-        best: None,
-    };
-    visitor.tighten(max_distance);
-    let walk = one(asset, pose, stack, &mut visitor)?;
+    closest_posed(asset, pose.into(), to, max_distance, stack)
+}
+
+/// [`closest`], compiled here for all callers.
+fn closest_posed(
+    asset: &Asset<'_>,
+    posed: Posed<'_>,
+    to: [f64; 3],
+    max_distance: f64,
+    stack: &mut [StackEntry],
+) -> Result<Nearest<ClosestPoint>, QueryError> {
+    let pose = posed.pose;
+    let mut visitor = Closest::new(pose, to, max_distance)?;
+    let walk = one(asset, posed, stack, &mut visitor)?;
     Ok(Nearest {
         hit: visitor.best,
         nodes_visited: walk.nodes_visited,
+        nodes_updated: walk.nodes_updated,
     })
 }
 
-struct Closest {
+pub(super) struct Closest {
     /// `None`: too far for f32, everything is visited.
     stored: Option<[f32; 3]>,
     extra: f32,
-    stored_per_world: f64,
+    pub(super) stored_per_world: f64,
     /// Best distance so far, rounded up (stored units).
-    bound: f32,
+    pub(super) bound: f32,
     to: [f64; 3],
     max_distance: f64,
-    best: Option<ClosestPoint>,
+    pub(super) best: Option<ClosestPoint>,
 }
 
 impl Closest {
+    pub(super) fn new(
+        pose: &Pose<'_>,
+        to: [f64; 3],
+        max_distance: f64,
+    ) -> Result<Self, QueryError> {
+        let to = point(to, "point: a coordinate is not finite or beyond 2^100")?;
+        let max_distance = limit(max_distance, "max_distance: negative, NaN or beyond 2^100")?;
+        let stored = pose.frame.point_to_stored(to);
+        let far = norm(stored);
+        let extra = pose.frame.error(norm(to), pose.reach) + 2.0 * U32 * far;
+        let mut closest = Self {
+            stored: (far <= FAR * pose.reach).then(|| stored.map(|x| x as f32)),
+            extra: round_up(extra),
+            stored_per_world: 1.0 / pose.frame.world_per_stored(),
+            bound: f32::INFINITY,
+            to,
+            max_distance,
+            best: None,
+        };
+        closest.tighten(max_distance);
+        Ok(closest)
+    }
+
     fn tighten(&mut self, distance: f64) {
         if distance.is_finite() {
             self.bound = round_up(distance * self.stored_per_world);
@@ -77,22 +100,20 @@ impl Visitor for Closest {
 
     #[inline(always)]
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8 {
-        let spheres = spheres.store();
         let Some([x, y, z]) = self.stored else {
             *keys = [0.0; LANES];
             return u8::MAX;
         };
         // d (1 − 2⁻¹⁹) − R' − extra: below the exact distance of everything in the sphere.
         const SHRINK: f32 = 1.0 - 1.0 / (1 << 19) as f32;
-        for k in 0..LANES {
-            let dx = spheres.centre[0][k] - x;
-            let dy = spheres.centre[1][k] - y;
-            let dz = spheres.centre[2][k] - z;
-            let gap =
-                sqrt_f32(dx * dx + dy * dy + dz * dz) * SHRINK - (spheres.radius[k] + self.extra);
-            keys[k] = if gap > 0.0 { gap } else { 0.0 };
-        }
-        mask_of(|k| self.wanted(keys[k]))
+        let dx = spheres.centre[0].sub(L::splat(x));
+        let dy = spheres.centre[1].sub(L::splat(y));
+        let dz = spheres.centre[2].sub(L::splat(z));
+        let distance = dx.mul(dx).add(dy.mul(dy)).add(dz.mul(dz)).sqrt();
+        let reach = spheres.radius.add(L::splat(self.extra));
+        let gap = distance.mul(L::splat(SHRINK)).sub(reach).max(L::splat(0.0));
+        *keys = gap.store();
+        !gap.above(L::splat(self.bound))
     }
 
     #[inline(always)]
@@ -102,14 +123,12 @@ impl Visitor for Closest {
     }
 
     #[inline(always)]
-    fn misses(&self, corners: &[[f32; 3]; 3]) -> bool {
-        self.stored.is_some_and(|point| {
-            beyond(
-                corners,
-                point,
-                f64::from(self.bound) + f64::from(self.extra),
-            )
-        })
+    fn misses_four<Q: Quad>(&self, corners: &[[[f32; 4]; 3]; 3]) -> u8 {
+        let Some(point) = self.stored else {
+            return 0;
+        };
+        let reach = f64::from(self.bound) + f64::from(self.extra);
+        beyond_four::<Q>(corners, point, reach)
     }
 
     fn triangle(&mut self, id: TriangleId, corners: &Triangle) -> ControlFlow<()> {

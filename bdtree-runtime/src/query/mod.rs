@@ -1,31 +1,55 @@
-//! The public questions: what a ball, a plane, a ray, a point or another deforming mesh touches.
+//! The public questions: what a ball, a capsule, a box, a plane, a ray, a point, a frustum or another
+//! deforming mesh touches.
 //!
 //! Every query takes an asset, a pose and the caller's stack ([`Asset::stack_len`](crate::Asset::stack_len) or
 //! [`Asset::pair_stack_len`](crate::Asset::pair_stack_len) entries), speaks world coordinates and answers exactly what testing
 //! every triangle with the same leaf arithmetic would. Triangles are closed, two-sided; those of
-//! zero area act as segment or point. Limits are inclusive.
+//! zero area act as segment or point. Limits are inclusive. [`Budget`] has those that stop after a number of
+//! visits, and [`manifold`](manifold()) condenses the pairs that [`pair`](pair()) finds.
 
 mod ball;
+mod budget;
+mod capsule;
 mod closest;
+mod cuboid;
+mod distance;
+mod front;
+mod frustum;
+mod line;
+mod manifold;
 mod pair;
 mod plane;
 mod ray;
+mod rays;
+mod root;
 
 pub use ball::ball;
+pub use budget::{Budget, Budgeted, Unseen};
+pub use capsule::capsule;
 pub use closest::closest;
-pub use pair::pair;
+pub use cuboid::cuboid;
+pub use distance::distance;
+pub use front::{Moving, PairFront};
+pub use frustum::{FrustumOutcome, frustum};
+pub use manifold::{ContactPoint, ContactRegion, ManifoldSlot, manifold};
+pub use pair::{pair, touching};
 pub use plane::plane;
-pub use ray::ray;
+pub use ray::{ray, ray_all, ray_any};
+pub use rays::{rays, rays_all, rays_any};
+pub use root::{BoundingSphere, root_sphere};
 
 use crate::error::QueryError;
-use crate::math::{add, dot, norm};
+use crate::math::norm;
 use crate::simd::{Quad, add3, dot3};
 
 /// What a query did besides reporting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Outcome {
-    /// Node bounds evaluated.
+    /// Nodes whose spheres were tested.
     pub nodes_visited: u64,
+    /// Of them, those whose spheres were evaluated: all but what a [`StepCache`](crate::StepCache)
+    /// kept.
+    pub nodes_updated: u64,
     /// The sink had no room for everything: what it took is part of the answer.
     pub truncated: bool,
 }
@@ -35,15 +59,41 @@ pub struct Outcome {
 pub struct Nearest<T> {
     /// The best one, if there is any within the limit.
     pub hit: Option<T>,
-    /// Node bounds evaluated.
+    /// Nodes whose spheres were tested.
     pub nodes_visited: u64,
+    /// Of them, those whose spheres were evaluated: all but what a [`StepCache`](crate::StepCache)
+    /// kept.
+    pub nodes_updated: u64,
+}
+
+/// Whether anything is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AnyHit {
+    /// It is.
+    pub hit: bool,
+    /// Nodes whose spheres were tested.
+    pub nodes_visited: u64,
+    /// Of them, those whose spheres were evaluated: all but what a [`StepCache`](crate::StepCache)
+    /// kept.
+    pub nodes_updated: u64,
+}
+
+/// One of many rays. World units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Where it starts: finite, at most 2^100.
+    pub origin: [f64; 3],
+    /// Where it goes: finite, not zero, of any length.
+    pub direction: [f64; 3],
+    /// How far it goes: not negative, may be infinite.
+    pub max_distance: f64,
 }
 
 /// Largest magnitude of a coordinate or length that queries take: 2^100.
-const ARGUMENT_MAX: f64 = (1_u128 << 100) as f64;
+pub(crate) const ARGUMENT_MAX: f64 = (1_u128 << 100) as f64;
 
 /// Relative error of a squared f32 distance, and of a sum of radii, with room to spare.
-const SKIP: f32 = 1.0 - 1.0 / (1 << 20) as f32;
+pub(crate) const SKIP: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 
 /// A point whose coordinates are finite and at most 2^100.
 fn point(x: [f64; 3], what: &'static str) -> Result<[f64; 3], QueryError> {
@@ -55,7 +105,7 @@ fn point(x: [f64; 3], what: &'static str) -> Result<[f64; 3], QueryError> {
 }
 
 /// A length that is not negative and at most 2^100.
-fn length(x: f64, what: &'static str) -> Result<f64, QueryError> {
+pub(crate) fn length(x: f64, what: &'static str) -> Result<f64, QueryError> {
     if (0.0..=ARGUMENT_MAX).contains(&x) {
         Ok(x)
     } else {
@@ -85,31 +135,12 @@ fn unit(v: [f64; 3], what: &'static str) -> Result<[f64; 3], QueryError> {
 }
 
 /// f64: a few roundings of 2⁻⁵³ per term, against 2⁻⁴⁰ taken off; squares cannot underflow.
-const MARGIN: f64 = 1.0 / (1_u64 << 40) as f64;
+pub(crate) const MARGIN: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Whether a triangle is certainly farther than `reach` from a point (all in stored units): the
-/// plane through the point across the direction of the corners' mean, moved by `reach`, leaves
-/// all corners beyond. Anything not proved is not beyond, NaN included.
-#[inline(always)]
-fn beyond(corners: &[[f32; 3]; 3], point: [f32; 3], reach: f64) -> bool {
-    let mut d = [[0.0; 3]; 3];
-    for i in 0..3 {
-        for k in 0..3 {
-            d[i][k] = f64::from(corners[i][k]) - f64::from(point[k]);
-        }
-    }
-    let n = add(add(d[0], d[1]), d[2]);
-    let limit = reach * reach * dot(n, n) * (1.0 + MARGIN);
-    let mut beyond = true;
-    for d in d {
-        let size = (d[0] * n[0]).abs() + (d[1] * n[1]).abs() + (d[2] * n[2]).abs();
-        let low = dot(d, n) - MARGIN * size;
-        beyond &= (low > 0.0) & (low * low > limit);
-    }
-    beyond
-}
-
-/// [`beyond`] for four triangles (of each corner, of each coordinate, that of the four).
+/// Which of four triangles (of each corner, of each coordinate, that of the four) are certainly farther
+/// than `reach` from a point (all in stored units): the plane through the point across the direction of
+/// the corners' mean, moved by `reach`, leaves all corners beyond. Anything not proved is not beyond,
+/// NaN included.
 #[inline(always)]
 fn beyond_four<Q: Quad>(corners: &[[[f32; 4]; 3]; 3], point: [f32; 3], reach: f64) -> u8 {
     let mut d = [[Q::splat(0.0); 3]; 3];

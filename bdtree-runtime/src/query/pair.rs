@@ -3,12 +3,12 @@
 use core::ops::ControlFlow;
 
 use super::{Outcome, length};
-use crate::contact::{PairContact, Sink, TriangleId};
+use crate::cache::Posed;
+use crate::contact::{PairContact, Sink, TriangleId, TrianglePair};
 use crate::error::QueryError;
 use crate::frame::PairFrame;
-use crate::narrow::{Triangle, triangle_distance, triangles_intersect};
-use crate::pose::Pose;
-use crate::traverse::{PairStackEntry, PairVisitor, two};
+use crate::narrow::{Triangle, nearest_points, triangle_distance, triangles_intersect};
+use crate::traverse::{PairStackEntry, PairVisitor, Two, Walk};
 use crate::view::Asset;
 
 /// Reports every pair of triangles, one of each asset, that share a point (tolerance 0; exact,
@@ -18,43 +18,103 @@ use crate::view::Asset;
 /// # Errors
 /// A tolerance that is negative, not finite or beyond 2^100, a pose of another asset, too short
 /// a stack, a corrupt asset.
-pub fn pair(
-    (asset1, pose1): (&Asset<'_>, &Pose<'_>),
-    (asset2, pose2): (&Asset<'_>, &Pose<'_>),
+pub fn pair<'p, 'q>(
+    (asset1, pose1): (&Asset<'_>, impl Into<Posed<'p>>),
+    (asset2, pose2): (&Asset<'_>, impl Into<Posed<'q>>),
     tolerance: f64,
     stack: &mut [PairStackEntry],
     sink: &mut impl Sink<PairContact>,
 ) -> Result<Outcome, QueryError> {
-    let tolerance = length(tolerance, "tolerance: negative, not finite or beyond 2^100")?;
-    if !pose1.belongs_to(asset1) || !pose2.belongs_to(asset2) {
+    let posed = [pose1.into().shorter(), pose2.into().shorter()];
+    pair_posed([asset1, asset2], posed, tolerance, stack, sink)
+}
+
+/// [`pair`], compiled here for all callers.
+fn pair_posed(
+    assets: [&Asset<'_>; 2],
+    posed: [Posed<'_>; 2],
+    tolerance: f64,
+    stack: &mut [PairStackEntry],
+    sink: &mut dyn Sink<PairContact>,
+) -> Result<Outcome, QueryError> {
+    let tolerance = length(tolerance, TOLERANCE)?;
+    walk(assets, posed, stack, &mut Contacts { tolerance, sink })
+}
+
+/// Reports which pairs of triangles [`pair`] would report, without their points: several times
+/// faster where many touch.
+///
+/// # Errors
+/// Those of [`pair`].
+pub fn touching<'p, 'q>(
+    (asset1, pose1): (&Asset<'_>, impl Into<Posed<'p>>),
+    (asset2, pose2): (&Asset<'_>, impl Into<Posed<'q>>),
+    tolerance: f64,
+    stack: &mut [PairStackEntry],
+    sink: &mut impl Sink<TrianglePair>,
+) -> Result<Outcome, QueryError> {
+    let posed = [pose1.into().shorter(), pose2.into().shorter()];
+    touching_posed([asset1, asset2], posed, tolerance, stack, sink)
+}
+
+/// [`touching`], compiled here for all callers.
+fn touching_posed(
+    assets: [&Asset<'_>; 2],
+    posed: [Posed<'_>; 2],
+    tolerance: f64,
+    stack: &mut [PairStackEntry],
+    sink: &mut dyn Sink<TrianglePair>,
+) -> Result<Outcome, QueryError> {
+    let tolerance = length(tolerance, TOLERANCE)?;
+    walk(assets, posed, stack, &mut Ids { tolerance, sink })
+}
+
+pub(super) const TOLERANCE: &str = "tolerance: negative, not finite or beyond 2^100";
+
+fn walk<V: PairVisitor>(
+    assets: [&Asset<'_>; 2],
+    posed: [Posed<'_>; 2],
+    stack: &mut [PairStackEntry],
+    visitor: &mut V,
+) -> Result<Outcome, QueryError> {
+    let [posed1, posed2] = posed.map(Posed::shorter);
+    let (pose1, pose2) = (posed1.pose, posed2.pose);
+    if !pose1.belongs_to(assets[0]) || !pose2.belongs_to(assets[1]) {
         return Err(QueryError::PoseMismatch);
     }
-    let Some(frame) = PairFrame::new(pose1, pose2, tolerance) else {
-        return Ok(Outcome {
-            nodes_visited: 0,
-            truncated: false,
-        });
+    let Some(frame) = PairFrame::new(pose1, pose2, visitor.tolerance()) else {
+        return Ok(outcome(None));
     };
-    let mut visitor = Pair { tolerance, sink };
-    let walk = two(
-        (asset1, pose1),
-        (asset2, pose2),
-        &frame,
-        stack,
-        &mut visitor,
-    )?;
-    Ok(Outcome {
+    let two = Two {
+        assets,
+        posed: [posed1, posed2],
+        frame: &frame,
+        leaves: None,
+    };
+    let walk = two.walk(stack, visitor)?;
+    Ok(outcome(Some(walk)))
+}
+
+/// What a walk did; without one nothing.
+pub(super) fn outcome(walk: Option<Walk>) -> Outcome {
+    let walk = walk.unwrap_or_default();
+    Outcome {
         nodes_visited: walk.nodes_visited,
+        nodes_updated: walk.nodes_updated,
         truncated: walk.stopped,
-    })
+    }
 }
 
-struct Pair<'s, S> {
-    tolerance: f64,
-    sink: &'s mut S,
+pub(super) struct Contacts<'s> {
+    pub(super) tolerance: f64,
+    pub(super) sink: &'s mut (dyn Sink<PairContact> + 's),
 }
 
-impl<S: Sink<PairContact>> PairVisitor for Pair<'_, S> {
+impl PairVisitor for Contacts<'_> {
+    fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
     fn triangles(
         &mut self,
         triangle1: TriangleId,
@@ -62,14 +122,11 @@ impl<S: Sink<PairContact>> PairVisitor for Pair<'_, S> {
         triangle2: TriangleId,
         corners2: &Triangle,
     ) -> ControlFlow<()> {
-        // Most candidates do not touch: the exact test says so from their boxes alone.
-        if self.tolerance == 0.0 && !triangles_intersect(corners1, corners2) {
+        let touching = triangles_intersect(corners1, corners2);
+        if !touching && self.tolerance == 0.0 {
             return ControlFlow::Continue(());
         }
-        if self.tolerance > 0.0 && boxes_apart(corners1, corners2, self.tolerance) {
-            return ControlFlow::Continue(());
-        }
-        let nearest = triangle_distance(corners1, corners2);
+        let nearest = nearest_points(corners1, corners2, touching);
         if nearest.distance > self.tolerance {
             return ControlFlow::Continue(());
         }
@@ -85,17 +142,34 @@ impl<S: Sink<PairContact>> PairVisitor for Pair<'_, S> {
     }
 }
 
-/// Whether the gap of the boxes along some axis is above the tolerance, with room for the
-/// rounding of the distance that it spares.
-fn boxes_apart(a: &Triangle, b: &Triangle, tolerance: f64) -> bool {
-    (0..3).any(|k| {
-        let range = |t: &Triangle| {
-            let [x, y, z] = [t[0][k], t[1][k], t[2][k]];
-            (x.min(y).min(z), x.max(y).max(z))
+pub(super) struct Ids<'s> {
+    pub(super) tolerance: f64,
+    pub(super) sink: &'s mut (dyn Sink<TrianglePair> + 's),
+}
+
+impl PairVisitor for Ids<'_> {
+    fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    fn triangles(
+        &mut self,
+        triangle1: TriangleId,
+        corners1: &Triangle,
+        triangle2: TriangleId,
+        corners2: &Triangle,
+    ) -> ControlFlow<()> {
+        let meet = if self.tolerance == 0.0 {
+            triangles_intersect(corners1, corners2)
+        } else {
+            triangle_distance(corners1, corners2).distance <= self.tolerance
         };
-        let ((low1, high1), (low2, high2)) = (range(a), range(b));
-        let gap = (low2 - high1).max(low1 - high2);
-        let span = high1.max(high2) - low1.min(low2);
-        gap > tolerance + 1e-12 * span
-    })
+        if !meet {
+            return ControlFlow::Continue(());
+        }
+        self.sink.push(TrianglePair {
+            triangle1,
+            triangle2,
+        })
+    }
 }
