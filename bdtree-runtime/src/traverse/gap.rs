@@ -1,0 +1,95 @@
+//! How far spheres of two instances are apart, as f32 keys that never say too much.
+
+use bdtree_format::Row;
+
+use super::SearchEntry;
+use crate::bound::WideSpheres;
+use crate::frame::{PairFrame, PairMap};
+use crate::math::{norm, scale};
+use crate::pose::{Pose, U32, round_up};
+use crate::simd::Lanes;
+
+/// How distances between spheres of two instances become keys (stored units of the first).
+#[derive(Clone, Copy)]
+pub(crate) struct Gap {
+    pub(super) frame: PairFrame,
+    /// Far apart, the direction from the first to the second: keys are gaps along it, less `base`.
+    along: Option<[f32; 3]>,
+    base: f64,
+    unit: f64,
+    pub(super) root: SearchEntry,
+}
+
+/// Beyond this many times the reach of both, gaps along the line between the origins are tighter
+/// than f32 distances.
+const FAR: f64 = 1024.0;
+
+impl Gap {
+    pub(crate) fn new(a: &Pose<'_>, b: &Pose<'_>) -> Self {
+        let map = PairMap::new(a, b);
+        let (apart, reach) = (norm(map.offset), map.reach_a + map.reach_b);
+        let far = apart > FAR * reach;
+        // What rounding may take from a gap (docs/guarantees.md, nearest pairs).
+        let lost = if far {
+            16.0 * U32 * reach + apart / (1_u64 << 50) as f64
+        } else {
+            16.0 * U32 * apart
+        };
+        let extra = map.exact + map.turned + lost;
+        let base = if far { apart } else { 0.0 };
+        let offset = if far { [0.0; 3] } else { map.offset };
+        let [x, y, z] = offset.map(|x| x as f32);
+        let key = down(apart - (reach + extra) * (1.0 + 16.0 * U32) - base);
+        Self {
+            frame: map.rounded(offset, extra),
+            along: far.then(|| scale(map.offset, 1.0 / apart).map(|x| x as f32)),
+            base,
+            unit: map.unit_a,
+            root: SearchEntry {
+                key,
+                sphere_a: [0.0, 0.0, 0.0, round_up(map.reach_a)],
+                sphere_b: [x, y, z, round_up(map.reach_b + extra)],
+                ..SearchEntry::default()
+            },
+        }
+    }
+
+    /// A key above which everything is farther than `distance` (world).
+    #[inline(always)]
+    pub(crate) fn bound(&self, distance: f64) -> f32 {
+        -down(self.base - distance / self.unit)
+    }
+
+    /// What everything at a key is not nearer than (world).
+    pub(crate) fn distance(&self, key: f32) -> f64 {
+        let gap = f64::from(key) + self.base * (1.0 - 1.0 / (1_u64 << 48) as f64);
+        (gap * self.unit * (1.0 - f64::EPSILON)).max(0.0)
+    }
+
+    #[inline(always)]
+    pub(super) fn keys<L: Lanes>(
+        &self,
+        spheres: WideSpheres<L>,
+        other: [f32; 4],
+        of_a: bool,
+    ) -> Row {
+        /// As in `query::closest`.
+        const SHRINK: f32 = 1.0 - 1.0 / (1 << 19) as f32;
+        match self.along {
+            None => spheres.gaps(other, SHRINK).store(),
+            Some([x, y, z]) => {
+                let towards = if of_a { [-x, -y, -z] } else { [x, y, z] };
+                spheres.gaps_along(towards, other).store()
+            }
+        }
+    }
+}
+
+/// An f32 not above `x`; −∞ for NaN.
+fn down(x: f64) -> f32 {
+    if x.is_nan() {
+        return f32::NEG_INFINITY;
+    }
+    let x = x.min(f64::from(f32::MAX)) as f32;
+    x - f32::EPSILON * x.abs() - f32::MIN_POSITIVE
+}

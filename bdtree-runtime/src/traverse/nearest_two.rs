@@ -1,0 +1,216 @@
+//! Nearest pairs of two trees, in the frame of the first: branch and bound.
+
+use bdtree_format::LANES;
+
+use super::{Gap, Subtree, Walk, lane_subtree, used_lanes};
+use crate::cache::Posed;
+use crate::error::QueryError;
+use crate::simd::{Lanes, Work};
+use crate::view::Asset;
+
+use super::leaf_pairs::{LeafPairs, LeafSide};
+
+/// One entry of the memory of a nearest-pair search or of a budgeted query: what is to be visited.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SearchEntry {
+    /// Lower bound of what is looked for, below the entry; never NaN.
+    pub(super) key: f32,
+    pub(super) a: Subtree,
+    /// Means nothing where one tree is searched, as what follows.
+    pub(super) b: Subtree,
+    /// Centre and radius in the frame of the first.
+    pub(super) sphere_a: [f32; 4],
+    pub(super) sphere_b: [f32; 4],
+}
+
+impl SearchEntry {
+    /// A node of the one tree that is searched.
+    pub(super) fn node(node: u32, key: f32) -> Self {
+        Self {
+            key,
+            a: Subtree {
+                start: node,
+                triangles: 0,
+            },
+            ..Self::default()
+        }
+    }
+
+    /// The same with a part's key: what holds for the whole holds for its parts, and NaN says nothing.
+    #[inline(always)]
+    pub(super) fn below(&self, key: f32) -> Self {
+        Self {
+            key: if key > self.key { key } else { self.key },
+            ..*self
+        }
+    }
+}
+
+/// Sorts an entry in by its key, behind equal ones.
+#[inline(always)]
+pub(super) fn insert(found: &mut [SearchEntry; LANES], count: &mut usize, entry: SearchEntry) {
+    let mut at = *count & (LANES - 1);
+    while at > 0 && found[at - 1].key > entry.key {
+        found[at] = found[at - 1];
+        at -= 1;
+    }
+    found[at] = entry;
+    *count += 1;
+}
+
+/// What is still to be visited, in the caller's memory.
+pub(crate) trait Frontier {
+    /// The next entry whose key is not above `bound`.
+    fn next(&mut self, bound: f32) -> Option<SearchEntry>;
+
+    /// Takes what a visit found, nearest first. `false`: more than a sound pair of trees can need.
+    fn put(&mut self, found: &[SearchEntry]) -> bool;
+}
+
+/// Depth first, nearest first.
+pub(crate) struct Stack<'s> {
+    entries: &'s mut [SearchEntry],
+    len: usize,
+}
+
+impl<'s> Stack<'s> {
+    /// An empty one of `needed` entries.
+    ///
+    /// # Errors
+    /// Fewer entries than that.
+    pub(crate) fn new(entries: &'s mut [SearchEntry], needed: usize) -> Result<Self, QueryError> {
+        let found = entries.len();
+        match entries.get_mut(..needed) {
+            Some(entries) => Ok(Self { entries, len: 0 }),
+            None => Err(QueryError::Memory { needed, found }),
+        }
+    }
+}
+
+impl Frontier for Stack<'_> {
+    #[inline(always)]
+    fn next(&mut self, bound: f32) -> Option<SearchEntry> {
+        while self.len > 0 {
+            self.len -= 1;
+            let entry = self.entries[self.len];
+            if entry.key <= bound {
+                return Some(entry);
+            }
+        }
+        None
+    }
+
+    #[inline(always)]
+    fn put(&mut self, found: &[SearchEntry]) -> bool {
+        for entry in found.iter().rev() {
+            let Some(slot) = self.entries.get_mut(self.len) else {
+                return false;
+            };
+            *slot = *entry;
+            self.len += 1;
+        }
+        true
+    }
+}
+
+/// Visits pairs of subtrees as `frontier` orders them, as long as they may hold a pair of triangles
+/// as near as the best so far.
+pub(crate) struct NearestTwo<'n, 's, 'a, F> {
+    pub(crate) a: (&'s Asset<'a>, Posed<'n>),
+    pub(crate) b: (&'s Asset<'a>, Posed<'n>),
+    pub(crate) gap: &'n Gap,
+    pub(crate) frontier: &'n mut F,
+    pub(crate) pairs: &'n mut LeafPairs,
+}
+
+impl<F: Frontier> Work for NearestTwo<'_, '_, '_, F> {
+    type Output = Result<Walk, QueryError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self {
+            gap,
+            frontier,
+            pairs,
+            ..
+        } = self;
+        let ((asset_a, posed_a), (asset_b, posed_b)) = (self.a, self.b);
+        let mut a = LeafSide::new((asset_a, posed_a.shorter()));
+        let mut b = LeafSide::new((asset_b, posed_b.shorter()));
+        // A sound pair of trees has at most one entry for each pair of a node or leaf lane of one
+        // and a node or leaf lane of the other, and a node has eight lanes.
+        let subtrees = |asset: &Asset<'_>| (1 + LANES as u64) * asset.node_count() as u64;
+        let visits_max = subtrees(a.asset).saturating_mul(subtrees(b.asset));
+        let tests_max =
+            (a.asset.triangle_count() as u64).saturating_mul(b.asset.triangle_count() as u64);
+        let mut walk = Walk {
+            nodes_visited: 0,
+            nodes_updated: 0,
+            stopped: false,
+        };
+        let mut found = [SearchEntry::default(); LANES];
+        frontier.put(&[gap.root]);
+        while let Some(entry) = frontier.next(gap.bound(pairs.limit())) {
+            walk.nodes_visited += 1;
+            if walk.nodes_visited > visits_max {
+                return Err(a.asset.endless(visits_max).into());
+            }
+            // The larger one is opened; leaves are not.
+            let of_a = entry.a.triangles == 0
+                && (entry.b.triangles != 0 || entry.sphere_a[3] >= entry.sphere_b[3]);
+            let (side, index, other) = if of_a {
+                (&mut a, entry.a.start, entry.sphere_b)
+            } else {
+                (&mut b, entry.b.start, entry.sphere_a)
+            };
+            let node = side.asset.node(index)?;
+            let (spheres, evaluated) = side.posed.spheres::<L>(side.asset, index)?;
+            walk.nodes_updated += u64::from(evaluated);
+            let spheres = if of_a {
+                spheres
+            } else {
+                gap.frame.carry(spheres)
+            };
+            let keys = gap.keys(spheres, other, of_a);
+            let [x, y, z] = spheres.store().centre;
+            let radius = spheres.store().radius;
+            let bound = gap.bound(pairs.limit());
+            let mut count = 0;
+            let mut left = used_lanes(node);
+            while left != 0 {
+                let lane = (left.trailing_zeros() & 7) as usize;
+                left &= left - 1;
+                let mut child = entry.below(keys[lane]);
+                if child.key > bound {
+                    continue;
+                }
+                let sub = lane_subtree(node, lane);
+                let sphere = [x[lane], y[lane], z[lane], radius[lane]];
+                if of_a {
+                    (child.a, child.sphere_a) = (sub, sphere);
+                } else {
+                    (child.b, child.sphere_b) = (sub, sphere);
+                }
+                insert(&mut found, &mut count, child);
+            }
+            // Two leaves are compared where they are found.
+            let mut kept = 0;
+            for k in 0..count {
+                let child = found[k];
+                if child.a.triangles == 0 || child.b.triangles == 0 {
+                    found[kept] = child;
+                    kept += 1;
+                } else if child.key <= gap.bound(pairs.limit()) {
+                    pairs.compare(&mut a, child.a, &mut b, child.b)?;
+                    if pairs.tests > tests_max {
+                        return Err(a.asset.endless(tests_max).into());
+                    }
+                }
+            }
+            if !frontier.put(&found[..kept]) {
+                return Err(a.asset.too_deep().into());
+            }
+        }
+        Ok(walk)
+    }
+}
