@@ -1,0 +1,97 @@
+//! Which pairs belong together.
+//!
+//! Two pairs are neighbours if they have a triangle of one asset in common and their triangles of the
+//! other have a corner in common: so a contour is followed from triangle to triangle, and the feet of a
+//! chair on one large triangle stay apart.
+
+use crate::contact::{PairContact, VertexId};
+use crate::error::QueryError;
+use crate::view::Asset;
+
+/// Memory for grouping pairs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ManifoldSlot {
+    key: u64,
+    pair: u32,
+}
+
+impl ManifoldSlot {
+    /// Slots that so many pairs need.
+    pub const fn count(pairs: usize) -> usize {
+        pairs.saturating_mul(4)
+    }
+
+    /// Which region the pair belongs to.
+    pub(super) fn region(&self) -> u64 {
+        self.key
+    }
+
+    /// The pair's index.
+    pub(super) fn pair(&self) -> usize {
+        self.pair as usize
+    }
+}
+
+/// A slot for each pair, by region and index; regions are named by their first pair.
+pub(super) fn regions<'m>(
+    asset1: &Asset<'_>,
+    asset2: &Asset<'_>,
+    pairs: &[PairContact],
+    memory: &'m mut [ManifoldSlot],
+) -> Result<&'m [ManifoldSlot], QueryError> {
+    let (needed, found) = (ManifoldSlot::count(pairs.len()), memory.len());
+    let Some((parents, keys)) = memory
+        .get_mut(..needed)
+        .and_then(|memory| memory.split_at_mut_checked(pairs.len()))
+    else {
+        return Err(QueryError::Memory { needed, found });
+    };
+    for (i, slot) in parents.iter_mut().enumerate() {
+        slot.pair = i as u32;
+    }
+    for first in [true, false] {
+        let (slots, _) = keys.as_chunks_mut::<3>();
+        for (i, (pair, slots)) in pairs.iter().zip(slots).enumerate() {
+            let (shared, other) = if first {
+                (pair.triangle1, asset2.triangle(pair.triangle2)?)
+            } else {
+                (pair.triangle2, asset1.triangle(pair.triangle1)?)
+            };
+            for (slot, VertexId(vertex)) in slots.iter_mut().zip(other) {
+                slot.key = u64::from(shared.0) << 32 | u64::from(vertex);
+                slot.pair = i as u32;
+            }
+        }
+        keys.sort_unstable();
+        for window in keys.windows(2) {
+            if let [x, y] = window
+                && x.key == y.key
+            {
+                join(parents, x.pair, y.pair);
+            }
+        }
+    }
+    for i in 0..parents.len() {
+        parents[i].key = u64::from(root(parents, i as u32));
+    }
+    for (i, slot) in parents.iter_mut().enumerate() {
+        slot.pair = i as u32;
+    }
+    parents.sort_unstable();
+    Ok(parents)
+}
+
+/// The first pair of the set that `i` belongs to; paths are halved on the way.
+fn root(parents: &mut [ManifoldSlot], mut i: u32) -> u32 {
+    while parents[i as usize].pair != i {
+        let next = parents[parents[i as usize].pair as usize].pair;
+        parents[i as usize].pair = next;
+        i = next;
+    }
+    i
+}
+
+fn join(parents: &mut [ManifoldSlot], a: u32, b: u32) {
+    let (a, b) = (root(parents, a), root(parents, b));
+    parents[a.max(b) as usize].pair = a.min(b);
+}
