@@ -1,0 +1,343 @@
+//! Pairs that stay close: which leaves may touch is found out once for several steps.
+
+use core::ops::ControlFlow;
+
+use super::pair::{Contacts, Ids, TOLERANCE, outcome};
+use super::{Outcome, length};
+use crate::cache::Posed;
+use crate::contact::{PairContact, Sink, TriangleId, TrianglePair};
+use crate::error::QueryError;
+use crate::frame::PairFrame;
+use crate::motion::Motion;
+use crate::narrow::Triangle;
+use crate::pose::Pose;
+use crate::traverse::{FrontSlot, PairStackEntry, PairVisitor, Two};
+use crate::view::Asset;
+
+/// Steps that a front is meant to last, at the speed of the step before.
+const STEPS: f64 = 8.0;
+
+/// Most steps where nothing is near: such a front costs nothing to keep.
+const STEPS_APART: f64 = 512.0;
+
+/// Widest margin of a front that has leaves, over the sizes of both.
+const MARGIN_REL: f64 = 1.0 / 64.0;
+
+/// Queries that a front must have served to be worth its making, and what counts as enough before
+/// there was any.
+const SERVED_MIN: u32 = 2;
+const FRESH: u32 = SERVED_MIN;
+
+/// Queries without a front after one that was not.
+const PAUSE: u32 = 16;
+
+/// What a pair of instances keeps from step to step: the pairs of leaves that were within the
+/// tolerance and a margin of each other, the *front* where the traversal ended. Until the two
+/// have moved by the margin nothing else can touch, so only these leaves are tested, and no node is
+/// visited; two that are apart cost a comparison. The answers are those of a walk from the root.
+///
+/// Deviation from front tracking as in rigid hierarchies (T. Larsson, T. Akenine-Möller; S. Ehmann,
+/// M. Lin): what is kept are pairs of leaves with one margin for all, like a neighbour list, not a
+/// front of nodes that rises and sinks, since testing eight lanes again is cheaper than remembering
+/// each. The margin follows the speed of the two; where they are too fast for it or the memory is
+/// too short, the walk from the root is all that is done.
+#[derive(Debug, Clone)]
+pub struct PairFront<M> {
+    memory: M,
+    state: State,
+}
+
+/// All of a front but its memory.
+#[derive(Debug, Clone)]
+struct State {
+    len: usize,
+    /// Of which pair of instances and for which tolerance.
+    of: Option<Identity>,
+    /// Motion of the two, together, up to which the front holds.
+    until: f64,
+    /// Motion of the two at the last query, and how far it was from the one before.
+    moved: f64,
+    /// Steps that the next margin is meant for.
+    steps: f64,
+    /// Queries that the front has served.
+    served: u32,
+    /// Queries to come that do without.
+    pause: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Identity {
+    starts: [u64; 2],
+    tolerance: f64,
+}
+
+/// One of the two instances: asset, pose with or without kept spheres, and its motion so far.
+pub type Moving<'s, 'a, P> = (&'s Asset<'a>, P, &'s Motion);
+
+impl<M: AsMut<[FrontSlot]>> PairFront<M> {
+    /// A front in this memory: a slot for each pair of leaves that is near, say four for each pair of
+    /// triangles that touch; more is not used, with fewer the front is not kept.
+    pub fn new(memory: M) -> Self {
+        Self {
+            memory,
+            state: State {
+                len: 0,
+                of: None,
+                until: f64::NEG_INFINITY,
+                moved: 0.0,
+                steps: STEPS,
+                served: FRESH,
+                pause: 0,
+            },
+        }
+    }
+
+    /// [`pair`](super::pair()) with what was found at earlier steps.
+    ///
+    /// # Errors
+    /// Those of [`pair`](super::pair()); [`QueryError::PoseMismatch`] also where a motion does not stand at
+    /// its pose.
+    pub fn pair<'p, 'q>(
+        &mut self,
+        first: Moving<'_, '_, impl Into<Posed<'p>>>,
+        second: Moving<'_, '_, impl Into<Posed<'q>>>,
+        tolerance: f64,
+        stack: &mut [PairStackEntry],
+        sink: &mut impl Sink<PairContact>,
+    ) -> Result<Outcome, QueryError> {
+        let of = Pair {
+            assets: [first.0, second.0],
+            posed: [first.1.into().shorter(), second.1.into().shorter()],
+            motions: [first.2, second.2],
+        };
+        self.state
+            .pair(self.memory.as_mut(), of, tolerance, stack, sink)
+    }
+
+    /// [`touching`](super::touching) with what was found at earlier steps.
+    ///
+    /// # Errors
+    /// Those of [`PairFront::pair`].
+    pub fn touching<'p, 'q>(
+        &mut self,
+        first: Moving<'_, '_, impl Into<Posed<'p>>>,
+        second: Moving<'_, '_, impl Into<Posed<'q>>>,
+        tolerance: f64,
+        stack: &mut [PairStackEntry],
+        sink: &mut impl Sink<TrianglePair>,
+    ) -> Result<Outcome, QueryError> {
+        let of = Pair {
+            assets: [first.0, second.0],
+            posed: [first.1.into().shorter(), second.1.into().shorter()],
+            motions: [first.2, second.2],
+        };
+        self.state
+            .touching(self.memory.as_mut(), of, tolerance, stack, sink)
+    }
+}
+
+/// The two instances of a query.
+struct Pair<'s, 'a> {
+    assets: [&'s Asset<'a>; 2],
+    posed: [Posed<'s>; 2],
+    motions: [&'s Motion; 2],
+}
+
+impl State {
+    /// [`PairFront::pair`], compiled here for all callers.
+    fn pair(
+        &mut self,
+        memory: &mut [FrontSlot],
+        of: Pair<'_, '_>,
+        tolerance: f64,
+        stack: &mut [PairStackEntry],
+        sink: &mut dyn Sink<PairContact>,
+    ) -> Result<Outcome, QueryError> {
+        let tolerance = length(tolerance, TOLERANCE)?;
+        self.query(memory, of, stack, Contacts { tolerance, sink })
+    }
+
+    /// [`PairFront::touching`], compiled here for all callers.
+    fn touching(
+        &mut self,
+        memory: &mut [FrontSlot],
+        of: Pair<'_, '_>,
+        tolerance: f64,
+        stack: &mut [PairStackEntry],
+        sink: &mut dyn Sink<TrianglePair>,
+    ) -> Result<Outcome, QueryError> {
+        let tolerance = length(tolerance, TOLERANCE)?;
+        self.query(memory, of, stack, Ids { tolerance, sink })
+    }
+
+    fn query<V: PairVisitor>(
+        &mut self,
+        memory: &mut [FrontSlot],
+        of: Pair<'_, '_>,
+        stack: &mut [PairStackEntry],
+        mut visitor: V,
+    ) -> Result<Outcome, QueryError> {
+        let Pair {
+            assets,
+            posed,
+            motions,
+        } = of;
+        let [posed1, posed2] = posed.map(Posed::shorter);
+        let poses = [posed1.pose, posed2.pose];
+        for k in 0..2 {
+            if !poses[k].belongs_to(assets[k]) || !motions[k].is_at(poses[k]) {
+                return Err(QueryError::PoseMismatch);
+            }
+        }
+        let tolerance = visitor.tolerance();
+        let moved = motions[0].total() + motions[1].total();
+        let step = self.step_to(motions, tolerance, moved);
+        // A bounded query reports spheres, which the front does not have.
+        let bounded = posed1.is_bounded() || posed2.is_bounded();
+        let posed = [posed1, posed2];
+        if moved <= self.until && !bounded {
+            self.served += 1;
+            let leaves = memory.get(..self.len).unwrap_or_default();
+            if leaves.is_empty() {
+                return Ok(outcome(None));
+            }
+            let Some(frame) = PairFrame::new(poses[0], poses[1], tolerance) else {
+                return Ok(outcome(None));
+            };
+            let two = Two {
+                assets,
+                posed,
+                frame: &frame,
+                leaves: Some(leaves),
+            };
+            let walk = two.walk(stack, &mut visitor)?;
+            return Ok(outcome(Some(walk)));
+        }
+        let margin = if bounded {
+            None
+        } else {
+            self.next_margin(step)
+        };
+        let reach = tolerance + margin.unwrap_or(0.0);
+        if PairFrame::new(poses[0], poses[1], reach).is_none() {
+            self.keep(0, moved, margin);
+            return Ok(outcome(None));
+        }
+        // A wide margin is worth its walk only where it meets nothing at all.
+        let size = |pose: &Pose<'_>| pose.reach * pose.frame.world_per_stored();
+        let widest = MARGIN_REL * (size(poses[0]) + size(poses[1]));
+        let margin = margin
+            .map(|margin| margin.min(widest))
+            .filter(|margin| *margin >= f64::from(SERVED_MIN) * step);
+        let reach = tolerance + margin.unwrap_or(0.0);
+        let Some(frame) = PairFrame::new(poses[0], poses[1], reach) else {
+            self.keep(0, moved, margin);
+            return Ok(outcome(None));
+        };
+        let two = Two {
+            assets,
+            posed,
+            frame: &frame,
+            leaves: None,
+        };
+        let room: &mut [FrontSlot] = match margin {
+            Some(_) => memory,
+            None => &mut [],
+        };
+        let room_len = room.len();
+        let mut collecting = Collecting {
+            visitor,
+            room,
+            found: 0,
+        };
+        let walk = two.walk(stack, &mut collecting)?;
+        let found = collecting.found;
+        if margin.is_some() && found > room_len {
+            self.pause = PAUSE;
+        }
+        let whole = found <= room_len && !walk.stopped;
+        self.keep(found, moved, margin.filter(|_| whole));
+        Ok(outcome(Some(walk)))
+    }
+
+    /// How far the two have moved since the last query for the same pair and tolerance; for others
+    /// everything is forgotten.
+    fn step_to(&mut self, motions: [&Motion; 2], tolerance: f64, moved: f64) -> f64 {
+        let of = Identity {
+            starts: motions.map(Motion::start),
+            tolerance,
+        };
+        if self.of != Some(of) || moved < self.moved {
+            self.of = Some(of);
+            self.until = f64::NEG_INFINITY;
+            self.moved = moved;
+            (self.steps, self.served, self.pause) = (STEPS, FRESH, 0);
+        }
+        let step = moved - self.moved;
+        self.moved = moved;
+        step
+    }
+
+    /// The margin of the front to be made, if one is worth it.
+    fn next_margin(&mut self, step: f64) -> Option<f64> {
+        if self.pause > 0 {
+            self.pause -= 1;
+            return None;
+        }
+        if self.served < SERVED_MIN {
+            (self.steps, self.served, self.pause) = (STEPS, FRESH, PAUSE);
+            return None;
+        }
+        let margin = step * self.steps;
+        margin.is_finite().then_some(margin)
+    }
+
+    /// Keeps a front of `len` pairs that was made with a margin, none without one.
+    fn keep(&mut self, len: usize, moved: f64, margin: Option<f64>) {
+        let Some(margin) = margin else {
+            self.until = f64::NEG_INFINITY;
+            return;
+        };
+        self.len = len;
+        // Sums of motions have lost far less.
+        self.until = moved + margin * (1.0 - f64::from(f32::EPSILON));
+        self.served = 0;
+        self.steps = if len == 0 {
+            (2.0 * self.steps).min(STEPS_APART)
+        } else {
+            STEPS
+        };
+    }
+}
+
+/// Takes down the pairs of leaves that a walk meets.
+struct Collecting<'s, V> {
+    visitor: V,
+    room: &'s mut [FrontSlot],
+    /// How many there were, with room or without.
+    found: usize,
+}
+
+impl<V: PairVisitor> PairVisitor for Collecting<'_, V> {
+    fn tolerance(&self) -> f64 {
+        self.visitor.tolerance()
+    }
+
+    fn meet(&mut self, leaves: &[FrontSlot]) {
+        let rest = self.room.get_mut(self.found..).unwrap_or_default();
+        for (slot, leaves) in rest.iter_mut().zip(leaves) {
+            *slot = *leaves;
+        }
+        self.found += leaves.len();
+    }
+
+    fn triangles(
+        &mut self,
+        a: TriangleId,
+        corners_a: &Triangle,
+        b: TriangleId,
+        corners_b: &Triangle,
+    ) -> ControlFlow<()> {
+        self.visitor.triangles(a, corners_a, b, corners_b)
+    }
+}
