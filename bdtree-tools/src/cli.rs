@@ -110,7 +110,7 @@ pub struct QueryArguments {
     /// (standard input: to the current one)
     #[arg(value_name = "SCENE.json")]
     pub scene: PathBuf,
-    /// Add nodes_visited to each line: the number of node bounds evaluated
+    /// Add nodes_visited to each line: the number of nodes visited
     #[arg(long)]
     pub stats: bool,
     /// Do not check the assets' checksums first

@@ -170,7 +170,10 @@ pub(super) fn compare_rows(
     for asset in [a, b] {
         for node in asset.nodes() {
             let modes = asset.node_modes(node)?;
-            for (r, row) in numbers(&asset.node_rows(node)?).iter().enumerate() {
+            for (r, row) in numbers(&asset.node_rows(node)?, modes.len())
+                .iter()
+                .enumerate()
+            {
                 if let Some(scale) = scales.get_mut(quantity(r, modes, m)) {
                     *scale = scale.max(largest(row.iter().copied()));
                 }
@@ -185,7 +188,7 @@ pub(super) fn compare_rows(
     for (i, (node_a, node_b)) in a.nodes().iter().zip(b.nodes()).enumerate() {
         let modes = a.node_modes(node_a)?;
         let (own_a, own_b) = (a.node_rows(node_a)?, b.node_rows(node_b)?);
-        let (rows_a, rows_b) = (numbers(&own_a), numbers(&own_b));
+        let (rows_a, rows_b) = (numbers(&own_a, modes.len()), numbers(&own_b, modes.len()));
         let units = [0, 1, 2].map(|k| f64::from(own_a.units[k].max(own_b.units[k])));
         for (r, (x, y)) in rows_a.iter().zip(&rows_b).enumerate() {
             if let Some(numbers) = quantities.get_mut(quantity(r, modes, m)) {
@@ -213,14 +216,15 @@ const NUMBERS_PER_MODE: usize = 6;
 
 /// The numbers of a node, one row of lanes each: the f32 rows as they are, those of the modes in
 /// stored units for a q at its limit.
-fn numbers(rows: &NodeRows<'_>) -> Vec<[f64; LANES]> {
+fn numbers(rows: &NodeRows<'_>, mode_count: usize) -> Vec<[f64; LANES]> {
     let [centre, growth, cross] = rows.units.map(f64::from);
+    let units = [centre, centre, centre, growth, cross, cross];
     let mut all: Vec<_> = rows.leading.iter().map(|row| row.map(f64::from)).collect();
-    for mode in rows.modes {
-        let signed = |row: [i16; LANES], unit: f64| row.map(|n| f64::from(n) * unit);
-        all.extend(mode.centre.map(|row| signed(row, centre)));
-        all.push(mode.growth.map(|n| f64::from(n) * growth));
-        all.extend(mode.cross.map(|row| signed(row, cross)));
+    for k in 0..mode_count {
+        let lanes: [_; LANES] = std::array::from_fn(|lane| rows.numbers(k, lane));
+        for (which, unit) in units.iter().enumerate() {
+            all.push(lanes.map(|numbers| f64::from(numbers[which]) * unit));
+        }
     }
     all.extend(rows.steps.iter().map(|row| row.map(f64::from)));
     all

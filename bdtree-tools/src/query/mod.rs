@@ -1,12 +1,19 @@
 //! `bdtree query`: a scene's questions answered, one JSON line each.
 
+mod budgeted;
+mod contacts;
 mod lines;
+mod rays;
 
-pub use lines::{Answer, ContactLine, Line};
+pub use budgeted::Certificate;
+pub use contacts::{PointLine, RegionLine};
+pub use lines::{Answer, ContactLine, Line, NearestLine, ProxyLine};
 
 use std::io::Write;
 
-use bdtree_runtime::{Asset, PairStackEntry, Pose, QueryError, StackEntry, query};
+use bdtree_runtime::{
+    Asset, PairStackEntry, Pose, Posed, Proxy, QueryError, SearchEntry, StackEntry, query,
+};
 
 use crate::DONE;
 pub use crate::cli::QueryArguments as Arguments;
@@ -19,11 +26,11 @@ use crate::scene::{Query, Scene};
 /// Every problem of the scene, a corrupt asset, an output stream that fails.
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
     let scene = Scene::load(&arguments.scene, !arguments.no_verify)?;
-    let mut memory: Vec<Vec<f32>> = scene
-        .instances
-        .iter()
-        .map(|instance| vec![0.0; 2 * instance.q.len()])
-        .collect();
+    let mut memory = Vec::with_capacity(scene.instances.len());
+    for instance in &scene.instances {
+        let asset = scene.files[instance.asset].asset()?;
+        memory.push(vec![0.0_f32; asset.pose_len()]);
+    }
     let mut placed = Vec::with_capacity(scene.instances.len());
     for (i, memory) in memory.iter_mut().enumerate() {
         let asset = scene.files[scene.instances[i].asset].asset()?;
@@ -31,15 +38,29 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     }
     let mut solver = Solver {
         placed: &placed,
+        max_depth: scene.options.max_depth,
+        proxies: Default::default(),
         stack: Vec::new(),
         pair_stack: Vec::new(),
+        distance_stack: Vec::new(),
     };
     for (i, query) in scene.queries.iter().enumerate() {
         let place = || format!("{}: queries[{i}]", scene.source);
-        let (kind, answer, nodes_visited) = solver
-            .solve(query)
-            .map_err(|error| ToolError::input(place(), told(&scene, query, error)))?;
-        if !answer.is_finite() {
+        let corrupt = |error| ToolError::input(place(), told(&scene, query, error));
+        let within = match scene.options.max_visits {
+            Some(n) => solver.solve_within(query, n).map_err(corrupt)?,
+            None => None,
+        };
+        let (kind, answer, nodes_visited, certificate) = match within {
+            Some((kind, answer, visits, certificate)) => (kind, answer, visits, Some(certificate)),
+            None => {
+                let (kind, answer, visits) = solver.solve(query).map_err(corrupt)?;
+                (kind, answer, visits, None)
+            }
+        };
+        let proxies = scene.options.max_depth.map(|_| solver.take_proxies());
+        let is_finite = proxies.iter().flatten().all(ProxyLine::is_finite);
+        if !answer.is_finite() || !is_finite {
             let message = "the answer is not finite: corrupt asset, run bdtree verify";
             return Err(ToolError::input(place(), message));
         }
@@ -47,6 +68,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
             query: i,
             kind,
             answer,
+            proxies,
+            certificate,
             nodes_visited: arguments.stats.then_some(nodes_visited),
         };
         serde_json::to_writer(&mut *out, &line).map_err(|e| ToolError::Stdout(e.into()))?;
@@ -65,14 +88,18 @@ fn told(scene: &Scene, query: &Query, error: QueryError) -> String {
         file.path().display().to_string()
     };
     let files = match query {
-        Query::Pair { a, b, .. } => {
+        Query::Pair { a, b, .. } | Query::Distance { a, b, .. } => {
             let (a, b) = (path(*a), path(*b));
             if a == b { a } else { format!("{a} or {b}") }
         }
         Query::Ball { instance, .. }
         | Query::Closest { instance, .. }
         | Query::Ray { instance, .. }
-        | Query::Plane { instance, .. } => path(*instance),
+        | Query::Rays { instance, .. }
+        | Query::Plane { instance, .. }
+        | Query::Frustum { instance, .. }
+        | Query::Capsule { instance, .. }
+        | Query::Box { instance, .. } => path(*instance),
     };
     format!("{files}: {error}")
 }
@@ -80,13 +107,43 @@ fn told(scene: &Scene, query: &Query, error: QueryError) -> String {
 /// The instances and the memory that traversals share.
 struct Solver<'s> {
     placed: &'s [(Asset<'s>, Pose<'s>)],
+    max_depth: Option<usize>,
+    /// Of the query's instance, or of both, where the k-th of one belongs to the k-th of the other.
+    proxies: [Vec<Proxy>; 2],
     stack: Vec<StackEntry>,
     pair_stack: Vec<PairStackEntry>,
+    distance_stack: Vec<SearchEntry>,
+}
+
+/// A pose that is not looked into below the scene's depth.
+fn posed<'p>(
+    pose: impl Into<Posed<'p>>,
+    max_depth: Option<usize>,
+    proxies: &'p mut Vec<Proxy>,
+) -> Posed<'p> {
+    match max_depth {
+        Some(level) => pose.into().bounded(level, proxies),
+        None => pose.into(),
+    }
 }
 
 impl Solver<'_> {
+    /// What the last query left in place of what lies deeper: of a pair, a's and b's in turn.
+    fn take_proxies(&mut self) -> Vec<ProxyLine> {
+        let [a, b] = &mut self.proxies;
+        let mut lines = Vec::with_capacity(a.len() + b.len());
+        for (i, proxy) in a.iter().enumerate() {
+            lines.push(proxy.into());
+            lines.extend(b.get(i).map(ProxyLine::from));
+        }
+        a.clear();
+        b.clear();
+        lines
+    }
+
     /// Kind, answer and nodes visited.
     fn solve(&mut self, query: &Query) -> Result<(&'static str, Answer, u64), QueryError> {
+        let [proxies, proxies_b] = &mut self.proxies;
         match *query {
             Query::Ball {
                 instance,
@@ -96,7 +153,14 @@ impl Solver<'_> {
                 let (asset, pose) = &self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
                 let mut contacts = Vec::new();
-                let outcome = query::ball(asset, pose, center, radius, stack, &mut contacts)?;
+                let outcome = query::ball(
+                    asset,
+                    posed(pose, self.max_depth, proxies),
+                    center,
+                    radius,
+                    stack,
+                    &mut contacts,
+                )?;
                 Ok(("ball", Answer::contacts(contacts), outcome.nodes_visited))
             }
             Query::Plane {
@@ -107,7 +171,14 @@ impl Solver<'_> {
                 let (asset, pose) = &self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
                 let mut contacts = Vec::new();
-                let outcome = query::plane(asset, pose, normal, offset, stack, &mut contacts)?;
+                let outcome = query::plane(
+                    asset,
+                    posed(pose, self.max_depth, proxies),
+                    normal,
+                    offset,
+                    stack,
+                    &mut contacts,
+                )?;
                 Ok(("plane", Answer::contacts(contacts), outcome.nodes_visited))
             }
             Query::Closest {
@@ -117,8 +188,15 @@ impl Solver<'_> {
             } => {
                 let (asset, pose) = &self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
-                let nearest = query::closest(asset, pose, point, max_distance, stack)?;
-                Ok(("closest", nearest.hit.into(), nearest.nodes_visited))
+                let nearest = query::closest(
+                    asset,
+                    posed(pose, self.max_depth, proxies),
+                    point,
+                    max_distance,
+                    stack,
+                )?;
+                let answer = Answer::Nearest(nearest.hit.into());
+                Ok(("closest", answer, nearest.nodes_visited))
             }
             Query::Ray {
                 instance,
@@ -128,10 +206,80 @@ impl Solver<'_> {
             } => {
                 let (asset, pose) = &self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
-                let nearest = query::ray(asset, pose, origin, direction, max_distance, stack)?;
-                Ok(("ray", nearest.hit.into(), nearest.nodes_visited))
+                let nearest = query::ray(
+                    asset,
+                    posed(pose, self.max_depth, proxies),
+                    origin,
+                    direction,
+                    max_distance,
+                    stack,
+                )?;
+                let answer = Answer::Nearest(nearest.hit.into());
+                Ok(("ray", answer, nearest.nodes_visited))
             }
-            Query::Pair { a, b, tolerance } => {
+            Query::Rays {
+                instance,
+                mode,
+                ref rays,
+            } => {
+                let (asset, pose) = &self.placed[instance];
+                let stack = stack_for(asset, &mut self.stack);
+                let mut cache = rays::cache(asset);
+                let mut kept = cache.start(pose);
+                let posed = posed(&mut kept, self.max_depth, proxies);
+                let (answer, nodes_visited) = rays::solve(asset, posed, mode, rays, stack)?;
+                Ok(("rays", answer, nodes_visited))
+            }
+            Query::Frustum {
+                instance,
+                ref frustum,
+            } => {
+                let (asset, pose) = &self.placed[instance];
+                let stack = stack_for(asset, &mut self.stack);
+                let outcome = query::frustum(asset, pose, frustum, stack)?;
+                Ok(("frustum", outcome.state.into(), outcome.nodes_visited))
+            }
+            Query::Capsule {
+                instance,
+                point1,
+                point2,
+                radius,
+            } => {
+                let (asset, pose) = &self.placed[instance];
+                let stack = stack_for(asset, &mut self.stack);
+                let mut contacts = Vec::new();
+                let pose = posed(pose, self.max_depth, proxies);
+                let outcome =
+                    query::capsule(asset, pose, point1, point2, radius, stack, &mut contacts)?;
+                Ok(("capsule", Answer::contacts(contacts), outcome.nodes_visited))
+            }
+            Query::Box {
+                instance,
+                center,
+                rotation,
+                half_extents,
+            } => {
+                let (asset, pose) = &self.placed[instance];
+                let stack = stack_for(asset, &mut self.stack);
+                let mut contacts = Vec::new();
+                let pose = posed(pose, self.max_depth, proxies);
+                let outcome = query::cuboid(
+                    asset,
+                    pose,
+                    center,
+                    rotation,
+                    half_extents,
+                    stack,
+                    &mut contacts,
+                )?;
+                Ok(("box", Answer::contacts(contacts), outcome.nodes_visited))
+            }
+            Query::Pair {
+                a,
+                b,
+                tolerance,
+                contacts,
+            } => {
                 let ((asset_a, pose_a), (asset_b, pose_b)) = (&self.placed[a], &self.placed[b]);
                 let needed = asset_a.pair_stack_len(asset_b);
                 if self.pair_stack.len() < needed {
@@ -139,13 +287,33 @@ impl Solver<'_> {
                 }
                 let mut pairs = Vec::new();
                 let outcome = query::pair(
-                    (asset_a, pose_a),
-                    (asset_b, pose_b),
+                    (asset_a, posed(pose_a, self.max_depth, proxies)),
+                    (asset_b, posed(pose_b, self.max_depth, proxies_b)),
                     tolerance,
                     &mut self.pair_stack,
                     &mut pairs,
                 )?;
-                Ok(("pair", Answer::pairs(&pairs), outcome.nodes_visited))
+                let regions = match contacts {
+                    true => Some(self.regions(a, b, &mut pairs)?),
+                    false => None,
+                };
+                let answer = Answer::pairs(&pairs, regions);
+                Ok(("pair", answer, outcome.nodes_visited))
+            }
+            Query::Distance { a, b, max_distance } => {
+                let ((asset_a, pose_a), (asset_b, pose_b)) = (&self.placed[a], &self.placed[b]);
+                let needed = asset_a.distance_stack_len(asset_b);
+                if self.distance_stack.len() < needed {
+                    self.distance_stack.resize(needed, SearchEntry::default());
+                }
+                let nearest = query::distance(
+                    (asset_a, pose_a),
+                    (asset_b, pose_b),
+                    max_distance,
+                    &mut self.distance_stack,
+                )?;
+                let answer = Answer::distance(nearest.hit);
+                Ok(("distance", answer, nearest.nodes_visited))
             }
         }
     }

@@ -133,11 +133,56 @@ impl<'j> At<'j> {
         Some(*x)
     }
 
+    /// A level of a tree, 0 for the root's; deeper than any tree counts as no limit.
+    pub(super) fn level(&self, problems: &mut Problems) -> Option<usize> {
+        let x = self.number(problems)?;
+        if !(x >= 0.0 && x.fract() == 0.0) {
+            problems.add(&self.place, "not a whole number of at least 0");
+            return None;
+        }
+        Some(x as usize) // saturates
+    }
+
     /// A list of numbers of any length.
     pub(super) fn numbers(&self, problems: &mut Problems) -> Option<Vec<f64>> {
         let items = self.items(problems)?;
         let numbers: Vec<f64> = items.iter().filter_map(|x| x.number(problems)).collect();
         (numbers.len() == items.len()).then_some(numbers)
+    }
+
+    /// `N` numbers.
+    fn array<const N: usize>(&self, problems: &mut Problems) -> Option<[f64; N]> {
+        let numbers = self.numbers(problems)?;
+        <[f64; N]>::try_from(numbers)
+            .map_err(|found| {
+                let found = found.len();
+                problems.add(
+                    &self.place,
+                    format_args!("expected {N} numbers, found {found}"),
+                );
+            })
+            .ok()
+    }
+
+    /// A point: three coordinates that queries take.
+    pub(super) fn point(&self, problems: &mut Problems) -> Option<[f64; 3]> {
+        let point = self.array::<3>(problems)?;
+        let far = point.iter().position(|x| !(x.abs() <= ARGUMENT_MAX));
+        if let Some(axis) = far {
+            problems.add(&format!("{}[{axis}]", self.place), "beyond 2^100");
+            return None;
+        }
+        Some(point)
+    }
+
+    /// A vector of any length but zero.
+    pub(super) fn direction(&self, problems: &mut Problems) -> Option<[f64; 3]> {
+        let vector = self.array::<3>(problems)?;
+        if vector == [0.0; 3] {
+            problems.add(&self.place, "zero vector");
+            return None;
+        }
+        Some(vector)
     }
 }
 
@@ -184,38 +229,40 @@ impl<'j> Fields<'j> {
         key: &str,
         problems: &mut Problems,
     ) -> Option<[f64; N]> {
-        let at = self.required(key, problems)?;
-        let numbers = at.numbers(problems)?;
-        <[f64; N]>::try_from(numbers)
-            .map_err(|found| {
-                let found = found.len();
-                problems.add(
-                    &at.place,
-                    format_args!("expected {N} numbers, found {found}"),
-                );
-            })
-            .ok()
+        self.required(key, problems)?.array(problems)
     }
 
     /// A point: three coordinates that queries take.
     pub(super) fn point(&self, key: &str, problems: &mut Problems) -> Option<[f64; 3]> {
-        let point = self.array::<3>(key, problems)?;
-        let far = point.iter().position(|x| !(x.abs() <= ARGUMENT_MAX));
-        if let Some(axis) = far {
-            problems.add(&format!("{}[{axis}]", self.place(key)), "beyond 2^100");
+        self.required(key, problems)?.point(problems)
+    }
+
+    /// A quaternion within 1e-3 of unit length.
+    pub(super) fn quaternion(&self, key: &str, problems: &mut Problems) -> Option<[f64; 4]> {
+        let rotation = self.array::<4>(key, problems)?;
+        let norm = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if !((norm - 1.0).abs() <= 1e-3) {
+            let message = format_args!("a quaternion of length {norm}, not within 1e-3 of 1");
+            problems.add(&self.place(key), message);
             return None;
         }
-        Some(point)
+        Some(rotation)
+    }
+
+    /// Three lengths.
+    pub(super) fn lengths(&self, key: &str, problems: &mut Problems) -> Option<[f64; 3]> {
+        let lengths = self.point(key, problems)?;
+        let negative = lengths.iter().position(|x| *x < 0.0);
+        if let Some(axis) = negative {
+            problems.add(&format!("{}[{axis}]", self.place(key)), "negative");
+            return None;
+        }
+        Some(lengths)
     }
 
     /// A vector of any length but zero.
     pub(super) fn direction(&self, key: &str, problems: &mut Problems) -> Option<[f64; 3]> {
-        let vector = self.array::<3>(key, problems)?;
-        if vector == [0.0; 3] {
-            problems.add(&self.place(key), "zero vector");
-            return None;
-        }
-        Some(vector)
+        self.required(key, problems)?.direction(problems)
     }
 
     /// A number of either sign that queries take.
@@ -236,6 +283,31 @@ impl<'j> Fields<'j> {
             return None;
         }
         Some(x)
+    }
+
+    /// Whether a field is there and true.
+    pub(super) fn flag(&self, key: &str, problems: &mut Problems) -> Option<bool> {
+        let Some(at) = self.optional(key) else {
+            return Some(false);
+        };
+        let Json::Bool(flag) = at.json else {
+            problems.mismatch(&at.place, "true or false", at.json);
+            return None;
+        };
+        Some(*flag)
+    }
+
+    /// A whole number that may be absent or null: no limit.
+    pub(super) fn count(&self, key: &str, problems: &mut Problems) -> Option<u64> {
+        /// Above, f64 does not hold all whole numbers.
+        const COUNT_MAX: f64 = (1_u64 << 53) as f64;
+        let at = self.optional(key).filter(|at| *at.json != Json::Null)?;
+        let x = at.number(problems)?;
+        if !(0.0..=COUNT_MAX).contains(&x) || x.fract() != 0.0 {
+            problems.add(&at.place, "not a whole number from 0 to 2^53");
+            return None;
+        }
+        Some(x as u64)
     }
 
     /// A length that may be absent or null: no limit.

@@ -223,16 +223,9 @@ fn read_transform(fields: &Fields<'_>, problems: &mut Problems) -> Option<Transf
     let before = problems.count();
     let mut transform = Transform::IDENTITY;
     if fields.optional("rotation").is_some()
-        && let Some(rotation) = fields.array("rotation", problems)
+        && let Some(rotation) = fields.quaternion("rotation", problems)
     {
         transform.rotation = rotation;
-        let norm = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if !((norm - 1.0).abs() <= 1e-3) {
-            problems.add(
-                &fields.place("rotation"),
-                format_args!("a quaternion of length {norm}, not within 1e-3 of 1"),
-            );
-        }
     }
     if fields.optional("translation").is_some()
         && let Some(translation) = fields.array::<3>("translation", problems)

@@ -4,13 +4,15 @@
 //! place, a path like `queries[2].ball.radius`.
 
 mod fields;
+mod frustum;
 mod instances;
 mod json;
 mod queries;
+mod rays;
 mod shown;
 
 pub use instances::Instance;
-pub use queries::Query;
+pub use queries::{Query, RaysMode};
 
 use std::fs;
 use std::io::Read;
@@ -36,6 +38,38 @@ pub struct Scene {
     pub instances: Vec<Instance>,
     /// The queries, in the order of the scene.
     pub queries: Vec<Query>,
+    /// What holds for all queries.
+    pub options: Options,
+}
+
+/// How queries are answered.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Options {
+    /// The level below which queries do not look.
+    pub max_depth: Option<usize>,
+    /// How many nodes a query may visit, where it has such a form.
+    pub max_visits: Option<u64>,
+}
+
+impl Options {
+    fn read(at: &At<'_>, problems: &mut Problems) -> Self {
+        let Some(fields) = at.fields(&["max_depth", "max_visits"], problems) else {
+            return Self::default();
+        };
+        let max_depth = match fields.optional("max_depth") {
+            Some(level) if *level.json != Json::Null => level.level(problems),
+            _ => None,
+        };
+        let max_visits = fields.count("max_visits", problems);
+        if max_depth.is_some() && max_visits.is_some() {
+            let message = "max_depth and max_visits exclude each other";
+            problems.add(&at.place, message);
+        }
+        Self {
+            max_depth,
+            max_visits,
+        }
+    }
 }
 
 impl Scene {
@@ -74,7 +108,7 @@ impl Scene {
         let json = Json::parse(text).map_err(|error| ToolError::input(source, error))?;
         let mut problems = Problems::new(source);
         let mut assets = Assets::new(folder, verify);
-        let (instances, queries) =
+        let (instances, queries, options) =
             read_scene(&json, &mut assets, &mut problems).unwrap_or_default();
         if !problems.is_empty() {
             return Err(ToolError::Input(problems.into_lines()));
@@ -84,10 +118,11 @@ impl Scene {
             files: assets.into_files(),
             instances,
             queries,
+            options,
         })
     }
 
-    /// The pose of an instance, in `memory` of two numbers per entry of q.
+    /// The pose of an instance, in `memory` of [`Asset::pose_len`](bdtree_runtime::Asset::pose_len) numbers.
     ///
     /// # Errors
     /// None that [`Scene::parse`] has not already told.
@@ -112,7 +147,7 @@ fn read_scene(
     json: &Json,
     assets: &mut Assets,
     problems: &mut Problems,
-) -> Option<(Vec<Instance>, Vec<Query>)> {
+) -> Option<(Vec<Instance>, Vec<Query>, Options)> {
     let known = ["instances", "options", "queries"];
     let root = At::root(json).fields(&known, problems)?;
     let instances = root.required("instances", problems);
@@ -120,16 +155,11 @@ fn read_scene(
         Some(at) => read_instances(at, assets, problems),
         None => Default::default(),
     };
-    if let Some(options) = root.optional("options")
-        && let Some(options) = options.fields(&["max_depth"], problems)
-        && let Some(max_depth) = options.optional("max_depth")
-        && *max_depth.json != Json::Null
-    {
-        problems.add(&max_depth.place, "not supported yet");
-    }
+    let options = root.optional("options");
+    let options = options.map_or_else(Options::default, |at| Options::read(&at, problems));
     let queries = root.required("queries", problems);
     let queries = queries.map_or(Vec::new(), |at| read_queries(&at, &names, problems));
-    Some((instances, queries))
+    Some((instances, queries, options))
 }
 
 #[cfg(test)]

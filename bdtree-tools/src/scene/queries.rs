@@ -1,7 +1,13 @@
 //! The scene's queries: kinds and arguments.
 
+use bdtree_runtime::Transform;
+use bdtree_runtime::narrow::Frustum;
+use bdtree_runtime::query::Ray;
+
 use super::fields::{At, Fields, Problems};
+use super::frustum::read_frustum;
 use super::instances::{Found, Names};
+use super::rays::read_rays;
 
 /// A question; instances by their index. Arguments are in the ranges that
 /// [`bdtree_runtime::query`] takes. World units.
@@ -37,6 +43,15 @@ pub enum Query {
         /// Not negative, infinite without limit.
         max_distance: f64,
     },
+    /// Many rays.
+    Rays {
+        /// Which instance.
+        instance: usize,
+        /// Which of their hits are asked for.
+        mode: RaysMode,
+        /// Directions of any length.
+        rays: Vec<Ray>,
+    },
     /// The triangles that reach below a plane.
     Plane {
         /// Which instance.
@@ -46,6 +61,35 @@ pub enum Query {
         /// normal·x of the plane's points, for the normalised normal.
         offset: f64,
     },
+    /// Whether the mesh is in sight.
+    Frustum {
+        /// Which instance.
+        instance: usize,
+        /// The planes, of normals of any length.
+        frustum: Box<Frustum>,
+    },
+    /// The triangles within a capsule.
+    Capsule {
+        /// Which instance.
+        instance: usize,
+        /// One end of its segment.
+        point1: [f64; 3],
+        /// The other.
+        point2: [f64; 3],
+        /// Not negative.
+        radius: f64,
+    },
+    /// The triangles that touch an oriented box.
+    Box {
+        /// Which instance.
+        instance: usize,
+        /// Centre.
+        center: [f64; 3],
+        /// Quaternion (x, y, z, w) within 1e-3 of unit length.
+        rotation: [f64; 4],
+        /// Not negative.
+        half_extents: [f64; 3],
+    },
     /// The pairs of triangles that touch or are near.
     Pair {
         /// First instance.
@@ -54,14 +98,35 @@ pub enum Query {
         b: usize,
         /// Not negative.
         tolerance: f64,
+        /// Regions of contact are wanted.
+        contacts: bool,
+    },
+    /// The nearest two points.
+    Distance {
+        /// First instance.
+        a: usize,
+        /// Another instance.
+        b: usize,
+        /// Not negative, infinite without limit.
+        max_distance: f64,
     },
 }
 
-/// Kinds that are answered.
-const KINDS: [&str; 5] = ["ball", "closest", "ray", "plane", "pair"];
+/// Which hits of a ray are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RaysMode {
+    /// The first one.
+    First,
+    /// All.
+    All,
+    /// Whether there is one.
+    Any,
+}
 
-/// Kinds that are defined but not answered yet.
-const LATER: [&str; 5] = ["frustum", "distance", "capsule", "box", "rays"];
+/// Kinds that are answered.
+const KINDS: [&str; 10] = [
+    "ball", "closest", "ray", "plane", "frustum", "pair", "distance", "capsule", "box", "rays",
+];
 
 /// Reads the queries; shorter than the list when there are problems.
 pub(super) fn read_queries(at: &At<'_>, names: &Names, problems: &mut Problems) -> Vec<Query> {
@@ -126,6 +191,10 @@ fn read_query(item: &At<'_>, names: &Names, problems: &mut Problems) -> Option<Q
                 max_distance: max_distance?,
             })
         }
+        "rays" => {
+            let known = ["instance", "origins", "directions", "mode", "max_distance"];
+            read_rays(&at.fields(&known, problems)?, names, problems)
+        }
         "plane" => {
             let fields = at.fields(&["instance", "normal", "offset"], problems)?;
             let instance = names.instance(&fields, "instance", problems);
@@ -137,15 +206,55 @@ fn read_query(item: &At<'_>, names: &Names, problems: &mut Problems) -> Option<Q
                 offset: offset?,
             })
         }
+        "frustum" => {
+            let fields = at.fields(&["instance", "planes"], problems)?;
+            let instance = names.instance(&fields, "instance", problems);
+            let frustum = read_frustum(&fields, problems);
+            Some(Query::Frustum {
+                instance: instance.index()?,
+                frustum: Box::new(frustum?),
+            })
+        }
+        "capsule" => {
+            let fields = at.fields(&["instance", "point1", "point2", "radius"], problems)?;
+            let instance = names.instance(&fields, "instance", problems);
+            let point1 = fields.point("point1", problems);
+            let point2 = fields.point("point2", problems);
+            let radius = fields.length("radius", problems);
+            Some(Query::Capsule {
+                instance: instance.index()?,
+                point1: point1?,
+                point2: point2?,
+                radius: radius?,
+            })
+        }
+        "box" => {
+            let known = ["instance", "center", "rotation", "half_extents"];
+            let fields = at.fields(&known, problems)?;
+            let instance = names.instance(&fields, "instance", problems);
+            let center = fields.point("center", problems);
+            let rotation = match fields.optional("rotation") {
+                None => Some(Transform::IDENTITY.rotation),
+                Some(_) => fields.quaternion("rotation", problems),
+            };
+            let half_extents = fields.lengths("half_extents", problems);
+            Some(Query::Box {
+                instance: instance.index()?,
+                center: center?,
+                rotation: rotation?,
+                half_extents: half_extents?,
+            })
+        }
         "pair" => read_pair(
-            &at.fields(&["a", "b", "tolerance"], problems)?,
+            &at.fields(&["a", "b", "tolerance", "contacts"], problems)?,
             names,
             problems,
         ),
-        later if LATER.contains(&later) => {
-            problems.add(&at.place, "not supported yet");
-            None
-        }
+        "distance" => read_distance(
+            &at.fields(&["a", "b", "max_distance"], problems)?,
+            names,
+            problems,
+        ),
         _ => {
             problems.add(
                 &at.place,
@@ -156,8 +265,32 @@ fn read_query(item: &At<'_>, names: &Names, problems: &mut Problems) -> Option<Q
     }
 }
 
-/// An absent tolerance is 0.
+/// An absent tolerance is 0, and contacts are not wanted.
 fn read_pair(fields: &Fields<'_>, names: &Names, problems: &mut Problems) -> Option<Query> {
+    let two = read_two(fields, names, problems);
+    let tolerance = match fields.optional("tolerance") {
+        None => Some(0.0),
+        Some(_) => fields.length("tolerance", problems),
+    };
+    let contacts = fields.flag("contacts", problems);
+    let ((a, b), tolerance, contacts) = (two?, tolerance?, contacts?);
+    Some(Query::Pair {
+        a,
+        b,
+        tolerance,
+        contacts,
+    })
+}
+
+fn read_distance(fields: &Fields<'_>, names: &Names, problems: &mut Problems) -> Option<Query> {
+    let two = read_two(fields, names, problems);
+    let max_distance = fields.limit("max_distance", problems);
+    let ((a, b), max_distance) = (two?, max_distance?);
+    Some(Query::Distance { a, b, max_distance })
+}
+
+/// Two different instances.
+fn read_two(fields: &Fields<'_>, names: &Names, problems: &mut Problems) -> Option<(usize, usize)> {
     let a = names.instance(fields, "a", problems);
     let b = names.instance(fields, "b", problems);
     let same = match (fields.optional("a"), fields.optional("b")) {
@@ -167,10 +300,6 @@ fn read_pair(fields: &Fields<'_>, names: &Names, problems: &mut Problems) -> Opt
     if same {
         problems.add(&fields.place("b"), "the same instance as a");
     }
-    let tolerance = match fields.optional("tolerance") {
-        None => Some(0.0),
-        Some(_) => fields.length("tolerance", problems),
-    };
-    let (a, b, tolerance) = (a.index()?, b.index()?, tolerance?);
-    (!same).then_some(Query::Pair { a, b, tolerance })
+    let (a, b) = (a.index()?, b.index()?);
+    (!same).then_some((a, b))
 }

@@ -31,8 +31,12 @@ fn queries_have_no_problems() {
         {"closest": {"instance": "b", "point": [0, 0, 0], "max_distance": null}},
         {"ray": {"instance": "a", "origin": [0, 0, 0], "direction": [1e-300, 0, 0],
                  "max_distance": 2}},
+        {"rays": {"instance": "a", "origins": [], "directions": []}},
+        {"rays": {"instance": "b", "origins": [[0, 0, 0]], "directions": [[0, 0, 2]],
+                  "mode": "any", "max_distance": null}},
         {"plane": {"instance": "a", "normal": [0, 0, 2], "offset": -3}},
-        {"pair": {"a": "a", "b": "b"}}, {"pair": {"a": "b", "b": "a", "tolerance": 0.5}}]"#;
+        {"pair": {"a": "a", "b": "b"}}, {"distance": {"a": "a", "b": "b"}},
+        {"distance": {"a": "b", "b": "a", "max_distance": 0}}, {"pair": {"a": "b", "b": "a", "tolerance": 0.5}}]"#;
     assert_eq!(problems_of_queries(text), [""; 0]);
 }
 
@@ -92,16 +96,90 @@ fn every_problem_has_its_place() {
             "queries[0].pair.b: the same instance as a",
         ),
         (
+            r#"{"distance": {"a": "a", "b": "a", "max_distance": 0}}"#,
+            "queries[0].distance.b: the same instance as a",
+        ),
+        (
+            r#"{"distance": {"a": "a", "b": "b", "max_distance": -1}}"#,
+            "queries[0].distance.max_distance: negative",
+        ),
+        (
+            r#"{"distance": {"a": "a", "max_distance": null}}"#,
+            "queries[0].distance.b: missing",
+        ),
+        (
             r#"{"pair": {"a": "a", "b": "b", "tolerance": -1}}"#,
             "queries[0].pair.tolerance: negative",
         ),
         (
-            r#"{"capsule": {"instance": "a"}}"#,
-            "queries[0].capsule: not supported yet",
+            r#"{"capsule": {"instance": "a", "point1": [0, 0, 0], "point2": [0, 0], "radius": 1}}"#,
+            "queries[0].capsule.point2: expected 3 numbers, found 2",
+        ),
+        (
+            r#"{"capsule": {"instance": "a", "point1": [0, 0, 0], "point2": [0, 0, 1], "radius": -1}}"#,
+            "queries[0].capsule.radius: negative",
+        ),
+        (
+            r#"{"box": {"instance": "a", "center": [0, 0, 0], "half_extents": [0, 1, -0.5]}}"#,
+            "queries[0].box.half_extents[2]: negative",
+        ),
+        (
+            r#"{"box": {"instance": "a", "center": [0, 0, 0], "rotation": [0, 0, 0.5, 0],
+                "half_extents": [0, 1, 1]}}"#,
+            "queries[0].box.rotation: a quaternion of length 0.5, not within 1e-3 of 1",
+        ),
+        (
+            r#"{"box": {"instance": "a", "center": [0, 1e31, 0], "half_extents": [0, 1, 1]}}"#,
+            "queries[0].box.center[1]: beyond 2^100",
+        ),
+        (
+            r#"{"frustum": {"instance": "a"}}"#,
+            "queries[0].frustum.planes: missing",
+        ),
+        (
+            r#"{"frustum": {"instance": "a", "planes": []}}"#,
+            "queries[0].frustum.planes: expected 1 to 64 planes, found 0",
+        ),
+        (
+            r#"{"frustum": {"instance": "a", "planes": [[0, 0, 1, 0], [0, 0, 0, 1]]}}"#,
+            "queries[0].frustum.planes[1]: zero vector",
+        ),
+        (
+            r#"{"frustum": {"instance": "a", "planes": [[0, 0, 1]]}}"#,
+            "queries[0].frustum.planes[0]: expected 4 numbers, found 3",
+        ),
+        (
+            r#"{"frustum": {"instance": "a", "planes": [[0, 0, 1e-9, 1e30]]}}"#,
+            "queries[0].frustum.planes[0]: farther than 2^100 from the origin",
+        ),
+        (
+            r#"{"frustum": {"instance": "a", "planes": [[0, "0", 1, 0]]}}"#,
+            "queries[0].frustum.planes[0][1]: expected a number, found a string",
+        ),
+        (
+            r#"{"rays": {"instance": "a", "origins": [[0, 0, 0]], "directions": []}}"#,
+            "queries[0].rays.directions: expected 1, one for each of origins, found 0",
+        ),
+        (
+            r#"{"rays": {"instance": "a", "origins": [], "directions": [], "mode": "last"}}"#,
+            "queries[0].rays.mode: unknown mode \"last\" (known: first, all, any)",
+        ),
+        (
+            r#"{"rays": {"instance": "a", "origins": [[0, 0, 0], [0, 0, 0]],
+                "directions": [[0, 1, 0], [0, 0, 0]]}}"#,
+            "queries[0].rays.directions[1]: zero vector",
+        ),
+        (
+            r#"{"rays": {"instance": "a", "origins": [[0, 2e30, 0]], "directions": [[0, 1, 0]]}}"#,
+            "queries[0].rays.origins[0][1]: beyond 2^100",
+        ),
+        (
+            r#"{"rays": {"instance": "a", "origins": 3, "directions": []}}"#,
+            "queries[0].rays.origins: expected a list, found a number",
         ),
         (
             r#"{"bal": {}}"#,
-            "queries[0].bal: unknown query kind (known: ball, closest, ray, plane, pair)",
+            "queries[0].bal: unknown query kind (known: ball, closest, ray, plane, frustum, pair, distance, capsule, box, rays)",
         ),
         (
             r#"{"ball": {}, "ray": {}}"#,
@@ -126,7 +204,7 @@ fn every_problem_has_its_place() {
 fn all_problems_are_told() {
     let text = r#"{"instances": [{"name": "a", "asset": "no.bdt", "rotation": [0, 0, 0, 1.1],
             "translation": [0, 1e30, 0], "scale": 0, "colour": "red"}, {"asset": 3, "q": [[]]}],
-        "options": {"max_depth": 3, "depth": 1},
+        "options": {"max_depth": 2.5, "depth": 1},
         "queries": [{"ball": {"instance": "a", "center": [], "radius": -1}},
                     {"pair": {"a": "a", "b": "a"}}], "query": 1}"#;
     let lines = problems_of(text);
@@ -154,6 +232,25 @@ fn all_problems_are_told() {
         ],
         "{lines:#?}"
     );
+}
+
+#[test]
+fn a_depth_is_a_whole_number() {
+    let problems = |depth: &str| {
+        let options = format!(r#"{{"max_depth": {depth}}}"#);
+        problems_of(&format!(
+            r#"{{"instances": [], "queries": [], "options": {options}}}"#
+        ))
+    };
+    for depth in ["null", "0", "7", "1e300"] {
+        assert!(problems(depth).is_empty(), "{depth}");
+    }
+    for depth in ["-1", "0.5"] {
+        let expected = "s: options.max_depth: not a whole number of at least 0";
+        assert_eq!(problems(depth), [expected]);
+    }
+    let expected = "s: options.max_depth: expected a number, found a string";
+    assert_eq!(problems("\"3\""), [expected]);
 }
 
 #[test]

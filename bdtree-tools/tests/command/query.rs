@@ -11,15 +11,15 @@ use crate::support::{Folder, ball_mesh};
 
 /// Rounding of the oracles and of the runtime's own f64: far above both at coordinates below
 /// 100, far below the mesh.
-const EPSILON: f64 = 1e-10;
+pub(crate) const EPSILON: f64 = 1e-10;
 
 /// Distance beyond what a query looks for; at most 0: it reports the triangle.
-type Signed = Box<dyn Fn(&Triangle) -> f64>;
+pub(crate) type Signed = Box<dyn Fn(&Triangle) -> f64>;
 
 /// A placed, deformed instance, as JSON and as triangles.
-struct Instance {
-    json: Value,
-    triangles: Vec<Triangle>,
+pub(crate) struct Instance {
+    pub(crate) json: Value,
+    pub(crate) triangles: Vec<Triangle>,
 }
 
 fn instance(folder: &Folder, name: &str, q: [f64; 3], at: ([f64; 4], Point, f64)) -> Instance {
@@ -38,7 +38,7 @@ fn instance(folder: &Folder, name: &str, q: [f64; 3], at: ([f64; 4], Point, f64)
 }
 
 /// Two instances of the same asset that overlap.
-fn two(folder: &Folder) -> [Instance; 2] {
+pub(crate) fn two(folder: &Folder) -> [Instance; 2] {
     let turned = [0.1, -0.2, 0.3, 0.9273618495495704];
     [
         instance(
@@ -56,7 +56,7 @@ fn two(folder: &Folder) -> [Instance; 2] {
     ]
 }
 
-fn centre(instance: &Instance) -> Point {
+pub(crate) fn centre(instance: &Instance) -> Point {
     let corners = instance.triangles.as_flattened();
     let sum = corners
         .iter()
@@ -65,7 +65,7 @@ fn centre(instance: &Instance) -> Point {
 }
 
 /// Even spread over directions: a lattice on the sphere.
-fn directions(n: usize) -> impl Iterator<Item = Point> {
+pub(crate) fn directions(n: usize) -> impl Iterator<Item = Point> {
     (0..n).map(move |i| {
         let z = 1.0 - (2 * i + 1) as f64 / n as f64;
         let phi = i as f64 * 2.399_963_229_728_653;
@@ -74,26 +74,26 @@ fn directions(n: usize) -> impl Iterator<Item = Point> {
     })
 }
 
-fn away(from: Point, distance: f64, d: Point) -> Point {
+pub(crate) fn away(from: Point, distance: f64, d: Point) -> Point {
     [0, 1, 2].map(|k| from[k] + distance * d[k])
 }
 
-fn ids(line: &Value) -> BTreeSet<usize> {
+pub(crate) fn ids(line: &Value) -> BTreeSet<usize> {
     let list: Vec<usize> = serde_json::from_value(line["triangles"].clone()).expect("ids");
     assert!(list.is_sorted_by(|a, b| a < b), "{list:?}");
     list.into_iter().collect()
 }
 
-fn vector(value: &Value) -> Point {
+pub(crate) fn vector(value: &Value) -> Point {
     serde_json::from_value(value.clone()).expect("three numbers")
 }
 
-fn number(value: &Value) -> f64 {
+pub(crate) fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
 /// Everything surely within is there, everything surely outside is not.
-fn assert_within(found: &BTreeSet<usize>, distances: impl Iterator<Item = f64>) {
+pub(crate) fn assert_within(found: &BTreeSet<usize>, distances: impl Iterator<Item = f64>) {
     for (id, distance) in distances.enumerate() {
         if distance < -EPSILON {
             assert!(found.contains(&id), "{id} is missing: {distance}");
@@ -105,7 +105,7 @@ fn assert_within(found: &BTreeSet<usize>, distances: impl Iterator<Item = f64>) 
 }
 
 /// The point that barycentric weights give.
-fn weighted(t: &Triangle, weights: Point) -> Point {
+pub(crate) fn weighted(t: &Triangle, weights: Point) -> Point {
     [0, 1, 2].map(|k| (0..3).map(|i| weights[i] * t[i][k]).sum())
 }
 
@@ -237,6 +237,67 @@ fn nearest_points_and_first_hits_are_those_of_brute_force() {
 }
 
 #[test]
+fn many_rays_answer_as_rays_one_by_one() {
+    let folder = Folder::new();
+    let [a, _] = two(&folder);
+    let middle = centre(&a);
+    let (mut origins, mut towards, mut expected) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, d) in directions(30).enumerate() {
+        let origin = away(middle, if i % 3 == 0 { 0.0 } else { 3.0 }, d);
+        let target = match i % 3 {
+            1 => away(middle, 5.0, d), // away from it
+            _ => away(middle, 0.9, [d[2], d[0], d[1]]),
+        };
+        let direction = sub(target, origin);
+        let unit = direction.map(|x| x / norm(direction));
+        let mut hits: Vec<f64> = a
+            .triangles
+            .iter()
+            .filter_map(|t| ray_distance(t, origin, unit, 4.0))
+            .collect();
+        hits.sort_by(f64::total_cmp);
+        origins.push(origin);
+        towards.push(direction);
+        expected.push(hits);
+    }
+    let rays = |mode: &str| {
+        json!({"rays": {"instance": "a", "origins": origins, "directions": towards,
+                        "mode": mode, "max_distance": 4.0}})
+    };
+    let one = |(origin, direction)| {
+        json!({"ray": {"instance": "a", "origin": origin, "direction": direction,
+                       "max_distance": 4.0}})
+    };
+    let mut queries: Vec<Value> = ["first", "all", "any"].map(rays).to_vec();
+    queries.extend(origins.iter().zip(&towards).map(one));
+    let lines = folder.query(&json!({"instances": [a.json], "queries": queries}), &[]);
+    let hits: Vec<&Vec<Value>> = lines[..3]
+        .iter()
+        .map(|line| line["hits"].as_array().expect("a list"))
+        .collect();
+    let found = expected.iter().filter(|hits| !hits.is_empty()).count();
+    assert!((10..30).contains(&found), "the scene tests little: {found}");
+    for (i, expected) in expected.iter().enumerate() {
+        let all = hits[1][i].as_array().expect("a list");
+        assert_eq!(all.len(), expected.len(), "ray {i}");
+        for (hit, distance) in all.iter().zip(expected) {
+            assert!(
+                (number(&hit["distance"]) - distance).abs() < EPSILON,
+                "{hit}"
+            );
+        }
+        assert_eq!(hits[2][i], json!(!expected.is_empty()));
+        if let Some(first) = all.first() {
+            assert_eq!(&hits[0][i], first);
+        }
+        for field in ["triangle", "point", "distance", "barycentric"] {
+            assert_eq!(hits[0][i].get(field), lines[3 + i].get(field), "ray {i}");
+        }
+        assert_eq!(hits[0][i].as_object().map(|o| o.len()), Some(4));
+    }
+}
+
+#[test]
 fn pairs_are_those_of_brute_force() {
     let folder = Folder::new();
     let [a, b] = two(&folder);
@@ -273,6 +334,74 @@ fn pairs_are_those_of_brute_force() {
     }
     let swapped: BTreeSet<[usize; 2]> = found[3].iter().map(|[x, y]| [*y, *x]).collect();
     assert_eq!(swapped, sets[0]);
+}
+
+/// Ids of a line's contacts, and whether its spheres hold a point.
+fn of_line(line: &Value) -> (Vec<u64>, impl Fn([f64; 3]) -> bool) {
+    let ids = serde_json::from_value(line["triangles"].clone()).expect("ids");
+    let spheres: Vec<([f64; 3], f64)> = line["proxies"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|p| {
+            assert_eq!(p.as_object().unwrap().len(), 2, "{p}");
+            (vector(&p["center"]), p["radius"].as_f64().expect("radius"))
+        })
+        .collect();
+    let holds = move |x| spheres.iter().any(|(c, r)| norm(sub(x, *c)) <= *r);
+    (ids, holds)
+}
+
+#[test]
+fn a_depth_adds_spheres_in_place_of_what_lies_deeper() {
+    let folder = Folder::new();
+    let [a, b] = two(&folder);
+    let queries = json!([
+        {"ball": {"instance": "a", "center": a.triangles[7][0], "radius": 0.5}},
+        {"plane": {"instance": "a", "normal": [0, 0, 1], "offset": a.triangles[7][0][2]}},
+        {"closest": {"instance": "a", "point": a.triangles[7][0]}},
+        {"ray": {"instance": "a", "origin": [9, 9, 9], "direction": [0, 0, 1]}},
+        {"pair": {"a": "a", "b": "b"}}]);
+    let ask = |max_depth: Value| {
+        let scene = json!({"instances": [a.json, b.json], "options": {"max_depth": max_depth},
+            "queries": queries});
+        folder.query(&scene, &[])
+    };
+    let exact = ask(Value::Null);
+    assert!(exact.iter().all(|line| line.get("proxies").is_none()));
+    let mut spheres = 0;
+    for level in 0..3 {
+        let lines = ask(json!(level));
+        for (line, exact) in lines.iter().zip(&exact).take(2) {
+            let (ids, holds) = of_line(line);
+            for id in of_contacts(exact) {
+                let corners = a.triangles[id as usize];
+                let is_below = corners.into_iter().all(&holds);
+                assert!(ids.contains(&id) || is_below, "{id} at level {level}");
+            }
+        }
+        for line in &lines {
+            spheres += line["proxies"].as_array().expect("a list").len();
+        }
+        let pair = lines[4]["proxies"].as_array().expect("a list");
+        assert_eq!(pair.len() % 2, 0, "one of each");
+        for both in pair.chunks(2) {
+            let [c, d] = [0, 1].map(|i| vector(&both[i]["center"]));
+            let [r, s] = [0, 1].map(|i| both[i]["radius"].as_f64().unwrap());
+            assert!(norm(sub(c, d)) <= (r + s) * (1.0 + 1e-5), "they meet");
+        }
+    }
+    assert!(spheres > 10, "{spheres}");
+    let mut all = ask(json!(1000));
+    for line in &mut all {
+        let proxies = line.as_object_mut().unwrap().remove("proxies");
+        assert_eq!(proxies, Some(json!([])));
+    }
+    assert_eq!(all, exact);
+}
+
+fn of_contacts(line: &Value) -> Vec<u64> {
+    serde_json::from_value(line["triangles"].clone()).expect("ids")
 }
 
 #[test]

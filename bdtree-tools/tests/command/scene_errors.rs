@@ -155,25 +155,6 @@ fn syntax_errors_have_line_and_column() {
 }
 
 #[test]
-fn later_work_is_refused() {
-    let folder = Folder::new();
-    let instances = json!([{"name": "a", "asset": "a.bdt"}]);
-    for kind in ["frustum", "distance", "capsule", "box", "rays"] {
-        let text = scene(instances.clone(), json!([{kind: {"instance": "a"}}])).to_string();
-        assert_eq!(
-            refused(&folder, &text),
-            format!("scene.json: queries[0].{kind}: not supported yet\n")
-        );
-    }
-    let mut text = scene(instances, json!([]));
-    text["options"] = json!({"max_depth": 2});
-    assert_eq!(
-        refused(&folder, &text.to_string()),
-        "scene.json: options.max_depth: not supported yet\n"
-    );
-}
-
-#[test]
 fn corrupt_records_are_an_error_not_a_panic() {
     let folder = Folder::new();
     let info = folder.json(&["info", "a.bdt", "--json"]);
@@ -183,6 +164,9 @@ fn corrupt_records_are_an_error_not_a_panic() {
         {"closest": {"instance": "a", "point": [10, -2.5, 0]}},
         {"plane": {"instance": "a", "normal": [0, 0, 1], "offset": 100}},
         {"ray": {"instance": "a", "origin": [10, -2.5, 9], "direction": [0, 0, -1]}},
+        {"capsule": {"instance": "a", "point1": [10, -2.5, 0], "point2": [9, 0, 0], "radius": 9}},
+        {"box": {"instance": "a", "center": [10, -2.5, 0], "half_extents": [9, 9, 9]}},
+        {"frustum": {"instance": "a", "planes": [[1, 0, 0, -10]]}},
         {"pair": {"a": "a", "b": "b", "tolerance": 10}}]);
     let instances = json!([{"name": "a", "asset": "bad.bdt"}, {"name": "b", "asset": "bad.bdt"}]);
     folder.write("scene.json", scene(instances, queries).to_string());
