@@ -16,11 +16,17 @@
 //! and predicates, and pays for rounding in the same manner, so its answers are the same.
 
 mod build;
+mod layered;
+mod lazy;
 mod plain;
 mod query;
+mod walk;
 
+pub use layered::Layered;
+pub use lazy::{Lazy, Memory};
 pub use plain::PlainTree;
 pub use query::{BallCounts, Step, Vertices};
+pub use walk::{Between, Spheres};
 
 /// Set in the link of a leaf.
 const LEAF: u32 = 1 << 31;

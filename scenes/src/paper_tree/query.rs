@@ -47,7 +47,7 @@ impl Vertices {
     }
 
     #[inline]
-    fn get(&mut self, asset: &Asset<'_>, pose: &Pose<'_>, vertex: u32) -> [f64; 3] {
+    pub(super) fn get(&mut self, asset: &Asset<'_>, pose: &Pose<'_>, vertex: u32) -> [f64; 3] {
         let i = vertex as usize;
         if self.step_of[i] != self.step {
             self.step_of[i] = self.step;

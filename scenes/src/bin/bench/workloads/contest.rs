@@ -1,0 +1,194 @@
+//! Contenders in turns: times of every frame, kept per part.
+
+use bdtree_scenes::peers::Update;
+use bdtree_scenes::stats;
+use serde_json::{Value, json};
+
+/// What a contender is to the comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// The product.
+    Ours,
+    /// The product in another setting, for its own comparisons.
+    Variant,
+    /// The paper's structures.
+    Baseline,
+    /// A library in use today.
+    Peer,
+}
+
+/// How many contacts may differ from the product's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Counts {
+    /// The same vertices and the same test: none.
+    Same,
+    /// Vertices rounded once more on their way to the world: one in five thousand, and two.
+    Rounded,
+    /// The contender's own triangle test: one in two hundred, and two.
+    #[cfg(feature = "peers")]
+    OwnTest,
+    /// Another scene.
+    Other,
+}
+
+impl Counts {
+    fn allow(self, ours: u64, theirs: u64) -> bool {
+        let off = ours.abs_diff(theirs);
+        match self {
+            Self::Same => off == 0,
+            Self::Rounded => off <= 2 + ours / 5000,
+            #[cfg(feature = "peers")]
+            Self::OwnTest => off <= 2 + ours / 200,
+            Self::Other => true,
+        }
+    }
+}
+
+/// One frame: seconds, and how many contacts or hits.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Frame {
+    pub(crate) update: Update,
+    pub(crate) query: f64,
+    pub(crate) found: u64,
+}
+
+/// Who takes part.
+pub(crate) struct Entry<'a> {
+    pub(crate) name: String,
+    pub(crate) role: Role,
+    pub(crate) counts: Counts,
+    pub(crate) frame: Box<dyn FnMut(usize) -> Frame + 'a>,
+}
+
+impl<'a> Entry<'a> {
+    pub(crate) fn new(
+        name: &str,
+        role: Role,
+        counts: Counts,
+        frame: impl FnMut(usize) -> Frame + 'a,
+    ) -> Self {
+        Self {
+            name: name.to_string(),
+            role,
+            counts,
+            frame: Box::new(frame),
+        }
+    }
+}
+
+/// Deform, refit, query and their sum.
+pub(crate) const PARTS: [&str; 4] = ["deform", "refit", "query", "total"];
+
+/// The place of the sum in [`PARTS`].
+pub(crate) const TOTAL: usize = 3;
+
+/// What a contender took per frame, in seconds.
+#[derive(Debug, Clone)]
+pub(crate) struct Row {
+    pub(crate) name: String,
+    pub(crate) role: Role,
+    /// Over all frames.
+    pub(crate) found: u64,
+    /// Mean over frames of each frame's median over the repetitions, by part.
+    pub(crate) median: [f64; 4],
+    /// Mean over frames of each frame's least, by part.
+    pub(crate) floor: [f64; 4],
+}
+
+impl Row {
+    fn of(entry: &Entry<'_>, found: u64, times: &[Vec<[f64; 4]>]) -> Self {
+        let mean = |of_frame: &dyn Fn(&[f64]) -> f64| {
+            std::array::from_fn(|part| {
+                let frames = times.iter().map(|repeats| {
+                    let part: Vec<f64> = repeats.iter().map(|t| t[part]).collect();
+                    of_frame(&part)
+                });
+                frames.sum::<f64>() / times.len() as f64
+            })
+        };
+        Self {
+            name: entry.name.clone(),
+            role: entry.role,
+            found,
+            median: mean(&stats::median),
+            floor: mean(&|part| part.iter().copied().fold(f64::INFINITY, f64::min)),
+        }
+    }
+
+    pub(crate) fn json(&self) -> Value {
+        let parts = |times: &[f64; 4]| {
+            let named = PARTS.iter().zip(times);
+            Value::Object(named.map(|(k, t)| (k.to_string(), json!(t))).collect())
+        };
+        json!({"name": self.name, "role": format!("{:?}", self.role).to_lowercase(),
+            "found": self.found, "median_s": parts(&self.median), "floor_s": parts(&self.floor)})
+    }
+}
+
+/// Who comes after whom.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Turns {
+    /// After each pass over the frames the next contender's: each finds the caches as others left them.
+    Pass,
+    /// Each contender does all its passes: its own data may still be near.
+    Contender,
+}
+
+/// How often, and in which order.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rounds {
+    pub(crate) repeats: usize,
+    pub(crate) turns: Turns,
+}
+
+/// Lets all contenders run all frames, `repeats` times.
+///
+/// # Errors
+/// Two contenders that do not find the same, or one that does not find the same again.
+pub(crate) fn contest(
+    mut entries: Vec<Entry<'_>>,
+    frames: &[usize],
+    rounds: Rounds,
+) -> Result<Vec<Row>, String> {
+    let Rounds { repeats, turns } = rounds;
+    let mut times = vec![vec![Vec::with_capacity(repeats); frames.len()]; entries.len()];
+    let mut found = vec![None; entries.len()];
+    let order: Vec<usize> = match turns {
+        Turns::Pass => (0..repeats)
+            .flat_map(|repeat| (0..entries.len()).map(move |turn| (repeat, turn)))
+            .map(|(repeat, turn)| (repeat + turn) % entries.len())
+            .collect(),
+        Turns::Contender => (0..entries.len())
+            .flat_map(|who| std::iter::repeat_n(who, repeats))
+            .collect(),
+    };
+    for who in order {
+        let mut sum = 0;
+        for (i, frame) in frames.iter().enumerate() {
+            let Frame {
+                update,
+                query,
+                found,
+            } = (entries[who].frame)(*frame);
+            let total = update.deform + update.refit + query;
+            times[who][i].push([update.deform, update.refit, query, total]);
+            sum += found;
+        }
+        let before = *found[who].get_or_insert(sum);
+        if before != sum {
+            return Err(format!("{}: {before}, then {sum}", entries[who].name));
+        }
+    }
+    let found: Vec<u64> = found.into_iter().map(Option::unwrap_or_default).collect();
+    for (entry, theirs) in entries.iter().zip(&found) {
+        if !entry.counts.allow(found[0], *theirs) {
+            let ours = &entries[0].name;
+            return Err(format!(
+                "{} finds {theirs}, {ours} {}",
+                entry.name, found[0]
+            ));
+        }
+    }
+    let rows = entries.iter().zip(&found).zip(&times);
+    Ok(rows.map(|((e, found), t)| Row::of(e, *found, t)).collect())
+}

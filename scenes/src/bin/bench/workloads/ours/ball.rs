@@ -1,0 +1,49 @@
+//! The product's ball query.
+
+use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, query};
+
+use bdtree_scenes::clock::Clock;
+
+use crate::workloads::contest::Frame;
+
+/// An asset with the memory that it is asked in.
+pub(crate) struct OurBall<'a> {
+    asset: Asset<'a>,
+    memory: Vec<f32>,
+    stack: Vec<StackEntry>,
+    found: Vec<Contact>,
+}
+
+impl<'a> OurBall<'a> {
+    pub(crate) fn new(asset: Asset<'a>) -> Self {
+        Self {
+            memory: vec![0.0; asset.pose_len()],
+            stack: vec![StackEntry::default(); asset.stack_len()],
+            found: Vec::new(),
+            asset,
+        }
+    }
+
+    /// Pose and question; the second number is the nodes visited.
+    pub(crate) fn frame(&mut self, q: &[f32], [x, y, z, radius]: [f32; 4]) -> (Frame, u64) {
+        let center = [x, y, z].map(f64::from);
+        self.found.clear();
+        let start = Clock::start();
+        let pose = Pose::new(&self.asset, q, Transform::IDENTITY, &mut self.memory);
+        let outcome = query::ball(
+            &self.asset,
+            &pose.expect("q within limits"),
+            center,
+            f64::from(radius),
+            &mut self.stack,
+            &mut self.found,
+        );
+        let query = start.seconds();
+        let frame = Frame {
+            query,
+            found: self.found.len() as u64,
+            ..Frame::default()
+        };
+        (frame, outcome.expect("a sound asset").nodes_visited)
+    }
+}

@@ -1,0 +1,135 @@
+//! The paper's lazy tree on each workload.
+
+use bdtree_runtime::{Asset, Contact, PairContact, Pose};
+use bdtree_scenes::clock::Clock;
+use bdtree_scenes::paper_tree::{Between, Memory, PaperTree};
+use bdtree_scenes::workloads::bodies::Bodies;
+use bdtree_scenes::workloads::curtain::Curtain;
+use bdtree_scenes::workloads::pile::{COUNT, Pile};
+use bdtree_scenes::workloads::place::Place;
+use bdtree_scenes::workloads::rays::Rays;
+
+use super::contest::{Counts, Entry, Frame, Role};
+
+const NAME: &str = "paper's tree";
+
+/// One instance: q and what has been computed in this step.
+struct Instance<'a> {
+    asset: Asset<'a>,
+    numbers: Vec<f32>,
+    memory: Memory,
+}
+
+impl<'a> Instance<'a> {
+    fn new(tree: &PaperTree, asset: Asset<'a>) -> Self {
+        Self {
+            numbers: vec![0.0; asset.pose_len()],
+            memory: Memory::new(tree, &asset),
+            asset,
+        }
+    }
+
+    /// Begins a step; gives the pose and the rest of the instance.
+    fn pose(&mut self, q: &[f32], place: &Place) -> (Pose<'_>, &Asset<'a>, &mut Memory) {
+        let pose = Pose::new(&self.asset, q, place.transform(), &mut self.numbers);
+        let pose = pose.expect("q within limits");
+        self.memory.begin_step(&self.asset, &pose);
+        (pose, &self.asset, &mut self.memory)
+    }
+}
+
+/// W1.
+pub(crate) fn ball<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Curtain) -> Entry<'a> {
+    let mut body = Instance::new(tree, asset);
+    let mut found: Vec<Contact> = Vec::new();
+    Entry::new(NAME, Role::Baseline, Counts::Same, move |frame| {
+        found.clear();
+        let [x, y, z, radius] = work.balls[frame].map(f64::from);
+        let start = Clock::start();
+        let (pose, asset, memory) = body.pose(work.q(frame), &Place::IDENTITY);
+        let mut spheres = memory.at(asset, &pose);
+        tree.walk_ball(&mut spheres, ([x, y, z], radius), &mut found);
+        of(start, found.len())
+    })
+}
+
+/// W2.
+pub(crate) fn pair<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Bodies) -> Entry<'a> {
+    let mut bodies = [(); 2].map(|()| Instance::new(tree, asset));
+    let mut found: Vec<PairContact> = Vec::new();
+    Entry::new(NAME, Role::Baseline, Counts::Same, move |frame| {
+        found.clear();
+        let ([qa, qb], place) = (work.q(frame), &work.places[frame]);
+        let start = Clock::start();
+        let [a, b] = &mut bodies;
+        let (pose_a, asset_a, memory_a) = a.pose(qa, &Place::IDENTITY);
+        let (pose_b, asset_b, memory_b) = b.pose(qb, place);
+        PaperTree::walk_pair(
+            (tree, &mut memory_a.at(asset_a, &pose_a)),
+            (tree, &mut memory_b.at(asset_b, &pose_b)),
+            &Between::new(&Place::IDENTITY, place),
+            &mut found,
+        );
+        of(start, found.len())
+    })
+}
+
+/// W3 with `count` rays a frame.
+pub(crate) fn ray<'a>(
+    tree: &'a PaperTree,
+    asset: Asset<'a>,
+    (work, count): (&'a Rays, usize),
+) -> Entry<'a> {
+    let mut body = Instance::new(tree, asset);
+    Entry::new(NAME, Role::Baseline, Counts::Same, move |frame| {
+        let start = Clock::start();
+        let (pose, asset, memory) = body.pose(work.q(frame), &Place::IDENTITY);
+        let mut spheres = memory.at(asset, &pose);
+        let mut found = 0;
+        for [origin, direction] in work.of(frame, count) {
+            found += usize::from(tree.walk_ray(&mut spheres, origin, direction).is_some());
+        }
+        of(start, found)
+    })
+}
+
+/// W4 on the given neighbours.
+pub(crate) fn pile<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Pile) -> Entry<'a> {
+    let mut memories: Vec<Memory> = (0..COUNT).map(|_| Memory::new(tree, &asset)).collect();
+    let mut numbers = vec![0.0; COUNT * asset.pose_len()];
+    let mut found: Vec<PairContact> = Vec::new();
+    Entry::new(NAME, Role::Baseline, Counts::Same, move |step| {
+        found.clear();
+        let start = Clock::start();
+        let poses: Vec<Pose<'_>> = numbers
+            .chunks_exact_mut(asset.pose_len())
+            .enumerate()
+            .map(|(i, numbers)| {
+                let place = work.place(step, i).transform();
+                Pose::new(&asset, work.q(step, i), place, numbers).expect("q within limits")
+            })
+            .collect();
+        for (memory, pose) in memories.iter_mut().zip(&poses) {
+            memory.begin_step(&asset, pose);
+        }
+        for [i, j] in &work.pairs {
+            let (i, j) = (*i as usize, *j as usize);
+            let (low, high) = memories.split_at_mut(j);
+            PaperTree::walk_pair(
+                (tree, &mut low[i].at(&asset, &poses[i])),
+                (tree, &mut high[0].at(&asset, &poses[j])),
+                &Between::new(work.place(step, i), work.place(step, j)),
+                &mut found,
+            );
+        }
+        of(start, found.len())
+    })
+}
+
+fn of(start: Clock, found: usize) -> Frame {
+    Frame {
+        query: start.seconds(),
+        found: found as u64,
+        ..Frame::default()
+    }
+}

@@ -1,0 +1,201 @@
+//! Who takes part in each workload.
+
+use std::error::Error;
+use std::rc::Rc;
+
+use bdtree_runtime::Asset;
+use bdtree_scenes::deform::Deformer;
+use bdtree_scenes::paper_tree::PaperTree;
+use bdtree_scenes::peers::LayeredPeer;
+#[cfg(feature = "peers")]
+use bdtree_scenes::peers::{Obvhs, Parry, Peer, TinyBvh};
+use bdtree_scenes::workloads::{bodies, curtain, pile, rays};
+
+use super::assets::baked;
+use super::contest::{Counts, Entry, Role, Rounds, contest};
+use super::ours::ball::OurBall;
+use super::ours::pair::OurPair;
+use super::ours::pile::OurPile;
+use super::ours::ray::OurRays;
+use super::report::Work;
+use super::{paper, refitting};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// W1 on one cloth.
+pub(crate) fn ball(size: usize, goals: [f64; 2], rounds: Rounds) -> Result<Work> {
+    let (name, across, down) = curtain::SIZES[size];
+    let work = curtain::curtain(name, across, down);
+    // Every tenth frame of the largest.
+    let frames: Vec<usize> = (0..curtain::FRAMES)
+        .step_by(if size == 2 { 10 } else { 1 })
+        .collect();
+    let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
+    let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
+    let deformer = Deformer::new(&work.body);
+    let tree = Rc::new(PaperTree::build(&asset));
+    let (mut ours, mut still) = (OurBall::new(asset), OurBall::new(rigid));
+    let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
+    #[cfg(feature = "peers")]
+    let mut peers = peers(&work.body);
+    let mut entries = vec![
+        Entry::new("ours", Role::Ours, Counts::Same, |frame| {
+            ours.frame(work.q(frame), work.balls[frame]).0
+        }),
+        Entry::new("ours, rigid", Role::Variant, Counts::Other, |frame| {
+            still.frame(&[], work.balls[frame]).0
+        }),
+        paper::ball(&tree, asset, &work),
+        refitting::ball("layered", Role::Baseline, &mut layered, &deformer, &work),
+    ];
+    #[cfg(feature = "peers")]
+    for (name, peer) in &mut peers {
+        entries.push(refitting::ball(
+            name,
+            Role::Peer,
+            peer.as_mut(),
+            &deformer,
+            &work,
+        ));
+    }
+    Ok(Work {
+        name: format!("W1 {name}"),
+        goals: Some(goals),
+        rows: contest(std::mem::take(&mut entries), &frames, rounds)?,
+    })
+}
+
+/// W2.
+pub(crate) fn pair(rounds: Rounds) -> Result<Work> {
+    let work = bodies::bodies();
+    let frames: Vec<usize> = (0..bodies::FRAMES).collect();
+    let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
+    let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
+    let deformer = Deformer::new(&work.body);
+    let tree = Rc::new(PaperTree::build(&asset));
+    let (mut ours, mut still) = (OurPair::new(asset), OurPair::new(rigid));
+    let mut layered = [(); 2].map(|()| LayeredPeer::new(Rc::clone(&tree), &deformer));
+    #[cfg(feature = "peers")]
+    let mut parry = [(); 2].map(|()| Parry::new(&work.body));
+    #[cfg(feature = "peers")]
+    let mut tiny = [(); 2].map(|()| TinyBvh::new(&work.body));
+    let entries = vec![
+        Entry::new("ours", Role::Ours, Counts::Same, |frame| {
+            ours.frame(work.q(frame), &work.places[frame])
+        }),
+        Entry::new("ours, rigid", Role::Variant, Counts::Other, |frame| {
+            still.frame([&[], &[]], &work.rigid_places[frame])
+        }),
+        paper::pair(&tree, asset, &work),
+        refitting::pair("layered", Role::Baseline, &mut layered, &deformer, &work),
+        #[cfg(feature = "peers")]
+        refitting::pair("parry3d", Role::Peer, &mut parry, &deformer, &work),
+        #[cfg(feature = "peers")]
+        refitting::pair("tinybvh", Role::Peer, &mut tiny, &deformer, &work),
+    ];
+    Ok(Work {
+        name: "W2 blob36k".to_string(),
+        goals: Some([2.5, 4.0]),
+        rows: contest(entries, &frames, rounds)?,
+    })
+}
+
+/// W3 on one body, with each number of rays a frame and its goals.
+pub(crate) fn ray(size: usize, goals: &[(usize, [f64; 2])], rounds: Rounds) -> Result<Vec<Work>> {
+    let (name, n) = rays::SIZES[size];
+    let work = rays::rays(name, n);
+    let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
+    let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
+    let deformer = Deformer::new(&work.body);
+    let tree = Rc::new(PaperTree::build(&asset));
+    let (mut ours, mut still) = (OurRays::new(asset), OurRays::new(rigid));
+    let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
+    #[cfg(feature = "peers")]
+    let mut peers = peers(&work.body);
+    let mut all = Vec::new();
+    for (count, goals) in goals {
+        let frames: Vec<usize> = (0..if *count > 100 { 10 } else { rays::FRAMES }).collect();
+        let own = (&work, *count);
+        let mut entries = vec![
+            Entry::new("ours", Role::Ours, Counts::Same, |frame| {
+                ours.frame(work.q(frame), work.of(frame, *count))
+            }),
+            Entry::new("ours, rigid", Role::Variant, Counts::Other, |frame| {
+                still.frame(&[], work.of(frame, *count))
+            }),
+            paper::ray(&tree, asset, own),
+            refitting::ray(
+                "layered",
+                (Role::Baseline, Counts::Same),
+                &mut layered,
+                &deformer,
+                own,
+            ),
+        ];
+        #[cfg(feature = "peers")]
+        for (name, peer) in &mut peers {
+            let kind = (Role::Peer, Counts::OwnTest);
+            entries.push(refitting::ray(name, kind, peer.as_mut(), &deformer, own));
+        }
+        all.push(Work {
+            name: format!("W3 {name}, {count} rays"),
+            goals: Some(*goals),
+            rows: contest(std::mem::take(&mut entries), &frames, rounds)?,
+        });
+    }
+    Ok(all)
+}
+
+/// W4.
+pub(crate) fn pile(rounds: Rounds) -> Result<Work> {
+    let work = pile::pile();
+    let frames: Vec<usize> = (0..pile::STEPS).collect();
+    let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
+    let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
+    let deformer = Deformer::new(&work.body);
+    let tree = Rc::new(PaperTree::build(&asset));
+    let (mut ours, mut still) = (OurPile::new(asset), OurPile::new(rigid));
+    let layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
+    let layered = vec![layered; pile::COUNT];
+    let entries = vec![
+        Entry::new("ours", Role::Ours, Counts::Same, |step| {
+            ours.frame(&work, step)
+        }),
+        Entry::new("ours, rigid", Role::Variant, Counts::Other, |step| {
+            still.frame(&work, step)
+        }),
+        paper::pile(&tree, asset, &work),
+        refitting::pile("layered", Role::Baseline, layered, &deformer, &work),
+        #[cfg(feature = "peers")]
+        refitting::pile(
+            "parry3d",
+            Role::Peer,
+            vec![Parry::new(&work.body); pile::COUNT],
+            &deformer,
+            &work,
+        ),
+        #[cfg(feature = "peers")]
+        refitting::pile(
+            "tinybvh",
+            Role::Peer,
+            vec![TinyBvh::new(&work.body); pile::COUNT],
+            &deformer,
+            &work,
+        ),
+    ];
+    Ok(Work {
+        name: "W4 blob18k, 1000 bodies".to_string(),
+        goals: Some([3.0, 6.0]),
+        rows: contest(entries, &frames, rounds)?,
+    })
+}
+
+/// The libraries that answer single bodies.
+#[cfg(feature = "peers")]
+fn peers(body: &bdtree_scenes::workloads::Body) -> Vec<(&'static str, Box<dyn Peer>)> {
+    vec![
+        ("parry3d", Box::new(Parry::new(body))),
+        ("obvhs", Box::new(Obvhs::new(body))),
+        ("tinybvh", Box::new(TinyBvh::new(body))),
+    ]
+}

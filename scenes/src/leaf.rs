@@ -1,0 +1,54 @@
+//! The exact tests of triangles that contenders share with the product, and the contacts that they
+//! report: the same functions on the same vertices.
+
+use bdtree_runtime::narrow::{Triangle, closest_point, triangle_distance, triangles_intersect};
+use bdtree_runtime::{Contact, PairContact, TriangleId};
+
+/// Appends a triangle's contact with a ball, if they touch.
+#[inline]
+pub fn ball(id: u32, corners: &Triangle, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {
+    let closest = closest_point(center, corners);
+    if closest.distance > radius {
+        return;
+    }
+    let away = [0, 1, 2].map(|k| center[k] - closest.point[k]);
+    found.push(Contact {
+        triangle: TriangleId(id),
+        point: closest.point,
+        normal: if closest.distance > 0.0 {
+            unit(away)
+        } else {
+            away
+        },
+        dist: closest.distance - radius,
+        barycentric: closest.barycentric,
+    });
+}
+
+/// Appends the contact of two triangles, if they share a point.
+#[inline]
+pub fn pair(
+    (id1, one): (u32, &Triangle),
+    (id2, two): (u32, &Triangle),
+    found: &mut Vec<PairContact>,
+) {
+    if !triangles_intersect(one, two) {
+        return;
+    }
+    let nearest = triangle_distance(one, two);
+    found.push(PairContact {
+        triangle1: TriangleId(id1),
+        triangle2: TriangleId(id2),
+        point1: nearest.point1,
+        point2: nearest.point2,
+        dist: nearest.distance,
+        barycentric1: nearest.barycentric1,
+        barycentric2: nearest.barycentric2,
+    });
+}
+
+/// A vector of any length but 0 scaled to 1.
+pub fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|c| c / length)
+}

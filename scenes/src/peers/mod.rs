@@ -1,0 +1,62 @@
+//! Those who deform all vertices, refit a tree and then ask it: libraries in use today (feature
+//! `peers`) and the paper's layered hierarchy.
+//!
+//! All of them share [`Deformer`], the exact tests of balls and of pairs in [`crate::leaf`], and
+//! world coordinates in f32; rays are tested by the libraries' own code where they have some.
+
+mod layered;
+#[cfg(feature = "peers")]
+mod obvhs;
+#[cfg(feature = "peers")]
+mod parry;
+#[cfg(feature = "peers")]
+mod tinybvh;
+#[cfg(feature = "peers")]
+mod vertices;
+
+pub use layered::LayeredPeer;
+#[cfg(feature = "peers")]
+pub use obvhs::Obvhs;
+#[cfg(feature = "peers")]
+pub use parry::Parry;
+#[cfg(feature = "peers")]
+pub use tinybvh::TinyBvh;
+
+use bdtree_runtime::{Contact, PairContact};
+
+use crate::deform::Deformer;
+use crate::workloads::Place;
+
+/// Seconds that bringing a body up to date took.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Update {
+    /// Deforming and moving all vertices.
+    pub deform: f64,
+    /// Refitting the tree.
+    pub refit: f64,
+}
+
+/// A tree that is refitted to deformed vertices.
+pub trait Peer {
+    /// Deforms all vertices at q, moves them to `place` and refits the tree. `scratch` is memory
+    /// that bodies share.
+    fn update(
+        &mut self,
+        deformer: &Deformer,
+        q: &[f32],
+        place: &Place,
+        scratch: &mut Vec<f32>,
+    ) -> Update;
+
+    /// Appends the triangles within a ball.
+    fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>);
+
+    /// Distance along a unit direction to the first triangle that is met.
+    fn ray(&mut self, origin: [f32; 3], direction: [f32; 3]) -> Option<f64>;
+}
+
+/// A tree that two bodies are tested with.
+pub trait PairPeer: Peer {
+    /// Appends the touching pairs of triangles of two bodies.
+    fn pair(&mut self, other: &mut Self, found: &mut Vec<PairContact>);
+}

@@ -1,0 +1,112 @@
+//! obvhs: a binary box tree, refitted in one sweep; it has no query for pairs.
+
+use std::time::Duration;
+
+use bdtree_runtime::Contact;
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::ray::{Ray, RayHit};
+use obvhs::rt_triangle::RtTriangle;
+use obvhs::triangle::Triangle;
+
+use super::vertices::{Vertices, box_of};
+use super::{Peer, Update};
+use crate::clock::Clock;
+use crate::deform::Deformer;
+use crate::leaf;
+use crate::workloads::{Body, Place};
+
+/// A body in obvhs.
+#[derive(Clone)]
+pub struct Obvhs {
+    tree: Bvh2,
+    /// Corners in the order of the leaves.
+    corners: Vec<[u32; 3]>,
+    vertices: Vertices,
+}
+
+impl Obvhs {
+    /// Of a body at rest: the medium build without split triangles, which could not be refitted.
+    pub fn new(body: &Body) -> Self {
+        let vertices = Vertices::new(body);
+        let triangles: Vec<Triangle> = body
+            .triangles
+            .iter()
+            .map(|t| {
+                let [v0, v1, v2] = vertices.corners(*t);
+                Triangle { v0, v1, v2 }
+            })
+            .collect();
+        let settings = BvhBuildParams {
+            pre_split: false,
+            ..BvhBuildParams::medium_build()
+        };
+        let mut tree = build_bvh2_from_tris(&triangles, settings, &mut Duration::default());
+        // Refitting is fastest in this order.
+        tree.reorder_in_stack_traversal_order();
+        let corners = tree.primitive_indices.iter();
+        Self {
+            corners: corners.map(|i| body.triangles[*i as usize]).collect(),
+            tree,
+            vertices,
+        }
+    }
+}
+
+impl Peer for Obvhs {
+    fn update(
+        &mut self,
+        deformer: &Deformer,
+        q: &[f32],
+        place: &Place,
+        scratch: &mut Vec<f32>,
+    ) -> Update {
+        let start = Clock::start();
+        self.vertices.update(deformer, q, place, scratch);
+        let deform = start.seconds();
+        let deformed = Clock::start();
+        for node in &mut self.tree.nodes {
+            if !node.is_leaf() {
+                continue;
+            }
+            let first = node.first_index as usize;
+            let mut around = Aabb::empty();
+            for corners in &self.corners[first..first + node.prim_count as usize] {
+                for p in self.vertices.corners(*corners) {
+                    around.extend(p);
+                }
+            }
+            node.set_aabb(around);
+        }
+        self.tree.refit_all();
+        Update {
+            deform,
+            refit: deformed.seconds(),
+        }
+    }
+
+    fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {
+        let [low, high] = box_of(center, radius);
+        self.tree.aabb_traverse(Aabb::new(low, high), |tree, node| {
+            let node = &tree.nodes[node as usize];
+            let first = node.first_index as usize;
+            for i in first..first + node.prim_count as usize {
+                let corners = self.vertices.exact(self.corners[i]);
+                leaf::ball(tree.primitive_indices[i], &corners, center, radius, found);
+            }
+            true
+        });
+    }
+
+    fn ray(&mut self, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
+        let ray = Ray::new_inf(origin.into(), direction.into());
+        let mut hit = RayHit::none();
+        self.tree.ray_traverse(ray, &mut hit, |ray, i| {
+            let [a, b, c] = self.vertices.corners(self.corners[i]);
+            RtTriangle::new(a, b, c).intersect(ray)
+        });
+        hit.t.is_finite().then_some(f64::from(hit.t))
+    }
+}

@@ -1,0 +1,164 @@
+//! The workloads W1 to W4 that contenders are compared on: deforming bodies with balls, bodies and rays.
+//!
+//! Everything is generated and deterministic. Modes are smooth vector fields of low frequency,
+//! each scaled so that q = 1 moves its farthest vertex by 5 % of the box's diagonal; coordinates
+//! over time are sines whose amplitude falls with the root of the mode's number.
+
+pub mod bodies;
+pub mod curtain;
+pub mod pile;
+pub mod place;
+pub mod random;
+pub mod rays;
+
+use std::f64::consts::TAU;
+
+use bdtree_build::basis::{Basis, BasisMode};
+use bdtree_build::input::RawMesh;
+
+pub use place::Place;
+use random::Stream;
+
+/// A mesh with its modes, in the numbers that all contenders get.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// For tables and file names.
+    pub name: &'static str,
+    /// Rest positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Corners.
+    pub triangles: Vec<[u32; 3]>,
+    /// U, mode after mode: `fields[j * N + i]` moves vertex `i`.
+    pub fields: Vec<[f32; 3]>,
+    /// Number of modes M.
+    pub modes: usize,
+}
+
+/// A mesh in f64, before it is rounded.
+pub(crate) struct Shape {
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+impl Shape {
+    /// The body with `modes` fields whose wave numbers rise from 0.8 to `highest`.
+    pub(crate) fn with_modes(
+        self,
+        name: &'static str,
+        modes: usize,
+        highest: f64,
+        seed: u64,
+    ) -> Body {
+        let fields = self.fields(modes, highest, seed);
+        Body {
+            name,
+            positions: self.positions.iter().map(|p| p.map(|x| x as f32)).collect(),
+            triangles: self.triangles,
+            fields,
+            modes,
+        }
+    }
+
+    fn diagonal(&self) -> f64 {
+        let mut low = [f64::MAX; 3];
+        let mut high = [f64::MIN; 3];
+        for p in &self.positions {
+            for k in 0..3 {
+                low[k] = low[k].min(p[k]);
+                high[k] = high[k].max(p[k]);
+            }
+        }
+        let squares = [0, 1, 2].map(|k| (high[k] - low[k]) * (high[k] - low[k]));
+        (squares[0] + squares[1] + squares[2]).sqrt()
+    }
+
+    fn fields(&self, modes: usize, highest: f64, seed: u64) -> Vec<[f32; 3]> {
+        let mut stream = Stream::new(seed);
+        let diagonal = self.diagonal();
+        let mut all = Vec::with_capacity(modes * self.positions.len());
+        for j in 0..modes {
+            let steps = modes.saturating_sub(1).max(1) as f64;
+            let number = 0.8 + (highest - 0.8) * j as f64 / steps;
+            // One wave per component: wave vector, phase, height.
+            let waves: [([f64; 3], f64, f64); 3] = std::array::from_fn(|_| {
+                let along = stream.direction();
+                let vector = [number * along[0], number * along[1], number * along[2]];
+                let phase = TAU * stream.unit();
+                (vector, phase, 0.3 + 0.7 * stream.unit())
+            });
+            let at = |p: &[f64; 3]| {
+                waves.map(|(k, phase, height)| {
+                    height * (k[0] * p[0] + k[1] * p[1] + k[2] * p[2] + phase).sin()
+                })
+            };
+            let longest = self
+                .positions
+                .iter()
+                .map(|p| {
+                    let [x, y, z] = at(p);
+                    (x * x + y * y + z * z).sqrt()
+                })
+                .fold(0.0, f64::max);
+            let scaled = |c: f64| (c * 0.05 * diagonal / longest) as f32;
+            all.extend(self.positions.iter().map(|p| at(p).map(scaled)));
+        }
+        all
+    }
+}
+
+impl Body {
+    /// The mesh as the builder takes it.
+    pub fn mesh(&self) -> RawMesh {
+        RawMesh {
+            name: self.name.to_string(),
+            positions: self.positions.iter().map(|p| p.map(f64::from)).collect(),
+            triangles: self.triangles.clone(),
+            ..RawMesh::default()
+        }
+    }
+
+    /// The modes as the builder takes them, all of range 1.
+    pub fn basis(&self) -> Basis {
+        Basis {
+            vertex_count: self.positions.len(),
+            fields: self.fields.iter().map(|u| u.map(f64::from)).collect(),
+            modes: vec![
+                BasisMode {
+                    q_range: Some(1.0),
+                    ..BasisMode::default()
+                };
+                self.modes
+            ],
+            animation: None,
+        }
+    }
+
+    /// The same mesh without modes.
+    pub fn rigid(&self) -> Body {
+        Body {
+            fields: Vec::new(),
+            modes: 0,
+            ..self.clone()
+        }
+    }
+}
+
+/// Coordinates of `modes` modes over `frames` frames, frame after frame: sines of amplitude
+/// `height` / √(1 + j).
+pub fn sequence(frames: usize, modes: usize, height: f64, seed: u64) -> Vec<f32> {
+    let mut stream = Stream::new(seed);
+    let sines: Vec<[f64; 3]> = (0..modes)
+        .map(|j| {
+            let turns = 1.0 + 2.5 * stream.unit();
+            [height / (1.0 + j as f64).sqrt(), turns, TAU * stream.unit()]
+        })
+        .collect();
+    let mut all = Vec::with_capacity(frames * modes);
+    for t in 0..frames {
+        for [amplitude, turns, phase] in &sines {
+            let angle = TAU * turns * t as f64 / frames as f64 + phase;
+            all.push((amplitude * angle.sin()) as f32);
+        }
+    }
+    all
+}
