@@ -5,9 +5,14 @@
 
 mod bake;
 mod ball;
+mod bounds;
+mod broad;
+mod depth;
 mod face;
+mod kernel;
 mod open;
 mod scene;
+mod workloads;
 
 use std::error::Error;
 
@@ -24,19 +29,40 @@ struct Cli {
 enum Command {
     /// A small ball against a deforming mesh: product and paper's tree
     Ball(ball::Arguments),
+    /// Root spheres of many bodies: grid and sweep
+    Broad(broad::Arguments),
+    /// Queries that stop at a level: time, spheres and their error
+    Depth(depth::Arguments),
     /// Stage times of a bake and the largest resident set
     Bake(bake::Arguments),
+    /// Which bounds a node wants: visits and tests of each
+    Bounds(bounds::Arguments),
+    /// Ball queries beside refitting over modes, displacement, queries and contacts
+    Curves(workloads::curves::Arguments),
     /// Local blend shapes of a face beside dense modes: bytes and time of a ball query
     Face(face::Arguments),
+    /// How a ball query grows with the mesh at the same number of contacts
+    Growth(workloads::growth::Arguments),
+    /// The node kernel alone, beside the machine's limit
+    Kernel(kernel::Arguments),
     /// Opening a large file by mapping it
     Open(open::Arguments),
+    /// W1 to W4: the product beside libraries that deform and refit (feature `peers`)
+    Workloads(workloads::Arguments),
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     match Cli::parse().command {
         Command::Ball(arguments) => ball::run(&arguments),
+        Command::Broad(arguments) => broad::run(&arguments),
+        Command::Depth(arguments) => depth::run(&arguments),
         Command::Bake(arguments) => bake::run(&arguments),
+        Command::Bounds(arguments) => bounds::run(&arguments),
+        Command::Curves(arguments) => workloads::curves::run(&arguments),
         Command::Face(arguments) => face::run(&arguments),
+        Command::Growth(arguments) => workloads::growth::run(&arguments),
+        Command::Kernel(arguments) => kernel::run(&arguments),
         Command::Open(arguments) => open::run(&arguments),
+        Command::Workloads(arguments) => workloads::run(&arguments),
     }
 }
