@@ -11,7 +11,7 @@ import sys
 import zlib
 
 # kind: required, element bytes, layouts (SPEC 4.2)
-KINDS = {b"NODE": (1, 32, 2), b"ROWS": (1, 32, 2), b"LIST": (1, 2, 1), b"TRIS": (1, 16, 1),
+KINDS = {b"NODE": (1, 32, 2), b"ROWS": (1, 32, 3), b"LIST": (1, 2, 1), b"TRIS": (1, 16, 1),
          b"SLOT": (1, 4, 1), b"VERT": (1, 12, 1), b"DISP": (1, 12, 1, 2), b"VMOD": (1, 8, 1),
          b"FRMS": (0, 64, 1), b"FRMQ": (0, 4, 1), b"GRPS": (0, 20, 1), b"GNAM": (0, 1, 1),
          b"META": (0, 1, 2)}
@@ -117,21 +117,25 @@ def read_tree(s, m_all, node_count, depth, leaf_max, f, lists, used):
         check(level == level_of.pop(i) < depth, "6.4", f"level of node {i}")
         check(inner | leaf and not inner & leaf and max(counts) <= leaf_max, "6.2", f"lanes of node {i}")
         use_list(lists, used, start, m, f"node {i}")
-        own = rows[32 * row:32 * (row + 6 + 3 * m)]
-        check(len(own) == 32 * (6 + 3 * m), "4.3", "length of ROWS")
-        plain = floats(own[:128] + own[128 + 96 * m:], f"rows of node {i}")
-        mode_rows = struct.unpack(f"<{48 * m}H", own[128:128 + 96 * m])
+        pairs = (m + 1) // 2
+        own = rows[32 * row:32 * (row + 6 + 6 * pairs)]
+        check(len(own) == 32 * (6 + 6 * pairs), "4.3", "length of ROWS")
+        plain = floats(own[:128] + own[128 + 192 * pairs:], f"rows of node {i}")
+        # One per pair, quantity and lane: the numbers of the two modes.
+        numbers = list(struct.iter_unpack("<2h", own[128:128 + 192 * pairs]))
+        check(not m % 2 or not any(second for _, second in numbers[-48:]), "6.5", f"last pair of node {i}")
         for k in range(8):
             lane = plain[k::8]
             check((leaf >> k & 1) == (counts[k] > 0), "6.2", f"lane {k} of node {i}")
             if (inner | leaf) >> k & 1:
-                check(min(lane[3:]) >= 0, "6.5", f"lane {k} of node {i}")
+                growths = sum((numbers[p + 24 + k] for p in range(0, 48 * pairs, 48)), ())
+                check(min(lane[3:] + growths) >= 0, "6.5", f"lane {k} of node {i}")
                 levels[level].append(lane[3])
             else:
-                check(not any(lane + mode_rows[k::8]), "6.5", f"empty lane {k} of node {i}")
+                check(not any(lane + sum(numbers[k::8], ())), "6.5", f"empty lane {k} of node {i}")
         children = bin(inner).count("1")
         level_of.update((child + c, level + 1) for c in range(children))
-        child, slot, row = child + children, slot + sum(counts), row + 6 + 3 * m
+        child, slot, row = child + children, slot + sum(counts), row + 6 + 6 * pairs
     sums, sizes = (child, slot, 32 * row), (node_count, f, len(rows))
     check(sums == sizes, "6.3", f"sums over nodes {sums}, sections {sizes}")
     check(all(levels), "6.4", "depth")

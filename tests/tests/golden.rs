@@ -122,19 +122,24 @@ fn a_later_minor_version_is_read() {
     assert_eq!(metadata.modes[2].name.as_deref(), Some("field 2"));
 }
 
-/// What 0.1 and 0.2 wrote otherwise was never released.
+/// What 0.1, 0.2 and early 0.3 wrote otherwise was never released.
 #[test]
 fn earlier_layouts_are_refused_by_name() {
-    for kind in [SectionKind::NODES, SectionKind::ROWS, SectionKind::METADATA] {
+    for (kind, known, earlier) in [
+        (SectionKind::NODES, 2, 1_u32),
+        (SectionKind::ROWS, 3, 1),
+        (SectionKind::ROWS, 3, 2),
+        (SectionKind::METADATA, 2, 1),
+    ] {
         let mut bytes = read("sphere.bdt").to_vec();
         let at = mutate::record(&bytes, kind) + offset_of!(SectionRecord, layout);
-        mutate::put(&mut bytes, at, &1_u32.to_le_bytes());
+        mutate::put(&mut bytes, at, &earlier.to_le_bytes());
         mutate::repair(&mut bytes);
-        let error = Asset::open(&AlignedBytes::copy_of(&bytes)).expect_err("layout 1");
+        let error = Asset::open(&AlignedBytes::copy_of(&bytes)).expect_err("earlier layout");
         assert_eq!((error.section, error.byte), (kind, at as u64), "{error}");
         assert_eq!(
             (error.expected, error.found),
-            (Datum::Integer(2), Datum::Integer(1))
+            (Datum::Integer(known), Datum::Integer(earlier.into()))
         );
         assert!(
             error.rule.starts_with("SPEC 4.4: unknown layouts"),
