@@ -1,11 +1,10 @@
 //! Queries beside brute force: none missing, none too many, the same numbers to the last bit.
 
-use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, Kernel, PairContact, PairStackEntry, Pose, StackEntry, Transform,
-    query,
-};
+use bdtree_runtime::{AlignedBytes, Asset, Contact, Kernel, Pose, StackEntry, Transform, query};
 use rand::RngExt;
 
+use crate::compare_shapes::check_shapes;
+use crate::pair_caches::PairCaches;
 use crate::{oracle, poses};
 
 /// Runs all single-asset queries for one pose and compares each with the oracle.
@@ -15,7 +14,15 @@ use crate::{oracle, poses};
 pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64, rounds: usize) {
     let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(asset, q, transform, &mut memory).expect("pose");
-    let triangles = oracle::deformed_triangles(asset, &pose);
+    check_posed(asset, &pose, seed, rounds);
+}
+
+/// [`check_pose`] for a pose however made.
+///
+/// # Panics
+/// When an answer differs.
+pub fn check_posed(asset: &Asset<'_>, pose: &Pose<'_>, seed: u64, rounds: usize) {
+    let triangles = oracle::deformed_triangles(asset, pose);
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut rng = poses::rng(seed);
     let (low, high) = bounds(&triangles);
@@ -23,6 +30,12 @@ pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64,
         .map(|k| (high[k] - low[k]).powi(2))
         .sum::<f64>()
         .sqrt();
+    let sphere = query::root_sphere(asset, pose).unwrap();
+    for x in triangles.iter().flatten() {
+        let v = [0, 1, 2].map(|k| x[k] - sphere.center[k]);
+        let distance = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        assert!(distance <= sphere.radius, "{x:?} is outside of {sphere:?}");
+    }
     for round in 0..rounds {
         let target = triangles[rng.random_range(0..triangles.len())][0];
         let mut point = target;
@@ -34,7 +47,7 @@ pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64,
         let radius = diagonal * 10_f64.powf(rng.random_range(-3.0..-0.5));
 
         let mut found: Vec<Contact> = Vec::new();
-        let outcome = query::ball(asset, &pose, point, radius, &mut stack, &mut found).unwrap();
+        let outcome = query::ball(asset, pose, point, radius, &mut stack, &mut found).unwrap();
         assert!(!outcome.truncated);
         found.sort_by_key(|c| c.triangle);
         let expected = oracle::ball(&triangles, point, radius);
@@ -53,7 +66,7 @@ pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64,
         } else {
             diagonal * rng.random_range(0.0..0.2)
         };
-        let near = query::closest(asset, &pose, point, limit, &mut stack).unwrap();
+        let near = query::closest(asset, pose, point, limit, &mut stack).unwrap();
         assert_eq!(
             near.hit.map(|h| (h.triangle.0, h.distance)),
             oracle::closest(&triangles, point, limit),
@@ -67,9 +80,9 @@ pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64,
             direction[k] = target[k] - origin[k];
         }
         let norm = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let unit = unit(direction);
+        let unit = oracle::unit(direction);
         let limit = if round % 3 == 1 { f64::INFINITY } else { norm };
-        let hit = query::ray(asset, &pose, origin, direction, limit, &mut stack).unwrap();
+        let hit = query::ray(asset, pose, origin, direction, limit, &mut stack).unwrap();
         assert_eq!(
             hit.hit.map(|h| (h.triangle.0, h.distance)),
             oracle::ray(&triangles, origin, unit, limit),
@@ -78,7 +91,7 @@ pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64,
 
         let offset = unit[0] * target[0] + unit[1] * target[1] + unit[2] * target[2];
         let mut found: Vec<Contact> = Vec::new();
-        query::plane(asset, &pose, direction, offset, &mut stack, &mut found).unwrap();
+        query::plane(asset, pose, direction, offset, &mut stack, &mut found).unwrap();
         let mut ids: Vec<u32> = found.iter().map(|c| c.triangle.0).collect();
         ids.sort_unstable();
         assert_eq!(
@@ -86,15 +99,17 @@ pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64,
             oracle::plane(&triangles, unit, offset),
             "plane {unit:?}, offset {offset}"
         );
-    }
-}
 
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    // As the runtime normalises, so that the same ray is asked.
-    let largest = v.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-    let v = v.map(|c| c / largest);
-    let n = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-    v.map(|c| c / n)
+        let about = (point, radius);
+        check_shapes(
+            (asset, pose),
+            &triangles,
+            about,
+            round,
+            &mut stack,
+            &mut rng,
+        );
+    }
 }
 
 fn bounds(triangles: &[[[f64; 3]; 3]]) -> ([f64; 3], [f64; 3]) {
@@ -111,19 +126,20 @@ fn bounds(triangles: &[[[f64; 3]; 3]]) -> ([f64; 3], [f64; 3]) {
 
 /// The asset once per kernel that this processor has.
 pub fn kernels(asset: Asset<'_>) -> impl Iterator<Item = Asset<'_>> {
-    [Kernel::Scalar, Kernel::Avx2, Kernel::Neon]
+    Kernel::ALL
         .into_iter()
         .filter_map(move |k| asset.with_kernel(k))
 }
 
-/// Compares pair queries between two instances of a file, for random q and placements up to
-/// `gap` sizes apart.
+/// Compares pair queries between two instances of a file, with and without caches, for random q
+/// and placements up to `gap` sizes apart.
 ///
 /// # Panics
 /// When an answer differs.
 pub fn check_pairs(bytes: &AlignedBytes, seed: u64, rounds: usize, gap: f64) {
     let asset = Asset::open(bytes).expect("open");
     let mut rng = poses::rng(seed);
+    let mut caches = PairCaches::new(&asset);
     for round in 0..rounds {
         let share = [0.0, 0.05, 0.3][round % 3];
         let qa = poses::random_q(&asset, share, &mut rng);
@@ -143,22 +159,7 @@ pub fn check_pairs(bytes: &AlignedBytes, seed: u64, rounds: usize, gap: f64) {
         for tolerance in [0.0, 0.003 * size] {
             let expected = oracle::pair(&triangles_a, &triangles_b, tolerance);
             for asset in kernels(asset) {
-                let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(&asset)];
-                let mut found: Vec<PairContact> = Vec::new();
-                let outcome = query::pair(
-                    (&asset, &a),
-                    (&asset, &b),
-                    tolerance,
-                    &mut stack,
-                    &mut found,
-                )
-                .unwrap();
-                assert!(!outcome.truncated);
-                let mut ids: Vec<(u32, u32)> = found
-                    .iter()
-                    .map(|c| (c.triangle1.0, c.triangle2.0))
-                    .collect();
-                ids.sort_unstable();
+                let ids = caches.pairs(&asset, [&a, &b], tolerance);
                 assert_eq!(ids, expected, "round {round}, tolerance {tolerance}");
             }
         }

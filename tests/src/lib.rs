@@ -4,12 +4,16 @@
 pub mod bake;
 pub mod collisions;
 pub mod compare;
+pub mod compare_cached;
+pub mod compare_shapes;
 pub mod corpus;
 pub mod fixtures;
 pub mod gltf_twin;
 pub mod golden;
 pub mod mutate;
+pub mod near;
 pub mod oracle;
+pub mod pair_caches;
 pub mod poses;
 pub mod resident;
 pub mod sections;

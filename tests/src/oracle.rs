@@ -3,7 +3,7 @@
 //! The same leaf predicates as the runtime decide here, so its answers must be equal to the last
 //! bit; that the predicates themselves are right is tested against exact arithmetic elsewhere.
 
-use bdtree_runtime::narrow::{self, Triangle};
+use bdtree_runtime::narrow::{self, Frustum, FrustumState, OrientedBox, Triangle};
 use bdtree_runtime::{Asset, Pose, TriangleId, VertexId};
 
 /// All deformed triangles in the world, by id.
@@ -33,6 +33,37 @@ pub fn ball(triangles: &[Triangle], center: [f64; 3], radius: f64) -> Vec<(u32, 
         .collect()
 }
 
+/// Ids of the triangles within a radius of a segment, and their distances to it.
+pub fn capsule(triangles: &[Triangle], ends: [[f64; 3]; 2], radius: f64) -> Vec<(u32, f64)> {
+    (0..)
+        .zip(triangles)
+        .filter_map(|(id, t)| {
+            let d = narrow::segment_triangle_distance(&ends, t).distance;
+            (d <= radius).then_some((id, d))
+        })
+        .collect()
+}
+
+/// Ids of the triangles that touch a box, and how deep they reach into it.
+pub fn cuboid(triangles: &[Triangle], shape: &OrientedBox) -> Vec<(u32, f64)> {
+    (0..)
+        .zip(triangles)
+        .filter_map(|(id, t)| Some((id, shape.contact(t)?.depth)))
+        .collect()
+}
+
+/// Where all the triangles lie; there must be one.
+pub fn frustum(triangles: &[Triangle], shape: &Frustum) -> FrustumState {
+    let mut whole = shape.triangle(&triangles[0]);
+    for t in triangles {
+        if whole == FrustumState::Intersects || shape.triangle(t) != whole {
+            whole = FrustumState::Intersects;
+            break;
+        }
+    }
+    whole
+}
+
 /// The nearest triangle's id and distance, lowest id first.
 pub fn closest(triangles: &[Triangle], to: [f64; 3], max_distance: f64) -> Option<(u32, f64)> {
     (0..)
@@ -49,11 +80,31 @@ pub fn ray(
     direction: [f64; 3],
     max_distance: f64,
 ) -> Option<(u32, f64)> {
+    ray_all(triangles, origin, direction, max_distance)
+        .into_iter()
+        .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
+}
+
+/// All triangles along a ray and their distances, by id. `direction` is unit.
+pub fn ray_all(
+    triangles: &[Triangle],
+    origin: [f64; 3],
+    direction: [f64; 3],
+    max_distance: f64,
+) -> Vec<(u32, f64)> {
     let ray = narrow::Ray::new(origin, direction);
     (0..)
         .zip(triangles)
         .filter_map(|(id, t)| Some((id, narrow::ray_hit(&ray, t, max_distance)?.t)))
-        .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
+        .collect()
+}
+
+/// The unit vector along `v`, to the bit as the runtime normalises.
+pub fn unit(v: [f64; 3]) -> [f64; 3] {
+    let largest = v.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+    let v = v.map(|c| c / largest);
+    let n = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|c| c / n)
 }
 
 /// Ids of the triangles with a vertex where normal·x ≤ offset. `normal` is unit.

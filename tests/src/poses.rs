@@ -33,7 +33,8 @@ pub fn random_q(asset: &Asset<'_>, share: f64, rng: &mut Pcg64Mcg) -> Vec<f32> {
         .collect()
 }
 
-/// Hard q: zero, denormal, one mode only, all signs alike, alternating, at the hard limit.
+/// Hard q: zero, denormal, one mode only, all signs alike, alternating, at the hard limit, one
+/// mode large beside others that are tiny, all reaching equally far.
 pub fn hard_qs(asset: &Asset<'_>) -> Vec<Vec<f32>> {
     let m = asset.mode_count();
     let limit = |j: usize| asset.modes()[j].q_limit.get();
@@ -58,6 +59,15 @@ pub fn hard_qs(asset: &Asset<'_>) -> Vec<Vec<f32>> {
             .map(|j| if j % 2 == 0 { limit(j) } else { -limit(j) })
             .collect(),
     ];
+    for tiny in [1e-3, 1e-5, 1e-9, 1e-30] {
+        let mut q: Vec<f32> = (0..m).map(|j| tiny * range(j)).collect();
+        if let Some(q) = q.get_mut(m / 2) {
+            *q /= -tiny;
+        }
+        all.push(q);
+    }
+    let reach = |j: usize| asset.modes()[j].field_norm_max.get();
+    all.push((0..m).map(|j| 0.1 / reach(j).max(1e-30)).collect());
     for j in 0..m.min(3) {
         let mut q = vec![0.0; m];
         q[j] = 5.0 * range(j);

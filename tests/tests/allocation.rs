@@ -4,10 +4,13 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::ops::ControlFlow;
 
+use bdtree_runtime::narrow::{Frustum, FrustumState};
 use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, PairContact, PairStackEntry, Pose, SliceSink, StackEntry,
-    Transform, TriangleId, add_generalized_force, query,
+    AlignedBytes, Asset, Contact, LeafSlot, NodeSlot, PairContact, PairStackEntry, Pose, Posed,
+    Proxy, RayHit, SearchEntry, Sink, SliceSink, StackEntry, StepCache, Transform, TriangleId,
+    add_generalized_force, broad, query,
 };
 use bdtree_tests::{bake, poses};
 
@@ -54,6 +57,15 @@ fn allocations<T>(f: impl FnOnce() -> T) -> (usize, T) {
     (COUNT.get() - before, result)
 }
 
+struct CountRegions(usize);
+
+impl Sink<query::ContactRegion> for CountRegions {
+    fn push(&mut self, _: query::ContactRegion) -> ControlFlow<()> {
+        self.0 += 1;
+        ControlFlow::Continue(())
+    }
+}
+
 #[test]
 fn queries_allocate_nothing() {
     assert!(
@@ -76,9 +88,11 @@ fn nothing_is_allocated(bytes: &AlignedBytes) {
     let mut pair_stack = [PairStackEntry::default(); 1024];
     let mut contacts = [Contact::EMPTY; 512];
     let mut pairs = [PairContact::EMPTY; 512];
+    let mut search = [SearchEntry::default(); 256];
+    let mut slots = [query::ManifoldSlot::default(); query::ManifoldSlot::count(512)];
     let (count, found) = allocations(|| {
         let asset = Asset::open(bytes).expect("open");
-        let (mut memory, mut memory2) = ([0.0; 8], [0.0; 8]);
+        let (mut memory, mut memory2) = ([0.0; 10], [0.0; 10]);
         let q = [0.5, -0.5, 0.2, 0.0];
         let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
         let place = Transform {
@@ -94,6 +108,22 @@ fn nothing_is_allocated(bytes: &AlignedBytes) {
         sink.clear();
         query::plane(&asset, &pose, point, -0.5, &mut stack, &mut sink).expect("plane");
         found += sink.items().len();
+        sink.clear();
+        query::capsule(&asset, &pose, point, [0.0; 3], 0.1, &mut stack, &mut sink)
+            .expect("capsule");
+        found += sink.items().len();
+        sink.clear();
+        let turned = [0.0, 0.0, 0.6, 0.8];
+        query::cuboid(
+            &asset, &pose, point, turned, [0.2; 3], &mut stack, &mut sink,
+        )
+        .expect("box");
+        found += sink.items().len();
+        let planes = Frustum::new(&[[1.0, 0.0, 0.0, -0.1]]).expect("planes");
+        let state = query::frustum(&asset, &pose, &planes, &mut stack).expect("frustum");
+        found += usize::from(state.state == FrustumState::Intersects);
+        let sphere = query::root_sphere(&asset, &pose).expect("sphere");
+        found += usize::from(sphere.radius > 1.0);
         let near = query::closest(&asset, &pose, point, f64::INFINITY, &mut stack).expect("near");
         found += usize::from(near.hit.is_some());
         let hit = query::ray(
@@ -105,10 +135,56 @@ fn nothing_is_allocated(bytes: &AlignedBytes) {
             &mut stack,
         );
         found += usize::from(hit.expect("ray").hit.is_some());
+        let mut cache = StepCache::new([NodeSlot::EMPTY; 9], [LeafSlot::EMPTY; 9]);
+        let mut cached = cache.start(&pose);
+        let ray = query::Ray {
+            origin: [3.0; 3],
+            direction: [-1.0; 3],
+            max_distance: f64::INFINITY,
+        };
+        let mut hits = [None; 2];
+        query::rays(&asset, &mut cached, &[ray; 2], &mut stack, &mut hits).expect("rays");
+        found += hits.iter().flatten().count();
+        let mut hits = [false; 2];
+        query::rays_any(&asset, &mut cached, &[ray; 2], &mut stack, &mut hits).expect("rays");
+        let mut all = [(0, RayHit::EMPTY); 8];
+        let mut sink = SliceSink::new(&mut all);
+        query::rays_all(&asset, &mut cached, &[ray; 2], &mut stack, &mut sink).expect("rays");
+        found += sink.items().len();
         let mut sink = SliceSink::new(&mut pairs);
         let (a, b) = ((&asset, &pose), (&asset, &pose2));
         query::pair(a, b, 0.0, &mut pair_stack, &mut sink).expect("pair");
         found += sink.items().len();
+        let (mut slots1, mut slots2) = ([Proxy::EMPTY; 64], [Proxy::EMPTY; 64]);
+        let (mut proxies1, mut proxies2) =
+            (SliceSink::new(&mut slots1), SliceSink::new(&mut slots2));
+        let mut cache = StepCache::new([NodeSlot::EMPTY; 16], [LeafSlot::EMPTY; 16]);
+        let mut cached = cache.start(&pose);
+        let bounded = Posed::from(&mut cached).bounded(0, &mut proxies1);
+        let far = SliceSink::<Contact>::new(&mut []);
+        query::ball(&asset, bounded, point, 0.3, &mut stack, &mut { far }).expect("ball");
+        found += proxies1.items().len();
+        let coarse_a = (&asset, Posed::from(&mut cached).bounded(1, &mut proxies1));
+        let coarse_b = (&asset, Posed::from(&pose2).bounded(0, &mut proxies2));
+        query::pair(coarse_a, coarse_b, 0.0, &mut pair_stack, &mut sink).expect("pair");
+        found += proxies2.items().len();
+        let spheres = [&pose, &pose2].map(|p| query::root_sphere(&asset, p).expect("sphere"));
+        let mut grid = [broad::GridSlot::EMPTY; broad::grid_slots(2)];
+        let mut near = [[0; 2]; 1];
+        let mut near = SliceSink::new(&mut near);
+        broad::pairs(&spheres, 0.0, &mut grid, &mut near).expect("pairs");
+        assert_eq!(*near.items(), [[0, 1]]);
+        let mut regions = CountRegions(0);
+        let pairs = sink.items_mut();
+        query::manifold(a, b, pairs, &mut slots, &mut stack, &mut regions).expect("manifold");
+        found += regions.0;
+        let near = query::distance(a, b, 9.0, &mut search).expect("distance");
+        found += usize::from(near.hit.is_some());
+        let mut budget = query::Budget::new(9, &mut search);
+        let near = budget.distance(a, b, 9.0).expect("distance");
+        found += usize::from(near.found.is_some());
+        let near = budget.closest(&asset, &pose, point, 9.0).expect("near");
+        found += usize::from(near.found.is_some());
         let id = TriangleId(0);
         let mut out = [0.0; 4];
         add_generalized_force(&asset, &pose, id, [1.0, 0.0, 0.0], [1.0; 3], &mut out)
@@ -130,7 +206,7 @@ fn a_full_sink_is_said_and_holds_a_part_of_the_answer() {
     let mesh = bake::bumpy_sphere(8, 1);
     let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1));
     let asset = Asset::open(&bytes).expect("open");
-    let mut memory = [0.0; 4];
+    let mut memory = [0.0; 9];
     let pose = Pose::new(&asset, &[0.1, 0.2], Transform::IDENTITY, &mut memory).expect("pose");
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut all: Vec<Contact> = Vec::new();
@@ -176,7 +252,7 @@ fn forces_are_derivatives(asset: &Asset<'_>) {
     let (weights, force) = ([0.2, 0.5, 0.3], [1.0, -2.0, 0.5]);
     for id in [0, 7, 50].map(TriangleId) {
         let work = |q: &[f32]| {
-            let mut memory = [0.0; 6];
+            let mut memory = [0.0; 9];
             let pose = Pose::new(asset, q, place, &mut memory).expect("pose");
             let corners = asset.triangle(id).expect("triangle");
             let mut work = 0.0;
@@ -187,7 +263,7 @@ fn forces_are_derivatives(asset: &Asset<'_>) {
             work
         };
         let q = [0.25, -0.5, 0.125];
-        let mut memory = [0.0; 6];
+        let mut memory = [0.0; 9];
         let pose = Pose::new(asset, &q, place, &mut memory).expect("pose");
         let mut out = [10.0; 3];
         add_generalized_force(asset, &pose, id, weights, force, &mut out).expect("force");

@@ -108,7 +108,7 @@ fn check_basis(mesh: &RawMesh, basis: &Basis, seed: u64) {
     let asset = Asset::open(&bytes).expect("open");
     let mut rng = poses::rng(seed);
     let mut cases = 0;
-    for kernel in [Kernel::Scalar, Kernel::Avx2, Kernel::Neon] {
+    for kernel in Kernel::ALL {
         let Some(asset) = asset.with_kernel(kernel) else {
             continue;
         };
@@ -148,7 +148,7 @@ fn a_body_that_shrinks_to_a_point_stays_inside() {
     for q in [0.5, 0.9, 0.999, 0.999_999, 1.0, 1.000_001, 1.1, 2.0] {
         check(&asset, &[q]);
     }
-    let mut memory = [0.0; 2];
+    let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(&asset, &[1.0], Transform::IDENTITY, &mut memory).expect("pose");
     let spheres = asset.node_spheres(&pose, 0).expect("node");
     let largest = spheres.radius.iter().copied().fold(0.0, f32::max);

@@ -52,6 +52,27 @@ fn answers(asset: &Asset<'_>, partner: &Asset<'_>) -> (Vec<Contact>, Vec<PairCon
         let point = [0.7, 0.2, -0.4];
         query::ball(asset, &pose, point, 0.5, &mut stack, &mut contacts).expect("ball");
         query::plane(asset, &pose, point, -0.2, &mut stack, &mut contacts).expect("plane");
+        let (ends, half) = ([point, [-2.0, 0.3, 1.0]], [0.5, 0.2, 0.4]);
+        query::capsule(
+            asset,
+            &pose,
+            ends[0],
+            ends[1],
+            0.2,
+            &mut stack,
+            &mut contacts,
+        )
+        .expect("capsule");
+        query::cuboid(
+            asset,
+            &pose,
+            point,
+            place.rotation,
+            half,
+            &mut stack,
+            &mut contacts,
+        )
+        .expect("box");
         let near = query::closest(asset, &pose, point, f64::INFINITY, &mut stack).expect("closest");
         let hit = query::ray(asset, &pose, [4.0; 3], [-1.0; 3], f64::INFINITY, &mut stack);
         nearest += &format!("{:?} {:?}\n", near.hit, hit.expect("ray").hit);
@@ -74,7 +95,7 @@ fn answers_and_their_order_do_not_depend_on_the_kernel() {
     let copy = AlignedBytes::copy_of(&bytes);
     assert!(answers(&asset, &asset) == expected);
     assert!(answers(&Asset::open(&copy).expect("open"), &asset) == expected);
-    for kernel in [Kernel::Scalar, Kernel::Avx2, Kernel::Neon] {
+    for kernel in Kernel::ALL {
         let Some(asset) = asset.with_kernel(kernel) else {
             continue;
         };

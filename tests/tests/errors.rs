@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 
 use bdtree_build::input::{GroupKind, RawGroup};
 use bdtree_format::{
-    FrameRecord, GroupRecord, Header, ModeRecord, ModeRows, NodeRecord, ROW_RADIUS, Row,
-    SectionKind, SectionRecord, TriangleRecord, VertexModes, mode_row,
+    FrameRecord, GroupRecord, Header, ModePair, ModeRecord, NodeRecord, ROW_RADIUS, Row,
+    SectionKind, SectionRecord, TriangleRecord, VertexModes, pair_count, pair_row,
 };
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, FormatError, Pose, QueryError, StackEntry, Transform, TriangleId,
@@ -199,16 +199,17 @@ fn root_mode(bytes: &[u8], k: usize, offset: usize) -> usize {
     let first = root_row(bytes, 0);
     let lane = (first - section(bytes, SectionKind::ROWS).start) / size_of::<f32>();
     first - lane * size_of::<f32>()
-        + mode_row(k) * size_of::<Row>()
+        + pair_row(k / 2) * size_of::<Row>()
         + offset
-        + lane * size_of::<u16>()
+        + lane * size_of::<[i16; 2]>()
+        + k % 2 * size_of::<i16>()
 }
 
 /// Changes a ΔR of the root's first used lane.
-fn root_growth(k: usize, change: impl Fn(u16) -> u16) -> impl Fn(&mut Vec<u8>) {
+fn root_growth(k: usize, change: impl Fn(i16) -> i16) -> impl Fn(&mut Vec<u8>) {
     move |b| {
-        let at = root_mode(b, k, offset_of!(ModeRows, growth));
-        let value = change(u16::from_le_bytes([b[at], b[at + 1]]));
+        let at = root_mode(b, k, offset_of!(ModePair, growth));
+        let value = change(i16::from_le_bytes([b[at], b[at + 1]]));
         put(b, at, &value.to_le_bytes());
     }
 }
@@ -243,9 +244,9 @@ fn changes() -> Vec<Change> {
     let mode = size_of::<Header>();
     let kind = offset_of!(SectionRecord, kind);
     let name = |n: &[u8; 4]| u32::from_le_bytes(*n);
-    let last_mode_row = |b: &[u8]| {
+    let step_row = |b: &[u8]| {
         let at = node(b, 0) + offset_of!(NodeRecord, mode_count);
-        usize::from(u16::from_le_bytes([b[at], b[at + 1]]))
+        pair_row(pair_count(u16::from_le_bytes([b[at], b[at + 1]]).into()))
     };
     vec![
         Box::new(|b| b.clear()),
@@ -295,8 +296,9 @@ fn changes() -> Vec<Change> {
         Box::new(field(SectionKind::NODES, kind, name(b"NODX"))),
         Box::new(|b| {
             let (nodes, rows) = (record(b, SectionKind::NODES), record(b, SectionKind::ROWS));
-            put(b, nodes, b"ROWS");
-            put(b, rows, b"NODE");
+            // Each with its layout.
+            put(b, nodes, b"ROWS\x03");
+            put(b, rows, b"NODE\x02");
         }),
         Box::new(field(
             SectionKind::METADATA,
@@ -419,13 +421,14 @@ fn changes() -> Vec<Change> {
         Box::new(root_bound(ROW_RADIUS, -1.0)),
         Box::new(root_bound(ROW_RADIUS, 0.99)),
         Box::new(root_growth(0, |n| n / 10 * 9)),
+        Box::new(root_growth(0, |n| -n)),
         Box::new(|b| {
             // −2¹⁵ units.
-            let at = root_mode(b, 0, offset_of!(ModeRows, cross));
+            let at = root_mode(b, 0, offset_of!(ModePair, cross));
             put(b, at, &i16::MIN.to_le_bytes());
         }),
         Box::new(move |b| {
-            let at = root_row(b, mode_row(last_mode_row(b)));
+            let at = root_row(b, step_row(b));
             put(b, at, &0.0_f32.to_le_bytes());
         }),
         Box::new(|b| {
@@ -585,7 +588,7 @@ fn every_rule_is_triggered() {
     );
     // Accessors.
     let asset = Asset::open(&FILE).expect("open");
-    let mut memory = [0.0; 12];
+    let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(&asset, &[0.0; 6], Transform::IDENTITY, &mut memory).expect("pose");
     seen.note(
         &asset

@@ -6,6 +6,7 @@
 use std::arch::asm;
 
 use bdtree_build::input::RawMesh;
+use bdtree_runtime::narrow::{Frustum, OrientedBox};
 use bdtree_runtime::{
     Asset, Contact, Kernel, PairContact, PairStackEntry, Pose, StackEntry, Transform, VertexId,
     query,
@@ -90,6 +91,12 @@ fn check_containment(asset: &Asset<'_>, pose: &Pose<'_>) {
     }
 }
 
+fn sorted(found: &[Contact]) -> Vec<u32> {
+    let mut ids: Vec<u32> = found.iter().map(|c| c.triangle.0).collect();
+    ids.sort_unstable();
+    ids
+}
+
 fn check_queries(asset: &Asset<'_>, pose: &Pose<'_>) {
     let triangles = oracle::deformed_triangles(asset, pose);
     let size = poses::diagonal(asset) * asset.unit();
@@ -110,6 +117,33 @@ fn check_queries(asset: &Asset<'_>, pose: &Pose<'_>) {
                 .map(|e| (e.0, e.1 - radius))
                 .collect::<Vec<_>>()
         );
+        let ends = [
+            point,
+            [0, 1, 2].map(|i| target[i] + radius * (i as f64 - 0.7)),
+        ];
+        found.clear();
+        query::capsule(
+            asset, pose, ends[0], ends[1], radius, &mut stack, &mut found,
+        )
+        .expect("capsule");
+        let expected = oracle::capsule(&triangles, ends, radius);
+        assert_eq!(
+            sorted(&found),
+            expected.iter().map(|e| e.0).collect::<Vec<_>>()
+        );
+        found.clear();
+        let (turned, half) = ([0.0, 0.6, 0.0, 0.8], [radius, 0.3 * radius, 2.0 * radius]);
+        query::cuboid(asset, pose, point, turned, half, &mut stack, &mut found).expect("box");
+        let expected = oracle::cuboid(&triangles, &OrientedBox::new(point, turned, half));
+        assert_eq!(
+            sorted(&found),
+            expected.iter().map(|e| e.0).collect::<Vec<_>>()
+        );
+        let height = 1.5 * target[0] - 2.0 * target[1] + 0.25 * target[2];
+        let planes = [[1.5, -2.0, 0.25, -height], [0.0, 1.0, 0.0, 2.0 * size]];
+        let planes = Frustum::new(&planes).expect("planes");
+        let state = query::frustum(asset, pose, &planes, &mut stack).expect("frustum");
+        assert_eq!(state.state, oracle::frustum(&triangles, &planes));
         let near = query::closest(asset, pose, point, f64::INFINITY, &mut stack).expect("closest");
         let near = near.hit.map(|h| (h.triangle.0, h.distance));
         assert_eq!(near, oracle::closest(&triangles, point, f64::INFINITY));
@@ -140,7 +174,7 @@ fn check_queries(asset: &Asset<'_>, pose: &Pose<'_>) {
 fn check_mesh(mesh: &RawMesh, mode_count: usize) {
     let bytes = bake::baked(mesh, &bake::smooth_basis(mesh, mode_count, 2));
     let asset = Asset::open(&bytes).expect("open");
-    for kernel in [Kernel::Scalar, Kernel::Avx2] {
+    for kernel in Kernel::ALL {
         let Some(asset) = asset.with_kernel(kernel) else {
             continue;
         };

@@ -84,8 +84,8 @@ fn playback_is_what_was_baked() {
         let frame = asset.frame(k).expect("a frame");
         let motion = animation.motions[k];
         let placed = place.after(frame.transform()).expect("a placement");
-        let mut memory = [0.0; 12];
-        let mut memory2 = [0.0; 12];
+        let mut memory = [0.0; 16];
+        let mut memory2 = [0.0; 16];
         let pose = Pose::new(&asset, frame.q(), frame.transform(), &mut memory).expect("pose");
         let pose2 = Pose::new(&asset, frame.q(), placed, &mut memory2).expect("pose");
         for i in 0..mesh.positions.len() {

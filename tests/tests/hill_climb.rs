@@ -6,19 +6,7 @@ use bdtree_runtime::{Asset, Kernel, Pose, Transform, VertexId};
 use bdtree_tests::{bake, poses};
 use rand::RngExt;
 
-/// u = 2⁻²⁴.
-const U: f64 = 1.0 / (1_u64 << 24) as f64;
-
-/// `slack` of docs/guarantees.md.
-fn slack(asset: &Asset<'_>, q: &[f32]) -> f64 {
-    let s: f64 = (asset.modes().iter().zip(q))
-        .map(|(mode, q)| f64::from(mode.field_norm_max.get()) * f64::from(q.abs()))
-        .sum();
-    let p = f64::from(asset.header().position_norm_max.get());
-    8.0 * U * p + (2.0 * q.len() as f64 + 8.0) * U * s + 2_f64.powi(-54)
-}
-
-/// How far outside the sphere of (node, lane) the vertex is, over the slack; below 0 inside.
+/// How far outside the sphere of (node, lane) the vertex is, over the pose's slack; below 0 inside.
 fn violation(asset: &Asset<'_>, q: &[f32], node: u32, lane: usize, vertex: u32) -> f64 {
     let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory).expect("pose");
@@ -33,7 +21,7 @@ fn violation(asset: &Asset<'_>, q: &[f32], node: u32, lane: usize, vertex: u32) 
     let square: f64 = (0..3)
         .map(|k| (f64::from(p[k]) - f64::from(spheres.centre[k][lane])).powi(2))
         .sum();
-    (square.sqrt() - radius) / slack(asset, q)
+    (square.sqrt() - radius) * asset.unit() / pose.slack()
 }
 
 /// Leaf lanes and the vertices they hold.
@@ -101,7 +89,7 @@ fn no_climb_leaves_a_sphere() {
     for p in &mut shifted.positions {
         *p = [p[0] + 1.5, p[1] - 1.0, p[2]];
     }
-    let kernels = [Kernel::Scalar, Kernel::Avx2, Kernel::Neon];
+    let kernels = Kernel::ALL;
     for kernel in kernels.into_iter().filter(|k| k.is_available()) {
         for (mesh, mode_count) in [(&mesh, 1), (&shifted, 2), (&shifted, 8), (&mesh, 48)] {
             let worst = climb(mesh, mode_count, kernel, 48, 2500);

@@ -8,9 +8,11 @@ use std::sync::LazyLock;
 use bdtree_build::basis::Basis;
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
 use bdtree_format::{Header, NodeRecord, SectionKind, SectionRecord};
+use bdtree_runtime::narrow::Frustum;
 use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, FormatError, PairContact, PairStackEntry, Pose, QueryError,
-    SliceSink, StackEntry, Transform, query,
+    AlignedBytes, Asset, Contact, FormatError, LeafSlot, NodeSlot, PairContact, PairStackEntry,
+    Pose, QueryError, SearchEntry, SliceSink, StackEntry, StepCache, Transform, TrianglePair,
+    query,
 };
 use bdtree_tests::{bake, mutate, poses};
 use rand::RngExt;
@@ -103,6 +105,8 @@ struct Scratch {
     pair_stack: Vec<PairStackEntry>,
     contacts: Vec<Contact>,
     pairs: Vec<PairContact>,
+    search: Vec<SearchEntry>,
+    ids: Vec<TrianglePair>,
     turn: usize,
 }
 
@@ -113,6 +117,8 @@ impl Scratch {
             pair_stack: vec![PairStackEntry::default(); 70 * 32 + 1],
             contacts: vec![Contact::EMPTY; 4096],
             pairs: vec![PairContact::EMPTY; 4096],
+            search: vec![SearchEntry::default(); 14 * 32 + 1],
+            ids: vec![TrianglePair::EMPTY; 4096],
             turn: 0,
         }
     }
@@ -155,6 +161,19 @@ impl Scratch {
         if let Some(outcome) = answered(query::plane(asset, &pose, normal, 0.0, stack, &mut sink)) {
             assert!(outcome.nodes_visited <= visits_max);
         }
+        sink.clear();
+        let found = query::capsule(asset, &pose, point, normal, 0.1, stack, &mut sink);
+        assert!(answered(found).is_none_or(|o| o.nodes_visited <= visits_max));
+        sink.clear();
+        let (turned, half) = ([0.0, 0.6, 0.0, 0.8], [0.3, 0.2, 0.4]);
+        let found = query::cuboid(asset, &pose, point, turned, half, stack, &mut sink);
+        assert!(answered(found).is_none_or(|o| o.nodes_visited <= visits_max));
+        let planes = Frustum::new(&[[1.0, 2.0, 3.0, 0.0], [-1.0, 0.5, 0.0, 0.8]]).expect("planes");
+        let found = answered(query::frustum(asset, &pose, &planes, stack));
+        assert!(found.is_none_or(|o| o.nodes_visited <= 1 + visits_max));
+        if let Some(sphere) = answered(query::root_sphere(asset, &pose)) {
+            assert!(sphere.radius >= 0.0 && sphere.center.iter().all(|x| x.is_finite()));
+        }
         let near = answered(query::closest(asset, &pose, point, f64::INFINITY, stack));
         assert!(near.is_none_or(|n| n.nodes_visited <= visits_max));
         let hit = answered(query::ray(
@@ -188,7 +207,44 @@ impl Scratch {
         let mut sink = SliceSink::new(&mut self.pairs);
         let found = query::pair(a, b, tolerance, &mut self.pair_stack, &mut sink);
         let bound = 2 * 81 * visits_max * partner.node_count() as u64;
-        assert!(answered(found).is_none_or(|o| o.nodes_visited <= bound));
+        let plain = answered(found);
+        assert!(plain.is_none_or(|o| o.nodes_visited <= bound));
+
+        let slots = || StepCache::new([NodeSlot::EMPTY; 20], [LeafSlot::EMPTY; 4]);
+        let (mut cache_a, mut cache_b) = (slots(), slots());
+        let (mut pose_a, mut pose_b) = (cache_a.start(a.1), cache_b.start(b.1));
+        let (kept_a, kept_b) = ((a.0, &mut pose_a), (b.0, &mut pose_b));
+        let mut sink = SliceSink::new(&mut self.ids);
+        let found = query::touching(kept_a, kept_b, tolerance, &mut self.pair_stack, &mut sink);
+        let cached = answered(found);
+        assert_eq!(
+            cached.map(|o| o.nodes_visited),
+            plain.map(|o| o.nodes_visited)
+        );
+        if !self.turn.is_multiple_of(3) {
+            return; // what follows, for every third file
+        }
+        let near = answered(query::distance(a, b, f64::INFINITY, &mut self.search));
+        assert!(near.is_none_or(|n| n.nodes_visited <= bound));
+        let mut budget = query::Budget::new(20, &mut self.search);
+        answered(budget.distance(a, b, f64::INFINITY));
+        answered(budget.closest(asset, &pose, point, f64::INFINITY));
+        answered(budget.ray(asset, &pose, [3.0; 3], [-1.0; 3], f64::INFINITY));
+        let mut sink = SliceSink::new(&mut self.contacts);
+        answered(budget.ball(asset, &pose, point, 0.4, &mut sink));
+        // Ids of another file's triangles are as good as any.
+        let mut pairs = self.pairs[..8].to_vec();
+        let mut slots = [query::ManifoldSlot::default(); query::ManifoldSlot::count(8)];
+        let mut regions: Vec<query::ContactRegion> = Vec::new();
+        let (stack, memory) = (&mut self.stack, &mut slots);
+        answered(query::manifold(
+            a,
+            b,
+            &mut pairs,
+            memory,
+            stack,
+            &mut regions,
+        ));
     }
 }
 

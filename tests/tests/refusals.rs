@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 
+use bdtree_runtime::narrow::Frustum;
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Pose, PoseError, QueryError, StackEntry, Transform, query,
 };
@@ -39,23 +40,23 @@ fn every_pose_error_is_triggered() {
         (
             posed(&[0.0; 5], 9, here),
             PoseError::Memory {
-                needed: 10,
+                needed: 14,
                 found: 9,
             },
-            "pose memory holds 9 numbers, 10 are needed",
+            "pose memory holds 9 numbers, 14 are needed",
         ),
         (
-            posed(&q(f32::NAN), 10, here),
+            posed(&q(f32::NAN), 14, here),
             PoseError::NotFinite { mode: 2 },
             "q[2] is not a finite number",
         ),
         (
-            posed(&q(f32::NEG_INFINITY), 10, here),
+            posed(&q(f32::NEG_INFINITY), 14, here),
             PoseError::NotFinite { mode: 2 },
             "q[2] is not",
         ),
         (
-            posed(&q(-limit * 2.0), 10, here),
+            posed(&q(-limit * 2.0), 14, here),
             PoseError::OverLimit {
                 mode: 2,
                 found: limit * 2.0,
@@ -64,14 +65,14 @@ fn every_pose_error_is_triggered() {
             "is over the asset's limit of",
         ),
         (
-            posed(&q(0.0), 10, Transform { rotation, ..here }),
+            posed(&q(0.0), 14, Transform { rotation, ..here }),
             PoseError::Rotation,
             "quaternion",
         ),
         (
             posed(
                 &q(0.0),
-                10,
+                14,
                 Transform {
                     translation,
                     ..here
@@ -81,7 +82,7 @@ fn every_pose_error_is_triggered() {
             "translation is not finite",
         ),
         (
-            posed(&q(0.0), 10, Transform { scale, ..here }),
+            posed(&q(0.0), 14, Transform { scale, ..here }),
             PoseError::Scale,
             "scale is not one",
         ),
@@ -89,7 +90,7 @@ fn every_pose_error_is_triggered() {
         assert_eq!(found, expected);
         assert!(found.to_string().contains(text), "{found}");
     }
-    let mut memory = [0.0; 10];
+    let mut memory = [0.0; 16];
     assert!(
         Pose::new(&asset, &q(limit), here, &mut memory).is_ok(),
         "limits are inclusive"
@@ -102,7 +103,7 @@ fn every_query_error_is_triggered() {
     let asset = Asset::open(&file).expect("open");
     let copy = AlignedBytes::copy_of(&file);
     let other = Asset::open(&copy).expect("open");
-    let mut memory = [0.0; 10];
+    let mut memory = [0.0; 16];
     let pose = Pose::new(&asset, &[0.0; 5], Transform::IDENTITY, &mut memory).expect("pose");
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut pairs = vec![Default::default(); asset.pair_stack_len(&asset)];
@@ -112,6 +113,16 @@ fn every_query_error_is_triggered() {
     let origin = [0.0; 3];
 
     let found = query::ball(&other, &pose, origin, 1.0, &mut stack, &mut out);
+    assert_eq!(found, Err(QueryError::PoseMismatch));
+    let (turned, half) = ([0.0, 0.0, 0.0, 1.0], [1.0; 3]);
+    let found = query::capsule(&other, &pose, origin, origin, 1.0, &mut stack, &mut out);
+    assert_eq!(found, Err(QueryError::PoseMismatch));
+    let found = query::cuboid(&other, &pose, origin, turned, half, &mut stack, &mut out);
+    assert_eq!(found, Err(QueryError::PoseMismatch));
+    let planes = Frustum::new(&[[0.0, 0.0, 1.0, 0.0]]).expect("planes");
+    let found = query::frustum(&other, &pose, &planes, &mut stack);
+    assert_eq!(found, Err(QueryError::PoseMismatch));
+    let found = query::root_sphere(&other, &pose);
     assert_eq!(found, Err(QueryError::PoseMismatch));
     let two = ((&asset, &pose), (&other, &pose));
     let found = query::pair(two.0, two.1, 0.0, &mut pairs, &mut pair_out);
@@ -144,6 +155,15 @@ fn every_query_error_is_triggered() {
         query::ray(&asset, &pose, origin, [1.0; 3], inf, short),
         Err(memory)
     );
+    assert_eq!(
+        query::capsule(&asset, &pose, origin, origin, 1.0, short, &mut out),
+        Err(memory)
+    );
+    assert_eq!(
+        query::cuboid(&asset, &pose, origin, turned, half, short, &mut out),
+        Err(memory)
+    );
+    assert_eq!(query::frustum(&asset, &pose, &planes, short), Err(memory));
     let needed = pairs.len();
     let memory = QueryError::Memory {
         needed,
@@ -166,11 +186,20 @@ fn every_query_error_is_triggered() {
         argument(query::ball(&asset, &pose, point, 1.0, &mut stack, &mut out).err());
         argument(query::ball(&asset, &pose, origin, bad, &mut stack, &mut out).err());
         argument(query::plane(&asset, &pose, [1.0; 3], bad, &mut stack, &mut out).err());
-        argument(query::closest(&asset, &pose, point, inf, &mut stack).err());
-        argument(query::ray(&asset, &pose, point, [1.0; 3], inf, &mut stack).err());
+        let (out, stack) = (&mut out, &mut stack);
+        argument(query::capsule(&asset, &pose, point, origin, 1.0, stack, out).err());
+        argument(query::capsule(&asset, &pose, origin, point, 1.0, stack, out).err());
+        argument(query::cuboid(&asset, &pose, point, turned, half, stack, out).err());
+        let quaternion = [0.0, bad, 0.0, 1.0];
+        argument(query::cuboid(&asset, &pose, origin, quaternion, half, stack, out).err());
+        argument(query::closest(&asset, &pose, point, inf, stack).err());
+        argument(query::ray(&asset, &pose, point, [1.0; 3], inf, stack).err());
         argument(query::pair(same.0, same.1, bad, &mut pairs, &mut pair_out).err());
     }
     for bad in [nan, -1.0, -f64::MIN_POSITIVE, far] {
+        let (thick, thin) = ([1.0, bad, 1.0], &mut out);
+        argument(query::capsule(&asset, &pose, origin, origin, bad, &mut stack, thin).err());
+        argument(query::cuboid(&asset, &pose, origin, turned, thick, &mut stack, thin).err());
         argument(query::ball(&asset, &pose, origin, bad, &mut stack, &mut out).err());
         argument(query::closest(&asset, &pose, origin, bad, &mut stack).err());
         argument(query::ray(&asset, &pose, origin, [1.0; 3], bad, &mut stack).err());
@@ -180,5 +209,10 @@ fn every_query_error_is_triggered() {
         argument(query::plane(&asset, &pose, bad, 0.0, &mut stack, &mut out).err());
         argument(query::ray(&asset, &pose, origin, bad, inf, &mut stack).err());
     }
-    assert!(texts.len() >= 9, "{texts:?}");
+    for bad in [[0.0; 4], [0.0, 0.0, 0.0, 1.0011], [0.5, 0.5, 0.5, 0.497]] {
+        argument(query::cuboid(&asset, &pose, origin, bad, half, &mut stack, &mut out).err());
+    }
+    let edge = [0.0, 0.0, 0.0, 0.99901];
+    assert!(query::cuboid(&asset, &pose, origin, edge, half, &mut stack, &mut out).is_ok());
+    assert!(texts.len() >= 13, "{texts:?}");
 }

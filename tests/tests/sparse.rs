@@ -30,7 +30,7 @@ fn sphere() -> AlignedBytes {
     bake::baked(&mesh, &basis)
 }
 
-/// Contacts of a ball and a plane, and of a pair with the mesh at rest.
+/// Contacts of a ball, a plane, a capsule and a box, and of a pair with the mesh at rest.
 fn answers(asset: &Asset<'_>, q: &[f32], place: Transform) -> (Vec<Contact>, Vec<PairContact>) {
     let mut memory = vec![0.0; asset.pose_len()];
     let mut memory2 = memory.clone();
@@ -43,6 +43,26 @@ fn answers(asset: &Asset<'_>, q: &[f32], place: Transform) -> (Vec<Contact>, Vec
     let point = [0.8, 0.1, -0.3];
     query::ball(asset, &pose, point, 0.5, &mut stack, &mut contacts).expect("ball");
     query::plane(asset, &pose, point, 0.2, &mut stack, &mut contacts).expect("plane");
+    query::capsule(
+        asset,
+        &pose,
+        point,
+        [0.0; 3],
+        0.2,
+        &mut stack,
+        &mut contacts,
+    )
+    .expect("capsule");
+    query::cuboid(
+        asset,
+        &pose,
+        point,
+        [0.0, 0.0, 0.6, 0.8],
+        [0.4; 3],
+        &mut stack,
+        &mut contacts,
+    )
+    .expect("box");
     let (a, b) = ((asset, &pose), (asset, &other));
     query::pair(a, b, 0.01, &mut pair_stack, &mut pairs).expect("pair");
     (contacts, pairs)

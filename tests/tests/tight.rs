@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
-use bdtree_format::{LANES, ROW_RADIUS, Row, SectionKind, mode_row};
+use bdtree_format::{PairRow, ROW_RADIUS, Row, SectionKind, pair_row};
 use bdtree_runtime::{AlignedBytes, Asset, Displacements, NodeRows, VertexId};
 use bdtree_tests::mutate::{get_f32, put, repair, section};
 use bdtree_tests::{bake, golden};
@@ -110,7 +110,7 @@ impl Lane<'_> {
     }
 
     fn mode_count(&self) -> usize {
-        self.rows().modes.len()
+        usize::from(self.asset.nodes()[self.node].mode_count)
     }
 
     /// The number for q at its limit, if it is a mode's, and in units of its row.
@@ -119,8 +119,8 @@ impl Lane<'_> {
         let [_, growth, cross] = rows.units.map(f64::from);
         match number {
             Number::Radius => (f64::from(rows.leading[ROW_RADIUS][lane]), 1.0),
-            Number::Growth(k) => (f64::from(rows.modes[k].growth[lane]), growth),
-            Number::Cross(k, which) => (f64::from(rows.modes[k].cross[which][lane]), cross),
+            Number::Growth(k) => (f64::from(rows.numbers(k, lane)[3]), growth),
+            Number::Cross(k, which) => (f64::from(rows.numbers(k, lane)[4 + which]), cross),
             Number::Step(which) => (f64::from(rows.steps[which][lane]), 1.0),
         }
     }
@@ -134,12 +134,14 @@ impl Lane<'_> {
     fn place(&self, number: Number) -> usize {
         let first = self.asset.nodes()[self.node].row_start as usize;
         let row = |row: usize| (first + row) * size_of::<Row>();
-        let of_mode = |k: usize, which: usize| row(mode_row(k)) + 2 * (LANES * which + self.lane);
+        let of_mode = |k: usize, which: usize| {
+            row(pair_row(k / 2)) + size_of::<PairRow>() * which + 4 * self.lane + 2 * (k % 2)
+        };
         match number {
             Number::Radius => row(ROW_RADIUS) + 4 * self.lane,
             Number::Growth(k) => of_mode(k, 3),
             Number::Cross(k, which) => of_mode(k, 4 + which),
-            Number::Step(which) => row(mode_row(self.mode_count()) + which) + 4 * self.lane,
+            Number::Step(which) => row(pair_row(self.rows().pairs.len()) + which) + 4 * self.lane,
         }
     }
 
@@ -160,10 +162,8 @@ impl Lane<'_> {
         let u = self.displacements(i).of(mode);
         let limit = f64::from(self.asset.modes()[mode].q_limit.get());
         let (rows, unit) = (self.rows(), f64::from(self.rows().units[0]));
-        let mean = rows.modes[k]
-            .centre
-            .map(|row| f64::from(row[self.lane]) * unit);
-        [0, 1, 2].map(|a| f64::from(u[a]) * limit - mean[a])
+        let mean = rows.numbers(k, self.lane);
+        [0, 1, 2].map(|a| f64::from(u[a]) * limit - f64::from(mean[a]) * unit)
     }
 
     fn largest(&self, f: impl Fn(usize) -> f64) -> f64 {
@@ -258,8 +258,9 @@ fn check(bytes: &AlignedBytes, irregular: bool) {
                 let mut lower = |to: f64| {
                     let stored: Vec<u8> = bytes[at..at + 4].to_vec();
                     match number {
-                        Number::Growth(_) => put(&mut changed, at, &(to as u16).to_le_bytes()),
-                        Number::Cross(..) => put(&mut changed, at, &(to as i16).to_le_bytes()),
+                        Number::Growth(_) | Number::Cross(..) => {
+                            put(&mut changed, at, &(to as i16).to_le_bytes())
+                        }
                         _ => put(&mut changed, at, &(to as f32).to_le_bytes()),
                     }
                     repair(&mut changed);

@@ -1,0 +1,226 @@
+//! Budgeted queries: their bounds are true, rise with the budget, and end at the plain answer.
+
+use bdtree_runtime::query::{self, Budget, Budgeted};
+use bdtree_runtime::{
+    Asset, ClosestPoint, Contact, PairContact, Pose, RayHit, SearchEntry, SliceSink, StackEntry,
+    Transform,
+};
+use bdtree_tests::compare::kernels;
+use bdtree_tests::near::two;
+use bdtree_tests::{bake, oracle, poses};
+use rand::RngExt;
+
+/// Asks with rising budgets and memory of `room` entries, and compares with the plain answer. Returns
+/// the number of visits with which the answer was complete.
+fn rising<T: Copy + PartialEq + std::fmt::Debug>(
+    room: usize,
+    exact: Option<T>,
+    distance: impl Fn(&T) -> f64,
+    limit: f64,
+    ask: impl Fn(&mut Budget<'_>) -> Budgeted<Option<T>>,
+) -> Option<u64> {
+    let mut memory = vec![SearchEntry::default(); room];
+    let (mut bound, mut best) = (0.0, f64::INFINITY);
+    let truth = exact.as_ref().map_or(limit, &distance);
+    for n in [
+        0,
+        1,
+        2,
+        3,
+        4,
+        6,
+        8,
+        12,
+        16,
+        24,
+        32,
+        48,
+        64,
+        128,
+        256,
+        512,
+        1 << 20,
+    ] {
+        let answer = ask(&mut Budget::new(n, &mut memory));
+        assert!(answer.nodes_visited <= n);
+        let found = answer.found.as_ref().map_or(f64::INFINITY, &distance);
+        assert!(answer.at_least <= truth, "{n}: {} {truth}", answer.at_least);
+        assert!(answer.at_least >= bound, "{n}: {} {bound}", answer.at_least);
+        assert!(found >= truth || exact.is_none(), "{n}: {found} {truth}");
+        assert!(
+            found <= best && found >= answer.at_least,
+            "{n}: {found} {best}"
+        );
+        (bound, best) = (answer.at_least, found);
+        if answer.complete {
+            assert_eq!(answer.found, exact, "{n}");
+            assert_eq!(answer.at_least, truth, "{n}");
+            return Some(answer.nodes_visited);
+        }
+    }
+    None
+}
+
+fn check(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64) {
+    let mut memory = vec![0.0; asset.pose_len()];
+    let pose = Pose::new(asset, q, transform, &mut memory).expect("pose");
+    let triangles = oracle::deformed_triangles(asset, &pose);
+    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let mut rng = poses::rng(seed);
+    let size = poses::diagonal(asset) * asset.unit() * transform.scale;
+    for round in 0..8 {
+        let target = triangles[rng.random_range(0..triangles.len())][0];
+        let mut point = target;
+        let far = [0.0, 0.1, 1.0, 1e6][round % 4];
+        for c in &mut point {
+            *c += far * size * rng.random_range(-1.0..1.0);
+        }
+        for limit in [f64::INFINITY, 0.3 * size] {
+            let exact = query::closest(asset, &pose, point, limit, &mut stack).expect("closest");
+            let ask = |budget: &mut Budget<'_>| {
+                budget.closest(asset, &pose, point, limit).expect("closest")
+            };
+            let by = |hit: &ClosestPoint| hit.distance;
+            let visits = rising(asset.node_count(), exact.hit, by, limit, ask);
+            // Best first visits no node that the plain query spares.
+            assert!(visits.expect("complete") <= exact.nodes_visited);
+            rising(6, exact.hit, by, limit, ask);
+            rising(0, exact.hit, by, limit, ask);
+        }
+        let direction = [0, 1, 2].map(|k| target[k] - point[k] + 0.01 * size);
+        for limit in [f64::INFINITY, 0.1 * size] {
+            let exact = query::ray(asset, &pose, point, direction, limit, &mut stack).expect("ray");
+            let ask = |budget: &mut Budget<'_>| {
+                let hit = budget.ray(asset, &pose, point, direction, limit);
+                hit.expect("ray")
+            };
+            let by = |hit: &RayHit| hit.distance;
+            let visits = rising(asset.node_count(), exact.hit, by, limit, ask);
+            assert!(visits.expect("complete") <= exact.nodes_visited);
+            rising(6, exact.hit, by, limit, ask);
+        }
+        check_ball(asset, &pose, point, size * rng.random_range(0.0..0.3));
+    }
+}
+
+fn check_ball(asset: &Asset<'_>, pose: &Pose<'_>, center: [f64; 3], radius: f64) {
+    let triangles = oracle::deformed_triangles(asset, pose);
+    let expected = oracle::ball(&triangles, center, radius);
+    for room in [asset.node_count(), 6] {
+        let mut memory = vec![SearchEntry::default(); room];
+        let (mut bound, mut complete) = (f64::NEG_INFINITY, false);
+        for n in [0, 1, 2, 4, 8, 16, 32, 64, 1 << 20] {
+            let mut found: Vec<Contact> = Vec::new();
+            let answer = Budget::new(n, &mut memory).ball(asset, pose, center, radius, &mut found);
+            let answer = answer.expect("ball");
+            let mut left = expected.clone();
+            for contact in &found {
+                let at = left.iter().position(|e| e.0 == contact.triangle.0);
+                let (_, distance) = left.remove(at.expect("each once, and only hits"));
+                assert_eq!(contact.dist, distance - radius);
+            }
+            for (id, distance) in &left {
+                assert!(distance - radius >= answer.at_least, "{id} was left out");
+            }
+            assert!(answer.found.triangles >= left.len() as u64);
+            assert!(!answer.found.truncated && answer.at_least >= bound);
+            bound = answer.at_least;
+            complete = answer.complete;
+            if complete {
+                assert_eq!((left.len(), answer.found.triangles), (0, 0));
+                assert_eq!(answer.at_least, 0.0);
+            }
+        }
+        assert!(complete || room == 6);
+        if expected.len() < 3 {
+            continue;
+        }
+        // A sink that is full: what it has, and a true bound for the rest.
+        let mut slots = [Contact::EMPTY; 2];
+        let mut sink = SliceSink::new(&mut slots);
+        let answer = Budget::new(1 << 20, &mut memory).ball(asset, pose, center, radius, &mut sink);
+        let answer = answer.expect("ball");
+        assert!(!answer.complete && (answer.found.truncated || room == 6));
+        for (id, distance) in &expected {
+            let taken = sink.items().iter().any(|c| c.triangle.0 == *id);
+            assert!(taken || distance - radius >= answer.at_least);
+        }
+    }
+}
+
+#[test]
+fn bounds_are_true_and_rise_to_the_answer() {
+    let mesh = bake::bumpy_sphere(16, 1);
+    for basis in [
+        bake::smooth_basis(&mesh, 6, 5),
+        bake::local_basis(&mesh, 6, 5),
+    ] {
+        let bytes = bake::baked(&mesh, &basis);
+        let asset = Asset::open(&bytes).expect("open");
+        let mut rng = poses::rng(3);
+        for asset in kernels(asset) {
+            for share in [0.0, 0.05, 0.5] {
+                let q = poses::random_q(&asset, share, &mut rng);
+                check(&asset, &q, poses::random_transform(5.0, &mut rng), 3);
+            }
+            for q in poses::hard_qs(&asset) {
+                check(&asset, &q, Transform::IDENTITY, 4);
+            }
+        }
+    }
+}
+
+#[test]
+fn distances_within_a_budget() {
+    let mesh = bake::bumpy_sphere(12, 1);
+    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 5));
+    let opened = Asset::open(&bytes).expect("open");
+    let mut rng = poses::rng(9);
+    for asset in kernels(opened) {
+        for gap in [0.3, 1.0, 4.0, 5000.0, 1e15] {
+            let qa = poses::random_q(&asset, 0.1, &mut rng);
+            let qb = poses::random_q(&asset, 0.1, &mut rng);
+            let ta = poses::random_transform(1.0, &mut rng);
+            let mut tb = poses::random_transform(1.0, &mut rng);
+            tb.translation = ta.translation.map(|x| x + gap * rng.random_range(1.0..2.0));
+            two(asset, &qa, ta, asset, &qb, tb, |two| {
+                let (a, b) = ((&asset, &two.a), (&asset, &two.b));
+                for limit in [f64::INFINITY, 2.0, 0.1] {
+                    if gap > 1e9 && limit > 2.0 {
+                        continue; // nothing can be pruned there
+                    }
+                    let mut stack = vec![SearchEntry::default(); asset.distance_stack_len(&asset)];
+                    let exact = query::distance(a, b, limit, &mut stack).expect("distance");
+                    let ask =
+                        |budget: &mut Budget<'_>| budget.distance(a, b, limit).expect("distance");
+                    let by = |hit: &PairContact| hit.dist;
+                    let visits = rising(1 << 16, exact.hit, by, limit, ask);
+                    assert!(visits.expect("complete") <= exact.nodes_visited);
+                    rising(20, exact.hit, by, limit, ask);
+                }
+            });
+        }
+    }
+}
+
+#[test]
+fn a_few_visits_already_tell_much() {
+    // Half the distance is certified, and an answer at most twice as far found, long before the end.
+    let mesh = bake::bumpy_sphere(40, 1);
+    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 4, 5));
+    let asset = Asset::open(&bytes).expect("open");
+    let mut memory = vec![0.0; asset.pose_len()];
+    let pose = Pose::new(&asset, &[0.5; 4], Transform::IDENTITY, &mut memory).expect("pose");
+    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let to = [1.5, 1.0, 0.5];
+    let exact = query::closest(&asset, &pose, to, f64::INFINITY, &mut stack).expect("closest");
+    let truth = exact.hit.expect("a hit").distance;
+    let n = asset.depth() as u64;
+    let mut queue = vec![SearchEntry::default(); Budget::queue_len(n)];
+    let mut budget = Budget::new(n, &mut queue);
+    let answer = budget
+        .closest(&asset, &pose, to, f64::INFINITY)
+        .expect("closest");
+    assert!(answer.at_least > 0.5 * truth, "{} {truth}", answer.at_least);
+    assert!(answer.found.expect("something").distance < 2.0 * truth);
+}

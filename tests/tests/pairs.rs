@@ -1,0 +1,123 @@
+//! Pairs that are hard to tell apart, and trees that tell nothing: the answers of brute force, with
+//! and without caches.
+
+use bdtree_build::input::RawMesh;
+use bdtree_format::{LANES, NodeRecord, ROW_RADIUS, Row, SectionKind};
+use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform};
+use bdtree_tests::compare::kernels;
+use bdtree_tests::mutate::{put, section};
+use bdtree_tests::pair_caches::PairCaches;
+use bdtree_tests::{bake, oracle, poses};
+use std::mem::{offset_of, size_of};
+
+/// Compares two instances that differ by `shift` and `q`, at `place`; the number of pairs found.
+fn check(bytes: &AlignedBytes, place: Transform, shift: [f64; 3], share: [f64; 2]) -> usize {
+    let asset = Asset::open(bytes).expect("open");
+    let qs = share.map(|share| poses::random_q(&asset, share, &mut poses::rng(3)));
+    let mut moved = place;
+    for k in 0..3 {
+        moved.translation[k] += shift[k];
+    }
+    let (mut memory_a, mut memory_b) = (vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]);
+    let a = Pose::new(&asset, &qs[0], place, &mut memory_a).expect("pose");
+    let b = Pose::new(&asset, &qs[1], moved, &mut memory_b).expect("pose");
+    let triangles = [&a, &b].map(|pose| oracle::deformed_triangles(&asset, pose));
+    let mut caches = PairCaches::new(&asset);
+    let mut count = 0;
+    for tolerance in [0.0, 1e-3 * place.scale] {
+        let expected = oracle::pair(&triangles[0], &triangles[1], tolerance);
+        count += expected.len();
+        for asset in kernels(asset) {
+            let found = caches.pairs(&asset, [&a, &b], tolerance);
+            assert_eq!(found, expected, "shift {shift:?}, tolerance {tolerance}");
+        }
+    }
+    count
+}
+
+fn sphere() -> AlignedBytes {
+    let mesh = bake::bumpy_sphere(10, 1);
+    bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 5))
+}
+
+#[test]
+fn identical_copies_and_slight_shifts() {
+    let bytes = sphere();
+    let turned = poses::random_transform(1.0, &mut poses::rng(9));
+    for place in [Transform::IDENTITY, turned] {
+        for share in [[0.0, 0.0], [0.2, 0.2], [0.2, 0.201]] {
+            for shift in [[0.0; 3], [1e-300, 0.0, 0.0], [0.0, 1e-9, 0.0], [0.01; 3]] {
+                assert!(check(&bytes, place, shift, share) > 0);
+            }
+        }
+    }
+}
+
+#[test]
+fn far_from_the_world_s_origin() {
+    let bytes = sphere();
+    for far in [1e3, 1e6, 1e9, 1e15] {
+        let mut place = poses::random_transform(1.0, &mut poses::rng(9));
+        place.translation = [far, -2.0 * far, 0.5 * far];
+        assert!(check(&bytes, place, [0.3, 0.2, 0.1], [0.2, 0.3]) > 0);
+    }
+}
+
+#[test]
+fn small_and_large_scales() {
+    let bytes = sphere();
+    for exponent in [-59, -30, 30, 59] {
+        let place = Transform {
+            scale: 2_f64.powi(exponent),
+            ..Transform::IDENTITY
+        };
+        let shift = [0.7 * place.scale; 3];
+        assert!(check(&bytes, place, shift, [0.2, 0.3]) > 0);
+    }
+}
+
+#[test]
+fn flat_sheets_that_share_a_plane() {
+    let mut mesh = RawMesh::default();
+    for i in 0..9_u32 {
+        for j in 0..9_u32 {
+            mesh.positions.push([f64::from(i), f64::from(j), 0.0]);
+            if i < 8 && j < 8 {
+                let at = 9 * i + j;
+                mesh.triangles.push([at, at + 9, at + 10]);
+                mesh.triangles.push([at, at + 10, at + 1]);
+            }
+        }
+    }
+    let bytes = bake::baked(&mesh, &bake::rigid(&mesh));
+    for shift in [
+        [0.0; 3],
+        [0.5, 0.0, 0.0],
+        [0.25, 0.25, 0.0],
+        [0.0, 0.0, 1e-12],
+    ] {
+        assert!(check(&bytes, Transform::IDENTITY, shift, [0.0; 2]) > 0);
+    }
+}
+
+/// Every radius a NaN: all lanes are entered, and the triangles decide.
+#[test]
+fn radii_that_are_no_numbers() {
+    let mut bytes = bake::baked(
+        &bake::bumpy_sphere(6, 1),
+        &bake::smooth_basis(&bake::bumpy_sphere(6, 1), 3, 5),
+    )
+    .to_vec();
+    let nodes = section(&bytes, SectionKind::NODES);
+    let rows = section(&bytes, SectionKind::ROWS);
+    for node in nodes.step_by(size_of::<NodeRecord>()) {
+        let at = node + offset_of!(NodeRecord, row_start);
+        let row = u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+        let radius = rows.start + (row as usize + ROW_RADIUS) * size_of::<Row>();
+        for lane in 0..LANES {
+            put(&mut bytes, radius + 4 * lane, &f32::NAN.to_le_bytes());
+        }
+    }
+    let bytes = AlignedBytes::copy_of(&bytes);
+    assert!(check(&bytes, Transform::IDENTITY, [1.0, 0.5, 0.0], [0.2, 0.3]) > 0);
+}
