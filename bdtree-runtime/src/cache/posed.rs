@@ -1,263 +1,27 @@
-//! What an instance keeps during a step: node spheres and deformed leaves, in the caller's memory.
-//!
-//! The paper updates a node when a step first visits it and reuses the result from then on (3.4). Here
-//! the result goes into a [`StepCache`] of whatever size the caller grants: a slot that is taken by
-//! another node only means that the node is evaluated again. Queries return the same with and
-//! without.
+//! A pose as traversals see it: spheres and leaves, kept or computed now.
 
-use bdtree_format::{LANES, Row, TriangleRecord, row_count};
+use bdtree_format::{TriangleRecord, row_count};
 
+use super::slots::{CHUNK, LeafChunk, LeafSlot, NodeSlot, STEP_END, leaf_place, place, tag};
+use super::step::CachedPose;
 use crate::bound::{Spheres, WideSpheres, evaluate};
 use crate::deform::RecentVertices;
 use crate::epoch::Drift;
-use crate::error::{FormatError, PoseError};
+use crate::error::FormatError;
 use crate::pose::Pose;
 use crate::proxy::DepthLimit;
 use crate::simd::{Lanes, Reference, prefetch};
 use crate::view::Asset;
 
-/// Triangles of a leaf that are kept together.
-pub(crate) const CHUNK: usize = 4;
-
-/// Memory for one node's spheres.
-#[derive(Debug, Clone, Copy)]
-pub struct NodeSlot {
-    /// Step and node; 0 for none.
-    tag: u64,
-    spheres: Spheres,
-}
-
-impl NodeSlot {
-    /// A slot that holds nothing, to fill memory with.
-    pub const EMPTY: Self = Self {
-        tag: 0,
-        spheres: Spheres {
-            centre: [[0.0; LANES]; 3],
-            radius: [0.0; LANES],
-        },
-    };
-}
-
-/// Memory for up to four deformed triangles of a leaf.
-#[derive(Debug, Clone, Copy)]
-pub struct LeafSlot {
-    /// Step and first triangle slot; 0 for none.
-    tag: u64,
-    pub(crate) leaf: LeafChunk,
-}
-
-impl LeafSlot {
-    /// A slot that holds nothing, to fill memory with.
-    pub const EMPTY: Self = Self {
-        tag: 0,
-        leaf: LeafChunk::EMPTY,
-    };
-}
-
-/// Up to four triangles that stand together in a leaf, deformed.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct LeafChunk {
-    /// Stored units: of each corner, of each coordinate, that of the four. Places beyond `len` repeat
-    /// the first triangle.
-    pub(crate) corners: [[[f32; CHUNK]; 3]; 3],
-    pub(crate) ids: [u32; CHUNK],
-    /// How many there are.
-    pub(crate) len: u32,
-}
-
-impl LeafChunk {
-    pub(crate) const EMPTY: Self = Self {
-        corners: [[[0.0; CHUNK]; 3]; 3],
-        ids: [0; CHUNK],
-        len: 0,
-    };
-
-    /// The corners of triangle `k`, below 4 (stored units).
-    #[inline(always)]
-    pub(crate) fn stored(&self, k: usize) -> [[f32; 3]; 3] {
-        let mut corners = [[0.0; 3]; 3];
-        for i in 0..3 {
-            for axis in 0..3 {
-                corners[i][axis] = self.corners[i][axis][k & (CHUNK - 1)];
-            }
-        }
-        corners
-    }
-
-    /// Deforms `records`, of which the first four are taken.
-    #[inline(always)]
-    pub(crate) fn deform<const LISTED: bool>(
-        &mut self,
-        asset: &Asset<'_>,
-        pose: &Pose<'_>,
-        records: &[TriangleRecord],
-        recent: &mut RecentVertices,
-    ) -> Result<(), FormatError> {
-        let len = records.len().min(CHUNK);
-        let mut stored = [[[0.0; 3]; 3]; CHUNK];
-        for k in 0..CHUNK {
-            // Beyond the end the first one again: a NaN there would be a lane that is never rejected.
-            let Some(record) = records.get(if k < len { k } else { 0 }) else {
-                break; // there is none at all
-            };
-            stored[k] = asset.stored_triangle::<LISTED>(pose, record, recent)?;
-            self.ids[k] = record.id;
-        }
-        let [a, b, c, d] = &stored;
-        for i in 0..3 {
-            for axis in 0..3 {
-                self.corners[i][axis] = [a[i][axis], b[i][axis], c[i][axis], d[i][axis]];
-            }
-        }
-        self.len = len as u32;
-        Ok(())
-    }
-}
-
-/// What one instance keeps during a step, in memory of the caller's: slices, arrays or vectors of
-/// [`NodeSlot`]s (136 bytes) and [`LeafSlot`]s (176 bytes), of any length. [`Asset::node_count`] node
-/// slots keep every node, half as many leaf slots as [`Asset::triangle_count`] every leaf.
-///
-/// ```
-/// # use bdtree_runtime::{StepCache, NodeSlot, LeafSlot};
-/// let cache = StepCache::new([NodeSlot::EMPTY; 64], [LeafSlot::EMPTY; 64]);
-/// ```
-#[derive(Debug, Clone)]
-pub struct StepCache<N, L> {
-    nodes: N,
-    leaves: L,
-    /// The step that leaves were deformed in, above 0 and below [`STEP_END`].
-    step: u32,
-    /// The step that nodes were evaluated in, and what identifies its pose.
-    epoch: u32,
-    reference: Option<u64>,
-}
-
-impl<N: AsMut<[NodeSlot]>, L: AsMut<[LeafSlot]>> StepCache<N, L> {
-    /// A cache over this memory, emptied.
-    pub fn new(mut nodes: N, mut leaves: L) -> Self {
-        clear(nodes.as_mut(), leaves.as_mut());
-        Self {
-            nodes,
-            leaves,
-            step: 0,
-            epoch: 0,
-            reference: None,
-        }
-    }
-
-    /// Forgets everything, in constant time, and serves `pose` from now on.
-    pub fn start<'s>(&'s mut self, pose: &'s Pose<'s>) -> CachedPose<'s> {
-        self.next_step();
-        self.epoch = self.step;
-        self.reference = Some(pose.fingerprint());
-        self.serve(pose, None)
-    }
-
-    /// Serves `pose` with the node spheres of the last [`StepCache::start`], whose pose was `reference`:
-    /// they grow by δR ‖q − q₀‖, one multiply-add per sphere instead of a node update (paper, eq. 8);
-    /// nodes first visited now are evaluated at `reference` too, so that errors do not add up over
-    /// steps. Leaves are deformed anew. Spheres are looser than evaluated ones: start again
-    /// when [`CachedPose::growth`] is no longer small beside the radius of a leaf.
-    ///
-    /// # Errors
-    /// [`PoseError::Reference`] if `reference` is not the pose of the last start, or `pose` one of
-    /// another asset.
-    pub fn follow<'s>(
-        &'s mut self,
-        asset: &Asset<'_>,
-        reference: &'s Pose<'s>,
-        pose: &'s Pose<'s>,
-    ) -> Result<CachedPose<'s>, PoseError> {
-        if self.reference != Some(reference.fingerprint()) {
-            return Err(PoseError::Reference);
-        }
-        let drift = Drift::new(asset, reference, pose).ok_or(PoseError::Reference)?;
-        let epoch = self.epoch;
-        self.next_step();
-        if self.epoch != epoch {
-            return Ok(self.start(pose)); // the count began anew and everything is forgotten
-        }
-        Ok(self.serve(pose, Some((reference, drift))))
-    }
-
-    /// Counts on; at the end of the count everything is forgotten.
-    fn next_step(&mut self) {
-        self.step += 1;
-        if self.step == STEP_END {
-            clear(self.nodes.as_mut(), self.leaves.as_mut());
-            (self.step, self.epoch, self.reference) = (1, 0, None);
-        }
-    }
-
-    fn serve<'s>(
-        &'s mut self,
-        pose: &'s Pose<'s>,
-        drift: Option<(&'s Pose<'s>, Drift)>,
-    ) -> CachedPose<'s> {
-        CachedPose {
-            pose,
-            drift,
-            nodes: self.nodes.as_mut(),
-            leaves: self.leaves.as_mut(),
-            step: self.step,
-            epoch: self.epoch,
-        }
-    }
-}
-
-fn clear(nodes: &mut [NodeSlot], leaves: &mut [LeafSlot]) {
-    for slot in nodes {
-        slot.tag = 0;
-    }
-    for slot in leaves {
-        slot.tag = 0;
-    }
-}
-
-/// A pose together with what queries on it have computed so far; made by [`StepCache::start`] or
-/// [`StepCache::follow`]. Queries take `&mut` of it in place of `&Pose`.
-#[derive(Debug)]
-pub struct CachedPose<'s> {
-    pose: &'s Pose<'s>,
-    /// Where nodes are evaluated, if not at `pose`.
-    drift: Option<(&'s Pose<'s>, Drift)>,
-    nodes: &'s mut [NodeSlot],
-    leaves: &'s mut [LeafSlot],
-    step: u32,
-    epoch: u32,
-}
-
-impl<'s> CachedPose<'s> {
-    /// The pose.
-    pub fn pose(&self) -> &'s Pose<'s> {
-        self.pose
-    }
-
-    /// What following a reference has added to the radii of the root's lanes, at most (world units):
-    /// about as much as to all others, since δR hardly shrinks with depth.
-    ///
-    /// # Errors
-    /// A corrupt asset.
-    pub fn growth(&self, asset: &Asset<'_>) -> Result<f64, FormatError> {
-        let Some((_, drift)) = &self.drift else {
-            return Ok(0.0);
-        };
-        let added = drift.added(asset.node_rows(asset.node(0)?)?.steps);
-        let largest = added.into_iter().fold(0.0_f32, f32::max);
-        Ok(f64::from(largest) * self.pose.frame.world_per_stored())
-    }
-}
-
 /// A pose to query, with what a step keeps or without: queries take anything that becomes one.
 #[derive(Debug)]
 pub struct Posed<'s> {
     pub(crate) pose: &'s Pose<'s>,
-    drift: Option<(&'s Pose<'s>, Drift)>,
-    nodes: &'s mut [NodeSlot],
-    leaves: &'s mut [LeafSlot],
-    step: u32,
-    epoch: u32,
+    pub(super) drift: Option<(&'s Pose<'s>, Drift)>,
+    pub(super) nodes: &'s mut [NodeSlot],
+    pub(super) leaves: &'s mut [LeafSlot],
+    pub(super) step: u32,
+    pub(super) epoch: u32,
     pub(crate) limit: Option<DepthLimit<'s>>,
 }
 
@@ -292,8 +56,8 @@ impl<'s> From<&'s mut CachedPose<'_>> for Posed<'s> {
 /// What one query keeps for itself where the caller grants no [`StepCache`].
 #[derive(Default)]
 pub(crate) struct OwnCache {
-    nodes: Option<[NodeSlot; 32]>,
-    leaves: Option<[LeafSlot; 16]>,
+    pub(super) nodes: Option<[NodeSlot; 32]>,
+    pub(super) leaves: Option<[LeafSlot; 16]>,
 }
 
 impl<'s> Posed<'s> {
@@ -526,34 +290,3 @@ impl Posed<'_> {
         Ok(&slot.leaf)
     }
 }
-
-/// Steps are below this bit, which marks what the reference kernel computed.
-const STEP_END: u32 = 1 << 31;
-
-/// Where key `key` is kept among `len` slots.
-#[inline(always)]
-fn place(key: usize, len: usize) -> usize {
-    if key < len || len == 0 {
-        key
-    } else {
-        // The low bits, as many as there are slots for.
-        key & (usize::MAX >> len.leading_zeros() >> 1)
-    }
-}
-
-/// Where the triangles from `start` on are kept among `len` slots: leaves that follow each other
-/// begin about four triangles apart.
-#[inline(always)]
-fn leaf_place(start: u32, len: usize) -> usize {
-    place(start as usize / 2, len)
-}
-
-/// What a slot's tag is when it holds `key` of `step`.
-#[inline(always)]
-fn tag(step: u32, key: u32) -> u64 {
-    u64::from(step) << 32 | u64::from(key)
-}
-
-/// What the documentation of [`StepCache`] says.
-const _: () = assert!(size_of::<NodeSlot>() == 8 + 4 * size_of::<Row>());
-const _: () = assert!(size_of::<LeafSlot>() == 176);

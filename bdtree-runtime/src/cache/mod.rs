@@ -1,0 +1,16 @@
+//! What an instance keeps during a step: node spheres and deformed leaves, in the caller's memory.
+//!
+//! The paper updates a node when a step first visits it and reuses the result from then on (3.4). Here
+//! the result goes into a [`StepCache`] of whatever size the caller grants: a slot that is taken by
+//! another node only means that the node is evaluated again. Queries return the same with and
+//! without.
+
+mod posed;
+mod slots;
+mod step;
+
+pub(crate) use posed::OwnCache;
+pub use posed::Posed;
+pub(crate) use slots::{CHUNK, LeafChunk};
+pub use slots::{LeafSlot, NodeSlot};
+pub use step::{CachedPose, StepCache};

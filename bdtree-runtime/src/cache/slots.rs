@@ -1,0 +1,138 @@
+//! Memory for what is kept: the slots, what they hold and which one is whose.
+
+use bdtree_format::{LANES, Row, TriangleRecord};
+
+use crate::bound::Spheres;
+use crate::deform::RecentVertices;
+use crate::error::FormatError;
+use crate::pose::Pose;
+use crate::view::Asset;
+
+/// Triangles of a leaf that are kept together.
+pub(crate) const CHUNK: usize = 4;
+
+/// Memory for one node's spheres.
+#[derive(Debug, Clone, Copy)]
+pub struct NodeSlot {
+    /// Step and node; 0 for none.
+    pub(super) tag: u64,
+    pub(super) spheres: Spheres,
+}
+
+impl NodeSlot {
+    /// A slot that holds nothing, to fill memory with.
+    pub const EMPTY: Self = Self {
+        tag: 0,
+        spheres: Spheres {
+            centre: [[0.0; LANES]; 3],
+            radius: [0.0; LANES],
+        },
+    };
+}
+
+/// Memory for up to four deformed triangles of a leaf.
+#[derive(Debug, Clone, Copy)]
+pub struct LeafSlot {
+    /// Step and first triangle slot; 0 for none.
+    pub(super) tag: u64,
+    pub(crate) leaf: LeafChunk,
+}
+
+impl LeafSlot {
+    /// A slot that holds nothing, to fill memory with.
+    pub const EMPTY: Self = Self {
+        tag: 0,
+        leaf: LeafChunk::EMPTY,
+    };
+}
+
+/// Up to four triangles that stand together in a leaf, deformed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LeafChunk {
+    /// Stored units: of each corner, of each coordinate, that of the four. Places beyond `len` repeat
+    /// the first triangle.
+    pub(crate) corners: [[[f32; CHUNK]; 3]; 3],
+    pub(crate) ids: [u32; CHUNK],
+    /// How many there are.
+    pub(crate) len: u32,
+}
+
+impl LeafChunk {
+    pub(crate) const EMPTY: Self = Self {
+        corners: [[[0.0; CHUNK]; 3]; 3],
+        ids: [0; CHUNK],
+        len: 0,
+    };
+
+    /// The corners of triangle `k`, below 4 (stored units).
+    #[inline(always)]
+    pub(crate) fn stored(&self, k: usize) -> [[f32; 3]; 3] {
+        let mut corners = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for axis in 0..3 {
+                corners[i][axis] = self.corners[i][axis][k & (CHUNK - 1)];
+            }
+        }
+        corners
+    }
+
+    /// Deforms `records`, of which the first four are taken.
+    #[inline(always)]
+    pub(crate) fn deform<const LISTED: bool>(
+        &mut self,
+        asset: &Asset<'_>,
+        pose: &Pose<'_>,
+        records: &[TriangleRecord],
+        recent: &mut RecentVertices,
+    ) -> Result<(), FormatError> {
+        let len = records.len().min(CHUNK);
+        let mut stored = [[[0.0; 3]; 3]; CHUNK];
+        for k in 0..CHUNK {
+            // Beyond the end the first one again: a NaN there would be a lane that is never rejected.
+            let Some(record) = records.get(if k < len { k } else { 0 }) else {
+                break; // there is none at all
+            };
+            stored[k] = asset.stored_triangle::<LISTED>(pose, record, recent)?;
+            self.ids[k] = record.id;
+        }
+        let [a, b, c, d] = &stored;
+        for i in 0..3 {
+            for axis in 0..3 {
+                self.corners[i][axis] = [a[i][axis], b[i][axis], c[i][axis], d[i][axis]];
+            }
+        }
+        self.len = len as u32;
+        Ok(())
+    }
+}
+
+/// Steps are below this bit, which marks what the reference kernel computed.
+pub(super) const STEP_END: u32 = 1 << 31;
+
+/// Where key `key` is kept among `len` slots.
+#[inline(always)]
+pub(super) fn place(key: usize, len: usize) -> usize {
+    if key < len || len == 0 {
+        key
+    } else {
+        // The low bits, as many as there are slots for.
+        key & (usize::MAX >> len.leading_zeros() >> 1)
+    }
+}
+
+/// Where the triangles from `start` on are kept among `len` slots: leaves that follow each other
+/// begin about four triangles apart.
+#[inline(always)]
+pub(super) fn leaf_place(start: u32, len: usize) -> usize {
+    place(start as usize / 2, len)
+}
+
+/// What a slot's tag is when it holds `key` of `step`.
+#[inline(always)]
+pub(super) fn tag(step: u32, key: u32) -> u64 {
+    u64::from(step) << 32 | u64::from(key)
+}
+
+/// What the documentation of [`StepCache`] says.
+const _: () = assert!(size_of::<NodeSlot>() == 8 + 4 * size_of::<Row>());
+const _: () = assert!(size_of::<LeafSlot>() == 176);
