@@ -17,7 +17,7 @@ impl Asset<'_> {
     ///
     /// # Errors
     /// When there is no such vertex.
-    #[inline]
+    #[inline(always)]
     pub fn deformed_stored(
         &self,
         pose: &Pose<'_>,
@@ -37,8 +37,7 @@ impl Asset<'_> {
     }
 
     /// [`Asset::deformed_stored`] for the layout of displacements that the asset has: `LISTED` is
-    /// [`Asset::lists_modes`], which traversals ask once, since in one piece of code each layout
-    /// slows down the other.
+    /// [`Asset::lists_modes`].
     #[inline(always)]
     fn deformed_in<const LISTED: bool>(
         &self,
@@ -108,18 +107,17 @@ impl Asset<'_> {
 
     /// The deformed corners of a triangle record relative to the origin (stored units).
     #[inline(always)]
-    pub(crate) fn stored_triangle<const LISTED: bool>(
+    pub(crate) fn stored_triangle(
         &self,
         pose: &Pose<'_>,
         record: &TriangleRecord,
         recent: &mut RecentVertices,
     ) -> Result<[[f32; 3]; 3], FormatError> {
-        let [a, b, c] = record.corners;
-        Ok([
-            recent.deformed::<LISTED>(self, pose, a)?,
-            recent.deformed::<LISTED>(self, pose, b)?,
-            recent.deformed::<LISTED>(self, pose, c)?,
-        ])
+        let mut corners = [[0.0; 3]; 3];
+        for (corner, vertex) in corners.iter_mut().zip(record.corners) {
+            *corner = recent.deformed(self, pose, vertex)?;
+        }
+        Ok(corners)
     }
 }
 
@@ -153,14 +151,16 @@ impl RecentVertices {
         (vertex.wrapping_mul(0x9e37_79b9) >> (32 - RECENT.trailing_zeros())) as usize
     }
 
-    /// Asks for the numbers of a triangle's vertices that are not remembered: their addresses
+    /// Asks for the numbers of triangles' vertices that are not remembered: their addresses
     /// follow no pattern, and all of them together take hardly longer than one.
+    pub(crate) fn prefetch(&mut self, asset: &Asset<'_>, records: &[TriangleRecord]) {
+        for record in records {
+            self.prefetch_corners(asset, record);
+        }
+    }
+
     #[inline(always)]
-    pub(crate) fn prefetch<const LISTED: bool>(
-        &mut self,
-        asset: &Asset<'_>,
-        record: &TriangleRecord,
-    ) {
+    fn prefetch_corners(&mut self, asset: &Asset<'_>, record: &TriangleRecord) {
         /// Displacements in a cache line, rounded down.
         const PER_LINE: usize = 5;
         for vertex in record.corners {
@@ -173,7 +173,7 @@ impl RecentVertices {
             if let Some(p) = asset.positions.get(i) {
                 prefetch(p);
             }
-            let entries = if LISTED {
+            let entries = if asset.lists_modes() {
                 let records = asset.vertex_modes_of(i);
                 records.map(|[own, next]| own.first_entry as usize..next.first_entry as usize)
             } else {
@@ -192,7 +192,7 @@ impl RecentVertices {
 
     /// [`Asset::deformed_stored`], remembered.
     #[inline(always)]
-    fn deformed<const LISTED: bool>(
+    fn deformed(
         &mut self,
         asset: &Asset<'_>,
         pose: &Pose<'_>,
@@ -200,7 +200,7 @@ impl RecentVertices {
     ) -> Result<[f32; 3], FormatError> {
         let slot = Self::slot(vertex);
         if self.ids[slot] != vertex || vertex == NONE {
-            self.positions[slot] = asset.deformed_in::<LISTED>(pose.q, VertexId(vertex))?;
+            self.positions[slot] = asset.deformed_stored(pose, VertexId(vertex))?;
             self.ids[slot] = vertex;
         }
         Ok(self.positions[slot])

@@ -10,7 +10,7 @@ use crate::epoch::Drift;
 use crate::error::FormatError;
 use crate::pose::Pose;
 use crate::proxy::DepthLimit;
-use crate::simd::{Lanes, Reference, prefetch};
+use crate::simd::{Lanes, Reference, Work, prefetch};
 use crate::view::Asset;
 
 /// A pose to query, with what a step keeps or without: queries take anything that becomes one.
@@ -194,12 +194,13 @@ impl Posed<'_> {
         asset: &Asset<'_>,
         index: u32,
     ) -> Result<(WideSpheres<L>, bool), FormatError> {
-        let Some((reference, drift)) = self.drift else {
-            return self.spheres_at::<L>(asset, index, self.pose);
-        };
-        let (spheres, evaluated) = self.spheres_at::<L>(asset, index, reference)?;
-        let rows = asset.node_rows(asset.node(index)?)?;
-        Ok((spheres.grown(drift.wide(rows.steps)), evaluated))
+        let pose = self.drift.map_or(self.pose, |(reference, _)| reference);
+        let (mut spheres, evaluated) = self.spheres_at::<L>(asset, index, pose)?;
+        if let Some((_, drift)) = self.drift {
+            let rows = asset.node_rows(asset.node(index)?)?;
+            spheres = spheres.grown(drift.wide(rows.steps));
+        }
+        Ok((spheres, evaluated))
     }
 
     /// [`Posed::spheres`] at the pose where nodes are evaluated.
@@ -265,7 +266,7 @@ impl Posed<'_> {
 
     /// The first four of `records`, the triangles from `start` on, deformed: kept, or made in `spare`.
     #[inline(always)]
-    pub(crate) fn leaf<'l, const LISTED: bool>(
+    pub(crate) fn leaf<'l>(
         &'l mut self,
         asset: &Asset<'_>,
         start: u32,
@@ -277,16 +278,46 @@ impl Posed<'_> {
         let len = records.len().min(CHUNK) as u32;
         let place = leaf_place(start, self.leaves.len());
         let Some(slot) = self.leaves.get_mut(place) else {
-            spare.deform::<LISTED>(asset, self.pose, records, recent)?;
+            asset.kernel.run(Deform {
+                asset,
+                pose: self.pose,
+                records,
+                recent,
+                chunk: &mut *spare,
+            })?;
             return Ok(spare);
         };
         // In a corrupt file one slot may begin leaves of several lengths.
         if slot.tag != tag || slot.leaf.len != len {
             slot.tag = 0; // until it is whole
-            slot.leaf
-                .deform::<LISTED>(asset, self.pose, records, recent)?;
+            asset.kernel.run(Deform {
+                asset,
+                pose: self.pose,
+                records,
+                recent,
+                chunk: &mut slot.leaf,
+            })?;
             slot.tag = tag;
         }
         Ok(&slot.leaf)
+    }
+}
+
+/// [`LeafChunk::deform`] as work of its own.
+struct Deform<'d, 'a> {
+    asset: &'d Asset<'a>,
+    pose: &'d Pose<'d>,
+    records: &'d [TriangleRecord],
+    recent: &'d mut RecentVertices,
+    chunk: &'d mut LeafChunk,
+}
+
+impl Work for Deform<'_, '_> {
+    type Output = Result<(), FormatError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        self.chunk
+            .deform(self.asset, self.pose, self.records, self.recent)
     }
 }

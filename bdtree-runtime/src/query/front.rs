@@ -154,7 +154,7 @@ impl State {
         sink: &mut dyn Sink<PairContact>,
     ) -> Result<Outcome, QueryError> {
         let tolerance = length(tolerance, TOLERANCE)?;
-        self.query(memory, of, stack, Contacts { tolerance, sink })
+        self.query(memory, of, stack, &mut Contacts { tolerance, sink })
     }
 
     /// [`PairFront::touching`], compiled here for all callers.
@@ -167,15 +167,15 @@ impl State {
         sink: &mut dyn Sink<TrianglePair>,
     ) -> Result<Outcome, QueryError> {
         let tolerance = length(tolerance, TOLERANCE)?;
-        self.query(memory, of, stack, Ids { tolerance, sink })
+        self.query(memory, of, stack, &mut Ids { tolerance, sink })
     }
 
-    fn query<V: PairVisitor>(
+    fn query(
         &mut self,
         memory: &mut [FrontSlot],
         of: Pair<'_, '_>,
         stack: &mut [PairStackEntry],
-        mut visitor: V,
+        visitor: &mut dyn PairVisitor,
     ) -> Result<Outcome, QueryError> {
         let Pair {
             assets,
@@ -210,7 +210,7 @@ impl State {
                 frame: &frame,
                 leaves: Some(leaves),
             };
-            let walk = two.walk(stack, &mut visitor)?;
+            let walk = two.walk(stack, visitor)?;
             return Ok(outcome(Some(walk)));
         }
         let margin = if bounded {
@@ -311,14 +311,14 @@ impl State {
 }
 
 /// Takes down the pairs of leaves that a walk meets.
-struct Collecting<'s, V> {
-    visitor: V,
+struct Collecting<'s> {
+    visitor: &'s mut (dyn PairVisitor + 's),
     room: &'s mut [FrontSlot],
     /// How many there were, with room or without.
     found: usize,
 }
 
-impl<V: PairVisitor> PairVisitor for Collecting<'_, V> {
+impl PairVisitor for Collecting<'_> {
     fn tolerance(&self) -> f64 {
         self.visitor.tolerance()
     }

@@ -71,11 +71,11 @@ fn touching_posed(
 
 pub(super) const TOLERANCE: &str = "tolerance: negative, not finite or beyond 2^100";
 
-fn walk<V: PairVisitor>(
+fn walk(
     assets: [&Asset<'_>; 2],
     posed: [Posed<'_>; 2],
     stack: &mut [PairStackEntry],
-    visitor: &mut V,
+    visitor: &mut dyn PairVisitor,
 ) -> Result<Outcome, QueryError> {
     let [posed1, posed2] = posed.map(Posed::shorter);
     let (pose1, pose2) = (posed1.pose, posed2.pose);

@@ -13,11 +13,6 @@ use core::marker::PhantomData;
 
 use super::avx4::Avx4;
 use super::{Kernel, Lanes, PairSums, Work};
-use crate::bound::{BoundPose, Spheres, evaluate};
-use crate::cache::Posed;
-use crate::error::QueryError;
-use crate::traverse::{StackEntry, Visitor, Walk, walk};
-use crate::view::{Asset, NodeRows};
 
 /// Eight f32 in a register, beside which whole numbers are summed by `S`. Only functions that
 /// enable AVX2 and FMA use it, here and in [`super::avx512`]: so wherever one exists, the processor
@@ -218,55 +213,16 @@ pub(super) fn load(row: &PairRow) -> __m256i {
 }
 
 #[target_feature(enable = "avx2,fma")]
-fn evaluate_avx2(rows: &NodeRows<'_>, modes: &[u16], pose: &BoundPose<'_>) -> Option<Spheres> {
-    Some(evaluate::<Avx8<Whole8>>(rows, modes, pose)?.store())
-}
-
-/// [`evaluate`] with AVX2.
-#[inline]
-pub(super) fn evaluate_checked(
-    rows: &NodeRows<'_>,
-    modes: &[u16],
-    pose: &BoundPose<'_>,
-) -> Option<Spheres> {
-    debug_assert!(Kernel::Avx2.is_available());
-    // SAFETY: `Kernel::Avx2` reaches an asset only through `Kernel::best` and
-    // `Asset::with_kernel`, which ask `Kernel::is_available` first.
-    unsafe { evaluate_avx2(rows, modes, pose) }
-}
-
-#[target_feature(enable = "avx2,fma")]
-fn walk_avx2<V: Visitor, const LISTED: bool>(
-    asset: &Asset<'_>,
-    posed: Posed<'_>,
-    stack: &mut [StackEntry],
-    visitor: &mut V,
-) -> Result<Walk, QueryError> {
-    walk::<Avx8<Whole8>, V, LISTED>(asset, posed, stack, visitor)
-}
-
-/// [`walk`] with AVX2.
-#[inline]
-pub(super) fn walk_checked<V: Visitor, const LISTED: bool>(
-    asset: &Asset<'_>,
-    posed: Posed<'_>,
-    stack: &mut [StackEntry],
-    visitor: &mut V,
-) -> Result<Walk, QueryError> {
-    debug_assert!(Kernel::Avx2.is_available());
-    // SAFETY: as in `evaluate_checked`.
-    unsafe { walk_avx2::<V, LISTED>(asset, posed, stack, visitor) }
-}
-
-#[target_feature(enable = "avx2,fma")]
+#[inline(never)]
 fn run_avx2<W: Work>(work: W) -> W::Output {
     work.run::<Avx8<Whole8>>()
 }
 
 /// [`Work::run`] with AVX2.
 #[inline]
-pub(super) fn run_checked<W: Work>(work: W) -> W::Output {
+pub(super) fn run<W: Work>(work: W) -> W::Output {
     debug_assert!(Kernel::Avx2.is_available());
-    // SAFETY: as in `evaluate_checked`.
+    // SAFETY: `Kernel::Avx2` reaches an asset only through `Kernel::best` and
+    // `Asset::with_kernel`, which ask `Kernel::is_available` first.
     unsafe { run_avx2(work) }
 }

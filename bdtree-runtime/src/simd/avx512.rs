@@ -7,14 +7,9 @@ use core::arch::x86_64::{__m256i, _mm256_add_epi32, _mm256_dpwssd_epi32};
 
 use super::avx2::{Avx8, AvxFactor, AvxSums, load, zero};
 use super::{Kernel, PairSums, Work};
-use crate::bound::{BoundPose, Spheres, evaluate};
-use crate::cache::Posed;
-use crate::error::QueryError;
-use crate::traverse::{StackEntry, Visitor, Walk, walk};
-use crate::view::{Asset, NodeRows};
 
-/// `vpdpwssd`. Private to this module, which only uses it inside [`evaluate_avx512`] and
-/// [`walk_avx512`]: so wherever one exists, the processor has AVX2, FMA and AVX-512 with VL and VNNI.
+/// `vpdpwssd`. Private to this module, which only uses it inside [`run_avx512`]:
+/// so wherever one exists, the processor has AVX2, FMA and AVX-512 with VL and VNNI.
 #[derive(Clone, Copy)]
 struct Whole8(__m256i);
 
@@ -67,55 +62,15 @@ impl PairSums for Whole8 {
 }
 
 #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512vnni")]
-fn evaluate_avx512(rows: &NodeRows<'_>, modes: &[u16], pose: &BoundPose<'_>) -> Option<Spheres> {
-    Some(evaluate::<Avx8<Whole8>>(rows, modes, pose)?.store())
-}
-
-/// [`evaluate`] with AVX-512.
-#[inline]
-pub(super) fn evaluate_checked(
-    rows: &NodeRows<'_>,
-    modes: &[u16],
-    pose: &BoundPose<'_>,
-) -> Option<Spheres> {
-    debug_assert!(Kernel::Avx512.is_available());
-    // SAFETY: `Kernel::Avx512` reaches an asset only through `Kernel::best` and
-    // `Asset::with_kernel`, which ask `Kernel::is_available` first.
-    unsafe { evaluate_avx512(rows, modes, pose) }
-}
-
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512vnni")]
-fn walk_avx512<V: Visitor, const LISTED: bool>(
-    asset: &Asset<'_>,
-    posed: Posed<'_>,
-    stack: &mut [StackEntry],
-    visitor: &mut V,
-) -> Result<Walk, QueryError> {
-    walk::<Avx8<Whole8>, V, LISTED>(asset, posed, stack, visitor)
-}
-
-/// [`walk`] with AVX-512.
-#[inline]
-pub(super) fn walk_checked<V: Visitor, const LISTED: bool>(
-    asset: &Asset<'_>,
-    posed: Posed<'_>,
-    stack: &mut [StackEntry],
-    visitor: &mut V,
-) -> Result<Walk, QueryError> {
-    debug_assert!(Kernel::Avx512.is_available());
-    // SAFETY: as in `evaluate_checked`.
-    unsafe { walk_avx512::<V, LISTED>(asset, posed, stack, visitor) }
-}
-
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512vnni")]
+#[inline(never)]
 fn run_avx512<W: Work>(work: W) -> W::Output {
     work.run::<Avx8<Whole8>>()
 }
 
 /// [`Work::run`] with AVX-512.
 #[inline]
-pub(super) fn run_checked<W: Work>(work: W) -> W::Output {
+pub(super) fn run<W: Work>(work: W) -> W::Output {
     debug_assert!(Kernel::Avx512.is_available());
-    // SAFETY: as in `evaluate_checked`.
+    // SAFETY: as in [`super::avx2::run`].
     unsafe { run_avx512(work) }
 }

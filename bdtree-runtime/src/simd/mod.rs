@@ -8,10 +8,8 @@
 use bdtree_format::{LANES, PairRow, Row};
 
 use crate::bound::{BoundPose, Spheres, evaluate};
-use crate::cache::Posed;
-use crate::error::QueryError;
-use crate::traverse::{StackEntry, Visitor, Walk, mask_of, walk};
-use crate::view::{Asset, NodeRows};
+use crate::traverse::mask_of;
+use crate::view::NodeRows;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -182,56 +180,45 @@ impl Kernel {
         modes: &[u16],
         pose: &BoundPose<'_>,
     ) -> Option<Spheres> {
-        match self {
-            Self::Scalar => evaluate::<scalar::Array8>(rows, modes, pose).map(|s| s.store()),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => avx2::evaluate_checked(rows, modes, pose),
-            #[cfg(target_arch = "aarch64")]
-            Self::Neon => evaluate::<neon::Neon8>(rows, modes, pose).map(|s| s.store()),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => avx512::evaluate_checked(rows, modes, pose),
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Self::Simd128 => evaluate::<simd128::Simd8>(rows, modes, pose).map(|s| s.store()),
-            #[allow(unreachable_patterns)] // the other architecture's kernels
-            _ => evaluate::<scalar::Array8>(rows, modes, pose).map(|s| s.store()),
-        }
+        self.run(Evaluate { rows, modes, pose })
     }
 
-    /// Does a piece of work with this kernel.
+    /// Does a piece of work with this kernel, in a function of its own: what is large or used in several
+    /// places is compiled once.
     #[inline]
     pub(crate) fn run<W: Work>(self, work: W) -> W::Output {
         match self {
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => avx2::run_checked(work),
+            Self::Avx2 => avx2::run(work),
             #[cfg(target_arch = "aarch64")]
-            Self::Neon => work.run::<neon::Neon8>(),
+            Self::Neon => run_portable::<neon::Neon8, W>(work),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => avx512::run_checked(work),
+            Self::Avx512 => avx512::run(work),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Self::Simd128 => work.run::<simd128::Simd8>(),
-            _ => work.run::<scalar::Array8>(),
+            Self::Simd128 => run_portable::<simd128::Simd8, W>(work),
+            _ => run_portable::<scalar::Array8, W>(work),
         }
     }
+}
 
-    /// [`walk`] with this kernel.
-    #[inline]
-    pub(crate) fn walk<V: Visitor, const LISTED: bool>(
-        self,
-        asset: &Asset<'_>,
-        posed: Posed<'_>,
-        stack: &mut [StackEntry],
-        visitor: &mut V,
-    ) -> Result<Walk, QueryError> {
-        match self {
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => avx2::walk_checked::<V, LISTED>(asset, posed, stack, visitor),
-            #[cfg(target_arch = "aarch64")]
-            Self::Neon => walk::<neon::Neon8, V, LISTED>(asset, posed, stack, visitor),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => avx512::walk_checked::<V, LISTED>(asset, posed, stack, visitor),
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Self::Simd128 => walk::<simd128::Simd8, V, LISTED>(asset, posed, stack, visitor),
-            _ => walk::<scalar::Array8, V, LISTED>(asset, posed, stack, visitor),
-        }
+/// [`Work::run`] with what the whole program may use.
+#[inline(never)]
+fn run_portable<L: Lanes, W: Work>(work: W) -> W::Output {
+    work.run::<L>()
+}
+
+/// The spheres of a node.
+struct Evaluate<'e, 'a> {
+    rows: &'e NodeRows<'a>,
+    modes: &'e [u16],
+    pose: &'e BoundPose<'e>,
+}
+
+impl Work for Evaluate<'_, '_> {
+    type Output = Option<Spheres>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        Some(evaluate::<L>(self.rows, self.modes, self.pose)?.store())
     }
 }

@@ -183,12 +183,12 @@ impl<'r, 's, 'a> Side<'r, 's, 'a> {
 
 /// The walk of two trees with one side or both bounded. A stack entry has all lanes of a node, or one lane
 /// at which its side ends.
-pub(super) fn two<V: PairVisitor>(
+pub(super) fn two(
     a: (&Asset<'_>, Posed<'_>),
     b: (&Asset<'_>, Posed<'_>),
     frame: &PairFrame,
     stack: &mut [PairStackEntry],
-    visitor: &mut V,
+    visitor: &mut dyn PairVisitor,
 ) -> Result<Walk, QueryError> {
     let (mut a, mut b) = (Side::new(a), Side::new(b));
     let (needed, found) = (a.asset.pair_stack_len(b.asset), stack.len());
@@ -285,12 +285,12 @@ fn apart(a: &Spheres, lane_a: usize, b: &Spheres, lane_b: usize) -> bool {
 }
 
 /// Tests all pairs of triangles of two leaf lanes.
-fn triangles<V: PairVisitor>(
+fn triangles(
     a: &Side<'_, '_, '_>,
     records_a: &[TriangleRecord],
     b: &Side<'_, '_, '_>,
     records_b: &[TriangleRecord],
-    visitor: &mut V,
+    visitor: &mut dyn PairVisitor,
 ) -> Result<ControlFlow<()>, QueryError> {
     for record_a in records_a {
         let corners_a = a.asset.deformed_triangle(a.posed.pose, record_a)?;

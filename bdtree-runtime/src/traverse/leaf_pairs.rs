@@ -58,13 +58,7 @@ impl<'n, 'a> LeafSide<'n, 'a> {
         self.holds = None; // until it is whole
         let frame = &self.posed.pose.frame;
         let (asset, recent, spare) = (self.asset, &mut self.recent, &mut self.spare);
-        let leaf = if asset.lists_modes() {
-            self.posed
-                .leaf::<true>(asset, start, records, recent, spare)?
-        } else {
-            self.posed
-                .leaf::<false>(asset, start, records, recent, spare)?
-        };
+        let leaf = self.posed.leaf(asset, start, records, recent, spare)?;
         self.ids = leaf.ids;
         for k in 0..CHUNK {
             let [a, b, c] = leaf.stored(k);

@@ -9,10 +9,11 @@ use super::one::Visitor;
 use crate::cache::{CHUNK, LeafChunk, Posed};
 use crate::contact::TriangleId;
 use crate::deform::RecentVertices;
-use crate::error::QueryError;
+use crate::error::{FormatError, QueryError};
 use crate::frame::Frame;
 use crate::narrow::Triangle;
-use crate::simd::{Lanes, prefetch};
+use crate::pose::Pose;
+use crate::simd::{Lanes, Work, prefetch};
 use crate::view::Asset;
 
 /// Triangles that wait for being tested together.
@@ -86,8 +87,8 @@ impl Leaves {
     }
 
     /// Asks for the vertices of a leaf's triangles, unless these are kept.
-    #[inline(always)]
-    pub(super) fn ask<const LISTED: bool>(
+    #[inline(never)]
+    pub(super) fn ask(
         &mut self,
         asset: &Asset<'_>,
         posed: &Posed<'_>,
@@ -96,15 +97,13 @@ impl Leaves {
         if posed.keeps_leaf(leaf.start) {
             return Ok(());
         }
-        for record in asset.leaf(leaf)? {
-            self.recent.prefetch::<LISTED>(asset, record);
-        }
+        self.recent.prefetch(asset, asset.leaf(leaf)?);
         Ok(())
     }
 
     /// Hands a leaf's triangles to the visitor, or, in fours, keeps some of them back.
     #[inline(always)]
-    pub(super) fn take<L: Lanes, V: Visitor, const LISTED: bool>(
+    pub(super) fn take<L: Lanes, V: Visitor>(
         &mut self,
         asset: &Asset<'_>,
         posed: &mut Posed<'_>,
@@ -112,12 +111,18 @@ impl Leaves {
         visitor: &mut V,
     ) -> Result<ControlFlow<()>, QueryError> {
         let pose = posed.pose;
-        let records = asset.leaf(leaf)?;
+        let mut records = asset.leaf(leaf)?;
         if V::IN_FOURS && !posed.keeps_leaves() {
-            for record in records {
-                let corners = asset.stored_triangle::<LISTED>(pose, record, &mut self.recent)?;
-                self.fresh.push(record.id, &corners);
-                if self.fresh.len == 4 && self.sieve::<L, V>(&pose.frame, visitor).is_break() {
+            while !records.is_empty() {
+                records = asset.kernel.run(Gather {
+                    asset,
+                    pose,
+                    records,
+                    recent: &mut self.recent,
+                    fresh: &mut self.fresh,
+                })?;
+                if self.fresh.len == 4 && self.sieve::<L, V>(asset, &pose.frame, visitor).is_break()
+                {
                     return Ok(ControlFlow::Break(()));
                 }
             }
@@ -125,8 +130,7 @@ impl Leaves {
         }
         let mut start = leaf.start;
         for records in records.chunks(CHUNK) {
-            let chunk =
-                posed.leaf::<LISTED>(asset, start, records, &mut self.recent, &mut self.spare)?;
+            let chunk = posed.leaf(asset, start, records, &mut self.recent, &mut self.spare)?;
             start = start.saturating_add(CHUNK as u32);
             let misses = visitor.misses_four::<L::Quad>(&chunk.corners);
             let mut left = !misses & !(u8::MAX << chunk.len);
@@ -135,7 +139,12 @@ impl Leaves {
                 left &= left - 1;
                 let corners = chunk.stored(k);
                 let flow = if V::IN_FOURS {
-                    keep_back::<L, V>(&mut self.near, &pose.frame, chunk.ids[k], &corners, visitor)
+                    self.near.push(chunk.ids[k], &corners);
+                    if self.near.len == 4 {
+                        take_near(&mut self.near, asset, &pose.frame, visitor)
+                    } else {
+                        ControlFlow::Continue(())
+                    }
                 } else if visitor.misses(&corners) {
                     ControlFlow::Continue(())
                 } else {
@@ -153,19 +162,25 @@ impl Leaves {
     #[inline(always)]
     pub(super) fn finish<L: Lanes, V: Visitor>(
         &mut self,
+        asset: &Asset<'_>,
         frame: &Frame,
         visitor: &mut V,
     ) -> ControlFlow<()> {
         if V::IN_FOURS {
-            self.sieve::<L, V>(frame, visitor)?;
-            visitor.four::<L::Quad>(frame, &self.near)?;
+            self.sieve::<L, V>(asset, frame, visitor)?;
+            take_near(&mut self.near, asset, frame, visitor)?;
         }
         ControlFlow::Continue(())
     }
 
     /// Moves those of `fresh` that may be answers to `near`.
     #[inline(always)]
-    fn sieve<L: Lanes, V: Visitor>(&mut self, frame: &Frame, visitor: &mut V) -> ControlFlow<()> {
+    fn sieve<L: Lanes, V: Visitor>(
+        &mut self,
+        asset: &Asset<'_>,
+        frame: &Frame,
+        visitor: &mut V,
+    ) -> ControlFlow<()> {
         let misses = visitor.misses_four::<L::Quad>(&self.fresh.corners);
         let mut left = !misses & !(u8::MAX << self.fresh.len);
         self.fresh.len = 0;
@@ -173,27 +188,70 @@ impl Leaves {
             let k = (left.trailing_zeros() & 3) as usize;
             left &= left - 1;
             let corners = stored(&self.fresh.corners, k);
-            keep_back::<L, V>(&mut self.near, frame, self.fresh.ids[k], &corners, visitor)?;
+            self.near.push(self.fresh.ids[k], &corners);
+            if self.near.len == 4 {
+                take_near(&mut self.near, asset, frame, visitor)?;
+            }
         }
         ControlFlow::Continue(())
     }
 }
 
-/// Adds a triangle to `near`, which the visitor takes whenever it is full.
+/// Deforms triangles until there are four; the rest is returned.
+struct Gather<'g, 'r, 'a> {
+    asset: &'g Asset<'a>,
+    pose: &'g Pose<'g>,
+    records: &'r [TriangleRecord],
+    recent: &'g mut RecentVertices,
+    fresh: &'g mut Four,
+}
+
+impl<'r> Work for Gather<'_, 'r, '_> {
+    type Output = Result<&'r [TriangleRecord], FormatError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let room = 4_usize.saturating_sub(self.fresh.len);
+        let (now, rest) = self.records.split_at(room.min(self.records.len()));
+        for record in now {
+            let corners = self.asset.stored_triangle(self.pose, record, self.recent)?;
+            self.fresh.push(record.id, &corners);
+        }
+        Ok(rest)
+    }
+}
+
+/// [`Visitor::four`] as work of its own.
+struct Near<'n, V> {
+    near: &'n mut Four,
+    frame: &'n Frame,
+    visitor: &'n mut V,
+}
+
+impl<V: Visitor> Work for Near<'_, V> {
+    type Output = ControlFlow<()>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> ControlFlow<()> {
+        self.visitor.four::<L::Quad>(self.frame, self.near)?;
+        self.near.len = 0;
+        ControlFlow::Continue(())
+    }
+}
+
+/// The exact test of what was not rejected.
 #[inline(always)]
-fn keep_back<L: Lanes, V: Visitor>(
+fn take_near<V: Visitor>(
     near: &mut Four,
+    asset: &Asset<'_>,
     frame: &Frame,
-    id: u32,
-    corners: &[[f32; 3]; 3],
     visitor: &mut V,
 ) -> ControlFlow<()> {
-    near.push(id, corners);
-    if near.len == 4 {
-        visitor.four::<L::Quad>(frame, near)?;
-        near.len = 0;
-    }
-    ControlFlow::Continue(())
+    asset.kernel.run(Near {
+        near,
+        frame,
+        visitor,
+    })
 }
 
 impl<'a> Asset<'a> {

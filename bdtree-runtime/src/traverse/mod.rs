@@ -23,7 +23,7 @@ pub(crate) use gap::Gap;
 pub(crate) use leaf_pairs::LeafPairs;
 pub(crate) use leaves::Four;
 pub(crate) use nearest_two::{NearestTwo, Stack};
-pub(crate) use one::{Visitor, Walk, one, walk};
+pub(crate) use one::{Visitor, Walk, one};
 pub(crate) use two::{PairVisitor, Two};
 
 use bdtree_format::{LANES, NodeRecord, SectionKind};

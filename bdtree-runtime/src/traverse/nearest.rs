@@ -13,7 +13,7 @@ use crate::view::Asset;
 /// Visits nodes and leaves in the order of their keys, as far as the stack shows it, until the
 /// visitor wants no more.
 #[inline(always)]
-pub(super) fn nearest_first<L: Lanes, V: Visitor, const LISTED: bool>(
+pub(super) fn nearest_first<L: Lanes, V: Visitor>(
     asset: &Asset<'_>,
     posed: &mut Posed<'_>,
     stack: &mut [StackEntry],
@@ -36,7 +36,7 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor, const LISTED: bool>(
             continue;
         }
         if at.triangles > 0 {
-            let flow = leaves.take::<L, V, LISTED>(asset, posed, at, visitor)?;
+            let flow = leaves.take::<L, V>(asset, posed, at, visitor)?;
             if flow.is_break() {
                 walk.stopped = true;
                 return Ok(walk);
@@ -68,7 +68,7 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor, const LISTED: bool>(
             } else if at.triangles == 0 {
                 continue; // a corrupt file's
             } else {
-                leaves.ask::<LISTED>(asset, posed, at)?;
+                leaves.ask(asset, posed, at)?;
             }
             let key = keys[lane];
             let mut place = count;
@@ -81,6 +81,8 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor, const LISTED: bool>(
         }
         len += count;
     }
-    walk.stopped = leaves.finish::<L, V>(&pose.frame, visitor).is_break();
+    walk.stopped = leaves
+        .finish::<L, V>(asset, &pose.frame, visitor)
+        .is_break();
     Ok(walk)
 }

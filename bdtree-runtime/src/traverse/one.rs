@@ -12,7 +12,7 @@ use crate::contact::TriangleId;
 use crate::error::QueryError;
 use crate::frame::Frame;
 use crate::narrow::Triangle;
-use crate::simd::{Lanes, Quad};
+use crate::simd::{Lanes, Quad, Work};
 use crate::view::Asset;
 
 /// A question about one deformed mesh.
@@ -95,23 +95,6 @@ pub(crate) fn one<V: Visitor>(
     if let Some(limit) = posed.take_limit() {
         return bounded::one(asset, posed, limit, stack, visitor);
     }
-    if asset.lists_modes() {
-        asset.kernel.walk::<V, true>(asset, posed, stack, visitor)
-    } else {
-        asset.kernel.walk::<V, false>(asset, posed, stack, visitor)
-    }
-}
-
-/// [`one`] for one instruction set and one layout of displacements (`LISTED`: the vertices list
-/// their modes): inlined where the former is enabled, so that node bounds, the visitor's test of
-/// them and the leaves are one piece of code.
-#[inline(always)]
-pub(crate) fn walk<L: Lanes, V: Visitor, const LISTED: bool>(
-    asset: &Asset<'_>,
-    mut posed: Posed<'_>,
-    stack: &mut [StackEntry],
-    visitor: &mut V,
-) -> Result<Walk, QueryError> {
     if !posed.pose.belongs_to(asset) {
         return Err(QueryError::PoseMismatch);
     }
@@ -120,16 +103,39 @@ pub(crate) fn walk<L: Lanes, V: Visitor, const LISTED: bool>(
     if found < needed {
         return Err(QueryError::Memory { needed, found });
     }
-    if V::ORDERED {
-        nearest_first::<L, V, LISTED>(asset, &mut posed, stack, visitor)
-    } else {
-        in_lane_order::<L, V, LISTED>(asset, &mut posed, stack, visitor)
+    asset.kernel.run(OneWalk {
+        asset,
+        posed,
+        stack,
+        visitor,
+    })
+}
+
+/// A walk and who it is for: node bounds and the visitor's test of them are one piece of code,
+/// leaves another.
+struct OneWalk<'w, 's, 'a, V> {
+    asset: &'w Asset<'a>,
+    posed: Posed<'s>,
+    stack: &'w mut [StackEntry],
+    visitor: &'w mut V,
+}
+
+impl<V: Visitor> Work for OneWalk<'_, '_, '_, V> {
+    type Output = Result<Walk, QueryError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) -> Self::Output {
+        if V::ORDERED {
+            nearest_first::<L, V>(self.asset, &mut self.posed, self.stack, self.visitor)
+        } else {
+            in_lane_order::<L, V>(self.asset, &mut self.posed, self.stack, self.visitor)
+        }
     }
 }
 
 /// Visits everything that the visitor wants.
 #[inline(always)]
-fn in_lane_order<L: Lanes, V: Visitor, const LISTED: bool>(
+fn in_lane_order<L: Lanes, V: Visitor>(
     asset: &Asset<'_>,
     posed: &mut Posed<'_>,
     stack: &mut [StackEntry],
@@ -181,14 +187,14 @@ fn in_lane_order<L: Lanes, V: Visitor, const LISTED: bool>(
             while left != 0 {
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
-                leaves.ask::<LISTED>(asset, posed, lane_subtree(node, lane))?;
+                leaves.ask(asset, posed, lane_subtree(node, lane))?;
             }
             let mut left = mask & node.leaf_mask;
             while left != 0 {
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
                 let leaf = lane_subtree(node, lane);
-                let flow = leaves.take::<L, V, LISTED>(asset, posed, leaf, visitor)?;
+                let flow = leaves.take::<L, V>(asset, posed, leaf, visitor)?;
                 if flow.is_break() {
                     walk.stopped = true;
                     return Ok(walk);
@@ -196,6 +202,8 @@ fn in_lane_order<L: Lanes, V: Visitor, const LISTED: bool>(
             }
         }
     }
-    walk.stopped = leaves.finish::<L, V>(&pose.frame, visitor).is_break();
+    walk.stopped = leaves
+        .finish::<L, V>(asset, &pose.frame, visitor)
+        .is_break();
     Ok(walk)
 }

@@ -40,7 +40,6 @@ pub(crate) trait PairVisitor {
     fn tolerance(&self) -> f64;
 
     /// Told of the pairs of leaves whose spheres meet.
-    #[inline(always)]
     fn meet(&mut self, _leaves: &[FrontSlot]) {}
 
     /// Takes the world corners of two triangles that may be an answer; `Break` ends the traversal.
@@ -191,15 +190,7 @@ impl<'s, 'a> Side<'s, 'a> {
         }
         *announced = leaf.start;
         let records = self.records(leaf)?;
-        if self.asset.lists_modes() {
-            for record in records {
-                self.recent.prefetch::<true>(self.asset, record);
-            }
-        } else {
-            for record in records {
-                self.recent.prefetch::<false>(self.asset, record);
-            }
-        }
+        self.recent.prefetch(self.asset, records);
         Ok(())
     }
 
@@ -219,13 +210,7 @@ impl<'s, 'a> Side<'s, 'a> {
             let mut spare = LeafChunk::EMPTY;
             let (asset, recent) = (self.asset, &mut self.recent);
             let frame = &self.posed.pose.frame;
-            let leaf = if asset.lists_modes() {
-                self.posed
-                    .leaf::<true>(asset, start, records, recent, &mut spare)?
-            } else {
-                self.posed
-                    .leaf::<false>(asset, start, records, recent, &mut spare)?
-            };
+            let leaf = self.posed.leaf(asset, start, records, recent, &mut spare)?;
             kept.world.set::<L::Quad>([
                 frame.world_four(&leaf.corners[0]),
                 frame.world_four(&leaf.corners[1]),
@@ -241,10 +226,10 @@ impl<'s, 'a> Side<'s, 'a> {
 
 impl Two<'_, '_> {
     /// Visits all pairs of leaf triangles whose lanes' spheres meet, with the first asset's kernel.
-    pub(crate) fn walk<V: PairVisitor>(
+    pub(crate) fn walk(
         self,
         stack: &mut [PairStackEntry],
-        visitor: &mut V,
+        visitor: &mut dyn PairVisitor,
     ) -> Result<Walk, QueryError> {
         let [asset_a, asset_b] = self.assets;
         let needed = asset_a.pair_stack_len(asset_b);
@@ -276,26 +261,26 @@ impl Two<'_, '_> {
 }
 
 /// A walk and who it is for.
-struct TwoWalk<'w, 's, 'a, V> {
+struct TwoWalk<'w, 's, 'a> {
     two: Two<'s, 'a>,
     stack: &'w mut [PairStackEntry],
-    visitor: &'w mut V,
+    visitor: &'w mut (dyn PairVisitor + 'w),
 }
 
-impl<V: PairVisitor> Work for TwoWalk<'_, '_, '_, V> {
+impl Work for TwoWalk<'_, '_, '_> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        walk_two::<L, V>(self.two, self.stack, self.visitor)
+        walk_two::<L>(self.two, self.stack, self.visitor)
     }
 }
 
 #[inline(always)]
-fn walk_two<L: Lanes, V: PairVisitor>(
+fn walk_two<L: Lanes>(
     two: Two<'_, '_>,
     stack: &mut [PairStackEntry],
-    visitor: &mut V,
+    visitor: &mut dyn PairVisitor,
 ) -> Result<Walk, QueryError> {
     let [asset_a, asset_b] = two.assets;
     let [posed_a, posed_b] = two.posed;
@@ -320,7 +305,7 @@ fn walk_two<L: Lanes, V: PairVisitor>(
                 a.announce_leaf(pair.a)?;
                 b.announce_leaf(pair.b)?;
             }
-            stopped = leaves::<L, V>(&mut a, &mut b, pairs, &mut tests_left, visitor)?.is_break();
+            stopped = run_leaves(&mut a, &mut b, pairs, &mut tests_left, visitor)?.is_break();
             if stopped {
                 break;
             }
@@ -347,8 +332,7 @@ fn walk_two<L: Lanes, V: PairVisitor>(
         if len == 0 || queued > QUEUE - LANES * LANES {
             let pairs = queue.get(..queued).unwrap_or_default();
             visitor.meet(pairs);
-            let stopped =
-                leaves::<L, V>(&mut a, &mut b, pairs, &mut tests_left, visitor)?.is_break();
+            let stopped = run_leaves(&mut a, &mut b, pairs, &mut tests_left, visitor)?.is_break();
             queued = 0;
             if stopped || len == 0 {
                 return Ok(Walk {
@@ -531,14 +515,50 @@ fn lane_sphere(spheres: &Spheres, lane: usize) -> [f32; 4] {
     [x[lane], y[lane], z[lane], spheres.radius[lane]]
 }
 
+/// [`leaves`] as work of its own.
+struct LeavesWork<'l, 's, 'a> {
+    a: &'l mut Side<'s, 'a>,
+    b: &'l mut Side<'s, 'a>,
+    pairs: &'l [FrontSlot],
+    tests_left: &'l mut u64,
+    visitor: &'l mut (dyn PairVisitor + 'l),
+}
+
+impl Work for LeavesWork<'_, '_, '_> {
+    type Output = Result<ControlFlow<()>, QueryError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        leaves::<L>(self.a, self.b, self.pairs, self.tests_left, self.visitor)
+    }
+}
+
+#[inline(always)]
+fn run_leaves<'s, 'a>(
+    a: &mut Side<'s, 'a>,
+    b: &mut Side<'s, 'a>,
+    pairs: &[FrontSlot],
+    tests_left: &mut u64,
+    visitor: &mut dyn PairVisitor,
+) -> Result<ControlFlow<()>, QueryError> {
+    let kernel = a.asset.kernel;
+    kernel.run(LeavesWork {
+        a,
+        b,
+        pairs,
+        tests_left,
+        visitor,
+    })
+}
+
 /// Tests the triangles of pairs of leaf lanes, as long as `tests_left` lasts.
 #[inline(always)]
-fn leaves<L: Lanes, V: PairVisitor>(
+fn leaves<L: Lanes>(
     a: &mut Side<'_, '_>,
     b: &mut Side<'_, '_>,
     pairs: &[FrontSlot],
     tests_left: &mut u64,
-    visitor: &mut V,
+    visitor: &mut dyn PairVisitor,
 ) -> Result<ControlFlow<()>, QueryError> {
     let tolerance = visitor.tolerance();
     for FrontSlot {
@@ -559,7 +579,7 @@ fn leaves<L: Lanes, V: PairVisitor>(
             let mut start_b = leaf_b.start as usize;
             while !rest_b.is_empty() {
                 let four_b = b.four::<L>(start_b, rest_b)?;
-                if test_fours::<L, V>(four_a, four_b, tolerance, visitor).is_break() {
+                if test_fours::<L>(four_a, four_b, tolerance, visitor).is_break() {
                     return Ok(ControlFlow::Break(()));
                 }
                 start_b += CHUNK;
@@ -574,11 +594,11 @@ fn leaves<L: Lanes, V: PairVisitor>(
 
 /// Hands on those of four times four pairs that may be an answer.
 #[inline(always)]
-fn test_fours<L: Lanes, V: PairVisitor>(
+fn test_fours<L: Lanes>(
     a: &KeptFour,
     b: &KeptFour,
     tolerance: f64,
-    visitor: &mut V,
+    visitor: &mut dyn PairVisitor,
 ) -> ControlFlow<()> {
     let (mut rows, mut used_b) = (!(u8::MAX << a.len), !(u8::MAX << b.len));
     if tolerance == 0.0 {
