@@ -4,7 +4,8 @@ use bdtree_runtime::{Asset, Contact, Pose, SliceSink, StackEntry, Transform, inc
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let asset = Asset::open(include_bdt!("../../fixtures/golden/sphere.bdt"))?;
-    let (mut memory, mut contacts) = ([0.0; 6], [Contact::EMPTY; 64]);
+    let mut memory = vec![0.0; asset.pose_len()];
+    let mut contacts = [Contact::EMPTY; 64];
     let pose = Pose::new(&asset, &[0.2, -0.1, 0.3], Transform::IDENTITY, &mut memory)?;
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut sink = SliceSink::new(&mut contacts);

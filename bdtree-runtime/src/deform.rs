@@ -17,7 +17,7 @@ impl Asset<'_> {
     ///
     /// # Errors
     /// When there is no such vertex.
-    #[inline(always)]
+    #[inline]
     pub fn deformed_stored(
         &self,
         pose: &Pose<'_>,
@@ -37,7 +37,8 @@ impl Asset<'_> {
     }
 
     /// [`Asset::deformed_stored`] for the layout of displacements that the asset has: `LISTED` is
-    /// [`Asset::lists_modes`].
+    /// [`Asset::lists_modes`], which traversals ask once, since in one piece of code each layout
+    /// slows down the other.
     #[inline(always)]
     fn deformed_in<const LISTED: bool>(
         &self,
@@ -107,17 +108,18 @@ impl Asset<'_> {
 
     /// The deformed corners of a triangle record relative to the origin (stored units).
     #[inline(always)]
-    pub(crate) fn stored_triangle(
+    pub(crate) fn stored_triangle<const LISTED: bool>(
         &self,
         pose: &Pose<'_>,
         record: &TriangleRecord,
         recent: &mut RecentVertices,
     ) -> Result<[[f32; 3]; 3], FormatError> {
-        let mut corners = [[0.0; 3]; 3];
-        for (corner, vertex) in corners.iter_mut().zip(record.corners) {
-            *corner = recent.deformed(self, pose, vertex)?;
-        }
-        Ok(corners)
+        let [a, b, c] = record.corners;
+        Ok([
+            recent.deformed::<LISTED>(self, pose, a)?,
+            recent.deformed::<LISTED>(self, pose, b)?,
+            recent.deformed::<LISTED>(self, pose, c)?,
+        ])
     }
 }
 
@@ -192,7 +194,7 @@ impl RecentVertices {
 
     /// [`Asset::deformed_stored`], remembered.
     #[inline(always)]
-    fn deformed(
+    fn deformed<const LISTED: bool>(
         &mut self,
         asset: &Asset<'_>,
         pose: &Pose<'_>,
@@ -200,7 +202,7 @@ impl RecentVertices {
     ) -> Result<[f32; 3], FormatError> {
         let slot = Self::slot(vertex);
         if self.ids[slot] != vertex || vertex == NONE {
-            self.positions[slot] = asset.deformed_stored(pose, VertexId(vertex))?;
+            self.positions[slot] = asset.deformed_in::<LISTED>(pose.q, VertexId(vertex))?;
             self.ids[slot] = vertex;
         }
         Ok(self.positions[slot])

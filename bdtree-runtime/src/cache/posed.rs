@@ -317,7 +317,13 @@ impl Work for Deform<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        self.chunk
-            .deform(self.asset, self.pose, self.records, self.recent)
+        let (asset, pose) = (self.asset, self.pose);
+        if asset.lists_modes() {
+            self.chunk
+                .deform::<true>(asset, pose, self.records, self.recent)
+        } else {
+            self.chunk
+                .deform::<false>(asset, pose, self.records, self.recent)
+        }
     }
 }

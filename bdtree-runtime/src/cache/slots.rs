@@ -78,7 +78,7 @@ impl LeafChunk {
 
     /// Deforms `records`, of which the first four are taken.
     #[inline(always)]
-    pub(crate) fn deform(
+    pub(crate) fn deform<const LISTED: bool>(
         &mut self,
         asset: &Asset<'_>,
         pose: &Pose<'_>,
@@ -92,7 +92,7 @@ impl LeafChunk {
             let Some(record) = records.get(if k < len { k } else { 0 }) else {
                 break; // there is none at all
             };
-            stored[k] = asset.stored_triangle(pose, record, recent)?;
+            stored[k] = asset.stored_triangle::<LISTED>(pose, record, recent)?;
             self.ids[k] = record.id;
         }
         let [a, b, c, d] = &stored;

@@ -206,18 +206,31 @@ struct Gather<'g, 'r, 'a> {
     fresh: &'g mut Four,
 }
 
+impl<'r> Gather<'_, 'r, '_> {
+    #[inline(always)]
+    fn fill<const LISTED: bool>(self) -> Result<&'r [TriangleRecord], FormatError> {
+        let room = 4_usize.saturating_sub(self.fresh.len);
+        let (now, rest) = self.records.split_at(room.min(self.records.len()));
+        for record in now {
+            let corners = self
+                .asset
+                .stored_triangle::<LISTED>(self.pose, record, self.recent)?;
+            self.fresh.push(record.id, &corners);
+        }
+        Ok(rest)
+    }
+}
+
 impl<'r> Work for Gather<'_, 'r, '_> {
     type Output = Result<&'r [TriangleRecord], FormatError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        let room = 4_usize.saturating_sub(self.fresh.len);
-        let (now, rest) = self.records.split_at(room.min(self.records.len()));
-        for record in now {
-            let corners = self.asset.stored_triangle(self.pose, record, self.recent)?;
-            self.fresh.push(record.id, &corners);
+        if self.asset.lists_modes() {
+            self.fill::<true>()
+        } else {
+            self.fill::<false>()
         }
-        Ok(rest)
     }
 }
 

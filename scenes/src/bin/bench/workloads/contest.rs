@@ -136,21 +136,28 @@ pub(crate) enum Turns {
 
 /// How often, and in which order.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rounds {
+pub(crate) struct Rounds<'a> {
     pub(crate) repeats: usize,
     pub(crate) turns: Turns,
+    /// Who takes part beside the product; everybody if nobody is named.
+    pub(crate) with: &'a [String],
 }
 
-/// Lets all contenders run all frames, `repeats` times.
+/// Lets all who take part run all frames, `repeats` times.
 ///
 /// # Errors
 /// Two contenders that do not find the same, or one that does not find the same again.
 pub(crate) fn contest(
     mut entries: Vec<Entry<'_>>,
     frames: &[usize],
-    rounds: Rounds,
+    rounds: Rounds<'_>,
 ) -> Result<Vec<Row>, String> {
-    let Rounds { repeats, turns } = rounds;
+    let Rounds {
+        repeats,
+        turns,
+        with,
+    } = rounds;
+    entries.retain(|e| e.role == Role::Ours || with.is_empty() || with.contains(&e.name));
     let mut times = vec![vec![Vec::with_capacity(repeats); frames.len()]; entries.len()];
     let mut found = vec![None; entries.len()];
     let order: Vec<usize> = match turns {

@@ -39,6 +39,9 @@ pub(crate) struct Arguments {
     /// The curtain of 2 million triangles too
     #[arg(long)]
     large: bool,
+    /// Only the product and these contenders ("none": it alone)
+    #[arg(long, value_delimiter = ',')]
+    with: Vec<String>,
     /// Write all figures there
     #[arg(long)]
     json: Option<PathBuf>,
@@ -66,7 +69,12 @@ const RAYS: [[(usize, [f64; 2]); 3]; 2] = [
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let repeats = arguments.repeat.max(1);
     let turns = arguments.turns;
-    let rounds = Rounds { repeats, turns };
+    let with = &arguments.with;
+    let rounds = Rounds {
+        repeats,
+        turns,
+        with,
+    };
     let wanted = |which| arguments.only.is_empty() || arguments.only.contains(&which);
     let vectors = if cfg!(target_feature = "avx2") {
         "built for this processor"
@@ -100,7 +108,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if wanted(Which::W4) {
         show(vec![works::pile(Rounds {
             repeats: repeats.div_ceil(2),
-            turns,
+            ..rounds
         })?]);
     }
     if let Some(path) = &arguments.json {

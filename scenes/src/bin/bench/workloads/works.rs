@@ -23,7 +23,7 @@ use super::{paper, refitting};
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// W1 on one cloth.
-pub(crate) fn ball(size: usize, goals: [f64; 2], rounds: Rounds) -> Result<Work> {
+pub(crate) fn ball(size: usize, goals: [f64; 2], rounds: Rounds<'_>) -> Result<Work> {
     let (name, across, down) = curtain::SIZES[size];
     let work = curtain::curtain(name, across, down);
     // Every tenth frame of the largest.
@@ -66,7 +66,7 @@ pub(crate) fn ball(size: usize, goals: [f64; 2], rounds: Rounds) -> Result<Work>
 }
 
 /// W2.
-pub(crate) fn pair(rounds: Rounds) -> Result<Work> {
+pub(crate) fn pair(rounds: Rounds<'_>) -> Result<Work> {
     let work = bodies::bodies();
     let frames: Vec<usize> = (0..bodies::FRAMES).collect();
     let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
@@ -101,7 +101,11 @@ pub(crate) fn pair(rounds: Rounds) -> Result<Work> {
 }
 
 /// W3 on one body, with each number of rays a frame and its goals.
-pub(crate) fn ray(size: usize, goals: &[(usize, [f64; 2])], rounds: Rounds) -> Result<Vec<Work>> {
+pub(crate) fn ray(
+    size: usize,
+    goals: &[(usize, [f64; 2])],
+    rounds: Rounds<'_>,
+) -> Result<Vec<Work>> {
     let (name, n) = rays::SIZES[size];
     let work = rays::rays(name, n);
     let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
@@ -147,7 +151,7 @@ pub(crate) fn ray(size: usize, goals: &[(usize, [f64; 2])], rounds: Rounds) -> R
 }
 
 /// W4.
-pub(crate) fn pile(rounds: Rounds) -> Result<Work> {
+pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
     let work = pile::pile();
     let frames: Vec<usize> = (0..pile::STEPS).collect();
     let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
