@@ -1,9 +1,11 @@
 //! Those who deform all vertices, refit a tree and then ask it: libraries in use today (feature
-//! `peers`) and the paper's layered hierarchy.
+//! `peers`, Embree with feature `embree`) and the paper's layered hierarchy.
 //!
 //! All of them share [`Deformer`], the exact tests of balls and of pairs in [`crate::leaf`], and
 //! world coordinates in f32; rays are tested by the libraries' own code where they have some.
 
+#[cfg(feature = "embree")]
+pub mod embree;
 mod layered;
 #[cfg(feature = "peers")]
 mod obvhs;
@@ -14,6 +16,8 @@ mod tinybvh;
 #[cfg(feature = "peers")]
 mod vertices;
 
+#[cfg(feature = "embree")]
+pub use embree::Embree;
 pub use layered::LayeredPeer;
 #[cfg(feature = "peers")]
 pub use obvhs::Obvhs;
