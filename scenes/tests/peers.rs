@@ -7,6 +7,8 @@ use bdtree_runtime::{Asset, Pose, Transform};
 use bdtree_scenes::deform::Deformer;
 use bdtree_scenes::leaf;
 use bdtree_scenes::paper_tree::{Between, Memory, PaperTree};
+#[cfg(feature = "embree")]
+use bdtree_scenes::peers::{Embree, embree};
 use bdtree_scenes::peers::{LayeredPeer, PairPeer, Peer};
 use bdtree_scenes::workloads::{Body, Place, bodies, rays, sequence};
 use bdtree_tests::bake;
@@ -35,7 +37,7 @@ impl Case {
     }
 
     fn peers(&self, tree: &Rc<PaperTree>) -> Vec<(&'static str, Box<dyn Peer>)> {
-        vec![
+        let peers: Vec<(_, Box<dyn Peer>)> = vec![
             (
                 "layered",
                 Box::new(LayeredPeer::new(Rc::clone(tree), &self.deformer)),
@@ -55,7 +57,16 @@ impl Case {
                 "tinybvh",
                 Box::new(bdtree_scenes::peers::TinyBvh::new(&self.body)),
             ),
-        ]
+        ];
+        #[cfg(feature = "embree")]
+        if let Some(device) = embree::Device::find().expect("a library that can be used") {
+            let embree = Embree::new(&device, &self.body).expect("a mesh");
+            return peers
+                .into_iter()
+                .chain([("embree", Box::new(embree) as Box<dyn Peer>)])
+                .collect();
+        }
+        peers
     }
 }
 
@@ -207,4 +218,16 @@ fn pairs_equal_brute_force() {
         ids
     };
     assert_eq!(ids(&found), ids(&expected));
+}
+
+/// What is named as Embree and is not: one error that names the file.
+#[cfg(feature = "embree")]
+#[test]
+fn libraries_that_are_not_embree_are_refused() {
+    let own = std::env::current_exe().expect("this program");
+    for path in [std::path::Path::new("no/such/library.so"), &own] {
+        let error = embree::Device::open(path).err().expect("an error");
+        assert!(error.contains(embree::VARIABLE), "{error}");
+        assert!(error.contains(&path.display().to_string()), "{error}");
+    }
 }

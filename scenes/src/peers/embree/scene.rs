@@ -58,8 +58,7 @@ impl Scene {
         corners.copy_from_slice(triangles.as_flattened());
         own.vertices = own.buffer(VERTEX, FLOAT3, positions.len())?.cast::<f32>();
         own.len = 3 * positions.len();
-        own.vertices_mut()
-            .copy_from_slice(positions.as_flattened());
+        own.vertices_mut().copy_from_slice(positions.as_flattened());
         // SAFETY: a geometry with its buffers.
         unsafe { (api.commit_geometry)(geometry) };
         // SAFETY: both live; the scene holds the geometry from now on.

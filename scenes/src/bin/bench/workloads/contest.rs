@@ -1,5 +1,6 @@
 //! Contenders in turns: times of every frame, kept per part.
 
+use bdtree_runtime::query::Outcome;
 use bdtree_scenes::peers::Update;
 use bdtree_scenes::stats;
 use serde_json::{Value, json};
@@ -9,6 +10,8 @@ use serde_json::{Value, json};
 pub(crate) enum Role {
     /// The product.
     Ours,
+    /// The product on the same body without modes.
+    Rigid,
     /// The product in another setting, for its own comparisons.
     Variant,
     /// The paper's structures.
@@ -25,22 +28,39 @@ pub(crate) enum Counts {
     /// Vertices rounded once more on their way to the world: one in five thousand, and two.
     Rounded,
     /// The contender's own triangle test: one in two hundred, and two.
-    #[cfg(feature = "peers")]
     OwnTest,
     /// Another scene.
     Other,
+    /// The scene of the body without modes, if that takes part: none.
+    Rigid,
 }
 
 impl Counts {
-    fn allow(self, ours: u64, theirs: u64) -> bool {
+    fn allow(self, ours: u64, rigid: Option<u64>, theirs: u64) -> bool {
         let off = ours.abs_diff(theirs);
         match self {
             Self::Same => off == 0,
             Self::Rounded => off <= 2 + ours / 5000,
-            #[cfg(feature = "peers")]
             Self::OwnTest => off <= 2 + ours / 200,
             Self::Other => true,
+            Self::Rigid => rigid.is_none_or(|rigid| rigid == theirs),
         }
+    }
+}
+
+/// Nodes of the product's trees; none for whoever does not count.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Nodes {
+    /// Whose spheres were tested, each time.
+    pub(crate) visited: u64,
+    /// Whose spheres were evaluated, each time.
+    pub(crate) updated: u64,
+}
+
+impl Nodes {
+    pub(crate) fn add(&mut self, outcome: &Outcome) {
+        self.visited += outcome.nodes_visited;
+        self.updated += outcome.nodes_updated;
     }
 }
 
@@ -50,6 +70,7 @@ pub(crate) struct Frame {
     pub(crate) update: Update,
     pub(crate) query: f64,
     pub(crate) found: u64,
+    pub(crate) nodes: Nodes,
 }
 
 /// Who takes part.
@@ -89,6 +110,9 @@ pub(crate) struct Row {
     pub(crate) role: Role,
     /// Over all frames.
     pub(crate) found: u64,
+    /// Over all frames.
+    pub(crate) nodes: Nodes,
+    pub(crate) frames: usize,
     /// Mean over frames of each frame's median over the repetitions, by part.
     pub(crate) median: [f64; 4],
     /// Mean over frames of each frame's least, by part.
@@ -96,7 +120,7 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    fn of(entry: &Entry<'_>, found: u64, times: &[Vec<[f64; 4]>]) -> Self {
+    fn of(entry: &Entry<'_>, (found, nodes): (u64, Nodes), times: &[Vec<[f64; 4]>]) -> Self {
         let mean = |of_frame: &dyn Fn(&[f64]) -> f64| {
             std::array::from_fn(|part| {
                 let frames = times.iter().map(|repeats| {
@@ -110,6 +134,8 @@ impl Row {
             name: entry.name.clone(),
             role: entry.role,
             found,
+            nodes,
+            frames: times.len(),
             median: mean(&stats::median),
             floor: mean(&|part| part.iter().copied().fold(f64::INFINITY, f64::min)),
         }
@@ -121,7 +147,9 @@ impl Row {
             Value::Object(named.map(|(k, t)| (k.to_string(), json!(t))).collect())
         };
         json!({"name": self.name, "role": format!("{:?}", self.role).to_lowercase(),
-            "found": self.found, "median_s": parts(&self.median), "floor_s": parts(&self.floor)})
+            "found": self.found, "frames": self.frames,
+            "nodes_visited": self.nodes.visited, "nodes_updated": self.nodes.updated,
+            "median_s": parts(&self.median), "floor_s": parts(&self.floor)})
     }
 }
 
@@ -160,6 +188,7 @@ pub(crate) fn contest(
     entries.retain(|e| e.role == Role::Ours || with.is_empty() || with.contains(&e.name));
     let mut times = vec![vec![Vec::with_capacity(repeats); frames.len()]; entries.len()];
     let mut found = vec![None; entries.len()];
+    let mut nodes = vec![Nodes::default(); entries.len()];
     let order: Vec<usize> = match turns {
         Turns::Pass => (0..repeats)
             .flat_map(|repeat| (0..entries.len()).map(move |turn| (repeat, turn)))
@@ -171,15 +200,19 @@ pub(crate) fn contest(
     };
     for who in order {
         let mut sum = 0;
+        nodes[who] = Nodes::default();
         for (i, frame) in frames.iter().enumerate() {
             let Frame {
                 update,
                 query,
                 found,
+                nodes: own,
             } = (entries[who].frame)(*frame);
             let total = update.deform + update.refit + query;
             times[who][i].push([update.deform, update.refit, query, total]);
             sum += found;
+            nodes[who].visited += own.visited;
+            nodes[who].updated += own.updated;
         }
         let before = *found[who].get_or_insert(sum);
         if before != sum {
@@ -187,8 +220,10 @@ pub(crate) fn contest(
         }
     }
     let found: Vec<u64> = found.into_iter().map(Option::unwrap_or_default).collect();
+    let rigid = entries.iter().position(|e| e.role == Role::Rigid);
+    let rigid = rigid.map(|i| found[i]);
     for (entry, theirs) in entries.iter().zip(&found) {
-        if !entry.counts.allow(found[0], *theirs) {
+        if !entry.counts.allow(found[0], rigid, *theirs) {
             let ours = &entries[0].name;
             return Err(format!(
                 "{} finds {theirs}, {ours} {}",
@@ -196,6 +231,7 @@ pub(crate) fn contest(
             ));
         }
     }
-    let rows = entries.iter().zip(&found).zip(&times);
-    Ok(rows.map(|((e, found), t)| Row::of(e, *found, t)).collect())
+    let counts = found.into_iter().zip(nodes);
+    let rows = entries.iter().zip(counts).zip(&times);
+    Ok(rows.map(|((e, c), t)| Row::of(e, c, t)).collect())
 }

@@ -134,7 +134,7 @@ fn measure(setting: &Setting, repeats: usize) -> Result<Point, Box<dyn Error>> {
         for (step, q) in steps.iter().enumerate() {
             let mut own = (0.0, 0);
             for [x, y, z] in &centres[step] {
-                let (frame, _) = ours.frame(q, [*x, *y, *z, setting.radius]);
+                let frame = ours.frame(q, [*x, *y, *z, setting.radius]);
                 own = (own.0 + frame.query, own.1 + frame.found);
             }
             let update = peer.update(&deformer, q, &Place::IDENTITY, &mut scratch);

@@ -126,9 +126,9 @@ fn measure(
         let mut sums = [0.0; 3];
         for case in &cases {
             let [x, y, z] = case.center;
-            let (frame, nodes) = ours.frame(&case.q, [x, y, z, radius]);
+            let frame = ours.frame(&case.q, [x, y, z, radius]);
             sums[0] += frame.found as f64;
-            sums[1] += nodes as f64;
+            sums[1] += frame.nodes.visited as f64;
             sums[2] += frame.query;
         }
         sums.map(|sum| sum / cases.len() as f64)

@@ -5,6 +5,7 @@ mod assets;
 mod contest;
 pub(crate) mod curves;
 pub(crate) mod growth;
+mod libraries;
 mod ours;
 mod paper;
 mod refitting;
@@ -17,6 +18,7 @@ use std::path::PathBuf;
 use bdtree_scenes::machine;
 use clap::{Args, ValueEnum};
 use contest::Rounds;
+use libraries::Libraries;
 use serde_json::json;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -82,6 +84,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         "built for any processor of its kind"
     };
     println!("{}, {vectors}", machine::processor());
+    let libraries = Libraries::find()?;
+    println!("embree4: {}", libraries.embree());
     println!("medians over {repeats} repetitions, floors in brackets");
     let mut all = Vec::new();
     let mut show = |works: Vec<report::Work>| {
@@ -93,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if wanted(Which::W1) {
         for (size, goals) in BALL.into_iter().enumerate() {
             if size < 2 || arguments.large {
-                show(vec![works::ball(size, goals, rounds)?]);
+                show(vec![works::ball(&libraries, (size, goals), rounds)?]);
             }
         }
     }
@@ -102,7 +106,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
     if wanted(Which::W3) {
         for (size, goals) in RAYS.iter().enumerate() {
-            show(works::ray(size, goals, rounds)?);
+            show(works::ray(&libraries, (size, goals), rounds)?);
         }
     }
     if wanted(Which::W4) {
@@ -113,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
     if let Some(path) = &arguments.json {
         let value = json!({"machine": machine::processor(), "vectors": vectors,
-            "repeats": repeats, "turns": format!("{turns:?}").to_lowercase(), "works": all});
+            "embree4": libraries.embree(), "repeats": repeats, "turns": format!("{turns:?}").to_lowercase(), "works": all});
         std::fs::write(path, format!("{value:#}\n"))?;
     }
     Ok(())

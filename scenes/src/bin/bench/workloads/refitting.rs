@@ -32,6 +32,7 @@ pub(crate) fn ball<'a>(
             update,
             query: start.seconds(),
             found: found.len() as u64,
+            ..Frame::default()
         }
     })
 }
@@ -57,6 +58,7 @@ pub(crate) fn pair<'a, P: PairPeer>(
             update: sum(one, two),
             query: start.seconds(),
             found: found.len() as u64,
+            ..Frame::default()
         }
     })
 }
@@ -81,6 +83,7 @@ pub(crate) fn ray<'a>(
             update,
             query: start.seconds(),
             found,
+            ..Frame::default()
         }
     })
 }
@@ -112,6 +115,7 @@ pub(crate) fn pile<'a, P: PairPeer + 'a>(
             update,
             query: start.seconds(),
             found: found.len() as u64,
+            ..Frame::default()
         }
     })
 }

@@ -33,13 +33,19 @@ impl Work {
         Some(([least(0)? / ours[0], least(1)? / ours[1]], &who.name))
     }
 
-    /// The product's time over that of the rigid variant: in total, and per contact.
-    fn over_rigid(&self) -> Option<(Pair, Pair)> {
-        let (ours, rigid) = (self.row(Role::Ours)?, self.row(Role::Variant)?);
-        let (a, b) = (totals(ours), totals(rigid));
-        let share = rigid.found as f64 / ours.found as f64;
+    /// A row's time over that of the body without modes: in total, and per contact.
+    fn over_rigid(&self, row: &Row) -> Option<(Pair, Pair)> {
+        let rigid = self.row(Role::Rigid)?;
+        let (a, b) = (totals(row), totals(rigid));
+        let share = rigid.found as f64 / row.found as f64;
         let total = [a[0] / b[0], a[1] / b[1]];
         Some((total, total.map(|x| x * share)))
+    }
+
+    /// The product in all its settings but the rigid one.
+    fn own(&self) -> impl Iterator<Item = &Row> {
+        let own = [Role::Ours, Role::Variant];
+        self.rows.iter().filter(move |row| own.contains(&row.role))
     }
 
     pub(crate) fn json(&self) -> Value {
@@ -47,29 +53,38 @@ impl Work {
             self.ratio(role)
                 .map(|(r, who)| json!({"median": r[0], "floor": r[1], "to": who}))
         };
-        let rigid = self.over_rigid();
+        let over_rigid = |row: &Row| {
+            let (total, each) = self.over_rigid(row)?;
+            Some(json!({"name": row.name, "total": total, "per_found": each}))
+        };
+        let own: Vec<Value> = self.own().filter_map(over_rigid).collect();
         json!({
             "work": self.name,
             "must": self.goals.map(|g| g[0]), "aim": self.goals.map(|g| g[1]),
             "fastest_peer_over_ours": ratio(Role::Peer),
             "baseline_over_ours": ratio(Role::Baseline),
-            "ours_over_rigid": rigid.map(|(total, each)| json!({"total": total, "per_found": each})),
+            "over_rigid": own,
             "contenders": self.rows.iter().map(Row::json).collect::<Vec<_>>(),
         })
     }
 
     pub(crate) fn print(&self) {
         println!("\n{}", self.name);
-        print!("  {:<14}", "µs per frame");
+        let names = self.rows.iter().map(|row| row.name.len());
+        let width = names.max().unwrap_or(0).max(14);
+        print!("  {:<width$}", "µs per frame");
         for part in PARTS {
             print!("{part:>21}");
         }
-        println!("{:>10}{:>9}", "found", "to ours");
+        println!(
+            "{:>10}{:>9}{:>11}{:>11}",
+            "found", "to ours", "visits", "updates"
+        );
         let ours = self
             .row(Role::Ours)
             .map_or(f64::NAN, |row| row.median[TOTAL]);
         for row in &self.rows {
-            print!("  {:<14}", row.name);
+            print!("  {:<width$}", row.name);
             for k in 0..PARTS.len() {
                 let (median, floor) = (1e6 * row.median[k], 1e6 * row.floor[k]);
                 if median == 0.0 {
@@ -78,7 +93,15 @@ impl Work {
                     print!("{:>21}", format!("{} ({})", short(median), short(floor)));
                 }
             }
-            println!("{:>10}{:>9}", row.found, short(row.median[TOTAL] / ours));
+            print!("{:>10}{:>9}", row.found, short(row.median[TOTAL] / ours));
+            for count in [row.nodes.visited, row.nodes.updated] {
+                if row.nodes.visited == 0 {
+                    print!("{:>11}", "-");
+                } else {
+                    print!("{:>11}", short(count as f64 / row.frames as f64));
+                }
+            }
+            println!();
         }
         if let Some(([median, floor], who)) = self.ratio(Role::Peer) {
             print!(
@@ -91,9 +114,13 @@ impl Work {
             }
             println!();
         }
-        if let Some((total, each)) = self.over_rigid() {
+        for row in self.own() {
+            let Some((total, each)) = self.over_rigid(row) else {
+                continue;
+            };
             println!(
-                "  ours to ours rigid: {} (floors {}), per contact {} ({})",
+                "  {} to rigid: {} (floors {}), per contact {} ({})",
+                row.name,
                 short(total[0]),
                 short(total[1]),
                 short(each[0]),

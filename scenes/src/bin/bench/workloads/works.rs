@@ -8,14 +8,15 @@ use bdtree_scenes::deform::Deformer;
 use bdtree_scenes::paper_tree::PaperTree;
 use bdtree_scenes::peers::LayeredPeer;
 #[cfg(feature = "peers")]
-use bdtree_scenes::peers::{Obvhs, Parry, Peer, TinyBvh};
+use bdtree_scenes::peers::{Parry, TinyBvh};
 use bdtree_scenes::workloads::{bodies, curtain, pile, rays};
 
 use super::assets::baked;
 use super::contest::{Counts, Entry, Role, Rounds, contest};
+use super::libraries::Libraries;
 use super::ours::ball::OurBall;
 use super::ours::pair::OurPair;
-use super::ours::pile::OurPile;
+use super::ours::pile::{NODES, OurPile};
 use super::ours::ray::OurRays;
 use super::report::Work;
 use super::{paper, refitting};
@@ -23,7 +24,11 @@ use super::{paper, refitting};
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// W1 on one cloth.
-pub(crate) fn ball(size: usize, goals: [f64; 2], rounds: Rounds<'_>) -> Result<Work> {
+pub(crate) fn ball(
+    libraries: &Libraries,
+    (size, goals): (usize, [f64; 2]),
+    rounds: Rounds<'_>,
+) -> Result<Work> {
     let (name, across, down) = curtain::SIZES[size];
     let work = curtain::curtain(name, across, down);
     // Every tenth frame of the largest.
@@ -36,19 +41,17 @@ pub(crate) fn ball(size: usize, goals: [f64; 2], rounds: Rounds<'_>) -> Result<W
     let tree = Rc::new(PaperTree::build(&asset));
     let (mut ours, mut still) = (OurBall::new(asset), OurBall::new(rigid));
     let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
-    #[cfg(feature = "peers")]
-    let mut peers = peers(&work.body);
+    let mut peers = libraries.of(&work.body)?;
     let mut entries = vec![
         Entry::new("ours", Role::Ours, Counts::Same, |frame| {
-            ours.frame(work.q(frame), work.balls[frame]).0
+            ours.frame(work.q(frame), work.balls[frame])
         }),
-        Entry::new("ours, rigid", Role::Variant, Counts::Other, |frame| {
-            still.frame(&[], work.balls[frame]).0
+        Entry::new("ours, rigid", Role::Rigid, Counts::Other, |frame| {
+            still.frame(&[], work.balls[frame])
         }),
         paper::ball(&tree, asset, &work),
         refitting::ball("layered", Role::Baseline, &mut layered, &deformer, &work),
     ];
-    #[cfg(feature = "peers")]
     for (name, peer) in &mut peers {
         entries.push(refitting::ball(
             name,
@@ -83,7 +86,7 @@ pub(crate) fn pair(rounds: Rounds<'_>) -> Result<Work> {
         Entry::new("ours", Role::Ours, Counts::Same, |frame| {
             ours.frame(work.q(frame), &work.places[frame])
         }),
-        Entry::new("ours, rigid", Role::Variant, Counts::Other, |frame| {
+        Entry::new("ours, rigid", Role::Rigid, Counts::Other, |frame| {
             still.frame([&[], &[]], &work.rigid_places[frame])
         }),
         paper::pair(&tree, asset, &work),
@@ -102,8 +105,8 @@ pub(crate) fn pair(rounds: Rounds<'_>) -> Result<Work> {
 
 /// W3 on one body, with each number of rays a frame and its goals.
 pub(crate) fn ray(
-    size: usize,
-    goals: &[(usize, [f64; 2])],
+    libraries: &Libraries,
+    (size, goals): (usize, &[(usize, [f64; 2])]),
     rounds: Rounds<'_>,
 ) -> Result<Vec<Work>> {
     let (name, n) = rays::SIZES[size];
@@ -114,8 +117,7 @@ pub(crate) fn ray(
     let tree = Rc::new(PaperTree::build(&asset));
     let (mut ours, mut still) = (OurRays::new(asset), OurRays::new(rigid));
     let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
-    #[cfg(feature = "peers")]
-    let mut peers = peers(&work.body);
+    let mut peers = libraries.of(&work.body)?;
     let mut all = Vec::new();
     for (count, goals) in goals {
         let frames: Vec<usize> = (0..if *count > 100 { 10 } else { rays::FRAMES }).collect();
@@ -124,7 +126,7 @@ pub(crate) fn ray(
             Entry::new("ours", Role::Ours, Counts::Same, |frame| {
                 ours.frame(work.q(frame), work.of(frame, *count))
             }),
-            Entry::new("ours, rigid", Role::Variant, Counts::Other, |frame| {
+            Entry::new("ours, rigid", Role::Rigid, Counts::Other, |frame| {
                 still.frame(&[], work.of(frame, *count))
             }),
             paper::ray(&tree, asset, own),
@@ -136,7 +138,6 @@ pub(crate) fn ray(
                 own,
             ),
         ];
-        #[cfg(feature = "peers")]
         for (name, peer) in &mut peers {
             let kind = (Role::Peer, Counts::OwnTest);
             entries.push(refitting::ray(name, kind, peer.as_mut(), &deformer, own));
@@ -158,15 +159,29 @@ pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
     let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
     let deformer = Deformer::new(&work.body);
     let tree = Rc::new(PaperTree::build(&asset));
-    let (mut ours, mut still) = (OurPile::new(asset), OurPile::new(rigid));
+    let mut ours = OurPile::new(asset, NODES);
+    let mut still = OurPile::new(rigid, NODES);
+    // Redundant updates as in the paper: q = 0, so that they change nothing.
+    let mut rest = OurPile::new(asset, NODES).at_rest();
+    let mut forgetful = OurPile::new(asset, 0);
+    let mut hoarding = OurPile::new(asset, asset.node_count());
     let layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
     let layered = vec![layered; pile::COUNT];
     let entries = vec![
         Entry::new("ours", Role::Ours, Counts::Same, |step| {
             ours.frame(&work, step)
         }),
-        Entry::new("ours, rigid", Role::Variant, Counts::Other, |step| {
+        Entry::new("ours, rigid", Role::Rigid, Counts::Other, |step| {
             still.frame(&work, step)
+        }),
+        Entry::new("ours, at rest", Role::Variant, Counts::Rigid, |step| {
+            rest.frame(&work, step)
+        }),
+        Entry::new("ours, none kept", Role::Variant, Counts::Same, |step| {
+            forgetful.frame(&work, step)
+        }),
+        Entry::new("ours, all kept", Role::Variant, Counts::Same, |step| {
+            hoarding.frame(&work, step)
         }),
         paper::pile(&tree, asset, &work),
         refitting::pile("layered", Role::Baseline, layered, &deformer, &work),
@@ -192,14 +207,4 @@ pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
         goals: Some([3.0, 6.0]),
         rows: contest(entries, &frames, rounds)?,
     })
-}
-
-/// The libraries that answer single bodies.
-#[cfg(feature = "peers")]
-fn peers(body: &bdtree_scenes::workloads::Body) -> Vec<(&'static str, Box<dyn Peer>)> {
-    vec![
-        ("parry3d", Box::new(Parry::new(body))),
-        ("obvhs", Box::new(Obvhs::new(body))),
-        ("tinybvh", Box::new(TinyBvh::new(body))),
-    ]
 }

@@ -4,7 +4,7 @@ use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, query};
 
 use bdtree_scenes::clock::Clock;
 
-use crate::workloads::contest::Frame;
+use crate::workloads::contest::{Frame, Nodes};
 
 /// An asset with the memory that it is asked in.
 pub(crate) struct OurBall<'a> {
@@ -24,8 +24,8 @@ impl<'a> OurBall<'a> {
         }
     }
 
-    /// Pose and question; the second number is the nodes visited.
-    pub(crate) fn frame(&mut self, q: &[f32], [x, y, z, radius]: [f32; 4]) -> (Frame, u64) {
+    /// Pose and question.
+    pub(crate) fn frame(&mut self, q: &[f32], [x, y, z, radius]: [f32; 4]) -> Frame {
         let center = [x, y, z].map(f64::from);
         self.found.clear();
         let start = Clock::start();
@@ -39,11 +39,13 @@ impl<'a> OurBall<'a> {
             &mut self.found,
         );
         let query = start.seconds();
-        let frame = Frame {
+        let mut nodes = Nodes::default();
+        nodes.add(&outcome.expect("a sound asset"));
+        Frame {
             query,
             found: self.found.len() as u64,
+            nodes,
             ..Frame::default()
-        };
-        (frame, outcome.expect("a sound asset").nodes_visited)
+        }
     }
 }

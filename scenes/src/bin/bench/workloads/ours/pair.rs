@@ -5,7 +5,7 @@ use bdtree_scenes::clock::Clock;
 use bdtree_scenes::workloads::Place;
 
 use super::{Cache, cache};
-use crate::workloads::contest::Frame;
+use crate::workloads::contest::{Frame, Nodes};
 
 /// Two instances of an asset with the memory that they are asked in.
 pub(crate) struct OurPair<'a> {
@@ -36,7 +36,7 @@ impl<'a> OurPair<'a> {
         let a = Pose::new(asset, qa, Transform::IDENTITY, memory_a).expect("q within limits");
         let b = Pose::new(asset, qb, place.transform(), memory_b).expect("q within limits");
         let [cache_a, cache_b] = &mut self.caches;
-        query::touching(
+        let outcome = query::touching(
             (asset, &mut cache_a.start(&a)),
             (asset, &mut cache_b.start(&b)),
             0.0,
@@ -44,9 +44,13 @@ impl<'a> OurPair<'a> {
             &mut self.found,
         )
         .expect("a sound asset");
+        let query = start.seconds();
+        let mut nodes = Nodes::default();
+        nodes.add(&outcome);
         Frame {
-            query: start.seconds(),
+            query,
             found: self.found.len() as u64,
+            nodes,
             ..Frame::default()
         }
     }

@@ -7,15 +7,17 @@ use bdtree_scenes::clock::Clock;
 use bdtree_scenes::workloads::pile::{COUNT, Pile};
 
 use super::{Cache, cache};
-use crate::workloads::contest::Frame;
+use crate::workloads::contest::{Frame, Nodes};
 
-/// Slots of each instance. More save evaluations and no time: with a thousand bodies they are read from memory.
-const NODES: usize = 16;
+/// Node slots of each instance. More save evaluations and no time: with a thousand bodies they are read from memory.
+pub(crate) const NODES: usize = 16;
 const LEAVES: usize = 0;
 
 /// An asset with the memory that its instances are asked in.
 pub(crate) struct OurPile<'a> {
     asset: Asset<'a>,
+    /// Whether all q are 0.
+    at_rest: bool,
     memory: Vec<f32>,
     caches: Vec<Cache>,
     stack: Vec<PairStackEntry>,
@@ -26,10 +28,13 @@ pub(crate) struct OurPile<'a> {
 }
 
 impl<'a> OurPile<'a> {
-    pub(crate) fn new(asset: Asset<'a>) -> Self {
+    /// With so many node slots for each instance between its pairs. A pair's query has sixteen for
+    /// itself where there are fewer.
+    pub(crate) fn new(asset: Asset<'a>, nodes: usize) -> Self {
         Self {
+            at_rest: false,
             memory: vec![0.0; COUNT * asset.pose_len()],
-            caches: (0..COUNT).map(|_| cache(NODES, LEAVES)).collect(),
+            caches: (0..COUNT).map(|_| cache(nodes, LEAVES)).collect(),
             stack: vec![PairStackEntry::default(); asset.pair_stack_len(&asset)],
             grid: vec![GridSlot::EMPTY; broad::grid_slots(COUNT)],
             spheres: Vec::new(),
@@ -39,16 +44,23 @@ impl<'a> OurPile<'a> {
         }
     }
 
-    /// A step; `rigid` leaves q away.
+    /// The same with all q at 0.
+    pub(crate) fn at_rest(mut self) -> Self {
+        self.at_rest = true;
+        self
+    }
+
+    /// A step.
     pub(crate) fn frame(&mut self, pile: &Pile, step: usize) -> Frame {
         let asset = &self.asset;
-        let rigid = asset.mode_count() == 0;
+        let zeros = vec![0.0; asset.mode_count()];
+        let zero = self.at_rest || asset.mode_count() == 0;
         self.found.clear();
         let start = Clock::start();
         let mut memories = self.memory.chunks_exact_mut(asset.pose_len().max(1));
         let poses: Vec<Pose<'_>> = (0..COUNT)
             .map(|i| {
-                let q = if rigid { &[] } else { pile.q(step, i) };
+                let q = if zero { &zeros } else { pile.q(step, i) };
                 let memory = memories.next().unwrap_or_default();
                 let place = pile.place(step, i).transform();
                 Pose::new(asset, q, place, memory).expect("q within limits")
@@ -65,6 +77,7 @@ impl<'a> OurPile<'a> {
         self.pairs.sort_unstable();
         let caches = self.caches.iter_mut().zip(&poses);
         let mut kept: Vec<_> = caches.map(|(cache, pose)| cache.start(pose)).collect();
+        let mut nodes = Nodes::default();
         for pair in &self.pairs {
             let [Ok(a), Ok(b)] = pair.map(usize::try_from) else {
                 continue;
@@ -72,7 +85,7 @@ impl<'a> OurPile<'a> {
             let Ok([a, b]) = kept.get_disjoint_mut([a, b]) else {
                 continue;
             };
-            query::touching(
+            let outcome = query::touching(
                 (asset, a),
                 (asset, b),
                 0.0,
@@ -80,10 +93,12 @@ impl<'a> OurPile<'a> {
                 &mut self.found,
             )
             .expect("a sound asset");
+            nodes.add(&outcome);
         }
         Frame {
             query: start.seconds(),
             found: self.found.len() as u64,
+            nodes,
             ..Frame::default()
         }
     }

@@ -5,7 +5,7 @@ use bdtree_runtime::{Asset, Pose, StackEntry, Transform, query};
 use bdtree_scenes::clock::Clock;
 
 use super::{Cache, cache};
-use crate::workloads::contest::Frame;
+use crate::workloads::contest::{Frame, Nodes};
 
 /// An asset with the memory that it is asked in.
 pub(crate) struct OurRays<'a> {
@@ -33,16 +33,20 @@ impl<'a> OurRays<'a> {
         let pose = Pose::new(asset, q, Transform::IDENTITY, &mut self.memory);
         let pose = pose.expect("q within limits");
         let mut kept = self.cache.start(&pose);
-        let mut found = 0;
+        let (mut found, mut nodes) = (0, Nodes::default());
         for ray in rays {
             let [origin, direction] = ray.map(|v| v.map(f64::from));
             let stack = &mut self.stack;
             let nearest = query::ray(asset, &mut kept, origin, direction, f64::INFINITY, stack);
-            found += u64::from(nearest.expect("a sound asset").hit.is_some());
+            let nearest = nearest.expect("a sound asset");
+            found += u64::from(nearest.hit.is_some());
+            nodes.visited += nearest.nodes_visited;
+            nodes.updated += nearest.nodes_updated;
         }
         Frame {
             query: start.seconds(),
             found,
+            nodes,
             ..Frame::default()
         }
     }
