@@ -23,6 +23,8 @@ pub(super) const VERTEX: c_int = 1;
 pub(super) const UINT3: c_int = 0x5003;
 /// `RTC_FORMAT_FLOAT3`.
 pub(super) const FLOAT3: c_int = 0x9003;
+/// `RTC_BUILD_QUALITY_LOW`: of a scene, a tree over one tree per geometry, each built in its own quality.
+pub(super) const LOW: c_int = 0;
 /// `RTC_BUILD_QUALITY_REFIT`.
 pub(super) const REFIT: c_int = 3;
 /// `RTC_SCENE_FLAG_DYNAMIC`.
@@ -151,6 +153,7 @@ functions! {
     new_scene = c"rtcNewScene": fn(DevicePointer) -> ScenePointer;
     release_scene = c"rtcReleaseScene": fn(ScenePointer);
     set_scene_flags = c"rtcSetSceneFlags": fn(ScenePointer, c_int);
+    set_scene_build_quality = c"rtcSetSceneBuildQuality": fn(ScenePointer, c_int);
     attach_geometry = c"rtcAttachGeometry": fn(ScenePointer, GeometryPointer) -> c_uint;
     commit_scene = c"rtcCommitScene": fn(ScenePointer);
     new_geometry = c"rtcNewGeometry": fn(DevicePointer, c_int) -> GeometryPointer;

@@ -4,7 +4,7 @@ use std::ffi::c_void;
 use std::rc::Rc;
 
 use super::api::{
-    DYNAMIC, FLOAT3, GeometryPointer, INDEX, NONE, PointQuery, PointQueryArguments,
+    DYNAMIC, FLOAT3, GeometryPointer, INDEX, LOW, NONE, PointQuery, PointQueryArguments,
     PointQueryContext, REFIT, RayHit, ScenePointer, TRIANGLES, UINT3, VERTEX,
 };
 use super::device::Device;
@@ -49,6 +49,9 @@ impl Scene {
         device.check()?;
         // SAFETY: a scene that was made without an error.
         unsafe { (api.set_scene_flags)(scene, DYNAMIC) };
+        // Otherwise the geometry's own quality is ignored, and every commit builds anew.
+        // SAFETY: the same.
+        unsafe { (api.set_scene_build_quality)(scene, LOW) };
         // SAFETY: a geometry that was made without an error.
         unsafe { (api.set_build_quality)(geometry, REFIT) };
         let corners = own.buffer(INDEX, UINT3, triangles.len())?.cast::<u32>();
