@@ -46,7 +46,7 @@ pub(crate) fn ball(
         Entry::new("ours", Role::Ours, Counts::Same, |frame| {
             ours.frame(work.q(frame), work.balls[frame])
         }),
-        Entry::new("ours, rigid", Role::Rigid, Counts::Other, |frame| {
+        Entry::new("ours rigid", Role::Rigid, Counts::Other, |frame| {
             still.frame(&[], work.balls[frame])
         }),
         paper::ball(&tree, asset, &work),
@@ -86,7 +86,7 @@ pub(crate) fn pair(rounds: Rounds<'_>) -> Result<Work> {
         Entry::new("ours", Role::Ours, Counts::Same, |frame| {
             ours.frame(work.q(frame), &work.places[frame])
         }),
-        Entry::new("ours, rigid", Role::Rigid, Counts::Other, |frame| {
+        Entry::new("ours rigid", Role::Rigid, Counts::Other, |frame| {
             still.frame([&[], &[]], &work.rigid_places[frame])
         }),
         paper::pair(&tree, asset, &work),
@@ -126,7 +126,7 @@ pub(crate) fn ray(
             Entry::new("ours", Role::Ours, Counts::Same, |frame| {
                 ours.frame(work.q(frame), work.of(frame, *count))
             }),
-            Entry::new("ours, rigid", Role::Rigid, Counts::Other, |frame| {
+            Entry::new("ours rigid", Role::Rigid, Counts::Other, |frame| {
                 still.frame(&[], work.of(frame, *count))
             }),
             paper::ray(&tree, asset, own),
@@ -171,16 +171,16 @@ pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
         Entry::new("ours", Role::Ours, Counts::Same, |step| {
             ours.frame(&work, step)
         }),
-        Entry::new("ours, rigid", Role::Rigid, Counts::Other, |step| {
+        Entry::new("ours rigid", Role::Rigid, Counts::Other, |step| {
             still.frame(&work, step)
         }),
-        Entry::new("ours, at rest", Role::Variant, Counts::Rigid, |step| {
+        Entry::new("ours at rest", Role::Variant, Counts::Rigid, |step| {
             rest.frame(&work, step)
         }),
-        Entry::new("ours, none kept", Role::Variant, Counts::Same, |step| {
+        Entry::new("ours none kept", Role::Variant, Counts::Same, |step| {
             forgetful.frame(&work, step)
         }),
-        Entry::new("ours, all kept", Role::Variant, Counts::Same, |step| {
+        Entry::new("ours all kept", Role::Variant, Counts::Same, |step| {
             hoarding.frame(&work, step)
         }),
         paper::pile(&tree, asset, &work),
