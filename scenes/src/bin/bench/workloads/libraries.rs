@@ -48,17 +48,22 @@ impl Libraries {
     /// # Errors
     /// A body that one of them refuses.
     pub(crate) fn of(&self, body: &Body) -> Result<Peers, Box<dyn Error>> {
-        let mut all: Peers = Vec::new();
-        #[cfg(feature = "peers")]
-        {
-            all.push(("parry3d", Box::new(Parry::new(body))));
-            all.push(("obvhs", Box::new(Obvhs::new(body))));
-            all.push(("tinybvh", Box::new(TinyBvh::new(body))));
-        }
+        let all: Peers = vec![
+            #[cfg(feature = "peers")]
+            ("parry3d", Box::new(Parry::new(body))),
+            #[cfg(feature = "peers")]
+            ("obvhs", Box::new(Obvhs::new(body))),
+            #[cfg(feature = "peers")]
+            ("tinybvh", Box::new(TinyBvh::new(body))),
+        ];
         #[cfg(feature = "embree")]
-        if let Some(device) = &self.embree {
-            all.push(("embree4", Box::new(Embree::new(device, body)?)));
-        }
+        let all = match &self.embree {
+            Some(device) => {
+                let embree: Box<dyn Peer> = Box::new(Embree::new(device, body)?);
+                all.into_iter().chain([("embree4", embree)]).collect()
+            }
+            None => all,
+        };
         // Without features there are none.
         let _ = body;
         Ok(all)

@@ -117,7 +117,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
     if let Some(path) = &arguments.json {
         let value = json!({"machine": machine::processor(), "vectors": vectors,
-            "embree4": libraries.embree(), "repeats": repeats, "turns": format!("{turns:?}").to_lowercase(), "works": all});
+            "embree4": libraries.embree(), "repeats": repeats,
+            "turns": format!("{turns:?}").to_lowercase(), "works": all});
         std::fs::write(path, format!("{value:#}\n"))?;
     }
     Ok(())
