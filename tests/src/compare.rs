@@ -7,14 +7,22 @@ use crate::compare_shapes::check_shapes;
 use crate::pair_caches::PairCaches;
 use crate::{oracle, poses};
 
-/// Runs all single-asset queries for one pose and compares each with the oracle.
+/// Runs all single-asset queries for one pose, with every kernel, and compares each with the oracle.
 ///
 /// # Panics
 /// When an answer differs.
 pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64, rounds: usize) {
-    let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(asset, q, transform, &mut memory).expect("pose");
-    check_posed(asset, &pose, seed, rounds);
+    let assets: Vec<Asset<'_>> = kernels(*asset).collect();
+    let mut memories = vec![vec![0.0; asset.pose_len()]; assets.len()];
+    let pose = |(asset, memory)| {
+        let memory: &mut Vec<f32> = memory;
+        (
+            asset,
+            Pose::new(&asset, q, transform, memory).expect("pose"),
+        )
+    };
+    let posed: Vec<Posed<'_>> = assets.into_iter().zip(&mut memories).map(pose).collect();
+    check_all(&posed, seed, rounds);
 }
 
 /// [`check_pose`] for a pose however made.
@@ -22,19 +30,34 @@ pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64,
 /// # Panics
 /// When an answer differs.
 pub fn check_posed(asset: &Asset<'_>, pose: &Pose<'_>, seed: u64, rounds: usize) {
-    let triangles = oracle::deformed_triangles(asset, pose);
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let posed: Vec<Posed<'_>> = kernels(*asset).map(|asset| (asset, *pose)).collect();
+    check_all(&posed, seed, rounds);
+}
+
+/// An asset of some kernel and a pose.
+pub(crate) type Posed<'s> = (Asset<'s>, Pose<'s>);
+
+/// Brute force answers once for all kernels.
+fn check_all(posed: &[Posed<'_>], seed: u64, rounds: usize) {
+    let (first, pose) = &posed[0];
+    let triangles = oracle::deformed_triangles(first, pose);
+    for (asset, pose) in &posed[1..] {
+        assert_eq!(*oracle::deformed_triangles(asset, pose), *triangles);
+    }
+    let mut stack = vec![StackEntry::default(); first.stack_len()];
     let mut rng = poses::rng(seed);
     let (low, high) = bounds(&triangles);
     let diagonal = (0..3)
         .map(|k| (high[k] - low[k]).powi(2))
         .sum::<f64>()
         .sqrt();
-    let sphere = query::root_sphere(asset, pose).unwrap();
-    for x in triangles.iter().flatten() {
-        let v = [0, 1, 2].map(|k| x[k] - sphere.center[k]);
-        let distance = v.iter().map(|c| c * c).sum::<f64>().sqrt();
-        assert!(distance <= sphere.radius, "{x:?} is outside of {sphere:?}");
+    for (asset, pose) in posed {
+        let sphere = query::root_sphere(asset, pose).unwrap();
+        for x in triangles.iter().flatten() {
+            let v = [0, 1, 2].map(|k| x[k] - sphere.center[k]);
+            let distance = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+            assert!(distance <= sphere.radius, "{x:?} is outside of {sphere:?}");
+        }
     }
     for round in 0..rounds {
         let target = triangles[rng.random_range(0..triangles.len())][0];
@@ -46,19 +69,17 @@ pub fn check_posed(asset: &Asset<'_>, pose: &Pose<'_>, seed: u64, rounds: usize)
         }
         let radius = diagonal * 10_f64.powf(rng.random_range(-3.0..-0.5));
 
-        let mut found: Vec<Contact> = Vec::new();
-        let outcome = query::ball(asset, pose, point, radius, &mut stack, &mut found).unwrap();
-        assert!(!outcome.truncated);
-        found.sort_by_key(|c| c.triangle);
-        let expected = oracle::ball(&triangles, point, radius);
-        let ids: Vec<u32> = found.iter().map(|c| c.triangle.0).collect();
-        assert_eq!(
-            ids,
-            expected.iter().map(|e| e.0).collect::<Vec<_>>(),
-            "ball at {point:?}, radius {radius}"
-        );
-        for (contact, (_, distance)) in found.iter().zip(&expected) {
-            assert_eq!(contact.dist, distance - radius);
+        let expected: Vec<(u32, f64)> = oracle::ball(&triangles, point, radius)
+            .into_iter()
+            .map(|(id, distance)| (id, distance - radius))
+            .collect();
+        for (asset, pose) in posed {
+            let mut found: Vec<Contact> = Vec::new();
+            let outcome = query::ball(asset, pose, point, radius, &mut stack, &mut found).unwrap();
+            assert!(!outcome.truncated);
+            found.sort_by_key(|c| c.triangle);
+            let found: Vec<(u32, f64)> = found.iter().map(|c| (c.triangle.0, c.dist)).collect();
+            assert_eq!(found, expected, "ball at {point:?}, radius {radius}");
         }
 
         let limit = if round % 3 == 0 {
@@ -66,12 +87,12 @@ pub fn check_posed(asset: &Asset<'_>, pose: &Pose<'_>, seed: u64, rounds: usize)
         } else {
             diagonal * rng.random_range(0.0..0.2)
         };
-        let near = query::closest(asset, pose, point, limit, &mut stack).unwrap();
-        assert_eq!(
-            near.hit.map(|h| (h.triangle.0, h.distance)),
-            oracle::closest(&triangles, point, limit),
-            "closest to {point:?} within {limit}"
-        );
+        let expected = oracle::closest(&triangles, point, limit);
+        for (asset, pose) in posed {
+            let near = query::closest(asset, pose, point, limit, &mut stack).unwrap();
+            let found = near.hit.map(|h| (h.triangle.0, h.distance));
+            assert_eq!(found, expected, "closest to {point:?} within {limit}");
+        }
 
         let mut origin = point;
         let mut direction = [0.0; 3];
@@ -82,33 +103,28 @@ pub fn check_posed(asset: &Asset<'_>, pose: &Pose<'_>, seed: u64, rounds: usize)
         let norm = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
         let unit = oracle::unit(direction);
         let limit = if round % 3 == 1 { f64::INFINITY } else { norm };
-        let hit = query::ray(asset, pose, origin, direction, limit, &mut stack).unwrap();
-        assert_eq!(
-            hit.hit.map(|h| (h.triangle.0, h.distance)),
-            oracle::ray(&triangles, origin, unit, limit),
-            "ray from {origin:?} along {direction:?} within {limit}"
-        );
+        let expected = oracle::ray(&triangles, origin, unit, limit);
+        for (asset, pose) in posed {
+            let hit = query::ray(asset, pose, origin, direction, limit, &mut stack).unwrap();
+            assert_eq!(
+                hit.hit.map(|h| (h.triangle.0, h.distance)),
+                expected,
+                "ray from {origin:?} along {direction:?} within {limit}"
+            );
+        }
 
         let offset = unit[0] * target[0] + unit[1] * target[1] + unit[2] * target[2];
-        let mut found: Vec<Contact> = Vec::new();
-        query::plane(asset, pose, direction, offset, &mut stack, &mut found).unwrap();
-        let mut ids: Vec<u32> = found.iter().map(|c| c.triangle.0).collect();
-        ids.sort_unstable();
-        assert_eq!(
-            ids,
-            oracle::plane(&triangles, unit, offset),
-            "plane {unit:?}, offset {offset}"
-        );
+        let expected = oracle::plane(&triangles, unit, offset);
+        for (asset, pose) in posed {
+            let mut found: Vec<Contact> = Vec::new();
+            query::plane(asset, pose, direction, offset, &mut stack, &mut found).unwrap();
+            let mut ids: Vec<u32> = found.iter().map(|c| c.triangle.0).collect();
+            ids.sort_unstable();
+            assert_eq!(ids, expected, "plane {unit:?}, offset {offset}");
+        }
 
         let about = (point, radius);
-        check_shapes(
-            (asset, pose),
-            &triangles,
-            about,
-            round,
-            &mut stack,
-            &mut rng,
-        );
+        check_shapes(posed, &triangles, about, round, &mut stack, &mut rng);
     }
 }
 

@@ -8,6 +8,7 @@ use bdtree_runtime::{
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
+use crate::body::Body;
 use crate::{oracle, poses};
 
 /// Runs all single-asset queries at these poses with memory for nothing, for one of each, for few
@@ -51,7 +52,7 @@ pub fn check_cached(asset: &Asset<'_>, at: &[(Vec<f32>, Transform)], seed: u64, 
 struct Case<'s> {
     asset: &'s Asset<'s>,
     pose: &'s Pose<'s>,
-    triangles: &'s [Triangle],
+    triangles: &'s Body,
     cached: CachedPose<'s>,
     stack: Vec<StackEntry>,
     visited: u64,

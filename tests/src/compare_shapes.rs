@@ -1,10 +1,12 @@
 //! Capsules, oriented boxes and frustums beside brute force.
 
-use bdtree_runtime::narrow::{Frustum, FrustumState, OrientedBox, Triangle};
-use bdtree_runtime::{Asset, Contact, Pose, StackEntry, query};
+use bdtree_runtime::narrow::{Frustum, FrustumState, OrientedBox};
+use bdtree_runtime::{Contact, StackEntry, query};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
+use crate::body::Body;
+use crate::compare::Posed;
 use crate::{oracle, poses};
 
 /// Asks one capsule, one box and one frustum about `point`, of the size of `radius`, and compares
@@ -12,9 +14,9 @@ use crate::{oracle, poses};
 ///
 /// # Panics
 /// When an answer differs.
-pub fn check_shapes(
-    (asset, pose): (&Asset<'_>, &Pose<'_>),
-    triangles: &[Triangle],
+pub(crate) fn check_shapes(
+    posed: &[Posed<'_>],
+    triangles: &Body,
     (point, radius): ([f64; 3], f64),
     round: usize,
     stack: &mut [StackEntry],
@@ -33,7 +35,7 @@ pub fn check_shapes(
         }
     };
     let thickness = radius * [1.0, 0.0, 0.01][round / 5 % 3];
-    check_capsule((asset, pose), triangles, ends, thickness, stack);
+    check_capsule(posed, triangles, ends, thickness, stack);
 
     let rotation = poses::random_transform(0.0, rng).rotation;
     let mut half = [0; 3].map(|_| radius * 10_f64.powf(rng.random_range(-2.0..0.5)));
@@ -53,52 +55,57 @@ pub fn check_shapes(
         }
         _ => {}
     }
-    check_box((asset, pose), triangles, (center, rotation, half), stack);
-    check_frustum((asset, pose), triangles, (point, radius), stack, rng);
+    check_box(posed, triangles, (center, rotation, half), stack);
+    check_frustum(posed, triangles, (point, radius), stack, rng);
 }
 
 fn check_capsule(
-    (asset, pose): (&Asset<'_>, &Pose<'_>),
-    triangles: &[Triangle],
+    posed: &[Posed<'_>],
+    triangles: &Body,
     [point1, point2]: [[f64; 3]; 2],
     radius: f64,
     stack: &mut [StackEntry],
 ) {
-    let mut found: Vec<Contact> = Vec::new();
-    let outcome = query::capsule(asset, pose, point1, point2, radius, stack, &mut found);
-    assert!(!outcome.expect("capsule").truncated);
-    found.sort_by_key(|c| c.triangle);
     let expected: Vec<(u32, f64)> = oracle::capsule(triangles, [point1, point2], radius)
         .into_iter()
         .map(|(id, distance)| (id, distance - radius))
         .collect();
-    let found: Vec<(u32, f64)> = found.iter().map(|c| (c.triangle.0, c.dist)).collect();
-    assert_eq!(
-        found, expected,
-        "capsule {point1:?} {point2:?} of radius {radius}"
-    );
+    for (asset, pose) in posed {
+        let mut found: Vec<Contact> = Vec::new();
+        let outcome = query::capsule(asset, pose, point1, point2, radius, stack, &mut found);
+        assert!(!outcome.expect("capsule").truncated);
+        found.sort_by_key(|c| c.triangle);
+        let found: Vec<(u32, f64)> = found.iter().map(|c| (c.triangle.0, c.dist)).collect();
+        assert_eq!(
+            found, expected,
+            "capsule {point1:?} {point2:?} of radius {radius}"
+        );
+    }
 }
 
 fn check_box(
-    (asset, pose): (&Asset<'_>, &Pose<'_>),
-    triangles: &[Triangle],
+    posed: &[Posed<'_>],
+    triangles: &Body,
     (center, rotation, half): ([f64; 3], [f64; 4], [f64; 3]),
     stack: &mut [StackEntry],
 ) {
-    let mut found: Vec<Contact> = Vec::new();
-    let outcome = query::cuboid(asset, pose, center, rotation, half, stack, &mut found);
-    assert!(!outcome.expect("box").truncated);
-    found.sort_by_key(|c| c.triangle);
     let shape = OrientedBox::new(center, rotation, half);
-    let found: Vec<(u32, f64)> = found.iter().map(|c| (c.triangle.0, -c.dist)).collect();
-    assert_eq!(found, oracle::cuboid(triangles, &shape), "{shape:?}");
+    let expected = oracle::cuboid(triangles, &shape);
+    for (asset, pose) in posed {
+        let mut found: Vec<Contact> = Vec::new();
+        let outcome = query::cuboid(asset, pose, center, rotation, half, stack, &mut found);
+        assert!(!outcome.expect("box").truncated);
+        found.sort_by_key(|c| c.triangle);
+        let found: Vec<(u32, f64)> = found.iter().map(|c| (c.triangle.0, -c.dist)).collect();
+        assert_eq!(found, expected, "{shape:?}");
+    }
 }
 
 /// Planes that cut the body, hold it or miss it: some about the point, some that just hold all
 /// corners, some that all but do.
 fn check_frustum(
-    (asset, pose): (&Asset<'_>, &Pose<'_>),
-    triangles: &[Triangle],
+    posed: &[Posed<'_>],
+    triangles: &Body,
     (point, radius): ([f64; 3], f64),
     stack: &mut [StackEntry],
     rng: &mut Pcg64Mcg,
@@ -127,13 +134,15 @@ fn check_frustum(
     for sign in [1.0, -1.0] {
         let planes: Vec<_> = planes.iter().map(|p| p.map(|x| sign * x)).collect();
         let shape = Frustum::new(&planes).expect("planes");
-        let found = query::frustum(asset, pose, &shape, stack).expect("frustum");
         let expected = oracle::frustum(triangles, &shape);
-        assert_eq!(found.state, expected, "{planes:?}");
-        // The root's sphere alone may only know less.
-        let sphere = query::root_sphere(asset, pose).expect("sphere");
-        let coarse = sphere.state(&shape);
-        assert!(coarse == FrustumState::Intersects || coarse == expected);
+        for (asset, pose) in posed {
+            let found = query::frustum(asset, pose, &shape, stack).expect("frustum");
+            assert_eq!(found.state, expected, "{planes:?}");
+            // The root's sphere alone may only know less.
+            let sphere = query::root_sphere(asset, pose).expect("sphere");
+            let coarse = sphere.state(&shape);
+            assert!(coarse == FrustumState::Intersects || coarse == expected);
+        }
     }
 }
 

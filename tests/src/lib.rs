@@ -2,6 +2,7 @@
 //! generators of fixtures.
 
 pub mod bake;
+pub mod body;
 pub mod collisions;
 pub mod compare;
 pub mod compare_cached;

@@ -6,6 +6,7 @@ use bdtree_runtime::{
 };
 use rand::RngExt;
 
+use crate::body::Body;
 use crate::compare::kernels;
 use crate::{oracle, poses};
 
@@ -59,7 +60,7 @@ pub struct Two<'s> {
 
 impl Two<'_> {
     /// All triangles of both.
-    pub fn triangles(&self) -> [Vec<Triangle>; 2] {
+    pub fn triangles(&self) -> [Body; 2] {
         [
             oracle::deformed_triangles(&self.asset_a, &self.a),
             oracle::deformed_triangles(&self.asset_b, &self.b),

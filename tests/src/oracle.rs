@@ -1,4 +1,4 @@
-//! Brute force: deform everything, test everything, no tree.
+//! Brute force: deform everything, test everything that is not plainly far away, no tree.
 //!
 //! The same leaf predicates as the runtime decide here, so its answers must be equal to the last
 //! bit; that the predicates themselves are right is tested against exact arithmetic elsewhere.
@@ -6,26 +6,26 @@
 use bdtree_runtime::narrow::{self, Frustum, FrustumState, OrientedBox, Triangle};
 use bdtree_runtime::{Asset, Pose, TriangleId, VertexId};
 
+use crate::body::{Body, Bounds};
+
 /// All deformed triangles in the world, by id.
 ///
 /// # Panics
 /// On a corrupt asset.
-pub fn deformed_triangles(asset: &Asset<'_>, pose: &Pose<'_>) -> Vec<Triangle> {
+pub fn deformed_triangles(asset: &Asset<'_>, pose: &Pose<'_>) -> Body {
     let vertices: Vec<[f64; 3]> = (0..asset.vertex_count() as u32)
         .map(|i| asset.deformed(pose, VertexId(i)).expect("vertex"))
         .collect();
-    (0..asset.triangle_count() as u32)
-        .map(|id| {
-            let corners = asset.triangle(TriangleId(id)).expect("triangle");
-            corners.map(|v| vertices[v.0 as usize])
-        })
-        .collect()
+    let corners = |id| asset.triangle(TriangleId(id)).expect("triangle");
+    let triangles = (0..asset.triangle_count() as u32)
+        .map(|id| corners(id).map(|v| vertices[v.0 as usize]))
+        .collect();
+    Body::new(triangles)
 }
 
 /// Ids of the triangles within a ball, and their distances to its centre.
-pub fn ball(triangles: &[Triangle], center: [f64; 3], radius: f64) -> Vec<(u32, f64)> {
-    (0..)
-        .zip(triangles)
+pub fn ball(body: &Body, center: [f64; 3], radius: f64) -> Vec<(u32, f64)> {
+    body.near(Bounds::of(&[center]), radius)
         .filter_map(|(id, t)| {
             let d = narrow::closest_point(center, t).distance;
             (d <= radius).then_some((id, d))
@@ -34,9 +34,8 @@ pub fn ball(triangles: &[Triangle], center: [f64; 3], radius: f64) -> Vec<(u32, 
 }
 
 /// Ids of the triangles within a radius of a segment, and their distances to it.
-pub fn capsule(triangles: &[Triangle], ends: [[f64; 3]; 2], radius: f64) -> Vec<(u32, f64)> {
-    (0..)
-        .zip(triangles)
+pub fn capsule(body: &Body, ends: [[f64; 3]; 2], radius: f64) -> Vec<(u32, f64)> {
+    body.about(ends, radius)
         .filter_map(|(id, t)| {
             let d = narrow::segment_triangle_distance(&ends, t).distance;
             (d <= radius).then_some((id, d))
@@ -45,9 +44,8 @@ pub fn capsule(triangles: &[Triangle], ends: [[f64; 3]; 2], radius: f64) -> Vec<
 }
 
 /// Ids of the triangles that touch a box, and how deep they reach into it.
-pub fn cuboid(triangles: &[Triangle], shape: &OrientedBox) -> Vec<(u32, f64)> {
-    (0..)
-        .zip(triangles)
+pub fn cuboid(body: &Body, shape: &OrientedBox) -> Vec<(u32, f64)> {
+    body.near(Bounds::of_box(shape), 0.0)
         .filter_map(|(id, t)| Some((id, shape.contact(t)?.depth)))
         .collect()
 }
@@ -65,36 +63,42 @@ pub fn frustum(triangles: &[Triangle], shape: &Frustum) -> FrustumState {
 }
 
 /// The nearest triangle's id and distance, lowest id first.
-pub fn closest(triangles: &[Triangle], to: [f64; 3], max_distance: f64) -> Option<(u32, f64)> {
-    (0..)
-        .zip(triangles)
-        .map(|(id, t)| (id, narrow::closest_point(to, t).distance))
-        .filter(|(_, d)| *d <= max_distance)
-        .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
+pub fn closest(body: &Body, to: [f64; 3], max_distance: f64) -> Option<(u32, f64)> {
+    let mut best: Option<(u32, f64)> = None;
+    let point = Bounds::of(&[to]);
+    for ((id, t), bounds) in (0..).zip(&**body).zip(body.bounds()) {
+        if bounds.apart(&point) > best.map_or(max_distance, |b| b.1) {
+            continue;
+        }
+        let d = narrow::closest_point(to, t).distance;
+        if d <= max_distance && best.is_none_or(|b| d < b.1) {
+            best = Some((id, d));
+        }
+    }
+    best
 }
 
 /// The first triangle along a ray and its distance, lowest id first. `direction` is unit.
 pub fn ray(
-    triangles: &[Triangle],
+    body: &Body,
     origin: [f64; 3],
     direction: [f64; 3],
     max_distance: f64,
 ) -> Option<(u32, f64)> {
-    ray_all(triangles, origin, direction, max_distance)
+    ray_all(body, origin, direction, max_distance)
         .into_iter()
         .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
 }
 
 /// All triangles along a ray and their distances, by id. `direction` is unit.
 pub fn ray_all(
-    triangles: &[Triangle],
+    body: &Body,
     origin: [f64; 3],
     direction: [f64; 3],
     max_distance: f64,
 ) -> Vec<(u32, f64)> {
     let ray = narrow::Ray::new(origin, direction);
-    (0..)
-        .zip(triangles)
+    body.along(origin, direction, max_distance)
         .filter_map(|(id, t)| Some((id, narrow::ray_hit(&ray, t, max_distance)?.t)))
         .collect()
 }
@@ -118,51 +122,155 @@ pub fn plane(triangles: &[Triangle], normal: [f64; 3], offset: f64) -> Vec<u32> 
 }
 
 /// All pairs that share a point (tolerance 0) or are within the tolerance, ascending.
-///
-/// Sweeps along x, so that meshes of tens of thousands of triangles stay affordable; every pair
-/// whose boxes come within the tolerance is tested.
-pub fn pair(a: &[Triangle], b: &[Triangle], tolerance: f64) -> Vec<(u32, u32)> {
-    let range = |t: &Triangle, k: usize| {
-        let [x, y, z] = [t[0][k], t[1][k], t[2][k]];
-        (x.min(y).min(z), x.max(y).max(z))
-    };
-    let mut order: Vec<u32> = (0..b.len() as u32).collect();
-    order.sort_by(|i, j| {
-        range(&b[*i as usize], 0)
-            .0
-            .total_cmp(&range(&b[*j as usize], 0).0)
-    });
-    let lows: Vec<f64> = order.iter().map(|i| range(&b[*i as usize], 0).0).collect();
-    // Widest box of b, to know how far back to look.
-    let width = b
-        .iter()
-        .map(|t| range(t, 0).1 - range(t, 0).0)
-        .fold(0.0, f64::max);
-    let margin = tolerance * (1.0 + 1e-9) + 1e-9 * width;
+pub fn pair(a: &Body, b: &Body, tolerance: f64) -> Vec<(u32, u32)> {
+    let [groups_a, groups_b] = [a.groups(), b.groups()];
     let mut hits = Vec::new();
-    for (i, ta) in (0..).zip(a) {
-        let (low, high) = range(ta, 0);
-        let start = lows.partition_point(|x| *x < low - width - 2.0 * margin);
-        let end = lows.partition_point(|x| *x <= high + margin);
-        for j in &order[start..end] {
-            let tb = &b[*j as usize];
-            let apart = (0..3).any(|k| {
-                let ((l1, h1), (l2, h2)) = (range(ta, k), range(tb, k));
-                l2 > h1 + margin || l1 > h2 + margin
-            });
-            if apart {
+    for (around_a, ids_a) in &groups_a {
+        for (around_b, ids_b) in &groups_b {
+            if around_a.apart(around_b) > tolerance {
                 continue;
             }
-            let hit = if tolerance == 0.0 {
-                narrow::triangles_intersect(ta, tb)
-            } else {
-                narrow::triangle_distance(ta, tb).distance <= tolerance
-            };
-            if hit {
-                hits.push((i, *j));
+            for i in ids_a.iter().map(|i| *i as usize) {
+                if a.bounds()[i].apart(around_b) > tolerance {
+                    continue;
+                }
+                for j in ids_b.iter().map(|j| *j as usize) {
+                    let is_far = a.bounds()[i].apart(&b.bounds()[j]) > tolerance;
+                    if !is_far && are_within(&a[i], &b[j], tolerance) {
+                        hits.push((i as u32, j as u32));
+                    }
+                }
             }
         }
     }
     hits.sort_unstable();
     hits
+}
+
+/// Whether two triangles share a point (tolerance 0) or are within the tolerance.
+fn are_within(a: &Triangle, b: &Triangle, tolerance: f64) -> bool {
+    if tolerance == 0.0 {
+        narrow::triangles_intersect(a, b)
+    } else {
+        narrow::triangle_distance(a, b).distance <= tolerance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{bake, poses};
+    use rand::RngExt;
+
+    /// A sphere, larger triangles through it, some without area, at this place and of this size.
+    fn body(place: f64, size: f64) -> Body {
+        let mesh = bake::bumpy_sphere(7, 3);
+        let p = |v: u32| mesh.positions[v as usize].map(|x| place + size * x);
+        let mut triangles: Vec<Triangle> = mesh.triangles.iter().map(|t| t.map(p)).collect();
+        triangles.extend((0..30).map(|v| [p(v), p(2 * v), p(80 - v)]));
+        triangles.extend((0..9).flat_map(|v| [[p(v); 3], [p(v), p(v), p(60)]]));
+        Body::new(triangles)
+    }
+
+    fn bodies() -> Vec<(Body, f64)> {
+        let kinds = [
+            (0.0, 1.0),
+            (1e6, 1.0),
+            (-3e9, 1.0),
+            (0.0, 1e-7),
+            (1.0, 1e12),
+        ];
+        kinds.map(|(place, size)| (body(place, size), size)).into()
+    }
+
+    /// Boxes rule out nothing that the predicates let pass, least of all at exactly their distance.
+    #[test]
+    fn passing_over_what_is_far_changes_no_answer() {
+        let mut rng = poses::rng(6);
+        let mut counts = [[0; 2]; 4];
+        for (body, size) in bodies() {
+            let ids = || (0..).zip(&*body);
+            let mut count = |kind: usize, found: usize| {
+                counts[kind][0] += found;
+                counts[kind][1] += body.len() - found;
+            };
+            for round in 0..200 {
+                let some = |rng: &mut rand_pcg::Pcg64Mcg| body[rng.random_range(0..body.len())];
+                let (one, two) = (some(&mut rng), some(&mut rng));
+                let away = size * [0.0, 1e-9, 0.3, 3.0, 1e6][round % 5];
+                let p = one[0].map(|x| x + away * rng.random_range(-1.0..1.0));
+                // Along an axis, towards a corner, of no length.
+                let mut q = match round % 3 {
+                    0 => two[1],
+                    1 => one[0],
+                    _ => p,
+                };
+                if round % 7 == 0 {
+                    q = [p[0], q[1], p[2]];
+                }
+                let radius = narrow::closest_point(p, &two).distance;
+                let all = ids().map(|(id, t)| (id, narrow::closest_point(p, t).distance));
+                let within: Vec<_> = all.clone().filter(|x| x.1 <= radius).collect();
+                count(0, within.len());
+                assert_eq!(ball(&body, p, radius), within);
+                let least = all.min_by(|a, b| a.1.total_cmp(&b.1));
+                assert_eq!(closest(&body, p, f64::INFINITY), least);
+                assert_eq!(closest(&body, p, least.map_or(0.0, |x| x.1)), least);
+
+                let apart = |t| narrow::segment_triangle_distance(&[p, q], t).distance;
+                let radius = apart(&two);
+                let within = ids().map(|(id, t)| (id, apart(t)));
+                let within: Vec<_> = within.filter(|x| x.1 <= radius).collect();
+                count(1, within.len());
+                assert_eq!(capsule(&body, [p, q], radius), within);
+
+                let direction = [0, 1, 2].map(|k| q[k] - p[k]);
+                if direction != [0.0; 3] {
+                    let direction = unit(direction);
+                    let ray = narrow::Ray::new(p, direction);
+                    let hits = |limit| -> Vec<(u32, f64)> {
+                        ids()
+                            .filter_map(|(id, t)| Some((id, narrow::ray_hit(&ray, t, limit)?.t)))
+                            .collect()
+                    };
+                    let all = hits(f64::INFINITY);
+                    count(2, all.len());
+                    assert_eq!(ray_all(&body, p, direction, f64::INFINITY), all);
+                    for (_, limit) in all {
+                        assert_eq!(ray_all(&body, p, direction, limit), hits(limit));
+                    }
+                }
+
+                let half = [0; 3].map(|_| away * rng.random_range(0.0..1.0));
+                let rotation = poses::random_transform(0.0, &mut rng).rotation;
+                let rotation = [rotation, [0.0, 0.0, 0.0, 1.0]][round % 2];
+                let shape = OrientedBox::new(p, rotation, half);
+                let touched = ids().filter_map(|(id, t)| Some((id, shape.contact(t)?.depth)));
+                let touched: Vec<_> = touched.collect();
+                count(3, touched.len());
+                assert_eq!(cuboid(&body, &shape), touched);
+            }
+        }
+        let enough = counts.iter().flatten().all(|n| *n > 1000);
+        assert!(enough, "found, not found: {counts:?}");
+    }
+
+    #[test]
+    fn passing_over_far_pairs_changes_no_answer() {
+        for (a, size) in bodies() {
+            let moved = |t: &Triangle| t.map(|x| [x[0] + 1.3 * size, x[1], x[2] + 0.7 * size]);
+            let b = Body::new(a.iter().map(moved).collect());
+            // Two triangles are exactly within.
+            let exact = narrow::triangle_distance(&a[0], &b[50]).distance;
+            for tolerance in [0.0, 1e-3 * size, exact] {
+                let mut expected = Vec::new();
+                for (i, ta) in (0..).zip(&*a) {
+                    let with_a = (0..).zip(&*b).filter(|x| are_within(ta, x.1, tolerance));
+                    expected.extend(with_a.map(|(j, _)| (i, j)));
+                }
+                assert_eq!(pair(&a, &b, tolerance), expected, "{tolerance}");
+                assert!(!expected.is_empty() && expected.len() < a.len() * b.len());
+            }
+        }
+    }
 }

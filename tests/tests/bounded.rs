@@ -6,6 +6,7 @@ use bdtree_runtime::{
     AlignedBytes, Asset, Contact, LeafSlot, NodeSlot, PairContact, PairStackEntry, Pose, Posed,
     Proxy, QueryError, SliceSink, StackEntry, StepCache, Transform, query,
 };
+use bdtree_tests::body::Body;
 use bdtree_tests::compare::kernels;
 use bdtree_tests::{bake, oracle, poses};
 use rand::RngExt;
@@ -84,7 +85,7 @@ impl Question {
         }
     }
 
-    fn expected(&self, triangles: &[Triangle]) -> Vec<u32> {
+    fn expected(&self, triangles: &Body) -> Vec<u32> {
         if self.is_ball {
             let all = oracle::ball(triangles, self.point, self.size);
             return all.into_iter().map(|(id, _)| id).collect();

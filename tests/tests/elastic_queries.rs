@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 /// Ten modes on a coarse lattice: what is tested here does not depend on its resolution.
 fn check(name: &str, mesh: &RawMesh, rounds: usize) {
     let options = ElasticOptions {
-        resolution: Some(24),
+        resolution: Some(14),
         ..ElasticOptions::default()
     };
     let (basis, _) = elastic_basis(mesh, &options, &Silent, &mut Vec::new())
@@ -37,14 +37,30 @@ fn check(name: &str, mesh: &RawMesh, rounds: usize) {
     check_pairs(&bytes, 6, 3, 0.3);
 }
 
-#[test]
-fn fixtures_with_elastic_modes() {
-    for name in [
-        "chair", "fish", "curtain", "beam", "torus", "rod", "pieces", "far", "tiny",
-    ] {
+fn check_fixtures(names: &[&str]) {
+    for name in names {
         let mesh = read_mesh(&fixtures::path(name)).expect("fixture");
         check(name, &mesh, 5);
     }
+}
+
+fn check_corpus(test: &str, names: &[&str]) {
+    for name in names {
+        let Some(path) = corpus::path(test, &format!("meshes/{name}")) else {
+            return;
+        };
+        check(name, &read_mesh(&path).expect("mesh"), 3);
+    }
+}
+
+#[test]
+fn fixtures_with_elastic_modes() {
+    check_fixtures(&["chair", "fish", "curtain", "beam"]);
+}
+
+#[test]
+fn shapes_with_elastic_modes() {
+    check_fixtures(&["torus", "rod", "pieces", "far", "tiny"]);
 }
 
 #[test]
@@ -55,20 +71,17 @@ fn the_bridge_with_elastic_modes() {
 
 #[test]
 fn corpus_with_elastic_modes() {
-    for name in [
+    let names = [
         "chair_office.obj",
         "chair_sheen_welded.obj.gz",
         "chair_sheen_split.obj.gz",
-        "fish.obj",
-        "spot.obj.gz",
-        "penguin_hr.obj.gz",
-        "turtle.obj",
         "bridge.obj.gz",
-    ] {
-        let Some(path) = corpus::path("corpus_with_elastic_modes", &format!("meshes/{name}"))
-        else {
-            return;
-        };
-        check(name, &read_mesh(&path).expect("mesh"), 3);
-    }
+    ];
+    check_corpus("corpus_with_elastic_modes", &names);
+}
+
+#[test]
+fn corpus_animals_with_elastic_modes() {
+    let names = ["fish.obj", "spot.obj.gz", "penguin_hr.obj.gz", "turtle.obj"];
+    check_corpus("corpus_animals_with_elastic_modes", &names);
 }

@@ -4,7 +4,7 @@
 use bdtree_build::basis::Basis;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_runtime::{Asset, Transform};
-use bdtree_tests::compare::{check_pairs, check_pose, kernels};
+use bdtree_tests::compare::{check_pairs, check_pose};
 use bdtree_tests::{bake, corpus, poses};
 
 fn check_mesh(mesh: &RawMesh, mode_count: usize, seed: u64, rounds: usize) {
@@ -26,13 +26,11 @@ fn check_basis(mesh: &RawMesh, basis: &Basis, seed: u64, rounds: usize) {
     });
     assert!(errors.is_empty(), "{}", errors[0]);
     let mut rng = poses::rng(seed);
-    for asset in kernels(asset) {
-        for share in [0.0, 0.05, 0.5] {
-            let q = poses::random_q(&asset, share, &mut rng);
-            let transform = poses::random_transform(10.0, &mut rng);
-            check_pose(&asset, &q, transform, seed, rounds);
-            check_pose(&asset, &q, Transform::IDENTITY, seed + 1, rounds);
-        }
+    for share in [0.0, 0.05, 0.5] {
+        let q = poses::random_q(&asset, share, &mut rng);
+        let transform = poses::random_transform(10.0, &mut rng);
+        check_pose(&asset, &q, transform, seed, rounds);
+        check_pose(&asset, &q, Transform::IDENTITY, seed + 1, rounds);
     }
 }
 
@@ -67,10 +65,8 @@ fn queries_equal_brute_force_at_hard_poses() {
     ] {
         let bytes = bake::baked(&mesh, &basis);
         let asset = Asset::open(&bytes).expect("open");
-        for asset in kernels(asset) {
-            for (i, q) in poses::hard_qs(&asset).iter().enumerate() {
-                check_pose(&asset, q, Transform::IDENTITY, i as u64, 10);
-            }
+        for (i, q) in poses::hard_qs(&asset).iter().enumerate() {
+            check_pose(&asset, q, Transform::IDENTITY, i as u64, 10);
         }
     }
 }
@@ -96,24 +92,38 @@ fn pairs_equal_brute_force() {
     check_pairs(&bytes, 3, 12, 0.4);
 }
 
-#[test]
-fn corpus_queries_equal_brute_force() {
-    for (name, rounds) in [
-        ("fish.obj", 6),
-        ("spot.obj.gz", 6),
-        ("chair_office.obj", 20),
-        ("bridge.obj.gz", 6),
-        ("curtain.obj", 20),
-        ("teapot.obj", 10),
-        ("castle_scene.obj.gz", 4),
-    ] {
-        let test = "corpus_queries_equal_brute_force";
+fn check_corpus(test: &str, meshes: &[(&str, usize)]) {
+    for (name, rounds) in meshes {
         let Some(path) = corpus::path(test, &format!("meshes/{name}")) else {
             return;
         };
         let mesh = read_mesh(&path).expect("mesh");
-        check_mesh(&mesh, 10, 21, rounds);
+        check_mesh(&mesh, 10, 21, *rounds);
         let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
         check_pairs(&bytes, 4, 3, 0.3);
     }
+}
+
+#[test]
+fn corpus_queries_equal_brute_force() {
+    let meshes = [
+        ("fish.obj", 6),
+        ("spot.obj.gz", 6),
+        ("chair_office.obj", 20),
+        ("curtain.obj", 20),
+        ("teapot.obj", 10),
+    ];
+    check_corpus("corpus_queries_equal_brute_force", &meshes);
+}
+
+#[test]
+fn bridge_queries_equal_brute_force() {
+    let test = "bridge_queries_equal_brute_force";
+    check_corpus(test, &[("bridge.obj.gz", 6)]);
+}
+
+#[test]
+fn castle_queries_equal_brute_force() {
+    let test = "castle_queries_equal_brute_force";
+    check_corpus(test, &[("castle_scene.obj.gz", 4)]);
 }
