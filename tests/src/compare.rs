@@ -7,13 +7,20 @@ use crate::compare_shapes::check_shapes;
 use crate::pair_caches::PairCaches;
 use crate::{oracle, poses};
 
-/// Runs all single-asset queries for one pose, with every kernel, and compares each with the oracle.
+/// Runs all single-asset queries for one pose of one asset, opened once or with several kernels, and
+/// compares each with the oracle.
 ///
 /// # Panics
 /// When an answer differs.
-pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64, rounds: usize) {
-    let assets: Vec<Asset<'_>> = kernels(*asset).collect();
-    let mut memories = vec![vec![0.0; asset.pose_len()]; assets.len()];
+pub fn check_pose<'s>(
+    assets: impl IntoIterator<Item = Asset<'s>>,
+    q: &[f32],
+    transform: Transform,
+    seed: u64,
+    rounds: usize,
+) {
+    let assets: Vec<Asset<'_>> = assets.into_iter().collect();
+    let mut memories: Vec<_> = assets.iter().map(|a| vec![0.0; a.pose_len()]).collect();
     let pose = |(asset, memory)| {
         let memory: &mut Vec<f32> = memory;
         (
@@ -25,7 +32,7 @@ pub fn check_pose(asset: &Asset<'_>, q: &[f32], transform: Transform, seed: u64,
     check_all(&posed, seed, rounds);
 }
 
-/// [`check_pose`] for a pose however made.
+/// [`check_pose`] with every kernel for a pose however made.
 ///
 /// # Panics
 /// When an answer differs.
@@ -37,7 +44,7 @@ pub fn check_posed(asset: &Asset<'_>, pose: &Pose<'_>, seed: u64, rounds: usize)
 /// An asset of some kernel and a pose.
 pub(crate) type Posed<'s> = (Asset<'s>, Pose<'s>);
 
-/// Brute force answers once for all kernels.
+/// Brute force answers once for all.
 fn check_all(posed: &[Posed<'_>], seed: u64, rounds: usize) {
     let (first, pose) = &posed[0];
     let triangles = oracle::deformed_triangles(first, pose);

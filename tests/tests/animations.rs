@@ -54,9 +54,9 @@ fn check(name: &str, mesh: Option<&Path>, path: &Path, align: bool, about: About
     let mut rng = poses::rng(3);
     for t in [0, count / 3, 2 * count / 3, count - 1] {
         let frame = asset.frame(t).expect("frame");
-        check_pose(&asset, frame.q(), frame.transform(), 1, 3);
+        check_pose([asset], frame.q(), frame.transform(), 1, 3);
         let placed = poses::random_transform(5.0, &mut rng);
-        check_pose(&asset, frame.q(), placed, 2, 3);
+        check_pose([asset], frame.q(), placed, 2, 3);
     }
     check_pairs(&bytes, 6, 2, 0.3);
 }

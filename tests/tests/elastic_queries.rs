@@ -30,9 +30,9 @@ fn check(name: &str, mesh: &RawMesh, rounds: usize) {
     let mut rng = poses::rng(5);
     for share in [0.0, 0.1, 0.5] {
         let q = poses::random_q(&asset, share, &mut rng);
-        check_pose(&asset, &q, Transform::IDENTITY, 1, rounds);
+        check_pose([asset], &q, Transform::IDENTITY, 1, rounds);
         let placed = poses::random_transform(5.0, &mut rng);
-        check_pose(&asset, &q, placed, 2, rounds);
+        check_pose([asset], &q, placed, 2, rounds);
     }
     check_pairs(&bytes, 6, 3, 0.3);
 }

@@ -8,7 +8,7 @@ use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use bdtree_format::{FrameRecord, ModeRecord, SectionKind};
 use bdtree_runtime::{AlignedBytes, Asset, FormatError, Pose, PoseError, Transform, VertexId};
-use bdtree_tests::compare::check_pose;
+use bdtree_tests::compare::{check_pose, kernels};
 use bdtree_tests::{bake, mutate, poses};
 
 /// A small mesh away from 0, six modes, five frames that move it by up to a third of its size.
@@ -50,8 +50,8 @@ fn check_frames(mesh: &RawMesh, basis: &Basis) {
         let frame = asset.frame(k).expect("a frame");
         let place = poses::random_transform(3.0, &mut rng);
         let placed = place.after(frame.transform()).expect("a placement");
-        check_pose(&asset, frame.q(), frame.transform(), k as u64, 12);
-        check_pose(&asset, frame.q(), placed, k as u64, 12);
+        check_pose(kernels(asset), frame.q(), frame.transform(), k as u64, 12);
+        check_pose(kernels(asset), frame.q(), placed, k as u64, 12);
     }
 }
 

@@ -5,7 +5,7 @@ use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::BakeSettings;
 use bdtree_format::{LANES, NodeRecord};
 use bdtree_runtime::{AlignedBytes, Asset, Kernel, Pose, Transform};
-use bdtree_tests::compare::{check_pairs, check_pose};
+use bdtree_tests::compare::{check_pairs, check_pose, kernels};
 use bdtree_tests::{bake, poses};
 
 fn nested(mesh: &RawMesh, basis: &Basis) -> AlignedBytes {
@@ -182,7 +182,13 @@ fn nested_files_are_sound_and_answer_the_same() {
         assert!(errors.is_empty(), "{}", errors[0]);
         let mut rng = poses::rng(2);
         let q = poses::random_q(&asset, 0.3, &mut rng);
-        check_pose(&asset, &q, poses::random_transform(5.0, &mut rng), 3, 6);
+        check_pose(
+            kernels(asset),
+            &q,
+            poses::random_transform(5.0, &mut rng),
+            3,
+            6,
+        );
         check_pairs(&bytes, 3, 3, 0.3);
     }
 }

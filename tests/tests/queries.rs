@@ -4,7 +4,7 @@
 use bdtree_build::basis::Basis;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_runtime::{Asset, Transform};
-use bdtree_tests::compare::{check_pairs, check_pose};
+use bdtree_tests::compare::{check_pairs, check_pose, kernels};
 use bdtree_tests::{bake, corpus, poses};
 
 fn check_mesh(mesh: &RawMesh, mode_count: usize, seed: u64, rounds: usize) {
@@ -29,8 +29,8 @@ fn check_basis(mesh: &RawMesh, basis: &Basis, seed: u64, rounds: usize) {
     for share in [0.0, 0.05, 0.5] {
         let q = poses::random_q(&asset, share, &mut rng);
         let transform = poses::random_transform(10.0, &mut rng);
-        check_pose(&asset, &q, transform, seed, rounds);
-        check_pose(&asset, &q, Transform::IDENTITY, seed + 1, rounds);
+        check_pose(kernels(asset), &q, transform, seed, rounds);
+        check_pose(kernels(asset), &q, Transform::IDENTITY, seed + 1, rounds);
     }
 }
 
@@ -66,7 +66,7 @@ fn queries_equal_brute_force_at_hard_poses() {
         let bytes = bake::baked(&mesh, &basis);
         let asset = Asset::open(&bytes).expect("open");
         for (i, q) in poses::hard_qs(&asset).iter().enumerate() {
-            check_pose(&asset, q, Transform::IDENTITY, i as u64, 10);
+            check_pose(kernels(asset), q, Transform::IDENTITY, i as u64, 10);
         }
     }
 }
