@@ -100,6 +100,16 @@ impl<V: Lanes> WideSpheres<V> {
         dx.add(dy).add(dz).sub(reach)
     }
 
+    /// Per lane how far the sphere reaches along `direction` (not longer than 1), counting `share` of its
+    /// radius.
+    #[inline(always)]
+    pub(crate) fn heights(self, [x, y, z]: [f32; 3], share: f32) -> V {
+        let [cx, cy, cz] = self.centre;
+        let along = cx.mul(V::splat(x)).add(cy.mul(V::splat(y)));
+        let along = along.add(cz.mul(V::splat(z)));
+        along.add(self.radius.mul(V::splat(share)))
+    }
+
     /// The spheres moved by a linear map given by its rows and an offset; radii times `factor` plus
     /// `extra`.
     #[inline(always)]

@@ -212,6 +212,7 @@ impl PairMap {
             offset: offset.map(|x| x as f32),
             radius_scale: round_up(self.scale * (1.0 + 1.0 / (1 << 22) as f64)),
             radius_extra: round_up(extra),
+            reach: round_up(self.reach_a.max(norm(offset) + self.reach_b) + extra),
         }
     }
 }
@@ -228,6 +229,8 @@ pub(crate) struct PairFrame {
     /// Added to every radius of the second asset: errors of the map, f64 errors on both sides,
     /// and the tolerance (stored units of the first).
     radius_extra: f32,
+    /// No vertex or lane centre of either is farther from the first's origin.
+    reach: f32,
 }
 
 impl PairFrame {
@@ -241,6 +244,12 @@ impl PairFrame {
             return None;
         }
         Some(map.rounded(map.offset, extra))
+    }
+
+    /// More than what rounding takes from the difference of two heights along a direction that is not
+    /// longer than 1 (docs/guarantees.md, planes between meshes).
+    pub(crate) fn height_margin(&self) -> f32 {
+        self.reach * (1.0 / (1 << 17) as f32)
     }
 
     /// Spheres of the second asset in the frame of the first.

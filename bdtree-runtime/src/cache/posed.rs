@@ -81,15 +81,18 @@ impl<'s> Posed<'s> {
         }
     }
 
-    /// The same, with room for all nodes of `asset` or as many as `spare` holds, which must be empty
-    /// slots.
-    pub(crate) fn at_least<'t>(self, asset: &Asset<'_>, spare: &'t mut [NodeSlot]) -> Posed<'t>
+    /// The same, with room for all nodes of `asset` or N of them, which are put into `spare` if need be.
+    pub(crate) fn at_least<'t, const N: usize>(
+        self,
+        asset: &Asset<'_>,
+        spare: &'t mut Option<[NodeSlot; N]>,
+    ) -> Posed<'t>
     where
         's: 't,
     {
         let mut posed = self.shorter();
-        if posed.nodes.len() < spare.len().min(asset.node_count()) {
-            posed.nodes = spare;
+        if posed.nodes.len() < N.min(asset.node_count()) {
+            posed.nodes = spare.insert([NodeSlot::EMPTY; N]);
         }
         posed
     }

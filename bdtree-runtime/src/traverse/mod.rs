@@ -4,6 +4,7 @@
 //! and it stops with `Corrupt` after as many visits, or pairs of triangles, as sound trees can
 //! take, so shared or chained children cannot make it long.
 
+mod apart;
 mod bounded;
 mod budget;
 mod gap;

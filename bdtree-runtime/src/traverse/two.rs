@@ -6,9 +6,10 @@
 use bdtree_format::{LANES, NodeRecord, SectionKind, TriangleRecord};
 use core::ops::ControlFlow;
 
+use super::apart::{Apart, Found};
 use super::{PairStackEntry, Subtree, Walk, bounded, lane_subtree};
 use crate::bound::{Spheres, WideSpheres};
-use crate::cache::{CHUNK, LeafChunk, NodeSlot, Posed};
+use crate::cache::{CHUNK, LeafChunk, Posed};
 use crate::contact::TriangleId;
 use crate::deform::RecentVertices;
 use crate::error::QueryError;
@@ -87,7 +88,9 @@ struct Side<'s, 'a> {
     asset: &'s Asset<'a>,
     posed: Posed<'s>,
     recent: RecentVertices,
-    fours: [KeptFour; FOURS],
+    /// Filled when they are first used: most pairs of bodies that are near each other do not get to
+    /// their leaves.
+    fours: [Option<KeptFour>; FOURS],
     /// First triangle slots of leaves whose vertices were asked for last.
     announced: [u32; ANNOUNCED],
     updated: u64,
@@ -119,7 +122,7 @@ impl<'s, 'a> Side<'s, 'a> {
             asset,
             posed,
             recent: RecentVertices::new(),
-            fours: [KeptFour::EMPTY; FOURS],
+            fours: [const { None }; FOURS],
             announced: [u32::MAX; ANNOUNCED],
             updated: 0,
         }
@@ -204,7 +207,7 @@ impl<'s, 'a> Side<'s, 'a> {
         let start = start as u32;
         let len = records.len().min(CHUNK) as u32;
         // Leaves that follow each other begin two to four slots apart: those of a node share no place.
-        let kept = &mut self.fours[start as usize / 2 % FOURS];
+        let kept = self.fours[start as usize / 2 % FOURS].get_or_insert(KeptFour::EMPTY);
         if kept.start != start || kept.len != len {
             kept.len = 0; // until it is whole
             let mut spare = LeafChunk::EMPTY;
@@ -242,21 +245,35 @@ impl Two<'_, '_> {
             let (a, b) = ((asset_a, posed_a), (asset_b, posed_b));
             return bounded::two(a, b, self.frame, stack, visitor);
         }
-        let (mut nodes_a, mut nodes_b) = ([NodeSlot::EMPTY; NODES], [NodeSlot::EMPTY; NODES]);
-        let two = Two {
-            assets: self.assets,
-            posed: [
-                posed_a.at_least(asset_a, &mut nodes_a),
-                posed_b.at_least(asset_b, &mut nodes_b),
-            ],
-            frame: self.frame,
-            leaves: self.leaves,
-        };
-        asset_a.kernel.run(TwoWalk {
-            two,
-            stack,
-            visitor,
-        })
+        let (mut nodes_a, mut nodes_b) = (None, None);
+        let mut posed_a = posed_a.at_least::<NODES>(asset_a, &mut nodes_a);
+        let mut posed_b = posed_b.at_least::<NODES>(asset_b, &mut nodes_b);
+        let mut before = Found::default();
+        if self.leaves.is_none() {
+            before = asset_a.kernel.run(Apart {
+                assets: self.assets,
+                posed: [&mut posed_a, &mut posed_b],
+                frame: self.frame,
+                stack,
+            })?;
+        }
+        let mut walk = Walk::default();
+        if !before.apart {
+            let two = Two {
+                assets: self.assets,
+                posed: [posed_a, posed_b],
+                frame: self.frame,
+                leaves: self.leaves,
+            };
+            walk = asset_a.kernel.run(TwoWalk {
+                two,
+                stack,
+                visitor,
+            })?;
+        }
+        walk.nodes_visited += before.nodes_visited;
+        walk.nodes_updated += before.nodes_updated;
+        Ok(walk)
     }
 }
 

@@ -1,0 +1,337 @@
+//! A plane between two deformed meshes: most bodies that are near each other do not touch, and one
+//! plane says so at a fraction of what all pairs of their nodes cost.
+//!
+//! Its normal is first the line of the bodies' centres, then what the points found farthest along it
+//! suggest (Chung and Wang, "Quick collision detection of polytopes in virtual environments", 1996). All is in the
+//! frame of the first asset. What lies beyond the plane is looked at down to its corners; without a
+//! plane nothing is lost but the time.
+
+use bdtree_format::{LANES, Row};
+
+use super::{PairStackEntry, Subtree, lane_subtree, used_lanes};
+use crate::bound::WideSpheres;
+use crate::cache::{CHUNK, LeafChunk, Posed};
+use crate::deform::RecentVertices;
+use crate::error::QueryError;
+use crate::frame::PairFrame;
+use crate::simd::{Lanes, Work};
+use crate::view::Asset;
+
+/// Normals that are tried.
+const TRIES: usize = 3;
+
+/// Nodes of one asset that may be looked at for one normal: bodies that face each other along their
+/// whole surfaces are better left to the walk of both trees.
+const NODES: u32 = 48;
+
+/// The search for a plane.
+pub(super) struct Apart<'p, 's, 'a> {
+    pub(super) assets: [&'p Asset<'a>; 2],
+    pub(super) posed: [&'p mut Posed<'s>; 2],
+    pub(super) frame: &'p PairFrame,
+    pub(super) stack: &'p mut [PairStackEntry],
+}
+
+/// What a search did.
+#[derive(Default)]
+pub(super) struct Found {
+    /// The triangles are certainly farther apart than the pair's tolerance.
+    pub(super) apart: bool,
+    pub(super) nodes_visited: u64,
+    pub(super) nodes_updated: u64,
+}
+
+impl Work for Apart<'_, '_, '_> {
+    type Output = Result<Found, QueryError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let [asset_a, asset_b] = self.assets;
+        let [posed_a, posed_b] = self.posed;
+        let mut a = Side::new(asset_a, posed_a, None);
+        let mut b = Side::new(asset_b, posed_b, Some(self.frame));
+        let apart = search::<L>(&mut a, &mut b, self.frame, self.stack)?;
+        Ok(Found {
+            apart,
+            nodes_visited: a.visited + b.visited,
+            nodes_updated: a.updated + b.updated,
+        })
+    }
+}
+
+#[inline(always)]
+fn search<L: Lanes>(
+    a: &mut Side<'_, '_, '_>,
+    b: &mut Side<'_, '_, '_>,
+    frame: &PairFrame,
+    stack: &mut [PairStackEntry],
+) -> Result<bool, QueryError> {
+    let (from, to) = (a.middle::<L>()?, b.middle::<L>()?);
+    let Some(mut normal) = unit(minus(to, from)) else {
+        return Ok(false);
+    };
+    let margin = frame.height_margin();
+    for _ in 0..TRIES {
+        let back = normal.map(|x| -x);
+        let (top_a, top_b) = (a.climb::<L>(normal)?, b.climb::<L>(back)?);
+        let gap = -(top_a.height + top_b.height);
+        // NaN ends the search too.
+        if gap > margin {
+            let limit = -top_b.height - margin;
+            let Some(plane) = a.below::<L>(normal, top_a.height + 0.5 * gap, limit, stack)? else {
+                return Ok(false);
+            };
+            let plane = -plane - margin;
+            return Ok(b.below::<L>(back, plane, plane, stack)?.is_some());
+        }
+        // The normal as reflected by what overlaps along it.
+        let Some(across) = unit(minus(top_b.point, top_a.point)) else {
+            return Ok(false);
+        };
+        let along = dot(normal, across);
+        let Some(next) = unit([0, 1, 2].map(|k| normal[k] - 2.0 * along * across[k])) else {
+            return Ok(false);
+        };
+        normal = next;
+    }
+    Ok(false)
+}
+
+/// A corner far along a direction.
+struct Top {
+    height: f32,
+    point: [f32; 3],
+}
+
+/// One asset in the frame of the first.
+struct Side<'p, 's, 'a> {
+    asset: &'p Asset<'a>,
+    posed: &'p mut Posed<'s>,
+    /// Carries there what is the second's.
+    frame: Option<&'p PairFrame>,
+    recent: RecentVertices,
+    spare: LeafChunk,
+    visited: u64,
+    updated: u64,
+}
+
+impl<'p, 's, 'a> Side<'p, 's, 'a> {
+    fn new(asset: &'p Asset<'a>, posed: &'p mut Posed<'s>, frame: Option<&'p PairFrame>) -> Self {
+        Self {
+            asset,
+            posed,
+            frame,
+            recent: RecentVertices::new(),
+            spare: LeafChunk::EMPTY,
+            visited: 0,
+            updated: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn carried<L: Lanes>(&self, spheres: WideSpheres<L>) -> WideSpheres<L> {
+        match self.frame {
+            Some(frame) => frame.carry(spheres),
+            None => spheres,
+        }
+    }
+
+    #[inline(always)]
+    fn spheres<L: Lanes>(&mut self, index: u32) -> Result<WideSpheres<L>, QueryError> {
+        let (spheres, evaluated) = self.posed.spheres::<L>(self.asset, index)?;
+        self.visited += 1;
+        self.updated += u64::from(evaluated);
+        Ok(self.carried(spheres))
+    }
+
+    /// The mean of the root's lane centres.
+    #[inline(always)]
+    fn middle<L: Lanes>(&mut self) -> Result<[f32; 3], QueryError> {
+        let spheres = self.spheres::<L>(0)?.store();
+        let lanes = used_lanes(self.asset.node(0)?);
+        let mut sum = [0.0; 3];
+        for lane in 0..LANES {
+            if lanes & (1 << lane) != 0 {
+                for axis in 0..3 {
+                    sum[axis] += spheres.centre[axis][lane];
+                }
+            }
+        }
+        let count = lanes.count_ones() as f32;
+        Ok(sum.map(|x| x / count))
+    }
+
+    /// A corner far along a direction: always into the lane that reaches farthest, counting half of
+    /// its radius.
+    #[inline(always)]
+    fn climb<L: Lanes>(&mut self, direction: [f32; 3]) -> Result<Top, QueryError> {
+        let mut top = Top {
+            height: f32::NEG_INFINITY,
+            point: [0.0; 3],
+        };
+        let mut at = Subtree::default();
+        for _ in 0..=self.asset.depth() {
+            if at.triangles > 0 {
+                let records = self.asset.leaf(at)?;
+                let first = records.get(..CHUNK).unwrap_or(records);
+                for corner in self.corners::<L>(at.start, first)? {
+                    let heights = corner.heights(direction, 0.0).store();
+                    let points = corner.store().centre;
+                    for k in 0..LANES {
+                        if heights[k] > top.height {
+                            top.height = heights[k];
+                            top.point = [points[0][k], points[1][k], points[2][k]];
+                        }
+                    }
+                }
+                break;
+            }
+            let spheres = self.spheres::<L>(at.start)?;
+            let heights = spheres.heights(direction, 0.5).store();
+            let node = self.asset.node(at.start)?;
+            let mut left = used_lanes(node);
+            let mut highest = None;
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize & (LANES - 1);
+                left &= left - 1;
+                if highest.is_none_or(|best: usize| heights[lane] > heights[best]) {
+                    highest = Some(lane);
+                }
+            }
+            let Some(lane) = highest else {
+                break; // a corrupt file's
+            };
+            at = lane_subtree(node, lane);
+        }
+        Ok(top)
+    }
+
+    /// The first four of `records`, the triangles from `start` on: their corners as spheres that hold what is
+    /// farther than they by the tolerance and by rounding, some twice.
+    #[inline(always)]
+    fn corners<L: Lanes>(
+        &mut self,
+        start: u32,
+        records: &[bdtree_format::TriangleRecord],
+    ) -> Result<[WideSpheres<L>; 2], QueryError> {
+        let chunk = self.posed.leaf(
+            self.asset,
+            start,
+            records,
+            &mut self.recent,
+            &mut self.spare,
+        )?;
+        let [a, b, c] = &chunk.corners;
+        let (first, second) = (points::<L>(a, b), points::<L>(b, c));
+        Ok([self.carried(first), self.carried(second)])
+    }
+
+    /// A height along `direction`, at least `plane` and at most `limit`, that nothing exceeds by more than
+    /// rounding; `None` where there is none, or it takes too long to say.
+    #[inline(always)]
+    fn below<L: Lanes>(
+        &mut self,
+        direction: [f32; 3],
+        plane: f32,
+        limit: f32,
+        stack: &mut [PairStackEntry],
+    ) -> Result<Option<f32>, QueryError> {
+        let mut top = plane;
+        let mut visits = 0;
+        let mut len = 0;
+        let mut next = Some(0);
+        while let Some(index) = next {
+            visits += 1;
+            if visits > NODES {
+                return Ok(None);
+            }
+            let node = self.asset.node(index)?;
+            let heights = self.spheres::<L>(index)?.heights(direction, 1.0);
+            let beyond = !L::splat(top).above(heights) & used_lanes(node);
+            let mut inner = beyond & !node.leaf_mask;
+            while inner != 0 {
+                let lane = inner.trailing_zeros() as usize & (LANES - 1);
+                inner &= inner - 1;
+                let child = lane_subtree(node, lane).start;
+                self.posed.prefetch_node(self.asset, child);
+                let Some(slot) = stack.get_mut(len) else {
+                    return Ok(None);
+                };
+                slot.a = child;
+                len += 1;
+            }
+            let mut left = beyond & node.leaf_mask;
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize & (LANES - 1);
+                left &= left - 1;
+                let records = self.asset.leaf(lane_subtree(node, lane))?;
+                self.recent.prefetch(self.asset, records);
+            }
+            let mut left = beyond & node.leaf_mask;
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize & (LANES - 1);
+                left &= left - 1;
+                let leaf = lane_subtree(node, lane);
+                let mut start = leaf.start;
+                for records in self.asset.leaf(leaf)?.chunks(CHUNK) {
+                    for corners in self.corners::<L>(start, records)? {
+                        let heights = corners.heights(direction, 1.0).store();
+                        for height in heights {
+                            // NaN is not below.
+                            if !(height <= limit) {
+                                return Ok(None);
+                            }
+                            if height > top {
+                                top = height;
+                            }
+                        }
+                    }
+                    start = start.saturating_add(CHUNK as u32);
+                }
+            }
+            next = None;
+            if len > 0 {
+                len -= 1;
+                next = stack.get(len).map(|entry| entry.a);
+            }
+        }
+        Ok(Some(top))
+    }
+}
+
+/// Two groups of four points side by side.
+#[inline(always)]
+fn points<L: Lanes>(p: &[[f32; 4]; 3], q: &[[f32; 4]; 3]) -> WideSpheres<L> {
+    WideSpheres {
+        centre: [
+            L::load(&row(&p[0], &q[0])),
+            L::load(&row(&p[1], &q[1])),
+            L::load(&row(&p[2], &q[2])),
+        ],
+        radius: L::splat(0.0),
+    }
+}
+
+#[inline(always)]
+fn row(p: &[f32; 4], q: &[f32; 4]) -> Row {
+    [p[0], p[1], p[2], p[3], q[0], q[1], q[2], q[3]]
+}
+
+#[inline(always)]
+fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// A vector of this direction that is not longer than 1.
+#[inline(always)]
+fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
+    const SHRINK: f32 = 1.0 - 1.0 / (1 << 20) as f32;
+    let squared = dot(v, v);
+    let scale = SHRINK / crate::math::sqrt_f32(squared);
+    (squared > f32::MIN_POSITIVE && scale > 0.0).then(|| v.map(|x| x * scale))
+}
