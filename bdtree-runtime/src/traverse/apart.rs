@@ -264,13 +264,6 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
             while left != 0 {
                 let lane = left.trailing_zeros() as usize & (LANES - 1);
                 left &= left - 1;
-                let records = self.asset.leaf(lane_subtree(node, lane))?;
-                self.recent.prefetch(self.asset, records);
-            }
-            let mut left = beyond & node.leaf_mask;
-            while left != 0 {
-                let lane = left.trailing_zeros() as usize & (LANES - 1);
-                left &= left - 1;
                 let leaf = lane_subtree(node, lane);
                 let mut start = leaf.start;
                 for records in self.asset.leaf(leaf)?.chunks(CHUNK) {
