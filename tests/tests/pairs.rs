@@ -3,7 +3,7 @@
 
 use bdtree_build::input::RawMesh;
 use bdtree_format::{LANES, NodeRecord, ROW_RADIUS, Row, SectionKind};
-use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform};
+use bdtree_runtime::{AlignedBytes, Asset, PairStackEntry, Pose, Transform, TrianglePair, query};
 use bdtree_tests::compare::kernels;
 use bdtree_tests::mutate::{put, section};
 use bdtree_tests::pair_caches::PairCaches;
@@ -98,6 +98,120 @@ fn flat_sheets_that_share_a_plane() {
     ] {
         assert!(check(&bytes, Transform::IDENTITY, shift, [0.0; 2]) > 0);
     }
+}
+
+/// Round bodies from overlapping to apart, in several directions: where a plane lies between them, it
+/// is found, and nothing else says so.
+#[test]
+fn bodies_that_nearly_touch() {
+    let bytes = sphere();
+    let mut rng = poses::rng(21);
+    let (mut touching, mut apart) = (0, 0);
+    for _ in 0..6 {
+        let place = poses::random_transform(1.0, &mut rng);
+        let along = poses::random_transform(1.0, &mut rng).rotation;
+        // Twice the vector part of a unit quaternion, scaled to length 1.
+        let [x, y, z, _] = along;
+        let length = (x * x + y * y + z * z).sqrt();
+        for step in 0..24 {
+            let far = place.scale * (1.7 + 0.03 * f64::from(step)) / length;
+            let shift = [x * far, y * far, z * far];
+            match check(&bytes, place, shift, [0.1, 0.15]) {
+                0 => apart += 1,
+                _ => touching += 1,
+            }
+        }
+    }
+    println!("{touching} touching, {apart} apart");
+    assert!(
+        touching > 30 && apart > 30,
+        "{touching} touching, {apart} apart"
+    );
+}
+
+/// Parallel faces at distances around 0 and around the tolerance.
+#[test]
+fn faces_that_nearly_touch() {
+    let corner = |k: u32| [k & 1, k >> 1 & 1, k >> 2].map(f64::from);
+    let mesh = RawMesh {
+        positions: (0..8).map(corner).collect(),
+        triangles: [
+            [0, 2, 3],
+            [0, 3, 1],
+            [4, 5, 7],
+            [4, 7, 6],
+            [0, 1, 5],
+            [0, 5, 4],
+            [2, 6, 7],
+            [2, 7, 3],
+            [0, 4, 6],
+            [0, 6, 2],
+            [1, 3, 7],
+            [1, 7, 5],
+        ]
+        .to_vec(),
+        ..RawMesh::default()
+    };
+    let bytes = bake::baked(&mesh, &bake::rigid(&mesh));
+    let turned = poses::random_transform(1.0, &mut poses::rng(5));
+    for gap in [
+        -1e-6,
+        -1e-12,
+        0.0,
+        1e-12,
+        1e-9,
+        1e-6,
+        1e-3 - 1e-9,
+        1e-3,
+        1e-3 + 1e-9,
+        2e-3,
+    ] {
+        let found = check(
+            &bytes,
+            Transform::IDENTITY,
+            [1.0 + gap, 0.25, 0.0],
+            [0.0; 2],
+        );
+        assert_eq!(found > 0, gap <= 1e-3, "gap {gap}: {found} pairs");
+        let along = turned.scale * (1.0 + gap);
+        check(&bytes, turned, [along, 0.0, 0.0], [0.0; 2]);
+    }
+}
+
+/// One plane between two bodies, instead of all pairs of nodes that are near each other.
+#[test]
+fn a_plane_takes_few_visits() {
+    let bytes = bake::baked(
+        &bake::bumpy_sphere(60, 1),
+        &bake::rigid(&bake::bumpy_sphere(60, 1)),
+    );
+    let asset = Asset::open(&bytes).expect("open");
+    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(&asset)];
+    let mut found: Vec<TrianglePair> = Vec::new();
+    // Nearer and nearer until they touch.
+    let mut visits = Vec::new();
+    for step in 0..100 {
+        let place = Transform {
+            translation: [2.6 - 0.02 * f64::from(step), 0.0, 0.0],
+            ..Transform::IDENTITY
+        };
+        let mut memory = [vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]];
+        let [memory_a, memory_b] = &mut memory;
+        let a = Pose::new(&asset, &[], Transform::IDENTITY, memory_a).expect("pose");
+        let b = Pose::new(&asset, &[], place, memory_b).expect("pose");
+        let done = query::touching((&asset, &a), (&asset, &b), 0.0, &mut stack, &mut found);
+        visits.push(done.expect("query").nodes_visited);
+        if !found.is_empty() {
+            break;
+        }
+    }
+    // Those that touch, and before them three that a plane still or hardly separates.
+    println!("{visits:?}");
+    let [.., apart, _, _, touching] = visits[..] else {
+        panic!("they never touch");
+    };
+    assert!(!found.is_empty() && apart > 0, "{visits:?}");
+    assert!(3 * apart < touching, "{visits:?}");
 }
 
 /// Every radius a NaN: all lanes are entered, and the triangles decide.
