@@ -36,6 +36,16 @@ pub(crate) struct WideSpheres<V> {
 }
 
 impl<V: Lanes> WideSpheres<V> {
+    /// Spheres of radius 0, where others are to be put.
+    #[inline(always)]
+    pub(crate) fn empty() -> Self {
+        let zero = V::splat(0.0);
+        Self {
+            centre: [zero; 3],
+            radius: zero,
+        }
+    }
+
     #[inline(always)]
     pub(crate) fn load(spheres: &Spheres) -> Self {
         let [x, y, z] = &spheres.centre;

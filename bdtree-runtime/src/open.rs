@@ -5,7 +5,7 @@ mod sections;
 use bdtree_format::{
     BASE_ALIGNMENT, DEPTH_MAX, FrameRecord, GroupRecord, Header, LEAF_TRIANGLES_MAX, MAGIC,
     MODE_COUNT_MAX, ModeRecord, NodeRecord, Row, SECTION_ALIGNMENT, SectionKind, SectionRecord,
-    TriangleRecord, VERSION_MAJOR, VertexModes,
+    TriangleRecord, VERSION_MAJOR, VertexModes, row_count,
 };
 use core::mem::{offset_of, size_of};
 use zerocopy::FromBytes;
@@ -105,13 +105,17 @@ impl<'a> Asset<'a> {
         let slice = |kind: SectionKind| section_bytes(bytes, &found, kind);
 
         let positions = view::<[f32; 3]>(SectionKind::POSITIONS, slice)?;
+        let nodes = view::<NodeRecord>(SectionKind::NODES, slice)?;
+        let rows = view::<Row>(SectionKind::ROWS, slice)?;
+        let row_stride = row_count(modes.len());
+        let is_even = nodes.len().checked_mul(row_stride) == Some(rows.len());
         Ok(Self {
             bytes,
             header,
             modes,
             sections,
-            nodes: view::<NodeRecord>(SectionKind::NODES, slice)?,
-            rows: view::<Row>(SectionKind::ROWS, slice)?,
+            nodes,
+            rows,
             mode_lists: view::<u16>(SectionKind::MODE_LISTS, slice)?,
             triangles: view::<TriangleRecord>(SectionKind::TRIANGLES, slice)?,
             triangle_slots: view::<u32>(SectionKind::TRIANGLE_SLOTS, slice)?,
@@ -125,6 +129,7 @@ impl<'a> Asset<'a> {
             metadata: slice(SectionKind::METADATA).1,
             unit: power_of_two(header.unit_exponent.get()),
             kernel: Kernel::best(),
+            row_stride: if is_even { row_stride } else { 0 },
         })
     }
 }

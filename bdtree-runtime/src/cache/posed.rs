@@ -1,6 +1,6 @@
 //! A pose as traversals see it: spheres and leaves, kept or computed now.
 
-use bdtree_format::{TriangleRecord, row_count};
+use bdtree_format::TriangleRecord;
 
 use super::slots::{CHUNK, LeafChunk, LeafSlot, NodeSlot, STEP_END, leaf_place, place, tag};
 use super::step::CachedPose;
@@ -178,9 +178,8 @@ impl Posed<'_> {
             return; // the visit says so
         };
         prefetch(node);
-        let stride = row_count(asset.modes.len());
-        if !kept && asset.nodes.len().checked_mul(stride) == Some(asset.rows.len()) {
-            let start = index * stride;
+        if !kept && asset.row_stride > 0 {
+            let start = index * asset.row_stride;
             if let Some(rows) = asset.rows.get(start..start + 2 * LINES) {
                 let (lines, _) = rows.as_chunks::<2>();
                 for line in lines {
@@ -190,36 +189,52 @@ impl Posed<'_> {
         }
     }
 
-    /// The spheres of node `index`, which is `node`, and whether they had to be evaluated.
+    /// The spheres of node `index` and whether they had to be evaluated.
     #[inline(always)]
     pub(crate) fn spheres<L: Lanes>(
         &mut self,
         asset: &Asset<'_>,
         index: u32,
     ) -> Result<(WideSpheres<L>, bool), FormatError> {
-        let pose = self.drift.map_or(self.pose, |(reference, _)| reference);
-        let (mut spheres, evaluated) = self.spheres_at::<L>(asset, index, pose)?;
-        if let Some((_, drift)) = self.drift {
-            let rows = asset.node_rows(asset.node(index)?)?;
-            spheres = spheres.grown(drift.wide(rows.steps));
-        }
+        let mut spheres = WideSpheres::empty();
+        let evaluated = self.spheres_into(asset, index, &mut spheres)?;
         Ok((spheres, evaluated))
     }
 
-    /// [`Posed::spheres`] at the pose where nodes are evaluated.
+    /// Puts the spheres of node `index` into `out`; whether they had to be evaluated. Not part of
+    /// the result: a register in a place that may hold an error instead is taken apart byte by byte.
+    #[inline(always)]
+    pub(crate) fn spheres_into<L: Lanes>(
+        &mut self,
+        asset: &Asset<'_>,
+        index: u32,
+        out: &mut WideSpheres<L>,
+    ) -> Result<bool, FormatError> {
+        let pose = self.drift.map_or(self.pose, |(reference, _)| reference);
+        let evaluated = self.spheres_at::<L>(asset, index, pose, out)?;
+        if let Some((_, drift)) = self.drift {
+            let rows = asset.node_rows(asset.node(index)?)?;
+            *out = out.grown(drift.wide(rows.steps));
+        }
+        Ok(evaluated)
+    }
+
+    /// [`Posed::spheres_into`] at the pose where nodes are evaluated.
     #[inline(always)]
     fn spheres_at<L: Lanes>(
         &mut self,
         asset: &Asset<'_>,
         index: u32,
         pose: &Pose<'_>,
-    ) -> Result<(WideSpheres<L>, bool), FormatError> {
+        out: &mut WideSpheres<L>,
+    ) -> Result<bool, FormatError> {
         let tag = tag(self.epoch, index);
         let place = place(index as usize, self.nodes.len());
         if let Some(slot) = self.nodes.get(place)
             && slot.tag == tag
         {
-            return Ok((WideSpheres::load(&slot.spheres), false));
+            *out = WideSpheres::load(&slot.spheres);
+            return Ok(false);
         }
         let node = asset.node(index)?;
         let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
@@ -232,7 +247,8 @@ impl Posed<'_> {
             slot.tag = tag;
             slot.spheres = spheres.store();
         }
-        Ok((spheres, true))
+        *out = spheres;
+        Ok(true)
     }
 
     /// [`Posed::spheres`] of the reference kernel, which are kept apart from others.

@@ -212,7 +212,7 @@ pub(super) fn load(row: &PairRow) -> __m256i {
     unsafe { _mm256_loadu_si256(row.as_ptr().cast()) }
 }
 
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
 fn run_avx2<W: Work>(work: W) -> W::Output {
     work.run::<Avx8<Whole8>>()

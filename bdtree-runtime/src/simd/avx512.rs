@@ -61,7 +61,7 @@ impl PairSums for Whole8 {
     }
 }
 
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512vnni")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512vnni")]
 #[inline(never)]
 fn run_avx512<W: Work>(work: W) -> W::Output {
     work.run::<Avx8<Whole8>>()

@@ -110,9 +110,9 @@ pub(crate) trait Work {
 pub enum Kernel {
     /// Portable safe code; the reference.
     Scalar,
-    /// x86-64 with AVX2 and FMA.
+    /// x86-64 with AVX2, FMA and the bit counts of the same age: BMI, LZCNT, POPCNT.
     Avx2,
-    /// x86-64 with AVX2, FMA and AVX-512 F, VL and VNNI.
+    /// [`Kernel::Avx2`] and AVX-512 F, VL and VNNI.
     Avx512,
     /// AArch64, where NEON is always there.
     Neon,
@@ -138,9 +138,20 @@ impl Kernel {
             Self::Avx2 => {
                 std::arch::is_x86_feature_detected!("avx2")
                     && std::arch::is_x86_feature_detected!("fma")
+                    && std::arch::is_x86_feature_detected!("bmi1")
+                    && std::arch::is_x86_feature_detected!("bmi2")
+                    && std::arch::is_x86_feature_detected!("lzcnt")
+                    && std::arch::is_x86_feature_detected!("popcnt")
             }
             #[cfg(all(target_arch = "x86_64", not(feature = "std")))]
-            Self::Avx2 => cfg!(all(target_feature = "avx2", target_feature = "fma")),
+            Self::Avx2 => cfg!(all(
+                target_feature = "avx2",
+                target_feature = "fma",
+                target_feature = "bmi1",
+                target_feature = "bmi2",
+                target_feature = "lzcnt",
+                target_feature = "popcnt"
+            )),
             #[cfg(all(target_arch = "x86_64", feature = "std"))]
             Self::Avx512 => {
                 Self::Avx2.is_available()

@@ -292,10 +292,13 @@ impl<'a> Asset<'a> {
         /// Of most eight lanes of four triangles.
         const RECORDS: usize = 32;
         if node.leaf_mask != 0 {
-            let start = (node.first_slot as usize).min(self.triangles.len());
-            let end = (start + RECORDS).min(self.triangles.len());
-            for line in self.triangles[start..end].chunks(PER_LINE) {
-                prefetch(&line[0]);
+            let rest = self.triangles.get(node.first_slot as usize..);
+            // The last few of a file go without, so that nothing is asked in between.
+            if let Some(records) = rest.and_then(|rest| rest.first_chunk::<RECORDS>()) {
+                let (lines, _) = records.as_chunks::<PER_LINE>();
+                for line in lines {
+                    prefetch(line);
+                }
             }
         }
     }

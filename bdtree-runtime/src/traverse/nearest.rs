@@ -5,6 +5,7 @@ use bdtree_format::{LANES, Row};
 use super::leaves::Leaves;
 use super::one::{Visitor, Walk};
 use super::{StackEntry, lane_subtree};
+use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::error::QueryError;
 use crate::simd::Lanes;
@@ -51,7 +52,8 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
         if !posed.keeps_node(at.start) {
             asset.prefetch_triangles(node);
         }
-        let (spheres, evaluated) = posed.spheres::<L>(asset, at.start)?;
+        let mut spheres = WideSpheres::<L>::empty();
+        let evaluated = posed.spheres_into(asset, at.start, &mut spheres)?;
         walk.nodes_updated += u64::from(evaluated);
         let mut mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
         // Sorted into the stack: the nearest on top, of equal ones the lowest lane.

@@ -163,7 +163,8 @@ fn in_lane_order<L: Lanes, V: Visitor>(
             if !posed.keeps_node(index) {
                 asset.prefetch_triangles(node);
             }
-            let (spheres, evaluated) = posed.spheres::<L>(asset, index)?;
+            let mut spheres = WideSpheres::<L>::empty();
+            let evaluated = posed.spheres_into(asset, index, &mut spheres)?;
             walk.nodes_updated += u64::from(evaluated);
             let mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
             found[k] = (node, mask);

@@ -43,6 +43,8 @@ pub struct Asset<'a> {
     /// 2^unit_exponent.
     pub(crate) unit: f64,
     pub(crate) kernel: Kernel,
+    /// Rows of each node, where all modes act on all nodes: those of node i begin at i times this. Else 0.
+    pub(crate) row_stride: usize,
 }
 
 /// The rows of a node (SPEC 6.5).
