@@ -126,22 +126,29 @@ impl Asset<'_> {
 /// Slots of [`RecentVertices`].
 const RECENT: usize = 64;
 
-/// The id of no vertex that is kept.
-const NONE: u32 = u32::MAX;
+/// The tag of no vertex.
+const NONE: u32 = 0;
+
+/// What marks a vertex in a table that is made of zeros, which is the quickest to make.
+#[inline(always)]
+fn tag(vertex: u32) -> u32 {
+    vertex.wrapping_add(1)
+}
 
 /// Deformed vertices of one traversal (stored units), so that neighbouring triangles deform a
 /// shared corner once: a direct-mapped table, the newest of a slot stays.
 pub(crate) struct RecentVertices {
-    ids: [u32; RECENT],
-    /// The vertex of each slot that was asked for last.
+    tags: [u32; RECENT],
+    /// The tag of the vertex of each slot that was asked for last.
     asked: [u32; RECENT],
     positions: [[f32; 3]; RECENT],
 }
 
 impl RecentVertices {
+    #[inline(always)]
     pub(crate) fn new() -> Self {
         Self {
-            ids: [NONE; RECENT],
+            tags: [NONE; RECENT],
             asked: [NONE; RECENT],
             positions: [[0.0; 3]; RECENT],
         }
@@ -167,10 +174,10 @@ impl RecentVertices {
         const PER_LINE: usize = 5;
         for vertex in record.corners {
             let asked = &mut self.asked[Self::slot(vertex)];
-            if *asked == vertex {
+            if *asked == tag(vertex) {
                 continue;
             }
-            *asked = vertex;
+            *asked = tag(vertex);
             let i = vertex as usize;
             if let Some(p) = asset.positions.get(i) {
                 prefetch(p);
@@ -201,9 +208,9 @@ impl RecentVertices {
         vertex: u32,
     ) -> Result<[f32; 3], FormatError> {
         let slot = Self::slot(vertex);
-        if self.ids[slot] != vertex || vertex == NONE {
+        if self.tags[slot] != tag(vertex) || tag(vertex) == NONE {
             self.positions[slot] = asset.deformed_in::<LISTED>(pose.q, VertexId(vertex))?;
-            self.ids[slot] = vertex;
+            self.tags[slot] = tag(vertex);
         }
         Ok(self.positions[slot])
     }

@@ -37,6 +37,7 @@ impl Line {
     /// # Errors
     /// An origin that is not finite or beyond 2^100, a direction that is zero or not finite, a
     /// negative or NaN distance.
+    #[inline(always)] // a result that is as large is copied
     pub(super) fn new(
         pose: &Pose<'_>,
         origin: [f64; 3],
