@@ -173,6 +173,9 @@ impl<const ANY: bool> Visitor for First<ANY> {
     #[inline(always)]
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8 {
         let met = self.line.lanes(&spheres, keys);
+        if self.bound == f32::INFINITY {
+            return met; // without waiting for the keys
+        }
         met & !L::load(keys).above(L::splat(self.bound))
     }
 

@@ -5,6 +5,7 @@ use bdtree_format::{LANES, Row};
 use super::leaf_pairs::LeafSide;
 use super::nearest_two::{Frontier, SearchEntry, insert};
 use super::{Visitor, Walk, lane_subtree, used_lanes};
+use crate::bound::WideSpheres;
 use crate::cache::{CHUNK, Posed};
 use crate::contact::TriangleId;
 use crate::error::QueryError;
@@ -145,7 +146,9 @@ impl<V: Guided> Work for BudgetedOne<'_, '_, '_, V> {
                 return Err(asset.endless(visits_max).into());
             }
             let node = asset.node(entry.a.start)?;
-            let (spheres, evaluated) = side.posed.spheres::<L>(asset, entry.a.start)?;
+            let mut spheres = WideSpheres::<L>::empty();
+            let at = entry.a.start;
+            let evaluated = side.posed.spheres_into(asset, at, &mut spheres)?;
             walk.nodes_updated += u64::from(evaluated);
             let wanted = visitor.lanes(spheres, &mut keys);
             let mut count = 0;

@@ -3,6 +3,7 @@
 use bdtree_format::LANES;
 
 use super::{Gap, Subtree, Walk, lane_subtree, used_lanes};
+use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::error::QueryError;
 use crate::simd::{Lanes, Work};
@@ -164,7 +165,8 @@ impl<F: Frontier> Work for NearestTwo<'_, '_, '_, F> {
                 (&mut b, entry.b.start, entry.sphere_a)
             };
             let node = side.asset.node(index)?;
-            let (spheres, evaluated) = side.posed.spheres::<L>(side.asset, index)?;
+            let mut spheres = WideSpheres::<L>::empty();
+            let evaluated = side.posed.spheres_into(side.asset, index, &mut spheres)?;
             walk.nodes_updated += u64::from(evaluated);
             let spheres = if of_a {
                 spheres
