@@ -3,7 +3,7 @@
 use bdtree_format::{LANES, Row};
 
 use super::leaves::Leaves;
-use super::one::{Visitor, Walk};
+use super::one::{NO_NODE, TOGETHER, Visitor, Walk};
 use super::{StackEntry, lane_subtree};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
@@ -23,7 +23,7 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
     let pose = posed.pose;
     let mut walk = Walk::default();
     let visits_max = asset.node_count() as u64;
-    let mut keys: Row = [0.0; LANES];
+    let mut keys: [Row; TOGETHER] = [[0.0; LANES]; TOGETHER];
     let mut leaves = Leaves::new();
     stack[0] = StackEntry {
         key: f32::NEG_INFINITY,
@@ -44,44 +44,64 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
             }
             continue;
         }
-        walk.nodes_visited += 1;
+        // The next one too, where it is a node: its numbers do not wait for the first one's.
+        let mut entries = [at.start; TOGETHER];
+        let mut together = 1;
+        if let Some(next) = stack.get(len.wrapping_sub(1))
+            && next.at.triangles == 0
+            && visitor.wanted(next.key)
+        {
+            entries[0] = next.at.start;
+            together = 2;
+            len -= 1;
+        }
+        walk.nodes_visited += together as u64;
         if walk.nodes_visited > visits_max {
             return Err(asset.endless(visits_max).into());
         }
-        let node = asset.node(at.start)?;
-        if !posed.keeps_node(at.start) {
-            asset.prefetch_triangles(node);
-        }
-        let mut spheres = WideSpheres::<L>::empty();
-        let evaluated = posed.spheres_into(asset, at.start, &mut spheres)?;
-        walk.nodes_updated += u64::from(evaluated);
-        let mut mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
-        // Sorted into the stack: the nearest on top, of equal ones the lowest lane.
-        let Some(room) = stack.get_mut(len..len + LANES) else {
-            return Err(asset.too_deep().into());
-        };
-        let mut count = 0;
-        while mask != 0 {
-            let lane = (7 - mask.leading_zeros()) as usize;
-            mask &= !(1 << lane);
-            let at = lane_subtree(node, lane);
-            if node.leaf_mask & (1 << lane) == 0 {
-                posed.prefetch_node(asset, at.start);
-            } else if at.triangles == 0 {
-                continue; // a corrupt file's
-            } else {
-                leaves.ask(asset, posed, at)?;
+        let mut found = [(&NO_NODE, 0); TOGETHER];
+        // The farther one first, so that what lies below the nearer is popped next.
+        for k in TOGETHER - together..TOGETHER {
+            let index = entries[k];
+            let node = asset.node(index)?;
+            if !posed.keeps_node(index) {
+                asset.prefetch_triangles(node);
             }
-            let key = keys[lane];
-            let mut place = count;
-            while place > 0 && room[place - 1].key < key {
-                room[place] = room[place - 1];
-                place -= 1;
-            }
-            room[place] = StackEntry { at, key };
-            count += 1;
+            let mut spheres = WideSpheres::<L>::empty();
+            let evaluated = posed.spheres_into(asset, index, &mut spheres)?;
+            walk.nodes_updated += u64::from(evaluated);
+            let mask = visitor.lanes(spheres, &mut keys[k]) & (node.inner_mask | node.leaf_mask);
+            found[k] = (node, mask);
         }
-        len += count;
+        for k in TOGETHER - together..TOGETHER {
+            let (node, mut mask) = found[k];
+            // Sorted into the stack: the nearest on top, of equal ones the lowest lane.
+            let Some(room) = stack.get_mut(len..len + LANES) else {
+                return Err(asset.too_deep().into());
+            };
+            let mut count = 0;
+            while mask != 0 {
+                let lane = (7 - mask.leading_zeros()) as usize;
+                mask &= !(1 << lane);
+                let at = lane_subtree(node, lane);
+                if node.leaf_mask & (1 << lane) == 0 {
+                    posed.prefetch_node(asset, at.start);
+                } else if at.triangles == 0 {
+                    continue; // a corrupt file's
+                } else {
+                    leaves.ask(asset, posed, at)?;
+                }
+                let key = keys[k][lane];
+                let mut place = count;
+                while place > 0 && room[place - 1].key < key {
+                    room[place] = room[place - 1];
+                    place -= 1;
+                }
+                room[place] = StackEntry { at, key };
+                count += 1;
+            }
+            len += count;
+        }
     }
     walk.stopped = leaves
         .finish::<L, V>(asset, &pose.frame, visitor)

@@ -58,10 +58,10 @@ pub(crate) trait Visitor {
 
 /// Nodes that are evaluated one right after the other where the order of visits is free: the
 /// second does not wait for the first one's numbers.
-const TOGETHER: usize = 2;
+pub(super) const TOGETHER: usize = 2;
 
 /// Stands where no second node is.
-const NO_NODE: NodeRecord = NodeRecord {
+pub(super) const NO_NODE: NodeRecord = NodeRecord {
     first_child: 0,
     first_slot: 0,
     row_start: 0,

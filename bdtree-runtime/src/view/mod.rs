@@ -275,7 +275,8 @@ impl<'a> Asset<'a> {
     pub fn stack_len(&self) -> usize {
         // Two nodes are popped at a time and push at most sixteen, so each level leaves fourteen
         // behind; or fifteen, where the second is the only one of a deeper level, which then
-        // holds eight.
+        // holds eight. Walks by keys push leaves, too, and pop a node alone where a leaf comes next:
+        // that leaves fifteen behind, but then of at most eight on the next level.
         14 * self.depth() + 2
     }
 
