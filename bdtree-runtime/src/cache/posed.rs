@@ -189,22 +189,10 @@ impl Posed<'_> {
         }
     }
 
-    /// The spheres of node `index` and whether they had to be evaluated.
-    #[inline(always)]
-    pub(crate) fn spheres<L: Lanes>(
-        &mut self,
-        asset: &Asset<'_>,
-        index: u32,
-    ) -> Result<(WideSpheres<L>, bool), FormatError> {
-        let mut spheres = WideSpheres::empty();
-        let evaluated = self.spheres_into(asset, index, &mut spheres)?;
-        Ok((spheres, evaluated))
-    }
-
     /// Puts the spheres of node `index` into `out`; whether they had to be evaluated. Not part of
     /// the result: a register in a place that may hold an error instead is taken apart byte by byte.
     #[inline(always)]
-    pub(crate) fn spheres_into<L: Lanes>(
+    pub(crate) fn spheres<L: Lanes>(
         &mut self,
         asset: &Asset<'_>,
         index: u32,
@@ -219,7 +207,7 @@ impl Posed<'_> {
         Ok(evaluated)
     }
 
-    /// [`Posed::spheres_into`] at the pose where nodes are evaluated.
+    /// [`Posed::spheres`] at the pose where nodes are evaluated.
     #[inline(always)]
     fn spheres_at<L: Lanes>(
         &mut self,

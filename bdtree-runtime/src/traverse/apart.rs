@@ -6,7 +6,7 @@
 //! frame of the first asset. What lies beyond the plane is looked at down to its corners; without a
 //! plane nothing is lost but the time.
 
-use bdtree_format::{LANES, Row};
+use bdtree_format::{LANES, Row, TriangleRecord};
 
 use super::{PairStackEntry, Subtree, lane_subtree, used_lanes};
 use crate::bound::WideSpheres;
@@ -136,18 +136,26 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
         }
     }
 
+    /// Puts a node's spheres into `out`.
     #[inline(always)]
-    fn spheres<L: Lanes>(&mut self, index: u32) -> Result<WideSpheres<L>, QueryError> {
-        let (spheres, evaluated) = self.posed.spheres::<L>(self.asset, index)?;
+    fn spheres<L: Lanes>(
+        &mut self,
+        index: u32,
+        out: &mut WideSpheres<L>,
+    ) -> Result<(), QueryError> {
+        let evaluated = self.posed.spheres(self.asset, index, out)?;
         self.visited += 1;
         self.updated += u64::from(evaluated);
-        Ok(self.carried(spheres))
+        *out = self.carried(*out);
+        Ok(())
     }
 
     /// The mean of the root's lane centres.
     #[inline(always)]
     fn middle<L: Lanes>(&mut self) -> Result<[f32; 3], QueryError> {
-        let spheres = self.spheres::<L>(0)?.store();
+        let mut spheres = WideSpheres::<L>::empty();
+        self.spheres(0, &mut spheres)?;
+        let spheres = spheres.store();
         let lanes = used_lanes(self.asset.node(0)?);
         let mut sum = [0.0; 3];
         for lane in 0..LANES {
@@ -174,7 +182,9 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
             if at.triangles > 0 {
                 let records = self.asset.leaf(at)?;
                 let first = records.get(..CHUNK).unwrap_or(records);
-                for corner in self.corners::<L>(at.start, first)? {
+                let mut corners = [WideSpheres::<L>::empty(); 2];
+                self.corners(at.start, first, &mut corners)?;
+                for corner in corners {
                     let heights = corner.heights(direction, 0.0).store();
                     let points = corner.store().centre;
                     for k in 0..LANES {
@@ -186,7 +196,8 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
                 }
                 break;
             }
-            let spheres = self.spheres::<L>(at.start)?;
+            let mut spheres = WideSpheres::<L>::empty();
+            self.spheres(at.start, &mut spheres)?;
             let heights = spheres.heights(direction, 0.5).store();
             let node = self.asset.node(at.start)?;
             let mut left = used_lanes(node);
@@ -206,14 +217,15 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
         Ok(top)
     }
 
-    /// The first four of `records`, the triangles from `start` on: their corners as spheres that hold what is
-    /// farther than they by the tolerance and by rounding, some twice.
+    /// The first four of `records`, the triangles from `start` on: their corners, some twice, are put into
+    /// `out`, as spheres that hold the tolerance and what rounding takes.
     #[inline(always)]
     fn corners<L: Lanes>(
         &mut self,
         start: u32,
-        records: &[bdtree_format::TriangleRecord],
-    ) -> Result<[WideSpheres<L>; 2], QueryError> {
+        records: &[TriangleRecord],
+        out: &mut [WideSpheres<L>; 2],
+    ) -> Result<(), QueryError> {
         let chunk = self.posed.leaf(
             self.asset,
             start,
@@ -222,8 +234,9 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
             &mut self.spare,
         )?;
         let [a, b, c] = &chunk.corners;
-        let (first, second) = (points::<L>(a, b), points::<L>(b, c));
-        Ok([self.carried(first), self.carried(second)])
+        let (first, second) = (points(a, b), points(b, c));
+        *out = [self.carried(first), self.carried(second)];
+        Ok(())
     }
 
     /// A height along `direction`, at least `plane` and at most `limit`, that nothing exceeds by more than
@@ -246,7 +259,9 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
                 return Ok(None);
             }
             let node = self.asset.node(index)?;
-            let heights = self.spheres::<L>(index)?.heights(direction, 1.0);
+            let mut spheres = WideSpheres::<L>::empty();
+            self.spheres(index, &mut spheres)?;
+            let heights = spheres.heights(direction, 1.0);
             let beyond = !L::splat(top).above(heights) & used_lanes(node);
             let mut inner = beyond & !node.leaf_mask;
             while inner != 0 {
@@ -267,7 +282,9 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
                 let leaf = lane_subtree(node, lane);
                 let mut start = leaf.start;
                 for records in self.asset.leaf(leaf)?.chunks(CHUNK) {
-                    for corners in self.corners::<L>(start, records)? {
+                    let mut corners = [WideSpheres::<L>::empty(); 2];
+                    self.corners(start, records, &mut corners)?;
+                    for corners in corners {
                         let heights = corners.heights(direction, 1.0).store();
                         for height in heights {
                             // NaN is not below.

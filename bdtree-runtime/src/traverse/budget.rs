@@ -148,7 +148,7 @@ impl<V: Guided> Work for BudgetedOne<'_, '_, '_, V> {
             let node = asset.node(entry.a.start)?;
             let mut spheres = WideSpheres::<L>::empty();
             let at = entry.a.start;
-            let evaluated = side.posed.spheres_into(asset, at, &mut spheres)?;
+            let evaluated = side.posed.spheres(asset, at, &mut spheres)?;
             walk.nodes_updated += u64::from(evaluated);
             let wanted = visitor.lanes(spheres, &mut keys);
             let mut count = 0;

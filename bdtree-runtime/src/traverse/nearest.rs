@@ -68,7 +68,7 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
                 asset.prefetch_triangles(node);
             }
             let mut spheres = WideSpheres::<L>::empty();
-            let evaluated = posed.spheres_into(asset, index, &mut spheres)?;
+            let evaluated = posed.spheres(asset, index, &mut spheres)?;
             walk.nodes_updated += u64::from(evaluated);
             let mask = visitor.lanes(spheres, &mut keys[k]) & (node.inner_mask | node.leaf_mask);
             found[k] = (node, mask);

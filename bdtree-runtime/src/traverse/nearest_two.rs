@@ -166,7 +166,7 @@ impl<F: Frontier> Work for NearestTwo<'_, '_, '_, F> {
             };
             let node = side.asset.node(index)?;
             let mut spheres = WideSpheres::<L>::empty();
-            let evaluated = side.posed.spheres_into(side.asset, index, &mut spheres)?;
+            let evaluated = side.posed.spheres(side.asset, index, &mut spheres)?;
             walk.nodes_updated += u64::from(evaluated);
             let spheres = if of_a {
                 spheres

@@ -164,7 +164,7 @@ fn in_lane_order<L: Lanes, V: Visitor>(
                 asset.prefetch_triangles(node);
             }
             let mut spheres = WideSpheres::<L>::empty();
-            let evaluated = posed.spheres_into(asset, index, &mut spheres)?;
+            let evaluated = posed.spheres(asset, index, &mut spheres)?;
             walk.nodes_updated += u64::from(evaluated);
             let mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
             found[k] = (node, mask);

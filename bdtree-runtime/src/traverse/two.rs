@@ -128,16 +128,17 @@ impl<'s, 'a> Side<'s, 'a> {
         }
     }
 
-    /// A node and its spheres, in the asset's own frame.
+    /// A node; its spheres, in the asset's own frame, are put into `out`.
     #[inline(always)]
     fn node<L: Lanes>(
         &mut self,
         index: u32,
-    ) -> Result<(&'a NodeRecord, WideSpheres<L>), QueryError> {
+        out: &mut WideSpheres<L>,
+    ) -> Result<&'a NodeRecord, QueryError> {
         let node = self.asset.node(index)?;
-        let (spheres, evaluated) = self.posed.spheres::<L>(self.asset, index)?;
+        let evaluated = self.posed.spheres(self.asset, index, out)?;
         self.updated += u64::from(evaluated);
-        Ok((node, spheres))
+        Ok(node)
     }
 
     #[inline(always)]
@@ -366,14 +367,16 @@ fn walk_two<L: Lanes>(
             return Err(asset_a.endless(visits_max).into());
         }
         nodes_visited += 1;
-        let (node_a, spheres_a) = a.node::<L>(entry.a)?;
+        let mut spheres_a = WideSpheres::<L>::empty();
+        let node_a = a.node(entry.a, &mut spheres_a)?;
         let [x, y, z, radius] = entry.sphere;
         let lanes_a = entry.lanes_a & spheres_a.within([x, y, z], radius, SKIP);
         if lanes_a & (node_a.inner_mask | node_a.leaf_mask) == 0 {
             continue;
         }
         nodes_visited += 1;
-        let (node_b, spheres_b) = b.node::<L>(entry.b)?;
+        let mut spheres_b = WideSpheres::<L>::empty();
+        let node_b = b.node(entry.b, &mut spheres_b)?;
         if node_a.leaf_mask & lanes_a != 0 && node_b.leaf_mask & entry.lanes_b != 0 {
             asset_a.prefetch_triangles(node_a);
             asset_b.prefetch_triangles(node_b);
