@@ -165,20 +165,20 @@ impl Posed<'_> {
         slot.is_some_and(|slot| slot.tag == tag(self.step, start))
     }
 
-    /// Asks for a node's record and, if it is not kept, the beginning of its rows; reading on is the
-    /// processor's own habit. Where the rows are follows from the index if all modes act on all
-    /// nodes, which is the usual case; otherwise the record would have to be waited for.
+    /// Asks for a node's record and the beginning of its rows; reading on is the processor's own habit.
+    /// Also where the spheres are kept: whether they are would have to be waited for, and so would the
+    /// record, so only where all modes act on all nodes, which is the usual case: there the index
+    /// says where the rows are.
     #[inline(always)]
     pub(crate) fn prefetch_node(&self, asset: &Asset<'_>, index: u32) {
         /// Of 64 bytes: two rows each, or four of 16 bits.
         const LINES: usize = 8;
-        let kept = self.keeps_node(index);
         let index = index as usize;
         let Some(node) = asset.nodes.get(index) else {
             return; // the visit says so
         };
         prefetch(node);
-        if !kept && asset.row_stride > 0 {
+        if asset.row_stride > 0 {
             let start = index * asset.row_stride;
             if let Some(rows) = asset.rows.get(start..start + 2 * LINES) {
                 let (lines, _) = rows.as_chunks::<2>();

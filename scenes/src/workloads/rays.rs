@@ -49,7 +49,11 @@ impl Rays {
     }
 
     /// The `count` rays of a frame.
-    pub fn of(&self, frame: usize, count: usize) -> impl Iterator<Item = [[f32; 3]; 2]> + '_ {
+    pub fn of(
+        &self,
+        frame: usize,
+        count: usize,
+    ) -> impl ExactSizeIterator<Item = [[f32; 3]; 2]> + '_ {
         (0..count).map(move |i| self.rays[(frame * count + i) % RAYS])
     }
 }

@@ -27,17 +27,27 @@ impl<'a> OurRays<'a> {
     }
 
     /// Pose and rays (origin, direction).
-    pub(crate) fn frame(&mut self, q: &[f32], rays: impl Iterator<Item = [[f32; 3]; 2]>) -> Frame {
+    pub(crate) fn frame(
+        &mut self,
+        q: &[f32],
+        rays: impl ExactSizeIterator<Item = [[f32; 3]; 2]>,
+    ) -> Frame {
         let asset = &self.asset;
         let start = Clock::start();
         let pose = Pose::new(asset, q, Transform::IDENTITY, &mut self.memory);
         let pose = pose.expect("q within limits");
+        // What one ray computes no other asks for.
+        let single = rays.len() == 1;
         let mut kept = self.cache.start(&pose);
         let (mut found, mut nodes) = (0, Nodes::default());
         for ray in rays {
             let [origin, direction] = ray.map(|v| v.map(f64::from));
             let stack = &mut self.stack;
-            let nearest = query::ray(asset, &mut kept, origin, direction, f64::INFINITY, stack);
+            let nearest = if single {
+                query::ray(asset, &pose, origin, direction, f64::INFINITY, stack)
+            } else {
+                query::ray(asset, &mut kept, origin, direction, f64::INFINITY, stack)
+            };
             let nearest = nearest.expect("a sound asset");
             found += u64::from(nearest.hit.is_some());
             nodes.visited += nearest.nodes_visited;
