@@ -7,12 +7,15 @@
 mod apart;
 mod bounded;
 mod budget;
+mod byte_masks;
 mod gap;
 mod leaf_pairs;
 mod leaves;
 mod nearest;
 mod nearest_two;
 mod one;
+mod pair_leaves;
+mod pair_side;
 mod supports;
 mod two;
 

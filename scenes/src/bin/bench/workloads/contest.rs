@@ -156,7 +156,7 @@ impl Row {
 /// Who comes after whom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Turns {
-    /// After each pass over the frames the next contender's: each finds the caches as others left them.
+    /// After each pass over the frames the next contender's: each finds the caches as the others left them.
     Pass,
     /// Each contender does all its passes: its own data may still be near.
     Contender,

@@ -51,7 +51,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 7)]
     repeat: usize,
     /// Who comes after whom
-    #[arg(long, value_enum, default_value = "pass")]
+    #[arg(long, value_enum, default_value = "contender")]
     turns: contest::Turns,
 }
 

@@ -1,0 +1,163 @@
+//! One side of a walk of two trees: its nodes, and its leaves' triangles in the world.
+
+use bdtree_format::{LANES, NodeRecord, SectionKind, TriangleRecord};
+
+use super::{Subtree, lane_subtree};
+use crate::bound::WideSpheres;
+use crate::cache::{CHUNK, LeafChunk, Posed};
+use crate::deform::RecentVertices;
+use crate::error::QueryError;
+use crate::narrow::four_by_four::WorldFour;
+use crate::simd::Lanes;
+use crate::view::Asset;
+
+/// Groups of four triangles in the world that a traversal keeps of each asset.
+const FOURS: usize = 32;
+
+/// Leaves that a traversal remembers having asked for.
+const ANNOUNCED: usize = 64;
+
+/// One side of the traversal.
+pub(super) struct Side<'s, 'a> {
+    pub(super) asset: &'s Asset<'a>,
+    pub(super) posed: Posed<'s>,
+    recent: RecentVertices,
+    /// Filled when they are first used: most pairs of bodies that are near each other do not get to
+    /// their leaves.
+    fours: [Option<KeptFour>; FOURS],
+    /// First triangle slots of leaves whose vertices were asked for last.
+    announced: [u32; ANNOUNCED],
+    pub(super) updated: u64,
+}
+
+/// Up to four triangles of a leaf in the world.
+#[derive(Clone, Copy)]
+pub(super) struct KeptFour {
+    /// First triangle slot.
+    start: u32,
+    /// How many there are; 0: nothing is kept.
+    pub(super) len: u32,
+    pub(super) ids: [u32; CHUNK],
+    pub(super) world: WorldFour,
+}
+
+impl KeptFour {
+    const EMPTY: Self = Self {
+        start: 0,
+        len: 0,
+        ids: [0; CHUNK],
+        world: WorldFour::EMPTY,
+    };
+}
+
+impl<'s, 'a> Side<'s, 'a> {
+    pub(super) fn new(asset: &'s Asset<'a>, posed: Posed<'s>) -> Self {
+        Self {
+            asset,
+            posed,
+            recent: RecentVertices::new(),
+            fours: [const { None }; FOURS],
+            announced: [u32::MAX; ANNOUNCED],
+            updated: 0,
+        }
+    }
+
+    /// A node; its spheres, in the asset's own frame, are put into `out`.
+    #[inline(always)]
+    pub(super) fn node<L: Lanes>(
+        &mut self,
+        index: u32,
+        out: &mut WideSpheres<L>,
+    ) -> Result<&'a NodeRecord, QueryError> {
+        let node = self.asset.node(index)?;
+        let evaluated = self.posed.spheres(self.asset, index, out)?;
+        self.updated += u64::from(evaluated);
+        Ok(node)
+    }
+
+    #[inline(always)]
+    pub(super) fn records(&self, leaf: Subtree) -> Result<&'a [TriangleRecord], QueryError> {
+        let start = leaf.start as usize;
+        let end = start.saturating_add(leaf.triangles as usize);
+        match self.asset.triangles.get(start..end) {
+            Some(records) => Ok(records),
+            None => {
+                let len = self.asset.triangles.len();
+                Err(self
+                    .asset
+                    .out_of_range(SectionKind::TRIANGLES, end, len, 16)
+                    .into())
+            }
+        }
+    }
+
+    /// Asks for what the children in `lanes` and the triangles of a node need.
+    #[inline(always)]
+    pub(super) fn prefetch_children(&self, node: &NodeRecord, mut lanes: u8) {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+            lanes &= lanes - 1;
+            let child = lane_subtree(node, lane).start;
+            self.posed.prefetch_node(self.asset, child);
+        }
+    }
+
+    /// The leaf lanes in `lanes`, whose vertices are asked for.
+    #[inline(always)]
+    pub(super) fn announce(
+        &mut self,
+        node: &NodeRecord,
+        mut lanes: u8,
+    ) -> Result<[Subtree; LANES], QueryError> {
+        let mut leaves = [Subtree::default(); LANES];
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+            lanes &= lanes - 1;
+            leaves[lane] = lane_subtree(node, lane);
+            self.announce_leaf(leaves[lane])?;
+        }
+        Ok(leaves)
+    }
+
+    /// Asks for the vertices of a leaf.
+    #[inline(always)]
+    pub(super) fn announce_leaf(&mut self, leaf: Subtree) -> Result<(), QueryError> {
+        let announced = &mut self.announced[leaf.start as usize / 4 % ANNOUNCED];
+        if *announced == leaf.start {
+            return Ok(());
+        }
+        *announced = leaf.start;
+        let records = self.records(leaf)?;
+        self.recent.prefetch(self.asset, records);
+        Ok(())
+    }
+
+    /// The first four of `records`, the triangles from `start` on, in the world.
+    #[inline(always)]
+    pub(super) fn four<L: Lanes>(
+        &mut self,
+        start: usize,
+        records: &[TriangleRecord],
+    ) -> Result<&KeptFour, QueryError> {
+        let start = start as u32;
+        let len = records.len().min(CHUNK) as u32;
+        // Leaves that follow each other begin two to four slots apart: those of a node share no place.
+        let kept = self.fours[start as usize / 2 % FOURS].get_or_insert(KeptFour::EMPTY);
+        if kept.start != start || kept.len != len {
+            kept.len = 0; // until it is whole
+            let mut spare = LeafChunk::EMPTY;
+            let (asset, recent) = (self.asset, &mut self.recent);
+            let frame = &self.posed.pose.frame;
+            let leaf = self.posed.leaf(asset, start, records, recent, &mut spare)?;
+            kept.world.set::<L::Quad>([
+                frame.world_four(&leaf.corners[0]),
+                frame.world_four(&leaf.corners[1]),
+                frame.world_four(&leaf.corners[2]),
+            ]);
+            kept.ids = leaf.ids;
+            kept.start = start;
+            kept.len = len;
+        }
+        Ok(kept)
+    }
+}
