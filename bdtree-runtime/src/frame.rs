@@ -1,8 +1,9 @@
 //! World ↔ stored coordinates of one placed asset, in f64, with a bound of the error.
 
 use crate::bound::WideSpheres;
+use crate::cache::Posed;
 use crate::math::{add, dot, norm, scale, sqrt, sub};
-use crate::pose::{Pose, Transform, U32, round_up};
+use crate::pose::{Transform, U32, round_up};
 use crate::simd::{Lanes, Quad, Quad3, add3, dot3, scale3, splat3};
 use crate::view::Asset;
 
@@ -176,8 +177,9 @@ pub(crate) struct PairMap {
 }
 
 impl PairMap {
-    pub(crate) fn new(a: &Pose<'_>, b: &Pose<'_>) -> Self {
-        let (fa, fb) = (&a.frame, &b.frame);
+    pub(crate) fn new(a: &Posed<'_>, b: &Posed<'_>) -> Self {
+        let (fa, fb) = (&a.pose.frame, &b.pose.frame);
+        let ([far_a, slack_a], [far_b, slack_b]) = (a.reach_and_slack(), b.reach_and_slack());
         let unit_a = fa.world_per_stored();
         let s = fb.world_per_stored() / unit_a;
         let origin_a = fa.origin_in_world();
@@ -189,19 +191,19 @@ impl PairMap {
         let linear = [0, 1, 2].map(|i| columns.map(|column| column[i]));
 
         // Each side's coordinates and corners, in stored units of the first.
-        let far_a = norm(origin_a) + unit_a * a.reach;
-        let far_b = norm(origin_b) + fb.world_per_stored() * b.reach;
-        let exact = fa.error(far_a + far_b, a.reach) + s * fb.error(far_a + far_b, b.reach);
+        let norms =
+            norm(origin_a) + unit_a * far_a + norm(origin_b) + fb.world_per_stored() * far_b;
+        let exact = fa.error(norms, far_a) + s * fb.error(norms, far_b);
         const SQRT_3: f64 = 1.732_050_807_568_877_3;
         Self {
             unit_a,
             scale: s,
             linear,
             offset,
-            reach_a: f64::from(a.slack) + a.reach,
-            reach_b: s * (f64::from(b.slack) + b.reach),
+            reach_a: slack_a + far_a,
+            reach_b: s * (slack_b + far_b),
             exact,
-            turned: 16.0 * U32 * SQRT_3 * s * b.reach,
+            turned: 16.0 * U32 * SQRT_3 * s * far_b,
         }
     }
 
@@ -236,7 +238,7 @@ pub(crate) struct PairFrame {
 impl PairFrame {
     /// The map for a pair of poses, or `None` when the two deformed meshes are certainly farther
     /// apart than `tolerance` (world units).
-    pub(crate) fn new(a: &Pose<'_>, b: &Pose<'_>, tolerance: f64) -> Option<Self> {
+    pub(crate) fn new(a: &Posed<'_>, b: &Posed<'_>, tolerance: f64) -> Option<Self> {
         let map = PairMap::new(a, b);
         let extra = tolerance / map.unit_a + map.exact + map.turned + 16.0 * U32 * norm(map.offset);
         let reach = map.reach_a + map.reach_b + extra;

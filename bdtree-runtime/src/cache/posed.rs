@@ -145,6 +145,16 @@ impl Posed<'_> {
         }
     }
 
+    /// No deformed vertex and no lane centre is farther from the origin, not where the spheres are
+    /// evaluated either; and the slack that goes with it (stored units).
+    pub(crate) fn reach_and_slack(&self) -> [f64; 2] {
+        let of = |pose: &Pose<'_>| [pose.reach, f64::from(pose.slack)];
+        let ([reach, slack], there) = (of(self.pose), self.drift.map(|(pose, _)| of(pose)));
+        there.map_or([reach, slack], |there| {
+            [reach.max(there[0]), slack.max(there[1])]
+        })
+    }
+
     /// Whether leaves are kept.
     #[inline(always)]
     pub(crate) fn keeps_leaves(&self) -> bool {

@@ -40,7 +40,7 @@ fn distance_posed(
     }
     let mut frontier = Stack::new(stack, asset1.distance_stack_len(asset2))?;
     let (mut own1, mut own2) = (OwnCache::default(), OwnCache::default());
-    let gap = Gap::new(posed1.pose, posed2.pose);
+    let gap = Gap::new(&posed1, &posed2);
     let mut pairs = LeafPairs::new(max_distance);
     let walk = asset1.kernel.run(NearestTwo {
         a: (asset1, posed1.or_keep(&mut own1)),

@@ -201,7 +201,7 @@ impl State {
             if leaves.is_empty() {
                 return Ok(outcome(None));
             }
-            let Some(frame) = PairFrame::new(poses[0], poses[1], tolerance) else {
+            let Some(frame) = PairFrame::new(&posed[0], &posed[1], tolerance) else {
                 return Ok(outcome(None));
             };
             let two = Two {
@@ -219,7 +219,7 @@ impl State {
             self.next_margin(step)
         };
         let reach = tolerance + margin.unwrap_or(0.0);
-        if PairFrame::new(poses[0], poses[1], reach).is_none() {
+        if PairFrame::new(&posed[0], &posed[1], reach).is_none() {
             self.keep(0, moved, margin);
             return Ok(outcome(None));
         }
@@ -230,7 +230,7 @@ impl State {
             .map(|margin| margin.min(widest))
             .filter(|margin| *margin >= f64::from(SERVED_MIN) * step);
         let reach = tolerance + margin.unwrap_or(0.0);
-        let Some(frame) = PairFrame::new(poses[0], poses[1], reach) else {
+        let Some(frame) = PairFrame::new(&posed[0], &posed[1], reach) else {
             self.keep(0, moved, margin);
             return Ok(outcome(None));
         };

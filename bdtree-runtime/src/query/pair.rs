@@ -82,7 +82,7 @@ fn walk(
     if !pose1.belongs_to(assets[0]) || !pose2.belongs_to(assets[1]) {
         return Err(QueryError::PoseMismatch);
     }
-    let Some(frame) = PairFrame::new(pose1, pose2, visitor.tolerance()) else {
+    let Some(frame) = PairFrame::new(&posed1, &posed2, visitor.tolerance()) else {
         return Ok(outcome(None));
     };
     let two = Two {

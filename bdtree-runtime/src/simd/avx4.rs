@@ -10,8 +10,8 @@ use core::arch::x86_64::{
 
 use super::Quad;
 
-/// Four f64 in a register. Only [`super::avx2`] uses it, inside its `walk_avx2` and
-/// `run_avx2`: so wherever one exists, the processor has AVX2.
+/// Four f64 in a register, used only inside `run_avx2` and `run_avx512` of the modules beside: so wherever
+/// one exists, the processor has AVX2.
 #[derive(Clone, Copy)]
 pub(super) struct Avx4(__m256d);
 

@@ -76,7 +76,7 @@ fn search<L: Lanes>(
         let (top_a, top_b) = (a.climb::<L>(normal)?, b.climb::<L>(back)?);
         let gap = -(top_a.height + top_b.height);
         // NaN ends the search too.
-        if gap > margin {
+        if gap > 2.0 * margin {
             let limit = -top_b.height - margin;
             let Some(plane) = a.below::<L>(normal, top_a.height + 0.5 * gap, limit, stack)? else {
                 return Ok(false);
@@ -343,5 +343,6 @@ fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
     const SHRINK: f32 = 1.0 - 1.0 / (1 << 20) as f32;
     let squared = dot(v, v);
     let scale = SHRINK / crate::math::sqrt_f32(squared);
-    (squared > f32::MIN_POSITIVE && scale > 0.0).then(|| v.map(|x| x * scale))
+    // Far above what may be flushed to 0 in the squares.
+    (squared > 1e-30 && scale > 0.0).then(|| v.map(|x| x * scale))
 }

@@ -4,9 +4,10 @@ use bdtree_format::Row;
 
 use super::SearchEntry;
 use crate::bound::WideSpheres;
+use crate::cache::Posed;
 use crate::frame::{PairFrame, PairMap};
 use crate::math::{norm, scale};
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::{U32, round_up};
 use crate::simd::Lanes;
 
 /// How distances between spheres of two instances become keys (stored units of the first).
@@ -25,7 +26,7 @@ pub(crate) struct Gap {
 const FAR: f64 = 1024.0;
 
 impl Gap {
-    pub(crate) fn new(a: &Pose<'_>, b: &Pose<'_>) -> Self {
+    pub(crate) fn new(a: &Posed<'_>, b: &Posed<'_>) -> Self {
         let map = PairMap::new(a, b);
         let (apart, reach) = (norm(map.offset), map.reach_a + map.reach_b);
         let far = apart > FAR * reach;

@@ -193,7 +193,7 @@ impl<'s> Budget<'s> {
             return Err(QueryError::PoseMismatch);
         }
         let (mut own1, mut own2) = (OwnCache::default(), OwnCache::default());
-        let gap = Gap::new(posed1.pose, posed2.pose);
+        let gap = Gap::new(&posed1, &posed2);
         let mut pairs = LeafPairs::new(max_distance);
         let mut queue = Queue::new(self.queue, self.max_visits);
         let walk = asset1.kernel.run(NearestTwo {
