@@ -194,6 +194,61 @@ fn pairs_follow() {
     assert!(touching > 100, "{touching}");
 }
 
+/// Spheres of a pose that reaches much farther than the one that follows it: pairs and their planes
+/// allow for where the spheres are evaluated.
+#[test]
+fn pairs_follow_from_far_away() {
+    let bytes = bumpy();
+    let asset = Asset::open(&bytes).unwrap();
+    let mut rng = poses::rng(8);
+    let size = poses::diagonal(&asset) * asset.unit();
+    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(&asset)];
+    let (mut touching, mut apart) = (0, 0);
+    for share in [1.0, 10.0, 40.0] {
+        for step in 0..12 {
+            let far = [0, 1].map(|_| poses::random_q(&asset, share, &mut rng));
+            let near = [0, 1].map(|_| poses::random_q(&asset, 0.02, &mut rng));
+            let places = [0, 1].map(|k| Transform {
+                translation: [
+                    (0.4 + 0.03 * f64::from(step)) * size * f64::from(k),
+                    0.0,
+                    0.0,
+                ],
+                ..Transform::IDENTITY
+            });
+            let mut memory = [0; 4].map(|_| vec![0.0; asset.pose_len()]);
+            let [m0, m1, m2, m3] = &mut memory;
+            let far = [
+                Pose::new(&asset, &far[0], places[0], m0).unwrap(),
+                Pose::new(&asset, &far[1], places[1], m1).unwrap(),
+            ];
+            let near = [
+                Pose::new(&asset, &near[0], places[0], m2).unwrap(),
+                Pose::new(&asset, &near[1], places[1], m3).unwrap(),
+            ];
+            let mut caches = [cache(64, 64), cache(4096, 16)];
+            let [c0, c1] = &mut caches;
+            drop((c0.start(&far[0]), c1.start(&far[1])));
+            let mut kept0 = c0.follow(&asset, &far[0], &near[0]).unwrap();
+            let mut kept1 = c1.follow(&asset, &far[1], &near[1]).unwrap();
+            let (mut plain, mut followed): (Vec<PairContact>, Vec<PairContact>) = (vec![], vec![]);
+            let (a, b) = ((&asset, &near[0]), (&asset, &near[1]));
+            query::pair(a, b, 0.0, &mut stack, &mut plain).unwrap();
+            let (a, b) = ((&asset, &mut kept0), (&asset, &mut kept1));
+            query::pair(a, b, 0.0, &mut stack, &mut followed).unwrap();
+            plain.sort_by_key(|c| (c.triangle1, c.triangle2));
+            followed.sort_by_key(|c| (c.triangle1, c.triangle2));
+            assert_eq!(plain, followed, "share {share}, step {step}");
+            touching += usize::from(!plain.is_empty());
+            apart += usize::from(plain.is_empty());
+        }
+    }
+    assert!(
+        touching > 5 && apart > 5,
+        "{touching} touching, {apart} apart"
+    );
+}
+
 #[test]
 fn kept_nodes_are_not_updated_again() {
     let bytes = bumpy();
