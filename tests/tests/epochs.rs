@@ -228,7 +228,7 @@ fn pairs_follow_from_far_away() {
             ];
             let mut caches = [cache(64, 64), cache(4096, 16)];
             let [c0, c1] = &mut caches;
-            drop((c0.start(&far[0]), c1.start(&far[1])));
+            let _ = (c0.start(&far[0]), c1.start(&far[1]));
             let mut kept0 = c0.follow(&asset, &far[0], &near[0]).unwrap();
             let mut kept1 = c1.follow(&asset, &far[1], &near[1]).unwrap();
             let (mut plain, mut followed): (Vec<PairContact>, Vec<PairContact>) = (vec![], vec![]);
