@@ -55,28 +55,30 @@ struct Mode {
     weight: f64,
 }
 
-impl Given<'_> {
-    /// The two modes of a pair; the second of the last may be missing.
-    fn pair(self, k: u32) -> [Mode; 2] {
-        [2 * k as usize, 2 * k as usize + 1].map(|j| {
-            let (Some(record), Some(q)) = (self.modes.get(j), self.q.get(j)) else {
-                return Mode {
-                    share: 0.0,
-                    weight: 0.0,
-                };
-            };
-            let limit = f64::from(record.q_limit.get());
-            Mode {
-                share: f64::from(*q) / limit,
-                weight: f64::from(record.field_norm_max.get()) * limit,
-            }
-        })
+impl Mode {
+    fn of((record, q): (&ModeRecord, &f32)) -> Self {
+        let limit = record.q_limit.get();
+        Self {
+            share: f64::from(*q) * reciprocal(limit),
+            weight: f64::from(record.field_norm_max.get()) * f64::from(limit),
+        }
+    }
+
+    /// How far a vertex is moved by the difference to another share, at most.
+    fn off(&self, share: f64) -> f64 {
+        self.weight * (self.share - share).abs()
+    }
+}
+
+impl<'a> Given<'a> {
+    fn each(self) -> impl Iterator<Item = Mode> + use<'a> {
+        self.modes.iter().zip(self.q).map(Mode::of)
     }
 
     /// How far a pair moves a vertex at most.
     fn reach(self, k: u32) -> f64 {
-        let [a, b] = self.pair(k);
-        a.weight * a.share.abs() + b.weight * b.share.abs()
+        let pair = self.each().skip(2 * k as usize).take(2);
+        pair.map(|mode| mode.off(0.0)).sum()
     }
 
     /// q̃ and Σ `W_j` |q_j − q̃_j|.
@@ -84,109 +86,107 @@ impl Given<'_> {
     /// The pairs that move least are left out as long as they move no vertex by more than
     /// `tolerance` together. q̃ has a second part where one alone would be off by more than `coarse`
     /// (all in stored units).
-    pub(crate) fn round(
+    pub(crate) fn round<'p>(
         self,
         tolerance: f64,
         coarse: f64,
-        memory: Memory<'_>,
-    ) -> (Shares<'_>, f64) {
+        memory: Memory<'p>,
+    ) -> (Shares<'p>, f64) {
         let Memory {
             coarse: first,
             fine: second,
             active,
         } = memory;
-        for (k, pair) in (0..).zip(active.iter_mut()) {
-            *pair = k;
-        }
-        let (mut kept, left_out) = self.drop_least(tolerance, active);
-        first.fill([0; 2]);
+        let count = self.q.len();
+        let left_out = self.drop_least(tolerance, first, active);
+        let n = first.as_flattened_mut();
+        n[count..].fill(0); // the mode that an odd count lacks
 
-        let mut size = Size::default();
-        for &k in &active[..kept] {
-            self.pair(k).iter().for_each(|mode| size.add(mode.share));
-        }
-        let scale = round_up(size.unit(self.q.len()).max(SCALE_MIN));
+        let shares = self
+            .each()
+            .zip(&*n)
+            .map(|(mode, kept)| mode.share * f64::from(*kept));
+        let scale = round_up(Size::of(shares).unit(count).max(SCALE_MIN));
         let wide = f64::from(scale);
+        let per_wide = 1.0 / wide;
+        // What is left out is off by all of it.
         let mut off = 0.0;
-        for &k in &active[..kept] {
-            let n = self.pair(k).map(|mode| {
-                let n = nearest(mode.share / wide);
-                off += mode.weight * (mode.share - f64::from(n) * wide).abs();
-                n
-            });
-            put(first, k, n);
+        for (mode, n) in self.each().zip(&mut *n) {
+            let nearest = Nearest::to(mode.share * per_wide * f64::from(*n));
+            off += mode.off(nearest.value * wide);
+            *n = nearest.number;
         }
 
         let mut ratio = 0.0;
-        let in_two = off > coarse;
+        let in_two = off - left_out > coarse;
         if in_two {
+            self.drop_least(tolerance, second, active);
+            let m = second.as_flattened_mut();
+            m[count..].fill(0);
             // The first part towards zero, so that the second has its sign.
-            let rest = |mode: &Mode| {
-                let n = (mode.share / wide) as i16;
-                (n, mode.share - f64::from(n) * wide)
+            let parts = |mode: &Mode, kept: i16| {
+                let share = mode.share * f64::from(kept);
+                let n = (share * per_wide) as i16;
+                (n, share - f64::from(n) * wide)
             };
-            let mut size = Size::default();
-            for &k in &active[..kept] {
-                self.pair(k).iter().for_each(|mode| size.add(rest(mode).1));
-            }
-            ratio = round_up((size.unit(self.q.len()) / wide).max(RATIO_MIN));
+            let rests = self
+                .each()
+                .zip(&*m)
+                .map(|(mode, kept)| parts(&mode, *kept).1);
+            ratio = round_up((Size::of(rests).unit(count) * per_wide).max(RATIO_MIN));
             let step = wide * f64::from(ratio);
-            second.fill([0; 2]);
             off = 0.0;
-            for &k in &active[..kept] {
-                let pair = self.pair(k).map(|mode| {
-                    let (n, rest) = rest(&mode);
-                    let m = nearest(rest / step);
-                    off += mode.weight * (rest - f64::from(m) * step).abs();
-                    [n, m]
-                });
-                put(first, k, [pair[0][0], pair[1][0]]);
-                put(second, k, [pair[0][1], pair[1][1]]);
+            for ((mode, n), m) in self.each().zip(n).zip(m) {
+                let (number, rest) = parts(&mode, *m);
+                let nearest = Nearest::to(rest / step);
+                off += mode.off(f64::from(number) * wide + nearest.value * step);
+                (*n, *m) = (number, nearest.number);
             }
         }
         let fine: &[[i16; 2]] = if in_two { second } else { &[] };
 
         // Pairs that came out zero are nothing to sum.
         let mut used = 0;
-        for i in 0..kept {
-            let k = active[i];
-            let is_zero = |part: &[[i16; 2]]| part.get(k as usize).is_none_or(|n| *n == [0; 2]);
-            if !(is_zero(first) && is_zero(fine)) {
-                active[used] = k;
+        for (k, n) in first.iter().enumerate() {
+            if *n != [0; 2] || fine.get(k).is_some_and(|m| *m != [0; 2]) {
+                active[used] = k as u32;
                 used += 1;
             }
         }
-        kept = used;
         let shares = Shares {
             coarse: first,
             fine,
-            active: &active[..kept],
+            active: &active[..used],
             scale,
             ratio,
-            mode_count: self.q.len(),
+            mode_count: count,
         };
-        (shares, left_out + off)
+        (shares, off)
     }
 
-    /// Moves the pairs that stay to the front of `active`, ascending; how many they are, and by how
-    /// much the others move a vertex.
-    fn drop_least(self, tolerance: f64, active: &mut [u32]) -> (usize, f64) {
+    /// Marks the pairs that stay in `kept` by ones, the others by zeros; by how much these move a vertex
+    /// at most. `order` is overwritten.
+    fn drop_least(self, tolerance: f64, kept: &mut [[i16; 2]], order: &mut [u32]) -> f64 {
+        kept.fill([1; 2]);
+        let mut left_out = 0.0;
         if tolerance == 0.0 {
-            return (active.len(), 0.0);
+            return left_out;
         }
-        active.sort_unstable_by(|a, b| self.reach(*a).total_cmp(&self.reach(*b)));
-        let (mut dropped, mut sum) = (0, 0.0);
-        for &k in active.iter() {
-            let with = sum + self.reach(k);
+        for (k, pair) in (0..).zip(order.iter_mut()) {
+            *pair = k;
+        }
+        order.sort_unstable_by(|a, b| self.reach(*a).total_cmp(&self.reach(*b)));
+        for &k in order.iter() {
+            let with = left_out + self.reach(k);
             if with > tolerance {
                 break;
             }
-            (dropped, sum) = (dropped + 1, with);
+            left_out = with;
+            if let Some(kept) = kept.get_mut(k as usize) {
+                *kept = [0; 2];
+            }
         }
-        active.copy_within(dropped.., 0);
-        let kept = active.len() - dropped;
-        active[..kept].sort_unstable();
-        (kept, sum)
+        left_out
     }
 }
 
@@ -198,9 +198,15 @@ struct Size {
 }
 
 impl Size {
-    fn add(&mut self, x: f64) {
-        self.largest = self.largest.max(x.abs());
-        self.total += x.abs();
+    /// Of numbers that are not NaN.
+    fn of(numbers: impl Iterator<Item = f64>) -> Self {
+        let mut size = Self::default();
+        for x in numbers {
+            let x = x.abs();
+            size.largest = if x > size.largest { x } else { size.largest };
+            size.total += x;
+        }
+        size
     }
 
     /// A unit in which `count` such numbers, rounded to the nearest, keep the limits above.
@@ -209,18 +215,32 @@ impl Size {
     }
 }
 
-/// The nearest whole number of 16 bits; ties go away from zero.
-fn nearest(x: f64) -> i16 {
-    (x + 0.5_f64.copysign(x)) as i16
+/// Of a power of two from 2⁻¹²⁶ to 2¹²⁶, as limits are: exact, and no division.
+fn reciprocal(limit: f32) -> f64 {
+    // The exponents of a number and its reciprocal add up to twice the bias.
+    f64::from(f32::from_bits((254 << 23) - limit.to_bits()))
+}
+
+/// A whole number of 16 bits.
+struct Nearest {
+    number: i16,
+    value: f64,
+}
+
+impl Nearest {
+    /// The nearest to x, of less than 2¹⁵ in magnitude; ties go to the even one.
+    fn to(x: f64) -> Self {
+        /// Beside it no fractions are left, and the number is in the lowest bits.
+        const BIG: f64 = 1.5 * (1_u64 << 52) as f64;
+        let sum = x + BIG;
+        Self {
+            number: sum.to_bits() as i16,
+            value: sum - BIG,
+        }
+    }
 }
 
 /// An f32 that is not below x, which is positive and normal.
 fn round_up(x: f64) -> f32 {
     (x * (1.0 + 1.0 / (1 << 22) as f64)) as f32
-}
-
-fn put(part: &mut [[i16; 2]], k: u32, n: [i16; 2]) {
-    if let Some(place) = part.get_mut(k as usize) {
-        *place = n;
-    }
 }
