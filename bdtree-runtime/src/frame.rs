@@ -2,7 +2,7 @@
 
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
-use crate::math::{add, dot, norm, scale, sqrt, sub};
+use crate::math::{add, dot, length_bound, norm, scale, sqrt, sub};
 use crate::pose::{Transform, U32, round_up};
 use crate::simd::{Lanes, Quad, Quad3, add3, dot3, scale3, splat3};
 use crate::view::Asset;
@@ -21,6 +21,10 @@ pub(crate) struct Frame {
     origin: [f64; 3],
     /// Mesh units per stored unit.
     unit: f64,
+    /// 1 / scale.
+    per_scale: f64,
+    /// 1 / unit.
+    per_unit: f64,
 }
 
 /// Relative error of the f64 maps, in units of the magnitudes that enter them: forming Q from
@@ -36,6 +40,8 @@ impl Frame {
             scale: transform.scale,
             origin: asset.origin(),
             unit: asset.unit(),
+            per_scale: 1.0 / transform.scale,
+            per_unit: 1.0 / asset.unit(),
         }
     }
 
@@ -104,8 +110,8 @@ impl Frame {
     pub(crate) fn point_to_stored(&self, x: [f64; 3]) -> [f64; 3] {
         let rotated = self.inverse_rotate(sub(x, self.translation));
         scale(
-            sub(scale(rotated, 1.0 / self.scale), self.origin),
-            1.0 / self.unit,
+            sub(scale(rotated, self.per_scale), self.origin),
+            self.per_unit,
         )
     }
 
@@ -129,7 +135,8 @@ impl Frame {
     /// stored coordinates, the world corners of vertices within `reach` of the stored origin and
     /// distances between them.
     pub(crate) fn error(&self, x_norm: f64, reach: f64) -> f64 {
-        let world = x_norm + norm(self.translation) + self.scale * norm(self.origin);
+        let world =
+            x_norm + length_bound(self.translation) + self.scale * length_bound(self.origin);
         EPSILON * (world / self.world_per_stored() + reach)
     }
 }

@@ -50,6 +50,14 @@ pub(crate) fn norm(a: [f64; 3]) -> f64 {
     sqrt(dot(a, a))
 }
 
+/// Returns the sum of magnitudes: not below the Euclidean length and at most √3 times it, without a root.
+/// For error bounds.
+#[inline(always)]
+#[allow(dead_code)] // the queries'
+pub(crate) fn length_bound(a: [f64; 3]) -> f64 {
+    a[0].abs() + a[1].abs() + a[2].abs()
+}
+
 /// Returns `x` moved into `[low, high]`, and `low` for NaN: unlike `f64::clamp` it cannot panic.
 #[inline(always)]
 pub(crate) fn clamp(x: f64, low: f64, high: f64) -> f64 {

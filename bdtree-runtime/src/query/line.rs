@@ -6,7 +6,7 @@ use super::{MARGIN, SKIP, limit, point, unit};
 use crate::bound::WideSpheres;
 use crate::contact::{RayHit, TriangleId};
 use crate::error::QueryError;
-use crate::math::{add_scaled, clamp, dot, norm};
+use crate::math::{add_scaled, clamp, dot, length_bound};
 use crate::narrow::{self, Triangle, ray_hit};
 use crate::pose::{Pose, U32, round_up};
 use crate::simd::{Lanes, Quad};
@@ -54,11 +54,12 @@ impl Line {
         let t_max = max_distance * stored_per_world;
         let shift = clamp(-dot(from, along), 0.0, t_max);
         let near = add_scaled(from, shift, along);
-        let error = frame.error(norm(origin), pose.reach + norm(from));
+        let error = frame.error(length_bound(origin), pose.reach + length_bound(from));
         // 32u B: rounding of origin, direction and parameter to f32 (docs/guarantees.md, rays).
         let extra = error + 32.0 * U32 * pose.reach;
         let reach = pose.reach + f64::from(pose.slack) + extra;
-        if norm(near) > reach * (1.0 + 16.0 * U32) {
+        let far = reach * (1.0 + 16.0 * U32);
+        if dot(near, near) > far * far {
             return Ok(None);
         }
         let window = 4.0 * reach;
@@ -171,7 +172,8 @@ impl Sieve {
         };
         let d = [along[axes[0]], along[axes[1]], along[axes[2]]];
         let p = [near[axes[0]], near[axes[1]], near[axes[2]]];
-        let shear = [d[0] / d[2], d[1] / d[2], 1.0 / d[2]];
+        let per_depth = 1.0 / d[2];
+        let shear = [d[0] * per_depth, d[1] * per_depth, per_depth];
         let grown = 16.0 * error;
         Self {
             axes,
