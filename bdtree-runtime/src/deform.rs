@@ -135,12 +135,16 @@ fn tag(vertex: u32) -> u32 {
     vertex.wrapping_add(1)
 }
 
+#[inline(always)]
+fn slot(vertex: u32) -> usize {
+    // Fibonacci hashing (Knuth, vol. 3, 6.4): the top bits of the product.
+    (vertex.wrapping_mul(0x9e37_79b9) >> (32 - RECENT.trailing_zeros())) as usize
+}
+
 /// Deformed vertices of one traversal (stored units), so that neighbouring triangles deform a
 /// shared corner once: a direct-mapped table, the newest of a slot stays.
 pub(crate) struct RecentVertices {
     tags: [u32; RECENT],
-    /// The tag of the vertex of each slot that was asked for last.
-    asked: [u32; RECENT],
     positions: [[f32; 3]; RECENT],
 }
 
@@ -149,53 +153,7 @@ impl RecentVertices {
     pub(crate) fn new() -> Self {
         Self {
             tags: [NONE; RECENT],
-            asked: [NONE; RECENT],
             positions: [[0.0; 3]; RECENT],
-        }
-    }
-
-    #[inline(always)]
-    fn slot(vertex: u32) -> usize {
-        // Fibonacci hashing (Knuth, vol. 3, 6.4): the top bits of the product.
-        (vertex.wrapping_mul(0x9e37_79b9) >> (32 - RECENT.trailing_zeros())) as usize
-    }
-
-    /// Asks for the numbers of triangles' vertices that are not remembered: their addresses
-    /// follow no pattern, and all of them together take hardly longer than one.
-    pub(crate) fn prefetch(&mut self, asset: &Asset<'_>, records: &[TriangleRecord]) {
-        for record in records {
-            self.prefetch_corners(asset, record);
-        }
-    }
-
-    #[inline(always)]
-    fn prefetch_corners(&mut self, asset: &Asset<'_>, record: &TriangleRecord) {
-        /// Displacements in a cache line, rounded down.
-        const PER_LINE: usize = 5;
-        for vertex in record.corners {
-            let asked = &mut self.asked[Self::slot(vertex)];
-            if *asked == tag(vertex) {
-                continue;
-            }
-            *asked = tag(vertex);
-            let i = vertex as usize;
-            if let Some(p) = asset.positions.get(i) {
-                prefetch(p);
-            }
-            let entries = if asset.lists_modes() {
-                let records = asset.vertex_modes_of(i);
-                records.map(|[own, next]| own.first_entry as usize..next.first_entry as usize)
-            } else {
-                let m = asset.modes.len();
-                Some(i.saturating_mul(m)..i.saturating_add(1).saturating_mul(m))
-            };
-            if let Some(fields) = entries.and_then(|entries| asset.displacements.get(entries)) {
-                let mut at = 0;
-                while at < fields.len() {
-                    prefetch(&fields[at]);
-                    at += PER_LINE;
-                }
-            }
         }
     }
 
@@ -207,11 +165,93 @@ impl RecentVertices {
         pose: &Pose<'_>,
         vertex: u32,
     ) -> Result<[f32; 3], FormatError> {
-        let slot = Self::slot(vertex);
+        let slot = slot(vertex);
         if self.tags[slot] != tag(vertex) || tag(vertex) == NONE {
             self.positions[slot] = asset.deformed_in::<LISTED>(pose.q, VertexId(vertex))?;
             self.tags[slot] = tag(vertex);
         }
         Ok(self.positions[slot])
+    }
+}
+
+impl Asset<'_> {
+    /// Asks for the numbers of triangles' vertices: their addresses follow no pattern, and all of them
+    /// together take hardly longer than one. A shared corner is asked for each time.
+    pub(crate) fn prefetch_vertices(&self, records: &[TriangleRecord]) {
+        if self.lists_modes() {
+            return self.prefetch_listed_vertices(records);
+        }
+        for record in records {
+            for vertex in record.corners {
+                self.prefetch_vertex::<false>(vertex);
+            }
+        }
+    }
+
+    /// Not inlined: see [`Asset::deformed_in`].
+    #[inline(never)]
+    fn prefetch_listed_vertices(&self, records: &[TriangleRecord]) {
+        for record in records {
+            for vertex in record.corners {
+                self.prefetch_vertex::<true>(vertex);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn prefetch_vertex<const LISTED: bool>(&self, vertex: u32) {
+        /// Displacements in a cache line, rounded down.
+        const PER_LINE: usize = 5;
+        let i = vertex as usize;
+        if let Some(p) = self.positions.get(i) {
+            prefetch(p);
+        }
+        let entries = if LISTED {
+            let records = self.vertex_modes_of(i);
+            records.map(|[own, next]| own.first_entry as usize..next.first_entry as usize)
+        } else {
+            let m = self.modes.len();
+            Some(i.saturating_mul(m)..i.saturating_add(1).saturating_mul(m))
+        };
+        if let Some(fields) = entries.and_then(|entries| self.displacements.get(entries)) {
+            let mut at = 0;
+            while at < fields.len() {
+                prefetch(&fields[at]);
+                at += PER_LINE;
+            }
+        }
+    }
+}
+
+/// Vertices that one traversal asked for: a direct-mapped table. Where neighbouring leaves are
+/// asked for together it saves more than it takes.
+pub(crate) struct AskedVertices {
+    tags: [u32; RECENT],
+}
+
+impl AskedVertices {
+    #[inline(always)]
+    pub(crate) fn new() -> Self {
+        Self {
+            tags: [NONE; RECENT],
+        }
+    }
+
+    /// [`Asset::prefetch_vertices`], each vertex once.
+    pub(crate) fn ask(&mut self, asset: &Asset<'_>, records: &[TriangleRecord]) {
+        for record in records {
+            for vertex in record.corners {
+                let asked = &mut self.tags[slot(vertex)];
+                if *asked == tag(vertex) {
+                    continue;
+                }
+                *asked = tag(vertex);
+                if asset.lists_modes() {
+                    asset.prefetch_vertex::<true>(vertex);
+                } else {
+                    asset.prefetch_vertex::<false>(vertex);
+                }
+            }
+        }
     }
 }

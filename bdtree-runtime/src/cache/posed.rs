@@ -182,7 +182,7 @@ impl Posed<'_> {
     #[inline(always)]
     pub(crate) fn prefetch_node(&self, asset: &Asset<'_>, index: u32) {
         /// Of 64 bytes: two rows each, or four of 16 bits.
-        const LINES: usize = 8;
+        const LINES: usize = 18;
         let index = index as usize;
         let Some(node) = asset.nodes.get(index) else {
             return; // the visit says so
@@ -190,7 +190,8 @@ impl Posed<'_> {
         prefetch(node);
         if asset.row_stride > 0 {
             let start = index * asset.row_stride;
-            if let Some(rows) = asset.rows.get(start..start + 2 * LINES) {
+            let len = asset.row_stride.min(2 * LINES);
+            if let Some(rows) = asset.rows.get(start..start + len) {
                 let (lines, _) = rows.as_chunks::<2>();
                 for line in lines {
                     prefetch(line);

@@ -9,7 +9,7 @@ use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::frame::Frame;
-use crate::math::{cross, norm, scale, sub};
+use crate::math::{cross, length_bound, norm, scale, sub};
 use crate::narrow::four::closest_four;
 use crate::narrow::{Triangle, closest_point};
 use crate::pose::{Pose, U32, round_up};
@@ -72,10 +72,10 @@ impl<'s> Ball<'s> {
         let center = point(center, "center: a coordinate is not finite or beyond 2^100")?;
         let radius = length(radius, "radius: negative, not finite or beyond 2^100")?;
         let stored = pose.frame.point_to_stored(center);
-        let far = norm(stored);
+        let far = length_bound(stored);
         // Reach in stored units: the radius, the f64 errors, the centre's rounding to f32.
         let reach = radius / pose.frame.world_per_stored() * (1.0 + 4.0 * U32)
-            + pose.frame.error(norm(center) + radius, pose.reach)
+            + pose.frame.error(length_bound(center) + radius, pose.reach)
             + 2.0 * U32 * far;
         Ok(Self {
             stored: stored.map(|x| x as f32),
@@ -106,45 +106,17 @@ impl Visitor for Ball<'_> {
     }
 
     #[inline(always)]
-    fn four<Q: Quad>(&mut self, frame: &Frame, four: &Four) -> ControlFlow<()> {
-        let [a, b, c] = &four.corners;
-        let corners = [
-            frame.world_four::<Q>(a),
-            frame.world_four::<Q>(b),
-            frame.world_four::<Q>(c),
+    fn fours<Q: Quad>(&mut self, frame: &Frame, fours: &[Four; 2]) -> ControlFlow<()> {
+        if fours[1].len == 0 {
+            let found = self.nearest::<Q>(frame, &fours[0]);
+            return self.report(frame, &fours[0], &found);
+        }
+        let found = [
+            self.nearest::<Q>(frame, &fours[0]),
+            self.nearest::<Q>(frame, &fours[1]),
         ];
-        let closest = closest_four(self.center, &corners);
-        let radius = Q::splat(self.radius);
-        let away = Q::bits(closest.distance.above(radius)) & closest.fair;
-        let mut left = !away & !(u8::MAX << four.len);
-        if left == 0 {
-            return ControlFlow::Continue(());
-        }
-        let v = sub3(splat3(self.center), closest.point);
-        let n = dot3(v, v).sqrt();
-        // The others one by one.
-        let plain = Q::bits(n.above(Q::splat(SHORT))) & closest.fair;
-        let point = store3(closest.point);
-        let normal = store3([v[0].div(n), v[1].div(n), v[2].div(n)]);
-        let barycentric = store3(closest.barycentric);
-        let dist = closest.distance.sub(radius).store();
-        while left != 0 {
-            let k = (left.trailing_zeros() & 3) as usize;
-            left &= left - 1;
-            let id = TriangleId(four.ids[k]);
-            if plain & (1 << k) == 0 {
-                self.triangle(id, &four.world(frame, k))?;
-                continue;
-            }
-            self.sink.push(Contact {
-                triangle: id,
-                point: [point[0][k], point[1][k], point[2][k]],
-                normal: [normal[0][k], normal[1][k], normal[2][k]],
-                dist: dist[k],
-                barycentric: [barycentric[0][k], barycentric[1][k], barycentric[2][k]],
-            })?;
-        }
-        ControlFlow::Continue(())
+        self.report(frame, &fours[0], &found[0])?;
+        self.report(frame, &fours[1], &found[1])
     }
 
     #[inline(never)]
@@ -160,6 +132,67 @@ impl Visitor for Ball<'_> {
             dist: closest.distance - self.radius,
             barycentric: closest.barycentric,
         })
+    }
+}
+
+/// What is known of four triangles.
+struct Found {
+    contacts: [Contact; 4],
+    /// Those that may touch.
+    touching: u8,
+    /// Those whose contact is right.
+    plain: u8,
+}
+
+impl Ball<'_> {
+    #[inline(always)]
+    fn nearest<Q: Quad>(&self, frame: &Frame, four: &Four) -> Found {
+        let [a, b, c] = &four.corners;
+        let corners = [
+            frame.world_four::<Q>(a),
+            frame.world_four::<Q>(b),
+            frame.world_four::<Q>(c),
+        ];
+        let closest = closest_four(self.center, &corners);
+        let radius = Q::splat(self.radius);
+        let away = Q::bits(closest.distance.above(radius)) & closest.fair;
+        let v = sub3(splat3(self.center), closest.point);
+        let n = dot3(v, v).sqrt();
+        let point = store3(closest.point);
+        let normal = store3([v[0].div(n), v[1].div(n), v[2].div(n)]);
+        let barycentric = store3(closest.barycentric);
+        let dist = closest.distance.sub(radius).store();
+        let mut contacts = [Contact::EMPTY; 4];
+        for k in 0..4 {
+            contacts[k] = Contact {
+                triangle: TriangleId(four.ids[k]),
+                point: [point[0][k], point[1][k], point[2][k]],
+                normal: [normal[0][k], normal[1][k], normal[2][k]],
+                dist: dist[k],
+                barycentric: [barycentric[0][k], barycentric[1][k], barycentric[2][k]],
+            };
+        }
+        Found {
+            contacts,
+            touching: !away & !(u8::MAX << four.len),
+            plain: Q::bits(n.above(Q::splat(SHORT))) & closest.fair,
+        }
+    }
+
+    #[inline(always)]
+    fn report(&mut self, frame: &Frame, four: &Four, found: &Found) -> ControlFlow<()> {
+        let mut left = found.touching;
+        while left != 0 {
+            let k = (left.trailing_zeros() & 3) as usize;
+            left &= left - 1;
+            let contact = found.contacts[k];
+            if found.plain & (1 << k) == 0 {
+                self.triangle(contact.triangle, &four.world(frame, k))?;
+                continue;
+            }
+            self.sink.push(contact)?;
+        }
+        ControlFlow::Continue(())
     }
 }
 

@@ -72,7 +72,7 @@ pub(super) struct Leaves {
     /// Triangles not yet rejected, where leaves are not kept.
     fresh: Four,
     /// Those that were not rejected.
-    near: Four,
+    near: Near,
 }
 
 impl Leaves {
@@ -82,23 +82,8 @@ impl Leaves {
             recent: RecentVertices::new(),
             spare: LeafChunk::EMPTY,
             fresh: Four::default(),
-            near: Four::default(),
+            near: Near::default(),
         }
-    }
-
-    /// Asks for the vertices of a leaf's triangles, unless these are kept.
-    #[inline(never)]
-    pub(super) fn ask(
-        &mut self,
-        asset: &Asset<'_>,
-        posed: &Posed<'_>,
-        leaf: Subtree,
-    ) -> Result<(), QueryError> {
-        if posed.keeps_leaf(leaf.start) {
-            return Ok(());
-        }
-        self.recent.prefetch(asset, asset.leaf(leaf)?);
-        Ok(())
     }
 
     /// Hands a leaf's triangles to the visitor, or, in fours, keeps some of them back.
@@ -140,7 +125,7 @@ impl Leaves {
                 let corners = chunk.stored(k);
                 let flow = if V::IN_FOURS {
                     self.near.push(chunk.ids[k], &corners);
-                    if self.near.len == 4 {
+                    if self.near.is_full() {
                         take_near(&mut self.near, asset, &pose.frame, visitor)
                     } else {
                         ControlFlow::Continue(())
@@ -189,7 +174,7 @@ impl Leaves {
             left &= left - 1;
             let corners = stored(&self.fresh.corners, k);
             self.near.push(self.fresh.ids[k], &corners);
-            if self.near.len == 4 {
+            if self.near.is_full() {
                 take_near(&mut self.near, asset, frame, visitor)?;
             }
         }
@@ -234,19 +219,43 @@ impl<'r> Work for Gather<'_, 'r, '_> {
     }
 }
 
-/// [`Visitor::four`] as work of its own.
-struct Near<'n, V> {
-    near: &'n mut Four,
+/// Triangles that wait for the exact test: eight, so that the four numbers of one half are computed while
+/// those of the other are waited for.
+#[derive(Default)]
+struct Near {
+    fours: [Four; 2],
+    len: usize,
+}
+
+impl Near {
+    #[inline(always)]
+    fn push(&mut self, id: u32, corners: &[[f32; 3]; 3]) {
+        self.fours[self.len >> 2 & 1].push(id, corners);
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    fn is_full(&self) -> bool {
+        self.len == 8
+    }
+}
+
+/// [`Visitor::fours`] as work of its own.
+struct TakeNear<'n, V> {
+    near: &'n mut Near,
     frame: &'n Frame,
     visitor: &'n mut V,
 }
 
-impl<V: Visitor> Work for Near<'_, V> {
+impl<V: Visitor> Work for TakeNear<'_, V> {
     type Output = ControlFlow<()>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> ControlFlow<()> {
-        self.visitor.four::<L::Quad>(self.frame, self.near)?;
+        self.visitor
+            .fours::<L::Quad>(self.frame, &self.near.fours)?;
+        self.near.fours[0].len = 0;
+        self.near.fours[1].len = 0;
         self.near.len = 0;
         ControlFlow::Continue(())
     }
@@ -255,12 +264,12 @@ impl<V: Visitor> Work for Near<'_, V> {
 /// The exact test of what was not rejected.
 #[inline(always)]
 fn take_near<V: Visitor>(
-    near: &mut Four,
+    near: &mut Near,
     asset: &Asset<'_>,
     frame: &Frame,
     visitor: &mut V,
 ) -> ControlFlow<()> {
-    asset.kernel.run(Near {
+    asset.kernel.run(TakeNear {
         near,
         frame,
         visitor,

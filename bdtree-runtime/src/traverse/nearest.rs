@@ -4,7 +4,7 @@ use bdtree_format::{LANES, Row};
 
 use super::leaves::Leaves;
 use super::one::{NO_NODE, TOGETHER, Visitor, Walk};
-use super::{StackEntry, lane_subtree};
+use super::{StackEntry, Subtree, lane_subtree};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::error::QueryError;
@@ -89,7 +89,7 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
                 } else if at.triangles == 0 {
                     continue; // a corrupt file's
                 } else {
-                    leaves.ask(asset, posed, at)?;
+                    prefetch_leaf(asset, posed, at)?;
                 }
                 let key = keys[k][lane];
                 let mut place = count;
@@ -107,4 +107,14 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
         .finish::<L, V>(asset, &pose.frame, visitor)
         .is_break();
     Ok(walk)
+}
+
+/// Asks for the vertices of a leaf's triangles, unless these are kept. Leaves that a walk by keys meets lie
+/// apart: which vertices they share is not worth finding out.
+#[inline(never)]
+fn prefetch_leaf(asset: &Asset<'_>, posed: &Posed<'_>, leaf: Subtree) -> Result<(), QueryError> {
+    if !posed.keeps_leaf(leaf.start) {
+        asset.prefetch_vertices(asset.leaf(leaf)?);
+    }
+    Ok(())
 }

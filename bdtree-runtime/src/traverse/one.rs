@@ -9,6 +9,7 @@ use super::{StackEntry, bounded, lane_subtree};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::TriangleId;
+use crate::deform::AskedVertices;
 use crate::error::QueryError;
 use crate::frame::Frame;
 use crate::narrow::Triangle;
@@ -43,11 +44,13 @@ pub(crate) trait Visitor {
         0
     }
 
-    /// Takes up to four triangles, as [`Visitor::triangle`] would one after the other.
+    /// Takes up to eight triangles, as [`Visitor::triangle`] would one after the other.
     #[inline(always)]
-    fn four<Q: Quad>(&mut self, frame: &Frame, four: &Four) -> ControlFlow<()> {
-        for k in 0..four.len {
-            self.triangle(TriangleId(four.ids[k]), &four.world(frame, k))?;
+    fn fours<Q: Quad>(&mut self, frame: &Frame, fours: &[Four; 2]) -> ControlFlow<()> {
+        for four in fours {
+            for k in 0..four.len {
+                self.triangle(TriangleId(four.ids[k]), &four.world(frame, k))?;
+            }
         }
         ControlFlow::Continue(())
     }
@@ -146,6 +149,7 @@ fn in_lane_order<L: Lanes, V: Visitor>(
     let visits_max = asset.node_count() as u64;
     let mut keys: Row = [0.0; LANES];
     let mut leaves = Leaves::new();
+    let mut asked = AskedVertices::new();
     stack[0] = StackEntry::default();
     let mut len = 1;
     while len > 0 {
@@ -188,7 +192,10 @@ fn in_lane_order<L: Lanes, V: Visitor>(
             while left != 0 {
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
-                leaves.ask(asset, posed, lane_subtree(node, lane))?;
+                let leaf = lane_subtree(node, lane);
+                if !posed.keeps_leaf(leaf.start) {
+                    asked.ask(asset, asset.leaf(leaf)?);
+                }
             }
             let mut left = mask & node.leaf_mask;
             while left != 0 {
