@@ -48,7 +48,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     json: Option<PathBuf>,
     /// How often every contender runs all frames (the pile: half as often)
-    #[arg(long, default_value_t = 7)]
+    #[arg(long, default_value_t = 15)]
     repeat: usize,
     /// Who comes after whom
     #[arg(long, value_enum, default_value = "contender")]

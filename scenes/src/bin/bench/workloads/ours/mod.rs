@@ -8,8 +8,8 @@ pub(crate) mod ray;
 use bdtree_runtime::{LeafSlot, NodeSlot, StepCache};
 
 /// What an instance keeps during a step.
-type Cache = StepCache<Vec<NodeSlot>, Vec<LeafSlot>>;
+pub(crate) type Cache = StepCache<Vec<NodeSlot>, Vec<LeafSlot>>;
 
-fn cache(nodes: usize, leaves: usize) -> Cache {
+pub(crate) fn cache(nodes: usize, leaves: usize) -> Cache {
     StepCache::new(vec![NodeSlot::EMPTY; nodes], vec![LeafSlot::EMPTY; leaves])
 }

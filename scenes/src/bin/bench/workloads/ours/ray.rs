@@ -36,17 +36,15 @@ impl<'a> OurRays<'a> {
         let start = Clock::start();
         let pose = Pose::new(asset, q, Transform::IDENTITY, &mut self.memory);
         let pose = pose.expect("q within limits");
+        let stack = &mut self.stack;
         // What one ray computes no other asks for.
-        let single = rays.len() == 1;
-        let mut kept = self.cache.start(&pose);
+        let mut kept = (rays.len() > 1).then(|| self.cache.start(&pose));
         let (mut found, mut nodes) = (0, Nodes::default());
         for ray in rays {
             let [origin, direction] = ray.map(|v| v.map(f64::from));
-            let stack = &mut self.stack;
-            let nearest = if single {
-                query::ray(asset, &pose, origin, direction, f64::INFINITY, stack)
-            } else {
-                query::ray(asset, &mut kept, origin, direction, f64::INFINITY, stack)
+            let nearest = match &mut kept {
+                None => query::ray(asset, &pose, origin, direction, f64::INFINITY, stack),
+                Some(kept) => query::ray(asset, kept, origin, direction, f64::INFINITY, stack),
             };
             let nearest = nearest.expect("a sound asset");
             found += u64::from(nearest.hit.is_some());
