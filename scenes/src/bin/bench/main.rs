@@ -37,6 +37,8 @@ enum Command {
     Bake(bake::Arguments),
     /// Which bounds a node wants: visits and tests of each
     Bounds(bounds::Arguments),
+    /// Steps that change little: spheres that follow a pose, fronts of pairs
+    Coherence(workloads::coherence::Arguments),
     /// Ball queries beside refitting over modes, displacement, queries and contacts
     Curves(workloads::curves::Arguments),
     /// Local blend shapes of a face beside dense modes: bytes and time of a ball query
@@ -58,6 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Command::Depth(arguments) => depth::run(&arguments),
         Command::Bake(arguments) => bake::run(&arguments),
         Command::Bounds(arguments) => bounds::run(&arguments),
+        Command::Coherence(arguments) => workloads::coherence::run(&arguments),
         Command::Curves(arguments) => workloads::curves::run(&arguments),
         Command::Face(arguments) => face::run(&arguments),
         Command::Growth(arguments) => workloads::growth::run(&arguments),

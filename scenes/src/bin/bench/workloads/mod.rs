@@ -2,6 +2,7 @@
 //! the layered hierarchy, in turns on the same inputs.
 
 mod assets;
+pub(crate) mod coherence;
 mod contest;
 pub(crate) mod curves;
 pub(crate) mod growth;
