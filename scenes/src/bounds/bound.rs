@@ -1,9 +1,13 @@
 //! The bounds that are compared, their numbers for a body, and their shapes at a pose.
 
 use bdtree_build::tree::LaneKind;
+use bdtree_format::LANES;
+use bdtree_tests::poses::rng;
 use nalgebra::{Matrix3, Vector3};
 
+use super::affine::{Affine, AffineBall, Fields};
 use super::body::Body;
+use super::scene::amplitudes;
 use super::shape::{Ball, Cuboid, Shape};
 use super::slabs::{Direction, TurningSlab, dop_directions, principal_axes};
 use super::sphere::{Growth, Sphere, enclosing};
@@ -13,6 +17,11 @@ use super::sphere::{Growth, Sphere, enclosing};
 pub enum Bound {
     /// A ball.
     Ball(Growth),
+    /// A ball over an affine field.
+    Affine(Affine),
+    /// For each node whichever is smallest over some random poses: the product's ball or one of
+    /// these.
+    BestOf(&'static [Affine]),
     /// The smallest ball about c' of the vertices as deformed: what no ball with this centre beats.
     Wrapped,
     /// The smallest ball of the vertices as deformed.
@@ -53,6 +62,11 @@ impl Bound {
             Self::Ball(Growth::SecondOrder) => 4 + 6 * m,
             Self::Ball(Growth::Similarity) => 4 + 8 * m,
             Self::LeafWrapped => 4 + 6 * m,
+            Self::Affine(kind) => kind.numbers(m),
+            Self::BestOf(kinds) => {
+                let all = kinds.iter().map(|kind| kind.numbers(m));
+                all.fold(4 + 6 * m, usize::max)
+            }
             Self::Wrapped | Self::Smallest | Self::RefittedBox => 0,
             Self::Aabb | Self::LeafAabb | Self::InnerAabb => 6 + 6 * m,
             Self::Obb | Self::LeafObb => 15 + 6 * m,
@@ -65,17 +79,32 @@ impl Bound {
     }
 
     /// Rows that an update multiplies by q_j and adds, for each mode; 0 where nothing is stored.
-    pub fn rows_per_mode(self) -> usize {
-        match self {
+    pub fn rows_per_mode(self) -> f64 {
+        let rows = match self {
+            Self::Affine(kind) => return kind.rows_per_mode(),
+            Self::BestOf(kinds) => {
+                let all = kinds.iter().map(|kind| kind.rows_per_mode());
+                return all.fold(5.0, f64::max);
+            }
             Self::Ball(Growth::Mean | Growth::Sum) => 4,
             Self::Ball(Growth::SecondOrder) | Self::LeafWrapped => 5,
             Self::Ball(Growth::Similarity) => 8,
             Self::Wrapped | Self::Smallest | Self::RefittedBox => 0,
             Self::Aabb | Self::Obb | Self::LeafAabb | Self::LeafObb | Self::InnerAabb => 6,
             Self::BallAndAabb | Self::BallAndObb => 11,
-            Self::Dop(k) => 2 * k,
+            Self::Dop(k) => 2 * k as i32,
             Self::Disc => 7,
             Self::TurningDisc | Self::LeafTurningDisc => 10,
+        };
+        f64::from(rows)
+    }
+
+    /// Operations on eight lanes after those rows, where they are more than a few.
+    pub fn operations(self) -> usize {
+        match self {
+            Self::Affine(kind) => kind.operations(),
+            Self::BestOf(kinds) => kinds.iter().map(|k| k.operations()).max().unwrap_or(0),
+            _ => 0,
         }
     }
 
@@ -92,6 +121,7 @@ impl Bound {
 #[derive(Debug, Clone, Default)]
 struct Numbers {
     ball: Option<Sphere>,
+    affine: Option<AffineBall>,
     axes: Option<Matrix3<f64>>,
     sides: Vec<Direction>,
     slab: Option<Direction>,
@@ -113,9 +143,13 @@ impl Wrapped {
     /// Computes them.
     pub fn new(body: &Body, bound: Bound) -> Self {
         let directions = bound.directions();
-        let lanes = (0..body.lane_count()).map(|lane| match body.kind(lane) {
-            LaneKind::Empty => Numbers::default(),
-            kind => numbers(body, lane, bound, kind == LaneKind::Leaf, &directions),
+        let lanes = (0..body.tree.nodes.len()).flat_map(|node| match bound {
+            Bound::Affine(kind) => affine(body, node, kind),
+            Bound::BestOf(kinds) => best(body, node, kinds),
+            _ => each(body, node, |lane| {
+                let leaf = body.kind(lane) == LaneKind::Leaf;
+                numbers(body, lane, bound, leaf, &directions)
+            }),
         });
         Self {
             bound,
@@ -129,7 +163,7 @@ impl Wrapped {
     pub fn at(&self, body: &Body, lane: usize, q: &[f64], vertices: &[Vector3<f64>]) -> Shape {
         let numbers = &self.lanes[lane];
         let mut shape = Shape {
-            ball: numbers.ball.as_ref().map(|ball| ball.at(q)),
+            ball: numbers.ball_at(q),
             slab: numbers.slab.as_ref().map(|slab| slab.at(q)),
             ..Shape::default()
         };
@@ -175,6 +209,68 @@ impl Wrapped {
     }
 }
 
+impl Numbers {
+    fn ball_at(&self, q: &[f64]) -> Option<Ball> {
+        let affine = self.affine.as_ref().map(|ball| ball.at(q));
+        affine.or_else(|| Some(self.ball.as_ref()?.at(q)))
+    }
+}
+
+/// The numbers of a node's eight lanes.
+fn each(body: &Body, node: usize, of: impl Fn(usize) -> Numbers) -> Vec<Numbers> {
+    let lanes = LANES * node..LANES * (node + 1);
+    lanes
+        .map(|lane| match body.kind(lane) {
+            LaneKind::Empty => Numbers::default(),
+            _ => of(lane),
+        })
+        .collect()
+}
+
+fn affine(body: &Body, node: usize, kind: Affine) -> Vec<Numbers> {
+    let full = (LANES * node..LANES * (node + 1)).filter(|l| body.kind(*l) != LaneKind::Empty);
+    let shared = Fields::fit(body, &full.collect::<Vec<_>>(), kind);
+    each(body, node, |lane| {
+        let ball = if kind.shared {
+            AffineBall::wrap(body, lane, kind, &shared)
+        } else {
+            AffineBall::wrap(body, lane, kind, &Fields::fit(body, &[lane], kind))
+        };
+        Numbers {
+            affine: Some(ball),
+            ..Numbers::default()
+        }
+    })
+}
+
+/// The product's balls or one of `kinds`, by the sum of radii over random poses.
+fn best(body: &Body, node: usize, kinds: &[Affine]) -> Vec<Numbers> {
+    let mut rng = rng(node as u64);
+    let poses: Vec<_> = (0..8)
+        .map(|_| amplitudes(body.mode_count(), &mut rng))
+        .collect();
+    let size = |lanes: &[Numbers]| {
+        let radii = poses.iter().flat_map(|q| {
+            lanes
+                .iter()
+                .filter_map(|lane| Some(lane.ball_at(q)?.radius))
+        });
+        radii.sum::<f64>()
+    };
+    let product = each(body, node, |lane| Numbers {
+        ball: Some(Sphere::wrap(body, lane, Growth::SecondOrder)),
+        ..Numbers::default()
+    });
+    let others = kinds.iter().map(|kind| affine(body, node, *kind));
+    others.fold(product, |best, other| {
+        if size(&other) < size(&best) {
+            other
+        } else {
+            best
+        }
+    })
+}
+
 fn numbers(
     body: &Body,
     lane: usize,
@@ -200,7 +296,9 @@ fn numbers(
     match bound {
         Bound::Ball(growth) => only(ball(growth)),
         Bound::Wrapped | Bound::LeafWrapped => only(product()),
-        Bound::Smallest | Bound::RefittedBox => Numbers::default(),
+        Bound::Smallest | Bound::RefittedBox | Bound::Affine(_) | Bound::BestOf(_) => {
+            Numbers::default()
+        }
         Bound::Aabb => with_box(None, Matrix3::identity()),
         Bound::Obb => with_box(None, principal_axes(body, lane)),
         Bound::BallAndAabb => with_box(product(), Matrix3::identity()),

@@ -1,5 +1,6 @@
 //! What is compared: bounds and how they are tested.
 
+use super::affine::{Affine, Stretch};
 use super::bound::Bound;
 use super::overlap::BoxTest;
 use super::pair::Filter;
@@ -20,6 +21,38 @@ pub struct Contender {
     pub hot: Option<u32>,
 }
 
+const NORM: Affine = Affine {
+    shared: false,
+    tangent: false,
+    bent: false,
+    placed: false,
+    stretch: Stretch::Norm,
+};
+
+const SHARED_FLAT: Affine = Affine {
+    shared: true,
+    tangent: true,
+    stretch: Stretch::Flat,
+    ..NORM
+};
+
+const SHARED_PARTS: Affine = Affine {
+    shared: true,
+    stretch: Stretch::Parts,
+    ..NORM
+};
+
+const PLACED_PARTS: Affine = Affine {
+    placed: true,
+    ..SHARED_PARTS
+};
+
+const PLACED: Affine = Affine {
+    bent: true,
+    stretch: Stretch::Points(4),
+    ..PLACED_PARTS
+};
+
 /// The product's ball, every lane against every node's, is the first.
 pub fn contenders() -> Vec<Contender> {
     let of = |name, bound, boxes| Contender {
@@ -39,6 +72,20 @@ pub fn contenders() -> Vec<Contender> {
         plain("ball R + s, mean", Bound::Ball(Growth::Mean)),
         plain("ball R + s, ball", Bound::Ball(Growth::Sum)),
         plain("ball, similarity", Bound::Ball(Growth::Similarity)),
+        plain("affine", Bound::Affine(NORM)),
+        plain("flat affine, shared", Bound::Affine(SHARED_FLAT)),
+        plain("affine by parts, shared", Bound::Affine(SHARED_PARTS)),
+        plain("placed affine by parts", Bound::Affine(PLACED_PARTS)),
+        plain(
+            "b± or affine by parts, by node",
+            Bound::BestOf(&[SHARED_PARTS]),
+        ),
+        plain(
+            "b± or placed affine by parts, by node",
+            Bound::BestOf(&[PLACED_PARTS]),
+        ),
+        plain("placed quadratic, 4 points", Bound::Affine(PLACED)),
+        plain("b± or placed quadratic, by node", Bound::BestOf(&[PLACED])),
         plain("ball wrapped at c'", Bound::Wrapped),
         plain("smallest ball", Bound::Smallest),
         plain("b±, leaves wrapped at c'", Bound::LeafWrapped),

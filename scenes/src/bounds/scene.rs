@@ -146,12 +146,17 @@ pub fn rotation(rng: &mut impl Rng) -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&axis, rng.random_range(0.0..TAU))
 }
 
+/// q_j = a_j sin φ_j with random phases and amplitudes 0.8/√(1 + j).
+pub fn amplitudes(count: usize, rng: &mut impl Rng) -> Vec<f64> {
+    (0..count)
+        .map(|j| 0.8 / (1.0 + j as f64).sqrt() * rng.random_range(0.0..TAU).sin())
+        .collect()
+}
+
 /// q_j = a_j sin φ_j with random phases and amplitudes 0.8/√(1 + j), scaled so that the farthest
 /// vertex moves by `displacement` diagonals; `None` leaves them as they are.
 pub fn pose(body: &Body, diagonal: f64, displacement: Option<f64>, rng: &mut impl Rng) -> Vec<f64> {
-    let q: Vec<f64> = (0..body.mode_count())
-        .map(|j| 0.8 / (1.0 + j as f64).sqrt() * rng.random_range(0.0..TAU).sin())
-        .collect();
+    let q = amplitudes(body.mode_count(), rng);
     let Some(displacement) = displacement else {
         return q;
     };

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::affine::axes_of;
 use super::body::Body;
 use super::shape::Slab;
 
@@ -138,13 +139,7 @@ pub fn principal_axes(body: &Body, lane: usize) -> Matrix3<f64> {
     for p in &points {
         matrix += (p - mean) * (p - mean).transpose();
     }
-    let eigen = matrix.symmetric_eigen();
-    let mut order = [0, 1, 2];
-    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
-    let first = eigen.eigenvectors.column(order[0]).normalize();
-    let second = eigen.eigenvectors.column(order[1]).into_owned();
-    let second = (second - first * first.dot(&second)).normalize();
-    Matrix3::from_columns(&[first, second, first.cross(&second)])
+    axes_of(matrix)
 }
 
 /// Unit directions of a k-DOP: the three axes, then the four diagonals of the cube (7), then

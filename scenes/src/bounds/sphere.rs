@@ -107,7 +107,7 @@ pub fn enclosing(points: &[Vector3<f64>]) -> Ball {
     }
 }
 
-fn farthest(arms: &[Vector3<f64>]) -> f64 {
+pub(super) fn farthest(arms: &[Vector3<f64>]) -> f64 {
     arms.iter().map(Vector3::norm).fold(0.0, f64::max)
 }
 

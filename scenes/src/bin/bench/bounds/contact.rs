@@ -46,7 +46,7 @@ pub(super) struct Bodies {
 
 /// Poses of both and the second's place in the first's frame.
 pub(super) struct Frame {
-    qa: Vec<f64>,
+    pub(super) qa: Vec<f64>,
     qb: Vec<f64>,
     place: Isometry3<f64>,
 }
@@ -177,7 +177,7 @@ pub(super) fn row(all: &[PairCounts], contender: &Contender, weights: &Weights) 
 
 pub(super) fn weights(contender: &Contender, costs: &Costs, triangle_pair: f64) -> Weights {
     Weights {
-        update: costs.row * contender.bound.rows_per_mode() as f64,
+        update: costs.update(contender.bound, 10),
         test: costs.tests.of(contender),
         leaf_pair: costs.tests.three,
         vertex: costs.vertex,

@@ -53,7 +53,12 @@ impl TestCosts {
             (_, BoxTest::Full) => self.full,
         };
         match contender.bound {
-            Bound::Ball(_) | Bound::Wrapped | Bound::LeafWrapped | Bound::Smallest => self.ball,
+            Bound::Ball(_)
+            | Bound::Affine(_)
+            | Bound::BestOf(_)
+            | Bound::Wrapped
+            | Bound::LeafWrapped
+            | Bound::Smallest => self.ball,
             Bound::BallAndAabb | Bound::BallAndObb => self.ball + boxes,
             Bound::Dop(7) => self.fourteen,
             Bound::Dop(_) => self.twenty_six,

@@ -3,12 +3,14 @@
 mod contact;
 mod cost;
 mod loops;
+mod radii;
 mod single;
 mod table;
 mod trees;
 
 use std::error::Error;
 
+use bdtree_scenes::bounds::bound::Bound;
 use bdtree_scenes::machine;
 use clap::Args;
 use serde_json::json;
@@ -51,6 +53,14 @@ struct Costs {
     vertex: f64,
 }
 
+impl Costs {
+    /// Nanoseconds of a node's update with `modes` modes.
+    fn update(&self, bound: Bound, modes: usize) -> f64 {
+        let rows = bound.rows_per_mode() * modes as f64 + bound.operations() as f64;
+        self.row * rows / 10.0
+    }
+}
+
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let costs = Costs {
         tests: TestCosts::measure(),
@@ -63,6 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let frames = bodies.frames(displacement, arguments);
         let title = displacement_name(displacement);
         tables.push(bodies.table(&format!("two bodies, {title}"), &frames, &costs));
+        tables.push(radii::table(&bodies, &title, &frames));
         if displacement.is_none_or(|share| share == 0.2) {
             tables.push(trees::table(&bodies, &title, &frames, arguments, &costs));
         }

@@ -139,7 +139,7 @@ fn compared(
         let wrapped = Wrapped::new(body, contender.bound);
         let sum = query(&wrapped);
         let m = body.mode_count();
-        let update = costs.row * contender.bound.rows_per_mode() as f64 * m as f64 / 10.0;
+        let update = costs.update(contender.bound, m);
         let visits = sum.visits as f64 / count;
         table.push(
             contender.name,
