@@ -77,8 +77,10 @@ impl<'a> Given<'a> {
 
     /// How far a pair moves a vertex at most.
     fn reach(self, k: u32) -> f64 {
-        let pair = self.each().skip(2 * k as usize).take(2);
-        pair.map(|mode| mode.off(0.0)).sum()
+        let modes = self.modes.chunks(2).nth(k as usize).unwrap_or_default();
+        let q = self.q.chunks(2).nth(k as usize).unwrap_or_default();
+        let pair = Given { modes, q };
+        pair.each().map(|mode| mode.off(0.0)).sum()
     }
 
     /// q̃ and Σ `W_j` |q_j − q̃_j|.
