@@ -125,7 +125,8 @@ impl<'a> Given<'a> {
             self.drop_least(tolerance, second, active);
             let m = second.as_flattened_mut();
             m[count..].fill(0);
-            // The first part towards zero, so that the second has its sign.
+            // The first part towards zero, so that the second has its sign: where rounding makes the
+            // first too large, what remains is below 2⁻⁶ of a step and the second is 0.
             let parts = |mode: &Mode, kept: i16| {
                 let share = mode.share * f64::from(kept);
                 let n = (share * per_wide) as i16;

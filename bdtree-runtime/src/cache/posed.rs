@@ -181,7 +181,7 @@ impl Posed<'_> {
     /// says where the rows are.
     #[inline(always)]
     pub(crate) fn prefetch_node(&self, asset: &Asset<'_>, index: u32) {
-        /// Of 64 bytes: two rows each, or four of 16 bits.
+        /// Of 64 bytes: two rows each, or four of 16 bits. All of a node of ten modes.
         const LINES: usize = 18;
         let index = index as usize;
         let Some(node) = asset.nodes.get(index) else {

@@ -140,7 +140,7 @@ struct Found {
     contacts: [Contact; 4],
     /// Those that may touch.
     touching: u8,
-    /// Those whose contact is right.
+    /// Those whose contact is right: the others, slivers and points on the centre, are tested one by one.
     plain: u8,
 }
 
