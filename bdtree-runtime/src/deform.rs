@@ -6,7 +6,7 @@ use crate::contact::VertexId;
 use crate::error::FormatError;
 use crate::narrow::Triangle;
 use crate::pose::Pose;
-use crate::simd::prefetch;
+use crate::simd::{prefetch, prefetch_from};
 use crate::view::Asset;
 
 impl Asset<'_> {
@@ -200,25 +200,21 @@ impl Asset<'_> {
 
     #[inline(always)]
     fn prefetch_vertex<const LISTED: bool>(&self, vertex: u32) {
-        /// Displacements in a cache line, rounded down.
-        const PER_LINE: usize = 5;
         let i = vertex as usize;
-        if let Some(p) = self.positions.get(i) {
-            prefetch(p);
-        }
-        let entries = if LISTED {
+        let Some(p) = self.positions.get(i) else {
+            return; // the visit says so
+        };
+        prefetch(p);
+        if LISTED {
             let records = self.vertex_modes_of(i);
-            records.map(|[own, next]| own.first_entry as usize..next.first_entry as usize)
+            let entries =
+                records.map(|[own, next]| own.first_entry as usize..next.first_entry as usize);
+            if let Some(fields) = entries.and_then(|entries| self.displacements.get(entries)) {
+                prefetch_from(fields, 0, fields.len());
+            }
         } else {
             let m = self.modes.len();
-            Some(i.saturating_mul(m)..i.saturating_add(1).saturating_mul(m))
-        };
-        if let Some(fields) = entries.and_then(|entries| self.displacements.get(entries)) {
-            let mut at = 0;
-            while at < fields.len() {
-                prefetch(&fields[at]);
-                at += PER_LINE;
-            }
+            prefetch_from(self.displacements, i.wrapping_mul(m), m);
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::epoch::Drift;
 use crate::error::FormatError;
 use crate::pose::Pose;
 use crate::proxy::DepthLimit;
-use crate::simd::{Lanes, Reference, Work, prefetch};
+use crate::simd::{Lanes, Reference, Work, prefetch, prefetch_from};
 use crate::view::Asset;
 
 /// A pose to query, with what a step keeps or without: queries take anything that becomes one.
@@ -190,12 +190,13 @@ impl Posed<'_> {
         prefetch(node);
         if asset.row_stride > 0 {
             let start = index * asset.row_stride;
-            let len = asset.row_stride.min(2 * LINES);
-            if let Some(rows) = asset.rows.get(start..start + len) {
-                let (lines, _) = rows.as_chunks::<2>();
-                for line in lines {
-                    prefetch(line);
-                }
+            let Some(rows) = asset.rows.get(start..start + asset.row_stride) else {
+                return; // as above
+            };
+            match rows.first_chunk::<{ 2 * LINES }>() {
+                // Of a known number of lines each is one instruction.
+                Some(rows) => prefetch_from(rows, 0, rows.len()),
+                None => prefetch_from(rows, 0, rows.len()),
             }
         }
     }

@@ -25,7 +25,7 @@ mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod simd128;
 
-pub(crate) use prefetch::prefetch;
+pub(crate) use prefetch::{prefetch, prefetch_from};
 pub(crate) use quad::{Quad, Quad3, add3, cross3, dot3, scale3, select3, splat3, sub3};
 /// The kernel that has the same bits on every processor.
 pub(crate) use scalar::Array8 as Reference;

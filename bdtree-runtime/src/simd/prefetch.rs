@@ -1,17 +1,36 @@
 //! Asking for memory before it is needed.
 
+/// Bytes of a cache line.
+const LINE: usize = 64;
+
 /// Asks the processor to bring the cache line where `target` begins; elsewhere than on x86-64
 /// nothing. Only time depends on it.
 #[inline(always)]
-#[allow(unsafe_code)] // one block, proof below
 pub(crate) fn prefetch<T>(target: &T) {
+    prefetch_at(core::ptr::from_ref(target).cast());
+}
+
+/// [`prefetch()`] for every 64 bytes of `len` values from `first` on, which need not be there.
+#[inline(always)]
+pub(crate) fn prefetch_from<T>(values: &[T], first: usize, len: usize) {
+    let start: *const u8 = values.as_ptr().wrapping_add(first).cast();
+    let mut at = 0;
+    while at < len * size_of::<T>() {
+        prefetch_at(start.wrapping_add(at));
+        at += LINE;
+    }
+}
+
+#[inline(always)]
+#[allow(unsafe_code)] // one block, proof below
+fn prefetch_at(address: *const u8) {
     #[cfg(target_arch = "x86_64")]
     {
         use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         // SAFETY: SSE is part of x86-64; a prefetch changes nothing that a program sees and
-        // cannot fault, and the address is that of a live reference anyway.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(core::ptr::from_ref(target).cast()) };
+        // cannot fault, whatever the address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) };
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = target;
+    let _ = address;
 }

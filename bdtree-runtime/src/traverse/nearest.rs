@@ -11,6 +11,11 @@ use crate::error::QueryError;
 use crate::simd::Lanes;
 use crate::view::Asset;
 
+/// Bytes of rows that near caches hold, more or less. Of larger assets all lanes that a node leads to are asked for
+/// ahead, of smaller ones the nearest alone: few of the others are visited before a hit ends the walk
+/// (docs/benchmarks.md, rays).
+const NEAR_BYTES: usize = 8 << 20;
+
 /// Visits nodes and leaves in the order of their keys, as far as the stack shows it, until the
 /// visitor wants no more.
 #[inline(always)]
@@ -28,6 +33,11 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
     stack[0] = StackEntry {
         key: f32::NEG_INFINITY,
         ..StackEntry::default()
+    };
+    let ahead = if size_of_val(asset.rows) > NEAR_BYTES {
+        LANES
+    } else {
+        1
     };
     let mut len = 1;
     while len > 0 {
@@ -84,12 +94,8 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
                 let lane = (7 - mask.leading_zeros()) as usize;
                 mask &= !(1 << lane);
                 let at = lane_subtree(node, lane);
-                if node.leaf_mask & (1 << lane) == 0 {
-                    posed.prefetch_node(asset, at.start);
-                } else if at.triangles == 0 {
+                if node.leaf_mask & (1 << lane) != 0 && at.triangles == 0 {
                     continue; // a corrupt file's
-                } else {
-                    prefetch_leaf(asset, posed, at)?;
                 }
                 let key = keys[k][lane];
                 let mut place = count;
@@ -101,6 +107,13 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
                 count += 1;
             }
             len += count;
+            for StackEntry { at, .. } in room[..count].iter().rev().take(ahead) {
+                if at.triangles == 0 {
+                    posed.prefetch_node(asset, at.start);
+                } else {
+                    prefetch_leaf(asset, posed, *at)?;
+                }
+            }
         }
     }
     walk.stopped = leaves
