@@ -6,6 +6,7 @@
 
 mod binary;
 mod collapse;
+mod exchange;
 mod split;
 
 use bdtree_format::{DEPTH_MAX, LANES, LEAF_TRIANGLES_MAX};
@@ -18,7 +19,7 @@ pub enum Split {
     Quinlan,
     /// Where the two parts together promise the fewest visits: box size times number of leaves,
     /// over planes on all three axes (a surface-area heuristic), cut so that leaves and the
-    /// nodes above them are full.
+    /// nodes above them are full. Then leaves that touch exchange triangles until their balls are small.
     #[default]
     Cost,
 }
@@ -126,6 +127,22 @@ impl Tree {
 /// without triangles gives one empty node. O(F log² F).
 pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], settings: &TreeSettings) -> Tree {
     let leaf_size = settings.leaf_size.clamp(1, LEAF_TRIANGLES_MAX);
+    let (mut tree, query) = cut(positions, triangles, settings, leaf_size);
+    debug_assert!(tree.depth <= DEPTH_MAX);
+    if settings.split == Split::Cost {
+        tree = exchange::exchange(&tree, positions, triangles, leaf_size, query);
+    }
+    sort_leaves(&mut tree);
+    tree
+}
+
+/// The tree as cut from the top and folded, and the diameter of a typical query.
+fn cut(
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+    settings: &TreeSettings,
+    leaf_size: usize,
+) -> (Tree, f64) {
     let mut items = split::items(positions, triangles);
     let splitter = split::Splitter {
         split: settings.split,
@@ -134,10 +151,7 @@ pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], settings: &TreeSett
     };
     let root = binary::build(&mut items, &splitter, settings.threads.max(1));
     let order = items.iter().map(|item| item.id).collect();
-    let mut tree = collapse::collapse(&root, order);
-    debug_assert!(tree.depth <= DEPTH_MAX);
-    sort_leaves(&mut tree);
-    tree
+    (collapse::collapse(&root, order), splitter.query())
 }
 
 /// Puts the triangles of each leaf lane in ascending order of ids.

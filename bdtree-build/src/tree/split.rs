@@ -155,7 +155,12 @@ impl Splitter {
     /// How often a wide node with this box is visited, up to a factor, by queries of a typical
     /// size.
     pub(super) fn visits(&self, bounds: &Bounds) -> f64 {
-        (bounds.cost().sqrt() + QUERY_REL * self.diagonal).powi(2)
+        (bounds.cost().sqrt() + self.query()).powi(2)
+    }
+
+    /// Diameter of a typical query.
+    pub(super) fn query(&self) -> f64 {
+        QUERY_REL * self.diagonal
     }
 
     /// Divides `items` (at least two) in place and returns the size of the first part, which is

@@ -1,0 +1,598 @@
+//! Leaf lanes that touch exchange triangles until their balls are small.
+//!
+//! Cuts by planes leave patches with corners, and the ball around one is larger than around a rounder
+//! patch of the same area. Starting from them, neighbouring leaves give each other triangles wherever
+//! that lowers the expected visits of the two (docs/decisions/leaf-exchange.md). The nodes above stay
+//! as they are and their balls hold what enters them; some leaves become empty.
+
+use bdtree_format::LANES;
+
+use super::{Lane, LaneKind, Tree};
+use crate::wrap::ball::{norm2, smallest_ball, sub};
+
+/// Nearest leaves that one deals with.
+const NEIGHBOURS: usize = 8;
+
+/// Nodes looked at to find them: more only where thousands of triangles lie in one place.
+const LOOKED_AT_MAX: usize = 256;
+
+/// How often all leaves are gone through; a third time hardly changes anything.
+const PASSES: usize = 2;
+
+/// An exchange must lower the cost by this share: none for nothing.
+const GAIN_MIN: f64 = 1e-6;
+
+/// Share of its squared radius by which a point on a ball's surface may seem to lie inside.
+const TOUCHING: f64 = 1e-6;
+
+/// Lanes that a node keeps: leaves are emptied only in nodes that have more.
+const LANES_MIN: u8 = 2;
+
+/// The tree with rounder leaves of at most `leaf_size` triangles; `query` is the diameter of a
+/// typical query. Deterministic, O(F log F).
+pub(super) fn exchange(
+    tree: &Tree,
+    positions: &[[f32; 3]],
+    corners: &[[u32; 3]],
+    leaf_size: usize,
+    query: f64,
+) -> Tree {
+    let mut exchange = Exchange {
+        mesh: Mesh {
+            positions,
+            corners,
+            points: Vec::new(),
+        },
+        tree,
+        leaf_size,
+        query,
+        balls: Vec::with_capacity(corners.len()),
+        leaves: Vec::new(),
+        nodes: Vec::with_capacity(tree.nodes.len()),
+    };
+    exchange.measure();
+    for pass in 1..=PASSES {
+        for leaf in 0..exchange.leaves.len() {
+            exchange.deal(leaf, pass);
+        }
+    }
+    with_leaves(tree, exchange.leaves.iter().map(|leaf| &leaf.triangles[..]))
+}
+
+/// A ball, by the square of its radius.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ball {
+    centre: [f64; 3],
+    square: f64,
+}
+
+impl Ball {
+    /// No ball around what these two are the smallest ones around has a smaller square: about z the points
+    /// of a smallest ball (c, r) need a square of at least r² + ‖z − c‖².
+    fn least_of_both(&self, other: &Self) -> f64 {
+        let apart = norm2(sub(self.centre, other.centre));
+        // On the line through the centres, where both demand the same.
+        let along = 0.5 * (apart + other.square - self.square);
+        if along <= 0.0 {
+            self.square
+        } else if along >= apart {
+            other.square
+        } else {
+            self.square + along * along / apart
+        }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        let rest = norm2(sub(self.centre, other.centre)) - self.square - other.square;
+        rest <= 0.0 || rest * rest <= 4.0 * self.square * other.square
+    }
+
+    fn holds(&self, point: [f64; 3]) -> bool {
+        norm2(sub(point, self.centre)) <= self.square
+    }
+}
+
+/// The triangles, with memory for their points.
+struct Mesh<'t> {
+    positions: &'t [[f32; 3]],
+    corners: &'t [[u32; 3]],
+    points: Vec<[f64; 3]>,
+}
+
+impl Mesh<'_> {
+    fn corners(&self, triangle: u32) -> [[f64; 3]; 3] {
+        self.corners[triangle as usize].map(|i| self.positions[i as usize].map(f64::from))
+    }
+
+    fn ball(&mut self, triangles: &[u32]) -> Ball {
+        self.points.clear();
+        for &triangle in triangles {
+            let corners = self.corners(triangle);
+            self.points.extend(corners);
+        }
+        let ball = smallest_ball(&self.points);
+        Ball {
+            centre: ball.centre,
+            square: ball.radius * ball.radius,
+        }
+    }
+}
+
+/// Some triangles of a leaf: their ball, if there are any, and what it costs.
+#[derive(Debug, Clone, Copy)]
+struct Rest {
+    ball: Option<Ball>,
+    cost: f64,
+}
+
+/// A leaf lane.
+#[derive(Debug)]
+struct Leaf {
+    triangles: Vec<u32>,
+    ball: Ball,
+    /// What is left without one of the triangles, in their order, and last without none; empty until
+    /// asked for.
+    rests: Vec<Rest>,
+    /// The pass in which it changed last, counted from 1; 0 for none.
+    changed: usize,
+    /// Index of its node.
+    node: usize,
+}
+
+/// A node as leaves see it.
+#[derive(Debug)]
+struct Node {
+    /// Around all triangles below it at first; none from outside enters.
+    ball: Ball,
+    first_leaf: usize,
+    /// Lanes that are not empty.
+    lanes: u8,
+    /// The node above; the root's is itself.
+    above: usize,
+}
+
+/// What becomes of a leaf.
+struct After {
+    triangles: Vec<u32>,
+    ball: Ball,
+    cost: f64,
+}
+
+struct Exchange<'t> {
+    mesh: Mesh<'t>,
+    tree: &'t Tree,
+    leaf_size: usize,
+    query: f64,
+    /// Of each triangle.
+    balls: Vec<Ball>,
+    leaves: Vec<Leaf>,
+    nodes: Vec<Node>,
+}
+
+impl Exchange<'_> {
+    /// Finds the balls of all triangles, leaves and nodes.
+    fn measure(&mut self) {
+        for triangle in 0..self.mesh.corners.len() as u32 {
+            self.balls.push(self.mesh.ball(&[triangle]));
+        }
+        let mut below = Vec::new();
+        for (node, record) in self.tree.nodes.iter().enumerate() {
+            below.clear();
+            let first_leaf = self.leaves.len();
+            let mut lanes = 0;
+            for lane in record.lanes {
+                let triangles = self.tree.triangles_below(lane);
+                below.extend_from_slice(triangles);
+                lanes += u8::from(lane.kind != LaneKind::Empty);
+                if lane.kind == LaneKind::Leaf {
+                    self.leaves.push(Leaf {
+                        triangles: triangles.to_vec(),
+                        ball: self.mesh.ball(triangles),
+                        rests: Vec::new(),
+                        changed: 0,
+                        node,
+                    });
+                }
+            }
+            self.nodes.push(Node {
+                ball: self.mesh.ball(&below),
+                first_leaf,
+                lanes,
+                above: 0,
+            });
+        }
+        for (node, record) in self.tree.nodes.iter().enumerate() {
+            let inner = record
+                .lanes
+                .iter()
+                .filter(|lane| lane.kind == LaneKind::Inner);
+            for child in (record.first_child as usize..).take(inner.count()) {
+                self.nodes[child].above = node;
+            }
+        }
+    }
+
+    /// Expected visits of a leaf, up to a factor: as [`super::split::Splitter::visits`].
+    fn cost(&self, square: f64) -> f64 {
+        let reach = 2.0 * square.sqrt() + self.query;
+        reach * reach
+    }
+
+    /// Lets a leaf trade with its neighbours.
+    fn deal(&mut self, own: usize, pass: usize) {
+        for other in self.near(own) {
+            let [a, b] = [&self.leaves[own], &self.leaves[other]];
+            let nothing_new = a.changed.max(b.changed) + 1 < pass;
+            if own == other || nothing_new || a.triangles.is_empty() || b.triangles.is_empty() {
+                continue;
+            }
+            let Some(trade) = self.best_trade(own, other) else {
+                continue;
+            };
+            for (leaf, after) in [own, other].into_iter().zip(trade) {
+                let leaf = &mut self.leaves[leaf];
+                self.nodes[leaf.node].lanes -= u8::from(after.triangles.is_empty());
+                leaf.triangles = after.triangles;
+                leaf.ball = after.ball;
+                leaf.rests.clear();
+                leaf.changed = pass;
+            }
+        }
+    }
+
+    /// The leaves nearest to one, itself included, among those whose balls meet its.
+    fn near(&self, leaf: usize) -> Vec<usize> {
+        let ball = &self.leaves[leaf].ball;
+        let mut found: Vec<(f64, usize)> = Vec::new();
+        let mut stack = vec![0];
+        let mut looked_at = 0;
+        while let Some(node) = stack.pop() {
+            let record = &self.tree.nodes[node];
+            let mut child = record.first_child as usize;
+            let mut leaf = self.nodes[node].first_leaf;
+            for lane in record.lanes {
+                match lane.kind {
+                    LaneKind::Empty => {}
+                    LaneKind::Inner => {
+                        if ball.meets(&self.nodes[child].ball) {
+                            stack.push(child);
+                        }
+                        child += 1;
+                    }
+                    LaneKind::Leaf => {
+                        let other = &self.leaves[leaf].ball;
+                        if ball.meets(other) {
+                            found.push((norm2(sub(ball.centre, other.centre)), leaf));
+                        }
+                        leaf += 1;
+                    }
+                }
+            }
+            looked_at += 1;
+            if looked_at == LOOKED_AT_MAX {
+                break;
+            }
+        }
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let nearest = found.into_iter().take(1 + NEIGHBOURS);
+        nearest.map(|(_, leaf)| leaf).collect()
+    }
+
+    /// The best of: one triangle from a to b, one from b to a, one for one; none if nothing gains.
+    fn best_trade(&mut self, a: usize, b: usize) -> Option<[After; 2]> {
+        self.find_rests(a);
+        self.find_rests(b);
+        let [none_a, none_b] = [a, b].map(|leaf| self.leaves[leaf].triangles.len());
+        let before = self.leaves[a].rests[none_a].cost + self.leaves[b].rests[none_b].cost;
+        let mut best = before * (1.0 - GAIN_MIN);
+        let mut found = None;
+        for i in 0..=none_a {
+            for j in 0..=none_b {
+                // A triangle that enters makes no ball smaller.
+                let without = self.leaves[a].rests[i].cost + self.leaves[b].rests[j].cost;
+                if without >= best || !self.may_change(a, i, b, j) || !self.may_change(b, j, a, i) {
+                    continue;
+                }
+                if self.least_cost(a, i, b, j) + self.least_cost(b, j, a, i) >= best {
+                    continue;
+                }
+                let after = [self.after(a, i, b, j), self.after(b, j, a, i)];
+                let cost = after[0].cost + after[1].cost;
+                if cost < best {
+                    best = cost;
+                    found = Some(after);
+                }
+            }
+        }
+        found
+    }
+
+    /// Whether a leaf may lose its triangle `out` and get `entering` of another; either number is that of
+    /// the triangles where there is none.
+    fn may_change(&self, leaf: usize, out: usize, other: usize, entering: usize) -> bool {
+        let [own, other] = [&self.leaves[leaf], &self.leaves[other]];
+        let loses = out < own.triangles.len();
+        match other.triangles.get(entering) {
+            Some(&triangle) => {
+                let room = loses || own.triangles.len() < self.leaf_size;
+                room && (own.node == other.node || self.hold(own.node, triangle))
+            }
+            None => !loses || own.triangles.len() > 1 || self.nodes[own.node].lanes > LANES_MIN,
+        }
+    }
+
+    /// Whether a node and those above it hold a triangle in their balls.
+    fn hold(&self, mut node: usize, triangle: u32) -> bool {
+        let corners = self.mesh.corners(triangle);
+        loop {
+            let Node { ball, above, .. } = &self.nodes[node];
+            if !corners.into_iter().all(|p| ball.holds(p)) {
+                return false;
+            }
+            if node == 0 {
+                return true;
+            }
+            node = *above;
+        }
+    }
+
+    /// A lower bound of the cost of a leaf that changes so.
+    fn least_cost(&self, leaf: usize, out: usize, other: usize, entering: usize) -> f64 {
+        let rest = &self.leaves[leaf].rests[out];
+        let new = self.leaves[other].triangles.get(entering);
+        match (
+            &rest.ball,
+            new.map(|triangle| &self.balls[*triangle as usize]),
+        ) {
+            (Some(rest), Some(new)) => self.cost(rest.least_of_both(new)),
+            (None, Some(new)) => self.cost(new.square),
+            (_, None) => rest.cost,
+        }
+    }
+
+    /// A leaf that changes so.
+    fn after(&mut self, leaf: usize, out: usize, other: usize, entering: usize) -> After {
+        let mut triangles = self.leaves[leaf].triangles.clone();
+        if out < triangles.len() {
+            triangles.remove(out);
+        }
+        triangles.extend(self.leaves[other].triangles.get(entering));
+        let ball = self.mesh.ball(&triangles);
+        let cost = if triangles.is_empty() {
+            0.0
+        } else {
+            self.cost(ball.square)
+        };
+        After {
+            triangles,
+            ball,
+            cost,
+        }
+    }
+
+    fn find_rests(&mut self, leaf: usize) {
+        if !self.leaves[leaf].rests.is_empty() {
+            return;
+        }
+        let triangles = std::mem::take(&mut self.leaves[leaf].triangles);
+        let ball = self.leaves[leaf].ball;
+        let whole = Rest {
+            ball: Some(ball),
+            cost: self.cost(ball.square),
+        };
+        let mut rests = Vec::with_capacity(triangles.len() + 1);
+        let inner = Ball {
+            square: ball.square * (1.0 - TOUCHING),
+            ..ball
+        };
+        for (out, &triangle) in triangles.iter().enumerate() {
+            // The ball does not rest on a triangle that it holds inside.
+            if self
+                .mesh
+                .corners(triangle)
+                .into_iter()
+                .all(|p| inner.holds(p))
+            {
+                rests.push(whole);
+                continue;
+            }
+            let mut rest = triangles.clone();
+            rest.remove(out);
+            rests.push(if rest.is_empty() {
+                Rest {
+                    ball: None,
+                    cost: 0.0,
+                }
+            } else {
+                let ball = self.mesh.ball(&rest);
+                Rest {
+                    ball: Some(ball),
+                    cost: self.cost(ball.square),
+                }
+            });
+        }
+        rests.push(whole);
+        self.leaves[leaf].triangles = triangles;
+        self.leaves[leaf].rests = rests;
+    }
+}
+
+/// The same nodes over other leaves, given in the order of nodes and lanes; empty lanes go.
+fn with_leaves<'l>(tree: &Tree, leaves: impl Iterator<Item = &'l [u32]>) -> Tree {
+    let lanes = tree.nodes.iter().flat_map(|node| node.lanes);
+    let starts = lanes
+        .filter(|lane| lane.kind == LaneKind::Leaf)
+        .map(|lane| lane.start);
+    let mut runs: Vec<(u32, &[u32])> = starts.zip(leaves).collect();
+    // Depth first, as they were.
+    runs.sort_unstable_by_key(|(start, _)| *start);
+    let mut order = Vec::with_capacity(tree.order.len());
+    // Where what began at a place begins now.
+    let mut begins = vec![0; tree.order.len() + 1];
+    for (start, triangles) in runs {
+        begins[start as usize] = order.len() as u32;
+        order.extend_from_slice(triangles);
+    }
+    begins[tree.order.len()] = order.len() as u32;
+    let mut nodes = tree.nodes.clone();
+    let mut next_slot = 0;
+    for node in &mut nodes {
+        node.first_slot = next_slot;
+        let moved = node.lanes.map(|lane| {
+            let start = begins[lane.start as usize];
+            let end = begins[(lane.start + lane.count) as usize];
+            Lane {
+                start,
+                count: end - start,
+                ..lane
+            }
+        });
+        node.lanes = [Lane::default(); LANES];
+        let full = moved.into_iter().filter(|lane| lane.count > 0);
+        for (place, lane) in node.lanes.iter_mut().zip(full) {
+            *place = lane;
+            if lane.kind == LaneKind::Leaf {
+                next_slot += lane.count;
+            }
+        }
+    }
+    Tree {
+        nodes,
+        order,
+        depth: tree.depth,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Split, TreeSettings, cut};
+    use super::*;
+
+    const LEAF_SIZE: usize = 4;
+
+    /// A wavy sheet of 2 n² triangles.
+    fn sheet(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+        let positions = (0..(n + 1) * (n + 1)).map(|i| {
+            let (x, y) = ((i % (n + 1)) as f32 * 0.1, (i / (n + 1)) as f32 * 0.1);
+            [
+                x + 0.03 * (7.0 * y).sin(),
+                y,
+                (1.3 * x).sin() * (0.9 * y).cos(),
+            ]
+        });
+        let triangles = (0..n * n).flat_map(|i| {
+            let a = i / n * (n + 1) + i % n;
+            let (b, c, d) = (a + 1, a + n + 1, a + n + 2);
+            [[a, b, d], [a, d, c]]
+        });
+        (positions.collect(), triangles.collect())
+    }
+
+    fn both(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> [Tree; 2] {
+        let settings = TreeSettings {
+            split: Split::Cost,
+            leaf_size: LEAF_SIZE,
+            threads: 1,
+        };
+        let (tree, query) = cut(positions, triangles, &settings, LEAF_SIZE);
+        let after = exchange(&tree, positions, triangles, LEAF_SIZE, query);
+        [tree, after]
+    }
+
+    fn is_whole(tree: &Tree, triangles: usize) {
+        let mut ids: Vec<u32> = tree.leaf_order().collect();
+        ids.sort_unstable();
+        assert!(ids.into_iter().eq(0..triangles as u32));
+        let mut slots = 0;
+        for node in &tree.nodes {
+            assert_eq!(node.first_slot, slots);
+            let mut child = node.first_child as usize;
+            for lane in node.lanes {
+                let mut below = tree.triangles_below(lane).to_vec();
+                assert_eq!(below.len(), lane.count as usize);
+                match lane.kind {
+                    LaneKind::Empty => assert_eq!(lane, Lane::default()),
+                    LaneKind::Leaf => {
+                        assert!((1..=LEAF_SIZE).contains(&below.len()));
+                        slots += lane.count;
+                    }
+                    LaneKind::Inner => {
+                        let lanes = tree.nodes[child].lanes;
+                        let mut held: Vec<u32> = lanes
+                            .iter()
+                            .flat_map(|lane| tree.triangles_below(*lane).iter().copied())
+                            .collect();
+                        held.sort_unstable();
+                        below.sort_unstable();
+                        assert_eq!(held, below);
+                        child += 1;
+                    }
+                }
+            }
+            let empty = |lane: &&Lane| lane.kind == LaneKind::Empty;
+            let trailing = node.lanes.iter().rev().take_while(empty).count();
+            assert_eq!(trailing, node.lanes.iter().filter(empty).count());
+            assert!(trailing < LANES);
+        }
+    }
+
+    #[test]
+    fn leaves_get_rounder_and_nodes_no_larger() {
+        let (positions, triangles) = sheet(60);
+        let mut mesh = Mesh {
+            positions: &positions,
+            corners: &triangles,
+            points: Vec::new(),
+        };
+        let [before, after] = both(&positions, &triangles);
+        is_whole(&before, triangles.len());
+        is_whole(&after, triangles.len());
+        let mut leaf_squares = |tree: &Tree| {
+            let lanes = tree.nodes.iter().flat_map(|node| node.lanes);
+            let leaves = lanes.filter(|lane| lane.kind == LaneKind::Leaf);
+            leaves
+                .map(|lane| mesh.ball(tree.triangles_below(lane)).square)
+                .sum::<f64>()
+        };
+        let (sum_before, sum_after) = (leaf_squares(&before), leaf_squares(&after));
+        println!("{sum_before} {sum_after}");
+        assert!(sum_after < 0.97 * sum_before, "{sum_after} of {sum_before}");
+        assert_eq!(before.nodes.len(), after.nodes.len());
+        for (old, new) in before.nodes.iter().zip(&after.nodes) {
+            let below = |tree: &Tree, lanes: [Lane; LANES]| {
+                let ids = lanes.iter().flat_map(|lane| tree.triangles_below(*lane));
+                ids.copied().collect::<Vec<u32>>()
+            };
+            let ball = mesh.ball(&below(&before, old.lanes));
+            let room = Ball {
+                square: ball.square * (1.0 + 1e-9),
+                ..ball
+            };
+            for triangle in below(&after, new.lanes) {
+                assert!(mesh.corners(triangle).into_iter().all(|p| room.holds(p)));
+            }
+        }
+    }
+
+    #[test]
+    fn thousands_of_triangles_in_one_place_are_no_trouble() {
+        let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        for corners in [[0, 1, 2], [0, 0, 0]] {
+            let triangles = vec![corners; 5000];
+            for tree in both(&positions, &triangles) {
+                is_whole(&tree, triangles.len());
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_and_little() {
+        for count in 0..20 {
+            let (positions, triangles) = sheet(4);
+            for tree in both(&positions, &triangles[..count]) {
+                let ids: Vec<u32> = tree.leaf_order().collect();
+                assert_eq!(ids.len(), count);
+            }
+        }
+    }
+}
