@@ -210,44 +210,12 @@ impl Asset<'_> {
             let entries =
                 records.map(|[own, next]| own.first_entry as usize..next.first_entry as usize);
             if let Some(fields) = entries.and_then(|entries| self.displacements.get(entries)) {
-                prefetch_from(fields, 0, fields.len());
+                // No more than a vertex can have, whatever the file says.
+                prefetch_from(fields, 0, fields.len().min(self.modes.len()));
             }
         } else {
             let m = self.modes.len();
             prefetch_from(self.displacements, i.wrapping_mul(m), m);
-        }
-    }
-}
-
-/// Vertices that one traversal asked for: a direct-mapped table. Where neighbouring leaves are
-/// asked for together it saves more than it takes.
-pub(crate) struct AskedVertices {
-    tags: [u32; RECENT],
-}
-
-impl AskedVertices {
-    #[inline(always)]
-    pub(crate) fn new() -> Self {
-        Self {
-            tags: [NONE; RECENT],
-        }
-    }
-
-    /// [`Asset::prefetch_vertices`], each vertex once.
-    pub(crate) fn ask(&mut self, asset: &Asset<'_>, records: &[TriangleRecord]) {
-        for record in records {
-            for vertex in record.corners {
-                let asked = &mut self.tags[slot(vertex)];
-                if *asked == tag(vertex) {
-                    continue;
-                }
-                *asked = tag(vertex);
-                if asset.lists_modes() {
-                    asset.prefetch_vertex::<true>(vertex);
-                } else {
-                    asset.prefetch_vertex::<false>(vertex);
-                }
-            }
         }
     }
 }

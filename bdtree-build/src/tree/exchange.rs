@@ -13,8 +13,12 @@ use crate::wrap::ball::{norm2, smallest_ball, sub};
 /// Nearest leaves that one deals with.
 const NEIGHBOURS: usize = 8;
 
-/// Nodes looked at to find them: more only where thousands of triangles lie in one place.
+/// Nodes looked at to find them: enough unless the ball is that of a triangle with hundreds of smaller leaves in it,
+/// or thousands of triangles lie in one place. Then some that are nearer may be missed.
 const LOOKED_AT_MAX: usize = 256;
+
+/// Larger leaves stay as they are cut: finding a trade takes the square of their size.
+const LEAF_SIZE_MAX: usize = 16;
 
 /// How often all leaves are gone through; a third time hardly changes anything.
 const PASSES: usize = 2;
@@ -29,7 +33,7 @@ const TOUCHING: f64 = 1e-6;
 const LANES_MIN: u8 = 2;
 
 /// The tree with rounder leaves of at most `leaf_size` triangles; `query` is the diameter of a
-/// typical query. Deterministic, O(F log F).
+/// typical query. Deterministic, O(F log F + F `leaf_size`²).
 pub(super) fn exchange(
     tree: &Tree,
     positions: &[[f32; 3]],
@@ -37,6 +41,9 @@ pub(super) fn exchange(
     leaf_size: usize,
     query: f64,
 ) -> Tree {
+    if leaf_size > LEAF_SIZE_MAX {
+        return tree.clone();
+    }
     let mut exchange = Exchange {
         mesh: Mesh {
             positions,
@@ -220,6 +227,9 @@ impl Exchange<'_> {
 
     /// Lets a leaf trade with its neighbours.
     fn deal(&mut self, own: usize, pass: usize) {
+        if self.leaves[own].triangles.is_empty() {
+            return;
+        }
         for other in self.near(own) {
             let [a, b] = [&self.leaves[own], &self.leaves[other]];
             let nothing_new = a.changed.max(b.changed) + 1 < pass;
@@ -260,9 +270,10 @@ impl Exchange<'_> {
                         child += 1;
                     }
                     LaneKind::Leaf => {
-                        let other = &self.leaves[leaf].ball;
-                        if ball.meets(other) {
-                            found.push((norm2(sub(ball.centre, other.centre)), leaf));
+                        let other = &self.leaves[leaf];
+                        if !other.triangles.is_empty() && ball.meets(&other.ball) {
+                            let apart = norm2(sub(ball.centre, other.ball.centre));
+                            found.push((apart, leaf));
                         }
                         leaf += 1;
                     }
@@ -465,7 +476,7 @@ fn with_leaves<'l>(tree: &Tree, leaves: impl Iterator<Item = &'l [u32]>) -> Tree
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Split, TreeSettings, cut};
+    use super::super::{Split, TreeNode, TreeSettings, cut};
     use super::*;
 
     const LEAF_SIZE: usize = 4;
@@ -488,18 +499,33 @@ mod tests {
         (positions.collect(), triangles.collect())
     }
 
-    fn both(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> [Tree; 2] {
+    fn both(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: usize) -> [Tree; 2] {
         let settings = TreeSettings {
             split: Split::Cost,
-            leaf_size: LEAF_SIZE,
+            leaf_size,
             threads: 1,
         };
-        let (tree, query) = cut(positions, triangles, &settings, LEAF_SIZE);
-        let after = exchange(&tree, positions, triangles, LEAF_SIZE, query);
+        let (tree, query) = cut(positions, triangles, &settings, leaf_size);
+        let after = exchange(&tree, positions, triangles, leaf_size, query);
         [tree, after]
     }
 
-    fn is_whole(tree: &Tree, triangles: usize) {
+    fn leaf_count(tree: &Tree) -> usize {
+        let lanes = tree.nodes.iter().flat_map(|node| node.lanes);
+        lanes.filter(|lane| lane.kind == LaneKind::Leaf).count()
+    }
+
+    /// That a tree is one over so many triangles, with lanes in at least two places of every node that had
+    /// them there `before`.
+    fn is_whole_as(before: &Tree, tree: &Tree, triangles: usize, leaf_size: usize) {
+        is_whole(tree, triangles, leaf_size);
+        for (old, new) in before.nodes.iter().zip(&tree.nodes) {
+            let full = |node: &TreeNode| node.lanes.iter().filter(|l| l.count > 0).count();
+            assert!(full(new) >= full(old).min(usize::from(LANES_MIN)));
+        }
+    }
+
+    fn is_whole(tree: &Tree, triangles: usize, leaf_size: usize) {
         let mut ids: Vec<u32> = tree.leaf_order().collect();
         ids.sort_unstable();
         assert!(ids.into_iter().eq(0..triangles as u32));
@@ -513,7 +539,7 @@ mod tests {
                 match lane.kind {
                     LaneKind::Empty => assert_eq!(lane, Lane::default()),
                     LaneKind::Leaf => {
-                        assert!((1..=LEAF_SIZE).contains(&below.len()));
+                        assert!((1..=leaf_size).contains(&below.len()));
                         slots += lane.count;
                     }
                     LaneKind::Inner => {
@@ -544,9 +570,9 @@ mod tests {
             corners: &triangles,
             points: Vec::new(),
         };
-        let [before, after] = both(&positions, &triangles);
-        is_whole(&before, triangles.len());
-        is_whole(&after, triangles.len());
+        let [before, after] = both(&positions, &triangles, LEAF_SIZE);
+        is_whole(&before, triangles.len(), LEAF_SIZE);
+        is_whole_as(&before, &after, triangles.len(), LEAF_SIZE);
         let mut leaf_squares = |tree: &Tree| {
             let lanes = tree.nodes.iter().flat_map(|node| node.lanes);
             let leaves = lanes.filter(|lane| lane.kind == LaneKind::Leaf);
@@ -555,7 +581,6 @@ mod tests {
                 .sum::<f64>()
         };
         let (sum_before, sum_after) = (leaf_squares(&before), leaf_squares(&after));
-        println!("{sum_before} {sum_after}");
         assert!(sum_after < 0.97 * sum_before, "{sum_after} of {sum_before}");
         assert_eq!(before.nodes.len(), after.nodes.len());
         for (old, new) in before.nodes.iter().zip(&after.nodes) {
@@ -574,24 +599,42 @@ mod tests {
         }
     }
 
+    /// Cuts leave many leaves that are not full; some of them give away what they have.
+    #[test]
+    fn leaves_become_fewer() {
+        let (positions, triangles) = sheet(60);
+        // The rows of the sheet as a soup in which every third triangle is missing.
+        let holes: Vec<[u32; 3]> = (0..)
+            .zip(triangles)
+            .filter(|(i, _)| i % 3 > 0)
+            .map(|t| t.1)
+            .collect();
+        let [before, after] = both(&positions, &holes, LEAF_SIZE);
+        is_whole_as(&before, &after, holes.len(), LEAF_SIZE);
+        assert!(leaf_count(&after) < leaf_count(&before));
+    }
+
     #[test]
     fn thousands_of_triangles_in_one_place_are_no_trouble() {
         let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         for corners in [[0, 1, 2], [0, 0, 0]] {
-            let triangles = vec![corners; 5000];
-            for tree in both(&positions, &triangles) {
-                is_whole(&tree, triangles.len());
-            }
+            let triangles = vec![corners; 20_000];
+            let [before, after] = both(&positions, &triangles, LEAF_SIZE);
+            is_whole_as(&before, &after, triangles.len(), LEAF_SIZE);
         }
     }
 
     #[test]
-    fn nothing_and_little() {
-        for count in 0..20 {
-            let (positions, triangles) = sheet(4);
-            for tree in both(&positions, &triangles[..count]) {
-                let ids: Vec<u32> = tree.leaf_order().collect();
-                assert_eq!(ids.len(), count);
+    fn any_count_and_leaf_size() {
+        let (positions, triangles) = sheet(4);
+        let [_, nothing] = both(&positions, &[], LEAF_SIZE);
+        assert_eq!((nothing.nodes.len(), nothing.order.len()), (1, 0));
+        for leaf_size in [1, 2, 3, 5, 8, LEAF_SIZE_MAX, 255] {
+            for count in 1..=triangles.len() {
+                let triangles = &triangles[..count];
+                let [before, after] = both(&positions, triangles, leaf_size);
+                is_whole_as(&before, &after, count, leaf_size);
+                assert!(leaf_size <= LEAF_SIZE_MAX || before == after);
             }
         }
     }

@@ -13,6 +13,9 @@ pub(crate) fn prefetch<T>(target: &T) {
 /// [`prefetch()`] for every 64 bytes of `len` values from `first` on, which need not be there.
 #[inline(always)]
 pub(crate) fn prefetch_from<T>(values: &[T], first: usize, len: usize) {
+    if !cfg!(target_arch = "x86_64") {
+        return; // else a loop may be left that does nothing
+    }
     let start: *const u8 = values.as_ptr().wrapping_add(first).cast();
     let mut at = 0;
     while at < len * size_of::<T>() {

@@ -9,7 +9,6 @@ use super::{StackEntry, bounded, lane_subtree};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::TriangleId;
-use crate::deform::AskedVertices;
 use crate::error::QueryError;
 use crate::frame::Frame;
 use crate::narrow::Triangle;
@@ -149,7 +148,6 @@ fn in_lane_order<L: Lanes, V: Visitor>(
     let visits_max = asset.node_count() as u64;
     let mut keys: Row = [0.0; LANES];
     let mut leaves = Leaves::new();
-    let mut asked = AskedVertices::new();
     stack[0] = StackEntry::default();
     let mut len = 1;
     while len > 0 {
@@ -194,7 +192,7 @@ fn in_lane_order<L: Lanes, V: Visitor>(
                 left &= left - 1;
                 let leaf = lane_subtree(node, lane);
                 if !posed.keeps_leaf(leaf.start) {
-                    asked.ask(asset, asset.leaf(leaf)?);
+                    asset.prefetch_vertices(asset.leaf(leaf)?);
                 }
             }
             let mut left = mask & node.leaf_mask;

@@ -5,7 +5,7 @@ use bdtree_format::{LANES, NodeRecord, SectionKind, TriangleRecord};
 use super::{Subtree, lane_subtree};
 use crate::bound::WideSpheres;
 use crate::cache::{CHUNK, LeafChunk, Posed};
-use crate::deform::{AskedVertices, RecentVertices};
+use crate::deform::RecentVertices;
 use crate::error::QueryError;
 use crate::narrow::four_by_four::WorldFour;
 use crate::simd::Lanes;
@@ -22,7 +22,6 @@ pub(super) struct Side<'s, 'a> {
     pub(super) asset: &'s Asset<'a>,
     pub(super) posed: Posed<'s>,
     recent: RecentVertices,
-    asked: AskedVertices,
     /// Filled when they are first used: most pairs of bodies that are near each other do not get to
     /// their leaves.
     fours: [Option<KeptFour>; FOURS],
@@ -57,7 +56,6 @@ impl<'s, 'a> Side<'s, 'a> {
             asset,
             posed,
             recent: RecentVertices::new(),
-            asked: AskedVertices::new(),
             fours: [const { None }; FOURS],
             announced: [u32::MAX; ANNOUNCED],
             updated: 0,
@@ -130,7 +128,7 @@ impl<'s, 'a> Side<'s, 'a> {
         }
         *announced = leaf.start;
         let records = self.records(leaf)?;
-        self.asked.ask(self.asset, records);
+        self.asset.prefetch_vertices(records);
         Ok(())
     }
 
