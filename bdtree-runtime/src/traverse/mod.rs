@@ -67,14 +67,8 @@ struct Subtree {
 }
 
 /// The lanes that lead somewhere: a leaf lane without triangles (a corrupt one) does not.
-#[inline(always)]
 fn used_lanes(node: &NodeRecord) -> u8 {
-    // The highest bit of every byte that is not 0, then those bits side by side.
-    const LOW: u64 = 0x7f7f_7f7f_7f7f_7f7f;
-    let counts = u64::from_le_bytes(node.leaf_counts);
-    let some = (((counts & LOW) + LOW) | counts) & !LOW;
-    let full = ((some >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8;
-    (node.inner_mask & !node.leaf_mask) | (node.leaf_mask & full)
+    (node.inner_mask & !node.leaf_mask) | (node.leaf_mask & mask_of(|k| node.leaf_counts[k] > 0))
 }
 
 /// What a lane leads to.
