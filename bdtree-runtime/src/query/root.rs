@@ -29,7 +29,7 @@ pub fn root_sphere(asset: &Asset<'_>, pose: &Pose<'_>) -> Result<BoundingSphere,
         return Err(QueryError::PoseMismatch);
     }
     let root = asset.node(0)?;
-    let spheres = asset.spheres(pose, root)?;
+    let spheres = asset.node_spheres(pose, 0)?;
     let (center, radius) = around(&spheres, root.inner_mask | root.leaf_mask);
     // No vertex is farther from the origin than B; a radius that is NaN is not smaller.
     let all = pose.reach + f64::from(pose.slack);

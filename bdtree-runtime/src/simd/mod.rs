@@ -7,9 +7,7 @@
 
 use bdtree_format::{LANES, PairRow, Row};
 
-use crate::bound::{BoundPose, Spheres, evaluate};
 use crate::traverse::mask_of;
-use crate::view::NodeRows;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -183,17 +181,6 @@ impl Kernel {
             .unwrap_or(Self::Scalar)
     }
 
-    /// [`evaluate`] with this kernel.
-    #[inline]
-    pub(crate) fn evaluate(
-        self,
-        rows: &NodeRows<'_>,
-        modes: &[u16],
-        pose: &BoundPose<'_>,
-    ) -> Option<Spheres> {
-        self.run(Evaluate { rows, modes, pose })
-    }
-
     /// Does a piece of work with this kernel, in a function of its own: what is large or used in several
     /// places is compiled once.
     #[inline]
@@ -216,20 +203,4 @@ impl Kernel {
 #[inline(never)]
 fn run_portable<L: Lanes, W: Work>(work: W) -> W::Output {
     work.run::<L>()
-}
-
-/// The spheres of a node.
-struct Evaluate<'e, 'a> {
-    rows: &'e NodeRows<'a>,
-    modes: &'e [u16],
-    pose: &'e BoundPose<'e>,
-}
-
-impl Work for Evaluate<'_, '_> {
-    type Output = Option<Spheres>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Self::Output {
-        Some(evaluate::<L>(self.rows, self.modes, self.pose)?.store())
-    }
 }

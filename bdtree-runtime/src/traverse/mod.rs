@@ -32,9 +32,10 @@ pub(crate) use two::{PairVisitor, Two};
 
 use bdtree_format::{LANES, NodeRecord, SectionKind};
 
-use crate::bound::Spheres;
+use crate::bound::{Spheres, evaluate};
 use crate::error::{Datum, FormatError};
 use crate::pose::Pose;
+use crate::simd::{Lanes, Work};
 use crate::view::Asset;
 
 /// One entry of a single-asset traversal's stack: a node or a leaf to visit.
@@ -127,20 +128,11 @@ impl<'a> Asset<'a> {
     /// # Errors
     /// When the node, its rows or its mode list lie outside their sections.
     pub fn node_spheres(&self, pose: &Pose<'_>, index: u32) -> Result<Spheres, FormatError> {
-        self.spheres(pose, self.node(index)?)
-    }
-
-    #[inline]
-    pub(crate) fn spheres(
-        &self,
-        pose: &Pose<'_>,
-        node: &NodeRecord,
-    ) -> Result<Spheres, FormatError> {
-        let (rows, modes) = (self.node_rows(node)?, self.node_modes(node)?);
-        match self.kernel.evaluate(&rows, modes, &pose.bound()) {
-            Some(spheres) => Ok(spheres),
-            None => Err(self.unknown_mode(node.mode_list_start)),
-        }
+        self.kernel.run(NodeSpheres {
+            asset: self,
+            pose,
+            index,
+        })
     }
 
     /// The error for a mode list that names a mode the asset lacks.
@@ -174,6 +166,28 @@ impl<'a> Asset<'a> {
             rule: "SPEC 6.4: the header's depth is the number of node levels",
             expected: Datum::Integer(self.depth() as u64),
             found: Datum::Text("a deeper tree"),
+        }
+    }
+}
+
+/// [`Asset::node_spheres`].
+struct NodeSpheres<'w, 'a> {
+    asset: &'w Asset<'a>,
+    pose: &'w Pose<'w>,
+    index: u32,
+}
+
+impl Work for NodeSpheres<'_, '_> {
+    type Output = Result<Spheres, FormatError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let (asset, pose) = (self.asset, self.pose);
+        let node = asset.node(self.index)?;
+        let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
+        match evaluate::<L>(&rows, modes, &pose.bound()) {
+            Some(spheres) => Ok(spheres.store()),
+            None => Err(asset.unknown_mode(node.mode_list_start)),
         }
     }
 }
