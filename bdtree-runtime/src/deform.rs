@@ -6,7 +6,7 @@ use crate::contact::VertexId;
 use crate::error::FormatError;
 use crate::narrow::Triangle;
 use crate::pose::Pose;
-use crate::simd::{prefetch, prefetch_from};
+use crate::simd::{Fields, Lanes, prefetch, prefetch_from};
 use crate::view::Asset;
 
 impl Asset<'_> {
@@ -106,71 +106,49 @@ impl Asset<'_> {
         ])
     }
 
-    /// The deformed corners of a triangle record relative to the origin (stored units).
+    /// Puts the deformed corners of four triangles into `corners`: of each corner, of each coordinate,
+    /// that of the four (stored units). To the bit as [`Asset::deformed_stored`] says.
+    ///
+    /// A corner that several of them share is deformed once for each: side by side that takes less time
+    /// than finding out.
     #[inline(always)]
-    pub(crate) fn stored_triangle<const LISTED: bool>(
+    pub(crate) fn deform_four<L: Lanes>(
         &self,
         pose: &Pose<'_>,
-        record: &TriangleRecord,
-        recent: &mut RecentVertices,
-    ) -> Result<[[f32; 3]; 3], FormatError> {
-        let [a, b, c] = record.corners;
-        Ok([
-            recent.deformed::<LISTED>(self, pose, a)?,
-            recent.deformed::<LISTED>(self, pose, b)?,
-            recent.deformed::<LISTED>(self, pose, c)?,
-        ])
-    }
-}
-
-/// Slots of [`RecentVertices`].
-const RECENT: usize = 64;
-
-/// The tag of no vertex.
-const NONE: u32 = 0;
-
-/// What marks a vertex in a table that is made of zeros, which is the quickest to make.
-#[inline(always)]
-fn tag(vertex: u32) -> u32 {
-    vertex.wrapping_add(1)
-}
-
-#[inline(always)]
-fn slot(vertex: u32) -> usize {
-    // Fibonacci hashing (Knuth, vol. 3, 6.4): the top bits of the product.
-    (vertex.wrapping_mul(0x9e37_79b9) >> (32 - RECENT.trailing_zeros())) as usize
-}
-
-/// Deformed vertices of one traversal (stored units), so that neighbouring triangles deform a
-/// shared corner once: a direct-mapped table, the newest of a slot stays.
-pub(crate) struct RecentVertices {
-    tags: [u32; RECENT],
-    positions: [[f32; 3]; RECENT],
-}
-
-impl RecentVertices {
-    #[inline(always)]
-    pub(crate) fn new() -> Self {
-        Self {
-            tags: [NONE; RECENT],
-            positions: [[0.0; 3]; RECENT],
+        records: [&TriangleRecord; 4],
+        corners: &mut [[[f32; 4]; 3]; 3],
+    ) -> Result<(), FormatError> {
+        let [a, b, c, d] = records.map(|record| record.corners);
+        let vertices = [0, 1, 2].map(|i| [a[i], b[i], c[i], d[i]]);
+        // In lists of modes no four have the same.
+        let fields = if self.lists_modes() {
+            None
+        } else {
+            Fields::of(self.positions, self.displacements, pose.q, &vertices)
+        };
+        match fields {
+            Some(fields) => *corners = L::moved(&fields),
+            None => self.deform_singly(pose, &vertices, corners)?,
         }
+        Ok(())
     }
 
-    /// [`Asset::deformed_stored`], remembered.
-    #[inline(always)]
-    fn deformed<const LISTED: bool>(
-        &mut self,
-        asset: &Asset<'_>,
+    #[inline(never)]
+    fn deform_singly(
+        &self,
         pose: &Pose<'_>,
-        vertex: u32,
-    ) -> Result<[f32; 3], FormatError> {
-        let slot = slot(vertex);
-        if self.tags[slot] != tag(vertex) || tag(vertex) == NONE {
-            self.positions[slot] = asset.deformed_in::<LISTED>(pose.q, VertexId(vertex))?;
-            self.tags[slot] = tag(vertex);
+        vertices: &[[u32; 4]; 3],
+        corners: &mut [[[f32; 4]; 3]; 3],
+    ) -> Result<(), FormatError> {
+        for (vertices, corner) in vertices.iter().zip(corners) {
+            for k in 0..4 {
+                let point = self.deformed_stored(pose, VertexId(vertices[k]))?;
+                for axis in 0..3 {
+                    corner[axis][k] = point[axis];
+                }
+            }
         }
-        Ok(self.positions[slot])
+        Ok(())
     }
 }
 

@@ -9,8 +9,8 @@ mod posed;
 mod slots;
 mod step;
 
-pub(crate) use posed::OwnCache;
 pub use posed::Posed;
+pub(crate) use posed::{OwnCache, deform};
 pub(crate) use slots::{CHUNK, LeafChunk};
 pub use slots::{LeafSlot, NodeSlot};
 pub use step::{CachedPose, StepCache};

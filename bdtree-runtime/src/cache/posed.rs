@@ -5,7 +5,6 @@ use bdtree_format::TriangleRecord;
 use super::slots::{CHUNK, LeafChunk, LeafSlot, NodeSlot, STEP_END, leaf_place, place, tag};
 use super::step::CachedPose;
 use crate::bound::{Spheres, WideSpheres, evaluate};
-use crate::deform::RecentVertices;
 use crate::epoch::Drift;
 use crate::error::FormatError;
 use crate::pose::Pose;
@@ -290,32 +289,19 @@ impl Posed<'_> {
         asset: &Asset<'_>,
         start: u32,
         records: &[TriangleRecord],
-        recent: &mut RecentVertices,
         spare: &'l mut LeafChunk,
     ) -> Result<&'l LeafChunk, FormatError> {
         let tag = tag(self.step, start);
         let len = records.len().min(CHUNK) as u32;
         let place = leaf_place(start, self.leaves.len());
         let Some(slot) = self.leaves.get_mut(place) else {
-            asset.kernel.run(Deform {
-                asset,
-                pose: self.pose,
-                records,
-                recent,
-                chunk: &mut *spare,
-            })?;
+            deform(asset, self.pose, records, spare)?;
             return Ok(spare);
         };
         // In a corrupt file one slot may begin leaves of several lengths.
         if slot.tag != tag || slot.leaf.len != len {
             slot.tag = 0; // until it is whole
-            asset.kernel.run(Deform {
-                asset,
-                pose: self.pose,
-                records,
-                recent,
-                chunk: &mut slot.leaf,
-            })?;
+            deform(asset, self.pose, records, &mut slot.leaf)?;
             slot.tag = tag;
         }
         Ok(&slot.leaf)
@@ -323,11 +309,25 @@ impl Posed<'_> {
 }
 
 /// [`LeafChunk::deform`] as work of its own.
+#[inline(always)]
+pub(crate) fn deform(
+    asset: &Asset<'_>,
+    pose: &Pose<'_>,
+    records: &[TriangleRecord],
+    chunk: &mut LeafChunk,
+) -> Result<(), FormatError> {
+    asset.kernel.run(Deform {
+        asset,
+        pose,
+        records,
+        chunk,
+    })
+}
+
 struct Deform<'d, 'a> {
     asset: &'d Asset<'a>,
     pose: &'d Pose<'d>,
     records: &'d [TriangleRecord],
-    recent: &'d mut RecentVertices,
     chunk: &'d mut LeafChunk,
 }
 
@@ -336,13 +336,6 @@ impl Work for Deform<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        let (asset, pose) = (self.asset, self.pose);
-        if asset.lists_modes() {
-            self.chunk
-                .deform::<true>(asset, pose, self.records, self.recent)
-        } else {
-            self.chunk
-                .deform::<false>(asset, pose, self.records, self.recent)
-        }
+        self.chunk.deform::<L>(self.asset, self.pose, self.records)
     }
 }

@@ -3,9 +3,9 @@
 use bdtree_format::{LANES, Row, TriangleRecord};
 
 use crate::bound::Spheres;
-use crate::deform::RecentVertices;
 use crate::error::FormatError;
 use crate::pose::Pose;
+use crate::simd::Lanes;
 use crate::view::Asset;
 
 /// Triangles of a leaf that are kept together.
@@ -78,30 +78,21 @@ impl LeafChunk {
 
     /// Deforms `records`, of which the first four are taken.
     #[inline(always)]
-    pub(crate) fn deform<const LISTED: bool>(
+    pub(crate) fn deform<L: Lanes>(
         &mut self,
         asset: &Asset<'_>,
         pose: &Pose<'_>,
         records: &[TriangleRecord],
-        recent: &mut RecentVertices,
     ) -> Result<(), FormatError> {
-        let len = records.len().min(CHUNK);
-        let mut stored = [[[0.0; 3]; 3]; CHUNK];
-        for k in 0..CHUNK {
-            // Beyond the end the first one again: a NaN there would be a lane that is never rejected.
-            let Some(record) = records.get(if k < len { k } else { 0 }) else {
-                break; // there is none at all
-            };
-            stored[k] = asset.stored_triangle::<LISTED>(pose, record, recent)?;
-            self.ids[k] = record.id;
-        }
-        let [a, b, c, d] = &stored;
-        for i in 0..3 {
-            for axis in 0..3 {
-                self.corners[i][axis] = [a[i][axis], b[i][axis], c[i][axis], d[i][axis]];
-            }
-        }
-        self.len = len as u32;
+        let Some(first) = records.first() else {
+            self.len = 0;
+            return Ok(());
+        };
+        // Beyond the end the first one again: a NaN there would be a lane that is never rejected.
+        let four = [0, 1, 2, 3].map(|k| records.get(k).unwrap_or(first));
+        asset.deform_four::<L>(pose, four, &mut self.corners)?;
+        self.ids = four.map(|record| record.id);
+        self.len = records.len().min(CHUNK) as u32;
         Ok(())
     }
 }

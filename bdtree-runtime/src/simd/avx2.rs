@@ -12,7 +12,7 @@ use core::arch::x86_64::{
 use core::marker::PhantomData;
 
 use super::avx4::Avx4;
-use super::{Kernel, Lanes, PairSums, Work};
+use super::{Fields, Kernel, Lanes, PairSums, Work};
 
 /// Eight f32 in a register, beside which whole numbers are summed by `S`. Only functions that
 /// enable AVX2 and FMA use it, here and in [`super::avx512`]: so wherever one exists, the processor
@@ -107,6 +107,11 @@ impl<S: AvxSums> Lanes for Avx8<S> {
         let mask = unsafe { _mm256_movemask_ps(above) };
         // One bit per lane.
         mask as u8
+    }
+
+    #[inline(always)]
+    fn moved(fields: &Fields<'_>) -> [[[f32; 4]; 3]; 3] {
+        fields.moved_with_sse()
     }
 }
 

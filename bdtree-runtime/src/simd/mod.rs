@@ -15,6 +15,7 @@ mod avx2;
 mod avx4;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod fields;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod prefetch;
@@ -23,6 +24,7 @@ mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod simd128;
 
+pub(crate) use fields::Fields;
 pub(crate) use prefetch::{prefetch, prefetch_from};
 pub(crate) use quad::{Quad, Quad3, add3, cross3, dot3, scale3, select3, splat3, sub3};
 /// The kernel that has the same bits on every processor.
@@ -66,6 +68,11 @@ pub(crate) trait Lanes: Copy {
             a[k] = if a[k] < b[k] { a[k] } else { b[k] };
         }
         Self::load(&a)
+    }
+    /// The deformed places of three times four vertices, of each coordinate that of the four.
+    #[inline(always)]
+    fn moved(fields: &Fields<'_>) -> [[[f32; 4]; 3]; 3] {
+        fields.moved()
     }
     /// The lanes in which `self > other`; none where one is NaN.
     #[inline(always)]

@@ -11,7 +11,6 @@ use bdtree_format::{LANES, Row, TriangleRecord};
 use super::{PairStackEntry, Subtree, lane_subtree, used_lanes};
 use crate::bound::WideSpheres;
 use crate::cache::{CHUNK, LeafChunk, Posed};
-use crate::deform::RecentVertices;
 use crate::error::QueryError;
 use crate::frame::PairFrame;
 use crate::simd::{Lanes, Work};
@@ -109,7 +108,6 @@ struct Side<'p, 's, 'a> {
     posed: &'p mut Posed<'s>,
     /// Carries there what is the second's.
     frame: Option<&'p PairFrame>,
-    recent: RecentVertices,
     spare: LeafChunk,
     visited: u64,
     updated: u64,
@@ -121,7 +119,6 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
             asset,
             posed,
             frame,
-            recent: RecentVertices::new(),
             spare: LeafChunk::EMPTY,
             visited: 0,
             updated: 0,
@@ -226,13 +223,9 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
         records: &[TriangleRecord],
         out: &mut [WideSpheres<L>; 2],
     ) -> Result<(), QueryError> {
-        let chunk = self.posed.leaf(
-            self.asset,
-            start,
-            records,
-            &mut self.recent,
-            &mut self.spare,
-        )?;
+        let chunk = self
+            .posed
+            .leaf(self.asset, start, records, &mut self.spare)?;
         let [a, b, c] = &chunk.corners;
         let (first, second) = (points(a, b), points(b, c));
         *out = [self.carried(first), self.carried(second)];

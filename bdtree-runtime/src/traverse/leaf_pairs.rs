@@ -6,7 +6,6 @@ use super::Subtree;
 use super::supports::{Supports, View};
 use crate::cache::{CHUNK, LeafChunk, Posed};
 use crate::contact::{PairContact, TriangleId};
-use crate::deform::RecentVertices;
 use crate::error::{FormatError, QueryError};
 use crate::math::{dot, sqrt, sub};
 use crate::narrow::{Triangle, triangle_distance, triangles_intersect};
@@ -19,7 +18,6 @@ pub(super) const MARGIN: f64 = 1.0 / (1_u64 << 40) as f64;
 pub(super) struct LeafSide<'n, 'a> {
     pub(super) asset: &'n Asset<'a>,
     pub(super) posed: Posed<'n>,
-    recent: RecentVertices,
     spare: LeafChunk,
     /// First triangle slot of `corners`, and how many they are.
     holds: Option<(u32, usize)>,
@@ -35,7 +33,6 @@ impl<'n, 'a> LeafSide<'n, 'a> {
         Self {
             asset,
             posed,
-            recent: RecentVertices::new(),
             spare: LeafChunk::EMPTY,
             holds: None,
             ids: [0; CHUNK],
@@ -57,8 +54,8 @@ impl<'n, 'a> LeafSide<'n, 'a> {
         }
         self.holds = None; // until it is whole
         let frame = &self.posed.pose.frame;
-        let (asset, recent, spare) = (self.asset, &mut self.recent, &mut self.spare);
-        let leaf = self.posed.leaf(asset, start, records, recent, spare)?;
+        let (asset, spare) = (self.asset, &mut self.spare);
+        let leaf = self.posed.leaf(asset, start, records, spare)?;
         self.ids = leaf.ids;
         for k in 0..CHUNK {
             let [a, b, c] = leaf.stored(k);

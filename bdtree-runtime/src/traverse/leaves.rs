@@ -6,10 +6,9 @@ use core::ops::ControlFlow;
 
 use super::Subtree;
 use super::one::Visitor;
-use crate::cache::{CHUNK, LeafChunk, Posed};
+use crate::cache::{CHUNK, LeafChunk, Posed, deform};
 use crate::contact::TriangleId;
-use crate::deform::RecentVertices;
-use crate::error::{FormatError, QueryError};
+use crate::error::QueryError;
 use crate::frame::Frame;
 use crate::narrow::Triangle;
 use crate::pose::Pose;
@@ -66,11 +65,10 @@ fn world(frame: &Frame, [a, b, c]: &[[f32; 3]; 3]) -> Triangle {
 
 /// What a traversal holds for its leaves.
 pub(super) struct Leaves {
-    recent: RecentVertices,
     /// Where a leaf is deformed that is not kept.
     spare: LeafChunk,
-    /// Triangles not yet rejected, where leaves are not kept.
-    fresh: Four,
+    /// Triangles not yet looked at, where leaves are not kept.
+    fresh: Fresh,
     /// Those that were not rejected.
     near: Near,
 }
@@ -79,9 +77,8 @@ impl Leaves {
     #[inline(always)]
     pub(super) fn new() -> Self {
         Self {
-            recent: RecentVertices::new(),
             spare: LeafChunk::EMPTY,
-            fresh: Four::default(),
+            fresh: Fresh::EMPTY,
             near: Near::default(),
         }
     }
@@ -96,18 +93,10 @@ impl Leaves {
         visitor: &mut V,
     ) -> Result<ControlFlow<()>, QueryError> {
         let pose = posed.pose;
-        let mut records = asset.leaf(leaf)?;
+        let records = asset.leaf(leaf)?;
         if V::IN_FOURS && !posed.keeps_leaves() {
-            while !records.is_empty() {
-                records = asset.kernel.run(Gather {
-                    asset,
-                    pose,
-                    records,
-                    recent: &mut self.recent,
-                    fresh: &mut self.fresh,
-                })?;
-                if self.fresh.len == 4 && self.sieve::<L, V>(asset, &pose.frame, visitor).is_break()
-                {
+            for record in records {
+                if self.fresh.push(record) && self.sieve::<L, V>(asset, pose, visitor)?.is_break() {
                     return Ok(ControlFlow::Break(()));
                 }
             }
@@ -115,7 +104,7 @@ impl Leaves {
         }
         let mut start = leaf.start;
         for records in records.chunks(CHUNK) {
-            let chunk = posed.leaf(asset, start, records, &mut self.recent, &mut self.spare)?;
+            let chunk = posed.leaf(asset, start, records, &mut self.spare)?;
             start = start.saturating_add(CHUNK as u32);
             let misses = visitor.misses_four::<L::Quad>(&chunk.corners);
             let mut left = !misses & !(u8::MAX << chunk.len);
@@ -148,14 +137,16 @@ impl Leaves {
     pub(super) fn finish<L: Lanes, V: Visitor>(
         &mut self,
         asset: &Asset<'_>,
-        frame: &Frame,
+        pose: &Pose<'_>,
         visitor: &mut V,
-    ) -> ControlFlow<()> {
+    ) -> Result<ControlFlow<()>, QueryError> {
         if V::IN_FOURS {
-            self.sieve::<L, V>(asset, frame, visitor)?;
-            take_near(&mut self.near, asset, frame, visitor)?;
+            if self.sieve::<L, V>(asset, pose, visitor)?.is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
+            return Ok(take_near(&mut self.near, asset, &pose.frame, visitor));
         }
-        ControlFlow::Continue(())
+        Ok(ControlFlow::Continue(()))
     }
 
     /// Moves those of `fresh` that may be answers to `near`.
@@ -163,59 +154,49 @@ impl Leaves {
     fn sieve<L: Lanes, V: Visitor>(
         &mut self,
         asset: &Asset<'_>,
-        frame: &Frame,
+        pose: &Pose<'_>,
         visitor: &mut V,
-    ) -> ControlFlow<()> {
-        let misses = visitor.misses_four::<L::Quad>(&self.fresh.corners);
-        let mut left = !misses & !(u8::MAX << self.fresh.len);
+    ) -> Result<ControlFlow<()>, QueryError> {
+        let chunk = &mut self.spare;
+        deform(asset, pose, &self.fresh.records[..self.fresh.len], chunk)?;
         self.fresh.len = 0;
+        let misses = visitor.misses_four::<L::Quad>(&chunk.corners);
+        let mut left = !misses & !(u8::MAX << chunk.len);
         while left != 0 {
             let k = (left.trailing_zeros() & 3) as usize;
             left &= left - 1;
-            let corners = stored(&self.fresh.corners, k);
-            self.near.push(self.fresh.ids[k], &corners);
-            if self.near.is_full() {
-                take_near(&mut self.near, asset, frame, visitor)?;
+            self.near.push(chunk.ids[k], &chunk.stored(k));
+            if self.near.is_full()
+                && take_near(&mut self.near, asset, &pose.frame, visitor).is_break()
+            {
+                return Ok(ControlFlow::Break(()));
             }
         }
-        ControlFlow::Continue(())
+        Ok(ControlFlow::Continue(()))
     }
 }
 
-/// Deforms triangles until there are four; the rest is returned.
-struct Gather<'g, 'r, 'a> {
-    asset: &'g Asset<'a>,
-    pose: &'g Pose<'g>,
-    records: &'r [TriangleRecord],
-    recent: &'g mut RecentVertices,
-    fresh: &'g mut Four,
+/// Triangles that wait for being deformed together, those of several leaves.
+struct Fresh {
+    records: [TriangleRecord; CHUNK],
+    len: usize,
 }
 
-impl<'r> Gather<'_, 'r, '_> {
-    #[inline(always)]
-    fn fill<const LISTED: bool>(self) -> Result<&'r [TriangleRecord], FormatError> {
-        let room = 4_usize.saturating_sub(self.fresh.len);
-        let (now, rest) = self.records.split_at(room.min(self.records.len()));
-        for record in now {
-            let corners = self
-                .asset
-                .stored_triangle::<LISTED>(self.pose, record, self.recent)?;
-            self.fresh.push(record.id, &corners);
-        }
-        Ok(rest)
-    }
-}
+impl Fresh {
+    const EMPTY: Self = Self {
+        records: [TriangleRecord {
+            corners: [0; 3],
+            id: 0,
+        }; CHUNK],
+        len: 0,
+    };
 
-impl<'r> Work for Gather<'_, 'r, '_> {
-    type Output = Result<&'r [TriangleRecord], FormatError>;
-
+    /// Adds a triangle; there must be room. Whether there is none left.
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Self::Output {
-        if self.asset.lists_modes() {
-            self.fill::<true>()
-        } else {
-            self.fill::<false>()
-        }
+    fn push(&mut self, record: &TriangleRecord) -> bool {
+        self.records[self.len & (CHUNK - 1)] = *record;
+        self.len += 1;
+        self.len == CHUNK
     }
 }
 

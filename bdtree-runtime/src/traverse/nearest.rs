@@ -116,9 +116,7 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
             }
         }
     }
-    walk.stopped = leaves
-        .finish::<L, V>(asset, &pose.frame, visitor)
-        .is_break();
+    walk.stopped = leaves.finish::<L, V>(asset, pose, visitor)?.is_break();
     Ok(walk)
 }
 

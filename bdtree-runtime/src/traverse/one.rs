@@ -208,8 +208,6 @@ fn in_lane_order<L: Lanes, V: Visitor>(
             }
         }
     }
-    walk.stopped = leaves
-        .finish::<L, V>(asset, &pose.frame, visitor)
-        .is_break();
+    walk.stopped = leaves.finish::<L, V>(asset, pose, visitor)?.is_break();
     Ok(walk)
 }

@@ -5,7 +5,6 @@ use bdtree_format::{LANES, NodeRecord, SectionKind, TriangleRecord};
 use super::{Subtree, lane_subtree};
 use crate::bound::WideSpheres;
 use crate::cache::{CHUNK, LeafChunk, Posed};
-use crate::deform::RecentVertices;
 use crate::error::QueryError;
 use crate::narrow::four_by_four::WorldFour;
 use crate::simd::Lanes;
@@ -21,7 +20,6 @@ const ANNOUNCED: usize = 64;
 pub(super) struct Side<'s, 'a> {
     pub(super) asset: &'s Asset<'a>,
     pub(super) posed: Posed<'s>,
-    recent: RecentVertices,
     /// Filled when they are first used: most pairs of bodies that are near each other do not get to
     /// their leaves.
     fours: [Option<KeptFour>; FOURS],
@@ -55,7 +53,6 @@ impl<'s, 'a> Side<'s, 'a> {
         Self {
             asset,
             posed,
-            recent: RecentVertices::new(),
             fours: [const { None }; FOURS],
             announced: [u32::MAX; ANNOUNCED],
             updated: 0,
@@ -146,9 +143,9 @@ impl<'s, 'a> Side<'s, 'a> {
         if kept.start != start || kept.len != len {
             kept.len = 0; // until it is whole
             let mut spare = LeafChunk::EMPTY;
-            let (asset, recent) = (self.asset, &mut self.recent);
+            let asset = self.asset;
             let frame = &self.posed.pose.frame;
-            let leaf = self.posed.leaf(asset, start, records, recent, &mut spare)?;
+            let leaf = self.posed.leaf(asset, start, records, &mut spare)?;
             kept.world.set::<L::Quad>([
                 frame.world_four(&leaf.corners[0]),
                 frame.world_four(&leaf.corners[1]),
