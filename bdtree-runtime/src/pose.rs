@@ -13,8 +13,8 @@ use crate::view::Asset;
 pub(crate) const U32: f64 = 1.0 / (1_u64 << 24) as f64;
 
 /// q̃ gets a second part where one alone would add more than this, times P / √F, to every radius:
-/// about a thirtieth of the radius of a leaf of four triangles.
-const COARSE: f64 = 0.125;
+/// about a thousandth of the mean radius of spheres above leaves of four triangles.
+const COARSE: f64 = 1.0 / 128.0;
 
 /// Where an instance stands: `x = rotation · (scale · x_mesh) + translation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
