@@ -45,13 +45,22 @@ pub struct InfoArguments {
 pub struct VerifyArguments {
     /// The .bdt file
     pub file: PathBuf,
-    /// Print one JSON object: ok, errors [{section, byte, rule, expected, found}]
+    /// Print one JSON object: ok, errors [{section, byte, rule, expected, found}]; with --stress
+    /// also stress {cases, seed, poses, vertices, kernels, violations, unbounded, tightest,
+    /// certainty_rel}
     #[arg(long)]
     pub json: bool,
-    #[arg(long, hide = true)]
-    pub(crate) stress: bool,
-    #[arg(long, hide = true, value_name = "N")]
-    pub(crate) cases: Option<u64>,
+    /// Try the bounds as well: deformed vertices against the spheres above them, in exact
+    /// arithmetic, at q that is made to break them; prints how close it came
+    #[arg(long)]
+    pub stress: bool,
+    /// Cases to try: nodes at a q
+    #[arg(long, value_name = "N", default_value = "1000000", requires = "stress",
+          value_parser = clap::value_parser!(u64).range(1..))]
+    pub cases: u64,
+    /// The same seed tries the same cases
+    #[arg(long, value_name = "S", default_value = "0", requires = "stress")]
+    pub seed: u64,
 }
 
 /// Compares two files: structure exactly, numbers within a tolerance.

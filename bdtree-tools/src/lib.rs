@@ -19,6 +19,7 @@ mod output;
 mod q;
 pub mod query;
 pub mod scene;
+pub mod stress;
 pub mod verify;
 
 pub use asset_file::AssetFile;

@@ -4,11 +4,13 @@ use std::io::Write;
 use std::ops::ControlFlow;
 
 use bdtree_runtime::{Datum, FormatError};
+use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::Value;
 
 pub use crate::cli::VerifyArguments as Arguments;
 use crate::error::ToolError;
+use crate::stress::{self, Stressed, Summary};
 use crate::{AssetFile, BAD_INPUT, DONE};
 
 /// Most broken rules that are listed.
@@ -21,6 +23,9 @@ pub struct Report {
     pub ok: bool,
     /// The broken rules, at most [`ERRORS_MAX`].
     pub errors: Vec<BrokenRule>,
+    /// What `--stress` tried.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress: Option<Summary>,
 }
 
 /// A broken rule.
@@ -78,22 +83,28 @@ pub fn broken_rules(file: &AssetFile, limit: usize) -> Vec<FormatError> {
     errors
 }
 
-/// Checks a file: broken rules go to `err`, one per line.
+/// Checks a file: broken rules go to `err`, one per line, and so do vertices that a stress run finds
+/// outside their spheres.
 ///
 /// # Errors
-/// A file that cannot be read, an output stream that fails, `--stress`.
+/// A file that cannot be read, an output stream that fails.
 pub fn run(
     arguments: &Arguments,
     out: &mut dyn Write,
     err: &mut dyn Write,
 ) -> Result<u8, ToolError> {
-    if arguments.stress || arguments.cases.is_some() {
-        let message = "bdtree verify: --stress is not supported yet";
-        return Err(ToolError::Usage(message.to_string()));
-    }
     let file = AssetFile::read(&arguments.file)?;
-    let errors = broken_rules(&file, ERRORS_MAX);
+    let mut errors = broken_rules(&file, ERRORS_MAX);
     let path = file.path().display();
+    // Bounds that break a rule need not be tried.
+    let tried = if arguments.stress && errors.is_empty() {
+        Some(stressed(&file, arguments)?)
+    } else {
+        None
+    };
+    if let Some(tried) = &tried {
+        errors.extend(&tried.errors);
+    }
     for error in &errors {
         let _ = writeln!(err, "{path}: {error}");
     }
@@ -105,11 +116,36 @@ pub fn run(
         let report = Report {
             ok,
             errors: errors.iter().map(BrokenRule::from).collect(),
+            stress: tried.map(|tried| tried.summary),
         };
         serde_json::to_writer(&mut *out, &report).map_err(|e| ToolError::Stdout(e.into()))?;
         writeln!(out).map_err(ToolError::Stdout)?;
-    } else if ok {
-        writeln!(out, "{path}: ok").map_err(ToolError::Stdout)?;
+    } else {
+        if ok {
+            writeln!(out, "{path}: ok").map_err(ToolError::Stdout)?;
+        }
+        if let Some(tried) = tried {
+            writeln!(out, "{path}: {}", tried.summary).map_err(ToolError::Stdout)?;
+        }
     }
     Ok(if ok { DONE } else { BAD_INPUT })
+}
+
+/// Tries the bounds of a sound file.
+fn stressed(file: &AssetFile, arguments: &Arguments) -> Result<Stressed, ToolError> {
+    let format = |error| ToolError::Format {
+        path: file.path().to_path_buf(),
+        error,
+    };
+    let asset = file.open().map_err(format)?;
+    let options = stress::Options {
+        cases: arguments.cases,
+        seed: arguments.seed,
+    };
+    // Drawn on a terminal only.
+    let bar = ProgressBar::new(options.cases);
+    let report = stress::run(&asset, options, &|cases| bar.inc(cases)).map_err(format)?;
+    bar.finish_and_clear();
+    let certainty = stress::certainty(&asset, options.seed).map_err(format)?;
+    Ok(Stressed::of(&asset, options, &report, certainty))
 }

@@ -97,3 +97,62 @@ fn a_missing_file_is_named() {
     assert_eq!((ran.code, ran.out.as_str()), (1, ""));
     assert!(ran.err.starts_with("no.bdt: "));
 }
+
+#[test]
+fn a_stress_run_tells_what_it_tried() {
+    let folder = Folder::new();
+    for file in ["a.bdt", "rigid.bdt"] {
+        let arguments = ["verify", file, "--stress", "--cases", "3000", "--json"];
+        let report = folder.json(&arguments);
+        assert_eq!(
+            (&report["ok"], &report["errors"]),
+            (&json!(true), &json!([]))
+        );
+        let stress = &report["stress"];
+        assert_eq!(stress["cases"], 3000);
+        assert_eq!(
+            (&stress["violations"], &stress["unbounded"]),
+            (&json!(0), &json!(0))
+        );
+        assert!(stress["vertices"].as_u64() > stress["cases"].as_u64());
+        assert!(
+            stress["kernels"]
+                .as_array()
+                .unwrap()
+                .contains(&json!("Scalar"))
+        );
+        let cost = stress["certainty_rel"].as_f64().unwrap();
+        assert!(cost > 0.0 && cost < 1e-3, "{cost}");
+        let tightest = &stress["tightest"];
+        let number = |name: &str| tightest[name].as_f64().unwrap();
+        let margin = (number("radius") - number("distance")) / number("slack");
+        assert!(margin > 0.0 && (margin - number("margin_slacks")).abs() < 1e-6 * margin);
+        // The same seed tries the same cases, another one others.
+        assert_eq!(folder.json(&arguments), report);
+        let other = folder.json(&[&arguments[..], &["--seed", "1"]].concat());
+        assert_ne!(other["stress"], *stress);
+    }
+    let ran = folder.run(&["verify", "a.bdt", "--stress", "--cases", "10"]);
+    let lines: Vec<&str> = ran.out.lines().collect();
+    assert_eq!((ran.code, lines.len(), lines[0]), (0, 2, "a.bdt: ok"));
+    assert!(
+        lines[1].starts_with("a.bdt: 10 cases (nodes at one of "),
+        "{}",
+        ran.out
+    );
+    assert!(ran.err.is_empty());
+}
+
+/// Bounds of a file that breaks a rule are not tried.
+#[test]
+fn a_broken_file_is_not_tried() {
+    let folder = Folder::new();
+    let mut bytes = folder.read("a.bdt");
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    folder.write("bad.bdt", &bytes);
+    let ran = folder.run(&["verify", "bad.bdt", "--stress", "--json"]);
+    assert_eq!(ran.code, 1);
+    let report: Value = serde_json::from_str(&ran.out).unwrap();
+    assert!(report["stress"].is_null() && report["ok"] == false);
+}
