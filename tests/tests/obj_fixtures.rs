@@ -4,7 +4,7 @@ use bdtree_build::input::{obj, read_mesh};
 use bdtree_tests::fixtures;
 
 /// Vertices and triangles, as `fixtures/README.md` lists them.
-const COUNTS: [(&str, usize, usize); 24] = [
+const COUNTS: [(&str, usize, usize); 30] = [
     ("chair", 9240, 17914),
     ("fish", 12390, 24776),
     ("bridge", 135926, 240316),
@@ -21,7 +21,13 @@ const COUNTS: [(&str, usize, usize); 24] = [
     ("non_manifold", 24, 22),
     ("pieces", 680, 1280),
     ("far", 642, 1280),
+    ("far_8", 162, 320),
     ("tiny", 1152, 2304),
+    ("sizes", 156, 260),
+    ("components", 864, 864),
+    ("touching", 210, 304),
+    ("cube", 98, 192),
+    ("line", 41, 60),
     ("beam", 1314, 2624),
     ("sheet", 1681, 3200),
     ("groups_unused", 2304, 2304),
