@@ -53,11 +53,7 @@ fn check_all(posed: &[Posed<'_>], seed: u64, rounds: usize) {
     }
     let mut stack = vec![StackEntry::default(); first.stack_len()];
     let mut rng = poses::rng(seed);
-    let (low, high) = bounds(&triangles);
-    let diagonal = (0..3)
-        .map(|k| (high[k] - low[k]).powi(2))
-        .sum::<f64>()
-        .sqrt();
+    let diagonal = extent(&triangles);
     for (asset, pose) in posed {
         let sphere = query::root_sphere(asset, pose).unwrap();
         for x in triangles.iter().flatten() {
@@ -107,6 +103,10 @@ fn check_all(posed: &[Posed<'_>], seed: u64, rounds: usize) {
             origin[k] += diagonal * rng.random_range(-1.0..1.0);
             direction[k] = target[k] - origin[k];
         }
+        if direction == [0.0; 3] {
+            // Far from the world's origin a step may round to none.
+            direction = [0.0, 0.0, diagonal];
+        }
         let norm = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
         let unit = oracle::unit(direction);
         let limit = if round % 3 == 1 { f64::INFINITY } else { norm };
@@ -135,7 +135,8 @@ fn check_all(posed: &[Posed<'_>], seed: u64, rounds: usize) {
     }
 }
 
-fn bounds(triangles: &[[[f64; 3]; 3]]) -> ([f64; 3], [f64; 3]) {
+/// The diagonal of the box around all corners; of a body that is a point, 2⁻³⁰ of its coordinates, or 1.
+pub(crate) fn extent(triangles: &[[[f64; 3]; 3]]) -> f64 {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
     for x in triangles.iter().flatten() {
@@ -144,7 +145,16 @@ fn bounds(triangles: &[[[f64; 3]; 3]]) -> ([f64; 3], [f64; 3]) {
             high[k] = high[k].max(x[k]);
         }
     }
-    (low, high)
+    let squared: f64 = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum();
+    let farthest = high
+        .iter()
+        .chain(&low)
+        .fold(0.0, |m: f64, x| m.max(x.abs()));
+    match (squared.sqrt(), farthest) {
+        (0.0, 0.0) => 1.0,
+        (0.0, far) => far * 2_f64.powi(-30),
+        (diagonal, _) => diagonal,
+    }
 }
 
 /// The asset once per kernel that this processor has.
