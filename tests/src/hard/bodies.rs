@@ -56,12 +56,12 @@ fn meshes() -> Vec<HardCase> {
         smooth("slivers", 3),
         star(smooth("duplicates", 3)),
         smooth("non_manifold", 3),
-        local("sheet", 6),
+        open(),
         local("pieces", 6),
         smooth("components", 2),
         star(smooth("far", 3)),
         star(smooth("far_8", 3)),
-        smooth("tiny", 3),
+        tiny(),
         smooth("sizes", 3),
         touching(),
         star(smooth("icosphere", 3)),
@@ -78,6 +78,24 @@ fn meshes() -> Vec<HardCase> {
     let (basis, _) = elastic_basis(&cube, &options, &Silent, &mut Vec::new()).expect("modes");
     all.push(star(case("cube", cube, basis)));
     all
+}
+
+/// Half of a ball, with a ragged border.
+fn open() -> HardCase {
+    let mut mesh = fixture("icosphere");
+    mesh.triangles.truncate(640);
+    let basis = bake::local_basis(&mesh, 6, 5);
+    case("open", mesh, basis)
+}
+
+/// A ball of a micrometre, if the unit is metres: in some places of the list all of it is one point.
+fn tiny() -> HardCase {
+    let mut mesh = fixture("duplicates");
+    for p in &mut mesh.positions {
+        *p = p.map(|x| 1e-6 * x);
+    }
+    let basis = bake::smooth_basis(&mesh, 3, 5);
+    case("1e-6 large", mesh, basis)
 }
 
 /// A basis of fields given by the position.

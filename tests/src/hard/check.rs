@@ -170,8 +170,8 @@ pub fn check_pairs_of(
     // What brute force and query have to do with each other at least.
     let step = match oracle::pair(&body, &body, 0.0).len() {
         _ if is_long => 1,
-        ..=1000 => 2,
-        ..=6000 => 7,
+        0..=1000 => 2,
+        1001..=6000 => 7,
         _ => 24,
     };
     let other = poses::random_q(asset, 0.1, &mut poses::rng(3));

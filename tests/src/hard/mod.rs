@@ -49,7 +49,7 @@ impl HardCase {
         let each = |f: &dyn Fn(usize) -> f32| (0..modes.len()).map(f).collect::<Vec<f32>>();
         let limit = |j: usize| modes[j].q_limit.get();
         let range = |j: usize| modes[j].q_range.get();
-        let sign = |j: usize| if j % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |j: usize| if j.is_multiple_of(2) { 1.0 } else { -1.0 };
         let mut all = vec![each(&|_| 0.0)];
         if modes.is_empty() {
             return all;
