@@ -9,6 +9,7 @@ mod bounds;
 mod broad;
 mod depth;
 mod face;
+mod hard_cases;
 mod kernel;
 mod open;
 mod scene;
@@ -45,6 +46,8 @@ enum Command {
     Face(face::Arguments),
     /// How a ball query grows with the mesh at the same number of contacts
     Growth(workloads::growth::Arguments),
+    /// Hard rigid meshes: rays that slip through, distances that are off (feature `peers` for others)
+    HardCases(hard_cases::Arguments),
     /// The node kernel alone, beside the machine's limit
     Kernel(kernel::Arguments),
     /// Opening a large file by mapping it
@@ -64,6 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Command::Curves(arguments) => workloads::curves::run(&arguments),
         Command::Face(arguments) => face::run(&arguments),
         Command::Growth(arguments) => workloads::growth::run(&arguments),
+        Command::HardCases(arguments) => hard_cases::run(&arguments),
         Command::Kernel(arguments) => kernel::run(&arguments),
         Command::Open(arguments) => open::run(&arguments),
         Command::Workloads(arguments) => workloads::run(&arguments),
