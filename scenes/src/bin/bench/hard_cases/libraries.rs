@@ -9,9 +9,9 @@ use bdtree_runtime::{AlignedBytes, Asset, Pose, StackEntry, Transform, query};
 /// A mesh as it is given, and rounded for those who take f32.
 pub(super) struct Given {
     pub(super) mesh: RawMesh,
-    /// Three corners per triangle, and a fourth number that tinybvh wants.
+    /// Three corners per triangle.
     #[cfg(feature = "peers")]
-    soup: Vec<[f32; 4]>,
+    soup: Vec<[f32; 3]>,
 }
 
 impl Given {
@@ -26,11 +26,10 @@ impl Given {
 
 /// The corners of all triangles; of one that has none, nothing is taken.
 #[cfg(feature = "peers")]
-fn soup(mesh: &RawMesh) -> Vec<[f32; 4]> {
+fn soup(mesh: &RawMesh) -> Vec<[f32; 3]> {
     let corner = |v: &u32| mesh.positions.get(*v as usize);
     let corners = mesh.triangles.as_flattened().iter().filter_map(corner);
-    let four = |p: &[f64; 3]| [p[0] as f32, p[1] as f32, p[2] as f32, 0.0];
-    corners.map(four).collect()
+    corners.map(|p| p.map(|x| x as f32)).collect()
 }
 
 /// A mesh in a library.
@@ -69,12 +68,6 @@ pub(super) fn entries() -> Vec<Entry> {
             name: "obvhs",
             precision: "f32",
             build: |given| Ok(Box::new(peers::Obvhs::new(given))),
-        },
-        #[cfg(feature = "peers")]
-        Entry {
-            name: "tinybvh",
-            precision: "f32",
-            build: |given| Ok(Box::new(peers::TinyBvh::new(given)?)),
         },
     ]
 }
@@ -134,7 +127,6 @@ mod peers {
     use parry3d::math::Vector;
     use parry3d::query::{PointQuery, Ray, RayCast};
     use parry3d::shape::TriMesh;
-    use tinybvh_rs::{INFINITE, Intersector, bvh};
 
     use super::{Given, Library};
 
@@ -170,7 +162,7 @@ mod peers {
         pub(super) fn new(given: &Given) -> Self {
             let triangles: Vec<Triangle> = (given.soup.as_chunks::<3>().0.iter())
                 .map(|corners| {
-                    let [v0, v1, v2] = corners.map(|[x, y, z, _]| Vec3A::new(x, y, z));
+                    let [v0, v1, v2] = corners.map(Vec3A::from_array);
                     Triangle { v0, v1, v2 }
                 })
                 .collect();
@@ -194,33 +186,6 @@ mod peers {
             self.tree
                 .ray_traverse(ray, &mut hit, |ray, i| triangles[i].intersect(ray));
             hit.t.is_finite().then_some(f64::from(hit.t))
-        }
-
-        fn closest(&mut self, _: [f64; 3]) -> Option<f64> {
-            None
-        }
-    }
-
-    pub(super) struct TinyBvh<'g>(bvh::BVH<'g>);
-
-    impl<'g> TinyBvh<'g> {
-        pub(super) fn new(given: &'g Given) -> Result<Self, String> {
-            let tree = bvh::BVH::new(given.soup.as_slice().into());
-            tree.map(Self).map_err(|e| format!("{e:?}"))
-        }
-    }
-
-    impl Library for TinyBvh<'_> {
-        fn ray(&mut self, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
-            let mut ray = tinybvh_rs::Ray::new(origin, direction);
-            let length = direction
-                .iter()
-                .map(|x| f64::from(*x).powi(2))
-                .sum::<f64>()
-                .sqrt();
-            self.0.intersect(&mut ray);
-            // The library scales directions to length 1.
-            (ray.hit.t < INFINITE).then_some(f64::from(ray.hit.t) / length)
         }
 
         fn closest(&mut self, _: [f64; 3]) -> Option<f64> {

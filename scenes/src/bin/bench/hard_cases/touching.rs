@@ -54,7 +54,7 @@ pub(super) fn report() -> Result<(), Box<dyn Error>> {
     println!(
         "\nfixture touching, pairs of triangles whose boxes touch: {touching} touch, of which parry3d's \
          intersection_test misses {missed}; {apart} do not, of which it reports {wrong}. The product's test is \
-         exact. obvhs and tinybvh have no such test."
+         exact. obvhs has no such test."
     );
     Ok(())
 }
