@@ -1,6 +1,7 @@
 //! What the tests of the workspace share: the corpus, oracles, poses, damaged files and the
 //! generators of fixtures.
 
+pub mod ask;
 pub mod bake;
 pub mod body;
 pub mod collisions;
@@ -13,6 +14,9 @@ pub mod flush;
 pub mod gltf_twin;
 pub mod golden;
 pub mod hard;
+pub mod hostile;
+pub mod judge;
+pub mod lanes;
 pub mod mutate;
 pub mod near;
 pub mod oracle;

@@ -42,6 +42,7 @@ pub(super) fn one<V: Visitor>(
         stopped: true,
     };
     let mut keys: Row = [0.0; LANES];
+    let mut triangles_left = asset.triangle_count() as u64;
     stack[0] = StackEntry {
         key: f32::NEG_INFINITY,
         ..StackEntry::default()
@@ -68,7 +69,9 @@ pub(super) fn one<V: Visitor>(
                 continue;
             }
             if node.leaf_mask & (1 << lane) != 0 {
-                for record in asset.leaf(lane_subtree(node, lane))? {
+                let leaf = lane_subtree(node, lane);
+                triangles_left = asset.fewer_triangles(triangles_left, leaf)?;
+                for record in asset.leaf(leaf)? {
                     let corners = asset.deformed_triangle(pose, record)?;
                     if visitor.triangle(TriangleId(record.id), &corners).is_break() {
                         return Ok(walk);

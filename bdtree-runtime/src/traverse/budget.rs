@@ -137,6 +137,7 @@ impl<V: Guided> Work for BudgetedOne<'_, '_, '_, V> {
             stopped: false,
         };
         let visits_max = asset.node_count() as u64;
+        let mut triangles_left = asset.triangle_count() as u64;
         let mut keys: Row = [0.0; LANES];
         let mut found = [SearchEntry::default(); LANES];
         queue.put(&[SearchEntry::node(0, f32::NEG_INFINITY)]);
@@ -173,6 +174,7 @@ impl<V: Guided> Work for BudgetedOne<'_, '_, '_, V> {
                     kept += 1;
                     continue;
                 }
+                triangles_left = asset.fewer_triangles(triangles_left, child.a)?;
                 *settled += u64::from(child.a.triangles);
                 if child.key > visitor.bound() {
                     continue;

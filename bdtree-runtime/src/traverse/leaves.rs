@@ -8,7 +8,7 @@ use super::Subtree;
 use super::one::Visitor;
 use crate::cache::{CHUNK, LeafChunk, Posed, deform};
 use crate::contact::TriangleId;
-use crate::error::QueryError;
+use crate::error::{Datum, FormatError, QueryError};
 use crate::frame::Frame;
 use crate::narrow::Triangle;
 use crate::pose::Pose;
@@ -71,12 +71,16 @@ pub(super) struct Leaves {
     fresh: Fresh,
     /// Those that were not rejected.
     near: Near,
+    /// Triangles that the leaves to come may hold: in a sound tree no two share any.
+    left: u64,
 }
 
 impl Leaves {
+    /// For one walk of an asset.
     #[inline(always)]
-    pub(super) fn new() -> Self {
+    pub(super) fn new(asset: &Asset<'_>) -> Self {
         Self {
+            left: asset.triangle_count() as u64,
             spare: LeafChunk::EMPTY,
             fresh: Fresh::EMPTY,
             near: Near::default(),
@@ -93,6 +97,7 @@ impl Leaves {
         visitor: &mut V,
     ) -> Result<ControlFlow<()>, QueryError> {
         let pose = posed.pose;
+        self.left = asset.fewer_triangles(self.left, leaf)?;
         let records = asset.leaf(leaf)?;
         if V::IN_FOURS && !posed.keeps_leaves() {
             for record in records {
@@ -271,6 +276,30 @@ impl<'a> Asset<'a> {
                     .out_of_range(SectionKind::TRIANGLES, end, len, 16)
                     .into())
             }
+        }
+    }
+
+    /// What is left of `left` triangles behind a leaf.
+    ///
+    /// # Errors
+    /// More than there are: leaves share triangles.
+    #[inline(always)]
+    pub(super) fn fewer_triangles(&self, left: u64, leaf: Subtree) -> Result<u64, FormatError> {
+        match left.checked_sub(u64::from(leaf.triangles)) {
+            Some(left) => Ok(left),
+            None => Err(self.shared_triangles()),
+        }
+    }
+
+    /// The error for a traversal that meets more triangles than there are.
+    #[cold]
+    fn shared_triangles(&self) -> FormatError {
+        FormatError {
+            section: SectionKind::NODES,
+            byte: self.section_offset(SectionKind::NODES),
+            rule: "SPEC 6.8: every triangle is in one leaf lane",
+            expected: Datum::Integer(self.triangle_count() as u64),
+            found: Datum::Text("more triangles: leaves share them"),
         }
     }
 

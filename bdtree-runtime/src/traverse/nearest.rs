@@ -29,7 +29,7 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
     let mut walk = Walk::default();
     let visits_max = asset.node_count() as u64;
     let mut keys: [Row; TOGETHER] = [[0.0; LANES]; TOGETHER];
-    let mut leaves = Leaves::new();
+    let mut leaves = Leaves::new(asset);
     stack[0] = StackEntry {
         key: f32::NEG_INFINITY,
         ..StackEntry::default()

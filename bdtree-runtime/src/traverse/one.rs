@@ -147,7 +147,7 @@ fn in_lane_order<L: Lanes, V: Visitor>(
     let mut walk = Walk::default();
     let visits_max = asset.node_count() as u64;
     let mut keys: Row = [0.0; LANES];
-    let mut leaves = Leaves::new();
+    let mut leaves = Leaves::new(asset);
     stack[0] = StackEntry::default();
     let mut len = 1;
     while len > 0 {

@@ -1,106 +1,21 @@
-//! Damaged files: changed records under repaired checksums, so that damage reaches the code
-//! behind the checks.
+//! Records set to values that hurt, wherever they stand: indices, counts, masks, numbers.
 
 use std::mem::{offset_of, size_of};
-use std::ops::Range;
 
 use bdtree_format::{
-    GroupRecord, Header, ModeRecord, NodeRecord, SectionKind, SectionRecord, TriangleRecord,
-    VertexModes,
+    GroupRecord, Header, LANES, NodeRecord, ROWS_LEADING, ROWS_PER_PAIR, Row, SectionKind,
+    SectionRecord, TriangleRecord, VertexModes, pair_count, pair_row,
 };
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-/// A little-endian u32; 0 beyond the end.
-pub fn get_u32(bytes: &[u8], at: usize) -> u32 {
-    let four = bytes.get(at..at + 4).and_then(|b| b.try_into().ok());
-    u32::from_le_bytes(four.unwrap_or_default())
-}
+use super::{get_u32, pick, place, put, table};
 
-/// A little-endian f32; 0 beyond the end.
-pub fn get_f32(bytes: &[u8], at: usize) -> f32 {
-    f32::from_bits(get_u32(bytes, at))
-}
-
-/// Writes what fits.
-pub fn put(bytes: &mut [u8], at: usize, value: &[u8]) {
-    if let Some(place) = bytes.get_mut(at..at + value.len()) {
-        place.copy_from_slice(value);
-    }
-}
-
-/// Start of the section table.
-pub fn table(bytes: &[u8]) -> usize {
-    let modes = get_u32(bytes, offset_of!(Header, mode_count)) as usize;
-    size_of::<Header>() + modes.min(512) * size_of::<ModeRecord>()
-}
-
-/// Start of a section's record in the table.
-///
-/// # Panics
-/// When the file has no such section.
-pub fn record(bytes: &[u8], kind: SectionKind) -> usize {
-    let count = get_u32(bytes, offset_of!(Header, section_count)) as usize;
-    (0..count)
-        .map(|i| table(bytes) + i * size_of::<SectionRecord>())
-        .find(|at| bytes[*at..*at + 4] == kind.0)
-        .unwrap_or_else(|| panic!("no section {kind}"))
-}
-
-/// The bytes of a section.
-///
-/// # Panics
-/// When the file has no such section.
-pub fn section(bytes: &[u8], kind: SectionKind) -> Range<usize> {
-    let (start, length) = place(bytes, record(bytes, kind));
-    start..start + length
-}
-
-/// Offset and length in a section record.
-fn place(bytes: &[u8], at: usize) -> (usize, usize) {
-    let long = |at: usize| u64::from(get_u32(bytes, at)) | u64::from(get_u32(bytes, at + 4)) << 32;
-    let start = long(at + offset_of!(SectionRecord, offset));
-    let length = long(at + offset_of!(SectionRecord, length));
-    (start as usize, length as usize)
-}
-
-fn crc(parts: &[&[u8]]) -> [u8; 4] {
-    let mut crc = flate2::Crc::new();
-    parts.iter().for_each(|p| crc.update(p));
-    crc.sum().to_le_bytes()
-}
-
-/// Writes the checksums of all sections that lie inside the file, and of the header block.
-pub fn repair(bytes: &mut [u8]) {
-    let count = get_u32(bytes, offset_of!(Header, section_count)).min(64) as usize;
-    for i in 0..count {
-        let at = table(bytes) + i * size_of::<SectionRecord>();
-        let (start, length) = place(bytes, at);
-        if let Some(body) = bytes.get(start..start.saturating_add(length)) {
-            let sum = crc(&[body]);
-            put(bytes, at + offset_of!(SectionRecord, crc), &sum);
-        }
-    }
-    let at = offset_of!(Header, header_crc);
-    let end = get_u32(bytes, offset_of!(Header, header_bytes)) as usize;
-    if let Some(block) = bytes.get(..end)
-        && end > at + 4
-    {
-        let sum = crc(&[&block[..at], &[0; 4], &block[at + 4..]]);
-        put(bytes, at, &sum);
-    }
-}
-
-/// Changes one to three records and repairs the checksums.
-pub fn mutate(bytes: &mut [u8], rng: &mut Pcg64Mcg) {
+/// Changes one to three records.
+pub(super) fn change_some(bytes: &mut [u8], rng: &mut Pcg64Mcg) {
     for _ in 0..rng.random_range(1..=3) {
         change(bytes, rng);
     }
-    repair(bytes);
-}
-
-fn pick<T: Copy>(choices: &[T], rng: &mut Pcg64Mcg) -> T {
-    choices[rng.random_range(0..choices.len())]
 }
 
 /// An index that hurts: around `own`, around `count`, or extreme.
@@ -188,16 +103,7 @@ fn change(bytes: &mut [u8], rng: &mut Pcg64Mcg) {
             let (i, count, at) = element(size_of::<NodeRecord>(), rng);
             change_node(bytes, at, i, count, rng);
         }
-        SectionKind::ROWS if rng.random_range(0..2) == 0 => {
-            // A number in 16 bits, or a row of them.
-            let (_, _, at) = element(2, rng);
-            let value = pick(&[0, 1, 0x7fff, 0x8000, 0xffff_u16], rng).to_le_bytes();
-            for k in 0..pick(&[1, 8], rng) {
-                if at + 2 * k < start + length {
-                    put(bytes, at + 2 * k, &value);
-                }
-            }
-        }
+        SectionKind::ROWS if rng.random_range(0..3) > 0 => change_row(bytes, start, rng),
         SectionKind::FRAMES => {
             let (_, _, at) = element(8, rng);
             put(bytes, at, &f64::from(real(rng)).to_le_bytes());
@@ -242,6 +148,43 @@ fn change(bytes: &mut [u8], rng: &mut Pcg64Mcg) {
     }
 }
 
+/// A whole row of some node, or one lane of it, to a value that hurts where it stands.
+fn change_row(bytes: &mut [u8], rows: usize, rng: &mut Pcg64Mcg) {
+    let count = get_u32(bytes, offset_of!(Header, node_count)) as usize;
+    let nodes = place(bytes, table(bytes)).0; // NODE is the first section
+    let node = nodes.saturating_add(size_of::<NodeRecord>() * rng.random_range(0..count.max(1)));
+    let row_start = get_u32(
+        bytes,
+        node.saturating_add(offset_of!(NodeRecord, row_start)),
+    );
+    let modes = get_u32(
+        bytes,
+        node.saturating_add(offset_of!(NodeRecord, mode_count)),
+    ) as u16;
+    let pairs = pair_count(usize::from(modes));
+    let row = match rng.random_range(0..4) {
+        0 => rng.random_range(0..ROWS_LEADING),
+        1 => pair_row(pairs) + rng.random_range(0..2),
+        _ => ROWS_LEADING + rng.random_range(0..(ROWS_PER_PAIR * pairs).max(1)),
+    };
+    let at = rows.saturating_add((row_start as usize).saturating_add(row) * size_of::<Row>());
+    let in_pairs = (ROWS_LEADING..pair_row(pairs)).contains(&row);
+    let all = rng.random_bool(0.5);
+    let lane = rng.random_range(0..LANES);
+    for k in (0..LANES).filter(|k| all || *k == lane) {
+        if in_pairs {
+            let value = pick(&[0, 1, 0x7fff, 0x8000, 0x8001, 0xffff_u16], rng);
+            put(
+                bytes,
+                at + 4 * k + 2 * rng.random_range(0..2),
+                &value.to_le_bytes(),
+            );
+        } else {
+            put(bytes, at + 4 * k, &real(rng).to_le_bytes());
+        }
+    }
+}
+
 fn change_node(bytes: &mut [u8], at: usize, i: usize, count: usize, rng: &mut Pcg64Mcg) {
     let value = index(i, count, rng);
     match rng.random_range(0..10) {
@@ -259,8 +202,9 @@ fn change_node(bytes: &mut [u8], at: usize, i: usize, count: usize, rng: &mut Pc
         }
         8 => {
             let which = rng.random_range(0..3);
-            let exponent = pick(&[0, 1, 0x7f, 0x80, 0x82, 0xff], rng);
-            bytes[at + offset_of!(NodeRecord, scale_exponents) + which] = exponent;
+            let at = at + offset_of!(NodeRecord, scale_exponents) + which;
+            let exponent = pick(&[0, 1, 0x7f, 0x80, 0x82, 0xff, bytes[at] ^ 1], rng);
+            bytes[at] = exponent;
         }
         _ => bytes[at + offset_of!(NodeRecord, level)] = value as u8,
     }
@@ -270,14 +214,38 @@ fn change_node(bytes: &mut [u8], at: usize, i: usize, count: usize, rng: &mut Pc
 fn change_elsewhere(bytes: &mut [u8], which: usize, rng: &mut Pcg64Mcg) {
     let count = get_u32(bytes, offset_of!(Header, node_count)) as usize;
     match which {
-        0 => {
-            let field = 4 * rng.random_range(2..24);
-            put(bytes, field, &index(field, count, rng).to_le_bytes());
-        }
+        0 => match rng.random_range(0..4) {
+            // What may stand there, and hardly ever does.
+            0 => {
+                let exponent = pick(&[-100, -99, -10, 10, 99, 100_i32], rng);
+                put(
+                    bytes,
+                    offset_of!(Header, unit_exponent),
+                    &exponent.to_le_bytes(),
+                );
+            }
+            1 => {
+                let x = pick(&[0.0, 1.0, -1e10, 1e17, (1_u128 << 80) as f64], rng);
+                let at = offset_of!(Header, origin) + 8 * rng.random_range(0..3);
+                put(bytes, at, &x.to_le_bytes());
+            }
+            _ => {
+                let field = 4 * rng.random_range(2..24);
+                put(bytes, field, &index(field, count, rng).to_le_bytes());
+            }
+        },
         1 => {
             let start = size_of::<Header>();
             let field = start + 4 * rng.random_range(0..(table(bytes) - start).max(32) / 4);
-            put(bytes, field, &real(rng).to_le_bytes());
+            match rng.random_range(0..3) {
+                0 => put(bytes, field, &real(rng).to_le_bytes()),
+                // Limits that are limits, and what no sane writer would choose.
+                1 => {
+                    let power = pick(&[1, 2, 64, 126, 127, 128, 129, 200, 253, 254_u32], rng) << 23;
+                    put(bytes, field, &power.to_le_bytes());
+                }
+                _ => put(bytes, field & !7, &f64::from(real(rng)).to_le_bytes()),
+            }
         }
         2 => {
             let sections = get_u32(bytes, offset_of!(Header, section_count)).clamp(1, 64) as usize;
@@ -293,7 +261,7 @@ fn change_all_nodes(bytes: &mut [u8], count: usize, rng: &mut Pcg64Mcg) {
     let depth = pick(&[1_u32, 2, 3, 31, 32], rng).to_le_bytes();
     put(bytes, offset_of!(Header, depth), &depth);
     let count_max = bytes.len() / size_of::<NodeRecord>();
-    let start = place(bytes, table(bytes)).0; // NODE is the first section
+    let start = place(bytes, table(bytes)).0; // as above
     let ahead = pick(&[0_usize, 1, 1, 2, 8], rng);
     let mask = pick(&[1_u8, 3, 0xff], rng);
     for i in 0..count.min(count_max) {
