@@ -19,9 +19,12 @@ impl MappedFile {
     /// Maps a file.
     ///
     /// The file must not be changed or truncated while it is mapped: other programs that do so
-    /// are outside the promise of this crate (the bytes would change under the readers, and
-    /// reading behind a new end is a bus error). Files that others may change are read with
-    /// [`crate::AlignedBytes::read`] instead.
+    /// are outside the promise of this crate. Bytes that change under the readers make answers of any kind,
+    /// or [`QueryError::Corrupt`](crate::QueryError::Corrupt), and to the language are a data race; reading
+    /// behind a new end is a bus error (SIGBUS), which ends the program. Neither `verify` nor checksums
+    /// help, since they say what the bytes were. Replacing a file by renaming another over it, as
+    /// `bdtree-build` does, is safe: the map keeps the old one. Files that others may change are read with
+    /// [`AlignedBytes::read`](crate::AlignedBytes::read) instead: a copy that nobody else holds.
     ///
     /// # Errors
     /// When it cannot be opened or mapped; an empty file cannot.

@@ -6,7 +6,9 @@ use std::mem::offset_of;
 use std::time::{Duration, Instant};
 
 use bdtree_format::{Header, SectionKind, SectionRecord};
-use bdtree_runtime::{AlignedBytes, Asset, MappedFile, include_bdt};
+use bdtree_runtime::{
+    AlignedBytes, Asset, MappedFile, Pose, StackEntry, Transform, include_bdt, query,
+};
 use bdtree_tests::resident::mapped_bytes;
 use bdtree_tests::{golden, mutate};
 
@@ -24,6 +26,51 @@ fn all_doors_lead_to_the_same_asset() {
         assert_eq!(asset.triangle_count(), 192);
     }
     assert!(MappedFile::open(golden::folder().join("missing.bdt")).is_err());
+}
+
+/// What a copy, and a map of a file that is replaced by its name, hold against what others do to the
+/// file; a map of the changed file itself promises nothing.
+#[test]
+fn a_copy_does_not_change_with_its_file() {
+    let sound = std::fs::read(golden::folder().join("sphere.bdt")).expect("a golden file");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("shared.bdt");
+    std::fs::write(&path, &sound).expect("written");
+    let copy = AlignedBytes::read(&path).expect("read");
+    let asset = Asset::open(&copy).expect("open");
+    let ask = |asset: &Asset<'_>| {
+        assert!(asset.verify(&mut |_| std::ops::ControlFlow::Break(())));
+        let mut memory = vec![0.0; asset.pose_len()];
+        let q = vec![0.25; asset.mode_count()];
+        let pose = Pose::new(asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
+        let mut stack = vec![StackEntry::default(); asset.stack_len()];
+        let to = [0.9, 0.3, 0.2];
+        query::closest(asset, &pose, to, f64::INFINITY, &mut stack).expect("an answer")
+    };
+    let answer = ask(&asset);
+    assert!(answer.hit.is_some());
+
+    // Another file takes the name: the map keeps the one that it was made of.
+    let mapped = MappedFile::open(&path).expect("mapped");
+    let other = folder.path().join("other.bdt");
+    std::fs::write(&other, vec![0xff; sound.len()]).expect("written");
+    if cfg!(unix) {
+        std::fs::rename(&other, &path).expect("renamed");
+        assert!(*mapped == *sound);
+        assert_eq!(ask(&Asset::open(&mapped).expect("open")), answer);
+    }
+    drop(mapped);
+
+    // Overwritten in place, truncated, deleted.
+    let file = OpenOptions::new().write(true).open(&path).expect("open");
+    for length in [sound.len(), 100, 0] {
+        std::fs::write(&path, vec![0xee; length]).expect("written");
+        file.set_len(length as u64).expect("truncated");
+        assert!(*copy == *sound);
+        assert_eq!(ask(&asset), answer);
+    }
+    std::fs::remove_file(&path).expect("deleted");
+    assert_eq!(ask(&asset), answer);
 }
 
 #[test]

@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""Licences and origins of what is linked: every dependency has an allowed licence and comes from
+crates.io, and Cargo.lock is committed, complete and current. Needs no network and no other tool."""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tomllib
+
+CRATES_IO = "registry+https://github.com/rust-lang/crates.io-index"
+# What is delivered: the format, the library, the builder, the command.
+SHIPPED = {"bdtree-format", "bdtree-runtime", "bdtree-build", "bdtree-tools"}
+# The same licences stand in deny.toml.
+ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "Unicode-3.0", "Zlib"}
+# In tests and benchmarks only.
+ALLOWED_BESIDES = {"ISC"}
+# The library itself links nothing but these; macros run when it is built.
+LIBRARY = {"bdtree-runtime", "bdtree-format"}
+ALLOWED_LIBRARY = {"MIT", "Apache-2.0"}
+
+
+def satisfied(expression, allowed):
+    """Whether an SPDX expression can be met with the allowed licences."""
+    tokens = re.findall(r"\(|\)|[^\s()]+", expression.replace("/", " OR "))
+    at = 0
+
+    def either():
+        nonlocal at
+        result = both()
+        while at < len(tokens) and tokens[at].upper() == "OR":
+            at += 1
+            result = both() or result
+        return result
+
+    def both():
+        nonlocal at
+        result = one()
+        while at < len(tokens) and tokens[at].upper() == "AND":
+            at += 1
+            result = one() and result
+        return result
+
+    def one():
+        nonlocal at
+        if at >= len(tokens):
+            raise ValueError(f"not an SPDX expression: {expression}")
+        token = tokens[at]
+        at += 1
+        if token == "(":
+            result = either()
+            if at >= len(tokens) or tokens[at] != ")":
+                raise ValueError(f"not an SPDX expression: {expression}")
+            at += 1
+            return result
+        if at + 1 < len(tokens) and tokens[at].upper() == "WITH":
+            token = f"{token} WITH {tokens[at + 1]}"
+            at += 2
+        return token in allowed
+
+    result = either()
+    if at != len(tokens):
+        raise ValueError(f"not an SPDX expression: {expression}")
+    return result
+
+
+def reached(nodes, roots, kinds, leave_out=frozenset()):
+    """Ids of all packages that the roots depend on, whatever the features and targets."""
+    found, left = set(), list(roots)
+    while left:
+        package = left.pop()
+        if package in found or package in leave_out:
+            continue
+        found.add(package)
+        for dependency in nodes[package]["deps"]:
+            if any(kind["kind"] in kinds for kind in dependency["dep_kinds"]):
+                left.append(dependency["pkg"])
+    return found
+
+
+def main():
+    wrong = []
+    tracked = subprocess.run(
+        ["git", "ls-files", "Cargo.lock"], capture_output=True, text=True, check=True
+    )
+    if tracked.stdout.strip() != "Cargo.lock":
+        wrong.append("Cargo.lock is not committed")
+    # --locked: fails where Cargo.lock is not what the manifests ask for.
+    metadata = subprocess.run(
+        ["cargo", "metadata", "--locked", "--all-features", "--format-version", "1"],
+        capture_output=True,
+        text=True,
+    )
+    if metadata.returncode:
+        sys.exit("cargo metadata --locked:\n" + metadata.stderr)
+    metadata = json.loads(metadata.stdout)
+    packages = {package["id"]: package for package in metadata["packages"]}
+    nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
+    members = {packages[id]["name"]: id for id in metadata["workspace_members"]}
+    macros = {
+        id
+        for id, package in packages.items()
+        if any("proc-macro" in target["kind"] for target in package["targets"])
+    }
+    shipped = reached(nodes, [members[name] for name in SHIPPED], {None, "build"})
+    library = reached(nodes, [members[name] for name in LIBRARY], {None}, macros)
+
+    lock = tomllib.loads(pathlib.Path("Cargo.lock").read_text(encoding="utf-8"))
+    for entry in lock["package"]:
+        if "source" in entry and "checksum" not in entry:
+            wrong.append(f"Cargo.lock: {entry['name']} {entry['version']} has no checksum")
+
+    counts = {"library": 0, "shipped": 0, "all": 0}
+    for id, package in packages.items():
+        name = f"{package['name']} {package['version']}"
+        if id in metadata["workspace_members"]:
+            continue
+        counts["all"] += 1
+        counts["shipped"] += id in shipped
+        counts["library"] += id in library
+        if package["source"] != CRATES_IO:
+            wrong.append(f"{name}: from {package['source'] or 'a path'}, not from crates.io")
+        allowed = ALLOWED if id in shipped else ALLOWED | ALLOWED_BESIDES
+        if id in library:
+            allowed = ALLOWED_LIBRARY
+        licence = package["license"]
+        if not licence:
+            wrong.append(f"{name}: states no licence")
+        elif not satisfied(licence, allowed):
+            wrong.append(f"{name}: licence {licence} is not one of those allowed")
+    if wrong:
+        sys.exit("\n".join(wrong))
+    print(
+        f"{counts['all']} packages, {counts['shipped']} of them in what is delivered and "
+        f"{counts['library']} in the library: licences allowed, all from crates.io; Cargo.lock is current"
+    )
+
+
+if __name__ == "__main__":
+    main()
