@@ -8,9 +8,14 @@ use std::sync::LazyLock;
 use std::time::Duration;
 
 use bdtree_format::{Header, NodeRecord, SectionKind, SectionRecord};
-use bdtree_runtime::{AlignedBytes, Asset};
+use bdtree_runtime::{
+    AlignedBytes, Asset, Contact, LeafSlot, NodeSlot, Pose, Posed, QueryError, SearchEntry,
+    StackEntry, StepCache, Transform, query,
+};
 use bdtree_tests::ask::{ask_everything, located, refused};
+use bdtree_tests::compare::kernels;
 use bdtree_tests::hostile::{Run, Sources};
+use bdtree_tests::sections::{put_together, take_apart};
 use bdtree_tests::{mutate, poses};
 use rand::RngExt;
 
@@ -245,6 +250,83 @@ fn a_node_that_is_its_own_child_is_found() {
         rules.iter().any(|r| r.contains("children stand behind")),
         "{rules:?}"
     );
+}
+
+/// Two nodes with the same leaf: each triangle is met twice, which no walk of one tree may do.
+#[test]
+fn leaves_that_share_triangles_end_a_walk() {
+    let sound = &SOURCES.small()[0].1;
+    let mut parts = take_apart(sound);
+    let nodes = parts.iter_mut().find(|p| p.kind() == SectionKind::NODES);
+    let nodes = &mut nodes.expect("nodes").body;
+    let root = nodes[..size_of::<NodeRecord>()].to_vec();
+    nodes.clear();
+    for (inner, leaf, child) in [(3_u8, 0_u8, 1_u32), (0, 1, 3), (0, 1, 3)] {
+        let mut node = root.clone();
+        mutate::put(
+            &mut node,
+            offset_of!(NodeRecord, first_child),
+            &child.to_le_bytes(),
+        );
+        mutate::put(&mut node, offset_of!(NodeRecord, first_slot), &[0; 4]);
+        node[offset_of!(NodeRecord, inner_mask)] = inner;
+        node[offset_of!(NodeRecord, leaf_mask)] = leaf;
+        // Of 48 triangles; twice 20 would not be too many.
+        let counts = [if leaf == 1 { 30 } else { 0 }, 0, 0, 0, 0, 0, 0, 0];
+        mutate::put(&mut node, offset_of!(NodeRecord, leaf_counts), &counts);
+        nodes.extend(node);
+    }
+    let mut bytes = put_together(sound, parts);
+    for (at, value) in [
+        (offset_of!(Header, node_count), 3_u32),
+        (offset_of!(Header, depth), 2),
+    ] {
+        mutate::put(&mut bytes, at, &value.to_le_bytes());
+    }
+    mutate::repair(&mut bytes);
+    let bytes = AlignedBytes::copy_of(&bytes);
+    for asset in kernels(Asset::open(&bytes).expect("open")) {
+        assert!(refused(&asset));
+        let pose = Pose::new(&asset, &[], Transform::IDENTITY, &mut []).expect("pose");
+        let mut stack = vec![StackEntry::default(); asset.stack_len()];
+        let mut cache = StepCache::new([NodeSlot::EMPTY; 4], [LeafSlot::EMPTY; 40]);
+        let mut cached = cache.start(&pose);
+        let mut queue = vec![SearchEntry::default(); 100];
+        let (at, far, stack) = ([0.0; 3], 100.0, &mut stack);
+        let mut found: Vec<Contact> = Vec::new();
+        let mut proxies = Vec::new();
+        let bounded = Posed::from(&pose).bounded(9, &mut proxies);
+        let answers = [
+            query::ball(&asset, &pose, at, far, stack, &mut found).err(),
+            query::ball(&asset, &mut cached, at, far, stack, &mut found).err(),
+            query::ball(&asset, bounded, at, far, stack, &mut found).err(),
+            query::plane(&asset, &pose, [1.0, 0.0, 0.0], far, stack, &mut found).err(),
+            query::capsule(&asset, &pose, at, [1.0; 3], far, stack, &mut found).err(),
+            query::cuboid(
+                &asset,
+                &pose,
+                at,
+                [0.0, 0.0, 0.0, 1.0],
+                [far; 3],
+                stack,
+                &mut found,
+            )
+            .err(),
+            query::Budget::new(u64::MAX, &mut queue)
+                .ball(&asset, &pose, at, far, &mut found)
+                .err(),
+        ];
+        for answer in answers {
+            let Some(QueryError::Corrupt(error)) = answer else {
+                panic!("{answer:?}");
+            };
+            assert!(
+                error.rule.contains("every triangle is in one leaf lane"),
+                "{error}"
+            );
+        }
+        assert!(found.len() <= 7 * 48);
+    }
 }
 
 /// Random bytes, and random bytes behind a sound header.

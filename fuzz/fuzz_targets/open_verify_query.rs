@@ -1,0 +1,35 @@
+//! Any bytes, as they are and with checksums that fit: opened, verified, asked everything.
+#![no_main]
+
+use bdtree_runtime::{AlignedBytes, Asset, include_bdt};
+use bdtree_tests::ask::{ask_everything, kernels, located, refused};
+use bdtree_tests::{mutate, poses};
+use libfuzzer_sys::fuzz_target;
+
+fn examine(bytes: &[u8]) {
+    let copy = AlignedBytes::copy_of(bytes);
+    let asset = match Asset::open(&copy) {
+        Ok(asset) => asset,
+        Err(error) => return located(&error),
+    };
+    let _ = refused(&asset);
+    let partner = include_bdt!("../../fixtures/golden/tetrahedron.bdt");
+    let partner = Asset::open(partner).expect("the partner opens");
+    // The file says what it is asked, so that a finding can be repeated.
+    let seed = u64::from(asset.header().header_crc.get());
+    let kernels = kernels();
+    let kernel = kernels[seed as usize % kernels.len()];
+    let asset = asset.with_kernel(kernel).expect("an available kernel");
+    let answers = ask_everything(&asset, &partner, &mut poses::rng(seed));
+    assert!(
+        refused(&asset) || answers.corrupt == 0,
+        "verify passed this file"
+    );
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    examine(bytes);
+    let mut repaired = bytes.to_vec();
+    mutate::repair(&mut repaired);
+    examine(&repaired);
+});
