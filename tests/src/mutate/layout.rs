@@ -204,9 +204,8 @@ fn resized(count: usize, share: f64) -> usize {
 }
 
 fn resize_body(body: &mut Vec<u8>, element: usize, share: f64) {
-    if element > 0 {
-        let elements = resized(body.len() / element, share);
-        grow(body, elements * element);
+    if let Some(elements) = body.len().checked_div(element) {
+        grow(body, resized(elements, share) * element);
     }
 }
 
