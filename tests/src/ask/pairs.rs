@@ -45,7 +45,7 @@ pub(super) fn ask(
         (a, b) = (b, a);
     }
     let size = query::root_sphere(partner, &other).map_or(1.0, |s| s.radius);
-    let tolerance = [0.0, 0.02 * size][rng.random_range(0..2)];
+    let tolerance = [0.0, 0.02 * size.min(1e28)][rng.random_range(0..2)];
     let mut asker = Asker {
         assets: [a.0, b.0],
         poses: [a.1, b.1],
@@ -217,7 +217,7 @@ impl Asker<'_, '_> {
         spheres.retain(fits);
         let mut slots = vec![GridSlot::EMPTY; broad::grid_slots(spheres.len())];
         let mut pairs: Vec<[u32; 2]> = Vec::new();
-        let found = broad::pairs(&spheres, self.tolerance.min(1e30), &mut slots, &mut pairs);
+        let found = broad::pairs(&spheres, self.tolerance, &mut slots, &mut pairs);
         self.answers.take(found);
         assert!(pairs.len() <= 1);
     }
