@@ -1,17 +1,20 @@
 //! Small files that ask for unbounded memory are refused, with their place, before it is taken.
 
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 
 use bdtree_build::basis::dropped::Keep;
 use bdtree_build::basis::elastic::Fix;
+use bdtree_build::basis::given::given_basis;
 use bdtree_build::basis::morph::morph_basis;
 use bdtree_build::basis::pca::{About, Modes, PcaOptions, pca_basis};
 use bdtree_build::basis::volume::{VolumeOptions, volume_modes};
 use bdtree_build::error::BakeError;
 use bdtree_build::input::gltf;
+use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
-use bdtree_build::input::volume::{RawVolume, parse_volume};
+use bdtree_build::input::volume::{RawVolume, parse_volume, read_volume};
 use bdtree_build::input::{RawMesh, RawMorphs, RawTarget};
 use bdtree_build::progress::Silent;
 use bdtree_tests::fixtures::fields::npy_with;
@@ -41,6 +44,49 @@ fn frames_without_vertices_are_refused() {
     let open = |path: &Path| FrameSequence::open(path, None, Some(30.0), &Silent);
     assert_says(open(&pc2), &["a.pc2", "2147483647 frames of 0 points"]);
     assert_says(open(&npy), &["a.npy", "1000000000000 frames of 0 points"]);
+}
+
+/// The products of all pairs of 100 000 fields would take 80 GB: dependent fields are not searched.
+#[test]
+fn many_fields_of_one_vertex_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("u.npy");
+    let data = std::iter::repeat_n(1.0_f32.to_le_bytes(), 300_000).flatten();
+    fs::write(&path, npy_with("<f4", false, "1, 3, 100000", data)).expect("writable");
+    let given = given_basis(&path, None, None, 1).expect("sound");
+    assert_eq!(given.basis.mode_count(), 100_000);
+    assert_eq!(given.warnings, [""; 0]);
+    // No vertices, and no data for any number of fields.
+    for shape in ["0, 3, 1000000000000000000", "1000000000000000000, 0, 3"] {
+        fs::write(&path, npy_with("<f4", false, shape, [])).expect("writable");
+        let result = given_basis(&path, None, None, 0);
+        assert_says(result, &["u.npy: shape", "for a mesh without vertices"]);
+    }
+}
+
+/// 80 MiB of text in 80 kB of gzip: what is decompressed is bounded, whatever asks for it.
+#[test]
+fn compressed_files_are_bounded() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, line: &[u8], lines: usize| {
+        let path = folder.path().join(name);
+        let out = fs::File::create(&path).expect("writable");
+        let mut gzip = flate2::write::GzEncoder::new(out, flate2::Compression::best());
+        let block = line.repeat(1 << 15);
+        for _ in 0..lines >> 15 {
+            gzip.write_all(&block).expect("writable");
+        }
+        gzip.finish().expect("writable");
+        path
+    };
+    let most = "more than 64 MiB of text in";
+    let bomb = file("a.obj.gz", b"v 0 0 0\n", 10 << 20);
+    assert_says(read_mesh(&bomb), &["a.obj.gz: ", most, "bytes of gzip"]);
+    let bomb = file("a.veg.gz", b"# 5 7 9\n", 10 << 20);
+    assert_says(read_volume(&bomb), &["a.veg.gz: ", most, "bytes of gzip"]);
+    // Half of that is read, however well it was compressed.
+    let large = file("b.obj.gz", b"# comment 0 0 0\n", 2 << 20);
+    assert_says(read_mesh(&large), &["b.obj.gz: ", "no vertices"]);
 }
 
 #[test]

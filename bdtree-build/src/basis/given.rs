@@ -161,6 +161,8 @@ fn settle(
         .filter_map(|layout| Some((layout, layout.mode_count(shape, n)?)))
         .collect();
     match (fits.as_slice(), asked) {
+        // Without vertices an empty array fits, whatever number of fields it names.
+        _ if n == 0 => fail(format!("{shape:?} for a mesh without vertices")),
         ([(_, 0)], _) => fail(format!("{shape:?} holds no fields")),
         ([fit], _) => Ok(*fit),
         ([], Some(asked)) => fail(format!(

@@ -124,13 +124,20 @@ fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
     Err(BakeError::one("input", place, message))
 }
 
+/// Most bytes of text in a compressed file: this, or [`TEXT_PER_BYTE`] times the file's size where
+/// that is more. Meshes compress to a third or a tenth; a few kilobytes of zeros to gigabytes.
+const TEXT_BYTES: usize = 64 << 20;
+const TEXT_PER_BYTE: usize = 100;
+
 /// The text inside `bytes`: gunzipped (all members) when they begin like gzip, else as they are.
 pub(super) fn decompress<'a>(bytes: &'a [u8], place: &str) -> Result<Cow<'a, [u8]>, BakeError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(bytes));
     }
+    let most = TEXT_BYTES.max(TEXT_PER_BYTE.saturating_mul(bytes.len()));
     let mut text = Vec::new();
     MultiGzDecoder::new(bytes)
+        .take(most as u64 + 1)
         .read_to_end(&mut text)
         .map_err(|e| {
             BakeError::one(
@@ -142,5 +149,13 @@ pub(super) fn decompress<'a>(bytes: &'a [u8], place: &str) -> Result<Cow<'a, [u8
                 ),
             )
         })?;
+    if text.len() > most {
+        let message = format!(
+            "more than {} MiB of text in {} bytes of gzip: decompress it first",
+            most >> 20,
+            bytes.len()
+        );
+        return Err(BakeError::one("input", place, message));
+    }
     Ok(Cow::Owned(text))
 }

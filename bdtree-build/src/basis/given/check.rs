@@ -48,14 +48,15 @@ pub(super) fn non_finite(basis: &Basis, place: &str) -> Vec<Problem> {
 
 /// One warning per field that is zero or a combination of the fields before it.
 ///
-/// Every field is searched, by the Cholesky factor of `UᵀU`, unless N M² is beyond [`WORK_CAP`].
+/// Every field is searched, by the Cholesky factor of `UᵀU`, unless (3N + M) M² is beyond
+/// [`WORK_CAP`]: M may be far above 3N, and `UᵀU` has M² numbers.
 pub(super) fn oddities(basis: &Basis, place: &str) -> Vec<String> {
     let (n, m) = (3 * basis.vertex_count, basis.mode_count());
     let is_zero: Vec<bool> = (0..m)
         .map(|j| basis.field(j).as_flattened().iter().all(|&x| x == 0.0))
         .collect();
     let mut dependent = vec![false; m];
-    if (n as f64) * (m as f64) * (m as f64) <= WORK_CAP {
+    if (n + m) as f64 * (m as f64) * (m as f64) <= WORK_CAP {
         let u = MatRef::from_column_major_slice(basis.fields.as_flattened(), n, m);
         let gram = u.transpose() * u;
         dependent = dependent_columns(m, |a, b| gram[(a, b)]);
