@@ -1,5 +1,6 @@
 //! What can be wrong with a bake: every problem with its stage and place, not only the first.
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// One problem, and where it is.
@@ -14,13 +15,34 @@ pub struct Problem {
 }
 
 impl fmt::Display for Problem {
+    /// One line ([`one_line`]), whatever a file's names hold.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.place.is_empty() {
-            write!(f, "{}", self.message)
+            write!(f, "{}", one_line(&self.message))
         } else {
-            write!(f, "{}: {}", self.place, self.message)
+            write!(f, "{}: {}", one_line(&self.place), one_line(&self.message))
         }
     }
+}
+
+/// Characters at the start and at the end of long text that are shown.
+const SHOWN: (usize, usize) = (320, 80);
+
+/// Text that files have a part in, fit to be shown: control characters, which terminals obey and
+/// which end lines, are escaped; of long text the middle is left out.
+pub(crate) fn one_line(text: &str) -> Cow<'_, str> {
+    let count = text.chars().count();
+    let is_long = count > SHOWN.0 + SHOWN.1;
+    if !is_long && !text.chars().any(char::is_control) {
+        return Cow::Borrowed(text);
+    }
+    let shown = |(k, c): (usize, char)| match (is_long, k) {
+        (true, k) if k == SHOWN.0 => Some('…'.to_string()),
+        (true, k) if k > SHOWN.0 && k < count - SHOWN.1 => None,
+        _ if c.is_control() => Some(c.escape_default().to_string()),
+        _ => Some(c.to_string()),
+    };
+    Cow::Owned(text.chars().enumerate().filter_map(shown).collect())
 }
 
 /// Why a bake failed: one problem or more, in the order they were met.
@@ -56,3 +78,23 @@ impl fmt::Display for BakeError {
 }
 
 impl std::error::Error for BakeError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn problems_are_one_line_whatever_names_hold() {
+        let name = format!("red \u{1b}[31m\nsecond line{}", "x".repeat(5000));
+        let error = BakeError::one("input", "a\rb.glb", format!("{name} is not read"));
+        let text = error.to_string();
+        assert!(text.starts_with("a\\rb.glb: red \\u{1b}[31m\\nsecond linexxx"));
+        assert!(text.ends_with("xxx is not read"), "{text}");
+        assert!(
+            !text.chars().any(char::is_control) && text.len() < 500,
+            "{text}"
+        );
+        let plain = "ordinary: a text – as it is";
+        assert!(matches!(one_line(plain), Cow::Borrowed(text) if text == plain));
+    }
+}

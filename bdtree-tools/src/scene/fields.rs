@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 
 use super::json::Json;
+use crate::output::one_line;
 
 /// Largest magnitude of coordinates and lengths that queries take: 2^100.
 const ARGUMENT_MAX: f64 = (1_u128 << 100) as f64;
@@ -26,11 +27,12 @@ impl Problems {
 
     /// Notes a problem at a place, a path like `queries[2].ball`; the empty one is the whole.
     pub(super) fn add(&mut self, place: &str, message: impl Display) {
-        let source = &self.source;
+        let (source, message) = (&self.source, message.to_string());
+        let message = one_line(&message);
         self.lines.push(if place.is_empty() {
             format!("{source}: {message}")
         } else {
-            format!("{source}: {place}: {message}")
+            format!("{source}: {}: {message}", one_line(place))
         });
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use crate::error::{BakeError, Problem};
+use crate::error::{BakeError, Problem, one_line};
 
 /// Most problems that are listed one by one.
 const PROBLEM_CAP: usize = 100;
@@ -73,7 +73,8 @@ impl Notes {
     }
 
     pub(super) fn warn(&mut self, at: impl Display, message: impl Display) {
-        let place = self.place(at);
+        let (place, message) = (self.place(at), message.to_string());
+        let message = one_line(&message);
         self.warnings.push(format!("{place}: {message}"));
     }
 

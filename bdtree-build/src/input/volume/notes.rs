@@ -1,6 +1,6 @@
 //! What is said about a volume file: problems in file order up to a cap, and warnings.
 
-use crate::error::{BakeError, Problem};
+use crate::error::{BakeError, Problem, one_line};
 
 /// Most problems that are listed one by one.
 const PROBLEM_CAP: usize = 100;
@@ -58,7 +58,7 @@ impl<'a> Notes<'a> {
 
     /// Something odd at a line or byte; 0 stands for the file as a whole.
     pub(super) fn warn(&mut self, position: u64, message: &str) {
-        let place = self.place(position);
+        let (place, message) = (self.place(position), one_line(message));
         self.warnings.push(format!("{place}: {message}"));
     }
 
