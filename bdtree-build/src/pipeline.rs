@@ -8,10 +8,11 @@ use std::time::Instant;
 
 use bdtree_format::{BASE_ALIGNMENT, ErrorMetadata, LEAF_TRIANGLES_MAX, Metadata, ModeMetadata};
 use bdtree_runtime::{AlignedBytes, Asset};
+use tempfile::NamedTempFile;
 
 use crate::basis::{Basis, BasisError};
 use crate::encode::{Parts, encode};
-use crate::error::BakeError;
+use crate::error::{BakeError, one_line};
 use crate::input::RawMesh;
 use crate::progress::Progress;
 use crate::report::visits::{self, Visits};
@@ -99,7 +100,11 @@ pub fn bake(
         return Err(BakeError::one("tree", "leaf size", message));
     }
     let mut stages = Stages::new(progress);
-    let mut warnings = [mesh.warnings.as_slice(), warnings].concat();
+    let mut warnings: Vec<String> = [mesh.warnings.as_slice(), warnings]
+        .concat()
+        .iter()
+        .map(|warning| one_line(warning).into_owned())
+        .collect();
 
     stages.begin("store");
     let shape = wrap::store(mesh, basis, &mut warnings)?;
@@ -263,26 +268,52 @@ impl<'a> Stages<'a> {
 
 /// Writes a file so that `path` holds either what it held before or all of `bytes`: into a
 /// temporary file in the same folder, which then takes the name. Links are followed; a device or
-/// a pipe is written to and stays what it is.
+/// a pipe is written to and stays what it is. A process that is killed meanwhile leaves the
+/// temporary file, `.bdtree-*.tmp`.
 ///
 /// # Errors
 /// A folder that is missing or may not be written, a full disk.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
-    let fail = |what: &str, error: &std::io::Error| {
-        BakeError::one(
-            "file",
-            path.display().to_string(),
-            format!("{what}: {}", cause(error)),
-        )
-    };
-    if fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+    if is_special(path) {
         return fs::OpenOptions::new()
             .write(true)
             .open(path)
             .and_then(|mut device| device.write_all(bytes))
-            .map_err(|e| fail("cannot write", &e));
+            .map_err(|e| failed(path, "cannot write", &e));
     }
     let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
+    let mut file = temporary(path, &target)?;
+    file.write_all(bytes)
+        .and_then(|()| file.as_file().sync_all())
+        .map_err(|e| failed(path, "cannot write", &e))?;
+    file.persist(&target)
+        .map_err(|e| failed(path, "cannot put the finished file in place", &e.error))?;
+    Ok(())
+}
+
+/// Nothing, if [`write_atomically`] could begin now: told before a bake that takes minutes.
+///
+/// # Errors
+/// A path that is a folder, a folder that is missing or may not be written.
+pub fn check_writable(path: &Path) -> Result<(), BakeError> {
+    if path.is_dir() {
+        let place = path.display().to_string();
+        return Err(BakeError::one("file", place, "is a folder: name a file"));
+    }
+    if !is_special(path) {
+        let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
+        temporary(path, &target)?;
+    }
+    Ok(())
+}
+
+/// A device or a pipe.
+fn is_special(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir())
+}
+
+/// An empty file beside `target`, gone when it is dropped; `path` is what errors name.
+fn temporary(path: &Path, target: &Path) -> Result<NamedTempFile, BakeError> {
     let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -296,21 +327,22 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
         // temporary files.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder
+    builder
         .tempfile_in(folder)
-        .map_err(|e| fail("cannot create a file in this folder", &e))?;
-    file.write_all(bytes)
-        .and_then(|()| file.as_file().sync_all())
-        .map_err(|e| fail("cannot write", &e))?;
-    file.persist(&target)
-        .map_err(|e| fail("cannot put the finished file in place", &e.error))?;
-    Ok(())
+        .map_err(|e| failed(path, "cannot create a file in this folder", &e))
 }
 
-/// An error without the name of the temporary file, which says nothing to anyone.
+fn failed(path: &Path, what: &str, error: &std::io::Error) -> BakeError {
+    let message = format!("{what}: {}", cause(error));
+    BakeError::one("file", path.display().to_string(), message)
+}
+
+/// An error without the name of the temporary file, which says nothing to anyone. (`tempfile` puts
+/// it behind the system's text, and hides the system's error number.)
 fn cause(error: &std::io::Error) -> String {
-    match error.get_ref().and_then(std::error::Error::source) {
-        Some(source) => source.to_string(),
-        None => error.to_string(),
+    let text = error.to_string();
+    match text.split_once(" at path ") {
+        Some((cause, _)) => cause.to_string(),
+        None => text,
     }
 }

@@ -41,12 +41,12 @@ pub enum ToolError {
     #[error("{0}")]
     Usage(String),
     /// An output file could not be written.
-    #[error("{}: cannot write: {source}", path.display())]
+    #[error("{}: cannot write: {cause}", path.display())]
     Write {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: io::Error,
+        cause: String,
     },
     /// The output stream failed otherwise than by closing.
     #[error("standard output: {0}")]

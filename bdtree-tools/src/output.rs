@@ -53,8 +53,8 @@ impl Write for QuietPipe<'_> {
 }
 
 /// Writes a file through a temporary one beside it, renamed when complete: a failed or killed
-/// run leaves no half file. Links are followed; a device or a pipe is written to and stays what it
-/// is.
+/// run leaves no half file (a killed one the temporary file, `.bdtree-*.tmp`). Links are followed; a
+/// device or a pipe is written to and stays what it is.
 pub(crate) fn write_whole(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -71,6 +71,7 @@ pub(crate) fn write_whole(
             _ => Path::new("."),
         };
         let mut builder = tempfile::Builder::new();
+        builder.prefix(".bdtree-").suffix(".tmp");
         let permissions = permissions();
         if let Some(permissions) = permissions {
             builder.permissions(permissions);
@@ -80,13 +81,24 @@ pub(crate) fn write_whole(
         content(&mut writer)?;
         writer.flush()?;
         drop(writer);
+        file.as_file().sync_all()?;
         file.persist(&target).map_err(|e| e.error)?;
         Ok(())
     };
-    attempt().map_err(|source| ToolError::Write {
+    attempt().map_err(|error| ToolError::Write {
         path: path.to_path_buf(),
-        source,
+        cause: cause(&error),
     })
+}
+
+/// An error without the name of the temporary file, which says nothing to anyone. (`tempfile` puts
+/// it behind the system's text, and hides the system's error number.)
+fn cause(error: &io::Error) -> String {
+    let text = error.to_string();
+    match text.split_once(" at path ") {
+        Some((cause, _)) => cause.to_string(),
+        None => text,
+    }
 }
 
 /// Those of a file that a program creates, before the user's mask; temporary files have fewer.
@@ -99,6 +111,23 @@ fn permissions() -> Option<Permissions> {
 #[cfg(not(unix))]
 fn permissions() -> Option<Permissions> {
     None
+}
+
+/// Characters at the start and at the end of long text that are shown.
+const SHOWN: (usize, usize) = (320, 80);
+
+/// Text that files have a part in, fit to be shown: control characters, which terminals obey and
+/// which end lines, are escaped; of long text the middle is left out.
+pub(crate) fn one_line(text: &str) -> String {
+    let count = text.chars().count();
+    let is_long = count > SHOWN.0 + SHOWN.1;
+    let shown = |(k, c): (usize, char)| match (is_long, k) {
+        (true, k) if k == SHOWN.0 => Some('…'.to_string()),
+        (true, k) if k > SHOWN.0 && k < count - SHOWN.1 => None,
+        _ if c.is_control() => Some(c.escape_default().to_string()),
+        _ => Some(c.to_string()),
+    };
+    text.chars().enumerate().filter_map(shown).collect()
 }
 
 /// A number as the shortest text that reads back equal, with an exponent where digits would only

@@ -22,5 +22,6 @@ pub mod near;
 pub mod oracle;
 pub mod pair_caches;
 pub mod poses;
+pub mod processes;
 pub mod resident;
 pub mod sections;

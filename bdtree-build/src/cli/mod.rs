@@ -16,7 +16,9 @@ use std::time::Instant;
 use bdtree_build::basis::elastic::ElasticReport;
 use bdtree_build::basis::volume::VolumeReport;
 use bdtree_build::error::BakeError;
-use bdtree_build::pipeline::{BakeSettings, bake, default_leaf_size, write_atomically};
+use bdtree_build::pipeline::{
+    BakeSettings, bake, check_writable, default_leaf_size, write_atomically,
+};
 use bdtree_build::progress::Progress;
 use bdtree_build::report::BakeReport;
 use bdtree_format::MAGIC;
@@ -116,7 +118,8 @@ fn bake_file(arguments: &Arguments, progress: &dyn Progress) -> Result<Done, Bak
     })
 }
 
-/// Refuses an output that would overwrite what the bake reads, or what is no `.bdt` file.
+/// Refuses an output that would overwrite what the bake reads, or what is no `.bdt` file, and one
+/// that cannot be written.
 fn check_output(arguments: &Arguments, output: &Path) -> Result<(), BakeError> {
     let refuse = |message: &str| {
         let place = output.display().to_string();
@@ -134,7 +137,7 @@ fn check_output(arguments: &Arguments, output: &Path) -> Result<(), BakeError> {
         own.is_some_and(|own| own.eq_ignore_ascii_case(extension))
     };
     if has("bdt") {
-        return Ok(());
+        return check_writable(output);
     }
     // Buffers of a glTF file, frames, lists of vertices: whatever lies there is not ours.
     let mut start = [0; MAGIC.len()];
@@ -147,7 +150,7 @@ fn check_output(arguments: &Arguments, output: &Path) -> Result<(), BakeError> {
     if has("obj") && arguments.animation.as_deref().is_some_and(Path::is_dir) {
         return refuse("would become a frame: name the output .bdt");
     }
-    Ok(())
+    check_writable(output)
 }
 
 fn available_threads() -> usize {

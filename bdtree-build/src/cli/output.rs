@@ -3,7 +3,7 @@
 use bdtree_build::basis::elastic::ElasticReport;
 use bdtree_build::basis::volume::VolumeReport;
 use serde::Serialize;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 use super::Done;
@@ -92,7 +92,7 @@ impl From<&VolumeReport> for VolumeJson {
     }
 }
 
-/// Prints; a closed pipe is no error.
+/// Prints. A reader that closes the pipe is no error; a full disk is one, though the file is made.
 pub(super) fn print(done: &Done, json: bool, quiet: bool) -> ExitCode {
     if !quiet && !json {
         for warning in done.report.warnings.iter().take(WARNINGS_SHOWN) {
@@ -104,7 +104,7 @@ pub(super) fn print(done: &Done, json: bool, quiet: bool) -> ExitCode {
         }
     }
     let mut out = std::io::stdout().lock();
-    let _ = if json {
+    let printed = if json {
         let object = Json {
             output: done.output.display().to_string(),
             report: &done.report,
@@ -119,7 +119,13 @@ pub(super) fn print(done: &Done, json: bool, quiet: bool) -> ExitCode {
     } else {
         summary(done, &mut out)
     };
-    ExitCode::SUCCESS
+    match printed.and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            eprintln!("bdtree-build: standard output: {error}");
+            ExitCode::from(1)
+        }
+        _ => ExitCode::SUCCESS,
+    }
 }
 
 fn summary(done: &Done, out: &mut impl Write) -> std::io::Result<()> {

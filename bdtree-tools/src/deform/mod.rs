@@ -34,6 +34,13 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
             }
         }),
     };
+    if let Some((path, _)) = target {
+        let both = (path.canonicalize(), arguments.file.canonicalize());
+        if matches!(both, (Ok(to), Ok(from)) if to == from) {
+            let message = "is the input: it would be overwritten";
+            return Err(ToolError::input(path.display(), message));
+        }
+    }
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;
     let (q, transform) = shown(arguments, &file, &asset)?;

@@ -13,3 +13,5 @@ mod shapes;
 mod support;
 mod usage;
 mod verify;
+#[cfg(target_os = "linux")]
+mod writing;
