@@ -104,8 +104,8 @@ fn check_all(posed: &[Posed<'_>], seed: u64, rounds: usize) {
             direction[k] = target[k] - origin[k];
         }
         if direction == [0.0; 3] {
-            // Far from the world's origin a step may round to none.
-            direction = [0.0, 0.0, diagonal];
+            // All of it lies in one point, or so far away that a step rounds to none.
+            direction[round % 3] = 1.0;
         }
         let norm = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
         let unit = oracle::unit(direction);

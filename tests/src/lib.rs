@@ -11,6 +11,7 @@ pub mod compare_shapes;
 pub mod corpus;
 pub mod fixtures;
 pub mod flush;
+pub mod fuzz;
 pub mod gltf_twin;
 pub mod golden;
 pub mod hard;

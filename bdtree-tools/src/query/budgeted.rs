@@ -1,5 +1,6 @@
 //! Queries within a number of node visits.
 
+use bdtree_format::LANES;
 use bdtree_runtime::query::{Budget, Budgeted};
 use bdtree_runtime::{QueryError, SearchEntry};
 use serde::Serialize;
@@ -44,7 +45,11 @@ impl Solver<'_> {
             Query::Ball { instance, .. }
             | Query::Closest { instance, .. }
             | Query::Ray { instance, .. } => self.placed[instance].0.node_count(),
-            Query::Distance { .. } => QUEUE_MAX,
+            Query::Distance { a, b, .. } => {
+                // Pairs of what lanes lead to.
+                let lanes = |instance: usize| LANES * self.placed[instance].0.node_count();
+                lanes(a).saturating_mul(lanes(b)).min(QUEUE_MAX)
+            }
             _ => return Ok(None),
         };
         let mut queue = vec![SearchEntry::default(); Budget::queue_len(max_visits).min(room)];
