@@ -299,3 +299,38 @@ fn frustums_that_are_none() {
         assert_eq!(above(-2.75).triangle(&tri), FrustumState::Outside);
     }
 }
+
+/// Normals of every size are planes: none loses its normal or leaves the range of exact products.
+#[test]
+fn planes_of_any_size_are_the_same_plane() {
+    let corner = |x: f64| [x, 0.25, -0.5];
+    let inside = [corner(2.0), corner(1.0), corner(3.0)];
+    let outside = [corner(0.5), corner(0.75), corner(-8.0)];
+    for exponent in -1074..1024 {
+        // Exact, subnormal numbers included.
+        let size = match exponent {
+            -1074..-1022 => f64::from_bits(1 << (exponent + 1074)),
+            _ => f64::from_bits(((exponent + 1023) as u64) << 52),
+        };
+        let plane = [size, 0.0, 0.0, -size];
+        let shape = Frustum::new(&[plane]).expect("a plane");
+        let [[nx, _, _, d]] = *shape.planes() else {
+            panic!("one plane")
+        };
+        assert!(
+            (1e-91..1e91).contains(&nx) && d == -nx,
+            "2^{exponent}: {nx:e} {d:e}"
+        );
+        assert_eq!(
+            shape.triangle(&inside),
+            FrustumState::Inside,
+            "2^{exponent}"
+        );
+        assert_eq!(
+            shape.triangle(&outside),
+            FrustumState::Outside,
+            "2^{exponent}"
+        );
+    }
+    assert!(Frustum::new(&[[f64::INFINITY, 0.0, 0.0, 1.0]]).is_none());
+}

@@ -29,9 +29,9 @@ pub struct Frustum {
 /// Smaller and larger magnitudes leave the range in which products are exact: 2^∓300.
 const TINY: f64 = f64::from_bits((1023 - 300) << 52);
 const HUGE: f64 = f64::from_bits((1023 + 300) << 52);
-/// 2^±800.
-const GROW: f64 = f64::from_bits((1023 + 800) << 52);
-const SHRINK: f64 = f64::from_bits((1023 - 800) << 52);
+/// 2^±300: steps that no normal can take across the range between the two.
+const GROW: f64 = HUGE;
+const SHRINK: f64 = TINY;
 /// Smaller numbers count as 0: 2⁻⁴⁰⁰.
 const FLUSH: f64 = f64::from_bits((1023 - 400) << 52);
 /// 2^100: no coordinate is farther.
@@ -55,14 +55,16 @@ impl Frustum {
         }
         for (i, plane) in planes.iter().enumerate() {
             let largest = plane[..3].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-            if largest == 0.0 || !(plane[3].abs() / largest <= FAR) {
+            if largest == 0.0 || largest == f64::INFINITY || !(plane[3].abs() / largest <= FAR) {
                 return None;
             }
-            let factor = match largest {
-                m if m < TINY => GROW,
-                m if m > HUGE => SHRINK,
-                _ => 1.0,
-            };
+            let mut factor = 1.0;
+            while largest * factor < TINY {
+                factor *= GROW;
+            }
+            while largest * factor > HUGE {
+                factor *= SHRINK;
+            }
             let plane = plane.map(|x| x * factor);
             if !plane.iter().all(|x| x.is_finite()) {
                 return None;
