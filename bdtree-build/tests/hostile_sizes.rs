@@ -64,6 +64,29 @@ fn many_fields_of_one_vertex_are_read() {
     }
 }
 
+/// Names are looked up once each, and a set that many regions name is written once.
+#[test]
+fn many_sets_and_regions_are_read() {
+    let mut text = "*VERTICES\n5 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n".to_string();
+    text += "*ELEMENTS\nTET\n2 4 0\n1 1 2 3 4\n2 2 3 4 5\n";
+    text +=
+        "*MATERIAL A\nENU, 1, 1, 0.3\n*MATERIAL B\nENU, 2, 1, 0.3\n*MATERIAL A\nENU, 3, 1, 0.3\n";
+    text += "*SET both\n";
+    text += &"1,2,".repeat(20_000);
+    text += "\n*SET second\n2\n";
+    for k in 0..20_000 {
+        text += &format!("*SET s{k}\n1\n*REGION\ns{k}, B\n*REGION\nboth, A\n");
+    }
+    // Regions count in their order: `both` was last named before `second`.
+    text += "*REGION\nsecond, B\n";
+    let volume = parse_volume(text.as_bytes(), "v.veg").expect("sound");
+    assert_eq!(volume.material_of, [0, 1]);
+    assert_eq!(volume.node_sets.len(), 20_002);
+    text += "*REGION\nallElements, B\n*REGION\nthird, A\n*REGION\nboth, C\n";
+    let parts = ["no set is called `third`", "no material is called `C`"];
+    assert_says(parse_volume(text.as_bytes(), "v.veg"), &parts);
+}
+
 /// 80 MiB of text in 80 kB of gzip: what is decompressed is bounded, whatever asks for it.
 #[test]
 fn compressed_files_are_bounded() {

@@ -1,5 +1,7 @@
 //! Which element is of which material: `*MATERIAL`, `*SET` and `*REGION` of a .veg file.
 
+use std::collections::HashMap;
+
 use super::super::draft::Draft;
 use super::super::notes::Notes;
 use super::super::number::Kind;
@@ -93,37 +95,13 @@ impl Assignment {
 
     /// Hands materials, the material of each element, and the nodes of each set to `draft`.
     /// `base` is the number of the first element.
-    pub(super) fn resolve(self, base: i64, draft: &mut Draft, notes: &mut Notes<'_>) {
+    pub(super) fn resolve(mut self, base: i64, draft: &mut Draft, notes: &mut Notes<'_>) {
         let count = draft.tetrahedra.len() + draft.hexahedra.len();
-        let sets: Vec<(String, Vec<u32>)> = self
-            .sets
+        let sets: Vec<(String, Vec<u32>)> = std::mem::take(&mut self.sets)
             .into_iter()
             .map(|set| (set.name, indices(&set.elements, base, count, notes)))
             .collect();
-        let mut material_of: Vec<Option<u32>> = vec![None; count];
-        for region in &self.regions {
-            let Region {
-                set,
-                material,
-                position,
-            } = region;
-            let known = |m: &RawMaterial| m.name.as_ref() == Some(material);
-            let Some(index) = self.materials.iter().position(known) else {
-                notes.problem(*position, format!("no material is called `{material}`"));
-                continue;
-            };
-            // No truncation: a material takes bytes of a file that is held in memory.
-            let index = Some(index as u32);
-            if let Some((_, elements)) = sets.iter().find(|(name, _)| name == set) {
-                for &element in elements {
-                    material_of[element as usize] = index;
-                }
-            } else if set == ALL {
-                material_of.fill(index);
-            } else {
-                notes.problem(*position, format!("no set is called `{set}`"));
-            }
-        }
+        let material_of = self.materials_of(&sets, count, notes);
         if let Some(last) = self.materials.len().checked_sub(1) {
             let unassigned = material_of.iter().filter(|m| m.is_none()).count();
             if unassigned > 0 {
@@ -148,6 +126,59 @@ impl Assignment {
             })
             .collect();
     }
+
+    /// The material of each element, `None` for those in no region.
+    fn materials_of(
+        &self,
+        sets: &[(String, Vec<u32>)],
+        count: usize,
+        notes: &mut Notes<'_>,
+    ) -> Vec<Option<u32>> {
+        let names = self.materials.iter().map(|m| m.name.as_deref());
+        let material_called = first_of(names.map(Option::unwrap_or_default));
+        let set_called = first_of(sets.iter().map(|(name, _)| name.as_str()));
+        // Of the regions of a set the last one shows: what the others say is overwritten.
+        let mut last_region: HashMap<&str, usize> = HashMap::new();
+        for (r, region) in self.regions.iter().enumerate() {
+            let Region {
+                set,
+                material,
+                position,
+            } = region;
+            if !material_called.contains_key(material.as_str()) {
+                notes.problem(*position, format!("no material is called `{material}`"));
+            } else if set == ALL || set_called.contains_key(set.as_str()) {
+                last_region.insert(set, r);
+            } else {
+                notes.problem(*position, format!("no set is called `{set}`"));
+            }
+        }
+        let mut material_of = vec![None; count];
+        for (r, Region { set, material, .. }) in self.regions.iter().enumerate() {
+            if last_region.get(set.as_str()) != Some(&r) {
+                continue;
+            }
+            // No truncation: a material takes bytes of a file that is held in memory.
+            let index = material_called.get(material.as_str()).map(|&i| i as u32);
+            match set_called.get(set.as_str()) {
+                Some(&s) => sets[s]
+                    .1
+                    .iter()
+                    .for_each(|&e| material_of[e as usize] = index),
+                None => material_of.fill(index),
+            }
+        }
+        material_of
+    }
+}
+
+/// Where each name comes first.
+fn first_of<'n>(names: impl Iterator<Item = &'n str>) -> HashMap<&'n str, usize> {
+    let mut first = HashMap::new();
+    for (i, name) in names.enumerate() {
+        first.entry(name).or_insert(i);
+    }
+    first
 }
 
 /// A name as VegaFEM reads it: without blanks.
