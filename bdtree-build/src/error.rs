@@ -15,7 +15,7 @@ pub struct Problem {
 }
 
 impl fmt::Display for Problem {
-    /// One line ([`one_line`]), whatever a file's names hold.
+    /// Two parts of one line, whatever a file's names hold: control characters escaped, long text cut.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.place.is_empty() {
             write!(f, "{}", one_line(&self.message))

@@ -31,7 +31,7 @@ const TRIANGLES_MAX: usize = 4000;
 /// Memory that modes and fields may take.
 const MEMORY_BYTES: u64 = 512 << 20;
 
-/// Bodies up to here are asked everything that [`check_pose`] asks, with arguments 10^15 times as
+/// Bodies up to here are asked everything that `check_pose` asks, with arguments 10^15 times as
 /// large.
 const CHECKED_MAX: f64 = 1e14;
 

@@ -1,10 +1,10 @@
 //! Mutated inputs for every reader of the builder and the tools: seeded, deterministic, in-process.
 //!
 //! A [`Case`] is a format, a seed and a number; its file is a seed file of the format
-//! ([`seeds`]), changed in ways that know the format ([`mutate`]). [`read`] reads it as the
+//! (`seeds`), changed in ways that know the format (`mutate`). `read` reads it as the
 //! commands do. What must hold for each: a result or an error that names the file, no panic, bounded
 //! time and memory ([`Limits`]); a share of the results goes on to a bake, `verify` and queries
-//! beside brute force ([`follow`]). docs/fuzzing-inputs.md has the promises and the commands.
+//! beside brute force (`follow`). docs/fuzzing-inputs.md has the promises and the commands.
 
 mod binary;
 mod container;
