@@ -16,7 +16,7 @@ ROW = re.compile(r"^\| `([^`]+\.rs)` \| (\d+) \| \S.*\|$")
 def code(text):
     """The text without comments, strings and character literals."""
     pieces = re.compile(
-        r"//[^\n]*|/\*.*?\*/|r#*\".*?\"#*|\"(?:\\.|[^\"\\])*\"|'(?:\\.[^']*|[^'\\])'", re.DOTALL
+        r"//[^\n]*|/\*.*?\*/|r(#*)\".*?\"\1|\"(?:\\.|[^\"\\])*\"|'(?:\\.[^']*|[^'\\])'", re.DOTALL
     )
     return pieces.sub(" ", text)
 

@@ -98,8 +98,8 @@ fn two_bakes_to_one_file_leave_one_of_both() {
 }
 
 #[test]
-fn a_read_only_folder_is_refused_before_the_bake() {
-    let test = "a_read_only_folder_is_refused_before_the_bake";
+fn a_read_only_folder_is_refused() {
+    let test = "a_read_only_folder_is_refused";
     let Some(mut command) = unprivileged(test, PROGRAM) else {
         return;
     };
@@ -123,10 +123,8 @@ fn a_read_only_folder_is_refused_before_the_bake() {
     set_mode(&locked, 0o755);
 }
 
-/// Outputs that cannot be are told before anything is computed: ten modes of the ball would take
-/// seconds.
 #[test]
-fn impossible_outputs_are_refused_before_the_bake() {
+fn impossible_outputs_are_refused() {
     let folder = folder();
     fs::create_dir(folder.path().join("taken.bdt")).expect("a folder");
     std::os::unix::fs::symlink("loop.bdt", folder.path().join("loop.bdt")).expect("a link");
@@ -145,22 +143,12 @@ fn impossible_outputs_are_refused_before_the_bake() {
         ("ball.obj", "is an input: it would be overwritten"),
         ("small.obj", "is there already and no .bdt file"),
     ] {
-        let begin = Instant::now();
         let ran = Command::new(PROGRAM)
-            .args([
-                "ball.obj",
-                "--modes",
-                "10",
-                "--resolution",
-                "30",
-                "-o",
-                output,
-            ])
+            .args(["ball.obj", "--modes", "0", "-o", output])
             .current_dir(folder.path())
             .output()
             .expect("the command starts");
         refused(&ran, output, message);
-        println!("{output}: {:?}", begin.elapsed());
     }
     // These are only met when the finished file takes its name.
     for (output, message) in [

@@ -58,7 +58,7 @@ pub struct VerifyArguments {
     #[arg(long, value_name = "N", default_value = "1000000", requires = "stress",
           value_parser = clap::value_parser!(u64).range(1..))]
     pub cases: u64,
-    /// The same seed tries the same cases
+    /// The same seed tries the same cases, on processors of the same kind
     #[arg(long, value_name = "S", default_value = "0", requires = "stress")]
     pub seed: u64,
 }

@@ -160,6 +160,30 @@ fn a_radius_that_is_too_small_is_found() {
     assert!(tight.margin() < 0.0 && report.tightest.expect("one").margin() < 0.0);
 }
 
+/// Numbers that are none, where files should have some: a vertex lies in nothing, a sphere holds nothing.
+#[test]
+fn what_is_not_a_number_is_found() {
+    let mesh = bake::bumpy_sphere(6, 2);
+    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 2));
+    let nan = f32::NAN.to_le_bytes();
+    let positions = mutate::section(&bytes, SectionKind::POSITIONS).start;
+    let rows = mutate::section(&bytes, SectionKind::ROWS).start;
+    for (at, in_positions) in [
+        (positions, true),
+        (rows + size_of::<Row>() * ROW_RADIUS, false),
+    ] {
+        let mut damaged = bytes.to_vec();
+        mutate::put(&mut damaged, at, &nan);
+        let damaged = AlignedBytes::copy_of(&damaged);
+        let asset = Asset::open(&damaged).expect("open");
+        let report = stress::at(&asset, &[0.01, -0.02, 0.0]).expect("a sound tree");
+        assert_eq!(!report.violations.is_empty(), in_positions);
+        assert_eq!(report.unbounded > 0, !in_positions);
+        let tightest = report.tightest.expect("a vertex").margin();
+        assert_eq!(tightest == f64::NEG_INFINITY, in_positions);
+    }
+}
+
 /// The same seed gives the same report, whoever did which part.
 #[test]
 fn a_run_can_be_repeated() {

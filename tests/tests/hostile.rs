@@ -31,11 +31,14 @@ fn damaged_files_are_harmless() {
         first: 0,
         cases,
         threads: std::thread::available_parallelism().map_or(1, usize::from),
-        limit: Duration::from_secs(60),
+        limit: Duration::from_secs(300),
     };
     let summary = run.go(&SOURCES, |_, _| {});
     println!("{summary}");
     assert!(summary.failures.is_empty(), "{summary}");
+    if cases < 12_000 {
+        return; // shares of so few say nothing
+    }
     // The cases reach what they are meant to reach.
     assert!(summary.opened > cases / 2 && summary.refused > cases / 2);
     assert!(summary.compared > cases / 50 && summary.broken > cases / 20);

@@ -6,7 +6,7 @@
 
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_runtime::{Asset, Kernel, Pose, Transform, VertexId};
-use bdtree_tests::{bake, fixtures};
+use bdtree_tests::{bake, fixtures, lanes};
 
 /// u of f32.
 const U: f64 = 1.0 / (1_u32 << 24) as f64;
@@ -19,28 +19,7 @@ struct Lane {
     vertices: Vec<u32>,
 }
 
-/// The vertices below a lane, ascending.
-fn vertices(asset: &Asset<'_>, node: usize, lane: usize) -> Vec<u32> {
-    let record = &asset.nodes()[node];
-    let bit = 1_u8 << lane;
-    let mut found: Vec<u32> = Vec::new();
-    if record.leaf_mask & bit != 0 {
-        let before = record.leaf_counts[..lane].iter();
-        let before: usize = before.map(|c| usize::from(*c)).sum();
-        let start = record.first_slot as usize + before;
-        let own = &asset.triangles()[start..start + usize::from(record.leaf_counts[lane])];
-        found.extend(own.iter().flat_map(|t| t.corners));
-    } else if record.inner_mask & bit != 0 {
-        let before = (record.inner_mask & (bit - 1)).count_ones();
-        let child = (record.first_child + before) as usize;
-        found.extend((0..8).flat_map(|lane| vertices(asset, child, lane)));
-    }
-    found.sort_unstable();
-    found.dedup();
-    found
-}
-
-fn lanes(asset: &Asset<'_>) -> Vec<Lane> {
+fn all_lanes(asset: &Asset<'_>) -> Vec<Lane> {
     let mut all = Vec::new();
     for (node, record) in asset.nodes().iter().enumerate() {
         for lane in (0..8).filter(|k| (record.inner_mask | record.leaf_mask) >> k & 1 == 1) {
@@ -48,7 +27,10 @@ fn lanes(asset: &Asset<'_>) -> Vec<Lane> {
                 node,
                 lane,
                 level: usize::from(record.level),
-                vertices: vertices(asset, node, lane),
+                vertices: lanes::vertices(asset, node, lane)
+                    .into_iter()
+                    .map(|v| v as u32)
+                    .collect(),
             });
         }
     }
@@ -123,7 +105,7 @@ fn check(name: &str, mut mesh: RawMesh, about: [f64; 3]) {
     let field = mesh.positions.iter().map(|p| p.map(|x| -x)).collect();
     let bytes = bake::baked(&mesh, &bake::basis_of(&[field]));
     let asset = Asset::open(&bytes).expect("open");
-    let lanes = lanes(&asset);
+    let lanes = all_lanes(&asset);
     println!(
         "{name}: {} triangles; means over lanes of R'/R",
         asset.triangle_count()

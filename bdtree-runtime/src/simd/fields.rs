@@ -28,8 +28,8 @@ impl<'a> Fields<'a> {
         vertices: &'a [[u32; 4]; 3],
     ) -> Option<Self> {
         let last = vertices.as_flattened().iter().fold(0, |a, b| a.max(*b)) as usize;
-        let whole = displacements.len() >= positions.len() * q.len();
-        (last + 1 < positions.len() && whole).then_some(Self {
+        let whole = displacements.len() >= positions.len().checked_mul(q.len())?;
+        (last < positions.len().saturating_sub(1) && whole).then_some(Self {
             positions,
             displacements,
             q,

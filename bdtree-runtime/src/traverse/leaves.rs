@@ -146,7 +146,7 @@ impl Leaves {
         visitor: &mut V,
     ) -> Result<ControlFlow<()>, QueryError> {
         if V::IN_FOURS {
-            if self.sieve::<L, V>(asset, pose, visitor)?.is_break() {
+            if self.fresh.len > 0 && self.sieve::<L, V>(asset, pose, visitor)?.is_break() {
                 return Ok(ControlFlow::Break(()));
             }
             return Ok(take_near(&mut self.near, asset, &pose.frame, visitor));

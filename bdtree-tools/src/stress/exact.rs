@@ -11,12 +11,12 @@ pub(super) fn squared_distance(v: [f32; 3], c: [f32; 3]) -> f64 {
 }
 
 /// Whether a squared distance is certainly at most r²: differences lose 2⁻⁵³ of themselves, squares
-/// and sums as much again, 5 · 2⁻⁵³ together; r² is exact in f64.
+/// and sums as much again, 5 · 2⁻⁵³ together; r² is exact in f64. What is not finite is not.
 #[inline]
 pub(super) fn certainly_within(squared_distance: f64, r: f32) -> bool {
     const GROW: f64 = 1.0 + 8.0 / (1_u64 << 53) as f64;
     let r = f64::from(r);
-    r >= 0.0 && squared_distance * GROW + f64::MIN_POSITIVE <= r * r
+    squared_distance.is_finite() && r >= 0.0 && squared_distance * GROW + f64::MIN_POSITIVE <= r * r
 }
 
 /// Whether ‖v − c‖ ≤ r, in exact arithmetic. What is not finite lies in nothing.
@@ -68,6 +68,7 @@ mod tests {
         }
         assert!(!within([0.0; 3], [0.0; 3], -1.0) && !certainly_within(0.0, -1.0));
         assert!(within([0.0; 3], [1.0; 3], f32::INFINITY));
+        assert!(!certainly_within(f64::INFINITY, f32::INFINITY));
     }
 
     /// What f64 is certain of is true.

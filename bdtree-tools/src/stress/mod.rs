@@ -20,18 +20,22 @@ pub use report::{Report, Tight};
 pub(crate) use summary::Stressed;
 pub use summary::{Summary, Tightest};
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::thread;
 
 use bdtree_runtime::{Asset, FormatError, Kernel};
 
 use below::Below;
-use poses::HardPoses;
+use poses::{HardPoses, KINDS};
+use report::VIOLATIONS_MAX;
 use search::search;
 use trial::Trial;
 
 /// Least number of cases that a round sweeps.
 const SWEPT_MIN: u64 = 512;
+
+/// Least number of rounds where there are cases enough: all kinds of q, with three kernels, twice.
+const ROUNDS_MIN: u64 = 6 * KINDS;
 
 /// How much is tried.
 #[derive(Debug, Clone, Copy)]
@@ -62,7 +66,7 @@ pub fn certainty(asset: &Asset<'_>, seed: u64) -> Result<f64, FormatError> {
 /// As [`run`].
 ///
 /// # Panics
-/// As [`run`].
+/// As [`run`], and when q is not within the limits.
 pub fn at(asset: &Asset<'_>, q: &[f32]) -> Result<Report, FormatError> {
     let below = Below::of(asset);
     let mut trial = Trial::new(*asset, &below);
@@ -71,12 +75,14 @@ pub fn at(asset: &Asset<'_>, q: &[f32]) -> Result<Report, FormatError> {
         trial.use_kernel(kernel);
         trial.sweep(q, 0..asset.node_count(), &mut report)?;
     }
+    assert!(report.poses > 0, "q is beyond the limits");
     Ok(report)
 }
 
-/// Tries `options.cases` cases on all processors; `advance` is told how many are done.
+/// Tries `options.cases` cases on all processors; `advance` is told how many are done. Ends early
+/// when 1000 vertices were found outside.
 ///
-/// The report does not depend on the number of processors.
+/// The report does not depend on the number of processors, but on which kernels they have.
 ///
 /// # Errors
 /// Nodes, rows or vertices outside their sections.
@@ -92,21 +98,29 @@ pub fn run(
     let rounds = Rounds::of(asset, options.cases);
     let kernels = kernels();
     let next = AtomicU64::new(0);
+    let violations = AtomicUsize::new(0);
     let work = || {
         let mut trial = Trial::new(*asset, &below);
-        let mut done = Vec::new();
+        let mut done: Vec<(u64, Report)> = Vec::new();
+        let mut least = f64::INFINITY;
         loop {
             let round = next.fetch_add(1, Ordering::Relaxed);
-            if round >= rounds.count {
+            if round >= rounds.count || violations.load(Ordering::Relaxed) >= VIOLATIONS_MAX {
                 return Ok(done);
             }
             // Every kernel meets every kind of q.
             let (turn, kernel) = (round / kernels.len() as u64, round % kernels.len() as u64);
             trial.use_kernel(kernels[kernel as usize]);
             let mut poses = HardPoses::new(*asset, options.seed, round);
-            let left = rounds.cases - 2 * rounds.swept * round;
-            let report = rounds.run(left, turn, &mut trial, &mut poses)?;
+            let mut report = rounds.run(round, turn, &mut trial, &mut poses)?;
             advance(report.cases);
+            violations.fetch_add(report.violations.len(), Ordering::Relaxed);
+            // Only what may be the tightest of all is remembered.
+            let margin = report.tightest.as_ref().map(Tight::margin);
+            match margin {
+                Some(margin) if margin < least => least = margin,
+                _ => report.tightest = None,
+            }
             done.push((round, report));
         }
     };
@@ -126,7 +140,7 @@ pub fn run(
     Ok(report)
 }
 
-/// The cases in portions: a sweep of some q over all nodes, then a search from where it was tightest.
+/// The cases in portions: sweeps of some nodes, then a search from where they were tightest.
 struct Rounds {
     nodes: u64,
     cases: u64,
@@ -138,7 +152,10 @@ struct Rounds {
 impl Rounds {
     fn of(asset: &Asset<'_>, cases: u64) -> Self {
         let nodes = asset.node_count() as u64;
-        let swept = nodes * SWEPT_MIN.div_ceil(nodes);
+        // All nodes, several times in a small tree; fewer of a large one, so that there are rounds for
+        // all kinds of q with all kernels.
+        let all = nodes * SWEPT_MIN.div_ceil(nodes);
+        let swept = all.min((cases / (2 * ROUNDS_MIN)).max(SWEPT_MIN));
         Self {
             nodes,
             cases,
@@ -147,26 +164,30 @@ impl Rounds {
         }
     }
 
-    /// One round, of at most `left` cases; it begins with q of kind `kind`.
+    /// One round; it begins with q of kind `kind`.
     fn run(
         &self,
-        left: u64,
+        round: u64,
         kind: u64,
         trial: &mut Trial<'_, '_>,
         poses: &mut HardPoses<'_>,
     ) -> Result<Report, FormatError> {
         let mut report = Report::default();
         // The last round is as short as need be, half and half.
-        let left = left.min(2 * self.swept);
-        let swept = left.div_ceil(2);
-        let (full, rest) = (swept / self.nodes, swept % self.nodes);
-        for k in 0..full + u64::from(rest > 0) {
-            let q = poses.kind(kind + k);
-            let nodes = if k < full { self.nodes } else { rest };
-            trial.sweep(&q, 0..nodes as usize, &mut report)?;
+        let left = (self.cases - 2 * self.swept * round).min(2 * self.swept);
+        let mut swept = left.div_ceil(2);
+        let searched = left - swept;
+        let first = self.swept * round % self.nodes;
+        let mut kind = kind;
+        while swept > 0 {
+            let count = swept.min(self.nodes);
+            let nodes = (first..first + count).map(|i| (i % self.nodes) as usize);
+            trial.sweep(&poses.kind(kind), nodes, &mut report)?;
+            swept -= count;
+            kind += 1;
         }
         let tightest = report.tightest.clone();
-        search(trial, poses, tightest, left - swept, &mut report)?;
+        search(trial, poses, tightest, searched, &mut report)?;
         Ok(report)
     }
 }

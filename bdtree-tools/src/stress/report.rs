@@ -3,7 +3,7 @@
 use bdtree_runtime::Kernel;
 
 /// Most violations that are kept.
-const VIOLATIONS_MAX: usize = 1000;
+pub(super) const VIOLATIONS_MAX: usize = 1000;
 
 /// A vertex close to the surface of a sphere above it, or beyond. Lengths in stored units.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +29,13 @@ pub struct Tight {
 impl Tight {
     /// How far the vertex is inside, over the pose's slack; negative when it is outside.
     pub fn margin(&self) -> f64 {
-        (self.radius - self.distance) / self.slack
+        let margin = (self.radius - self.distance) / self.slack;
+        // What is not a number is as bad as can be.
+        if margin.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            margin
+        }
     }
 }
 
@@ -38,7 +44,7 @@ impl Tight {
 pub struct Report {
     /// Nodes at a q.
     pub cases: u64,
-    /// Different q.
+    /// q tried.
     pub poses: u64,
     /// Vertices held against a sphere.
     pub vertices: u64,
@@ -54,8 +60,8 @@ impl Report {
     /// Notes a margin in slacks.
     #[inline]
     pub(super) fn margin(&mut self, margin: f64, tight: impl FnOnce() -> Tight) {
-        // Not "<": what is not a number is as bad as can be.
-        let looser = self.tightest.as_ref().is_some_and(|t| margin >= t.margin());
+        let looser = |t: &Tight| !margin.is_nan() && margin >= t.margin();
+        let looser = self.tightest.as_ref().is_some_and(looser);
         if !looser {
             self.tightest = Some(tight());
         }

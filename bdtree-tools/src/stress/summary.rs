@@ -23,7 +23,7 @@ pub struct Summary {
     pub cases: u64,
     /// What the cases were made from.
     pub seed: u64,
-    /// Different q.
+    /// q tried.
     pub poses: u64,
     /// Vertices held against a sphere.
     pub vertices: u64,
@@ -95,28 +95,40 @@ impl Stressed {
                 .map(|tight| Tightest::of(tight, asset.unit())),
             certainty_rel: certainty,
         };
-        Self {
-            errors: report.violations.iter().map(error).collect(),
-            summary,
-        }
+        let mut errors: Vec<FormatError> = report.violations.iter().map(error).collect();
+        errors.extend((report.unbounded > 0).then(|| without_radius(asset, report.unbounded)));
+        Self { errors, summary }
     }
 }
 
 /// The error for a vertex outside a sphere: at the rows of the sphere's node.
 fn outside(asset: &Asset<'_>, tight: &Tight) -> FormatError {
-    let rows = asset
-        .sections()
-        .iter()
-        .find(|s| s.kind == SectionKind::ROWS);
     let node = asset.nodes().get(tight.node as usize);
     let row = node.map_or(0, |node| u64::from(node.row_start));
     FormatError {
         section: SectionKind::ROWS,
-        byte: rows.map_or(0, |s| s.offset.get()) + 32 * row,
+        byte: rows_offset(asset) + 32 * row,
         rule: "guarantees: a sphere holds every deformed vertex below it",
         expected: Datum::Real(tight.distance),
         found: Datum::Real(tight.radius),
     }
+}
+
+/// The error for spheres whose radius is not a number.
+fn without_radius(asset: &Asset<'_>, count: u64) -> FormatError {
+    FormatError {
+        section: SectionKind::ROWS,
+        byte: rows_offset(asset),
+        rule: "guarantees: the radicand of a radius is not negative",
+        expected: Datum::Integer(0),
+        found: Datum::Integer(count),
+    }
+}
+
+fn rows_offset(asset: &Asset<'_>) -> u64 {
+    let mut sections = asset.sections().iter();
+    let rows = sections.find(|s| s.kind == SectionKind::ROWS);
+    rows.map_or(0, |s| s.offset.get())
 }
 
 impl fmt::Display for Summary {
@@ -126,6 +138,7 @@ impl fmt::Display for Summary {
             poses,
             vertices,
             violations,
+            unbounded,
             certainty_rel,
             ..
         } = self;
@@ -134,6 +147,9 @@ impl fmt::Display for Summary {
             "{cases} cases (nodes at one of {poses} q), {vertices} vertices held against spheres \
              above them, {violations} outside; "
         )?;
+        if *unbounded > 0 {
+            write!(f, "{unbounded} spheres without a radius; ")?;
+        }
         if let Some(t) = &self.tightest {
             write!(
                 f,

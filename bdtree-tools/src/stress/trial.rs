@@ -65,17 +65,18 @@ impl<'t, 'a> Trial<'t, 'a> {
                     continue;
                 }
                 let (center, radius) = sphere(&spheres, lane);
-                report.vertices += below.len() as u64;
                 if radius.is_nan() {
                     report.unbounded += 1; // every test reads it as "visit"
                     continue;
                 }
+                report.vertices += below.len() as u64;
                 let (mut farthest, mut square) = (below[0], -1.0);
                 for &v in below {
                     let found = squared_distance(self.vertices[v as usize], center);
-                    // Not ">": what is not a number lies outside.
+                    // Not ">": what is not a number lies outside, farther than anything else.
                     if !(found <= square) {
-                        (farthest, square) = (v, found);
+                        farthest = v;
+                        square = if found.is_nan() { f64::INFINITY } else { found };
                     }
                 }
                 let tight = || Tight {
@@ -123,11 +124,11 @@ impl<'t, 'a> Trial<'t, 'a> {
         let slack = pose.slack() / self.asset.unit();
         report.poses += 1;
         report.cases += 1;
-        report.vertices += target.watched.len() as u64;
         if radius.is_nan() {
             report.unbounded += 1;
             return Ok(f64::INFINITY);
         }
+        report.vertices += target.watched.len() as u64;
         let mut least = f64::INFINITY;
         for &v in &target.watched {
             let vertex = self.asset.deformed_stored(&pose, VertexId(v))?;
