@@ -1,12 +1,16 @@
 #!/usr/bin/env bash
 # Runs all tests of the workspace. On a bare Debian machine it first installs what they need: a
-# linker (gcc) and python3, as root or through sudo; without either it prints the line to run.
+# linker (gcc), python3 and Mesa's software Vulkan, as root or through sudo; without either it prints
+# the line to run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 missing=()
 command -v gcc >/dev/null || missing+=(gcc libc6-dev)
 command -v python3 >/dev/null || missing+=(python3)
+# Drawing and skinning are tested on the processor: lavapipe and the Vulkan loader.
+compgen -G '/usr/share/vulkan/icd.d/lvp_icd*.json' >/dev/null || missing+=(mesa-vulkan-drivers)
+ldconfig -p | grep -q 'libvulkan\.so\.1' || missing+=(libvulkan1)
 
 if ((${#missing[@]})); then
     install="apt-get install -y --no-install-recommends ${missing[*]}"

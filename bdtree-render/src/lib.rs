@@ -1,0 +1,1 @@
+//! Pictures of assets: deformed meshes and the spheres of their trees.
