@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Licences and origins of what is linked: every dependency has an allowed licence and comes from
-crates.io, and Cargo.lock is committed, complete and current. Needs no network and no other tool."""
+crates.io, and every Cargo.lock is committed, complete and current. Needs no network and no other tool."""
 import json
 import pathlib
 import re
@@ -13,6 +13,10 @@ CRATES_IO = "registry+https://github.com/rust-lang/crates.io-index"
 SHIPPED = {"bdtree-format", "bdtree-runtime", "bdtree-build", "bdtree-render", "bdtree-tools"}
 # The same licences stand in deny.toml.
 ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "ISC", "Unicode-3.0", "Zlib"}
+# Workspaces of their own: fuzzer, Miri, the proof that nothing allocates. Nothing of them is delivered.
+TOOL_WORKSPACES = ["fuzz", "ci/miri", "ci/no-alloc"]
+# libFuzzer.
+ALLOWED_TOOLS = {"NCSA"}
 # The library itself, without what feature `wgpu` adds, links nothing but these; macros run when it is built.
 LIBRARY = {"bdtree-runtime", "bdtree-format"}
 ALLOWED_LIBRARY = {"MIT", "Apache-2.0"}
@@ -76,22 +80,45 @@ def reached(nodes, roots, kinds, leave_out=frozenset()):
     return found
 
 
-def main():
-    wrong = []
+def read(folder, wrong):
+    """What cargo says of the workspace in a folder, all features on; faults of its Cargo.lock."""
+    lock_file = pathlib.Path(folder) / "Cargo.lock"
     tracked = subprocess.run(
-        ["git", "ls-files", "Cargo.lock"], capture_output=True, text=True, check=True
+        ["git", "ls-files", lock_file], capture_output=True, text=True, check=True
     )
-    if tracked.stdout.strip() != "Cargo.lock":
-        wrong.append("Cargo.lock is not committed")
+    if not tracked.stdout.strip():
+        wrong.append(f"{lock_file} is not committed")
     # --locked: fails where Cargo.lock is not what the manifests ask for.
     metadata = subprocess.run(
         ["cargo", "metadata", "--locked", "--all-features", "--format-version", "1"],
+        cwd=folder,
         capture_output=True,
         text=True,
     )
     if metadata.returncode:
-        sys.exit("cargo metadata --locked:\n" + metadata.stderr)
-    metadata = json.loads(metadata.stdout)
+        sys.exit(f"cargo metadata --locked, in {folder}:\n{metadata.stderr}")
+    lock = tomllib.loads(lock_file.read_text(encoding="utf-8"))
+    for entry in lock["package"]:
+        if "source" in entry and "checksum" not in entry:
+            wrong.append(f"{lock_file}: {entry['name']} {entry['version']} has no checksum")
+    return json.loads(metadata.stdout)
+
+
+def check(package, allowed, wrong):
+    """Origin and licence of one package."""
+    name = f"{package['name']} {package['version']}"
+    if package["source"] != CRATES_IO:
+        wrong.append(f"{name}: from {package['source'] or 'a path'}, not from crates.io")
+    licence = package["license"]
+    if not licence:
+        wrong.append(f"{name}: states no licence")
+    elif not satisfied(licence, allowed):
+        wrong.append(f"{name}: licence {licence} is not one of those allowed")
+
+
+def main():
+    wrong = []
+    metadata = read(".", wrong)
     packages = {package["id"]: package for package in metadata["packages"]}
     nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
     members = {packages[id]["name"]: id for id in metadata["workspace_members"]}
@@ -100,36 +127,27 @@ def main():
         for id, package in packages.items()
         if any("proc-macro" in target["kind"] for target in package["targets"])
     }
-    shipped = reached(nodes, [members[name] for name in SHIPPED], {None, "build"})
     gpu = {id for id, package in packages.items() if package["name"] == "wgpu"}
+    shipped = reached(nodes, [members[name] for name in SHIPPED], {None, "build"})
     library = reached(nodes, [members[name] for name in LIBRARY], {None}, macros | gpu)
+    foreign = set(packages) - set(metadata["workspace_members"])
+    for id in foreign:
+        check(packages[id], ALLOWED_LIBRARY if id in library else ALLOWED, wrong)
 
-    lock = tomllib.loads(pathlib.Path("Cargo.lock").read_text(encoding="utf-8"))
-    for entry in lock["package"]:
-        if "source" in entry and "checksum" not in entry:
-            wrong.append(f"Cargo.lock: {entry['name']} {entry['version']} has no checksum")
-
-    counts = {"library": 0, "shipped": 0, "all": 0}
-    for id, package in packages.items():
-        name = f"{package['name']} {package['version']}"
-        if id in metadata["workspace_members"]:
-            continue
-        counts["all"] += 1
-        counts["shipped"] += id in shipped
-        counts["library"] += id in library
-        if package["source"] != CRATES_IO:
-            wrong.append(f"{name}: from {package['source'] or 'a path'}, not from crates.io")
-        allowed = ALLOWED_LIBRARY if id in library else ALLOWED
-        licence = package["license"]
-        if not licence:
-            wrong.append(f"{name}: states no licence")
-        elif not satisfied(licence, allowed):
-            wrong.append(f"{name}: licence {licence} is not one of those allowed")
+    tools = set()
+    for folder in TOOL_WORKSPACES:
+        metadata = read(folder, wrong)
+        for package in metadata["packages"]:
+            # Without a source: ours, in another workspace.
+            if package["source"] is not None:
+                check(package, ALLOWED | ALLOWED_TOOLS, wrong)
+                tools.add(package["id"])
     if wrong:
         sys.exit("\n".join(wrong))
     print(
-        f"{counts['all']} packages, {counts['shipped']} of them in what is delivered and "
-        f"{counts['library']} in the library: licences allowed, all from crates.io; Cargo.lock is current"
+        f"{len(foreign)} packages, {len(foreign & shipped)} of them in what is delivered and "
+        f"{len(foreign & library)} in the library, {len(tools - foreign)} more in tools: licences allowed, "
+        "all from crates.io; every Cargo.lock is current"
     )
 
 

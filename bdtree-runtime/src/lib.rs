@@ -40,6 +40,8 @@ mod epoch;
 pub mod error;
 mod force;
 mod frame;
+#[cfg(test)]
+mod held;
 mod math;
 #[cfg(feature = "alloc")]
 mod memory;

@@ -110,7 +110,7 @@ fn ends(node: &NodeRecord, level: usize) -> bool {
 }
 
 /// The sphere of a lane in the world, which holds all that the leaf arithmetic puts below it.
-fn proxy(pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> Proxy {
+pub(crate) fn proxy(pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> Proxy {
     let center = [0, 1, 2].map(|axis| spheres.centre[axis][lane]);
     let center = pose.frame.world(center);
     let radius = f64::from(spheres.radius[lane]) + pose.frame.error(norm(center), 2.0 * pose.reach);

@@ -22,6 +22,8 @@ mod two;
 pub use nearest_two::SearchEntry;
 pub use two::FrontSlot;
 
+#[cfg(test)]
+pub(crate) use bounded::proxy;
 pub(crate) use budget::{BudgetedOne, Guided, Queue};
 pub(crate) use gap::Gap;
 pub(crate) use leaf_pairs::LeafPairs;

@@ -1,0 +1,341 @@
+//! Tests: spheres that are kept over steps, reported as proxies, or carried to another frame hold every
+//! vertex below them, decided in exact arithmetic. (Spheres as evaluated: `bdtree verify --stress`.)
+
+use std::vec::Vec;
+
+use bdtree_format::LANES;
+use num_rational::BigRational;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use crate::bound::{Spheres, WideSpheres};
+use crate::cache::Posed;
+use crate::error::FormatError;
+use crate::frame::{Frame, PairFrame};
+use crate::simd::{Lanes, Work};
+use crate::traverse::proxy;
+use crate::view::Asset;
+use crate::{Kernel, NodeSlot, Pose, StepCache, Transform, VertexId};
+
+/// Of the golden files: all modes, few modes per vertex, frames, a single triangle per lane.
+const FILES: [&[u8]; 4] = [
+    crate::include_bdt!("../../fixtures/golden/sphere.bdt"),
+    crate::include_bdt!("../../fixtures/golden/sparse.bdt"),
+    crate::include_bdt!("../../fixtures/golden/animated.bdt"),
+    crate::include_bdt!("../../fixtures/golden/tetrahedron.bdt"),
+];
+
+/// Rounds per file and test.
+const ROUNDS: usize = 60;
+
+struct Random(Pcg64Mcg);
+
+impl Random {
+    fn sign(&mut self) -> f64 {
+        if self.0.random() { 1.0 } else { -1.0 }
+    }
+
+    /// q of several kinds within the limits.
+    fn q(&mut self, asset: &Asset<'_>, kind: usize) -> Vec<f32> {
+        let size = 10_f64.powf(self.0.random_range(-5.0..1.0));
+        let one = self.0.random_range(0..asset.mode_count().max(1));
+        let of_mode = |(j, mode): (usize, &bdtree_format::ModeRecord)| {
+            let (range, limit) = (f64::from(mode.q_range.get()), mode.q_limit.get());
+            let q = match kind % 5 {
+                0 => self.0.random_range(-1.0..1.0) * size * range,
+                1 => self.sign() * f64::from(limit),
+                2 => self.sign() * 1e-42,
+                3 => f64::from(u8::from(j == one)) * self.sign() * size * range,
+                _ => self.sign() * size * range,
+            };
+            (q as f32).clamp(-limit, limit)
+        };
+        asset.modes().iter().enumerate().map(of_mode).collect()
+    }
+
+    /// q, and one near it or anywhere.
+    fn step(&mut self, asset: &Asset<'_>, round: usize) -> [Vec<f32>; 2] {
+        let from = self.q(asset, round);
+        let mut to = self.q(asset, round / 5);
+        if round % 2 == 0 {
+            let share = 10_f64.powf(self.0.random_range(-7.0..-1.0)) as f32;
+            for (to, from) in to.iter_mut().zip(&from) {
+                *to = from + share * (*to - from);
+            }
+        }
+        [from, to]
+    }
+
+    /// Near, turned, far away, small and large.
+    fn place(&mut self) -> Transform {
+        let mut any = || self.0.random_range(-1.0..1.0);
+        let rotation: [f64; 4] = [any(), any(), any(), any()];
+        let translation: [f64; 3] = [any(), any(), any()];
+        let norm = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let far = [0.0, 1.0, 1e3, 1e8, 1e12][self.0.random_range(0..5)];
+        Transform {
+            rotation: rotation.map(|x| x / norm),
+            translation: translation.map(|x| x * far),
+            scale: [1.0, 1e-3, 0.37, 1e3][self.0.random_range(0..4)],
+        }
+    }
+}
+
+/// The vertices below lane `lane` of `node`.
+fn below(asset: &Asset<'_>, node: u32, lane: usize, out: &mut Vec<VertexId>) {
+    let record = &asset.nodes()[node as usize];
+    let bit = 1_u8 << lane;
+    if record.leaf_mask & bit != 0 {
+        let counts = record.leaf_counts.map(usize::from);
+        let start = record.first_slot as usize + counts[..lane].iter().sum::<usize>();
+        let triangles = &asset.triangles()[start..start + counts[lane]];
+        out.extend(triangles.iter().flat_map(|t| t.corners).map(VertexId));
+    } else if record.inner_mask & bit != 0 {
+        let child = record.first_child + (record.inner_mask & (bit - 1)).count_ones();
+        for lane in 0..LANES {
+            below(asset, child, lane, out);
+        }
+    }
+}
+
+fn exact(x: f64) -> BigRational {
+    BigRational::from_float(x).expect("finite")
+}
+
+fn is_within(x: [BigRational; 3], center: [BigRational; 3], radius: BigRational) -> bool {
+    let squares = x.into_iter().zip(center).map(|(x, c)| {
+        let d = x - c;
+        &d * &d
+    });
+    squares.sum::<BigRational>() <= &radius * &radius
+}
+
+/// Whether ‖x − center‖ ≤ radius.
+fn holds(center: [f64; 3], radius: f64, x: [f64; 3]) -> bool {
+    let square: f64 = (0..3)
+        .map(|k| (x[k] - center[k]) * (x[k] - center[k]))
+        .sum();
+    // 5 · 2⁻⁵³ is what f64 may lose.
+    square * (1.0 + 1e-15) < radius * radius
+        || is_within(x.map(exact), center.map(exact), exact(radius))
+}
+
+fn kernels<'a>(asset: Asset<'a>) -> impl Iterator<Item = Asset<'a>> {
+    Kernel::ALL
+        .into_iter()
+        .filter_map(move |kernel| asset.with_kernel(kernel))
+}
+
+/// The spheres that a traversal sees, carried to another frame if there is one.
+struct Seen<'w, 's, 'a> {
+    asset: &'w Asset<'a>,
+    posed: Posed<'s>,
+    node: u32,
+    to: Option<&'w PairFrame>,
+}
+
+impl Work for Seen<'_, '_, '_> {
+    type Output = Result<Spheres, FormatError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) -> Self::Output {
+        let mut out = WideSpheres::<L>::empty();
+        self.posed.spheres(self.asset, self.node, &mut out)?;
+        let out = self.to.map_or(out, |frame| frame.carry(out));
+        Ok(out.store())
+    }
+}
+
+/// A lane of [`Spheres`] in f64.
+fn lane_sphere(spheres: &Spheres, lane: usize) -> ([f64; 3], f64) {
+    let center = spheres.centre.map(|row| f64::from(row[lane]));
+    (center, f64::from(spheres.radius[lane]))
+}
+
+/// Calls `check` with node, lane and vertices of all lanes that have any.
+fn for_lanes(asset: &Asset<'_>, mut check: impl FnMut(u32, usize, &[VertexId])) {
+    let mut vertices = Vec::new();
+    for node in 0..asset.node_count() as u32 {
+        for lane in 0..LANES {
+            vertices.clear();
+            below(asset, node, lane, &mut vertices);
+            if !vertices.is_empty() {
+                check(node, lane, &vertices);
+            }
+        }
+    }
+}
+
+/// Runs `check` with kernels, steps and placements, in turn for each file.
+fn rounds(seed: u64, mut check: impl FnMut(&Asset<'_>, &mut Random, usize)) {
+    for (bytes, seed) in FILES.into_iter().zip(seed..) {
+        let asset = Asset::open(bytes).expect("a golden file");
+        let mut random = Random(Pcg64Mcg::seed_from_u64(seed));
+        for round in 0..ROUNDS {
+            for asset in kernels(asset) {
+                check(&asset, &mut random, round);
+            }
+        }
+    }
+}
+
+#[test]
+fn spheres_kept_over_a_step() {
+    let mut held = 0;
+    rounds(1, |asset, random, round| {
+        let [q0, q] = random.step(asset, round);
+        let place = random.place();
+        let (mut m0, mut m1) = (vec(asset), vec(asset));
+        let reference = Pose::new(asset, &q0, place, &mut m0).expect("pose");
+        let pose = Pose::new(asset, &q, place, &mut m1).expect("pose");
+        let mut cache = StepCache::new(std::vec![NodeSlot::EMPTY; asset.node_count()], []);
+        for first in 0..2 {
+            // Evaluated at the reference before it is left, and first visited afterwards.
+            let mut started = cache.start(&reference);
+            for node in (first..asset.node_count() as u32).step_by(2) {
+                let posed = Posed::from(&mut started);
+                asset
+                    .kernel()
+                    .run(Seen {
+                        asset,
+                        posed,
+                        node,
+                        to: None,
+                    })
+                    .expect("a node");
+            }
+            let mut followed = cache
+                .follow(asset, &reference, &pose)
+                .expect("its reference");
+            for_lanes(asset, |node, lane, vertices| {
+                let posed = Posed::from(&mut followed);
+                let spheres = asset.kernel().run(Seen {
+                    asset,
+                    posed,
+                    node,
+                    to: None,
+                });
+                let (center, radius) = lane_sphere(&spheres.expect("a node"), lane);
+                for v in vertices {
+                    let x = asset
+                        .deformed_stored(&pose, *v)
+                        .expect("a vertex")
+                        .map(f64::from);
+                    assert!(
+                        holds(center, radius, x),
+                        "node {node}, lane {lane}, {v:?}, {q0:?} {q:?}"
+                    );
+                    held += 1;
+                }
+            });
+        }
+    });
+    assert!(held > 100_000);
+}
+
+#[test]
+fn proxies_in_the_world() {
+    let mut held = 0;
+    rounds(2, |asset, random, round| {
+        let [q0, q] = random.step(asset, round);
+        let place = random.place();
+        let (mut m0, mut m1) = (vec(asset), vec(asset));
+        let reference = Pose::new(asset, &q0, random.place(), &mut m0).expect("pose");
+        let pose = Pose::new(asset, &q, place, &mut m1).expect("pose");
+        let mut cache = StepCache::new([NodeSlot::EMPTY; 64], []);
+        cache.start(&reference);
+        let mut followed = cache
+            .follow(asset, &reference, &pose)
+            .expect("its reference");
+        for_lanes(asset, |node, lane, vertices| {
+            let mut posed = if round % 3 == 0 {
+                Posed::from(&mut followed)
+            } else {
+                Posed::from(&pose)
+            };
+            let (spheres, _) = posed.reference_spheres(asset, node).expect("a node");
+            let proxy = proxy(&pose, &spheres, lane);
+            for v in vertices {
+                let x = asset.deformed(&pose, *v).expect("a vertex");
+                assert!(
+                    holds(proxy.center, proxy.radius, x),
+                    "node {node}, lane {lane}, {v:?}, {q:?}, {place:?}"
+                );
+                held += 1;
+            }
+        });
+    });
+    assert!(held > 100_000);
+}
+
+/// What [`Frame::world`] rounds, not rounded.
+fn exactly_in_world(frame: &Frame, stored: [f64; 3]) -> [BigRational; 3] {
+    let n: Vec<BigRational> = frame.numbers().map(exact).collect();
+    let (rotation, translation, origin) = (&n[..9], &n[9..12], &n[12..15]);
+    let (scale, unit) = (&n[15], &n[16]);
+    let mesh = [0, 1, 2].map(|k| &origin[k] + unit * exact(stored[k]));
+    [0, 1, 2].map(|i| {
+        let turned: BigRational = (0..3).map(|k| &rotation[3 * i + k] * &mesh[k]).sum();
+        &translation[i] + scale * turned
+    })
+}
+
+#[test]
+fn spheres_in_another_frame() {
+    let mut held = 0;
+    rounds(3, |asset, random, round| {
+        let other =
+            Asset::open(FILES[random.0.random_range(0..FILES.len())]).expect("a golden file");
+        let [q0, q] = random.step(asset, round);
+        let near = random.q(&other, round + 1);
+        let (mut m0, mut m1, mut m2) = (vec(asset), vec(asset), vec(&other));
+        let place = random.place();
+        let here = Pose::new(&other, &near, random.place(), &mut m2).expect("pose");
+        // The second where the first is, far from the world's origin or not.
+        let place = Transform {
+            translation: here.frame.origin_in_world(),
+            ..place
+        };
+        let reference = Pose::new(asset, &q0, place, &mut m0).expect("pose");
+        let pose = Pose::new(asset, &q, place, &mut m1).expect("pose");
+        let mut cache = StepCache::new([NodeSlot::EMPTY; 64], []);
+        cache.start(&reference);
+        let mut followed = cache
+            .follow(asset, &reference, &pose)
+            .expect("its reference");
+        let frame = match round % 3 {
+            0 => PairFrame::new(&Posed::from(&here), &Posed::from(&mut followed), 0.0),
+            _ => PairFrame::new(&Posed::from(&here), &Posed::from(&pose), 0.0),
+        };
+        let frame = frame.expect("one stands in the other");
+        let per_stored = here.frame.world_per_stored();
+        for_lanes(asset, |node, lane, vertices| {
+            let posed = match round % 3 {
+                0 => Posed::from(&mut followed),
+                _ => Posed::from(&pose),
+            };
+            let seen = Seen {
+                asset,
+                posed,
+                node,
+                to: Some(&frame),
+            };
+            let (center, radius) = lane_sphere(&asset.kernel().run(seen).expect("a node"), lane);
+            let center = exactly_in_world(&here.frame, center);
+            let radius = exact(radius) * exact(per_stored);
+            for v in vertices.iter().step_by(7) {
+                let x = asset.deformed(&pose, *v).expect("a vertex").map(exact);
+                assert!(
+                    is_within(x, center.clone(), radius.clone()),
+                    "node {node}, lane {lane}, {v:?}, {q:?}, {place:?}"
+                );
+                held += 1;
+            }
+        });
+    });
+    assert!(held > 20_000, "{held}");
+}
+
+fn vec(asset: &Asset<'_>) -> Vec<f32> {
+    std::vec![0.0; asset.pose_len()]
+}
