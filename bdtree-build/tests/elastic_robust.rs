@@ -253,6 +253,23 @@ fn unused_vertices_follow_the_cell_they_lie_in() {
     assert!((0..4).all(|j| basis.field(j)[9] == [0.0; 3]));
 }
 
+/// What triangles in one place take to integrate is not told by the cells that they fill: alone, this
+/// triangle would be given far more.
+#[test]
+fn many_large_triangles_in_one_place_are_given_few_cells() {
+    let mesh = RawMesh {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2]; 3000],
+        ..boxed([0.0; 3], [1.0; 3])
+    };
+    let default = ElasticOptions {
+        mode_count: 4,
+        ..ElasticOptions::default()
+    };
+    let (_, report) = run(&mesh, &default).expect("modes");
+    assert!((1..=6).contains(&report.resolution), "{report:?}");
+}
+
 #[test]
 fn bad_input_is_one_clear_error() {
     let good = boxed([0.0; 3], [4.0, 1.0, 1.5]);

@@ -8,6 +8,7 @@ use super::grid::Grid;
 use super::moments::{Moments, add_eighth, full_cell};
 use super::pieces::{DisjointSets, Kind, Pieces};
 use super::table::{Filling, Fillings, SHARE_MIN, TooManyCells};
+use super::vec3::{add, cross, norm, scale, sub};
 use crate::input::RawMesh;
 
 /// A connected set of cells: its own vibrating body.
@@ -129,6 +130,8 @@ pub(crate) struct Subject<'a> {
     pub thickness: f64,
     min: [f64; 3],
     max: [f64; 3],
+    /// Of solids and of sheets: number, edge lengths and areas of the triangles.
+    sizes: [[f64; 3]; 2],
 }
 
 impl<'a> Subject<'a> {
@@ -141,20 +144,26 @@ impl<'a> Subject<'a> {
                 max[a] = max[a].max(p[a]);
             }
         };
+        let mut sizes = [[0.0; 3]; 2];
         for piece in &pieces.list {
+            let is_sheet = piece.kind != Kind::Solid;
             for &(id, _) in &piece.triangles {
                 let [a, b, c] = mesh.triangles[id as usize].map(|v| mesh.positions[v as usize]);
-                let mut half = [0.0; 3];
-                if piece.kind != Kind::Solid {
-                    let n = super::vec3::cross(super::vec3::sub(b, a), super::vec3::sub(c, a));
-                    let length = super::vec3::norm(n);
-                    if length > 0.0 {
-                        half = super::vec3::scale(n, 0.5 * thickness / length);
-                    }
-                }
+                let edges = [sub(b, a), sub(c, b), sub(a, c)];
+                let n = cross(edges[0], edges[1]);
+                let length = norm(n);
+                let of = &mut sizes[usize::from(is_sheet)];
+                of[0] += 1.0;
+                of[1] += edges.map(norm).iter().sum::<f64>();
+                of[2] += 0.5 * length;
+                let half = if is_sheet && length > 0.0 {
+                    scale(n, 0.5 * thickness / length)
+                } else {
+                    [0.0; 3]
+                };
                 for p in [a, b, c] {
-                    take(super::vec3::add(p, half));
-                    take(super::vec3::sub(p, half));
+                    take(add(p, half));
+                    take(sub(p, half));
                 }
             }
         }
@@ -164,7 +173,27 @@ impl<'a> Subject<'a> {
             thickness,
             min,
             max,
+            sizes,
         }
+    }
+
+    /// About how much [`Subject::lattice`] has to integrate, in small triangles: what it takes besides
+    /// its cells. Where many large triangles lie on each other, cells say nothing about it.
+    pub(crate) fn surface_work(&self, resolution: f64) -> f64 {
+        /// A piece as large as a cell is given this many times the points.
+        const FULL: f64 = 16.0;
+        let cell_size = self.grid(resolution).cell_size / FINE as f64;
+        // A sheet has two layers, or is made of the eight triangles of a prism.
+        let layers = if self.thickness > cell_size { 8.0 } else { 2.0 };
+        let of = |[count, lengths, area]: [f64; 3]| {
+            count + lengths / cell_size + FULL * area / (cell_size * cell_size)
+        };
+        of(self.sizes[0]) + layers * of(self.sizes[1])
+    }
+
+    /// Triangles of its pieces.
+    pub(crate) fn triangle_count(&self) -> f64 {
+        self.sizes[0][0] + self.sizes[1][0]
     }
 
     /// The grid with this many cells along the longest side, centred on the material's box so

@@ -2,6 +2,7 @@
 
 use super::lattice::{Lattice, Subject};
 use super::ordering::nested_dissection;
+use super::table::TooManyCells;
 use crate::error::BakeError;
 
 /// Nodes that the default resolution may use.
@@ -9,6 +10,9 @@ pub const NODE_BUDGET: usize = 20_000;
 /// Work of the factorisation that the default resolution may take, as [`nested_dissection`] counts
 /// it: some seconds. It limits stout bodies, which need fewer cells than thin ones.
 const WORK_BUDGET: f64 = 2e8;
+/// Small triangles, beside four for each triangle, that the default resolution may integrate, as
+/// [`Subject::surface_work`] counts them: some seconds. It limits many large triangles in one place.
+const SURFACE_BUDGET: f64 = 4e6;
 /// Cells along the longest side at most.
 pub const RESOLUTION_MAX: u32 = 1024;
 /// The default resolution does not go beyond this many cells along the longest side.
@@ -39,8 +43,14 @@ pub(crate) fn choose_lattice(
     let mut best: Option<(Lattice, u32)> = None;
     let (mut resolution, mut low, mut high) = (24u32, 0u32, AUTO_RESOLUTION_MAX as u32 + 1);
     for _ in 0..8 {
+        let work = subject.surface_work(f64::from(resolution));
+        let attempt = if work <= SURFACE_BUDGET + 4.0 * subject.triangle_count() {
+            subject.lattice(f64::from(resolution), 2 * NODE_BUDGET)
+        } else {
+            Err(TooManyCells)
+        };
         // Of its nodes and of its work, the larger share of the budget.
-        let share = match subject.lattice(f64::from(resolution), 2 * NODE_BUDGET) {
+        let share = match attempt {
             Ok(lattice) => {
                 let nodes = lattice.node_count() as f64 / NODE_BUDGET as f64;
                 let work = lattice.components.iter();
