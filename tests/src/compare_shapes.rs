@@ -30,7 +30,8 @@ pub(crate) fn check_shapes(
         2 => [minus(point, step(100.0 * radius)), point],
         3 => [point, plus(point, step(1e9 * radius))],
         _ => {
-            let d = step(1e20 * radius);
+            // No coordinate may be beyond 2^100.
+            let d = step((1e20 * radius).min(1e29));
             [minus(point, d), plus(point, d)]
         }
     };

@@ -4,6 +4,7 @@
 pub mod ask;
 pub mod bake;
 pub mod body;
+pub mod budgets;
 pub mod collisions;
 pub mod compare;
 pub mod compare_cached;

@@ -3,7 +3,10 @@
 use bdtree_runtime::{Asset, Pose, RayHit, StackEntry, Transform, query};
 
 use super::bounded::check_bounded;
+use super::front::check_front;
 use super::{HardCase, placements};
+use crate::body::Body;
+use crate::budgets::check_budgets;
 use crate::compare::{check_pose, extent, kernels};
 use crate::compare_cached::check_cached;
 use crate::near;
@@ -51,6 +54,8 @@ pub fn check_case(case: &HardCase, rounds: usize) -> usize {
         let any = kernels(asset).count();
         let asset = kernels(asset).nth(i % any).expect("a kernel");
         check_cached(&asset, &steps, i as u64, 1);
+        check_budgets(&asset, q, turn(4), i as u64, 2);
+        check_front(&asset, q, turn(5));
     }
     for t in 0..asset.frame_count() {
         let frame = asset.frame(t).expect("a frame");
@@ -159,15 +164,10 @@ pub fn check_pairs_of(
     let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(asset, q, place, &mut memory).expect("pose");
     let body = oracle::deformed_triangles(asset, &pose);
-    let size = extent(&body);
-    let far = body
-        .iter()
-        .flatten()
-        .flatten()
-        .fold(0.0, |m: f64, x| m.max(x.abs()));
-    if size < far * 2_f64.powi(-32) && body.len() > COLLAPSED_MAX {
+    if has_collapsed(&body) {
         return;
     }
+    let size = extent(&body);
     // What brute force and query have to do with each other at least.
     let step = match oracle::pair(&body, &body, 0.0).len() {
         _ if is_long => 1,
@@ -195,6 +195,13 @@ pub fn check_pairs_of(
             }
         });
     }
+}
+
+/// Whether so many triangles are in one place that pairs of them are not asked for.
+pub(super) fn has_collapsed(body: &Body) -> bool {
+    let coordinates = body.iter().flatten().flatten();
+    let far = coordinates.fold(0.0, |m: f64, x| m.max(x.abs()));
+    extent(body) < far * 2_f64.powi(-32) && body.len() > COLLAPSED_MAX
 }
 
 /// Whether question `i` is one of those that are asked in this turn: each step-th, and in `step` turns all.

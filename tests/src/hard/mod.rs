@@ -5,6 +5,7 @@ mod bodies;
 pub mod bounded;
 mod check;
 pub mod exact;
+mod front;
 mod refused;
 
 pub use bodies::hard_cases;
