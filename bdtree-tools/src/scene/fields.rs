@@ -14,7 +14,12 @@ const ARGUMENT_MAX: f64 = (1_u128 << 100) as f64;
 pub(super) struct Problems {
     source: String,
     lines: Vec<String>,
+    /// How many there are, listed or not.
+    count: usize,
 }
+
+/// Problems that are listed; of more, their number.
+const PROBLEMS_MAX: usize = 100;
 
 impl Problems {
     /// None yet, of a source with this name.
@@ -22,11 +27,16 @@ impl Problems {
         Self {
             source: source.into(),
             lines: Vec::new(),
+            count: 0,
         }
     }
 
     /// Notes a problem at a place, a path like `queries[2].ball`; the empty one is the whole.
     pub(super) fn add(&mut self, place: &str, message: impl Display) {
+        self.count += 1;
+        if self.count > PROBLEMS_MAX {
+            return;
+        }
         let (source, message) = (&self.source, message.to_string());
         let message = one_line(&message);
         self.lines.push(if place.is_empty() {
@@ -43,11 +53,16 @@ impl Problems {
 
     /// How many there are.
     pub(super) fn count(&self) -> usize {
-        self.lines.len()
+        self.count
     }
 
     /// The lines, in the order in which they were found.
-    pub(super) fn into_lines(self) -> Vec<String> {
+    pub(super) fn into_lines(mut self) -> Vec<String> {
+        let more = self.count - self.lines.len();
+        if more > 0 {
+            let source = &self.source;
+            self.lines.push(format!("{source}: {more} more problems"));
+        }
         self.lines
     }
 

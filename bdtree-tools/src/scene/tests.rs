@@ -201,6 +201,17 @@ fn every_problem_has_its_place() {
 }
 
 #[test]
+fn of_many_problems_a_hundred_are_listed() {
+    let lines = problems_of_queries(&format!("[{}1]", "1, ".repeat(149)));
+    assert_eq!(lines.len(), 101);
+    assert_eq!(
+        lines[99],
+        "s: queries[99]: expected an object, found a number"
+    );
+    assert_eq!(lines[100], "s: 50 more problems");
+}
+
+#[test]
 fn all_problems_are_told() {
     let text = r#"{"instances": [{"name": "a", "asset": "no.bdt", "rotation": [0, 0, 0, 1.1],
             "translation": [0, 1e30, 0], "scale": 0, "colour": "red"}, {"asset": 3, "q": [[]]}],
