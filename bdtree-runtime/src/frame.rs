@@ -46,7 +46,7 @@ impl Frame {
     }
 
     /// The leaf arithmetic's second half: `x = t + s·(Q·(origin + p'))`, every operation rounded
-    /// once, in f64 (docs/guarantees.md 1).
+    /// once, in f64 (docs/guarantees.md; SPEC 5.5).
     #[inline(always)]
     pub(crate) fn world(&self, p: [f32; 3]) -> [f64; 3] {
         let p = [f64::from(p[0]), f64::from(p[1]), f64::from(p[2])];
@@ -179,7 +179,7 @@ pub(crate) struct PairMap {
     /// Errors of f64 on both sides (stored units of the first).
     pub(crate) exact: f64,
     /// Error of s·R rounded to f32 and applied in f32; what the offset adds is 16u of its length
-    /// (docs/guarantees.md, instances).
+    /// (docs/guarantees.md, `PairFrame`).
     pub(crate) turned: f64,
 }
 

@@ -19,21 +19,39 @@ pub struct AlignedBytes {
 impl AlignedBytes {
     /// A copy of `bytes`.
     pub fn copy_of(bytes: &[u8]) -> Self {
-        let mut blocks = alloc::vec![Block([0; 64]); bytes.len().div_ceil(64)];
-        blocks.as_mut_bytes()[..bytes.len()].copy_from_slice(bytes);
-        Self {
-            blocks,
+        let mut copy = Self {
+            blocks: alloc::vec![Block([0; 64]); bytes.len().div_ceil(64)],
             len: bytes.len(),
-        }
+        };
+        copy.bytes_mut().copy_from_slice(bytes);
+        copy
     }
 
-    /// Reads a whole file.
+    /// Reads a whole file, which takes as much memory as it has bytes.
     ///
     /// # Errors
-    /// When it cannot be opened or read.
+    /// When it cannot be opened or read, or is no plain file: a pipe would be waited for, and a device
+    /// may have no end. When there is no memory for it, or it becomes shorter meanwhile.
     #[cfg(feature = "std")]
     pub fn read(path: impl AsRef<std::path::Path>) -> std::io::Result<Self> {
-        std::fs::read(path).map(|bytes| Self::copy_of(&bytes))
+        use std::io::Read;
+        let path = path.as_ref();
+        let meta = std::fs::metadata(path)?;
+        if !meta.is_file() {
+            let kind = std::io::ErrorKind::InvalidInput;
+            return Err(std::io::Error::new(kind, "it is not a plain file"));
+        }
+        let len = usize::try_from(meta.len()).map_err(|_| std::io::ErrorKind::OutOfMemory)?;
+        let mut blocks = Vec::new();
+        blocks.try_reserve_exact(len.div_ceil(64))?;
+        blocks.resize(len.div_ceil(64), Block([0; 64]));
+        let mut read = Self { blocks, len };
+        std::fs::File::open(path)?.read_exact(read.bytes_mut())?;
+        Ok(read)
+    }
+
+    fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut self.blocks.as_mut_bytes()[..self.len]
     }
 
     /// The bytes.

@@ -1,5 +1,6 @@
 //! A pose: q and a placement, prepared once per instance and step.
 
+use bdtree_format::ROW_RADIUS;
 use zerocopy::{FromBytes, IntoBytes};
 
 use crate::bound::BoundPose;
@@ -12,9 +13,10 @@ use crate::view::Asset;
 /// Unit roundoff of f32: 2⁻²⁴.
 pub(crate) const U32: f64 = 1.0 / (1_u64 << 24) as f64;
 
-/// q̃ gets a second part where one alone would add more than this, times P / √F, to every radius:
-/// about a thousandth of the mean radius of spheres above leaves of four triangles.
-const COARSE: f64 = 1.0 / 128.0;
+/// q̃ gets a second part where one alone would add more than this, times [`leaf_radius`], to every
+/// radius: below a thousandth of the mean radius, which is 1.3 to 1.9 leaf radii where triangles are
+/// about equally large (docs/guarantees.md).
+const COARSE: f64 = 1.0 / 880.0;
 
 /// Where an instance stands: `x = rotation · (scale · x_mesh) + translation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,6 +89,26 @@ impl Default for Transform {
     fn default() -> Self {
         Self::IDENTITY
     }
+}
+
+/// About the radius of spheres above leaves of four triangles (stored units): the root's spheres,
+/// each a piece of surface, cut into as many pieces as make leaves.
+fn leaf_radius(asset: &Asset<'_>) -> f64 {
+    let Some(root) = asset.nodes.first() else {
+        return 0.0;
+    };
+    let Ok(rows) = asset.node_rows(root) else {
+        return 0.0; // the first visit says so
+    };
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (lane, radius) in rows.leading[ROW_RADIUS].iter().enumerate() {
+        if (root.leaf_mask | root.inner_mask) & (1 << lane) != 0 {
+            sum += f64::from(*radius);
+            count += 1.0;
+        }
+    }
+    // sum / count · √(4 count / F)
+    2.0 * sum / sqrt(count * asset.triangle_count() as f64).max(1.0)
 }
 
 /// q and a placement, checked, with the rounding terms that every node bound shares.
@@ -179,7 +201,7 @@ impl<'p> Pose<'p> {
         let frame = Frame::new(asset, &transform);
         let p = f64::from(asset.header().position_norm_max.get());
         let given = Given { modes, q: own };
-        let coarse = COARSE * p / sqrt(asset.triangle_count() as f64);
+        let coarse = COARSE * leaf_radius(asset);
         let (shares, left_out) = given.round(tolerance / frame.world_per_stored(), coarse, memory);
         // q̃ may reach farther than q by what the two differ.
         let s = s + left_out;

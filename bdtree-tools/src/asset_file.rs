@@ -1,8 +1,10 @@
 //! Opening `.bdt` files with errors that name them.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use bdtree_format::{Header, MAGIC};
 use bdtree_runtime::{AlignedBytes, Asset, FormatError, MappedFile};
 
 use crate::error::ToolError;
@@ -30,8 +32,13 @@ impl AssetFile {
             path: path.to_path_buf(),
             source,
         };
+        let meta = fs::metadata(path).map_err(error)?;
+        if !meta.is_file() {
+            let why = "it is not a plain file";
+            return Err(error(io::Error::new(io::ErrorKind::InvalidInput, why)));
+        }
         // Empty files cannot be mapped; they are for `Asset::open` to refuse.
-        let bytes = if fs::metadata(path).map_err(error)?.len() == 0 {
+        let bytes = if meta.len() == 0 {
             Bytes::Copied(AlignedBytes::copy_of(&[]))
         } else {
             Bytes::Mapped(MappedFile::open(path).map_err(error)?)
@@ -42,15 +49,20 @@ impl AssetFile {
         })
     }
 
-    /// Copies a file into memory: the safe way for files that others may change.
+    /// Copies a file into memory: the safe way for files that others may change. Of one that does not
+    /// begin as a `.bdt` file, whatever its size, the beginning alone, which [`AssetFile::asset`] refuses.
     ///
     /// # Errors
     /// When it cannot be opened or read.
     pub fn read(path: &Path) -> Result<Self, ToolError> {
-        let bytes = AlignedBytes::read(path).map_err(|source| ToolError::Read {
+        let error = |source| ToolError::Read {
             path: path.to_path_buf(),
             source,
-        })?;
+        };
+        let bytes = match other_start(path).map_err(error)? {
+            Some(start) => AlignedBytes::copy_of(&start),
+            None => AlignedBytes::read(path).map_err(error)?,
+        };
         Ok(Self {
             path: path.to_path_buf(),
             bytes: Bytes::Copied(bytes),
@@ -99,4 +111,16 @@ impl AssetFile {
             error,
         }
     }
+}
+
+/// The first bytes of a plain file that does not begin as a `.bdt` file.
+fn other_start(path: &Path) -> io::Result<Option<Vec<u8>>> {
+    if !fs::metadata(path)?.is_file() {
+        return Ok(None); // the reader says so
+    }
+    let mut start = Vec::new();
+    File::open(path)?
+        .take(size_of::<Header>() as u64)
+        .read_to_end(&mut start)?;
+    Ok((!start.starts_with(&MAGIC)).then_some(start))
 }

@@ -1,6 +1,6 @@
 //! Deforming all vertices, which every library that refits its tree has to do first.
 //!
-//! The product's leaf arithmetic (docs/guarantees.md 1), so that all contenders see the same
+//! The product's leaf arithmetic (SPEC 5.5), so that all contenders see the same
 //! vertices: `p + (((U_1 q_1) + U_2 q_2) + …)` in f32, products and sums rounded separately. Sixteen
 //! coordinates at a time from one sequential stream, in the widest vectors of the processor.
 

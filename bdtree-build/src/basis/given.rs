@@ -129,7 +129,7 @@ pub fn given_basis(
 
 /// The bytes of a file of this stage.
 fn read(path: &Path) -> Result<Vec<u8>, BakeError> {
-    std::fs::read(path).map_err(|e| {
+    crate::input::whole::read(path).map_err(|e| {
         BakeError::one(
             "basis",
             path.display().to_string(),

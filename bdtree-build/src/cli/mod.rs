@@ -7,6 +7,7 @@ mod sources;
 
 pub(crate) use arguments::Arguments;
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ use std::time::Instant;
 
 use bdtree_build::basis::elastic::ElasticReport;
 use bdtree_build::basis::volume::VolumeReport;
-use bdtree_build::error::BakeError;
+use bdtree_build::error::{BakeError, Problem};
 use bdtree_build::pipeline::{
     BakeSettings, bake, check_writable, default_leaf_size, write_atomically,
 };
@@ -45,10 +46,29 @@ pub(crate) fn run(arguments: &Arguments) -> ExitCode {
         Err(error) => {
             progress.clear();
             for problem in &error.problems {
-                eprintln!("bdtree-build: {problem}");
+                eprintln!("bdtree-build: {}", of_file(problem, arguments));
             }
             ExitCode::from(1)
         }
+    }
+}
+
+/// A problem with the name of the main file before it, unless it names a file or an option itself.
+fn of_file<'p>(problem: &'p Problem, arguments: &Arguments) -> Cow<'p, Problem> {
+    let mut files = arguments.inputs();
+    files.extend(arguments.output.as_deref());
+    let mut names = files.iter().filter_map(|path| path.file_name());
+    let named = names.any(|name| problem.place.contains(&*name.to_string_lossy()));
+    match arguments.main_file() {
+        Some(file) if !named && !problem.place.starts_with('-') => {
+            let places = [&*file.to_string_lossy(), &problem.place].map(str::to_string);
+            let places = places.into_iter().filter(|place| !place.is_empty());
+            Cow::Owned(Problem {
+                place: places.collect::<Vec<_>>().join(": "),
+                ..problem.clone()
+            })
+        }
+        _ => Cow::Borrowed(problem),
     }
 }
 

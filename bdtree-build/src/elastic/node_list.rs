@@ -15,7 +15,7 @@ const PROBLEMS_MAX: usize = 100;
 /// at all. `what` names the things that are numbered.
 pub(crate) fn read_list(path: &Path, count: usize, what: &str) -> Result<Vec<u32>, BakeError> {
     let name = path.display();
-    let text = std::fs::read(path).map_err(|e| {
+    let text = crate::input::whole::read(path).map_err(|e| {
         let message = format!("cannot be read: {e}");
         BakeError::one("basis", name.to_string(), message)
     })?;

@@ -8,7 +8,7 @@ use std::path::Path;
 use flate2::bufread::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
-use super::{RawMesh, RawModel, gltf, obj};
+use super::{RawMesh, RawModel, gltf, obj, whole};
 use crate::error::BakeError;
 
 /// What every refusal of a format ends with.
@@ -60,7 +60,7 @@ pub fn read_model(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError
     if format(path, &place)? == Format::Gltf {
         return gltf::read_gltf(path, clip);
     }
-    let bytes = fs::read(path).map_err(|e| unreadable(&place, &e))?;
+    let bytes = whole::read(path).map_err(|e| unreadable(&place, &e))?;
     let text = decompress(&bytes, &place)?;
     let mut mesh = obj::parse(&text, &place)?;
     mesh.hash = Sha256::digest(&bytes).into();

@@ -14,6 +14,7 @@ mod flat;
 mod load;
 mod morphs;
 mod number;
+pub(crate) mod whole;
 
 pub(crate) use load::forget_folder;
 pub use load::{read_mesh, read_model};

@@ -82,7 +82,8 @@ pub fn at(asset: &Asset<'_>, q: &[f32]) -> Result<Report, FormatError> {
 /// Tries `options.cases` cases on all processors; `advance` is told how many are done. Ends early
 /// when 1000 vertices were found outside.
 ///
-/// The report does not depend on the number of processors, but on which kernels they have.
+/// The report of a sound file does not depend on the number of processors, but on which kernels they have;
+/// where it ends early, what was tried until then does.
 ///
 /// # Errors
 /// Nodes, rows or vertices outside their sections.

@@ -49,7 +49,7 @@ use notes::Notes;
 /// finite, indices out of range, nodes with two parents, an unknown `clip`.
 pub fn read_gltf(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError> {
     let place = path.display().to_string();
-    let bytes = std::fs::read(path)
+    let bytes = crate::input::whole::read(path)
         .map_err(|e| BakeError::one("input", place.as_str(), format!("cannot be read: {e}")))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut model = parse(&bytes, &place, folder, clip)?;

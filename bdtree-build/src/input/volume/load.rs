@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 use super::{RawVolume, gmsh, veg, vtk};
 use crate::error::BakeError;
 use crate::input::load::{decompress, forget_folder, unreadable};
+use crate::input::whole;
 
 /// What every refusal of a format ends with.
 const SUPPORTED: &str = "read as volumes: .veg, .vtk, .msh, each also .gz";
@@ -35,7 +36,7 @@ pub fn read_volume(path: &Path) -> Result<RawVolume, BakeError> {
         return Err(BakeError::one("input", place, message));
     }
     parser(&place)?;
-    let bytes = fs::read(path).map_err(|e| unreadable(&place, &e))?;
+    let bytes = whole::read(path).map_err(|e| unreadable(&place, &e))?;
     let mut volume = parse_volume(&bytes, &place)?;
     volume.hash = Sha256::digest(&bytes).into();
     volume.name = path
