@@ -1,7 +1,9 @@
 //! What can keep a picture from being made.
 
+use bdtree_runtime::gpu::GpuError;
+
 /// Why there is no picture.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
     /// Nothing to draw with.
@@ -30,6 +32,9 @@ pub enum RenderError {
         /// What is counted.
         unit: &'static str,
     },
+    /// An asset could not be deformed on the device.
+    #[error("graphics device: {0}")]
+    Skinning(#[from] GpuError),
     /// The device was lost, ran out of memory or refused an operation.
     #[error("graphics device: {0}")]
     Device(String),

@@ -1,7 +1,7 @@
 //! Pictures of assets: deformed meshes and the spheres of their trees.
 //!
 //! [`Gpu`] is a device for pictures in memory or for a window. A [`Renderer`] draws what a [`Scene`]
-//! holds ([`Mesh`]es, [`Sphere`]s, [`Line`]s) as a [`Camera`] sees it into any texture view;
+//! holds ([`Mesh`]es, deformed on the device as [`SkinnedMesh`], [`Sphere`]s, [`Line`]s) as a [`Camera`] sees it into any texture view;
 //! [`Studio`] is all of that for pictures without a window, as [`Image`]s. [`Level`] finds the spheres
 //! of a tree at q, [`tightness`] colours them with the paper's scale, [`Legend`] says what they mean.
 //!
@@ -17,6 +17,7 @@ mod legend;
 mod level;
 mod normals;
 mod renderer;
+mod skinned;
 mod studio;
 mod text;
 pub mod tightness;
@@ -29,5 +30,6 @@ pub use legend::Legend;
 pub use level::{Level, NodeSphere, below};
 pub use normals::normals;
 pub use renderer::{Line, Mesh, Renderer, Scene, Sphere};
+pub use skinned::SkinnedMesh;
 pub use studio::Studio;
 pub use text::TextSize;

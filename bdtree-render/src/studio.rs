@@ -2,6 +2,7 @@
 
 use std::sync::mpsc;
 
+use bdtree_runtime::Asset;
 use wgpu::{
     BufferDescriptor, BufferUsages, CommandEncoderDescriptor, MapMode, TexelCopyBufferInfo,
     TexelCopyBufferLayout, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
@@ -12,6 +13,7 @@ use crate::error::RenderError;
 use crate::gpu::Gpu;
 use crate::image::Image;
 use crate::renderer::{Mesh, Renderer, Scene, allows_picture, extent};
+use crate::skinned::SkinnedMesh;
 
 /// Samples per pixel.
 const SAMPLES: u32 = 4;
@@ -53,6 +55,14 @@ impl Studio {
             .mesh(&self.gpu.device, vertex_count, triangles)?;
         self.gpu.check()?;
         Ok(mesh)
+    }
+
+    /// An asset that is deformed on the device.
+    ///
+    /// # Errors
+    /// More than the device takes, a corrupt asset.
+    pub fn skinned(&self, asset: &Asset<'_>) -> Result<SkinnedMesh, RenderError> {
+        SkinnedMesh::new(&self.gpu, &self.renderer, asset)
     }
 
     /// The picture of a scene, `size` pixels wide and high. The same device makes the same picture of

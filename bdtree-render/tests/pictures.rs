@@ -41,7 +41,9 @@ fn seen(image: &Image, point: [f32; 3]) -> [u8; 4] {
 
 fn is_mostly(pixel: [u8; 4], channel: usize) -> bool {
     let others = (0..3).filter(|k| *k != channel);
-    others.into_iter().all(|k| pixel[channel] > pixel[k] + 40)
+    others
+        .into_iter()
+        .all(|k| i32::from(pixel[channel]) > i32::from(pixel[k]) + 40)
 }
 
 #[test]

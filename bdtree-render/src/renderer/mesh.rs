@@ -11,8 +11,8 @@ use crate::gpu::Gpu;
 
 /// Vertices, normals and triangles of a mesh, and its colour.
 ///
-/// Positions and normals are packed, three f32 each; whoever deforms on the device may write them there
-/// ([`Mesh::positions`], [`Mesh::normals`]), others use [`Mesh::write`].
+/// Positions and normals are packed, three f32 each: written by the caller ([`Mesh::write`]), or by the
+/// runtime's skinning on the device ([`Renderer::mesh_of_buffers`](crate::Renderer::mesh_of_buffers)).
 #[derive(Debug)]
 pub struct Mesh {
     positions: Buffer,
@@ -34,8 +34,7 @@ impl Mesh {
         vertex_count: usize,
         triangles: &[[u32; 3]],
     ) -> Result<Self, RenderError> {
-        // Whoever writes them on the device binds them as storage.
-        let vertices = BufferUsages::VERTEX | BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let vertices = BufferUsages::VERTEX | BufferUsages::COPY_DST;
         let bytes = 12 * vertex_count as u64;
         let positions = buffer(device, "positions of vertices", bytes, vertices)?;
         let normals = buffer(device, "normals of vertices", bytes, vertices)?;
@@ -58,20 +57,7 @@ impl Mesh {
             index_count = corners.len() as u32;
         }
         indices.unmap();
-        let look = buffer(
-            device,
-            "colour",
-            16,
-            BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-        )?;
-        let group = device.create_bind_group(&BindGroupDescriptor {
-            label: Some("colour"),
-            layout,
-            entries: &[BindGroupEntry {
-                binding: 0,
-                resource: look.as_entire_binding(),
-            }],
-        });
+        let (look, group) = look(device, layout);
         Ok(Self {
             positions,
             normals,
@@ -81,6 +67,25 @@ impl Mesh {
             group,
             colour: COLOUR,
         })
+    }
+
+    /// A mesh whose positions, normals (three f32 per vertex, packed) and corners (u32) are kept by others.
+    pub(super) fn of_buffers(
+        device: &Device,
+        layout: &BindGroupLayout,
+        [positions, normals, indices]: [&Buffer; 3],
+        triangle_count: u32,
+    ) -> Self {
+        let (look, group) = look(device, layout);
+        Self {
+            positions: positions.clone(),
+            normals: normals.clone(),
+            indices: indices.clone(),
+            index_count: 3 * triangle_count,
+            look,
+            group,
+            colour: COLOUR,
+        }
     }
 
     /// Gives it a colour: red, green, blue.
@@ -99,16 +104,6 @@ impl Mesh {
         }
     }
 
-    /// Where positions stand: three f32 per vertex, packed.
-    pub fn positions(&self) -> &Buffer {
-        &self.positions
-    }
-
-    /// Where unit normals stand: three f32 per vertex, packed.
-    pub fn normals(&self) -> &Buffer {
-        &self.normals
-    }
-
     pub(super) fn draw(&self, queue: &Queue, pass: &mut RenderPass<'_>, pipeline: &RenderPipeline) {
         if self.index_count == 0 {
             return;
@@ -122,6 +117,25 @@ impl Mesh {
         pass.set_index_buffer(self.indices.slice(..), IndexFormat::Uint32);
         pass.draw_indexed(0..self.index_count, 0, 0..1);
     }
+}
+
+/// The buffer of a colour and the group that shaders see it in.
+fn look(device: &Device, layout: &BindGroupLayout) -> (Buffer, BindGroup) {
+    let look = device.create_buffer(&BufferDescriptor {
+        label: Some("colour"),
+        size: 16,
+        usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let group = device.create_bind_group(&BindGroupDescriptor {
+        label: Some("colour"),
+        layout,
+        entries: &[BindGroupEntry {
+            binding: 0,
+            resource: look.as_entire_binding(),
+        }],
+    });
+    (look, group)
 }
 
 fn buffer(

@@ -82,6 +82,17 @@ impl Renderer {
         Mesh::new(device, &self.pipelines.look_layout, vertex_count, triangles)
     }
 
+    /// A mesh whose positions, normals (three f32 per vertex, packed: vertex buffers) and corners (u32: an
+    /// index buffer) others write.
+    pub fn mesh_of_buffers(
+        &self,
+        device: &Device,
+        buffers: [&Buffer; 3],
+        triangle_count: u32,
+    ) -> Mesh {
+        Mesh::of_buffers(device, &self.pipelines.look_layout, buffers, triangle_count)
+    }
+
     /// Records the drawing of a scene into `view`, a texture of this renderer's format and of `size`
     /// pixels. What was in it is lost.
     ///

@@ -33,9 +33,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     let mut caches: Vec<_> = poses.iter().map(|_| StepCache::new([], [])).collect();
     let placed = poses.iter().zip(&mut caches);
     let mut placed: Vec<_> = placed
-        .map(|((asset, pose), cache): (_, &mut StepCache<[NodeSlot; 0], [LeafSlot; 0]>)| {
-            (*asset, cache.start(pose))
-        })
+        .map(
+            |((asset, pose), cache): (_, &mut StepCache<[NodeSlot; 0], [LeafSlot; 0]>)| {
+                (*asset, cache.start(pose))
+            },
+        )
         .collect();
     solve_all(&scene, &mut placed, false, |mut line, nodes_visited| {
         line.nodes_visited = arguments.stats.then_some(nodes_visited);
@@ -76,9 +78,9 @@ impl PoseMemory {
 ///
 /// # Errors
 /// A corrupt asset; those of `take`.
-pub(crate) fn solve_all(
+pub(crate) fn solve_all<'a>(
     scene: &Scene,
-    placed: &mut [(Asset<'_>, CachedPose<'_>)],
+    placed: &mut [(Asset<'a>, CachedPose<'a>)],
     keep: bool,
     mut take: impl FnMut(Line, u64) -> Result<(), ToolError>,
 ) -> Result<(), ToolError> {
@@ -274,7 +276,10 @@ impl Solver<'_, '_> {
                 let stack = stack_for(asset, &mut self.stack);
                 let mut cache = rays::cache(asset);
                 let mut own = cache.start(pose.pose());
-                let pose = if self.keep { pose } else { &mut own };
+                let pose: Posed<'_> = match self.keep {
+                    true => pose.into(),
+                    false => (&mut own).into(),
+                };
                 let posed = posed(pose, self.max_depth, proxies);
                 let (answer, nodes_visited) = rays::solve(asset, posed, mode, rays, stack)?;
                 Ok(("rays", answer, nodes_visited))
