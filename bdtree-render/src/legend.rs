@@ -41,8 +41,9 @@ impl Legend {
     }
 }
 
-/// The scale: what it means, a bar of the given width and height, and numbers below.
-pub(crate) fn draw_scale(
+/// Draws the scale of tightness, upper left corner given: what it means, below that a bar of the given
+/// width and height, and numbers.
+pub fn draw_scale(
     image: &mut Image,
     [x, y]: [i64; 2],
     [width, height]: [i64; 2],

@@ -26,7 +26,7 @@ pub use camera::{Box3, Camera};
 pub use error::RenderError;
 pub use gpu::Gpu;
 pub use image::Image;
-pub use legend::Legend;
+pub use legend::{Legend, draw_scale};
 pub use level::{Level, NodeSphere, below};
 pub use normals::normals;
 pub use renderer::{Line, Mesh, Renderer, Scene, Sphere};

@@ -18,8 +18,8 @@ use crate::skinned::SkinnedMesh;
 /// Samples per pixel.
 const SAMPLES: u32 = 4;
 
-/// Colours are blended as light and stored as sRGB.
-const FORMAT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
+/// Colours are blended as sRGB numbers: as light, translucent dark blue over white would be grey.
+const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
 
 /// A device without a window, and a renderer on it.
 #[derive(Debug)]

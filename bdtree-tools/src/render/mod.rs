@@ -22,7 +22,7 @@ use crate::q::{checked_q, counted};
 use crate::scene::Scene;
 use crate::{AssetFile, DONE};
 use body::{Body, Posture};
-use picture::{Content, Frame, Painter};
+use picture::{Bounds, Content, Frame, Painter};
 pub use report::{Growth, Report, SphereLine};
 
 /// Draws an asset, or a sequence of its frames, into PNG files.
@@ -45,14 +45,16 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     match &arguments.query {
         Some(path) => {
             let scene = Scene::load(path, !arguments.no_verify)?;
-            let frame = visited::shown(arguments, &file, &scene)?;
-            paint(arguments, &targets, vec![frame], out)?;
+            paint(
+                arguments,
+                &targets,
+                |_| visited::shown(arguments, &file, &scene),
+                out,
+            )?;
         }
         None => {
-            let frames = targets
-                .iter()
-                .map(|(frame, _)| shown(arguments, &file, &asset, *frame));
-            paint(arguments, &targets, frames.collect::<Result<_, _>>()?, out)?;
+            let frame_of = |number| shown(arguments, &file, &asset, number);
+            paint(arguments, &targets, frame_of, out)?;
         }
     }
     Ok(DONE)
@@ -161,11 +163,11 @@ fn posture_text(posture: &Posture, frame: Option<u64>, time_s: Option<f64>) -> S
     }
 }
 
-/// Draws frames into their files.
-fn paint(
+/// Draws frames, as `make` returns them, into their files.
+fn paint<'a>(
     arguments: &Arguments,
     targets: &[(Option<u64>, PathBuf)],
-    frames: Vec<Frame<'_>>,
+    make: impl Fn(Option<u64>) -> Result<Frame<'a>, ToolError>,
     out: &mut dyn Write,
 ) -> Result<(), ToolError> {
     for (_, path) in targets {
@@ -175,13 +177,28 @@ fn paint(
             return Err(ToolError::input(path.display(), message));
         }
     }
+    // Of a sequence one frame at a time: all of them may be too many for memory.
+    let mut bounds = Bounds::default();
+    let mut last = None;
+    for (number, _) in targets {
+        let frame = make(*number)?;
+        bounds.hold(&frame);
+        last = Some(frame);
+    }
+    let Some(frame) = &last else {
+        return Ok(()); // a range of frames is not empty
+    };
     let studio = Studio::open().map_err(|error| graphics(&error))?;
-    let mut painter = Painter::new(arguments, studio, &frames)?;
-    for ((_, path), frame) in targets.iter().zip(&frames) {
-        let (image, growths) = painter.paint(frame)?;
+    let mut painter = Painter::new(arguments, studio, &bounds, frame)?;
+    for (number, path) in targets {
+        let frame = match (targets.len(), last.take()) {
+            (1, Some(only)) => only,
+            _ => make(*number)?,
+        };
+        let (image, growths) = painter.paint(&frame)?;
         write_whole(path, |w| image.write_png(w))?;
         if arguments.json {
-            let report = Report::of(arguments, path, frame, &growths, &painter);
+            let report = Report::of(arguments, path, &frame, &growths, &painter);
             serde_json::to_writer(&mut *out, &report).map_err(|e| ToolError::Stdout(e.into()))?;
             writeln!(out).map_err(ToolError::Stdout)?;
         }

@@ -36,6 +36,44 @@ pub(super) struct Content<'a> {
     pub(super) is_file: bool,
 }
 
+/// What frames take up.
+pub(super) struct Bounds {
+    /// Of bodies.
+    bodies: [[f64; 3]; 2],
+    /// Of spheres, too.
+    all: [[f64; 3]; 2],
+}
+
+impl Default for Bounds {
+    fn default() -> Self {
+        let nothing = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        Self {
+            bodies: nothing,
+            all: nothing,
+        }
+    }
+}
+
+impl Bounds {
+    /// Makes them hold a frame.
+    pub(super) fn hold(&mut self, frame: &Frame<'_>) {
+        for content in &frame.content {
+            for corner in content.body.bounds {
+                self.bodies = around(self.bodies, corner, 0.0);
+                self.all = around(self.all, corner, 0.0);
+            }
+            for sphere in &content.spheres {
+                self.all = around(self.all, sphere.centre, sphere.radius);
+            }
+        }
+        for shape in &frame.questions {
+            if let Shape::Ball { centre, radius } = shape {
+                self.all = around(self.all, *centre, *radius);
+            }
+        }
+    }
+}
+
 /// Bodies that only stand beside.
 const BESIDE: [u8; 3] = [150, 160, 176];
 const WHITE: [u8; 4] = [255; 4];
@@ -57,18 +95,14 @@ pub(super) struct Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
+    /// For frames within `bounds` that have the bodies of `frame`.
     pub(super) fn new(
         arguments: &'a Arguments,
         studio: Studio,
-        frames: &[Frame<'_>],
+        bounds: &Bounds,
+        frame: &Frame<'_>,
     ) -> Result<Self, ToolError> {
-        let nothing = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        let contents = || frames.iter().flat_map(|frame| &frame.content);
-        let mut bounds = contents().fold(nothing, |all, content| {
-            let [low, high] = content.body.bounds;
-            around(around(all, low, 0.0), high, 0.0)
-        });
-        let [low, high] = bounds;
+        let [low, high] = bounds.bodies;
         let middle = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
         let extent = (0..3).map(|k| (0.5 * high[k] - 0.5 * low[k]).powi(2));
         let size = extent.sum::<f64>().sqrt();
@@ -78,16 +112,6 @@ impl<'a> Painter<'a> {
         } else {
             1.0
         };
-        for content in contents() {
-            for sphere in &content.spheres {
-                bounds = around(bounds, sphere.centre, sphere.radius);
-            }
-        }
-        for shape in frames.iter().flat_map(|frame| &frame.questions) {
-            if let Shape::Ball { centre, radius } = shape {
-                bounds = around(bounds, *centre, *radius);
-            }
-        }
         let mut painter = Self {
             arguments,
             studio,
@@ -98,20 +122,18 @@ impl<'a> Painter<'a> {
         };
         let [width, height] = arguments.size.0;
         let view = arguments.view;
-        let bounds = Box3::around(bounds.map(|corner| painter.shown(corner)));
+        let bounds = Box3::around(bounds.all.map(|corner| painter.shown(corner)));
         let aspect = width as f32 / height as f32;
         let camera = Camera::around(&bounds, aspect, view.azimuth_deg, view.elevation_deg);
         painter.camera = camera.at_distance(MARGIN as f32 / view.zoom);
-        if let Some(frame) = frames.first() {
-            for content in &frame.content {
-                let place = || content.body.file.path().display();
-                let mesh = painter.studio.skinned(&content.body.asset);
-                let mut mesh = mesh.map_err(|error| ToolError::input(place(), error))?;
-                if !content.is_file {
-                    mesh.mesh_mut().set_colour(BESIDE);
-                }
-                painter.meshes.push(mesh);
+        for content in &frame.content {
+            let place = || content.body.file.path().display();
+            let mesh = painter.studio.skinned(&content.body.asset);
+            let mut mesh = mesh.map_err(|error| ToolError::input(place(), error))?;
+            if !content.is_file {
+                mesh.mesh_mut().set_colour(BESIDE);
             }
+            painter.meshes.push(mesh);
         }
         Ok(painter)
     }
