@@ -72,6 +72,22 @@ impl Camera {
     /// A camera that sees all of a box in a picture of `aspect` (width over height), from `azimuth`
     /// degrees around y (0: from +z, 90: from +x) and `elevation` degrees above.
     pub fn around(bounds: &Box3, aspect: f32, azimuth_deg: f32, elevation_deg: f32) -> Self {
+        let corner = |i: usize| [0, 1, 2].map(|k| [bounds.low, bounds.high][i >> k & 1][k]);
+        let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| (corner(i), 0.0));
+        Self::around_balls(&corners, aspect, azimuth_deg, elevation_deg)
+    }
+
+    /// [`Camera::around`] for balls, centres and radii given: it comes as near as they allow.
+    pub fn around_balls(
+        balls: &[([f32; 3], f32)],
+        aspect: f32,
+        azimuth_deg: f32,
+        elevation_deg: f32,
+    ) -> Self {
+        let ends = balls
+            .iter()
+            .flat_map(|(c, r)| [c.map(|x| x - r), c.map(|x| x + r)]);
+        let bounds = Box3::around(ends);
         let mut camera = Self {
             eye: [0.0, 0.0, 1.0],
             target: bounds.middle(),
@@ -83,26 +99,19 @@ impl Camera {
         let back = [a.sin() * e.cos(), e.sin(), a.cos() * e.cos()];
         camera.eye = add(camera.target, back);
         let [right, up, _] = camera.axes();
-        // From each corner: how far away the eye must be to have it within the picture.
         let slope_y = (0.5 * FOV_Y_RAD).tan();
         let slope_x = slope_y * aspect.max(1e-3);
-        let mut distance = 1e-6_f32.max(1e-3 * bounds.half_diagonal());
-        if bounds.half_diagonal() > 0.0 {
-            for corner in 0..8 {
-                let p = [0, 1, 2].map(|k| {
-                    let end = if corner >> k & 1 == 0 {
-                        bounds.low[k]
-                    } else {
-                        bounds.high[k]
-                    };
-                    end - camera.target[k]
-                });
-                let towards = dot(p, back);
-                distance = distance
-                    .max(towards + dot(p, right).abs() / slope_x)
-                    .max(towards + dot(p, up).abs() / slope_y);
+        let mut distance = 1e-3 * bounds.half_diagonal();
+        for (centre, radius) in balls {
+            let p = sub(*centre, camera.target);
+            // From how far away the ball is within the planes through the picture's edges.
+            for (axis, slope) in [(right, slope_x), (up, slope_y)] {
+                let aside = dot(p, axis).abs() + radius * (1.0 + slope * slope).sqrt();
+                // What is not a number is not larger.
+                distance = distance.max(dot(p, back) + aside / slope);
             }
-        } else {
+        }
+        if !(distance > 0.0 && distance.is_finite()) {
             distance = 1.0;
         }
         camera.eye = add(camera.target, scale(back, distance));
@@ -251,6 +260,31 @@ mod tests {
                 assert!(nearest_edge < 0.5, "{nearest_edge} pixels are left");
             }
         }
+    }
+
+    #[test]
+    fn balls_are_seen_whole_and_fill_the_picture() {
+        let balls = [
+            ([1.0, 2.0, 3.0], 0.5),
+            ([-1.0, 2.5, 2.0], 1.0),
+            ([0.0, 4.0, 0.0], 0.1),
+        ];
+        let size = [400, 300];
+        let camera = Camera::around_balls(&balls, 4.0 / 3.0, 25.0, 10.0);
+        // Points of each ball where it is seen widest: nothing beyond the edge, something at it.
+        let mut nearest_edge = f32::INFINITY;
+        for (centre, radius) in balls {
+            for i in 0..64 * 64 {
+                let (a, b) = ((i / 64) as f32 * 0.0982, (i % 64) as f32 * 0.0491 - 1.571);
+                let ray = [a.cos() * b.cos(), b.sin(), a.sin() * b.cos()];
+                let p = add(centre, scale(ray, radius));
+                let [x, y] = camera.project(p, size).expect("in front");
+                for (x, n) in [(x, size[0]), (y, size[1])] {
+                    nearest_edge = nearest_edge.min(x).min(n as f32 - x);
+                }
+            }
+        }
+        assert!(nearest_edge > -0.05 && nearest_edge < 1.0, "{nearest_edge}");
     }
 
     #[test]

@@ -27,7 +27,9 @@ impl Legend {
         for (k, line) in (0..).zip(&self.lines) {
             let colour = if k == 0 { DARK } else { GREY };
             let y = margin + k * (size.line() + size.line() / 8);
-            image.text([margin, y], &shortened(line, room), size, colour);
+            let line = shortened(line, room);
+            clear(image, [margin, y], [size.width(&line), size.line()]);
+            image.text([margin, y], &line, size, colour);
         }
         if let Some(meaning) = &self.scale {
             let bar = [
@@ -36,9 +38,17 @@ impl Legend {
             ];
             let below = bar[1] + 2 * size.line() + size.line() / 2;
             let corner = [margin, i64::from(height) - margin - below];
-            draw_scale(image, corner, bar, &shortened(meaning, room), size);
+            let meaning = shortened(meaning, room);
+            let width = size.width(&meaning).max(bar[0] + size.width("44+"));
+            clear(image, corner, [width, below]);
+            draw_scale(image, corner, bar, &meaning, size);
         }
     }
+}
+
+/// Fades what is behind text, so that it can be read.
+fn clear(image: &mut Image, [x, y]: [i64; 2], [width, height]: [i64; 2]) {
+    image.fill([x - 4, y - 2], [width + 8, height + 4], [255; 3], 190);
 }
 
 /// Draws the scale of tightness, upper left corner given: what it means, below that a bar of the given

@@ -40,7 +40,7 @@ fn lit(colour: vec3<f32>, normal: vec3<f32>, toward_eye: vec3<f32>) -> vec3<f32>
     let sky = 0.5 + 0.5 * dot(normal, globals.up.xyz);
     let head = max(dot(normal, toward_eye), 0.0);
     let half_way = normalize(globals.light.xyz + toward_eye);
-    let shine = 0.06 * pow(max(dot(normal, half_way), 0.0), 24.0);
+    let shine = 0.04 * pow(max(dot(normal, half_way), 0.0), 32.0);
     return colour * (0.12 + 0.20 * sky + 0.20 * head + 0.52 * key) + vec3(shine);
 }
 

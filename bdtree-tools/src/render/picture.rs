@@ -38,18 +38,21 @@ pub(super) struct Content<'a> {
 
 /// What frames take up.
 pub(super) struct Bounds {
-    /// Of bodies.
+    /// Box of bodies.
     bodies: [[f64; 3]; 2],
-    /// Of spheres, too.
-    all: [[f64; 3]; 2],
+    /// Centres and radii of all that is to be seen; where it is too much, corners of its box.
+    balls: Vec<([f64; 3], f64)>,
 }
+
+/// Balls that are kept.
+const BALLS_MAX: usize = 1 << 20;
+const NOWHERE: [[f64; 3]; 2] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
 
 impl Default for Bounds {
     fn default() -> Self {
-        let nothing = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         Self {
-            bodies: nothing,
-            all: nothing,
+            bodies: NOWHERE,
+            balls: Vec::new(),
         }
     }
 }
@@ -58,18 +61,31 @@ impl Bounds {
     /// Makes them hold a frame.
     pub(super) fn hold(&mut self, frame: &Frame<'_>) {
         for content in &frame.content {
-            for corner in content.body.bounds {
-                self.bodies = around(self.bodies, corner, 0.0);
-                self.all = around(self.all, corner, 0.0);
-            }
-            for sphere in &content.spheres {
-                self.all = around(self.all, sphere.centre, sphere.radius);
-            }
+            let body = &content.body;
+            self.bodies = body
+                .bounds
+                .into_iter()
+                .fold(self.bodies, |all, corner| around(all, corner, 0.0));
+            // Vertices outside are not of any triangle.
+            let [low, high] = body.bounds;
+            let is_seen = |p: &&[f64; 3]| (0..3).all(|k| low[k] <= p[k] && p[k] <= high[k]);
+            self.balls
+                .extend(body.positions.iter().filter(is_seen).map(|p| (*p, 0.0)));
+            self.balls
+                .extend(content.spheres.iter().map(|s| (s.centre, s.radius)));
         }
         for shape in &frame.questions {
             if let Shape::Ball { centre, radius } = shape {
-                self.all = around(self.all, *centre, *radius);
+                self.balls.push((*centre, *radius));
             }
+        }
+        if self.balls.len() > BALLS_MAX {
+            let all = self
+                .balls
+                .iter()
+                .fold(NOWHERE, |all, (c, r)| around(all, *c, *r));
+            let corner = |i: usize| [0, 1, 2].map(|k| all[i >> k & 1][k]);
+            self.balls = (0..8).map(|i| (corner(i), 0.0)).collect();
         }
     }
 }
@@ -122,9 +138,11 @@ impl<'a> Painter<'a> {
         };
         let [width, height] = arguments.size.0;
         let view = arguments.view;
-        let bounds = Box3::around(bounds.all.map(|corner| painter.shown(corner)));
+        let balls = bounds.balls.iter();
+        let balls = balls.map(|(c, r)| (painter.shown(*c), (r / size) as f32));
+        let balls: Vec<_> = balls.collect();
         let aspect = width as f32 / height as f32;
-        let camera = Camera::around(&bounds, aspect, view.azimuth_deg, view.elevation_deg);
+        let camera = Camera::around_balls(&balls, aspect, view.azimuth_deg, view.elevation_deg);
         painter.camera = camera.at_distance(MARGIN as f32 / view.zoom);
         for content in &frame.content {
             let place = || content.body.file.path().display();

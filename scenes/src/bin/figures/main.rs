@@ -16,7 +16,7 @@ use bdtree_render::tightness::mean_and_max;
 use bdtree_runtime::{Asset, MappedFile};
 use clap::Parser;
 
-use hierarchies::{Hierarchies, Kind};
+use hierarchies::{Found, Hierarchies, Kind};
 use montage::{Cell, Stage};
 
 #[derive(Parser)]
@@ -46,7 +46,7 @@ struct Arguments {
     )]
     view: Vec<f32>,
     /// Width and height of each picture of a figure, in pixels
-    #[arg(long, default_value_t = 300)]
+    #[arg(long, default_value_t = 290)]
     cell: u32,
 }
 
@@ -76,14 +76,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut stage = Stage::new(asset, &[&rest, &bent], view, arguments.cell)?;
     let mut rows = Vec::new();
     for kind in Kind::ALL {
-        let cells = LEVELS.map(|level| Cell {
-            title: format!("level {level}"),
-            q: &rest,
-            spheres: hierarchies.spheres(kind, level, &rest).ok(),
-        });
-        rows.push((kind.name().to_string(), cells.to_vec()));
+        let mut cells = Vec::new();
+        for level in LEVELS {
+            let found = hierarchies.spheres(kind, level, &rest)?;
+            let title = format!("level {level}: {}", ratios(&found));
+            cells.push(Cell {
+                title,
+                q: &rest,
+                spheres: Some(found),
+            });
+        }
+        rows.push((kind.name().to_string(), cells));
     }
-    let title = "Figure 4: undeformed, by level of the binary tree";
+    let title = "Figure 4: undeformed, by level of the binary tree; numbers: mean / largest ratio";
     stage.figure(title, &rows, &arguments.folder.join("figure-4.png"))?;
 
     let mut rows = Vec::new();
@@ -95,10 +100,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }];
         for kind in Kind::ALL.into_iter().rev() {
             let found = hierarchies.spheres(kind, arguments.level, q)?;
-            let growths: Vec<f64> = found.iter().map(|s| s.growth).collect();
-            let [mean, max] = mean_and_max(&growths).unwrap_or([f64::NAN; 2]);
             cells.push(Cell {
-                title: format!("{} {mean:.2} / {max:.2}", kind.short()),
+                title: format!("{} {}", kind.short(), ratios(&found)),
                 q,
                 spheres: Some(found),
             });
@@ -112,6 +115,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     stage.figure(&title, &rows, &arguments.folder.join("figure-6.png"))?;
     Ok(())
+}
+
+/// Mean and largest ratio of some spheres.
+fn ratios(found: &[Found]) -> String {
+    let growths: Vec<f64> = found.iter().map(|s| s.growth).collect();
+    match mean_and_max(&growths) {
+        Some([mean, max]) => format!("{mean:.2} / {max:.2}"),
+        None => "-".to_string(),
+    }
 }
 
 /// Mean and largest ratio per level, of all hierarchies.

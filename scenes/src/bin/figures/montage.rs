@@ -29,7 +29,9 @@ pub(crate) struct Stage<'a> {
     mesh: SkinnedMesh,
     middle: [f64; 3],
     size: f64,
-    camera: Camera,
+    /// All deformed vertices' box, as drawn.
+    bounds: Box3,
+    view: [f32; 2],
     cell: u32,
 }
 
@@ -37,15 +39,15 @@ const WHITE: [u8; 4] = [255; 4];
 const DARK: [u8; 3] = [20, 24, 32];
 const GREY: [u8; 3] = [80, 86, 96];
 const TEXT: TextSize = TextSize::Small;
-/// Spheres stand out of the mesh.
-const ROOM: f32 = 1.18;
+/// Beside what is largest in a figure.
+const ROOM: f32 = 1.03;
 
 impl<'a> Stage<'a> {
-    /// A camera that sees the asset at all of these q.
+    /// For an asset at these q, seen from `view` (degrees around y and from above).
     pub(crate) fn new(
         asset: Asset<'a>,
         poses: &[&[f32]],
-        [azimuth, elevation]: [f32; 2],
+        view: [f32; 2],
         cell: u32,
     ) -> Result<Self, Box<dyn Error>> {
         let mut memory = vec![0.0; asset.pose_len()];
@@ -58,8 +60,7 @@ impl<'a> Stage<'a> {
         }
         let (middle, size) = (bounds.middle(), bounds.half_diagonal());
         let about = |p: [f32; 3]| [0, 1, 2].map(|k| (p[k] - middle[k]) / size);
-        let shown = Box3::around([about(bounds.low), about(bounds.high)]);
-        let camera = Camera::around(&shown, 1.0, azimuth, elevation).at_distance(ROOM);
+        let bounds = Box3::around([about(bounds.low), about(bounds.high)]);
         let studio = Studio::open()?;
         let mesh = studio.skinned(&asset)?;
         Ok(Self {
@@ -68,17 +69,17 @@ impl<'a> Stage<'a> {
             mesh,
             middle: middle.map(f64::from),
             size: f64::from(size),
-            camera,
+            bounds,
+            view,
             cell,
         })
     }
 
-    fn picture(&mut self, cell: &Cell<'_>) -> Result<Image, Box<dyn Error>> {
+    /// A cell's spheres as they are drawn.
+    fn spheres(&self, cell: &Cell<'_>) -> Vec<Sphere> {
         let (middle, size) = (self.middle, self.size);
-        let spheres: Vec<Sphere> = cell
-            .spheres
-            .iter()
-            .flatten()
+        let found = cell.spheres.iter().flatten();
+        found
             .map(|found| {
                 let [r, g, b] = colour(found.growth);
                 Sphere {
@@ -87,7 +88,25 @@ impl<'a> Stage<'a> {
                     colour: [r, g, b, 255],
                 }
             })
-            .collect();
+            .collect()
+    }
+
+    /// The camera that sees everything in a figure.
+    fn camera(&self, rows: &[(String, Vec<Cell<'_>>)]) -> Camera {
+        let cells = rows.iter().flat_map(|(_, cells)| cells);
+        let spheres = cells.flat_map(|cell| self.spheres(cell));
+        let mut balls: Vec<_> = spheres.map(|s| (s.centre, s.radius)).collect();
+        // Geometry lies within its spheres; a figure of geometry alone has only that.
+        if balls.is_empty() {
+            balls = vec![(self.bounds.middle(), self.bounds.half_diagonal())];
+        }
+        let [azimuth, elevation] = self.view;
+        Camera::around_balls(&balls, 1.0, azimuth, elevation).at_distance(ROOM)
+    }
+
+    fn picture(&mut self, cell: &Cell<'_>, camera: &Camera) -> Result<Image, Box<dyn Error>> {
+        let (middle, size) = (self.middle, self.size);
+        let spheres = self.spheres(cell);
         // From the world to stored units, and on to the picture's.
         let (unit, origin) = (self.asset.unit(), self.asset.origin());
         let scale = 1.0 / (unit * size);
@@ -105,7 +124,7 @@ impl<'a> Stage<'a> {
             spheres: &spheres,
             lines: &[],
         };
-        Ok(self.studio.picture([self.cell; 2], &self.camera, &scene)?)
+        Ok(self.studio.picture([self.cell; 2], camera, &scene)?)
     }
 
     /// Draws a figure: rows of pictures with names, below them the scale.
@@ -125,6 +144,7 @@ impl<'a> Stage<'a> {
             columns * cell + 2 * margin,
             head + rows.len() as i64 * row_height + foot + margin,
         ];
+        let camera = self.camera(rows);
         let mut image = Image::filled(size.map(|n| n as u32), WHITE);
         image.text([margin, margin], title, TextSize::Medium, DARK);
         for (i, (name, cells)) in (0..).zip(rows) {
@@ -132,7 +152,7 @@ impl<'a> Stage<'a> {
             image.text([margin, top], name, TEXT, DARK);
             for (j, cell_of) in (0..).zip(cells) {
                 let left = margin + j * cell;
-                image.paste([left, top + 2 * line], &self.picture(cell_of)?);
+                image.paste([left, top + 2 * line], &self.picture(cell_of, &camera)?);
                 let middle = left + (cell - TEXT.width(&cell_of.title)) / 2;
                 image.text([middle, top + line + line / 4], &cell_of.title, TEXT, GREY);
             }
