@@ -9,6 +9,7 @@ use super::buffers::filled;
 use super::device::checked;
 use super::error::GpuError;
 use super::layouts::Layouts;
+use super::normal_fields::NormalFields;
 use super::ranges::{BoundRange, FieldSet};
 use super::ring::{Ring, triangles};
 use crate::contact::VertexId;
@@ -21,7 +22,12 @@ use crate::view::Asset;
 pub enum Normals {
     /// There are none.
     None,
-    /// The triangles around each vertex as deformed, weighted by area.
+    /// Two tangents per vertex that move with q like positions do ([`NormalFields`]): near the exact ones
+    /// where the triangles around a vertex deform alike (figures: docs/skinning.md). Computed here, 24 bytes per
+    /// vertex and mode.
+    Fields,
+    /// The triangles around each vertex as deformed, weighted by area: what a mesh's normals are
+    /// without tricks, from the positions that were written, so in compute passes only.
     Exact,
 }
 
@@ -31,6 +37,8 @@ pub struct GpuAsset {
     pub(crate) asset: (usize, u32),
     pub(crate) listed: bool,
     pub(crate) points: Vec<BoundRange>,
+    /// Of [`Normals::Fields`].
+    pub(crate) tangents: Vec<BoundRange>,
     /// Of [`Normals::Exact`].
     pub(crate) rings: Vec<BoundRange>,
     indices: wgpu::Buffer,
@@ -51,19 +59,25 @@ impl GpuAsset {
         let set = field_set(asset)?;
         let triangles = triangles(asset)?;
         let ring = match normals {
-            Normals::None => None,
             Normals::Exact => Some(Ring::new(asset.vertex_count(), &triangles)?),
+            _ => None,
+        };
+        let fields = match normals {
+            Normals::Fields => Some(NormalFields::new(asset)?),
+            _ => None,
         };
         checked(device, || {
             let usage = wgpu::BufferUsages::INDEX
                 | wgpu::BufferUsages::STORAGE
                 | wgpu::BufferUsages::COPY_SRC;
             let indices = triangles.as_bytes();
+            let fields = fields.map(|f| f.set().upload(device, queue, layouts, "normal fields"));
             let rings = ring.map(|ring| ring.upload(device, queue, layouts, set.mode_count));
             Ok(Self {
                 asset: identity(asset),
                 listed: set.listed(),
                 points: set.upload(device, queue, layouts, "displacements")?,
+                tangents: fields.transpose()?.unwrap_or_default(),
                 rings: rings.transpose()?.unwrap_or_default(),
                 indices: filled(device, queue, "triangles", usage, &[indices])?,
                 vertex_count: asset.vertex_count() as u32,
@@ -103,7 +117,7 @@ impl GpuAsset {
 
 /// Positions and displacements as they lie in the file, with every record checked that a shader
 /// follows.
-fn field_set<'a>(asset: &Asset<'a>) -> Result<FieldSet<'a>, GpuError> {
+pub(crate) fn field_set<'a>(asset: &Asset<'a>) -> Result<FieldSet<'a>, GpuError> {
     let (vertex_count, mode_count) = (asset.vertex_count(), asset.mode_count());
     let records: &[VertexModes] = asset.vertex_modes();
     for i in 0..vertex_count as u32 {
@@ -119,6 +133,7 @@ fn field_set<'a>(asset: &Asset<'a>) -> Result<FieldSet<'a>, GpuError> {
     }
     Ok(FieldSet {
         mode_count,
+        sides: 1,
         rest: asset.positions,
         fields: asset.displacements,
         records,

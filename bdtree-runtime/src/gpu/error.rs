@@ -42,6 +42,8 @@ pub enum GpuError {
     },
     /// Instances, output or pose are of another asset.
     Mismatch(&'static str),
+    /// What cannot be done, and what can instead.
+    Unsupported(&'static str),
     /// q or placement are refused.
     Pose(PoseError),
     /// An instance reaches farther from the origin than f32 does: put the origin near the camera.
@@ -77,6 +79,7 @@ impl fmt::Display for GpuError {
             ),
             Self::Full { capacity } => write!(f, "all {capacity} instances are taken"),
             Self::Mismatch(what) => write!(f, "{what} made for another asset"),
+            Self::Unsupported(what) => f.write_str(what),
             Self::Pose(error) => write!(f, "{error}"),
             Self::TooFar { instance } => write!(
                 f,

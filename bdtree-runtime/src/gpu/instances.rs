@@ -190,6 +190,16 @@ impl Instances {
             + flushed)
     }
 
+    /// Row `row` of an instance as the shaders see it: twelve of its matrix, then q.
+    pub(crate) fn row(&self, instance: u32, row: usize) -> f32 {
+        let (block, lane) = (instance as usize / BLOCK, instance as usize % BLOCK);
+        self.rows[1 + block * (MATRIX_ROWS + self.mode_count) + row][lane]
+    }
+
+    pub(crate) fn q(&self, instance: u32, mode: usize) -> f32 {
+        self.row(instance, MATRIX_ROWS + mode)
+    }
+
     /// Copies all instances to the device: before the next submission, as `queue.write_buffer` does.
     pub fn write(&mut self) {
         self.rows[0][0] = self.count as f32; // exact: see CAPACITY_MAX

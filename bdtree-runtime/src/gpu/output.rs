@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 
 use zerocopy::IntoBytes;
 
-use super::device::largest_binding;
+use super::asset::Normals;
+use super::device::{checked, largest_binding};
 use super::error::GpuError;
 
 /// Positions and normals of all instances: packed `f32` triples, instance by instance, N of each. The
@@ -13,6 +14,7 @@ use super::error::GpuError;
 #[derive(Debug)]
 pub struct Output {
     pub(crate) asset: (usize, u32),
+    pub(crate) kind: Normals,
     pub(crate) capacity: u32,
     pub(crate) positions: wgpu::Buffer,
     pub(crate) normals: Option<wgpu::Buffer>,
@@ -74,7 +76,7 @@ pub fn read_back(
     if bytes.is_empty() {
         return Ok(points);
     }
-    super::device::checked(device, || {
+    checked(device, || {
         let size = bytes.len() as u64;
         let copy = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("read back"),

@@ -17,6 +17,9 @@ use super::ring::Ring;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FieldSet<'a> {
     pub(crate) mode_count: usize,
+    /// Vectors per vertex and per vertex and mode: one, or two tangents, the second's of all modes of a
+    /// vertex behind the first's.
+    pub(crate) sides: usize,
     pub(crate) rest: &'a [[f32; 3]],
     pub(crate) fields: &'a [[f32; 3]],
     /// One record per vertex and one more; empty where fields are of all modes.
@@ -29,6 +32,8 @@ pub(crate) struct FieldSet<'a> {
 pub(crate) struct BoundRange {
     pub(crate) count: u32,
     pub(crate) group: wgpu::BindGroup,
+    /// Parameters, and what the shaders read, in the order of their bindings.
+    pub(crate) buffers: [wgpu::Buffer; 4],
 }
 
 impl<'a> FieldSet<'a> {
@@ -36,15 +41,29 @@ impl<'a> FieldSet<'a> {
         !self.records.is_empty()
     }
 
+    /// Mode and field of a vertex's side.
+    pub(crate) fn of(&self, vertex: usize, side: usize) -> impl Iterator<Item = (usize, [f32; 3])> {
+        let (start, count, modes) = match self.listed() {
+            true => {
+                let [own, next] = [self.records[vertex], self.records[vertex + 1]];
+                let (start, count) = (own.first_entry, next.first_entry - own.first_entry);
+                let modes = &self.lists[own.mode_list_start as usize..][..count as usize];
+                (start as usize, count as usize, modes)
+            }
+            false => (vertex * self.mode_count, self.mode_count, &[][..]),
+        };
+        let fields = &self.fields[self.sides * start + side * count..][..count];
+        let mode = move |k: usize| modes.get(k).map_or(k, |j| usize::from(*j));
+        fields.iter().enumerate().map(move |(k, u)| (mode(k), *u))
+    }
+
     /// Fields of a range of vertices, and the index of their first.
     fn entries(&self, range: &Range<usize>) -> Range<usize> {
-        match self.listed() {
-            true => {
-                let [start, end] = [range.start, range.end].map(|i| self.records[i].first_entry);
-                start as usize..end as usize
-            }
-            false => range.start * self.mode_count..range.end * self.mode_count,
-        }
+        let first = |i: usize| match self.listed() {
+            true => self.sides * self.records[i].first_entry as usize,
+            false => self.sides * i * self.mode_count,
+        };
+        first(range.start)..first(range.end)
     }
 
     /// The largest binding of a range.
@@ -54,7 +73,7 @@ impl<'a> FieldSet<'a> {
             true => 8 * (range.len() + 1) + 2 * self.lists.len(),
             false => 0,
         };
-        fields.max(lists).max(12 * range.len()) as u64
+        fields.max(lists).max(12 * self.sides * range.len()) as u64
     }
 
     pub(crate) fn upload(
@@ -64,7 +83,7 @@ impl<'a> FieldSet<'a> {
         layouts: &Layouts,
         what: &'static str,
     ) -> Result<Vec<BoundRange>, GpuError> {
-        let total = self.rest.len();
+        let total = self.rest.len() / self.sides;
         let ranges = split(total, largest_binding(device), what, |r| self.bytes(r))?;
         let storage = wgpu::BufferUsages::STORAGE;
         let make = |range: Range<usize>| {
@@ -78,10 +97,10 @@ impl<'a> FieldSet<'a> {
                 first: range.start,
                 total,
                 mode_count: self.mode_count,
-                entry_base: if self.listed() { entries.start } else { 0 },
+                entry_base: if self.listed() { entries.start / self.sides } else { 0 },
                 list_base: 2 * records.len(),
             };
-            let rest = &self.rest[range.clone()];
+            let rest = &self.rest[self.sides * range.start..self.sides * range.end];
             let fields = &self.fields[entries];
             let lists: [&[u8]; 2] = match self.listed() {
                 true => [records.as_bytes(), self.lists.as_bytes()],
@@ -96,6 +115,7 @@ impl<'a> FieldSet<'a> {
             Ok(BoundRange {
                 count: range.len() as u32,
                 group: bind(device, &layouts.fields, &buffers.each_ref()),
+                buffers,
             })
         };
         ranges.into_iter().map(make).collect()
@@ -139,6 +159,7 @@ impl Ring {
             Ok(BoundRange {
                 count: range.len() as u32,
                 group: bind(device, &layouts.fields, &buffers.each_ref()),
+                buffers,
             })
         };
         ranges.into_iter().map(make).collect()

@@ -96,6 +96,11 @@ impl Skinner {
             let mut groups = Vec::from([bind(&self.device, &self.layouts.output, &[&positions])]);
             let normals = match asset.normals() {
                 Normals::None => None,
+                Normals::Fields => {
+                    let normals = self.buffer("normals", size, usage);
+                    groups.push(bind(&self.device, &self.layouts.output, &[&normals]));
+                    Some(normals)
+                }
                 Normals::Exact => {
                     let normals = self.buffer("normals", size, usage);
                     let both = [&positions, &normals];
@@ -105,6 +110,7 @@ impl Skinner {
             };
             Ok(Output {
                 asset: asset.asset,
+                kind: asset.normals(),
                 capacity,
                 positions,
                 normals,
@@ -127,7 +133,7 @@ impl Skinner {
         if instances.asset != asset.asset {
             return Err(GpuError::Mismatch("the instances were"));
         }
-        if output.asset != asset.asset || output.groups.len() != 1 + usize::from(asset.normals() != Normals::None) {
+        if (output.asset, output.kind) != (asset.asset, asset.normals()) {
             return Err(GpuError::Mismatch("the output was"));
         }
         if instances.len() > output.capacity() {
@@ -162,11 +168,16 @@ impl Skinner {
                 Ok::<_, GpuError>(())
             };
             run(Pass::Points, &asset.points, &output.groups[0])?;
-            if asset.normals() == Normals::Exact {
-                run(Pass::Exact, &asset.rings, &output.groups[1])?;
+            match asset.normals() {
+                Normals::None => Ok(()),
+                Normals::Fields => run(Pass::Normals, &asset.tangents, &output.groups[1]),
+                Normals::Exact => run(Pass::Exact, &asset.rings, &output.groups[1]),
             }
-            Ok(())
         })
+    }
+
+    pub(crate) fn device(&self) -> &wgpu::Device {
+        &self.device
     }
 
     /// So many workgroups as a grid that the device allows; the shaders count them through.

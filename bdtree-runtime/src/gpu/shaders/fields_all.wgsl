@@ -2,7 +2,7 @@
 const CHUNK = 8u;
 const STRIDE = 25u; // odd: no two threads of a bank
 
-fn moved_by(t: u32, first: u32, block: u32) -> array<Lanes, 3> {
+fn moved_by(t: u32, first: u32, block: u32, side: u32) -> array<Lanes, 3> {
     var x = splat(0.0);
     var y = splat(0.0);
     var z = splat(0.0);
@@ -17,7 +17,7 @@ fn moved_by(t: u32, first: u32, block: u32) -> array<Lanes, 3> {
         var number = t % width;
         workgroupBarrier();
         while (vertex < vertices) {
-            staged[vertex * STRIDE + number] = fields[3u * ((first + vertex) * m + mode) + number];
+            staged[vertex * STRIDE + number] = fields[3u * (((first + vertex) * SIDES + side) * m + mode) + number];
             vertex += step_vertex;
             number += step_number;
             if (number >= width) {

@@ -7,7 +7,7 @@ fn listed_mode(k: u32) -> u32 {
     return (word >> (16u * (k % 2u))) & 0xffffu;
 }
 
-fn moved_by(t: u32, first: u32, block: u32) -> array<Lanes, 3> {
+fn moved_by(t: u32, first: u32, block: u32, side: u32) -> array<Lanes, 3> {
     var x = splat(0.0);
     var y = splat(0.0);
     var z = splat(0.0);
@@ -17,9 +17,10 @@ fn moved_by(t: u32, first: u32, block: u32) -> array<Lanes, 3> {
         let start = lists[record];
         let list = lists[record + 1u];
         let modes = lists[record + 2u] - start;
+        let fields_start = SIDES * (start - params.entry_base) + side * modes;
         for (var k = 0u; k < modes; k++) {
             let q = row_of(block, MATRIX_ROWS + listed_mode(list + k));
-            let at = 3u * (start - params.entry_base + k);
+            let at = 3u * (fields_start + k);
             x = add(x, mul(splat(fields[at]), q));
             y = add(y, mul(splat(fields[at + 1u]), q));
             z = add(z, mul(splat(fields[at + 2u]), q));

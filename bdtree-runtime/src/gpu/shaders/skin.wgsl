@@ -1,5 +1,5 @@
 // p' = p + U q of 64 vertices and LANES instances per workgroup (paper, eq. 1), then the instance's
-// matrix; or the same of normals, which are turned and made unit vectors.
+// matrix; or the same of two tangents, whose cross product is turned and made a unit vector.
 @group(0) @binding(1) var<storage, read> rest: array<f32>;
 @group(0) @binding(2) var<storage, read> fields: array<f32>;
 @group(2) @binding(0) var<storage, read_write> result: array<f32>;
@@ -17,17 +17,7 @@ fn main(
     if (block * LANES >= instance_count()) {
         return;
     }
-    let moved = moved_by(t, first, block);
-    let at = 3u * min(first + t, params.count - 1u);
-    let x = add(splat(rest[at]), moved[0]);
-    let y = add(splat(rest[at + 1u]), moved[1]);
-    let z = add(splat(rest[at + 2u]), moved[2]);
-    let turned = array<Lanes, 3>(
-        turn(block, 0u, x, y, z),
-        turn(block, 4u, x, y, z),
-        turn(block, 8u, x, y, z),
-    );
-    let done = finish(block, turned);
+    let done = finish(block, local(t, first, block));
     workgroupBarrier();
     stage(t, 0u, done[0]);
     stage(t, 1u, done[1]);
@@ -36,9 +26,21 @@ fn main(
     write_staged(t, block, first);
 }
 
-fn turn(block: u32, row: u32, x: Lanes, y: Lanes, z: Lanes) -> Lanes {
+// A vector of each vertex, as deformed, before the instance's matrix.
+fn moved(t: u32, first: u32, block: u32, side: u32) -> array<Lanes, 3> {
+    let by = moved_by(t, first, block, side);
+    let at = 3u * (min(first + t, params.count - 1u) * SIDES + side);
+    return array<Lanes, 3>(
+        add(splat(rest[at]), by[0]),
+        add(splat(rest[at + 1u]), by[1]),
+        add(splat(rest[at + 2u]), by[2]),
+    );
+}
+
+// A row of the instance's matrix times a vector.
+fn turn(block: u32, row: u32, x: array<Lanes, 3>) -> Lanes {
     return add(
-        add(mul(row_of(block, row), x), mul(row_of(block, row + 1u), y)),
-        mul(row_of(block, row + 2u), z),
+        add(mul(row_of(block, row), x[0]), mul(row_of(block, row + 1u), x[1])),
+        mul(row_of(block, row + 2u), x[2]),
     );
 }
