@@ -110,9 +110,9 @@ fn drawn(
     };
     let is_drawn = |sphere: &NodeSphere| match arguments.spheres {
         Some(wanted) => level(sphere.node) == Some(wanted),
-        None => !sphere
+        None => sphere
             .child
-            .is_some_and(|child| visited.binary_search(&child).is_ok()),
+            .is_none_or(|child| visited.binary_search(&child).is_err()),
     };
     Ok(spheres.into_iter().filter(is_drawn).collect())
 }
