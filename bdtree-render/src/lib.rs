@@ -1,1 +1,35 @@
 //! Pictures of assets: deformed meshes and the spheres of their trees.
+//!
+//! [`Gpu`] is a device for pictures in memory or for a window. A [`Renderer`] draws what a [`Scene`]
+//! holds ([`Mesh`]es, deformed on the device as [`SkinnedMesh`], [`Sphere`]s, [`Line`]s) as a [`Camera`] sees it into any texture view;
+//! [`Studio`] is all of that for pictures without a window, as [`Image`]s. [`Level`] finds the spheres
+//! of a tree at q, [`tightness`] colours them with the paper's scale, [`Legend`] says what they mean.
+//!
+//! Everything is right-handed, y up unless a camera says otherwise, f32, relative to a point of the
+//! caller's choice near the object. Colours are sRGB.
+#![forbid(unsafe_code)]
+
+mod camera;
+mod error;
+mod gpu;
+mod image;
+mod legend;
+mod level;
+mod normals;
+mod renderer;
+mod skinned;
+mod studio;
+mod text;
+pub mod tightness;
+
+pub use camera::{Box3, Camera};
+pub use error::RenderError;
+pub use gpu::Gpu;
+pub use image::Image;
+pub use legend::{Legend, draw_scale};
+pub use level::{Level, NodeSphere, below};
+pub use normals::normals;
+pub use renderer::{Line, Mesh, Renderer, Scene, Sphere};
+pub use skinned::SkinnedMesh;
+pub use studio::Studio;
+pub use text::TextSize;

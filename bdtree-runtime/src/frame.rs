@@ -101,6 +101,14 @@ impl Frame {
             .chain(rest)
     }
 
+    /// Linear part and offset of the map from stored coordinates to the world seen from `from`.
+    #[cfg(feature = "wgpu")]
+    pub(crate) fn matrix(&self, from: [f64; 3]) -> ([[f64; 3]; 3], [f64; 3]) {
+        let factor = self.world_per_stored();
+        let linear = self.rotation.map(|row| scale(row, factor));
+        (linear, sub(self.origin_in_world(), from))
+    }
+
     /// World units per stored unit.
     pub(crate) fn world_per_stored(&self) -> f64 {
         self.scale * self.unit

@@ -40,6 +40,8 @@ mod epoch;
 pub mod error;
 mod force;
 mod frame;
+#[cfg(feature = "wgpu")]
+pub mod gpu;
 #[cfg(test)]
 mod held;
 mod math;

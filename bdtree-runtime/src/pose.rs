@@ -1,6 +1,6 @@
 //! A pose: q and a placement, prepared once per instance and step.
 
-use bdtree_format::ROW_RADIUS;
+use bdtree_format::{ModeRecord, ROW_RADIUS};
 use zerocopy::{FromBytes, IntoBytes};
 
 use crate::bound::BoundPose;
@@ -64,7 +64,7 @@ impl Transform {
     /// # Errors
     /// A quaternion whose norm is off by more than 1e-3, a translation that is not finite or
     /// beyond 2^80, a scale outside 2^-60 … 2^60.
-    fn checked(self) -> Result<Self, PoseError> {
+    pub(crate) fn checked(self) -> Result<Self, PoseError> {
         const TRANSLATION_MAX: f64 = (1_u128 << 80) as f64;
         const SCALE_MAX: f64 = (1_u64 << 60) as f64;
         let [x, y, z, w] = self.rotation;
@@ -129,7 +129,7 @@ pub struct Pose<'p> {
     pub(crate) frame: Frame,
     /// Identifies the asset: the address at which its bytes start (a number, so that poses may
     /// cross threads) and their header's checksum, since another file may come to lie there.
-    asset: (usize, u32),
+    pub(crate) asset: (usize, u32),
 }
 
 impl<'p> Pose<'p> {
@@ -182,18 +182,7 @@ impl<'p> Pose<'p> {
         // S(q) = Σ W_j |q_j|.
         let mut s = 0.0;
         for (mode, ((q, record), out)) in q.iter().zip(modes).zip(own.iter_mut()).enumerate() {
-            if !q.is_finite() {
-                return Err(PoseError::NotFinite { mode });
-            }
-            let limit = record.q_limit.get();
-            if q.abs() > limit {
-                return Err(PoseError::OverLimit {
-                    mode,
-                    found: q.abs(),
-                    limit,
-                });
-            }
-            let q = if q.abs() < f32::MIN_POSITIVE { 0.0 } else { *q };
+            let q = checked_q(mode, *q, record)?;
             s += f64::from(record.field_norm_max.get()) * f64::from(q.abs());
             *out = q;
         }
@@ -273,7 +262,25 @@ fn hashed(words: impl Iterator<Item = u64>) -> u64 {
     })
 }
 
-fn identity(asset: &Asset<'_>) -> (usize, u32) {
+/// An entry of q as a pose has it: 0 where it is subnormal.
+///
+/// # Errors
+/// NaN, infinite, or over the mode's hard limit.
+#[inline(always)]
+pub(crate) fn checked_q(mode: usize, q: f32, record: &ModeRecord) -> Result<f32, PoseError> {
+    if !q.is_finite() {
+        return Err(PoseError::NotFinite { mode });
+    }
+    let limit = record.q_limit.get();
+    if q.abs() > limit {
+        let found = q.abs();
+        return Err(PoseError::OverLimit { mode, found, limit });
+    }
+    Ok(if q.abs() < f32::MIN_POSITIVE { 0.0 } else { q })
+}
+
+/// What tells an asset from others: where its bytes start, and its header's checksum.
+pub(crate) fn identity(asset: &Asset<'_>) -> (usize, u32) {
     let address = asset.bytes().as_ptr() as usize;
     (address, asset.header().header_crc.get())
 }

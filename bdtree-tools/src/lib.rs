@@ -1,4 +1,4 @@
-//! The `bdtree` command as a library: `info`, `verify`, `diff`, `deform`, `query`.
+//! The `bdtree` command as a library: `info`, `verify`, `diff`, `deform`, `query`, `render`.
 //!
 //! [`run`] is the whole command with its streams as arguments; each subcommand is one module with
 //! one public `run`. Exit codes: 0 done, 1 bad input (every problem is one line on the error
@@ -18,6 +18,8 @@ pub mod info;
 mod output;
 mod q;
 pub mod query;
+#[cfg(feature = "render")]
+pub mod render;
 pub mod scene;
 pub mod stress;
 pub mod verify;
@@ -70,6 +72,8 @@ pub fn run(
         Command::Diff(arguments) => diff::run(&arguments, out),
         Command::Deform(arguments) => deform::run(&arguments, out),
         Command::Query(arguments) => query::run(&arguments, out),
+        #[cfg(feature = "render")]
+        Command::Render(arguments) => render::run(&arguments, out),
     };
     // What was answered before an error stays answered.
     let flushed = out.flush().map_err(ToolError::Stdout);

@@ -1,6 +1,6 @@
 //! The cache over slots: steps, epochs, and the pose that they serve.
 
-use super::slots::{LeafSlot, NodeSlot, STEP_END};
+use super::slots::{LeafSlot, NodeSlot, STEP_END, place, tag};
 use crate::epoch::Drift;
 use crate::error::{FormatError, PoseError};
 use crate::pose::Pose;
@@ -124,6 +124,15 @@ impl<'s> CachedPose<'s> {
     /// The pose.
     pub fn pose(&self) -> &'s Pose<'s> {
         self.pose
+    }
+
+    /// Whether the spheres of node `index` are kept. Where there are as many slots as nodes none makes
+    /// room for another: then it says whether a query has visited the node since
+    /// [`StepCache::start`].
+    pub fn keeps(&self, index: u32) -> bool {
+        let slot = self.nodes.get(place(index as usize, self.nodes.len()));
+        let tags = [self.epoch, self.epoch | STEP_END].map(|epoch| tag(epoch, index));
+        slot.is_some_and(|slot| tags.contains(&slot.tag))
     }
 
     /// What following a reference has added to the radii of the root's lanes, at most (world units):

@@ -5,7 +5,7 @@ use bdtree_runtime::query::{Budget, Budgeted};
 use bdtree_runtime::{QueryError, SearchEntry};
 use serde::Serialize;
 
-use super::{Answer, Solver};
+use super::{Answer, Solver, two};
 use crate::scene::Query;
 
 /// Entries that one query may queue; what finds no room is left out and counts in the bound.
@@ -34,7 +34,7 @@ impl<T> From<&Budgeted<T>> for Certificate {
     }
 }
 
-impl Solver<'_> {
+impl Solver<'_, '_> {
     /// Kind, answer, nodes visited and what was left out; `None` for kinds that have no such form.
     pub(super) fn solve_within(
         &mut self,
@@ -60,9 +60,9 @@ impl Solver<'_> {
                 center,
                 radius,
             } => {
-                let (asset, pose) = &self.placed[instance];
+                let (asset, pose) = &mut self.placed[instance];
                 let mut contacts = Vec::new();
-                let answer = budget.ball(asset, pose, center, radius, &mut contacts)?;
+                let answer = budget.ball(asset, &mut *pose, center, radius, &mut contacts)?;
                 let mut certificate = Certificate::from(&answer);
                 certificate.unseen = Some(answer.found.triangles);
                 let visits = answer.nodes_visited;
@@ -73,8 +73,8 @@ impl Solver<'_> {
                 point,
                 max_distance,
             } => {
-                let (asset, pose) = &self.placed[instance];
-                let answer = budget.closest(asset, pose, point, max_distance)?;
+                let (asset, pose) = &mut self.placed[instance];
+                let answer = budget.closest(asset, &mut *pose, point, max_distance)?;
                 let certificate = Certificate::from(&answer);
                 let visits = answer.nodes_visited;
                 let found = Answer::Nearest(answer.found.into());
@@ -86,15 +86,15 @@ impl Solver<'_> {
                 direction,
                 max_distance,
             } => {
-                let (asset, pose) = &self.placed[instance];
-                let answer = budget.ray(asset, pose, origin, direction, max_distance)?;
+                let (asset, pose) = &mut self.placed[instance];
+                let answer = budget.ray(asset, &mut *pose, origin, direction, max_distance)?;
                 let certificate = Certificate::from(&answer);
                 let visits = answer.nodes_visited;
                 let found = Answer::Nearest(answer.found.into());
                 ("ray", found, visits, certificate)
             }
             Query::Distance { a, b, max_distance } => {
-                let ((asset_a, pose_a), (asset_b, pose_b)) = (&self.placed[a], &self.placed[b]);
+                let [(asset_a, pose_a), (asset_b, pose_b)] = two(self.placed, a, b)?;
                 let answer = budget.distance((asset_a, pose_a), (asset_b, pose_b), max_distance)?;
                 let certificate = Certificate::from(&answer);
                 let visits = answer.nodes_visited;

@@ -4,7 +4,7 @@ use bdtree_runtime::query::{self, ContactPoint, ContactRegion, ManifoldSlot};
 use bdtree_runtime::{PairContact, QueryError, StackEntry};
 use serde::Serialize;
 
-use super::Solver;
+use super::{Solver, two};
 
 /// A region of contact.
 #[derive(Debug, Serialize)]
@@ -70,7 +70,7 @@ impl From<&ContactPoint> for PointLine {
     }
 }
 
-impl Solver<'_> {
+impl Solver<'_, '_> {
     /// The regions of contact of what a pair query found.
     pub(super) fn regions(
         &mut self,
@@ -78,7 +78,7 @@ impl Solver<'_> {
         b: usize,
         pairs: &mut [PairContact],
     ) -> Result<Vec<RegionLine>, QueryError> {
-        let ((asset_a, pose_a), (asset_b, pose_b)) = (&self.placed[a], &self.placed[b]);
+        let [(asset_a, pose_a), (asset_b, pose_b)] = two(self.placed, a, b)?;
         let needed = asset_a.stack_len().max(asset_b.stack_len());
         if self.stack.len() < needed {
             self.stack.resize(needed, StackEntry::default());

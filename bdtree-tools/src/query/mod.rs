@@ -12,7 +12,8 @@ pub use lines::{Answer, ContactLine, Line, NearestLine, ProxyLine};
 use std::io::Write;
 
 use bdtree_runtime::{
-    Asset, PairStackEntry, Pose, Posed, Proxy, QueryError, SearchEntry, StackEntry, query,
+    Asset, CachedPose, LeafSlot, NodeSlot, PairStackEntry, Pose, Posed, Proxy, QueryError,
+    SearchEntry, StackEntry, StepCache, query,
 };
 
 use crate::DONE;
@@ -26,18 +27,66 @@ use crate::scene::{Query, Scene};
 /// Every problem of the scene, a corrupt asset, an output stream that fails.
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
     let scene = Scene::load(&arguments.scene, !arguments.no_verify)?;
-    let mut memory = Vec::with_capacity(scene.instances.len());
-    for instance in &scene.instances {
-        let asset = scene.files[instance.asset].asset()?;
-        memory.push(vec![0.0_f32; asset.pose_len()]);
+    let mut memory = PoseMemory::of(&scene)?;
+    let poses = memory.poses(&scene)?;
+    // One query after the other: nothing is kept between them.
+    let mut caches: Vec<_> = poses.iter().map(|_| StepCache::new([], [])).collect();
+    let placed = poses.iter().zip(&mut caches);
+    let mut placed: Vec<_> = placed
+        .map(
+            |((asset, pose), cache): (_, &mut StepCache<[NodeSlot; 0], [LeafSlot; 0]>)| {
+                (*asset, cache.start(pose))
+            },
+        )
+        .collect();
+    solve_all(&scene, &mut placed, false, |mut line, nodes_visited| {
+        line.nodes_visited = arguments.stats.then_some(nodes_visited);
+        serde_json::to_writer(&mut *out, &line).map_err(|e| ToolError::Stdout(e.into()))?;
+        writeln!(out).map_err(ToolError::Stdout)
+    })?;
+    Ok(DONE)
+}
+
+/// Memory for the poses of a scene's instances.
+pub(crate) struct PoseMemory(Vec<Vec<f32>>);
+
+impl PoseMemory {
+    /// Enough for a scene.
+    pub(crate) fn of(scene: &Scene) -> Result<Self, ToolError> {
+        let memory = scene.instances.iter().map(|instance| {
+            let asset = scene.files[instance.asset].asset()?;
+            Ok(vec![0.0_f32; asset.pose_len()])
+        });
+        memory.collect::<Result<_, ToolError>>().map(Self)
     }
-    let mut placed = Vec::with_capacity(scene.instances.len());
-    for (i, memory) in memory.iter_mut().enumerate() {
-        let asset = scene.files[scene.instances[i].asset].asset()?;
-        placed.push((asset, scene.pose(i, memory)?));
+
+    /// The instances' assets and poses, in the order of the scene.
+    pub(crate) fn poses<'s>(
+        &'s mut self,
+        scene: &'s Scene,
+    ) -> Result<Vec<(Asset<'s>, Pose<'s>)>, ToolError> {
+        let poses = self.0.iter_mut().enumerate().map(|(i, memory)| {
+            let asset = scene.files[scene.instances[i].asset].asset()?;
+            Ok((asset, scene.pose(i, memory)?))
+        });
+        poses.collect()
     }
+}
+
+/// Answers the queries of a scene in order: `take` gets each line and the number of nodes visited.
+/// What `placed`, the instances, have room for is kept between queries if `keep`.
+///
+/// # Errors
+/// A corrupt asset; those of `take`.
+pub(crate) fn solve_all<'a>(
+    scene: &Scene,
+    placed: &mut [(Asset<'a>, CachedPose<'a>)],
+    keep: bool,
+    mut take: impl FnMut(Line, u64) -> Result<(), ToolError>,
+) -> Result<(), ToolError> {
     let mut solver = Solver {
-        placed: &placed,
+        placed,
+        keep,
         max_depth: scene.options.max_depth,
         proxies: Default::default(),
         stack: Vec::new(),
@@ -46,7 +95,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     };
     for (i, query) in scene.queries.iter().enumerate() {
         let place = || format!("{}: queries[{i}]", scene.source);
-        let corrupt = |error| ToolError::input(place(), told(&scene, query, error));
+        let corrupt = |error| ToolError::input(place(), told(scene, query, error));
         let within = match scene.options.max_visits {
             Some(n) => solver.solve_within(query, n).map_err(corrupt)?,
             None => None,
@@ -70,12 +119,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
             answer,
             proxies,
             certificate,
-            nodes_visited: arguments.stats.then_some(nodes_visited),
+            nodes_visited: None,
         };
-        serde_json::to_writer(&mut *out, &line).map_err(|e| ToolError::Stdout(e.into()))?;
-        writeln!(out).map_err(ToolError::Stdout)?;
+        take(line, nodes_visited)?;
     }
-    Ok(DONE)
+    Ok(())
 }
 
 /// A query's error with the files that it may be about.
@@ -105,8 +153,10 @@ fn told(scene: &Scene, query: &Query, error: QueryError) -> String {
 }
 
 /// The instances and the memory that traversals share.
-struct Solver<'s> {
-    placed: &'s [(Asset<'s>, Pose<'s>)],
+struct Solver<'s, 'a> {
+    placed: &'s mut [(Asset<'a>, CachedPose<'a>)],
+    /// What queries compute is kept with the instances.
+    keep: bool,
     max_depth: Option<usize>,
     /// Of the query's instance, or of both, where the k-th of one belongs to the k-th of the other.
     proxies: [Vec<Proxy>; 2],
@@ -127,7 +177,7 @@ fn posed<'p>(
     }
 }
 
-impl Solver<'_> {
+impl Solver<'_, '_> {
     /// What the last query left in place of what lies deeper: of a pair, a's and b's in turn.
     fn take_proxies(&mut self) -> Vec<ProxyLine> {
         let [a, b] = &mut self.proxies;
@@ -150,7 +200,7 @@ impl Solver<'_> {
                 center,
                 radius,
             } => {
-                let (asset, pose) = &self.placed[instance];
+                let (asset, pose) = &mut self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
                 let mut contacts = Vec::new();
                 let outcome = query::ball(
@@ -168,7 +218,7 @@ impl Solver<'_> {
                 normal,
                 offset,
             } => {
-                let (asset, pose) = &self.placed[instance];
+                let (asset, pose) = &mut self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
                 let mut contacts = Vec::new();
                 let outcome = query::plane(
@@ -186,7 +236,7 @@ impl Solver<'_> {
                 point,
                 max_distance,
             } => {
-                let (asset, pose) = &self.placed[instance];
+                let (asset, pose) = &mut self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
                 let nearest = query::closest(
                     asset,
@@ -204,7 +254,7 @@ impl Solver<'_> {
                 direction,
                 max_distance,
             } => {
-                let (asset, pose) = &self.placed[instance];
+                let (asset, pose) = &mut self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
                 let nearest = query::ray(
                     asset,
@@ -222,11 +272,15 @@ impl Solver<'_> {
                 mode,
                 ref rays,
             } => {
-                let (asset, pose) = &self.placed[instance];
+                let (asset, pose) = &mut self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
                 let mut cache = rays::cache(asset);
-                let mut kept = cache.start(pose);
-                let posed = posed(&mut kept, self.max_depth, proxies);
+                let mut own = cache.start(pose.pose());
+                let pose: Posed<'_> = match self.keep {
+                    true => pose.into(),
+                    false => (&mut own).into(),
+                };
+                let posed = posed(pose, self.max_depth, proxies);
                 let (answer, nodes_visited) = rays::solve(asset, posed, mode, rays, stack)?;
                 Ok(("rays", answer, nodes_visited))
             }
@@ -234,7 +288,7 @@ impl Solver<'_> {
                 instance,
                 ref frustum,
             } => {
-                let (asset, pose) = &self.placed[instance];
+                let (asset, pose) = &mut self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
                 let outcome = query::frustum(asset, pose, frustum, stack)?;
                 Ok(("frustum", outcome.state.into(), outcome.nodes_visited))
@@ -245,7 +299,7 @@ impl Solver<'_> {
                 point2,
                 radius,
             } => {
-                let (asset, pose) = &self.placed[instance];
+                let (asset, pose) = &mut self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
                 let mut contacts = Vec::new();
                 let pose = posed(pose, self.max_depth, proxies);
@@ -259,7 +313,7 @@ impl Solver<'_> {
                 rotation,
                 half_extents,
             } => {
-                let (asset, pose) = &self.placed[instance];
+                let (asset, pose) = &mut self.placed[instance];
                 let stack = stack_for(asset, &mut self.stack);
                 let mut contacts = Vec::new();
                 let pose = posed(pose, self.max_depth, proxies);
@@ -280,7 +334,7 @@ impl Solver<'_> {
                 tolerance,
                 contacts,
             } => {
-                let ((asset_a, pose_a), (asset_b, pose_b)) = (&self.placed[a], &self.placed[b]);
+                let [(asset_a, pose_a), (asset_b, pose_b)] = two(self.placed, a, b)?;
                 let needed = asset_a.pair_stack_len(asset_b);
                 if self.pair_stack.len() < needed {
                     self.pair_stack.resize(needed, PairStackEntry::default());
@@ -301,7 +355,7 @@ impl Solver<'_> {
                 Ok(("pair", answer, outcome.nodes_visited))
             }
             Query::Distance { a, b, max_distance } => {
-                let ((asset_a, pose_a), (asset_b, pose_b)) = (&self.placed[a], &self.placed[b]);
+                let [(asset_a, pose_a), (asset_b, pose_b)] = two(self.placed, a, b)?;
                 let needed = asset_a.distance_stack_len(asset_b);
                 if self.distance_stack.len() < needed {
                     self.distance_stack.resize(needed, SearchEntry::default());
@@ -317,6 +371,12 @@ impl Solver<'_> {
             }
         }
     }
+}
+
+/// Two instances, which the scene has made sure are different.
+fn two<T>(placed: &mut [T], a: usize, b: usize) -> Result<[&mut T; 2], QueryError> {
+    let same = QueryError::Argument("b: the same instance as a");
+    placed.get_disjoint_mut([a, b]).map_err(|_| same)
 }
 
 /// Enough of a stack for an asset.

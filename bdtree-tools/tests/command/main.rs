@@ -8,6 +8,8 @@ mod info;
 mod near;
 mod oracle;
 mod query;
+#[cfg(feature = "render")]
+mod render;
 mod scene_errors;
 mod shapes;
 mod support;

@@ -16,6 +16,20 @@ fn help_shows_defaults_and_units() {
             &["[default: zeros]", "mesh units", "counted from 0"],
         ),
         ("query", &["world"]),
+        #[cfg(feature = "render")]
+        (
+            "render",
+            &[
+                "[default: 1280x960]",
+                "[default: 0.35]",
+                "[default: 30,20,1]",
+                "[default: zeros]",
+                "[default: rest]",
+                "counted from 0",
+                "degrees",
+                "world units",
+            ],
+        ),
     ] {
         let ran = folder.run(&[command, "--help"]);
         assert_eq!((ran.code, ran.err.as_str()), (0, ""));
@@ -45,6 +59,21 @@ fn mistakes_of_usage_are_2() {
         &["deform", "a.bdt", "--q", "1,two"],
         &["deform", "a.bdt", "--q", "0,0,0", "--frame", "1"],
         &["query"],
+        &["render", "a.bdt"],
+        &[
+            "render", "a.bdt", "-o", "a.png", "--q", "0,0,0", "--frame", "1",
+        ],
+        &[
+            "render", "a.bdt", "-o", "a.png", "--frame", "1", "--frames", "1..2",
+        ],
+        &["render", "a.bdt", "-o", "a.png", "--frames", "2..1"],
+        &[
+            "render", "a.bdt", "-o", "a.png", "--frame", "1", "--query", "s.json",
+        ],
+        &["render", "a.bdt", "-o", "a.png", "--size", "0x10"],
+        &["render", "a.bdt", "-o", "a.png", "--opacity", "1.5"],
+        &["render", "a.bdt", "-o", "a.png", "--view", "0,95"],
+        &["render", "a.bdt", "-o", "a.png", "--against", "nothing"],
     ] {
         let ran = folder.run(arguments);
         assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{arguments:?}");

@@ -45,17 +45,23 @@ pub struct Sphere {
 impl Sphere {
     /// The numbers of a lane.
     pub fn wrap(body: &Body, lane: usize, growth: Growth) -> Self {
-        let points = body.rest(lane);
-        let centre = enclosing(&points).centre;
+        let fields = (0..body.mode_count()).map(|j| body.field(lane, j));
+        Self::around(&body.rest(lane), fields, growth)
+    }
+
+    /// The numbers of some vertices: their places at rest, and for every mode their displacements.
+    pub fn around(
+        points: &[Vector3<f64>],
+        fields: impl Iterator<Item = Vec<Vector3<f64>>>,
+        growth: Growth,
+    ) -> Self {
+        let centre = enclosing(points).centre;
         let arms: Vec<_> = points.iter().map(|p| p - centre).collect();
         let radius = farthest(&arms);
         let inertia = Inertia::new(&arms);
-        let modes = (0..body.mode_count()).map(|j| {
-            let field = body.field(lane, j);
-            match growth {
-                Growth::Similarity => inertia.mode(&arms, &field),
-                _ => mode(&arms, radius, &field, growth == Growth::Mean),
-            }
+        let modes = fields.map(|field| match growth {
+            Growth::Similarity => inertia.mode(&arms, &field),
+            _ => mode(&arms, radius, &field, growth == Growth::Mean),
         });
         Self {
             growth,

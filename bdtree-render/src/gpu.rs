@@ -1,0 +1,149 @@
+//! A device to draw with, and what went wrong on it.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use wgpu::{
+    Adapter, Device, DeviceDescriptor, Instance, InstanceDescriptor, PowerPreference, Queue,
+    RequestAdapterOptions, Surface,
+};
+
+use crate::error::RenderError;
+
+/// An adapter and its device, with all that the adapter can hold.
+#[derive(Debug, Clone)]
+pub struct Gpu {
+    /// The entry to the system's graphics.
+    pub instance: Instance,
+    /// What draws: a graphics card or a program.
+    pub adapter: Adapter,
+    /// Its device.
+    pub device: Device,
+    /// Where work goes.
+    pub queue: Queue,
+    failure: Failure,
+}
+
+/// The first thing that went wrong since it was last asked for.
+#[derive(Debug, Clone, Default)]
+struct Failure(Arc<Mutex<Option<String>>>);
+
+impl Failure {
+    fn note(&self, text: String) {
+        let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        first.get_or_insert(text);
+    }
+
+    fn take(&self) -> Option<String> {
+        let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        first.take()
+    }
+}
+
+impl Gpu {
+    /// A device for pictures in memory, of the fastest adapter there is; a program that draws on the
+    /// processor will do.
+    ///
+    /// # Errors
+    /// When there is no adapter, or it gives no device.
+    pub fn offscreen() -> Result<Self, RenderError> {
+        let instance = Instance::new(InstanceDescriptor::new_without_display_handle());
+        Self::for_surface(instance, None)
+    }
+
+    /// A device that can also show pictures on a surface of `instance`.
+    ///
+    /// # Errors
+    /// As of [`Gpu::offscreen`].
+    pub fn for_surface(
+        instance: Instance,
+        surface: Option<&Surface<'_>>,
+    ) -> Result<Self, RenderError> {
+        let options = RequestAdapterOptions {
+            power_preference: PowerPreference::HighPerformance,
+            compatible_surface: surface,
+            ..RequestAdapterOptions::default()
+        };
+        let adapter = pollster::block_on(instance.request_adapter(&options))
+            .map_err(|error| RenderError::NoAdapter(error.to_string()))?;
+        let descriptor = DeviceDescriptor {
+            label: Some("bdtree"),
+            required_limits: adapter.limits(),
+            ..DeviceDescriptor::default()
+        };
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
+                RenderError::NoDevice {
+                    adapter: adapter.get_info().name,
+                    cause: error.to_string(),
+                }
+            })?;
+        let failure = Failure::default();
+        let noted = failure.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            noted.note(error.to_string());
+        }));
+        let noted = failure.clone();
+        device.set_device_lost_callback(move |reason, text| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                noted.note(format!("lost: {text}"));
+            }
+        });
+        Ok(Self {
+            instance,
+            adapter,
+            device,
+            queue,
+            failure,
+        })
+    }
+
+    /// Whether all has gone well since the last call.
+    ///
+    /// # Errors
+    /// The first thing that has not: a lost device, no memory, an operation that was refused.
+    pub fn check(&self) -> Result<(), RenderError> {
+        match self.failure.take() {
+            Some(text) => Err(RenderError::Device(one_line(&text))),
+            None => Ok(()),
+        }
+    }
+
+    /// Waits until all work is done, then checks.
+    ///
+    /// # Errors
+    /// As of [`Gpu::check`].
+    pub fn finish(&self) -> Result<(), RenderError> {
+        let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.check()?;
+        waited
+            .map(|_| ())
+            .map_err(|error| RenderError::Device(error.to_string()))
+    }
+
+    /// Checks that a buffer of so many bytes may be made.
+    ///
+    /// # Errors
+    /// When it is larger than the device allows.
+    pub(crate) fn allows_buffer(
+        device: &Device,
+        what: &'static str,
+        needed: u64,
+    ) -> Result<(), RenderError> {
+        let limit = device.limits().max_buffer_size;
+        if needed > limit {
+            return Err(RenderError::TooLarge {
+                what,
+                needed,
+                limit,
+                unit: "bytes",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Text of several lines as one.
+fn one_line(text: &str) -> String {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    words.join(" ")
+}

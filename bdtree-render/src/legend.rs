@@ -1,0 +1,109 @@
+//! What a picture shows, written into it.
+
+use crate::image::Image;
+use crate::text::TextSize;
+use crate::tightness::{self, GROWTH_RED};
+
+/// Text in the upper left corner, and the scale of tightness in the lower left one.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Legend {
+    /// Lines of text; the first is the title.
+    pub lines: Vec<String>,
+    /// What the scale of colours means, `None`: no scale.
+    pub scale: Option<String>,
+}
+
+/// Titles, and all other text.
+const DARK: [u8; 3] = [20, 24, 32];
+const GREY: [u8; 3] = [80, 86, 96];
+
+impl Legend {
+    /// Writes it into a picture.
+    pub fn draw(&self, image: &mut Image) {
+        let [width, height] = image.size();
+        let size = TextSize::of_picture(height.min(width));
+        let margin = size.line() * 3 / 4;
+        let room = ((i64::from(width) - 2 * margin) / size.width("x").max(1)).max(0) as usize;
+        for (k, line) in (0..).zip(&self.lines) {
+            let colour = if k == 0 { DARK } else { GREY };
+            let y = margin + k * (size.line() + size.line() / 8);
+            let line = shortened(line, room);
+            clear(image, [margin, y], [size.width(&line), size.line()]);
+            image.text([margin, y], &line, size, colour);
+        }
+        if let Some(meaning) = &self.scale {
+            let bar = [
+                (i64::from(width) * 2 / 5).min(24 * size.line()),
+                size.line() * 3 / 4,
+            ];
+            let below = bar[1] + 2 * size.line() + size.line() / 2;
+            let corner = [margin, i64::from(height) - margin - below];
+            let meaning = shortened(meaning, room);
+            let width = size.width(&meaning).max(bar[0] + size.width("44+"));
+            clear(image, corner, [width, below]);
+            draw_scale(image, corner, bar, &meaning, size);
+        }
+    }
+}
+
+/// Fades what is behind text, so that it can be read.
+fn clear(image: &mut Image, [x, y]: [i64; 2], [width, height]: [i64; 2]) {
+    image.fill([x - 4, y - 2], [width + 8, height + 4], [255; 3], 190);
+}
+
+/// Draws the scale of tightness, upper left corner given: what it means, below that a bar of the given
+/// width and height, and numbers.
+pub fn draw_scale(
+    image: &mut Image,
+    [x, y]: [i64; 2],
+    [width, height]: [i64; 2],
+    meaning: &str,
+    size: TextSize,
+) {
+    image.text([x, y], meaning, size, GREY);
+    let top = y + size.line() + size.line() / 4;
+    for i in 0..width {
+        let share = (i as f64 + 0.5) / width as f64;
+        let colour = tightness::colour(1.0 + share * (GROWTH_RED - 1.0));
+        image.fill([x + i, top], [1, height], colour, 255);
+    }
+    let numbers = ["1.00", "1.11", "1.22", "1.33", "1.44+"];
+    for (k, number) in (0..).zip(numbers) {
+        let at = x + k * width / 4;
+        image.fill(
+            [at.min(x + width - 1), top + height],
+            [1, size.line() / 4],
+            GREY,
+            255,
+        );
+        // The first begins where the bar does, the others stand under their marks.
+        let half = if k == 0 { 0 } else { size.width("1.00") / 2 };
+        let below = top + height + size.line() / 4;
+        image.text([at - half, below], number, size, GREY);
+    }
+}
+
+/// Text of at most `room` characters, the middle left out.
+fn shortened(text: &str, room: usize) -> String {
+    let count = text.chars().count();
+    if count <= room {
+        return text.to_string();
+    }
+    let keep = room.saturating_sub(3);
+    let (head, tail) = (keep - keep / 3, keep / 3);
+    let start: String = text.chars().take(head).collect();
+    let end: String = text.chars().skip(count - tail).collect();
+    format!("{start}...{end}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shortened;
+
+    #[test]
+    fn long_text_loses_its_middle() {
+        assert_eq!(shortened("abcdefghijkl", 12), "abcdefghijkl");
+        assert_eq!(shortened("abcdefghijklm", 12), "abcdef...klm");
+        assert_eq!(shortened("abcdef", 2), "...");
+    }
+}

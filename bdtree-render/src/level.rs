@@ -1,0 +1,196 @@
+//! Spheres of a tree at q, where they are in the world.
+
+use std::ops::Range;
+
+use bdtree_format::{LANES, NodeRecord, ROW_RADIUS, SectionKind};
+use bdtree_runtime::{Asset, Datum, FormatError, Pose, Transform};
+
+/// The sphere of a node's lane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeSphere {
+    /// The node.
+    pub node: u32,
+    /// Its lane.
+    pub lane: usize,
+    /// The node that the lane leads to; `None` where triangles hang on it.
+    pub child: Option<u32>,
+    /// c' (world).
+    pub centre: [f64; 3],
+    /// R', rounding slack included (world units); not a number where the bound says nothing.
+    pub radius: f64,
+    /// R, of the wrapped sphere at rest (world units).
+    pub rest_radius: f64,
+}
+
+/// The spheres of a level at a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// The level; 0 is the root's.
+    pub level: usize,
+    /// Its spheres, in the order of the file.
+    pub spheres: Vec<NodeSphere>,
+}
+
+impl Level {
+    /// All spheres of `level`; `transform` is the pose's.
+    ///
+    /// # Errors
+    /// A corrupt asset.
+    pub fn of(
+        asset: &Asset<'_>,
+        pose: &Pose<'_>,
+        transform: &Transform,
+        level: usize,
+    ) -> Result<Self, FormatError> {
+        let nodes = asset.node_count_to(level);
+        let first = level
+            .checked_sub(1)
+            .map_or(0, |above| asset.node_count_to(above));
+        let spheres = NodeSphere::of_nodes(asset, pose, transform, first as u32..nodes as u32)?;
+        Ok(Self { level, spheres })
+    }
+}
+
+impl NodeSphere {
+    /// The spheres of some nodes' lanes, in their order.
+    ///
+    /// # Errors
+    /// A node that is not there, a corrupt asset.
+    pub fn of_nodes(
+        asset: &Asset<'_>,
+        pose: &Pose<'_>,
+        transform: &Transform,
+        nodes: impl IntoIterator<Item = u32>,
+    ) -> Result<Vec<Self>, FormatError> {
+        let place = Place::new(asset, transform);
+        let mut found = Vec::new();
+        for index in nodes {
+            let spheres = asset.node_spheres(pose, index)?;
+            let Some(node) = asset.nodes().get(index as usize) else {
+                continue; // `node_spheres` has said so
+            };
+            let rest = asset.node_rows(node)?.leading[ROW_RADIUS];
+            for lane in lanes(node) {
+                found.push(Self {
+                    node: index,
+                    lane,
+                    child: child(node, lane),
+                    centre: place.point([0, 1, 2].map(|k| spheres.centre[k][lane])),
+                    radius: f64::from(spheres.radius[lane]) * place.scale,
+                    rest_radius: f64::from(rest[lane]) * place.scale,
+                });
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// From stored units to the world.
+struct Place {
+    origin: [f64; 3],
+    unit: f64,
+    transform: Transform,
+    /// World units per stored unit.
+    scale: f64,
+}
+
+impl Place {
+    fn new(asset: &Asset<'_>, transform: &Transform) -> Self {
+        let norm = transform.rotation.iter().map(|c| c * c).sum::<f64>().sqrt();
+        Self {
+            origin: asset.origin(),
+            unit: asset.unit(),
+            transform: Transform {
+                rotation: transform.rotation.map(|c| c / norm),
+                ..*transform
+            },
+            scale: asset.unit() * transform.scale,
+        }
+    }
+
+    /// t + s Q (origin + unit c).
+    fn point(&self, c: [f32; 3]) -> [f64; 3] {
+        let p = [0, 1, 2].map(|k| self.origin[k] + self.unit * f64::from(c[k]));
+        let [x, y, z, w] = self.transform.rotation;
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [
+                a[1] * b[2] - a[2] * b[1],
+                a[2] * b[0] - a[0] * b[2],
+                a[0] * b[1] - a[1] * b[0],
+            ]
+        };
+        let axis = [x, y, z];
+        let twice = cross(axis, p).map(|c| 2.0 * c);
+        let aside = cross(axis, twice);
+        let Transform {
+            translation, scale, ..
+        } = self.transform;
+        [0, 1, 2].map(|k| translation[k] + scale * (p[k] + w * twice[k] + aside[k]))
+    }
+}
+
+/// The lanes of a node that hold anything.
+fn lanes(node: &NodeRecord) -> impl Iterator<Item = usize> + use<> {
+    let used = node.inner_mask | node.leaf_mask;
+    (0..LANES).filter(move |lane| used >> lane & 1 != 0)
+}
+
+/// The node that an inner lane leads to.
+fn child(node: &NodeRecord, lane: usize) -> Option<u32> {
+    let bit = 1_u8 << lane;
+    let before = (node.inner_mask & (bit - 1)).count_ones();
+    (node.inner_mask & !node.leaf_mask & bit != 0).then(|| node.first_child.saturating_add(before))
+}
+
+/// The triangle slots of a leaf lane.
+fn slots(node: &NodeRecord, lane: usize) -> Range<usize> {
+    let counts = node.leaf_counts.map(usize::from);
+    let start = node.first_slot as usize + counts[..lane].iter().sum::<usize>();
+    start..start + counts[lane]
+}
+
+/// The vertices of the triangles below a lane, each once, ascending.
+///
+/// # Errors
+/// A corrupt asset.
+pub fn below(asset: &Asset<'_>, node: u32, lane: usize) -> Result<Vec<u32>, FormatError> {
+    let mut vertices = Vec::new();
+    let mut visits = 0;
+    let mut open = vec![(node, Some(lane))];
+    while let Some((index, only)) = open.pop() {
+        visits += 1;
+        let node = asset.nodes().get(index as usize);
+        // In a corrupt file a child may be one of its own ancestors.
+        let (Some(node), true) = (node, visits <= asset.node_count()) else {
+            return Err(bad_child(asset, index));
+        };
+        for lane in lanes(node).filter(|lane| only.is_none_or(|only| only == *lane)) {
+            if let Some(child) = child(node, lane) {
+                open.push((child, None));
+                continue;
+            }
+            let Some(records) = asset.triangles().get(slots(node, lane)) else {
+                return Err(bad_child(asset, index));
+            };
+            vertices.extend(records.iter().flat_map(|record| record.corners));
+        }
+    }
+    vertices.sort_unstable();
+    vertices.dedup();
+    Ok(vertices)
+}
+
+fn bad_child(asset: &Asset<'_>, index: u32) -> FormatError {
+    let of_nodes = asset
+        .sections()
+        .iter()
+        .find(|s| s.kind == SectionKind::NODES);
+    let start = of_nodes.map_or(0, |section| section.offset.get());
+    FormatError {
+        section: SectionKind::NODES,
+        byte: start + u64::from(index) * size_of::<NodeRecord>() as u64,
+        rule: "SPEC 6.8: a child is a node of the file",
+        expected: Datum::Integer(asset.node_count() as u64),
+        found: Datum::Integer(u64::from(index)),
+    }
+}

@@ -1,0 +1,181 @@
+// Meshes, spheres and lines. Depth is reversed: 1 at the near distance, 0 infinitely far away.
+
+struct Globals {
+    view_projection: mat4x4<f32>,
+    // The eye, and the distance before which nothing is seen.
+    eye: vec4<f32>,
+    // Forward, and 1 where the target wants colours encoded as sRGB by us.
+    forward: vec4<f32>,
+    // Towards the light.
+    light: vec4<f32>,
+    // Towards the picture's upper edge.
+    up: vec4<f32>,
+}
+
+struct Look {
+    colour: vec4<f32>,
+}
+
+@group(0) @binding(0) var<uniform> globals: Globals;
+@group(1) @binding(0) var<uniform> look: Look;
+
+fn linear(colour: vec3<f32>) -> vec3<f32> {
+    let low = colour / 12.92;
+    let high = pow((colour + 0.055) / 1.055, vec3(2.4));
+    return select(high, low, colour <= vec3(0.04045));
+}
+
+fn encoded(colour: vec3<f32>) -> vec3<f32> {
+    if globals.forward.w == 0.0 {
+        return colour;
+    }
+    let low = colour * 12.92;
+    let high = 1.055 * pow(max(colour, vec3(0.0)), vec3(1.0 / 2.4)) - 0.055;
+    return select(high, low, colour <= vec3(0.0031308));
+}
+
+// What a matt surface of this colour (linear) sends to the eye.
+fn lit(colour: vec3<f32>, normal: vec3<f32>, toward_eye: vec3<f32>) -> vec3<f32> {
+    let key = max(dot(normal, globals.light.xyz), 0.0);
+    let sky = 0.5 + 0.5 * dot(normal, globals.up.xyz);
+    let head = max(dot(normal, toward_eye), 0.0);
+    let half_way = normalize(globals.light.xyz + toward_eye);
+    let shine = 0.04 * pow(max(dot(normal, half_way), 0.0), 32.0);
+    return colour * (0.12 + 0.20 * sky + 0.20 * head + 0.52 * key) + vec3(shine);
+}
+
+struct OnMesh {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) world: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+}
+
+@vertex
+fn mesh_vertex(@location(0) position: vec3<f32>, @location(1) normal: vec3<f32>) -> OnMesh {
+    var out: OnMesh;
+    out.clip = globals.view_projection * vec4(position, 1.0);
+    out.world = position;
+    out.normal = normal;
+    return out;
+}
+
+@fragment
+fn mesh_fragment(in: OnMesh) -> @location(0) vec4<f32> {
+    // Of small numbers: positions are far from 0 compared with a pixel's differences.
+    let toward_eye = globals.eye.xyz - in.world;
+    let side = cross(dpdx(toward_eye), dpdy(toward_eye));
+    let size = length(side);
+    var facet = normalize(toward_eye);
+    if size > 0.0 {
+        facet = side / size;
+    }
+    // Edges stay edges: a mean normal that is far from the facet's would smear them.
+    var normal = facet;
+    let smooth_size = length(in.normal);
+    if smooth_size > 0.0 {
+        let mean = in.normal / smooth_size;
+        if abs(dot(mean, facet)) > 0.7 {
+            normal = mean;
+        }
+    }
+    let view = normalize(toward_eye);
+    // Both sides are lit.
+    if dot(normal, view) < 0.0 {
+        normal = -normal;
+    }
+    let colour = lit(linear(look.colour.rgb), normal, view);
+    return vec4(encoded(colour), 1.0);
+}
+
+struct OnSphere {
+    @builtin(position) clip: vec4<f32>,
+    // Once for every sample, so that rims and intersections are as smooth as edges of triangles.
+    @location(0) @interpolate(perspective, sample) to_point: vec3<f32>,
+    @location(1) @interpolate(flat) sphere: vec4<f32>,
+    @location(2) @interpolate(flat) colour: vec4<f32>,
+}
+
+// A square that just covers the sphere as the eye sees it; `sphere` is centre and radius.
+@vertex
+fn sphere_vertex(
+    @builtin(vertex_index) vertex: u32,
+    @location(0) sphere: vec4<f32>,
+    @location(1) colour: vec4<f32>,
+) -> OnSphere {
+    let to_centre = sphere.xyz - globals.eye.xyz;
+    let distance = length(to_centre);
+    let radius = sphere.w;
+    let corner = vec2(f32(vertex & 1u), f32(vertex >> 1u)) * 2.0 - 1.0;
+    var out: OnSphere;
+    out.sphere = sphere;
+    out.colour = colour;
+    out.to_point = vec3(0.0);
+    // From within a sphere nothing of it is seen.
+    out.clip = vec4(0.0, 0.0, 2.0, 1.0);
+    if distance > radius * 1.0001 {
+        let toward = to_centre / distance;
+        var other = vec3(0.0, 1.0, 0.0);
+        if abs(toward.y) > 0.9 {
+            other = vec3(1.0, 0.0, 0.0);
+        }
+        let x = normalize(cross(toward, other));
+        let y = cross(x, toward);
+        let reach = distance * radius / sqrt((distance - radius) * (distance + radius));
+        out.to_point = to_centre + (corner.x * x + corner.y * y) * reach;
+        out.clip = globals.view_projection * vec4(globals.eye.xyz + out.to_point, 1.0);
+    }
+    return out;
+}
+
+struct SpherePixel {
+    @location(0) colour: vec4<f32>,
+    @builtin(frag_depth) depth: f32,
+}
+
+@fragment
+fn sphere_fragment(in: OnSphere) -> SpherePixel {
+    let ray = normalize(in.to_point);
+    let to_centre = in.sphere.xyz - globals.eye.xyz;
+    let radius = in.sphere.w;
+    let along = dot(to_centre, ray);
+    // From where the ray is nearest to the centre: small numbers, also for small spheres.
+    let aside = to_centre - along * ray;
+    let square = radius * radius - dot(aside, aside);
+    if square < 0.0 {
+        discard;
+    }
+    let half = sqrt(square);
+    let normal = (-aside - half * ray) / radius;
+    let hit = (along - half) * ray;
+    let near = globals.eye.w;
+    let depth = dot(hit, globals.forward.xyz);
+    if depth < near {
+        discard;
+    }
+    // Translucent spheres are as glass: clear in the middle, solid at the rim.
+    let rim = 1.0 - max(dot(normal, -ray), 0.0);
+    let alpha = mix(in.colour.a, 1.0, 0.6 * rim * rim * rim * step(in.colour.a, 0.999));
+    let colour = lit(linear(in.colour.rgb), normal, -ray);
+    var out: SpherePixel;
+    out.colour = vec4(encoded(colour), alpha);
+    out.depth = near / depth;
+    return out;
+}
+
+struct OnLine {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) @interpolate(flat) colour: vec4<f32>,
+}
+
+@vertex
+fn line_vertex(@location(0) position: vec3<f32>, @location(1) colour: vec4<f32>) -> OnLine {
+    var out: OnLine;
+    out.clip = globals.view_projection * vec4(position, 1.0);
+    out.colour = colour;
+    return out;
+}
+
+@fragment
+fn line_fragment(in: OnLine) -> @location(0) vec4<f32> {
+    return vec4(encoded(linear(in.colour.rgb)), in.colour.a);
+}

@@ -1,0 +1,154 @@
+//! A mesh in memory of the device.
+
+use wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, Buffer, BufferDescriptor,
+    BufferUsages, Device, IndexFormat, Queue, RenderPass, RenderPipeline,
+};
+use zerocopy::IntoBytes;
+
+use crate::error::RenderError;
+use crate::gpu::Gpu;
+
+/// Vertices, normals and triangles of a mesh, and its colour.
+///
+/// Positions and normals are packed, three f32 each: written by the caller ([`Mesh::write`]), or by the
+/// runtime's skinning on the device ([`Renderer::mesh_of_buffers`](crate::Renderer::mesh_of_buffers)).
+#[derive(Debug)]
+pub struct Mesh {
+    positions: Buffer,
+    normals: Buffer,
+    indices: Buffer,
+    index_count: u32,
+    look: Buffer,
+    group: BindGroup,
+    colour: [u8; 3],
+}
+
+/// Light, a little warm.
+const COLOUR: [u8; 3] = [214, 209, 200];
+
+impl Mesh {
+    pub(super) fn new(
+        device: &Device,
+        layout: &BindGroupLayout,
+        vertex_count: usize,
+        triangles: &[[u32; 3]],
+    ) -> Result<Self, RenderError> {
+        let vertices = BufferUsages::VERTEX | BufferUsages::COPY_DST;
+        let bytes = 12 * vertex_count as u64;
+        let positions = buffer(device, "positions of vertices", bytes, vertices)?;
+        let normals = buffer(device, "normals of vertices", bytes, vertices)?;
+        let corners = triangles.as_flattened();
+        let bytes = 4 * corners.len() as u64;
+        let usage = BufferUsages::INDEX | BufferUsages::COPY_DST;
+        Gpu::allows_buffer(device, "corners of triangles", bytes)?;
+        let indices = device.create_buffer(&BufferDescriptor {
+            label: Some("corners of triangles"),
+            size: bytes.max(4),
+            usage,
+            mapped_at_creation: true,
+        });
+        // Too little memory is an error of the device; what is drawn then is nothing.
+        let mut index_count = 0;
+        if !corners.is_empty()
+            && let Ok(mut view) = indices.get_mapped_range_mut(..)
+        {
+            view.copy_from_slice(corners.as_bytes());
+            index_count = corners.len() as u32;
+        }
+        indices.unmap();
+        let (look, group) = look(device, layout);
+        Ok(Self {
+            positions,
+            normals,
+            indices,
+            index_count,
+            look,
+            group,
+            colour: COLOUR,
+        })
+    }
+
+    /// A mesh whose positions, normals (three f32 per vertex, packed) and corners (u32) are kept by others.
+    pub(super) fn of_buffers(
+        device: &Device,
+        layout: &BindGroupLayout,
+        [positions, normals, indices]: [&Buffer; 3],
+        triangle_count: u32,
+    ) -> Self {
+        let (look, group) = look(device, layout);
+        Self {
+            positions: positions.clone(),
+            normals: normals.clone(),
+            indices: indices.clone(),
+            index_count: 3 * triangle_count,
+            look,
+            group,
+            colour: COLOUR,
+        }
+    }
+
+    /// Gives it a colour: red, green, blue.
+    pub fn set_colour(&mut self, colour: [u8; 3]) {
+        self.colour = colour;
+    }
+
+    /// Puts in positions and unit normals, as many of each as the mesh has vertices or fewer.
+    pub fn write(&self, queue: &Queue, positions: &[[f32; 3]], normals: &[[f32; 3]]) {
+        for (buffer, values) in [(&self.positions, positions), (&self.normals, normals)] {
+            let room = (buffer.size() / 12) as usize;
+            let values = &values[..values.len().min(room)];
+            if !values.is_empty() {
+                queue.write_buffer(buffer, 0, values.as_bytes());
+            }
+        }
+    }
+
+    pub(super) fn draw(&self, queue: &Queue, pass: &mut RenderPass<'_>, pipeline: &RenderPipeline) {
+        if self.index_count == 0 {
+            return;
+        }
+        let [r, g, b] = self.colour.map(|c| f32::from(c) / 255.0);
+        queue.write_buffer(&self.look, 0, [r, g, b, 1.0].as_bytes());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(1, &self.group, &[]);
+        pass.set_vertex_buffer(0, self.positions.slice(..));
+        pass.set_vertex_buffer(1, self.normals.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), IndexFormat::Uint32);
+        pass.draw_indexed(0..self.index_count, 0, 0..1);
+    }
+}
+
+/// The buffer of a colour and the group that shaders see it in.
+fn look(device: &Device, layout: &BindGroupLayout) -> (Buffer, BindGroup) {
+    let look = device.create_buffer(&BufferDescriptor {
+        label: Some("colour"),
+        size: 16,
+        usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let group = device.create_bind_group(&BindGroupDescriptor {
+        label: Some("colour"),
+        layout,
+        entries: &[BindGroupEntry {
+            binding: 0,
+            resource: look.as_entire_binding(),
+        }],
+    });
+    (look, group)
+}
+
+fn buffer(
+    device: &Device,
+    what: &'static str,
+    bytes: u64,
+    usage: BufferUsages,
+) -> Result<Buffer, RenderError> {
+    Gpu::allows_buffer(device, what, bytes)?;
+    Ok(device.create_buffer(&BufferDescriptor {
+        label: Some(what),
+        size: bytes.max(12),
+        usage,
+        mapped_at_creation: false,
+    }))
+}

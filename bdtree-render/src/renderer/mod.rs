@@ -1,0 +1,249 @@
+//! Draws meshes, spheres and lines into a texture.
+//!
+//! Spheres are exact: a square per sphere whose pixels meet it by ray, so that many are cheap to
+//! store and none has corners. Opaque ones are drawn in any order, translucent ones from far to near,
+//! by where they begin.
+
+mod globals;
+mod mesh;
+mod pipelines;
+mod shapes;
+mod targets;
+
+pub use mesh::Mesh;
+pub use shapes::{Line, Sphere};
+pub(crate) use targets::{allows_picture, extent};
+
+use wgpu::{
+    Buffer, BufferDescriptor, BufferUsages, Color, CommandEncoder, Device, LoadOp, Operations,
+    Queue, RenderPass, RenderPassColorAttachment, RenderPassDepthStencilAttachment,
+    RenderPassDescriptor, StoreOp, TextureFormat, TextureView,
+};
+use zerocopy::{Immutable, IntoBytes};
+
+use crate::camera::Camera;
+use crate::error::RenderError;
+use crate::gpu::Gpu;
+use globals::Globals;
+use pipelines::Pipelines;
+use shapes::{line_ends, sphere_instances};
+use targets::Targets;
+
+/// What is to be seen.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'s> {
+    /// Behind everything: red, green, blue, opacity.
+    pub background: [u8; 4],
+    /// Meshes, in any order.
+    pub meshes: &'s [&'s Mesh],
+    /// Spheres, in any order.
+    pub spheres: &'s [Sphere],
+    /// Lines, one pixel wide.
+    pub lines: &'s [Line],
+}
+
+/// Pipelines and memory for drawing to one kind of target.
+#[derive(Debug)]
+pub struct Renderer {
+    pipelines: Pipelines,
+    globals: Globals,
+    format: TextureFormat,
+    samples: u32,
+    targets: Option<Targets>,
+    spheres: Growing,
+    lines: Growing,
+}
+
+impl Renderer {
+    /// For targets of a format, with `samples` per pixel (1 or 4).
+    pub fn new(device: &Device, format: TextureFormat, samples: u32) -> Self {
+        let globals = Globals::new(device);
+        Self {
+            pipelines: Pipelines::new(device, globals.layout(), format, samples),
+            globals,
+            format,
+            samples,
+            targets: None,
+            spheres: Growing::new("spheres"),
+            lines: Growing::new("lines"),
+        }
+    }
+
+    /// A mesh of so many vertices in memory of the device, to be drawn by this renderer: see [`Mesh`].
+    ///
+    /// # Errors
+    /// More than the device takes.
+    pub fn mesh(
+        &self,
+        device: &Device,
+        vertex_count: usize,
+        triangles: &[[u32; 3]],
+    ) -> Result<Mesh, RenderError> {
+        Mesh::new(device, &self.pipelines.look_layout, vertex_count, triangles)
+    }
+
+    /// A mesh whose positions, normals (three f32 per vertex, packed: vertex buffers) and corners (u32: an
+    /// index buffer) others write.
+    pub fn mesh_of_buffers(
+        &self,
+        device: &Device,
+        buffers: [&Buffer; 3],
+        triangle_count: u32,
+    ) -> Mesh {
+        Mesh::of_buffers(device, &self.pipelines.look_layout, buffers, triangle_count)
+    }
+
+    /// Records the drawing of a scene into `view`, a texture of this renderer's format and of `size`
+    /// pixels. What was in it is lost.
+    ///
+    /// # Errors
+    /// More than the device takes.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "what every drawing call of wgpu needs"
+    )]
+    pub fn draw(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        encoder: &mut CommandEncoder,
+        view: &TextureView,
+        size: [u32; 2],
+        camera: &Camera,
+        scene: &Scene<'_>,
+    ) -> Result<(), RenderError> {
+        let targets = match self.targets.take() {
+            Some(targets) if targets.size == size => targets,
+            _ => Targets::new(device, self.format, self.samples, size)?,
+        };
+        let targets = self.targets.insert(targets);
+        let encode = !self.format.is_srgb();
+        self.globals.write(queue, camera, size, encode);
+        let (spheres, opaque) = sphere_instances(scene.spheres, camera);
+        self.spheres.write(device, queue, &spheres)?;
+        self.lines.write(device, queue, &line_ends(scene.lines))?;
+        let (view, resolve_target) = match &targets.samples {
+            Some(samples) => (samples, Some(view)),
+            None => (view, None),
+        };
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("bdtree scene"),
+            color_attachments: &[Some(RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target,
+                ops: Operations {
+                    load: LoadOp::Clear(clear_colour(scene.background, encode)),
+                    store: StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                view: &targets.depth,
+                depth_ops: Some(Operations {
+                    load: LoadOp::Clear(0.0),
+                    store: StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        pass.set_bind_group(0, self.globals.group(), &[]);
+        for mesh in scene.meshes {
+            mesh.draw(queue, &mut pass, &self.pipelines.mesh);
+        }
+        let count = spheres.len() as u32;
+        if let Some(buffer) = &self.spheres.buffer {
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            draw_spheres(&mut pass, &self.pipelines.opaque, 0..opaque);
+        }
+        if let Some(buffer) = &self.lines.buffer
+            && !scene.lines.is_empty()
+        {
+            pass.set_pipeline(&self.pipelines.lines);
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            pass.draw(0..2 * scene.lines.len() as u32, 0..1);
+        }
+        if let Some(buffer) = &self.spheres.buffer {
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            draw_spheres(&mut pass, &self.pipelines.translucent, opaque..count);
+        }
+        Ok(())
+    }
+}
+
+fn draw_spheres(
+    pass: &mut RenderPass<'_>,
+    pipeline: &wgpu::RenderPipeline,
+    instances: std::ops::Range<u32>,
+) {
+    if !instances.is_empty() {
+        pass.set_pipeline(pipeline);
+        pass.draw(0..4, instances);
+    }
+}
+
+/// A clear colour as the target wants it: linear where the target encodes.
+fn clear_colour([r, g, b, a]: [u8; 4], encoded: bool) -> Color {
+    let of = |c: u8| {
+        let c = f64::from(c) / 255.0;
+        match encoded {
+            true => c,
+            false if c <= 0.04045 => c / 12.92,
+            false => ((c + 0.055) / 1.055).powf(2.4),
+        }
+    };
+    Color {
+        r: of(r),
+        g: of(g),
+        b: of(b),
+        a: f64::from(a) / 255.0,
+    }
+}
+
+/// A vertex buffer that becomes as large as it has to be.
+#[derive(Debug)]
+struct Growing {
+    what: &'static str,
+    buffer: Option<Buffer>,
+}
+
+impl Growing {
+    fn new(what: &'static str) -> Self {
+        Self { what, buffer: None }
+    }
+
+    fn write<T: IntoBytes + Immutable>(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        items: &[T],
+    ) -> Result<(), RenderError> {
+        let bytes = items.as_bytes();
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let needed = bytes.len() as u64;
+        if self
+            .buffer
+            .as_ref()
+            .is_none_or(|buffer| buffer.size() < needed)
+        {
+            Gpu::allows_buffer(device, self.what, needed)?;
+            let size = needed
+                .next_power_of_two()
+                .min(device.limits().max_buffer_size);
+            self.buffer = Some(device.create_buffer(&BufferDescriptor {
+                label: Some(self.what),
+                size,
+                usage: BufferUsages::VERTEX | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }));
+        }
+        if let Some(buffer) = &self.buffer {
+            queue.write_buffer(buffer, 0, bytes);
+        }
+        Ok(())
+    }
+}

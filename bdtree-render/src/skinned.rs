@@ -1,0 +1,75 @@
+//! A mesh that the runtime deforms on the device.
+
+use bdtree_runtime::gpu::{GpuAsset, Instances, Normals, Output, Skinner};
+use bdtree_runtime::{Asset, Transform};
+
+use crate::error::RenderError;
+use crate::gpu::Gpu;
+use crate::renderer::{Mesh, Renderer};
+
+/// An asset on the device with room for one pose of it.
+#[derive(Debug)]
+pub struct SkinnedMesh {
+    skinner: Skinner,
+    asset: GpuAsset,
+    instances: Instances,
+    output: Output,
+    mesh: Mesh,
+}
+
+impl SkinnedMesh {
+    /// Copies an asset to the device, for `renderer` to draw.
+    ///
+    /// # Errors
+    /// More than the device takes, a corrupt asset.
+    pub fn new(gpu: &Gpu, renderer: &Renderer, asset: &Asset<'_>) -> Result<Self, RenderError> {
+        let skinner = Skinner::new(&gpu.device, &gpu.queue)?;
+        let asset = skinner.upload(asset, Normals::Exact)?;
+        let instances = skinner.instances(&asset, 1)?;
+        let output = skinner.output(&asset, 1)?;
+        // They were asked for.
+        let normals = output.normals().unwrap_or(output.positions());
+        let buffers = [output.positions(), normals, asset.indices()];
+        let mesh = renderer.mesh_of_buffers(&gpu.device, buffers, asset.triangle_count());
+        gpu.check()?;
+        Ok(Self {
+            skinner,
+            asset,
+            instances,
+            output,
+            mesh,
+        })
+    }
+
+    /// Deforms it: from now on pictures show it at q and at a placement. Coordinates of the picture are
+    /// the placement's world.
+    ///
+    /// # Errors
+    /// q or a placement that the asset refuses, another asset, a lost device.
+    pub fn pose(
+        &mut self,
+        gpu: &Gpu,
+        asset: &Asset<'_>,
+        q: &[f32],
+        transform: Transform,
+    ) -> Result<(), RenderError> {
+        self.instances.clear([0.0; 3]);
+        self.instances.push_at(asset, q, transform)?;
+        self.instances.write();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        self.skinner
+            .record(&mut encoder, &self.asset, &self.instances, &self.output)?;
+        gpu.queue.submit([encoder.finish()]);
+        gpu.check()
+    }
+
+    /// What to draw.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The same, to give it a colour.
+    pub fn mesh_mut(&mut self) -> &mut Mesh {
+        &mut self.mesh
+    }
+}

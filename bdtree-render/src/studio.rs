@@ -1,0 +1,138 @@
+//! Pictures in memory.
+
+use std::sync::mpsc;
+
+use bdtree_runtime::Asset;
+use wgpu::{
+    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, MapMode, TexelCopyBufferInfo,
+    TexelCopyBufferLayout, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
+};
+
+use crate::camera::Camera;
+use crate::error::RenderError;
+use crate::gpu::Gpu;
+use crate::image::Image;
+use crate::renderer::{Mesh, Renderer, Scene, allows_picture, extent};
+use crate::skinned::SkinnedMesh;
+
+/// Samples per pixel.
+const SAMPLES: u32 = 4;
+
+/// Colours are blended as sRGB numbers: as light, translucent dark blue over white would be grey.
+const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
+
+/// A device without a window, and a renderer on it.
+#[derive(Debug)]
+pub struct Studio {
+    gpu: Gpu,
+    renderer: Renderer,
+}
+
+impl Studio {
+    /// On the fastest adapter there is, a program that draws on the processor included.
+    ///
+    /// # Errors
+    /// No adapter, or one that cannot be used.
+    pub fn open() -> Result<Self, RenderError> {
+        let gpu = Gpu::offscreen()?;
+        let renderer = Renderer::new(&gpu.device, FORMAT, SAMPLES);
+        gpu.check()?;
+        Ok(Self { gpu, renderer })
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// A mesh for this studio's pictures: see [`Mesh`].
+    ///
+    /// # Errors
+    /// More than the device takes.
+    pub fn mesh(&self, vertex_count: usize, triangles: &[[u32; 3]]) -> Result<Mesh, RenderError> {
+        let mesh = self
+            .renderer
+            .mesh(&self.gpu.device, vertex_count, triangles)?;
+        self.gpu.check()?;
+        Ok(mesh)
+    }
+
+    /// An asset that is deformed on the device.
+    ///
+    /// # Errors
+    /// More than the device takes, a corrupt asset.
+    pub fn skinned(&self, asset: &Asset<'_>) -> Result<SkinnedMesh, RenderError> {
+        SkinnedMesh::new(&self.gpu, &self.renderer, asset)
+    }
+
+    /// The picture of a scene, `size` pixels wide and high. The same device makes the same picture of
+    /// the same scene, to the last bit.
+    ///
+    /// # Errors
+    /// More than the device takes; a lost device.
+    pub fn picture(
+        &mut self,
+        size: [u32; 2],
+        camera: &Camera,
+        scene: &Scene<'_>,
+    ) -> Result<Image, RenderError> {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        allows_picture(device, size)?;
+        let texture = device.create_texture(&TextureDescriptor {
+            label: Some("picture"),
+            size: extent(size),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: FORMAT,
+            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let row_bytes = (4 * size[0]).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let bytes = u64::from(row_bytes) * u64::from(size[1]);
+        Gpu::allows_buffer(device, "picture", bytes)?;
+        let copy = device.create_buffer(&BufferDescriptor {
+            label: Some("picture"),
+            size: bytes,
+            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
+        let view = texture.create_view(&Default::default());
+        self.renderer
+            .draw(device, queue, &mut encoder, &view, size, camera, scene)?;
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            TexelCopyBufferInfo {
+                buffer: &copy,
+                layout: TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(row_bytes),
+                    rows_per_image: None,
+                },
+            },
+            extent(size),
+        );
+        queue.submit([encoder.finish()]);
+        let (done, mapped) = mpsc::channel();
+        copy.map_async(MapMode::Read, .., move |result| {
+            let _ = done.send(result);
+        });
+        self.gpu.finish()?;
+        let lost = |error: String| RenderError::Device(error);
+        match mapped.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(lost(error.to_string())),
+            Err(_) => return Err(lost("the picture did not come back".to_string())),
+        }
+        let view = copy
+            .get_mapped_range(..)
+            .map_err(|error| lost(error.to_string()))?;
+        let mut image = Image::new(size);
+        let rows = view.chunks_exact(row_bytes as usize);
+        for (row, out) in rows.zip(image.rows_mut()) {
+            out.copy_from_slice(&row[..out.len()]);
+        }
+        Ok(image)
+    }
+}

@@ -1,0 +1,261 @@
+//! Pictures by their content: what is where, what hides what, what is refused.
+
+use bdtree_render::{Box3, Camera, Image, Line, Mesh, RenderError, Scene, Sphere, Studio, normals};
+
+const WHITE: [u8; 4] = [255; 4];
+const SIZE: [u32; 2] = [240, 160];
+
+/// Looks along −z at a box of [−1, 1]³ so that one unit at z = 0 is about `scale` pixels.
+fn camera() -> Camera {
+    Camera {
+        eye: [0.0, 0.0, 10.0],
+        target: [0.0; 3],
+        up: [0.0, 1.0, 0.0],
+        fov_y_rad: 0.4,
+    }
+}
+
+fn sphere(centre: [f32; 3], radius: f32, colour: [u8; 4]) -> Sphere {
+    Sphere {
+        centre,
+        radius,
+        colour,
+    }
+}
+
+fn picture(studio: &mut Studio, meshes: &[&Mesh], spheres: &[Sphere], lines: &[Line]) -> Image {
+    let scene = Scene {
+        background: WHITE,
+        meshes,
+        spheres,
+        lines,
+    };
+    studio.picture(SIZE, &camera(), &scene).expect("a picture")
+}
+
+/// The pixel where a point is seen.
+fn seen(image: &Image, point: [f32; 3]) -> [u8; 4] {
+    let [x, y] = camera().project(point, SIZE).expect("in front");
+    image.pixel(x as u32, y as u32).expect("within the picture")
+}
+
+fn is_mostly(pixel: [u8; 4], channel: usize) -> bool {
+    let others = (0..3).filter(|k| *k != channel);
+    others
+        .into_iter()
+        .all(|k| i32::from(pixel[channel]) > i32::from(pixel[k]) + 40)
+}
+
+#[test]
+fn a_sphere_covers_its_disc_and_nothing_else() {
+    let mut studio = Studio::open().expect("a graphics adapter: Mesa's lavapipe will do");
+    let centre = [0.5, -0.3, 0.0];
+    let image = picture(
+        &mut studio,
+        &[],
+        &[sphere(centre, 0.8, [255, 0, 0, 255])],
+        &[],
+    );
+    // By rays of our own: the pixel's middle hits the sphere or not, rims (mixed pixels) aside.
+    let (mut inside, mut mixed) = (0, 0);
+    let per_slope = 0.5 * SIZE[1] as f32 / 0.2_f32.tan();
+    for y in 0..SIZE[1] {
+        for x in 0..SIZE[0] {
+            let ray = [
+                (x as f32 + 0.5 - 0.5 * SIZE[0] as f32) / per_slope,
+                (0.5 * SIZE[1] as f32 - y as f32 - 0.5) / per_slope,
+                -1.0,
+            ];
+            let n = ray.iter().map(|c| c * c).sum::<f32>().sqrt();
+            let to = [centre[0], centre[1], centre[2] - 10.0];
+            let along = (0..3).map(|k| to[k] * ray[k] / n).sum::<f32>();
+            let aside = (to.iter().map(|c| c * c).sum::<f32>() - along * along).sqrt();
+            let pixel = image.pixel(x, y).expect("within");
+            // A pixel at this distance is about 0.025 wide.
+            if aside < 0.8 - 0.03 {
+                inside += 1;
+                assert!(is_mostly(pixel, 0), "{x} {y}: {pixel:?}");
+            } else if aside > 0.8 + 0.03 {
+                assert_eq!(pixel, WHITE, "{x} {y}");
+            } else if pixel != WHITE && !is_mostly(pixel, 0) {
+                mixed += 1;
+            }
+        }
+    }
+    assert!(inside > 2000, "{inside} pixels");
+    assert!(mixed > 20, "{mixed} pixels of the rim are smoothed");
+}
+
+#[test]
+fn what_is_near_hides_what_is_far_and_glass_does_not() {
+    let mut studio = Studio::open().expect("a graphics adapter");
+    let triangles = [[0, 1, 2], [0, 2, 3]];
+    let corners = [
+        [-1.0, -1.0, 0.0],
+        [1.0, -1.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [-1.0, 1.0, 0.0],
+    ];
+    let mut mesh = studio.mesh(4, &triangles).expect("a mesh");
+    mesh.set_colour([0, 200, 0]);
+    mesh.write(
+        &studio.gpu().queue,
+        &corners,
+        &normals(&corners, &triangles),
+    );
+    let spheres = |alpha| {
+        [
+            sphere([-0.6, 0.0, 1.0], 0.3, [255, 0, 0, alpha]),
+            sphere([0.6, 0.0, -1.0], 0.3, [0, 0, 255, alpha]),
+            // Half of it stands out of the mesh.
+            sphere([0.0, 0.6, 0.0], 0.2, [0, 0, 255, alpha]),
+        ]
+    };
+    let image = picture(&mut studio, &[&mesh], &spheres(255), &[]);
+    assert!(
+        is_mostly(seen(&image, [-0.6, 0.0, 1.3]), 0),
+        "before the mesh"
+    );
+    assert!(
+        is_mostly(seen(&image, [0.5, 0.0, 0.0]), 1),
+        "behind the mesh"
+    );
+    assert!(is_mostly(seen(&image, [0.0, 0.6, 0.2]), 2), "in the mesh");
+    assert!(
+        is_mostly(seen(&image, [0.0, -0.6, 0.0]), 1),
+        "the mesh alone"
+    );
+    assert_eq!(seen(&image, [-1.4, 0.0, 0.0]), WHITE);
+
+    let glass = picture(&mut studio, &[&mesh], &spheres(100), &[]);
+    let [r, g, b, _] = seen(&glass, [-0.6, 0.0, 1.3]);
+    assert!(r > 60 && g > 60 && b < 60, "red over green: {r} {g} {b}");
+    assert_eq!(seen(&glass, [0.5, 0.0, 0.0]), seen(&image, [0.5, 0.0, 0.0]));
+
+    let red = Line {
+        ends: [[-1.4, -0.6, 0.5], [1.4, -0.6, 0.5]],
+        colour: [255, 0, 0, 255],
+    };
+    let lined = picture(&mut studio, &[&mesh], &[], &[red]);
+    let at = |x: f32| {
+        let [px, py] = camera().project([x, -0.6, 0.5], SIZE).expect("in front");
+        // A line is one pixel wide and may lie in the row above or below.
+        (-1..=1).any(|d| {
+            let pixel = lined
+                .pixel(px as u32, (py as i64 + d) as u32)
+                .expect("within");
+            is_mostly(pixel, 0)
+        })
+    };
+    assert!(at(-1.2) && at(0.0) && at(1.2));
+}
+
+#[test]
+fn both_sides_of_a_triangle_are_lit_and_a_turned_one_is_darker() {
+    let mut studio = Studio::open().expect("a graphics adapter");
+    let mut shade = |corners: [[f32; 3]; 3], triangle: [u32; 3]| {
+        let mesh = studio.mesh(3, &[triangle]).expect("a mesh");
+        mesh.write(
+            &studio.gpu().queue,
+            &corners,
+            &normals(&corners, &[triangle]),
+        );
+        seen(&picture(&mut studio, &[&mesh], &[], &[]), [0.0, 0.0, 0.0])
+    };
+    let facing = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+    let front = shade(facing, [0, 1, 2]);
+    let back = shade(facing, [0, 2, 1]);
+    assert_eq!(front, back);
+    let turned = shade(
+        [[-0.2, -1.0, 3.0], [0.2, -1.0, -3.0], [0.0, 1.0, 0.0]],
+        [0, 1, 2],
+    );
+    assert!(front[0] > 150, "{front:?}");
+    assert!(turned[0] + 30 < front[0], "{turned:?} and {front:?}");
+}
+
+#[test]
+fn the_same_scene_is_the_same_picture() {
+    let spheres: Vec<Sphere> = (0..200)
+        .map(|i| {
+            let at = |k: u32| ((i * 37 + k * 101) % 97) as f32 / 48.5 - 1.0;
+            sphere(
+                [at(1), at(2), at(3)],
+                0.3,
+                [i as u8, 90, 200, if i % 2 == 0 { 255 } else { 120 }],
+            )
+        })
+        .collect();
+    let png = |image: &Image| {
+        let mut bytes = Vec::new();
+        image.write_png(&mut bytes).expect("memory takes all");
+        bytes
+    };
+    let mut studio = Studio::open().expect("a graphics adapter");
+    let first = png(&picture(&mut studio, &[], &spheres, &[]));
+    assert_eq!(first, png(&picture(&mut studio, &[], &spheres, &[])));
+    let mut other = Studio::open().expect("a graphics adapter");
+    assert_eq!(first, png(&picture(&mut other, &[], &spheres, &[])));
+    assert_eq!(first[..8], *b"\x89PNG\r\n\x1a\n");
+}
+
+#[test]
+fn pictures_and_meshes_beyond_the_device_are_refused() {
+    let mut studio = Studio::open().expect("a graphics adapter");
+    let scene = Scene {
+        background: WHITE,
+        meshes: &[],
+        spheres: &[],
+        lines: &[],
+    };
+    for size in [[0, 10], [10, 0], [1 << 20, 10], [10, u32::MAX]] {
+        let error = studio
+            .picture(size, &camera(), &scene)
+            .expect_err("too large");
+        assert!(
+            matches!(error, RenderError::TooLarge { unit: "pixels", .. }),
+            "{error}"
+        );
+    }
+    let limit = studio.gpu().device.limits().max_buffer_size;
+    let error = studio
+        .mesh((limit / 12) as usize + 1, &[])
+        .expect_err("too large");
+    assert!(
+        error.to_string().starts_with("positions of vertices: "),
+        "{error}"
+    );
+    // The device is as good as before.
+    let image = studio
+        .picture([8, 4], &camera(), &scene)
+        .expect("a picture");
+    assert!(image.pixels().iter().all(|p| *p == WHITE));
+}
+
+#[test]
+fn numbers_that_are_none_draw_nothing() {
+    let mut studio = Studio::open().expect("a graphics adapter");
+    let spheres = [
+        sphere([f32::NAN, 0.0, 0.0], 1.0, WHITE.map(|_| 9)),
+        sphere([0.0; 3], f32::NAN, [9, 9, 9, 255]),
+        sphere([0.0; 3], f32::INFINITY, [9, 9, 9, 255]),
+        sphere([0.0; 3], -1.0, [9, 9, 9, 255]),
+        // The eye is in it.
+        sphere([0.0, 0.0, 9.0], 2.0, [9, 9, 9, 255]),
+    ];
+    let mesh = studio.mesh(3, &[[0, 1, 2]]).expect("a mesh");
+    mesh.write(
+        &studio.gpu().queue,
+        &[[f32::NAN; 3]; 3],
+        &[[f32::NAN; 3]; 3],
+    );
+    let image = picture(&mut studio, &[&mesh], &spheres, &[]);
+    assert!(image.pixels().iter().all(|p| *p == WHITE));
+    let bounds = Box3::around([[f32::NAN; 3]]);
+    assert!(
+        Camera::around(&bounds, 1.5, 0.0, 0.0)
+            .eye
+            .iter()
+            .all(|x| x.is_finite())
+    );
+}

@@ -1,0 +1,142 @@
+//! An asset on the device.
+
+use alloc::vec::Vec;
+
+use bdtree_format::VertexModes;
+use zerocopy::IntoBytes;
+
+use super::buffers::filled;
+use super::device::checked;
+use super::error::GpuError;
+use super::layouts::Layouts;
+use super::normal_fields::NormalFields;
+use super::ranges::{BoundRange, FieldSet};
+use super::ring::{Ring, triangles};
+use crate::contact::VertexId;
+use crate::pose::identity;
+use crate::view::Asset;
+
+/// Where the normals of a deformed mesh come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Normals {
+    /// There are none.
+    None,
+    /// Two tangents per vertex that move with q like positions do ([`NormalFields`]): near the exact ones
+    /// where the triangles around a vertex deform alike (figures: docs/skinning.md). Computed here, 24 bytes per
+    /// vertex and mode.
+    Fields,
+    /// The triangles around each vertex as deformed, weighted by area: what a mesh's normals are
+    /// without tricks, from the positions that were written, so in compute passes only.
+    Exact,
+}
+
+/// An asset on the device: rest positions, displacements, triangles, and what its normals need.
+#[derive(Debug)]
+pub struct GpuAsset {
+    pub(crate) asset: (usize, u32),
+    pub(crate) listed: bool,
+    pub(crate) points: Vec<BoundRange>,
+    /// Of [`Normals::Fields`].
+    pub(crate) tangents: Vec<BoundRange>,
+    /// Of [`Normals::Exact`].
+    pub(crate) rings: Vec<BoundRange>,
+    indices: wgpu::Buffer,
+    vertex_count: u32,
+    triangle_count: u32,
+    mode_count: usize,
+    normals: Normals,
+}
+
+impl GpuAsset {
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        layouts: &Layouts,
+        asset: &Asset<'_>,
+        normals: Normals,
+    ) -> Result<Self, GpuError> {
+        let set = field_set(asset)?;
+        let triangles = triangles(asset)?;
+        let ring = match normals {
+            Normals::Exact => Some(Ring::new(asset.vertex_count(), &triangles)?),
+            _ => None,
+        };
+        let fields = match normals {
+            Normals::Fields => Some(NormalFields::new(asset)?),
+            _ => None,
+        };
+        checked(device, || {
+            let usage = wgpu::BufferUsages::INDEX
+                | wgpu::BufferUsages::STORAGE
+                | wgpu::BufferUsages::COPY_SRC;
+            let indices = triangles.as_bytes();
+            let fields = fields.map(|f| f.set().upload(device, queue, layouts, "normal fields"));
+            let rings = ring.map(|ring| ring.upload(device, queue, layouts, set.mode_count));
+            Ok(Self {
+                asset: identity(asset),
+                listed: set.listed(),
+                points: set.upload(device, queue, layouts, "displacements")?,
+                tangents: fields.transpose()?.unwrap_or_default(),
+                rings: rings.transpose()?.unwrap_or_default(),
+                indices: filled(device, queue, "triangles", usage, &[indices])?,
+                vertex_count: asset.vertex_count() as u32,
+                triangle_count: asset.triangle_count() as u32,
+                mode_count: set.mode_count,
+                normals,
+            })
+        })
+    }
+
+    /// Three vertex indices (u32) per triangle, in the order of triangle ids, so that a
+    /// [`crate::Group`] is a run of indices.
+    pub fn indices(&self) -> &wgpu::Buffer {
+        &self.indices
+    }
+
+    /// Number of vertices N of each instance.
+    pub fn vertex_count(&self) -> u32 {
+        self.vertex_count
+    }
+
+    /// Number of triangles F.
+    pub fn triangle_count(&self) -> u32 {
+        self.triangle_count
+    }
+
+    /// Number of modes M.
+    pub fn mode_count(&self) -> usize {
+        self.mode_count
+    }
+
+    /// Where its normals come from.
+    pub fn normals(&self) -> Normals {
+        self.normals
+    }
+}
+
+/// Positions and displacements as they lie in the file, with every record checked that a shader
+/// follows.
+pub(crate) fn field_set<'a>(asset: &Asset<'a>) -> Result<FieldSet<'a>, GpuError> {
+    let (vertex_count, mode_count) = (asset.vertex_count(), asset.mode_count());
+    let records: &[VertexModes] = asset.vertex_modes();
+    for i in 0..vertex_count as u32 {
+        let vertex = VertexId(i);
+        if asset.lists_modes() {
+            let (_, modes) = asset.listed_displacements(vertex)?;
+            if modes.iter().any(|j| usize::from(*j) >= mode_count) {
+                return Err(asset.unknown_mode_of(vertex).into());
+            }
+        } else {
+            asset.displacements(vertex)?;
+        }
+    }
+    Ok(FieldSet {
+        mode_count,
+        sides: 1,
+        rest: asset.positions,
+        fields: asset.displacements,
+        records,
+        lists: asset.mode_lists,
+    })
+}

@@ -1,0 +1,76 @@
+//! The device: asking for one, and what it says when it refuses.
+
+use alloc::string::ToString;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+
+use super::error::GpuError;
+
+/// A device and its queue with all that the first adapter allows, for programs that have none yet:
+/// wgpu's defaults allow bindings of 128 MiB only. Timestamps are on where there are any.
+///
+/// # Errors
+/// [`GpuError::NoAdapter`].
+pub async fn request_device(
+    instance: &wgpu::Instance,
+) -> Result<(wgpu::Device, wgpu::Queue), GpuError> {
+    let options = wgpu::RequestAdapterOptions {
+        power_preference: wgpu::PowerPreference::HighPerformance,
+        ..Default::default()
+    };
+    let adapter = instance
+        .request_adapter(&options)
+        .await
+        .map_err(|e| GpuError::NoAdapter(e.to_string()))?;
+    let timestamps =
+        wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+    let descriptor = wgpu::DeviceDescriptor {
+        label: Some("bdtree"),
+        required_features: adapter.features() & timestamps,
+        required_limits: adapter.limits(),
+        ..Default::default()
+    };
+    let device = adapter.request_device(&descriptor).await;
+    device.map_err(|e| GpuError::NoAdapter(e.to_string()))
+}
+
+/// What `make` returns, or the first error that the device reports meanwhile.
+pub(crate) fn checked<T>(
+    device: &wgpu::Device,
+    make: impl FnOnce() -> Result<T, GpuError>,
+) -> Result<T, GpuError> {
+    let scopes = [
+        wgpu::ErrorFilter::Internal,
+        wgpu::ErrorFilter::OutOfMemory,
+        wgpu::ErrorFilter::Validation,
+    ]
+    .map(|filter| device.push_error_scope(filter));
+    let made = make();
+    let [internal, memory, validation] = scopes;
+    // In the order in which they were pushed, backwards.
+    let errors = [validation, memory, internal].map(|scope| now(scope.pop()).flatten());
+    match errors.into_iter().flatten().next() {
+        Some(error) => Err(GpuError::Device(error.to_string())),
+        None => made,
+    }
+}
+
+/// The result of a future that is ready; in a browser, where it is not, `None`.
+fn now<T>(future: impl Future<Output = T>) -> Option<T> {
+    let mut context = Context::from_waker(Waker::noop());
+    match pin!(future).as_mut().poll(&mut context) {
+        Poll::Ready(value) => Some(value),
+        Poll::Pending => None,
+    }
+}
+
+/// Largest buffer that can be bound whole.
+pub(crate) fn largest_binding(device: &wgpu::Device) -> u64 {
+    let limits = device.limits();
+    // A multiple of four, and indices of numbers are u32.
+    limits
+        .max_storage_buffer_binding_size
+        .min(limits.max_buffer_size)
+        .min(1 << 33)
+        & !3
+}

@@ -1,0 +1,55 @@
+//! Skinning on a GPU (feature `wgpu`): `p' = p + U q` for every vertex of many instances, as vertex
+//! buffers or inside a vertex shader.
+//!
+//! Everything is made on the caller's device. Results are near [`Asset::deformed`](crate::Asset::deformed), by a bound
+//! that each instance states, but not to the bit: queries go on using their own arithmetic.
+//! How an engine uses it, layouts, limits and errors: `docs/skinning.md`.
+//!
+//! ```no_run
+//! use bdtree_runtime::gpu::{GpuError, Normals, Skinner};
+//! use bdtree_runtime::{Asset, Transform};
+//!
+//! fn frame(
+//!     device: &wgpu::Device, queue: &wgpu::Queue, asset: &Asset<'_>, q: &[f32], camera: [f64; 3],
+//! ) -> Result<(), GpuError> {
+//!     // Once.
+//!     let skinner = Skinner::new(device, queue)?;
+//!     let chair = skinner.upload(asset, Normals::Exact)?;
+//!     let mut instances = skinner.instances(&chair, 1000)?;
+//!     let output = skinner.output(&chair, 1000)?;
+//!     // Every frame.
+//!     instances.clear(camera);
+//!     instances.push_at(asset, q, Transform::IDENTITY)?;
+//!     instances.write();
+//!     let mut encoder = device.create_command_encoder(&Default::default());
+//!     skinner.record(&mut encoder, &chair, &instances, &output)?;
+//!     // Draw: output.positions() and output.normals() are vertex buffers of [f32; 3], N of each
+//!     // instance one behind the other; chair.indices() is an index buffer of u32.
+//!     queue.submit([encoder.finish()]);
+//!     Ok(())
+//! }
+//! ```
+
+mod asset;
+mod buffers;
+mod device;
+mod error;
+mod instances;
+mod layouts;
+mod normal_fields;
+mod output;
+mod ranges;
+mod ring;
+mod shader;
+mod skinner;
+pub mod twin;
+mod vertex;
+
+pub use asset::{GpuAsset, Normals};
+pub use device::request_device;
+pub use error::GpuError;
+pub use instances::Instances;
+pub use normal_fields::NormalFields;
+pub use output::{Output, read_back};
+pub use skinner::Skinner;
+pub use vertex::{vertex_layout, vertex_source};

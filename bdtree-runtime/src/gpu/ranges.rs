@@ -1,0 +1,229 @@
+//! An asset's side of the bindings: ranges of vertices whose buffers fit the device.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use bdtree_format::VertexModes;
+use zerocopy::IntoBytes;
+
+use super::buffers::filled;
+use super::device::largest_binding;
+use super::error::GpuError;
+use super::layouts::{Layouts, bind};
+use super::ring::Ring;
+
+/// Points or normals at rest and their fields, as a file stores them: of all modes, vertex-major, or
+/// of those that each vertex lists (SPEC 7.3, 7.6).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FieldSet<'a> {
+    pub(crate) mode_count: usize,
+    /// Vectors per vertex and per vertex and mode: one, or two tangents, the second's of all modes of a
+    /// vertex behind the first's.
+    pub(crate) sides: usize,
+    pub(crate) rest: &'a [[f32; 3]],
+    pub(crate) fields: &'a [[f32; 3]],
+    /// One record per vertex and one more; empty where fields are of all modes.
+    pub(crate) records: &'a [VertexModes],
+    pub(crate) lists: &'a [u16],
+}
+
+/// A range of vertices and its bind group.
+#[derive(Debug)]
+pub(crate) struct BoundRange {
+    pub(crate) count: u32,
+    pub(crate) group: wgpu::BindGroup,
+    /// Parameters, and what the shaders read, in the order of their bindings.
+    pub(crate) buffers: [wgpu::Buffer; 4],
+}
+
+impl<'a> FieldSet<'a> {
+    pub(crate) fn listed(&self) -> bool {
+        !self.records.is_empty()
+    }
+
+    /// Mode and field of a vertex's side.
+    pub(crate) fn of(&self, vertex: usize, side: usize) -> impl Iterator<Item = (usize, [f32; 3])> {
+        let (start, count, modes) = match self.listed() {
+            true => {
+                let [own, next] = [self.records[vertex], self.records[vertex + 1]];
+                let (start, count) = (own.first_entry, next.first_entry - own.first_entry);
+                let modes = &self.lists[own.mode_list_start as usize..][..count as usize];
+                (start as usize, count as usize, modes)
+            }
+            false => (vertex * self.mode_count, self.mode_count, &[][..]),
+        };
+        let fields = &self.fields[self.sides * start + side * count..][..count];
+        let mode = move |k: usize| modes.get(k).map_or(k, |j| usize::from(*j));
+        fields.iter().enumerate().map(move |(k, u)| (mode(k), *u))
+    }
+
+    /// Fields of a range of vertices, and the index of their first.
+    fn entries(&self, range: &Range<usize>) -> Range<usize> {
+        let first = |i: usize| match self.listed() {
+            true => self.sides * self.records[i].first_entry as usize,
+            false => self.sides * i * self.mode_count,
+        };
+        first(range.start)..first(range.end)
+    }
+
+    /// The largest binding of a range.
+    fn bytes(&self, range: &Range<usize>) -> u64 {
+        let fields = 12 * self.entries(range).len();
+        let lists = match self.listed() {
+            true => 8 * (range.len() + 1) + 2 * self.lists.len(),
+            false => 0,
+        };
+        fields.max(lists).max(12 * self.sides * range.len()) as u64
+    }
+
+    pub(crate) fn upload(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        layouts: &Layouts,
+        what: &'static str,
+    ) -> Result<Vec<BoundRange>, GpuError> {
+        let total = self.rest.len() / self.sides;
+        let ranges = split(total, largest_binding(device), what, |r| self.bytes(r))?;
+        let storage = wgpu::BufferUsages::STORAGE;
+        let make = |range: Range<usize>| {
+            let entries = self.entries(&range);
+            let records = match self.listed() {
+                true => &self.records[range.start..=range.end],
+                false => &[],
+            };
+            let numbers = Numbers {
+                count: range.len(),
+                first: range.start,
+                total,
+                mode_count: self.mode_count,
+                entry_base: if self.listed() { entries.start / self.sides } else { 0 },
+                list_base: 2 * records.len(),
+            };
+            let rest = &self.rest[self.sides * range.start..self.sides * range.end];
+            let fields = &self.fields[entries];
+            let lists: [&[u8]; 2] = match self.listed() {
+                true => [records.as_bytes(), self.lists.as_bytes()],
+                false => [&[], &[]],
+            };
+            let buffers = [
+                numbers.upload(device, queue)?,
+                filled(device, queue, what, storage, &[rest.as_bytes()])?,
+                filled(device, queue, what, storage, &[fields.as_bytes()])?,
+                filled(device, queue, what, storage, &lists)?,
+            ];
+            Ok(BoundRange {
+                count: range.len() as u32,
+                group: bind(device, &layouts.fields, &buffers.each_ref()),
+                buffers,
+            })
+        };
+        ranges.into_iter().map(make).collect()
+    }
+}
+
+impl Ring {
+    pub(crate) fn upload(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        layouts: &Layouts,
+        mode_count: usize,
+    ) -> Result<Vec<BoundRange>, GpuError> {
+        let total = self.starts.len() - 1;
+        let what = "triangles around vertices";
+        let entries =
+            |range: &Range<usize>| self.starts[range.start] as usize..self.starts[range.end] as usize;
+        let bytes =
+            |range: &Range<usize>| (8 * entries(range).len()).max(4 * (range.len() + 1)) as u64;
+        let ranges = split(total, largest_binding(device), what, bytes)?;
+        let storage = wgpu::BufferUsages::STORAGE;
+        let make = |range: Range<usize>| {
+            let entries = entries(&range);
+            let numbers = Numbers {
+                count: range.len(),
+                first: range.start,
+                total,
+                mode_count,
+                entry_base: entries.start,
+                list_base: 0,
+            };
+            let starts = &self.starts[range.start..=range.end];
+            let corners = &self.corners[entries];
+            let buffers = [
+                numbers.upload(device, queue)?,
+                filled(device, queue, what, storage, &[starts.as_bytes()])?,
+                filled(device, queue, what, storage, &[corners.as_bytes()])?,
+                filled(device, queue, what, storage, &[])?,
+            ];
+            Ok(BoundRange {
+                count: range.len() as u32,
+                group: bind(device, &layouts.fields, &buffers.each_ref()),
+                buffers,
+            })
+        };
+        ranges.into_iter().map(make).collect()
+    }
+}
+
+/// `Params` of the shaders.
+struct Numbers {
+    count: usize,
+    first: usize,
+    total: usize,
+    mode_count: usize,
+    entry_base: usize,
+    list_base: usize,
+}
+
+impl Numbers {
+    fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<wgpu::Buffer, GpuError> {
+        let words = [
+            self.count,
+            self.first,
+            self.total,
+            self.mode_count,
+            self.entry_base,
+            self.list_base,
+            0,
+            0,
+        ];
+        // All are numbers of things that a file counts in u32.
+        let words = words.map(|x| x as u32);
+        let usage = wgpu::BufferUsages::UNIFORM;
+        filled(device, queue, "parameters", usage, &[words.as_bytes()])
+    }
+}
+
+/// Ranges of `0 .. count`, as few as keep `bytes` of each within `limit`.
+fn split(
+    count: usize,
+    limit: u64,
+    what: &'static str,
+    bytes: impl Fn(&Range<usize>) -> u64,
+) -> Result<Vec<Range<usize>>, GpuError> {
+    let mut ranges = Vec::new();
+    let mut start = 0;
+    while start < count {
+        // `fit` fits (or is `start`), `over` does not (or is beyond the end).
+        let (mut fit, mut over) = (start, count + 1);
+        while fit + 1 < over {
+            let middle = if over > count { count } else { fit.midpoint(over) };
+            if bytes(&(start..middle)) <= limit {
+                fit = middle;
+            } else {
+                over = middle;
+            }
+            if fit == count {
+                break;
+            }
+        }
+        if fit == start {
+            let bytes = bytes(&(start..start + 1));
+            return Err(GpuError::AssetTooLarge { what, bytes, limit });
+        }
+        ranges.push(start..fit);
+        start = fit;
+    }
+    Ok(ranges)
+}

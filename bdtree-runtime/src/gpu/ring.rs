@@ -1,0 +1,72 @@
+//! The triangles around each vertex.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use bdtree_format::SectionKind;
+
+use super::error::GpuError;
+use crate::contact::TriangleId;
+use crate::view::Asset;
+
+/// Corners of all triangles by id, checked.
+pub(crate) fn triangles(asset: &Asset<'_>) -> Result<Vec<[u32; 3]>, GpuError> {
+    let vertex_count = asset.vertex_count();
+    let one = |id| {
+        let corners = asset.triangle(TriangleId(id))?.map(|v| v.0);
+        match corners.iter().find(|v| **v as usize >= vertex_count) {
+            None => Ok(corners),
+            Some(v) => {
+                let v = *v as usize;
+                Err(asset.out_of_range(SectionKind::POSITIONS, v, vertex_count, 12))?
+            }
+        }
+    };
+    (0..asset.triangle_count() as u32).map(one).collect()
+}
+
+/// Of each vertex the triangles that have it as a corner, by id; those that have a corner twice are
+/// left out, as they have no area.
+#[derive(Debug)]
+pub(crate) struct Ring {
+    /// Where each vertex's begin in `corners`, and one more.
+    pub(crate) starts: Vec<u32>,
+    /// The two other corners of each, in the triangle's order.
+    pub(crate) corners: Vec<[u32; 2]>,
+}
+
+impl Ring {
+    pub(crate) fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<Self, GpuError> {
+        let bytes = 24 * triangles.len() as u64;
+        let limit = 8 * u64::from(u32::MAX / 2);
+        if bytes > limit {
+            let what = "triangles around vertices";
+            return Err(GpuError::AssetTooLarge { what, bytes, limit });
+        }
+        let flat = |[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
+        let mut starts = vec![0_u32; vertex_count + 1];
+        for triangle in triangles.iter().filter(|t| !flat(t)) {
+            for v in triangle {
+                starts[*v as usize + 1] += 1;
+            }
+        }
+        for i in 0..vertex_count {
+            starts[i + 1] += starts[i];
+        }
+        let mut next = starts.clone();
+        let mut corners = vec![[0; 2]; starts[vertex_count] as usize];
+        for [a, b, c] in triangles.iter().filter(|t| !flat(t)).copied() {
+            for [own, other, third] in [[a, b, c], [b, c, a], [c, a, b]] {
+                let place = &mut next[own as usize];
+                corners[*place as usize] = [other, third];
+                *place += 1;
+            }
+        }
+        Ok(Self { starts, corners })
+    }
+
+    /// The triangles around a vertex.
+    pub(crate) fn around(&self, vertex: usize) -> &[[u32; 2]] {
+        &self.corners[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    }
+}

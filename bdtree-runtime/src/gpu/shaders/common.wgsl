@@ -1,0 +1,48 @@
+// What all passes share. A pass is this, one of lanes_*.wgsl, and its own text.
+struct Params {
+    // Vertices of this range, and the first of them.
+    count: u32,
+    first: u32,
+    // Vertices of the mesh.
+    total: u32,
+    mode_count: u32,
+    // Where entries of this range begin, and mode lists (see fields_listed.wgsl) or corners.
+    entry_base: u32,
+    list_base: u32,
+}
+
+@group(0) @binding(0) var<uniform> params: Params;
+
+// Rows of an instance before its q: three rows of a matrix, of four numbers each.
+const MATRIX_ROWS = 12u;
+
+// Fields on their way in, points on their way out: both are read and written in whole runs of memory.
+var<workgroup> staged: array<f32, 1600>;
+
+// What to multiply a vector with, one after the other, to make its length 1: two factors, so that no
+// length over- or underflows. Zeros for the zero vector, and for what is subnormal, above 2^125 or no number.
+fn unit_factors(x: Part, y: Part, z: Part) -> array<Part, 2> {
+    let largest = max(max(abs(x), abs(y)), abs(z));
+    let some = (largest >= Part(0x1p-126f)) & (largest <= Part(0x1p125f));
+    let scale = select(Part(0.0), Part(1.0) / largest, some);
+    let u = x * scale;
+    let v = y * scale;
+    let w = z * scale;
+    let square = u * u + v * v + w * w;
+    return array<Part, 2>(scale, select(Part(0.0), Part(1.0) / sqrt(square), some));
+}
+
+// Writes the staged points of tile `first ..` of a range, instance by instance.
+fn write_staged(t: u32, block: u32, first: u32) {
+    let floats = 3u * min(64u, params.count - first);
+    let instance_count = instance_count();
+    for (var lane = 0u; lane < LANES; lane++) {
+        let instance = block * LANES + lane;
+        if (instance < instance_count) {
+            let base = 3u * (instance * params.total + params.first + first);
+            for (var i = t; i < floats; i += 64u) {
+                result[base + i] = staged[192u * lane + i];
+            }
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! The compute passes.
+
+use alloc::vec::Vec;
+use std::sync::OnceLock;
+
+use super::asset::{GpuAsset, Normals};
+use super::device::{checked, largest_binding};
+use super::error::GpuError;
+use super::instances::{CAPACITY_MAX, Instances};
+use super::layouts::{Layouts, bind};
+use super::output::{Output, bytes};
+use super::ranges::BoundRange;
+use super::shader::{Pass, Variant};
+use crate::view::Asset;
+
+/// From this number of instances on a thread does eight of them: their reading is shared, and lanes
+/// that stay idle cost less than reading fields again.
+const WIDE_FROM: u32 = 3;
+
+/// Compute passes on one device, and what is made for them. Pipelines are compiled when they are
+/// first needed.
+#[derive(Debug)]
+pub struct Skinner {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    layouts: Layouts,
+    pipelines: [OnceLock<wgpu::ComputePipeline>; Variant::COUNT],
+}
+
+impl Skinner {
+    /// Skinning on the caller's device.
+    ///
+    /// # Errors
+    /// What the device refuses.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self, GpuError> {
+        checked(device, || {
+            Ok(Self {
+                device: device.clone(),
+                queue: queue.clone(),
+                layouts: Layouts::new(device),
+                pipelines: [const { OnceLock::new() }; Variant::COUNT],
+            })
+        })
+    }
+
+    /// Copies an asset to the device: positions, displacements and mode lists as they lie in the
+    /// file. Where these are larger than one binding may be, it is split into ranges of vertices.
+    ///
+    /// # Errors
+    /// Records that break the format's rules; more than the device allows; what it refuses.
+    pub fn upload(&self, asset: &Asset<'_>, normals: Normals) -> Result<GpuAsset, GpuError> {
+        GpuAsset::new(&self.device, &self.queue, &self.layouts, asset, normals)
+    }
+
+    /// Room for so many instances of an asset.
+    ///
+    /// # Errors
+    /// More than the device allows; what it refuses.
+    pub fn instances(&self, asset: &GpuAsset, capacity: u32) -> Result<Instances, GpuError> {
+        let limit = largest_binding(&self.device);
+        let size = Instances::bytes(asset.mode_count(), capacity);
+        if size > limit || capacity > CAPACITY_MAX {
+            let block = Instances::bytes(asset.mode_count(), 1) - 32;
+            return Err(GpuError::OutputTooLarge {
+                instances: u64::from(capacity),
+                fit: (8 * (limit.saturating_sub(32) / block)).min(u64::from(CAPACITY_MAX)),
+                bytes: size,
+                limit,
+            });
+        }
+        checked(&self.device, || {
+            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+            let buffer = self.buffer("instances", size, usage);
+            Ok(Instances::new(
+                asset.asset,
+                asset.mode_count(),
+                capacity,
+                buffer.clone(),
+                bind(&self.device, &self.layouts.instances, &[&buffer]),
+                self.queue.clone(),
+            ))
+        })
+    }
+
+    /// Room for the positions, and normals if the asset has them, of so many instances.
+    ///
+    /// # Errors
+    /// More than the device allows, with the number of instances that fit; what it refuses.
+    pub fn output(&self, asset: &GpuAsset, capacity: u32) -> Result<Output, GpuError> {
+        let size = bytes(&self.device, asset.vertex_count(), capacity)?;
+        let usage = wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::VERTEX
+            | wgpu::BufferUsages::COPY_SRC;
+        checked(&self.device, || {
+            let positions = self.buffer("positions", size, usage);
+            let mut groups = Vec::from([bind(&self.device, &self.layouts.output, &[&positions])]);
+            let normals = match asset.normals() {
+                Normals::None => None,
+                Normals::Fields => {
+                    let normals = self.buffer("normals", size, usage);
+                    groups.push(bind(&self.device, &self.layouts.output, &[&normals]));
+                    Some(normals)
+                }
+                Normals::Exact => {
+                    let normals = self.buffer("normals", size, usage);
+                    let both = [&positions, &normals];
+                    groups.push(bind(&self.device, &self.layouts.exact_output, &both));
+                    Some(normals)
+                }
+            };
+            Ok(Output {
+                asset: asset.asset,
+                kind: asset.normals(),
+                capacity,
+                positions,
+                normals,
+                groups,
+            })
+        })
+    }
+
+    /// Records the passes that deform all instances, as they are written when the commands run.
+    ///
+    /// # Errors
+    /// Instances or output of another asset, an output with too little room; what the device refuses.
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        asset: &GpuAsset,
+        instances: &Instances,
+        output: &Output,
+    ) -> Result<(), GpuError> {
+        if instances.asset != asset.asset {
+            return Err(GpuError::Mismatch("the instances were"));
+        }
+        if (output.asset, output.kind) != (asset.asset, asset.normals()) {
+            return Err(GpuError::Mismatch("the output was"));
+        }
+        if instances.len() > output.capacity() {
+            return Err(GpuError::Full {
+                capacity: output.capacity(),
+            });
+        }
+        if instances.is_empty() {
+            return Ok(());
+        }
+        checked(&self.device, || {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("bdtree skinning"),
+                timestamp_writes: None,
+            });
+            pass.set_bind_group(1, &instances.group, &[]);
+            let mut run = |pass_of: Pass, ranges: &[BoundRange], group: &wgpu::BindGroup| {
+                let variant = Variant {
+                    pass: pass_of,
+                    listed: asset.listed && pass_of != Pass::Exact,
+                    wide: instances.len() >= WIDE_FROM,
+                };
+                pass.set_pipeline(self.pipeline(variant)?);
+                pass.set_bind_group(2, group, &[]);
+                for range in ranges {
+                    pass.set_bind_group(0, &range.group, &[]);
+                    let tiles = u64::from(range.count.div_ceil(64));
+                    let blocks = u64::from(instances.len().div_ceil(variant.lanes()));
+                    let [x, y] = self.workgroups(tiles * blocks);
+                    pass.dispatch_workgroups(x, y, 1);
+                }
+                Ok::<_, GpuError>(())
+            };
+            run(Pass::Points, &asset.points, &output.groups[0])?;
+            match asset.normals() {
+                Normals::None => Ok(()),
+                Normals::Fields => run(Pass::Normals, &asset.tangents, &output.groups[1]),
+                Normals::Exact => run(Pass::Exact, &asset.rings, &output.groups[1]),
+            }
+        })
+    }
+
+    pub(crate) fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// So many workgroups as a grid that the device allows; the shaders count them through.
+    fn workgroups(&self, count: u64) -> [u32; 2] {
+        let limit = u64::from(self.device.limits().max_compute_workgroups_per_dimension.max(1));
+        let y = count.div_ceil(limit);
+        // An output that fits a binding has fewer than 2^28 workgroups, which two dimensions hold.
+        [count.div_ceil(y.max(1)) as u32, y as u32]
+    }
+
+    fn pipeline(&self, variant: Variant) -> Result<&wgpu::ComputePipeline, GpuError> {
+        let place = &self.pipelines[variant.index()];
+        if let Some(pipeline) = place.get() {
+            return Ok(pipeline);
+        }
+        let device = &self.device;
+        let made = checked(device, || {
+            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("bdtree skinning"),
+                source: wgpu::ShaderSource::Wgsl(variant.source().into()),
+            });
+            let output = match variant.pass {
+                Pass::Exact => &self.layouts.exact_output,
+                _ => &self.layouts.output,
+            };
+            let groups = [&self.layouts.fields, &self.layouts.instances, output].map(Some);
+            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("bdtree skinning"),
+                bind_group_layouts: &groups,
+                immediate_size: 0,
+            });
+            Ok(
+                device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: Some("bdtree skinning"),
+                    layout: Some(&layout),
+                    module: &module,
+                    entry_point: Some("main"),
+                    compilation_options: Default::default(),
+                    cache: None,
+                }),
+            )
+        })?;
+        Ok(place.get_or_init(|| made))
+    }
+
+    fn buffer(&self, label: &'static str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: size.max(16),
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+}

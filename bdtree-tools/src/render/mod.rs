@@ -1,0 +1,218 @@
+//! `bdtree render`: pictures of an asset.
+
+mod body;
+pub mod options;
+mod picture;
+mod questions;
+mod report;
+mod visited;
+
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use bdtree_render::{Level, NodeSphere, RenderError, Studio};
+use bdtree_runtime::{Asset, Transform};
+
+pub use crate::cli::RenderArguments as Arguments;
+use crate::error::ToolError;
+use crate::frames::frame_of;
+use crate::output::write_whole;
+use crate::q::{checked_q, counted};
+use crate::scene::Scene;
+use crate::{AssetFile, DONE};
+use body::{Body, Posture};
+use picture::{Bounds, Content, Frame, Painter};
+pub use report::{Growth, Report, SphereLine};
+
+/// Draws an asset, or a sequence of its frames, into PNG files.
+///
+/// # Errors
+/// A file that cannot be read or breaks the format's rules, q, a frame, a level or a scene that does not
+/// fit it, no graphics adapter or one that it is too large for, an output that cannot be written.
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
+    let targets = targets(arguments)?;
+    let file = AssetFile::map(&arguments.file)?;
+    let asset = file.checked_asset(!arguments.no_verify)?;
+    if let Some(level) = arguments.spheres
+        && level >= asset.depth()
+    {
+        let (levels, path) = (counted(asset.depth(), "level"), file.path().display());
+        let message =
+            format!("{level} is out of range: asset {path} has {levels}, numbered from 0");
+        return Err(ToolError::input("--spheres", message));
+    }
+    match &arguments.query {
+        Some(path) => {
+            let scene = Scene::load(path, !arguments.no_verify)?;
+            paint(
+                arguments,
+                &targets,
+                |_| visited::shown(arguments, &file, &scene),
+                out,
+            )?;
+        }
+        None => {
+            let frame_of = |number| shown(arguments, &file, &asset, number);
+            paint(arguments, &targets, frame_of, out)?;
+        }
+    }
+    Ok(DONE)
+}
+
+/// The frame of each picture, if it is one of a sequence, and its file.
+fn targets(arguments: &Arguments) -> Result<Vec<(Option<u64>, PathBuf)>, ToolError> {
+    let path = &arguments.output;
+    let is_png = |e: &str| e.eq_ignore_ascii_case("png");
+    if !path.extension().and_then(OsStr::to_str).is_some_and(is_png) {
+        let message = "unknown extension: .png can be written";
+        return Err(ToolError::input(path.display(), message));
+    }
+    let Some(range) = arguments.frames else {
+        return Ok(vec![(None, path.clone())]);
+    };
+    let frames = (range.first..=range.last).map(|frame| {
+        let path = options::numbered(path, frame);
+        path.map(|path| (Some(frame), path))
+    });
+    let missing = "has no place for the frame's number: write it as %d or %04d";
+    // As many as an asset may have frames.
+    let count = range.last - range.first;
+    if count > u64::from(u32::MAX) {
+        let message = format!("{count} frames are more than a file can hold");
+        return Err(ToolError::input("--frames", message));
+    }
+    frames
+        .collect::<Option<_>>()
+        .ok_or_else(|| ToolError::input(path.display(), missing))
+}
+
+/// The asset alone, at q or a frame.
+fn shown<'a>(
+    arguments: &Arguments,
+    file: &'a AssetFile,
+    asset: &Asset<'a>,
+    of_sequence: Option<u64>,
+) -> Result<Frame<'a>, ToolError> {
+    let name = file.path().display().to_string();
+    let number = of_sequence.or(arguments.frame);
+    let option = match (of_sequence, number) {
+        (Some(_), _) => "--frames",
+        (None, Some(_)) => "--frame",
+        (None, None) => "--q",
+    };
+    let posture = if let Some(index) = number {
+        let frame =
+            frame_of(asset, &name, index).map_err(|message| ToolError::input(option, message))?;
+        Posture {
+            q: frame.q().to_vec(),
+            transform: frame.transform(),
+        }
+    } else {
+        let q = arguments.q.as_ref().map(|q| q.0.as_slice());
+        let q = checked_q(q, asset, &name).map_err(|problems| {
+            let line = |problem: crate::q::QProblem| match problem.mode {
+                Some(mode) => format!("--q: q[{mode}]: {}", problem.message),
+                None => format!("--q: {}", problem.message),
+            };
+            ToolError::Input(problems.into_iter().map(line).collect())
+        })?;
+        Posture {
+            q,
+            transform: Transform::IDENTITY,
+        }
+    };
+    let time_s = number.and_then(|index| asset.frame(usize::try_from(index).ok()?)?.time_s());
+    let body = Body::new(file, *asset, posture)?;
+    let spheres = match arguments.spheres {
+        Some(level) => body.spheres(|asset, pose, transform| {
+            Ok(Level::of(asset, pose, transform, level)?.spheres)
+        })?,
+        None => Vec::new(),
+    };
+    Ok(Frame {
+        title: title(&arguments.file),
+        about: vec![posture_text(&body.posture, number, time_s)],
+        number,
+        content: vec![Content {
+            body,
+            spheres,
+            is_file: true,
+        }],
+        questions: Vec::new(),
+        nodes_visited: None,
+    })
+}
+
+/// The file's name.
+fn title(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    crate::output::printable(&name.to_string_lossy())
+}
+
+/// q or the frame in a few words.
+fn posture_text(posture: &Posture, frame: Option<u64>, time_s: Option<f64>) -> String {
+    match (frame, time_s) {
+        (Some(number), Some(time_s)) => format!("frame {number} ({time_s:.3} s)"),
+        (Some(number), None) => format!("frame {number}"),
+        _ if posture.q.iter().all(|q| *q == 0.0) => "at rest".to_string(),
+        _ => {
+            let numbers: Vec<String> = posture.q.iter().map(|q| format!("{q}")).collect();
+            format!("q = {}", numbers.join(", "))
+        }
+    }
+}
+
+/// Draws frames, as `make` returns them, into their files.
+fn paint<'a>(
+    arguments: &Arguments,
+    targets: &[(Option<u64>, PathBuf)],
+    make: impl Fn(Option<u64>) -> Result<Frame<'a>, ToolError>,
+    out: &mut dyn Write,
+) -> Result<(), ToolError> {
+    for (_, path) in targets {
+        let both = (path.canonicalize(), arguments.file.canonicalize());
+        if matches!(both, (Ok(to), Ok(from)) if to == from) {
+            let message = "is the input: it would be overwritten";
+            return Err(ToolError::input(path.display(), message));
+        }
+    }
+    // Of a sequence one frame at a time: all of them may be too many for memory.
+    let mut bounds = Bounds::default();
+    let mut last = None;
+    for (number, _) in targets {
+        let frame = make(*number)?;
+        bounds.hold(&frame);
+        last = Some(frame);
+    }
+    let Some(frame) = &last else {
+        return Ok(()); // a range of frames is not empty
+    };
+    let studio = Studio::open().map_err(|error| graphics(&error))?;
+    let mut painter = Painter::new(arguments, studio, &bounds, frame)?;
+    for (number, path) in targets {
+        let frame = match (targets.len(), last.take()) {
+            (1, Some(only)) => only,
+            _ => make(*number)?,
+        };
+        let (image, growths) = painter.paint(&frame)?;
+        write_whole(path, |w| image.write_png(w))?;
+        if arguments.json {
+            let report = Report::of(arguments, path, &frame, &growths, &painter);
+            serde_json::to_writer(&mut *out, &report).map_err(|e| ToolError::Stdout(e.into()))?;
+            writeln!(out).map_err(ToolError::Stdout)?;
+        }
+    }
+    Ok(())
+}
+
+/// What the graphics device says, which names no file.
+fn graphics(error: &RenderError) -> ToolError {
+    ToolError::Input(vec![error.to_string()])
+}
+
+/// The spheres that bound something: others say nothing, and every query looks below them.
+fn sound(spheres: Vec<NodeSphere>) -> Vec<NodeSphere> {
+    let is_sound = |s: &NodeSphere| s.radius.is_finite() && s.centre.iter().all(|x| x.is_finite());
+    spheres.into_iter().filter(is_sound).collect()
+}

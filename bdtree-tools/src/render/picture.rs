@@ -1,0 +1,277 @@
+//! From what is shown to pixels.
+//!
+//! Everything is drawn about the middle of all frames' bodies, in units of their size: f32 has the
+//! digits for it wherever they stand and however large they are.
+
+use bdtree_render::tightness::{colour, growths, mean_and_max};
+use bdtree_render::{
+    Box3, Camera, Image, Legend, Line, NodeSphere, Scene, SkinnedMesh, Sphere, Studio,
+};
+use bdtree_runtime::{Asset, Transform};
+
+use super::body::{Body, around};
+use super::questions::Shape;
+use super::{Arguments, graphics};
+use crate::error::ToolError;
+use crate::output::printable;
+use crate::q::counted;
+
+/// One picture's worth.
+pub(super) struct Frame<'a> {
+    pub(super) title: String,
+    pub(super) about: Vec<String>,
+    /// Of the animation.
+    pub(super) number: Option<u64>,
+    pub(super) content: Vec<Content<'a>>,
+    /// What queries ask about.
+    pub(super) questions: Vec<Shape>,
+    pub(super) nodes_visited: Option<u64>,
+}
+
+/// A body and its spheres.
+pub(super) struct Content<'a> {
+    pub(super) body: Body<'a>,
+    pub(super) spheres: Vec<NodeSphere>,
+    /// It is the file that the picture is of, not one that stands beside it.
+    pub(super) is_file: bool,
+}
+
+/// What frames take up.
+pub(super) struct Bounds {
+    /// Box of bodies.
+    bodies: [[f64; 3]; 2],
+    /// Centres and radii of all that is to be seen; where it is too much, corners of its box.
+    balls: Vec<([f64; 3], f64)>,
+}
+
+/// Balls that are kept.
+const BALLS_MAX: usize = 1 << 20;
+const NOWHERE: [[f64; 3]; 2] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+
+impl Default for Bounds {
+    fn default() -> Self {
+        Self {
+            bodies: NOWHERE,
+            balls: Vec::new(),
+        }
+    }
+}
+
+impl Bounds {
+    /// Makes them hold a frame.
+    pub(super) fn hold(&mut self, frame: &Frame<'_>) {
+        for content in &frame.content {
+            let body = &content.body;
+            self.bodies = body
+                .bounds
+                .into_iter()
+                .fold(self.bodies, |all, corner| around(all, corner, 0.0));
+            // Vertices outside are not of any triangle.
+            let [low, high] = body.bounds;
+            let is_seen = |p: &&[f64; 3]| (0..3).all(|k| low[k] <= p[k] && p[k] <= high[k]);
+            self.balls
+                .extend(body.positions.iter().filter(is_seen).map(|p| (*p, 0.0)));
+            self.balls
+                .extend(content.spheres.iter().map(|s| (s.centre, s.radius)));
+        }
+        for shape in &frame.questions {
+            if let Shape::Ball { centre, radius } = shape {
+                self.balls.push((*centre, *radius));
+            }
+        }
+        if self.balls.len() > BALLS_MAX {
+            let all = self
+                .balls
+                .iter()
+                .fold(NOWHERE, |all, (c, r)| around(all, *c, *r));
+            let corner = |i: usize| [0, 1, 2].map(|k| all[i >> k & 1][k]);
+            self.balls = (0..8).map(|i| (corner(i), 0.0)).collect();
+        }
+    }
+}
+
+/// Bodies that only stand beside.
+const BESIDE: [u8; 3] = [150, 160, 176];
+const WHITE: [u8; 4] = [255; 4];
+/// What is asked about.
+const QUESTION: [u8; 3] = [60, 60, 70];
+/// Room around everything.
+const MARGIN: f64 = 1.04;
+
+/// What all pictures share: device, camera, meshes.
+pub(super) struct Painter<'a> {
+    arguments: &'a Arguments,
+    studio: Studio,
+    /// One for every body of a frame.
+    meshes: Vec<SkinnedMesh>,
+    middle: [f64; 3],
+    /// World units.
+    size: f64,
+    camera: Camera,
+}
+
+impl<'a> Painter<'a> {
+    /// For frames within `bounds` that have the bodies of `frame`.
+    pub(super) fn new(
+        arguments: &'a Arguments,
+        studio: Studio,
+        bounds: &Bounds,
+        frame: &Frame<'_>,
+    ) -> Result<Self, ToolError> {
+        let [low, high] = bounds.bodies;
+        let middle = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
+        let extent = (0..3).map(|k| (0.5 * high[k] - 0.5 * low[k]).powi(2));
+        let size = extent.sum::<f64>().sqrt();
+        // A single point has no size: any will do.
+        let size = if size > 0.0 && size.is_finite() {
+            size
+        } else {
+            1.0
+        };
+        let mut painter = Self {
+            arguments,
+            studio,
+            meshes: Vec::new(),
+            middle,
+            size,
+            camera: Camera::around(&Box3::EMPTY, 1.0, 0.0, 0.0),
+        };
+        let [width, height] = arguments.size.0;
+        let view = arguments.view;
+        let balls = bounds.balls.iter();
+        let balls = balls.map(|(c, r)| (painter.shown(*c), (r / size) as f32));
+        let balls: Vec<_> = balls.collect();
+        let aspect = width as f32 / height as f32;
+        let camera = Camera::around_balls(&balls, aspect, view.azimuth_deg, view.elevation_deg);
+        painter.camera = camera.at_distance(MARGIN as f32 / view.zoom);
+        for content in &frame.content {
+            let place = || content.body.file.path().display();
+            let mesh = painter.studio.skinned(&content.body.asset);
+            let mut mesh = mesh.map_err(|error| ToolError::input(place(), error))?;
+            if !content.is_file {
+                mesh.mesh_mut().set_colour(BESIDE);
+            }
+            painter.meshes.push(mesh);
+        }
+        Ok(painter)
+    }
+
+    /// World coordinates as they are drawn.
+    fn shown(&self, x: [f64; 3]) -> [f32; 3] {
+        [0, 1, 2].map(|k| ((x[k] - self.middle[k]) / self.size) as f32)
+    }
+
+    /// Where a point of the world is in the pictures.
+    pub(super) fn pixel(&self, x: [f64; 3]) -> Option<[f32; 2]> {
+        self.camera.project(self.shown(x), self.arguments.size.0)
+    }
+
+    /// The picture, and the growth of its spheres, body by body.
+    pub(super) fn paint(&mut self, frame: &Frame<'_>) -> Result<(Image, Vec<f64>), ToolError> {
+        for (content, mesh) in frame.content.iter().zip(&mut self.meshes) {
+            let Body {
+                asset,
+                posture,
+                file,
+                ..
+            } = &content.body;
+            let gpu = self.studio.gpu();
+            let transform = about(posture.transform, self.middle, self.size);
+            mesh.pose(gpu, asset, &posture.q, transform)
+                .map_err(|error| ToolError::input(file.path().display(), error))?;
+        }
+        let mut all_growths = Vec::new();
+        let mut spheres = Vec::new();
+        let opacity = (255.0 * self.arguments.opacity).round() as u8;
+        for content in &frame.content {
+            let body = &content.body;
+            let against = self.arguments.against.into();
+            let growths = growths(&body.asset, &content.spheres, &body.positions, against)
+                .map_err(|error| body.file.error(error))?;
+            for (sphere, growth) in content.spheres.iter().zip(&growths) {
+                let [r, g, b] = colour(*growth);
+                spheres.push(self.sphere(sphere.centre, sphere.radius, [r, g, b, opacity]));
+            }
+            all_growths.extend(growths);
+        }
+        let mut lines = Vec::new();
+        let [r, g, b] = QUESTION;
+        for shape in &frame.questions {
+            match shape {
+                Shape::Ball { centre, radius } => {
+                    spheres.push(self.sphere(*centre, *radius, [r, g, b, 110]));
+                }
+                Shape::Line(ends) => lines.push(Line {
+                    ends: ends.map(|end| self.shown(end)),
+                    colour: [r, g, b, 255],
+                }),
+            }
+        }
+        let meshes: Vec<_> = self.meshes.iter().map(SkinnedMesh::mesh).collect();
+        let scene = Scene {
+            background: WHITE,
+            meshes: &meshes,
+            spheres: &spheres,
+            lines: &lines,
+        };
+        let size = self.arguments.size.0;
+        let mut image = self
+            .studio
+            .picture(size, &self.camera, &scene)
+            .map_err(|error| graphics(&error))?;
+        if !self.arguments.no_legend {
+            self.legend(frame, &all_growths).draw(&mut image);
+        }
+        Ok((image, all_growths))
+    }
+
+    fn sphere(&self, centre: [f64; 3], radius: f64, colour: [u8; 4]) -> Sphere {
+        Sphere {
+            centre: self.shown(centre),
+            radius: (radius / self.size) as f32,
+            colour,
+        }
+    }
+
+    fn legend(&self, frame: &Frame<'_>, growths: &[f64]) -> Legend {
+        use super::options::AgainstChoice;
+        let mut lines = vec![frame.title.clone()];
+        lines.extend(frame.about.iter().map(|line| printable(line)));
+        let (ratio, meaning) = match self.arguments.against {
+            AgainstChoice::Rest => ("R'/R", "R'/R: radius over the wrapped sphere's at rest"),
+            AgainstChoice::Deformed => (
+                "R'/R_opt",
+                "R'/R_opt: radius over the smallest ball's around the deformed vertices",
+            ),
+        };
+        if let Some([mean, max]) = mean_and_max(growths) {
+            let which = match self.arguments.spheres {
+                Some(level) => format!("level {level}: "),
+                None => String::new(),
+            };
+            let count = counted(growths.len(), "sphere");
+            lines.push(format!(
+                "{which}{count}, {ratio} mean {mean:.3}, largest {max:.3}"
+            ));
+        }
+        Legend {
+            lines,
+            scale: (!growths.is_empty()).then(|| meaning.to_string()),
+        }
+    }
+}
+
+/// A placement as it is drawn: less `middle`, over `size`.
+fn about(transform: Transform, middle: [f64; 3], size: f64) -> Transform {
+    Transform {
+        translation: [0, 1, 2].map(|k| (transform.translation[k] - middle[k]) / size),
+        scale: transform.scale / size,
+        ..transform
+    }
+}
+
+/// How many nodes an asset has, as text beside a number of them.
+pub(super) fn of_nodes(visited: u64, assets: &[Asset<'_>]) -> String {
+    let all: usize = assets.iter().map(Asset::node_count).sum();
+    format!("{visited} of {}", counted(all, "node"))
+}

@@ -1,0 +1,123 @@
+//! What queries ask about, as shapes to draw.
+
+use super::picture::Content;
+use crate::scene::{Query, Scene};
+
+/// A shape (world).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Shape {
+    /// A ball.
+    Ball {
+        /// Its centre.
+        centre: [f64; 3],
+        /// Its radius.
+        radius: f64,
+    },
+    /// A line from one point to another.
+    Line([[f64; 3]; 2]),
+}
+
+/// The shapes of a scene's queries that have one: balls, points, rays, capsules and boxes. Planes and
+/// frusta have no end, and of pairs and distances both bodies are seen.
+pub(super) fn shapes(scene: &Scene, content: &[Content<'_>]) -> Vec<Shape> {
+    let mut shapes = Vec::new();
+    for query in &scene.queries {
+        match query {
+            Query::Ball { center, radius, .. } => shapes.push(Shape::Ball {
+                centre: *center,
+                radius: *radius,
+            }),
+            Query::Closest {
+                instance, point, ..
+            } => shapes.push(Shape::Ball {
+                centre: *point,
+                radius: 0.01 * size(&content[*instance]),
+            }),
+            Query::Ray {
+                instance,
+                origin,
+                direction,
+                max_distance,
+            } => shapes.push(ray(*origin, *direction, *max_distance, &content[*instance])),
+            Query::Rays { instance, rays, .. } => {
+                let all = rays.iter().map(|r| (r.origin, r.direction, r.max_distance));
+                let of =
+                    |(origin, direction, most)| ray(origin, direction, most, &content[*instance]);
+                shapes.extend(all.map(of));
+            }
+            Query::Capsule {
+                point1,
+                point2,
+                radius,
+                ..
+            } => {
+                let radius = *radius;
+                for centre in [*point1, *point2] {
+                    shapes.push(Shape::Ball { centre, radius });
+                }
+                shapes.push(Shape::Line([*point1, *point2]));
+            }
+            Query::Box {
+                center,
+                rotation,
+                half_extents,
+                ..
+            } => shapes.extend(edges(*center, *rotation, *half_extents)),
+            Query::Plane { .. }
+            | Query::Frustum { .. }
+            | Query::Pair { .. }
+            | Query::Distance { .. } => {}
+        }
+    }
+    shapes
+}
+
+/// The diagonal of a body's box.
+fn size(content: &Content<'_>) -> f64 {
+    let [low, high] = content.body.bounds;
+    (0..3)
+        .map(|k| (high[k] - low[k]).powi(2))
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// A ray as far as it goes, or to where it has passed the body.
+fn ray(origin: [f64; 3], direction: [f64; 3], max_distance: f64, content: &Content<'_>) -> Shape {
+    let [low, high] = content.body.bounds;
+    let to_middle = (0..3).map(|k| (0.5 * (low[k] + high[k]) - origin[k]).powi(2));
+    let far = to_middle.sum::<f64>().sqrt() + size(content);
+    let n = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let length = max_distance.min(far) / n;
+    Shape::Line([origin, [0, 1, 2].map(|k| origin[k] + length * direction[k])])
+}
+
+/// The twelve edges of a box.
+fn edges(center: [f64; 3], [x, y, z, w]: [f64; 4], half: [f64; 3]) -> impl Iterator<Item = Shape> {
+    let n = x * x + y * y + z * z + w * w;
+    let s = 2.0 / n;
+    let rows = [
+        [
+            1.0 - s * (y * y + z * z),
+            s * (x * y - z * w),
+            s * (x * z + y * w),
+        ],
+        [
+            s * (x * y + z * w),
+            1.0 - s * (x * x + z * z),
+            s * (y * z - x * w),
+        ],
+        [
+            s * (x * z - y * w),
+            s * (y * z + x * w),
+            1.0 - s * (x * x + y * y),
+        ],
+    ];
+    let corner = move |i: usize| {
+        let local = [0, 1, 2].map(|k| if i >> k & 1 == 0 { -half[k] } else { half[k] });
+        [0, 1, 2].map(|i| center[i] + (0..3).map(|k| rows[i][k] * local[k]).sum::<f64>())
+    };
+    (0..8_usize).flat_map(move |i| {
+        let others = (0..3).map(move |k| i | 1 << k).filter(move |j| *j != i);
+        others.map(move |j| Shape::Line([corner(i), corner(j)]))
+    })
+}

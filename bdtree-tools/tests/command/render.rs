@@ -1,0 +1,475 @@
+//! `render`: pictures by their content, sequences, what queries visit, and what is refused.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::{Value, json};
+
+use crate::support::{Folder, Ran, animated, baked, ball_mesh};
+
+/// A decoded picture.
+struct Picture {
+    size: [usize; 2],
+    pixels: Vec<[u8; 3]>,
+}
+
+impl Picture {
+    fn read(path: &Path) -> Self {
+        let file = std::io::BufReader::new(fs::File::open(path).expect("a picture"));
+        let mut reader = png::Decoder::new(file).read_info().expect("PNG");
+        let mut bytes = vec![0; reader.output_buffer_size().expect("of a small picture")];
+        let info = reader.next_frame(&mut bytes).expect("a whole picture");
+        assert_eq!(
+            (info.color_type, info.bit_depth),
+            (png::ColorType::Rgb, png::BitDepth::Eight)
+        );
+        Self {
+            size: [info.width as usize, info.height as usize],
+            pixels: bytes.as_chunks::<3>().0.to_vec(),
+        }
+    }
+
+    fn at(&self, x: f64, y: f64) -> [u8; 3] {
+        self.pixels[y as usize * self.size[0] + x as usize]
+    }
+
+    /// Part of the pixels for which something holds.
+    fn share(&self, of: impl Fn([u8; 3]) -> bool) -> f64 {
+        let count = self.pixels.iter().filter(|p| of(**p)).count();
+        count as f64 / self.pixels.len() as f64
+    }
+}
+
+const WHITE: [u8; 3] = [255; 3];
+
+/// What the command says, without what Mesa says about a missing desktop.
+fn own_words(ran: &Ran) -> String {
+    let lines = ran
+        .err
+        .lines()
+        .filter(|line| !line.contains("XDG_RUNTIME_DIR"));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+impl Folder {
+    /// Draws a picture, which must succeed; small, so that it takes little time.
+    fn render(&self, arguments: &[&str]) -> String {
+        let ran = self.run(&[&["render"], arguments, &["--size", "320x240"]].concat());
+        assert_eq!(
+            (ran.code, own_words(&ran).as_str()),
+            (0, ""),
+            "{arguments:?}"
+        );
+        ran.out
+    }
+
+    fn picture(&self, arguments: &[&str]) -> Picture {
+        self.render(&[arguments, &["-o", "out.png"]].concat());
+        Picture::read(&self.path("out.png"))
+    }
+
+    /// A picture and its report.
+    fn reported(&self, arguments: &[&str]) -> (Picture, Value) {
+        let text = self.render(&[arguments, &["-o", "out.png", "--json"]].concat());
+        let report = serde_json::from_str(&text).expect("one JSON object");
+        (Picture::read(&self.path("out.png")), report)
+    }
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let all = value.as_array().expect("a list");
+    all.iter().map(|x| x.as_f64().expect("a number")).collect()
+}
+
+#[test]
+fn a_mesh_stands_in_the_middle_and_the_legend_in_its_corner() {
+    let folder = Folder::new();
+    let plain = folder.picture(&["a.bdt", "--no-legend"]);
+    assert_eq!(plain.size, [320, 240]);
+    let covered = plain.share(|p| p != WHITE);
+    assert!((0.3..0.8).contains(&covered), "{covered} of the picture");
+    assert_ne!(plain.at(160.0, 120.0), WHITE);
+    for [x, y] in [[0.0, 0.0], [319.0, 0.0], [0.0, 239.0], [319.0, 239.0]] {
+        assert_eq!(plain.at(x, y), WHITE);
+    }
+    let is_grey = |[r, g, b]: [u8; 3]| r.abs_diff(g) < 30 && g.abs_diff(b) < 30;
+    assert_eq!(
+        plain.share(is_grey),
+        1.0,
+        "nothing is coloured without spheres"
+    );
+
+    let first = folder.read("out.png");
+    folder.picture(&["a.bdt", "--no-legend"]);
+    assert_eq!(
+        first,
+        folder.read("out.png"),
+        "the same picture has the same bytes"
+    );
+
+    let with_text = folder.picture(&["a.bdt"]);
+    // Text in the upper left corner, and nothing else changes.
+    let is_in_corner = |i: usize| i % 320 < 160 && i / 320 < 60;
+    let both = plain.pixels.iter().zip(&with_text.pixels).enumerate();
+    let changed = both.filter(|(_, (a, b))| a != b);
+    let (corner, others): (Vec<_>, Vec<_>) = changed.partition(|(i, _)| is_in_corner(*i));
+    assert!(corner.len() > 100 && others.is_empty());
+    let files = fs::read_dir(folder.root()).expect("a folder").count();
+    assert_eq!(files, 3, "a.bdt, rigid.bdt and the picture");
+}
+
+#[test]
+fn spheres_of_a_level_hold_the_mesh_and_wear_their_growth() {
+    let folder = Folder::new();
+    let draw = |q: &str, more: &[&str]| {
+        let q = format!("--q={q}");
+        let fixed = [
+            "a.bdt",
+            &q,
+            "--spheres",
+            "0",
+            "--opacity",
+            "1",
+            "--no-legend",
+        ];
+        folder.reported(&[&fixed, more].concat())
+    };
+    let (rest, report) = draw("0,0,0", &[]);
+    assert_eq!(report["level"], 0);
+    assert_eq!(report["nodes_visited"], Value::Null);
+    // Dark blue, wherever there is a sphere: R' is R but for the slack.
+    let growth = |report: &Value| {
+        [&report["growth"]["mean"], &report["growth"]["max"]].map(|x| x.as_f64().expect("a number"))
+    };
+    let [mean, max] = growth(&report);
+    assert!(
+        (1.0..1.0001).contains(&mean) && max < 1.0001,
+        "{mean} {max}"
+    );
+    let blue = rest.share(|[r, g, b]| b > r.saturating_add(20) && g < 140);
+    let covered = rest.share(|p| p != WHITE);
+    assert!(
+        covered > 0.25 && blue > 0.85 * covered,
+        "{blue} of {covered}"
+    );
+
+    let (bent, report) = draw("1.5,1,-2", &[]);
+    let [mean, max] = growth(&report);
+    assert!(mean > 1.1 && max > 1.2, "{mean} {max}");
+    let warm = bent.share(|[r, _, b]| r > b.saturating_add(60));
+    assert!(
+        warm > 0.01 && rest.share(|[r, _, b]| r > b.saturating_add(60)) == 0.0,
+        "{warm}"
+    );
+
+    let spheres = report["spheres"].as_array().expect("a list");
+    assert!(!spheres.is_empty());
+    for sphere in spheres {
+        let [x, y] = numbers(&sphere["pixel"])[..] else {
+            panic!("two numbers")
+        };
+        assert_ne!(bent.at(x, y), WHITE, "{sphere}");
+    }
+    // Every vertex that a triangle uses lies in one of them.
+    let used = ball_mesh()
+        .triangles
+        .into_iter()
+        .flatten()
+        .max()
+        .expect("triangles");
+    for p in &folder.deformed("a.bdt", "1.5,1,-2")[..=used as usize] {
+        let holds = |sphere: &Value| {
+            let c = numbers(&sphere["center"]);
+            let square: f64 = (0..3).map(|k| (p[k] - c[k]).powi(2)).sum();
+            square.sqrt() <= sphere["radius"].as_f64().expect("a number") * (1.0 + 1e-9)
+        };
+        assert!(spheres.iter().any(holds), "{p:?}");
+    }
+    // No sphere is smaller than the smallest ball, and the smallest is larger than at rest here.
+    let (_, tight) = draw("1.5,1,-2", &["--against", "deformed"]);
+    for sphere in tight["spheres"].as_array().expect("a list") {
+        assert!(
+            sphere["growth"].as_f64().expect("a number") > 1.0 - 1e-6,
+            "{sphere}"
+        );
+    }
+    assert!(growth(&tight)[0] < mean);
+}
+
+#[test]
+fn frames_are_drawn_one_by_one_by_the_same_camera() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    folder.write("moves.bdt", baked(&mesh, &animated(&mesh)));
+    let out = folder.render(&[
+        "moves.bdt",
+        "--frames",
+        "0..2",
+        "-o",
+        "f_%03d.png",
+        "--json",
+    ]);
+    let reports: Vec<Value> = out
+        .lines()
+        .map(|l| serde_json::from_str(l).expect("JSON"))
+        .collect();
+    let pictures: Vec<_> = (0..3)
+        .map(|i| {
+            assert_eq!(reports[i]["frame"], i);
+            assert_eq!(reports[i]["output"], format!("f_00{i}.png"));
+            folder.read(&format!("f_00{i}.png"))
+        })
+        .collect();
+    assert_ne!(pictures[0], pictures[1]);
+    assert_ne!(pictures[1], pictures[2]);
+    assert_eq!(
+        fs::read_dir(folder.root()).expect("a folder").count(),
+        3 + 3
+    );
+    // Frame 1 is turned about x, which the same q alone is not.
+    folder.render(&[
+        "moves.bdt",
+        "--frame",
+        "1",
+        "--no-legend",
+        "-o",
+        "frame.png",
+    ]);
+    folder.render(&[
+        "moves.bdt",
+        "--q",
+        "0.5,-0.25,1",
+        "--no-legend",
+        "-o",
+        "q.png",
+    ]);
+    assert_ne!(folder.read("frame.png"), folder.read("q.png"));
+    // Frame 0 is at rest.
+    folder.render(&[
+        "moves.bdt",
+        "--frame",
+        "0",
+        "--no-legend",
+        "-o",
+        "frame.png",
+    ]);
+    folder.render(&["moves.bdt", "--no-legend", "-o", "q.png"]);
+    assert_eq!(folder.read("frame.png"), folder.read("q.png"));
+}
+
+#[test]
+fn visited_nodes_are_those_that_queries_count() {
+    let folder = Folder::new();
+    let queries = [
+        json!({"ball": {"instance": "a", "center": [11, -2.5, 0.25], "radius": 0.1}}),
+        json!({"closest": {"instance": "a", "point": [10, -1, 2]}}),
+        json!({"ray": {"instance": "a", "origin": [10.1, -2.4, 5], "direction": [0, 0, -1]}}),
+        json!({"rays": {"instance": "a", "origins": [[10.1, -2.4, 5]], "directions": [[0, 0, -1]]}}),
+        json!({"plane": {"instance": "a", "normal": [0, 0, 1], "offset": -0.6}}),
+        json!({"capsule": {"instance": "a", "point1": [11, -2.5, 0], "point2": [11, -2.5, 1], "radius": 0.05}}),
+        json!({"box": {"instance": "a", "center": [11, -2.5, 0], "half_extents": [0.1, 0.1, 0.1]}}),
+        json!({"frustum": {"instance": "a", "planes": [[0, 0, 1, -0.25]]}}),
+    ];
+    for options in [json!({}), json!({"max_depth": 1}), json!({"max_visits": 5})] {
+        for query in &queries {
+            let scene = json!({
+                "instances": [{"name": "a", "asset": "a.bdt", "q": [0.5, 0.1, -0.2]}],
+                "options": options,
+                "queries": [query],
+            });
+            let lines = folder.query(&scene, &["--stats"]);
+            let (_, report) = folder.reported(&["a.bdt", "--query", "scene.json"]);
+            // A frustum looks at the root once more, before it descends.
+            let twice = u64::from(query.get("frustum").is_some());
+            let counted = lines[0]["nodes_visited"].as_u64().expect("a number");
+            assert_eq!(
+                report["nodes_visited"],
+                counted - twice,
+                "{options} {query}"
+            );
+            assert!(
+                !report["spheres"].as_array().expect("a list").is_empty(),
+                "{query}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_scene_shows_where_queries_ended_and_who_stands_beside() {
+    let folder = Folder::new();
+    let scene = |x: f64| {
+        json!({
+            "instances": [
+                {"name": "a", "asset": "a.bdt"},
+                {"name": "b", "asset": "rigid.bdt", "translation": [x, 0, 0]},
+            ],
+            "queries": [{"pair": {"a": "a", "b": "b"}}],
+        })
+    };
+    folder.write("near.json", scene(1.9).to_string());
+    folder.write("far.json", scene(2.5).to_string());
+    let (_, far) = folder.reported(&["a.bdt", "--query", "far.json"]);
+    let (near_picture, near) = folder.reported(&["a.bdt", "--query", "near.json", "--no-legend"]);
+    let count = |report: &Value| report["nodes_visited"].as_u64().expect("a number");
+    assert!(
+        count(&near) > count(&far),
+        "{} {}",
+        count(&near),
+        count(&far)
+    );
+    // Where queries end, every triangle is in one of the spheres, and no sphere leads to another's node.
+    let q: Vec<f64> = numbers(&near["q"]);
+    assert_eq!(q, [0.0; 3]);
+    let covered = near_picture.share(|p| p != WHITE);
+    assert!(covered > 0.15, "{covered}");
+    // Of the other body's spheres none are drawn; asked the other way round, only they are.
+    let (_, other) = folder.reported(&["rigid.bdt", "--query", "near.json"]);
+    let middle = |report: &Value| {
+        let spheres = report["spheres"].as_array().expect("a list");
+        let sum: f64 = spheres.iter().map(|s| numbers(&s["center"])[0]).sum();
+        sum / spheres.len() as f64
+    };
+    assert!(middle(&near) < 11.0 && middle(&other) > 11.0);
+    let (_, level) = folder.reported(&["a.bdt", "--query", "near.json", "--spheres", "0"]);
+    let all = level["spheres"].as_array().expect("a list");
+    assert!(all.iter().all(|sphere| sphere["node"] == 0));
+}
+
+#[test]
+fn what_does_not_fit_is_told() {
+    let folder = Folder::new();
+    let scene = json!({"instances": [{"name": "r", "asset": "rigid.bdt"}], "queries": []});
+    folder.write("other.json", scene.to_string());
+    let mut broken = folder.read("a.bdt");
+    *broken.last_mut().expect("bytes") ^= 1;
+    folder.write("broken.bdt", broken);
+    for (arguments, expected) in [
+        (
+            &["a.bdt", "-o", "out.jpg"][..],
+            "out.jpg: unknown extension: .png can be written",
+        ),
+        (
+            &["none.bdt", "-o", "out.png"],
+            "none.bdt: No such file or directory (os error 2)",
+        ),
+        (
+            &["a.bdt", "-o", "none/out.png"],
+            "none/out.png: cannot write: No such file or directory (os error 2)",
+        ),
+        (
+            &["a.bdt", "-o", "out.png", "--q", "1"],
+            "--q: q has 1 number, asset a.bdt has 3 modes",
+        ),
+        (
+            &["a.bdt", "-o", "out.png", "--q", "0,nan,0"],
+            "--q: q[1]: not a finite number",
+        ),
+        (
+            &["a.bdt", "-o", "out.png", "--frame", "0"],
+            "--frame: asset a.bdt has no animation",
+        ),
+        (
+            &["a.bdt", "-o", "out.png", "--frames", "0..1"],
+            "out.png: has no place for the frame's number: write it as %d or %04d",
+        ),
+        (
+            &["a.bdt", "-o", "%d.png", "--frames", "0..1"],
+            "--frames: asset a.bdt has no animation",
+        ),
+        (
+            &["a.bdt", "-o", "%d.png", "--frames", "0..99999999999"],
+            "--frames: 99999999999 frames are more than a file can hold",
+        ),
+        (
+            &["a.bdt", "-o", "out.png", "--spheres", "9"],
+            "--spheres: 9 is out of range: asset a.bdt has 3 levels, numbered from 0",
+        ),
+        (
+            &["a.bdt", "-o", "out.png", "--query", "other.json"],
+            "other.json: no instance of a.bdt",
+        ),
+        (
+            &["a.bdt", "-o", "out.png", "--query", "none.json"],
+            "none.json: No such file or directory (os error 2)",
+        ),
+        (
+            &["a.bdt", "-o", "out.png", "--size", "100000x2"],
+            "width of the picture: 100000 pixels, the graphics device takes at most ",
+        ),
+    ] {
+        let ran = folder.run(&[&["render"], arguments].concat());
+        let said = own_words(&ran);
+        assert_eq!(
+            (ran.code, ran.out.as_str()),
+            (1, ""),
+            "{arguments:?}: {said}"
+        );
+        let is_said = if expected.ends_with(' ') {
+            said.starts_with(expected)
+        } else {
+            said == expected
+        };
+        assert!(is_said, "{arguments:?}: {said}");
+        assert!(!folder.path("out.png").exists());
+    }
+    let ran = folder.run(&["render", "broken.bdt", "-o", "out.png"]);
+    assert_eq!(ran.code, 1);
+    assert!(
+        own_words(&ran).starts_with("broken.bdt: section "),
+        "{}",
+        ran.err
+    );
+    folder.write("a.png", folder.read("a.bdt"));
+    let ran = folder.run(&["render", "a.png", "-o", "a.png"]);
+    assert_eq!(
+        own_words(&ran),
+        "a.png: is the input: it would be overwritten"
+    );
+    assert_eq!(folder.read("a.png"), folder.read("a.bdt"));
+}
+
+#[test]
+fn without_an_adapter_there_is_one_clear_line() {
+    let folder = Folder::new();
+    let output = Command::new(env!("CARGO_BIN_EXE_bdtree"))
+        .args(["render", "a.bdt", "-o", "out.png"])
+        .current_dir(folder.root())
+        // The Vulkan loader finds no driver there, by either of its names for the list.
+        .env("VK_DRIVER_FILES", "none.json")
+        .env("VK_ICD_FILENAMES", "none.json")
+        .output()
+        .expect("bdtree starts");
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let mut lines = said
+        .lines()
+        .filter(|line| line.starts_with("no graphics adapter for Vulkan"));
+    assert!(
+        lines
+            .next()
+            .is_some_and(|line| line.contains("mesa-vulkan-drivers")),
+        "{said}"
+    );
+    assert!(!said.contains("panicked"), "{said}");
+}
+
+#[test]
+fn shapes_of_any_size_and_place_fill_the_picture() {
+    let folder = Folder::new();
+    for (factor, away) in [(1e-12, 0.0), (1e12, 0.0), (1.0, 1e6)] {
+        let mut mesh = ball_mesh();
+        for p in &mut mesh.positions {
+            *p = p.map(|x| factor * x + away);
+        }
+        let rigid = bdtree_build::basis::Basis {
+            vertex_count: mesh.positions.len(),
+            ..Default::default()
+        };
+        folder.write("odd.bdt", baked(&mesh, &rigid));
+        let picture = folder.picture(&["odd.bdt", "--no-legend", "--spheres", "1"]);
+        let covered = picture.share(|p| p != WHITE);
+        assert!((0.3..0.8).contains(&covered), "{factor} {away}: {covered}");
+    }
+}

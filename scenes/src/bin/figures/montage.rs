@@ -1,0 +1,173 @@
+//! Pictures side by side.
+
+use std::error::Error;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use bdtree_render::tightness::colour;
+use bdtree_render::{
+    Box3, Camera, Image, Scene, SkinnedMesh, Sphere, Studio, TextSize, draw_scale,
+};
+use bdtree_runtime::{Asset, Pose, Transform, VertexId};
+
+use crate::hierarchies::Found;
+
+/// One picture of a figure.
+#[derive(Clone)]
+pub(crate) struct Cell<'q> {
+    pub(crate) title: String,
+    pub(crate) q: &'q [f32],
+    /// `None`: the mesh.
+    pub(crate) spheres: Option<Vec<Found>>,
+}
+
+/// Everything that all pictures share.
+pub(crate) struct Stage<'a> {
+    asset: Asset<'a>,
+    studio: Studio,
+    mesh: SkinnedMesh,
+    middle: [f64; 3],
+    size: f64,
+    /// All deformed vertices' box, as drawn.
+    bounds: Box3,
+    view: [f32; 2],
+    cell: u32,
+}
+
+const WHITE: [u8; 4] = [255; 4];
+const DARK: [u8; 3] = [20, 24, 32];
+const GREY: [u8; 3] = [80, 86, 96];
+const TEXT: TextSize = TextSize::Small;
+/// Beside what is largest in a figure.
+const ROOM: f32 = 1.03;
+
+impl<'a> Stage<'a> {
+    /// For an asset at these q, seen from `view` (degrees around y and from above).
+    pub(crate) fn new(
+        asset: Asset<'a>,
+        poses: &[&[f32]],
+        view: [f32; 2],
+        cell: u32,
+    ) -> Result<Self, Box<dyn Error>> {
+        let mut memory = vec![0.0; asset.pose_len()];
+        let mut bounds = Box3::EMPTY;
+        for q in poses {
+            let pose = Pose::new(&asset, q, Transform::IDENTITY, &mut memory)?;
+            for v in 0..asset.vertex_count() as u32 {
+                bounds = bounds.with(asset.deformed_stored(&pose, VertexId(v))?);
+            }
+        }
+        let (middle, size) = (bounds.middle(), bounds.half_diagonal());
+        let about = |p: [f32; 3]| [0, 1, 2].map(|k| (p[k] - middle[k]) / size);
+        let bounds = Box3::around([about(bounds.low), about(bounds.high)]);
+        let studio = Studio::open()?;
+        let mesh = studio.skinned(&asset)?;
+        Ok(Self {
+            asset,
+            studio,
+            mesh,
+            middle: middle.map(f64::from),
+            size: f64::from(size),
+            bounds,
+            view,
+            cell,
+        })
+    }
+
+    /// A cell's spheres as they are drawn.
+    fn spheres(&self, cell: &Cell<'_>) -> Vec<Sphere> {
+        let (middle, size) = (self.middle, self.size);
+        let found = cell.spheres.iter().flatten();
+        found
+            .map(|found| {
+                let [r, g, b] = colour(found.growth);
+                Sphere {
+                    centre: [0, 1, 2].map(|k| ((found.centre[k] - middle[k]) / size) as f32),
+                    radius: (found.radius / size) as f32,
+                    colour: [r, g, b, 255],
+                }
+            })
+            .collect()
+    }
+
+    /// The camera that sees everything in a figure.
+    fn camera(&self, rows: &[(String, Vec<Cell<'_>>)]) -> Camera {
+        let cells = rows.iter().flat_map(|(_, cells)| cells);
+        let spheres = cells.flat_map(|cell| self.spheres(cell));
+        let mut balls: Vec<_> = spheres.map(|s| (s.centre, s.radius)).collect();
+        // Geometry lies within its spheres; a figure of geometry alone has only that.
+        if balls.is_empty() {
+            balls = vec![(self.bounds.middle(), self.bounds.half_diagonal())];
+        }
+        let [azimuth, elevation] = self.view;
+        Camera::around_balls(&balls, 1.0, azimuth, elevation).at_distance(ROOM)
+    }
+
+    fn picture(&mut self, cell: &Cell<'_>, camera: &Camera) -> Result<Image, Box<dyn Error>> {
+        let (middle, size) = (self.middle, self.size);
+        let spheres = self.spheres(cell);
+        // From the world to stored units, and on to the picture's.
+        let (unit, origin) = (self.asset.unit(), self.asset.origin());
+        let scale = 1.0 / (unit * size);
+        let transform = Transform {
+            translation: [0, 1, 2].map(|k| -origin[k] * scale - middle[k] / size),
+            scale,
+            ..Transform::IDENTITY
+        };
+        self.mesh
+            .pose(self.studio.gpu(), &self.asset, cell.q, transform)?;
+        let meshes = [self.mesh.mesh()];
+        let scene = Scene {
+            background: WHITE,
+            meshes: if cell.spheres.is_none() { &meshes } else { &[] },
+            spheres: &spheres,
+            lines: &[],
+        };
+        Ok(self.studio.picture([self.cell; 2], camera, &scene)?)
+    }
+
+    /// Draws a figure: rows of pictures with names, below them the scale.
+    pub(crate) fn figure(
+        &mut self,
+        title: &str,
+        rows: &[(String, Vec<Cell<'_>>)],
+        path: &Path,
+    ) -> Result<(), Box<dyn Error>> {
+        let (line, cell) = (TEXT.line(), i64::from(self.cell));
+        let columns = rows.iter().map(|(_, cells)| cells.len()).max().unwrap_or(0) as i64;
+        let margin = line;
+        let row_height = cell + 2 * line + line / 2;
+        let head = margin + 2 * line;
+        let foot = 4 * line;
+        let size = [
+            columns * cell + 2 * margin,
+            head + rows.len() as i64 * row_height + foot + margin,
+        ];
+        let camera = self.camera(rows);
+        let mut image = Image::filled(size.map(|n| n as u32), WHITE);
+        image.text([margin, margin], title, TextSize::Medium, DARK);
+        for (i, (name, cells)) in (0..).zip(rows) {
+            let top = head + i * row_height;
+            image.text([margin, top], name, TEXT, DARK);
+            for (j, cell_of) in (0..).zip(cells) {
+                let left = margin + j * cell;
+                image.paste([left, top + 2 * line], &self.picture(cell_of, &camera)?);
+                let middle = left + (cell - TEXT.width(&cell_of.title)) / 2;
+                image.text([middle, top + line + line / 4], &cell_of.title, TEXT, GREY);
+            }
+        }
+        let meaning = "radius over the undeformed wrapped sphere's (BD-Tree as in the paper)";
+        let corner = [margin, size[1] - margin - foot + line / 2];
+        draw_scale(&mut image, corner, [24 * line, line * 3 / 4], meaning, TEXT);
+
+        // Beside the target and then renamed: no half picture.
+        let part = path.with_extension("png.tmp");
+        let mut out = BufWriter::new(File::create(&part)?);
+        image.write_png(&mut out)?;
+        out.flush()?;
+        fs::rename(&part, path)?;
+        println!("\nwrote {}", path.display());
+        Ok(())
+    }
+}

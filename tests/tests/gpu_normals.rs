@@ -1,0 +1,131 @@
+//! Normals on a GPU: those of fields and exact ones against their twins within derived bounds, and fields
+//! against exact ones.
+
+use bdtree_runtime::gpu::{NormalFields, Normals, twin};
+use bdtree_runtime::{Asset, TriangleId};
+use bdtree_tests::gpu::{self, Gpu};
+
+const U: f64 = 1.0 / (1_u64 << 24) as f64;
+
+fn wide(v: [f32; 3]) -> [f64; 3] {
+    v.map(f64::from)
+}
+fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+fn norm(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+/// Radians.
+fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
+    norm(cross(a, b)).atan2(dot(a, b))
+}
+
+/// Per vertex the exact area-weighted normal of f32 positions in f64, and what rounding may take from it:
+/// Σ ‖e‖ ‖f‖ over its triangles.
+fn exact(asset: &Asset<'_>, positions: &[[f32; 3]]) -> Vec<([f64; 3], f64, u32)> {
+    let mut all = vec![([0.0; 3], 0.0, 0); asset.vertex_count()];
+    for id in 0..asset.triangle_count() as u32 {
+        let corners = asset.triangle(TriangleId(id)).expect("a triangle");
+        let c = corners.map(|v| v.0 as usize);
+        for k in 0..3 {
+            let [own, b, third] = [c[k], c[(k + 1) % 3], c[(k + 2) % 3]];
+            let p = wide(positions[own]);
+            let (e, f) = (sub(wide(positions[b]), p), sub(wide(positions[third]), p));
+            let area = cross(e, f);
+            let (sum, size, count) = &mut all[own];
+            for k in 0..3 {
+                sum[k] += area[k];
+            }
+            *size += norm(e) * norm(f);
+            *count += 1;
+        }
+    }
+    all
+}
+
+#[test]
+fn exact_normals_are_those_of_the_positions() {
+    let gpu = Gpu::new();
+    let mut compared = 0;
+    for (seed, (name, bytes)) in (0..).zip(gpu::assets()) {
+        let asset = Asset::open(&bytes).expect("open");
+        let placed = gpu::placed(&asset, seed);
+        for placed in [&placed[..], &placed[1..2]] {
+            let skinned = gpu.skin(&asset, Normals::Exact, placed, asset.origin());
+            let skinned = skinned.expect("skinning");
+            let n = asset.vertex_count();
+            for k in 0..placed.len() {
+                let positions = &skinned.positions[k * n..][..n];
+                let normals = &skinned.normals[k * n..][..n];
+                let twin = twin::exact_normals(&asset, positions).expect("twin");
+                let exact = exact(&asset, positions);
+                for (i, (sum, size, count)) in exact.iter().enumerate() {
+                    // Edges one rounding, a component four more, the sum one per triangle: all at
+                    // most 2 u, since WGSL rounds to either neighbour; √3 for components.
+                    let lost = 2.0 * U * 1.8 * (8.0 + f64::from(*count)) * size;
+                    let length = norm(*sum);
+                    if length <= 4.0 * lost || length < 1e-30 {
+                        continue; // cancels: any direction, or none
+                    }
+                    let bound = lost / (length - lost) + 16.0 * U;
+                    for found in [normals[i], twin[i]] {
+                        let off = angle(wide(found), *sum);
+                        assert!(off <= bound, "{name} {k} {i}: {off} over {bound}");
+                        assert!((norm(wide(found)) - 1.0).abs() < 16.0 * U, "{name}: {found:?}");
+                    }
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 50_000, "{compared}");
+}
+
+/// Fields' normals on the device against their twin: both differ from exact arithmetic by the sums' rounding,
+/// which the tangents' sizes bound.
+#[test]
+fn field_normals_are_their_twins() {
+    let gpu = Gpu::new();
+    let mut compared = 0;
+    for (seed, (name, bytes)) in (0..).zip(gpu::assets()) {
+        let asset = Asset::open(&bytes).expect("open");
+        let fields = NormalFields::new(&asset).expect("fields");
+        let placed = gpu::placed(&asset, seed);
+        for placed in [&placed[..], &placed[2..3]] {
+            let skinned = gpu.skin(&asset, Normals::Fields, placed, asset.origin());
+            let skinned = skinned.expect("skinning");
+            let n = asset.vertex_count();
+            for (k, (q, _)) in placed.iter().enumerate() {
+                let twin = twin::field_normals(&asset, &fields, &skinned.instances, k as u32);
+                let twin = twin.expect("twin");
+                for (i, (a, b)) in twin.iter().zip(&skinned.normals[k * n..][..n]).enumerate() {
+                    let [(s, t), (v, w)] = fields.tangents(i, q);
+                    // M + 2 roundings of each tangent, five of the product, five of the matrix, times √3;
+                    // twice, for both sides.
+                    let m = asset.mode_count() as f64;
+                    let lost = 2.0 * 2.0 * U * 1.8 * (2.0 * (m + 2.0) + 10.0) * t * w;
+                    let length = norm(cross(s, v));
+                    if length <= 4.0 * lost {
+                        continue;
+                    }
+                    let bound = lost / (length - lost) + 32.0 * U;
+                    let off = angle(wide(*a), wide(*b));
+                    assert!(off <= bound, "{name} {k} {i}: {off} over {bound}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 50_000, "{compared}");
+}
