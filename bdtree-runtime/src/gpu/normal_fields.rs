@@ -87,7 +87,8 @@ impl NormalFields {
             }
             made.rest.extend(tangents.rest);
             for side in 0..2 {
-                made.fields.extend(tangents.moved.iter().map(|both| both[side]));
+                made.fields
+                    .extend(tangents.moved.iter().map(|both| both[side]));
             }
         }
         if listed {
@@ -164,7 +165,10 @@ fn acting(asset: &Asset<'_>, ring: &Ring, vertex: usize) -> Result<Vec<u16>, Gpu
     }
     modes.sort_unstable();
     modes.dedup();
-    if modes.last().is_some_and(|j| usize::from(*j) >= asset.mode_count()) {
+    if modes
+        .last()
+        .is_some_and(|j| usize::from(*j) >= asset.mode_count())
+    {
         return Err(asset.unknown_mode_of(VertexId(vertex as u32)).into());
     }
     Ok(modes)
@@ -221,7 +225,10 @@ impl Around {
     }
 
     fn tangents(&self, amplitudes: &[f64]) -> Tangents {
-        let normal = self.rest.iter().fold([0.0; 3], |s, [e, f]| add(s, cross(*e, *f)));
+        let normal = self
+            .rest
+            .iter()
+            .fold([0.0; 3], |s, [e, f]| add(s, cross(*e, *f)));
         let area = norm(normal);
         let none = Tangents {
             rest: [[0.0; 3]; 2],
@@ -231,7 +238,11 @@ impl Around {
             return none;
         }
         let n = scale(normal, 1.0 / area);
-        let axis = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let axis = if n[0].abs() < 0.6 {
+            [1.0, 0.0, 0.0]
+        } else {
+            [0.0, 1.0, 0.0]
+        };
         let t1 = cross(axis, n);
         let t1 = scale(t1, 1.0 / norm(t1));
         let t2 = cross(n, t1);
@@ -241,9 +252,13 @@ impl Around {
         // a₂. All for modes at their amplitude.
         let first: Vec<[f64; 3]> = (0..amplitudes.len())
             .map(|j| {
-                let l = self.rest.iter().zip(self.of(j)).fold([0.0; 3], |s, ([e, f], [de, df])| {
-                    add(s, add(cross(*de, *f), cross(*e, *df)))
-                });
+                let l = self
+                    .rest
+                    .iter()
+                    .zip(self.of(j))
+                    .fold([0.0; 3], |s, ([e, f], [de, df])| {
+                        add(s, add(cross(*de, *f), cross(*e, *df)))
+                    });
                 let [x, y, z] = local(scale(l, amplitudes[j] / area));
                 [-x, -y, z]
             })
@@ -268,7 +283,11 @@ impl Around {
         }
         let moved = first.iter().zip(&open).zip(amplitudes);
         let moved = moved.map(|(([c1, c2, trace], [a1, b1, a2]), amplitude)| {
-            let per = if *amplitude > 0.0 { 1.0 / amplitude } else { 0.0 };
+            let per = if *amplitude > 0.0 {
+                1.0 / amplitude
+            } else {
+                0.0
+            };
             let combine = |a: f64, b: f64, c: f64| {
                 let v = add_scaled(add_scaled(scale(t1, a), b, t2), c, n);
                 finite(scale(v, per))
@@ -309,7 +328,12 @@ impl Around {
                 })
             });
             let [t1, t2] = tangents;
-            [dot(images[0], t1), dot(images[0], t2), dot(images[1], t1), dot(images[1], t2)]
+            [
+                dot(images[0], t1),
+                dot(images[0], t2),
+                dot(images[1], t1),
+                dot(images[1], t2),
+            ]
         };
         amplitudes.iter().enumerate().map(one).collect()
     }
@@ -412,5 +436,9 @@ fn solve_3(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
 /// In f32, zero where it is not finite: a needle whose gradient f32 cannot hold has none.
 fn finite(v: [f64; 3]) -> [f32; 3] {
     let v = v.map(|x| x as f32);
-    if v.iter().all(|x| x.is_finite()) { v } else { [0.0; 3] }
+    if v.iter().all(|x| x.is_finite()) {
+        v
+    } else {
+        [0.0; 3]
+    }
 }
