@@ -9,7 +9,8 @@
 //! phase on touched triangles only → [`contact`]s.
 //!
 //! The crate is `no_std` and never allocates. Features: `std` (default; instruction sets are
-//! detected at run time), `alloc` ([`AlignedBytes`]), `mmap` ([`MappedFile`]).
+//! detected at run time), `alloc` ([`AlignedBytes`]), `mmap` ([`MappedFile`]), `wgpu`
+//! (module `gpu`: skinning on a GPU).
 //!
 //! # Concepts
 //!

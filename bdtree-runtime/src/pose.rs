@@ -129,7 +129,7 @@ pub struct Pose<'p> {
     pub(crate) frame: Frame,
     /// Identifies the asset: the address at which its bytes start (a number, so that poses may
     /// cross threads) and their header's checksum, since another file may come to lie there.
-    pub(crate) asset: (usize, u32),
+    asset: (usize, u32),
 }
 
 impl<'p> Pose<'p> {

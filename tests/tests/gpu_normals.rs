@@ -1,9 +1,13 @@
 //! Normals on a GPU: those of fields and exact ones against their twins within derived bounds, and fields
 //! against exact ones.
 
+use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
+use bdtree_build::input::read_mesh;
+use bdtree_build::progress::Silent;
 use bdtree_runtime::gpu::{NormalFields, Normals, twin};
-use bdtree_runtime::{Asset, TriangleId};
+use bdtree_runtime::{Asset, Pose, Transform, TriangleId, VertexId};
 use bdtree_tests::gpu::{self, Gpu};
+use bdtree_tests::{bake, fixtures, poses};
 
 const U: f64 = 1.0 / (1_u64 << 24) as f64;
 
@@ -82,7 +86,10 @@ fn exact_normals_are_those_of_the_positions() {
                     for found in [normals[i], twin[i]] {
                         let off = angle(wide(found), *sum);
                         assert!(off <= bound, "{name} {k} {i}: {off} over {bound}");
-                        assert!((norm(wide(found)) - 1.0).abs() < 16.0 * U, "{name}: {found:?}");
+                        assert!(
+                            (norm(wide(found)) - 1.0).abs() < 16.0 * U,
+                            "{name}: {found:?}"
+                        );
                     }
                     compared += 1;
                 }
@@ -128,4 +135,72 @@ fn field_normals_are_their_twins() {
         }
     }
     assert!(compared > 50_000, "{compared}");
+}
+
+/// Largest, 99 % and mean angle in degrees between normals of fields and exact ones, over all modes
+/// alone and mixtures of them that move the farthest vertex by a tenth of the diagonal.
+fn apart(asset: &Asset<'_>) -> [f64; 3] {
+    let gpu = Gpu::new();
+    let m = asset.mode_count();
+    let mut rng = poses::rng(8);
+    let mut qs: Vec<Vec<f32>> = (0..m)
+        .map(|j| (0..m).map(|k| f32::from(u8::from(j == k))).collect())
+        .collect();
+    qs.extend((0..10).map(|_| poses::random_q(asset, 0.1, &mut rng)));
+    let goal = 0.1 * poses::diagonal(asset);
+    for q in &mut qs {
+        let mut most = 0.0_f64;
+        for v in 0..asset.vertex_count() as u32 {
+            let mut by = [0.0; 3];
+            for (mode, u) in asset.displacements(VertexId(v)).expect("a vertex").iter() {
+                by = [0, 1, 2].map(|k| by[k] + f64::from(u[k]) * f64::from(q[mode]));
+            }
+            most = most.max(norm(by));
+        }
+        for q in q {
+            *q *= (goal / most) as f32;
+        }
+    }
+    let placed: Vec<_> = qs.into_iter().map(|q| (q, Transform::IDENTITY)).collect();
+    let fields = gpu.skin(asset, Normals::Fields, &placed, asset.origin());
+    let fields = fields.expect("skinning");
+    let mut angles = Vec::new();
+    for (k, (q, place)) in placed.iter().enumerate() {
+        let mut memory = vec![0.0; asset.pose_len()];
+        let pose = Pose::new(asset, q, *place, &mut memory).expect("pose");
+        let positions: Vec<[f32; 3]> = (0..asset.vertex_count() as u32)
+            .map(|v| asset.deformed_stored(&pose, VertexId(v)).expect("a vertex"))
+            .collect();
+        let exact = exact(asset, &positions);
+        for ((sum, size, _), n) in exact.iter().zip(&fields.normals[k * positions.len()..]) {
+            // Not where the triangles cancel, as at coinciding needles.
+            if norm(*sum) > 1e-3 * size {
+                angles.push(angle(wide(*n), *sum).to_degrees());
+            }
+        }
+    }
+    angles.sort_by(f64::total_cmp);
+    let at = |share: f64| angles[((angles.len() - 1) as f64 * share) as usize];
+    let mean = angles.iter().sum::<f64>() / angles.len() as f64;
+    [at(1.0), at(0.99), mean]
+}
+
+/// The figures of docs/skinning.md with room for another lattice and processor.
+#[test]
+fn fields_are_near_exact_normals() {
+    for (name, most) in [("chair", [1.0, 0.1, 0.02]), ("beam", [2.0, 1.0, 0.1])] {
+        let mesh = read_mesh(&fixtures::path(name)).expect("fixture");
+        let options = ElasticOptions {
+            resolution: Some(14),
+            ..ElasticOptions::default()
+        };
+        let basis = elastic_basis(&mesh, &options, &Silent, &mut Vec::new());
+        let bytes = bake::baked(&mesh, &basis.expect("modes").0);
+        let found = apart(&Asset::open(&bytes).expect("open"));
+        println!("{name}: largest, 99 %, mean: {found:.3?} degrees");
+        for (found, most) in found.iter().zip(most) {
+            assert!(*found <= most, "{name}: {found} over {most} degrees");
+        }
+        assert!(found[2] > 0.0, "{name}: nothing was compared");
+    }
 }

@@ -56,7 +56,13 @@ fn positions_are_within_their_bound() {
         }
         let single = gpu.skin(&asset, Normals::None, &placed[3..4], origin);
         let single = single.expect("skinning");
-        let worst = used(&asset, &placed[3], origin, &single.positions, single.errors[0]);
+        let worst = used(
+            &asset,
+            &placed[3],
+            origin,
+            &single.positions,
+            single.errors[0],
+        );
         assert!(worst <= 1.0, "{name} alone: {worst} of the bound");
     }
     println!("the processor has the same bits: {twins_equal}");
@@ -71,11 +77,22 @@ fn the_bound_is_narrow() {
     let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 1));
     let asset = Asset::open(&bytes).expect("open");
     let q = poses::random_q(&asset, 0.3, &mut poses::rng(1));
-    let placed = [(q, Transform::IDENTITY)];
+    let place = Transform {
+        rotation: [0.5, -0.5, 0.5, 0.5],
+        translation: [0.1, 0.2, 0.3],
+        scale: 1.1,
+    };
+    let placed = [(q, place)];
     let skinned = gpu.skin(&asset, Normals::None, &placed, [0.0; 3]);
     let skinned = skinned.expect("skinning");
     assert!(skinned.errors[0] < 2e-5, "{}", skinned.errors[0]);
-    let worst = used(&asset, &placed[0], [0.0; 3], &skinned.positions, skinned.errors[0]);
+    let worst = used(
+        &asset,
+        &placed[0],
+        [0.0; 3],
+        &skinned.positions,
+        skinned.errors[0],
+    );
     assert!(worst > 1e-3, "{worst}: nothing was compared");
 }
 
@@ -96,7 +113,13 @@ fn coordinates_are_relative_to_the_camera() {
         let skinned = gpu.skin(&asset, Normals::None, &placed, origin);
         let skinned = skinned.expect("skinning");
         assert!(skinned.errors[0] < bound, "{}", skinned.errors[0]);
-        let worst = used(&asset, &placed[0], origin, &skinned.positions, skinned.errors[0]);
+        let worst = used(
+            &asset,
+            &placed[0],
+            origin,
+            &skinned.positions,
+            skinned.errors[0],
+        );
         assert!(worst <= 1.0, "{worst}");
     }
 }
@@ -142,7 +165,8 @@ fn vertices_lie_in_every_sphere_enlarged_by_the_bound() {
             for (i, lanes) in lanes.iter().enumerate() {
                 let spheres = asset.node_spheres(&pose, i as u32).expect("spheres");
                 for (lane, slots) in lanes.iter().enumerate() {
-                    let centre = [0, 1, 2].map(|k| asset.unit() * f64::from(spheres.centre[k][lane]));
+                    let centre =
+                        [0, 1, 2].map(|k| asset.unit() * f64::from(spheres.centre[k][lane]));
                     let radius = asset.unit() * f64::from(spheres.radius[lane]);
                     for v in slots.iter().flat_map(|s| asset.triangles()[*s].corners) {
                         let x = positions[v as usize];

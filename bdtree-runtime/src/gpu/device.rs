@@ -3,6 +3,7 @@
 use alloc::string::ToString;
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::error::GpuError;
 
@@ -34,8 +35,21 @@ pub async fn request_device(
     device.map_err(|e| GpuError::NoAdapter(e.to_string()))
 }
 
-/// What `make` returns, or the first error that the device reports meanwhile.
+/// What `make` returns, or the first error that the device reports meanwhile; a lost device is one.
 pub(crate) fn checked<T>(
+    device: &wgpu::Device,
+    make: impl FnOnce() -> Result<T, GpuError>,
+) -> Result<T, GpuError> {
+    let made = scoped(device, make);
+    // What is made on a lost device is invalid, and nothing says so until it is used.
+    match made {
+        Ok(_) | Err(GpuError::Device(_)) if is_lost(device) => Err(GpuError::DeviceLost),
+        made => made,
+    }
+}
+
+/// [`checked`] without asking whether the device is lost, for what is done every frame.
+pub(crate) fn scoped<T>(
     device: &wgpu::Device,
     make: impl FnOnce() -> Result<T, GpuError>,
 ) -> Result<T, GpuError> {
@@ -52,6 +66,32 @@ pub(crate) fn checked<T>(
     match errors.into_iter().flatten().next() {
         Some(error) => Err(GpuError::Device(error.to_string())),
         None => made,
+    }
+}
+
+/// Whether a buffer of one word can not even be made. (The callback that tells of a loss is the caller's.)
+fn is_lost(device: &wgpu::Device) -> bool {
+    let probe = scoped(device, || {
+        let word = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("probe"),
+            size: 4,
+            usage: wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: true,
+        });
+        Ok(word.slice(..).get_mapped_range_mut().is_err())
+    });
+    probe.unwrap_or(true)
+}
+
+/// Waits for all that was submitted.
+pub(crate) fn wait(device: &wgpu::Device) -> Result<(), GpuError> {
+    // wgpu panics where the driver loses the device while it waits.
+    let waited = catch_unwind(AssertUnwindSafe(|| {
+        device.poll(wgpu::PollType::wait_indefinitely())
+    }));
+    match waited {
+        Ok(Ok(_)) => Ok(()),
+        _ => Err(GpuError::DeviceLost),
     }
 }
 

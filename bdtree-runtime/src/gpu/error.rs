@@ -24,13 +24,13 @@ pub enum GpuError {
         /// The device's limit.
         limit: u64,
     },
-    /// An output for so many instances does not fit the device's limits.
-    OutputTooLarge {
+    /// So many instances, or their output, do not fit the device's limits.
+    TooManyInstances {
         /// Instances asked for.
         instances: u64,
         /// Instances that fit.
         fit: u64,
-        /// Bytes of one of its buffers.
+        /// Bytes of the buffer.
         bytes: u64,
         /// The device's limit.
         limit: u64,
@@ -67,14 +67,14 @@ impl fmt::Display for GpuError {
                 f,
                 "{what} of the asset take {bytes} bytes, the device allows {limit}"
             ),
-            Self::OutputTooLarge {
+            Self::TooManyInstances {
                 instances,
                 fit,
                 bytes,
                 limit,
             } => write!(
                 f,
-                "output for {instances} instances takes {bytes} bytes, the device allows {limit}: \
+                "{instances} instances take {bytes} bytes of one buffer, the device allows {limit}: \
                  {fit} instances fit"
             ),
             Self::Full { capacity } => write!(f, "all {capacity} instances are taken"),

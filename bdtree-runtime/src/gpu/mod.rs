@@ -42,6 +42,7 @@ mod ranges;
 mod ring;
 mod shader;
 mod skinner;
+mod tangents;
 pub mod twin;
 mod vertex;
 

@@ -6,7 +6,6 @@
 //! (docs/decisions/normal-fields.md).
 
 use alloc::collections::BTreeMap;
-use alloc::vec;
 use alloc::vec::Vec;
 
 use bdtree_format::VertexModes;
@@ -14,19 +13,10 @@ use bdtree_format::VertexModes;
 use super::error::GpuError;
 use super::ranges::FieldSet;
 use super::ring::{Ring, triangles};
+use super::tangents::Around;
 use crate::contact::VertexId;
-use crate::math::{add, add_scaled, cross, dot, norm, scale, sqrt, sub};
+use crate::math::{add, norm, scale};
 use crate::view::Asset;
-
-/// Up to so many modes of a vertex the terms of second order are met, too: 9 m² numbers per vertex
-/// are solved for, and the sums of all pairs of modes formed.
-const SECOND_ORDER_MODES: usize = 24;
-/// Weight of a mode's own square beside products of two modes: of few modes the largest errors.
-const OWN_SQUARE: f64 = 4.0;
-/// Weight of the gradient that the edges show: what second-order terms leave open, it decides.
-const GRADIENT: f64 = 0.03;
-/// Regularisation of the gradient across a flat ring, of the trace of the edges' matrix.
-const ACROSS: f64 = 1e-3;
 
 /// Two tangents per vertex at rest, and how each mode moves them.
 #[derive(Debug)]
@@ -87,7 +77,8 @@ impl NormalFields {
             }
             made.rest.extend(tangents.rest);
             for side in 0..2 {
-                made.fields.extend(tangents.moved.iter().map(|both| both[side]));
+                made.fields
+                    .extend(tangents.moved.iter().map(|both| both[side]));
             }
         }
         if listed {
@@ -164,253 +155,11 @@ fn acting(asset: &Asset<'_>, ring: &Ring, vertex: usize) -> Result<Vec<u16>, Gpu
     }
     modes.sort_unstable();
     modes.dedup();
-    if modes.last().is_some_and(|j| usize::from(*j) >= asset.mode_count()) {
+    if modes
+        .last()
+        .is_some_and(|j| usize::from(*j) >= asset.mode_count())
+    {
         return Err(asset.unknown_mode_of(VertexId(vertex as u32)).into());
     }
     Ok(modes)
-}
-
-/// The triangles around one vertex: both edges of each, at rest and per mode.
-#[derive(Debug, Default)]
-struct Around {
-    rest: Vec<[[f64; 3]; 2]>,
-    /// Mode by mode.
-    moved: Vec<[[f64; 3]; 2]>,
-}
-
-/// What [`NormalFields`] keeps of a vertex.
-struct Tangents {
-    rest: [[f32; 3]; 2],
-    moved: Vec<[[f32; 3]; 2]>,
-}
-
-impl Around {
-    fn gather(
-        &mut self,
-        asset: &Asset<'_>,
-        ring: &[[u32; 2]],
-        vertex: usize,
-        modes: &[u16],
-    ) -> Result<(), GpuError> {
-        let at = |v: u32| asset.positions[v as usize].map(f64::from);
-        let own = at(vertex as u32);
-        self.rest.clear();
-        self.rest
-            .extend(ring.iter().map(|others| others.map(|v| sub(at(v), own))));
-        self.moved.clear();
-        let fields = |v: u32| asset.displacements(VertexId(v));
-        let own = fields(vertex as u32)?;
-        let mut of_others = Vec::with_capacity(ring.len());
-        for [b, c] in ring {
-            of_others.push([fields(*b)?, fields(*c)?]);
-        }
-        for mode in modes {
-            let mode = usize::from(*mode);
-            let own = own.of(mode).map(f64::from);
-            let edges = of_others
-                .iter()
-                .map(|both| both.map(|f| sub(f.of(mode).map(f64::from), own)));
-            self.moved.extend(edges);
-        }
-        Ok(())
-    }
-
-    /// Edges' changes by a mode.
-    fn of(&self, mode: usize) -> &[[[f64; 3]; 2]] {
-        &self.moved[mode * self.rest.len()..][..self.rest.len()]
-    }
-
-    fn tangents(&self, amplitudes: &[f64]) -> Tangents {
-        let normal = self.rest.iter().fold([0.0; 3], |s, [e, f]| add(s, cross(*e, *f)));
-        let area = norm(normal);
-        let none = Tangents {
-            rest: [[0.0; 3]; 2],
-            moved: vec![[[0.0; 3]; 2]; amplitudes.len()],
-        };
-        if !(area > 0.0 && area.is_finite()) {
-            return none;
-        }
-        let n = scale(normal, 1.0 / area);
-        let axis = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-        let t1 = cross(axis, n);
-        let t1 = scale(t1, 1.0 / norm(t1));
-        let t2 = cross(n, t1);
-        let local = |v: [f64; 3]| [dot(v, t1), dot(v, t2), dot(v, n)];
-        // First order: T₁ × t₂ + t₁ × T₂ = L. With T₁ = (a₁, b₁, c₁) and T₂ = (a₂, b₂, c₂) along t₁, t₂
-        // and n that is c₁ = −L·t₁, c₂ = −L·t₂, a₁ + b₂ = L·n: three numbers per mode are left, a₁, b₁ and
-        // a₂. All for modes at their amplitude.
-        let first: Vec<[f64; 3]> = (0..amplitudes.len())
-            .map(|j| {
-                let l = self.rest.iter().zip(self.of(j)).fold([0.0; 3], |s, ([e, f], [de, df])| {
-                    add(s, add(cross(*de, *f), cross(*e, *df)))
-                });
-                let [x, y, z] = local(scale(l, amplitudes[j] / area));
-                [-x, -y, z]
-            })
-            .collect();
-        let mut open = self.gradients(amplitudes, [t1, t2]);
-        for (open, [_, _, trace]) in open.iter_mut().zip(&first) {
-            // Half of what the trace lacks.
-            open[0] += 0.5 * (trace - open[0] - open[3]);
-        }
-        let mut open: Vec<[f64; 3]> = open.into_iter().map(|[a, b, c, _]| [a, b, c]).collect();
-        let acting = amplitudes.iter().filter(|a| **a > 0.0).count();
-        if acting <= SECOND_ORDER_MODES {
-            let quadratic = |j: usize, k: usize| {
-                let pairs = self.of(j).iter().zip(self.of(k));
-                let sum = pairs.fold([0.0; 3], |s, ([e, f], [g, h])| {
-                    let own = cross(*e, *h);
-                    add(s, if j == k { own } else { add(own, cross(*g, *f)) })
-                });
-                local(scale(sum, amplitudes[j] * amplitudes[k] / area))
-            };
-            meet_second_order(&first, &mut open, quadratic);
-        }
-        let moved = first.iter().zip(&open).zip(amplitudes);
-        let moved = moved.map(|(([c1, c2, trace], [a1, b1, a2]), amplitude)| {
-            let per = if *amplitude > 0.0 { 1.0 / amplitude } else { 0.0 };
-            let combine = |a: f64, b: f64, c: f64| {
-                let v = add_scaled(add_scaled(scale(t1, a), b, t2), c, n);
-                finite(scale(v, per))
-            };
-            [combine(*a1, *b1, *c1), combine(*a2, trace - a1, *c2)]
-        });
-        Tangents {
-            rest: [finite(t1), finite(t2)],
-            moved: moved.collect(),
-        }
-    }
-
-    /// Of each mode at its amplitude the gradient in the tangents' plane, (t₁·Gt₁, t₂·Gt₁, t₁·Gt₂, t₂·Gt₂),
-    /// with G the 3 × 3 matrix that maps edges to their changes best, all edges alike.
-    fn gradients(&self, amplitudes: &[f64], tangents: [[f64; 3]; 2]) -> Vec<[f64; 4]> {
-        let weight = |e: [f64; 3]| {
-            let square = dot(e, e);
-            if square > 0.0 { 1.0 / square } else { 0.0 }
-        };
-        let edges = self.rest.as_flattened();
-        let mut matrix = [[0.0; 3]; 3];
-        for e in edges {
-            for (row, x) in matrix.iter_mut().zip(e) {
-                *row = add_scaled(*row, weight(*e) * x, *e);
-            }
-        }
-        let ridge = ACROSS * (matrix[0][0] + matrix[1][1] + matrix[2][2]);
-        for k in 0..3 {
-            matrix[k][k] += ridge;
-        }
-        let solved = tangents.map(|t| solve_3(&matrix, t));
-        let one = |(j, amplitude): (usize, &f64)| {
-            // G t = Σ w de (e · M⁻¹ t), since M is symmetric.
-            let images = solved.map(|s| {
-                let changes = self.of(j).as_flattened();
-                edges.iter().zip(changes).fold([0.0; 3], |sum, (e, de)| {
-                    add_scaled(sum, amplitude * weight(*e) * dot(*e, s), *de)
-                })
-            });
-            let [t1, t2] = tangents;
-            [dot(images[0], t1), dot(images[0], t2), dot(images[1], t1), dot(images[1], t2)]
-        };
-        amplitudes.iter().enumerate().map(one).collect()
-    }
-}
-
-/// Moves (a₁, b₁, a₂) of all modes so that the tangential parts of T₁ⱼ × T₂ₖ + T₁ₖ × T₂ⱼ come near those of
-/// the quadratic terms: linear least squares, since c₁, c₂ and a₁ + b₂ are given.
-fn meet_second_order(
-    first: &[[f64; 3]],
-    open: &mut [[f64; 3]],
-    quadratic: impl Fn(usize, usize) -> [f64; 3],
-) {
-    let m = first.len();
-    let squares = |v: &[f64; 3]| dot(*v, *v);
-    let size = first.iter().chain(&*open).map(squares).sum::<f64>() / m.max(1) as f64;
-    if !(size > 0.0 && size.is_finite()) {
-        return;
-    }
-    let n = 3 * m;
-    let mut matrix = vec![0.0; n * n];
-    let mut right = vec![0.0; n];
-    for (i, x) in open.as_flattened().iter().enumerate() {
-        matrix[i * n + i] = GRADIENT * size;
-        right[i] = GRADIENT * size * x;
-    }
-    for j in 0..m {
-        for k in 0..=j {
-            let [x, y, _] = quadratic(j, k);
-            let weight = if j == k { OWN_SQUARE } else { 1.0 };
-            // T₁ × T₂ along t₁ is b₁c₂ − c₁b₂, along t₂ it is c₁a₂ − a₁c₂; b₂ = trace − a₁.
-            let mut along = [(Vec::with_capacity(4), x), (Vec::with_capacity(4), y)];
-            let mut product = |p: usize, q: usize| {
-                let ([c1, _, _], [_, c2, trace]) = (first[p], first[q]);
-                along[0].0.extend([(3 * p + 1, c2), (3 * q, c1)]);
-                along[0].1 += c1 * trace;
-                along[1].0.extend([(3 * q + 2, c1), (3 * p, -c2)]);
-            };
-            product(j, k);
-            if j != k {
-                product(k, j);
-            }
-            for (row, value) in along {
-                for (p, x) in &row {
-                    for (q, y) in &row {
-                        matrix[p * n + q] += weight * x * y;
-                    }
-                    right[*p] += weight * x * value;
-                }
-            }
-        }
-    }
-    if cholesky_solve(&mut matrix, &mut right) {
-        open.as_flattened_mut().copy_from_slice(&right);
-    }
-}
-
-/// Solves A x = b for a symmetric positive A; false where it is not, to working precision.
-fn cholesky_solve(a: &mut [f64], b: &mut [f64]) -> bool {
-    let n = b.len();
-    for i in 0..n {
-        for j in 0..=i {
-            let mut sum = a[i * n + j];
-            for k in 0..j {
-                sum -= a[i * n + k] * a[j * n + k];
-            }
-            if i == j {
-                if !(sum > 0.0 && sum.is_finite()) {
-                    return false;
-                }
-                a[i * n + i] = sqrt(sum);
-            } else {
-                a[i * n + j] = sum / a[j * n + j];
-            }
-        }
-    }
-    for i in 0..n {
-        for k in 0..i {
-            b[i] -= a[i * n + k] * b[k];
-        }
-        b[i] /= a[i * n + i];
-    }
-    for i in (0..n).rev() {
-        for k in i + 1..n {
-            b[i] -= a[k * n + i] * b[k];
-        }
-        b[i] /= a[i * n + i];
-    }
-    true
-}
-
-/// The inverse of a symmetric positive 3 × 3 matrix times a vector.
-fn solve_3(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
-    let [a, b, c] = *matrix;
-    let rows = [cross(b, c), cross(c, a), cross(a, b)];
-    let determinant = dot(a, rows[0]);
-    // The columns of the inverse, for which a symmetric matrix has the rows.
-    rows.map(|row| dot(row, v) / determinant)
-}
-
-/// In f32, zero where it is not finite: a needle whose gradient f32 cannot hold has none.
-fn finite(v: [f64; 3]) -> [f32; 3] {
-    let v = v.map(|x| x as f32);
-    if v.iter().all(|x| x.is_finite()) { v } else { [0.0; 3] }
 }

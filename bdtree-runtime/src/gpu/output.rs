@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use zerocopy::IntoBytes;
 
 use super::asset::Normals;
-use super::device::{checked, largest_binding};
+use super::device::{checked, largest_binding, wait};
 use super::error::GpuError;
 
 /// Positions and normals of all instances: packed `f32` triples, instance by instance, N of each. The
@@ -50,7 +50,7 @@ pub(crate) fn bytes(device: &wgpu::Device, vertices: u32, instances: u32) -> Res
     // Shaders count the numbers in u32.
     let limit = largest_binding(device);
     if bytes > limit {
-        return Err(GpuError::OutputTooLarge {
+        return Err(GpuError::TooManyInstances {
             instances: u64::from(instances),
             fit: limit / one.max(1),
             bytes,
@@ -88,9 +88,7 @@ pub fn read_back(
         encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, size);
         queue.submit([encoder.finish()]);
         copy.slice(..).map_async(wgpu::MapMode::Read, |_| ());
-        device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|_| GpuError::DeviceLost)?;
+        wait(device)?;
         // Not mapped: the device was lost on the way.
         let view = copy.slice(..).get_mapped_range();
         bytes.copy_from_slice(&view.map_err(|_| GpuError::DeviceLost)?);

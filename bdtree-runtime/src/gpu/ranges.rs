@@ -97,7 +97,11 @@ impl<'a> FieldSet<'a> {
                 first: range.start,
                 total,
                 mode_count: self.mode_count,
-                entry_base: if self.listed() { entries.start / self.sides } else { 0 },
+                entry_base: if self.listed() {
+                    entries.start / self.sides
+                } else {
+                    0
+                },
                 list_base: 2 * records.len(),
             };
             let rest = &self.rest[self.sides * range.start..self.sides * range.end];
@@ -132,8 +136,9 @@ impl Ring {
     ) -> Result<Vec<BoundRange>, GpuError> {
         let total = self.starts.len() - 1;
         let what = "triangles around vertices";
-        let entries =
-            |range: &Range<usize>| self.starts[range.start] as usize..self.starts[range.end] as usize;
+        let entries = |range: &Range<usize>| {
+            self.starts[range.start] as usize..self.starts[range.end] as usize
+        };
         let bytes =
             |range: &Range<usize>| (8 * entries(range).len()).max(4 * (range.len() + 1)) as u64;
         let ranges = split(total, largest_binding(device), what, bytes)?;
@@ -208,7 +213,11 @@ fn split(
         // `fit` fits (or is `start`), `over` does not (or is beyond the end).
         let (mut fit, mut over) = (start, count + 1);
         while fit + 1 < over {
-            let middle = if over > count { count } else { fit.midpoint(over) };
+            let middle = if over > count {
+                count
+            } else {
+                fit.midpoint(over)
+            };
             if bytes(&(start..middle)) <= limit {
                 fit = middle;
             } else {

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use std::sync::OnceLock;
 
 use super::asset::{GpuAsset, Normals};
-use super::device::{checked, largest_binding};
+use super::device::{checked, largest_binding, scoped};
 use super::error::GpuError;
 use super::instances::{CAPACITY_MAX, Instances};
 use super::layouts::{Layouts, bind};
@@ -61,7 +61,7 @@ impl Skinner {
         let size = Instances::bytes(asset.mode_count(), capacity);
         if size > limit || capacity > CAPACITY_MAX {
             let block = Instances::bytes(asset.mode_count(), 1) - 32;
-            return Err(GpuError::OutputTooLarge {
+            return Err(GpuError::TooManyInstances {
                 instances: u64::from(capacity),
                 fit: (8 * (limit.saturating_sub(32) / block)).min(u64::from(CAPACITY_MAX)),
                 bytes: size,
@@ -88,9 +88,8 @@ impl Skinner {
     /// More than the device allows, with the number of instances that fit; what it refuses.
     pub fn output(&self, asset: &GpuAsset, capacity: u32) -> Result<Output, GpuError> {
         let size = bytes(&self.device, asset.vertex_count(), capacity)?;
-        let usage = wgpu::BufferUsages::STORAGE
-            | wgpu::BufferUsages::VERTEX
-            | wgpu::BufferUsages::COPY_SRC;
+        let usage =
+            wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_SRC;
         checked(&self.device, || {
             let positions = self.buffer("positions", size, usage);
             let mut groups = Vec::from([bind(&self.device, &self.layouts.output, &[&positions])]);
@@ -144,7 +143,7 @@ impl Skinner {
         if instances.is_empty() {
             return Ok(());
         }
-        checked(&self.device, || {
+        scoped(&self.device, || {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("bdtree skinning"),
                 timestamp_writes: None,
@@ -182,7 +181,12 @@ impl Skinner {
 
     /// So many workgroups as a grid that the device allows; the shaders count them through.
     fn workgroups(&self, count: u64) -> [u32; 2] {
-        let limit = u64::from(self.device.limits().max_compute_workgroups_per_dimension.max(1));
+        let limit = u64::from(
+            self.device
+                .limits()
+                .max_compute_workgroups_per_dimension
+                .max(1),
+        );
         let y = count.div_ceil(limit);
         // An output that fits a binding has fewer than 2^28 workgroups, which two dimensions hold.
         [count.div_ceil(y.max(1)) as u32, y as u32]

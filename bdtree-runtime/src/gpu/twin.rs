@@ -59,10 +59,7 @@ pub fn field_normals(
 ///
 /// # Errors
 /// Records that break the format's rules; fewer positions than the asset has vertices.
-pub fn exact_normals(
-    asset: &Asset<'_>,
-    positions: &[[f32; 3]],
-) -> Result<Vec<[f32; 3]>, GpuError> {
+pub fn exact_normals(asset: &Asset<'_>, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, GpuError> {
     let n = asset.vertex_count();
     if positions.len() < n {
         return Err(GpuError::Mismatch("the positions were"));

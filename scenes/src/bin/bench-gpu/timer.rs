@@ -1,0 +1,109 @@
+//! How long commands take on the device.
+
+use std::error::Error;
+use std::time::Instant;
+
+/// Measures by timestamps of the device, or by the clock where it has none.
+pub(crate) struct Timer<'d> {
+    device: &'d wgpu::Device,
+    queue: &'d wgpu::Queue,
+    stamps: Option<Stamps>,
+}
+
+struct Stamps {
+    set: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    read: wgpu::Buffer,
+}
+
+impl<'d> Timer<'d> {
+    pub(crate) fn new(device: &'d wgpu::Device, queue: &'d wgpu::Queue) -> Self {
+        let needed =
+            wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        let buffer = |usage| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("timestamps"),
+                size: 16,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let stamps = device.features().contains(needed).then(|| Stamps {
+            set: device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("timestamps"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2,
+            }),
+            resolved: buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
+            read: buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
+        });
+        Self {
+            device,
+            queue,
+            stamps,
+        }
+    }
+
+    /// What measures.
+    pub(crate) fn method(&self) -> &'static str {
+        match self.stamps {
+            Some(_) => "timestamps of the device",
+            None => "the clock, around submissions that are waited for",
+        }
+    }
+
+    /// Median seconds of one execution of what `record` records: `rounds` submissions of
+    /// `repeats` executions each, after one to warm up.
+    pub(crate) fn seconds(
+        &self,
+        rounds: usize,
+        repeats: u32,
+        record: impl Fn(&mut wgpu::CommandEncoder) -> Result<(), Box<dyn Error>>,
+    ) -> Result<f64, Box<dyn Error>> {
+        let mut all = Vec::new();
+        for round in 0..=rounds {
+            let mut encoder = self.device.create_command_encoder(&Default::default());
+            if let Some(stamps) = &self.stamps {
+                encoder.write_timestamp(&stamps.set, 0);
+            }
+            for _ in 0..repeats {
+                record(&mut encoder)?;
+            }
+            if let Some(stamps) = &self.stamps {
+                encoder.write_timestamp(&stamps.set, 1);
+                encoder.resolve_query_set(&stamps.set, 0..2, &stamps.resolved, 0);
+                encoder.copy_buffer_to_buffer(&stamps.resolved, 0, &stamps.read, 0, 16);
+            }
+            let commands = encoder.finish();
+            let start = Instant::now();
+            self.queue.submit([commands]);
+            self.device.poll(wgpu::PollType::wait_indefinitely())?;
+            let wall = start.elapsed().as_secs_f64();
+            let seconds = match &self.stamps {
+                Some(stamps) => self.read(stamps)?,
+                None => wall,
+            };
+            if round > 0 {
+                all.push(seconds / f64::from(repeats));
+            }
+        }
+        all.sort_by(f64::total_cmp);
+        Ok(all[all.len() / 2])
+    }
+
+    fn read(&self, stamps: &Stamps) -> Result<f64, Box<dyn Error>> {
+        stamps.read.slice(..).map_async(wgpu::MapMode::Read, |_| ());
+        self.device.poll(wgpu::PollType::wait_indefinitely())?;
+        let [start, end] = {
+            let view = stamps.read.slice(..).get_mapped_range()?;
+            [0, 8].map(|at| {
+                let mut bytes = [0; 8];
+                bytes.copy_from_slice(&view[at..at + 8]);
+                u64::from_le_bytes(bytes)
+            })
+        };
+        stamps.read.unmap();
+        let ticks = end.saturating_sub(start) as f64;
+        Ok(ticks * f64::from(self.queue.get_timestamp_period()) * 1e-9)
+    }
+}

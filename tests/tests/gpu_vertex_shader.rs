@@ -1,0 +1,195 @@
+//! Skinning inside a vertex shader: drawn as points into a picture of floats, the same as compute passes
+//! give.
+
+use bdtree_runtime::Asset;
+use bdtree_runtime::gpu::{self, GpuError, Normals, Skinner, twin};
+use bdtree_tests::gpu::{Gpu, assets, placed};
+
+/// Behind the text of `vertex_source`: vertex v of instance k becomes pixel (v, 2 k) with its position
+/// and pixel (v, 2 k + 1) with its normal.
+const SHADER: &str = "
+struct Drawn { @builtin(position) at: vec4<f32>, @location(0) @interpolate(flat) value: vec4<f32> }
+
+@vertex
+fn vertex(@builtin(vertex_index) v: u32, @builtin(instance_index) i: u32) -> Drawn {
+    let size = vec2<f32>(WIDTH, HEIGHT);
+    let drawn = bdtree_vertex(v, i / 2u);
+    let pixel = (vec2(f32(v), f32(i)) + 0.5) / size;
+    let at = vec4(2.0 * pixel.x - 1.0, 1.0 - 2.0 * pixel.y, 0.0, 1.0);
+    return Drawn(at, vec4(select(drawn.position, drawn.normal, i % 2u == 1u), 1.0));
+}
+
+@fragment
+fn fragment(drawn: Drawn) -> @location(0) vec4<f32> { return drawn.value; }
+";
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+/// Draws and returns rows of `width` pixels.
+fn draw(
+    gpu: &Gpu,
+    source: &str,
+    layout: &wgpu::BindGroupLayout,
+    group: &wgpu::BindGroup,
+    [width, height]: [u32; 2],
+    vertices: u32,
+) -> Vec<[f32; 4]> {
+    let device = &gpu.device;
+    let text = format!("{source}{SHADER}")
+        .replace("WIDTH", &format!("{width}.0"))
+        .replace("HEIGHT", &format!("{height}.0"));
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(text.into()),
+    });
+    // Bind group 1: the engine's own is 0.
+    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &[None, Some(layout)],
+        immediate_size: 0,
+    });
+    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: None,
+        layout: Some(&pipeline_layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: wgpu::PrimitiveTopology::PointList,
+            ..Default::default()
+        },
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment"),
+            compilation_options: Default::default(),
+            targets: &[Some(FORMAT.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    let size = wgpu::Extent3d {
+        width,
+        height,
+        depth_or_array_layers: 1,
+    };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let row = 16 * width; // a multiple of 256: width is one of 16
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(row * height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    {
+        let view = texture.create_view(&Default::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(1, group, &[]);
+        pass.draw(0..vertices, 0..height);
+    }
+    let copy = wgpu::TexelCopyBufferInfo {
+        buffer: &buffer,
+        layout: wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(row),
+            rows_per_image: None,
+        },
+    };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), copy, size);
+    gpu.queue.submit([encoder.finish()]);
+    let flat = (width * height * 4).div_ceil(3) as usize;
+    assert_eq!(
+        flat * 3,
+        (width * height * 4) as usize,
+        "read back in triples"
+    );
+    let read = gpu::read_back(device, &gpu.queue, &buffer, flat).expect("read");
+    read.as_flattened().as_chunks().0.to_vec()
+}
+
+#[test]
+fn a_vertex_shader_computes_the_same() {
+    let gpu = Gpu::new();
+    let mut compared = 0;
+    for (seed, (name, bytes)) in (0..).zip(assets()) {
+        let asset = Asset::open(&bytes).expect("open");
+        let n = asset.vertex_count();
+        let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
+        let layout = gpu::vertex_layout(&gpu.device);
+        let placed = placed(&asset, seed);
+        let count = 12.min(placed.len() as u32);
+        for normals in [Normals::None, Normals::Fields] {
+            let skinned = gpu.skin(&asset, normals, &placed[..count as usize], [0.5, 0.0, -1.0]);
+            let skinned = skinned.expect("skinning");
+            let uploaded = skinner.upload(&asset, normals).expect("upload");
+            let mut instances = skinner.instances(&uploaded, count).expect("instances");
+            instances.clear([0.5, 0.0, -1.0]);
+            for (q, place) in &placed[..count as usize] {
+                instances.push_at(&asset, q, *place).expect("push");
+            }
+            instances.write();
+            let group = skinner
+                .vertex_group(&layout, &uploaded, &instances)
+                .expect("group");
+            let source = gpu::vertex_source(&uploaded, 1).expect("source");
+            let width = n.next_multiple_of(48) as u32;
+            let pixels = draw(&gpu, &source, &layout, &group, [width, 2 * count], n as u32);
+            for k in 0..count as usize {
+                let twin = twin::positions(&asset, &instances, k as u32).expect("twin");
+                for v in 0..n {
+                    let row = |i: usize| pixels[(2 * k + i) * width as usize + v];
+                    let [position, normal] = [row(0), row(1)];
+                    assert_eq!(position[3], 1.0, "{name}: vertex {v} was not drawn");
+                    for axis in 0..3 {
+                        let off = (position[axis] - twin[v][axis]).abs();
+                        assert!(
+                            f64::from(off) <= 2.0 * skinned.errors[k],
+                            "{name} {k} {v}: {off}"
+                        );
+                        let there = if normals == Normals::None {
+                            0.0
+                        } else {
+                            skinned.normals[k * n + v][axis]
+                        };
+                        let off = (normal[axis] - there).abs();
+                        assert!(off <= 1e-4, "{name} {k} {v}: {normal:?} {there}");
+                    }
+                    compared += 1;
+                }
+            }
+        }
+        let exact = skinner.upload(&asset, Normals::Exact).expect("upload");
+        let refused = gpu::vertex_source(&exact, 0);
+        assert!(
+            matches!(refused, Err(GpuError::Unsupported(_))),
+            "{refused:?}"
+        );
+    }
+    assert!(compared > 50_000, "{compared}");
+}
