@@ -31,7 +31,7 @@ pub(crate) fn run(
     screenshot: Option<&Path>,
 ) -> Result<(), ToolError> {
     contained(|| {
-        let events = EventLoop::new().map_err(|error| problem("no window", error))?;
+        let events = EventLoop::new().map_err(|error| problem("no window", reason(&error)))?;
         events.set_control_flow(ControlFlow::Wait);
         let mut viewer = Viewer {
             app,
@@ -43,7 +43,7 @@ pub(crate) fn run(
         let result = events.run_app(&mut viewer);
         match viewer.failure {
             Some(failure) => Err(failure),
-            None => result.map_err(|error| problem("window", error)),
+            None => result.map_err(|error| problem("window", reason(&error))),
         }
     })
 }
@@ -82,7 +82,7 @@ impl Viewer<'_> {
             .with_inner_size(PhysicalSize::new(width, height));
         let window = events
             .create_window(attributes)
-            .map_err(|e| problem("no window", e))?;
+            .map_err(|e| problem("no window", reason(&e)))?;
         let display = Box::new(events.owned_display_handle());
         let instance = Instance::new(InstanceDescriptor::new_with_display_handle(display));
         let is_read = self.screenshot.is_some();
@@ -150,6 +150,16 @@ fn problem(place: impl std::fmt::Display, message: impl std::fmt::Display) -> To
     ToolError::Input(vec![format!("{place}: {message}")])
 }
 
+/// An error of winit without the place in its source: `os error at /…/mod.rs:765: no display`.
+fn reason(error: &impl std::fmt::Display) -> String {
+    let text = error.to_string();
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let text = words.join(" ");
+    let of_os = text.strip_prefix("os error at ");
+    let cause = of_os.and_then(|rest| rest.split_once(".rs:")?.1.split_once(": "));
+    cause.map_or(text.clone(), |(_, cause)| cause.to_string())
+}
+
 /// Runs `f`; panics of the window system's crates (winit where libxkbcommon is missing, say) become errors.
 fn contained<T>(f: impl FnOnce() -> Result<T, ToolError>) -> Result<T, ToolError> {
     let heard = Arc::new(Mutex::new(String::new()));
@@ -173,6 +183,13 @@ fn contained<T>(f: impl FnOnce() -> Result<T, ToolError>) -> Result<T, ToolError
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn places_in_other_peoples_source_are_left_out() {
+        let text = "os error at /x y/winit-0.30.13/src/mod.rs:788: no: display";
+        assert_eq!(reason(&text), "no: display");
+        assert_eq!(reason(&"os error: other"), "os error: other");
+    }
 
     #[test]
     fn panics_become_one_line() {

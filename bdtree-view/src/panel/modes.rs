@@ -6,6 +6,8 @@ use crate::app::{App, Reach};
 
 /// Rows that are seen at once; of more, as many as are seen are made.
 const ROWS: usize = 8;
+/// Points for a mode's name and frequency.
+const LABEL: f32 = 106.0;
 /// Over `slider_end`, below that sliders to the limit count as 0.
 const SMALLEST: f64 = 1e-6;
 
@@ -39,10 +41,10 @@ fn row(ui: &mut Ui, app: &mut App<'_>, mode: usize, height: f32) {
     let end = f64::from(app.slider_end(mode));
     ui.horizontal(|ui| {
         ui.allocate_ui_with_layout(
-            vec2(74.0, height),
+            vec2(LABEL, height),
             Layout::left_to_right(Align::Center),
             |ui| {
-                ui.set_min_width(74.0);
+                ui.set_min_width(LABEL);
                 ui.add(egui::Label::new(RichText::new(name).small()).truncate())
                     .on_hover_text(about);
             },
@@ -76,8 +78,9 @@ fn describe(app: &App<'_>, mode: usize) -> (String, String) {
         .filter(|name| !name.is_empty());
     let hz = known.and_then(|mode| mode.frequency_hz);
     let short = match (&name, hz) {
-        (Some(name), _) => name.clone(),
-        (None, Some(hz)) => format!("{mode}: {hz:.3} Hz"),
+        (Some(name), Some(hz)) => format!("{name} · {} Hz", figures(hz)),
+        (Some(name), None) => name.clone(),
+        (None, Some(hz)) => format!("q[{mode}] · {} Hz", figures(hz)),
         (None, None) => format!("q[{mode}]"),
     };
     let mut long = format!("q[{mode}]");
@@ -98,7 +101,44 @@ fn describe(app: &App<'_>, mode: usize) -> (String, String) {
 fn short(x: f64) -> String {
     match x.abs() {
         0.0 => "0".to_string(),
-        m if (0.01..1000.0).contains(&m) => format!("{x:.3}"),
+        m if (0.001..1.0).contains(&m) => format!("{x:.4}"),
+        m if (1.0..1000.0).contains(&m) => format!("{x:.3}"),
         _ => format!("{x:.1e}"),
+    }
+}
+
+/// A number with about three digits.
+fn figures(x: f64) -> String {
+    match x.abs() {
+        m if (100.0..1e6).contains(&m) => format!("{x:.0}"),
+        m if (1.0..100.0).contains(&m) => format!("{x:.1}"),
+        _ => short(x),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{figures, short};
+
+    #[test]
+    fn numbers_are_short() {
+        for (x, text) in [
+            (0.0, "0"),
+            (-0.0177, "-0.0177"),
+            (0.5, "0.5000"),
+            (-64.0, "-64.000"),
+            (2e-6, "2.0e-6"),
+            (4e9, "4.0e9"),
+        ] {
+            assert_eq!(short(x), text);
+        }
+        for (x, text) in [
+            (294.03, "294"),
+            (1.98943, "2.0"),
+            (0.25, "0.2500"),
+            (3e7, "3.0e7"),
+        ] {
+            assert_eq!(figures(x), text);
+        }
     }
 }

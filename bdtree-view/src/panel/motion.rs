@@ -8,9 +8,9 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
     let count = app.playback.frame_count();
     ui.horizontal(|ui| {
         let label = if app.playback.is_playing {
-            "⏸ Pause"
+            "Pause"
         } else {
-            "▶ Play"
+            "Play"
         };
         if ui.button(label).on_hover_text("space").clicked() {
             app.playback.is_playing = !app.playback.is_playing;

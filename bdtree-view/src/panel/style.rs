@@ -1,6 +1,6 @@
 //! Colours and sizes.
 
-use egui::{Color32, Context, Stroke, Theme, Visuals, vec2};
+use egui::{Color32, Context, Stroke, TextStyle, Theme, Visuals, vec2};
 
 /// The panel.
 pub(crate) const PANEL: Color32 = Color32::from_rgb(243, 244, 247);
@@ -24,7 +24,12 @@ pub(crate) fn dress(context: &Context) {
         visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_gray(214));
         visuals.widgets.inactive.bg_fill = Color32::from_rgb(218, 222, 230);
         visuals.widgets.inactive.weak_bg_fill = Color32::from_rgb(226, 229, 236);
+        if let Some(font) = style.text_styles.get_mut(&TextStyle::Small) {
+            font.size = 11.0;
+        }
+        // Numbers beside sliders are as wide with a sign as without.
+        style.spacing.interact_size.x = 56.0;
         style.spacing.item_spacing = vec2(6.0, 4.0);
-        style.spacing.slider_width = 132.0;
+        style.spacing.slider_width = 94.0;
     });
 }
