@@ -1,4 +1,5 @@
 //! The viewer on a virtual display: what its window shows, and how it ends.
+#![cfg(target_os = "linux")]
 
 mod display;
 mod ends;
@@ -195,4 +196,42 @@ fn a_probe_is_seen_and_what_it_found() {
     let is_red = |[r, g, b]: [u8; 3]| r > 150 && g < 90 && b < 110;
     assert!(with.share(PICTURE, is_red) > 0.0001);
     assert!(without.share(PICTURE, is_red) == 0.0);
+}
+
+#[test]
+fn an_animation_plays_and_stillness_costs_nothing() {
+    let display = Display::start();
+    let start = |options: &[&str]| {
+        let mut viewer = display.viewer();
+        viewer
+            .arg(file("animated.bdt"))
+            .args(["--size", "1000x700"])
+            .args(options);
+        Running(viewer.spawn().expect("the viewer starts"))
+    };
+    let is_shown = |screen: &Picture| {
+        screen.share(CONTROLS, |c| c == PANEL) > 0.5
+            && screen.share(PICTURE, |c| c != BACKGROUND && c != [0; 3]) > 0.05
+    };
+    let mut playing = start(&["--play"]);
+    let mut last = display.wait_for(&mut playing, is_shown);
+    for _ in 0..3 {
+        let moved = |screen: &Picture| screen.difference(&last, PICTURE) > 0.001;
+        last = display.wait_for(&mut playing, moved);
+    }
+    drop(playing);
+    let mut still = start(&["--frame", "1"]);
+    display.wait_for(&mut still, is_shown);
+    // Controls come to rest; then no time of the processor is used for a while.
+    let begin = std::time::Instant::now();
+    let mut before = still.cpu_ticks();
+    loop {
+        std::thread::sleep(std::time::Duration::from_secs(1));
+        let now = still.cpu_ticks();
+        if now - before <= 2 {
+            break;
+        }
+        before = now;
+        assert!(begin.elapsed() < display::PATIENCE, "it never rests");
+    }
 }
