@@ -9,14 +9,16 @@ import sys
 import tomllib
 
 CRATES_IO = "registry+https://github.com/rust-lang/crates.io-index"
-# What is delivered: the format, the library, the builder, the command.
-SHIPPED = {"bdtree-format", "bdtree-runtime", "bdtree-build", "bdtree-render", "bdtree-tools"}
+# What is delivered: the format, the library, the builder, the command, the viewer.
+SHIPPED = {"bdtree-format", "bdtree-runtime", "bdtree-build", "bdtree-render", "bdtree-tools", "bdtree-view"}
 # The same licences stand in deny.toml.
 ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "ISC", "Unicode-3.0", "Zlib"}
 # Workspaces of their own: fuzzer, Miri, the proof that nothing allocates. Nothing of them is delivered.
 TOOL_WORKSPACES = ["fuzz", "ci/miri", "ci/no-alloc"]
 # libFuzzer.
 ALLOWED_TOOLS = {"NCSA"}
+# Fonts are linked as data; the viewer alone has them (THIRD-PARTY-NOTICES.md).
+FONTS = {"epaint_default_fonts": {"OFL-1.1", "Ubuntu-font-1.0"}}
 # The library itself, without what feature `wgpu` adds, links nothing but these; macros run when it is built.
 LIBRARY = {"bdtree-runtime", "bdtree-format"}
 ALLOWED_LIBRARY = {"MIT", "Apache-2.0"}
@@ -127,12 +129,14 @@ def main():
         for id, package in packages.items()
         if any("proc-macro" in target["kind"] for target in package["targets"])
     }
-    gpu = {id for id, package in packages.items() if package["name"] == "wgpu"}
     shipped = reached(nodes, [members[name] for name in SHIPPED], {None, "build"})
+    gpu = {id for id, package in packages.items() if package["name"] == "wgpu"}
     library = reached(nodes, [members[name] for name in LIBRARY], {None}, macros | gpu)
     foreign = set(packages) - set(metadata["workspace_members"])
     for id in foreign:
-        check(packages[id], ALLOWED_LIBRARY if id in library else ALLOWED, wrong)
+        package = packages[id]
+        fonts = FONTS.get(package["name"], set())
+        check(package, ALLOWED_LIBRARY if id in library else ALLOWED | fonts, wrong)
 
     tools = set()
     for folder in TOOL_WORKSPACES:

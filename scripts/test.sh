@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs all tests of the workspace. On a bare Debian machine it first installs what they need: a
-# linker (gcc), python3 and Mesa's software Vulkan, as root or through sudo; without either it prints
+# linker (gcc), python3, Mesa's software Vulkan and a virtual display, as root or through sudo; without either it prints
 # the line to run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,6 +11,12 @@ command -v python3 >/dev/null || missing+=(python3)
 # Drawing and skinning are tested on the processor: lavapipe and the Vulkan loader.
 compgen -G '/usr/share/vulkan/icd.d/lvp_icd*.json' >/dev/null || missing+=(mesa-vulkan-drivers)
 ldconfig -p | grep -q 'libvulkan\.so\.1' || missing+=(libvulkan1)
+# The viewer's window: a display in memory, and the X libraries that winit opens when it runs.
+command -v Xvfb >/dev/null || missing+=(xvfb)
+for library in X11:libx11-6 X11-xcb:libx11-xcb1 xcb:libxcb1 Xcursor:libxcursor1 Xi:libxi6 \
+    xkbcommon:libxkbcommon0 xkbcommon-x11:libxkbcommon-x11-0; do
+    ldconfig -p | grep -q "lib${library%%:*}\.so\." || missing+=("${library##*:}")
+done
 
 if ((${#missing[@]})); then
     install="apt-get install -y --no-install-recommends ${missing[*]}"

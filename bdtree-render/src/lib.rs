@@ -16,6 +16,7 @@ mod image;
 mod legend;
 mod level;
 mod normals;
+mod readback;
 mod renderer;
 mod skinned;
 mod studio;

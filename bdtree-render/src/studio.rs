@@ -1,11 +1,8 @@
 //! Pictures in memory.
 
-use std::sync::mpsc;
-
 use bdtree_runtime::Asset;
 use wgpu::{
-    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, MapMode, TexelCopyBufferInfo,
-    TexelCopyBufferLayout, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
+    CommandEncoderDescriptor, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
 };
 
 use crate::camera::Camera;
@@ -88,51 +85,11 @@ impl Studio {
             usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
             view_formats: &[],
         });
-        let row_bytes = (4 * size[0]).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let bytes = u64::from(row_bytes) * u64::from(size[1]);
-        Gpu::allows_buffer(device, "picture", bytes)?;
-        let copy = device.create_buffer(&BufferDescriptor {
-            label: Some("picture"),
-            size: bytes,
-            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
         let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
         let view = texture.create_view(&Default::default());
         self.renderer
             .draw(device, queue, &mut encoder, &view, size, camera, scene)?;
-        encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
-            TexelCopyBufferInfo {
-                buffer: &copy,
-                layout: TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(row_bytes),
-                    rows_per_image: None,
-                },
-            },
-            extent(size),
-        );
         queue.submit([encoder.finish()]);
-        let (done, mapped) = mpsc::channel();
-        copy.map_async(MapMode::Read, .., move |result| {
-            let _ = done.send(result);
-        });
-        self.gpu.finish()?;
-        let lost = |error: String| RenderError::Device(error);
-        match mapped.try_recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(lost(error.to_string())),
-            Err(_) => return Err(lost("the picture did not come back".to_string())),
-        }
-        let view = copy
-            .get_mapped_range(..)
-            .map_err(|error| lost(error.to_string()))?;
-        let mut image = Image::new(size);
-        let rows = view.chunks_exact(row_bytes as usize);
-        for (row, out) in rows.zip(image.rows_mut()) {
-            out.copy_from_slice(&row[..out.len()]);
-        }
-        Ok(image)
+        self.gpu.read_back(&texture)
     }
 }

@@ -1,5 +1,6 @@
 //! The command line.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -27,6 +28,7 @@ pub(crate) enum Command {
     Query(QueryArguments),
     #[cfg(feature = "render")]
     Render(RenderArguments),
+    View(ViewArguments),
 }
 
 /// Prints what a file holds: counts, modes, sections, sphere sizes per tree level.
@@ -193,6 +195,22 @@ pub struct RenderArguments {
     /// Do not check the checksums first
     #[arg(long)]
     pub no_verify: bool,
+}
+
+/// Opens a window on a file: sliders, animation, spheres, a probe.
+///
+/// Starts the program bdtree-view with all that follows; `bdtree view --help` is its help.
+#[derive(Debug, Args)]
+#[command(disable_help_flag = true)]
+pub struct ViewArguments {
+    /// The .bdt file and options of bdtree-view
+    #[arg(
+        trailing_var_arg = true,
+        allow_hyphen_values = true,
+        required = true,
+        value_name = "FILE"
+    )]
+    pub arguments: Vec<OsString>,
 }
 
 /// A number from 0 to 1.

@@ -1,4 +1,5 @@
-//! The `bdtree` command as a library: `info`, `verify`, `diff`, `deform`, `query`, `render`.
+//! The `bdtree` command as a library: `info`, `verify`, `diff`, `deform`, `query`, `render`,
+//! `view`.
 //!
 //! [`run`] is the whole command with its streams as arguments; each subcommand is one module with
 //! one public `run`. Exit codes: 0 done, 1 bad input (every problem is one line on the error
@@ -16,6 +17,7 @@ mod error;
 mod frames;
 pub mod info;
 mod output;
+mod posture;
 mod q;
 pub mod query;
 #[cfg(feature = "render")]
@@ -23,9 +25,12 @@ pub mod render;
 pub mod scene;
 pub mod stress;
 pub mod verify;
+pub mod view;
 
 pub use asset_file::AssetFile;
 pub use error::ToolError;
+pub use output::write_whole;
+pub use posture::posture;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -74,6 +79,7 @@ pub fn run(
         Command::Query(arguments) => query::run(&arguments, out),
         #[cfg(feature = "render")]
         Command::Render(arguments) => render::run(&arguments, out),
+        Command::View(arguments) => view::run(&arguments),
     };
     // What was answered before an error stays answered.
     let flushed = out.flush().map_err(ToolError::Stdout);

@@ -55,7 +55,10 @@ impl Write for QuietPipe<'_> {
 /// Writes a file through a temporary one beside it, renamed when complete: a failed or killed
 /// run leaves no half file (a killed one the temporary file, `.bdtree-*.tmp`). Links are followed; a
 /// device or a pipe is written to and stays what it is.
-pub(crate) fn write_whole(
+///
+/// # Errors
+/// [`ToolError::Write`].
+pub fn write_whole(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), ToolError> {

@@ -6,14 +6,13 @@ mod obj;
 use std::ffi::OsStr;
 use std::io::Write;
 
-use bdtree_runtime::{Asset, Pose, Transform, TriangleId, VertexId};
+use bdtree_runtime::{Asset, Pose, TriangleId, VertexId};
 
 pub use crate::cli::DeformArguments as Arguments;
 use crate::error::ToolError;
-use crate::frames::frame_of;
 use crate::output::write_whole;
+use crate::posture::posture;
 pub use crate::q::QText;
-use crate::q::checked_q;
 use crate::{AssetFile, DONE};
 
 /// Writes origin + p' of every vertex (mesh units, f64, source order) to a file or `out`; of a frame
@@ -43,7 +42,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     }
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;
-    let (q, transform) = shown(arguments, &file, &asset)?;
+    let (q, transform) = posture(&file, &asset, arguments.q.as_ref(), arguments.frame)?;
     let option = if arguments.frame.is_some() {
         "--frame"
     } else {
@@ -65,29 +64,6 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
         }
     }
     Ok(DONE)
-}
-
-/// q and placement of what the arguments ask for: a frame with its rigid motion, or any q.
-fn shown(
-    arguments: &Arguments,
-    file: &AssetFile,
-    asset: &Asset<'_>,
-) -> Result<(Vec<f32>, Transform), ToolError> {
-    let name = file.path().display().to_string();
-    if let Some(index) = arguments.frame {
-        let frame = frame_of(asset, &name, index)
-            .map_err(|message| ToolError::input("--frame", message))?;
-        return Ok((frame.q().to_vec(), frame.transform()));
-    }
-    let q = arguments.q.as_ref().map(|q| q.0.as_slice());
-    let q = checked_q(q, asset, &name).map_err(|problems| {
-        let line = |problem: crate::q::QProblem| match problem.mode {
-            Some(mode) => format!("--q: q[{mode}]: {}", problem.message),
-            None => format!("--q: {}", problem.message),
-        };
-        ToolError::Input(problems.into_iter().map(line).collect())
-    })?;
-    Ok((q, Transform::IDENTITY))
 }
 
 /// The deformed positions, one per vertex of the source.

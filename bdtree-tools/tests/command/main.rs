@@ -15,5 +15,7 @@ mod shapes;
 mod support;
 mod usage;
 mod verify;
+#[cfg(unix)]
+mod view;
 #[cfg(target_os = "linux")]
 mod writing;

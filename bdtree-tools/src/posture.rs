@@ -1,0 +1,36 @@
+//! What `--q` and `--frame` ask for.
+
+use bdtree_runtime::{Asset, Transform};
+
+use crate::AssetFile;
+use crate::error::ToolError;
+use crate::frames::frame_of;
+use crate::q::{QProblem, QText, checked_q};
+
+/// q and placement: those of a frame with its rigid motion, or q where the mesh stands, zeros if
+/// there is none.
+///
+/// # Errors
+/// A frame that is not there, q that does not fit the asset: every problem.
+pub fn posture(
+    file: &AssetFile,
+    asset: &Asset<'_>,
+    q: Option<&QText>,
+    frame: Option<u64>,
+) -> Result<(Vec<f32>, Transform), ToolError> {
+    let name = file.path().display().to_string();
+    if let Some(index) = frame {
+        let frame = frame_of(asset, &name, index)
+            .map_err(|message| ToolError::input("--frame", message))?;
+        return Ok((frame.q().to_vec(), frame.transform()));
+    }
+    let q = q.map(|q| q.0.as_slice());
+    let q = checked_q(q, asset, &name).map_err(|problems| {
+        let line = |problem: QProblem| match problem.mode {
+            Some(mode) => format!("--q: q[{mode}]: {}", problem.message),
+            None => format!("--q: {}", problem.message),
+        };
+        ToolError::Input(problems.into_iter().map(line).collect())
+    })?;
+    Ok((q, Transform::IDENTITY))
+}

@@ -1,0 +1,245 @@
+//! The viewer without its window: what is shown, and what is known of it.
+
+mod place;
+mod playback;
+mod probe;
+mod view;
+
+pub use place::Place;
+pub use playback::Playback;
+pub use probe::{Answer, Asker, Probe};
+pub use view::{Grab, View};
+
+use bdtree_render::tightness::{growth, mean_and_max};
+use bdtree_render::{Box3, Level, NodeSphere};
+use bdtree_runtime::{Asset, Pose, Transform};
+use bdtree_tools::deform::deformed;
+use bdtree_tools::info::Info;
+use bdtree_tools::{AssetFile, ToolError};
+
+/// Radius of the first probe over the object's size.
+const PROBE_SIZE: f64 = 0.15;
+
+/// How far q's sliders go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reach {
+    /// To `q_range`: what is typical.
+    Range,
+    /// To `q_limit`: what the file allows.
+    Limit,
+}
+
+/// The spheres of a level and their growth.
+#[derive(Debug, Clone, Default)]
+pub struct Spheres {
+    /// Those that bound something.
+    pub spheres: Vec<NodeSphere>,
+    /// R′/R of each.
+    pub growths: Vec<f64>,
+    /// Mean and largest, `None` of none.
+    pub mean_and_max: Option<[f64; 2]>,
+}
+
+/// The state of the viewer.
+pub struct App<'a> {
+    file: &'a AssetFile,
+    asset: Asset<'a>,
+    /// What the file holds.
+    pub info: Info,
+    place: Place,
+    /// What is shown.
+    pub view: View,
+    /// The animation.
+    pub playback: Playback,
+    /// How far sliders go.
+    pub reach: Reach,
+    /// What the mouse holds.
+    pub grab: Option<Grab>,
+    /// Spheres of the level.
+    pub spheres: Result<Spheres, String>,
+    /// What the probe found.
+    pub answer: Option<Result<Answer, String>>,
+    asker: Asker,
+    known: Option<View>,
+}
+
+impl<'a> App<'a> {
+    /// A file's asset at q and a placement.
+    ///
+    /// # Errors
+    /// q that the asset refuses, a corrupt asset.
+    pub fn new(
+        file: &'a AssetFile,
+        asset: Asset<'a>,
+        (q, transform): (Vec<f32>, Transform),
+    ) -> Result<Self, ToolError> {
+        let place = Place::around(positions(file, &asset, &q, transform)?);
+        let mut center = place.middle();
+        // Beside the middle, where of most objects the surface is.
+        center[1] += 0.5 * place.size();
+        Ok(Self {
+            file,
+            asset,
+            info: Info::of(file)?,
+            place,
+            view: View {
+                q,
+                transform,
+                has_mesh: true,
+                level: None,
+                opacity: 0.35,
+                has_probe: false,
+                probe: Probe {
+                    center,
+                    radius: PROBE_SIZE * place.size(),
+                },
+                has_ends: true,
+                camera: None,
+            },
+            playback: Playback::new(&asset),
+            reach: Reach::Range,
+            grab: None,
+            spheres: Ok(Spheres::default()),
+            answer: None,
+            asker: Asker::new(&asset),
+            known: None,
+        })
+    }
+
+    /// The file.
+    pub fn file(&self) -> &'a AssetFile {
+        self.file
+    }
+
+    /// Its view.
+    pub fn asset(&self) -> &Asset<'a> {
+        &self.asset
+    }
+
+    /// Where things are drawn.
+    pub fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// The largest |q_j| of a slider.
+    pub fn slider_end(&self, mode: usize) -> f32 {
+        let Some(record) = self.asset.modes().get(mode) else {
+            return 0.0;
+        };
+        match self.reach {
+            Reach::Range => record.q_range.get(),
+            Reach::Limit => record.q_limit.get(),
+        }
+    }
+
+    /// Undeformed, where the mesh stands.
+    pub fn zero(&mut self) {
+        self.view.q.fill(0.0);
+        self.view.transform = Transform::IDENTITY;
+        self.playback.is_playing = false;
+    }
+
+    /// Shows the animation's moment.
+    pub fn show_moment(&mut self) {
+        if let Some((q, transform)) = self.playback.posture(&self.asset) {
+            self.view.q = q;
+            self.view.transform = transform;
+        }
+    }
+
+    /// Lets time pass.
+    pub fn advance(&mut self, dt_s: f64) {
+        if self.playback.advance(dt_s) {
+            self.show_moment();
+        }
+    }
+
+    /// Puts the camera where all of the mesh is seen in a picture of `aspect`.
+    ///
+    /// # Errors
+    /// A corrupt asset.
+    pub fn fit(&mut self, aspect: f32) -> Result<(), ToolError> {
+        let View { q, transform, .. } = &self.view;
+        let positions = positions(self.file, &self.asset, q, *transform)?;
+        let bounds = Box3::around(positions.map(|p| self.place.shown(p)));
+        self.view.camera = Some(View::camera_around(&bounds, aspect));
+        Ok(())
+    }
+
+    /// Finds anew what has changed since the last call, and returns whether anything has.
+    pub fn refresh(&mut self) -> bool {
+        let view = &self.view;
+        let known = self.known.as_ref();
+        let is_posed = known.is_some_and(|k| (&k.q, k.transform) == (&view.q, view.transform));
+        let has_level = is_posed && known.is_some_and(|k| k.level == view.level);
+        let is_asked = is_posed
+            && known.is_some_and(|k| (k.has_probe, k.probe) == (view.has_probe, view.probe));
+        if !has_level {
+            self.spheres = match view.level {
+                Some(level) => self.spheres_of(level),
+                None => Ok(Spheres::default()),
+            };
+        }
+        if !is_asked {
+            let View {
+                q,
+                transform,
+                probe,
+                ..
+            } = &self.view;
+            self.answer = self
+                .view
+                .has_probe
+                .then(|| self.asker.ask(&self.asset, q, transform, *probe));
+        }
+        let has_changed = !(has_level && is_asked);
+        if has_changed {
+            self.known = Some(self.view.clone());
+        }
+        has_changed
+    }
+
+    fn spheres_of(&self, level: usize) -> Result<Spheres, String> {
+        let View { q, transform, .. } = &self.view;
+        let mut memory = vec![0.0; self.asset.pose_len()];
+        let pose = Pose::new(&self.asset, q, *transform, &mut memory);
+        let pose = pose.map_err(|error| error.to_string())?;
+        let level = Level::of(&self.asset, &pose, transform, level);
+        let mut spheres = level.map_err(|error| error.to_string())?.spheres;
+        // Others say nothing, and every query looks below them.
+        spheres.retain(|s| s.radius.is_finite() && s.centre.iter().all(|x| x.is_finite()));
+        let growths: Vec<f64> = spheres
+            .iter()
+            .map(|s| growth(s.radius, s.rest_radius))
+            .collect();
+        Ok(Spheres {
+            mean_and_max: mean_and_max(&growths),
+            spheres,
+            growths,
+        })
+    }
+}
+
+/// The deformed vertices of triangles (world).
+fn positions(
+    file: &AssetFile,
+    asset: &Asset<'_>,
+    q: &[f32],
+    transform: Transform,
+) -> Result<impl Iterator<Item = [f64; 3]>, ToolError> {
+    let mut memory = vec![0.0; asset.pose_len()];
+    let pose = Pose::new(asset, q, transform, &mut memory)
+        .map_err(|error| ToolError::Input(vec![format!("{}: {error}", file.path().display())]))?;
+    let all = deformed(file, asset, &pose)?;
+    let corners = asset.triangles().iter().flat_map(|record| record.corners);
+    let mut used: Vec<u32> = corners.collect();
+    used.sort_unstable();
+    used.dedup();
+    let of_triangles = used
+        .into_iter()
+        .filter_map(move |v| all.get(v as usize).copied());
+    Ok(of_triangles)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,206 @@
+//! The file's animation in time.
+//!
+//! Between two frames q and translation are blended evenly and rotations along the shorter arc. Every
+//! frame's q is within the limits, so what lies between is too.
+
+use bdtree_runtime::{Asset, Transform};
+
+/// Frames per second where the file does not say when frames are shown.
+pub(super) const FRAMES_PER_S: f64 = 30.0;
+
+/// Where in the animation we are.
+#[derive(Debug, Clone)]
+pub struct Playback {
+    /// When each frame is shown, in seconds, ascending from 0.
+    times_s: Vec<f64>,
+    /// Whether the file says so.
+    is_timed: bool,
+    /// Whether time goes on.
+    pub is_playing: bool,
+    /// 1: as fast as the file says.
+    pub speed: f64,
+    time_s: f64,
+}
+
+impl Playback {
+    /// At the first frame, halted.
+    pub fn new(asset: &Asset<'_>) -> Self {
+        let count = asset.frame_count();
+        let of_file = (0..count).map(|i| asset.frame(i)?.time_s());
+        Self::of_times(of_file.collect::<Option<Vec<f64>>>(), count)
+    }
+
+    fn of_times(of_file: Option<Vec<f64>>, count: usize) -> Self {
+        // In a file that nobody has verified times may be anything.
+        let is_sound = |times: &Vec<f64>| {
+            times.iter().all(|t| t.is_finite()) && times.windows(2).all(|t| t[0] <= t[1])
+        };
+        let of_file = of_file.filter(is_sound);
+        let is_timed = of_file.is_some();
+        let mut times_s =
+            of_file.unwrap_or_else(|| (0..count).map(|i| i as f64 / FRAMES_PER_S).collect());
+        let first = times_s.first().copied().unwrap_or(0.0);
+        times_s.iter_mut().for_each(|t| *t -= first);
+        Self {
+            times_s,
+            is_timed,
+            is_playing: false,
+            speed: 1.0,
+            time_s: 0.0,
+        }
+    }
+
+    /// How many frames there are.
+    pub fn frame_count(&self) -> usize {
+        self.times_s.len()
+    }
+
+    /// Whether the file says when frames are shown.
+    pub fn is_timed(&self) -> bool {
+        self.is_timed
+    }
+
+    /// When the last frame is shown, in seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.times_s.last().copied().unwrap_or(0.0)
+    }
+
+    /// Seconds since the first frame.
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// The frame that is shown and how far it is to the next one, 0 to 1.
+    pub fn position(&self) -> (usize, f64) {
+        let after = self.times_s.partition_point(|t| *t <= self.time_s);
+        let frame = after.saturating_sub(1);
+        match (self.times_s.get(frame), self.times_s.get(frame + 1)) {
+            (Some(from), Some(to)) => (frame, ((self.time_s - from) / (to - from)).clamp(0.0, 1.0)),
+            _ => (frame, 0.0),
+        }
+    }
+
+    /// Goes to a frame, to the last one where there are fewer.
+    pub fn go_to(&mut self, frame: usize) {
+        let last = self.times_s.len().saturating_sub(1);
+        self.time_s = self.times_s.get(frame.min(last)).copied().unwrap_or(0.0);
+    }
+
+    /// Lets `dt_s` seconds pass, if it is playing: after the last frame comes the first. Returns
+    /// whether another moment is shown.
+    pub fn advance(&mut self, dt_s: f64) -> bool {
+        let duration = self.duration_s();
+        let step = dt_s * self.speed;
+        if !self.is_playing || !(duration > 0.0) || !step.is_finite() {
+            return false;
+        }
+        let before = self.time_s;
+        self.time_s = (self.time_s + step).rem_euclid(duration);
+        self.time_s != before
+    }
+
+    /// q and the rigid motion of the moment; `None` where there is no frame.
+    pub fn posture(&self, asset: &Asset<'_>) -> Option<(Vec<f32>, Transform)> {
+        let (frame, share) = self.position();
+        let from = asset.frame(frame)?;
+        let Some(to) = asset.frame(frame + 1).filter(|_| share > 0.0) else {
+            return Some((from.q().to_vec(), from.transform()));
+        };
+        let q = from.q().iter().zip(to.q());
+        let q = q.map(|(a, b)| blend(f64::from(*a), f64::from(*b), share) as f32);
+        Some((
+            q.collect(),
+            between(from.transform(), to.transform(), share),
+        ))
+    }
+}
+
+/// (1 − s) a + s b, which neither overflows nor leaves the interval.
+fn blend(a: f64, b: f64, share: f64) -> f64 {
+    ((1.0 - share) * a + share * b).clamp(a.min(b), a.max(b))
+}
+
+/// A placement between two others. The quaternion is of unit length again.
+fn between(from: Transform, to: Transform, share: f64) -> Transform {
+    let dot: f64 = from
+        .rotation
+        .iter()
+        .zip(to.rotation)
+        .map(|(a, b)| a * b)
+        .sum();
+    // q and −q are the same rotation: the nearer one.
+    let sign = if dot < 0.0 { -1.0 } else { 1.0 };
+    let mixed =
+        [0, 1, 2, 3].map(|k| (1.0 - share) * from.rotation[k] + share * sign * to.rotation[k]);
+    let norm = mixed.iter().map(|c| c * c).sum::<f64>().sqrt();
+    Transform {
+        rotation: mixed.map(|c| c / norm),
+        translation: [0, 1, 2].map(|k| blend(from.translation[k], to.translation[k], share)),
+        scale: blend(from.scale, to.scale, share),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_passes_at_the_files_pace_and_starts_again() {
+        let mut playback = Playback::of_times(Some(vec![2.0, 2.5, 4.0]), 3);
+        assert_eq!(playback.duration_s(), 2.0, "from the first frame on");
+        assert!(!playback.advance(1.0), "halted");
+        playback.is_playing = true;
+        assert!(playback.advance(0.25));
+        assert_eq!(playback.position(), (0, 0.5));
+        playback.speed = 2.0;
+        playback.advance(0.5);
+        assert_eq!(playback.position(), (1, 0.5));
+        playback.advance(0.5);
+        assert_eq!(
+            playback.position(),
+            (0, 0.5),
+            "after the end comes the beginning"
+        );
+        playback.speed = -1.0;
+        playback.advance(0.5);
+        assert_eq!(playback.time_s(), 1.75, "backwards");
+        playback.go_to(7);
+        assert_eq!(playback.position(), (2, 0.0));
+    }
+
+    #[test]
+    fn odd_times_are_not_taken() {
+        for times in [None, Some(vec![0.0, f64::NAN]), Some(vec![1.0, 0.5])] {
+            let playback = Playback::of_times(times, 2);
+            assert!(!playback.is_timed());
+            assert_eq!(playback.duration_s(), 1.0 / FRAMES_PER_S);
+        }
+        for times in [vec![], vec![3.0], vec![1.0, 1.0]] {
+            let count = times.len();
+            let mut playback = Playback::of_times(Some(times), count);
+            playback.is_playing = true;
+            assert!(!playback.advance(1.0), "nothing moves");
+            assert_eq!(playback.position().1, 0.0);
+        }
+    }
+
+    #[test]
+    fn rotations_take_the_shorter_way_and_stay_rotations() {
+        let half = 0.5_f64.sqrt();
+        let turned = Transform {
+            rotation: [0.0, -half, 0.0, -half],
+            translation: [2.0, 0.0, 0.0],
+            scale: 1.0,
+        };
+        let middle = between(Transform::IDENTITY, turned, 0.5);
+        let eighth = std::f64::consts::FRAC_PI_8;
+        let expected = [0.0, eighth.sin(), 0.0, eighth.cos()];
+        for k in 0..4 {
+            assert!(
+                (middle.rotation[k] - expected[k]).abs() < 1e-12,
+                "{middle:?}"
+            );
+        }
+        assert_eq!(middle.translation, [1.0, 0.0, 0.0]);
+    }
+}

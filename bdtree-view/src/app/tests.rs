@@ -1,0 +1,214 @@
+//! The state without a window.
+
+use std::collections::BTreeSet;
+
+use bdtree_render::{Box3, tightness};
+use bdtree_runtime::{TriangleId, narrow};
+use bdtree_tests::golden;
+
+use super::*;
+
+fn with_file(name: &str, test: impl FnOnce(App<'_>)) {
+    let file = AssetFile::read(&golden::folder().join(name)).expect("a golden file");
+    let asset = file.checked_asset(true).expect("sound");
+    let q = vec![0.0; asset.mode_count()];
+    test(App::new(&file, asset, (q, Transform::IDENTITY)).expect("a state"));
+}
+
+#[test]
+fn a_probe_finds_what_testing_every_triangle_finds() {
+    with_file("sphere.bdt", |mut app| {
+        app.view.q = vec![0.4, -0.3, 0.2];
+        app.view.has_probe = true;
+        app.view.probe = Probe {
+            center: [0.7, 0.6, 0.1],
+            radius: 0.45,
+        };
+        assert!(app.refresh());
+        let answer = app
+            .answer
+            .as_ref()
+            .expect("asked")
+            .as_ref()
+            .expect("answered");
+
+        let mut memory = vec![0.0; app.asset.pose_len()];
+        let pose = Pose::new(&app.asset, &app.view.q, app.view.transform, &mut memory).unwrap();
+        let Probe { center, radius } = app.view.probe;
+        let mut expected = BTreeSet::new();
+        let mut depth = f64::NEG_INFINITY;
+        for id in 0..app.asset.triangle_count() as u32 {
+            let corners = app.asset.triangle(TriangleId(id)).unwrap();
+            let corners = corners.map(|v| app.asset.deformed(&pose, v).unwrap());
+            let closest = narrow::closest_point(center, &corners);
+            if closest.distance <= radius {
+                expected.insert(id);
+                depth = depth.max(radius - closest.distance);
+            }
+        }
+        assert!(expected.len() > 3, "the probe is in the mesh");
+        let found: BTreeSet<u32> = answer.contacts.iter().map(|c| c.triangle.0).collect();
+        assert_eq!(found, expected);
+        assert_eq!(found.len(), answer.contacts.len(), "each once");
+        assert!((answer.depth().unwrap() - depth).abs() < 1e-12);
+        assert!((1..=app.asset.node_count() as u64).contains(&answer.nodes_visited));
+        // What was found hangs below a sphere in which the query ended.
+        for contact in &answer.contacts {
+            let is_in = |s: &NodeSphere| {
+                let apart = (0..3)
+                    .map(|k| (contact.point[k] - s.centre[k]).powi(2))
+                    .sum::<f64>();
+                apart.sqrt() <= s.radius
+            };
+            assert!(answer.ends.iter().any(is_in), "{contact:?}");
+        }
+    });
+}
+
+#[test]
+fn a_probe_that_is_refused_says_why() {
+    with_file("sphere.bdt", |mut app| {
+        app.view.has_probe = true;
+        app.view.probe.center[1] = 1e40;
+        app.refresh();
+        let refused = app.answer.as_ref().expect("asked").as_ref().unwrap_err();
+        assert!(refused.contains("center"), "{refused}");
+        app.view.has_probe = false;
+        assert!(app.refresh());
+        assert!(app.answer.is_none());
+    });
+}
+
+#[test]
+fn moments_are_frames_and_what_lies_between() {
+    with_file("animated.bdt", |mut app| {
+        let count = app.asset.frame_count();
+        assert!(count > 2);
+        for index in 0..count {
+            app.playback.go_to(index);
+            app.show_moment();
+            let frame = app.asset.frame(index).unwrap();
+            assert_eq!(app.view.q, frame.q());
+            assert_eq!(
+                app.view.transform.translation,
+                frame.transform().translation
+            );
+        }
+        let frames = [0, 1].map(|i| app.asset.frame(i).unwrap());
+        let [from, to] = frames.map(|frame| frame.time_s().unwrap());
+        app.playback.go_to(0);
+        app.playback.is_playing = true;
+        app.advance(0.25 * (to - from));
+        for (k, q) in app.view.q.iter().enumerate() {
+            let expected = 0.75 * frames[0].q()[k] + 0.25 * frames[1].q()[k];
+            assert!((q - expected).abs() < 1e-6, "{q} {expected}");
+        }
+        app.zero();
+        assert!(app.view.q.iter().all(|q| *q == 0.0) && !app.playback.is_playing);
+    });
+}
+
+#[test]
+fn sliders_go_to_the_range_or_the_limit() {
+    with_file("animated.bdt", |mut app| {
+        assert_eq!([0, 1, 2].map(|j| app.slider_end(j)), [0.5, 0.5, 0.0]);
+        app.reach = Reach::Limit;
+        assert_eq!([0, 1].map(|j| app.slider_end(j)), [512.0, 2048.0]);
+    });
+}
+
+#[test]
+fn growth_is_none_at_rest_and_found_anew_when_q_changes() {
+    with_file("sphere.bdt", |mut app| {
+        app.view.level = Some(1);
+        assert!(app.refresh());
+        assert!(!app.refresh(), "nothing has changed");
+        let rest = app.spheres.clone().expect("spheres");
+        assert_eq!(rest.spheres.len(), 55);
+        let [mean, max] = rest.mean_and_max.unwrap();
+        assert!(mean >= 1.0 && max < 1.0 + 1e-4, "{mean} {max}");
+        app.fit(1.5).unwrap();
+        assert!(!app.refresh(), "a camera changes nothing");
+        app.view.q = vec![0.5; 3];
+        assert!(app.refresh());
+        let [_, max] = app.spheres.clone().expect("spheres").mean_and_max.unwrap();
+        assert!(max > 1.05, "{max}");
+        assert_ne!(tightness::colour(max), tightness::colour(1.0));
+        app.view.level = None;
+        assert!(app.refresh());
+        assert!(app.spheres.clone().expect("none").spheres.is_empty());
+    });
+}
+
+#[test]
+fn the_mouse_moves_what_it_holds_as_far_as_it_goes() {
+    let size = [900, 600];
+    with_file("sphere.bdt", |mut app| {
+        app.fit(1.5).unwrap();
+        let place = *app.place();
+        let seen = |app: &App<'_>| {
+            let center = place.shown(app.view.probe.center);
+            app.view.camera.unwrap().project(center, size).unwrap()
+        };
+        let before = seen(&app);
+        assert_eq!(
+            app.view.grab(&place, before, size),
+            Grab::Orbit,
+            "there is no probe"
+        );
+        app.view.has_probe = true;
+        assert_eq!(app.view.grab(&place, before, size), Grab::Probe);
+        assert_eq!(app.view.grab(&place, [5.0, 595.0], size), Grab::Orbit);
+        app.view.drag(&place, Grab::Probe, [40.0, -25.0], size);
+        let after = seen(&app);
+        assert!(
+            (after[0] - before[0] - 40.0).abs() < 0.1,
+            "{before:?} {after:?}"
+        );
+        assert!(
+            (after[1] - before[1] + 25.0).abs() < 0.1,
+            "{before:?} {after:?}"
+        );
+
+        let camera = app.view.camera.unwrap();
+        app.view.drag(&place, Grab::Pan, [30.0, 12.0], size);
+        let moved = seen(&app);
+        // Nearer or farther than the target it moves more or less.
+        assert!(
+            (moved[0] - after[0] - 30.0).abs() < 6.0 && (moved[1] - after[1] - 12.0).abs() < 3.0
+        );
+        app.view.drag(&place, Grab::Orbit, [100.0, 0.0], size);
+        let turned = app.view.camera.unwrap();
+        assert!((turned.distance() - camera.distance()).abs() < 1e-4);
+        assert_ne!(turned.eye, camera.eye);
+        app.view.zoom(3.0);
+        let nearer = app.view.camera.unwrap().distance() / turned.distance();
+        assert!((nearer - 0.729).abs() < 1e-3, "{nearer}");
+        for _ in 0..1000 {
+            app.view.zoom(-10.0);
+        }
+        assert!(
+            app.view.camera.unwrap().distance() < 1e5,
+            "there is an end to it"
+        );
+    });
+}
+
+#[test]
+fn all_of_the_mesh_is_seen() {
+    with_file("animated.bdt", |mut app| {
+        app.view.q = vec![0.5, -0.5];
+        app.fit(0.8).unwrap();
+        let camera = app.view.camera.unwrap();
+        let at_q = positions(app.file, &app.asset, &app.view.q, app.view.transform).unwrap();
+        let mut seen = Box3::EMPTY;
+        for p in at_q {
+            let [x, y] = camera.project(app.place.shown(p), [800, 1000]).unwrap();
+            seen = seen.with([x, y, 0.0]);
+        }
+        assert!(
+            seen.low[0] > 0.0 && seen.low[1] > 0.0 && seen.high[0] < 800.0 && seen.high[1] < 1000.0
+        );
+        assert!(seen.high[0] - seen.low[0] > 320.0 || seen.high[1] - seen.low[1] > 400.0);
+    });
+}

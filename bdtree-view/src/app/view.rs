@@ -1,0 +1,114 @@
+//! What is to be seen, as numbers: two equal ones look the same.
+
+use bdtree_render::{Box3, Camera};
+use bdtree_runtime::Transform;
+
+use super::place::Place;
+use super::probe::Probe;
+
+/// How far around the box the camera of the beginning stands, and from where.
+const MARGIN: f32 = 1.08;
+const AZIMUTH_DEG: f32 = 30.0;
+const ELEVATION_DEG: f32 = 20.0;
+
+/// Degrees per drag across the whole height of the picture.
+const TURN_DEG: f32 = 240.0;
+
+/// Pixels around the probe where it can be taken, however small it is.
+const GRAB: f32 = 9.0;
+
+/// Camera, posture and what else is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// Reduced coordinates.
+    pub q: Vec<f32>,
+    /// Where the mesh stands.
+    pub transform: Transform,
+    /// Whether the mesh is drawn.
+    pub has_mesh: bool,
+    /// The level whose spheres are drawn.
+    pub level: Option<usize>,
+    /// Opacity of spheres, 0 to 1.
+    pub opacity: f32,
+    /// Whether there is a probe.
+    pub has_probe: bool,
+    /// The probe.
+    pub probe: Probe,
+    /// Whether the spheres in which its query ended are drawn.
+    pub has_ends: bool,
+    /// Where it is seen from (drawn units); `None`: from where all of it is seen.
+    pub camera: Option<Camera>,
+}
+
+/// What a drag moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Grab {
+    /// The camera around its target.
+    Orbit,
+    /// Camera and target.
+    Pan,
+    /// The probe, at its distance.
+    Probe,
+}
+
+impl View {
+    /// A camera that sees a box (drawn units) in a picture of `aspect`.
+    pub fn camera_around(bounds: &Box3, aspect: f32) -> Camera {
+        Camera::around(bounds, aspect, AZIMUTH_DEG, ELEVATION_DEG).at_distance(MARGIN)
+    }
+
+    /// What a drag takes that begins at a pixel of a picture of `size`.
+    pub fn grab(&self, place: &Place, at: [f32; 2], size: [u32; 2]) -> Grab {
+        let center = place.shown(self.probe.center);
+        let seen = self.camera.and_then(|camera| {
+            let [right, ..] = camera.axes();
+            let radius = place.shown_length(self.probe.radius);
+            let rim = [0, 1, 2].map(|k| center[k] + radius * right[k]);
+            Some([camera.project(center, size)?, camera.project(rim, size)?])
+        });
+        let apart = |a: [f32; 2], b: [f32; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        match seen {
+            Some([center, rim])
+                if self.has_probe && apart(center, at) <= apart(center, rim).max(GRAB) =>
+            {
+                Grab::Probe
+            }
+            _ => Grab::Orbit,
+        }
+    }
+
+    /// Moves what is taken by so many pixels of a picture of `size`, right and down.
+    pub fn drag(&mut self, place: &Place, grab: Grab, [right, down]: [f32; 2], size: [u32; 2]) {
+        let Some(camera) = self.camera else { return };
+        let height = size[1].max(1) as f32;
+        match grab {
+            Grab::Orbit => {
+                let by = TURN_DEG / height;
+                self.camera = Some(camera.orbited(-right * by, down * by));
+            }
+            Grab::Pan => self.camera = Some(camera.moved(-right / height, down / height)),
+            Grab::Probe => {
+                let [x, y, forward] = camera.axes();
+                let center = place.shown(self.probe.center);
+                let depth: f32 = (0..3)
+                    .map(|k| (center[k] - camera.eye[k]) * forward[k])
+                    .sum();
+                let per_pixel = 2.0 * depth * (0.5 * camera.fov_y_rad).tan() / height;
+                for k in 0..3 {
+                    let by = f64::from(per_pixel * (right * x[k] - down * y[k]));
+                    self.probe.center[k] += by * place.size();
+                }
+            }
+        }
+    }
+
+    /// Goes nearer by `steps` of the wheel, or away.
+    pub fn zoom(&mut self, steps: f32) {
+        let Some(camera) = self.camera else { return };
+        let nearer = camera.at_distance(0.9_f32.powf(steps));
+        // Beyond that f32 has no digits left.
+        if (1e-4..1e4).contains(&nearer.distance()) {
+            self.camera = Some(nearer);
+        }
+    }
+}

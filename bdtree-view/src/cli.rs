@@ -1,0 +1,93 @@
+//! The command line.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use bdtree_tools::deform::QText;
+use bdtree_tools::render::options::PictureSize;
+use clap::Parser;
+
+/// Opens a window on a .bdt file: sliders for q, its animation, spheres of its tree coloured by
+/// tightness, and a ball that shows what it touches and which nodes that visits.
+///
+/// The file's checksums are checked first; it must not change meanwhile. Needs Vulkan: a graphics card's,
+/// or Mesa's in software.
+///
+/// Exit codes: 0 the window was closed, 1 bad input or no window (one line on standard error), 2 usage.
+#[derive(Debug, Parser)]
+#[command(name = "bdtree-view", version)]
+pub struct Arguments {
+    /// The .bdt file
+    pub file: PathBuf,
+    /// One number per mode, separated by commas, as of `bdtree deform` [default: zeros]
+    #[arg(long, allow_hyphen_values = true, value_name = "Q1,Q2,…")]
+    pub q: Option<QText>,
+    /// Frame of the file's animation, counted from 0, instead of --q
+    #[arg(long, value_name = "T", conflicts_with = "q")]
+    pub frame: Option<u64>,
+    /// Begin with the animation playing
+    #[arg(long, conflicts_with = "q")]
+    pub play: bool,
+    /// Show the spheres of a level of the tree, 0 being the root's
+    #[arg(long, value_name = "LEVEL")]
+    pub spheres: Option<usize>,
+    /// Show the probe: centre and radius, world units
+    #[arg(long, value_name = "X,Y,Z,R", allow_hyphen_values = true)]
+    pub probe: Option<ProbeText>,
+    /// Width and height of the window in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x800")]
+    pub size: PictureSize,
+    /// Copy the window's content to a picture once it is drawn, and exit
+    #[arg(long, value_name = "OUT.png")]
+    pub screenshot: Option<PathBuf>,
+    /// Do not check the checksums first
+    #[arg(long)]
+    pub no_verify: bool,
+}
+
+/// `X,Y,Z,R`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProbeText {
+    /// Centre.
+    pub center: [f64; 3],
+    /// Radius, 0 or more.
+    pub radius: f64,
+}
+
+impl FromStr for ProbeText {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split(',').map(|number| {
+            let number = number.trim();
+            let value = number.parse::<f64>().ok().filter(|x| x.is_finite());
+            value.ok_or_else(|| format!("\"{number}\" is not a number"))
+        });
+        let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
+        match *numbers {
+            [x, y, z, radius] if radius >= 0.0 => Ok(Self {
+                center: [x, y, z],
+                radius,
+            }),
+            [.., radius] if numbers.len() == 4 => Err(format!("radius: {radius} is negative")),
+            _ => Err("four numbers as X,Y,Z,R are needed".to_string()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probes_are_four_numbers() {
+        let probe = ProbeText {
+            center: [-1.0, 0.5, 2e3],
+            radius: 0.0,
+        };
+        assert_eq!("-1, .5,2e3,0".parse(), Ok(probe));
+        for wrong in ["", "1,2,3", "1,2,3,-1", "1,2,3,4,5", "1,2,nan,1", "1,2,x,1"] {
+            assert!(wrong.parse::<ProbeText>().is_err(), "{wrong}");
+        }
+    }
+}

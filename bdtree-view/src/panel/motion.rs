@@ -1,0 +1,50 @@
+//! The animation's controls.
+
+use egui::{RichText, Slider, Ui};
+
+use crate::app::App;
+
+pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
+    let count = app.playback.frame_count();
+    ui.horizontal(|ui| {
+        let label = if app.playback.is_playing {
+            "Pause"
+        } else {
+            "Play"
+        };
+        if ui.button(label).on_hover_text("space").clicked() {
+            app.playback.is_playing = !app.playback.is_playing;
+        }
+        ui.add(
+            egui::DragValue::new(&mut app.playback.speed)
+                .range(-10.0..=10.0)
+                .speed(0.01)
+                .prefix("speed ")
+                .suffix(" ×")
+                .max_decimals(2),
+        );
+    });
+    let (frame, share) = app.playback.position();
+    let mut chosen = frame;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().slider_width = 200.0;
+        let slider = Slider::new(&mut chosen, 0..=count - 1).show_value(false);
+        if ui.add(slider).changed() {
+            app.playback.is_playing = false;
+            app.playback.go_to(chosen);
+            app.show_moment();
+        }
+        ui.label(format!("{:.1} / {}", frame as f64 + share, count - 1));
+    });
+    let time = format!(
+        "{:.3} s of {:.3} s{}",
+        app.playback.time_s(),
+        app.playback.duration_s(),
+        if app.playback.is_timed() {
+            ""
+        } else {
+            ", 30 frames a second assumed"
+        },
+    );
+    ui.label(RichText::new(time).small().weak());
+}

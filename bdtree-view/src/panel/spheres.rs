@@ -1,0 +1,46 @@
+//! Levels and their tightness.
+
+use egui::{ComboBox, RichText, Slider, Ui};
+
+use super::{grouped, legend, style};
+use crate::app::App;
+
+pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
+    let depth = app.asset().depth();
+    ui.horizontal(|ui| {
+        let text = |level: Option<usize>| match level {
+            Some(level) => format!("level {level}"),
+            None => "off".to_string(),
+        };
+        ComboBox::from_id_salt("level")
+            .width(84.0)
+            .selected_text(text(app.view.level))
+            .show_ui(ui, |ui| {
+                for level in std::iter::once(None).chain((0..depth).map(Some)) {
+                    ui.selectable_value(&mut app.view.level, level, text(level));
+                }
+            });
+        ui.spacing_mut().slider_width = 90.0;
+        ui.add(Slider::new(&mut app.view.opacity, 0.0..=1.0).show_value(false));
+        ui.label(RichText::new("opacity").small().weak());
+    });
+    match (&app.spheres, app.view.level) {
+        (Err(problem), _) => {
+            ui.colored_label(style::WRONG, problem);
+        }
+        (Ok(found), Some(_)) => {
+            let numbers = found.mean_and_max.map_or(String::new(), |[mean, max]| {
+                format!("  ·  growth mean {mean:.3}, largest {max:.3}")
+            });
+            ui.label(format!(
+                "{} spheres{numbers}",
+                grouped(found.spheres.len() as u64)
+            ));
+        }
+        (Ok(_), None) => {}
+    }
+    let has_ends = app.view.has_probe && app.view.has_ends;
+    if app.view.level.is_some() || has_ends {
+        legend::show(ui);
+    }
+}

@@ -1,0 +1,82 @@
+//! What is drawn beside the mesh: spheres and lines, in drawn units.
+
+use bdtree_render::tightness::{colour, growth};
+use bdtree_render::{Line, NodeSphere, Sphere};
+
+use crate::app::{Answer, App};
+
+/// The probe.
+const PROBE: [u8; 4] = [255, 150, 30, 120];
+/// Where it touches, and which way it is pushed.
+const CONTACT: [u8; 4] = [214, 20, 60, 255];
+/// Opacity of the spheres in which a query ended.
+const ENDS: u8 = 46;
+/// Radius of contacts and length of their normals, over the probe's radius.
+const DOT: f32 = 0.035;
+const NORMAL: f32 = 0.25;
+
+/// Spheres and lines.
+#[derive(Debug, Default)]
+pub(crate) struct Shapes {
+    /// Spheres of the level, the probe, its contacts, the spheres in which its query ended.
+    pub spheres: Vec<Sphere>,
+    /// Normals of contacts.
+    pub lines: Vec<Line>,
+}
+
+impl Shapes {
+    /// Of what `app` shows.
+    pub(crate) fn of(app: &App<'_>) -> Self {
+        let mut shapes = Self::default();
+        let view = &app.view;
+        let sphere = |s: &NodeSphere, growth: f64, opacity: u8| {
+            let [r, g, b] = colour(growth);
+            Sphere {
+                centre: app.place().shown(s.centre),
+                radius: app.place().shown_length(s.radius),
+                colour: [r, g, b, opacity],
+            }
+        };
+        if let Ok(level) = &app.spheres {
+            let opacity = (255.0 * view.opacity).round() as u8;
+            let of_level = level.spheres.iter().zip(&level.growths);
+            let of_level = of_level.map(|(s, growth)| sphere(s, *growth, opacity));
+            shapes.spheres.extend(of_level);
+        }
+        if !view.has_probe {
+            return shapes;
+        }
+        let center = app.place().shown(view.probe.center);
+        let radius = app.place().shown_length(view.probe.radius);
+        shapes.spheres.push(Sphere {
+            centre: center,
+            radius,
+            colour: PROBE,
+        });
+        if let Some(Ok(answer)) = &app.answer {
+            if view.has_ends {
+                let ends = answer.ends.iter();
+                let ends = ends.map(|s| sphere(s, growth(s.radius, s.rest_radius), ENDS));
+                shapes.spheres.extend(ends);
+            }
+            shapes.contacts(app, answer, radius);
+        }
+        shapes
+    }
+
+    fn contacts(&mut self, app: &App<'_>, answer: &Answer, radius: f32) {
+        for contact in &answer.contacts {
+            let point = app.place().shown(contact.point);
+            let tip = [0, 1, 2].map(|k| point[k] + NORMAL * radius * contact.normal[k] as f32);
+            self.spheres.push(Sphere {
+                centre: point,
+                radius: DOT * radius,
+                colour: CONTACT,
+            });
+            self.lines.push(Line {
+                ends: [point, tip],
+                colour: CONTACT,
+            });
+        }
+    }
+}

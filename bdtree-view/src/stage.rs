@@ -1,0 +1,301 @@
+//! All that a window needs on the device, and one frame of it.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use bdtree_render::{Gpu, Image, RenderError};
+use egui::{CentralPanel, Frame, Margin, Panel, Sense, TextureId, Ui, ViewportId};
+use egui_wgpu::{RendererOptions, ScreenDescriptor};
+use wgpu::{FilterMode, Instance};
+use winit::event::WindowEvent;
+use winit::window::Window;
+
+use crate::app::{App, Grab};
+use crate::panel::{self, Status, Wish};
+use crate::picture::{BACKGROUND, Picture};
+use crate::surface::Screen;
+
+/// Points of the wheel that count as one step.
+const WHEEL: f32 = 40.0;
+
+/// A window with all that draws in it.
+pub(crate) struct Stage {
+    window: Arc<Window>,
+    gpu: Gpu,
+    screen: Screen,
+    egui: egui_winit::State,
+    painter: egui_wgpu::Renderer,
+    picture: Picture,
+    picture_id: TextureId,
+    status: Status,
+    last_frame: Instant,
+    frame_count: u64,
+}
+
+/// What comes after a frame.
+pub(crate) struct After {
+    /// When the next one is due, if nothing else happens.
+    pub(crate) delay: Duration,
+    /// What the window shows, if it was asked for.
+    pub(crate) copy: Option<Image>,
+}
+
+impl Stage {
+    /// On a window.
+    ///
+    /// # Errors
+    /// No adapter for it, an asset that the device does not take.
+    pub(crate) fn new(
+        instance: Instance,
+        window: Arc<Window>,
+        app: &App<'_>,
+        is_read: bool,
+    ) -> Result<Self, RenderError> {
+        let surface = instance.create_surface(window.clone());
+        let surface = surface.map_err(|error| RenderError::NoAdapter(error.to_string()))?;
+        let gpu = Gpu::for_surface(instance, Some(&surface))?;
+        let screen = Screen::new(&gpu, window.clone(), surface, is_read)?;
+        let context = egui::Context::default();
+        panel::dress(&context);
+        let egui = egui_winit::State::new(
+            context,
+            ViewportId::ROOT,
+            &window,
+            Some(window.scale_factor() as f32),
+            None,
+            Some(gpu.device.limits().max_texture_dimension_2d as usize),
+        );
+        let options = RendererOptions::default();
+        let mut painter = egui_wgpu::Renderer::new(&gpu.device, screen.format(), options);
+        let picture = Picture::new(&gpu, app)?;
+        let view = picture.texture().create_view(&Default::default());
+        let picture_id = painter.register_native_texture(&gpu.device, &view, FilterMode::Nearest);
+        gpu.check()?;
+        let status = Status {
+            adapter: gpu.adapter.get_info().name,
+            ..Status::default()
+        };
+        Ok(Self {
+            window,
+            gpu,
+            screen,
+            egui,
+            painter,
+            picture,
+            picture_id,
+            status,
+            last_frame: Instant::now(),
+            frame_count: 0,
+        })
+    }
+
+    /// Follows an event; whether that needs another frame is known to the window.
+    ///
+    /// # Errors
+    /// A size that the device does not take.
+    pub(crate) fn event(&mut self, event: &WindowEvent) -> Result<(), RenderError> {
+        if let WindowEvent::Resized(size) = event {
+            self.screen.resize(&self.gpu, [size.width, size.height])?;
+        }
+        if self.egui.on_window_event(&self.window, event).repaint {
+            self.window.request_redraw();
+        }
+        Ok(())
+    }
+
+    /// Draws a frame.
+    ///
+    /// # Errors
+    /// More than the device takes, a lost device or surface.
+    pub(crate) fn frame(&mut self, app: &mut App<'_>, copies: bool) -> Result<After, RenderError> {
+        let later = After {
+            delay: Duration::MAX,
+            copy: None,
+        };
+        let Some(target) = self.screen.next(&self.gpu)? else {
+            return Ok(later);
+        };
+        let begin = Instant::now();
+        app.advance((begin - self.last_frame).as_secs_f64());
+        self.last_frame = begin;
+        self.status.problem = self.picture.problem.clone();
+
+        let input = self.egui.take_egui_input(&self.window);
+        let context = self.egui.egui_ctx().clone();
+        let mut size = [0; 2];
+        let (status, picture_id) = (&self.status, self.picture_id);
+        let mut failure = None;
+        let mut output = context.run_ui(input, |ui| match lay_out(ui, app, status, picture_id) {
+            Ok(of_picture) => size = of_picture,
+            Err(problem) => failure = Some(problem),
+        });
+        // Out of there at once: egui panics where they are dropped unused, as errors would have it.
+        let textures = std::mem::take(&mut output.textures_delta.set);
+        let free_textures = std::mem::take(&mut output.textures_delta.free);
+        if let Some(problem) = failure {
+            self.status.problem = Some(problem);
+        }
+        let found_news = app.refresh();
+        self.egui
+            .handle_platform_output(&self.window, output.platform_output);
+
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        if self.picture.draw(&self.gpu, &mut encoder, app, size)? {
+            let view = self.picture.texture().create_view(&Default::default());
+            let filter = FilterMode::Nearest;
+            let id = self.picture_id;
+            self.painter
+                .update_egui_texture_from_wgpu_texture(device, &view, filter, id);
+        }
+        for (id, deltas) in &textures {
+            for delta in deltas {
+                self.painter.update_texture(device, queue, *id, delta);
+            }
+        }
+        let triangles = context.tessellate(output.shapes, output.pixels_per_point);
+        let descriptor = ScreenDescriptor {
+            size_in_pixels: self.screen.size(),
+            pixels_per_point: output.pixels_per_point,
+        };
+        let mut commands =
+            self.painter
+                .update_buffers(device, queue, &mut encoder, &triangles, &descriptor);
+        let view = target.texture.create_view(&Default::default());
+        self.paint(&mut encoder, &view, &triangles, &descriptor);
+        commands.push(encoder.finish());
+        self.gpu.queue.submit(commands);
+        for id in &free_textures {
+            self.painter.free_texture(id);
+        }
+        let copy = match copies {
+            true => Some(self.gpu.read_back(&target.texture)?),
+            false => None,
+        };
+        self.window.pre_present_notify();
+        self.gpu.queue.present(target);
+        self.gpu.check()?;
+        self.frame_count += 1;
+        self.status.frame_ms = Some(1e3 * begin.elapsed().as_secs_f64());
+        let delay = output.viewport_output.get(&ViewportId::ROOT);
+        let delay = delay.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        let is_moving = app.playback.is_playing || found_news;
+        Ok(After {
+            delay: if is_moving { Duration::ZERO } else { delay },
+            copy,
+        })
+    }
+
+    /// How many frames there have been.
+    pub(crate) fn frame_count(&self) -> u64 {
+        self.frame_count
+    }
+
+    /// The window.
+    pub(crate) fn window(&self) -> &Window {
+        &self.window
+    }
+
+    fn paint(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+        triangles: &[egui::ClippedPrimitive],
+        descriptor: &ScreenDescriptor,
+    ) {
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("window"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: None,
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        self.painter
+            .render(&mut pass.forget_lifetime(), triangles, descriptor);
+    }
+}
+
+/// Controls and picture; returns the picture's size in pixels, or what has failed.
+fn lay_out(
+    ui: &mut Ui,
+    app: &mut App<'_>,
+    status: &Status,
+    picture: TextureId,
+) -> Result<[u32; 2], String> {
+    let frame = Frame::new()
+        .fill(ui.visuals().panel_fill)
+        .inner_margin(Margin::symmetric(12, 10));
+    let wish = Panel::left("controls")
+        .resizable(false)
+        .exact_size(panel::WIDTH)
+        .frame(frame)
+        .show(ui, |ui| panel::show(ui, app, status))
+        .inner;
+    let [r, g, b, _] = BACKGROUND;
+    let frame = Frame::new().fill(egui::Color32::from_rgb(r, g, b));
+    let shown = CentralPanel::no_frame()
+        .frame(frame)
+        .show(ui, |ui| show_picture(ui, app, wish, picture));
+    let is_typing = ui.ctx().egui_wants_keyboard_input();
+    if !is_typing && ui.input(|input| input.key_pressed(egui::Key::Space)) {
+        app.playback.is_playing = !app.playback.is_playing && app.playback.frame_count() > 1;
+    }
+    shown.inner
+}
+
+/// The picture, and the mouse on it.
+fn show_picture(
+    ui: &mut Ui,
+    app: &mut App<'_>,
+    wish: Wish,
+    picture: TextureId,
+) -> Result<[u32; 2], String> {
+    let area = ui.available_rect_before_wrap();
+    let per_point = ui.ctx().pixels_per_point();
+    let size = [area.width(), area.height()].map(|n| (n * per_point).round().max(0.0) as u32);
+    let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+    ui.painter()
+        .image(picture, area, whole, egui::Color32::WHITE);
+    let response = ui.allocate_rect(area, Sense::click_and_drag());
+    if app.view.camera.is_none() || wish.fit {
+        let aspect = area.width().max(1.0) / area.height().max(1.0);
+        app.fit(aspect).map_err(|error| error.to_string())?;
+    }
+    let place = *app.place();
+    let pixels = |v: egui::Vec2| [v.x * per_point, v.y * per_point];
+    if response.drag_started()
+        && let Some(at) = ui.input(|input| input.pointer.press_origin())
+    {
+        let moves = response.drag_started_by(egui::PointerButton::Primary);
+        let is_pan = !moves || ui.input(|input| input.modifiers.shift);
+        app.grab = Some(match is_pan {
+            true => Grab::Pan,
+            false => app.view.grab(&place, pixels(at - area.min), size),
+        });
+    }
+    if response.dragged()
+        && let Some(grab) = app.grab
+    {
+        app.view
+            .drag(&place, grab, pixels(response.drag_delta()), size);
+    }
+    if response.drag_stopped() {
+        app.grab = None;
+    }
+    if response.hovered() {
+        let wheel = ui.input(|input| input.smooth_scroll_delta().y);
+        if wheel != 0.0 {
+            app.view.zoom(wheel / WHEEL);
+        }
+    }
+    Ok(size)
+}

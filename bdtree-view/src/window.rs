@@ -1,0 +1,206 @@
+//! The window and its events.
+
+use std::panic::{self, AssertUnwindSafe};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use bdtree_tools::{ToolError, write_whole};
+use wgpu::{Instance, InstanceDescriptor};
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Window, WindowId};
+
+use crate::app::App;
+use crate::stage::Stage;
+
+/// Frames before a screenshot: controls need some to find their sizes.
+const SETTLED: u64 = 6;
+
+/// Shows `app` in a window of `size` pixels until it is closed; with `screenshot` until it is drawn and
+/// copied there.
+///
+/// # Errors
+/// No display, no adapter, a lost device, an asset that the device does not take, a picture that cannot
+/// be written.
+pub(crate) fn run(
+    app: App<'_>,
+    size: [u32; 2],
+    screenshot: Option<&Path>,
+) -> Result<(), ToolError> {
+    contained(|| {
+        let events = EventLoop::new().map_err(|error| problem("no window", reason(&error)))?;
+        events.set_control_flow(ControlFlow::Wait);
+        let mut viewer = Viewer {
+            app,
+            size,
+            screenshot: screenshot.map(Path::to_path_buf),
+            stage: None,
+            failure: None,
+        };
+        let result = events.run_app(&mut viewer);
+        match viewer.failure {
+            Some(failure) => Err(failure),
+            None => result.map_err(|error| problem("window", reason(&error))),
+        }
+    })
+}
+
+struct Viewer<'a> {
+    app: App<'a>,
+    size: [u32; 2],
+    screenshot: Option<PathBuf>,
+    stage: Option<Stage>,
+    failure: Option<ToolError>,
+}
+
+impl Viewer<'_> {
+    /// Ends with the first failure.
+    fn end_if<T>(&mut self, events: &ActiveEventLoop, result: Result<T, ToolError>) -> Option<T> {
+        match result {
+            Ok(value) => Some(value),
+            Err(failure) => {
+                self.failure.get_or_insert(failure);
+                events.exit();
+                None
+            }
+        }
+    }
+
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<Stage, ToolError> {
+        let name = self.app.file().path().file_name().unwrap_or_default();
+        let name: String = name
+            .to_string_lossy()
+            .chars()
+            .filter(|c| !c.is_control())
+            .collect();
+        let [width, height] = self.size;
+        let attributes = Window::default_attributes()
+            .with_title(format!("{name} – bdtree"))
+            .with_inner_size(PhysicalSize::new(width, height));
+        let window = events
+            .create_window(attributes)
+            .map_err(|e| problem("no window", reason(&e)))?;
+        let display = Box::new(events.owned_display_handle());
+        let instance = Instance::new(InstanceDescriptor::new_with_display_handle(display));
+        let is_read = self.screenshot.is_some();
+        let stage = Stage::new(instance, Arc::new(window), &self.app, is_read);
+        stage.map_err(|error| problem(self.app.file().path().display(), error))
+    }
+
+    fn redraw(&mut self, events: &ActiveEventLoop) -> Result<(), ToolError> {
+        let Some(stage) = &mut self.stage else {
+            return Ok(());
+        };
+        let copies = self.screenshot.is_some() && stage.frame_count() >= SETTLED;
+        let path = self.app.file().path();
+        let after = stage.frame(&mut self.app, copies);
+        let after = after.map_err(|error| problem(path.display(), error))?;
+        if let (Some(copy), Some(path)) = (after.copy, &self.screenshot) {
+            write_whole(path, |w| copy.write_png(w))?;
+            events.exit();
+        } else if after.delay.is_zero() || self.screenshot.is_some() {
+            stage.window().request_redraw();
+        } else {
+            let next = Instant::now().checked_add(after.delay);
+            let next = next.filter(|_| after.delay < Duration::MAX);
+            events.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+        }
+        Ok(())
+    }
+}
+
+impl ApplicationHandler for Viewer<'_> {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.stage.is_none() {
+            let stage = self.open(events);
+            self.stage = self.end_if(events, stage);
+        }
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if let (StartCause::ResumeTimeReached { .. }, Some(stage)) = (cause, &self.stage) {
+            stage.window().request_redraw();
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        if self.failure.is_some() {
+            return;
+        }
+        match event {
+            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::RedrawRequested => {
+                let result = self.redraw(events);
+                self.end_if(events, result);
+            }
+            event => {
+                let Some(stage) = &mut self.stage else { return };
+                let path = self.app.file().path();
+                let result = stage.event(&event).map_err(|e| problem(path.display(), e));
+                self.end_if(events, result);
+            }
+        }
+    }
+}
+
+fn problem(place: impl std::fmt::Display, message: impl std::fmt::Display) -> ToolError {
+    ToolError::Input(vec![format!("{place}: {message}")])
+}
+
+/// An error of winit without the place in its source: `os error at /…/mod.rs:765: no display`.
+fn reason(error: &impl std::fmt::Display) -> String {
+    let text = error.to_string();
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let text = words.join(" ");
+    let of_os = text.strip_prefix("os error at ");
+    let cause = of_os.and_then(|rest| rest.split_once(".rs:")?.1.split_once(": "));
+    cause.map_or(text.clone(), |(_, cause)| cause.to_string())
+}
+
+/// Runs `f`; panics of the window system's crates (winit where libxkbcommon is missing, say) become errors.
+fn contained<T>(f: impl FnOnce() -> Result<T, ToolError>) -> Result<T, ToolError> {
+    let heard = Arc::new(Mutex::new(String::new()));
+    let note = heard.clone();
+    let before = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        let mut heard = note.lock().unwrap_or_else(PoisonError::into_inner);
+        if heard.is_empty() {
+            *heard = info.to_string();
+        }
+    }));
+    let result = panic::catch_unwind(AssertUnwindSafe(f));
+    panic::set_hook(before);
+    result.unwrap_or_else(|_| {
+        let heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
+        let words: Vec<&str> = heard.split_whitespace().collect();
+        Err(problem("window", words.join(" ")))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_in_other_peoples_source_are_left_out() {
+        let text = "os error at /x y/winit-0.30.13/src/mod.rs:788: no: display";
+        assert_eq!(reason(&text), "no: display");
+        assert_eq!(reason(&"os error: other"), "os error: other");
+    }
+
+    #[test]
+    fn panics_become_one_line() {
+        let error = contained::<()>(|| panic!("of\nothers"))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("window: ") && error.ends_with("of others"),
+            "{error}"
+        );
+        assert!(!error.contains('\n'));
+        assert_eq!(contained(|| Ok(7)).unwrap(), 7);
+    }
+}

@@ -1,0 +1,129 @@
+//! How the viewer ends: errors are one line and exit code 1, usage is 2.
+
+use std::process::{Command, Output};
+
+use crate::display::Display;
+use crate::file;
+
+/// The last line of standard error; graphics libraries may have written others before it.
+fn failed(output: &Output, code: i32) -> String {
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{text}");
+    assert!(!text.contains("panicked"), "{text}");
+    text.lines().last().expect("a reason").to_string()
+}
+
+fn run(command: &mut Command) -> Output {
+    command.output().expect("the viewer starts")
+}
+
+#[test]
+fn bad_files_and_options_are_named() {
+    let display = Display::start();
+    let line = failed(&run(display.viewer().arg("no such.bdt")), 1);
+    assert!(line.starts_with("no such.bdt: "), "{line}");
+    let line = failed(
+        &run(display
+            .viewer()
+            .arg(file("sphere.bdt"))
+            .args(["--spheres", "2"])),
+        1,
+    );
+    assert!(line.starts_with("--spheres: 2 is out of range"), "{line}");
+    let line = failed(
+        &run(display
+            .viewer()
+            .arg(file("sphere.bdt"))
+            .args(["--frame", "0"])),
+        1,
+    );
+    assert!(
+        line.starts_with("--frame: ") && line.ends_with("has no animation"),
+        "{line}"
+    );
+    let line = failed(
+        &run(display.viewer().arg(file("sphere.bdt")).args(["--q", "1"])),
+        1,
+    );
+    assert!(line.starts_with("--q: q has 1 number"), "{line}");
+    let usage = run(display
+        .viewer()
+        .arg(file("sphere.bdt"))
+        .args(["--size", "0x9"]));
+    assert_eq!(usage.status.code(), Some(2));
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let damaged = folder.path().join("damaged.bdt");
+    let mut bytes = std::fs::read(file("sphere.bdt")).expect("a golden file");
+    bytes[6000] ^= 0x40;
+    std::fs::write(&damaged, bytes).expect("written");
+    let line = failed(&run(display.viewer().arg(&damaged)), 1);
+    assert!(line.contains("damaged.bdt: section TRIS"), "{line}");
+}
+
+#[test]
+fn without_a_display_or_an_adapter_there_is_one_line() {
+    let display = Display::start();
+    let line = failed(
+        &run(display
+            .viewer()
+            .arg(file("sphere.bdt"))
+            .env_remove("DISPLAY")),
+        1,
+    );
+    assert!(
+        line.starts_with("no window: ") && !line.contains(".rs"),
+        "{line}"
+    );
+    let line = failed(
+        &run(display
+            .viewer()
+            .arg(file("sphere.bdt"))
+            .env("DISPLAY", ":64999")),
+        1,
+    );
+    assert!(
+        line.starts_with("no window: ") && !line.contains(".rs"),
+        "{line}"
+    );
+    let mut viewer = display.viewer();
+    viewer
+        .arg(file("sphere.bdt"))
+        .env("VK_DRIVER_FILES", "/nonexistent");
+    viewer.env("VK_ICD_FILENAMES", "/nonexistent");
+    let line = failed(&run(&mut viewer), 1);
+    assert!(
+        line.contains("sphere.bdt: no graphics adapter for Vulkan"),
+        "{line}"
+    );
+}
+
+#[test]
+fn a_window_beyond_the_devices_limit_is_refused() {
+    let display = Display::start();
+    let line = failed(
+        &run(display
+            .viewer()
+            .arg(file("sphere.bdt"))
+            .args(["--size", "30000x200"])),
+        1,
+    );
+    assert!(
+        line.contains("the window: 30000 pixels, the graphics device takes at most"),
+        "{line}"
+    );
+}
+
+#[test]
+fn a_screenshot_that_cannot_be_written_is_named() {
+    let display = Display::start();
+    let mut viewer = display.viewer();
+    viewer
+        .arg(file("sphere.bdt"))
+        .args(["--screenshot", "/no/such/folder/x.png"]);
+    let line = failed(&run(&mut viewer), 1);
+    assert!(
+        line.starts_with("/no/such/folder/x.png: cannot write"),
+        "{line}"
+    );
+}
