@@ -57,7 +57,7 @@ impl Random {
     fn step(&mut self, asset: &Asset<'_>, round: usize) -> [Vec<f32>; 2] {
         let from = self.q(asset, round);
         let mut to = self.q(asset, round / 5);
-        if round % 2 == 0 {
+        if round.is_multiple_of(2) {
             let share = 10_f64.powf(self.0.random_range(-7.0..-1.0)) as f32;
             for (to, from) in to.iter_mut().zip(&from) {
                 *to = from + share * (*to - from);
