@@ -23,8 +23,9 @@ pub enum Normals {
     /// There are none.
     None,
     /// Two tangents per vertex that move with q like positions do ([`NormalFields`]): near the exact ones
-    /// where the triangles around a vertex deform alike (figures: docs/skinning.md). Computed here, 24 bytes per
-    /// vertex and mode.
+    /// where the triangles around a vertex deform alike. Vertices where they are not are found at upload, and
+    /// compute passes do as `Exact` does there (figures: docs/skinning.md). Computed here, 24 bytes per vertex and
+    /// mode.
     Fields,
     /// The triangles around each vertex as deformed, weighted by area: what a mesh's normals are
     /// without tricks, from the positions that were written, so in compute passes only.
@@ -39,7 +40,7 @@ pub struct GpuAsset {
     pub(crate) points: Vec<BoundRange>,
     /// Of [`Normals::Fields`].
     pub(crate) tangents: Vec<BoundRange>,
-    /// Of [`Normals::Exact`].
+    /// Of [`Normals::Exact`], and of the vertices that [`Normals::Fields`] marks.
     pub(crate) rings: Vec<BoundRange>,
     indices: wgpu::Buffer,
     vertex_count: u32,
@@ -58,7 +59,7 @@ impl GpuAsset {
     ) -> Result<Self, GpuError> {
         let set = field_set(asset)?;
         let triangles = triangles(asset)?;
-        let ring = match normals {
+        let exact = match normals {
             Normals::Exact => Some(Ring::new(asset.vertex_count(), &triangles)?),
             _ => None,
         };
@@ -71,13 +72,19 @@ impl GpuAsset {
                 | wgpu::BufferUsages::STORAGE
                 | wgpu::BufferUsages::COPY_SRC;
             let indices = triangles.as_bytes();
-            let fields = fields.map(|f| f.set().upload(device, queue, layouts, "normal fields"));
+            let ring = exact
+                .as_ref()
+                .or(fields.as_ref().map(NormalFields::marked_ring));
+            let tangents = fields.as_ref().map(|fields| {
+                let what = "normal fields";
+                fields.set().upload(device, queue, layouts, what)
+            });
             let rings = ring.map(|ring| ring.upload(device, queue, layouts, set.mode_count));
             Ok(Self {
                 asset: identity(asset),
                 listed: set.listed(),
                 points: set.upload(device, queue, layouts, "displacements")?,
-                tangents: fields.transpose()?.unwrap_or_default(),
+                tangents: tangents.transpose()?.unwrap_or_default(),
                 rings: rings.transpose()?.unwrap_or_default(),
                 indices: filled(device, queue, "triangles", usage, &[indices])?,
                 vertex_count: asset.vertex_count() as u32,

@@ -9,7 +9,7 @@ pub(crate) struct Layouts {
     pub(crate) fields: wgpu::BindGroupLayout,
     /// Group 1: instances.
     pub(crate) instances: wgpu::BindGroupLayout,
-    /// Group 2: points or normals, written.
+    /// Group 2: points or normals from fields, written.
     pub(crate) output: wgpu::BindGroupLayout,
     /// Group 2 of exact normals: points, read, and normals, written.
     pub(crate) exact_output: wgpu::BindGroupLayout,

@@ -40,6 +40,7 @@ mod normal_fields;
 mod output;
 mod ranges;
 mod ring;
+mod samples;
 mod shader;
 mod skinner;
 mod tangents;

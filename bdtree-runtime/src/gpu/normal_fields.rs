@@ -13,6 +13,7 @@ use bdtree_format::VertexModes;
 use super::error::GpuError;
 use super::ranges::FieldSet;
 use super::ring::{Ring, triangles};
+use super::samples::Samples;
 use super::tangents::Around;
 use crate::contact::VertexId;
 use crate::math::{add, norm, scale};
@@ -29,11 +30,15 @@ pub struct NormalFields {
     /// As VMOD (SPEC 7.6), entries counted once for both tangents; empty where fields are of all modes.
     records: Vec<VertexModes>,
     lists: Vec<u16>,
+    /// Of the vertices at which the fields are too far off.
+    marked: Ring,
 }
 
 impl NormalFields {
     /// The fields of an asset. Where vertices list their modes, a vertex's fields are of the modes that
-    /// move it or a vertex of its triangles.
+    /// move it or a vertex of its triangles. Tried at poses that move the farthest vertex by a tenth of the
+    /// diagonal, each mode alone and fixed mixtures: vertices that are off by more than 0.3° in any are
+    /// marked.
     ///
     /// # Errors
     /// Records that break the format's rules; sizes beyond 32 bits.
@@ -42,12 +47,15 @@ impl NormalFields {
         let ring = Ring::new(vertex_count, &triangles(asset)?)?;
         let listed = asset.lists_modes();
         let amplitudes = amplitudes(asset);
+        let samples = Samples::new(asset)?;
+        let mut marked = Vec::new();
         let mut made = Self {
             mode_count,
             rest: Vec::with_capacity(2 * vertex_count),
             fields: Vec::new(),
             records: Vec::new(),
             lists: Vec::new(),
+            marked: ring.of(Vec::new()),
         };
         let all: Vec<u16> = (0..mode_count as u16).collect();
         let mut known = BTreeMap::new();
@@ -60,6 +68,9 @@ impl NormalFields {
             around.gather(asset, ring.around(vertex), vertex, &modes)?;
             let amplitudes: Vec<f64> = modes.iter().map(|j| amplitudes[usize::from(*j)]).collect();
             let tangents = around.tangents(&amplitudes);
+            if samples.off(&around, &tangents, &modes) {
+                marked.push(vertex as u32);
+            }
             if listed {
                 let first_entry = made.fields.len() / 2;
                 let end = made.lists.len();
@@ -88,13 +99,29 @@ impl NormalFields {
                 mode_list_start: 0,
             });
         }
+        made.marked = ring.of(marked);
         Ok(made)
     }
 
     /// Bytes of all numbers on the device.
     pub fn bytes(&self) -> u64 {
         let lists = 8 * self.records.len() + 2 * self.lists.len();
-        (12 * (self.rest.len() + self.fields.len()) + lists) as u64
+        (12 * (self.rest.len() + self.fields.len()) + lists) as u64 + self.marked_bytes()
+    }
+
+    /// Those that marked vertices need.
+    pub fn marked_bytes(&self) -> u64 {
+        8 * (self.marked.vertices.len() + self.marked.corners.len()) as u64
+    }
+
+    /// Vertices at which the fields are too far off, ascending: compute passes take their normals from the
+    /// triangles around them instead, as [`Normals::Exact`](super::Normals::Exact) does of all.
+    pub fn marked(&self) -> &[u32] {
+        &self.marked.vertices
+    }
+
+    pub(crate) fn marked_ring(&self) -> &Ring {
+        &self.marked
     }
 
     /// Both tangents of a vertex at q, in stored axes, formed in f64, each with the sum of the lengths

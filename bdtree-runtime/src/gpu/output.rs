@@ -18,7 +18,7 @@ pub struct Output {
     pub(crate) capacity: u32,
     pub(crate) positions: wgpu::Buffer,
     pub(crate) normals: Option<wgpu::Buffer>,
-    /// Group 2 of the passes for positions and for normals.
+    /// Group 2 of the passes for positions, and with normals of those from fields and of exact ones.
     pub(crate) groups: Vec<wgpu::BindGroup>,
 }
 

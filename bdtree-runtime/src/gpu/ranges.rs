@@ -134,32 +134,33 @@ impl Ring {
         layouts: &Layouts,
         mode_count: usize,
     ) -> Result<Vec<BoundRange>, GpuError> {
-        let total = self.starts.len() - 1;
         let what = "triangles around vertices";
         let entries = |range: &Range<usize>| {
             self.starts[range.start] as usize..self.starts[range.end] as usize
         };
         let bytes =
             |range: &Range<usize>| (8 * entries(range).len()).max(4 * (range.len() + 1)) as u64;
-        let ranges = split(total, largest_binding(device), what, bytes)?;
+        let ranges = split(self.starts.len() - 1, largest_binding(device), what, bytes)?;
         let storage = wgpu::BufferUsages::STORAGE;
         let make = |range: Range<usize>| {
             let entries = entries(&range);
             let numbers = Numbers {
                 count: range.len(),
                 first: range.start,
-                total,
+                total: self.vertex_count,
                 mode_count,
                 entry_base: entries.start,
                 list_base: 0,
             };
             let starts = &self.starts[range.start..=range.end];
             let corners = &self.corners[entries];
+            // Empty where of all.
+            let vertices = self.vertices.get(range.clone()).unwrap_or_default();
             let buffers = [
                 numbers.upload(device, queue)?,
                 filled(device, queue, what, storage, &[starts.as_bytes()])?,
                 filled(device, queue, what, storage, &[corners.as_bytes()])?,
-                filled(device, queue, what, storage, &[])?,
+                filled(device, queue, what, storage, &[vertices.as_bytes()])?,
             ];
             Ok(BoundRange {
                 count: range.len() as u32,

@@ -29,6 +29,10 @@ pub(crate) fn triangles(asset: &Asset<'_>) -> Result<Vec<[u32; 3]>, GpuError> {
 /// left out, as they have no area.
 #[derive(Debug)]
 pub(crate) struct Ring {
+    /// Of the mesh.
+    pub(crate) vertex_count: usize,
+    /// Which vertices these are of; empty where of all, in their order.
+    pub(crate) vertices: Vec<u32>,
     /// Where each vertex's begin in `corners`, and one more.
     pub(crate) starts: Vec<u32>,
     /// The two other corners of each, in the triangle's order.
@@ -62,11 +66,32 @@ impl Ring {
                 *place += 1;
             }
         }
-        Ok(Self { starts, corners })
+        Ok(Self {
+            vertex_count,
+            vertices: Vec::new(),
+            starts,
+            corners,
+        })
     }
 
-    /// The triangles around a vertex.
-    pub(crate) fn around(&self, vertex: usize) -> &[[u32; 2]] {
-        &self.corners[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    /// Those of some vertices, of the ring of all.
+    pub(crate) fn of(&self, vertices: Vec<u32>) -> Self {
+        let mut starts = vec![0];
+        let mut corners = Vec::new();
+        for vertex in &vertices {
+            corners.extend(self.around(*vertex as usize));
+            starts.push(corners.len() as u32);
+        }
+        Self {
+            vertex_count: self.vertex_count,
+            vertices,
+            starts,
+            corners,
+        }
+    }
+
+    /// The triangles around the vertex of that place.
+    pub(crate) fn around(&self, place: usize) -> &[[u32; 2]] {
+        &self.corners[self.starts[place] as usize..self.starts[place + 1] as usize]
     }
 }

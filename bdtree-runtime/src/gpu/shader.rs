@@ -17,7 +17,7 @@ pub(crate) enum Pass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Variant {
     pub(crate) pass: Pass,
-    /// Whether vertices list their modes.
+    /// Whether vertices list their modes; of exact normals, whether there is a list of vertices.
     pub(crate) listed: bool,
     /// Whether a thread does eight instances, or one.
     pub(crate) wide: bool,
@@ -67,7 +67,10 @@ impl Variant {
                     true => include_str!("shaders/gather_8.wgsl"),
                     false => include_str!("shaders/gather_1.wgsl"),
                 },
-                "",
+                match self.listed {
+                    true => include_str!("shaders/exact_listed.wgsl"),
+                    false => include_str!("shaders/exact_all.wgsl"),
+                },
             ],
         };
         let mut text = String::new();

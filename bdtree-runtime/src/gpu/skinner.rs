@@ -95,13 +95,9 @@ impl Skinner {
             let mut groups = Vec::from([bind(&self.device, &self.layouts.output, &[&positions])]);
             let normals = match asset.normals() {
                 Normals::None => None,
-                Normals::Fields => {
+                Normals::Fields | Normals::Exact => {
                     let normals = self.buffer("normals", size, usage);
                     groups.push(bind(&self.device, &self.layouts.output, &[&normals]));
-                    Some(normals)
-                }
-                Normals::Exact => {
-                    let normals = self.buffer("normals", size, usage);
                     let both = [&positions, &normals];
                     groups.push(bind(&self.device, &self.layouts.exact_output, &both));
                     Some(normals)
@@ -149,14 +145,17 @@ impl Skinner {
                 timestamp_writes: None,
             });
             pass.set_bind_group(1, &instances.group, &[]);
-            let mut run = |pass_of: Pass, ranges: &[BoundRange], group: &wgpu::BindGroup| {
+            let mut run = |kind: Pass, listed: bool, ranges: &[BoundRange], group: usize| {
+                if ranges.is_empty() {
+                    return Ok(());
+                }
                 let variant = Variant {
-                    pass: pass_of,
-                    listed: asset.listed && pass_of != Pass::Exact,
+                    pass: kind,
+                    listed,
                     wide: instances.len() >= WIDE_FROM,
                 };
                 pass.set_pipeline(self.pipeline(variant)?);
-                pass.set_bind_group(2, group, &[]);
+                pass.set_bind_group(2, &output.groups[group], &[]);
                 for range in ranges {
                     pass.set_bind_group(0, &range.group, &[]);
                     let tiles = u64::from(range.count.div_ceil(64));
@@ -166,11 +165,14 @@ impl Skinner {
                 }
                 Ok::<_, GpuError>(())
             };
-            run(Pass::Points, &asset.points, &output.groups[0])?;
+            run(Pass::Points, asset.listed, &asset.points, 0)?;
             match asset.normals() {
                 Normals::None => Ok(()),
-                Normals::Fields => run(Pass::Normals, &asset.tangents, &output.groups[1]),
-                Normals::Exact => run(Pass::Exact, &asset.rings, &output.groups[1]),
+                Normals::Fields => {
+                    run(Pass::Normals, asset.listed, &asset.tangents, 1)?;
+                    run(Pass::Exact, true, &asset.rings, 2)
+                }
+                Normals::Exact => run(Pass::Exact, false, &asset.rings, 2),
             }
         })
     }

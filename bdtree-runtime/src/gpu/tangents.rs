@@ -33,6 +33,18 @@ pub(crate) struct Tangents {
     pub(crate) moved: Vec<[[f32; 3]; 2]>,
 }
 
+impl Tangents {
+    /// Both at q, of modes by their place among the vertex's.
+    pub(crate) fn at(&self, q: &[(usize, f64)]) -> [[f64; 3]; 2] {
+        [0, 1].map(|side| {
+            let rest = self.rest[side].map(f64::from);
+            q.iter().fold(rest, |sum, (k, q)| {
+                add_scaled(sum, *q, self.moved[*k][side].map(f64::from))
+            })
+        })
+    }
+}
+
 impl Around {
     pub(crate) fn gather(
         &mut self,
@@ -62,6 +74,20 @@ impl Around {
             self.moved.extend(edges);
         }
         Ok(())
+    }
+
+    /// The exact normal at q, weighted by area, and the sum of the lengths of its terms, Σ ‖e‖ ‖f‖.
+    pub(crate) fn normal(&self, q: &[(usize, f64)]) -> ([f64; 3], f64) {
+        let mut sum = ([0.0; 3], 0.0);
+        for (i, rest) in self.rest.iter().enumerate() {
+            let [e, f] = [0, 1].map(|side| {
+                q.iter().fold(rest[side], |sum, (k, q)| {
+                    add_scaled(sum, *q, self.of(*k)[i][side])
+                })
+            });
+            sum = (add(sum.0, cross(e, f)), sum.1 + norm(e) * norm(f));
+        }
+        sum
     }
 
     /// Edges' changes by a mode.

@@ -31,7 +31,31 @@ pub fn positions(
     Ok((0..set.rest.len()).map(one).collect())
 }
 
-/// Normals of all vertices of an instance from fields, as `finish_normals.wgsl` and
+/// Normals of all vertices of an instance as compute passes of [`Normals::Fields`](super::Normals::Fields) leave
+/// them: from fields, but of marked vertices from `positions`, those of the instance.
+///
+/// # Errors
+/// Those of [`field_normals`] and [`exact_normals`].
+pub fn normals(
+    asset: &Asset<'_>,
+    fields: &NormalFields,
+    instances: &Instances,
+    instance: u32,
+    positions: &[[f32; 3]],
+) -> Result<Vec<[f32; 3]>, GpuError> {
+    let mut all = field_normals(asset, fields, instances, instance)?;
+    if positions.len() < asset.vertex_count() {
+        return Err(GpuError::Mismatch("the positions were"));
+    }
+    let ring = fields.marked_ring();
+    for (place, vertex) in ring.vertices.iter().enumerate() {
+        let vertex = *vertex as usize;
+        all[vertex] = exact(positions, positions[vertex], ring.around(place));
+    }
+    Ok(all)
+}
+
+/// Normals of all vertices of an instance from fields alone, as `finish_normals.wgsl` and
 /// `vertex_normals.wgsl` compute them.
 ///
 /// # Errors
@@ -65,22 +89,24 @@ pub fn exact_normals(asset: &Asset<'_>, positions: &[[f32; 3]]) -> Result<Vec<[f
         return Err(GpuError::Mismatch("the positions were"));
     }
     let ring = Ring::new(n, &triangles(asset)?)?;
-    let one = |vertex: usize| {
-        let p = positions[vertex];
-        let mut sum = [0.0; 3];
-        for others in ring.around(vertex) {
-            let [e, f] = others.map(|v| {
-                let x = positions[v as usize];
-                [x[0] - p[0], x[1] - p[1], x[2] - p[2]]
-            });
-            let area = cross(e, f);
-            for k in 0..3 {
-                sum[k] += area[k];
-            }
-        }
-        normalized(sum)
-    };
+    let one = |vertex: usize| exact(positions, positions[vertex], ring.around(vertex));
     Ok((0..n).map(one).collect())
+}
+
+/// The normal at p of the triangles around it.
+fn exact(positions: &[[f32; 3]], p: [f32; 3], around: &[[u32; 2]]) -> [f32; 3] {
+    let mut sum = [0.0; 3];
+    for others in around {
+        let [e, f] = others.map(|v| {
+            let x = positions[v as usize];
+            [x[0] - p[0], x[1] - p[1], x[2] - p[2]]
+        });
+        let area = cross(e, f);
+        for k in 0..3 {
+            sum[k] += area[k];
+        }
+    }
+    normalized(sum)
 }
 
 fn check(asset: &Asset<'_>, instances: &Instances, instance: u32) -> Result<(), GpuError> {

@@ -12,7 +12,7 @@ use super::skinner::Skinner;
 
 /// WGSL that defines `bdtree_vertex(vertex: u32, instance: u32) -> BdtreeVertex`, with fields
 /// `position` and `normal`, to be put before an engine's own shader; all its names begin with `bdtree_` or `Bdtree`. Bindings
-/// 0 to 7 of bind group `group` are its own.
+/// 0 to 7 of bind group `group` are its own. Normals are from fields alone, also at marked vertices.
 ///
 /// # Errors
 /// [`Normals::Exact`], which no vertex shader can compute from one vertex.

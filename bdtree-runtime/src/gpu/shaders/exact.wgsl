@@ -23,7 +23,7 @@ fn main(
     var y = splat(0.0);
     var z = splat(0.0);
     if (first + t < params.count) {
-        let own = params.first + first + t;
+        let own = vertex_at(first + t);
         let end = starts[first + t + 1u] - params.entry_base;
         let p = point(block, own);
         for (var k = starts[first + t] - params.entry_base; k < end; k++) {
@@ -41,7 +41,7 @@ fn main(
     stage(t, 1u, done[1]);
     stage(t, 2u, done[2]);
     workgroupBarrier();
-    write_staged(t, block, first);
+    write(t, block, first);
 }
 
 fn point(block: u32, vertex: u32) -> array<Lanes, 3> {

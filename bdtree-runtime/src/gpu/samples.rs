@@ -1,0 +1,122 @@
+//! Poses at which normals from fields are tried, to find the vertices where they are too far off.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use bdtree_format::ModeRecord;
+
+use super::error::GpuError;
+use super::tangents::{Around, Tangents};
+use crate::contact::VertexId;
+use crate::math::{add_scaled, cross, dot, norm, sub};
+use crate::view::Asset;
+
+/// The farthest vertex moves by so much of the diagonal of the rest positions' box.
+const SHARE: f64 = 0.1;
+/// Poses of all modes at once, beside each mode alone and pairs of modes.
+const MIXTURES: u64 = 32;
+/// Up to so many modes pairs of them are tried.
+const PAIRED_MODES: usize = 24;
+/// Cosine of the angle from which on a vertex counts, 0.3°: other poses are off by more than these, and are
+/// to stay within a degree.
+const COSINE: f64 = 0.999_986_292_247_427_1;
+/// Shorter than this of the sum of its terms' lengths a normal cancels: nothing to compare with.
+const CANCELS: f64 = 1e-3;
+
+/// Modes and their q in each pose; each is tried in both directions. All move the farthest vertex alike, as far as
+/// `q_limit` allows.
+pub(crate) struct Samples(Vec<Vec<(u16, f64)>>);
+
+impl Samples {
+    pub(crate) fn new(asset: &Asset<'_>) -> Result<Self, GpuError> {
+        let far = SHARE * diagonal(asset);
+        let one = |record: &ModeRecord| {
+            let most = f64::from(record.field_norm_max.get());
+            if most > 0.0 { far / most } else { 0.0 }
+        };
+        let reach: Vec<f64> = asset.modes().iter().map(one).collect();
+        let modes = 0..reach.len() as u16;
+        let of = |mode: u16, part: f64| (mode, part * reach[usize::from(mode)]);
+        let mut poses: Vec<Vec<_>> = modes.clone().map(|j| vec![of(j, 1.0)]).collect();
+        if reach.len() <= PAIRED_MODES {
+            let pairs = modes.clone().flat_map(|j| (0..j).map(move |k| (j, k)));
+            poses.extend(
+                pairs.flat_map(|(j, k)| [1.0, -1.0].map(|sign| vec![of(j, 1.0), of(k, sign)])),
+            );
+        }
+        let mixture = |seed| modes.clone().map(|j| of(j, part(seed, j.into()))).collect();
+        poses.extend((0..MIXTURES).map(mixture));
+        for pose in &mut poses {
+            let most = farthest(asset, pose)?;
+            let scale = if most > 0.0 { far / most } else { 0.0 };
+            for (mode, q) in pose {
+                let limit = f64::from(asset.modes()[usize::from(*mode)].q_limit.get());
+                *q = (*q * scale).clamp(-limit, limit);
+            }
+        }
+        Ok(Self(poses))
+    }
+
+    /// Whether the normal of a vertex's tangents is more than 0.3° from the exact one in any pose; `modes`
+    /// ascend.
+    pub(crate) fn off(&self, around: &Around, tangents: &Tangents, modes: &[u16]) -> bool {
+        self.0.iter().any(|pose| {
+            let place = |(mode, q): &(u16, f64)| Some((modes.binary_search(mode).ok()?, *q));
+            let mut q: Vec<(usize, f64)> = pose.iter().filter_map(place).collect();
+            off(around, tangents, &q) || {
+                q.iter_mut().for_each(|(_, q)| *q = -*q);
+                off(around, tangents, &q)
+            }
+        })
+    }
+}
+
+/// `q` lists modes by their place among the vertex's.
+fn off(around: &Around, tangents: &Tangents, q: &[(usize, f64)]) -> bool {
+    let (exact, size) = around.normal(q);
+    let length = norm(exact);
+    if !(length > CANCELS * size) {
+        return false;
+    }
+    let [a, b] = tangents.at(q);
+    let normal = cross(a, b);
+    // A normal that is zero or no number is off.
+    !(dot(normal, exact) >= COSINE * norm(normal) * length && norm(normal) > 0.0)
+}
+
+/// A number in [−1, 1), the same on every machine.
+fn part(seed: u64, mode: u64) -> f64 {
+    // SplitMix64 (Steele, Lea & Flood 2014).
+    let mut x = (seed << 32 | mode)
+        .wrapping_add(1)
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^= x >> 31;
+    (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+fn diagonal(asset: &Asset<'_>) -> f64 {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for p in asset.positions {
+        for k in 0..3 {
+            low[k] = low[k].min(f64::from(p[k]));
+            high[k] = high[k].max(f64::from(p[k]));
+        }
+    }
+    norm(sub(high, low))
+}
+
+/// How far a pose moves the vertex that it moves farthest.
+fn farthest(asset: &Asset<'_>, pose: &[(u16, f64)]) -> Result<f64, GpuError> {
+    let mut most = 0.0_f64;
+    for vertex in 0..asset.vertex_count() as u32 {
+        let fields = asset.displacements(VertexId(vertex))?;
+        let by = pose.iter().fold([0.0; 3], |sum, (mode, q)| {
+            add_scaled(sum, *q, fields.of(usize::from(*mode)).map(f64::from))
+        });
+        most = most.max(norm(by));
+    }
+    Ok(most)
+}
