@@ -6,16 +6,18 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 missing=()
+# Not in the path of every user. Read whole: a pipe that grep closes early would be an error.
+libraries=$(PATH=$PATH:/usr/sbin:/sbin ldconfig -p)
 command -v gcc >/dev/null || missing+=(gcc libc6-dev)
 command -v python3 >/dev/null || missing+=(python3)
 # Drawing and skinning are tested on the processor: lavapipe and the Vulkan loader.
 compgen -G '/usr/share/vulkan/icd.d/lvp_icd*.json' >/dev/null || missing+=(mesa-vulkan-drivers)
-ldconfig -p | grep -q 'libvulkan\.so\.1' || missing+=(libvulkan1)
+[[ $libraries == *libvulkan.so.1* ]] || missing+=(libvulkan1)
 # The viewer's window: a display in memory, and the X libraries that winit opens when it runs.
 command -v Xvfb >/dev/null || missing+=(xvfb)
 for library in X11:libx11-6 X11-xcb:libx11-xcb1 xcb:libxcb1 Xcursor:libxcursor1 Xi:libxi6 \
     xkbcommon:libxkbcommon0 xkbcommon-x11:libxkbcommon-x11-0; do
-    ldconfig -p | grep -q "lib${library%%:*}\.so\." || missing+=("${library##*:}")
+    [[ $libraries == *"lib${library%%:*}.so."* ]] || missing+=("${library##*:}")
 done
 
 if ((${#missing[@]})); then

@@ -33,7 +33,7 @@ pub enum RenderError {
         unit: &'static str,
     },
     /// An asset could not be deformed on the device.
-    #[error("graphics device: {0}")]
+    #[error("{0}")]
     Skinning(#[from] GpuError),
     /// The device was lost, ran out of memory or refused an operation.
     #[error("graphics device: {0}")]

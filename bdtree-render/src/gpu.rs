@@ -113,11 +113,9 @@ impl Gpu {
     /// # Errors
     /// As of [`Gpu::check`].
     pub fn finish(&self) -> Result<(), RenderError> {
-        let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
+        let waited = bdtree_runtime::gpu::wait(&self.device);
         self.check()?;
-        waited
-            .map(|_| ())
-            .map_err(|error| RenderError::Device(error.to_string()))
+        Ok(waited?)
     }
 
     /// Checks that a buffer of so many bytes may be made.

@@ -160,10 +160,10 @@ pub struct RenderArguments {
     /// Draw the spheres of a level of the tree, 0 being the root's (`info` lists the levels)
     #[arg(long, value_name = "LEVEL")]
     pub spheres: Option<usize>,
-    /// Place FILE as a scene does, beside its other instances, and draw the spheres in which its
+    /// Place FILE as a scene does (its q instead of the scene's with --q or --frame), beside its other instances, and draw the spheres in which its
     /// queries end in FILE: those of visited nodes that lead to no other visited one (with
     /// --spheres: those of visited nodes of that level)
-    #[arg(long, value_name = "SCENE.json", conflicts_with_all = ["q", "frame", "frames"])]
+    #[arg(long, value_name = "SCENE.json", conflicts_with = "frames")]
     pub query: Option<PathBuf>,
     /// What a sphere's radius is divided by for its colour: that of the wrapped sphere at rest, as in
     /// the paper, or that of the smallest ball around the deformed vertices it holds

@@ -57,6 +57,19 @@ pub fn run(
 }
 
 fn open(arguments: &Arguments) -> Result<(), ToolError> {
+    if let Some(path) = &arguments.screenshot {
+        let problem = |what: &str| ToolError::Input(vec![format!("{}: {what}", path.display())]);
+        if !path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+        {
+            return Err(problem("unknown extension: .png can be written"));
+        }
+        let both = (path.canonicalize(), arguments.file.canonicalize());
+        if matches!(both, (Ok(to), Ok(from)) if to == from) {
+            return Err(problem("is the input: it would be overwritten"));
+        }
+    }
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;
     let frame = arguments.frame.or(arguments.play.then_some(0));

@@ -1,10 +1,11 @@
 //! Skinning on a GPU: every vertex of every instance within the bound that the instance states, in
 //! compute passes and in a vertex shader.
 
+use bdtree_build::input::read_mesh;
 use bdtree_runtime::gpu::{Normals, twin};
-use bdtree_runtime::{Asset, Pose, Transform, VertexId};
+use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform, VertexId};
 use bdtree_tests::gpu::{self, Gpu};
-use bdtree_tests::{bake, poses};
+use bdtree_tests::{bake, fixtures, poses};
 
 fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|c| c * c).sum::<f64>().sqrt()
@@ -32,9 +33,26 @@ fn used(
 
 #[test]
 fn positions_are_within_their_bound() {
+    check(gpu::assets());
+}
+
+/// Every mesh of fixtures/, whatever is wrong with its triangles.
+#[test]
+fn positions_of_all_fixtures_are_within_their_bound() {
+    let mut all = Vec::new();
+    for fixture in fixtures::meshes().filter(|f| !f.is_large && !f.is_broken) {
+        let mesh = read_mesh(&fixtures::path(fixture.name)).expect("a mesh");
+        let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 3));
+        all.push((fixture.name.to_string(), bytes));
+    }
+    assert!(all.len() > 20, "{}", all.len());
+    check(all);
+}
+
+fn check(assets: Vec<(String, AlignedBytes)>) {
     let gpu = Gpu::new();
     let mut twins_equal = true;
-    for (seed, (name, bytes)) in (0..).zip(gpu::assets()) {
+    for (seed, (name, bytes)) in (0..).zip(assets) {
         let asset = Asset::open(&bytes).expect("open");
         let placed = gpu::placed(&asset, seed);
         let n = asset.vertex_count();

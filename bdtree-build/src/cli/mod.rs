@@ -53,21 +53,16 @@ pub(crate) fn run(arguments: &Arguments) -> ExitCode {
     }
 }
 
-/// A problem with the name of the main file before it, unless it names a file or an option itself.
+/// A problem with the name of the main file before it where its place is one in a mesh, of which later
+/// stages do not know where it came from.
 fn of_file<'p>(problem: &'p Problem, arguments: &Arguments) -> Cow<'p, Problem> {
-    let mut files = arguments.inputs();
-    files.extend(arguments.output.as_deref());
-    let mut names = files.iter().filter_map(|path| path.file_name());
-    let named = names.any(|name| problem.place.contains(&*name.to_string_lossy()));
+    let parts = ["vertex ", "triangle ", "mode ", "frame "];
+    let in_mesh = parts.iter().any(|part| problem.place.starts_with(part));
     match arguments.main_file() {
-        Some(file) if !named && !problem.place.starts_with('-') => {
-            let places = [&*file.to_string_lossy(), &problem.place].map(str::to_string);
-            let places = places.into_iter().filter(|place| !place.is_empty());
-            Cow::Owned(Problem {
-                place: places.collect::<Vec<_>>().join(": "),
-                ..problem.clone()
-            })
-        }
+        Some(file) if in_mesh => Cow::Owned(Problem {
+            place: format!("{}: {}", file.display(), problem.place),
+            ..problem.clone()
+        }),
         _ => Cow::Borrowed(problem),
     }
 }

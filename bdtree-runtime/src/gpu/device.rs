@@ -84,7 +84,10 @@ fn is_lost(device: &wgpu::Device) -> bool {
 }
 
 /// Waits for all that was submitted.
-pub(crate) fn wait(device: &wgpu::Device) -> Result<(), GpuError> {
+///
+/// # Errors
+/// [`GpuError::DeviceLost`].
+pub fn wait(device: &wgpu::Device) -> Result<(), GpuError> {
     // wgpu panics where the driver loses the device while it waits.
     let waited = catch_unwind(AssertUnwindSafe(|| {
         device.poll(wgpu::PollType::wait_indefinitely())

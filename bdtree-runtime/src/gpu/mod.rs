@@ -48,7 +48,7 @@ pub mod twin;
 mod vertex;
 
 pub use asset::{GpuAsset, Normals};
-pub use device::request_device;
+pub use device::{request_device, wait};
 pub use error::GpuError;
 pub use instances::Instances;
 pub use normal_fields::NormalFields;

@@ -18,6 +18,7 @@ pub use crate::cli::RenderArguments as Arguments;
 use crate::error::ToolError;
 use crate::frames::frame_of;
 use crate::output::write_whole;
+use crate::posture::posture;
 use crate::q::{checked_q, counted};
 use crate::scene::Scene;
 use crate::{AssetFile, DONE};
@@ -31,9 +32,15 @@ pub use report::{Growth, Report, SphereLine};
 /// A file that cannot be read or breaks the format's rules, q, a frame, a level or a scene that does not
 /// fit it, no graphics adapter or one that it is too large for, an output that cannot be written.
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
-    let targets = targets(arguments)?;
+    check_output(arguments)?;
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;
+    if let Some(range) = arguments.frames {
+        // Before paths are made for all of them.
+        let name = file.path().display().to_string();
+        frame_of(&asset, &name, range.last).map_err(|e| ToolError::input("--frames", e))?;
+    }
+    let targets = targets(arguments)?;
     if let Some(level) = arguments.spheres
         && level >= asset.depth()
     {
@@ -44,7 +51,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     }
     match &arguments.query {
         Some(path) => {
-            let scene = Scene::load(path, !arguments.no_verify)?;
+            let mut scene = Scene::load(path, !arguments.no_verify)?;
+            if arguments.q.is_some() || arguments.frame.is_some() {
+                let posture = posture(&file, &asset, arguments.q.as_ref(), arguments.frame)?;
+                visited::put(&mut scene, &file, &posture)?;
+            }
             paint(
                 arguments,
                 &targets,
@@ -60,14 +71,19 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     Ok(DONE)
 }
 
-/// The frame of each picture, if it is one of a sequence, and its file.
-fn targets(arguments: &Arguments) -> Result<Vec<(Option<u64>, PathBuf)>, ToolError> {
+fn check_output(arguments: &Arguments) -> Result<(), ToolError> {
     let path = &arguments.output;
     let is_png = |e: &str| e.eq_ignore_ascii_case("png");
     if !path.extension().and_then(OsStr::to_str).is_some_and(is_png) {
         let message = "unknown extension: .png can be written";
         return Err(ToolError::input(path.display(), message));
     }
+    Ok(())
+}
+
+/// The frame of each picture, if it is one of a sequence, and its file.
+fn targets(arguments: &Arguments) -> Result<Vec<(Option<u64>, PathBuf)>, ToolError> {
+    let path = &arguments.output;
     let Some(range) = arguments.frames else {
         return Ok(vec![(None, path.clone())]);
     };
@@ -76,12 +92,6 @@ fn targets(arguments: &Arguments) -> Result<Vec<(Option<u64>, PathBuf)>, ToolErr
         path.map(|path| (Some(frame), path))
     });
     let missing = "has no place for the frame's number: write it as %d or %04d";
-    // As many as an asset may have frames.
-    let count = range.last - range.first;
-    if count > u64::from(u32::MAX) {
-        let message = format!("{count} frames are more than a file can hold");
-        return Err(ToolError::input("--frames", message));
-    }
     frames
         .collect::<Option<_>>()
         .ok_or_else(|| ToolError::input(path.display(), missing))

@@ -6,7 +6,7 @@
 
 use bdtree_format::NodeRecord;
 use bdtree_render::NodeSphere;
-use bdtree_runtime::{LeafSlot, NodeSlot, StepCache};
+use bdtree_runtime::{LeafSlot, NodeSlot, StepCache, Transform};
 
 use super::body::{Body, Posture};
 use super::picture::{Content, Frame, of_nodes};
@@ -69,6 +69,26 @@ pub(super) fn shown<'a>(
         content,
         nodes_visited: Some(count),
     })
+}
+
+/// Gives the instances of the file another q, and the motion of the frame that it is from.
+///
+/// # Errors
+/// A placement that both together are too large for.
+pub(super) fn put(
+    scene: &mut Scene,
+    file: &AssetFile,
+    (q, motion): &(Vec<f32>, Transform),
+) -> Result<(), ToolError> {
+    let own = file.path().canonicalize().ok();
+    for instance in &mut scene.instances {
+        if scene.files[instance.asset].path().canonicalize().ok() == own {
+            instance.q.clone_from(q);
+            let place = instance.transform.after(*motion);
+            instance.transform = place.map_err(|e| ToolError::input("--frame", e.to_string()))?;
+        }
+    }
+    Ok(())
 }
 
 /// The nodes that the scene's queries visit, by instance.
