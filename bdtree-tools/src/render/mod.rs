@@ -78,8 +78,15 @@ fn check_output(arguments: &Arguments) -> Result<(), ToolError> {
         let message = "unknown extension: .png can be written";
         return Err(ToolError::input(path.display(), message));
     }
-    Ok(())
+    match arguments.frames {
+        Some(range) if options::numbered(path, range.first).is_none() => {
+            Err(ToolError::input(path.display(), NO_PLACE))
+        }
+        _ => Ok(()),
+    }
 }
+
+const NO_PLACE: &str = "has no place for the frame's number: write it as %d or %04d";
 
 /// The frame of each picture, if it is one of a sequence, and its file.
 fn targets(arguments: &Arguments) -> Result<Vec<(Option<u64>, PathBuf)>, ToolError> {
@@ -91,10 +98,9 @@ fn targets(arguments: &Arguments) -> Result<Vec<(Option<u64>, PathBuf)>, ToolErr
         let path = options::numbered(path, frame);
         path.map(|path| (Some(frame), path))
     });
-    let missing = "has no place for the frame's number: write it as %d or %04d";
     frames
         .collect::<Option<_>>()
-        .ok_or_else(|| ToolError::input(path.display(), missing))
+        .ok_or_else(|| ToolError::input(path.display(), NO_PLACE))
 }
 
 /// The asset alone, at q or a frame.

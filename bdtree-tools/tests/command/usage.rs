@@ -68,7 +68,7 @@ fn mistakes_of_usage_are_2() {
         ],
         &["render", "a.bdt", "-o", "a.png", "--frames", "2..1"],
         &[
-            "render", "a.bdt", "-o", "a.png", "--frame", "1", "--query", "s.json",
+            "render", "a.bdt", "-o", "a.png", "--frames", "1..2", "--query", "s.json",
         ],
         &["render", "a.bdt", "-o", "a.png", "--size", "0x10"],
         &["render", "a.bdt", "-o", "a.png", "--opacity", "1.5"],
