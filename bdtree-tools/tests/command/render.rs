@@ -380,7 +380,7 @@ fn what_does_not_fit_is_told() {
         ),
         (
             &["a.bdt", "-o", "%d.png", "--frames", "0..99999999999"],
-            "--frames: 99999999999 frames are more than a file can hold",
+            "--frames: asset a.bdt has no animation",
         ),
         (
             &["a.bdt", "-o", "out.png", "--spheres", "9"],
