@@ -12,14 +12,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use bdtree_render::{Level, NodeSphere, RenderError, Studio};
-use bdtree_runtime::{Asset, Transform};
+use bdtree_runtime::Asset;
 
 pub use crate::cli::RenderArguments as Arguments;
 use crate::error::ToolError;
 use crate::frames::frame_of;
 use crate::output::write_whole;
 use crate::posture::posture;
-use crate::q::{checked_q, counted};
+use crate::q::counted;
 use crate::scene::Scene;
 use crate::{AssetFile, DONE};
 use body::{Body, Posture};
@@ -110,34 +110,10 @@ fn shown<'a>(
     asset: &Asset<'a>,
     of_sequence: Option<u64>,
 ) -> Result<Frame<'a>, ToolError> {
-    let name = file.path().display().to_string();
+    // The last frame of a sequence was looked for before.
     let number = of_sequence.or(arguments.frame);
-    let option = match (of_sequence, number) {
-        (Some(_), _) => "--frames",
-        (None, Some(_)) => "--frame",
-        (None, None) => "--q",
-    };
-    let posture = if let Some(index) = number {
-        let frame =
-            frame_of(asset, &name, index).map_err(|message| ToolError::input(option, message))?;
-        Posture {
-            q: frame.q().to_vec(),
-            transform: frame.transform(),
-        }
-    } else {
-        let q = arguments.q.as_ref().map(|q| q.0.as_slice());
-        let q = checked_q(q, asset, &name).map_err(|problems| {
-            let line = |problem: crate::q::QProblem| match problem.mode {
-                Some(mode) => format!("--q: q[{mode}]: {}", problem.message),
-                None => format!("--q: {}", problem.message),
-            };
-            ToolError::Input(problems.into_iter().map(line).collect())
-        })?;
-        Posture {
-            q,
-            transform: Transform::IDENTITY,
-        }
-    };
+    let (q, transform) = posture(file, asset, arguments.q.as_ref(), number)?;
+    let posture = Posture { q, transform };
     let time_s = number.and_then(|index| asset.frame(usize::try_from(index).ok()?)?.time_s());
     let body = Body::new(file, *asset, posture)?;
     let spheres = match arguments.spheres {
