@@ -11,6 +11,8 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Where everything is submitted.
     pub queue: wgpu::Queue,
+    /// What draws, and its version.
+    pub driver: String,
 }
 
 /// What came back of all instances, one behind the other.
@@ -34,7 +36,7 @@ impl Gpu {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let (device, queue) = pollster::block_on(gpu::request_device(&instance))
             .expect("a GPU, or Mesa's lavapipe (mesa-vulkan-drivers, libvulkan1)");
-        Self { device, queue }
+        Self::of(device, queue)
     }
 
     /// A device that allows less.
@@ -53,7 +55,16 @@ impl Gpu {
         };
         let (device, queue) =
             pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
-        Self { device, queue }
+        Self::of(device, queue)
+    }
+
+    fn of(device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        let info = device.adapter_info();
+        Self {
+            driver: format!("{} ({} {})", info.name, info.driver, info.driver_info),
+            device,
+            queue,
+        }
     }
 
     /// Uploads an asset, deforms it for all q and placements, and reads back.

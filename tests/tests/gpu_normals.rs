@@ -231,10 +231,7 @@ fn normals_of_fields_are_near_exact_ones() {
         ("fish", 0.04, 1.0, true),
     ] {
         let mesh = read_mesh(&fixtures::path(name)).expect("fixture");
-        let options = ElasticOptions {
-            resolution: Some(14),
-            ..ElasticOptions::default()
-        };
+        let options = ElasticOptions::default();
         let basis = elastic_basis(&mesh, &options, &Silent, &mut Vec::new());
         let bytes = bake::baked(&mesh, &basis.expect("modes").0);
         let asset = Asset::open(&bytes).expect("open");

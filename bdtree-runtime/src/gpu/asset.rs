@@ -116,6 +116,13 @@ impl GpuAsset {
         self.mode_count
     }
 
+    /// Into how many ranges of vertices the device's limits split the largest of its buffers: a dispatch
+    /// each.
+    pub fn range_count(&self) -> usize {
+        let others = self.tangents.len().max(self.rings.len());
+        self.points.len().max(others)
+    }
+
     /// Where its normals come from.
     pub fn normals(&self) -> Normals {
         self.normals
