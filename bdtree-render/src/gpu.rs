@@ -1,6 +1,6 @@
 //! A device to draw with, and what went wrong on it.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use wgpu::{
     Adapter, Device, DeviceDescriptor, Instance, InstanceDescriptor, PowerPreference, Queue,
@@ -23,19 +23,27 @@ pub struct Gpu {
     failure: Failure,
 }
 
-/// The first thing that went wrong since it was last asked for.
+/// What went wrong.
 #[derive(Debug, Clone, Default)]
-struct Failure(Arc<Mutex<Option<String>>>);
+struct Failure(Arc<Mutex<Noted>>);
+
+#[derive(Debug, Default)]
+struct Noted {
+    /// The first thing since it was last asked for.
+    first: Option<String>,
+    /// Stays, as a lost device does; what fails on it afterwards says less.
+    lost: Option<String>,
+}
 
 impl Failure {
-    fn note(&self, text: String) {
-        let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        first.get_or_insert(text);
+    fn noted(&self) -> MutexGuard<'_, Noted> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn take(&self) -> Option<String> {
-        let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        first.take()
+        let mut noted = self.noted();
+        let first = noted.first.take();
+        noted.lost.clone().or(first)
     }
 }
 
@@ -80,13 +88,11 @@ impl Gpu {
         let failure = Failure::default();
         let noted = failure.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            noted.note(error.to_string());
+            noted.noted().first.get_or_insert(error.to_string());
         }));
         let noted = failure.clone();
-        device.set_device_lost_callback(move |reason, text| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                noted.note(format!("lost: {text}"));
-            }
+        device.set_device_lost_callback(move |_, text| {
+            noted.noted().lost.get_or_insert(format!("lost: {text}"));
         });
         Ok(Self {
             instance,
@@ -102,6 +108,8 @@ impl Gpu {
     /// # Errors
     /// The first thing that has not: a lost device, no memory, an operation that was refused.
     pub fn check(&self) -> Result<(), RenderError> {
+        // wgpu tells of a loss only where it is asked how far the device is.
+        let _ = self.device.poll(wgpu::PollType::Poll);
         match self.failure.take() {
             Some(text) => Err(RenderError::Device(one_line(&text))),
             None => Ok(()),

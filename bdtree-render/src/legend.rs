@@ -17,7 +17,28 @@ pub struct Legend {
 const DARK: [u8; 3] = [20, 24, 32];
 const GREY: [u8; 3] = [80, 86, 96];
 
+/// The part of a picture's height that is left to what it shows, at least.
+const PICTURE_MIN: f64 = 0.6;
+
 impl Legend {
+    /// Rows at the top and at the bottom of a picture that a legend of so many lines fills; none where too
+    /// little of the picture would be left: there it lies over what is shown.
+    pub fn room(lines: usize, has_scale: bool, size: [u32; 2]) -> [u32; 2] {
+        let text = TextSize::of_picture(size[0].min(size[1]));
+        let margin = text.line() * 3 / 4;
+        let top = margin + lines as i64 * (text.line() + text.line() / 8);
+        let bottom = if has_scale {
+            margin + scale_height(text)
+        } else {
+            0
+        };
+        let left = f64::from(size[1]) - (top + bottom) as f64;
+        if left < PICTURE_MIN * f64::from(size[1]) {
+            return [0; 2];
+        }
+        [top as u32, bottom as u32]
+    }
+
     /// Writes it into a picture.
     pub fn draw(&self, image: &mut Image) {
         let [width, height] = image.size();
@@ -34,9 +55,9 @@ impl Legend {
         if let Some(meaning) = &self.scale {
             let bar = [
                 (i64::from(width) * 2 / 5).min(24 * size.line()),
-                size.line() * 3 / 4,
+                bar_height(size),
             ];
-            let below = bar[1] + 2 * size.line() + size.line() / 2;
+            let below = scale_height(size);
             let corner = [margin, i64::from(height) - margin - below];
             let meaning = shortened(meaning, room);
             let width = size.width(&meaning).max(bar[0] + size.width("44+"));
@@ -44,6 +65,15 @@ impl Legend {
             draw_scale(image, corner, bar, &meaning, size);
         }
     }
+}
+
+fn bar_height(size: TextSize) -> i64 {
+    size.line() * 3 / 4
+}
+
+/// Of the scale of tightness with its texts.
+fn scale_height(size: TextSize) -> i64 {
+    bar_height(size) + 2 * size.line() + size.line() / 2
 }
 
 /// Fades what is behind text, so that it can be read.
@@ -98,7 +128,19 @@ fn shortened(text: &str, room: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::shortened;
+    use super::{Legend, shortened};
+
+    #[test]
+    fn a_legend_leaves_most_of_a_picture() {
+        for size in [[64, 48], [320, 240], [800, 600], [1600, 1000], [300, 2000]] {
+            for (lines, has_scale) in [(1, false), (3, true), (40, true)] {
+                let [top, bottom] = Legend::room(lines, has_scale, size);
+                assert!(f64::from(top + bottom) <= 0.4 * f64::from(size[1]));
+            }
+        }
+        assert_eq!(Legend::room(3, true, [64, 48]), [0; 2]);
+        assert_eq!(Legend::room(2, false, [320, 240]), [12 + 2 * 18, 0]);
+    }
 
     #[test]
     fn long_text_loses_its_middle() {

@@ -6,6 +6,7 @@ use bdtree_runtime::{Asset, Transform};
 use crate::error::RenderError;
 use crate::gpu::Gpu;
 use crate::renderer::{Mesh, Renderer};
+use crate::shading::smoothness;
 
 /// An asset on the device with room for one pose of it.
 #[derive(Debug)]
@@ -24,13 +25,16 @@ impl SkinnedMesh {
     /// More than the device takes, a corrupt asset.
     pub fn new(gpu: &Gpu, renderer: &Renderer, asset: &Asset<'_>) -> Result<Self, RenderError> {
         let skinner = Skinner::new(&gpu.device, &gpu.queue)?;
+        let triangles: Vec<_> = asset.triangles().iter().map(|t| t.corners).collect();
+        let smoothness = smoothness(asset.positions(), &triangles);
         let asset = skinner.upload(asset, Normals::Exact)?;
         let instances = skinner.instances(&asset, 1)?;
         let output = skinner.output(&asset, 1)?;
         // They were asked for.
         let normals = output.normals().unwrap_or(output.positions());
         let buffers = [output.positions(), normals, asset.indices()];
-        let mesh = renderer.mesh_of_buffers(&gpu.device, buffers, asset.triangle_count());
+        let triangles = asset.triangle_count();
+        let mesh = renderer.mesh_of_buffers(&gpu.device, buffers, &smoothness, triangles)?;
         gpu.check()?;
         Ok(Self {
             skinner,

@@ -46,10 +46,8 @@ impl Studio {
     ///
     /// # Errors
     /// More than the device takes.
-    pub fn mesh(&self, vertex_count: usize, triangles: &[[u32; 3]]) -> Result<Mesh, RenderError> {
-        let mesh = self
-            .renderer
-            .mesh(&self.gpu.device, vertex_count, triangles)?;
+    pub fn mesh(&self, rest: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Mesh, RenderError> {
+        let mesh = self.renderer.mesh(&self.gpu.device, rest, triangles)?;
         self.gpu.check()?;
         Ok(mesh)
     }

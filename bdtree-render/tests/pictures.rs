@@ -96,7 +96,7 @@ fn what_is_near_hides_what_is_far_and_glass_does_not() {
         [1.0, 1.0, 0.0],
         [-1.0, 1.0, 0.0],
     ];
-    let mut mesh = studio.mesh(4, &triangles).expect("a mesh");
+    let mut mesh = studio.mesh(&corners, &triangles).expect("a mesh");
     mesh.set_colour([0, 200, 0]);
     mesh.write(
         &studio.gpu().queue,
@@ -154,7 +154,7 @@ fn what_is_near_hides_what_is_far_and_glass_does_not() {
 fn both_sides_of_a_triangle_are_lit_and_a_turned_one_is_darker() {
     let mut studio = Studio::open().expect("a graphics adapter");
     let mut shade = |corners: [[f32; 3]; 3], triangle: [u32; 3]| {
-        let mesh = studio.mesh(3, &[triangle]).expect("a mesh");
+        let mesh = studio.mesh(&corners, &[triangle]).expect("a mesh");
         mesh.write(
             &studio.gpu().queue,
             &corners,
@@ -172,6 +172,36 @@ fn both_sides_of_a_triangle_are_lit_and_a_turned_one_is_darker() {
     );
     assert!(front[0] > 150, "{front:?}");
     assert!(turned[0] + 30 < front[0], "{turned:?} and {front:?}");
+}
+
+#[test]
+fn the_sides_of_a_cube_are_flat_and_a_bend_is_smooth() {
+    let mut studio = Studio::open().expect("a graphics adapter");
+    // Two squares that meet at x = 0, both turned away from the eye by so much.
+    let mut shades = |angle: f32| {
+        let (s, c) = angle.to_radians().sin_cos();
+        let corner = |x: f32, y| [x * c, y, -x.abs() * s];
+        let mut corners = Vec::new();
+        for x in [-1.0, 0.0, 1.0] {
+            corners.extend([corner(x, -1.0), corner(x, 1.0)]);
+        }
+        let triangles = [[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]];
+        let mesh = studio.mesh(&corners, &triangles).expect("a mesh");
+        let normals = normals(&corners, &triangles);
+        mesh.write(&studio.gpu().queue, &corners, &normals);
+        let image = picture(&mut studio, &[&mesh], &[], &[]);
+        [-0.9, -0.5, -0.1, 0.1, 0.5, 0.9].map(|x| i32::from(seen(&image, corner(x, 0.1))[1]))
+    };
+    // A highlight moves a little over a flat side, since the eye is near.
+    let folded = shades(45.0);
+    for side in folded.chunks(3) {
+        let most = side.iter().max().zip(side.iter().min());
+        assert!(most.is_some_and(|(a, b)| a - b <= 8), "{folded:?}");
+    }
+    assert!((folded[2] - folded[3]).abs() > 20, "{folded:?}");
+    let bent = shades(15.0);
+    assert!((bent[2] - bent[3]).abs() < 6, "{bent:?}");
+    assert!((bent[0] - bent[5]).abs() > 10, "{bent:?}");
 }
 
 #[test]
@@ -219,7 +249,7 @@ fn pictures_and_meshes_beyond_the_device_are_refused() {
     }
     let limit = studio.gpu().device.limits().max_buffer_size;
     let error = studio
-        .mesh((limit / 12) as usize + 1, &[])
+        .mesh(&vec![[0.0; 3]; (limit / 12) as usize + 1], &[])
         .expect_err("too large");
     assert!(
         error.to_string().starts_with("positions of vertices: "),
@@ -233,6 +263,24 @@ fn pictures_and_meshes_beyond_the_device_are_refused() {
 }
 
 #[test]
+fn a_lost_device_is_an_error() {
+    let mut studio = Studio::open().expect("a graphics adapter");
+    let triangle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let mesh = studio.mesh(&triangle, &[[0, 1, 2]]).expect("a mesh");
+    studio.gpu().device.destroy();
+    let scene = Scene {
+        background: WHITE,
+        meshes: &[&mesh],
+        spheres: &[sphere([0.0; 3], 1.0, [9, 9, 9, 255])],
+        lines: &[],
+    };
+    let error = studio.picture(SIZE, &camera(), &scene).expect_err("lost");
+    assert!(error.to_string().contains("lost"), "{error}");
+    let error = studio.mesh(&triangle, &[[0, 1, 2]]).expect_err("lost");
+    assert!(error.to_string().contains("lost"), "{error}");
+}
+
+#[test]
 fn numbers_that_are_none_draw_nothing() {
     let mut studio = Studio::open().expect("a graphics adapter");
     let spheres = [
@@ -243,7 +291,7 @@ fn numbers_that_are_none_draw_nothing() {
         // The eye is in it.
         sphere([0.0, 0.0, 9.0], 2.0, [9, 9, 9, 255]),
     ];
-    let mesh = studio.mesh(3, &[[0, 1, 2]]).expect("a mesh");
+    let mesh = studio.mesh(&[[0.0; 3]; 3], &[[0, 1, 2]]).expect("a mesh");
     mesh.write(
         &studio.gpu().queue,
         &[[f32::NAN; 3]; 3],

@@ -48,14 +48,20 @@ struct OnMesh {
     @builtin(position) clip: vec4<f32>,
     @location(0) world: vec3<f32>,
     @location(1) normal: vec3<f32>,
+    @location(2) smoothness: f32,
 }
 
 @vertex
-fn mesh_vertex(@location(0) position: vec3<f32>, @location(1) normal: vec3<f32>) -> OnMesh {
+fn mesh_vertex(
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) smoothness: f32,
+) -> OnMesh {
     var out: OnMesh;
     out.clip = globals.view_projection * vec4(position, 1.0);
     out.world = position;
     out.normal = normal;
+    out.smoothness = smoothness;
     return out;
 }
 
@@ -63,25 +69,20 @@ fn mesh_vertex(@location(0) position: vec3<f32>, @location(1) normal: vec3<f32>)
 fn mesh_fragment(in: OnMesh) -> @location(0) vec4<f32> {
     // Of small numbers: positions are far from 0 compared with a pixel's differences.
     let toward_eye = globals.eye.xyz - in.world;
+    let view = normalize(toward_eye);
     let side = cross(dpdx(toward_eye), dpdy(toward_eye));
     let size = length(side);
-    var facet = normalize(toward_eye);
+    var facet = view;
     if size > 0.0 {
         facet = side / size;
     }
-    // Edges stay edges: a mean normal that is far from the facet's would smear them.
-    var normal = facet;
-    let smooth_size = length(in.normal);
-    if smooth_size > 0.0 {
-        let mean = in.normal / smooth_size;
-        if abs(dot(mean, facet)) > 0.7 {
-            normal = mean;
-        }
-    }
-    let view = normalize(toward_eye);
     // Both sides are lit.
-    if dot(normal, view) < 0.0 {
-        normal = -normal;
+    facet *= select(1.0, -1.0, dot(facet, view) < 0.0);
+    let mean = in.normal * select(1.0, -1.0, dot(in.normal, facet) < 0.0);
+    let mean_size = length(mean);
+    var normal = facet;
+    if mean_size > 0.0 {
+        normal = normalize(mix(facet, mean / mean_size, in.smoothness));
     }
     let colour = lit(linear(look.colour.rgb), normal, view);
     return vec4(encoded(colour), 1.0);

@@ -8,6 +8,7 @@ use zerocopy::IntoBytes;
 
 use crate::error::RenderError;
 use crate::gpu::Gpu;
+use crate::shading;
 
 /// Vertices, normals and triangles of a mesh, and its colour.
 ///
@@ -17,6 +18,7 @@ use crate::gpu::Gpu;
 pub struct Mesh {
     positions: Buffer,
     normals: Buffer,
+    smoothness: Buffer,
     indices: Buffer,
     index_count: u32,
     look: Buffer,
@@ -31,61 +33,65 @@ impl Mesh {
     pub(super) fn new(
         device: &Device,
         layout: &BindGroupLayout,
-        vertex_count: usize,
+        rest: &[[f32; 3]],
         triangles: &[[u32; 3]],
     ) -> Result<Self, RenderError> {
-        let vertices = BufferUsages::VERTEX | BufferUsages::COPY_DST;
-        let bytes = 12 * vertex_count as u64;
-        let positions = buffer(device, "positions of vertices", bytes, vertices)?;
-        let normals = buffer(device, "normals of vertices", bytes, vertices)?;
+        let bytes = 12 * rest.len() as u64;
+        let positions = buffer(device, "positions of vertices", bytes)?;
+        let normals = buffer(device, "normals of vertices", bytes)?;
+        let smoothness = shading::smoothness(rest, triangles);
+        let smoothness = filled(
+            device,
+            "smoothness of vertices",
+            smoothness.as_bytes(),
+            BufferUsages::VERTEX,
+        )?;
         let corners = triangles.as_flattened();
-        let bytes = 4 * corners.len() as u64;
-        let usage = BufferUsages::INDEX | BufferUsages::COPY_DST;
-        Gpu::allows_buffer(device, "corners of triangles", bytes)?;
-        let indices = device.create_buffer(&BufferDescriptor {
-            label: Some("corners of triangles"),
-            size: bytes.max(4),
-            usage,
-            mapped_at_creation: true,
-        });
-        // Too little memory is an error of the device; what is drawn then is nothing.
-        let mut index_count = 0;
-        if !corners.is_empty()
-            && let Ok(mut view) = indices.get_mapped_range_mut(..)
-        {
-            view.copy_from_slice(corners.as_bytes());
-            index_count = corners.len() as u32;
-        }
-        indices.unmap();
+        let indices = filled(
+            device,
+            "corners of triangles",
+            corners.as_bytes(),
+            BufferUsages::INDEX,
+        )?;
         let (look, group) = look(device, layout);
         Ok(Self {
             positions,
             normals,
+            smoothness,
             indices,
-            index_count,
+            index_count: corners.len() as u32,
             look,
             group,
             colour: COLOUR,
         })
     }
 
-    /// A mesh whose positions, normals (three f32 per vertex, packed) and corners (u32) are kept by others.
+    /// A mesh whose positions, normals (three f32 per vertex, packed) and corners (u32) are kept by others,
+    /// and how smooth it is at its vertices.
     pub(super) fn of_buffers(
         device: &Device,
         layout: &BindGroupLayout,
         [positions, normals, indices]: [&Buffer; 3],
+        smoothness: &[f32],
         triangle_count: u32,
-    ) -> Self {
+    ) -> Result<Self, RenderError> {
+        let smoothness = filled(
+            device,
+            "smoothness of vertices",
+            smoothness.as_bytes(),
+            BufferUsages::VERTEX,
+        )?;
         let (look, group) = look(device, layout);
-        Self {
+        Ok(Self {
             positions: positions.clone(),
             normals: normals.clone(),
+            smoothness,
             indices: indices.clone(),
             index_count: 3 * triangle_count,
             look,
             group,
             colour: COLOUR,
-        }
+        })
     }
 
     /// Gives it a colour: red, green, blue.
@@ -114,6 +120,7 @@ impl Mesh {
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_vertex_buffer(0, self.positions.slice(..));
         pass.set_vertex_buffer(1, self.normals.slice(..));
+        pass.set_vertex_buffer(2, self.smoothness.slice(..));
         pass.set_index_buffer(self.indices.slice(..), IndexFormat::Uint32);
         pass.draw_indexed(0..self.index_count, 0, 0..1);
     }
@@ -138,17 +145,36 @@ fn look(device: &Device, layout: &BindGroupLayout) -> (Buffer, BindGroup) {
     (look, group)
 }
 
-fn buffer(
-    device: &Device,
-    what: &'static str,
-    bytes: u64,
-    usage: BufferUsages,
-) -> Result<Buffer, RenderError> {
+/// A vertex buffer that is written later.
+fn buffer(device: &Device, what: &'static str, bytes: u64) -> Result<Buffer, RenderError> {
     Gpu::allows_buffer(device, what, bytes)?;
     Ok(device.create_buffer(&BufferDescriptor {
         label: Some(what),
         size: bytes.max(12),
-        usage,
+        usage: BufferUsages::VERTEX | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     }))
+}
+
+/// A buffer with content (a multiple of four bytes). Too little memory for it is an error of the device.
+fn filled(
+    device: &Device,
+    what: &'static str,
+    content: &[u8],
+    usage: BufferUsages,
+) -> Result<Buffer, RenderError> {
+    Gpu::allows_buffer(device, what, content.len() as u64)?;
+    let buffer = device.create_buffer(&BufferDescriptor {
+        label: Some(what),
+        size: content.len().max(4) as u64,
+        usage,
+        mapped_at_creation: true,
+    });
+    if !content.is_empty()
+        && let Ok(mut view) = buffer.get_mapped_range_mut(..)
+    {
+        view.copy_from_slice(content);
+    }
+    buffer.unmap();
+    Ok(buffer)
 }

@@ -69,28 +69,34 @@ impl Renderer {
         }
     }
 
-    /// A mesh of so many vertices in memory of the device, to be drawn by this renderer: see [`Mesh`].
+    /// A mesh in memory of the device, to be drawn by this renderer: see [`Mesh`]. Where its rest shape has
+    /// creases, each triangle is shaded by its own normal.
     ///
     /// # Errors
     /// More than the device takes.
     pub fn mesh(
         &self,
         device: &Device,
-        vertex_count: usize,
+        rest: &[[f32; 3]],
         triangles: &[[u32; 3]],
     ) -> Result<Mesh, RenderError> {
-        Mesh::new(device, &self.pipelines.look_layout, vertex_count, triangles)
+        Mesh::new(device, &self.pipelines.look_layout, rest, triangles)
     }
 
     /// A mesh whose positions, normals (three f32 per vertex, packed: vertex buffers) and corners (u32: an
-    /// index buffer) others write.
+    /// index buffer) others write, and [how smooth](crate::smoothness) it is at each vertex.
+    ///
+    /// # Errors
+    /// More than the device takes.
     pub fn mesh_of_buffers(
         &self,
         device: &Device,
         buffers: [&Buffer; 3],
+        smoothness: &[f32],
         triangle_count: u32,
-    ) -> Mesh {
-        Mesh::of_buffers(device, &self.pipelines.look_layout, buffers, triangle_count)
+    ) -> Result<Mesh, RenderError> {
+        let layout = &self.pipelines.look_layout;
+        Mesh::of_buffers(device, layout, buffers, smoothness, triangle_count)
     }
 
     /// Records the drawing of a scene into `view`, a texture of this renderer's format and of `size`

@@ -31,6 +31,7 @@ impl Pipelines {
         let look_layout = uniform_layout(device, "colour");
         let packed = vertex_attr_array![0 => Float32x3];
         let packed_too = vertex_attr_array![1 => Float32x3];
+        let smoothness = vertex_attr_array![2 => Float32];
         let sphere = vertex_attr_array![0 => Float32x4, 1 => Unorm8x4];
         let end = vertex_attr_array![0 => Float32x3, 1 => Unorm8x4];
         let buffer = |array_stride, step_mode, attributes| {
@@ -41,7 +42,11 @@ impl Pipelines {
             })
         };
         let vertex = VertexStepMode::Vertex;
-        let on_mesh = [buffer(12, vertex, &packed), buffer(12, vertex, &packed_too)];
+        let on_mesh = [
+            buffer(12, vertex, &packed),
+            buffer(12, vertex, &packed_too),
+            buffer(4, vertex, &smoothness),
+        ];
         let on_sphere = [buffer(20, VertexStepMode::Instance, &sphere)];
         let on_line = [buffer(16, vertex, &end)];
         let make = |kind: Kind<'_>| kind.pipeline(device, &shader, format, samples);

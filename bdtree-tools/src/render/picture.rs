@@ -75,8 +75,11 @@ impl Bounds {
                 .extend(content.spheres.iter().map(|s| (s.centre, s.radius)));
         }
         for shape in &frame.questions {
-            if let Shape::Ball { centre, radius } = shape {
-                self.balls.push((*centre, *radius));
+            match shape {
+                Shape::Ball { centre, radius } => self.balls.push((*centre, *radius)),
+                Shape::Line(ends) => self.balls.extend(ends.map(|end| (end, 0.0))),
+                // They come from anywhere: the picture shows them where they are near.
+                Shape::Ray(_) => {}
             }
         }
         if self.balls.len() > BALLS_MAX {
@@ -108,6 +111,8 @@ pub(super) struct Painter<'a> {
     /// World units.
     size: f64,
     camera: Camera,
+    /// Rows above and below what is shown, for the legend.
+    room: [u32; 2],
 }
 
 impl<'a> Painter<'a> {
@@ -135,8 +140,14 @@ impl<'a> Painter<'a> {
             middle,
             size,
             camera: Camera::around(&Box3::EMPTY, 1.0, 0.0, 0.0),
+            room: [0; 2],
         };
-        let [width, height] = arguments.size.0;
+        if !arguments.no_legend {
+            let has_spheres = frame.content.iter().any(|c| !c.spheres.is_empty());
+            let lines = 1 + frame.about.len() + usize::from(has_spheres);
+            painter.room = Legend::room(lines, has_spheres, arguments.size.0);
+        }
+        let [width, height] = painter.inner_size();
         let view = arguments.view;
         let balls = bounds.balls.iter();
         let balls = balls.map(|(c, r)| (painter.shown(*c), (r / size) as f32));
@@ -161,9 +172,16 @@ impl<'a> Painter<'a> {
         [0, 1, 2].map(|k| ((x[k] - self.middle[k]) / self.size) as f32)
     }
 
+    /// What the legend leaves of a picture.
+    fn inner_size(&self) -> [u32; 2] {
+        let [width, height] = self.arguments.size.0;
+        [width, height - self.room[0] - self.room[1]]
+    }
+
     /// Where a point of the world is in the pictures.
     pub(super) fn pixel(&self, x: [f64; 3]) -> Option<[f32; 2]> {
-        self.camera.project(self.shown(x), self.arguments.size.0)
+        let [x, y] = self.camera.project(self.shown(x), self.inner_size())?;
+        Some([x, y + self.room[0] as f32])
     }
 
     /// The picture, and the growth of its spheres, body by body.
@@ -201,7 +219,7 @@ impl<'a> Painter<'a> {
                 Shape::Ball { centre, radius } => {
                     spheres.push(self.sphere(*centre, *radius, [r, g, b, 110]));
                 }
-                Shape::Line(ends) => lines.push(Line {
+                Shape::Line(ends) | Shape::Ray(ends) => lines.push(Line {
                     ends: ends.map(|end| self.shown(end)),
                     colour: [r, g, b, 255],
                 }),
@@ -214,14 +232,16 @@ impl<'a> Painter<'a> {
             spheres: &spheres,
             lines: &lines,
         };
-        let size = self.arguments.size.0;
-        let mut image = self
+        let shown = self
             .studio
-            .picture(size, &self.camera, &scene)
+            .picture(self.inner_size(), &self.camera, &scene)
             .map_err(|error| graphics(&error))?;
-        if !self.arguments.no_legend {
-            self.legend(frame, &all_growths).draw(&mut image);
+        if self.arguments.no_legend {
+            return Ok((shown, all_growths));
         }
+        let mut image = Image::filled(self.arguments.size.0, WHITE);
+        image.paste([0, i64::from(self.room[0])], &shown);
+        self.legend(frame, &all_growths).draw(&mut image);
         Ok((image, all_growths))
     }
 

@@ -15,6 +15,8 @@ pub(super) enum Shape {
     },
     /// A line from one point to another.
     Line([[f64; 3]; 2]),
+    /// A ray, cut off behind the body.
+    Ray([[f64; 3]; 2]),
 }
 
 /// The shapes of a scene's queries that have one: balls, points, rays, capsules and boxes. Planes and
@@ -88,7 +90,7 @@ fn ray(origin: [f64; 3], direction: [f64; 3], max_distance: f64, content: &Conte
     let far = to_middle.sum::<f64>().sqrt() + size(content);
     let n = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
     let length = max_distance.min(far) / n;
-    Shape::Line([origin, [0, 1, 2].map(|k| origin[k] + length * direction[k])])
+    Shape::Ray([origin, [0, 1, 2].map(|k| origin[k] + length * direction[k])])
 }
 
 /// The twelve edges of a box.

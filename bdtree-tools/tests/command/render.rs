@@ -6,7 +6,7 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 
-use crate::support::{Folder, Ran, animated, baked, ball_mesh};
+use crate::support::{FRAME_Q, Folder, Ran, animated, baked, ball_mesh};
 
 /// A decoded picture.
 struct Picture {
@@ -108,13 +108,22 @@ fn a_mesh_stands_in_the_middle_and_the_legend_in_its_corner() {
         "the same picture has the same bytes"
     );
 
+    // Two lines of text above, and below them the same picture with so many rows less.
     let with_text = folder.picture(&["a.bdt"]);
-    // Text in the upper left corner, and nothing else changes.
-    let is_in_corner = |i: usize| i % 320 < 160 && i / 320 < 60;
-    let both = plain.pixels.iter().zip(&with_text.pixels).enumerate();
-    let changed = both.filter(|(_, (a, b))| a != b);
-    let (corner, others): (Vec<_>, Vec<_>) = changed.partition(|(i, _)| is_in_corner(*i));
-    assert!(corner.len() > 100 && others.is_empty());
+    let rows = 12 + 2 * 18;
+    let ran = folder.run(&[
+        "render",
+        "a.bdt",
+        "--no-legend",
+        "--size",
+        "320x192",
+        "-o",
+        "out.png",
+    ]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let (text, shown) = with_text.pixels.split_at(320 * rows);
+    assert!(text.iter().filter(|p| **p != WHITE).count() > 100);
+    assert!(Picture::read(&folder.path("out.png")).pixels == shown);
     let files = fs::read_dir(folder.root()).expect("a folder").count();
     assert_eq!(files, 3, "a.bdt, rigid.bdt and the picture");
 }
@@ -335,6 +344,102 @@ fn a_scene_shows_where_queries_ended_and_who_stands_beside() {
     let (_, level) = folder.reported(&["a.bdt", "--query", "near.json", "--spheres", "0"]);
     let all = level["spheres"].as_array().expect("a list");
     assert!(all.iter().all(|sphere| sphere["node"] == 0));
+}
+
+#[test]
+fn what_is_asked_about_is_in_the_picture_and_rays_run_out_of_it() {
+    let folder = Folder::new();
+    let away = |query: Value| {
+        let scene = json!({
+            "instances": [{"name": "r", "asset": "rigid.bdt"}],
+            "queries": [query],
+        });
+        folder.write("scene.json", scene.to_string());
+        let (picture, _) = folder.reported(&["rigid.bdt", "--query", "scene.json", "--no-legend"]);
+        picture.share(|p| p != WHITE)
+    };
+    let alone = folder
+        .picture(&["rigid.bdt", "--no-legend"])
+        .share(|p| p != WHITE);
+    // As far away as several bodies: the body becomes small.
+    for query in [
+        json!({"ball": {"instance": "r", "center": [20, -2, 0], "radius": 0.1}}),
+        json!({"capsule": {"instance": "r", "point1": [20, -2, 0], "point2": [21, -2, 0], "radius": 0.1}}),
+        json!({"box": {"instance": "r", "center": [20, -2, 0], "half_extents": [0.1, 0.1, 0.1]}}),
+    ] {
+        let covered = away(query.clone());
+        assert!(
+            covered > 0.0 && covered < 0.3 * alone,
+            "{query}: {covered} {alone}"
+        );
+    }
+    let ray = json!({"ray": {"instance": "r", "origin": [200, -2, 0], "direction": [-1, 0, 0]}});
+    assert!(away(ray) > 0.7 * alone);
+}
+
+#[test]
+fn a_scene_is_drawn_at_another_q_or_frame() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    folder.write("moves.bdt", baked(&mesh, &animated(&mesh)));
+    let scene = |q: [f64; 3], more: Value| {
+        let mut instance = json!({"name": "a", "asset": "moves.bdt", "q": q});
+        for (key, value) in more.as_object().expect("an object") {
+            instance[key] = value.clone();
+        }
+        json!({
+            "instances": [instance, {"name": "r", "asset": "rigid.bdt", "translation": [1.9, 0, 0]}],
+            "queries": [{"pair": {"a": "a", "b": "r"}}],
+        })
+    };
+    let moved = json!({"translation": [0.05, 0.1, 0], "scale": 1.1});
+    let draw = |scene: Value, more: &[&str]| {
+        folder.write("scene.json", scene.to_string());
+        let (_, report) =
+            folder.reported(&[&["moves.bdt", "--query", "scene.json"], more].concat());
+        (folder.read("out.png"), report)
+    };
+    // --q in place of the scene's.
+    let (expected, _) = draw(scene([0.5, -0.25, 1.0], moved.clone()), &[]);
+    let (found, report) = draw(scene([0.0; 3], moved.clone()), &["--q=0.5,-0.25,1"]);
+    assert_eq!(numbers(&report["q"]), [0.5, -0.25, 1.0]);
+    assert!(found == expected, "pictures differ");
+    let (rest, _) = draw(scene([0.0; 3], moved.clone()), &[]);
+    assert!(rest != expected);
+    // A frame: its q, and its motion before the scene's placement.
+    let (_, found) = draw(scene([0.0; 3], moved.clone()), &["--frame", "1"]);
+    let mut turned = moved;
+    turned["rotation"] = json!([0.6, 0, 0, 0.8]);
+    let (_, expected) = draw(scene(FRAME_Q[1], turned), &[]);
+    assert_eq!(found["q"], expected["q"]);
+    assert_eq!(found["nodes_visited"], expected["nodes_visited"]);
+    let spheres = |report: &Value| -> Vec<(Value, Vec<f64>)> {
+        let all = report["spheres"].as_array().expect("a list").iter();
+        all.map(|s| (s["node"].clone(), numbers(&s["center"])))
+            .collect()
+    };
+    let both = spheres(&found).into_iter().zip(spheres(&expected));
+    for ((node, at), (expected_node, expected_at)) in both {
+        assert_eq!(node, expected_node);
+        for k in 0..3 {
+            assert!(
+                (at[k] - expected_at[k]).abs() < 1e-5,
+                "{at:?} {expected_at:?}"
+            );
+        }
+    }
+    let ran = folder.run(&[
+        "render",
+        "moves.bdt",
+        "--query",
+        "scene.json",
+        "--frame",
+        "9",
+        "-o",
+        "out.png",
+    ]);
+    assert_eq!(ran.code, 1);
+    assert!(own_words(&ran).starts_with("--frame: "), "{}", ran.err);
 }
 
 #[test]
