@@ -1,8 +1,8 @@
 //! The baseline is what it claims to be: the paper's tree, with the product's answers.
 
+use bdtree_baselines::paper_tree::{PaperTree, Step, Vertices};
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, VertexId, query};
-use bdtree_scenes::paper_tree::{PaperTree, Step, Vertices};
 use bdtree_tests::{bake, oracle, poses};
 use rand::RngExt;
 

@@ -2,15 +2,16 @@
 
 use std::rc::Rc;
 
+use bdtree_baselines::deform::Deformer;
+use bdtree_baselines::leaf;
+use bdtree_baselines::paper_tree::{Between, Memory, PaperTree};
+#[cfg(feature = "embree")]
+use bdtree_baselines::peers::{Embree, embree};
+use bdtree_baselines::peers::{LayeredPeer, PairPeer, Peer};
+use bdtree_baselines::{Body, Place};
 use bdtree_runtime::narrow::{Ray, Triangle, ray_hit};
 use bdtree_runtime::{Asset, Pose, Transform};
-use bdtree_scenes::deform::Deformer;
-use bdtree_scenes::leaf;
-use bdtree_scenes::paper_tree::{Between, Memory, PaperTree};
-#[cfg(feature = "embree")]
-use bdtree_scenes::peers::{Embree, embree};
-use bdtree_scenes::peers::{LayeredPeer, PairPeer, Peer};
-use bdtree_scenes::workloads::{Body, Place, bodies, rays, sequence};
+use bdtree_scenes::workloads::{bodies, rays, sequence};
 use bdtree_tests::bake;
 
 /// A body with everyone who can answer for it.
@@ -45,17 +46,17 @@ impl Case {
             #[cfg(feature = "peers")]
             (
                 "parry",
-                Box::new(bdtree_scenes::peers::Parry::new(&self.body)),
+                Box::new(bdtree_baselines::peers::Parry::new(&self.body)),
             ),
             #[cfg(feature = "peers")]
             (
                 "obvhs",
-                Box::new(bdtree_scenes::peers::Obvhs::new(&self.body)),
+                Box::new(bdtree_baselines::peers::Obvhs::new(&self.body)),
             ),
             #[cfg(feature = "peers")]
             (
                 "tinybvh",
-                Box::new(bdtree_scenes::peers::TinyBvh::new(&self.body)),
+                Box::new(bdtree_baselines::peers::TinyBvh::new(&self.body)),
             ),
         ];
         #[cfg(feature = "embree")]
@@ -181,7 +182,7 @@ fn pairs_equal_brute_force() {
     pairs_of("layered", [layered(), layered()], &case, q, &place);
     #[cfg(feature = "peers")]
     {
-        use bdtree_scenes::peers::{Parry, TinyBvh};
+        use bdtree_baselines::peers::{Parry, TinyBvh};
         let parry = Parry::new(&case.body);
         pairs_of("parry", [parry.clone(), parry], &case, q, &place);
         let tiny = TinyBvh::new(&case.body);

@@ -3,9 +3,11 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use super::place::{Place, matrix, undo_after};
 use super::random::Stream;
-use super::{Body, Shape, sequence};
+use bdtree_baselines::Body;
+use bdtree_baselines::place::{Place, matrix, undo_after};
+
+use super::{Shape, sequence};
 
 /// Modes of every bumpy body.
 pub const MODES: usize = 10;

@@ -1,6 +1,8 @@
 //! W1: a ball goes through a folded curtain.
 
-use super::{Body, Shape, sequence};
+use bdtree_baselines::Body;
+
+use super::{Shape, sequence};
 
 /// Modes of the curtain.
 const MODES: usize = 12;

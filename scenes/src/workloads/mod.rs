@@ -7,32 +7,14 @@
 pub mod bodies;
 pub mod curtain;
 pub mod pile;
-pub mod place;
 pub mod random;
 pub mod rays;
 
 use std::f64::consts::TAU;
 
-use bdtree_build::basis::{Basis, BasisMode};
-use bdtree_build::input::RawMesh;
+use bdtree_baselines::Body;
 
-pub use place::Place;
 use random::Stream;
-
-/// A mesh with its modes, in the numbers that all contenders get.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Body {
-    /// For tables and file names.
-    pub name: &'static str,
-    /// Rest positions.
-    pub positions: Vec<[f32; 3]>,
-    /// Corners.
-    pub triangles: Vec<[u32; 3]>,
-    /// U, mode after mode: `fields[j * N + i]` moves vertex `i`.
-    pub fields: Vec<[f32; 3]>,
-    /// Number of modes M.
-    pub modes: usize,
-}
 
 /// A mesh in f64, before it is rounded.
 pub(crate) struct Shape {
@@ -103,43 +85,6 @@ impl Shape {
             all.extend(self.positions.iter().map(|p| at(p).map(scaled)));
         }
         all
-    }
-}
-
-impl Body {
-    /// The mesh as the builder takes it.
-    pub fn mesh(&self) -> RawMesh {
-        RawMesh {
-            name: self.name.to_string(),
-            positions: self.positions.iter().map(|p| p.map(f64::from)).collect(),
-            triangles: self.triangles.clone(),
-            ..RawMesh::default()
-        }
-    }
-
-    /// The modes as the builder takes them, all of range 1.
-    pub fn basis(&self) -> Basis {
-        Basis {
-            vertex_count: self.positions.len(),
-            fields: self.fields.iter().map(|u| u.map(f64::from)).collect(),
-            modes: vec![
-                BasisMode {
-                    q_range: Some(1.0),
-                    ..BasisMode::default()
-                };
-                self.modes
-            ],
-            animation: None,
-        }
-    }
-
-    /// The same mesh without modes.
-    pub fn rigid(&self) -> Body {
-        Body {
-            fields: Vec::new(),
-            modes: 0,
-            ..self.clone()
-        }
     }
 }
 

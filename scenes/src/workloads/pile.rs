@@ -1,9 +1,11 @@
 //! W4: a thousand stiff bodies in a tilted lattice, most neighbours just apart.
 
 use super::bodies::{MODES, blob};
-use super::place::{Place, matrix};
 use super::random::Stream;
-use super::{Body, sequence};
+use bdtree_baselines::Body;
+use bdtree_baselines::place::{Place, matrix};
+
+use super::sequence;
 
 /// Bodies along each side of the lattice.
 const SIDE: usize = 10;

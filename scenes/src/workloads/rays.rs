@@ -2,7 +2,9 @@
 
 use super::bodies::{MODES, blob};
 use super::random::Stream;
-use super::{Body, sequence};
+use bdtree_baselines::Body;
+
+use super::sequence;
 
 /// Frames of the motion.
 pub const FRAMES: usize = 30;

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::time::Instant;
 
-use bdtree_scenes::machine;
+use bdtree_baselines::machine;
 use clap::Args;
 use serde_json::json;
 

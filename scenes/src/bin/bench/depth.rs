@@ -4,6 +4,7 @@
 use std::error::Error;
 use std::time::Instant;
 
+use bdtree_baselines::stats::median;
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
 use bdtree_format::LANES;
@@ -11,7 +12,6 @@ use bdtree_runtime::{
     AlignedBytes, Asset, Contact, PairContact, PairStackEntry, Pose, Posed, Proxy, StackEntry,
     Transform, VertexId, query,
 };
-use bdtree_scenes::stats::median;
 use bdtree_tests::poses;
 use clap::Args;
 use rand::RngExt;

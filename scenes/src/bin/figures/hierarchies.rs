@@ -2,11 +2,11 @@
 
 use std::error::Error;
 
+use bdtree_baselines::Place;
+use bdtree_baselines::paper_tree::{Layered, PaperTree, Spheres, Step};
 use bdtree_render::tightness::growth;
 use bdtree_runtime::{Asset, Pose, Transform, VertexId};
 use bdtree_scenes::bounds::sphere::{Growth, Sphere};
-use bdtree_scenes::paper_tree::{Layered, PaperTree, Spheres, Step};
-use bdtree_scenes::workloads::Place;
 use nalgebra::Vector3;
 
 /// What holds the triangles of a node.

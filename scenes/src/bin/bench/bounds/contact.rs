@@ -200,5 +200,5 @@ pub(super) fn exact_ns(body: &Body, wrapped: &Wrapped, frames: &[Frame]) -> f64 
         black_box(touching.count());
         rounds.push(start.elapsed().as_secs_f64() * 1e9 / pairs.len().max(1) as f64);
     }
-    bdtree_scenes::stats::median(&rounds)
+    bdtree_baselines::stats::median(&rounds)
 }

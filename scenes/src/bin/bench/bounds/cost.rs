@@ -5,10 +5,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use bdtree_baselines::stats::median;
 use bdtree_scenes::bounds::bound::Bound;
 use bdtree_scenes::bounds::contenders::Contender;
 use bdtree_scenes::bounds::overlap::BoxTest;
-use bdtree_scenes::stats::median;
 
 use super::loops::{
     Balls, Cuboids, Ends, LANES, Row, Slabs, ball_test, cuboid_test, ends_test, slab_test,

@@ -10,8 +10,8 @@ mod trees;
 
 use std::error::Error;
 
+use bdtree_baselines::machine;
 use bdtree_scenes::bounds::bound::Bound;
-use bdtree_scenes::machine;
 use clap::Args;
 use serde_json::json;
 

@@ -5,10 +5,10 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::UNIX_EPOCH;
 
+use bdtree_baselines::Body;
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::AlignedBytes;
-use bdtree_scenes::workloads::Body;
 
 /// The file of a body, kept under `target/workloads/`: its name says which build made it.
 pub(crate) fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {

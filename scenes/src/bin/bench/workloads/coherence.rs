@@ -4,14 +4,14 @@
 use std::error::Error;
 use std::time::Instant;
 
+use bdtree_baselines::Place;
+use bdtree_baselines::machine;
+use bdtree_baselines::stats::median;
 use bdtree_runtime::query::{self, PairFront};
 use bdtree_runtime::{
     Asset, CachedPose, Contact, FrontSlot, Motion, PairStackEntry, Pose, StackEntry, Transform,
     TrianglePair, VertexId,
 };
-use bdtree_scenes::machine;
-use bdtree_scenes::stats::median;
-use bdtree_scenes::workloads::Place;
 use bdtree_scenes::workloads::bodies::{Bodies, MODES, bodies};
 use clap::Args;
 

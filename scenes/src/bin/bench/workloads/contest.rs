@@ -1,8 +1,8 @@
 //! Contenders in turns: times of every frame, kept per part.
 
+use bdtree_baselines::peers::Update;
+use bdtree_baselines::stats;
 use bdtree_runtime::query::Outcome;
-use bdtree_scenes::peers::Update;
-use bdtree_scenes::stats;
 use serde_json::{Value, json};
 
 /// What a contender is to the comparison.

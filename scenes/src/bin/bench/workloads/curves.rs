@@ -1,13 +1,14 @@
 //! The ball query beside deforming and refitting, over modes, displacement, queries per step and
 //! contacts: where refitting begins to win (P53).
 
+use bdtree_baselines::clock::Clock;
+use bdtree_baselines::deform::Deformer;
+use bdtree_baselines::peers::Peer;
+use bdtree_baselines::stats;
+use bdtree_baselines::{Body, Place};
 use bdtree_runtime::Asset;
-use bdtree_scenes::clock::Clock;
-use bdtree_scenes::deform::Deformer;
-use bdtree_scenes::peers::Peer;
-use bdtree_scenes::stats;
 use bdtree_scenes::workloads::bodies::blob_with;
-use bdtree_scenes::workloads::{Body, Place, rays, sequence};
+use bdtree_scenes::workloads::{rays, sequence};
 use clap::Args;
 use std::error::Error;
 
@@ -184,7 +185,7 @@ fn scale(body: &Body, deformer: &Deformer, q: &mut [f32], share: f64, out: &mut 
 /// The fastest of those who refit.
 #[cfg(feature = "peers")]
 fn refitting(body: &Body, _: &Asset<'_>, _: &Deformer) -> Box<dyn Peer> {
-    Box::new(bdtree_scenes::peers::TinyBvh::new(body))
+    Box::new(bdtree_baselines::peers::TinyBvh::new(body))
 }
 
 /// The layered hierarchy, where there are no libraries.

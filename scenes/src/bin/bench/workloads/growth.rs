@@ -2,8 +2,8 @@
 
 use std::error::Error;
 
+use bdtree_baselines::stats;
 use bdtree_runtime::{Asset, Pose, Transform, VertexId};
-use bdtree_scenes::stats;
 use bdtree_scenes::workloads::curtain::cloth;
 use bdtree_scenes::workloads::sequence;
 use clap::Args;

@@ -4,12 +4,12 @@ use std::error::Error;
 #[cfg(feature = "embree")]
 use std::rc::Rc;
 
-use bdtree_scenes::peers::Peer;
+use bdtree_baselines::Body;
+use bdtree_baselines::peers::Peer;
 #[cfg(feature = "embree")]
-use bdtree_scenes::peers::{Embree, embree};
+use bdtree_baselines::peers::{Embree, embree};
 #[cfg(feature = "peers")]
-use bdtree_scenes::peers::{Obvhs, Parry, TinyBvh};
-use bdtree_scenes::workloads::Body;
+use bdtree_baselines::peers::{Obvhs, Parry, TinyBvh};
 
 /// Bodies by the name of their library.
 pub(crate) type Peers = Vec<(&'static str, Box<dyn Peer>)>;

@@ -16,7 +16,7 @@ mod works;
 use std::error::Error;
 use std::path::PathBuf;
 
-use bdtree_scenes::machine;
+use bdtree_baselines::machine;
 use clap::{Args, ValueEnum};
 use contest::Rounds;
 use libraries::Libraries;

@@ -1,12 +1,12 @@
 //! The paper's lazy tree on each workload.
 
+use bdtree_baselines::clock::Clock;
+use bdtree_baselines::paper_tree::{Between, Memory, PaperTree};
+use bdtree_baselines::place::Place;
 use bdtree_runtime::{Asset, Contact, PairContact, Pose};
-use bdtree_scenes::clock::Clock;
-use bdtree_scenes::paper_tree::{Between, Memory, PaperTree};
 use bdtree_scenes::workloads::bodies::Bodies;
 use bdtree_scenes::workloads::curtain::Curtain;
 use bdtree_scenes::workloads::pile::{COUNT, Pile};
-use bdtree_scenes::workloads::place::Place;
 use bdtree_scenes::workloads::rays::Rays;
 
 use super::contest::{Counts, Entry, Frame, Role};

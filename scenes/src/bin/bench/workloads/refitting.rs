@@ -1,13 +1,13 @@
 //! Whoever refits, on each workload.
 
+use bdtree_baselines::clock::Clock;
+use bdtree_baselines::deform::Deformer;
+use bdtree_baselines::peers::{PairPeer, Peer, Update};
+use bdtree_baselines::place::Place;
 use bdtree_runtime::{Contact, PairContact};
-use bdtree_scenes::clock::Clock;
-use bdtree_scenes::deform::Deformer;
-use bdtree_scenes::peers::{PairPeer, Peer, Update};
 use bdtree_scenes::workloads::bodies::Bodies;
 use bdtree_scenes::workloads::curtain::Curtain;
 use bdtree_scenes::workloads::pile::{COUNT, Pile};
-use bdtree_scenes::workloads::place::Place;
 use bdtree_scenes::workloads::rays::Rays;
 
 use super::contest::{Counts, Entry, Frame, Role};

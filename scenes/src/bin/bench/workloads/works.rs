@@ -3,12 +3,12 @@
 use std::error::Error;
 use std::rc::Rc;
 
-use bdtree_runtime::Asset;
-use bdtree_scenes::deform::Deformer;
-use bdtree_scenes::paper_tree::PaperTree;
-use bdtree_scenes::peers::LayeredPeer;
+use bdtree_baselines::deform::Deformer;
+use bdtree_baselines::paper_tree::PaperTree;
+use bdtree_baselines::peers::LayeredPeer;
 #[cfg(feature = "peers")]
-use bdtree_scenes::peers::{Parry, TinyBvh};
+use bdtree_baselines::peers::{Parry, TinyBvh};
+use bdtree_runtime::Asset;
 use bdtree_scenes::workloads::{bodies, curtain, pile, rays};
 
 use super::assets::baked;

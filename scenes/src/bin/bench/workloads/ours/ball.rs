@@ -2,7 +2,7 @@
 
 use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, query};
 
-use bdtree_scenes::clock::Clock;
+use bdtree_baselines::clock::Clock;
 
 use crate::workloads::contest::{Frame, Nodes};
 

@@ -1,8 +1,8 @@
 //! The product's pair query.
 
+use bdtree_baselines::Place;
+use bdtree_baselines::clock::Clock;
 use bdtree_runtime::{Asset, PairStackEntry, Pose, Transform, TrianglePair, query};
-use bdtree_scenes::clock::Clock;
-use bdtree_scenes::workloads::Place;
 
 use super::{Cache, cache};
 use crate::workloads::contest::{Frame, Nodes};

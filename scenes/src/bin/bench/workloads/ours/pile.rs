@@ -1,9 +1,9 @@
 //! The product on many instances of one asset: poses, root spheres, those that meet, pair queries.
 
+use bdtree_baselines::clock::Clock;
 use bdtree_runtime::broad::{self, GridSlot};
 use bdtree_runtime::query::{self, BoundingSphere};
 use bdtree_runtime::{Asset, PairStackEntry, Pose, TrianglePair};
-use bdtree_scenes::clock::Clock;
 use bdtree_scenes::workloads::pile::{COUNT, Pile};
 
 use super::{Cache, cache};

@@ -2,7 +2,7 @@
 
 use bdtree_runtime::{Asset, Pose, StackEntry, Transform, query};
 
-use bdtree_scenes::clock::Clock;
+use bdtree_baselines::clock::Clock;
 
 use super::{Cache, cache};
 use crate::workloads::contest::{Frame, Nodes};

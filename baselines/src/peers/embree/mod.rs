@@ -19,7 +19,7 @@ use super::{Peer, Update};
 use crate::clock::Clock;
 use crate::deform::Deformer;
 use crate::leaf;
-use crate::workloads::{Body, Place};
+use crate::{Body, Place};
 use scene::Scene;
 
 /// A body in Embree.

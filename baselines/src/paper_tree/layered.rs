@@ -3,8 +3,8 @@
 
 use super::PaperTree;
 use super::walk::Spheres;
-use crate::workloads::Place;
-use crate::workloads::place::matrix;
+use crate::Place;
+use crate::place::matrix;
 
 /// Spheres of all nodes at the current step.
 #[derive(Debug, Clone)]

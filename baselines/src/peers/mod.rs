@@ -1,5 +1,5 @@
 //! Those who deform all vertices, refit a tree and then ask it: libraries in use today (feature
-//! `peers`, Embree with feature `embree`) and the paper's layered hierarchy.
+//! `peers`, obvhs alone with `refit`, Embree with `embree`) and the paper's layered hierarchy.
 //!
 //! All of them share [`Deformer`], the exact tests of balls and of pairs in [`crate::leaf`], and
 //! world coordinates in f32; rays are tested by the libraries' own code where they have some.
@@ -7,19 +7,19 @@
 #[cfg(feature = "embree")]
 pub mod embree;
 mod layered;
-#[cfg(feature = "peers")]
+#[cfg(feature = "refit")]
 mod obvhs;
 #[cfg(feature = "peers")]
 mod parry;
 #[cfg(feature = "peers")]
 mod tinybvh;
-#[cfg(feature = "peers")]
+#[cfg(feature = "refit")]
 mod vertices;
 
 #[cfg(feature = "embree")]
 pub use embree::Embree;
 pub use layered::LayeredPeer;
-#[cfg(feature = "peers")]
+#[cfg(feature = "refit")]
 pub use obvhs::Obvhs;
 #[cfg(feature = "peers")]
 pub use parry::Parry;
@@ -28,8 +28,8 @@ pub use tinybvh::TinyBvh;
 
 use bdtree_runtime::{Contact, PairContact};
 
+use crate::Place;
 use crate::deform::Deformer;
-use crate::workloads::Place;
 
 /// Seconds that bringing a body up to date took.
 #[derive(Debug, Clone, Copy, Default)]

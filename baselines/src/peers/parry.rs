@@ -11,7 +11,7 @@ use super::{PairPeer, Peer, Update};
 use crate::clock::Clock;
 use crate::deform::Deformer;
 use crate::leaf;
-use crate::workloads::{Body, Place};
+use crate::{Body, Place};
 
 /// A body in parry.
 #[derive(Debug, Clone)]

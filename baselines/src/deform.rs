@@ -6,7 +6,7 @@
 
 use pulp::Arch;
 
-use crate::workloads::{Body, Place};
+use crate::{Body, Place};
 
 /// Coordinates of a block.
 const WIDTH: usize = 16;

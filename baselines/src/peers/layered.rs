@@ -4,10 +4,10 @@ use bdtree_runtime::{Contact, PairContact};
 use std::rc::Rc;
 
 use super::{PairPeer, Peer, Update};
+use crate::Place;
 use crate::clock::Clock;
 use crate::deform::Deformer;
 use crate::paper_tree::{Between, Layered, PaperTree};
-use crate::workloads::Place;
 
 /// A body with spheres that enclose their children's.
 #[derive(Debug, Clone)]

@@ -16,7 +16,7 @@ use super::{Peer, Update};
 use crate::clock::Clock;
 use crate::deform::Deformer;
 use crate::leaf;
-use crate::workloads::{Body, Place};
+use crate::{Body, Place};
 
 /// A node of 32 bytes as in tinybvh: a box with two whole numbers in the fourth lanes.
 #[derive(Debug, Clone, Copy)]

@@ -4,7 +4,7 @@ use bdtree_runtime::narrow::Triangle;
 use glam::{Vec3A, Vec4};
 
 use crate::deform::Deformer;
-use crate::workloads::{Body, Place};
+use crate::{Body, Place};
 
 /// x, y, z of all vertices and one number more.
 #[derive(Debug, Clone)]

@@ -6,9 +6,9 @@ use bdtree_runtime::{Contact, PairContact};
 
 use super::PaperTree;
 use super::query::SKIP;
+use crate::Place;
 use crate::leaf;
-use crate::workloads::Place;
-use crate::workloads::place::{matrix, undo_after};
+use crate::place::{matrix, undo_after};
 
 /// Spheres of nodes and places of vertices at the current step.
 pub trait Spheres {

@@ -1,8 +1,8 @@
-//! obvhs: a binary box tree, refitted in one sweep; it has no query for pairs.
+//! obvhs: a binary box tree, refitted in one sweep. It has no query for pairs: two trees are walked here.
 
 use std::time::Duration;
 
-use bdtree_runtime::Contact;
+use bdtree_runtime::{Contact, PairContact};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -12,11 +12,11 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 
 use super::vertices::{Vertices, box_of};
-use super::{Peer, Update};
+use super::{PairPeer, Peer, Update};
 use crate::clock::Clock;
 use crate::deform::Deformer;
 use crate::leaf;
-use crate::workloads::{Body, Place};
+use crate::{Body, Place};
 
 /// A body in obvhs.
 #[derive(Clone)]
@@ -25,6 +25,8 @@ pub struct Obvhs {
     /// Corners in the order of the leaves.
     corners: Vec<[u32; 3]>,
     vertices: Vertices,
+    /// Nodes of this tree and the other that are still to be looked at.
+    pairs: Vec<[u32; 2]>,
 }
 
 impl Obvhs {
@@ -51,6 +53,7 @@ impl Obvhs {
             corners: corners.map(|i| body.triangles[*i as usize]).collect(),
             tree,
             vertices,
+            pairs: Vec::new(),
         }
     }
 }
@@ -108,5 +111,47 @@ impl Peer for Obvhs {
             RtTriangle::new(a, b, c).intersect(ray)
         });
         hit.t.is_finite().then_some(f64::from(hit.t))
+    }
+}
+
+impl PairPeer for Obvhs {
+    fn pair(&mut self, other: &mut Self, found: &mut Vec<PairContact>) {
+        self.pairs.clear();
+        self.pairs.push([0, 0]);
+        while let Some([i, j]) = self.pairs.pop() {
+            let (a, b) = (&self.tree.nodes[i as usize], &other.tree.nodes[j as usize]);
+            if !a.aabb().intersect_aabb(b.aabb()) {
+                continue;
+            }
+            match (a.is_leaf(), b.is_leaf()) {
+                (false, false) => {
+                    for k in 0..4 {
+                        self.pairs
+                            .push([a.first_index + (k >> 1), b.first_index + (k & 1)]);
+                    }
+                }
+                (false, true) => self
+                    .pairs
+                    .extend([[a.first_index, j], [a.first_index + 1, j]]),
+                (true, false) => self
+                    .pairs
+                    .extend([[i, b.first_index], [i, b.first_index + 1]]),
+                (true, true) => {
+                    let of = |node: &obvhs::bvh2::node::Bvh2Node| {
+                        let first = node.first_index as usize;
+                        first..first + node.prim_count as usize
+                    };
+                    for k in of(a) {
+                        let one = self.vertices.exact(self.corners[k]);
+                        let id1 = self.tree.primitive_indices[k];
+                        for l in of(b) {
+                            let two = other.vertices.exact(other.corners[l]);
+                            let id2 = other.tree.primitive_indices[l];
+                            leaf::pair((id1, &one), (id2, &two), found);
+                        }
+                    }
+                }
+            }
+        }
     }
 }
