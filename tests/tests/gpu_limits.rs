@@ -36,7 +36,7 @@ fn split_assets_give_the_same_bits() {
             assert!(a.positions.iter().flatten().any(|x| *x != 0.0));
         }
     }
-    assert!(split > 5, "{split} assets were split");
+    assert!(split >= 3, "{split} assets were split");
 }
 
 #[test]
