@@ -1,5 +1,6 @@
 //! Bakes a mesh and its deformation basis into a `.bdt` file.
 
+pub mod advise;
 pub mod basis;
 pub mod elastic;
 pub mod encode;

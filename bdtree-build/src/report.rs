@@ -1,6 +1,6 @@
 //! What was made: sizes, stage times, errors, tightness. Serialises to the fields of `--json`.
 
-mod random;
+pub(crate) mod random;
 pub(crate) mod visits;
 
 use std::collections::BTreeMap;

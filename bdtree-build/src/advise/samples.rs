@@ -1,0 +1,184 @@
+//! The q at which an asset is judged.
+
+use bdtree_runtime::Asset;
+
+use crate::report::random::Random;
+
+/// Samples unless told otherwise.
+pub const SAMPLES: usize = 24;
+
+/// A mode that moves no vertex farther than this share of the asset's largest position within its range is
+/// still: f32 rounds off as much.
+const STILL: f64 = 1.0 / (1 << 24) as f64;
+
+/// Where samples come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Frames of the asset's animation.
+    Frames,
+    /// No animation: mixtures of all modes, each anywhere within ±`q_range`, the same in every run.
+    Ranges,
+    /// No modes, or none that moves anything: the rest pose alone.
+    Rest,
+}
+
+/// Reduced coordinates that stand for what an asset does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Samples {
+    source: Source,
+    mode_count: usize,
+    /// `q[s * M + j]` is q_j of sample s.
+    q: Vec<f32>,
+    frames: Vec<usize>,
+    count: usize,
+    still: Vec<usize>,
+}
+
+impl Samples {
+    /// At most `most` (at least 1) samples of an asset: frames of its animation, evenly chosen with the first
+    /// and the last among them; without an animation mixtures within ±`q_range`; where no mode moves anything,
+    /// the rest pose. Rigid motions of frames are left out: they change no answer.
+    ///
+    /// Numbers of frames are the file's: where nobody has verified them, [`bdtree_runtime::Pose::new`] still
+    /// checks what it takes.
+    pub fn of(asset: &Asset<'_>, most: usize) -> Self {
+        let most = most.max(1);
+        let mode_count = asset.mode_count();
+        let still = still_modes(asset);
+        let mut samples = Self {
+            source: Source::Rest,
+            mode_count,
+            q: vec![0.0; mode_count],
+            frames: Vec::new(),
+            count: 1,
+            still,
+        };
+        if samples.still.len() == mode_count {
+            return samples;
+        }
+        let frames = evenly(asset.frame_count(), most);
+        let q: Vec<f32> = frames
+            .iter()
+            .filter_map(|&frame| asset.frame(frame))
+            .flat_map(|frame| frame.q().iter().copied())
+            .collect();
+        // Frames that the file does not hold, contrary to what it says, are none.
+        if !frames.is_empty() && q.len() == frames.len() * mode_count {
+            samples.source = Source::Frames;
+            samples.count = frames.len();
+            samples.frames = frames;
+            samples.q = q;
+            return samples;
+        }
+        let mut random = Random::new();
+        let ranges: Vec<f32> = asset.modes().iter().map(|m| m.q_range.get()).collect();
+        let mixtures = (0..most).flat_map(|_| ranges.iter());
+        samples.source = Source::Ranges;
+        samples.count = most;
+        samples.q = mixtures
+            .map(|range| (2.0 * random.unit() - 1.0) as f32 * range)
+            .collect();
+        samples
+    }
+
+    /// Where they come from.
+    pub fn source(&self) -> Source {
+        self.source
+    }
+
+    /// Number of samples: at least 1.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Never: there is at least one.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Number of modes M.
+    pub fn mode_count(&self) -> usize {
+        self.mode_count
+    }
+
+    /// q of a sample: M numbers.
+    ///
+    /// # Panics
+    /// When `sample` is not below [`Samples::len`].
+    pub fn q(&self, sample: usize) -> &[f32] {
+        &self.q[sample * self.mode_count..(sample + 1) * self.mode_count]
+    }
+
+    /// The frame of a sample, from 0, where it is one.
+    pub fn frame(&self, sample: usize) -> Option<usize> {
+        self.frames.get(sample).copied()
+    }
+
+    /// Modes that move nothing: zero fields, and ranges so small that f32 rounds them off. What they would do
+    /// beyond their ranges the samples do not show.
+    pub fn still(&self) -> &[usize] {
+        &self.still
+    }
+
+    /// The same samples of an asset that has only the modes `modes` (each below M) of this one.
+    ///
+    /// # Panics
+    /// When one of `modes` is not below [`Samples::mode_count`].
+    pub fn select(&self, modes: &[usize]) -> Self {
+        let rows = (0..self.count).map(|sample| self.q(sample));
+        let place = |mode: &usize| modes.iter().position(|kept| kept == mode);
+        Self {
+            q: rows
+                .flat_map(|q| modes.iter().map(move |&mode| q[mode]))
+                .collect(),
+            mode_count: modes.len(),
+            still: self.still.iter().filter_map(place).collect(),
+            frames: self.frames.clone(),
+            ..*self
+        }
+    }
+}
+
+/// The modes that move no vertex by more than rounding at their range.
+fn still_modes(asset: &Asset<'_>) -> Vec<usize> {
+    let least = STILL * f64::from(asset.header().position_norm_max.get());
+    let moves = |mode: &bdtree_format::ModeRecord| {
+        f64::from(mode.q_range.get()) * f64::from(mode.field_norm_max.get())
+    };
+    let modes = asset.modes().iter().enumerate();
+    modes
+        .filter(|(_, mode)| !(moves(mode) > least))
+        .map(|(j, _)| j)
+        .collect()
+}
+
+/// At most `most` of `0..count`, evenly apart, the first and the last among them.
+fn evenly(count: usize, most: usize) -> Vec<usize> {
+    let chosen = most.min(count);
+    let gaps = chosen.saturating_sub(1).max(1);
+    let place = |i: usize| {
+        // In u128, since a file may say any number of frames.
+        (i as u128 * count.saturating_sub(1) as u128 / gaps as u128) as usize
+    };
+    (0..chosen).map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_even_and_hold_both_ends() {
+        assert_eq!(evenly(0, 24), []);
+        assert_eq!(evenly(1, 24), [0]);
+        assert_eq!(evenly(5, 24), [0, 1, 2, 3, 4]);
+        assert_eq!(evenly(9, 5), [0, 2, 4, 6, 8]);
+        assert_eq!(evenly(100, 1), [0]);
+        let many = evenly(1000, 24);
+        assert_eq!((many.len(), many[0], many[23]), (24, 0, 999));
+        assert!(
+            many.windows(2)
+                .all(|pair| (43..=44).contains(&(pair[1] - pair[0])))
+        );
+    }
+}
