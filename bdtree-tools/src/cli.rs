@@ -26,6 +26,8 @@ pub(crate) enum Command {
     Diff(DiffArguments),
     Deform(DeformArguments),
     Query(QueryArguments),
+    #[cfg(feature = "report")]
+    Report(ReportArguments),
     #[cfg(feature = "render")]
     Render(RenderArguments),
     View(ViewArguments),
@@ -129,6 +131,29 @@ pub struct QueryArguments {
     #[arg(long)]
     pub stats: bool,
     /// Do not check the assets' checksums first
+    #[arg(long)]
+    pub no_verify: bool,
+}
+
+/// Measures what each choice costs and buys for an asset, and gives advice: modes, depth, tolerance,
+/// tightness, times beside deform + refit, bytes.
+///
+/// A page of its own (plots inside, nothing fetched) or JSON with all its figures. Counts and errors are
+/// the same in every run, times are not; it takes a minute for 18 thousand triangles, some for half a
+/// million. The file is checked first; it must not change meanwhile.
+#[cfg(feature = "report")]
+#[derive(Debug, Args)]
+pub struct ReportArguments {
+    /// The .bdt file
+    pub file: PathBuf,
+    /// Where the page goes: .html [default: beside FILE, with .html; with --json none]
+    #[arg(short, long, value_name = "FILE.html")]
+    pub output: Option<PathBuf>,
+    /// Print one JSON object: file, asset, machine, samples, missing, advice, modes, depth, tolerance,
+    /// tightness, margin, refit, sections, unneeded, seconds (lengths in mesh units, unknown values null)
+    #[arg(long)]
+    pub json: bool,
+    /// Do not check checksums and records first: a broken file may give wrong figures or end the program
     #[arg(long)]
     pub no_verify: bool,
 }

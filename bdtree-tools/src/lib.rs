@@ -1,5 +1,5 @@
-//! The `bdtree` command as a library: `info`, `verify`, `diff`, `deform`, `query`, `render`,
-//! `view`.
+//! The `bdtree` command as a library: `info`, `verify`, `diff`, `deform`, `query`, `report`,
+//! `render`, `view`.
 //!
 //! [`run`] is the whole command with its streams as arguments; each subcommand is one module with
 //! one public `run`. Exit codes: 0 done, 1 bad input (every problem is one line on the error
@@ -22,6 +22,8 @@ mod q;
 pub mod query;
 #[cfg(feature = "render")]
 pub mod render;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod scene;
 pub mod stress;
 pub mod verify;
@@ -77,6 +79,8 @@ pub fn run(
         Command::Diff(arguments) => diff::run(&arguments, out),
         Command::Deform(arguments) => deform::run(&arguments, out),
         Command::Query(arguments) => query::run(&arguments, out),
+        #[cfg(feature = "report")]
+        Command::Report(arguments) => report::run(&arguments, out),
         #[cfg(feature = "render")]
         Command::Render(arguments) => render::run(&arguments, out),
         Command::View(arguments) => view::run(&arguments),

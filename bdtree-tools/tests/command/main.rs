@@ -10,6 +10,8 @@ mod oracle;
 mod query;
 #[cfg(feature = "render")]
 mod render;
+#[cfg(feature = "report")]
+mod report;
 mod scene_errors;
 mod shapes;
 mod support;

@@ -1,0 +1,142 @@
+//! What the figures say to do, in words.
+
+use super::content::{Advice, Content, Curve};
+
+/// An error of penetration that contact proxies may have, over the diagonal.
+const PROXY_ERROR: f64 = 0.01;
+
+/// Savings below this are noise.
+const WORTH: f64 = 0.1;
+
+/// Advice from all parts but the modes', whose own says more.
+pub(super) fn advice(content: &Content) -> Vec<Advice> {
+    let mut all = Vec::new();
+    let mut say = |topic: &str, text: Option<String>| {
+        all.extend(text.map(|text| Advice {
+            topic: topic.to_string(),
+            text,
+        }));
+    };
+    say("tolerance", tolerance(content));
+    say("depth", depth(content));
+    if let Some(refit) = &content.refit {
+        for curve in &refit.curves {
+            say("refit", refitting(curve));
+        }
+    }
+    say("sections", sections(content));
+    all
+}
+
+/// The fastest tolerance against none.
+fn tolerance(content: &Content) -> Option<String> {
+    let none = content.tolerance.iter().find(|r| r.tolerance_rel == 0.0)?;
+    let best = content
+        .tolerance
+        .iter()
+        .min_by(|a, b| a.micros.total_cmp(&b.micros))?;
+    let saved = 1.0 - best.micros / none.micros;
+    if saved < WORTH {
+        return Some(format!(
+            "Leave Pose::with_tolerance at 0: no tolerance up to {} of the diagonal saves {} or more of the time.",
+            percent(content.tolerance.last()?.tolerance_rel),
+            percent(WORTH)
+        ));
+    }
+    Some(format!(
+        "Pose::with_tolerance with {} of the diagonal ({:.3e} mesh units) keeps {:.1} modes in node bounds and \
+         saves {} of the time, with the same answers.",
+        percent(best.tolerance_rel),
+        best.tolerance_rel * content.asset.diagonal,
+        best.active_modes,
+        percent(saved)
+    ))
+}
+
+/// The first level that is near enough.
+fn depth(content: &Content) -> Option<String> {
+    let last = content.depth.last()?;
+    let near = |r: &&super::content::DepthRow| r.penetration_error_rel <= PROXY_ERROR;
+    let first = content.depth.iter().find(near)?;
+    if first.level == last.level {
+        return (content.depth.len() > 1).then(|| {
+            format!(
+                "Do not stop balls above the last level where depths count: one level above it they are off by \
+                 up to {} of the diagonal.",
+                percent(content.depth[content.depth.len() - 2].penetration_error_rel)
+            )
+        });
+    }
+    let time = match 1.0 - first.ball_micros / last.ball_micros {
+        saved if saved >= WORTH => format!("takes {} less time", percent(saved)),
+        _ => "saves no time".to_string(),
+    };
+    Some(format!(
+        "Where spheres will do as contacts, stop at level {} of {}: depths are off by at most {} of the diagonal, \
+         and a ball query {time}.",
+        first.level,
+        last.level,
+        percent(first.penetration_error_rel)
+    ))
+}
+
+/// The break-even of a curve.
+fn refitting(curve: &Curve) -> Option<String> {
+    let first = curve.points.first()?;
+    let last = curve.points.last()?;
+    let ahead = match first.ratio {
+        r if r >= 1.0 => format!(
+            "With {} this asset is {:.0} times faster",
+            amount(first.amount, &curve.unit),
+            r
+        ),
+        r => format!(
+            "With {} this asset is {:.1} times slower",
+            amount(first.amount, &curve.unit),
+            1.0 / r
+        ),
+    };
+    Some(match curve.break_even {
+        Some(at) => format!(
+            "{ahead} than deform + refit; from about {} on, deform and refit instead.",
+            amount(at, &curve.unit)
+        ),
+        None => format!(
+            "{ahead} than deform + refit, and still {:.1} times with {}, the most that was tried.",
+            last.ratio,
+            amount(last.amount, &curve.unit)
+        ),
+    })
+}
+
+fn amount(n: f64, unit: &str) -> String {
+    let unit = match (n.round() as i64, unit) {
+        (1, "balls per step") => "ball per step",
+        (1, "rays per step") => "ray per step",
+        (_, unit) => unit,
+    };
+    format!("{n:.0} {unit}")
+}
+
+/// The largest part that some scenes do not read.
+fn sections(content: &Content) -> Option<String> {
+    let most = content.unneeded.iter().max_by_key(|u| u.bytes)?;
+    let share = most.bytes as f64 / content.asset.bytes.max(1) as f64;
+    (share >= WORTH).then(|| {
+        format!(
+            "A scene that {} does without {} of the file: {}.",
+            most.scene,
+            percent(share),
+            most.without
+        )
+    })
+}
+
+fn percent(x: f64) -> String {
+    let x = 100.0 * x;
+    match x {
+        x if x >= 10.0 => format!("{x:.0} %"),
+        x if x >= 0.01 => format!("{x:.2} %"),
+        x => format!("{x:.1e} %"),
+    }
+}

@@ -1,0 +1,249 @@
+//! Plots as SVG for the page: colours are names that its style sheet gives other values in the dark.
+
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+
+/// Width and height: drawn at the width of a phone, so that text stays readable there.
+const SIZE: (u32, u32) = (440, 300);
+
+/// Series; the style sheet turns them into colours that suit the page.
+const SERIES: [RGBColor; 4] = [
+    RGBColor(1, 1, 1),
+    RGBColor(2, 2, 2),
+    RGBColor(3, 3, 3),
+    RGBColor(4, 4, 4),
+];
+const INK: RGBColor = RGBColor(5, 5, 5);
+const GRID: RGBColor = RGBColor(6, 6, 6);
+
+/// The names above as CSS: attribute, value and the variable that replaces it.
+pub(super) fn style() -> String {
+    let mut text = String::new();
+    let names = [
+        "--series-1",
+        "--series-2",
+        "--series-3",
+        "--series-4",
+        "--ink",
+        "--grid",
+    ];
+    let colours = SERIES.into_iter().chain([INK, GRID]);
+    for (RGBColor(r, g, b), name) in colours.zip(names) {
+        let hex = format!("#{r:02X}{g:02X}{b:02X}");
+        text += &format!(
+            "svg [fill=\"{hex}\"]{{fill:var({name})}}svg [stroke=\"{hex}\"]{{stroke:var({name})}}\n"
+        );
+    }
+    text
+}
+
+/// One line of points.
+pub(super) struct Line {
+    pub(super) name: String,
+    pub(super) points: Vec<(f64, f64)>,
+}
+
+/// What a plot shows.
+pub(super) struct Plot {
+    pub(super) title: String,
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+    pub(super) lines: Vec<Line>,
+}
+
+/// An axis: its text, and whether it counts in powers of ten.
+pub(super) struct Axis {
+    pub(super) text: String,
+    pub(super) is_log: bool,
+}
+
+impl Axis {
+    pub(super) fn linear(text: &str) -> Self {
+        Self {
+            text: text.to_string(),
+            is_log: false,
+        }
+    }
+
+    pub(super) fn log(text: &str) -> Self {
+        Self {
+            text: text.to_string(),
+            is_log: true,
+        }
+    }
+
+    /// What of a value can be shown.
+    fn shows(&self, value: f64) -> bool {
+        value.is_finite() && (!self.is_log || value > 0.0)
+    }
+
+    /// From the least to the largest value, with room.
+    fn range(&self, values: impl Iterator<Item = f64>) -> (f64, f64) {
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        if self.is_log {
+            return (low / 1.25, high * 1.25);
+        }
+        // Quantities are not negative, and bars begin at 0.
+        let high = if high > 0.0 { 1.05 * high } else { 1.0 };
+        (low.min(0.0), high)
+    }
+}
+
+impl Plot {
+    /// The plot as an SVG element; `None` where there is nothing to show: fewer than two points in all.
+    pub(super) fn svg(&self) -> Option<String> {
+        let lines: Vec<Line> = self
+            .lines
+            .iter()
+            .map(|line| Line {
+                name: line.name.clone(),
+                points: line
+                    .points
+                    .iter()
+                    .copied()
+                    .filter(|(x, y)| self.x.shows(*x) && self.y.shows(*y))
+                    .collect(),
+            })
+            .collect();
+        let all = || lines.iter().flat_map(|line| line.points.iter());
+        if all().count() < 2 {
+            return None;
+        }
+        let (x_low, x_high) = self.x.range(all().map(|p| p.0));
+        let (y_low, y_high) = self.y.range(all().map(|p| p.1));
+        let mut text = String::new();
+        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+        let drawn = match (self.x.is_log, self.y.is_log) {
+            (false, false) => self.draw(&area, x_low..x_high, y_low..y_high, &lines),
+            (true, false) => self.draw(&area, (x_low..x_high).log_scale(), y_low..y_high, &lines),
+            (false, true) => self.draw(&area, x_low..x_high, (y_low..y_high).log_scale(), &lines),
+            (true, true) => self.draw(
+                &area,
+                (x_low..x_high).log_scale(),
+                (y_low..y_high).log_scale(),
+                &lines,
+            ),
+        };
+        // Writing to a string does not fail.
+        drawn.ok()?;
+        drop(area);
+        Some(text)
+    }
+
+    fn draw<'a, X, Y>(
+        &self,
+        area: &DrawingArea<SVGBackend<'a>, Shift>,
+        x: X,
+        y: Y,
+        lines: &[Line],
+    ) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>
+    where
+        X: AsRangedCoord<Value = f64>,
+        X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+        Y: AsRangedCoord<Value = f64>,
+        Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    {
+        let font = |size: u32| ("sans-serif", size).into_font().color(&INK);
+        let mut chart = ChartBuilder::on(area)
+            .margin(6)
+            .margin_right(16)
+            .x_label_area_size(40)
+            .y_label_area_size(58)
+            .build_cartesian_2d(x, y)?;
+        chart
+            .configure_mesh()
+            .x_desc(self.x.text.as_str())
+            .y_desc(self.y.text.as_str())
+            .x_labels(5)
+            .y_labels(6)
+            .max_light_lines(0)
+            .bold_line_style(GRID)
+            .axis_style(INK)
+            .label_style(font(13))
+            .axis_desc_style(font(14))
+            .x_label_formatter(&|x| short(*x))
+            .y_label_formatter(&|y| short(*y))
+            .draw()?;
+        let is_named = lines.len() > 1;
+        for (line, colour) in lines.iter().zip(SERIES.iter().cycle()) {
+            let style = colour.stroke_width(2);
+            let series = LineSeries::new(line.points.iter().copied(), style).point_size(3);
+            let drawn = chart.draw_series(series)?;
+            if is_named {
+                drawn.label(line.name.as_str()).legend(move |(x, y)| {
+                    PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(3))
+                });
+            }
+        }
+        if is_named {
+            chart
+                .configure_series_labels()
+                .label_font(font(13))
+                .position(SeriesLabelPosition::UpperRight)
+                .draw()?;
+        }
+        area.present()
+    }
+}
+
+/// A number with few digits, for marks on axes.
+fn short(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 {
+        "0".to_string()
+    } else if !(1e-3..1e5).contains(&size) {
+        format!("{x:.0e}")
+    } else {
+        let text = format!("{x:.3}");
+        text.trim_end_matches('0').trim_end_matches('.').to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Axis, Line, Plot, short, style};
+
+    #[test]
+    fn what_cannot_be_shown_is_left_out_and_nothing_is_drawn_of_nothing() {
+        let plot = |points: &[(f64, f64)]| Plot {
+            title: String::new(),
+            x: Axis::log("x"),
+            y: Axis::linear("y"),
+            lines: vec![Line {
+                name: "a".to_string(),
+                points: points.to_vec(),
+            }],
+        };
+        assert_eq!(plot(&[]).svg(), None);
+        assert_eq!(plot(&[(0.0, 1.0), (1.0, f64::NAN), (2.0, 1.0)]).svg(), None);
+        let text = plot(&[(1.0, 1.0), (10.0, 2.0)]).svg().expect("a plot");
+        assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
+        // Every colour is one that the style sheet knows.
+        for part in text
+            .split("fill=\"#")
+            .chain(text.split("stroke=\"#"))
+            .skip(1)
+        {
+            let hex: String = part.chars().take(6).collect();
+            if hex.chars().all(|c| c.is_ascii_hexdigit()) {
+                assert!(style().contains(&hex), "{hex} in {part:.60}");
+            }
+        }
+    }
+
+    #[test]
+    fn marks_are_short() {
+        for (x, text) in [
+            (0.0, "0"),
+            (0.25, "0.25"),
+            (10.0, "10"),
+            (1e-6, "1e-6"),
+            (3e6, "3e6"),
+        ] {
+            assert_eq!(short(x), text);
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Bytes by section, and what scenes that ask less could leave out.
+
+use bdtree_format::SectionKind;
+use bdtree_runtime::Asset;
+
+use super::content::{SectionRow, Unneeded};
+
+/// In file order; what is not in a section (header, tables, padding) is the last row.
+pub(super) fn sections(asset: &Asset<'_>) -> Vec<SectionRow> {
+    let total = asset.header().file_bytes.get();
+    let row = |kind: String, purpose: &str, bytes: u64| SectionRow {
+        kind,
+        purpose: purpose.to_string(),
+        bytes,
+        share: bytes as f64 / total.max(1) as f64,
+    };
+    let mut rows: Vec<SectionRow> = asset
+        .sections()
+        .iter()
+        .map(|s| row(s.kind.to_string(), purpose(s.kind), s.length.get()))
+        .collect();
+    let inside: u64 = rows.iter().map(|r| r.bytes).sum();
+    let rest = total.saturating_sub(inside);
+    rows.push(row("-".to_string(), "header, tables, padding", rest));
+    rows
+}
+
+fn purpose(kind: SectionKind) -> &'static str {
+    match kind {
+        SectionKind::NODES => "nodes of the tree",
+        SectionKind::ROWS => "their spheres: rest, and what each mode does to them",
+        SectionKind::MODE_LISTS => "which modes act on a node or vertex",
+        SectionKind::TRIANGLES => "triangles, in the order of the leaves",
+        SectionKind::TRIANGLE_SLOTS => "where each triangle id is",
+        SectionKind::POSITIONS => "vertices at rest",
+        SectionKind::DISPLACEMENTS => "displacement of each vertex by each mode",
+        SectionKind::VERTEX_MODES => "modes of each vertex",
+        SectionKind::FRAMES => "the animation's frames",
+        SectionKind::FRAME_Q => "q of the frames",
+        SectionKind::GROUPS => "groups of the source",
+        SectionKind::GROUP_NAMES => "their names",
+        SectionKind::METADATA => "source, settings, names, warnings",
+        _ => "not known to this version",
+    }
+}
+
+/// What could be left out for scenes that only ask so much.
+pub(super) fn unneeded(asset: &Asset<'_>) -> Vec<Unneeded> {
+    let bytes = |kinds: &[SectionKind]| {
+        let sections = asset.sections().iter();
+        let of = sections.filter(|s| kinds.contains(&s.kind));
+        of.map(|s| s.length.get()).sum::<u64>()
+    };
+    let surface = bytes(&[
+        SectionKind::TRIANGLES,
+        SectionKind::TRIANGLE_SLOTS,
+        SectionKind::POSITIONS,
+        SectionKind::DISPLACEMENTS,
+        SectionKind::VERTEX_MODES,
+    ]);
+    let animation = bytes(&[SectionKind::FRAMES, SectionKind::FRAME_Q]);
+    let words = bytes(&[
+        SectionKind::GROUPS,
+        SectionKind::GROUP_NAMES,
+        SectionKind::METADATA,
+    ]);
+    let deepest = asset.depth().saturating_sub(1);
+    let leaves = asset.node_count() - asset.node_count_to(deepest.saturating_sub(1));
+    let leaf_share = leaves as f64 / asset.node_count().max(1) as f64;
+    let below = (leaf_share * bytes(&[SectionKind::NODES, SectionKind::ROWS]) as f64) as u64;
+    let row = |scene: &str, without: &str, bytes| Unneeded {
+        scene: scene.to_string(),
+        without: without.to_string(),
+        bytes,
+    };
+    let mut rows = vec![
+        row(
+            "only asks for spheres (bounded depth, culling, broad phase)",
+            "triangles, vertices and displacements: they need not be in memory, since queries do not read them",
+            surface,
+        ),
+        row(
+            "never looks into the deepest level",
+            "nodes of that level and their rows: never read, so never paged in",
+            below,
+        ),
+    ];
+    if animation > 0 {
+        rows.push(row(
+            "computes q itself",
+            "the animation's frames",
+            animation,
+        ));
+    }
+    rows.push(row("knows its asset", "groups, names and metadata", words));
+    rows
+}

@@ -1,0 +1,254 @@
+//! `report`: its page and its figures, on assets of every kind.
+
+use bdtree_build::basis::Basis;
+use bdtree_build::input::RawMesh;
+use serde_json::Value;
+
+use crate::support::{Folder, animated, baked, ball_mesh};
+
+impl Folder {
+    /// The figures and the page of an asset.
+    fn report(&self, name: &str) -> (Value, String) {
+        let ran = self.run(&["report", name, "--json", "-o", "out.html"]);
+        assert_eq!((ran.code, ran.err.as_str()), (0, ""), "{name}");
+        let figures = serde_json::from_str(&ran.out).expect("one JSON object");
+        let page = String::from_utf8(self.read("out.html")).expect("UTF-8");
+        (figures, page)
+    }
+}
+
+fn list<'v>(value: &'v Value, name: &str) -> &'v [Value] {
+    value[name].as_array().expect("a list")
+}
+
+fn number(value: &Value, name: &str) -> f64 {
+    let number = value[name].as_f64();
+    number.unwrap_or_else(|| panic!("{name} of {value} is no number"))
+}
+
+/// The figures without what differs between runs: times and what follows from them.
+fn without_times(value: &Value) -> Value {
+    match value {
+        Value::Object(map) => {
+            let is_timed = |key: &str| {
+                key.contains("micros")
+                    || ["seconds", "ratio", "time_rel", "break_even", "advice"].contains(&key)
+            };
+            let kept = map.iter().filter(|(key, _)| !is_timed(key));
+            kept.map(|(key, value)| (key.clone(), without_times(value)))
+                .collect()
+        }
+        Value::Array(all) => all.iter().map(without_times).collect(),
+        other => other.clone(),
+    }
+}
+
+/// Every table of a page as rows of cells.
+fn cells(page: &str) -> usize {
+    page.matches("<td").count()
+}
+
+#[test]
+fn an_animated_asset_has_every_part() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    folder.write("moves.bdt", baked(&mesh, &animated(&mesh)));
+    let (report, page) = folder.report("moves.bdt");
+    assert_eq!(report["file"], "moves.bdt");
+    assert_eq!(report["asset"]["frames"], 3);
+    assert_eq!(report["samples"]["count"], 3);
+
+    // Fewer modes: errors fall to 0, which all have; bytes rise.
+    let modes = list(&report, "modes");
+    assert_eq!(modes.last().expect("rows")["modes"], 3);
+    for pair in modes.windows(2) {
+        assert!(number(&pair[0], "error_max") >= number(&pair[1], "error_max"));
+        assert!(number(&pair[0], "bytes") <= number(&pair[1], "bytes"));
+        assert!(number(&pair[0], "error_rms_rel") <= number(&pair[0], "error_max_rel"));
+    }
+    assert_eq!(number(modes.last().expect("rows"), "error_max"), 0.0);
+    assert!(number(&modes[0], "error_max") > 0.0);
+
+    // Levels: nothing is missed anywhere, and at the last all is exact.
+    let depth = list(&report, "depth");
+    assert_eq!(
+        depth.len() as u64,
+        report["asset"]["depth"].as_u64().expect("a number")
+    );
+    assert!(
+        depth
+            .iter()
+            .all(|row| number(row, "missed_area_rel") == 0.0)
+    );
+    let last = depth.last().expect("levels");
+    for name in ["extra_area_rel", "penetration_error_rel", "false_rel"] {
+        assert_eq!(number(last, name), 0.0, "{name}");
+        assert!(number(&depth[0], name) >= 0.0);
+    }
+    assert!(number(&depth[0], "extra_area_rel") > 0.0);
+    assert!(number(&depth[0], "penetration_error_rel") > 0.0);
+
+    // Tolerance: fewer modes, never fewer visits.
+    for pair in list(&report, "tolerance").windows(2) {
+        assert!(number(&pair[0], "active_modes") >= number(&pair[1], "active_modes"));
+        assert!(number(&pair[0], "visits") <= number(&pair[1], "visits"));
+    }
+
+    // Tightness: nothing is tighter than possible, ours not looser than the paper's but for rounding.
+    let tightness = list(&report, "tightness");
+    assert!(tightness.len() >= 4);
+    for row in tightness {
+        let mean = |name: &str| number(&row[name], "mean");
+        assert!(mean("ours") > 1.0 - 1e-6 && number(&row["ours"], "max") >= mean("ours"));
+        assert!(
+            mean("ours") <= mean("smallest_ball") * (1.0 + 1e-3),
+            "{row}"
+        );
+        assert!(
+            mean("smallest_ball") <= mean("paper") * (1.0 + 1e-9),
+            "{row}"
+        );
+    }
+    assert_eq!(report["margin"]["violations"], 0);
+    assert!(number(&report["margin"], "least") > 0.0);
+
+    let curves = list(&report["refit"], "curves");
+    let asked: Vec<_> = curves.iter().map(|c| c["question"].as_str()).collect();
+    assert_eq!(asked, [Some("ball"), Some("ray"), Some("pair")]);
+    for curve in curves {
+        for point in list(curve, "points") {
+            let ratio = number(point, "refit_micros") / number(point, "ours_micros");
+            assert!((number(point, "ratio") / ratio - 1.0).abs() < 1e-9);
+        }
+    }
+    let sections = list(&report, "sections");
+    let bytes: f64 = sections.iter().map(|s| number(s, "bytes")).sum();
+    assert_eq!(bytes, number(&report["asset"], "bytes"));
+    assert!(!list(&report, "advice").is_empty());
+
+    // One file that fetches nothing, whose plots and tables are filled.
+    assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
+    for other in ["http://", "https://", "src=", "<script", "@import", "url("] {
+        let allowed = "http://www.w3.org/2000/svg";
+        assert!(!page.replace(allowed, "").contains(other), "{other}");
+    }
+    assert!(page.matches("<svg").count() >= 8 && page.contains("prefers-color-scheme:dark"));
+    assert!(cells(&page) > 100 && !page.contains("NaN"));
+    assert!(page.contains("viewport"));
+    for advice in list(&report, "advice") {
+        let text = advice["text"].as_str().expect("text");
+        assert!(page.contains(&text.replace('"', "&quot;")), "{text}");
+    }
+}
+
+#[test]
+fn two_runs_count_the_same() {
+    let folder = Folder::new();
+    let (first, _) = folder.report("a.bdt");
+    let (second, _) = folder.report("a.bdt");
+    assert_eq!(without_times(&first), without_times(&second));
+    assert!(without_times(&first)["modes"][0].get("error_max").is_some());
+}
+
+#[test]
+fn ranges_stand_in_for_an_animation_and_it_says_so() {
+    let folder = Folder::new();
+    let (report, page) = folder.report("a.bdt");
+    assert_eq!(report["asset"]["frames"], Value::Null);
+    let missing = list(&report, "missing");
+    let says = |text: &str| {
+        missing
+            .iter()
+            .any(|m| m.as_str().is_some_and(|m| m.contains(text)))
+    };
+    assert!(says("no animation"), "{missing:?}");
+    assert!(page.contains("no animation"));
+}
+
+#[test]
+fn what_an_asset_has_not_is_said() {
+    let folder = Folder::new();
+    let triangle = RawMesh {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2]],
+        ..RawMesh::default()
+    };
+    let rigid = Basis {
+        vertex_count: 3,
+        ..Basis::default()
+    };
+    folder.write("one.bdt", baked(&triangle, &rigid));
+    for name in ["rigid.bdt", "one.bdt"] {
+        let (report, page) = folder.report(name);
+        for part in ["modes", "tolerance", "tightness"] {
+            assert!(list(&report, part).is_empty(), "{name} {part}");
+        }
+        assert_eq!(
+            (&report["refit"], &report["margin"]),
+            (&Value::Null, &Value::Null)
+        );
+        assert!(page.contains("The asset is rigid") && !page.contains("NaN"));
+        // No empty plot, and no heading over nothing.
+        assert!(!page.contains("Tightness</h2>") && !page.contains("Modes kept</h2>"));
+        assert!(cells(&page) > 10);
+    }
+    // A triangle that moves, and one of no area at all.
+    for flat in [false, true] {
+        let mut mesh = triangle.clone();
+        if flat {
+            mesh.positions = vec![[1.0, 2.0, 3.0]; 3];
+        }
+        let moving = crate::support::basis(&mesh);
+        folder.write("one.bdt", baked(&mesh, &moving));
+        let (report, page) = folder.report("one.bdt");
+        assert!(!page.contains("NaN"), "{report}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_told() {
+    let folder = Folder::new();
+    let mut broken = folder.read("a.bdt");
+    *broken.last_mut().expect("bytes") ^= 1;
+    folder.write("broken.bdt", broken);
+    for (arguments, expected) in [
+        (&["none.bdt"][..], "none.bdt: No such file"),
+        (&["broken.bdt"], "broken.bdt: section "),
+        (
+            &["a.bdt", "-o", "out.txt"],
+            "out.txt: unknown extension: .html can be written",
+        ),
+        (
+            &["a.bdt", "-o", "none/out.html"],
+            "none/out.html: cannot write: ",
+        ),
+    ] {
+        let ran = folder.run(&[&["report"], arguments].concat());
+        assert_eq!((ran.code, ran.out.as_str()), (1, ""), "{arguments:?}");
+        assert!(
+            ran.err.starts_with(expected) && ran.err.lines().count() == 1,
+            "{}",
+            ran.err
+        );
+        assert!(!folder.path("out.html").exists());
+    }
+    folder.write("a.html", folder.read("a.bdt"));
+    let ran = folder.run(&["report", "a.html"]);
+    assert_eq!(ran.code, 1);
+    assert!(
+        ran.err.contains("is the input: it would be overwritten"),
+        "{}",
+        ran.err
+    );
+}
+
+#[test]
+fn the_page_lies_beside_the_file() {
+    let folder = Folder::new();
+    let ran = folder.run(&["report", "rigid.bdt"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    assert!(ran.out.ends_with("wrote rigid.html\n"), "{}", ran.out);
+    assert!(folder.path("rigid.html").exists());
+    let ran = folder.run(&["report", "rigid.bdt", "--json"]);
+    assert!(ran.out.starts_with('{') && ran.code == 0);
+}
