@@ -4,5 +4,7 @@
 //! [`samples`] says at which q an asset is judged, [`works`] what is asked of it there; both take an opened
 //! asset and serve everything that measures one.
 
+pub mod errors;
 pub mod samples;
+pub mod subject;
 pub mod works;
