@@ -1,5 +1,7 @@
 //! What is advised on: a mesh and its fields with the settings that it is baked with, from a bake or from a file.
 
+use std::collections::BTreeMap;
+
 use bdtree_format::{ErrorMetadata, Metadata, group_kind};
 use bdtree_runtime::{Asset, FormatError, TriangleId, VertexId};
 
@@ -8,6 +10,7 @@ use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use crate::input::{GroupKind, RawGroup, RawMesh};
 use crate::pipeline::BakeSettings;
 use crate::tree::Split;
+use crate::wrap::RANGE_DIAGONALS;
 
 /// A mesh with its fields.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +46,7 @@ impl Subject {
             }
         };
         let basis = basis(asset, &metadata)?;
+        missing.extend(assumed_ranges(&metadata.basis, &metadata.settings));
         let own = metadata.basis_error_rel.map(basis_error);
         // Weights of a face are its user's; a clip is an example.
         let over = if metadata.basis == "morph" {
@@ -63,6 +67,19 @@ impl Subject {
             missing,
         })
     }
+}
+
+/// What to say of ranges that no source has: those of vibration modes and given fields that were baked without
+/// `--range-rel`. `kind` and `settings` are those of the metadata.
+pub fn assumed_ranges(kind: &str, settings: &BTreeMap<String, String>) -> Option<String> {
+    let have_none = matches!(kind, "elastic" | "volume" | "given");
+    (have_none && !settings.contains_key("range-rel")).then(|| {
+        format!(
+            "No amplitudes are known: each mode is taken to move its farthest vertex by up to {:.0} % of the box \
+             diagonal (--range-rel says otherwise).",
+            100.0 * RANGE_DIAGONALS
+        )
+    })
 }
 
 fn mesh(asset: &Asset<'_>) -> Result<RawMesh, FormatError> {
