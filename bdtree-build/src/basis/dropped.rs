@@ -223,7 +223,7 @@ impl<'a> Source<'a> {
 }
 
 /// The fields of the given numbers (ascending), and their q.
-fn select(basis: &Basis, fields: &[usize]) -> Basis {
+pub(crate) fn select(basis: &Basis, fields: &[usize]) -> Basis {
     let fields_of = |j: &usize| basis.field(*j).iter().copied();
     Basis {
         vertex_count: basis.vertex_count,

@@ -58,6 +58,8 @@ pub struct PcaOptions {
     pub align: bool,
     /// Predicted memory beyond which the work is refused.
     pub memory_limit_bytes: u64,
+    /// Measures with [`Modes::Count`] every smaller number of modes, too: the curve then begins with none.
+    pub measures_all: bool,
     /// Vertices that are read at a time; `None`: as many as 32 MiB hold.
     pub chunk_vertices: Option<usize>,
 }
@@ -69,6 +71,7 @@ impl Default for PcaOptions {
             about: About::Mean,
             align: false,
             memory_limit_bytes: 4 << 30,
+            measures_all: false,
             chunk_vertices: None,
         }
     }
@@ -130,9 +133,10 @@ pub fn pca_basis(
             reduction.warn(count, warnings);
             let basis = reduction.basis(count.min(reduction.rank.modes), progress)?;
             let modes = basis.mode_count();
-            let errors = reduction.errors(&basis, modes, progress)?;
-            let point = |error| CurvePoint { modes, error };
-            (basis, errors.into_iter().map(point).collect())
+            let from = if options.measures_all { 0 } else { modes };
+            let errors = reduction.errors(&basis, from, progress)?;
+            let point = |(modes, error)| CurvePoint { modes, error };
+            (basis, (from..).zip(errors).map(point).collect())
         }
         Modes::Auto { max_error_rel } => {
             reduction.warn(0, warnings);

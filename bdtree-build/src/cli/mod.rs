@@ -1,5 +1,6 @@
 //! The command: arguments → input → basis → bake → file → what people or machines read of it.
 
+mod advise;
 mod arguments;
 mod output;
 mod progress;
@@ -30,7 +31,7 @@ pub(crate) fn run(arguments: &Arguments) -> ExitCode {
         eprintln!("bdtree-build: {message}");
         return ExitCode::from(2);
     }
-    if arguments.main_file().is_none() && arguments.unsupported().is_none() {
+    if arguments.main_file().is_none() {
         eprintln!(
             "bdtree-build: no INPUT: name a mesh (.obj, .obj.gz, .gltf, .glb); --help shows all \
              options"
@@ -38,11 +39,19 @@ pub(crate) fn run(arguments: &Arguments) -> ExitCode {
         return ExitCode::from(2);
     }
     let progress = progress::Bar::new(arguments.quiet || arguments.json);
-    match bake_file(arguments, &progress) {
-        Ok(done) => {
+    let done = if arguments.advise {
+        advise::run(arguments, &progress).map(|advised| {
+            progress.clear();
+            advised.print(arguments.json)
+        })
+    } else {
+        bake_file(arguments, &progress).map(|done| {
             progress.clear();
             output::print(&done, arguments.json, arguments.quiet)
-        }
+        })
+    };
+    match done {
+        Ok(code) => code,
         Err(error) => {
             progress.clear();
             for problem in &error.problems {
@@ -76,9 +85,6 @@ struct Done {
 }
 
 fn bake_file(arguments: &Arguments, progress: &dyn Progress) -> Result<Done, BakeError> {
-    if let Some(option) = arguments.unsupported() {
-        return Err(BakeError::one("input", option, "not supported yet"));
-    }
     let input = arguments.main_file().unwrap_or(Path::new(""));
     let output = arguments
         .output
@@ -86,31 +92,7 @@ fn bake_file(arguments: &Arguments, progress: &dyn Progress) -> Result<Done, Bak
         .unwrap_or_else(|| default_output(input));
     check_output(arguments, &output)?;
     let source = sources::read(arguments, progress)?;
-    let mut settings = BakeSettings {
-        leaf_size: arguments.leaf_size.map(usize::from),
-        split: arguments.split,
-        nested: arguments.nested,
-        threads: arguments
-            .threads
-            .map_or_else(available_threads, usize::from),
-        basis_kind: source.kind.to_string(),
-        basis_error: source.error,
-        metadata: source.settings,
-    };
-    let leaf_size = settings
-        .leaf_size
-        .unwrap_or_else(|| default_leaf_size(source.mesh.triangles.len()));
-    let shown = [
-        ("leaf-size", leaf_size.to_string()),
-        ("split", arguments.split.to_string()),
-    ];
-    for (name, value) in shown {
-        settings.metadata.insert(name.to_string(), value);
-    }
-    if arguments.nested {
-        let (name, value) = ("nested".to_string(), "true".to_string());
-        settings.metadata.insert(name, value);
-    }
+    let settings = settings(arguments, &source);
     let mut baked = bake(
         &source.mesh,
         &source.basis,
@@ -131,6 +113,36 @@ fn bake_file(arguments: &Arguments, progress: &dyn Progress) -> Result<Done, Bak
         elastic: source.elastic,
         volume: source.volume,
     })
+}
+
+/// How the arguments have a source baked.
+fn settings(arguments: &Arguments, source: &sources::Source) -> BakeSettings {
+    let mut settings = BakeSettings {
+        leaf_size: arguments.leaf_size.map(usize::from),
+        split: arguments.split,
+        nested: arguments.nested,
+        threads: arguments
+            .threads
+            .map_or_else(available_threads, usize::from),
+        basis_kind: source.kind.to_string(),
+        basis_error: source.error,
+        metadata: source.settings.clone(),
+    };
+    let leaf_size = settings
+        .leaf_size
+        .unwrap_or_else(|| default_leaf_size(source.mesh.triangles.len()));
+    let shown = [
+        ("leaf-size", leaf_size.to_string()),
+        ("split", arguments.split.to_string()),
+    ];
+    for (name, value) in shown {
+        settings.metadata.insert(name.to_string(), value);
+    }
+    if arguments.nested {
+        let (name, value) = ("nested".to_string(), "true".to_string());
+        settings.metadata.insert(name, value);
+    }
+    settings
 }
 
 /// Refuses an output that would overwrite what the bake reads, or what is no `.bdt` file, and one

@@ -92,16 +92,21 @@ impl From<&VolumeReport> for VolumeJson {
     }
 }
 
+/// The first warnings, on stderr.
+pub(super) fn print_warnings(warnings: &[String]) {
+    for warning in warnings.iter().take(WARNINGS_SHOWN) {
+        eprintln!("bdtree-build: warning: {warning}");
+    }
+    let more = warnings.len().saturating_sub(WARNINGS_SHOWN);
+    if more > 0 {
+        eprintln!("bdtree-build: {more} more warnings (--json shows all)");
+    }
+}
+
 /// Prints. A reader that closes the pipe is no error; a full disk is one, though the file is made.
 pub(super) fn print(done: &Done, json: bool, quiet: bool) -> ExitCode {
     if !quiet && !json {
-        for warning in done.report.warnings.iter().take(WARNINGS_SHOWN) {
-            eprintln!("bdtree-build: warning: {warning}");
-        }
-        let more = done.report.warnings.len().saturating_sub(WARNINGS_SHOWN);
-        if more > 0 {
-            eprintln!("bdtree-build: {more} more warnings (--json shows all)");
-        }
+        print_warnings(&done.report.warnings);
     }
     let mut out = std::io::stdout().lock();
     let printed = if json {

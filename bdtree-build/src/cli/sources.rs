@@ -33,6 +33,8 @@ pub(super) struct Source {
     pub(super) kind: &'static str,
     /// How far the fields are from what they were made of.
     pub(super) error: Option<BasisError>,
+    /// With `--advise`: how far the first 0, 1, … fields are from what they were made of, where that was measured.
+    pub(super) errors_of_first: Option<Vec<BasisError>>,
     pub(super) elastic: Option<ElasticReport>,
     pub(super) volume: Option<VolumeReport>,
     /// Options for the metadata: name and value.
@@ -53,6 +55,7 @@ impl Source {
             mesh,
             kind: "rigid",
             error: None,
+            errors_of_first: None,
             elastic: None,
             volume: None,
             settings: BTreeMap::new(),

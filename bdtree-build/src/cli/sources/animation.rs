@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use bdtree_build::basis::pca::{self, PcaOptions, pca_basis};
+use bdtree_build::basis::pca::{self, Pca, PcaOptions, pca_basis};
 use bdtree_build::error::BakeError;
 use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::progress::Progress;
+use bdtree_format::MODE_COUNT_MAX;
 
 use super::{MODES_DEFAULT, Source, hexadecimal, name};
 use crate::cli::Arguments;
@@ -50,16 +51,38 @@ pub(super) fn add(
             About::Input => pca::About::Input,
         },
         align: arguments.align,
+        measures_all: arguments.advise,
         memory_limit_bytes: arguments.memory_limit.saturating_mul(1 << 20),
         ..PcaOptions::default()
     };
-    let pca = pca_basis(
-        &source.mesh,
-        sequence,
-        &options,
-        progress,
-        &mut source.warnings,
-    )?;
+    let reduce = |modes, warnings: &mut Vec<String>| {
+        let options = PcaOptions {
+            modes,
+            ..options.clone()
+        };
+        pca_basis(&source.mesh, sequence, &options, progress, warnings)
+    };
+    let mut warnings = Vec::new();
+    let mut pca = reduce(options.modes, &mut warnings)?;
+    let goal = arguments.goal();
+    let is_short = |pca: &Pca| pca.curve.iter().all(|point| point.error.max_rel > goal);
+    if arguments.advise && arguments.modes() == Modes::Unsaid && is_short(&pca) {
+        // As many as it takes; where even all there are do not do, all that are worth having.
+        let auto = pca::Modes::Auto {
+            max_error_rel: goal,
+        };
+        let count = match reduce(auto, &mut Vec::new()) {
+            Ok(enough) => enough.basis.mode_count(),
+            Err(_) => MODE_COUNT_MAX,
+        };
+        warnings.clear();
+        pca = reduce(pca::Modes::Count(count), &mut warnings)?;
+    }
+    source.warnings.extend(warnings);
+    if arguments.advise {
+        let errors = pca.curve.iter().map(|point| point.error);
+        source.errors_of_first = Some(errors.collect());
+    }
     source.mesh = pca.mesh;
     source.basis = pca.basis;
     source.error = Some(pca.error);

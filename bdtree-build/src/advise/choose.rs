@@ -1,0 +1,152 @@
+//! The fewest modes that are good enough, then the leaf size.
+
+use super::AdviceError;
+use super::curve::{Bench, POINTS_MAX, Point, counts};
+use super::errors::Over;
+use super::samples::Source;
+use super::subject::Subject;
+use crate::progress::Progress;
+
+/// Leaf sizes that are tried unless one is asked for.
+pub const LEAF_SIZES: [usize; 3] = [2, 4, 8];
+
+/// Another leaf size than the default is advised only where it takes less than this share of its time: what
+/// one run measures is not surer.
+const FASTER: f64 = 0.95;
+
+/// What is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Goal {
+    /// Largest error at any vertex over the diagonal of the box, above 0.
+    pub max_error_rel: f64,
+    /// Modes that may be used at most.
+    pub modes_max: usize,
+    /// Modes other than the first ones that are good enough, too (by their numbers, ascending), and what the bake
+    /// states as their error: `--modes auto` of given fields and morph targets.
+    pub subset: Option<(Vec<usize>, f64)>,
+    /// Leaf sizes to try besides the one that the settings have; empty where that stays.
+    pub leaf_sizes: Vec<usize>,
+    /// Samples at which assets are measured ([`super::samples::SAMPLES`]).
+    pub samples: usize,
+    /// Numbers of modes to measure besides those that matter, at most [`POINTS_MAX`].
+    pub curve_points: usize,
+}
+
+impl Default for Goal {
+    /// 1 % of the diagonal, as many modes as there are, the usual leaf sizes, no curve.
+    fn default() -> Self {
+        Self {
+            max_error_rel: 0.01,
+            modes_max: usize::MAX,
+            subset: None,
+            leaf_sizes: LEAF_SIZES.to_vec(),
+            samples: super::samples::SAMPLES,
+            curve_points: 0,
+        }
+    }
+}
+
+/// What is advised, and all that was measured for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Advice {
+    /// What was asked for.
+    pub max_error_rel: f64,
+    /// Whether the advised modes keep to it.
+    pub is_met: bool,
+    /// The error that they keep to, against the source where there is one; 0 for a rigid asset.
+    pub error_rel: f64,
+    /// What the error is taken over.
+    pub over: Over,
+    /// Where the samples come from, and how many there are.
+    pub samples: (Source, usize),
+    /// Number of frames of the animation; 0 without.
+    pub frames: usize,
+    /// The asset as it is, with all modes.
+    pub all: Point,
+    /// What is advised.
+    pub chosen: Point,
+    /// Whether the advised modes are the first ones; else those that an error limit chooses.
+    pub takes_first: bool,
+    /// The advised modes with each leaf size that was tried, ascending.
+    pub leaves: Vec<Point>,
+    /// The leaf size that needs no option.
+    pub default_leaf_size: usize,
+    /// Errors, bytes and times over the number of modes, ascending: what is advised and all modes among them.
+    pub curve: Vec<Point>,
+    /// What is not known: sentences.
+    pub missing: Vec<String>,
+}
+
+/// The fewest modes whose error meets the goal, or all that may be used where none does, with the leaf size that is
+/// fastest by more than 5 %. Counts and errors are the same in every run, times are measured.
+///
+/// # Errors
+/// What bakes and queries of the subject refuse.
+pub fn advise(
+    subject: &Subject,
+    goal: &Goal,
+    progress: &dyn Progress,
+) -> Result<Advice, AdviceError> {
+    let bench = Bench::new(subject, goal.samples, progress)?;
+    let mode_count = subject.basis.mode_count();
+    let most = mode_count.min(goal.modes_max);
+    let first = subject.errors.fewest(goal.max_error_rel, most);
+    let subset = goal
+        .subset
+        .as_ref()
+        .filter(|(modes, _)| modes.len() <= most && first.is_none_or(|first| modes.len() < first));
+    let modes: Vec<usize> = match subset {
+        Some((modes, _)) => modes.clone(),
+        None => (0..first.unwrap_or(most)).collect(),
+    };
+    let error_rel = match subset {
+        Some((_, error)) => *error,
+        None => subject.errors.bound_rel(modes.len()).unwrap_or(0.0),
+    };
+
+    let default = bench.leaf_size();
+    let mut leaf_sizes = vec![default];
+    leaf_sizes.extend(&goal.leaf_sizes);
+    leaf_sizes.sort_unstable();
+    leaf_sizes.dedup();
+    let (all, leaves) = bench.points(&modes, &leaf_sizes, progress)?;
+    let chosen = best_leaf(&leaves, default).ok_or(AdviceError::NothingMeasured)?;
+
+    let mut curve = Vec::new();
+    if goal.curve_points > 0 {
+        let points = goal.curve_points.min(POINTS_MAX);
+        for count in counts(mode_count, first.unwrap_or(most), points) {
+            let first: Vec<usize> = (0..count).collect();
+            curve.extend(bench.points(&first, &[default], progress)?.1);
+        }
+    }
+    Ok(Advice {
+        max_error_rel: goal.max_error_rel,
+        is_met: subset.is_some() || first.is_some(),
+        error_rel,
+        over: subject.errors.over,
+        samples: (bench.samples().source(), bench.samples().len()),
+        frames: subject
+            .basis
+            .animation
+            .as_ref()
+            .map_or(0, |a| a.frame_count),
+        all,
+        takes_first: subset.is_none(),
+        chosen: chosen.clone(),
+        leaves,
+        default_leaf_size: default,
+        curve,
+        missing: subject.missing.clone(),
+    })
+}
+
+/// The fastest, if it is faster than the default by enough; else the default.
+fn best_leaf(leaves: &[Point], default: usize) -> Option<&Point> {
+    let default = leaves.iter().find(|point| point.leaf_size == default)?;
+    let fastest = leaves
+        .iter()
+        .min_by(|a, b| a.time_rel.total_cmp(&b.time_rel))?;
+    let is_faster = fastest.measured.time_over(&default.measured) < FASTER;
+    Some(if is_faster { fastest } else { default })
+}

@@ -1,0 +1,249 @@
+//! An asset baked again with fewer modes or other leaves, and measured beside itself with all.
+
+use bdtree_runtime::{AlignedBytes, Asset};
+
+use super::AdviceError;
+use super::samples::Samples;
+use super::subject::Subject;
+use super::works::{Contender, Measured, Works};
+use crate::basis::BasisError;
+use crate::basis::dropped::select;
+use crate::error::BakeError;
+use crate::pipeline::{BakeSettings, bake, default_leaf_size};
+use crate::progress::Progress;
+
+/// Numbers of modes that a curve has at most.
+pub const POINTS_MAX: usize = 12;
+
+/// Seconds that timing one asset beside others may take, …
+const SECONDS: f64 = 3.0;
+
+/// … and the least and most rounds.
+const ROUNDS: (usize, usize) = (3, 25);
+
+/// One setting, baked and measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// The modes that are kept, by their numbers among all, ascending.
+    pub modes: Vec<usize>,
+    /// Most triangles in a leaf lane.
+    pub leaf_size: usize,
+    /// What these modes leave out ([`super::errors::Errors`]); `None` where the modes are not the first ones and
+    /// nobody measured them.
+    pub error: Option<BasisError>,
+    /// Length of the file.
+    pub bytes: usize,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// What the works found and visited, and how long they took.
+    pub measured: Measured,
+    /// Time over that of the asset with all modes, in the same run ([`Measured::time_over`]).
+    pub time_rel: f64,
+}
+
+impl Point {
+    /// Share of the nodes that a ball of the works visits.
+    pub fn ball_visits_share(&self) -> f64 {
+        let ball = self.measured.ball;
+        ball.nodes_visited as f64 / (ball.questions.max(1) * self.nodes.max(1) as u64) as f64
+    }
+}
+
+/// The asset with all its modes, ready to be compared with.
+pub struct Bench<'s> {
+    subject: &'s Subject,
+    file: AlignedBytes,
+    nodes: usize,
+    samples: Samples,
+    works: Works,
+    rounds: usize,
+}
+
+impl<'s> Bench<'s> {
+    /// Bakes the asset with all modes and makes its samples, at most `samples`, and questions.
+    ///
+    /// # Errors
+    /// What the bake refuses, and what the file that it makes refuses.
+    pub fn new(
+        subject: &'s Subject,
+        samples: usize,
+        progress: &dyn Progress,
+    ) -> Result<Self, AdviceError> {
+        let (file, nodes) = baked(subject, None, &subject.settings, progress)?;
+        let asset = Asset::open(&file)?;
+        let samples = Samples::of(&asset, samples);
+        let works = Works::new(&asset, &samples)?;
+        let contender = Contender {
+            asset: &asset,
+            samples: &samples,
+        };
+        let once = works.measure(&[contender], 1)?;
+        let seconds: f64 = once
+            .iter()
+            .flat_map(Measured::works)
+            .map(|(_, work)| (work.seconds * work.questions as f64).max(1e-3))
+            .sum();
+        let rounds = ((SECONDS / seconds) as usize).clamp(ROUNDS.0, ROUNDS.1);
+        Ok(Self {
+            subject,
+            nodes,
+            samples,
+            works,
+            rounds,
+            file,
+        })
+    }
+
+    /// The q at which it is measured.
+    pub fn samples(&self) -> &Samples {
+        &self.samples
+    }
+
+    /// The asset as it is, and with only `modes` (ascending, each below M), once for each of `leaf_sizes`: all
+    /// measured in turn.
+    ///
+    /// # Errors
+    /// What the bakes and queries refuse.
+    pub fn points(
+        &self,
+        modes: &[usize],
+        leaf_sizes: &[usize],
+        progress: &dyn Progress,
+    ) -> Result<(Point, Vec<Point>), AdviceError> {
+        let mut files = Vec::with_capacity(leaf_sizes.len());
+        for &leaf_size in leaf_sizes {
+            let settings = BakeSettings {
+                leaf_size: Some(leaf_size),
+                ..self.subject.settings.clone()
+            };
+            files.push(baked(self.subject, Some(modes), &settings, progress)?);
+        }
+        progress.stage("measure", None);
+        let whole: Vec<usize> = (0..self.subject.basis.mode_count()).collect();
+        let mut all = vec![Setting {
+            file: &self.file,
+            nodes: self.nodes,
+            modes: &whole,
+            leaf_size: self.leaf_size(),
+        }];
+        all.extend(
+            files
+                .iter()
+                .zip(leaf_sizes)
+                .map(|((file, nodes), &leaf_size)| Setting {
+                    file,
+                    nodes: *nodes,
+                    modes,
+                    leaf_size,
+                }),
+        );
+        let mut points = self.compare(&all)?.into_iter();
+        let whole = points.next().ok_or(AdviceError::NothingMeasured)?;
+        Ok((whole, points.collect()))
+    }
+
+    /// The leaf size of the asset as it is.
+    pub fn leaf_size(&self) -> usize {
+        let own = self.subject.settings.leaf_size;
+        own.unwrap_or_else(|| default_leaf_size(self.subject.mesh.triangles.len()))
+    }
+
+    /// Measures them in turn; times are over those of the first.
+    fn compare(&self, settings: &[Setting<'_>]) -> Result<Vec<Point>, AdviceError> {
+        let assets = settings
+            .iter()
+            .map(|setting| Asset::open(setting.file))
+            .collect::<Result<Vec<_>, _>>()?;
+        let samples: Vec<Samples> = settings
+            .iter()
+            .map(|setting| self.samples.select(setting.modes))
+            .collect();
+        let contenders: Vec<Contender<'_>> = assets
+            .iter()
+            .zip(&samples)
+            .map(|(asset, samples)| Contender { asset, samples })
+            .collect();
+        let measured = self.works.measure(&contenders, self.rounds)?;
+        let first = measured.first().copied().unwrap_or_default();
+        let point = |(setting, measured): (&Setting<'_>, Measured)| Point {
+            modes: setting.modes.to_vec(),
+            leaf_size: setting.leaf_size,
+            error: self.error(setting.modes),
+            bytes: setting.file.len(),
+            nodes: setting.nodes,
+            measured,
+            time_rel: measured.time_over(&first),
+        };
+        Ok(settings.iter().zip(measured).map(point).collect())
+    }
+
+    fn error(&self, modes: &[usize]) -> Option<BasisError> {
+        let are_first = modes.iter().enumerate().all(|(k, mode)| k == *mode);
+        let errors = &self.subject.errors.of_first;
+        errors.get(modes.len()).copied().filter(|_| are_first)
+    }
+}
+
+/// What [`Bench::compare`] measures.
+struct Setting<'f> {
+    file: &'f AlignedBytes,
+    nodes: usize,
+    modes: &'f [usize],
+    leaf_size: usize,
+}
+
+/// The file with `modes` (`None`: all) and its number of nodes.
+fn baked(
+    subject: &Subject,
+    modes: Option<&[usize]>,
+    settings: &BakeSettings,
+    progress: &dyn Progress,
+) -> Result<(AlignedBytes, usize), BakeError> {
+    let fewer;
+    let basis = match modes {
+        Some(modes) if modes.len() < subject.basis.mode_count() => {
+            fewer = select(&subject.basis, modes);
+            &fewer
+        }
+        _ => &subject.basis,
+    };
+    let baked = bake(&subject.mesh, basis, settings, &[], progress)?;
+    Ok((AlignedBytes::copy_of(&baked.bytes), baked.report.nodes))
+}
+
+/// At most `most` numbers of modes from 1 to `all`: powers of two and halves between, `all`, and `wanted`.
+pub fn counts(all: usize, wanted: usize, most: usize) -> Vec<usize> {
+    let steps = (0..usize::BITS - 1).flat_map(|e| [1 << e, 3 << e]);
+    let mut counts: Vec<usize> = steps.filter(|&k| k < all && k != wanted).collect();
+    counts.sort_unstable();
+    // Thinned out evenly, the smallest first.
+    let room = most.saturating_sub(2);
+    while counts.len() > room {
+        let at = counts.len() / 2;
+        counts.remove(if counts.len() % 2 == 0 { at } else { 0 });
+    }
+    counts.extend([all, wanted]);
+    counts.sort_unstable();
+    counts.dedup();
+    counts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_hold_all_and_what_is_wanted() {
+        assert_eq!(counts(0, 0, 12), [0]);
+        assert_eq!(counts(1, 0, 12), [0, 1]);
+        assert_eq!(counts(10, 5, 12), [1, 2, 3, 4, 5, 6, 8, 10]);
+        for (all, wanted) in [(512, 100), (512, 512), (33, 7), (40, 0)] {
+            for most in [2, 3, 6, 12] {
+                let counts = counts(all, wanted, most);
+                assert!(counts.len() <= most, "{counts:?}");
+                assert!(counts.contains(&all) && counts.contains(&wanted));
+                assert!(counts.windows(2).all(|pair| pair[0] < pair[1]));
+            }
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! Advice in sentences, with its figures.
+
+use super::choose::Advice;
+use super::curve::Point;
+use super::errors::Over;
+use super::samples::Source;
+use super::works::Work;
+
+/// Savings below this are within what one run measures.
+const NOTICEABLE: f64 = 0.05;
+
+/// Above this share of the nodes bounds exclude little: the bake's own limit (report::visits).
+const USELESS_SHARE: f64 = 0.25;
+
+/// Fewer nodes are visited quickly anyway.
+const NODES_MIN: usize = 64;
+
+impl Advice {
+    /// What is advised and why, a sentence or two each: modes, what they save, leaves, what is missing.
+    pub fn sentences(&self) -> Vec<String> {
+        let mut sentences = vec![self.modes()];
+        sentences.extend(self.savings());
+        sentences.extend(self.leaf());
+        sentences.extend(self.bounds());
+        sentences.extend(self.unknown());
+        sentences.extend(self.missing.iter().cloned());
+        sentences
+    }
+
+    fn modes(&self) -> String {
+        let (kept, all) = (self.chosen.modes.len(), self.all.modes.len());
+        if all == 0 {
+            return "The asset is rigid: there are no modes to choose from.".to_string();
+        }
+        let error = percent(self.error_rel);
+        let place = match self.over {
+            Over::Source => format!("of where the source has it, in all {} frames", self.frames),
+            Over::Frames => format!(
+                "of where all {all} modes and their source have it, in all {} frames",
+                self.frames
+            ),
+            Over::Ranges => format!("of where all {all} modes have it, for every q within q_range"),
+        };
+        let goal = percent(self.max_error_rel);
+        let which = match (kept == all, self.takes_first) {
+            (true, _) => format!("All {}", modes(all)),
+            (false, true) => format!("The first {kept} of {}", modes(all)),
+            (false, false) => format!("{kept} of {} (not the first ones)", modes(all)),
+        };
+        if !self.is_met {
+            return format!(
+                "{which} leave an error of {error} of the box diagonal ({place}): the goal of {goal} is missed, \
+                 and no fewer are advised."
+            )
+            .replace("(of where", "(against where");
+        }
+        format!(
+            "{which} keep every vertex within {error} of the box diagonal {place}; the goal is {goal}."
+        )
+    }
+
+    /// Against all modes, in bytes and time.
+    fn savings(&self) -> Option<String> {
+        let (chosen, all) = (&self.chosen, &self.all);
+        if chosen.modes.len() == all.modes.len() {
+            return None;
+        }
+        let bytes = 1.0 - chosen.bytes as f64 / all.bytes as f64;
+        let size = if bytes > 0.0 {
+            format!(
+                "{} of the bytes ({} instead of {})",
+                percent(bytes),
+                chosen.bytes,
+                all.bytes
+            )
+        } else {
+            format!("no bytes ({}, all modes {})", chosen.bytes, all.bytes)
+        };
+        let saved = 1.0 - chosen.time_rel;
+        let time = if saved > NOTICEABLE {
+            format!("{} of the time", saving(saved))
+        } else if saved < -NOTICEABLE {
+            format!("no time (it takes {} more)", percent(-saved))
+        } else {
+            format!("no time that one run can tell ({:+.1} %)", -100.0 * saved)
+        };
+        Some(format!(
+            "Against all {} that saves {size} and {time}: {}.",
+            modes(all.modes.len()),
+            times(chosen, all)
+        ))
+    }
+
+    fn leaf(&self) -> Option<String> {
+        let default = self.default_leaf_size;
+        let tried: Vec<String> = self
+            .leaves
+            .iter()
+            .filter(|point| point.leaf_size != default)
+            .map(|point| point.leaf_size.to_string())
+            .collect();
+        let (last, before) = tried.split_last()?;
+        let default_point = self
+            .leaves
+            .iter()
+            .find(|point| point.leaf_size == default)?;
+        if self.chosen.leaf_size == default {
+            let tried = if before.is_empty() {
+                last.clone()
+            } else {
+                format!("{} or {last}", before.join(", "))
+            };
+            return Some(format!(
+                "Leaves of at most {default} triangles, the default: with {tried} queries are not more than 5 % \
+                 faster."
+            ));
+        }
+        let saved = 1.0 - self.chosen.measured.time_over(&default_point.measured);
+        Some(format!(
+            "Leaves of at most {} triangles save {} of the time against {default}, the default ({} bytes instead \
+             of {}).",
+            self.chosen.leaf_size,
+            saving(saved),
+            self.chosen.bytes,
+            default_point.bytes
+        ))
+    }
+
+    /// Many modes that move much leave spheres that exclude little (paper, section 6).
+    fn bounds(&self) -> Option<String> {
+        let share = self.chosen.ball_visits_share();
+        (self.chosen.nodes >= NODES_MIN && share > USELESS_SHARE).then(|| {
+            format!(
+                "A ball of 5 % of the diagonal on the surface still visits {} of the {} nodes: bounds exclude little \
+                 at these q, and deforming every vertex may be as fast. Fewer or smoother modes, or smaller q, help.",
+                percent(share),
+                self.chosen.nodes
+            )
+        })
+    }
+
+    /// What the figures rest on where that is less than an animation.
+    fn unknown(&self) -> Option<String> {
+        let (source, count) = self.samples;
+        let text = match source {
+            Source::Frames => return None,
+            Source::Rest if self.all.modes.is_empty() => "Times are those of the rest pose.".to_string(),
+            Source::Rest => "No mode moves anything within its range and no animation says more: times are those of \
+                             the rest pose."
+                .to_string(),
+            Source::Ranges => format!(
+                "There is no animation: times are those of {count} mixtures of all modes within q_range."
+            ),
+        };
+        Some(text)
+    }
+}
+
+/// Times of each kind of question, and how many nodes it visits.
+fn times(chosen: &Point, all: &Point) -> String {
+    let works = chosen
+        .measured
+        .works()
+        .into_iter()
+        .zip(all.measured.works());
+    let text: Vec<String> = works
+        .map(|((name, own), (_, all))| {
+            let visits = |work: Work| work.nodes_visited as f64 / work.questions.max(1) as f64;
+            format!(
+                "{name} {} instead of {} ({:.0} instead of {:.0} nodes)",
+                time(own.seconds),
+                time(all.seconds),
+                visits(own),
+                visits(all)
+            )
+        })
+        .collect();
+    text.join(", ")
+}
+
+fn modes(count: usize) -> String {
+    format!("{count} mode{}", if count == 1 { "" } else { "s" })
+}
+
+/// A share in per cent, to two digits, upwards: what is promised is kept.
+fn percent(share: f64) -> String {
+    let x = 100.0 * share;
+    if !(x > 0.0) {
+        return "0 %".to_string();
+    }
+    if !x.is_finite() {
+        return format!("{x} %");
+    }
+    let digits = (1 - x.log10().floor() as i32).clamp(0, 300);
+    let unit = 10.0_f64.powi(digits);
+    // What is a whole number of the last digit but for rounding stays.
+    let up = (x * unit * (1.0 - 1e-12)).ceil() / unit;
+    if up < 1e-3 {
+        return format!("{up:.1e} %");
+    }
+    format!("{up:.*} %", digits as usize)
+}
+
+/// A share in whole per cent, downwards: no more is claimed than was measured.
+fn saving(share: f64) -> String {
+    format!("{:.0} %", (100.0 * share).floor())
+}
+
+/// Seconds to three digits.
+fn time(seconds: f64) -> String {
+    let (x, unit) = match seconds {
+        s if s < 1e-3 => (1e6 * s, "µs"),
+        s if s < 1.0 => (1e3 * s, "ms"),
+        s => (s, "s"),
+    };
+    let digits = match x {
+        x if x < 10.0 => 2,
+        x if x < 100.0 => 1,
+        _ => 0,
+    };
+    format!("{x:.digits$} {unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_rounded_up_to_two_digits() {
+        assert_eq!(percent(0.0), "0 %");
+        assert_eq!(percent(0.01), "1.0 %");
+        assert_eq!(percent(0.010_01), "1.1 %");
+        assert_eq!(percent(0.3), "30 %");
+        assert_eq!(percent(0.004_21), "0.43 %");
+        assert_eq!(percent(1.23), "123 %");
+        assert_eq!(percent(1.2e-7), "1.2e-5 %");
+    }
+
+    #[test]
+    fn savings_and_times_are_short() {
+        assert_eq!(saving(0.309), "30 %");
+        assert_eq!(time(1.234_5e-6), "1.23 µs");
+        assert_eq!(time(0.012_345), "12.3 ms");
+        assert_eq!(time(123.4), "123 s");
+    }
+}

@@ -1,0 +1,184 @@
+//! `--advise`: the same source, but instead of a file the command line that bakes it best.
+
+mod command;
+
+use std::ffi::OsString;
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+
+use bdtree_build::advise::curve::Point;
+use bdtree_build::advise::errors::{Errors, Over};
+use bdtree_build::advise::samples;
+use bdtree_build::advise::subject::assumed_ranges;
+use bdtree_build::advise::{Advice, AdviceError, Goal, Subject, advise};
+use bdtree_build::basis::dropped::{Keep, keep_fields};
+use bdtree_build::error::BakeError;
+use bdtree_build::progress::Progress;
+use serde_json::{Value, json};
+
+use super::arguments::Modes;
+use super::output::print_warnings;
+use super::sources::{self, Source};
+use super::{Arguments, settings};
+
+/// Numbers of modes that `--json` has figures of.
+const CURVE_POINTS: usize = 6;
+
+/// Advice and the command line that follows it.
+pub(super) struct Advised {
+    advice: Advice,
+    command: Vec<OsString>,
+    warnings: Vec<String>,
+}
+
+pub(super) fn run(arguments: &Arguments, progress: &dyn Progress) -> Result<Advised, BakeError> {
+    let source = sources::read(arguments, progress)?;
+    let settings = settings(arguments, &source);
+    let goal = Goal {
+        max_error_rel: arguments.goal(),
+        subset: subset(arguments, &source),
+        leaf_sizes: match arguments.leaf_size {
+            Some(_) => Vec::new(),
+            None => Goal::default().leaf_sizes,
+        },
+        curve_points: if arguments.json { CURVE_POINTS } else { 0 },
+        ..Goal::default()
+    };
+    let errors = match source.errors_of_first {
+        Some(errors) => Errors::measured(errors),
+        None => Errors::against_all(
+            &source.basis,
+            source.mesh.diagonal(),
+            Over::Ranges,
+            source.error,
+        ),
+    };
+    let subject = Subject {
+        missing: missing(source.kind, &settings.metadata),
+        mesh: source.mesh,
+        basis: source.basis,
+        settings,
+        errors,
+    };
+    let advice = advise(&subject, &goal, progress).map_err(|error| match error {
+        AdviceError::Bake(error) => error,
+        other => BakeError::one("advise", "", other.to_string()),
+    })?;
+    Ok(Advised {
+        command: command::recommended(std::env::args_os(), &advice),
+        advice,
+        warnings: source.warnings,
+    })
+}
+
+/// The fields that `--max-error-rel` alone would keep, where any may go and not only the last ones.
+fn subset(arguments: &Arguments, source: &Source) -> Option<(Vec<usize>, f64)> {
+    let is_free = matches!(source.kind, "given" | "morph") && arguments.modes() == Modes::Unsaid;
+    let keep = Keep::Auto {
+        max_error_rel: arguments.goal(),
+    };
+    // An error that no choice of fields keeps to is what the advice says then.
+    let kept = is_free.then(|| keep_fields(&source.mesh, source.basis.clone(), keep).ok());
+    let kept = kept.flatten()?;
+    Some((kept.fields, kept.error.max_rel))
+}
+
+/// What the source leaves open.
+fn missing(kind: &str, settings: &std::collections::BTreeMap<String, String>) -> Vec<String> {
+    let mut missing: Vec<String> = assumed_ranges(kind, settings).into_iter().collect();
+    if matches!(kind, "elastic" | "volume") {
+        let text = "Vibration modes have no end: what those beyond the ones computed here would add is not in the \
+                    error.";
+        missing.push(text.to_string());
+    }
+    missing
+}
+
+impl Advised {
+    /// Sentences and the command on the last line, or one JSON object. A reader that closes the pipe is no error.
+    pub(super) fn print(&self, is_json: bool) -> ExitCode {
+        let mut out = std::io::stdout().lock();
+        let printed = if is_json {
+            writeln!(out, "{}", self.json())
+        } else {
+            print_warnings(&self.warnings);
+            self.text(&mut out)
+        };
+        match printed.and_then(|()| out.flush()) {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+                eprintln!("bdtree-build: standard output: {error}");
+                ExitCode::from(1)
+            }
+            _ => ExitCode::SUCCESS,
+        }
+    }
+
+    fn text(&self, out: &mut impl Write) -> std::io::Result<()> {
+        for sentence in self.advice.sentences() {
+            writeln!(out, "{sentence}")?;
+        }
+        writeln!(out, "{}", command::shell(&self.command))
+    }
+
+    fn json(&self) -> Value {
+        let advice = &self.advice;
+        let source = match advice.samples.0 {
+            samples::Source::Frames => "frames",
+            samples::Source::Ranges => "ranges",
+            samples::Source::Rest => "rest",
+        };
+        let over = match advice.over {
+            Over::Source => "source",
+            Over::Frames => "frames",
+            Over::Ranges => "ranges",
+        };
+        let arguments = self.command.iter().map(|part| part.to_string_lossy());
+        json!({
+            "command": command::shell(&self.command),
+            "arguments": arguments.collect::<Vec<_>>(),
+            "sentences": advice.sentences(),
+            "max_error_rel": advice.max_error_rel,
+            "is_met": advice.is_met,
+            "error_rel": advice.error_rel,
+            "error_over": over,
+            "samples": { "source": source, "count": advice.samples.1 },
+            "modes": advice.chosen.modes.len(),
+            "leaf_size": advice.chosen.leaf_size,
+            "chosen": point(&advice.chosen),
+            "all": point(&advice.all),
+            "leaves": advice.leaves.iter().map(point).collect::<Vec<_>>(),
+            "curve": advice.curve.iter().map(point).collect::<Vec<_>>(),
+            "missing": advice.missing,
+            "warnings": self.warnings,
+        })
+    }
+}
+
+fn point(point: &Point) -> Value {
+    let works = point.measured.works().map(|(name, work)| {
+        let value = json!({
+            "questions": work.questions,
+            "found": work.found,
+            "nodes_visited": work.nodes_visited,
+            "seconds": work.seconds,
+        });
+        (name.to_string(), value)
+    });
+    let error = point.error.map(|error| {
+        json!({
+            "max": error.max_rel,
+            "rms": error.rms_rel,
+            "frame": error.frame,
+            "vertex": error.vertex,
+        })
+    });
+    json!({
+        "modes": point.modes,
+        "leaf_size": point.leaf_size,
+        "error_rel": error,
+        "bytes": point.bytes,
+        "nodes": point.nodes,
+        "time_rel": point.time_rel,
+        "works": serde_json::Map::from_iter(works),
+    })
+}
