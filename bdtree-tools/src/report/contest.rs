@@ -26,8 +26,8 @@ const AMOUNTS: [usize; 7] = [1, 4, 16, 64, 256, 1024, 4096];
 /// Samples that are measured, of those there are.
 const STEPS: usize = 4;
 
-/// Steps after which a curve is not followed farther: ours takes this many times what the other does.
-const HOPELESS: f64 = 3.0;
+/// A curve ends where questions visit every node this many times: long past where refitting pays.
+const VISITS_MAX: f64 = 100.0;
 
 /// Slots for leaves of a step's cache: those of all questions.
 const LEAF_SLOTS: usize = 1 << 12;
@@ -152,7 +152,7 @@ fn mean(
     })
 }
 
-/// Follows a curve until the contender has won by far.
+/// Follows a curve; where it ends depends on counts alone, not on times.
 fn curve(
     question: &str,
     unit: &str,
@@ -169,7 +169,7 @@ fn curve(
             ratio: theirs.micros / ours.micros,
             visited_rel: ours.visited,
         });
-        if ours.micros > HOPELESS * theirs.micros {
+        if ours.visited > VISITS_MAX {
             break;
         }
     }
@@ -217,6 +217,9 @@ fn update(
     tree.update(deformer, &sample.q, &place, scratch)
 }
 
+/// Long steps are repeated less often: until this much time is spent, s.
+const LONG: f64 = 0.3;
+
 /// Runs a step some times; the median, µs.
 fn timed(mut step: impl FnMut() -> Result<Cost, ToolError>) -> Result<Cost, ToolError> {
     let mut times = Vec::new();
@@ -225,6 +228,9 @@ fn timed(mut step: impl FnMut() -> Result<Cost, ToolError>) -> Result<Cost, Tool
         let clock = Clock::start();
         last = step()?;
         times.push(clock.seconds() * 1e6);
+        if times.iter().sum::<f64>() > 1e6 * LONG {
+            break;
+        }
     }
     Ok(Cost {
         micros: median(&times),

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use bdtree_baselines::machine;
 use bdtree_build::advise::samples::{SAMPLES, Samples, Source};
-use bdtree_runtime::{Asset, Kernel};
+use bdtree_runtime::Asset;
 
 use super::content::{self, Content, Facts, Machine, Margin, Seconds};
 use super::sample::Sample;
@@ -65,7 +65,7 @@ pub fn measure(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
         },
         machine: Machine {
             processor: machine::processor(),
-            kernel: format!("{:?}", Kernel::detect()),
+            kernel: format!("{:?}", asset.kernel()),
             repetitions: REPETITIONS,
         },
         samples: described,

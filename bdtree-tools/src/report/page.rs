@@ -76,8 +76,15 @@ impl Page {
     fn plot(&mut self, plot: &Plot) {
         if let Some(svg) = plot.svg() {
             let title = escaped(&plot.title);
+            let key = |(k, name): (usize, &str)| {
+                format!(
+                    "<span class=\"key\"><i style=\"background:var(--series-{k})\"></i>{}</span>",
+                    escaped(name)
+                )
+            };
+            let keys: String = plot.keys().map(key).collect();
             self.line(&format!(
-                "<figure role=\"img\" aria-label=\"{title}\"><figcaption>{title}</figcaption>{svg}</figure>"
+                "<figure role=\"img\" aria-label=\"{title}\"><figcaption>{title}</figcaption>{keys}{svg}</figure>"
             ));
         }
     }
@@ -316,7 +323,7 @@ impl Page {
             self.plot(&Plot {
                 title: format!("{} of the diagonal", percent(*amplitude)),
                 x: Axis::linear("level"),
-                y: Axis::log("R' / R_opt"),
+                y: Axis::from("R' / R_opt", 1.0),
                 lines: vec![
                     of("paper", &|r| r.paper),
                     of("smallest balls", &|r| r.smallest_ball),

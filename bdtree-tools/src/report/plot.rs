@@ -52,23 +52,37 @@ pub(super) struct Plot {
     pub(super) lines: Vec<Line>,
 }
 
-/// An axis: its text, and whether it counts in powers of ten.
+/// An axis: its text, where it begins (`None`: with the values), and whether it may count in powers of ten.
 pub(super) struct Axis {
     pub(super) text: String,
-    pub(super) is_log: bool,
+    from: Option<f64>,
+    is_log: bool,
 }
 
+/// Values whose largest is less than this many times the smallest are shown evenly: powers of ten would hardly
+/// mark them.
+const LOG_SPAN: f64 = 30.0;
+
 impl Axis {
+    /// Even, from 0 on.
     pub(super) fn linear(text: &str) -> Self {
+        Self::from(text, 0.0)
+    }
+
+    /// Even, from a number on.
+    pub(super) fn from(text: &str, from: f64) -> Self {
         Self {
             text: text.to_string(),
+            from: Some(from),
             is_log: false,
         }
     }
 
+    /// In powers of ten, if the values span some.
     pub(super) fn log(text: &str) -> Self {
         Self {
             text: text.to_string(),
+            from: None,
             is_log: true,
         }
     }
@@ -78,21 +92,33 @@ impl Axis {
         value.is_finite() && (!self.is_log || value > 0.0)
     }
 
-    /// From the least to the largest value, with room.
-    fn range(&self, values: impl Iterator<Item = f64>) -> (f64, f64) {
+    /// From the least to the largest value, with room, and whether that is in powers of ten.
+    fn range(&self, values: impl Iterator<Item = f64>) -> (std::ops::Range<f64>, bool) {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
             (low.min(x), high.max(x))
         });
-        if self.is_log {
-            return (low / 1.25, high * 1.25);
+        if self.is_log && high > LOG_SPAN * low {
+            return (low / 1.25..high * 1.25, true);
         }
-        // Quantities are not negative, and bars begin at 0.
-        let high = if high > 0.0 { 1.05 * high } else { 1.0 };
-        (low.min(0.0), high)
+        let low = low.min(self.from.unwrap_or(0.0));
+        let room = 0.05 * (high - low);
+        let high = if room > 0.0 { high + room } else { low + 1.0 };
+        (low..high, false)
     }
 }
 
 impl Plot {
+    /// The lines' names with the numbers of their colours (`--series-1` …); none of a single line.
+    pub(super) fn keys(&self) -> impl Iterator<Item = (usize, &str)> {
+        let lines = if self.lines.len() > 1 {
+            &self.lines[..]
+        } else {
+            &[]
+        };
+        let names = lines.iter().map(|line| line.name.as_str());
+        (0..).map(|k| k % SERIES.len() + 1).zip(names)
+    }
+
     /// The plot as an SVG element; `None` where there is nothing to show: fewer than two points in all.
     pub(super) fn svg(&self) -> Option<String> {
         let lines: Vec<Line> = self
@@ -112,20 +138,15 @@ impl Plot {
         if all().count() < 2 {
             return None;
         }
-        let (x_low, x_high) = self.x.range(all().map(|p| p.0));
-        let (y_low, y_high) = self.y.range(all().map(|p| p.1));
+        let (x, x_is_log) = self.x.range(all().map(|p| p.0));
+        let (y, y_is_log) = self.y.range(all().map(|p| p.1));
         let mut text = String::new();
         let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        let drawn = match (self.x.is_log, self.y.is_log) {
-            (false, false) => self.draw(&area, x_low..x_high, y_low..y_high, &lines),
-            (true, false) => self.draw(&area, (x_low..x_high).log_scale(), y_low..y_high, &lines),
-            (false, true) => self.draw(&area, x_low..x_high, (y_low..y_high).log_scale(), &lines),
-            (true, true) => self.draw(
-                &area,
-                (x_low..x_high).log_scale(),
-                (y_low..y_high).log_scale(),
-                &lines,
-            ),
+        let drawn = match (x_is_log, y_is_log) {
+            (false, false) => self.draw(&area, x, y, &lines),
+            (true, false) => self.draw(&area, x.log_scale(), y, &lines),
+            (false, true) => self.draw(&area, x, y.log_scale(), &lines),
+            (true, true) => self.draw(&area, x.log_scale(), y.log_scale(), &lines),
         };
         // Writing to a string does not fail.
         drawn.ok()?;
@@ -167,23 +188,10 @@ impl Plot {
             .x_label_formatter(&|x| short(*x))
             .y_label_formatter(&|y| short(*y))
             .draw()?;
-        let is_named = lines.len() > 1;
         for (line, colour) in lines.iter().zip(SERIES.iter().cycle()) {
             let style = colour.stroke_width(2);
             let series = LineSeries::new(line.points.iter().copied(), style).point_size(3);
-            let drawn = chart.draw_series(series)?;
-            if is_named {
-                drawn.label(line.name.as_str()).legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(3))
-                });
-            }
-        }
-        if is_named {
-            chart
-                .configure_series_labels()
-                .label_font(font(13))
-                .position(SeriesLabelPosition::UpperRight)
-                .draw()?;
+            chart.draw_series(series)?;
         }
         area.present()
     }
@@ -219,6 +227,7 @@ mod tests {
         };
         assert_eq!(plot(&[]).svg(), None);
         assert_eq!(plot(&[(0.0, 1.0), (1.0, f64::NAN), (2.0, 1.0)]).svg(), None);
+        assert_eq!(plot(&[(1.0, 1.0)]).keys().count(), 0);
         let text = plot(&[(1.0, 1.0), (10.0, 2.0)]).svg().expect("a plot");
         assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
         // Every colour is one that the style sheet knows.

@@ -108,9 +108,9 @@ impl Sample {
         Pose::new(asset, &self.q, place, memory).map_err(|e| pose_refused(&e))
     }
 
-    /// So many balls about points of the surface.
+    /// So many balls about points of the surface, a fifth as large as the one.
     pub(super) fn balls(&self, amount: usize) -> impl Iterator<Item = ([f64; 3], f64)> {
-        let radius = self.ball.1;
+        let radius = 0.2 * self.ball.1;
         let points = self.points.iter().cycle().take(amount);
         points.map(move |p| (*p, radius))
     }
