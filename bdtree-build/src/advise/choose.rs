@@ -28,6 +28,8 @@ pub struct Goal {
     pub leaf_sizes: Vec<usize>,
     /// Samples at which assets are measured ([`super::samples::SAMPLES`]).
     pub samples: usize,
+    /// Seconds that timing one setting beside others may take.
+    pub seconds: f64,
     /// Numbers of modes to measure besides those that matter, at most [`POINTS_MAX`].
     pub curve_points: usize,
 }
@@ -41,6 +43,7 @@ impl Default for Goal {
             subset: None,
             leaf_sizes: LEAF_SIZES.to_vec(),
             samples: super::samples::SAMPLES,
+            seconds: 1.0,
             curve_points: 0,
         }
     }
@@ -55,6 +58,8 @@ pub struct Advice {
     pub is_met: bool,
     /// The error that they keep to, against the source where there is one; 0 for a rigid asset.
     pub error_rel: f64,
+    /// The error that one mode fewer would leave, where the advised modes are the first ones and are not none.
+    pub error_of_fewer_rel: Option<f64>,
     /// What the error is taken over.
     pub over: Over,
     /// Where the samples come from, and how many there are.
@@ -87,7 +92,7 @@ pub fn advise(
     goal: &Goal,
     progress: &dyn Progress,
 ) -> Result<Advice, AdviceError> {
-    let bench = Bench::new(subject, goal.samples, progress)?;
+    let bench = Bench::new(subject, goal.samples, goal.seconds, progress)?;
     let mode_count = subject.basis.mode_count();
     let most = mode_count.min(goal.modes_max);
     let first = subject.errors.fewest(goal.max_error_rel, most);
@@ -109,7 +114,8 @@ pub fn advise(
     leaf_sizes.extend(&goal.leaf_sizes);
     leaf_sizes.sort_unstable();
     leaf_sizes.dedup();
-    let (all, leaves) = bench.points(&modes, &leaf_sizes, progress)?;
+    let settings: Vec<_> = leaf_sizes.iter().map(|&size| (&modes[..], size)).collect();
+    let (all, leaves) = bench.points(&settings, progress)?;
     let chosen = best_leaf(&leaves, default).ok_or(AdviceError::NothingMeasured)?;
 
     let mut curve = Vec::new();
@@ -117,13 +123,18 @@ pub fn advise(
         let points = goal.curve_points.min(POINTS_MAX);
         for count in counts(mode_count, first.unwrap_or(most), points) {
             let first: Vec<usize> = (0..count).collect();
-            curve.extend(bench.points(&first, &[default], progress)?.1);
+            curve.extend(bench.points(&[(&first, default)], progress)?.1);
         }
     }
     Ok(Advice {
         max_error_rel: goal.max_error_rel,
         is_met: subset.is_some() || first.is_some(),
         error_rel,
+        error_of_fewer_rel: modes
+            .len()
+            .checked_sub(1)
+            .filter(|_| subset.is_none())
+            .and_then(|fewer| subject.errors.bound_rel(fewer)),
         over: subject.errors.over,
         samples: (bench.samples().source(), bench.samples().len()),
         frames: subject

@@ -15,11 +15,11 @@ use crate::progress::Progress;
 /// Numbers of modes that a curve has at most.
 pub const POINTS_MAX: usize = 12;
 
-/// Seconds that timing one asset beside others may take, …
-const SECONDS: f64 = 3.0;
+/// The least and the most rounds of a timing.
+const ROUNDS: (usize, usize) = (5, 25);
 
-/// … and the least and most rounds.
-const ROUNDS: (usize, usize) = (3, 25);
+/// What a setting is: modes that are kept (ascending, each below M), and most triangles in a leaf lane.
+pub type Setting<'s> = (&'s [usize], usize);
 
 /// One setting, baked and measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,13 +60,15 @@ pub struct Bench<'s> {
 }
 
 impl<'s> Bench<'s> {
-    /// Bakes the asset with all modes and makes its samples, at most `samples`, and questions.
+    /// Bakes the asset with all modes and makes its samples, at most `samples`, and questions. Timing one setting
+    /// beside others takes about `seconds`, or five rounds of all questions if that is more.
     ///
     /// # Errors
     /// What the bake refuses, and what the file that it makes refuses.
     pub fn new(
         subject: &'s Subject,
         samples: usize,
+        seconds: f64,
         progress: &dyn Progress,
     ) -> Result<Self, AdviceError> {
         let (file, nodes) = baked(subject, None, &subject.settings, progress)?;
@@ -78,12 +80,12 @@ impl<'s> Bench<'s> {
             samples: &samples,
         };
         let once = works.measure(&[contender], 1)?;
-        let seconds: f64 = once
+        let round: f64 = once
             .iter()
             .flat_map(Measured::works)
             .map(|(_, work)| (work.seconds * work.questions as f64).max(1e-3))
             .sum();
-        let rounds = ((SECONDS / seconds) as usize).clamp(ROUNDS.0, ROUNDS.1);
+        let rounds = ((seconds / round) as usize).clamp(ROUNDS.0, ROUNDS.1);
         Ok(Self {
             subject,
             nodes,
@@ -99,19 +101,17 @@ impl<'s> Bench<'s> {
         &self.samples
     }
 
-    /// The asset as it is, and with only `modes` (ascending, each below M), once for each of `leaf_sizes`: all
-    /// measured in turn.
+    /// The asset as it is and with each of `settings`, all measured in turn.
     ///
     /// # Errors
     /// What the bakes and queries refuse.
     pub fn points(
         &self,
-        modes: &[usize],
-        leaf_sizes: &[usize],
+        settings: &[Setting<'_>],
         progress: &dyn Progress,
     ) -> Result<(Point, Vec<Point>), AdviceError> {
-        let mut files = Vec::with_capacity(leaf_sizes.len());
-        for &leaf_size in leaf_sizes {
+        let mut files = Vec::with_capacity(settings.len());
+        for &(modes, leaf_size) in settings {
             let settings = BakeSettings {
                 leaf_size: Some(leaf_size),
                 ..self.subject.settings.clone()
@@ -120,21 +120,19 @@ impl<'s> Bench<'s> {
         }
         progress.stage("measure", None);
         let whole: Vec<usize> = (0..self.subject.basis.mode_count()).collect();
-        let mut all = vec![Setting {
+        let mut all = vec![Contestant {
             file: &self.file,
             nodes: self.nodes,
-            modes: &whole,
-            leaf_size: self.leaf_size(),
+            setting: (&whole, self.leaf_size()),
         }];
         all.extend(
             files
                 .iter()
-                .zip(leaf_sizes)
-                .map(|((file, nodes), &leaf_size)| Setting {
+                .zip(settings)
+                .map(|((file, nodes), &setting)| Contestant {
                     file,
                     nodes: *nodes,
-                    modes,
-                    leaf_size,
+                    setting,
                 }),
         );
         let mut points = self.compare(&all)?.into_iter();
@@ -149,14 +147,14 @@ impl<'s> Bench<'s> {
     }
 
     /// Measures them in turn; times are over those of the first.
-    fn compare(&self, settings: &[Setting<'_>]) -> Result<Vec<Point>, AdviceError> {
-        let assets = settings
+    fn compare(&self, all: &[Contestant<'_>]) -> Result<Vec<Point>, AdviceError> {
+        let assets = all
             .iter()
-            .map(|setting| Asset::open(setting.file))
+            .map(|one| Asset::open(one.file))
             .collect::<Result<Vec<_>, _>>()?;
-        let samples: Vec<Samples> = settings
+        let samples: Vec<Samples> = all
             .iter()
-            .map(|setting| self.samples.select(setting.modes))
+            .map(|one| self.samples.select(one.setting.0))
             .collect();
         let contenders: Vec<Contender<'_>> = assets
             .iter()
@@ -165,16 +163,16 @@ impl<'s> Bench<'s> {
             .collect();
         let measured = self.works.measure(&contenders, self.rounds)?;
         let first = measured.first().copied().unwrap_or_default();
-        let point = |(setting, measured): (&Setting<'_>, Measured)| Point {
-            modes: setting.modes.to_vec(),
-            leaf_size: setting.leaf_size,
-            error: self.error(setting.modes),
-            bytes: setting.file.len(),
-            nodes: setting.nodes,
+        let point = |(one, measured): (&Contestant<'_>, Measured)| Point {
+            modes: one.setting.0.to_vec(),
+            leaf_size: one.setting.1,
+            error: self.error(one.setting.0),
+            bytes: one.file.len(),
+            nodes: one.nodes,
             measured,
             time_rel: measured.time_over(&first),
         };
-        Ok(settings.iter().zip(measured).map(point).collect())
+        Ok(all.iter().zip(measured).map(point).collect())
     }
 
     fn error(&self, modes: &[usize]) -> Option<BasisError> {
@@ -184,12 +182,11 @@ impl<'s> Bench<'s> {
     }
 }
 
-/// What [`Bench::compare`] measures.
-struct Setting<'f> {
+/// A file that was baked, to be measured.
+struct Contestant<'f> {
     file: &'f AlignedBytes,
     nodes: usize,
-    modes: &'f [usize],
-    leaf_size: usize,
+    setting: Setting<'f>,
 }
 
 /// The file with `modes` (`None`: all) and its number of nodes.

@@ -32,16 +32,13 @@ impl Advice {
         if all == 0 {
             return "The asset is rigid: there are no modes to choose from.".to_string();
         }
-        let error = percent(self.error_rel);
-        let place = match self.over {
-            Over::Source => format!("of where the source has it, in all {} frames", self.frames),
-            Over::Frames => format!(
-                "of where all {all} modes and their source have it, in all {} frames",
-                self.frames
-            ),
-            Over::Ranges => format!("of where all {all} modes have it, for every q within q_range"),
+        let over = match self.over {
+            Over::Source => format!("measured against all {} frames of the source", self.frames),
+            Over::Frames => format!("in all {} frames of the animation", self.frames),
+            Over::Ranges => "for every q within q_range".to_string(),
         };
         let goal = percent(self.max_error_rel);
+        let error = percent(self.error_rel);
         let which = match (kept == all, self.takes_first) {
             (true, _) => format!("All {}", modes(all)),
             (false, true) => format!("The first {kept} of {}", modes(all)),
@@ -49,14 +46,29 @@ impl Advice {
         };
         if !self.is_met {
             return format!(
-                "{which} leave an error of {error} of the box diagonal ({place}): the goal of {goal} is missed, \
-                 and no fewer are advised."
-            )
-            .replace("(of where", "(against where");
+                "The goal of {goal} of the box diagonal is missed: {} leave{} an error of {error}, {over}; none can \
+                 be spared.",
+                uncapitalised(&which),
+                if kept == 1 { "s" } else { "" }
+            );
         }
-        format!(
-            "{which} keep every vertex within {error} of the box diagonal {place}; the goal is {goal}."
-        )
+        // Of fields that are their own source, all leave nothing but rounding.
+        let promise = if kept == all && self.over != Over::Source {
+            format!(
+                "{which} are needed to keep every vertex within {goal} of the box diagonal, {over}"
+            )
+        } else {
+            format!(
+                "{which} keep{} every vertex within {error} of the box diagonal, {over}; the goal is {goal}",
+                if kept == 1 { "s" } else { "" }
+            )
+        };
+        match self.error_of_fewer_rel {
+            Some(fewer) if fewer > self.max_error_rel => {
+                format!("{promise}; one mode fewer would leave {}.", percent(fewer))
+            }
+            _ => format!("{promise}."),
+        }
     }
 
     /// Against all modes, in bytes and time.
@@ -176,6 +188,12 @@ fn times(chosen: &Point, all: &Point) -> String {
         })
         .collect();
     text.join(", ")
+}
+
+fn uncapitalised(text: &str) -> String {
+    let mut chars = text.chars();
+    let first = chars.next().map(|c| c.to_lowercase().to_string());
+    first.unwrap_or_default() + chars.as_str()
 }
 
 fn modes(count: usize) -> String {

@@ -140,6 +140,7 @@ impl Advised {
             "max_error_rel": advice.max_error_rel,
             "is_met": advice.is_met,
             "error_rel": advice.error_rel,
+            "error_of_fewer_rel": advice.error_of_fewer_rel,
             "error_over": over,
             "samples": { "source": source, "count": advice.samples.1 },
             "modes": advice.chosen.modes.len(),
