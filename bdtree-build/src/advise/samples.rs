@@ -16,7 +16,7 @@ const STILL: f64 = 1.0 / (1 << 24) as f64;
 pub enum Source {
     /// Frames of the asset's animation.
     Frames,
-    /// No animation: mixtures of all modes, each anywhere within ±`q_range`, the same in every run.
+    /// No animation that moves anything: mixtures of all modes, each anywhere within ±`q_range`, the same in every run.
     Ranges,
     /// No modes, or none that moves anything: the rest pose alone.
     Rest,
@@ -36,7 +36,7 @@ pub struct Samples {
 
 impl Samples {
     /// At most `most` (at least 1) samples of an asset: frames of its animation, evenly chosen with the first
-    /// and the last among them; without an animation mixtures within ±`q_range`; where no mode moves anything,
+    /// and the last among them; without one that moves anything mixtures within ±`q_range`; where no mode moves anything,
     /// the rest pose. Rigid motions of frames are left out: they change no answer.
     ///
     /// Numbers of frames are the file's: where nobody has verified them, [`bdtree_runtime::Pose::new`] still
@@ -62,8 +62,9 @@ impl Samples {
             .filter_map(|&frame| asset.frame(frame))
             .flat_map(|frame| frame.q().iter().copied())
             .collect();
-        // Frames that the file does not hold, contrary to what it says, are none.
-        if !frames.is_empty() && q.len() == frames.len() * mode_count {
+        // Frames that the file does not hold, contrary to what it says, are none; frames at rest (a clip that
+        // moves a character's bones) say nothing of the modes.
+        if q.iter().any(|q| *q != 0.0) && q.len() == frames.len() * mode_count {
             samples.source = Source::Frames;
             samples.count = frames.len();
             samples.frames = frames;

@@ -1,6 +1,6 @@
 //! What the figures say to do, in words.
 
-use super::content::{Advice, Content, Curve};
+use super::content::{Advice, Content, Curve, DepthRow};
 
 /// An error of penetration that contact proxies may have, over the diagonal.
 const PROXY_ERROR: f64 = 0.01;
@@ -56,27 +56,26 @@ fn tolerance(content: &Content) -> Option<String> {
 /// The first level that is near enough.
 fn depth(content: &Content) -> Option<String> {
     let last = content.depth.last()?;
-    let near = |r: &&super::content::DepthRow| r.penetration_error_rel <= PROXY_ERROR;
-    let first = content.depth.iter().find(near)?;
-    if first.level == last.level {
-        return (content.depth.len() > 1).then(|| {
-            format!(
-                "Do not stop balls above the last level where depths count: one level above it they are off by \
-                 up to {} of the diagonal.",
-                percent(content.depth[content.depth.len() - 2].penetration_error_rel)
-            )
-        });
+    let saved = |r: &DepthRow| 1.0 - r.ball_micros / last.ball_micros;
+    let pays = |r: &&DepthRow| saved(r) >= WORTH;
+    let near = |r: &&DepthRow| r.penetration_error_rel <= PROXY_ERROR;
+    if let Some(first) = content.depth.iter().filter(pays).find(near) {
+        return Some(format!(
+            "Where spheres will do as contacts, stop at level {} of {}: depths are off by at most {} of the \
+             diagonal, and a ball query takes {} less time.",
+            first.level,
+            last.level,
+            percent(first.penetration_error_rel),
+            percent(saved(first))
+        ));
     }
-    let time = match 1.0 - first.ball_micros / last.ball_micros {
-        saved if saved >= WORTH => format!("takes {} less time", percent(saved)),
-        _ => "saves no time".to_string(),
-    };
+    let fastest = content.depth.iter().filter(pays).next_back()?;
     Some(format!(
-        "Where spheres will do as contacts, stop at level {} of {}: depths are off by at most {} of the diagonal, \
-         and a ball query {time}.",
-        first.level,
-        last.level,
-        percent(first.penetration_error_rel)
+        "Do not stop queries at a level where depths count: level {}, the last that saves {} of the time or more, \
+         is off by up to {} of the diagonal.",
+        fastest.level,
+        percent(WORTH),
+        percent(fastest.penetration_error_rel)
     ))
 }
 
@@ -135,6 +134,7 @@ fn sections(content: &Content) -> Option<String> {
 fn percent(x: f64) -> String {
     let x = 100.0 * x;
     match x {
+        0.0 => "0 %".to_string(),
         x if x >= 10.0 => format!("{x:.0} %"),
         x if x >= 0.01 => format!("{x:.2} %"),
         x => format!("{x:.1e} %"),

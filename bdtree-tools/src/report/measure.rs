@@ -159,11 +159,14 @@ fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
         ));
     }
     if samples.source() == Source::Ranges {
-        missing.push(
-            "The asset has no animation: samples are mixtures within ± q_range, which may be more or less than \
+        let none = match asset.frame_count() {
+            0 => "The asset has no animation",
+            _ => "The asset's animation moves nothing",
+        };
+        missing.push(format!(
+            "{none}: samples are mixtures within ± q_range, which may be more or less than \
              what a scene does."
-                .to_string(),
-        );
+        ));
     }
     missing
 }

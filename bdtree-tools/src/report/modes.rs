@@ -12,7 +12,7 @@ use super::problem;
 use crate::error::ToolError;
 
 /// Meshes of more triangles are baked less often, and measured at fewer samples.
-const LARGE_TRIANGLES: usize = 100_000;
+const LARGE_TRIANGLES: usize = 50_000;
 
 /// Rows by rising number of modes, and what they advise.
 pub(super) fn modes(
