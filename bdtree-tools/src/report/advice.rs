@@ -69,7 +69,7 @@ fn depth(content: &Content) -> Option<String> {
             percent(saved(first))
         ));
     }
-    let fastest = content.depth.iter().filter(pays).next_back()?;
+    let fastest = content.depth.iter().rfind(pays)?;
     Some(format!(
         "Do not stop queries at a level where depths count: level {}, the last that saves {} of the time or more, \
          is off by up to {} of the diagonal.",

@@ -223,7 +223,7 @@ fn reported(
         let mut close = by_x[first..]
             .iter()
             .take_while(|p| p.center[0] <= center[0] + near);
-        if close.any(|p| is_it(&&p)) {
+        if close.any(|p| is_it(&p)) {
             found.extend(lanes::slots(asset, node, lane));
         }
     }
