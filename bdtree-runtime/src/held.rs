@@ -146,6 +146,17 @@ impl Work for Seen<'_, '_, '_> {
     }
 }
 
+/// The spheres of a node, as [`Seen`] with the asset's kernel.
+fn seen(asset: &Asset<'_>, posed: Posed<'_>, node: u32, to: Option<&PairFrame>) -> Spheres {
+    let seen = Seen {
+        asset,
+        posed,
+        node,
+        to,
+    };
+    asset.kernel().run(seen).expect("a node")
+}
+
 /// A lane of [`Spheres`] in f64.
 fn lane_sphere(spheres: &Spheres, lane: usize) -> ([f64; 3], f64) {
     let center = spheres.centre.map(|row| f64::from(row[lane]));
@@ -179,43 +190,38 @@ fn rounds(seed: u64, mut check: impl FnMut(&Asset<'_>, &mut Random, usize)) {
     }
 }
 
+/// The poses of a step, each in its placement: the reference and what follows it.
+fn poses<'m>(
+    asset: &Asset<'_>,
+    q: &[Vec<f32>; 2],
+    places: [Transform; 2],
+    [first, second]: &'m mut [Vec<f32>; 2],
+) -> [Pose<'m>; 2] {
+    [(0, first), (1, second)]
+        .map(|(k, memory)| Pose::new(asset, &q[k], places[k], memory).expect("pose"))
+}
+
 #[test]
 fn spheres_kept_over_a_step() {
     let mut held = 0;
     rounds(1, |asset, random, round| {
-        let [q0, q] = random.step(asset, round);
+        let q = random.step(asset, round);
         let place = random.place();
-        let (mut m0, mut m1) = (vec(asset), vec(asset));
-        let reference = Pose::new(asset, &q0, place, &mut m0).expect("pose");
-        let pose = Pose::new(asset, &q, place, &mut m1).expect("pose");
+        let mut memory = [vec(asset), vec(asset)];
+        let [reference, pose] = poses(asset, &q, [place; 2], &mut memory);
         let mut cache = StepCache::new(std::vec![NodeSlot::EMPTY; asset.node_count()], []);
         for first in 0..2 {
             // Evaluated at the reference before it is left, and first visited afterwards.
             let mut started = cache.start(&reference);
             for node in (first..asset.node_count() as u32).step_by(2) {
-                let posed = Posed::from(&mut started);
-                asset
-                    .kernel()
-                    .run(Seen {
-                        asset,
-                        posed,
-                        node,
-                        to: None,
-                    })
-                    .expect("a node");
+                seen(asset, Posed::from(&mut started), node, None);
             }
             let mut followed = cache
                 .follow(asset, &reference, &pose)
                 .expect("its reference");
             for_lanes(asset, |node, lane, vertices| {
-                let posed = Posed::from(&mut followed);
-                let spheres = asset.kernel().run(Seen {
-                    asset,
-                    posed,
-                    node,
-                    to: None,
-                });
-                let (center, radius) = lane_sphere(&spheres.expect("a node"), lane);
+                let spheres = seen(asset, Posed::from(&mut followed), node, None);
+                let (center, radius) = lane_sphere(&spheres, lane);
                 for v in vertices {
                     let x = asset
                         .deformed_stored(&pose, *v)
@@ -223,7 +229,7 @@ fn spheres_kept_over_a_step() {
                         .map(f64::from);
                     assert!(
                         holds(center, radius, x),
-                        "node {node}, lane {lane}, {v:?}, {q0:?} {q:?}"
+                        "node {node}, lane {lane}, {v:?}, {q:?}"
                     );
                     held += 1;
                 }
@@ -237,11 +243,10 @@ fn spheres_kept_over_a_step() {
 fn proxies_in_the_world() {
     let mut held = 0;
     rounds(2, |asset, random, round| {
-        let [q0, q] = random.step(asset, round);
+        let q = random.step(asset, round);
         let place = random.place();
-        let (mut m0, mut m1) = (vec(asset), vec(asset));
-        let reference = Pose::new(asset, &q0, random.place(), &mut m0).expect("pose");
-        let pose = Pose::new(asset, &q, place, &mut m1).expect("pose");
+        let mut memory = [vec(asset), vec(asset)];
+        let [reference, pose] = poses(asset, &q, [random.place(), place], &mut memory);
         let mut cache = StepCache::new([NodeSlot::EMPTY; 64], []);
         cache.start(&reference);
         let mut followed = cache
@@ -286,18 +291,17 @@ fn spheres_in_another_frame() {
     rounds(3, |asset, random, round| {
         let other =
             Asset::open(FILES[random.0.random_range(0..FILES.len())]).expect("a golden file");
-        let [q0, q] = random.step(asset, round);
+        let q = random.step(asset, round);
         let near = random.q(&other, round + 1);
-        let (mut m0, mut m1, mut m2) = (vec(asset), vec(asset), vec(&other));
+        let (mut memory, mut of_other) = ([vec(asset), vec(asset)], vec(&other));
         let place = random.place();
-        let here = Pose::new(&other, &near, random.place(), &mut m2).expect("pose");
+        let here = Pose::new(&other, &near, random.place(), &mut of_other).expect("pose");
         // The second where the first is, far from the world's origin or not.
         let place = Transform {
             translation: here.frame.origin_in_world(),
             ..place
         };
-        let reference = Pose::new(asset, &q0, place, &mut m0).expect("pose");
-        let pose = Pose::new(asset, &q, place, &mut m1).expect("pose");
+        let [reference, pose] = poses(asset, &q, [place; 2], &mut memory);
         let mut cache = StepCache::new([NodeSlot::EMPTY; 64], []);
         cache.start(&reference);
         let mut followed = cache
@@ -314,13 +318,7 @@ fn spheres_in_another_frame() {
                 0 => Posed::from(&mut followed),
                 _ => Posed::from(&pose),
             };
-            let seen = Seen {
-                asset,
-                posed,
-                node,
-                to: Some(&frame),
-            };
-            let (center, radius) = lane_sphere(&asset.kernel().run(seen).expect("a node"), lane);
+            let (center, radius) = lane_sphere(&seen(asset, posed, node, Some(&frame)), lane);
             let center = exactly_in_world(&here.frame, center);
             let radius = exact(radius) * exact(per_stored);
             for v in vertices.iter().step_by(7) {

@@ -17,6 +17,7 @@ mod error;
 mod frames;
 pub mod info;
 mod output;
+mod parse;
 mod posture;
 mod q;
 pub mod query;
@@ -32,12 +33,12 @@ pub mod view;
 pub use asset_file::AssetFile;
 pub use error::ToolError;
 pub use output::write_whole;
+pub use parse::parse;
 pub use posture::posture;
 
 use std::ffi::OsString;
 use std::io::Write;
 
-use clap::Parser;
 use cli::{Cli, Command};
 
 /// Exit code: done.
@@ -54,19 +55,9 @@ pub fn run(
     out: &mut dyn Write,
     err: &mut dyn Write,
 ) -> u8 {
-    let cli = match Cli::try_parse_from(arguments) {
+    let cli = match parse::<Cli>(arguments, out, err) {
         Ok(cli) => cli,
-        Err(answer) => {
-            // Help and version are answers, everything else is a mistake.
-            let (stream, code): (&mut dyn Write, u8) = if answer.use_stderr() {
-                (err, USAGE)
-            } else {
-                (out, DONE)
-            };
-            let _ = write!(stream, "{}", answer.render());
-            let _ = stream.flush();
-            return code;
-        }
+        Err(code) => return code,
     };
     let out = &mut output::QuietPipe::new(out);
     let unreadable = match &cli.command {

@@ -21,8 +21,7 @@ pub use panel::WIDTH as PANEL_WIDTH;
 use std::ffi::OsString;
 use std::io::Write;
 
-use bdtree_tools::{AssetFile, BAD_INPUT, DONE, ToolError, USAGE, posture};
-use clap::Parser;
+use bdtree_tools::{AssetFile, BAD_INPUT, DONE, ToolError, parse, posture};
 
 use app::{App, Probe};
 
@@ -33,19 +32,9 @@ pub fn run(
     out: &mut dyn Write,
     err: &mut dyn Write,
 ) -> u8 {
-    let arguments = match Arguments::try_parse_from(arguments) {
+    let arguments = match parse::<Arguments>(arguments, out, err) {
         Ok(arguments) => arguments,
-        Err(answer) => {
-            // Help and version are answers, everything else is a mistake.
-            let (stream, code): (&mut dyn Write, u8) = if answer.use_stderr() {
-                (err, USAGE)
-            } else {
-                (out, DONE)
-            };
-            let _ = write!(stream, "{}", answer.render());
-            let _ = stream.flush();
-            return code;
-        }
+        Err(code) => return code,
     };
     match open(&arguments) {
         Ok(()) => DONE,

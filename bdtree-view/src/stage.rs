@@ -285,8 +285,12 @@ fn show_picture(
     if response.dragged()
         && let Some(grab) = app.grab
     {
-        app.view
-            .drag(&place, grab, pixels(response.drag_delta()), size);
+        // Where the pointer moves within the frame of the press, a drag begins a frame later.
+        let moved = match response.drag_started() {
+            true => response.total_drag_delta().unwrap_or_default(),
+            false => response.drag_delta(),
+        };
+        app.view.drag(&place, grab, pixels(moved), size);
     }
     if response.drag_stopped() {
         app.grab = None;

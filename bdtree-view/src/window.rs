@@ -132,6 +132,11 @@ impl ApplicationHandler for Viewer<'_> {
         }
         match event {
             WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::Destroyed => {
+                let path = self.app.file().path();
+                let result = Err(problem(path.display(), "the window was destroyed"));
+                self.end_if::<()>(events, result);
+            }
             WindowEvent::RedrawRequested => {
                 let result = self.redraw(events);
                 self.end_if(events, result);

@@ -2,6 +2,7 @@
 
 mod buffers;
 mod clips;
+mod document;
 mod hostile;
 mod mistakes;
 mod morph;

@@ -2,6 +2,8 @@
 
 mod deform;
 mod diff;
+#[cfg(feature = "render")]
+mod drawn;
 mod frames;
 mod hostile;
 mod info;

@@ -1,93 +1,19 @@
 //! `render`: pictures by their content, sequences, what queries visit, and what is refused.
 
 use std::fs;
-use std::path::Path;
 use std::process::Command;
 
 use serde_json::{Value, json};
 
-use crate::support::{FRAME_Q, Folder, Ran, animated, baked, ball_mesh};
-
-/// A decoded picture.
-struct Picture {
-    size: [usize; 2],
-    pixels: Vec<[u8; 3]>,
-}
-
-impl Picture {
-    fn read(path: &Path) -> Self {
-        let file = std::io::BufReader::new(fs::File::open(path).expect("a picture"));
-        let mut reader = png::Decoder::new(file).read_info().expect("PNG");
-        let mut bytes = vec![0; reader.output_buffer_size().expect("of a small picture")];
-        let info = reader.next_frame(&mut bytes).expect("a whole picture");
-        assert_eq!(
-            (info.color_type, info.bit_depth),
-            (png::ColorType::Rgb, png::BitDepth::Eight)
-        );
-        Self {
-            size: [info.width as usize, info.height as usize],
-            pixels: bytes.as_chunks::<3>().0.to_vec(),
-        }
-    }
-
-    fn at(&self, x: f64, y: f64) -> [u8; 3] {
-        self.pixels[y as usize * self.size[0] + x as usize]
-    }
-
-    /// Part of the pixels for which something holds.
-    fn share(&self, of: impl Fn([u8; 3]) -> bool) -> f64 {
-        let count = self.pixels.iter().filter(|p| of(**p)).count();
-        count as f64 / self.pixels.len() as f64
-    }
-}
-
-const WHITE: [u8; 3] = [255; 3];
-
-/// What the command says, without what Mesa says about a missing desktop.
-fn own_words(ran: &Ran) -> String {
-    let lines = ran
-        .err
-        .lines()
-        .filter(|line| !line.contains("XDG_RUNTIME_DIR"));
-    lines.collect::<Vec<_>>().join("\n")
-}
-
-impl Folder {
-    /// Draws a picture, which must succeed; small, so that it takes little time.
-    fn render(&self, arguments: &[&str]) -> String {
-        let ran = self.run(&[&["render"], arguments, &["--size", "320x240"]].concat());
-        assert_eq!(
-            (ran.code, own_words(&ran).as_str()),
-            (0, ""),
-            "{arguments:?}"
-        );
-        ran.out
-    }
-
-    fn picture(&self, arguments: &[&str]) -> Picture {
-        self.render(&[arguments, &["-o", "out.png"]].concat());
-        Picture::read(&self.path("out.png"))
-    }
-
-    /// A picture and its report.
-    fn reported(&self, arguments: &[&str]) -> (Picture, Value) {
-        let text = self.render(&[arguments, &["-o", "out.png", "--json"]].concat());
-        let report = serde_json::from_str(&text).expect("one JSON object");
-        (Picture::read(&self.path("out.png")), report)
-    }
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let all = value.as_array().expect("a list");
-    all.iter().map(|x| x.as_f64().expect("a number")).collect()
-}
+use crate::drawn::{Picture, WHITE, numbers};
+use crate::support::{FRAME_Q, Folder, animated, baked, ball_mesh};
 
 #[test]
 fn a_mesh_stands_in_the_middle_and_the_legend_in_its_corner() {
     let folder = Folder::new();
     let plain = folder.picture(&["a.bdt", "--no-legend"]);
     assert_eq!(plain.size, [320, 240]);
-    let covered = plain.share(|p| p != WHITE);
+    let covered = plain.covered();
     assert!((0.3..0.8).contains(&covered), "{covered} of the picture");
     assert_ne!(plain.at(160.0, 120.0), WHITE);
     for [x, y] in [[0.0, 0.0], [319.0, 0.0], [0.0, 239.0], [319.0, 239.0]] {
@@ -111,16 +37,7 @@ fn a_mesh_stands_in_the_middle_and_the_legend_in_its_corner() {
     // Two lines of text above, and below them the same picture with so many rows less.
     let with_text = folder.picture(&["a.bdt"]);
     let rows = 12 + 2 * 18;
-    let ran = folder.run(&[
-        "render",
-        "a.bdt",
-        "--no-legend",
-        "--size",
-        "320x192",
-        "-o",
-        "out.png",
-    ]);
-    assert_eq!(ran.code, 0, "{}", ran.err);
+    folder.render_at("320x192", &["a.bdt", "--no-legend", "-o", "out.png"]);
     let (text, shown) = with_text.pixels.split_at(320 * rows);
     assert!(text.iter().filter(|p| **p != WHITE).count() > 100);
     assert!(Picture::read(&folder.path("out.png")).pixels == shown);
@@ -157,7 +74,7 @@ fn spheres_of_a_level_hold_the_mesh_and_wear_their_growth() {
         "{mean} {max}"
     );
     let blue = rest.share(|[r, g, b]| b > r.saturating_add(20) && g < 140);
-    let covered = rest.share(|p| p != WHITE);
+    let covered = rest.covered();
     assert!(
         covered > 0.25 && blue > 0.85 * covered,
         "{blue} of {covered}"
@@ -237,34 +154,11 @@ fn frames_are_drawn_one_by_one_by_the_same_camera() {
         3 + 3
     );
     // Frame 1 is turned about x, which the same q alone is not.
-    folder.render(&[
-        "moves.bdt",
-        "--frame",
-        "1",
-        "--no-legend",
-        "-o",
-        "frame.png",
-    ]);
-    folder.render(&[
-        "moves.bdt",
-        "--q",
-        "0.5,-0.25,1",
-        "--no-legend",
-        "-o",
-        "q.png",
-    ]);
-    assert_ne!(folder.read("frame.png"), folder.read("q.png"));
+    let turned = folder.plain(&["moves.bdt", "--frame", "1"]);
+    assert!(turned != folder.plain(&["moves.bdt", "--q", "0.5,-0.25,1"]));
     // Frame 0 is at rest.
-    folder.render(&[
-        "moves.bdt",
-        "--frame",
-        "0",
-        "--no-legend",
-        "-o",
-        "frame.png",
-    ]);
-    folder.render(&["moves.bdt", "--no-legend", "-o", "q.png"]);
-    assert_eq!(folder.read("frame.png"), folder.read("q.png"));
+    let first = folder.plain(&["moves.bdt", "--frame", "0"]);
+    assert!(first == folder.plain(&["moves.bdt"]));
 }
 
 #[test]
@@ -288,7 +182,7 @@ fn visited_nodes_are_those_that_queries_count() {
                 "queries": [query],
             });
             let lines = folder.query(&scene, &["--stats"]);
-            let (_, report) = folder.reported(&["a.bdt", "--query", "scene.json"]);
+            let (_, report) = folder.asked("a.bdt", &scene, &[]);
             // A frustum looks at the root once more, before it descends.
             let twice = u64::from(query.get("frustum").is_some());
             let counted = lines[0]["nodes_visited"].as_u64().expect("a number");
@@ -331,7 +225,7 @@ fn a_scene_shows_where_queries_ended_and_who_stands_beside() {
     // Where queries end, every triangle is in one of the spheres, and no sphere leads to another's node.
     let q: Vec<f64> = numbers(&near["q"]);
     assert_eq!(q, [0.0; 3]);
-    let covered = near_picture.share(|p| p != WHITE);
+    let covered = near_picture.covered();
     assert!(covered > 0.15, "{covered}");
     // Of the other body's spheres none are drawn; asked the other way round, only they are.
     let (_, other) = folder.reported(&["rigid.bdt", "--query", "near.json"]);
@@ -354,13 +248,10 @@ fn what_is_asked_about_is_in_the_picture_and_rays_run_out_of_it() {
             "instances": [{"name": "r", "asset": "rigid.bdt"}],
             "queries": [query],
         });
-        folder.write("scene.json", scene.to_string());
-        let (picture, _) = folder.reported(&["rigid.bdt", "--query", "scene.json", "--no-legend"]);
-        picture.share(|p| p != WHITE)
+        let (picture, _) = folder.asked("rigid.bdt", &scene, &["--no-legend"]);
+        picture.covered()
     };
-    let alone = folder
-        .picture(&["rigid.bdt", "--no-legend"])
-        .share(|p| p != WHITE);
+    let alone = folder.picture(&["rigid.bdt", "--no-legend"]).covered();
     // As far away as several bodies: the body becomes small.
     for query in [
         json!({"ball": {"instance": "r", "center": [20, -2, 0], "radius": 0.1}}),
@@ -394,9 +285,7 @@ fn a_scene_is_drawn_at_another_q_or_frame() {
     };
     let moved = json!({"translation": [0.05, 0.1, 0], "scale": 1.1});
     let draw = |scene: Value, more: &[&str]| {
-        folder.write("scene.json", scene.to_string());
-        let (_, report) =
-            folder.reported(&[&["moves.bdt", "--query", "scene.json"], more].concat());
+        let (_, report) = folder.asked("moves.bdt", &scene, more);
         (folder.read("out.png"), report)
     };
     // --q in place of the scene's.
@@ -428,18 +317,9 @@ fn a_scene_is_drawn_at_another_q_or_frame() {
             );
         }
     }
-    let ran = folder.run(&[
-        "render",
-        "moves.bdt",
-        "--query",
-        "scene.json",
-        "--frame",
-        "9",
-        "-o",
-        "out.png",
-    ]);
-    assert_eq!(ran.code, 1);
-    assert!(own_words(&ran).starts_with("--frame: "), "{}", ran.err);
+    let arguments = ["moves.bdt", "--query", "scene.json", "--frame", "9"];
+    let said = folder.refusal(&[&arguments[..], &["-o", "out.png"]].concat());
+    assert!(said.starts_with("--frame: "), "{said}");
 }
 
 #[test]
@@ -504,13 +384,7 @@ fn what_does_not_fit_is_told() {
             "width of the picture: 100000 pixels, the graphics device takes at most ",
         ),
     ] {
-        let ran = folder.run(&[&["render"], arguments].concat());
-        let said = own_words(&ran);
-        assert_eq!(
-            (ran.code, ran.out.as_str()),
-            (1, ""),
-            "{arguments:?}: {said}"
-        );
+        let said = folder.refusal(arguments);
         let is_said = if expected.ends_with(' ') {
             said.starts_with(expected)
         } else {
@@ -519,17 +393,11 @@ fn what_does_not_fit_is_told() {
         assert!(is_said, "{arguments:?}: {said}");
         assert!(!folder.path("out.png").exists());
     }
-    let ran = folder.run(&["render", "broken.bdt", "-o", "out.png"]);
-    assert_eq!(ran.code, 1);
-    assert!(
-        own_words(&ran).starts_with("broken.bdt: section "),
-        "{}",
-        ran.err
-    );
+    let said = folder.refusal(&["broken.bdt", "-o", "out.png"]);
+    assert!(said.starts_with("broken.bdt: section "), "{said}");
     folder.write("a.png", folder.read("a.bdt"));
-    let ran = folder.run(&["render", "a.png", "-o", "a.png"]);
     assert_eq!(
-        own_words(&ran),
+        folder.refusal(&["a.png", "-o", "a.png"]),
         "a.png: is the input: it would be overwritten"
     );
     assert_eq!(folder.read("a.png"), folder.read("a.bdt"));
@@ -574,7 +442,7 @@ fn shapes_of_any_size_and_place_fill_the_picture() {
         };
         folder.write("odd.bdt", baked(&mesh, &rigid));
         let picture = folder.picture(&["odd.bdt", "--no-legend", "--spheres", "1"]);
-        let covered = picture.share(|p| p != WHITE);
+        let covered = picture.covered();
         assert!((0.3..0.8).contains(&covered), "{factor} {away}: {covered}");
     }
 }

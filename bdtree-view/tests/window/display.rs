@@ -1,9 +1,9 @@
 //! A virtual display: Xvfb, whose memory is a file.
 
 use std::fs;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
@@ -93,10 +93,11 @@ impl Display {
     ///
     /// # Panics
     /// When that takes too long or the viewer has ended.
+    #[track_caller]
     pub(crate) fn wait_for(
         &self,
         viewer: &mut Running,
-        is_ready: impl Fn(&Picture) -> bool,
+        mut is_ready: impl FnMut(&Picture) -> bool,
     ) -> Picture {
         let begin = Instant::now();
         loop {
@@ -106,10 +107,7 @@ impl Display {
             }
             let ended = viewer.0.try_wait().expect("a state");
             assert!(ended.is_none(), "the viewer has ended: {ended:?}");
-            assert!(
-                begin.elapsed() < PATIENCE,
-                "nothing was drawn in {PATIENCE:?}"
-            );
+            assert!(begin.elapsed() < PATIENCE, "not drawn in {PATIENCE:?}");
             std::thread::sleep(Duration::from_millis(50));
         }
     }
@@ -126,8 +124,57 @@ impl Drop for Display {
 pub(crate) struct Running(pub(crate) Child);
 
 impl Running {
+    /// What is left of it when it has ended.
+    ///
+    /// # Panics
+    /// When that takes too long.
+    pub(crate) fn output(mut self) -> Output {
+        let begin = Instant::now();
+        let status = loop {
+            if let Some(status) = self.0.try_wait().expect("a state") {
+                break status;
+            }
+            assert!(
+                begin.elapsed() < PATIENCE,
+                "it does not end in {PATIENCE:?}"
+            );
+            std::thread::sleep(Duration::from_millis(50));
+        };
+        let mut output = Output {
+            status,
+            stdout: Vec::new(),
+            stderr: Vec::new(),
+        };
+        let (out, err) = (self.0.stdout.take(), self.0.stderr.take());
+        out.expect("piped")
+            .read_to_end(&mut output.stdout)
+            .expect("read");
+        err.expect("piped")
+            .read_to_end(&mut output.stderr)
+            .expect("read");
+        output
+    }
+
+    /// Waits until it draws nothing more: controls come to rest, then it uses no time of the processor.
+    ///
+    /// # Panics
+    /// When that takes too long.
+    pub(crate) fn wait_for_rest(&self) {
+        let begin = Instant::now();
+        let mut before = self.cpu_ticks();
+        loop {
+            std::thread::sleep(Duration::from_secs(1));
+            let now = self.cpu_ticks();
+            if now - before <= 2 {
+                break;
+            }
+            before = now;
+            assert!(begin.elapsed() < PATIENCE, "it never rests");
+        }
+    }
+
     /// Time of the processor that it has used, in hundredths of a second.
-    pub(crate) fn cpu_ticks(&self) -> u64 {
+    fn cpu_ticks(&self) -> u64 {
         let path = format!("/proc/{}/stat", self.0.id());
         let text = fs::read_to_string(path).expect("a process of Linux");
         // After the name in parentheses: state, …; the 14th and 15th fields of all are user and system.

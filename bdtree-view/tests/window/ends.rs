@@ -2,8 +2,9 @@
 
 use std::process::{Command, Output};
 
-use crate::display::Display;
-use crate::file;
+use crate::display::{Display, Running};
+use crate::hands::Hands;
+use crate::{PICTURE, file};
 
 /// The last line of standard error; graphics libraries may have written others before it.
 fn failed(output: &Output, code: i32) -> String {
@@ -112,6 +113,37 @@ fn a_window_beyond_the_devices_limit_is_refused() {
         line.contains("the window: 30000 pixels, the graphics device takes at most"),
         "{line}"
     );
+}
+
+/// A viewer that shows something, and hands that may end it.
+fn shown(display: &Display) -> (Running, Hands) {
+    let mut viewer = display.viewer();
+    viewer.arg(file("sphere.bdt")).args(["--size", "1000x700"]);
+    let mut viewer = Running(viewer.spawn().expect("the viewer starts"));
+    display.wait_for(&mut viewer, |screen| {
+        screen.share(PICTURE, |c| c[0] > 0 && c[0] < 250) > 0.05
+    });
+    (viewer, Hands::on(display))
+}
+
+#[test]
+fn closing_the_window_ends_it() {
+    let display = Display::start();
+    let (viewer, hands) = shown(&display);
+    hands.close();
+    let output = viewer.output();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+}
+
+#[test]
+fn a_window_that_is_taken_away_is_an_error() {
+    let display = Display::start();
+    let (viewer, hands) = shown(&display);
+    viewer.wait_for_rest();
+    hands.destroy();
+    let line = failed(&viewer.output(), 1);
+    assert!(line.contains("the window was destroyed"), "{line}");
 }
 
 #[test]

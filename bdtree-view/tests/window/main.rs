@@ -3,6 +3,9 @@
 
 mod display;
 mod ends;
+mod find;
+mod hands;
+mod input;
 
 use std::path::{Path, PathBuf};
 
@@ -221,16 +224,5 @@ fn an_animation_plays_and_stillness_costs_nothing() {
     drop(playing);
     let mut still = start(&["--frame", "1"]);
     display.wait_for(&mut still, is_shown);
-    // Controls come to rest; then no time of the processor is used for a while.
-    let begin = std::time::Instant::now();
-    let mut before = still.cpu_ticks();
-    loop {
-        std::thread::sleep(std::time::Duration::from_secs(1));
-        let now = still.cpu_ticks();
-        if now - before <= 2 {
-            break;
-        }
-        before = now;
-        assert!(begin.elapsed() < display::PATIENCE, "it never rests");
-    }
+    still.wait_for_rest();
 }

@@ -1,0 +1,115 @@
+//! Pictures that the command has drawn.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::support::{Folder, Ran};
+
+/// A decoded picture.
+pub(crate) struct Picture {
+    pub(crate) size: [usize; 2],
+    pub(crate) pixels: Vec<[u8; 3]>,
+}
+
+impl Picture {
+    pub(crate) fn read(path: &Path) -> Self {
+        let file = std::io::BufReader::new(fs::File::open(path).expect("a picture"));
+        let mut reader = png::Decoder::new(file).read_info().expect("PNG");
+        let mut bytes = vec![0; reader.output_buffer_size().expect("of a small picture")];
+        let info = reader.next_frame(&mut bytes).expect("a whole picture");
+        assert_eq!(
+            (info.color_type, info.bit_depth),
+            (png::ColorType::Rgb, png::BitDepth::Eight)
+        );
+        Self {
+            size: [info.width as usize, info.height as usize],
+            pixels: bytes.as_chunks::<3>().0.to_vec(),
+        }
+    }
+
+    pub(crate) fn at(&self, x: f64, y: f64) -> [u8; 3] {
+        self.pixels[y as usize * self.size[0] + x as usize]
+    }
+
+    /// Part of the pixels for which something holds.
+    pub(crate) fn share(&self, of: impl Fn([u8; 3]) -> bool) -> f64 {
+        let count = self.pixels.iter().filter(|p| of(**p)).count();
+        count as f64 / self.pixels.len() as f64
+    }
+
+    /// Part of the pixels that are drawn on.
+    pub(crate) fn covered(&self) -> f64 {
+        self.share(|p| p != WHITE)
+    }
+}
+
+pub(crate) const WHITE: [u8; 3] = [255; 3];
+
+/// What the command says, without what Mesa says about a missing desktop.
+fn own_words(ran: &Ran) -> String {
+    let lines = ran
+        .err
+        .lines()
+        .filter(|line| !line.contains("XDG_RUNTIME_DIR"));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+impl Folder {
+    /// Draws a picture, which must succeed; small, so that it takes little time.
+    pub(crate) fn render(&self, arguments: &[&str]) -> String {
+        self.render_at("320x240", arguments)
+    }
+
+    pub(crate) fn render_at(&self, size: &str, arguments: &[&str]) -> String {
+        let ran = self.run(&[&["render"], arguments, &["--size", size]].concat());
+        assert_eq!(
+            (ran.code, own_words(&ran).as_str()),
+            (0, ""),
+            "{arguments:?}"
+        );
+        ran.out
+    }
+
+    pub(crate) fn picture(&self, arguments: &[&str]) -> Picture {
+        self.render(&[arguments, &["-o", "out.png"]].concat());
+        Picture::read(&self.path("out.png"))
+    }
+
+    /// A picture without text around it, as bytes of its file.
+    pub(crate) fn plain(&self, arguments: &[&str]) -> Vec<u8> {
+        self.picture(&[arguments, &["--no-legend"]].concat());
+        self.read("out.png")
+    }
+
+    /// A picture and its report.
+    pub(crate) fn reported(&self, arguments: &[&str]) -> (Picture, Value) {
+        let text = self.render(&[arguments, &["-o", "out.png", "--json"]].concat());
+        let report = serde_json::from_str(&text).expect("one JSON object");
+        (Picture::read(&self.path("out.png")), report)
+    }
+
+    /// Draws what queries of a scene visit: a picture and its report.
+    pub(crate) fn asked(&self, asset: &str, scene: &Value, options: &[&str]) -> (Picture, Value) {
+        self.write("scene.json", scene.to_string());
+        self.reported(&[&[asset, "--query", "scene.json"], options].concat())
+    }
+
+    /// What `render` says when it refuses, with code 1 and nothing on its standard output.
+    pub(crate) fn refusal(&self, arguments: &[&str]) -> String {
+        let ran = self.run(&[&["render"], arguments].concat());
+        let said = own_words(&ran);
+        assert_eq!(
+            (ran.code, ran.out.as_str()),
+            (1, ""),
+            "{arguments:?}: {said}"
+        );
+        said
+    }
+}
+
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
+    let all = value.as_array().expect("a list");
+    all.iter().map(|x| x.as_f64().expect("a number")).collect()
+}
