@@ -217,7 +217,11 @@ pub fn counts(all: usize, wanted: usize, most: usize) -> Vec<usize> {
     let room = most.saturating_sub(2);
     while counts.len() > room {
         let at = counts.len() / 2;
-        counts.remove(if counts.len().is_multiple_of(2) { at } else { 0 });
+        counts.remove(if counts.len().is_multiple_of(2) {
+            at
+        } else {
+            0
+        });
     }
     counts.extend([all, wanted]);
     counts.sort_unstable();
