@@ -210,7 +210,7 @@ fn what_is_missing_is_said() {
             &["is rigid", "rest pose"][..],
         ),
         (
-            &[&triangle, "--modes", "2"],
+            &[&triangle, "--modes", "2", "--resolution", "8"],
             &["--range-rel", "no animation", "have no end"],
         ),
         (&[&cube, "--modes", "0"], &["is rigid"]),

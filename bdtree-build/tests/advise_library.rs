@@ -255,9 +255,9 @@ fn advice_on_a_file_is_for_the_fewest_modes_that_are_good_enough() {
 }
 
 #[test]
-fn a_point_and_a_triangle_are_judged_like_any_asset() {
+fn a_line_and_a_triangle_are_judged_like_any_asset() {
     for positions in [
-        [[0.0; 3]; 3],
+        [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
         [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
     ] {
         let mesh = RawMesh {
