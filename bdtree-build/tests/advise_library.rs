@@ -1,0 +1,280 @@
+//! What advice rests on: errors against brute force, samples, questions, and what a file gives back.
+
+use bdtree_build::advise::curve::Bench;
+use bdtree_build::advise::errors::{Errors, Over};
+use bdtree_build::advise::samples::{Samples, Source};
+use bdtree_build::advise::works::{Contender, Works};
+use bdtree_build::advise::{Goal, Subject, advise};
+use bdtree_build::basis::{Basis, BasisError};
+use bdtree_build::input::RawMesh;
+use bdtree_build::pipeline::BakeSettings;
+use bdtree_build::progress::Silent;
+use bdtree_runtime::Asset;
+use bdtree_tests::bake::{
+    baked, baked_with, bumpy_sphere, local_basis, rigid, smooth_basis, with_frames,
+};
+use rand::RngExt;
+
+const MODES: usize = 7;
+const FRAMES: usize = 9;
+
+fn animated() -> (RawMesh, Basis) {
+    let mesh = bumpy_sphere(8, 1);
+    let mut basis = smooth_basis(&mesh, MODES, 2);
+    // Later modes move less, as components do.
+    for (j, mode) in basis.modes.iter_mut().enumerate() {
+        mode.q_range = Some(0.5_f64.powi(j as i32));
+    }
+    let mut basis = with_frames(basis, FRAMES, 1.0, 3);
+    let frames = basis.animation.as_mut().expect("frames");
+    for q in frames.q.chunks_exact_mut(MODES) {
+        for (j, q) in q.iter_mut().enumerate() {
+            *q *= 0.5_f64.powi(j as i32);
+        }
+    }
+    (mesh, basis)
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// How far vertex `i` is off at `q` without the modes from `first` on.
+fn off(basis: &Basis, q: &[f64], first: usize, i: usize) -> f64 {
+    let mut sum = [0.0; 3];
+    for j in first..basis.mode_count() {
+        let u = basis.field(j)[i];
+        sum = [0, 1, 2].map(|k| sum[k] + u[k] * q[j]);
+    }
+    length(sum)
+}
+
+#[test]
+fn errors_over_frames_are_those_of_brute_force() {
+    let (mesh, basis) = animated();
+    let (n, diagonal) = (mesh.positions.len(), mesh.diagonal());
+    let errors = Errors::against_all(&basis, diagonal, Over::Frames, None);
+    assert_eq!((errors.over, errors.mode_count()), (Over::Frames, MODES));
+    let frames = &basis.animation.as_ref().expect("frames").q;
+    for (k, error) in errors.of_first.iter().enumerate() {
+        let (mut largest, mut sum) = (0.0_f64, 0.0);
+        for q in frames.chunks_exact(MODES) {
+            for i in 0..n {
+                let off = off(&basis, q, k, i);
+                largest = largest.max(off);
+                sum += off * off;
+            }
+        }
+        // Sums of a few products in another order.
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-13 * diagonal;
+        assert!(near(error.max_rel * diagonal, largest), "{k}: {error:?}");
+        let rms = (sum / (n * FRAMES) as f64).sqrt();
+        assert!(near(error.rms_rel * diagonal, rms), "{k}: {error:?}");
+        if k < MODES {
+            let frame = error.frame.expect("a frame");
+            let q = &frames[frame * MODES..(frame + 1) * MODES];
+            assert!(
+                near(off(&basis, q, k, error.vertex), largest),
+                "{k}: {error:?}"
+            );
+        }
+    }
+    assert_eq!(errors.of_first[MODES].max_rel, 0.0);
+}
+
+#[test]
+fn errors_over_ranges_hold_for_every_q_and_are_reached_vertex_by_vertex() {
+    let (mesh, basis) = animated();
+    let diagonal = mesh.diagonal();
+    let errors = Errors::against_all(&basis, diagonal, Over::Ranges, None);
+    assert_eq!(errors.over, Over::Ranges);
+    let mut rng = bdtree_tests::poses::rng(5);
+    for (k, error) in errors.of_first.iter().enumerate() {
+        let reach = |i: usize| -> f64 {
+            let modes = (k..MODES).map(|j| 0.5_f64.powi(j as i32) * length(basis.field(j)[i]));
+            modes.sum()
+        };
+        let largest = (0..basis.vertex_count).map(reach).fold(0.0, f64::max);
+        assert!((error.max_rel * diagonal - largest).abs() <= 1e-13 * diagonal);
+        for _ in 0..20 {
+            let q: Vec<f64> = (0..MODES)
+                .map(|j| 0.5_f64.powi(j as i32) * rng.random_range(-1.0..=1.0))
+                .collect();
+            for i in 0..basis.vertex_count {
+                assert!(off(&basis, &q, k, i) <= (error.max_rel + 1e-13) * diagonal);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_all_modes_are_off_by_is_added() {
+    let error = |max_rel| BasisError {
+        max_rel,
+        rms_rel: max_rel,
+        frame: None,
+        vertex: 0,
+    };
+    let mut errors = Errors::measured([0.4, 0.02, 0.03, 0.0].map(error).to_vec());
+    assert_eq!(errors.fewest(0.025, 3), Some(1));
+    assert_eq!(errors.fewest(0.01, 3), Some(3));
+    assert_eq!(errors.fewest(0.01, 2), None);
+    errors.own = Some(error(0.01));
+    assert_eq!(errors.fewest(0.025, 3), Some(3));
+    assert_eq!(errors.bound_rel(1), Some(0.03));
+    assert_eq!(errors.bound_rel(4), None);
+}
+
+#[test]
+fn samples_are_frames_mixtures_or_the_rest_pose() {
+    let (mesh, basis) = animated();
+    let file = baked(&mesh, &basis);
+    let asset = Asset::open(&file).expect("asset");
+    let samples = Samples::of(&asset, 4);
+    assert_eq!((samples.source(), samples.len()), (Source::Frames, 4));
+    for (sample, frame) in [0, 2, 5, 8].into_iter().enumerate() {
+        assert_eq!(samples.frame(sample), Some(frame));
+        assert_eq!(samples.q(sample), asset.frame(frame).expect("frame").q());
+    }
+    let some = samples.select(&[1, 4]);
+    assert_eq!(some.mode_count(), 2);
+    assert_eq!(some.q(3), [samples.q(3)[1], samples.q(3)[4]]);
+
+    let still = Basis {
+        animation: None,
+        ..basis.clone()
+    };
+    let file = baked(&mesh, &still);
+    let asset = Asset::open(&file).expect("asset");
+    let samples = Samples::of(&asset, 24);
+    assert_eq!((samples.source(), samples.len()), (Source::Ranges, 24));
+    for sample in 0..24 {
+        let within = samples.q(sample).iter().zip(asset.modes());
+        assert!(
+            within
+                .clone()
+                .all(|(q, mode)| q.abs() <= mode.q_range.get())
+        );
+        assert!(within.into_iter().any(|(q, _)| *q != 0.0));
+    }
+    assert_eq!(samples, Samples::of(&asset, 24));
+
+    let file = baked(&mesh, &rigid(&mesh));
+    let samples = Samples::of(&Asset::open(&file).expect("asset"), 24);
+    assert_eq!((samples.source(), samples.len()), (Source::Rest, 1));
+
+    // A field that moves nothing has no use at any q.
+    let mut zero = smooth_basis(&mesh, 2, 2);
+    zero.fields.fill([0.0; 3]);
+    let file = baked(&mesh, &zero);
+    let samples = Samples::of(&Asset::open(&file).expect("asset"), 24);
+    assert_eq!(
+        (samples.source(), samples.still()),
+        (Source::Rest, &[0, 1][..])
+    );
+}
+
+#[test]
+fn questions_find_the_same_whatever_the_leaves() {
+    let (mesh, basis) = animated();
+    let settings = |leaf_size| BakeSettings {
+        leaf_size: Some(leaf_size),
+        ..BakeSettings::default()
+    };
+    let files = [1, 4, 9].map(|size| baked_with(&mesh, &basis, &settings(size)));
+    let assets = [0, 1, 2].map(|k| Asset::open(&files[k]).expect("asset"));
+    let samples = Samples::of(&assets[0], 6);
+    let works = Works::new(&assets[0], &samples).expect("questions");
+    let measured = assets.each_ref().map(|asset| {
+        let contender = Contender {
+            asset,
+            samples: &samples,
+        };
+        works.count(contender).expect("answers")
+    });
+    for work in measured[0].works() {
+        assert!(work.1.found > 0 && work.1.seconds == 0.0, "{work:?}");
+    }
+    for other in &measured[1..] {
+        for ((_, a), (_, b)) in measured[0].works().into_iter().zip(other.works()) {
+            assert_eq!((a.questions, a.found), (b.questions, b.found));
+        }
+    }
+    assert_ne!(
+        measured[0], measured[2],
+        "leaves of 1 and of 9 visit the same"
+    );
+}
+
+#[test]
+fn a_file_gives_back_what_it_was_baked_from() {
+    let mesh = bumpy_sphere(8, 1);
+    for basis in [animated().1, local_basis(&mesh, 5, 4), rigid(&mesh)] {
+        let settings = BakeSettings {
+            leaf_size: Some(3),
+            metadata: [("leaf-size".to_string(), "3".to_string())].into(),
+            ..BakeSettings::default()
+        };
+        let file = baked_with(&mesh, &basis, &settings);
+        let asset = Asset::open(&file).expect("asset");
+        let subject = Subject::of_asset(&asset).expect("records");
+        assert_eq!(subject.settings.leaf_size, Some(3));
+        let again = baked_with(&subject.mesh, &subject.basis, &subject.settings);
+        assert!(file[..] == again[..], "{} modes", basis.mode_count());
+    }
+}
+
+#[test]
+fn advice_on_a_file_is_for_the_fewest_modes_that_are_good_enough() {
+    let (mesh, basis) = animated();
+    let file = baked(&mesh, &basis);
+    let subject = Subject::of_asset(&Asset::open(&file).expect("asset")).expect("records");
+    assert_eq!(subject.errors.over, Over::Frames);
+    let goal = Goal {
+        max_error_rel: 0.01,
+        leaf_sizes: Vec::new(),
+        samples: 3,
+        seconds: 0.0,
+        curve_points: 4,
+        ..Goal::default()
+    };
+    let advice = advise(&subject, &goal, &Silent).expect("advice");
+    let kept = advice.chosen.modes.len();
+    assert!(advice.is_met && kept > 0 && kept < MODES, "{kept}");
+    let bounds = [kept - 1, kept].map(|k| subject.errors.of_first[k].max_rel);
+    assert!(bounds[0] > 0.01 && bounds[1] <= 0.01);
+    assert_eq!(advice.error_rel, bounds[1]);
+    assert_eq!(advice.error_of_fewer_rel, Some(bounds[0]));
+    assert!(advice.chosen.bytes < advice.all.bytes);
+    let curve: Vec<usize> = advice.curve.iter().map(|point| point.modes.len()).collect();
+    assert!(curve.len() <= 4 && curve.contains(&kept) && curve.contains(&MODES));
+    let words = advice.sentences().join(" ");
+    let start = format!("The first {kept} of {MODES} modes keep");
+    assert!(words.starts_with(&start), "{words}");
+    assert!(words.contains("of the bytes"), "{words}");
+}
+
+#[test]
+fn a_line_and_a_triangle_are_judged_like_any_asset() {
+    for positions in [
+        [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+    ] {
+        let mesh = RawMesh {
+            positions: positions.to_vec(),
+            triangles: vec![[0, 1, 2]],
+            ..RawMesh::default()
+        };
+        for basis in [rigid(&mesh), smooth_basis(&mesh, 2, 1)] {
+            let file = baked(&mesh, &basis);
+            let asset = Asset::open(&file).expect("asset");
+            let subject = Subject::of_asset(&asset).expect("records");
+            let bench = Bench::new(&subject, 24, 0.0, &Silent).expect("bench");
+            let modes: Vec<usize> = (0..basis.mode_count()).collect();
+            let (whole, points) = bench.points(&[(&modes, 1)], &Silent).expect("points");
+            assert_eq!((points.len(), whole.nodes), (1, 1));
+            let advice = advise(&subject, &Goal::default(), &Silent).expect("advice");
+            assert!(!advice.sentences().is_empty());
+        }
+    }
+}
