@@ -9,8 +9,17 @@ import sys
 import tomllib
 
 CRATES_IO = "registry+https://github.com/rust-lang/crates.io-index"
-# What is delivered: the format, the library, the builder, the command, the viewer.
-SHIPPED = {"bdtree-format", "bdtree-runtime", "bdtree-build", "bdtree-render", "bdtree-tools", "bdtree-view"}
+# What is delivered: the format, the library, the builder, the command, the viewer; and what reports
+# on assets measure against.
+SHIPPED = {
+    "bdtree-format",
+    "bdtree-runtime",
+    "bdtree-build",
+    "bdtree-render",
+    "bdtree-tools",
+    "bdtree-view",
+    "bdtree-baselines",
+}
 # The same licences stand in deny.toml.
 ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "ISC", "Unicode-3.0", "Zlib"}
 # Workspaces of their own: fuzzer, Miri, the proof that nothing allocates. Nothing of them is delivered.

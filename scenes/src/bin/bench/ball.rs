@@ -5,10 +5,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use bdtree_baselines::paper_tree::{BallCounts, PaperTree, PlainTree, Step, Vertices};
+use bdtree_baselines::{machine, stats};
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Pose, StackEntry, Transform, TriangleId, query,
 };
-use bdtree_scenes::{machine, stats};
 use bdtree_tests::poses;
 use clap::Args;
 use rand::RngExt;

@@ -5,6 +5,7 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
+use bdtree_baselines::{machine, stats};
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, bake};
@@ -13,7 +14,6 @@ use bdtree_format::SectionKind;
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Pose, StackEntry, Transform, TriangleId, query,
 };
-use bdtree_scenes::{machine, stats};
 use bdtree_tests::{bake as made, poses, sections};
 use clap::Args;
 use rand::RngExt;

@@ -4,12 +4,12 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use bdtree_baselines::{machine, stats};
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::{Asset, MappedFile};
-use bdtree_scenes::{machine, stats};
 use bdtree_tests::resident::mapped_bytes;
 use clap::Args;
 use serde_json::json;

@@ -191,7 +191,7 @@ fn refitting(body: &Body, _: &Asset<'_>, _: &Deformer) -> Box<dyn Peer> {
 /// The layered hierarchy, where there are no libraries.
 #[cfg(not(feature = "peers"))]
 fn refitting(_: &Body, asset: &Asset<'_>, deformer: &Deformer) -> Box<dyn Peer> {
-    use bdtree_scenes::{paper_tree::PaperTree, peers::LayeredPeer};
+    use bdtree_baselines::{paper_tree::PaperTree, peers::LayeredPeer};
     let tree = std::rc::Rc::new(PaperTree::build(asset));
     Box::new(LayeredPeer::new(tree, deformer))
 }
