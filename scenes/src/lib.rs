@@ -1,4 +1,12 @@
-//! The paper's experiments: workloads, and a study of bounds.
+//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`]) with what they share, workloads for
+//! benchmarks, and a study of bounds.
 
 pub mod bounds;
+pub mod contenders;
+pub mod curtain;
+pub mod growth;
+pub mod hierarchies;
+pub mod plot;
+pub mod report;
+pub mod tables;
 pub mod workloads;
