@@ -1,4 +1,4 @@
-//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`]) with what they share, workloads for
+//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]) with what they share, workloads for
 //! benchmarks, and a study of bounds.
 
 pub mod bounds;
@@ -8,5 +8,6 @@ pub mod growth;
 pub mod hierarchies;
 pub mod plot;
 pub mod report;
+pub mod results;
 pub mod tables;
 pub mod workloads;
