@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         growth::run(&growth::Arguments::parse_from(growth))?,
         tables::run(&tables::Arguments::parse_from(tables))?,
     ];
-    let pile = pile::measure(repeats)?;
+    let pile = pile::measure(2 * repeats)?;
     for report in &reports {
         report.write(&arguments.out)?;
         for (key, svg) in &report.pictures {
