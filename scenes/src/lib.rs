@@ -1,4 +1,13 @@
-//! The paper's experiments: workloads, and a study of bounds.
+//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]) with what they share, workloads for
+//! benchmarks, and a study of bounds.
 
 pub mod bounds;
+pub mod contenders;
+pub mod curtain;
+pub mod growth;
+pub mod hierarchies;
+pub mod plot;
+pub mod report;
+pub mod results;
+pub mod tables;
 pub mod workloads;

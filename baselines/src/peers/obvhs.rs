@@ -58,6 +58,32 @@ impl Obvhs {
     }
 }
 
+impl Obvhs {
+    /// How many boxes a ball is tested with: both children of every inner node that it reaches, whose own
+    /// box is not tested before (as obvhs walks), or the only node.
+    pub fn box_tests(&self, center: [f64; 3], radius: f64) -> u64 {
+        let [low, high] = box_of(center, radius);
+        let ball = Aabb::new(low, high);
+        let nodes = &self.tree.nodes;
+        let mut stack: Vec<u32> = match nodes.first() {
+            None => return 0,
+            Some(root) if root.is_leaf() => return 1,
+            Some(root) => vec![root.first_index],
+        };
+        let mut tests = 0;
+        while let Some(first) = stack.pop() {
+            for index in [first, first + 1] {
+                tests += 1;
+                let node = &nodes[index as usize];
+                if !node.is_leaf() && node.aabb().intersect_aabb(&ball) {
+                    stack.push(node.first_index);
+                }
+            }
+        }
+        tests
+    }
+}
+
 impl Peer for Obvhs {
     fn update(
         &mut self,

@@ -96,6 +96,22 @@ impl Sphere {
         (self.rest.centre, modes.collect())
     }
 
+    /// c and R.
+    pub fn rest(&self) -> Ball {
+        self.rest
+    }
+
+    /// ΔR_j (of [`Growth::Similarity`] ρ_j).
+    pub fn growth_of(&self, mode: usize) -> f64 {
+        self.modes[mode].growth
+    }
+
+    /// ‖ΔR‖₂.
+    pub fn growth_norm(&self) -> f64 {
+        let squares = self.modes.iter().map(|mode| mode.growth * mode.growth);
+        squares.sum::<f64>().sqrt()
+    }
+
     /// Σ ΔR_j|q_j|.
     pub fn spread(&self, q: &[f64]) -> f64 {
         let terms = self.modes.iter().zip(q);

@@ -71,6 +71,7 @@ pub fn curtain(name: &'static str, across: usize, down: usize) -> Curtain {
 impl Curtain {
     /// q of a frame.
     pub fn q(&self, frame: usize) -> &[f32] {
-        &self.q[frame * MODES..(frame + 1) * MODES]
+        let modes = self.body.modes;
+        &self.q[frame * modes..(frame + 1) * modes]
     }
 }

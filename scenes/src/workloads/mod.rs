@@ -13,6 +13,7 @@ pub mod rays;
 use std::f64::consts::TAU;
 
 use bdtree_baselines::Body;
+use bdtree_baselines::deform::Deformer;
 
 use random::Stream;
 
@@ -86,6 +87,22 @@ impl Shape {
         }
         all
     }
+}
+
+/// Scales q so that the farthest vertex moves by `share` of the diagonal; leaves the deformed
+/// vertices in `out`.
+pub fn scale(body: &Body, deformer: &Deformer, q: &mut [f32], share: f64, out: &mut [f32]) {
+    deformer.deform(q, out);
+    let moved = out.as_chunks::<3>().0.iter().zip(&body.positions);
+    let farthest = moved
+        .map(|(a, b)| (0..3).map(|k| f64::from(a[k] - b[k]).powi(2)).sum::<f64>())
+        .fold(f64::MIN_POSITIVE, f64::max)
+        .sqrt();
+    let by = share * body.mesh().diagonal() / farthest;
+    for q in q.iter_mut() {
+        *q *= by as f32;
+    }
+    deformer.deform(q, out);
 }
 
 /// Coordinates of `modes` modes over `frames` frames, frame after frame: sines of amplitude

@@ -9,6 +9,7 @@ use bdtree_baselines::{machine, stats};
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Pose, StackEntry, Transform, TriangleId, query,
 };
+use bdtree_scenes::contenders::spheres::sum_growths;
 use bdtree_tests::poses;
 use clap::Args;
 use rand::RngExt;
@@ -327,32 +328,17 @@ impl Work {
 
 /// Mean R'/R over all spheres above a thousandth of the largest, at the first few q.
 fn growth(asset: &Asset<'_>, tree: &PaperTree, cases: &[Case]) -> Result<Value, Box<dyn Error>> {
-    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     let mut memory = vec![0.0; asset.pose_len()];
-    let mut step = Step::default();
-    let least = tree.numbers(0)[0][3] * 1e-3;
+    let mut sums = [[0.0; 2]; 2];
     for case in cases.iter().take(5) {
         let pose = Pose::new(asset, &case.q, Transform::IDENTITY, &mut memory)?;
-        step.prepare(asset, &pose);
-        for i in 0..asset.node_count() as u32 {
-            let node = &asset.nodes()[i as usize];
-            let rest = asset.node_rows(node)?.leading[bdtree_format::ROW_RADIUS];
-            let spheres = asset.node_spheres(&pose, i)?;
-            for k in 0..bdtree_format::LANES {
-                if rest[k] > least {
-                    ours.push(f64::from(spheres.radius[k] / rest[k]));
-                }
-            }
-        }
-        for i in 0..tree.node_count() {
-            let rest = tree.numbers(i)[0][3];
-            if rest > least {
-                theirs.push(f64::from(tree.sphere(&step, i)[3] / rest));
-            }
+        let both = sum_growths(asset, tree, &pose)?;
+        for (sum, own) in sums.iter_mut().zip(both) {
+            *sum = [sum[0] + own[0], sum[1] + own[1]];
         }
     }
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    Ok(json!({"product": mean(&ours), "paper": mean(&theirs)}))
+    let [ours, theirs] = sums.map(|[sum, count]| sum / count);
+    Ok(json!({"product": ours, "paper": theirs}))
 }
 
 /// What this machine allows: bytes of visited nodes over its read bandwidth, and one node

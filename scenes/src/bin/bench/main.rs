@@ -40,12 +40,8 @@ enum Command {
     Bounds(bounds::Arguments),
     /// Steps that change little: spheres that follow a pose, fronts of pairs
     Coherence(workloads::coherence::Arguments),
-    /// Ball queries beside refitting over modes, displacement, queries and contacts
-    Curves(workloads::curves::Arguments),
     /// Local blend shapes of a face beside dense modes: bytes and time of a ball query
     Face(face::Arguments),
-    /// How a ball query grows with the mesh at the same number of contacts
-    Growth(workloads::growth::Arguments),
     /// Hard rigid meshes: rays that slip through, distances that are off (feature `peers` for others)
     HardCases(hard_cases::Arguments),
     /// The node kernel alone, beside the machine's limit
@@ -64,9 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Command::Bake(arguments) => bake::run(&arguments),
         Command::Bounds(arguments) => bounds::run(&arguments),
         Command::Coherence(arguments) => workloads::coherence::run(&arguments),
-        Command::Curves(arguments) => workloads::curves::run(&arguments),
         Command::Face(arguments) => face::run(&arguments),
-        Command::Growth(arguments) => workloads::growth::run(&arguments),
         Command::HardCases(arguments) => hard_cases::run(&arguments),
         Command::Kernel(arguments) => kernel::run(&arguments),
         Command::Open(arguments) => open::run(&arguments),

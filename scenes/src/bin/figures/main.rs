@@ -6,7 +6,6 @@
 //! Colours and ratios are the paper's: a sphere's radius over that of the undeformed wrapped sphere of
 //! the same node in the paper's tree (which ours may be below).
 
-mod hierarchies;
 mod montage;
 
 use std::error::Error;
@@ -14,9 +13,9 @@ use std::path::PathBuf;
 
 use bdtree_render::tightness::mean_and_max;
 use bdtree_runtime::{Asset, MappedFile};
+use bdtree_scenes::hierarchies::{Found, Hierarchies, Kind};
 use clap::Parser;
 
-use hierarchies::{Found, Hierarchies, Kind};
 use montage::{Cell, Stage};
 
 #[derive(Parser)]
@@ -74,11 +73,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let view = [0, 1].map(|k| arguments.view.get(k).copied().unwrap_or(0.0));
     let mut stage = Stage::new(asset, &[&rest, &bent], view, arguments.cell)?;
+    let mut posed = [hierarchies.posed(&rest)?, hierarchies.posed(&bent)?];
     let mut rows = Vec::new();
     for kind in Kind::ALL {
         let mut cells = Vec::new();
         for level in LEVELS {
-            let found = hierarchies.spheres(kind, level, &rest)?;
+            let found = hierarchies.level(level)?.spheres(kind, &mut posed[0]);
             let title = format!("level {level}: {}", ratios(&found));
             cells.push(Cell {
                 title,
@@ -92,14 +92,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     stage.figure(title, &rows, &arguments.folder.join("figure-4.png"))?;
 
     let mut rows = Vec::new();
-    for (name, q) in [("at rest", &rest), ("deformed", &bent)] {
+    let level = hierarchies.level(arguments.level)?;
+    for ((name, q), posed) in [("at rest", &rest), ("deformed", &bent)]
+        .into_iter()
+        .zip(&mut posed)
+    {
         let mut cells = vec![Cell {
             title: "geometry".to_string(),
             q,
             spheres: None,
         }];
         for kind in Kind::ALL.into_iter().rev() {
-            let found = hierarchies.spheres(kind, arguments.level, q)?;
+            let found = level.spheres(kind, posed);
             cells.push(Cell {
                 title: format!("{} {}", kind.short(), ratios(&found)),
                 q,
@@ -136,10 +140,12 @@ fn print_table(
         println!("\n{name}, q = {q:?}\n");
         println!("| level | spheres | layered | BD-Tree (paper) | ours |");
         println!("|---|---|---|---|---|");
+        let mut posed = hierarchies.posed(q)?;
         for level in 0..hierarchies.depth() {
+            let nodes = hierarchies.level(level)?;
             let mut cells = Vec::new();
             for kind in Kind::ALL {
-                let found = hierarchies.spheres(kind, level, q)?;
+                let found = nodes.spheres(kind, &mut posed);
                 let growths: Vec<f64> = found.iter().map(|s| s.growth).collect();
                 cells.push(match mean_and_max(&growths) {
                     Some([mean, max]) => format!("{mean:.3} / {max:.3}"),

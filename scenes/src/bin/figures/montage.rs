@@ -11,7 +11,7 @@ use bdtree_render::{
 };
 use bdtree_runtime::{Asset, Pose, Transform, VertexId};
 
-use crate::hierarchies::Found;
+use bdtree_scenes::hierarchies::Found;
 
 /// One picture of a figure.
 #[derive(Clone)]

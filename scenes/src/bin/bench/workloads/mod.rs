@@ -1,15 +1,8 @@
 //! W1 to W4: the product beside those who deform all vertices and refit, the paper's lazy tree and
 //! the layered hierarchy, in turns on the same inputs.
 
-mod assets;
 pub(crate) mod coherence;
-mod contest;
-pub(crate) mod curves;
-pub(crate) mod growth;
 mod libraries;
-mod ours;
-mod paper;
-mod refitting;
 mod report;
 mod works;
 
@@ -17,8 +10,8 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use bdtree_baselines::machine;
+use bdtree_scenes::contenders::contest::{Rounds, Turns};
 use clap::{Args, ValueEnum};
-use contest::Rounds;
 use libraries::Libraries;
 use serde_json::json;
 
@@ -53,7 +46,7 @@ pub(crate) struct Arguments {
     repeat: usize,
     /// Who comes after whom
     #[arg(long, value_enum, default_value = "contender")]
-    turns: contest::Turns,
+    turns: Turns,
 }
 
 /// W1: must and aim by size.

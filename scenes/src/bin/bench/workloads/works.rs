@@ -11,15 +11,15 @@ use bdtree_baselines::peers::{Parry, TinyBvh};
 use bdtree_runtime::Asset;
 use bdtree_scenes::workloads::{bodies, curtain, pile, rays};
 
-use super::assets::baked;
-use super::contest::{Counts, Entry, Role, Rounds, contest};
 use super::libraries::Libraries;
-use super::ours::ball::OurBall;
-use super::ours::pair::OurPair;
-use super::ours::pile::{NODES, OurPile};
-use super::ours::ray::OurRays;
 use super::report::Work;
-use super::{paper, refitting};
+use bdtree_scenes::contenders::assets::baked;
+use bdtree_scenes::contenders::contest::{Counts, Entry, Role, Rounds, contest};
+use bdtree_scenes::contenders::ours::ball::OurBall;
+use bdtree_scenes::contenders::ours::pair::OurPair;
+use bdtree_scenes::contenders::ours::pile::{NODES, OurPile};
+use bdtree_scenes::contenders::ours::ray::OurRays;
+use bdtree_scenes::contenders::{paper, refitting};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 

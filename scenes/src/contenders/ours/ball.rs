@@ -4,10 +4,10 @@ use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, query};
 
 use bdtree_baselines::clock::Clock;
 
-use crate::workloads::contest::{Frame, Nodes};
+use crate::contenders::contest::{Frame, Nodes};
 
 /// An asset with the memory that it is asked in.
-pub(crate) struct OurBall<'a> {
+pub struct OurBall<'a> {
     asset: Asset<'a>,
     memory: Vec<f32>,
     stack: Vec<StackEntry>,
@@ -15,7 +15,8 @@ pub(crate) struct OurBall<'a> {
 }
 
 impl<'a> OurBall<'a> {
-    pub(crate) fn new(asset: Asset<'a>) -> Self {
+    /// On an asset.
+    pub fn new(asset: Asset<'a>) -> Self {
         Self {
             memory: vec![0.0; asset.pose_len()],
             stack: vec![StackEntry::default(); asset.stack_len()],
@@ -25,7 +26,7 @@ impl<'a> OurBall<'a> {
     }
 
     /// Pose and question.
-    pub(crate) fn frame(&mut self, q: &[f32], [x, y, z, radius]: [f32; 4]) -> Frame {
+    pub fn frame(&mut self, q: &[f32], [x, y, z, radius]: [f32; 4]) -> Frame {
         let center = [x, y, z].map(f64::from);
         self.found.clear();
         let start = Clock::start();

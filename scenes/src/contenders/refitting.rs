@@ -1,19 +1,19 @@
 //! Whoever refits, on each workload.
 
+use crate::workloads::bodies::Bodies;
+use crate::workloads::curtain::Curtain;
+use crate::workloads::pile::{COUNT, Pile};
+use crate::workloads::rays::Rays;
 use bdtree_baselines::clock::Clock;
 use bdtree_baselines::deform::Deformer;
 use bdtree_baselines::peers::{PairPeer, Peer, Update};
 use bdtree_baselines::place::Place;
 use bdtree_runtime::{Contact, PairContact};
-use bdtree_scenes::workloads::bodies::Bodies;
-use bdtree_scenes::workloads::curtain::Curtain;
-use bdtree_scenes::workloads::pile::{COUNT, Pile};
-use bdtree_scenes::workloads::rays::Rays;
 
 use super::contest::{Counts, Entry, Frame, Role};
 
 /// W1.
-pub(crate) fn ball<'a>(
+pub fn ball<'a>(
     name: &str,
     role: Role,
     peer: &'a mut dyn Peer,
@@ -38,7 +38,7 @@ pub(crate) fn ball<'a>(
 }
 
 /// W2.
-pub(crate) fn pair<'a, P: PairPeer>(
+pub fn pair<'a, P: PairPeer>(
     name: &str,
     role: Role,
     [a, b]: &'a mut [P; 2],
@@ -64,7 +64,7 @@ pub(crate) fn pair<'a, P: PairPeer>(
 }
 
 /// W3 with `count` rays a frame.
-pub(crate) fn ray<'a>(
+pub fn ray<'a>(
     name: &str,
     (role, counts): (Role, Counts),
     peer: &'a mut dyn Peer,
@@ -89,7 +89,7 @@ pub(crate) fn ray<'a>(
 }
 
 /// W4: all bodies are brought up to date, then the given neighbours are tested.
-pub(crate) fn pile<'a, P: PairPeer + 'a>(
+pub fn pile<'a, P: PairPeer + 'a>(
     name: &str,
     role: Role,
     mut peers: Vec<P>,

@@ -2,21 +2,27 @@
 
 use std::error::Error;
 use std::fs;
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::Path;
 use std::time::UNIX_EPOCH;
 
 use bdtree_baselines::Body;
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::AlignedBytes;
+use bdtree_tests::fixtures;
 
 /// The file of a body, kept under `target/workloads/`: its name says which build made it.
-pub(crate) fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
+///
+/// # Errors
+/// A body that cannot be baked, a file that cannot be read or written.
+pub fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
     let program = std::env::current_exe()?;
     let made = fs::metadata(&program)?;
     let age = made.modified()?.duration_since(UNIX_EPOCH)?.as_millis();
-    let folder = PathBuf::from("target/workloads");
-    let stem = format!("{}-m{}-", body.name, body.modes);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/workloads");
+    let (name, count) = (body.name, body.triangles.len());
+    let stem = format!("{name}-{count}-m{}-", body.modes);
     let path = folder.join(format!("{stem}{age:x}-{:x}.bdt", made.len()));
     if path.exists() {
         return Ok(AlignedBytes::read(&path)?);
@@ -28,14 +34,17 @@ pub(crate) fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
     };
     let bytes = bake(&body.mesh(), &body.basis(), &settings, &[], &Silent)?.bytes;
     fs::create_dir_all(&folder)?;
-    // Those of earlier builds are of no use any more.
+    // Those of earlier builds are of no use any more; another program may be at it too.
     for entry in fs::read_dir(&folder)? {
         let entry = entry?;
         let name = entry.file_name();
         if name.to_str().is_some_and(|name| name.starts_with(&stem)) {
-            fs::remove_file(entry.path())?;
+            match fs::remove_file(entry.path()) {
+                Err(e) if e.kind() != ErrorKind::NotFound => return Err(e.into()),
+                _ => {}
+            }
         }
     }
-    fs::write(&path, &bytes)?;
+    fixtures::write(&path, &bytes)?;
     Ok(AlignedBytes::copy_of(&bytes))
 }

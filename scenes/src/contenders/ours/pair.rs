@@ -5,10 +5,10 @@ use bdtree_baselines::clock::Clock;
 use bdtree_runtime::{Asset, PairStackEntry, Pose, Transform, TrianglePair, query};
 
 use super::{Cache, cache};
-use crate::workloads::contest::{Frame, Nodes};
+use crate::contenders::contest::{Frame, Nodes};
 
 /// Two instances of an asset with the memory that they are asked in.
-pub(crate) struct OurPair<'a> {
+pub struct OurPair<'a> {
     asset: Asset<'a>,
     memory: [Vec<f32>; 2],
     caches: [Cache; 2],
@@ -17,7 +17,8 @@ pub(crate) struct OurPair<'a> {
 }
 
 impl<'a> OurPair<'a> {
-    pub(crate) fn new(asset: Asset<'a>) -> Self {
+    /// On an asset.
+    pub fn new(asset: Asset<'a>) -> Self {
         Self {
             memory: [vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]],
             caches: [0; 2].map(|_| cache(asset.node_count(), asset.triangle_count() / 2)),
@@ -28,7 +29,7 @@ impl<'a> OurPair<'a> {
     }
 
     /// Poses and question.
-    pub(crate) fn frame(&mut self, [qa, qb]: [&[f32]; 2], place: &Place) -> Frame {
+    pub fn frame(&mut self, [qa, qb]: [&[f32]; 2], place: &Place) -> Frame {
         let asset = &self.asset;
         let [memory_a, memory_b] = &mut self.memory;
         self.found.clear();

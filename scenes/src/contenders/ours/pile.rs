@@ -1,20 +1,20 @@
 //! The product on many instances of one asset: poses, root spheres, those that meet, pair queries.
 
+use crate::workloads::pile::{COUNT, Pile};
 use bdtree_baselines::clock::Clock;
 use bdtree_runtime::broad::{self, GridSlot};
 use bdtree_runtime::query::{self, BoundingSphere};
 use bdtree_runtime::{Asset, PairStackEntry, Pose, TrianglePair};
-use bdtree_scenes::workloads::pile::{COUNT, Pile};
 
 use super::{Cache, cache};
-use crate::workloads::contest::{Frame, Nodes};
+use crate::contenders::contest::{Frame, Nodes};
 
 /// Node slots of each instance. More save evaluations and no time: with a thousand bodies they are read from memory.
-pub(crate) const NODES: usize = 16;
+pub const NODES: usize = 16;
 const LEAVES: usize = 0;
 
 /// An asset with the memory that its instances are asked in.
-pub(crate) struct OurPile<'a> {
+pub struct OurPile<'a> {
     asset: Asset<'a>,
     /// Whether all q are 0.
     at_rest: bool,
@@ -30,7 +30,7 @@ pub(crate) struct OurPile<'a> {
 impl<'a> OurPile<'a> {
     /// With so many node slots for each instance between its pairs. A pair's query has sixteen for
     /// itself where there are fewer.
-    pub(crate) fn new(asset: Asset<'a>, nodes: usize) -> Self {
+    pub fn new(asset: Asset<'a>, nodes: usize) -> Self {
         Self {
             at_rest: false,
             memory: vec![0.0; COUNT * asset.pose_len()],
@@ -45,13 +45,13 @@ impl<'a> OurPile<'a> {
     }
 
     /// The same with all q at 0.
-    pub(crate) fn at_rest(mut self) -> Self {
+    pub fn at_rest(mut self) -> Self {
         self.at_rest = true;
         self
     }
 
     /// A step.
-    pub(crate) fn frame(&mut self, pile: &Pile, step: usize) -> Frame {
+    pub fn frame(&mut self, pile: &Pile, step: usize) -> Frame {
         let asset = &self.asset;
         let zeros = vec![0.0; asset.mode_count()];
         let zero = self.at_rest || asset.mode_count() == 0;

@@ -1,17 +1,21 @@
 //! The paper's lazy tree on each workload.
 
+use crate::workloads::bodies::Bodies;
+use crate::workloads::curtain::Curtain;
+use crate::workloads::pile::{COUNT, Pile};
+use crate::workloads::rays::Rays;
 use bdtree_baselines::clock::Clock;
-use bdtree_baselines::paper_tree::{Between, Memory, PaperTree};
+use bdtree_baselines::paper_tree::{Between, Memory, PaperTree, PlainTree, Step};
 use bdtree_baselines::place::Place;
 use bdtree_runtime::{Asset, Contact, PairContact, Pose};
-use bdtree_scenes::workloads::bodies::Bodies;
-use bdtree_scenes::workloads::curtain::Curtain;
-use bdtree_scenes::workloads::pile::{COUNT, Pile};
-use bdtree_scenes::workloads::rays::Rays;
 
 use super::contest::{Counts, Entry, Frame, Role};
 
-const NAME: &str = "paper's tree";
+/// In tables.
+pub const NAME: &str = "paper's tree";
+
+/// The same, without layout for vector instructions.
+pub const PLAIN: &str = "paper's tree, plain";
 
 /// One instance: q and what has been computed in this step.
 struct Instance<'a> {
@@ -38,8 +42,26 @@ impl<'a> Instance<'a> {
     }
 }
 
+/// W1, the tree written plainly.
+pub fn plain_ball<'a>(tree: &'a PlainTree, asset: Asset<'a>, work: &'a Curtain) -> Entry<'a> {
+    let mut numbers = vec![0.0; asset.pose_len()];
+    let (mut step, mut stack) = (Step::default(), Vec::new());
+    let mut found: Vec<Contact> = Vec::new();
+    Entry::new(PLAIN, Role::Baseline, Counts::Same, move |frame| {
+        found.clear();
+        let [x, y, z, radius] = work.balls[frame].map(f64::from);
+        let start = Clock::start();
+        let place = Place::IDENTITY.transform();
+        let pose = Pose::new(&asset, work.q(frame), place, &mut numbers).expect("q within limits");
+        step.prepare(&asset, &pose);
+        let ball = ([x, y, z], radius);
+        tree.ball(&asset, &pose, &step, ball, &mut stack, &mut found);
+        of(start, found.len())
+    })
+}
+
 /// W1.
-pub(crate) fn ball<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Curtain) -> Entry<'a> {
+pub fn ball<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Curtain) -> Entry<'a> {
     let mut body = Instance::new(tree, asset);
     let mut found: Vec<Contact> = Vec::new();
     Entry::new(NAME, Role::Baseline, Counts::Same, move |frame| {
@@ -54,7 +76,7 @@ pub(crate) fn ball<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Curtain)
 }
 
 /// W2.
-pub(crate) fn pair<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Bodies) -> Entry<'a> {
+pub fn pair<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Bodies) -> Entry<'a> {
     let mut bodies = [(); 2].map(|()| Instance::new(tree, asset));
     let mut found: Vec<PairContact> = Vec::new();
     Entry::new(NAME, Role::Baseline, Counts::Same, move |frame| {
@@ -75,7 +97,7 @@ pub(crate) fn pair<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Bodies) 
 }
 
 /// W3 with `count` rays a frame.
-pub(crate) fn ray<'a>(
+pub fn ray<'a>(
     tree: &'a PaperTree,
     asset: Asset<'a>,
     (work, count): (&'a Rays, usize),
@@ -94,7 +116,7 @@ pub(crate) fn ray<'a>(
 }
 
 /// W4 on the given neighbours.
-pub(crate) fn pile<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Pile) -> Entry<'a> {
+pub fn pile<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Pile) -> Entry<'a> {
     let mut memories: Vec<Memory> = (0..COUNT).map(|_| Memory::new(tree, &asset)).collect();
     let mut numbers = vec![0.0; COUNT * asset.pose_len()];
     let mut found: Vec<PairContact> = Vec::new();

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 /// What a contender is to the comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Role {
+pub enum Role {
     /// The product.
     Ours,
     /// The product on the same body without modes.
@@ -22,7 +22,7 @@ pub(crate) enum Role {
 
 /// How many contacts may differ from the product's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Counts {
+pub enum Counts {
     /// The same vertices and the same test: none.
     Same,
     /// Vertices rounded once more on their way to the world: one in five thousand, and two.
@@ -50,15 +50,16 @@ impl Counts {
 
 /// Nodes of the product's trees; none for whoever does not count.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Nodes {
+pub struct Nodes {
     /// Whose spheres were tested, each time.
-    pub(crate) visited: u64,
+    pub visited: u64,
     /// Whose spheres were evaluated, each time.
-    pub(crate) updated: u64,
+    pub updated: u64,
 }
 
 impl Nodes {
-    pub(crate) fn add(&mut self, outcome: &Outcome) {
+    /// Counts a query's.
+    pub fn add(&mut self, outcome: &Outcome) {
         self.visited += outcome.nodes_visited;
         self.updated += outcome.nodes_updated;
     }
@@ -66,23 +67,32 @@ impl Nodes {
 
 /// One frame: seconds, and how many contacts or hits.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Frame {
-    pub(crate) update: Update,
-    pub(crate) query: f64,
-    pub(crate) found: u64,
-    pub(crate) nodes: Nodes,
+pub struct Frame {
+    /// Bringing the body up to date (s).
+    pub update: Update,
+    /// Asking (s).
+    pub query: f64,
+    /// Contacts or hits.
+    pub found: u64,
+    /// For whoever counts.
+    pub nodes: Nodes,
 }
 
 /// Who takes part.
-pub(crate) struct Entry<'a> {
-    pub(crate) name: String,
-    pub(crate) role: Role,
-    pub(crate) counts: Counts,
-    pub(crate) frame: Box<dyn FnMut(usize) -> Frame + 'a>,
+pub struct Entry<'a> {
+    /// For tables.
+    pub name: String,
+    /// What it is to the comparison.
+    pub role: Role,
+    /// What it must find.
+    pub counts: Counts,
+    /// Answers a frame.
+    pub frame: Box<dyn FnMut(usize) -> Frame + 'a>,
 }
 
 impl<'a> Entry<'a> {
-    pub(crate) fn new(
+    /// Whoever answers a frame.
+    pub fn new(
         name: &str,
         role: Role,
         counts: Counts,
@@ -98,25 +108,30 @@ impl<'a> Entry<'a> {
 }
 
 /// Deform, refit, query and their sum.
-pub(crate) const PARTS: [&str; 4] = ["deform", "refit", "query", "total"];
+pub const PARTS: [&str; 4] = ["deform", "refit", "query", "total"];
 
 /// The place of the sum in [`PARTS`].
-pub(crate) const TOTAL: usize = 3;
+pub const TOTAL: usize = 3;
 
 /// What a contender took per frame, in seconds.
 #[derive(Debug, Clone)]
-pub(crate) struct Row {
-    pub(crate) name: String,
-    pub(crate) role: Role,
+pub struct Row {
+    /// Of the contender.
+    pub name: String,
+    /// What it is to the comparison.
+    pub role: Role,
     /// Over all frames.
-    pub(crate) found: u64,
+    pub found: u64,
     /// Over all frames.
-    pub(crate) nodes: Nodes,
-    pub(crate) frames: usize,
+    pub nodes: Nodes,
+    /// Number of frames.
+    pub frames: usize,
+    /// Each frame's median over the repetitions, all parts together.
+    pub by_frame: Vec<f64>,
     /// Mean over frames of each frame's median over the repetitions, by part.
-    pub(crate) median: [f64; 4],
+    pub median: [f64; 4],
     /// Mean over frames of each frame's least, by part.
-    pub(crate) floor: [f64; 4],
+    pub floor: [f64; 4],
 }
 
 impl Row {
@@ -136,12 +151,20 @@ impl Row {
             found,
             nodes,
             frames: times.len(),
+            by_frame: times
+                .iter()
+                .map(|repeats| {
+                    let totals: Vec<f64> = repeats.iter().map(|t| t[TOTAL]).collect();
+                    stats::median(&totals)
+                })
+                .collect(),
             median: mean(&stats::median),
             floor: mean(&|part| part.iter().copied().fold(f64::INFINITY, f64::min)),
         }
     }
 
-    pub(crate) fn json(&self) -> Value {
+    /// Counts and times.
+    pub fn json(&self) -> Value {
         let parts = |times: &[f64; 4]| {
             let named = PARTS.iter().zip(times);
             Value::Object(named.map(|(k, t)| (k.to_string(), json!(t))).collect())
@@ -155,7 +178,7 @@ impl Row {
 
 /// Who comes after whom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Turns {
+pub enum Turns {
     /// After each pass over the frames the next contender's: each finds the caches as the others left them.
     Pass,
     /// Each contender does all its passes: its own data may still be near.
@@ -164,18 +187,20 @@ pub(crate) enum Turns {
 
 /// How often, and in which order.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rounds<'a> {
-    pub(crate) repeats: usize,
-    pub(crate) turns: Turns,
+pub struct Rounds<'a> {
+    /// Passes of each contender over all frames.
+    pub repeats: usize,
+    /// Who comes after whom.
+    pub turns: Turns,
     /// Who takes part beside the product; everybody if nobody is named.
-    pub(crate) with: &'a [String],
+    pub with: &'a [String],
 }
 
 /// Lets all who take part run all frames, `repeats` times.
 ///
 /// # Errors
 /// Two contenders that do not find the same, or one that does not find the same again.
-pub(crate) fn contest(
+pub fn contest(
     mut entries: Vec<Entry<'_>>,
     frames: &[usize],
     rounds: Rounds<'_>,

@@ -5,10 +5,10 @@ use bdtree_runtime::{Asset, Pose, StackEntry, Transform, query};
 use bdtree_baselines::clock::Clock;
 
 use super::{Cache, cache};
-use crate::workloads::contest::{Frame, Nodes};
+use crate::contenders::contest::{Frame, Nodes};
 
 /// An asset with the memory that it is asked in.
-pub(crate) struct OurRays<'a> {
+pub struct OurRays<'a> {
     asset: Asset<'a>,
     memory: Vec<f32>,
     cache: Cache,
@@ -16,7 +16,8 @@ pub(crate) struct OurRays<'a> {
 }
 
 impl<'a> OurRays<'a> {
-    pub(crate) fn new(asset: Asset<'a>) -> Self {
+    /// On an asset.
+    pub fn new(asset: Asset<'a>) -> Self {
         Self {
             memory: vec![0.0; asset.pose_len()],
             // Random rays seldom meet a leaf twice: keeping leaves costs more than it saves.
@@ -27,7 +28,7 @@ impl<'a> OurRays<'a> {
     }
 
     /// Pose and rays (origin, direction).
-    pub(crate) fn frame(
+    pub fn frame(
         &mut self,
         q: &[f32],
         rays: impl ExactSizeIterator<Item = [[f32; 3]; 2]>,

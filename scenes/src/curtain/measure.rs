@@ -1,0 +1,241 @@
+//! Tests, times and tightness of all contenders.
+
+use std::error::Error;
+use std::rc::Rc;
+
+use bdtree_baselines::Place;
+use bdtree_baselines::deform::Deformer;
+use bdtree_baselines::paper_tree::{BallCounts, Layered, Memory, PaperTree, PlainTree, Step};
+use bdtree_baselines::peers::{LayeredPeer, Obvhs, Peer};
+use bdtree_runtime::{Asset, Contact, Pose, Transform};
+use serde_json::{Value, json};
+
+use super::Arguments;
+use crate::contenders::contest::{Counts, Entry, Role, Rounds, Row, TOTAL, Turns, contest};
+use crate::contenders::ours::ball::OurBall;
+use crate::contenders::spheres::{Counting, Tested, of_ball, sum_growths};
+use crate::contenders::{paper, refitting};
+use crate::plot::{Axis, Chart, Curve, svg};
+use crate::report::{Cell, Report, Table};
+use crate::workloads::curtain::Curtain;
+
+/// In tables.
+const OURS: &str = "ours";
+const LAYERED: &str = "layered, all vertices deformed and refitted";
+const REFIT: &str = "boxes (obvhs), all vertices deformed and refitted";
+
+/// What a contender tested in all frames: spheres or boxes, and R'/R where it has spheres.
+struct Tests {
+    count: u64,
+    growth: Option<f64>,
+}
+
+impl From<Tested> for Tests {
+    fn from(tested: Tested) -> Self {
+        Self {
+            count: tested.tests,
+            growth: Some(tested.mean_growth()),
+        }
+    }
+}
+
+pub(super) fn measure(
+    arguments: &Arguments,
+    asset: &Asset<'_>,
+    work: &Curtain,
+    pca_error: f64,
+) -> Result<Report, Box<dyn Error>> {
+    let deformer = Deformer::new(&work.body);
+    let tree = Rc::new(PaperTree::build(asset));
+    let plain = PlainTree::of(&tree);
+    let mut ours = OurBall::new(*asset);
+    let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
+    let mut boxes = Obvhs::new(&work.body);
+    let frames: Vec<usize> = (0..work.balls.len()).collect();
+    let (tests, visits) = tests(asset, work, &tree, &plain, &deformer, &mut boxes)?;
+    let entries = vec![
+        Entry::new(OURS, Role::Ours, Counts::Same, |frame| {
+            ours.frame(work.q(frame), work.balls[frame])
+        }),
+        paper::plain_ball(&plain, *asset, work),
+        paper::ball(&tree, *asset, work),
+        refitting::ball(LAYERED, Role::Baseline, &mut layered, &deformer, work),
+        refitting::ball(REFIT, Role::Peer, &mut boxes, &deformer, work),
+    ];
+    let rounds = Rounds {
+        repeats: usize::from(arguments.repeat),
+        turns: Turns::Contender,
+        with: &[],
+    };
+    let rows = contest(entries, &frames, rounds)?;
+    let spread = spread(asset, work, &tree)?;
+    let contacts = rows.first().map_or(0, |row| row.found);
+    let value = json!({
+        "settings": {"triangles": arguments.triangles, "frames": frames.len(),
+            "modes": asset.mode_count(), "radius_m": arguments.radius, "repeat": arguments.repeat},
+        "mesh": {"vertices": asset.vertex_count(), "triangles": asset.triangle_count(),
+            "pca_error_max_over_diagonal": pca_error},
+        "contacts": contacts, "nodes_visited": visits,
+        "growth_of_all_spheres": {"ours": spread[0], "paper": spread[1]},
+        "contenders": rows.iter().zip(&tests).map(|(row, tests)| contender(row, tests, &rows[0]))
+            .collect::<Vec<Value>>(),
+    });
+    Ok(Report {
+        name: "curtain",
+        tables: vec![table(asset, &rows, &tests, visits, spread)],
+        pictures: vec![("", picture(&rows)?)],
+        value,
+    })
+}
+
+fn contender(row: &Row, tests: &Tests, ours: &Row) -> Value {
+    let seconds = row.median[TOTAL];
+    json!({"name": row.name, "tests": tests.count, "growth_of_tested": tests.growth,
+        "times": {"total_ms": 1e3 * seconds * row.frames as f64, "ms_per_frame": 1e3 * seconds,
+            "over_ours": seconds / ours.median[TOTAL],
+            "deform_ms": 1e3 * row.median[0], "refit_ms": 1e3 * row.median[1],
+            "query_ms": 1e3 * row.median[2], "by_frame_s": row.by_frame}})
+}
+
+/// What every contender tests, in the order of the entries, and the nodes that ours visits.
+fn tests(
+    asset: &Asset<'_>,
+    work: &Curtain,
+    tree: &PaperTree,
+    plain: &PlainTree,
+    deformer: &Deformer,
+    boxes: &mut Obvhs,
+) -> Result<([Tests; 5], u64), Box<dyn Error>> {
+    let mut memory = vec![0.0; asset.pose_len()];
+    let mut refitted = Layered::new(tree, deformer.len());
+    let (mut step, mut stack, mut scratch) = (Step::default(), Vec::new(), Vec::new());
+    let (mut found, mut visits, mut boxed) = (Vec::<Contact>::new(), 0, 0);
+    let mut plainly = BallCounts::default();
+    let [mut ours, mut wrapped, mut layered] = [Tested::default(); 3];
+    let mut lazy = Memory::new(tree, asset);
+    for (frame, ball) in work.balls.iter().enumerate() {
+        let [x, y, z, radius] = ball.map(f64::from);
+        let (ball, q) = (([x, y, z], radius), work.q(frame));
+        let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory)?;
+        let (tested, nodes) = of_ball(asset, &pose, ball)?;
+        (ours, visits) = (ours.and(tested), visits + nodes);
+        step.prepare(asset, &pose);
+        let counts = plain.ball(asset, &pose, &step, ball, &mut stack, &mut found);
+        plainly.spheres += counts.spheres;
+        lazy.begin_step(asset, &pose);
+        let mut spheres = lazy.at(asset, &pose);
+        let mut counting = Counting::new(&mut spheres);
+        tree.walk_ball(&mut counting, ball, &mut found);
+        wrapped = wrapped.and(counting.tested);
+        deformer.deform(q, &mut refitted.vertices);
+        refitted.refit(tree, &Place::IDENTITY);
+        let mut counting = Counting::new(&mut refitted);
+        tree.walk_ball(&mut counting, ball, &mut found);
+        layered = layered.and(counting.tested);
+        boxes.update(deformer, q, &Place::IDENTITY, &mut scratch);
+        boxed += boxes.box_tests(ball.0, ball.1);
+    }
+    let plainly = Tests {
+        count: plainly.spheres,
+        growth: Some(wrapped.mean_growth()),
+    };
+    let boxed = Tests {
+        count: boxed,
+        growth: None,
+    };
+    let all = [ours.into(), plainly, wrapped.into(), layered.into(), boxed];
+    Ok((all, visits))
+}
+
+/// Mean R'/R over all spheres above a thousandth of the largest and all frames, ours and the paper's.
+fn spread(asset: &Asset<'_>, work: &Curtain, tree: &PaperTree) -> Result<[f64; 2], Box<dyn Error>> {
+    let mut memory = vec![0.0; asset.pose_len()];
+    let mut sums = [[0.0; 2]; 2];
+    for frame in 0..work.balls.len() {
+        let pose = Pose::new(asset, work.q(frame), Transform::IDENTITY, &mut memory)?;
+        let both = sum_growths(asset, tree, &pose)?;
+        for (sum, [growth, count]) in sums.iter_mut().zip(both) {
+            sum[0] += growth;
+            sum[1] += count;
+        }
+    }
+    Ok(sums.map(|[growth, count]| growth / count))
+}
+
+fn table(
+    asset: &Asset<'_>,
+    rows: &[Row],
+    tests: &[Tests; 5],
+    visits: u64,
+    spread: [f64; 2],
+) -> Table {
+    let frames = rows.first().map_or(0, |row| row.frames);
+    let contacts = rows.first().map_or(0, |row| row.found);
+    let title = format!(
+        "Ball and curtain: {} triangles, {} modes, {frames} frames, {contacts} contacts. A test is one sphere or \
+         box against the ball; ours tests the eight of a node at once ({visits} nodes visited). Mean R'/R of all \
+         spheres above a thousandth of the largest: ours {:.3}, paper's bound {:.3}.",
+        asset.triangle_count(),
+        asset.mode_count(),
+        spread[0],
+        spread[1]
+    );
+    let columns = [
+        "method",
+        "tests",
+        "total, ms",
+        "per frame, ms",
+        "time over ours",
+        "mean R'/R of tested",
+    ];
+    let mut table = Table::new("", title, &columns);
+    let ours = rows.first().map_or(f64::NAN, |row| row.median[TOTAL]);
+    for (row, tests) in rows.iter().zip(tests) {
+        let seconds = row.median[TOTAL];
+        table.rows.push(vec![
+            row.name.as_str().into(),
+            tests.count.into(),
+            (1e3 * seconds * row.frames as f64).into(),
+            (1e3 * seconds).into(),
+            (seconds / ours).into(),
+            tests.growth.map_or(Cell::None, Cell::Number),
+        ]);
+    }
+    // Table 2 of the paper: Java, 3.0 GHz Xeon, another ball and another curtain.
+    for (name, count, total, each, growth) in [
+        (
+            "paper, 2004: BD-Tree",
+            3890_u64,
+            2.4,
+            0.022,
+            Cell::Number(1.51),
+        ),
+        ("paper, 2004: layered", 2150, 5400.0, 49.0, Cell::None),
+    ] {
+        table.rows.push(vec![
+            name.into(),
+            count.into(),
+            total.into(),
+            each.into(),
+            Cell::None,
+            growth,
+        ]);
+    }
+    table
+}
+
+fn picture(rows: &[Row]) -> Result<String, Box<dyn Error>> {
+    let curves = rows.iter().map(|row| Curve {
+        name: row.name.clone(),
+        points: (0..)
+            .map(f64::from)
+            .zip(row.by_frame.iter().map(|s| 1e6 * s))
+            .collect(),
+    });
+    svg(&[Chart {
+        title: "Ball and curtain: time of every frame",
+        x: Axis::linear("frame"),
+        y: Axis::log("µs"),
+        curves: curves.collect(),
+    }])
+}

@@ -1,0 +1,113 @@
+//! What the paper leaves open.
+
+use super::super::shown::Shown::{Page, Program, Test};
+use super::{BENCHMARKS, BOUNDS, Row, not_yet, part, says, whole};
+
+pub(super) const LIMITATIONS: &[Row] = &[
+    whole(
+        "P51",
+        "R' always grows",
+        "a body that shrinks to a point: 2 R",
+        says!("the second-order radius shrinks with it"),
+        &[
+            Test(
+                "bdtree-build/tests/wrap_bounds.rs",
+                "uniform_scaling_is_exact",
+            ),
+            Test("tests/tests/shrink_to_point.rs", "a_chair_that_shrinks"),
+            Page("docs/hard-cases.md"),
+        ],
+    ),
+    part(
+        "P52",
+        "many or rough fields cost",
+        "stated",
+        says!("a bake of rough fields warns with the visits it expects"),
+        &[
+            Test(
+                "bdtree-build/tests/visits.rs",
+                "noise_is_warned_about_with_figures",
+            ),
+            Program("growth"),
+        ],
+    ),
+    part(
+        "P53",
+        "where a refit wins",
+        "stated",
+        says!("break-even over modes, displacement, contacts and balls a step below"),
+        &[Program("growth"), BENCHMARKS],
+    ),
+    whole(
+        "P54",
+        "answers within a limit of time",
+        "not offered",
+        says!("queries within a number of visits say what they left out"),
+        &[Test(
+            "tests/tests/budget.rs",
+            "bounds_are_true_and_rise_to_the_answer",
+        )],
+    ),
+    whole(
+        "P55",
+        "other and mixed bounds",
+        "future work",
+        says!("measured per level, not adopted"),
+        &[BOUNDS],
+    ),
+    whole(
+        "P56",
+        "top-down and bottom-up mixed",
+        "future work",
+        says!("measured, not adopted"),
+        &[BOUNDS, Page("format-spec/decisions/0011-node-bounds.md")],
+    ),
+    whole(
+        "P57",
+        "trees made for what deforms",
+        "future work",
+        says!("splits that know the fields, measured by tests"),
+        &[BOUNDS],
+    ),
+    whole(
+        "P58",
+        "temporal coherence",
+        "future work",
+        says!(
+            "fronts of pairs with the answers of a walk from the root; visits at most 1.05 times, down to a fifth (page)"
+        ),
+        &[
+            Test(
+                "tests/tests/fronts.rs",
+                "answers_are_those_of_a_walk_from_the_root",
+            ),
+            Test(
+                "tests/tests/fronts.rs",
+                "slow_pairs_and_separate_ones_visit_few_nodes",
+            ),
+            BENCHMARKS,
+        ],
+    ),
+    not_yet("P59", "continuous collision detection", "future work"),
+    not_yet(
+        "P60",
+        "small changes to sphere trees: a reference implementation in the docs",
+        "stated",
+    ),
+    whole(
+        "P61",
+        "distributed processing",
+        "stated",
+        says!("one asset serves instances on all threads, from q alone"),
+        &[
+            Test(
+                "tests/tests/sharing.rs",
+                "one_asset_serves_instances_on_several_threads",
+            ),
+            Test(
+                "tests/tests/sharing.rs",
+                "what_instances_share_and_own_crosses_threads",
+            ),
+        ],
+    ),
+];

@@ -1,0 +1,155 @@
+//! The paper's tables over the fixtures: Table 1, how ‖ΔR‖ decays, figures 4 and 6 in numbers, and the
+//! inequality of Appendix A (P04, P05, P08–P10, P21–P23, P50).
+
+mod decay;
+mod lipschitz;
+mod ratios;
+mod subjects;
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use bdtree_runtime::{AlignedBytes, Asset};
+use clap::Parser;
+use serde_json::{Value, json};
+
+use crate::hierarchies::Hierarchies;
+use crate::plot::svg;
+use crate::report::{Cell, Report, Table};
+
+pub use subjects::Mesh;
+
+/// Table 1, the decay of ‖ΔR‖, figure 6 in numbers and Appendix A's inequality of the paper, over the fixtures
+#[derive(Debug, Clone, Parser)]
+pub struct Arguments {
+    /// Fixtures, small to large: fish (M = 3), chair (10), curtain (12), bridge (10)
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        default_value = "chair,bridge,fish,curtain"
+    )]
+    pub meshes: Vec<Mesh>,
+    /// Deformations of figure 6: way of the farthest vertex over the diagonal of the box (above 0, up to 1)
+    #[arg(long, value_delimiter = ',', default_value = "0.01,0.05,0.1,0.2", value_parser = share)]
+    pub amplitudes: Vec<f64>,
+    /// Random deformations of each amplitude (1 to 1000)
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub poses: u16,
+    /// Appendix A on nodes of at most so many vertices: it compares all pairs (2 to 20000)
+    #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u16).range(2..=20_000))]
+    pub pair_vertices: u16,
+    /// Seed of the deformations
+    #[arg(long, default_value_t = 2004)]
+    pub seed: u64,
+    /// Folder for tables.json, tables.csv and its parts, tables.svg
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+}
+
+/// A share on the command line.
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if share > 0.0 && share <= 1.0 => Ok(share),
+        _ => Err("an amplitude is a number above 0, up to 1".to_string()),
+    }
+}
+
+/// The level of the paper's figure 6: 64 spheres.
+const FIGURE_LEVEL: usize = 6;
+
+/// Measures.
+///
+/// # Errors
+/// Fixtures that cannot be made or baked.
+pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
+    let mut sizes = sizes_table();
+    let mut decays = Vec::new();
+    let mut figure = ratios::figure_table();
+    let mut levels = ratios::level_table();
+    let mut lipschitz = lipschitz::table(arguments.pair_vertices);
+    let (mut results, mut charts) = (Vec::new(), Vec::new());
+    for mesh in &arguments.meshes {
+        let bytes = subjects::baked(*mesh)?;
+        let asset = Asset::open(&bytes)?;
+        let trees = Hierarchies::new(asset);
+        sizes.rows.push(sizes_row(*mesh, &asset, &trees));
+        let decay = decay::measure(*mesh, &trees)?;
+        let ratios = ratios::measure(&asset, &trees, arguments)?;
+        let pairs = lipschitz::measure(&asset, &trees, usize::from(arguments.pair_vertices))?;
+        figure
+            .rows
+            .extend(ratios.figure_rows(mesh.name(), FIGURE_LEVEL));
+        levels.rows.extend(ratios.level_rows(mesh.name()));
+        lipschitz
+            .rows
+            .extend(pairs.iter().map(|p| p.row(mesh.name())));
+        if *mesh == Mesh::Chair {
+            charts.push(ratios.chart());
+        }
+        results.push(json!({
+            "mesh": mesh.name(),
+            "vertices": asset.vertex_count(), "triangles": asset.triangle_count(),
+            "modes": asset.mode_count(), "bytes": asset.bytes().len(),
+            "spheres": trees.tree().node_count(), "levels": trees.depth(),
+            "our_nodes": asset.node_count(), "our_levels": asset.depth(),
+            "decay": decay.json(), "ratios": ratios.json(),
+            "appendix_a": pairs.iter().map(|p| p.json()).collect::<Vec<Value>>(),
+        }));
+        decays.push(decay);
+    }
+    charts.insert(0, decay::chart(&decays));
+    let picture = svg(&charts)?;
+    Ok(Report {
+        name: "tables",
+        value: json!({"settings": {"amplitudes": arguments.amplitudes, "poses": arguments.poses,
+            "pair_vertices": arguments.pair_vertices, "seed": arguments.seed}, "meshes": results}),
+        tables: vec![sizes, decay::table(&decays), figure, levels, lipschitz],
+        pictures: vec![("", picture)],
+    })
+}
+
+/// The file of the chair with its ten modes.
+///
+/// # Errors
+/// A fixture that cannot be made or baked.
+pub fn chair() -> Result<AlignedBytes, Box<dyn Error>> {
+    subjects::baked(Mesh::Chair)
+}
+
+fn sizes_table() -> Table {
+    Table::new(
+        "",
+        "Table 1: our fixtures, the paper's numbers in brackets. Spheres and levels are those of the paper's \
+         binary tree (2 F − 1); nodes of eight spheres are ours.",
+        &[
+            "mesh",
+            "vertices",
+            "faces",
+            "M",
+            "spheres",
+            "levels",
+            "our nodes",
+            "their levels",
+            "bytes",
+        ],
+    )
+}
+
+fn sizes_row(mesh: Mesh, asset: &Asset<'_>, trees: &Hierarchies<'_>) -> Vec<Cell> {
+    let theirs = mesh.of_the_paper();
+    let own = [
+        asset.vertex_count(),
+        asset.triangle_count(),
+        asset.mode_count(),
+        trees.tree().node_count(),
+        trees.depth(),
+    ];
+    let both = own
+        .iter()
+        .zip(theirs)
+        .map(|(own, paper)| format!("{own} ({paper})").into());
+    let mut row: Vec<Cell> = std::iter::once(mesh.name().into()).chain(both).collect();
+    row.extend([asset.node_count(), asset.depth(), asset.bytes().len()].map(Cell::from));
+    row
+}
