@@ -213,15 +213,11 @@ pub fn counts(all: usize, wanted: usize, most: usize) -> Vec<usize> {
     let steps = (0..usize::BITS - 1).flat_map(|e| [1 << e, 3 << e]);
     let mut counts: Vec<usize> = steps.filter(|&k| k < all && k != wanted).collect();
     counts.sort_unstable();
-    // Thinned out evenly, the smallest first.
-    let room = most.saturating_sub(2);
-    while counts.len() > room {
-        let at = counts.len() / 2;
-        counts.remove(if counts.len().is_multiple_of(2) {
-            at
-        } else {
-            0
-        });
+    // Thinned out evenly.
+    let (room, len) = (most.saturating_sub(2), counts.len());
+    if len > room {
+        let place = |i: usize| (i * len + len / 2) / room;
+        counts = (0..room).map(|i| counts[place(i)]).collect();
     }
     counts.extend([all, wanted]);
     counts.sort_unstable();
