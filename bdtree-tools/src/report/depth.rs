@@ -1,6 +1,6 @@
 //! What stopping a ball query at a level costs and how far its spheres are off.
 
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 
 use bdtree_baselines::clock::Clock;
 use bdtree_baselines::stats::median;
@@ -139,9 +139,9 @@ impl Row {
         let error = (answer.depth().max(spheres) - truth.depth()).abs() / diagonal;
         self.penetration = self.penetration.max(error);
 
-        let touched: HashSet<u32> = truth.contacts.iter().map(|c| c.triangle.0).collect();
+        let touched: BTreeSet<u32> = truth.contacts.iter().map(|c| c.triangle.0).collect();
         let said = answer.contacts.iter().map(|c| c.triangle.0);
-        let mut covered: HashSet<u32> = said.collect();
+        let mut covered: BTreeSet<u32> = said.collect();
         for slot in reported(asset, pose, self.level, &proxies).map_err(problem)? {
             if let Some(triangle) = asset.triangles().get(slot) {
                 covered.insert(triangle.id);

@@ -88,10 +88,10 @@ fn an_animated_asset_has_every_part() {
     assert!(number(&depth[0], "extra_area_rel") > 0.0);
     assert!(number(&depth[0], "penetration_error_rel") > 0.0);
 
-    // Tolerance: fewer modes, never fewer visits.
+    // Tolerance: fewer modes, and larger spheres: not fewer visits, but for rays that find their hit earlier.
     for pair in list(&report, "tolerance").windows(2) {
         assert!(number(&pair[0], "active_modes") >= number(&pair[1], "active_modes"));
-        assert!(number(&pair[0], "visits") <= number(&pair[1], "visits"));
+        assert!(number(&pair[0], "visits") <= 1.05 * number(&pair[1], "visits"));
     }
 
     // Tightness: nothing is tighter than possible, ours not looser than the paper's but for rounding.

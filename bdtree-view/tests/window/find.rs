@@ -1,7 +1,7 @@
 //! Where things are on the screen, by their colours.
 
+use crate::CONTROLS;
 use crate::display::Picture;
-use crate::{CONTROLS, PICTURE};
 
 /// A rectangle: left, top, right, bottom, the last two beyond it.
 pub(crate) type Rect = [u32; 4];
@@ -54,28 +54,4 @@ fn patches(picture: &Picture, area: Rect, is: impl Fn([u8; 3]) -> bool) -> Vec<R
 /// Buttons and fields with numbers to drag, while the pointer is elsewhere.
 pub(crate) fn buttons(screen: &Picture) -> Vec<Rect> {
     patches(screen, CONTROLS, |c| c == [226, 229, 236])
-}
-
-/// The blue parts of sliders: from their lower end to their knob.
-pub(crate) fn slider_fills(screen: &Picture) -> Vec<Rect> {
-    let is_blue = |[r, g, b]: [u8; 3]| b > g.saturating_add(40) && g > r;
-    let mut all = patches(screen, CONTROLS, is_blue);
-    // What is chosen has that colour too, but is as high as a line of text.
-    all.retain(|[_, top, _, bottom]| bottom - top < 12);
-    all
-}
-
-/// The middle of the probe's orange pixels in the picture.
-pub(crate) fn probe(screen: &Picture) -> Option<[f32; 2]> {
-    let [left, top, right, bottom] = PICTURE;
-    let all = (top..bottom).flat_map(|y| (left..right).map(move |x| [x, y]));
-    let (mut sum, mut count) = ([0.0; 2], 0.0);
-    for [x, y] in all {
-        let [r, _, b] = screen.at(x, y);
-        if r > b.saturating_add(25) {
-            sum = [sum[0] + f64::from(x) + 0.5, sum[1] + f64::from(y) + 0.5];
-            count += 1.0;
-        }
-    }
-    (count > 0.0).then(|| sum.map(|s| (s / count) as f32))
 }

@@ -1,9 +1,9 @@
-//! A pointer and a keyboard on the virtual display: their events come from the X server, as a person's do.
+//! A pointer on the virtual display: its events come from the X server, as a person's do.
 
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{
     BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ClientMessageEvent, ConnectionExt as _, EventMask,
-    InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, MapState, Window,
+    InputFocus, MOTION_NOTIFY_EVENT, MapState, Window,
 };
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
@@ -11,13 +11,6 @@ use x11rb::rust_connection::RustConnection;
 use crate::display::Display;
 
 pub(crate) const LEFT: u8 = 1;
-pub(crate) const RIGHT: u8 = 3;
-/// The wheel's buttons: away from the hand, towards it.
-const WHEEL: [u8; 2] = [4, 5];
-
-/// Keys, as X names them.
-pub(crate) const SPACE: u32 = 0x20;
-pub(crate) const SHIFT: u32 = 0xffe1;
 
 /// A connection that sends events to a window.
 pub(crate) struct Hands {
@@ -77,36 +70,6 @@ impl Hands {
 
     pub(crate) fn release(&self, button: u8) {
         self.send(BUTTON_RELEASE_EVENT, button, [0; 2]);
-    }
-
-    /// Turns the wheel by so many notches, away from the hand or towards it.
-    pub(crate) fn wheel(&self, notches: i32) {
-        let button = WHEEL[usize::from(notches < 0)];
-        for _ in 0..notches.abs() {
-            self.press(button);
-            self.release(button);
-        }
-    }
-
-    pub(crate) fn press_key(&self, key: u32) {
-        self.send(KEY_PRESS_EVENT, self.key_code(key), [0; 2]);
-    }
-
-    pub(crate) fn release_key(&self, key: u32) {
-        self.send(KEY_RELEASE_EVENT, self.key_code(key), [0; 2]);
-    }
-
-    /// Where the keyboard has a key.
-    fn key_code(&self, key: u32) -> u8 {
-        let setup = self.connection.setup();
-        let (first, last) = (setup.min_keycode, setup.max_keycode);
-        let keys = self
-            .connection
-            .get_keyboard_mapping(first, last - first + 1);
-        let keys = keys.expect("sent").reply().expect("the keyboard");
-        let mut of_code = keys.keysyms.chunks(usize::from(keys.keysyms_per_keycode));
-        let at = of_code.position(|all| all.first() == Some(&key));
-        first + u8::try_from(at.expect("the key")).expect("at most 255 codes")
     }
 
     /// Asks the window to close, as a window manager does.
