@@ -1,6 +1,6 @@
 //! `bdtree report`: what each choice costs and buys for an asset, measured on the asset itself.
 //!
-//! [`measure`] fills a [`Content`]; the page ([`page`]) and `--json` are made of it. Counts and errors are the
+//! [`measure`] fills a [`content::Content`]; the page and `--json` are made of it. Counts and errors are the
 //! same in every run on processors of the same kind, times are not.
 
 mod advice;
