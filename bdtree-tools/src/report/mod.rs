@@ -14,6 +14,7 @@ mod page;
 mod plot;
 mod sample;
 mod sections;
+mod text;
 mod tightness;
 mod tolerance;
 
