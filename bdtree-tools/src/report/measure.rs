@@ -29,6 +29,17 @@ const MARGIN_CASES: u64 = 100_000;
 /// # Errors
 /// The first rule of the format that the file breaks.
 pub fn measure(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
+    // What the parts complain of is the file's.
+    content(file, verify).map_err(|error| match error {
+        ToolError::Input(lines) => {
+            let path = file.path().display();
+            ToolError::Input(lines.iter().map(|l| format!("{path}: {l}")).collect())
+        }
+        other => other,
+    })
+}
+
+fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
     let mut seconds = Clockwork::default();
     let asset = file.checked_asset(verify)?;
     // Measuring follows every record, so all of them are checked, whether checksums are or not.
