@@ -258,7 +258,9 @@ fn proxies_in_the_world() {
             } else {
                 Posed::from(&pose)
             };
-            let (spheres, _) = posed.reference_spheres(asset, node).expect("a node");
+            let (spheres, _) = posed
+                .portable_spheres::<Reference>(asset, node)
+                .expect("a node");
             let proxy = proxy(&pose, &spheres, lane);
             for v in vertices {
                 let x = asset.deformed(&pose, *v).expect("a vertex");

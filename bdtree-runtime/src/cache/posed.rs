@@ -250,8 +250,10 @@ impl Posed<'_> {
         Ok(true)
     }
 
-    /// [`Posed::spheres`] of the reference kernel, which are kept apart from others.
-    pub(crate) fn reference_spheres(
+    /// [`Posed::spheres`] of the same bits on every processor, also where a step's drift is added: they are kept
+    /// apart from others.
+    #[inline(always)]
+    pub(crate) fn portable_spheres<L: Lanes>(
         &mut self,
         asset: &Asset<'_>,
         index: u32,
@@ -266,7 +268,7 @@ impl Posed<'_> {
             None => {
                 let pose = self.drift.map_or(self.pose, |(reference, _)| reference);
                 let modes = asset.node_modes(node)?;
-                let Some(spheres) = evaluate::<Reference>(&rows, modes, &pose.bound()) else {
+                let Some(spheres) = evaluate::<L>(&rows, modes, &pose.bound()) else {
                     return Err(asset.unknown_mode(node.mode_list_start));
                 };
                 (spheres.store(), true)

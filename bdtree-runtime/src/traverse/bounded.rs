@@ -1,11 +1,13 @@
 //! Walking no deeper than a level: what lies below is answered with the spheres of that level.
 //!
-//! The paper's contact proxies (3.4). Node bounds decide here what is reported, so they come from
-//! the reference kernel: multiply and add are rounded separately, the same bits on every processor.
+//! The paper's contact proxies (3.4). Node bounds and tests of them decide here what is reported, so tests are the
+//! reference kernel's: multiply and add are rounded separately, the same bits on every processor, as bounds have
+//! with every kernel.
 
 use bdtree_format::{LANES, NodeRecord, Row, TriangleRecord};
 use core::ops::ControlFlow;
 
+use super::leaves::Leaves;
 use super::two::EVERYWHERE;
 use super::{PairStackEntry, PairVisitor, StackEntry, Visitor, Walk, lane_subtree, used_lanes};
 use crate::bound::{Spheres, WideSpheres};
@@ -17,17 +19,52 @@ use crate::math::norm;
 use crate::pose::Pose;
 use crate::proxy::DepthLimit;
 use crate::query::{MARGIN, SKIP};
-use crate::simd::Reference;
+use crate::simd::{Lanes, Reference, Work};
 use crate::view::Asset;
 
 /// [`super::one`] down to a level.
-pub(super) fn one<V: Visitor>(
+pub(super) fn one<'s, V: Visitor>(
     asset: &Asset<'_>,
-    mut posed: Posed<'_>,
-    limit: DepthLimit<'_>,
+    posed: Posed<'s>,
+    limit: DepthLimit<'s>,
     stack: &mut [StackEntry],
     visitor: &mut V,
 ) -> Result<Walk, QueryError> {
+    asset.kernel.run(OneWalk {
+        asset,
+        posed,
+        limit,
+        stack,
+        visitor,
+    })
+}
+
+struct OneWalk<'w, 's, 'a, V> {
+    asset: &'w Asset<'a>,
+    posed: Posed<'s>,
+    limit: DepthLimit<'s>,
+    stack: &'w mut [StackEntry],
+    visitor: &'w mut V,
+}
+
+impl<V: Visitor> Work for OneWalk<'_, '_, '_, V> {
+    type Output = Result<Walk, QueryError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        walk_one::<L, V>(self)
+    }
+}
+
+#[inline(always)]
+fn walk_one<L: Lanes, V: Visitor>(work: OneWalk<'_, '_, '_, V>) -> Result<Walk, QueryError> {
+    let OneWalk {
+        asset,
+        mut posed,
+        limit,
+        stack,
+        visitor,
+    } = work;
     let pose = posed.pose;
     if !pose.belongs_to(asset) {
         return Err(QueryError::PoseMismatch);
@@ -42,7 +79,7 @@ pub(super) fn one<V: Visitor>(
         stopped: true,
     };
     let mut keys: Row = [0.0; LANES];
-    let mut triangles_left = asset.triangle_count() as u64;
+    let mut leaves = Leaves::new(asset);
     stack[0] = StackEntry {
         key: f32::NEG_INFINITY,
         ..StackEntry::default()
@@ -59,7 +96,7 @@ pub(super) fn one<V: Visitor>(
             return Err(asset.endless(asset.node_count() as u64).into());
         }
         let node = asset.node(entry.at.start)?;
-        let (spheres, evaluated) = posed.reference_spheres(asset, entry.at.start)?;
+        let (spheres, evaluated) = posed.portable_spheres::<L>(asset, entry.at.start)?;
         walk.nodes_updated += u64::from(evaluated);
         let mask = visitor.lanes(WideSpheres::<Reference>::load(&spheres), &mut keys);
         let (order, count) = order(mask & used_lanes(node), &keys, V::ORDERED);
@@ -70,12 +107,11 @@ pub(super) fn one<V: Visitor>(
             }
             if node.leaf_mask & (1 << lane) != 0 {
                 let leaf = lane_subtree(node, lane);
-                triangles_left = asset.fewer_triangles(triangles_left, leaf)?;
-                for record in asset.leaf(leaf)? {
-                    let corners = asset.deformed_triangle(pose, record)?;
-                    if visitor.triangle(TriangleId(record.id), &corners).is_break() {
-                        return Ok(walk);
-                    }
+                if leaves
+                    .take::<L, V>(asset, &mut posed, leaf, visitor)?
+                    .is_break()
+                {
+                    return Ok(walk);
                 }
             } else if ends(node, limit.level)
                 && limit.sink.push(proxy(pose, &spheres, lane)).is_break()
@@ -100,7 +136,7 @@ pub(super) fn one<V: Visitor>(
             }
         }
     }
-    walk.stopped = false;
+    walk.stopped = leaves.finish::<L, V>(asset, pose, visitor)?.is_break();
     Ok(walk)
 }
 
@@ -141,7 +177,8 @@ impl<'r, 's, 'a> Side<'r, 's, 'a> {
     }
 
     /// A node, its spheres, and those of its lanes `lanes` that lead somewhere.
-    fn visit(
+    #[inline(always)]
+    fn visit<L: Lanes>(
         &mut self,
         index: u32,
         lanes: u8,
@@ -151,7 +188,7 @@ impl<'r, 's, 'a> Side<'r, 's, 'a> {
         let spheres = match self.last {
             Some((last, spheres)) if last == index => spheres,
             _ => {
-                let (spheres, evaluated) = self.posed.reference_spheres(self.asset, index)?;
+                let (spheres, evaluated) = self.posed.portable_spheres::<L>(self.asset, index)?;
                 walk.nodes_visited += 1;
                 walk.nodes_updated += u64::from(evaluated);
                 self.last = Some((index, spheres));
@@ -186,14 +223,45 @@ impl<'r, 's, 'a> Side<'r, 's, 'a> {
 
 /// The walk of two trees with one side or both bounded. A stack entry has all lanes of a node, or one lane
 /// at which its side ends.
-pub(super) fn two(
-    a: (&Asset<'_>, Posed<'_>),
-    b: (&Asset<'_>, Posed<'_>),
+pub(super) fn two<'r, 's>(
+    a: (&'r Asset<'_>, Posed<'s>),
+    b: (&'r Asset<'_>, Posed<'s>),
     frame: &PairFrame,
     stack: &mut [PairStackEntry],
     visitor: &mut dyn PairVisitor,
 ) -> Result<Walk, QueryError> {
-    let (mut a, mut b) = (Side::new(a), Side::new(b));
+    a.0.kernel.run(TwoWalk {
+        sides: (Side::new(a), Side::new(b)),
+        frame,
+        stack,
+        visitor,
+    })
+}
+
+struct TwoWalk<'w, 'r, 's, 'a, 'b> {
+    sides: (Side<'r, 's, 'a>, Side<'r, 's, 'b>),
+    frame: &'w PairFrame,
+    stack: &'w mut [PairStackEntry],
+    visitor: &'w mut dyn PairVisitor,
+}
+
+impl Work for TwoWalk<'_, '_, '_, '_, '_> {
+    type Output = Result<Walk, QueryError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        walk_two::<L>(self)
+    }
+}
+
+#[inline(always)]
+fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_, '_, '_>) -> Result<Walk, QueryError> {
+    let TwoWalk {
+        sides: (mut a, mut b),
+        frame,
+        stack,
+        visitor,
+    } = work;
     let (needed, found) = (a.asset.pair_stack_len(b.asset), stack.len());
     let Some(stack) = stack.get_mut(..needed) else {
         return Err(QueryError::Memory { needed, found });
@@ -223,8 +291,8 @@ pub(super) fn two(
         if visits > visits_max {
             return Err(a.asset.endless(visits_max).into());
         }
-        let (node_a, spheres_a, mask_a) = a.visit(entry.a, entry.lanes_a, &mut walk)?;
-        let (node_b, spheres_b, mask_b) = b.visit(entry.b, entry.lanes_b, &mut walk)?;
+        let (node_a, spheres_a, mask_a) = a.visit::<L>(entry.a, entry.lanes_a, &mut walk)?;
+        let (node_b, spheres_b, mask_b) = b.visit::<L>(entry.b, entry.lanes_b, &mut walk)?;
         let carried = frame
             .carry(WideSpheres::<Reference>::load(&spheres_b))
             .store();
