@@ -1,15 +1,13 @@
 //! Elastic modes against beam theory: convergence, locking, orientation, symmetry.
 
-mod elastic_support;
-
+use crate::elastic_support::V3;
 use bdtree_build::basis::Basis;
 use bdtree_build::basis::elastic::{ElasticOptions, ElasticReport, elastic_basis};
 use bdtree_build::input::RawMesh;
 use bdtree_build::progress::Silent;
-use elastic_support::V3;
 
 fn boxed(size: V3) -> RawMesh {
-    elastic_support::boxed([0.0; 3], size)
+    crate::elastic_support::boxed([0.0; 3], size)
 }
 
 /// Turns about the axis (1, 2, 3) by `angle`.

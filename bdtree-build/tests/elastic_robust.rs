@@ -1,13 +1,11 @@
 //! Elastic modes of meshes as they come: open, split, inside out, empty, far away.
 
-mod elastic_support;
-
+use crate::elastic_support::{V3, boxed};
 use bdtree_build::basis::Basis;
 use bdtree_build::basis::elastic::{ElasticOptions, ElasticReport, Fix, FixRegion, elastic_basis};
 use bdtree_build::error::BakeError;
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
 use bdtree_build::progress::Silent;
-use elastic_support::{V3, boxed};
 
 fn join(mut a: RawMesh, b: &RawMesh) -> RawMesh {
     let n = a.positions.len() as u32;

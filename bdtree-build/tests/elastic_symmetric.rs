@@ -1,15 +1,13 @@
 //! Equal eigenvalues, and lattices that are nearly rigid or nearly fall apart. Of equal frequencies the
 //! space of the modes is compared, not the modes: it is kept by every symmetry of the body.
 
-mod volume_support;
-
+use crate::volume_support::{V3, bar, block, hertz, run, solve, steel};
 use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::basis::volume::VolumeOptions;
 use bdtree_build::input::RawMesh;
 use bdtree_build::input::volume::{RawMaterial, RawVolume};
 use bdtree_build::progress::Silent;
 use bdtree_tests::fixtures;
-use volume_support::{V3, bar, block, hertz, run, solve, steel};
 
 type Field = Vec<V3>;
 

@@ -1,16 +1,14 @@
 //! The file's bytes: canonical order, checksums, padding, the same bytes every time.
 
-mod tree_support;
-
 use std::collections::BTreeSet;
 
+use crate::tree_support::*;
 use bdtree_build::basis::{Animation, Basis, BasisMode};
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
 use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
 use bdtree_build::progress::Silent;
 use bdtree_build::tree::Split;
 use bdtree_format::{DEPTH_MAX, Header, SECTION_ORDER, SectionKind, row_count};
-use tree_support::*;
 use zerocopy::IntoBytes;
 
 #[test]
@@ -312,7 +310,7 @@ fn bad_input_is_refused_with_its_place() {
     basis = fields.clone();
     basis.vertex_count = 3;
     assert!(refuse(&good, &basis).contains("16"));
-    let many = tree_support::basis(&good, 513, |_, p| p);
+    let many = crate::tree_support::basis(&good, 513, |_, p| p);
     assert!(refuse(&good, &many).contains("513"));
     let settings = BakeSettings {
         leaf_size: Some(0),

@@ -1,9 +1,8 @@
 //! The animation in the file, and the metadata that states errors.
 
-mod tree_support;
-
 use std::ops::ControlFlow;
 
+use crate::tree_support::*;
 use bdtree_build::basis::{Animation, Basis, BasisError, RigidMotion};
 use bdtree_build::error::BakeError;
 use bdtree_build::input::RawMesh;
@@ -11,7 +10,6 @@ use bdtree_build::pipeline::{BakeSettings, Baked, bake};
 use bdtree_build::progress::Silent;
 use bdtree_format::{ErrorMetadata, Metadata};
 use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform};
-use tree_support::*;
 
 /// Four frames of two modes, with times and turns.
 fn animated(mesh: &RawMesh) -> Basis {

@@ -1,13 +1,11 @@
 //! Principal components of sequences: optimal, orthonormal, and off by what they say.
 
-mod pca_support;
-
+use crate::pca_support::*;
 use bdtree_build::basis::pca::{About, Modes, Pca, PcaOptions};
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
 use bdtree_build::wrap;
 use faer::{Mat, MatRef};
-use pca_support::*;
 
 /// The fields as a 3N × M matrix.
 fn fields(pca: &Pca) -> Mat<f64> {

@@ -1,11 +1,9 @@
 //! `--align`: rigid motion goes out before the modes and comes back in playback.
 
-mod pca_support;
-
+use crate::pca_support::*;
 use bdtree_build::basis::RigidMotion;
 use bdtree_build::basis::pca::{About, PcaOptions};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use pca_support::*;
 
 fn aligned(modes: usize, about: About) -> PcaOptions {
     PcaOptions {

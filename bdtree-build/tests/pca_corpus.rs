@@ -1,16 +1,14 @@
 //! The animations of the corpus and of the fixtures: errors against modes, checked by a second
 //! reading of the source. `--nocapture` prints the table of docs/animation.md.
 
-mod pca_support;
-
 use std::path::Path;
 
+use crate::pca_support::*;
 use bdtree_build::basis::pca::{Pca, PcaOptions, pca_basis};
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::progress::Silent;
 use bdtree_tests::{corpus, fixtures};
-use pca_support::*;
 
 /// Name of the folder, cache and rest mesh in it, or none for the OBJ frames.
 const ANIMATIONS: [(&str, Option<(&str, &str)>); 6] = [

@@ -1,15 +1,13 @@
 //! How many nodes and triangles queries visit: the figures behind
 //! docs/decisions/tree-split-and-leaf-size.md. Run by hand:
-//! `cargo test --release -p bdtree-build --test tree_visits -- --ignored --nocapture`
+//! `cargo test --release -p bdtree-build --test all -- --ignored --nocapture tree_visits::`
 
-mod tree_support;
-
+use crate::tree_support::*;
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::BakeSettings;
 use bdtree_build::tree::Split;
 use rand::RngExt;
-use tree_support::*;
 
 /// Modelled times: one node of eight lanes at ten modes, one triangle with its three vertices
 /// deformed, one sphere pair of a cached node, one pair of triangles.

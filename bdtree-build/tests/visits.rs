@@ -1,12 +1,10 @@
 //! Bases that make bounds useless are warned about, with figures; smooth ones are not.
 
-mod tree_support;
-
+use crate::tree_support::*;
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::pipeline::BakeSettings;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use tree_support::*;
 
 /// Every vertex goes its own way: the paper's "unreduced" case, not smooth at all.
 fn noise(vertex_count: usize, modes: usize) -> Basis {

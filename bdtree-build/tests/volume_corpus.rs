@@ -1,12 +1,10 @@
 //! Modes of the corpus's volume meshes against the answers known for them.
 
-mod volume_support;
-
+use crate::volume_support::{hertz, of, read_veg, solve};
 use bdtree_build::basis::elastic::{Fix, FixRegion};
 use bdtree_build::basis::volume::{MassMatrix, VolumeOptions};
 use bdtree_build::input::volume::RawVolume;
 use nalgebra::DMatrix;
-use volume_support::{hertz, of, read_veg, solve};
 
 /// All eighty frequencies of the beam: the same elements and mass matrices in another code.
 #[test]

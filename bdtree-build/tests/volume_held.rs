@@ -1,11 +1,9 @@
 //! What holds a volume mesh, and what is refused.
 
-mod volume_support;
-
+use crate::volume_support::{bar, hertz, run, solve, steel};
 use bdtree_build::basis::elastic::{Fix, FixRegion};
 use bdtree_build::basis::volume::{MassMatrix, VolumeOptions};
 use bdtree_build::input::volume::{RawMaterial, RawNodeSet, RawVolume};
-use volume_support::{bar, hertz, run, solve, steel};
 
 fn with_fix(text: &str, modes: usize) -> VolumeOptions {
     VolumeOptions {

@@ -1,12 +1,10 @@
 //! Modes of volume meshes as they come: of several parts and materials, odd, extreme, random.
 
-mod volume_support;
-
+use crate::volume_support::{BAR, bar, block, five_tetrahedra, hertz, join, of, run, solve, steel};
 use bdtree_build::basis::modal::modal_basis;
 use bdtree_build::basis::volume::{MassMatrix, VolumeOptions, volume_modes};
 use bdtree_build::input::volume::{RawMaterial, RawVolume};
 use bdtree_build::progress::Silent;
-use volume_support::{BAR, bar, block, five_tetrahedra, hertz, join, of, run, solve, steel};
 
 fn assert_close(a: &[f64], b: &[f64], tolerance: f64) {
     assert_eq!(a.len(), b.len());

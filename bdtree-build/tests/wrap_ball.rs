@@ -1,11 +1,9 @@
 //! Smallest enclosing balls against all support sets (P07).
 
-mod tree_support;
-
+use crate::tree_support::*;
 use bdtree_build::wrap::ball::smallest_ball;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use tree_support::*;
 
 type Point = [f64; 3];
 

@@ -1,9 +1,7 @@
 //! What the bounds of a lane must be beyond containing its vertices.
 
-mod tree_support;
-
+use crate::tree_support::*;
 use bdtree_build::basis::Basis;
-use tree_support::*;
 
 fn norm(a: [f64; 3]) -> f64 {
     a.iter().map(|x| x * x).sum::<f64>().sqrt()

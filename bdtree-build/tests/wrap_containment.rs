@@ -1,10 +1,8 @@
 //! No vertex leaves any of its ancestors' spheres, for any q within the limits.
 
-mod tree_support;
-
+use crate::tree_support::*;
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
-use tree_support::*;
 
 /// Checks every lane, or about `lanes_max` of them, at `poses` random poses.
 fn check(mesh: &RawMesh, basis: &Basis, lanes_max: usize, poses: usize, seed: u64) {

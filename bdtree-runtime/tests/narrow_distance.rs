@@ -1,9 +1,7 @@
 //! Distances against exact rational arithmetic, and their points against the triangles.
 
-mod narrow_oracle;
-
+use crate::narrow_oracle::*;
 use bdtree_runtime::narrow::{closest_point, triangle_distance, triangles_intersect};
-use narrow_oracle::*;
 use rand::RngExt;
 
 /// Stated bounds, in units of u L.

@@ -1,9 +1,7 @@
 //! `triangles_intersect` against the exact linear program.
 
-mod narrow_oracle;
-
+use crate::narrow_oracle::*;
 use bdtree_runtime::narrow::triangles_intersect;
-use narrow_oracle::*;
 use rand::RngExt;
 
 const ORDERS: [[usize; 3]; 6] = [

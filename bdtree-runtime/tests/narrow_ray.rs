@@ -1,9 +1,7 @@
 //! Rays: no leaks through closed meshes, certified points, edge-on and zero-area triangles.
 
-mod narrow_oracle;
-
+use crate::narrow_oracle::*;
 use bdtree_runtime::narrow::{Ray, RayHit, ray_hit};
-use narrow_oracle::*;
 use num_traits::{Signed, ToPrimitive};
 use rand::RngExt;
 use rand_pcg::Pcg64;

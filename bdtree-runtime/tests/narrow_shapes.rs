@@ -1,11 +1,9 @@
 //! Segments, oriented boxes and frustums against exact rational arithmetic.
 
-mod narrow_oracle;
-
+use crate::narrow_oracle::*;
 use bdtree_runtime::narrow::{
     Frustum, FrustumState, OrientedBox, closest_point, segment_triangle_distance,
 };
-use narrow_oracle::*;
 use num_rational::BigRational;
 use num_traits::Signed;
 use rand::{Rng, RngExt};

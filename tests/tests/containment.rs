@@ -1,7 +1,7 @@
 //! Every deformed vertex lies in every sphere above it, as each kernel computes both, for
 //! ordinary and adversarial q: the property that makes a query miss nothing.
 //!
-//! `BDTREE_STRESS_CASES=100000000 cargo test --release -p bdtree-tests --test containment -- --nocapture`
+//! `BDTREE_STRESS_CASES=100000000 cargo test --release -p bdtree-tests --test all -- --nocapture containment::`
 //! tries more (docs/guarantees.md).
 
 use std::mem::size_of;

@@ -1,7 +1,7 @@
 //! The list of docs/hard-cases.md: every query equals brute force on all of them, at every q, in every
 //! place, with every kernel, with subnormals kept and flushed; what is no asset is refused in words.
 //!
-//! `BDTREE_HARD_ROUNDS=20 cargo test -p bdtree-tests --test hard_cases` asks more random questions of each
+//! `BDTREE_HARD_ROUNDS=20 cargo test -p bdtree-tests --test all hard_cases::` asks more random questions of each
 //! kind (3 without), and all about pairs of large meshes.
 
 use bdtree_build::pipeline::{BakeSettings, bake};

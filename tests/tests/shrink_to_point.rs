@@ -1,7 +1,7 @@
 //! An object that shrinks to a point (the paper's first limitation: there R + s doubles): radii of each
 //! bound by level, and that the second-order bound is exact there but for rounding.
 //!
-//! `cargo test -p bdtree-tests --test shrink_to_point -- --nocapture` prints the table of
+//! `cargo test -p bdtree-tests --test all -- --nocapture shrink_to_point::` prints the table of
 //! docs/hard-cases.md.
 
 use bdtree_build::input::{RawMesh, read_mesh};

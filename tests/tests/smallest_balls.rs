@@ -1,7 +1,7 @@
 //! Smallest enclosing balls of hard sets beside the smallest ball in rational arithmetic: the least
 //! circumsphere of at most four points that holds all, exactly.
 //!
-//! `cargo test -p bdtree-tests --test smallest_balls -- --nocapture` prints the errors of
+//! `cargo test -p bdtree-tests --test all -- --nocapture smallest_balls::` prints the errors of
 //! docs/hard-cases.md.
 
 use bdtree_build::wrap::ball::smallest_ball;

@@ -1,0 +1,31 @@
+//! Tests of one program: linking one is quicker than linking each. What needs a process of its own is beside it in
+//! Cargo.toml.
+
+mod advise;
+mod advise_library;
+mod command;
+mod elastic_beam;
+mod elastic_corpus;
+mod elastic_robust;
+mod elastic_support;
+mod elastic_symmetric;
+mod encode;
+mod encode_frames;
+mod hostile_sizes;
+mod input_given;
+mod input_obj;
+mod pca;
+mod pca_align;
+mod pca_corpus;
+mod pca_support;
+mod tree_support;
+mod tree_visits;
+mod visits;
+mod volume_corpus;
+mod volume_held;
+mod volume_robust;
+mod volume_support;
+mod wrap_ball;
+mod wrap_bounds;
+mod wrap_containment;
+mod writing;
