@@ -6,11 +6,28 @@ use bdtree_format::{ErrorMetadata, Metadata, group_kind};
 use bdtree_runtime::{Asset, FormatError, TriangleId, VertexId};
 
 use super::errors::{Errors, Over};
+use crate::basis::dropped::{Keep, keep_fields};
 use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use crate::input::{GroupKind, RawGroup, RawMesh};
 use crate::pipeline::BakeSettings;
 use crate::tree::Split;
 use crate::wrap::RANGE_DIAGONALS;
+
+/// Given fields and morph targets (`kind` is the metadata's word for the basis) have no order: those that an error
+/// limit keeps, by number, and what they leave out over the diagonal. `None` for other kinds, whose first modes matter
+/// most, and where no choice keeps to the limit.
+pub fn kept_fields(
+    kind: &str,
+    mesh: &RawMesh,
+    basis: &Basis,
+    max_error_rel: f64,
+) -> Option<(Vec<usize>, f64)> {
+    if !matches!(kind, "given" | "morph") {
+        return None;
+    }
+    let kept = keep_fields(mesh, basis.clone(), Keep::Auto { max_error_rel }).ok()?;
+    Some((kept.fields, kept.error.max_rel))
+}
 
 /// A mesh with its fields.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,9 +9,8 @@ use std::process::ExitCode;
 use bdtree_build::advise::curve::Point;
 use bdtree_build::advise::errors::{Errors, Over};
 use bdtree_build::advise::samples;
-use bdtree_build::advise::subject::assumed_ranges;
+use bdtree_build::advise::subject::{assumed_ranges, kept_fields};
 use bdtree_build::advise::{Advice, AdviceError, Goal, Subject, advise};
-use bdtree_build::basis::dropped::{Keep, keep_fields};
 use bdtree_build::error::BakeError;
 use bdtree_build::progress::Progress;
 use serde_json::{Value, json};
@@ -73,14 +72,10 @@ pub(super) fn run(arguments: &Arguments, progress: &dyn Progress) -> Result<Advi
 
 /// The fields that `--max-error-rel` alone would keep, where any may go and not only the last ones.
 fn subset(arguments: &Arguments, source: &Source) -> Option<(Vec<usize>, f64)> {
-    let is_free = matches!(source.kind, "given" | "morph") && arguments.modes() == Modes::Unsaid;
-    let keep = Keep::Auto {
-        max_error_rel: arguments.goal(),
-    };
-    // An error that no choice of fields keeps to is what the advice says then.
-    let kept = is_free.then(|| keep_fields(&source.mesh, source.basis.clone(), keep).ok());
-    let kept = kept.flatten()?;
-    Some((kept.fields, kept.error.max_rel))
+    if arguments.modes() != Modes::Unsaid {
+        return None;
+    }
+    kept_fields(source.kind, &source.mesh, &source.basis, arguments.goal())
 }
 
 /// What the source leaves open.
