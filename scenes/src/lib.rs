@@ -1,10 +1,11 @@
-//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]) with what they share, workloads for
+//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]), the guide's plots ([`guide`]) with what they share, workloads for
 //! benchmarks, and a study of bounds.
 
 pub mod bounds;
 pub mod contenders;
 pub mod curtain;
 pub mod growth;
+pub mod guide;
 pub mod hierarchies;
 pub mod plot;
 pub mod report;

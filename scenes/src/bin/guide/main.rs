@@ -1,0 +1,13 @@
+//! Plots and tables of docs/guide.md: see [`bdtree_scenes::guide`].
+//!
+//!     BDTREE_CORPUS=FOLDER scripts/guide.sh
+
+use std::error::Error;
+
+use bdtree_scenes::guide::{Arguments, run};
+use clap::Parser;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments = Arguments::parse();
+    run(&arguments)?.show(arguments.out.as_deref())
+}

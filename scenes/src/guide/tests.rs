@@ -1,0 +1,104 @@
+use std::path::PathBuf;
+
+use clap::Parser;
+use serde_json::{Value, json};
+
+use super::{Arguments, run};
+
+/// A report of two settings of everything.
+fn report() -> Value {
+    let pair = |x: &str, y: &[&str]| -> Value {
+        let one = |k: f64| {
+            let mut all = serde_json::Map::from_iter([(x.to_string(), json!(k))]);
+            all.extend(y.iter().map(|y| (y.to_string(), json!(2.0 + k))));
+            Value::Object(all)
+        };
+        json!([one(0.0), one(1.0)])
+    };
+    let curve = |question: &str, break_even: Option<f64>| {
+        json!({"question": question, "break_even": break_even,
+            "points": [{"amount": 1.0, "ratio": 8.0}, {"amount": 64.0, "ratio": 0.5}]})
+    };
+    json!({"asset": {"triangles": 12},
+        "modes": pair("modes", &["error_max_rel", "bytes", "time_rel", "ball_visits"]),
+        "depth": pair("level", &["extra_area_rel", "penetration_error_rel", "ball_micros"]),
+        "tolerance": pair("tolerance_rel", &["active_modes", "micros"]),
+        "refit": {"curves": [curve("ray", Some(16.0)), curve("ball", None), curve("pair", None)]}})
+}
+
+fn advice() -> Value {
+    json!({"leaves": [{"leaf_size": 2, "time_rel": 0.9, "bytes": 300},
+        {"leaf_size": 4, "time_rel": 0.6, "bytes": 200}]})
+}
+
+fn with(report: &Value, advice: &Value) -> Result<crate::report::Report, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, value: &Value| -> PathBuf {
+        let path = folder.path().join(name);
+        std::fs::write(&path, value.to_string()).expect("written");
+        path
+    };
+    let (report, advice) = (
+        write("cloth.report.json", report),
+        write("cloth.advice.json", advice),
+    );
+    let words: [&std::ffi::OsStr; 5] = [
+        "guide".as_ref(),
+        "--report".as_ref(),
+        report.as_ref(),
+        "--advice".as_ref(),
+        advice.as_ref(),
+    ];
+    let arguments = Arguments::try_parse_from(words).expect("options");
+    run(&arguments).map_err(|e| e.to_string())
+}
+
+#[test]
+fn figures_are_those_of_the_files() {
+    let made = with(&report(), &advice()).expect("a guide");
+    assert_eq!(made.pictures.len(), 5);
+    let points = |pointer: &str| made.value.pointer(pointer).cloned();
+    let first = |key: &str, chart: usize| points(&format!("/times/{key}/{chart}/curves/0/points"));
+    assert_eq!(first("modes", 0), Some(json!([[0.0, 200.0], [1.0, 300.0]])));
+    assert_eq!(
+        first("modes", 1),
+        Some(json!([[0.0, 2.0 / 3.0], [1.0, 1.0]]))
+    );
+    assert_eq!(first("leaves", 0), Some(json!([[2.0, 1.5], [4.0, 1.0]])));
+    assert_eq!(
+        first("tolerance", 1),
+        Some(json!([[0.0, 1.0], [100.0, 1.5]]))
+    );
+    assert_eq!(first("refit", 0), Some(json!([[1.0, 8.0], [64.0, 0.5]])));
+    assert_eq!(
+        points("/times/refit/0/curves/0/asset"),
+        Some(json!("cloth"))
+    );
+    let table = made.tables[0].csv();
+    assert_eq!(
+        table.lines().nth(1),
+        Some("cloth,12,16,not up to 64,not up to 64")
+    );
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    let mut lacks = report();
+    lacks["depth"] = Value::Null;
+    let error = with(&lacks, &advice()).expect_err("no depth");
+    assert!(
+        error.ends_with("cloth.report.json: no list at /depth"),
+        "{error}"
+    );
+    lacks["depth"] = json!([]);
+    let error = with(&lacks, &advice()).expect_err("no level");
+    assert!(
+        error.contains("cloth.report.json: nothing at /depth has /level"),
+        "{error}"
+    );
+    let error = with(&report(), &json!({})).expect_err("no leaves");
+    assert!(
+        error.ends_with("cloth.advice.json: no list at /leaves"),
+        "{error}"
+    );
+}
