@@ -47,11 +47,11 @@ fn layered_spheres_are_larger_than_wrapped_ones() {
 }
 
 /// P10, on figure 6's level: where the paper's bound was at best as tight as the layered hierarchy. The
-/// curtain's animation moves it by about 15 % of its diagonal and bends it more than others are bent: beyond
-/// that the layered spheres are the smaller ones (docs/results.md).
+/// curtain is bent more than others are by modes that reach as far: beyond some 8 % of its diagonal the layered
+/// spheres are the smaller ones (docs/decisions/large-deformations.md).
 #[test]
-fn ours_is_tighter_than_layered_at_every_amplitude() {
-    for (name, up_to) in [("chair", 0.2), ("fish", 0.2), ("curtain", 0.1)] {
+fn ours_is_tighter_than_layered_up_to_the_stated_amplitudes() {
+    for (name, up_to) in [("chair", 0.2), ("fish", 0.2), ("curtain", 0.05)] {
         let own = mesh(name);
         let all = own
             .pointer("/ratios/levels/6/ratios")
@@ -64,9 +64,91 @@ fn ours_is_tighter_than_layered_at_every_amplitude() {
                 count += 1;
             }
         }
-        // At rest, and two kinds of deformations at four or three amplitudes.
-        assert_eq!(count, if up_to == 0.2 { 9 } else { 7 });
+        // At rest, and two kinds of deformations at four or two amplitudes.
+        assert_eq!(count, if up_to == 0.2 { 9 } else { 5 });
     }
+}
+
+/// P10: where the paper's bound is as loose as in its own figure 6.
+#[test]
+fn ours_is_tighter_where_the_papers_bound_is_as_in_its_figure() {
+    let mut count = 0;
+    for name in ["chair", "fish", "curtain"] {
+        let crossings = mesh(name)["crossings"].as_array();
+        for crossing in crossings.into_iter().flatten() {
+            let there = &crossing["paper_as_in_its_figure"];
+            if there.is_null() {
+                continue; // never so loose
+            }
+            let [layered, paper, ours] =
+                ["/layered", "/paper", "/ours"].map(|who| number(there, who));
+            assert!((1.249..1.26).contains(&paper), "{name}: {crossing}");
+            assert!(ours < 0.85 * layered, "{name}: {crossing}");
+            count += 1;
+        }
+    }
+    assert!(count >= 4, "{count} of 6");
+}
+
+/// Where our spheres get as large as the layered ones, both are as large, and the curtain's do before 20 %.
+#[test]
+fn crossings_are_where_both_are_as_large() {
+    for crossing in mesh("curtain")["crossings"].as_array().expect("crossings") {
+        let met = &crossing["ours_as_large_as_layered"];
+        let [amplitude, layered, ours] =
+            ["/amplitude", "/layered", "/ours"].map(|who| number(met, who));
+        assert!((0.05..0.2).contains(&amplitude), "{crossing}");
+        assert!((ours / layered - 1.0).abs() < 1e-3, "{crossing}");
+    }
+}
+
+/// What docs/node-bounds.md says of the fixtures: a bound is never below the smallest ball, and on coarse levels a
+/// polynomial field is no tighter than the product's bound.
+#[test]
+fn other_bounds_do_not_help_coarse_spheres_of_the_curtain() {
+    let words = [
+        "tables",
+        "--meshes",
+        "curtain",
+        "--amplitudes",
+        "0.2",
+        "--poses",
+        "1",
+        "--pair-vertices",
+        "64",
+        "--bounds",
+    ];
+    let run = || {
+        let arguments = tables::Arguments::try_parse_from(words).expect("options");
+        tables::run(&arguments).expect("tables").value
+    };
+    let value = run();
+    assert_eq!(value, run(), "tables are the same in every run");
+    let all = value.pointer("/meshes/0/bounds").and_then(Value::as_array);
+    let (mut coarse, mut fine) = (0, 0);
+    for level in all.into_iter().flatten() {
+        let ratio = |name: &str| level["ratios"][name].as_f64().expect("a ratio");
+        let [ball, parts, wrapped, smallest] = [
+            "ball b±",
+            "affine by parts, shared",
+            "ball wrapped at c'",
+            "smallest ball",
+        ]
+        .map(ratio);
+        assert!(smallest <= wrapped && wrapped <= ball.min(parts), "{level}");
+        match level["level"].as_u64() {
+            Some(0 | 1) => {
+                assert!(ball < parts, "{level}");
+                coarse += 1;
+            }
+            Some(3) => {
+                assert!(parts < ball, "{level}");
+                fine += 1;
+            }
+            _ => {}
+        }
+    }
+    assert_eq!((coarse, fine), (4, 2));
 }
 
 /// P21: monotone, and at level 10 within three times the paper's row.

@@ -1,5 +1,6 @@
 //! `docs/results.md`: the paper's rows beside ours, from one run of all programs.
 
+mod goals;
 mod measured;
 mod page;
 mod pile;
@@ -105,8 +106,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         tables::run(&tables::Arguments::parse_from(tables))?,
     ];
     let pile = pile::measure(2 * repeats)?;
+    // Before a tracked file is written again.
+    let commit = commit();
     for report in &reports {
         report.write(&arguments.out)?;
+    }
+    for report in &reports {
         for (key, svg) in &report.pictures {
             let path = arguments.docs.join("images").join(picture(report, key));
             write(&path, svg)?;
@@ -115,12 +120,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let [curtain, growth, tables] = &reports;
     let measured = Measured(json!({"curtain": curtain.value, "growth": growth.value,
         "tables": tables.value, "updates": updates, "pile": pile}));
-    let json = json!({"program": "results", "machine": machine::processor(), "commit": commit(),
+    let json = json!({"program": "results", "machine": machine::processor(), "commit": &commit,
         "results": measured.0});
     let path = arguments.out.join("results.json");
     write(&path, &format!("{json:#}\n"))?;
     let path = arguments.docs.join("results.md");
-    write(&path, &page(&measured, &reports))?;
+    write(&path, &page(&measured, &reports, &commit))?;
     Ok(())
 }
 

@@ -1,14 +1,18 @@
 //! The paper's tables over the fixtures: Table 1, how ‖ΔR‖ decays, figures 4 and 6 in numbers, and the
 //! inequality of Appendix A (P04, P05, P08–P10, P21–P23, P50).
 
+mod crossing;
 mod decay;
 mod lipschitz;
 mod ratios;
+mod studied;
 mod subjects;
+mod ways;
 
 use std::error::Error;
 use std::path::PathBuf;
 
+use bdtree_baselines::Body;
 use bdtree_runtime::{AlignedBytes, Asset};
 use clap::Parser;
 use serde_json::{Value, json};
@@ -16,6 +20,8 @@ use serde_json::{Value, json};
 use crate::hierarchies::Hierarchies;
 use crate::plot::svg;
 use crate::report::{Cell, Report, Table};
+
+use ways::Deformations;
 
 pub use subjects::Mesh;
 
@@ -39,6 +45,9 @@ pub struct Arguments {
     /// Appendix A on nodes of at most so many vertices: it compares all pairs (2 to 20000)
     #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u16).range(2..=20_000))]
     pub pair_vertices: u16,
+    /// Also the radii of the other bounds of docs/node-bounds.md, level by level: takes a minute
+    #[arg(long)]
+    pub bounds: bool,
     /// Seed of the deformations
     #[arg(long, default_value_t = 2004)]
     pub seed: u64,
@@ -67,6 +76,8 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
     let mut decays = Vec::new();
     let mut figure = ratios::figure_table();
     let mut levels = ratios::level_table();
+    let mut crossings = crossing::table();
+    let mut bounds = studied::table();
     let mut lipschitz = lipschitz::table(arguments.pair_vertices);
     let (mut results, mut charts) = (Vec::new(), Vec::new());
     for mesh in &arguments.meshes {
@@ -75,12 +86,26 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
         let trees = Hierarchies::new(asset);
         sizes.rows.push(sizes_row(*mesh, &asset, &trees));
         let decay = decay::measure(*mesh, &trees)?;
-        let ratios = ratios::measure(&asset, &trees, arguments)?;
+        let body = Body::of_asset(&asset)?;
+        let deformations = Deformations::new(&asset, &body, arguments.poses, arguments.seed);
+        let ratios = ratios::measure(&asset, &trees, &deformations, &arguments.amplitudes)?;
+        let largest = arguments.amplitudes.iter().copied().fold(0.0, f64::max);
+        let met = crossing::measure(&trees, &deformations, FIGURE_LEVEL, largest)?;
         let pairs = lipschitz::measure(&asset, &trees, usize::from(arguments.pair_vertices))?;
         figure
             .rows
             .extend(ratios.figure_rows(mesh.name(), FIGURE_LEVEL));
         levels.rows.extend(ratios.level_rows(mesh.name()));
+        crossings
+            .rows
+            .extend(met.iter().map(|one| one.row(mesh.name())));
+        let studied = match arguments.bounds {
+            true => studied::measure(&body, &deformations, &arguments.amplitudes),
+            false => Vec::new(),
+        };
+        bounds
+            .rows
+            .extend(studied.iter().map(|one| one.row(mesh.name())));
         lipschitz
             .rows
             .extend(pairs.iter().map(|p| p.row(mesh.name())));
@@ -94,17 +119,22 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
             "spheres": trees.tree().node_count(), "levels": trees.depth(),
             "our_nodes": asset.node_count(), "our_levels": asset.depth(),
             "decay": decay.json(), "ratios": ratios.json(),
+            "crossings": met.iter().map(|one| one.json()).collect::<Vec<Value>>(),
+            "bounds": studied.iter().map(|one| one.json()).collect::<Vec<Value>>(),
             "appendix_a": pairs.iter().map(|p| p.json()).collect::<Vec<Value>>(),
         }));
         decays.push(decay);
     }
     charts.insert(0, decay::chart(&decays));
     let picture = svg(&charts)?;
+    let mut tables = vec![sizes, decay::table(&decays), figure, crossings, levels];
+    tables.extend(arguments.bounds.then_some(bounds));
+    tables.push(lipschitz);
     Ok(Report {
         name: "tables",
         value: json!({"settings": {"amplitudes": arguments.amplitudes, "poses": arguments.poses,
             "pair_vertices": arguments.pair_vertices, "seed": arguments.seed}, "meshes": results}),
-        tables: vec![sizes, decay::table(&decays), figure, levels, lipschitz],
+        tables,
         pictures: vec![("", picture)],
     })
 }

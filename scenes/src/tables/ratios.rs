@@ -2,19 +2,15 @@
 
 use std::error::Error;
 
-use bdtree_baselines::Body;
-use bdtree_baselines::deform::Deformer;
 use bdtree_render::tightness::mean_and_max;
 use bdtree_runtime::Asset;
 use bdtree_tests::poses;
-use rand::{Rng, RngExt};
 use serde_json::{Value, json};
 
-use super::Arguments;
+use super::ways::{Deformations, Way};
 use crate::hierarchies::{Hierarchies, Kind};
 use crate::plot::{Axis, Chart, Curve};
 use crate::report::{Cell, Table};
-use crate::workloads::scale;
 
 /// Over the nodes of a level and all deformations of a case.
 #[derive(Debug, Clone, Copy)]
@@ -33,47 +29,6 @@ struct Case {
     amplitude: f64,
 }
 
-/// What deformations of an amplitude look like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Way {
-    /// Not at all.
-    Rest,
-    /// Vibration modes with about the same energy each; frames of an animation.
-    Natural,
-    /// All modes move about as far, the rough ones too.
-    Even,
-}
-
-impl Way {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Rest => "rest",
-            Self::Natural => "natural",
-            Self::Even => "even",
-        }
-    }
-
-    /// Coordinates of such a deformation, of any size.
-    fn q(self, asset: &Asset<'_>, rng: &mut impl Rng) -> Vec<f32> {
-        let modes = asset.modes();
-        if self == Self::Natural && asset.frame_count() > 0 {
-            let frame = asset.frame(rng.random_range(0..asset.frame_count()));
-            return frame.map(|frame| frame.q().to_vec()).unwrap_or_default();
-        }
-        // Energy is ω² q² for modes of the same mass.
-        let slowest = modes.first().map_or(0.0, |mode| mode.omega_rad_s.get());
-        let weight = |omega: f64| match self {
-            Self::Natural if omega > 0.0 => (slowest / omega) as f32,
-            _ => 1.0,
-        };
-        let all = modes.iter().map(|mode| {
-            let range = mode.q_range.get() * weight(mode.omega_rad_s.get());
-            range * rng.random_range(-1.0..1.0_f32)
-        });
-        all.collect()
-    }
-}
-
 /// By level, case (rest first) and kind.
 pub(super) struct Ratios {
     cases: Vec<Case>,
@@ -81,13 +36,13 @@ pub(super) struct Ratios {
     levels: Vec<Vec<[Spread; 3]>>,
 }
 
+/// `amplitudes` are shares of the diagonal.
 pub(super) fn measure(
     asset: &Asset<'_>,
     trees: &Hierarchies<'_>,
-    arguments: &Arguments,
+    deformations: &Deformations<'_, '_>,
+    amplitudes: &[f64],
 ) -> Result<Ratios, Box<dyn Error>> {
-    let body = Body::of_asset(asset)?;
-    let deformer = Deformer::new(&body);
     let diagonal = poses::diagonal(asset);
     let mut cases = vec![Case {
         way: Way::Rest,
@@ -95,17 +50,11 @@ pub(super) fn measure(
     }];
     let mut posed = vec![vec![trees.posed(&vec![0.0; asset.mode_count()])?]];
     for way in [Way::Natural, Way::Even] {
-        let mut rng = poses::rng(arguments.seed);
-        for amplitude in arguments.amplitudes.iter().copied() {
-            let mut own = Vec::new();
-            for _ in 0..arguments.poses {
-                let mut q = way.q(asset, &mut rng);
-                let mut out = vec![0.0; deformer.len()];
-                scale(&body, &deformer, &mut q, amplitude, &mut out);
-                own.push(trees.posed(&q)?);
-            }
+        for amplitude in amplitudes.iter().copied() {
+            let own = deformations.of(way, amplitude);
             cases.push(Case { way, amplitude });
-            posed.push(own);
+            let own = own.iter().map(|q| trees.posed(q));
+            posed.push(own.collect::<Result<Vec<_>, _>>()?);
         }
     }
     let mut levels = Vec::new();

@@ -31,12 +31,14 @@ pub(super) const LIMITATIONS: &[Row] = &[
             Program("growth"),
         ],
     ),
-    part(
+    whole(
         "P53",
         "where a refit wins",
         "stated",
-        says!("break-even over modes, displacement, contacts and balls a step below"),
-        &[Program("growth"), BENCHMARKS],
+        says!(
+            "for each asset in its report; over modes, displacement, contacts and balls a step below"
+        ),
+        &[Page("docs/report.md"), Program("growth"), BENCHMARKS],
     ),
     whole(
         "P54",
