@@ -68,18 +68,7 @@ pub fn write_whole(
             content(&mut writer)?;
             return writer.flush();
         }
-        let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
-        let folder = match target.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".bdtree-").suffix(".tmp");
-        let permissions = permissions();
-        if let Some(permissions) = permissions {
-            builder.permissions(permissions);
-        }
-        let mut file = builder.tempfile_in(folder)?;
+        let (mut file, target) = temporary(path)?;
         let mut writer = BufWriter::new(file.as_file_mut());
         content(&mut writer)?;
         writer.flush()?;
@@ -88,10 +77,44 @@ pub fn write_whole(
         file.persist(&target).map_err(|e| e.error)?;
         Ok(())
     };
-    attempt().map_err(|error| ToolError::Write {
+    attempt().map_err(|error| write_error(path, &error))
+}
+
+/// Whether [`write_whole`] could begin, before a long time is spent on what it is to write.
+///
+/// # Errors
+/// [`ToolError::Write`].
+pub(crate) fn check_writable(path: &Path) -> Result<(), ToolError> {
+    if fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        return Ok(());
+    }
+    temporary(path)
+        .map(drop)
+        .map_err(|error| write_error(path, &error))
+}
+
+/// A temporary file beside what `path` names, links followed; and that.
+fn temporary(path: &Path) -> io::Result<(tempfile::NamedTempFile, PathBuf)> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
+    let folder = match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".bdtree-").suffix(".tmp");
+    let permissions = permissions();
+    if let Some(permissions) = permissions {
+        builder.permissions(permissions);
+    }
+    let file = builder.tempfile_in(folder)?;
+    Ok((file, target))
+}
+
+fn write_error(path: &Path, error: &io::Error) -> ToolError {
+    ToolError::Write {
         path: path.to_path_buf(),
-        cause: cause(&error),
-    })
+        cause: cause(error),
+    }
 }
 
 /// An error without the name of the temporary file, which says nothing to anyone. (`tempfile` puts

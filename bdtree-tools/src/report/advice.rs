@@ -57,23 +57,27 @@ fn tolerance(content: &Content) -> Option<String> {
     ))
 }
 
-/// The first level that is near enough.
+/// The first level that is near enough and faster than looking into everything.
 fn depth(content: &Content) -> Option<String> {
     let last = content.depth.last()?;
-    let saved = |r: &DepthRow| 1.0 - r.ball_micros / last.ball_micros;
-    let pays = |r: &&DepthRow| saved(r) >= WORTH;
+    let pays = |r: &&DepthRow| r.time_rel <= 1.0 - WORTH;
     let near = |r: &&DepthRow| r.penetration_error_rel <= PROXY_ERROR;
     if let Some(first) = content.depth.iter().filter(pays).find(near) {
         return Some(format!(
             "Where spheres will do as contacts, stop at level {} of {}: depths are off by at most {} of the \
-             diagonal, and a ball query takes {} less time.",
+             diagonal, and a ball query takes {} less time than one that looks into everything.",
             first.level,
             last.level,
             percent(first.penetration_error_rel),
-            percent(saved(first))
+            percent(1.0 - first.time_rel)
         ));
     }
-    let fastest = content.depth.iter().rfind(pays)?;
+    let Some(fastest) = content.depth.iter().rfind(pays) else {
+        return Some(format!(
+            "Do not stop queries at a level: none takes {} less time than a query that looks into everything.",
+            percent(WORTH)
+        ));
+    };
     Some(format!(
         "Do not stop queries at a level where depths count: level {}, the last that saves {} of the time or more, \
          is off by up to {} of the diagonal.",

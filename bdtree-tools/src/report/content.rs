@@ -12,7 +12,7 @@ pub struct Content {
     pub asset: Facts,
     /// What the times were measured with.
     pub machine: Machine,
-    /// The q that errors, visits and times are of.
+    /// The q that counts and times are of.
     pub samples: Samples,
     /// What cannot be said of this asset, and why.
     pub missing: Vec<String>,
@@ -20,6 +20,10 @@ pub struct Content {
     pub advice: Vec<Advice>,
     /// Fewer modes: error, bytes, time. Empty without modes.
     pub modes: Vec<ModesRow>,
+    /// The q that the errors of `modes` are taken over, in words; null without modes.
+    pub modes_over: Option<String>,
+    /// The same ball queries without a level to stop at.
+    pub depth_whole: WholeQuery,
     /// Queries stopped at a level, from the root's down.
     pub depth: Vec<DepthRow>,
     /// Modes left out of node bounds. Empty without modes.
@@ -68,7 +72,8 @@ pub struct Machine {
     pub processor: String,
     /// The node kernel in use.
     pub kernel: String,
-    /// Repetitions of which times are medians.
+    /// Repetitions of which times are medians, where they are: those of `modes` are the least of some rounds, and
+    /// steps of `refit` that take long are repeated less often.
     pub repetitions: usize,
 }
 
@@ -81,6 +86,34 @@ pub struct Samples {
     pub source: String,
     /// The farthest that any of them moves a vertex, over the diagonal.
     pub displacement_max_rel: f64,
+    /// How many of them each part looks at.
+    pub of_parts: Parts,
+    /// Radii of balls over the diagonal.
+    pub balls: Balls,
+}
+
+/// Samples of a part; 0 where the part is left out.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Parts {
+    /// Of `modes`.
+    pub modes: usize,
+    /// Of `depth`.
+    pub depth: usize,
+    /// Of `tolerance`.
+    pub tolerance: usize,
+    /// Of `tightness`.
+    pub tightness: usize,
+    /// Of `refit`.
+    pub refit: usize,
+}
+
+/// Radii over the diagonal.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Balls {
+    /// Of `modes` and `depth`.
+    pub large_rel: f64,
+    /// Of `tolerance` and `refit`.
+    pub small_rel: f64,
 }
 
 /// A sentence of advice.
@@ -97,15 +130,15 @@ pub struct Advice {
 pub struct ModesRow {
     /// How many.
     pub modes: usize,
-    /// Largest distance of a vertex from where all modes put it, over samples and vertices.
+    /// Largest distance of a vertex from where all modes put it, over `modes_over` and vertices.
     pub error_max: f64,
-    /// Root mean square of those distances.
+    /// Root mean square of those distances; over ranges that of the vertices' largest.
     pub error_rms: f64,
     /// The largest over the diagonal.
     pub error_max_rel: f64,
     /// The root mean square over the diagonal.
     pub error_rms_rel: f64,
-    /// Length of the file.
+    /// Length of a file baked with so many modes, without what the source said besides the mesh and its modes.
     pub bytes: u64,
     /// Nodes that a ball of 5 % of the diagonal visits, mean.
     pub ball_visits: f64,
@@ -115,12 +148,23 @@ pub struct ModesRow {
     pub pair_visits: f64,
     /// Time of a ball, µs.
     pub ball_micros: f64,
-    /// Time of a ray, µs.
+    /// Time of a ray, one of a batch of 16, µs.
     pub ray_micros: f64,
     /// Time of a pair, µs.
     pub pair_micros: f64,
     /// Time over that with all modes in the same run, geometric mean over the three.
     pub time_rel: f64,
+}
+
+/// Ball queries that look into everything.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct WholeQuery {
+    /// Time of one, µs.
+    pub ball_micros: f64,
+    /// Nodes that it visits, mean.
+    pub ball_visits: f64,
+    /// Samples where the ball touches nothing, over all samples.
+    pub apart_rel: f64,
 }
 
 /// Queries stopped at a level (`Posed::bounded`).
@@ -130,6 +174,8 @@ pub struct DepthRow {
     pub level: usize,
     /// Time of a ball query, µs.
     pub ball_micros: f64,
+    /// That over the time of `depth_whole`.
+    pub time_rel: f64,
     /// Nodes that it visits, mean.
     pub ball_visits: f64,
     /// Area of touched triangles that is in no answer and no reported sphere, over the area touched. It

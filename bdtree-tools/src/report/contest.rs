@@ -78,10 +78,15 @@ fn rotated([x, y, z, w]: [f64; 4], p: [f64; 3]) -> [f64; 3] {
     rows.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2])
 }
 
+/// The samples that are steps here, evenly chosen.
+pub(super) fn steps(samples: &[Sample]) -> impl Iterator<Item = &Sample> {
+    let step = samples.len().div_ceil(STEPS).max(1);
+    samples.iter().step_by(step)
+}
+
 /// All curves. `samples` are used evenly.
 pub(super) fn contest(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, ToolError> {
-    let step = samples.len().div_ceil(STEPS).max(1);
-    let steps: Vec<&Sample> = samples.iter().step_by(step).collect();
+    let steps: Vec<&Sample> = steps(samples).collect();
     let mut contender = Contender::new(asset)?;
     let (mut deform, mut refit, mut pose) = (Vec::new(), Vec::new(), Vec::new());
     let mut memory = vec![0.0; asset.pose_len()];

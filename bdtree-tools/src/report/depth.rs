@@ -8,31 +8,36 @@ use bdtree_runtime::{
     Asset, Contact, FormatError, Pose, Posed, Proxy, StackEntry, Transform, TriangleId, query,
 };
 
-use super::content::DepthRow;
+use super::content::{DepthRow, WholeQuery};
 use super::sample::Sample;
 use super::{REPETITIONS, lanes, problem, refused};
 use crate::error::ToolError;
 
-/// Level by level; the last one is where answers are exact.
+/// Queries that look into everything, and level by level; the last one is where answers are exact.
 pub(super) fn depth(
     asset: &Asset<'_>,
     samples: &[Sample],
     diagonal: f64,
-) -> Result<Vec<DepthRow>, ToolError> {
+) -> Result<(WholeQuery, Vec<DepthRow>), ToolError> {
     let mut rows: Vec<Row> = (0..asset.depth()).map(Row::new).collect();
+    let mut whole = WholeQuery::default();
     let mut memory = vec![0.0; asset.pose_len()];
+    let share = 1.0 / samples.len().max(1) as f64;
     for sample in samples {
         let pose = sample.pose(asset, &mut memory)?;
         let body = Deformed::new(asset, &pose).map_err(problem)?;
         let truth = Answer::of(asset, Posed::from(&pose), sample)?;
+        whole.ball_visits += share * truth.visits as f64;
+        whole.apart_rel += share * f64::from(u8::from(truth.contacts.is_empty()));
+        whole.ball_micros += share * time(asset, &pose, sample, None)?;
         for row in &mut rows {
             row.add(asset, &pose, &body, &truth, sample, diagonal)?;
         }
     }
-    Ok(rows
+    let finished = rows
         .into_iter()
-        .map(|row| row.finish(samples.len()))
-        .collect())
+        .map(|row| row.finish(samples.len(), whole.ball_micros));
+    Ok((whole.clone(), finished.collect()))
 }
 
 /// What a query says.
@@ -126,7 +131,7 @@ impl Row {
         let mut proxies: Vec<Proxy> = Vec::new();
         let bounded = Posed::from(pose).bounded(self.level, &mut proxies);
         let answer = Answer::of(asset, bounded, sample)?;
-        self.micros += self.time(asset, pose, sample)?;
+        self.micros += time(asset, pose, sample, Some(self.level))?;
         self.visits += answer.visits as f64;
 
         let (center, radius) = sample.ball;
@@ -157,31 +162,14 @@ impl Row {
         Ok(())
     }
 
-    /// Median, µs.
-    fn time(&self, asset: &Asset<'_>, pose: &Pose<'_>, sample: &Sample) -> Result<f64, ToolError> {
-        let mut stack = vec![StackEntry::default(); asset.stack_len()];
-        let (mut contacts, mut proxies): (Vec<Contact>, Vec<Proxy>) = Default::default();
-        let (center, radius) = sample.ball;
-        let mut times = Vec::new();
-        for _ in 0..REPETITIONS {
-            contacts.clear();
-            proxies.clear();
-            let clock = Clock::start();
-            let posed = Posed::from(pose).bounded(self.level, &mut proxies);
-            query::ball(asset, posed, center, radius, &mut stack, &mut contacts)
-                .map_err(refused)?;
-            times.push(clock.seconds() * 1e6);
-        }
-        Ok(median(&times))
-    }
-
-    fn finish(self, samples: usize) -> DepthRow {
+    fn finish(self, samples: usize, whole_micros: f64) -> DepthRow {
         let count = samples.max(1) as f64;
         let [touched, missed, extra] = self.areas;
         let over = |area: f64| if touched > 0.0 { area / touched } else { 0.0 };
         DepthRow {
             level: self.level,
             ball_micros: self.micros / count,
+            time_rel: self.micros / count / whole_micros,
             ball_visits: self.visits / count,
             missed_area_rel: over(missed),
             extra_area_rel: over(extra),
@@ -189,6 +177,31 @@ impl Row {
             false_rel: self.false_count as f64 / count,
         }
     }
+}
+
+/// Median of a query that stops at `level`, if there is one, µs.
+fn time(
+    asset: &Asset<'_>,
+    pose: &Pose<'_>,
+    sample: &Sample,
+    level: Option<usize>,
+) -> Result<f64, ToolError> {
+    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let (mut contacts, mut proxies): (Vec<Contact>, Vec<Proxy>) = Default::default();
+    let (center, radius) = sample.ball;
+    let mut times = Vec::new();
+    for _ in 0..REPETITIONS {
+        contacts.clear();
+        proxies.clear();
+        let clock = Clock::start();
+        let mut posed = Posed::from(pose);
+        if let Some(level) = level {
+            posed = posed.bounded(level, &mut proxies);
+        }
+        query::ball(asset, posed, center, radius, &mut stack, &mut contacts).map_err(refused)?;
+        times.push(clock.seconds() * 1e6);
+    }
+    Ok(median(&times))
 }
 
 /// The triangles (places in leaf order) below the lanes whose spheres were reported: a sphere is told by

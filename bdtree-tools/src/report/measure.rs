@@ -5,10 +5,11 @@ use std::time::Instant;
 
 use bdtree_baselines::machine;
 use bdtree_build::advise::samples::{SAMPLES, Samples, Source};
+use bdtree_build::advise::works::BALL_RADIUS_REL;
 use bdtree_runtime::Asset;
 
-use super::content::{self, Content, Facts, Machine, Margin, Seconds};
-use super::sample::Sample;
+use super::content::{self, Content, Facts, Machine, Margin, Parts, Seconds};
+use super::sample::{SMALL_BALL, Sample};
 use super::{REPETITIONS, advice, contest, depth, modes, problem, sections, tightness, tolerance};
 use crate::AssetFile;
 use crate::error::ToolError;
@@ -42,7 +43,7 @@ pub fn measure(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
 fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
     let mut seconds = Clockwork::default();
     let asset = file.checked_asset(verify)?;
-    // Measuring follows every record, so all of them are checked, whether checksums are or not.
+    // Measuring follows every record, so all of them are checked, unless that is refused.
     let mut broken = None;
     if verify {
         asset.verify(&mut |error| {
@@ -61,6 +62,8 @@ fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
     let mut missing = missing(&asset, &samples);
     let described = described(&asset, &samples, diagonal)?;
     let asked = Sample::all(&asset, &samples, bounds)?;
+    let few = few(&asked, &asset);
+    let (depth_whole, depth) = depth::depth(&asset, few, diagonal)?;
     let mut content = Content {
         file: name(file),
         asset: Facts {
@@ -83,7 +86,9 @@ fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
         missing: Vec::new(),
         advice: Vec::new(),
         modes: Vec::new(),
-        depth: depth::depth(&asset, few(&asked, &asset), diagonal)?,
+        modes_over: None,
+        depth_whole,
+        depth,
         tolerance: Vec::new(),
         tightness: Vec::new(),
         margin: None,
@@ -92,11 +97,13 @@ fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
         unneeded: sections::unneeded(&asset),
         seconds: Vec::new(),
     };
+    content.samples.of_parts.depth = few.len();
     seconds.lap("depth");
     if samples.source() != Source::Rest {
-        let (rows, said) = modes::modes(&asset, diagonal)?;
-        content.modes = rows;
-        content.advice.extend(said);
+        let found = modes::modes(&asset, diagonal)?;
+        content.modes = found.rows;
+        content.modes_over = Some(found.over);
+        content.advice.extend(found.advice);
         seconds.lap("modes");
         content.tolerance = tolerance::tolerance(&asset, &asked, diagonal)?;
         seconds.lap("tolerance");
@@ -107,6 +114,13 @@ fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
             .collect();
         content.tightness = tightness::tightness(&asset, &directions, diagonal)?;
         seconds.lap("tightness");
+        content.samples.of_parts = Parts {
+            modes: found.samples,
+            depth: few.len(),
+            tolerance: asked.len(),
+            tightness: directions.len(),
+            refit: contest::steps(&asked).count(),
+        };
         content.refit = Some(contest::contest(&asset, &asked)?);
         seconds.lap("refit");
         content.margin = Some(margin(&asset)?);
@@ -202,6 +216,11 @@ fn described(
         count,
         source,
         displacement_max_rel: if diagonal > 0.0 { most / diagonal } else { 0.0 },
+        of_parts: Parts::default(),
+        balls: content::Balls {
+            large_rel: BALL_RADIUS_REL,
+            small_rel: SMALL_BALL * BALL_RADIUS_REL,
+        },
     })
 }
 

@@ -26,7 +26,7 @@ use bdtree_runtime::{FormatError, PoseError, QueryError};
 
 pub use crate::cli::ReportArguments as Arguments;
 use crate::error::ToolError;
-use crate::output::write_whole;
+use crate::output::{check_writable, write_whole};
 use crate::{AssetFile, DONE};
 pub use measure::measure;
 
@@ -46,6 +46,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
             let message = "is the input: it would be overwritten";
             return Err(ToolError::input(path.display(), message));
         }
+    }
+    if let Some(path) = &page {
+        check_writable(path)?;
     }
     let content = measure(&file, !arguments.no_verify)?;
     if let Some(path) = &page {

@@ -2,9 +2,11 @@
 
 use bdtree_build::advise::choose::{Goal, advise};
 use bdtree_build::advise::curve::{POINTS_MAX, Point};
-use bdtree_build::advise::subject::Subject;
+use bdtree_build::advise::errors::Over;
+use bdtree_build::advise::subject::{Subject, kept_fields};
 use bdtree_build::advise::works::Work;
 use bdtree_build::progress::Silent;
+use bdtree_format::Metadata;
 use bdtree_runtime::Asset;
 
 use super::content::{Advice, ModesRow};
@@ -14,11 +16,20 @@ use crate::error::ToolError;
 /// Meshes of more triangles are baked less often, and measured at fewer samples.
 const LARGE_TRIANGLES: usize = 50_000;
 
-/// Rows by rising number of modes, and what they advise.
-pub(super) fn modes(
-    asset: &Asset<'_>,
-    diagonal: f64,
-) -> Result<(Vec<ModesRow>, Vec<Advice>), ToolError> {
+/// Fewer modes.
+pub(super) struct Modes {
+    /// By rising number of modes.
+    pub(super) rows: Vec<ModesRow>,
+    /// What they advise.
+    pub(super) advice: Vec<Advice>,
+    /// Which q errors are taken over, in words.
+    pub(super) over: String,
+    /// Samples of visits and times.
+    pub(super) samples: usize,
+}
+
+/// Bakes with fewer modes and asks.
+pub(super) fn modes(asset: &Asset<'_>, diagonal: f64) -> Result<Modes, ToolError> {
     let subject = Subject::of_asset(asset).map_err(problem)?;
     let is_large = asset.triangle_count() > LARGE_TRIANGLES;
     let mut goal = Goal {
@@ -28,6 +39,8 @@ pub(super) fn modes(
     if is_large {
         goal.samples /= 4;
     }
+    let kind = Metadata::from_bytes(asset.metadata()).map_or(String::new(), |m| m.basis);
+    goal.subset = kept_fields(&kind, &subject.mesh, &subject.basis, goal.max_error_rel);
     let advice = advise(&subject, &goal, &Silent)
         .map_err(|error| ToolError::Input(vec![error.to_string()]))?;
     let sentences = advice.sentences().into_iter().map(|text| Advice {
@@ -35,7 +48,16 @@ pub(super) fn modes(
         text,
     });
     let rows = advice.curve.iter().map(|point| row(point, diagonal));
-    Ok((rows.collect(), sentences.collect()))
+    let over = match subject.errors.over {
+        Over::Source | Over::Frames => format!("all {} frames", advice.frames),
+        Over::Ranges => "every q within ± q_range, as an upper bound".to_string(),
+    };
+    Ok(Modes {
+        rows: rows.collect(),
+        advice: sentences.collect(),
+        over,
+        samples: advice.samples.1,
+    })
 }
 
 fn row(point: &Point, diagonal: f64) -> ModesRow {

@@ -112,13 +112,14 @@ impl Page {
         self.line(&format!("<div class=\"facts\">{facts}</div>"));
         let samples = &content.samples;
         self.soft(&format!(
-            "Errors, visits and times are of {}; the farthest vertex is moved by up to {} of the diagonal. \
-             Lengths are mesh units, times medians of {} repetitions on {}, one thread, kernel {}.",
+            "Samples: {}, which move the farthest vertex by up to {} of the diagonal; each part says how many of them \
+             it takes. Lengths are mesh units; times are of one thread of {}, kernel {}, and medians of {} \
+             repetitions unless a part says otherwise.",
             samples.source,
             percent(samples.displacement_max_rel),
-            content.machine.repetitions,
             content.machine.processor,
             content.machine.kernel,
+            content.machine.repetitions,
         ));
         for missing in &content.missing {
             self.text(missing);
@@ -141,11 +142,15 @@ impl Page {
             return;
         }
         self.heading("Modes kept");
-        self.soft(
-            "The first k modes of the file. Error: how far vertices are from where all modes, or their source, have \
-             them; bytes and times: of a file baked with k modes. A ball has 5 % of the diagonal, a pair is the asset \
-             beside itself.",
-        );
+        self.soft(&format!(
+            "The first k modes of the file. Error: how far vertices are from where all modes of the file have them, over \
+             {}. Bytes, visits and times: of a file baked with k modes, without groups and names; times are the least of \
+             several rounds, over {} samples. A ball has a radius of {} of the diagonal, a ray is one of 16 asked \
+             together, a pair is the asset beside itself.",
+            content.modes_over.as_deref().unwrap_or("the samples"),
+            content.samples.of_parts.modes,
+            percent(content.samples.balls.large_rel),
+        ));
         let line = |name: &str, of: &dyn Fn(&super::content::ModesRow) -> f64| Line {
             name: name.to_string(),
             points: rows.iter().map(|r| (r.modes as f64, of(r))).collect(),
@@ -216,11 +221,13 @@ impl Page {
         self.heading("Beside deform + refit");
         self.text(&format!(
             "Deforming all vertices takes {} µs and refitting {} another {} µs, every step, before anything is \
-             asked. Here a step begins with a pose, {} µs.",
+             asked. Here a step begins with a pose, {} µs. Over {} samples; balls have a radius of {} of the diagonal.",
             number(refit.deform_micros),
             refit.library,
             number(refit.refit_micros),
             number(refit.pose_micros),
+            content.samples.of_parts.refit,
+            percent(content.samples.balls.small_rel),
         ));
         self.open();
         for curve in &refit.curves {
@@ -289,10 +296,11 @@ impl Page {
             return;
         }
         self.heading("Tightness");
-        self.soft(
+        self.soft(&format!(
             "Radius over that of the smallest ball around the deformed vertices, mean per level (0 is the root's), \
-             at displacements of the farthest vertex over the diagonal.",
-        );
+             along {} samples made longer or shorter until the farthest vertex moves by so much of the diagonal.",
+            content.samples.of_parts.tightness
+        ));
         let mut amplitudes: Vec<f64> = rows.iter().map(|r| r.displacement_rel).collect();
         amplitudes.sort_by(f64::total_cmp);
         amplitudes.dedup();
@@ -346,10 +354,17 @@ impl Page {
             return;
         }
         self.heading("Depth of traversal");
-        self.soft(
-            "A ball query that stops at a level and reports its spheres. Nothing touched is missed; what is \
-             reported in excess, and how far depths are off:",
-        );
+        let whole = &content.depth_whole;
+        self.soft(&format!(
+            "A query with a ball of {} of the diagonal that stops at a level and reports its spheres, at {} samples; at {} \
+             of them the ball touches nothing. One that looks into everything takes {} µs and visits {} nodes. \
+             Nothing touched is missed; what is reported in excess, and how far depths are off:",
+            percent(content.samples.balls.large_rel),
+            content.samples.of_parts.depth,
+            percent(whole.apart_rel),
+            number(whole.ball_micros),
+            number(whole.ball_visits),
+        ));
         let line = |name: &str, of: &dyn Fn(&super::content::DepthRow) -> f64| Line {
             name: name.to_string(),
             points: rows.iter().map(|r| (r.level as f64, of(r))).collect(),
@@ -365,12 +380,16 @@ impl Page {
             title: "Time of a ball query".to_string(),
             x: Axis::linear("level"),
             y: Axis::linear("µs"),
-            lines: vec![line("time", &|r| r.ball_micros)],
+            lines: vec![
+                line("stopped", &|r| r.ball_micros),
+                line("looking into everything", &|_| whole.ball_micros),
+            ],
         });
         let cells = |r: &super::content::DepthRow| {
             vec![
                 r.level.to_string(),
                 number(r.ball_micros),
+                number(r.time_rel),
                 number(r.ball_visits),
                 percent(r.missed_area_rel),
                 percent(r.extra_area_rel),
@@ -382,6 +401,7 @@ impl Page {
         let head = [
             "level",
             "µs",
+            "over everything",
             "visits",
             "missed area / touched",
             "extra area / touched",
@@ -398,10 +418,13 @@ impl Page {
             return;
         }
         self.heading("Modes left out of node bounds");
-        self.soft(
+        self.soft(&format!(
             "Pose::with_tolerance: modes that move no vertex by more than the tolerance together are left out of \
-             spheres, which grow by it. Answers stay the same.",
-        );
+             spheres, which grow by it. Answers stay the same. Means over {} samples of 16 balls of {} of the diagonal \
+             and 16 rays each.",
+            content.samples.of_parts.tolerance,
+            percent(content.samples.balls.small_rel),
+        ));
         let line = |name: &str, of: &dyn Fn(&super::content::ToleranceRow) -> f64| Line {
             name: name.to_string(),
             points: rows.iter().map(|r| (r.tolerance_rel, of(r))).collect(),
@@ -467,7 +490,7 @@ impl Page {
         );
         if let Some(least) = margin.least {
             text += &format!(
-                " The closest was inside by {} of what a pose adds to radii for rounding.",
+                " The closest was inside by {} times what a pose adds to radii for rounding (below 0 it would be outside).",
                 number(least)
             );
         }

@@ -4,8 +4,8 @@ use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
-/// Width and height: drawn at the width of a phone, so that text stays readable there.
-const SIZE: (u32, u32) = (440, 300);
+/// Width and height, about those on a phone, so that text is as large there as it is here.
+const SIZE: (u32, u32) = (360, 270);
 
 /// Series; the style sheet turns them into colours that suit the page.
 const SERIES: [RGBColor; 4] = [
@@ -87,24 +87,36 @@ impl Axis {
         }
     }
 
-    /// What of a value can be shown.
-    fn shows(&self, value: f64) -> bool {
-        value.is_finite() && (!self.is_log || value > 0.0)
+    /// Its text, and that zero is not shown, where it is not.
+    fn name(&self, leaves_zero_out: bool) -> String {
+        let without = if leaves_zero_out { ", without 0" } else { "" };
+        format!("{}{without}", self.text)
     }
 
-    /// From the least to the largest value, with room, and whether that is in powers of ten.
-    fn range(&self, values: impl Iterator<Item = f64>) -> (std::ops::Range<f64>, bool) {
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        });
-        if self.is_log && high > LOG_SPAN * low {
-            return (low / 1.25..high * 1.25, true);
+    /// Whether values are shown in powers of ten: where they are asked for, and those above 0 span some.
+    fn counts_in_powers(&self, values: impl Iterator<Item = f64>) -> bool {
+        let (low, high) = ends(values.filter(|value| *value > 0.0));
+        self.is_log && high > LOG_SPAN * low
+    }
+
+    /// From the least to the largest value, with room.
+    fn range(&self, values: impl Iterator<Item = f64>, is_log: bool) -> std::ops::Range<f64> {
+        let (low, high) = ends(values);
+        if is_log {
+            return low / 1.25..high * 1.25;
         }
         let low = low.min(self.from.unwrap_or(0.0));
         let room = 0.05 * (high - low);
         let high = if room > 0.0 { high + room } else { low + 1.0 };
-        (low..high, false)
+        low..high
     }
+}
+
+/// The least and the largest.
+fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    })
 }
 
 impl Plot {
@@ -121,6 +133,23 @@ impl Plot {
 
     /// The plot as an SVG element; `None` where there is nothing to show: fewer than two points in all.
     pub(super) fn svg(&self) -> Option<String> {
+        let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
+        let all = || {
+            self.lines
+                .iter()
+                .flat_map(|line| line.points.iter())
+                .filter(finite)
+        };
+        let x_is_log = self.x.counts_in_powers(all().map(|p| p.0));
+        let y_is_log = self.y.counts_in_powers(all().map(|p| p.1));
+        // Zero has no place among powers of ten: the axis says so.
+        let has_place = |p: &&(f64, f64)| (!x_is_log || p.0 > 0.0) && (!y_is_log || p.1 > 0.0);
+        let left_out =
+            |of: fn(&(f64, f64)) -> f64, is_log: bool| is_log && all().any(|p| of(p) <= 0.0);
+        let names = [
+            self.x.name(left_out(|p| p.0, x_is_log)),
+            self.y.name(left_out(|p| p.1, y_is_log)),
+        ];
         let lines: Vec<Line> = self
             .lines
             .iter()
@@ -129,72 +158,74 @@ impl Plot {
                 points: line
                     .points
                     .iter()
+                    .filter(finite)
+                    .filter(has_place)
                     .copied()
-                    .filter(|(x, y)| self.x.shows(*x) && self.y.shows(*y))
                     .collect(),
             })
             .collect();
-        let all = || lines.iter().flat_map(|line| line.points.iter());
-        if all().count() < 2 {
+        let shown = || lines.iter().flat_map(|line| line.points.iter());
+        if shown().count() < 2 {
             return None;
         }
-        let (x, x_is_log) = self.x.range(all().map(|p| p.0));
-        let (y, y_is_log) = self.y.range(all().map(|p| p.1));
+        let x = self.x.range(shown().map(|p| p.0), x_is_log);
+        let y = self.y.range(shown().map(|p| p.1), y_is_log);
         let mut text = String::new();
         let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
         let drawn = match (x_is_log, y_is_log) {
-            (false, false) => self.draw(&area, x, y, &lines),
-            (true, false) => self.draw(&area, x.log_scale(), y, &lines),
-            (false, true) => self.draw(&area, x, y.log_scale(), &lines),
-            (true, true) => self.draw(&area, x.log_scale(), y.log_scale(), &lines),
+            (false, false) => draw(&area, x, y, &names, &lines),
+            (true, false) => draw(&area, x.log_scale(), y, &names, &lines),
+            (false, true) => draw(&area, x, y.log_scale(), &names, &lines),
+            (true, true) => draw(&area, x.log_scale(), y.log_scale(), &names, &lines),
         };
         // Writing to a string does not fail.
         drawn.ok()?;
         drop(area);
         Some(text)
     }
+}
 
-    fn draw<'a, X, Y>(
-        &self,
-        area: &DrawingArea<SVGBackend<'a>, Shift>,
-        x: X,
-        y: Y,
-        lines: &[Line],
-    ) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>
-    where
-        X: AsRangedCoord<Value = f64>,
-        X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
-        Y: AsRangedCoord<Value = f64>,
-        Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
-    {
-        let font = |size: u32| ("sans-serif", size).into_font().color(&INK);
-        let mut chart = ChartBuilder::on(area)
-            .margin(6)
-            .margin_right(16)
-            .x_label_area_size(40)
-            .y_label_area_size(58)
-            .build_cartesian_2d(x, y)?;
-        chart
-            .configure_mesh()
-            .x_desc(self.x.text.as_str())
-            .y_desc(self.y.text.as_str())
-            .x_labels(5)
-            .y_labels(6)
-            .max_light_lines(0)
-            .bold_line_style(GRID)
-            .axis_style(INK)
-            .label_style(font(13))
-            .axis_desc_style(font(14))
-            .x_label_formatter(&|x| short(*x))
-            .y_label_formatter(&|y| short(*y))
-            .draw()?;
-        for (line, colour) in lines.iter().zip(SERIES.iter().cycle()) {
-            let style = colour.stroke_width(2);
-            let series = LineSeries::new(line.points.iter().copied(), style).point_size(3);
-            chart.draw_series(series)?;
-        }
-        area.present()
+fn draw<'a, X, Y>(
+    area: &DrawingArea<SVGBackend<'a>, Shift>,
+    x: X,
+    y: Y,
+    [x_name, y_name]: &[String; 2],
+    lines: &[Line],
+) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>
+where
+    X: AsRangedCoord<Value = f64>,
+    X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: AsRangedCoord<Value = f64>,
+    Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    // plotters writes four fifths of these.
+    let font = |size: u32| ("sans-serif", size).into_font().color(&INK);
+    let mut chart = ChartBuilder::on(area)
+        .margin(4)
+        .margin_right(16)
+        .x_label_area_size(46)
+        .y_label_area_size(66)
+        .build_cartesian_2d(x, y)?;
+    chart
+        .configure_mesh()
+        .x_desc(x_name.as_str())
+        .y_desc(y_name.as_str())
+        .x_labels(4)
+        .y_labels(5)
+        .max_light_lines(0)
+        .bold_line_style(GRID)
+        .axis_style(INK)
+        .label_style(font(16))
+        .axis_desc_style(font(17))
+        .x_label_formatter(&|x| short(*x))
+        .y_label_formatter(&|y| short(*y))
+        .draw()?;
+    for (line, colour) in lines.iter().zip(SERIES.iter().cycle()) {
+        let style = colour.stroke_width(2);
+        let series = LineSeries::new(line.points.iter().copied(), style).point_size(3);
+        chart.draw_series(series)?;
     }
+    area.present()
 }
 
 /// A number with few digits, for marks on axes.

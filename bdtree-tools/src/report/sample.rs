@@ -13,6 +13,9 @@ use crate::error::ToolError;
 /// Surface points per sample that questions are about: more questions ask about them again.
 const POINTS: usize = 512;
 
+/// Radius of the balls of [`Sample::balls`] over that of [`Sample::ball`].
+pub(super) const SMALL_BALL: f64 = 0.2;
+
 /// How far apart two instances stand, over the body's longest extent: from beside each other to deep inside.
 const APART: [f64; 8] = [1.1, 0.98, 0.9, 0.8, 0.65, 0.5, 0.3, 0.1];
 
@@ -78,8 +81,8 @@ impl Sample {
         }
         let radius = BALL_RADIUS_REL * diagonal;
         let first = points.first().copied().unwrap_or(middle);
-        // The ball's centre is a little off the surface, so that its depth is not its radius.
-        let center = [0, 1, 2].map(|k| first[k] + radius * random.random_range(-0.5..0.5));
+        // Up to 1.7 radii off a point of the surface: deep inside, barely touching, or apart.
+        let center = [0, 1, 2].map(|k| first[k] + radius * random.random_range(-1.0..1.0));
         Ok(Self {
             q: q.to_vec(),
             ball: (center, radius),
@@ -108,9 +111,9 @@ impl Sample {
         Pose::new(asset, &self.q, place, memory).map_err(|e| pose_refused(&e))
     }
 
-    /// So many balls about points of the surface, a fifth as large as the one.
+    /// So many balls about points of the surface, [`SMALL_BALL`] as large as the one.
     pub(super) fn balls(&self, amount: usize) -> impl Iterator<Item = ([f64; 3], f64)> {
-        let radius = 0.2 * self.ball.1;
+        let radius = SMALL_BALL * self.ball.1;
         let points = self.points.iter().cycle().take(amount);
         points.map(move |p| (*p, radius))
     }

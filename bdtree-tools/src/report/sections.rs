@@ -64,34 +64,56 @@ pub(super) fn unneeded(asset: &Asset<'_>) -> Vec<Unneeded> {
         SectionKind::GROUP_NAMES,
         SectionKind::METADATA,
     ]);
-    let deepest = asset.depth().saturating_sub(1);
-    let leaves = asset.node_count() - asset.node_count_to(deepest.saturating_sub(1));
-    let leaf_share = leaves as f64 / asset.node_count().max(1) as f64;
-    let below = (leaf_share * bytes(&[SectionKind::NODES, SectionKind::ROWS]) as f64) as u64;
     let row = |scene: &str, without: &str, bytes| Unneeded {
         scene: scene.to_string(),
         without: without.to_string(),
         bytes,
     };
-    let mut rows = vec![
-        row(
-            "only asks for spheres (bounded depth, culling, broad phase)",
-            "triangles, vertices and displacements: they need not be in memory, since queries do not read them",
-            surface,
-        ),
-        row(
-            "never looks into the deepest level",
-            "nodes of that level and their rows: never read, so never paged in",
-            below,
-        ),
-    ];
-    if animation > 0 {
+    let mut rows = Vec::new();
+    if let Some(level) = first_leaf_level(asset).checked_sub(1) {
         rows.push(row(
-            "computes q itself",
-            "the animation's frames",
-            animation,
+            &format!("stops every query at level {level} or above it"),
+            "triangles, vertices and displacements: no node there holds triangles, so queries do not read them",
+            surface,
         ));
     }
+    rows.push(row(
+        "never looks into the deepest level",
+        "nodes of that level and their rows: never read, so never paged in",
+        deepest_bytes(asset),
+    ));
+    rows.push(row(
+        "computes q itself",
+        "the animation's frames",
+        animation,
+    ));
     rows.push(row("knows its asset", "groups, names and metadata", words));
+    rows.retain(|row| row.bytes > 0);
     rows
+}
+
+/// The level of the first node that holds triangles; nodes stand by level.
+fn first_leaf_level(asset: &Asset<'_>) -> usize {
+    let first = asset.nodes().iter().find(|node| node.leaf_mask != 0);
+    first.map_or(0, |node| usize::from(node.level))
+}
+
+/// Bytes of the deepest level's nodes and of their rows, which end their sections; none where it is the only level.
+fn deepest_bytes(asset: &Asset<'_>) -> u64 {
+    const RECORD: u64 = 32;
+    let Some(above) = asset.depth().checked_sub(2) else {
+        return 0;
+    };
+    let first = asset.node_count_to(above);
+    let nodes = asset.nodes().len().saturating_sub(first) as u64;
+    let rows = asset
+        .sections()
+        .iter()
+        .find(|s| s.kind == SectionKind::ROWS);
+    let rows = rows.map_or(0, |rows| rows.length.get() / RECORD);
+    let start = asset
+        .nodes()
+        .get(first)
+        .map_or(rows, |node| u64::from(node.row_start));
+    RECORD * (nodes + rows.saturating_sub(start))
 }

@@ -43,9 +43,30 @@ fn without_times(value: &Value) -> Value {
     }
 }
 
-/// Every table of a page as rows of cells.
+/// Number of cells of all tables.
 fn cells(page: &str) -> usize {
     page.matches("<td").count()
+}
+
+/// All numbers of a value.
+fn numbers(value: &Value, found: &mut Vec<f64>) {
+    match value {
+        Value::Object(map) => map.values().for_each(|value| numbers(value, found)),
+        Value::Array(all) => all.iter().for_each(|value| numbers(value, found)),
+        other => found.extend(other.as_f64()),
+    }
+}
+
+/// The numbers in the number cells of a page's tables, with the digits that are shown.
+fn shown(page: &str) -> Vec<f64> {
+    let cells = page.split("<td>").skip(1);
+    let cells = cells.filter_map(|rest| rest.split("</td>").next());
+    let parts = cells.flat_map(|cell| cell.split('/'));
+    let numbers = parts.filter_map(|part| {
+        let text = part.replace([' ', '\u{202f}', '%'], "");
+        text.parse().ok()
+    });
+    numbers.collect()
 }
 
 #[test]
@@ -83,10 +104,16 @@ fn an_animated_asset_has_every_part() {
     let last = depth.last().expect("levels");
     for name in ["extra_area_rel", "penetration_error_rel", "false_rel"] {
         assert_eq!(number(last, name), 0.0, "{name}");
-        assert!(number(&depth[0], name) >= 0.0);
     }
     assert!(number(&depth[0], "extra_area_rel") > 0.0);
     assert!(number(&depth[0], "penetration_error_rel") > 0.0);
+    // A walk that stops nowhere visits what one without a level visits.
+    let whole = &report["depth_whole"];
+    assert_eq!(number(last, "ball_visits"), number(whole, "ball_visits"));
+    for row in depth {
+        let ratio = number(row, "ball_micros") / number(whole, "ball_micros");
+        assert!((number(row, "time_rel") / ratio - 1.0).abs() < 1e-9);
+    }
 
     // Tolerance: fewer modes, and larger spheres: not fewer visits, but for rays that find their hit earlier.
     for pair in list(&report, "tolerance").windows(2) {
@@ -135,6 +162,16 @@ fn an_animated_asset_has_every_part() {
     assert!(page.matches("<svg").count() >= 8 && page.contains("prefers-color-scheme:dark"));
     assert!(cells(&page) > 100 && !page.contains("NaN"));
     assert!(page.contains("viewport"));
+    // Every number of its tables is one of the figures, or a hundred times one (per cent), to the digits shown.
+    let mut figures = Vec::new();
+    numbers(&report, &mut figures);
+    let shown = shown(&page);
+    assert!(shown.len() > 100);
+    for number in shown {
+        let is_it = |figure: &f64| (figure - number).abs() <= 6e-4 * number.abs();
+        let is_one = figures.iter().any(|x| is_it(x) || is_it(&(100.0 * x)));
+        assert!(is_one, "{number} is on the page alone");
+    }
     for advice in list(&report, "advice") {
         let text = advice["text"].as_str().expect("text");
         assert!(page.contains(&text.replace('"', "&quot;")), "{text}");
@@ -203,6 +240,45 @@ fn what_an_asset_has_not_is_said() {
         let (report, page) = folder.report("one.bdt");
         assert!(!page.contains("NaN"), "{report}");
     }
+}
+
+/// Balls that touch nothing are among the samples, and stopping early reports spheres for them.
+#[test]
+fn balls_that_touch_nothing_are_asked_too() {
+    let folder = Folder::new();
+    let (report, page) = folder.report("a.bdt");
+    let apart = number(&report["depth_whole"], "apart_rel");
+    assert!(apart > 0.0 && apart < 1.0, "{apart}");
+    let falsely = number(&list(&report, "depth")[0], "false_rel");
+    assert!(falsely > 0.0 && falsely <= apart, "{falsely} of {apart}");
+    let parts = &report["samples"]["of_parts"];
+    for part in ["modes", "depth", "tolerance", "tightness", "refit"] {
+        assert!(number(parts, part) >= 1.0, "{parts}");
+    }
+    assert!(page.contains("as an upper bound"));
+}
+
+/// Of fields without an order those that move nothing go first.
+#[test]
+fn fields_that_move_nothing_are_advised_away() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    let mut basis = crate::support::basis(&mesh);
+    let count = mesh.positions.len();
+    basis.fields[..count].fill([0.0; 3]);
+    folder.write("still.bdt", baked(&mesh, &basis));
+    let (report, _) = folder.report("still.bdt");
+    let advice = list(&report, "advice").iter();
+    let modes: Vec<_> = advice
+        .filter(|advice| advice["topic"] == "modes")
+        .filter_map(|advice| advice["text"].as_str())
+        .collect();
+    assert!(
+        modes
+            .iter()
+            .any(|text| text.contains("(not the first ones)")),
+        "{modes:?}"
+    );
 }
 
 #[test]
