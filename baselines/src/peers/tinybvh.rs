@@ -11,8 +11,8 @@ use bdtree_runtime::Contact;
 use glam::{Vec3A, Vec4};
 use tinybvh_rs::bvh;
 
-use super::vertices::{Vertices, box_of};
 use super::Peer;
+use super::vertices::{Vertices, box_of};
 use crate::deform::Deformer;
 use crate::leaf;
 use crate::{Body, Place};
