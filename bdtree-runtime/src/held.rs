@@ -12,7 +12,7 @@ use crate::bound::{Spheres, WideSpheres};
 use crate::cache::Posed;
 use crate::error::FormatError;
 use crate::frame::{Frame, PairFrame};
-use crate::simd::{Lanes, Work};
+use crate::simd::{Lanes, Reference, Work};
 use crate::traverse::proxy;
 use crate::view::Asset;
 use crate::{Kernel, NodeSlot, Pose, StepCache, Transform, VertexId};

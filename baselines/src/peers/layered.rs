@@ -3,9 +3,8 @@
 use bdtree_runtime::{Contact, PairContact};
 use std::rc::Rc;
 
-use super::{PairPeer, Peer, Update};
+use super::{PairPeer, Peer};
 use crate::Place;
-use crate::clock::Clock;
 use crate::deform::Deformer;
 use crate::paper_tree::{Between, Layered, PaperTree};
 
@@ -29,23 +28,18 @@ impl LayeredPeer {
 }
 
 impl Peer for LayeredPeer {
-    fn update(
+    fn update_with(
         &mut self,
         deformer: &Deformer,
         q: &[f32],
         place: &Place,
         _scratch: &mut Vec<f32>,
-    ) -> Update {
-        let start = Clock::start();
+        deformed: &mut dyn FnMut(),
+    ) {
         deformer.deform(q, &mut self.spheres.vertices);
-        let deform = start.seconds();
-        let deformed = Clock::start();
+        deformed();
         self.place = *place;
         self.spheres.refit(&self.tree, place);
-        Update {
-            deform,
-            refit: deformed.seconds(),
-        }
     }
 
     fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {

@@ -1,8 +1,9 @@
 //! Those who deform all vertices, refit a tree and then ask it: libraries in use today (feature
 //! `peers`, obvhs alone with `refit`, Embree with `embree`) and the paper's layered hierarchy.
 //!
-//! All of them share [`Deformer`], the exact tests of balls and of pairs in [`crate::leaf`], and
-//! world coordinates in f32; rays are tested by the libraries' own code where they have some.
+//! All of them share [`Deformer`], the exact tests of balls and of pairs in [`crate::leaf`] (one triangle
+//! after the other), and world coordinates in f32; rays are tested by the libraries' own code where they have
+//! some.
 
 #[cfg(feature = "embree")]
 pub mod embree;
@@ -29,6 +30,7 @@ pub use tinybvh::TinyBvh;
 use bdtree_runtime::{Contact, PairContact};
 
 use crate::Place;
+use crate::clock::Clock;
 use crate::deform::Deformer;
 
 /// Seconds that bringing a body up to date took.
@@ -42,15 +44,48 @@ pub struct Update {
 
 /// A tree that is refitted to deformed vertices.
 pub trait Peer {
-    /// Deforms all vertices at q, moves them to `place` and refits the tree. `scratch` is memory
-    /// that bodies share.
+    /// Deforms all vertices at q, moves them to `place`, calls `deformed` and refits the tree. `scratch` is
+    /// memory that bodies share.
+    fn update_with(
+        &mut self,
+        deformer: &Deformer,
+        q: &[f32],
+        place: &Place,
+        scratch: &mut Vec<f32>,
+        deformed: &mut dyn FnMut(),
+    );
+
+    /// [`Peer::update_with`] without any clock, for what is timed as a whole: looking at one takes as long
+    /// as refitting some triangles.
+    fn update_untimed(
+        &mut self,
+        deformer: &Deformer,
+        q: &[f32],
+        place: &Place,
+        scratch: &mut Vec<f32>,
+    ) {
+        self.update_with(deformer, q, place, scratch, &mut || ());
+    }
+
+    /// [`Peer::update_with`], its parts timed.
     fn update(
         &mut self,
         deformer: &Deformer,
         q: &[f32],
         place: &Place,
         scratch: &mut Vec<f32>,
-    ) -> Update;
+    ) -> Update {
+        let start = Clock::start();
+        let (mut deform, mut deformed) = (0.0, start);
+        self.update_with(deformer, q, place, scratch, &mut || {
+            deform = start.seconds();
+            deformed = Clock::start();
+        });
+        Update {
+            deform,
+            refit: deformed.seconds(),
+        }
+    }
 
     /// Appends the triangles within a ball.
     fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>);

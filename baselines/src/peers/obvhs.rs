@@ -12,8 +12,7 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 
 use super::vertices::{Vertices, box_of};
-use super::{PairPeer, Peer, Update};
-use crate::clock::Clock;
+use super::{PairPeer, Peer};
 use crate::deform::Deformer;
 use crate::leaf;
 use crate::{Body, Place};
@@ -85,17 +84,16 @@ impl Obvhs {
 }
 
 impl Peer for Obvhs {
-    fn update(
+    fn update_with(
         &mut self,
         deformer: &Deformer,
         q: &[f32],
         place: &Place,
         scratch: &mut Vec<f32>,
-    ) -> Update {
-        let start = Clock::start();
+        deformed: &mut dyn FnMut(),
+    ) {
         self.vertices.update(deformer, q, place, scratch);
-        let deform = start.seconds();
-        let deformed = Clock::start();
+        deformed();
         for node in &mut self.tree.nodes {
             if !node.is_leaf() {
                 continue;
@@ -110,10 +108,6 @@ impl Peer for Obvhs {
             node.set_aabb(around);
         }
         self.tree.refit_all();
-        Update {
-            deform,
-            refit: deformed.seconds(),
-        }
     }
 
     fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {

@@ -7,8 +7,7 @@ use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::{TriMesh, TriMeshFlags};
 
-use super::{PairPeer, Peer, Update};
-use crate::clock::Clock;
+use super::{PairPeer, Peer};
 use crate::deform::Deformer;
 use crate::leaf;
 use crate::{Body, Place};
@@ -38,24 +37,18 @@ impl Parry {
 }
 
 impl Peer for Parry {
-    fn update(
+    fn update_with(
         &mut self,
         deformer: &Deformer,
         q: &[f32],
         place: &Place,
         scratch: &mut Vec<f32>,
-    ) -> Update {
-        let start = Clock::start();
-        let (mut deform, mut deformed) = (0.0, start);
+        deformed: &mut dyn FnMut(),
+    ) {
         self.0.update_vertices(|vertices| {
             deformer.deform_at(q, place, scratch, bytemuck::cast_slice_mut(vertices));
-            deform = start.seconds();
-            deformed = Clock::start();
+            deformed();
         });
-        Update {
-            deform,
-            refit: deformed.seconds(),
-        }
     }
 
     fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {

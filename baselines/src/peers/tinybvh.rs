@@ -11,9 +11,8 @@ use bdtree_runtime::Contact;
 use glam::{Vec3A, Vec4};
 use tinybvh_rs::bvh;
 
+use super::Peer;
 use super::vertices::{Vertices, box_of};
-use super::{Peer, Update};
-use crate::clock::Clock;
 use crate::deform::Deformer;
 use crate::leaf;
 use crate::{Body, Place};
@@ -127,22 +126,17 @@ impl TinyBvh {
 }
 
 impl Peer for TinyBvh {
-    fn update(
+    fn update_with(
         &mut self,
         deformer: &Deformer,
         q: &[f32],
         place: &Place,
         scratch: &mut Vec<f32>,
-    ) -> Update {
-        let start = Clock::start();
+        deformed: &mut dyn FnMut(),
+    ) {
         self.vertices.update(deformer, q, place, scratch);
-        let deform = start.seconds();
-        let deformed = Clock::start();
+        deformed();
         self.refit();
-        Update {
-            deform,
-            refit: deformed.seconds(),
-        }
     }
 
     fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {

@@ -1,6 +1,7 @@
 //! What the figures say to do, in words.
 
-use super::content::{Advice, Content, Curve, DepthRow, ToleranceRow};
+use super::content::{Advice, Content, DepthRow, ToleranceRow};
+use super::words;
 
 /// An error of penetration that contact proxies may have, over the diagonal.
 const PROXY_ERROR: f64 = 0.01;
@@ -21,7 +22,7 @@ pub(super) fn advice(content: &Content) -> Vec<Advice> {
     say("depth", depth(content));
     if let Some(refit) = &content.refit {
         for curve in &refit.curves {
-            say("refit", refitting(curve));
+            say("refit", words::sentence(curve));
         }
     }
     say("sections", sections(content));
@@ -85,44 +86,6 @@ fn depth(content: &Content) -> Option<String> {
         percent(WORTH),
         percent(fastest.penetration_error_rel)
     ))
-}
-
-/// The break-even of a curve.
-fn refitting(curve: &Curve) -> Option<String> {
-    let first = curve.points.first()?;
-    let last = curve.points.last()?;
-    let ahead = match first.ratio {
-        r if r >= 1.0 => format!(
-            "With {} this asset is {:.0} times faster",
-            amount(first.amount, &curve.unit),
-            r
-        ),
-        r => format!(
-            "With {} this asset is {:.1} times slower",
-            amount(first.amount, &curve.unit),
-            1.0 / r
-        ),
-    };
-    Some(match curve.break_even {
-        Some(at) => format!(
-            "{ahead} than deform + refit; from about {} on, deform and refit instead.",
-            amount(at, &curve.unit)
-        ),
-        None => format!(
-            "{ahead} than deform + refit, and still {:.1} times with {}, the most that was tried.",
-            last.ratio,
-            amount(last.amount, &curve.unit)
-        ),
-    })
-}
-
-fn amount(n: f64, unit: &str) -> String {
-    let unit = match (n.round() as i64, unit) {
-        (1, "balls per step") => "ball per step",
-        (1, "rays per step") => "ray per step",
-        (_, unit) => unit,
-    };
-    format!("{n:.0} {unit}")
 }
 
 /// The largest part that some scenes do not read.

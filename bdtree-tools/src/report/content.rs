@@ -1,6 +1,7 @@
 //! What a report says, as numbers: the page is made of these and of nothing else, and `--json` prints
 //! them. Lengths are mesh units unless a name says otherwise; unknown values are null.
 
+use bdtree_baselines::standing::Standing;
 use serde::Serialize;
 
 /// A report on one asset.
@@ -265,22 +266,23 @@ pub struct Curve {
     pub question: String,
     /// What `amount` counts: balls, rays, touching pairs of triangles.
     pub unit: String,
-    /// Points, by rising amount.
+    /// Points, by rising amount; several may have the same, as where pairs do not touch (0).
     pub points: Vec<CurvePoint>,
-    /// The amount from which deform + refit is faster; null where it never was.
-    pub break_even: Option<f64>,
+    /// Who is safely ahead, and where: `ahead`, `below`, `above`, `from`, `to`, `break_even`.
+    #[serde(flatten)]
+    pub standing: Standing,
 }
 
 /// One number of questions.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CurvePoint {
-    /// How many are asked, or how many pairs of triangles touch, per step.
+    /// How many are asked, or how many pairs of triangles touch (0: none), per step.
     pub amount: f64,
     /// Ours, µs per step.
     pub ours_micros: f64,
     /// Deform, refit and ask, µs per step.
     pub refit_micros: f64,
-    /// The second over the first.
+    /// The second over the first; from 0.9 to 1.1 neither is safely ahead.
     pub ratio: f64,
     /// Nodes visited over all nodes; above 1 where several questions visit the same.
     pub visited_rel: f64,

@@ -17,6 +17,7 @@ mod sections;
 mod text;
 mod tightness;
 mod tolerance;
+mod words;
 
 use std::ffi::OsStr;
 use std::io::Write;

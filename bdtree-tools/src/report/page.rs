@@ -1,6 +1,8 @@
 //! The report as one HTML page that needs nothing else.
 
-use super::content::{Content, Curve, Ratio};
+mod refit;
+
+use super::content::{Content, Ratio};
 use super::plot::{self, Axis, Line, Plot};
 use super::text::{escaped, grouped, number, percent};
 
@@ -212,82 +214,6 @@ impl Page {
         ];
         self.table(&head, 0, &rows);
         self.close();
-    }
-
-    fn refit(&mut self, content: &Content) {
-        let Some(refit) = &content.refit else {
-            return;
-        };
-        self.heading("Beside deform + refit");
-        self.text(&format!(
-            "Deforming all vertices takes {} µs and refitting {} another {} µs, every step, before anything is \
-             asked. Here a step begins with a pose, {} µs. Over {} samples; balls have a radius of {} of the diagonal.",
-            number(refit.deform_micros),
-            refit.library,
-            number(refit.refit_micros),
-            number(refit.pose_micros),
-            content.samples.of_parts.refit,
-            percent(content.samples.balls.small_rel),
-        ));
-        self.open();
-        for curve in &refit.curves {
-            self.curve(curve);
-        }
-        for curve in &refit.curves {
-            let rows: Vec<_> = curve
-                .points
-                .iter()
-                .map(|p| {
-                    vec![
-                        number(p.amount),
-                        number(p.ours_micros),
-                        number(p.refit_micros),
-                        number(p.ratio),
-                        number(p.visited_rel),
-                    ]
-                })
-                .collect();
-            let head = [
-                curve.unit.as_str(),
-                "ours, µs",
-                "deform + refit, µs",
-                "ratio",
-                "visits / nodes",
-            ];
-            self.table(&head, 0, &rows);
-        }
-        self.close();
-    }
-
-    fn curve(&mut self, curve: &Curve) {
-        let line = |name: &str, of: &dyn Fn(&super::content::CurvePoint) -> f64| Line {
-            name: name.to_string(),
-            points: curve.points.iter().map(|p| (p.amount, of(p))).collect(),
-        };
-        let mut lines = vec![
-            line("this asset", &|p| p.ours_micros),
-            line("deform + refit", &|p| p.refit_micros),
-        ];
-        let all = lines.iter().flat_map(|l| l.points.iter().map(|p| p.1));
-        let (low, high) = all.fold((f64::INFINITY, 0.0_f64), |(a, b), y| (a.min(y), b.max(y)));
-        let mut title = format!("{}: deform + refit is never faster here", curve.unit);
-        if let Some(at) = curve.break_even {
-            title = format!(
-                "{}: deform + refit is faster from {}",
-                curve.unit,
-                number(at)
-            );
-            lines.push(Line {
-                name: "break-even".to_string(),
-                points: vec![(at, low), (at, high)],
-            });
-        }
-        self.plot(&Plot {
-            title,
-            x: Axis::log(&curve.unit),
-            y: Axis::log("µs per step"),
-            lines,
-        });
     }
 
     fn tightness(&mut self, content: &Content) {

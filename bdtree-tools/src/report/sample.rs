@@ -1,5 +1,6 @@
 //! What is asked of an asset at one q: the same questions in every run.
 
+use bdtree_baselines::standing::MOST;
 use bdtree_build::advise::samples::Samples;
 use bdtree_build::advise::works::BALL_RADIUS_REL;
 use bdtree_runtime::{Asset, Pose, Transform, TriangleId};
@@ -10,11 +11,14 @@ use super::depth::HERE;
 use super::{pose_refused, problem};
 use crate::error::ToolError;
 
-/// Surface points per sample that questions are about: more questions ask about them again.
+/// Surface points per sample that rays aim at: more rays come to them from elsewhere.
 const POINTS: usize = 512;
 
 /// Radius of the balls of [`Sample::balls`] over that of [`Sample::ball`].
 pub(super) const SMALL_BALL: f64 = 0.2;
+
+/// Sets the stream of small balls apart from that of the other questions.
+const BALLS_STREAM: u64 = 0xba11;
 
 /// How far apart two instances stand, over the body's longest extent: from beside each other to deep inside.
 const APART: [f64; 8] = [1.1, 0.98, 0.9, 0.8, 0.65, 0.5, 0.3, 0.1];
@@ -30,6 +34,9 @@ pub(super) struct Sample {
     points: Vec<[f64; 3]>,
     /// Where rays come from, one for each point.
     origins: Vec<[f64; 3]>,
+    /// Other points of it, about which small balls are: no two the same, so that none is answered by what a
+    /// cache holds of itself.
+    centers: Vec<[f64; 3]>,
 }
 
 impl Sample {
@@ -61,11 +68,9 @@ impl Sample {
         let mut points = Vec::with_capacity(POINTS);
         let mut origins = Vec::with_capacity(POINTS);
         for _ in 0..POINTS {
-            let id = TriangleId(random.random_range(0..count));
-            let corners = asset.triangle(id).map_err(problem)?;
+            let corners = deformed(asset, &pose, random.random_range(0..count))?;
             let mut point = [0.0; 3];
-            for corner in corners {
-                let p = asset.deformed(&pose, corner).map_err(problem)?;
+            for p in corners {
                 point = [0, 1, 2].map(|k| point[k] + p[k] / 3.0);
             }
             points.push(point);
@@ -83,12 +88,22 @@ impl Sample {
         let first = points.first().copied().unwrap_or(middle);
         // Up to 1.7 radii off a point of the surface: deep inside, barely touching, or apart.
         let center = [0, 1, 2].map(|k| first[k] + radius * random.random_range(-1.0..1.0));
+        let mut random = Pcg64Mcg::seed_from_u64(seed ^ BALLS_STREAM);
+        let mut centers = Vec::with_capacity(MOST);
+        for _ in 0..MOST {
+            let corners = deformed(asset, &pose, random.random_range(0..count))?;
+            centers.push(within(
+                corners,
+                [0; 2].map(|_| random.random_range(0.0..1.0)),
+            ));
+        }
         Ok(Self {
             q: q.to_vec(),
             ball: (center, radius),
             places: places(middle, extent),
             points,
             origins,
+            centers,
         })
     }
 
@@ -111,11 +126,10 @@ impl Sample {
         Pose::new(asset, &self.q, place, memory).map_err(|e| pose_refused(&e))
     }
 
-    /// So many balls about points of the surface, [`SMALL_BALL`] as large as the one.
+    /// So many balls about points of the surface, [`MOST`] at most, [`SMALL_BALL`] as large as the one.
     pub(super) fn balls(&self, amount: usize) -> impl Iterator<Item = ([f64; 3], f64)> {
         let radius = SMALL_BALL * self.ball.1;
-        let points = self.points.iter().cycle().take(amount);
-        points.map(move |p| (*p, radius))
+        self.centers.iter().take(amount).map(move |p| (*p, radius))
     }
 
     /// So many rays, origin and unit direction, from around the body to points of its surface.
@@ -129,6 +143,29 @@ impl Sample {
             (from, along.map(|x| x / length))
         })
     }
+}
+
+/// A triangle's corners at a pose (mesh units).
+fn deformed(asset: &Asset<'_>, pose: &Pose<'_>, id: u32) -> Result<[[f64; 3]; 3], ToolError> {
+    let mut at = [[0.0; 3]; 3];
+    for (at, corner) in at
+        .iter_mut()
+        .zip(asset.triangle(TriangleId(id)).map_err(problem)?)
+    {
+        *at = asset.deformed(pose, corner).map_err(problem)?;
+    }
+    Ok(at)
+}
+
+/// The point of a triangle at two shares from 0 to 1: evenly spread where those are.
+fn within([a, b, c]: [[f64; 3]; 3], [s, t]: [f64; 2]) -> [f64; 3] {
+    // Half of the parallelogram is folded onto the other.
+    let [s, t] = if s + t > 1.0 {
+        [1.0 - s, 1.0 - t]
+    } else {
+        [s, t]
+    };
+    [0, 1, 2].map(|k| a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]))
 }
 
 /// Beside the body along its longest extent, turned a little about its own middle.
@@ -150,4 +187,74 @@ fn places(middle: [f64; 3], extent: [f64; 3]) -> Vec<Transform> {
         }
     };
     APART.iter().map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use bdtree_baselines::standing::MOST;
+    use bdtree_build::advise::samples::{SAMPLES, Samples};
+    use bdtree_build::basis::{Basis, BasisMode};
+    use bdtree_build::input::RawMesh;
+    use bdtree_build::pipeline::{BakeSettings, bake};
+    use bdtree_build::progress::Silent;
+    use bdtree_runtime::{AlignedBytes, Asset};
+
+    use super::{Sample, within};
+
+    /// Samples of a triangle that stretches along x.
+    fn samples() -> Vec<Sample> {
+        let mesh = RawMesh {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            triangles: vec![[0, 1, 2]],
+            ..RawMesh::default()
+        };
+        let basis = Basis {
+            vertex_count: 3,
+            fields: vec![[0.0; 3], [0.1, 0.0, 0.0], [0.0; 3]],
+            modes: vec![BasisMode {
+                q_range: Some(1.0),
+                ..BasisMode::default()
+            }],
+            animation: None,
+        };
+        let baked = bake(&mesh, &basis, &BakeSettings::default(), &[], &Silent);
+        let bytes = AlignedBytes::copy_of(&baked.expect("a sound mesh").bytes);
+        let asset = Asset::open(&bytes).expect("a sound file");
+        let samples = Samples::of(&asset, SAMPLES);
+        Sample::all(&asset, &samples, [[0.0; 3], [1.0, 1.0, 0.0]]).expect("samples")
+    }
+
+    #[test]
+    fn questions_of_a_step_differ_and_are_the_same_in_every_run() {
+        let (one, two) = (samples(), samples());
+        assert!(!one.is_empty());
+        let bits = |v: [f64; 3]| v.map(f64::to_bits);
+        for (one, two) in one.iter().zip(&two) {
+            let balls: Vec<_> = one.balls(MOST).map(|(c, _)| bits(c)).collect();
+            assert_eq!(balls.iter().collect::<BTreeSet<_>>().len(), MOST);
+            assert!(two.balls(MOST).map(|(c, _)| bits(c)).eq(balls));
+            let rays: BTreeSet<_> = one.rays(MOST).map(|(o, d)| (bits(o), bits(d))).collect();
+            assert_eq!(rays.len(), MOST);
+        }
+    }
+
+    #[test]
+    fn balls_are_on_the_surface() {
+        for sample in samples() {
+            for ([x, y, z], radius) in sample.balls(MOST) {
+                assert!(radius > 0.0 && z == 0.0);
+                assert!(x >= 0.0 && y >= 0.0 && x / 1.1 + y < 1.0 + 1e-6, "{x} {y}");
+            }
+        }
+        let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for (shares, point) in [
+            ([0.0, 0.0], [1.0, 0.0, 0.0]),
+            ([0.25, 0.5], [0.25, 0.25, 0.5]),
+            ([0.75, 0.5], [0.25, 0.25, 0.5]),
+        ] {
+            assert_eq!(within(corners, shares), point);
+        }
+    }
 }

@@ -30,9 +30,11 @@ fn number(value: &Value, name: &str) -> f64 {
 fn without_times(value: &Value) -> Value {
     match value {
         Value::Object(map) => {
+            const STANDING: [&str; 6] = ["ahead", "below", "above", "from", "to", "break_even"];
             let is_timed = |key: &str| {
                 key.contains("micros")
-                    || ["seconds", "ratio", "time_rel", "break_even", "advice"].contains(&key)
+                    || ["seconds", "ratio", "time_rel", "advice"].contains(&key)
+                    || STANDING.contains(&key)
             };
             let kept = map.iter().filter(|(key, _)| !is_timed(key));
             kept.map(|(key, value)| (key.clone(), without_times(value)))
@@ -40,6 +42,70 @@ fn without_times(value: &Value) -> Value {
         }
         Value::Array(all) => all.iter().map(without_times).collect(),
         other => other.clone(),
+    }
+}
+
+/// What a curve says of itself follows from its points: ratios from 0.9 to 1.1 are noise, equal amounts one.
+fn standing_is_that_of_the_points(curve: &Value) {
+    let mut points: Vec<(f64, Vec<f64>)> = Vec::new();
+    for point in list(curve, "points") {
+        let (amount, log) = (number(point, "amount"), number(point, "ratio").ln());
+        match points.last_mut() {
+            Some((last, logs)) if *last == amount => logs.push(log),
+            Some((last, _)) => {
+                assert!(*last < amount, "{curve}");
+                points.push((amount, vec![log]));
+            }
+            None => points.push((amount, vec![log])),
+        }
+    }
+    let sides: Vec<(f64, Value)> = points
+        .iter()
+        .map(|(amount, logs)| {
+            let ratio = (logs.iter().sum::<f64>() / logs.len() as f64).exp();
+            let side = match ratio {
+                r if r > 1.1 => "ours".into(),
+                r if r < 0.9 => "refit".into(),
+                _ => Value::Null,
+            };
+            (*amount, side)
+        })
+        .collect();
+    let (first, last) = (&sides[0], &sides[sides.len() - 1]);
+    assert_eq!(
+        (&curve["below"], &curve["above"]),
+        (&first.1, &last.1),
+        "{curve}"
+    );
+    let ahead = curve["ahead"].as_str().expect("a word");
+    let (from, to) = (curve["from"].as_f64(), curve["to"].as_f64());
+    match ahead {
+        "ours" | "refit" => {
+            assert!(sides.iter().all(|s| s.1 == *ahead), "{curve}");
+            assert_eq!((from, to), (None, None));
+        }
+        "crosses" | "close" => {
+            let (from, to) = (from.expect("an end"), to.expect("an end"));
+            assert!(first.0 <= from && from <= to && to <= last.0, "{curve}");
+            for (amount, side) in &sides {
+                assert!(*amount > from || from == first.0 || *side == first.1);
+                assert!(*amount < to || to == last.0 || *side == last.1);
+            }
+            let is_noise = |s: &(f64, Value)| s.0 <= from || s.0 >= to || s.1.is_null();
+            let crosses = !first.1.is_null()
+                && !last.1.is_null()
+                && first.1 != last.1
+                && sides.iter().all(is_noise);
+            assert_eq!(crosses, ahead == "crosses", "{curve}");
+        }
+        other => panic!("{other}"),
+    }
+    let even = curve["break_even"].as_f64();
+    assert_eq!(even.is_some(), ahead == "crosses", "{curve}");
+    if let (Some(at), Some(from), Some(to)) = (even, from, to) {
+        // Two digits: rounded by up to a twentieth.
+        assert!((0.95 * from..=1.05 * to).contains(&at), "{curve}");
+        assert_eq!(format!("{at:.1e}").parse(), Ok(at));
     }
 }
 
@@ -147,6 +213,24 @@ fn an_animated_asset_has_every_part() {
             let ratio = number(point, "refit_micros") / number(point, "ours_micros");
             assert!((number(point, "ratio") / ratio - 1.0).abs() < 1e-9);
         }
+        standing_is_that_of_the_points(curve);
+        let unit = curve["unit"].as_str().expect("a unit");
+        let title = match curve["ahead"].as_str() {
+            Some("ours") => "this asset is ahead at every amount tried",
+            Some("refit") => "deform + refit is ahead at every amount tried",
+            Some("crosses") => "is ahead from about",
+            _ => "neither is safely ahead",
+        };
+        let of_plot = page.split("<figcaption>").find(|f| f.starts_with(unit));
+        let caption = of_plot.and_then(|f| f.split("</figcaption>").next());
+        assert!(caption.is_some_and(|c| c.contains(title)), "{caption:?}");
+        let mark = ["break-even</span>", "neither safely ahead</span>"];
+        let marks = match curve["ahead"].as_str() {
+            Some("crosses") => [true, false],
+            Some("close") => [false, true],
+            _ => [false, false],
+        };
+        assert_eq!(mark.map(|m| of_plot.is_some_and(|f| f.contains(m))), marks);
     }
     let sections = list(&report, "sections");
     let bytes: f64 = sections.iter().map(|s| number(s, "bytes")).sum();
@@ -239,6 +323,14 @@ fn what_an_asset_has_not_is_said() {
         folder.write("one.bdt", baked(&mesh, &moving));
         let (report, page) = folder.report("one.bdt");
         assert!(!page.contains("NaN"), "{report}");
+        // A step of one triangle takes either side a fraction of a microsecond: what a clock's own reading
+        // would add to one of them is more.
+        for curve in list(&report["refit"], "curves") {
+            standing_is_that_of_the_points(curve);
+            let few = &list(curve, "points")[0];
+            assert!(number(few, "ours_micros") > 0.0 && number(few, "refit_micros") > 0.0);
+            assert!(number(few, "ratio") < 2.0, "{curve}");
+        }
     }
 }
 

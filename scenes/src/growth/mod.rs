@@ -2,6 +2,7 @@
 //! refitting (P28, P41, P53).
 
 mod size;
+mod step;
 mod sweep;
 
 use std::error::Error;

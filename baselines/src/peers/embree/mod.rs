@@ -15,8 +15,7 @@ use std::rc::Rc;
 
 use bdtree_runtime::Contact;
 
-use super::{Peer, Update};
-use crate::clock::Clock;
+use super::Peer;
 use crate::deform::Deformer;
 use crate::leaf;
 use crate::{Body, Place};
@@ -42,22 +41,17 @@ impl Embree {
 }
 
 impl Peer for Embree {
-    fn update(
+    fn update_with(
         &mut self,
         deformer: &Deformer,
         q: &[f32],
         place: &Place,
         scratch: &mut Vec<f32>,
-    ) -> Update {
-        let start = Clock::start();
+        deformed: &mut dyn FnMut(),
+    ) {
         deformer.deform_at(q, place, scratch, self.scene.vertices_mut());
-        let deform = start.seconds();
-        let deformed = Clock::start();
+        deformed();
         self.scene.refit().expect("a mesh that was built refits");
-        Update {
-            deform,
-            refit: deformed.seconds(),
-        }
     }
 
     fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {

@@ -1,9 +1,11 @@
 //! The product's ball query.
 
-use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, query};
+use bdtree_runtime::{Asset, CachedPose, Contact, Pose, StackEntry, Transform, query};
 
 use bdtree_baselines::clock::Clock;
+use bdtree_baselines::standing::{CACHED, LEAF_SLOTS};
 
+use super::{Cache, cache};
 use crate::contenders::contest::{Frame, Nodes};
 
 /// An asset with the memory that it is asked in.
@@ -48,5 +50,56 @@ impl<'a> OurBall<'a> {
             nodes,
             ..Frame::default()
         }
+    }
+}
+
+/// An asset with the memory in which balls are asked of it a step at a time.
+pub struct OurBalls<'a> {
+    asset: Asset<'a>,
+    memory: Vec<f32>,
+    stack: Vec<StackEntry>,
+    cache: Cache,
+    found: Vec<Contact>,
+}
+
+impl<'a> OurBalls<'a> {
+    /// On an asset.
+    pub fn new(asset: Asset<'a>) -> Self {
+        Self {
+            memory: vec![0.0; asset.pose_len()],
+            stack: vec![StackEntry::default(); asset.stack_len()],
+            cache: cache(asset.node_count(), LEAF_SLOTS),
+            found: Vec::new(),
+            asset,
+        }
+    }
+
+    /// Pose and questions, all in one time; from [`CACHED`] on with a cache of the step's nodes and leaves,
+    /// as `bdtree report` asks.
+    pub fn step(&mut self, q: &[f32], centers: &[[f32; 3]], radius: f32) -> Frame {
+        let mut frame = Frame::default();
+        let Self {
+            asset,
+            memory,
+            stack,
+            cache,
+            found,
+        } = self;
+        let start = Clock::start();
+        let pose = Pose::new(asset, q, Transform::IDENTITY, memory).expect("q within limits");
+        let mut kept: Option<CachedPose<'_>> =
+            (centers.len() >= CACHED).then(|| cache.start(&pose));
+        for center in centers {
+            found.clear();
+            let (center, radius) = (center.map(f64::from), f64::from(radius));
+            let outcome = match &mut kept {
+                Some(kept) => query::ball(asset, kept, center, radius, stack, found),
+                None => query::ball(asset, &pose, center, radius, stack, found),
+            };
+            frame.nodes.add(&outcome.expect("a sound asset"));
+            frame.found += found.len() as u64;
+        }
+        frame.query = start.seconds();
+        frame
     }
 }

@@ -1,0 +1,140 @@
+//! The page's part on deform + refit: times over how much is asked, and where they cross.
+
+use bdtree_baselines::standing::{Ahead, NOISE};
+
+use super::super::content::{Content, Curve, CurvePoint};
+use super::super::plot::{Axis, Line, Plot};
+use super::super::text::{number, percent};
+use super::super::words;
+use super::Page;
+
+impl Page {
+    pub(super) fn refit(&mut self, content: &Content) {
+        let Some(refit) = &content.refit else {
+            return;
+        };
+        self.heading("Beside deform + refit");
+        self.text(&format!(
+            "Deforming all vertices takes {} µs and refitting {} another {} µs, every step, before anything is \
+             asked. Here a step begins with a pose, {} µs. Over {} samples; balls have a radius of {} of the diagonal.",
+            number(refit.deform_micros),
+            refit.library,
+            number(refit.refit_micros),
+            number(refit.pose_micros),
+            content.samples.of_parts.refit,
+            percent(content.samples.balls.small_rel),
+        ));
+        self.soft(&format!(
+            "Both find the same contacts on the same deformed vertices. At leaves the refitted tree tests balls and \
+             pairs triangle by triangle with this library's public scalar functions and rays with its own test in \
+             f32; this asset's queries reject four triangles at a time, and test balls four at a time. Ratio: \
+             deform + refit over this asset. From {} to {} it is noise; beyond, one is safely ahead.",
+            NOISE[0], NOISE[1]
+        ));
+        self.open();
+        for curve in &refit.curves {
+            self.curve(curve);
+        }
+        if let Some(curve) = refit.curves.iter().find(|c| apart(c) > 0) {
+            self.soft(&format!(
+                "{} of the points over {} touch nothing: they stand in the table alone, above it the axis counts \
+                 in powers of ten.",
+                apart(curve),
+                curve.unit
+            ));
+        }
+        for curve in &refit.curves {
+            let cells = |p: &CurvePoint| {
+                vec![
+                    number(p.amount),
+                    number(p.ours_micros),
+                    number(p.refit_micros),
+                    number(p.ratio),
+                    number(p.visited_rel),
+                ]
+            };
+            let rows: Vec<_> = curve.points.iter().map(cells).collect();
+            let head = [
+                curve.unit.as_str(),
+                "ours, µs",
+                "deform + refit, µs",
+                "ratio",
+                "visits / nodes",
+            ];
+            self.table(&head, 0, &rows);
+        }
+        self.close();
+    }
+
+    fn curve(&mut self, curve: &Curve) {
+        let line = |name: &str, of: &dyn Fn(&CurvePoint) -> f64| Line {
+            name: name.to_string(),
+            points: curve.points.iter().map(|p| (p.amount, of(p))).collect(),
+        };
+        let mut lines = vec![
+            line("this asset", &|p| p.ours_micros),
+            line("deform + refit", &|p| p.refit_micros),
+        ];
+        lines.extend(mark(curve));
+        self.plot(&Plot {
+            title: words::title(curve),
+            x: Axis::log(&curve.unit),
+            y: Axis::log("µs per step"),
+            lines,
+        });
+    }
+}
+
+/// How many points are of bodies that do not touch.
+fn apart(curve: &Curve) -> usize {
+    curve.points.iter().filter(|p| p.amount == 0.0).count()
+}
+
+/// What a plot marks: where the times cross, or the stretch in which neither is safely ahead; nothing where
+/// one is everywhere.
+fn mark(curve: &Curve) -> Option<Line> {
+    let times = || {
+        let both = |p: &CurvePoint| [p.ours_micros, p.refit_micros];
+        curve.points.iter().flat_map(both)
+    };
+    let low = times().fold(f64::INFINITY, f64::min);
+    let high = times().fold(0.0, f64::max);
+    let standing = &curve.standing;
+    let (name, points) = match standing.ahead {
+        Ahead::Ours | Ahead::Refit => return None,
+        Ahead::Crosses => {
+            let at = standing.break_even?;
+            ("break-even", vec![(at, low), (at, high)])
+        }
+        Ahead::Close => {
+            let (from, to) = (standing.from?, standing.to?);
+            let around = [(from, low), (from, high), (to, high), (to, low)];
+            ("neither safely ahead", around.to_vec())
+        }
+    };
+    Some(Line {
+        name: name.to_string(),
+        points,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::words::tests::curve;
+    use super::mark;
+
+    #[test]
+    fn marks_are_where_the_words_are() {
+        assert!(mark(&curve("ray", &[(1.0, 9.0), (4.0, 2.0)])).is_none());
+        assert!(mark(&curve("ray", &[(1.0, 0.2)])).is_none());
+        let crosses = mark(&curve("ray", &[(1.0, 10.0), (100.0, 0.1)])).expect("a mark");
+        assert_eq!(crosses.name, "break-even");
+        assert!(crosses.points.iter().all(|p| p.0 == 10.0));
+        let close = mark(&curve("ray", &[(1.0, 10.0), (4.0, 1.0), (16.0, 1.0)])).expect("a mark");
+        assert_eq!(close.name, "neither safely ahead");
+        let at: Vec<f64> = close.points.iter().map(|p| p.0).collect();
+        assert_eq!(at, [1.0, 1.0, 16.0, 16.0]);
+        // From the fastest to the slowest of all times: 1 and 10 µs.
+        assert!(close.points.iter().all(|p| p.1 == 1.0 || p.1 == 10.0));
+    }
+}
