@@ -90,7 +90,7 @@ impl<'a> Contest<'a> {
         }
     }
 
-    /// So many balls a step: every `every`-th step, `repeats` times, medians.
+    /// So many balls a step: every `every`-th step in turn, `repeats` times, medians.
     ///
     /// # Errors
     /// Contenders that do not find as many contacts.
@@ -100,47 +100,49 @@ impl<'a> Contest<'a> {
         every: usize,
         repeats: usize,
     ) -> Result<Point, Box<dyn Error>> {
-        let (mut contacts, mut nodes, mut seconds) = (0, 0, [0.0; 3]);
         let count = self.steps.len().div_ceil(every);
-        for (k, step) in self.steps.iter().enumerate().step_by(every) {
-            let centers = &step.centers[..balls];
-            let mut times = [const { Vec::new() }; 3];
-            for repeat in 0..repeats {
+        let mut times = vec![[const { Vec::new() }; 3]; count];
+        let (mut contacts, mut nodes) = (0, 0);
+        // Passes over all steps, so that no question is repeated while its branches are still known.
+        for _ in 0..repeats {
+            (contacts, nodes) = (0, 0);
+            for (step, times) in self.steps.iter().step_by(every).zip(&mut times) {
+                let centers = &step.centers[..balls];
                 let own = self.ours.step(&step.q, centers, self.radius);
-                let place = &Place::IDENTITY;
+                let (deformer, place) = (&self.deformer, &Place::IDENTITY);
                 let update = self
                     .peer
-                    .update(&self.deformer, &step.q, place, &mut self.scratch);
+                    .update(deformer, &step.q, place, &mut self.scratch);
                 let start = Clock::start();
                 let mut theirs = 0;
                 for center in centers {
                     self.found.clear();
-                    let radius = f64::from(self.radius);
-                    self.peer
-                        .ball(center.map(f64::from), radius, &mut self.found);
+                    let (center, radius) = (center.map(f64::from), f64::from(self.radius));
+                    self.peer.ball(center, radius, &mut self.found);
                     theirs += self.found.len() as u64;
                 }
                 let query = start.seconds();
                 if theirs != own.found {
-                    return Err(format!("step {k}: {} and {theirs} contacts", own.found).into());
+                    return Err(
+                        format!("{balls} balls: {} and {theirs} contacts", own.found).into(),
+                    );
                 }
-                if repeat == 0 {
-                    contacts += theirs;
-                    nodes += own.nodes.visited;
-                }
+                contacts += theirs;
+                nodes += own.nodes.visited;
                 times[0].push(own.query);
                 times[1].push(update.deform + update.refit);
                 times[2].push(query);
             }
-            for (sum, times) in seconds.iter_mut().zip(&times) {
-                *sum += stats::median(times) / count as f64;
-            }
         }
+        let mean = |k: usize| {
+            let medians = times.iter().map(|step| stats::median(&step[k]));
+            medians.sum::<f64>() / count as f64
+        };
         Ok(Point {
             balls,
             contacts: contacts as f64 / count as f64,
             nodes: nodes as f64 / count as f64,
-            seconds,
+            seconds: [mean(0), mean(1), mean(2)],
         })
     }
 
