@@ -40,6 +40,7 @@ impl Advice {
         let goal = percent(self.max_error_rel);
         let error = percent(self.error_rel);
         let which = match (kept == all, self.takes_first) {
+            (true, _) if all == 1 => "The one mode".to_string(),
             (true, _) => format!("All {}", modes(all)),
             (false, true) => format!("The first {kept} of {}", modes(all)),
             (false, false) => format!("{kept} of {} (not the first ones)", modes(all)),
@@ -55,7 +56,8 @@ impl Advice {
         // Of fields that are their own source, all leave nothing but rounding.
         let promise = if kept == all && self.over != Over::Source {
             format!(
-                "{which} are needed to keep every vertex within {goal} of the box diagonal, {over}"
+                "{which} {} needed to keep every vertex within {goal} of the box diagonal, {over}",
+                if kept == 1 { "is" } else { "are" }
             )
         } else {
             format!(

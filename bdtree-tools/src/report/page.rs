@@ -430,8 +430,8 @@ impl Page {
         let parts: Vec<String> = content
             .seconds
             .iter()
-            .map(|s| format!("{} {}", s.part, number(s.seconds)))
+            .map(|s| format!("{} {:.1} s", s.part, s.seconds))
             .collect();
-        self.soft(&format!("Seconds: {}.", parts.join(", ")));
+        self.soft(&format!("Made in: {}.", parts.join(", ")));
     }
 }

@@ -64,7 +64,7 @@ pub(super) fn goals(measured: &Measured) -> String {
         text += &format!("* {goal}: {verdict}.\n");
     }
     text + "\nWhy not at every amplitude, and what no bound from q alone reaches: \
-            [node-bounds](node-bounds.md#beside-the-layered-hierarchy).\n"
+            [large deformations](decisions/large-deformations.md).\n"
 }
 
 fn meshes(measured: &Measured) -> impl Iterator<Item = (&str, &Value)> {
