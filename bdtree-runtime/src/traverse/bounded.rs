@@ -16,6 +16,7 @@ use crate::contact::{Proxy, TriangleId};
 use crate::error::QueryError;
 use crate::frame::PairFrame;
 use crate::math::norm;
+use crate::narrow::Triangle;
 use crate::pose::Pose;
 use crate::proxy::DepthLimit;
 use crate::query::{MARGIN, SKIP};
@@ -355,6 +356,9 @@ fn apart(a: &Spheres, lane_a: usize, b: &Spheres, lane_b: usize) -> bool {
     square * SKIP > reach * reach
 }
 
+/// Triangles of the second lane that are deformed together: most leaves have no more.
+const TOGETHER: usize = 16;
+
 /// Tests all pairs of triangles of two leaf lanes.
 fn triangles(
     a: &Side<'_, '_, '_>,
@@ -363,14 +367,19 @@ fn triangles(
     records_b: &[TriangleRecord],
     visitor: &mut dyn PairVisitor,
 ) -> Result<ControlFlow<()>, QueryError> {
-    for record_a in records_a {
-        let corners_a = a.asset.deformed_triangle(a.posed.pose, record_a)?;
-        for record_b in records_b {
-            let corners_b = b.asset.deformed_triangle(b.posed.pose, record_b)?;
-            let (id_a, id_b) = (TriangleId(record_a.id), TriangleId(record_b.id));
-            let done = visitor.triangles(id_a, &corners_a, id_b, &corners_b);
-            if done.is_break() {
-                return Ok(done);
+    for records_b in records_b.chunks(TOGETHER) {
+        let mut corners_b: [Triangle; TOGETHER] = Default::default();
+        for (corners, record) in corners_b.iter_mut().zip(records_b) {
+            *corners = b.asset.deformed_triangle(b.posed.pose, record)?;
+        }
+        for record_a in records_a {
+            let corners_a = a.asset.deformed_triangle(a.posed.pose, record_a)?;
+            for (record_b, corners_b) in records_b.iter().zip(&corners_b) {
+                let (id_a, id_b) = (TriangleId(record_a.id), TriangleId(record_b.id));
+                let done = visitor.triangles(id_a, &corners_a, id_b, corners_b);
+                if done.is_break() {
+                    return Ok(done);
+                }
             }
         }
     }
