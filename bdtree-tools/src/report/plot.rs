@@ -257,7 +257,7 @@ mod tests {
             }],
         };
         assert_eq!(plot(&[]).svg(), None);
-        assert_eq!(plot(&[(0.0, 1.0), (1.0, f64::NAN), (2.0, 1.0)]).svg(), None);
+        assert_eq!(plot(&[(0.0, 1.0), (1.0, f64::NAN)]).svg(), None);
         assert_eq!(plot(&[(1.0, 1.0)]).keys().count(), 0);
         let text = plot(&[(1.0, 1.0), (10.0, 2.0)]).svg().expect("a plot");
         assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
@@ -272,6 +272,29 @@ mod tests {
                 assert!(style().contains(&hex), "{hex} in {part:.60}");
             }
         }
+    }
+
+    /// Among powers of ten zero has no place, which the axis says; even axes show it.
+    #[test]
+    fn zero_is_shown_or_said_to_be_left_out() {
+        let text = |points: &[(f64, f64)]| {
+            let plot = Plot {
+                title: String::new(),
+                x: Axis::linear("level"),
+                y: Axis::log("error"),
+                lines: vec![Line {
+                    name: "a".to_string(),
+                    points: points.to_vec(),
+                }],
+            };
+            plot.svg().expect("a plot")
+        };
+        let marks = |text: &str| text.matches("<circle").count();
+        let log = text(&[(0.0, 1.0), (1.0, 0.01), (2.0, 0.0)]);
+        assert!(log.contains("error, without 0"), "{log}");
+        let even = text(&[(0.0, 1.0), (1.0, 0.5), (2.0, 0.0)]);
+        assert!(!even.contains("without 0"), "{even}");
+        assert_eq!((marks(&log), marks(&even)), (2, 3));
     }
 
     #[test]

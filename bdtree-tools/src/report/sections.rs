@@ -71,8 +71,12 @@ pub(super) fn unneeded(asset: &Asset<'_>) -> Vec<Unneeded> {
     };
     let mut rows = Vec::new();
     if let Some(level) = first_leaf_level(asset).checked_sub(1) {
+        let where_it_stops = match level {
+            0 => "stops every query at level 0".to_string(),
+            level => format!("stops every query at level {level} or above it"),
+        };
         rows.push(row(
-            &format!("stops every query at level {level} or above it"),
+            &where_it_stops,
             "triangles, vertices and displacements: no node there holds triangles, so queries do not read them",
             surface,
         ));

@@ -35,14 +35,6 @@ impl Page {
         for curve in &refit.curves {
             self.curve(curve);
         }
-        if let Some(curve) = refit.curves.iter().find(|c| apart(c) > 0) {
-            self.soft(&format!(
-                "{} of the points over {} touch nothing: they stand in the table alone, above it the axis counts \
-                 in powers of ten.",
-                apart(curve),
-                curve.unit
-            ));
-        }
         for curve in &refit.curves {
             let cells = |p: &CurvePoint| {
                 vec![
@@ -83,11 +75,6 @@ impl Page {
             lines,
         });
     }
-}
-
-/// How many points are of bodies that do not touch.
-fn apart(curve: &Curve) -> usize {
-    curve.points.iter().filter(|p| p.amount == 0.0).count()
 }
 
 /// What a plot marks: where the times cross, or the stretch in which neither is safely ahead; nothing where
