@@ -102,6 +102,41 @@ fn crossings_are_where_both_are_as_large() {
     }
 }
 
+/// Figure 6 of a file at hand is that of the fixture it was baked from.
+#[test]
+fn figure_6_is_made_of_files_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("chair.bdt");
+    std::fs::write(&path, tables::chair().expect("a bake").as_ref()).expect("written");
+    let run = |path: &std::path::Path| {
+        let path = path.to_str().expect("a path");
+        let words = [
+            "tables",
+            "--meshes",
+            "fish",
+            "--amplitudes",
+            "0.05",
+            "--poses",
+            "1",
+        ];
+        let words = words
+            .into_iter()
+            .chain(["--pair-vertices", "64", "--files", path]);
+        tables::run(&tables::Arguments::try_parse_from(words).expect("options"))
+    };
+    let value = run(&path).expect("tables").value;
+    let own = &value["files"][0];
+    assert_eq!(
+        (&own["file"], &own["triangles"]),
+        (&"chair".into(), &17_914.into())
+    );
+    let at_rest = "/ratios/levels/6/ratios/0";
+    assert_eq!(own.pointer(at_rest), mesh("chair").pointer(at_rest));
+    let missing = folder.path().join("none.bdt");
+    let error = run(&missing).expect_err("no file").to_string();
+    assert!(error.contains("none.bdt: "), "{error}");
+}
+
 /// What docs/node-bounds.md says of the fixtures: a bound is never below the smallest ball, and on coarse levels a
 /// polynomial field is no tighter than the product's bound.
 #[test]

@@ -10,6 +10,7 @@ mod subjects;
 mod ways;
 
 use std::error::Error;
+use std::fs;
 use std::path::PathBuf;
 
 use bdtree_baselines::Body;
@@ -36,6 +37,9 @@ pub struct Arguments {
         default_value = "chair,bridge,fish,curtain"
     )]
     pub meshes: Vec<Mesh>,
+    /// Other .bdt files to make figure 6 of, too
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub files: Vec<PathBuf>,
     /// Deformations of figure 6: way of the farthest vertex over the diagonal of the box (above 0, up to 1)
     #[arg(long, value_delimiter = ',', default_value = "0.01,0.05,0.1,0.2", value_parser = share)]
     pub amplitudes: Vec<f64>,
@@ -54,6 +58,13 @@ pub struct Arguments {
     /// Folder for tables.json, tables.csv and its parts, tables.svg
     #[arg(long)]
     pub out: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// The largest amplitude.
+    fn largest(&self) -> f64 {
+        self.amplitudes.iter().copied().fold(0.0, f64::max)
+    }
 }
 
 /// A share on the command line.
@@ -77,6 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
     let mut figure = ratios::figure_table();
     let mut levels = ratios::level_table();
     let mut crossings = crossing::table();
+    let mut of_files = Vec::new();
     let mut bounds = studied::table();
     let mut lipschitz = lipschitz::table(arguments.pair_vertices);
     let (mut results, mut charts) = (Vec::new(), Vec::new());
@@ -89,8 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
         let body = Body::of_asset(&asset)?;
         let deformations = Deformations::new(&asset, &body, arguments.poses, arguments.seed);
         let ratios = ratios::measure(&asset, &trees, &deformations, &arguments.amplitudes)?;
-        let largest = arguments.amplitudes.iter().copied().fold(0.0, f64::max);
-        let met = crossing::measure(&trees, &deformations, FIGURE_LEVEL, largest)?;
+        let met = crossing::measure(&trees, &deformations, FIGURE_LEVEL, arguments.largest())?;
         let pairs = lipschitz::measure(&asset, &trees, usize::from(arguments.pair_vertices))?;
         figure
             .rows
@@ -125,6 +136,27 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
         }));
         decays.push(decay);
     }
+    for path in &arguments.files {
+        let place = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+        let bytes = AlignedBytes::copy_of(&fs::read(path).map_err(|e| place(&e))?);
+        let asset = Asset::open(&bytes).map_err(|e| place(&e))?;
+        let trees = Hierarchies::new(asset);
+        let body = Body::of_asset(&asset).map_err(|e| place(&e))?;
+        let deformations = Deformations::new(&asset, &body, arguments.poses, arguments.seed);
+        let ratios = ratios::measure(&asset, &trees, &deformations, &arguments.amplitudes);
+        let ratios = ratios.map_err(|e| place(&e))?;
+        let met = crossing::measure(&trees, &deformations, FIGURE_LEVEL, arguments.largest());
+        let met = met.map_err(|e| place(&e))?;
+        let name = path
+            .file_stem()
+            .unwrap_or(path.as_os_str())
+            .to_string_lossy();
+        figure.rows.extend(ratios.figure_rows(&name, FIGURE_LEVEL));
+        crossings.rows.extend(met.iter().map(|one| one.row(&name)));
+        of_files.push(json!({"file": name, "triangles": asset.triangle_count(),
+            "modes": asset.mode_count(), "ratios": ratios.json(),
+            "crossings": met.iter().map(|one| one.json()).collect::<Vec<Value>>()}));
+    }
     charts.insert(0, decay::chart(&decays));
     let picture = svg(&charts)?;
     let mut tables = vec![sizes, decay::table(&decays), figure, crossings, levels];
@@ -133,7 +165,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
     Ok(Report {
         name: "tables",
         value: json!({"settings": {"amplitudes": arguments.amplitudes, "poses": arguments.poses,
-            "pair_vertices": arguments.pair_vertices, "seed": arguments.seed}, "meshes": results}),
+            "pair_vertices": arguments.pair_vertices, "seed": arguments.seed}, "meshes": results, "files": of_files}),
         tables,
         pictures: vec![("", picture)],
     })

@@ -50,6 +50,9 @@ impl Way {
     }
 }
 
+/// A deformation that moves nothing is drawn again, so often at most: a body that nothing moves stays at rest.
+const DRAWS_MAX: usize = 100;
+
 /// Deformations of each way, of one amplitude.
 pub(super) struct Deformations<'a, 'b> {
     asset: &'a Asset<'b>,
@@ -77,8 +80,14 @@ impl<'a, 'b> Deformations<'a, 'b> {
         let mut rng = poses::rng(self.seed);
         let mut out = vec![0.0; self.deformer.len()];
         let one = |_| {
-            let mut q = way.q(self.asset, &mut rng);
-            scale(self.body, &self.deformer, &mut q, amplitude, &mut out);
+            let mut q = Vec::new();
+            // An animation may show the rest pose, too.
+            for _ in 0..DRAWS_MAX {
+                q = way.q(self.asset, &mut rng);
+                if scale(self.body, &self.deformer, &mut q, amplitude, &mut out) {
+                    break;
+                }
+            }
             q
         };
         (0..self.count).map(one).collect()

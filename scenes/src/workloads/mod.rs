@@ -90,19 +90,23 @@ impl Shape {
 }
 
 /// Scales q so that the farthest vertex moves by `share` of the diagonal; leaves the deformed
-/// vertices in `out`.
-pub fn scale(body: &Body, deformer: &Deformer, q: &mut [f32], share: f64, out: &mut [f32]) {
+/// vertices in `out`. A q that moves nothing is left as it is, which is told by `false`.
+pub fn scale(body: &Body, deformer: &Deformer, q: &mut [f32], share: f64, out: &mut [f32]) -> bool {
     deformer.deform(q, out);
     let moved = out.as_chunks::<3>().0.iter().zip(&body.positions);
     let farthest = moved
         .map(|(a, b)| (0..3).map(|k| f64::from(a[k] - b[k]).powi(2)).sum::<f64>())
-        .fold(f64::MIN_POSITIVE, f64::max)
+        .fold(0.0, f64::max)
         .sqrt();
+    if farthest == 0.0 {
+        return false;
+    }
     let by = share * body.mesh().diagonal() / farthest;
     for q in q.iter_mut() {
         *q *= by as f32;
     }
     deformer.deform(q, out);
+    true
 }
 
 /// Coordinates of `modes` modes over `frames` frames, frame after frame: sines of amplitude
