@@ -22,17 +22,24 @@ pub(super) fn depth(
     let mut rows: Vec<Row> = (0..asset.depth()).map(Row::new).collect();
     let mut whole = WholeQuery::default();
     let mut memory = vec![0.0; asset.pose_len()];
-    let share = 1.0 / samples.len().max(1) as f64;
     for sample in samples {
         let pose = sample.pose(asset, &mut memory)?;
         let body = Deformed::new(asset, &pose).map_err(problem)?;
         let truth = Answer::of(asset, Posed::from(&pose), sample)?;
-        whole.ball_visits += share * truth.visits as f64;
-        whole.apart_rel += share * f64::from(u8::from(truth.contacts.is_empty()));
-        whole.ball_micros += share * time(asset, &pose, sample, None)?;
+        whole.ball_visits += truth.visits as f64;
+        whole.apart_rel += f64::from(u8::from(truth.contacts.is_empty()));
+        whole.ball_micros += time(asset, &pose, sample, None)?;
         for row in &mut rows {
             row.add(asset, &pose, &body, &truth, sample, diagonal)?;
         }
+    }
+    let count = samples.len().max(1) as f64;
+    for sum in [
+        &mut whole.ball_visits,
+        &mut whole.apart_rel,
+        &mut whole.ball_micros,
+    ] {
+        *sum /= count;
     }
     let finished = rows
         .into_iter()
