@@ -2,11 +2,12 @@
 
 use bdtree_format::FrameRecord;
 
+use crate::math::{clamp, sqrt};
 use crate::pose::Transform;
 use crate::view::Asset;
 
 /// A pose that the source showed. It plays back as
-/// `Pose::new(&asset, frame.q(), frame.transform(), …)`; an instance that is placed elsewhere takes
+/// `asset.pose(frame.q(), frame.transform(), …)`; an instance that is placed elsewhere takes
 /// `place.after(frame.transform())?`.
 #[derive(Debug, Clone, Copy)]
 pub struct AnimationFrame<'a> {
@@ -23,7 +24,7 @@ impl<'a> AnimationFrame<'a> {
     /// When the source shows the frame, in seconds from 0; `None` when it does not say.
     pub fn time_s(&self) -> Option<f64> {
         let time = self.record.time_s.get();
-        (time != -1.0).then_some(time)
+        (time != UNTIMED).then_some(time)
     }
 
     /// The rigid motion that a writer took out of the frame and that puts the mesh back:
@@ -44,7 +45,7 @@ impl<'a> Asset<'a> {
     }
 
     /// A frame of the animation, counted from 0; `None` when there is no such frame. Its numbers
-    /// are the file's: where nobody has verified them, [`crate::Pose::new`] still checks what it
+    /// are the file's: where nobody has verified them, [`Asset::pose`] still checks what it
     /// takes.
     pub fn frame(&self, index: usize) -> Option<AnimationFrame<'a>> {
         let m = self.mode_count();
@@ -54,4 +55,117 @@ impl<'a> Asset<'a> {
             q: self.frame_q.get(start..start.checked_add(m)?)?,
         })
     }
+
+    /// How long the animation lasts, in seconds: the time of its last frame; `None` without frames or times.
+    pub fn duration_s(&self) -> Option<f64> {
+        self.frame(self.frame_count().checked_sub(1)?)?.time_s()
+    }
+
+    /// The pose of the animation at a time, between its frames by linear interpolation, before the first and
+    /// after the last by theirs: puts one number per mode into `q`, returns the rigid motion that goes with it.
+    /// A loop is `time % duration`.
+    ///
+    /// # Errors
+    /// No animation, one whose frames have no times, a time that is NaN, `q` of another length than the asset
+    /// has modes.
+    pub fn sample(&self, time_s: f64, q: &mut [f32]) -> Result<Transform, SampleError> {
+        let (found, expected) = (q.len(), self.mode_count());
+        if found != expected {
+            return Err(SampleError::ModeCount { expected, found });
+        }
+        if time_s.is_nan() {
+            return Err(SampleError::Time);
+        }
+        let time = |record: &FrameRecord| record.time_s.get();
+        // A writer gives all of them a time or none.
+        if self
+            .frames
+            .first()
+            .is_some_and(|first| time(first) == UNTIMED)
+        {
+            return Err(SampleError::NoTimes);
+        }
+        let after = self.frames.partition_point(|record| time(record) <= time_s);
+        let after = after.min(self.frames.len().saturating_sub(1));
+        let before = after.saturating_sub(usize::from(
+            self.frames
+                .get(after)
+                .is_some_and(|record| time(record) > time_s),
+        ));
+        let (Some(a), Some(b)) = (self.frame(before), self.frame(after)) else {
+            return Err(SampleError::NoFrames);
+        };
+        let span = time(b.record) - time(a.record);
+        // Equal times, and those of damaged files that fall, stay at the first.
+        let share = if span > 0.0 {
+            clamp((time_s - time(a.record)) / span, 0.0, 1.0)
+        } else {
+            0.0
+        };
+        for (q, (a, b)) in q.iter_mut().zip(a.q.iter().zip(b.q)) {
+            // Exact where the two are equal, and never beyond them.
+            *q = (f64::from(*a) + (f64::from(*b) - f64::from(*a)) * share) as f32;
+        }
+        Ok(a.transform().towards(&b.transform(), share))
+    }
 }
+
+/// Time of a frame for which the source does not say one (SPEC 7.5).
+const UNTIMED: f64 = -1.0;
+
+impl Transform {
+    /// Between this placement, at a share of 0, and another, at 1: translation and scale linearly, rotations along
+    /// the shorter way, their quaternions linearly and then normalised.
+    fn towards(&self, other: &Self, share: f64) -> Self {
+        let cosine: f64 = (self.rotation.iter().zip(&other.rotation))
+            .map(|(a, b)| a * b)
+            .sum();
+        // q and −q are the same rotation.
+        let sign = if cosine < 0.0 { -1.0 } else { 1.0 };
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        let rotation = [0, 1, 2, 3].map(|k| mix(self.rotation[k], sign * other.rotation[k]));
+        let length = sqrt(rotation.iter().map(|x| x * x).sum());
+        Self {
+            rotation: rotation.map(|x| x / length),
+            translation: [0, 1, 2].map(|k| mix(self.translation[k], other.translation[k])),
+            scale: mix(self.scale, other.scale),
+        }
+    }
+}
+
+/// Why an animation has no pose at a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SampleError {
+    /// The asset has no animation.
+    NoFrames,
+    /// Its frames have no times: play them by [`Asset::frame`].
+    NoTimes,
+    /// The time is NaN.
+    Time,
+    /// q has another length than the asset has modes.
+    ModeCount {
+        /// Modes of the asset.
+        expected: usize,
+        /// Length of q.
+        found: usize,
+    },
+}
+
+impl core::fmt::Display for SampleError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NoFrames => f.write_str("the asset has no animation"),
+            Self::NoTimes => f.write_str("the frames of the animation have no times"),
+            Self::Time => f.write_str("the time is NaN"),
+            Self::ModeCount { expected, found } => {
+                write!(
+                    f,
+                    "q has {found} entries but the asset has {expected} modes"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for SampleError {}

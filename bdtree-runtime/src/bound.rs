@@ -14,12 +14,15 @@
 
 use bdtree_format::{ModePair, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, Row};
 
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+
 use crate::shares::Shares;
 use crate::simd::{Lanes, PairSums};
 use crate::view::NodeRows;
 
 /// Eight spheres, side by side (stored units, relative to the origin).
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
 pub struct Spheres {
     /// Centres.
     pub centre: [Row; 3],

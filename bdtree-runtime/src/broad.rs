@@ -7,24 +7,20 @@
 //! number of different sizes otherwise.
 
 use core::ops::ControlFlow;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
-use crate::contact::Sink;
+use crate::contact::{Coverage, Sink};
 use crate::error::QueryError;
+#[cfg(feature = "alloc")]
+use crate::instance::Instance;
 use crate::math::{dot, sub};
 use crate::query::{ARGUMENT_MAX, BoundingSphere, MARGIN, length};
+use crate::workspace::{Stats, Workspace};
 
-/// What a broad phase did besides reporting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct BroadOutcome {
-    /// Pairs of spheres that were compared.
-    pub sphere_tests: u64,
-    /// The sink had no room for everything: what it took is part of the answer.
-    pub truncated: bool,
-}
-
-/// Memory for the grids; of the caller's, [`grid_slots`] of them.
-#[derive(Debug, Clone, Copy)]
-pub struct GridSlot {
+/// Memory for the grids.
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+struct GridSlot {
     /// Of the sphere with the slot's index: hash of its cell, and in the low bits its level.
     cell: u64,
     /// The sphere with the slot's index: the one that was put into its bucket before it.
@@ -35,7 +31,7 @@ pub struct GridSlot {
 
 impl GridSlot {
     /// A slot to fill memory with.
-    pub const EMPTY: Self = Self {
+    const EMPTY: Self = Self {
         cell: 0,
         next: NONE,
         newest: NONE,
@@ -55,49 +51,104 @@ const LEVEL_BITS: u64 = LEVELS as u64 - 1;
 /// along each axis, with 1 into three.
 const CELL_DIAMETERS: f64 = 2.0;
 
-/// Slots that [`pairs`] needs for `count` spheres: at most four each.
-pub const fn grid_slots(count: usize) -> usize {
+/// Slots that `count` spheres need: at most four each.
+const fn grid_slots(count: usize) -> usize {
     match count.saturating_mul(2).checked_next_power_of_two() {
         Some(slots) => slots,
         None => usize::MAX, // more than memory holds
     }
 }
 
-/// Reports every pair of spheres that are at most `tolerance` apart, as two ascending indices, once:
-/// the pairs that may touch where the spheres are [`root_sphere`](crate::query::root_sphere)s. A pair
+/// Bytes of a workspace that suffice for [`pairs`] of `count` spheres.
+pub const fn bytes_for(count: usize) -> usize {
+    grid_slots(count)
+        .saturating_mul(size_of::<GridSlot>())
+        .saturating_add(align_of::<GridSlot>())
+}
+
+/// Reports every pair of spheres that are at most `prediction` apart, as two ascending indices, once:
+/// the pairs that may touch where the spheres are [`Pose::bounding_sphere`](crate::Pose::bounding_sphere)s. A pair
 /// that is farther apart by a rounding error may be among them. The order is the same for the same
-/// spheres, but not sorted. What `memory` holds does not matter.
+/// spheres, but not sorted. [`Workspace::stats`] tells how many were compared.
 ///
 /// # Errors
-/// A coordinate, radius or tolerance that is not finite or beyond 2^100, a negative radius or
-/// tolerance, 2^32 spheres or more, too few slots.
+/// A coordinate, radius or prediction that is not finite or beyond 2^100, a negative radius or
+/// prediction, 2^32 spheres or more, too little memory.
 pub fn pairs(
     spheres: &[BoundingSphere],
+    prediction: f64,
+    workspace: &mut Workspace<'_>,
+    out: &mut impl Sink<[usize; 2]>,
+) -> Result<Coverage, QueryError> {
+    let slots = workspace.memory.slots(grid_slots(spheres.len()))?;
+    let (coverage, stats) = search(spheres, prediction, slots, out)?;
+    workspace.stats = stats;
+    Ok(coverage)
+}
+
+/// Reports every pair of instances whose bounding spheres are at most `prediction` apart and whose groups
+/// [meet](Instance::may_meet), as [`pairs`] does: what to ask with [`Instance::against`].
+///
+/// # Errors
+/// Those of [`pairs`]; a corrupt asset.
+#[cfg(feature = "alloc")]
+pub fn instance_pairs(
+    instances: &[Instance],
+    prediction: f64,
+    workspace: &mut Workspace<'_>,
+    out: &mut impl Sink<[usize; 2]>,
+) -> Result<Coverage, QueryError> {
+    let count = instances.len();
+    let lens = [count, grid_slots(count)];
+    let (spheres, slots) = workspace.memory.two_slots::<BoundingSphere, _>(lens)?;
+    for (sphere, instance) in spheres.iter_mut().zip(instances) {
+        *sphere = instance.bounding_sphere()?;
+    }
+    let mut meeting = Meeting { instances, out };
+    let (coverage, stats) = search(spheres, prediction, slots, &mut meeting)?;
+    workspace.stats = stats;
+    Ok(coverage)
+}
+
+/// Hands on the pairs whose groups meet.
+#[cfg(feature = "alloc")]
+struct Meeting<'s, S> {
+    instances: &'s [Instance],
+    out: &'s mut S,
+}
+
+#[cfg(feature = "alloc")]
+impl<S: Sink<[usize; 2]>> Sink<[usize; 2]> for Meeting<'_, S> {
+    fn push(&mut self, [i, j]: [usize; 2]) -> ControlFlow<()> {
+        if self.instances[i].may_meet(&self.instances[j]) {
+            self.out.push([i, j])
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+fn search(
+    spheres: &[BoundingSphere],
     tolerance: f64,
-    memory: &mut [GridSlot],
-    sink: &mut impl Sink<[u32; 2]>,
-) -> Result<BroadOutcome, QueryError> {
-    let tolerance = length(tolerance, "tolerance: negative, not finite or beyond 2^100")?;
+    slots: &mut [GridSlot],
+    sink: &mut impl Sink<[usize; 2]>,
+) -> Result<(Coverage, Stats), QueryError> {
+    let what = "prediction: negative, not finite or beyond 2^100";
+    let tolerance = length(tolerance, what)?;
     if u32::try_from(spheres.len()).is_err() {
         return Err(QueryError::Argument("spheres: 2^32 or more"));
     }
-    let (needed, found) = (grid_slots(spheres.len()), memory.len());
-    let Some(slots) = memory.get_mut(..needed) else {
-        return Err(QueryError::Memory { needed, found });
-    };
     let grids = Grids::new(spheres, tolerance, slots)?;
     let mut search = Search {
         spheres,
         tolerance,
         grids,
         slots,
-        outcome: BroadOutcome {
-            sphere_tests: 0,
-            truncated: false,
-        },
+        stats: Stats::default(),
     };
-    search.outcome.truncated = search.run(sink).is_break();
-    Ok(search.outcome)
+    let coverage = Coverage::of(search.run(sink).is_break());
+    Ok((coverage, search.stats))
 }
 
 /// One grid per level.
@@ -199,12 +250,12 @@ struct Search<'s> {
     grids: Grids,
     /// As many as a power of two, and as buckets.
     slots: &'s mut [GridSlot],
-    outcome: BroadOutcome,
+    stats: Stats,
 }
 
 impl Search<'_> {
     /// The largest first: every sphere looks at those before it of its own size and at all larger.
-    fn run(&mut self, sink: &mut impl Sink<[u32; 2]>) -> ControlFlow<()> {
+    fn run(&mut self, sink: &mut impl Sink<[usize; 2]>) -> ControlFlow<()> {
         for level in 0..LEVELS {
             if self.grids.reaches[level] == 0.0 {
                 continue;
@@ -233,7 +284,12 @@ impl Search<'_> {
     }
 
     /// Compares sphere `i` with those of a level that are in the grid and in reach.
-    fn look(&mut self, i: usize, level: usize, sink: &mut impl Sink<[u32; 2]>) -> ControlFlow<()> {
+    fn look(
+        &mut self,
+        i: usize,
+        level: usize,
+        sink: &mut impl Sink<[usize; 2]>,
+    ) -> ControlFlow<()> {
         let sphere = self.spheres[i];
         let reach = self.grids.reaches[level] + reach(&sphere, self.tolerance);
         let far = sphere.center.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -257,7 +313,7 @@ impl Search<'_> {
         i: usize,
         cell: [i64; 3],
         level: usize,
-        sink: &mut impl Sink<[u32; 2]>,
+        sink: &mut impl Sink<[usize; 2]>,
     ) -> ControlFlow<()> {
         let sphere = &self.spheres[i];
         let wanted = hash(cell, level);
@@ -265,12 +321,12 @@ impl Search<'_> {
         while let Some(other) = self.spheres.get(j as usize) {
             let slot = &self.slots[j as usize];
             if slot.cell == wanted {
-                self.outcome.sphere_tests += 1;
+                self.stats.sphere_tests += 1;
                 // Another cell of the same hash has its own turn.
                 if near(sphere, other, self.tolerance)
                     && self.grids.cell(other.center, level) == cell
                 {
-                    let (i, j) = (i as u32, j);
+                    let j = j as usize;
                     sink.push([i.min(j), i.max(j)])?;
                 }
             }

@@ -1,13 +1,28 @@
 //! What queries report, and where they put it. The words are parry's.
 
 use core::ops::ControlFlow;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// A vertex: its number among the source's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct VertexId(pub u32);
 
 /// A triangle: its number among the source's.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    FromBytes,
+    IntoBytes,
+    KnownLayout,
+    Immutable,
+)]
+#[repr(transparent)]
 pub struct TriangleId(pub u32);
 
 /// A primitive touches a triangle. World coordinates.
@@ -20,7 +35,7 @@ pub struct Contact {
     /// Unit normal, from the triangle towards the primitive.
     pub normal: [f64; 3],
     /// Signed distance: negative is penetration depth.
-    pub dist: f64,
+    pub distance: f64,
     /// Weights of the corners that give `point`; not negative, sum 1.
     pub barycentric: [f64; 3],
 }
@@ -31,7 +46,7 @@ impl Contact {
         triangle: TriangleId(u32::MAX),
         point: [0.0; 3],
         normal: [0.0; 3],
-        dist: 0.0,
+        distance: 0.0,
         barycentric: [0.0; 3],
     };
 }
@@ -54,7 +69,8 @@ impl TrianglePair {
 }
 
 /// Two triangles touch, or are within the tolerance. World coordinates.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
 pub struct PairContact {
     /// The first asset's triangle.
     pub triangle1: TriangleId,
@@ -64,8 +80,12 @@ pub struct PairContact {
     pub point1: [f64; 3],
     /// The second triangle's point; equal to `point1` when they touch.
     pub point2: [f64; 3],
-    /// Distance; 0 when they touch.
-    pub dist: f64,
+    /// Unit, at `point1`: towards `point2`; where the triangles touch, the first triangle's own normal.
+    pub normal1: [f64; 3],
+    /// Unit, at `point2`: towards `point1`; where the triangles touch, the second triangle's own normal.
+    pub normal2: [f64; 3],
+    /// 0 when they touch.
+    pub distance: f64,
     /// Weights of the first triangle's corners that give `point1`.
     pub barycentric1: [f64; 3],
     /// Weights of the second triangle's corners that give `point2`.
@@ -79,45 +99,71 @@ impl PairContact {
         triangle2: TriangleId(u32::MAX),
         point1: [0.0; 3],
         point2: [0.0; 3],
-        dist: 0.0,
+        normal1: [0.0; 3],
+        normal2: [0.0; 3],
+        distance: 0.0,
         barycentric1: [0.0; 3],
         barycentric2: [0.0; 3],
     };
 }
 
-/// The point of an asset nearest to a given one. World coordinates.
+/// The point of a deformed mesh nearest to a given one. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ClosestPoint {
+pub struct PointProjection {
     /// The triangle; the lowest id of those at the same distance.
     pub triangle: TriangleId,
     /// Its point.
     pub point: [f64; 3],
+    /// Unit normal, from `point` towards the given point; the triangle's own where they coincide.
+    pub normal: [f64; 3],
     /// Distance to the given point.
     pub distance: f64,
     /// Weights of the corners that give `point`.
     pub barycentric: [f64; 3],
 }
 
-/// Where a ray first meets an asset. World coordinates.
+/// Where a ray meets a triangle. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RayHit {
+pub struct RayIntersection {
     /// The triangle; the lowest id of those at the same distance.
     pub triangle: TriangleId,
     /// The point.
     pub point: [f64; 3],
+    /// Unit normal of the triangle, on the side that the ray comes from.
+    pub normal: [f64; 3],
     /// Distance from the ray's origin.
     pub distance: f64,
     /// Weights of the corners that give `point`.
     pub barycentric: [f64; 3],
 }
 
-/// A sphere of a bounded query ([`Posed::bounded`](crate::Posed::bounded)): it holds the deformed
+/// Whether the sink had room for everything that a query found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coverage {
+    /// It had.
+    Complete,
+    /// It had not: what it took is part of the answer.
+    Truncated,
+}
+
+impl Coverage {
+    /// Of a query that the sink stopped, or not.
+    pub(crate) fn of(stopped: bool) -> Self {
+        if stopped {
+            Self::Truncated
+        } else {
+            Self::Complete
+        }
+    }
+}
+
+/// A sphere of a query that ends at a level ([`Query::max_level`](crate::Query::max_level)): it holds the deformed
 /// triangles below a lane of the level at which the query stopped. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Proxy {
-    /// Centre.
+    /// Its center.
     pub center: [f64; 3],
-    /// Radius.
+    /// Its radius.
     pub radius: f64,
 }
 
@@ -129,21 +175,11 @@ impl Proxy {
     };
 }
 
-impl RayHit {
-    /// A value to fill buffers with.
-    pub const EMPTY: Self = Self {
-        triangle: TriangleId(u32::MAX),
-        point: [0.0; 3],
-        distance: 0.0,
-        barycentric: [0.0; 3],
-    };
-}
-
 /// Takes what a query finds, in the order of the traversal (the same on every run and
 /// processor kernel that visits the same nodes; sort by id where order matters).
 pub trait Sink<T> {
     /// Takes one item, or answers `Break` without taking it when there is no room: the query
-    /// then stops and says `truncated`.
+    /// then stops and says [`Coverage::Truncated`].
     fn push(&mut self, item: T) -> ControlFlow<()>;
 }
 

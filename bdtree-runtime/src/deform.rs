@@ -2,12 +2,42 @@
 
 use bdtree_format::{SectionKind, TriangleRecord};
 
-use crate::contact::VertexId;
+use crate::contact::{TriangleId, VertexId};
 use crate::error::FormatError;
 use crate::narrow::Triangle;
 use crate::pose::Pose;
 use crate::simd::{Fields, Lanes, prefetch, prefetch_from};
 use crate::view::Asset;
+
+impl Pose<'_> {
+    /// The deformed position of a vertex in the world: f64 from the stored position on.
+    ///
+    /// # Errors
+    /// When there is no such vertex.
+    #[inline]
+    pub fn deformed(&self, vertex: VertexId) -> Result<[f64; 3], FormatError> {
+        self.asset.deformed(self, vertex)
+    }
+
+    /// The deformed position of a vertex, relative to the origin (stored units), by the leaf arithmetic
+    /// (SPEC 5.5).
+    ///
+    /// # Errors
+    /// When there is no such vertex.
+    #[inline]
+    pub fn deformed_stored(&self, vertex: VertexId) -> Result<[f32; 3], FormatError> {
+        self.asset.deformed_stored(self, vertex)
+    }
+
+    /// The deformed corners of a triangle in the world.
+    ///
+    /// # Errors
+    /// When there is no such triangle, or its corners lie outside the file.
+    pub fn deformed_triangle(&self, triangle: TriangleId) -> Result<[[f64; 3]; 3], FormatError> {
+        let [a, b, c] = self.asset.triangle(triangle)?;
+        Ok([self.deformed(a)?, self.deformed(b)?, self.deformed(c)?])
+    }
+}
 
 impl Asset<'_> {
     /// The deformed position of a vertex, relative to the origin (stored units):
@@ -18,7 +48,7 @@ impl Asset<'_> {
     /// # Errors
     /// When there is no such vertex.
     #[inline]
-    pub fn deformed_stored(
+    pub(crate) fn deformed_stored(
         &self,
         pose: &Pose<'_>,
         vertex: VertexId,
@@ -87,7 +117,11 @@ impl Asset<'_> {
     /// # Errors
     /// When there is no such vertex.
     #[inline]
-    pub fn deformed(&self, pose: &Pose<'_>, vertex: VertexId) -> Result<[f64; 3], FormatError> {
+    pub(crate) fn deformed(
+        &self,
+        pose: &Pose<'_>,
+        vertex: VertexId,
+    ) -> Result<[f64; 3], FormatError> {
         Ok(pose.frame.world(self.deformed_stored(pose, vertex)?))
     }
 

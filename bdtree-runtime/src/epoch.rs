@@ -5,7 +5,6 @@ use bdtree_format::Row;
 use crate::math::sqrt;
 use crate::pose::{Pose, U32, round_up};
 use crate::simd::Lanes;
-use crate::view::Asset;
 
 /// What the spheres of another pose need so that they hold at this one: R'' = R' + δR ‖q − q₀‖ + slack.
 #[derive(Debug, Clone, Copy)]
@@ -18,9 +17,10 @@ pub(crate) struct Drift {
 }
 
 impl Drift {
-    /// The drift from `reference` to `pose`, if both are poses of `asset`.
-    pub(crate) fn new(asset: &Asset<'_>, reference: &Pose<'_>, pose: &Pose<'_>) -> Option<Self> {
-        if !reference.belongs_to(asset) || !pose.belongs_to(asset) {
+    /// The drift from `reference` to `pose`, if both are poses of one asset.
+    pub(crate) fn new(reference: &Pose<'_>, pose: &Pose<'_>) -> Option<Self> {
+        let asset = pose.asset;
+        if !reference.belongs_to(asset) {
             return None;
         }
         let (mut square, mut scaled_square) = (0.0, 0.0);

@@ -99,8 +99,8 @@ pub enum PoseError {
     Rotation,
     /// A translation is not finite or beyond 2^80.
     Translation,
-    /// The reference is not the pose that the cache was started with, or a pose is one of another asset.
-    Reference,
+    /// The matrix is not a rotation with one positive scale and a translation.
+    Matrix,
     /// The scale is not within 2^-60 … 2^60.
     Scale,
 }
@@ -129,8 +129,8 @@ impl fmt::Display for PoseError {
                 f.write_str("rotation is not a quaternion within 1e-3 of unit length")
             }
             Self::Translation => f.write_str("translation is not finite or beyond 2^80"),
-            Self::Reference => f.write_str(
-                "the reference is not the pose that the cache was started with, or of another asset",
+            Self::Matrix => f.write_str(
+                "the matrix is not a rotation with one positive scale and a translation",
             ),
             Self::Scale => f.write_str("scale is not one positive number between 2^-60 and 2^60"),
         }
@@ -143,17 +143,20 @@ impl core::error::Error for PoseError {}
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum QueryError {
-    /// The pose was made for another asset.
-    PoseMismatch,
+    /// The cache was not started with this pose: [`StepCache::start`](crate::StepCache::start).
+    Cache,
+    /// The motion does not stand at this pose, or a pose has none where a front needs it:
+    /// [`Motion`](crate::Motion).
+    Motion,
     /// An argument is NaN, infinite, beyond 2^100, a zero vector, or negative where a length is
     /// meant. The text names it.
     Argument(&'static str),
-    /// The caller's memory is shorter than `Asset::stack_len`, `Asset::pair_stack_len` or
-    /// `broad::grid_slots` says.
+    /// The bytes of a workspace or cache are too few:
+    /// [`Workspace::bytes_for`](crate::Workspace::bytes_for).
     Memory {
-        /// Entries needed.
+        /// Bytes needed, from an address that is a multiple of eight.
         needed: usize,
-        /// Entries given.
+        /// Bytes given.
         found: usize,
     },
     /// The asset's bytes break a rule that only the deep check reads; run `verify`.
@@ -163,12 +166,13 @@ pub enum QueryError {
 impl fmt::Display for QueryError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::PoseMismatch => f.write_str("the pose was made for another asset"),
+            Self::Cache => f.write_str("the cache was not started with this pose"),
+            Self::Motion => f.write_str("the motion does not stand at this pose"),
             Self::Argument(what) => f.write_str(what),
             Self::Memory { needed, found } => {
                 write!(
                     f,
-                    "the caller's memory holds {found} entries, {needed} are needed"
+                    "the query needs {needed} bytes of memory, it has {found}"
                 )
             }
             Self::Corrupt(error) => write!(f, "corrupt asset: {error}"),

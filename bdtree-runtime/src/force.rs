@@ -5,42 +5,42 @@ use bdtree_format::SectionKind;
 use crate::contact::TriangleId;
 use crate::error::FormatError;
 use crate::pose::Pose;
-use crate::view::Asset;
 
-/// Adds the generalised force of a world force that acts on the material point `barycentric` of
-/// a triangle: `out[j] += Σ_k w_k (∂x_k/∂q_j)·f`, which for an instance at scale 1 is `Uᵀ f`. The
-/// modal equation of an elastic asset takes it as its right-hand side.
-///
-/// `out` holds one number per mode.
-///
-/// # Errors
-/// An unknown triangle, `out` shorter than the mode count (as an index beyond the displacement
-/// section), a corrupt asset.
-pub fn add_generalized_force(
-    asset: &Asset<'_>,
-    pose: &Pose<'_>,
-    triangle: TriangleId,
-    barycentric: [f64; 3],
-    force: [f64; 3],
-    out: &mut [f64],
-) -> Result<(), FormatError> {
-    let corners = asset.triangle(triangle)?;
-    let m = asset.mode_count();
-    let Some(out) = out.get_mut(..m) else {
-        return Err(asset.out_of_range(SectionKind::DISPLACEMENTS, m, out.len(), 12));
-    };
-    // x = t + s Q (origin + unit p'), so ∂x/∂q_j · f = s unit U_ij · (Qᵀ f).
-    let frame = &pose.frame;
-    let local = frame.inverse_rotate(force);
-    let scale = frame.world_per_stored();
-    for (corner, weight) in corners.iter().zip(barycentric) {
-        for (mode, u) in asset.displacements(*corner)?.iter() {
-            let Some(out) = out.get_mut(mode) else {
-                return Err(asset.unknown_mode_of(*corner));
-            };
-            let [x, y, z] = u.map(f64::from);
-            *out += weight * scale * (x * local[0] + y * local[1] + z * local[2]);
+impl Pose<'_> {
+    /// Adds the generalised force of a world force that acts on the material point `barycentric` of
+    /// a triangle: `out[j] += Σ_k w_k (∂x_k/∂q_j)·f`, which for an instance at scale 1 is `Uᵀ f`. The
+    /// modal equation of an elastic asset takes it as its right-hand side.
+    ///
+    /// `out` holds one number per mode.
+    ///
+    /// # Errors
+    /// An unknown triangle, `out` shorter than the mode count (as an index beyond the displacement
+    /// section), a corrupt asset.
+    pub fn add_generalized_force(
+        &self,
+        triangle: TriangleId,
+        barycentric: [f64; 3],
+        force: [f64; 3],
+        out: &mut [f64],
+    ) -> Result<(), FormatError> {
+        let asset = self.asset;
+        let corners = asset.triangle(triangle)?;
+        let m = asset.mode_count();
+        let Some(out) = out.get_mut(..m) else {
+            return Err(asset.out_of_range(SectionKind::DISPLACEMENTS, m, out.len(), 12));
+        };
+        // x = t + s Q (origin + unit p'), so ∂x/∂q_j · f = s unit U_ij · (Qᵀ f).
+        let local = self.frame.inverse_rotate(force);
+        let scale = self.frame.world_per_stored();
+        for (corner, weight) in corners.iter().zip(barycentric) {
+            for (mode, u) in asset.displacements(*corner)?.iter() {
+                let Some(out) = out.get_mut(mode) else {
+                    return Err(asset.unknown_mode_of(*corner));
+                };
+                let [x, y, z] = u.map(f64::from);
+                *out += weight * scale * (x * local[0] + y * local[1] + z * local[2]);
+            }
         }
+        Ok(())
     }
-    Ok(())
 }

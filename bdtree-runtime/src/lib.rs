@@ -33,52 +33,69 @@ mod animation;
 pub mod bound;
 pub mod broad;
 mod cache;
-pub mod contact;
+mod contact;
 mod deform;
 #[doc(hidden)]
 pub mod embed;
 mod epoch;
-pub mod error;
+mod error;
 mod force;
 mod frame;
 #[cfg(feature = "wgpu")]
 pub mod gpu;
 #[cfg(test)]
 mod held;
+#[cfg(feature = "alloc")]
+mod instance;
 mod math;
+mod matrix;
 #[cfg(feature = "alloc")]
 mod memory;
+mod metadata;
 #[cfg(feature = "mmap")]
 mod mmap;
+#[cfg(feature = "alloc")]
+mod model;
 mod motion;
 pub mod narrow;
 mod open;
 mod pose;
 mod proxy;
-pub mod query;
+mod query;
+mod shape;
 mod shares;
 mod simd;
+pub mod studies;
 mod traverse;
+mod vector;
 mod verify;
 mod view;
+mod workspace;
 
-pub use animation::AnimationFrame;
-pub use cache::{CachedPose, LeafSlot, NodeSlot, Posed, StepCache};
+pub use animation::{AnimationFrame, SampleError};
+pub use cache::{CacheSize, StepCache};
 pub use contact::{
-    ClosestPoint, Contact, PairContact, Proxy, RayHit, Sink, SliceSink, TriangleId, TrianglePair,
-    VertexId,
+    Contact, Coverage, PairContact, PointProjection, Proxy, RayIntersection, Sink, SliceSink,
+    TriangleId, TrianglePair, VertexId,
 };
-pub use error::{Datum, FormatError, PoseError, QueryError};
-pub use force::add_generalized_force;
+pub use error::{Datum, FormatError, HEADER_SECTION, PoseError, QueryError};
 #[cfg(feature = "alloc")]
-pub use memory::AlignedBytes;
-#[cfg(feature = "mmap")]
-pub use mmap::MappedFile;
+pub use instance::Instance;
+#[cfg(feature = "std")]
+pub use model::LoadError;
+#[cfg(feature = "alloc")]
+pub use model::Model;
 pub use motion::Motion;
 pub use pose::{Pose, Transform};
+pub use query::{
+    Aabb, BoundingSphere, Budgeted, BudgetedContacts, BudgetedPairQuery, BudgetedQuery,
+    ContactManifold, ContactPoint, PairFront, PairQuery, Query,
+};
+pub use shape::{Ball, Capsule, Cuboid, Frustum, FrustumState, HalfSpace, Ray, Shape};
 pub use simd::Kernel;
-pub use traverse::{FrontSlot, PairStackEntry, SearchEntry, StackEntry};
-pub use view::{Asset, Displacements, Group, NodeRows};
+pub use vector::{Quat, Vec3};
+pub use view::{Asset, Displacements, Group, GroupKind, NodeRows};
+pub use workspace::{Stats, Workspace};
 
 /// The README's query, compiled with the tests.
 #[cfg(all(doctest, feature = "mmap"))]

@@ -8,17 +8,15 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 #[repr(C, align(64))]
 struct Block([u8; 64]);
 
-/// An owned copy of a file's bytes, 64-byte aligned: for those who hold a `Vec<u8>`, and the
-/// safe way to read files that others may change.
-#[derive(Clone)]
-pub struct AlignedBytes {
+/// An owned copy of a file's bytes, 64-byte aligned.
+pub(crate) struct AlignedBytes {
     blocks: Vec<Block>,
     len: usize,
 }
 
 impl AlignedBytes {
     /// A copy of `bytes`.
-    pub fn copy_of(bytes: &[u8]) -> Self {
+    pub(crate) fn copy_of(bytes: &[u8]) -> Self {
         let mut copy = Self {
             blocks: alloc::vec![Block([0; 64]); bytes.len().div_ceil(64)],
             len: bytes.len(),
@@ -33,7 +31,7 @@ impl AlignedBytes {
     /// When it cannot be opened or read, or is no plain file: a pipe would be waited for, and a device
     /// may have no end. When there is no memory for it, or it becomes shorter meanwhile.
     #[cfg(feature = "std")]
-    pub fn read(path: impl AsRef<std::path::Path>) -> std::io::Result<Self> {
+    pub(crate) fn read(path: impl AsRef<std::path::Path>) -> std::io::Result<Self> {
         use std::io::Read;
         let path = path.as_ref();
         let meta = std::fs::metadata(path)?;
@@ -55,23 +53,7 @@ impl AlignedBytes {
     }
 
     /// The bytes.
-    pub fn as_slice(&self) -> &[u8] {
+    pub(crate) fn as_slice(&self) -> &[u8] {
         &self.blocks.as_bytes()[..self.len]
-    }
-}
-
-impl core::ops::Deref for AlignedBytes {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        self.as_slice()
-    }
-}
-
-impl core::fmt::Debug for AlignedBytes {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("AlignedBytes")
-            .field("len", &self.len)
-            .finish()
     }
 }

@@ -10,25 +10,17 @@ use std::path::Path;
 const PAGE: usize = 4096;
 
 /// A read-only memory mapping of a file. Pages are read when queries touch them.
-#[derive(Debug)]
-pub struct MappedFile {
+pub(crate) struct MappedFile {
     map: memmap2::Mmap,
 }
 
 impl MappedFile {
-    /// Maps a file.
-    ///
-    /// The file must not be changed or truncated while it is mapped: other programs that do so
-    /// are outside the promise of this crate. Bytes that change under the readers make answers of any kind,
-    /// or [`QueryError::Corrupt`](crate::QueryError::Corrupt), and to the language are a data race; reading
-    /// behind a new end is a bus error (SIGBUS), which ends the program. Neither `verify` nor checksums
-    /// help, since they say what the bytes were. Replacing a file by renaming another over it, as
-    /// `bdtree-build` does, is safe: the map keeps the old one. Files that others may change are read with
-    /// [`AlignedBytes::read`](crate::AlignedBytes::read) instead: a copy that nobody else holds.
+    /// Maps a file, which must not be changed or truncated while it is mapped: see
+    /// [`Model::load`](crate::Model::load).
     ///
     /// # Errors
     /// When it cannot be opened or mapped; an empty file cannot.
-    pub fn open(path: impl AsRef<Path>) -> io::Result<Self> {
+    pub(crate) fn open(path: impl AsRef<Path>) -> io::Result<Self> {
         let file = File::open(path)?;
         // SAFETY: the map is read-only and private to this struct, and `as_slice` borrows it, so
         // no slice outlives it. That nobody changes the file meanwhile is the documented
@@ -44,15 +36,7 @@ impl MappedFile {
     }
 
     /// The bytes, page-aligned.
-    pub fn as_slice(&self) -> &[u8] {
+    pub(crate) fn as_slice(&self) -> &[u8] {
         &self.map
-    }
-}
-
-impl core::ops::Deref for MappedFile {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        self.as_slice()
     }
 }

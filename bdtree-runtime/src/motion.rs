@@ -1,12 +1,17 @@
 //! How far an instance has moved over steps, at most.
 
+#[cfg(feature = "alloc")]
+use core::sync::atomic::{AtomicUsize, Ordering};
+
 use crate::epoch::Drift;
 use crate::error::QueryError;
 use crate::pose::Pose;
-use crate::view::Asset;
+#[cfg(feature = "alloc")]
+use crate::pose::hashed;
 
 /// An upper bound of the way that any point of an instance has come, summed over steps: what
-/// [`PairFront`](crate::query::PairFront) rests on. One per instance, for as long as it lives.
+/// [`PairFront`](crate::PairFront) rests on. One per instance, for as long as it lives;
+/// [`Instance`](crate::Instance) keeps its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
     /// World units.
@@ -17,7 +22,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// No motion yet, at `pose`.
+    /// None yet, at `pose`. Motions that begin at equal poses are not told apart: give each pair its own front.
     pub fn new(pose: &Pose<'_>) -> Self {
         let at = pose.placed_fingerprint();
         Self {
@@ -27,23 +32,31 @@ impl Motion {
         }
     }
 
+    /// None yet, at `pose`, told apart from that of every other instance of the program.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn of_instance(pose: &Pose<'_>) -> Self {
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed) as u64;
+        let motion = Self::new(pose);
+        Self {
+            start: hashed([motion.start, number].into_iter()),
+            ..motion
+        }
+    }
+
     /// Adds a step, from the pose that the motion stands at to another. A vertex comes at most
     /// δR ‖q − q₀‖ far by deforming (paper, eq. 9; the root's δR) and what the change of the placement
     /// does to a ball around the instance; both with their rounding. No step at all adds nothing.
     ///
     /// # Errors
-    /// [`QueryError::PoseMismatch`] if the motion does not stand at `from` or a pose is one of another
-    /// asset; a corrupt asset.
-    pub fn advance(
-        &mut self,
-        asset: &Asset<'_>,
-        from: &Pose<'_>,
-        to: &Pose<'_>,
-    ) -> Result<(), QueryError> {
+    /// [`QueryError::Motion`] if the motion does not stand at `from`, or the poses are of different assets; a
+    /// corrupt asset.
+    pub fn advance(&mut self, from: &Pose<'_>, to: &Pose<'_>) -> Result<(), QueryError> {
         if !self.is_at(from) {
-            return Err(QueryError::PoseMismatch);
+            return Err(QueryError::Motion);
         }
-        let drift = Drift::new(asset, from, to).ok_or(QueryError::PoseMismatch)?;
+        let asset = to.asset;
+        let drift = Drift::new(from, to).ok_or(QueryError::Motion)?;
         let at = to.placed_fingerprint();
         if at == self.at {
             return Ok(());

@@ -80,8 +80,8 @@ impl From<f64> for Datum {
 impl<'a> Asset<'a> {
     /// The view of a file's bytes. Reads header, mode table and section table; call
     /// [`Asset::verify`] for the rest. The bytes must start at an address that is a multiple of
-    /// 4 (64 advised): [`crate::AlignedBytes`], [`crate::MappedFile`] and
-    /// [`crate::include_bdt!`] see to that.
+    /// 4 (64 advised): [`crate::include_bdt!`] sees to that, and [`Model`](crate::Model) to
+    /// files and bytes of any address.
     ///
     /// # Errors
     /// The first rule of the format that header or tables break, with its place. Hosts whose
@@ -140,6 +140,15 @@ fn power_of_two(e: i32) -> f64 {
 }
 
 fn fixed_header(bytes: &[u8]) -> Result<&Header, FormatError> {
+    // Before the length, since most files that are none of ours say so in their first bytes.
+    if bytes.get(..MAGIC.len()).is_some_and(|first| first != MAGIC) {
+        return Err(header_error(
+            0,
+            "SPEC 9.1: the file starts with the magic bytes",
+            "89 42 44 54 0d 0a 1a 0a",
+            "other bytes (not a .bdt file, or changed by a text-mode transfer)",
+        ));
+    }
     let Ok((header, _)) = Header::ref_from_prefix(bytes) else {
         return Err(header_error(
             bytes.len(),
@@ -148,19 +157,11 @@ fn fixed_header(bytes: &[u8]) -> Result<&Header, FormatError> {
             bytes.len(),
         ));
     };
-    if header.magic != MAGIC {
-        return Err(header_error(
-            0,
-            "SPEC 9.1: the file starts with the magic bytes",
-            "89 42 44 54 0d 0a 1a 0a",
-            "other bytes (not a .bdt file, or changed by a text-mode transfer)",
-        ));
-    }
     if !(bytes.as_ptr() as usize).is_multiple_of(BASE_ALIGNMENT) {
         return Err(header_error(
             0,
             "SPEC 3.2: the first byte lies at an address that is a multiple of 4",
-            "an aligned buffer (AlignedBytes, MappedFile or include_bdt!)",
+            "an aligned buffer (Model or include_bdt!)",
             "a misaligned one",
         ));
     }

@@ -4,9 +4,10 @@ use bdtree_format::{ModeRecord, ROW_RADIUS};
 use zerocopy::{FromBytes, IntoBytes};
 
 use crate::bound::BoundPose;
-use crate::error::PoseError;
+use crate::error::{PoseError, QueryError};
 use crate::frame::{Frame, rotation_matrix};
 use crate::math::{add, dot, scale, sqrt};
+use crate::motion::Motion;
 use crate::shares::{Given, Memory, Shares};
 use crate::view::Asset;
 
@@ -41,7 +42,7 @@ impl Transform {
     /// that has its own rigid motion stands at `place.after(frame.transform())`.
     ///
     /// # Errors
-    /// What [`Pose::new`] refuses of a placement: of either one, or of both together.
+    /// What [`Asset::pose`] refuses of a placement: of either one, or of both together.
     pub fn after(self, first: Self) -> Result<Self, PoseError> {
         let (outer, inner) = (self.checked()?, first.checked()?);
         let turned = rotation_matrix(outer.rotation).map(|row| dot(row, inner.translation));
@@ -111,58 +112,71 @@ fn leaf_radius(asset: &Asset<'_>) -> f64 {
     2.0 * sum / sqrt(count * asset.triangle_count() as f64).max(1.0)
 }
 
-/// q and a placement, checked, with the rounding terms that every node bound shares.
+/// An asset deformed by q and placed in the world: q and placement checked, with the rounding terms that
+/// every node bound shares. Queries on it are [`Pose::query`] and [`Pose::against`].
 ///
-/// Borrows the caller's memory for q; make one per instance and step.
+/// Borrows its asset and the caller's memory; make one per instance and step with [`Asset::pose`].
+/// [`Instance`](crate::Instance) does so by itself.
 #[derive(Debug, Clone, Copy)]
 pub struct Pose<'p> {
+    pub(crate) asset: &'p Asset<'p>,
     /// q with subnormal entries set to 0 (deviation from the source's q: below 2⁻¹²⁶).
     pub(crate) q: &'p [f32],
     /// q̃, for node bounds.
     shares: Shares<'p>,
-    /// Added to every radius: covers the f32 evaluation of centres, radii and vertices, and what q̃
+    /// Added to every radius: covers the f32 evaluation of centers, radii and vertices, and what q̃
     /// differs from q (docs/guarantees.md, slack; stored units).
     pub(crate) slack: f32,
-    /// B = P + S: no deformed vertex and no lane centre is farther from the origin
+    /// B = P + S: no deformed vertex and no lane center is farther from the origin
     /// (stored units, before rounding).
     pub(crate) reach: f64,
     pub(crate) frame: Frame,
-    /// Identifies the asset: the address at which its bytes start (a number, so that poses may
-    /// cross threads) and their header's checksum, since another file may come to lie there.
-    asset: (usize, u32),
+    /// Tells poses of an asset apart by what node spheres depend on.
+    fingerprint: u64,
+    /// How far the instance has moved until here, if somebody keeps count.
+    pub(crate) motion: Option<Motion>,
 }
 
-impl<'p> Pose<'p> {
-    /// Prepares q for an asset at a placement. `memory` needs [`Asset::pose_len`] numbers.
+/// What a pose consists of besides its asset and its memory.
+#[cfg(feature = "alloc")]
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PoseNumbers {
+    slack: f32,
+    reach: f64,
+    frame: Frame,
+    fingerprint: u64,
+    /// λ and ρ of q̃, and how much of the memory for m and for the list of pairs is used.
+    scale: f32,
+    ratio: f32,
+    fine_len: usize,
+    active_len: usize,
+}
+
+impl Asset<'_> {
+    /// The asset at q and a placement. `memory` needs [`Asset::pose_len`] numbers, of any value.
     ///
     /// # Errors
     /// q of another length than the asset has modes, NaN, infinite or over the asset's hard
     /// limit; memory too short; a placement that [`Transform`] does not allow.
-    pub fn new(
-        asset: &Asset<'_>,
+    pub fn pose<'p>(
+        &'p self,
         q: &[f32],
-        transform: Transform,
+        at: impl Into<Transform>,
         memory: &'p mut [f32],
-    ) -> Result<Self, PoseError> {
-        Self::with_tolerance(asset, q, transform, 0.0, memory)
+    ) -> Result<Pose<'p>, PoseError> {
+        self.pose_within(q, at.into(), 0.0, memory)
     }
 
-    /// A pose whose node bounds leave out the modes that matter least: two by two, in the order of
-    /// the asset, as long as those left out move no vertex by more than `tolerance` together (world
-    /// units). Spheres become larger by what they move. Queries answer as they do for
-    /// [`Pose::new`], since triangles have all modes; they visit more nodes, each of which costs
-    /// less.
-    ///
-    /// # Errors
-    /// Those of [`Pose::new`]; a tolerance that is NaN or negative.
-    pub fn with_tolerance(
-        asset: &Asset<'_>,
+    /// A pose whose node bounds leave out modes that move no vertex by more than `tolerance` together
+    /// (see [`crate::studies::pose_within`]).
+    pub(crate) fn pose_within<'p>(
+        &'p self,
         q: &[f32],
-        transform: Transform,
+        at: Transform,
         tolerance: f64,
         memory: &'p mut [f32],
-    ) -> Result<Self, PoseError> {
-        let modes = asset.modes();
+    ) -> Result<Pose<'p>, PoseError> {
+        let modes = self.modes();
         if q.len() != modes.len() {
             return Err(PoseError::ModeCount {
                 expected: modes.len(),
@@ -172,10 +186,10 @@ impl<'p> Pose<'p> {
         if !(tolerance >= 0.0) {
             return Err(PoseError::Tolerance);
         }
-        let (needed, found) = (asset.pose_len(), memory.len());
+        let (needed, found) = (self.pose_len(), memory.len());
         let Some((own, memory)) = memory
             .get_mut(..needed)
-            .and_then(|memory| split(memory, q.len()))
+            .and_then(|memory| split_mut(memory, q.len()))
         else {
             return Err(PoseError::Memory { needed, found });
         };
@@ -186,22 +200,103 @@ impl<'p> Pose<'p> {
             s += f64::from(record.field_norm_max.get()) * f64::from(q.abs());
             *out = q;
         }
-        let transform = transform.checked()?;
-        let frame = Frame::new(asset, &transform);
-        let p = f64::from(asset.header().position_norm_max.get());
+        let frame = Frame::new(self, &at.checked()?);
+        let p = f64::from(self.header().position_norm_max.get());
         let given = Given { modes, q: own };
-        let coarse = COARSE * leaf_radius(asset);
+        let coarse = COARSE * leaf_radius(self);
         let (shares, left_out) = given.round(tolerance / frame.world_per_stored(), coarse, memory);
         // q̃ may reach farther than q by what the two differ.
         let s = s + left_out;
-        Ok(Self {
+        let slack = round_up(slack(p, s, modes.len() as f64) + left_out);
+        Ok(Pose {
+            asset: self,
             q: own,
             shares,
-            slack: round_up(slack(p, s, modes.len() as f64) + left_out),
+            slack,
             reach: p + s,
             frame,
-            asset: identity(asset),
+            fingerprint: fingerprint(self, slack, own),
+            motion: None,
         })
+    }
+}
+
+impl<'p> Pose<'p> {
+    /// What [`Pose::again`] needs to make it again.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn numbers(&self) -> PoseNumbers {
+        PoseNumbers {
+            slack: self.slack,
+            reach: self.reach,
+            frame: self.frame,
+            fingerprint: self.fingerprint,
+            scale: self.shares.scale,
+            ratio: self.shares.ratio,
+            fine_len: self.shares.fine.len(),
+            active_len: self.shares.active.len(),
+        }
+    }
+
+    /// The pose of an asset that was made in this memory and had these numbers.
+    #[cfg(feature = "alloc")]
+    #[inline]
+    pub(crate) fn again(
+        asset: &'p Asset<'p>,
+        numbers: &PoseNumbers,
+        memory: &'p [f32],
+        motion: Motion,
+    ) -> Self {
+        let (q, [coarse, fine, active]) = split(memory, asset.mode_count());
+        let fine = fine.get(..numbers.fine_len).unwrap_or_default();
+        let active = active.get(..numbers.active_len).unwrap_or_default();
+        // The casts between numbers of four bytes cannot fail.
+        Self {
+            asset,
+            q,
+            shares: Shares {
+                coarse: <[[i16; 2]]>::ref_from_bytes(coarse.as_bytes()).unwrap_or_default(),
+                fine: <[[i16; 2]]>::ref_from_bytes(fine.as_bytes()).unwrap_or_default(),
+                active: <[u32]>::ref_from_bytes(active.as_bytes()).unwrap_or_default(),
+                scale: numbers.scale,
+                ratio: numbers.ratio,
+                mode_count: asset.mode_count(),
+            },
+            slack: numbers.slack,
+            reach: numbers.reach,
+            frame: numbers.frame,
+            fingerprint: numbers.fingerprint,
+            motion: Some(motion),
+        }
+    }
+
+    /// The same pose elsewhere; its motion, if it had one, stays behind.
+    ///
+    /// # Errors
+    /// A placement that [`Transform`] does not allow.
+    pub fn placed(self, at: impl Into<Transform>) -> Result<Self, PoseError> {
+        Ok(Self {
+            frame: Frame::new(self.asset, &at.into().checked()?),
+            motion: None,
+            ..self
+        })
+    }
+
+    /// The same pose with the motion of its instance until here, on which
+    /// [`PairQuery::front`](crate::PairQuery::front) rests.
+    ///
+    /// # Errors
+    /// [`QueryError::Motion`] if the motion does not stand at this pose.
+    pub fn moving(mut self, motion: &Motion) -> Result<Self, QueryError> {
+        if !motion.is_at(&self) {
+            return Err(QueryError::Motion);
+        }
+        self.motion = Some(*motion);
+        Ok(self)
+    }
+
+    /// The asset.
+    pub fn asset(&self) -> &'p Asset<'p> {
+        self.asset
     }
 
     /// q as the queries use it: the given one with subnormal entries set to 0.
@@ -209,7 +304,7 @@ impl<'p> Pose<'p> {
         self.q
     }
 
-    /// Modes that node bounds take into account: what the others move is in [`Pose::slack`].
+    /// Modes that node bounds take into account: all but those that are 0, or were left out.
     pub fn active_modes(&self) -> usize {
         let pairs = self.shares.active.iter();
         let in_pair = |k: &u32| (self.q.len() - 2 * *k as usize).min(2);
@@ -232,31 +327,33 @@ impl<'p> Pose<'p> {
     }
 
     /// A number that tells poses of an asset apart by what node spheres depend on.
+    #[inline]
     pub(crate) fn fingerprint(&self) -> u64 {
-        let (address, crc) = self.asset;
-        let words = [
-            address as u64,
-            u64::from(crc),
-            u64::from(self.slack.to_bits()),
-        ];
-        let q = self.q.iter().map(|q| u64::from(q.to_bits()));
-        hashed(words.into_iter().chain(q))
+        self.fingerprint
     }
 
     /// [`Pose::fingerprint`] of q and placement.
     pub(crate) fn placed_fingerprint(&self) -> u64 {
         let placement = self.frame.numbers().map(f64::to_bits);
-        hashed(core::iter::once(self.fingerprint()).chain(placement))
+        hashed(core::iter::once(self.fingerprint).chain(placement))
     }
 
     /// Whether the pose was made for this asset.
     pub(crate) fn belongs_to(&self, asset: &Asset<'_>) -> bool {
-        self.asset == identity(asset)
+        identity(self.asset) == identity(asset)
     }
 }
 
+/// A number that tells what node spheres depend on from others.
+fn fingerprint(asset: &Asset<'_>, slack: f32, q: &[f32]) -> u64 {
+    let (address, crc) = identity(asset);
+    let words = [address as u64, u64::from(crc), u64::from(slack.to_bits())];
+    let q = q.iter().map(|q| u64::from(q.to_bits()));
+    hashed(words.into_iter().chain(q))
+}
+
 /// FNV-1a over words of 64 bits.
-fn hashed(words: impl Iterator<Item = u64>) -> u64 {
+pub(crate) fn hashed(words: impl Iterator<Item = u64>) -> u64 {
     words.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
         (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)
     })
@@ -286,7 +383,7 @@ pub(crate) fn identity(asset: &Asset<'_>) -> (usize, u32) {
 }
 
 /// The memory of q and that of its shares.
-fn split(memory: &mut [f32], mode_count: usize) -> Option<(&mut [f32], Memory<'_>)> {
+fn split_mut(memory: &mut [f32], mode_count: usize) -> Option<(&mut [f32], Memory<'_>)> {
     let (q, rest) = memory.split_at_mut_checked(mode_count)?;
     let pairs = rest.len() / 3;
     let (coarse, rest) = rest.split_at_mut_checked(pairs)?;
@@ -297,6 +394,16 @@ fn split(memory: &mut [f32], mode_count: usize) -> Option<(&mut [f32], Memory<'_
         active: <[u32]>::mut_from_bytes(active.as_mut_bytes()).ok()?,
     };
     Some((q, shares))
+}
+
+/// [`split_mut`] of memory that holds a pose.
+#[cfg(feature = "alloc")]
+fn split(memory: &[f32], mode_count: usize) -> (&[f32], [&[f32]; 3]) {
+    let (q, rest) = memory.split_at_checked(mode_count).unwrap_or_default();
+    let pairs = rest.len() / 3;
+    let (coarse, rest) = rest.split_at_checked(pairs).unwrap_or_default();
+    let (fine, active) = rest.split_at_checked(pairs).unwrap_or_default();
+    (q, [coarse, fine, active])
 }
 
 /// `8u P + (M + 12) u S + 2⁻⁵⁴` (docs/guarantees.md, slack).

@@ -9,8 +9,7 @@ mod posed;
 mod slots;
 mod step;
 
-pub use posed::Posed;
-pub(crate) use posed::{OwnCache, deform};
+pub(crate) use posed::{OwnCache, Posed, deform};
 pub(crate) use slots::{CHUNK, LeafChunk};
-pub use slots::{LeafSlot, NodeSlot};
-pub use step::{CachedPose, StepCache};
+pub(crate) use step::Kept;
+pub use step::{CacheSize, StepCache};

@@ -3,7 +3,7 @@
 use bdtree_format::TriangleRecord;
 
 use super::slots::{CHUNK, LeafChunk, LeafSlot, NodeSlot, STEP_END, leaf_place, place, tag};
-use super::step::CachedPose;
+use super::step::Kept;
 use crate::bound::{Spheres, WideSpheres, evaluate};
 use crate::epoch::Drift;
 use crate::error::FormatError;
@@ -12,9 +12,9 @@ use crate::proxy::DepthLimit;
 use crate::simd::{Lanes, Reference, Work, prefetch, prefetch_from};
 use crate::view::Asset;
 
-/// A pose to query, with what a step keeps or without: queries take anything that becomes one.
+/// A pose to query, with what a step keeps of it and how deep it is looked into.
 #[derive(Debug)]
-pub struct Posed<'s> {
+pub(crate) struct Posed<'s> {
     pub(crate) pose: &'s Pose<'s>,
     pub(super) drift: Option<(&'s Pose<'s>, Drift)>,
     pub(super) nodes: &'s mut [NodeSlot],
@@ -24,30 +24,24 @@ pub struct Posed<'s> {
     pub(crate) limit: Option<DepthLimit<'s>>,
 }
 
-impl<'s> From<&'s Pose<'_>> for Posed<'s> {
-    fn from(pose: &'s Pose<'_>) -> Self {
+impl<'s> Posed<'s> {
+    /// A pose with what is kept of it. `drift`: the pose at which nodes are evaluated, if it is another, and
+    /// how far away that is.
+    #[inline]
+    pub(crate) fn new(
+        pose: &'s Pose<'s>,
+        drift: Option<(&'s Pose<'s>, Drift)>,
+        kept: Kept<'s>,
+        limit: Option<DepthLimit<'s>>,
+    ) -> Self {
         Self {
             pose,
-            drift: None,
-            nodes: &mut [],
-            leaves: &mut [],
-            step: 1,
-            epoch: 1,
-            limit: None,
-        }
-    }
-}
-
-impl<'s> From<&'s mut CachedPose<'_>> for Posed<'s> {
-    fn from(cached: &'s mut CachedPose<'_>) -> Self {
-        Self {
-            pose: cached.pose,
-            drift: cached.drift,
-            nodes: cached.nodes,
-            leaves: cached.leaves,
-            step: cached.step,
-            epoch: cached.epoch,
-            limit: None,
+            drift,
+            nodes: kept.nodes,
+            leaves: kept.leaves,
+            step: kept.step,
+            epoch: kept.epoch,
+            limit,
         }
     }
 }
@@ -106,20 +100,6 @@ impl<'s> Posed<'s> {
             posed.nodes = own.nodes.insert([NodeSlot::EMPTY; 32]);
             posed.leaves = own.leaves.insert([LeafSlot::EMPTY; 16]);
         }
-        posed
-    }
-
-    /// The same with another limit, which may live shorter.
-    pub(crate) fn limited<'t>(self, limit: DepthLimit<'t>) -> Posed<'t>
-    where
-        's: 't,
-    {
-        let mut posed = Self {
-            limit: None,
-            ..self
-        }
-        .shorter();
-        posed.limit = Some(limit);
         posed
     }
 }

@@ -1,6 +1,7 @@
 //! Memory for what is kept: the slots, what they hold and which one is whose.
 
 use bdtree_format::{LANES, Row, TriangleRecord};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::bound::Spheres;
 use crate::error::FormatError;
@@ -12,8 +13,9 @@ use crate::view::Asset;
 pub(crate) const CHUNK: usize = 4;
 
 /// Memory for one node's spheres.
-#[derive(Debug, Clone, Copy)]
-pub struct NodeSlot {
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct NodeSlot {
     /// Step and node; 0 for none.
     pub(super) tag: u64,
     pub(super) spheres: Spheres,
@@ -21,7 +23,7 @@ pub struct NodeSlot {
 
 impl NodeSlot {
     /// A slot that holds nothing, to fill memory with.
-    pub const EMPTY: Self = Self {
+    pub(crate) const EMPTY: Self = Self {
         tag: 0,
         spheres: Spheres {
             centre: [[0.0; LANES]; 3],
@@ -31,8 +33,9 @@ impl NodeSlot {
 }
 
 /// Memory for up to four deformed triangles of a leaf.
-#[derive(Debug, Clone, Copy)]
-pub struct LeafSlot {
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct LeafSlot {
     /// Step and first triangle slot; 0 for none.
     pub(super) tag: u64,
     pub(crate) leaf: LeafChunk,
@@ -40,14 +43,15 @@ pub struct LeafSlot {
 
 impl LeafSlot {
     /// A slot that holds nothing, to fill memory with.
-    pub const EMPTY: Self = Self {
+    pub(crate) const EMPTY: Self = Self {
         tag: 0,
         leaf: LeafChunk::EMPTY,
     };
 }
 
 /// Up to four triangles that stand together in a leaf, deformed.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
 pub(crate) struct LeafChunk {
     /// Stored units: of each corner, of each coordinate, that of the four. Places beyond `len` repeat
     /// the first triangle.
@@ -55,6 +59,8 @@ pub(crate) struct LeafChunk {
     pub(crate) ids: [u32; CHUNK],
     /// How many there are.
     pub(crate) len: u32,
+    /// Fills up to a multiple of eight bytes.
+    unused: u32,
 }
 
 impl LeafChunk {
@@ -62,6 +68,7 @@ impl LeafChunk {
         corners: [[[0.0; CHUNK]; 3]; 3],
         ids: [0; CHUNK],
         len: 0,
+        unused: 0,
     };
 
     /// The corners of triangle `k`, below 4 (stored units).
@@ -124,6 +131,6 @@ pub(super) fn tag(step: u32, key: u32) -> u64 {
     u64::from(step) << 32 | u64::from(key)
 }
 
-/// What the documentation of [`StepCache`] says.
+/// What the documentation of [`CacheSize`](super::CacheSize) says.
 const _: () = assert!(size_of::<NodeSlot>() == 8 + 4 * size_of::<Row>());
 const _: () = assert!(size_of::<LeafSlot>() == 176);

@@ -1,97 +1,187 @@
 //! The cache over slots: steps, epochs, and the pose that they serve.
 
 use super::slots::{LeafSlot, NodeSlot, STEP_END, place, tag};
-use crate::epoch::Drift;
-use crate::error::{FormatError, PoseError};
+use crate::error::QueryError;
 use crate::pose::Pose;
 use crate::view::Asset;
+use crate::workspace::Memory;
 
-/// What one instance keeps during a step, in memory of the caller's: slices, arrays or vectors of
-/// [`NodeSlot`]s (136 bytes) and [`LeafSlot`]s (176 bytes), of any length. [`Asset::node_count`] node
-/// slots keep every node, half as many leaf slots as [`Asset::triangle_count`] every leaf.
-///
-/// ```
-/// # use bdtree_runtime::{StepCache, NodeSlot, LeafSlot};
-/// let cache = StepCache::new([NodeSlot::EMPTY; 64], [LeafSlot::EMPTY; 64]);
-/// ```
-#[derive(Debug, Clone)]
-pub struct StepCache<N, L> {
-    pub(super) nodes: N,
-    pub(super) leaves: L,
-    /// The step that leaves were deformed in, above 0 and below [`STEP_END`].
-    pub(super) step: u32,
-    /// The step that nodes were evaluated in, and what identifies its pose.
-    pub(super) epoch: u32,
-    pub(super) reference: Option<u64>,
+/// How much a [`StepCache`] keeps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CacheSize {
+    /// Nodes whose spheres are kept, 136 bytes each; [`Asset::node_count`] keep all.
+    pub nodes: usize,
+    /// Groups of up to four triangles of a leaf that are kept deformed, 176 bytes each; half of
+    /// [`Asset::triangle_count`] keep all.
+    pub leaves: usize,
 }
 
-impl<N: AsMut<[NodeSlot]>, L: AsMut<[LeafSlot]>> StepCache<N, L> {
-    /// A cache over this memory, emptied.
-    pub fn new(mut nodes: N, mut leaves: L) -> Self {
-        clear(nodes.as_mut(), leaves.as_mut());
+impl CacheSize {
+    /// Nothing is kept.
+    pub const NONE: Self = Self {
+        nodes: 0,
+        leaves: 0,
+    };
+
+    /// Everything that a step can ask for.
+    pub fn all(asset: &Asset<'_>) -> Self {
         Self {
-            nodes,
-            leaves,
+            nodes: asset.node_count(),
+            leaves: asset.triangle_count().div_ceil(2),
+        }
+    }
+
+    /// All nodes that queries visit which end at a level ([`Query::max_level`](crate::Query::max_level)), whatever
+    /// the mesh's size.
+    pub fn to_level(asset: &Asset<'_>, level: usize) -> Self {
+        Self {
+            nodes: asset.node_count_to(level),
+            leaves: 0,
+        }
+    }
+
+    /// Bytes that a cache of this size needs.
+    pub const fn bytes(self) -> usize {
+        size_of::<NodeSlot>()
+            .saturating_mul(self.nodes)
+            .saturating_add(size_of::<LeafSlot>().saturating_mul(self.leaves))
+            .saturating_add(align_of::<NodeSlot>())
+    }
+}
+
+/// What one instance keeps during a step: spheres of nodes and deformed leaves, each in the slot of its number, so
+/// that a cache of any size serves; what finds its slot taken by another is computed again.
+///
+/// Queries take it by [`Query::cached`](crate::Query::cached), after [`StepCache::start`] with the pose that is asked.
+#[derive(Debug)]
+pub struct StepCache<'m> {
+    memory: Memory<'m>,
+    size: CacheSize,
+    /// The step that leaves were deformed in, above 0 and below [`STEP_END`].
+    step: u32,
+    /// The step that nodes were evaluated in, and what identifies its pose.
+    epoch: u32,
+    reference: Option<u64>,
+}
+
+#[cfg(feature = "alloc")]
+impl StepCache<'static> {
+    /// A cache of this size.
+    pub fn new(size: CacheSize) -> Self {
+        // Zeros are slots that hold nothing.
+        let words = alloc::vec![0; size.bytes().div_ceil(size_of::<u64>())];
+        Self::over(Memory::Owned(words), size)
+    }
+}
+
+impl<'m> StepCache<'m> {
+    /// A cache in these bytes, at any address.
+    ///
+    /// # Errors
+    /// [`QueryError::Memory`] where they are fewer than [`CacheSize::bytes`].
+    pub fn in_bytes(memory: &'m mut [u8], size: CacheSize) -> Result<Self, QueryError> {
+        let mut cache = Self::over(Memory::of_bytes(memory), size);
+        let (nodes, leaves) = cache
+            .memory
+            .two_slots::<NodeSlot, LeafSlot>([size.nodes, size.leaves])?;
+        clear(nodes, leaves);
+        Ok(cache)
+    }
+
+    fn over(memory: Memory<'m>, size: CacheSize) -> Self {
+        Self {
+            memory,
+            size,
             step: 0,
             epoch: 0,
             reference: None,
         }
     }
 
-    /// Forgets everything, in constant time, and serves `pose` from now on.
-    pub fn start<'s>(&'s mut self, pose: &'s Pose<'s>) -> CachedPose<'s> {
+    /// Forgets everything, in constant time, and serves this pose from now on, wherever it is placed.
+    pub fn start(&mut self, pose: &Pose<'_>) {
         self.next_step();
         self.epoch = self.step;
         self.reference = Some(pose.fingerprint());
-        self.serve(pose, None)
     }
 
-    /// Serves `pose` with the node spheres of the last [`StepCache::start`], whose pose was `reference`:
-    /// they grow by δR ‖q − q₀‖, one multiply-add per sphere instead of a node update (paper, eq. 8);
-    /// nodes first visited now are evaluated at `reference` too, so that errors do not add up over
-    /// steps. Leaves are deformed anew. Spheres are looser than evaluated ones: start again
-    /// when [`CachedPose::growth`] is no longer small beside the radius of a leaf.
-    ///
-    /// # Errors
-    /// [`PoseError::Reference`] if `reference` is not the pose of the last start, or `pose` one of
-    /// another asset.
-    pub fn follow<'s>(
-        &'s mut self,
-        asset: &Asset<'_>,
-        reference: &'s Pose<'s>,
-        pose: &'s Pose<'s>,
-    ) -> Result<CachedPose<'s>, PoseError> {
-        if self.reference != Some(reference.fingerprint()) {
-            return Err(PoseError::Reference);
-        }
-        let drift = Drift::new(asset, reference, pose).ok_or(PoseError::Reference)?;
+    /// Whether the spheres of node `index` are kept. In a cache of [`CacheSize::all`] none makes room for
+    /// another: then it says whether a query has visited the node since [`StepCache::start`].
+    pub fn keeps(&mut self, index: u32) -> bool {
+        let epoch = self.epoch;
+        let Ok(kept) = self.slots() else {
+            return false;
+        };
+        let slot = kept.nodes.get(place(index as usize, kept.nodes.len()));
+        let tags = [epoch, epoch | STEP_END].map(|epoch| tag(epoch, index));
+        slot.is_some_and(|slot| tags.contains(&slot.tag))
+    }
+
+    /// Whether the last start was with this pose.
+    #[inline]
+    pub(crate) fn serves(&self, pose: &Pose<'_>) -> bool {
+        self.reference == Some(pose.fingerprint())
+    }
+
+    /// Counts on with the nodes of the epoch, while leaves are forgotten; `false` at the end of the count,
+    /// where everything is.
+    pub(crate) fn follow(&mut self) -> bool {
         let epoch = self.epoch;
         self.next_step();
-        if self.epoch != epoch {
-            return Ok(self.start(pose)); // the count began anew and everything is forgotten
-        }
-        Ok(self.serve(pose, Some((reference, drift))))
+        self.epoch == epoch
+    }
+
+    /// What it keeps, for a query.
+    #[inline]
+    pub(crate) fn slots(&mut self) -> Result<Kept<'_>, QueryError> {
+        let counts = [self.size.nodes, self.size.leaves];
+        let (nodes, leaves) = self.memory.two_slots(counts)?;
+        Ok(Kept {
+            nodes,
+            leaves,
+            step: self.step,
+            epoch: self.epoch,
+        })
     }
 
     /// Counts on; at the end of the count everything is forgotten.
     fn next_step(&mut self) {
         self.step += 1;
         if self.step == STEP_END {
-            clear(self.nodes.as_mut(), self.leaves.as_mut());
+            if let Ok(kept) = self.slots() {
+                clear(kept.nodes, kept.leaves);
+            }
             (self.step, self.epoch, self.reference) = (1, 0, None);
         }
     }
+}
 
-    fn serve<'s>(
-        &'s mut self,
-        pose: &'s Pose<'s>,
-        drift: Option<(&'s Pose<'s>, Drift)>,
-    ) -> CachedPose<'s> {
-        CachedPose {
-            pose,
-            drift,
-            nodes: self.nodes.as_mut(),
-            leaves: self.leaves.as_mut(),
+/// The slots of a cache, for one query or several.
+#[derive(Debug)]
+pub(crate) struct Kept<'c> {
+    pub(crate) nodes: &'c mut [NodeSlot],
+    pub(crate) leaves: &'c mut [LeafSlot],
+    pub(crate) step: u32,
+    pub(crate) epoch: u32,
+}
+
+impl Kept<'_> {
+    /// Nothing is kept.
+    pub(crate) const fn nothing() -> Self {
+        Self {
+            nodes: &mut [],
+            leaves: &mut [],
+            step: 1,
+            epoch: 1,
+        }
+    }
+
+    /// The same for a shorter time.
+    #[inline]
+    pub(crate) fn again(&mut self) -> Kept<'_> {
+        Kept {
+            nodes: self.nodes,
+            leaves: self.leaves,
             step: self.step,
             epoch: self.epoch,
         }
@@ -104,48 +194,5 @@ fn clear(nodes: &mut [NodeSlot], leaves: &mut [LeafSlot]) {
     }
     for slot in leaves {
         slot.tag = 0;
-    }
-}
-
-/// A pose together with what queries on it have computed so far; made by [`StepCache::start`] or
-/// [`StepCache::follow`]. Queries take `&mut` of it in place of `&Pose`.
-#[derive(Debug)]
-pub struct CachedPose<'s> {
-    pub(super) pose: &'s Pose<'s>,
-    /// Where nodes are evaluated, if not at `pose`.
-    pub(super) drift: Option<(&'s Pose<'s>, Drift)>,
-    pub(super) nodes: &'s mut [NodeSlot],
-    pub(super) leaves: &'s mut [LeafSlot],
-    pub(super) step: u32,
-    pub(super) epoch: u32,
-}
-
-impl<'s> CachedPose<'s> {
-    /// The pose.
-    pub fn pose(&self) -> &'s Pose<'s> {
-        self.pose
-    }
-
-    /// Whether the spheres of node `index` are kept. Where there are as many slots as nodes none makes
-    /// room for another: then it says whether a query has visited the node since
-    /// [`StepCache::start`].
-    pub fn keeps(&self, index: u32) -> bool {
-        let slot = self.nodes.get(place(index as usize, self.nodes.len()));
-        let tags = [self.epoch, self.epoch | STEP_END].map(|epoch| tag(epoch, index));
-        slot.is_some_and(|slot| tags.contains(&slot.tag))
-    }
-
-    /// What following a reference has added to the radii of the root's lanes, at most (world units):
-    /// about as much as to all others, since δR hardly shrinks with depth.
-    ///
-    /// # Errors
-    /// A corrupt asset.
-    pub fn growth(&self, asset: &Asset<'_>) -> Result<f64, FormatError> {
-        let Some((_, drift)) = &self.drift else {
-            return Ok(0.0);
-        };
-        let added = drift.added(asset.node_rows(asset.node(0)?)?.steps);
-        let largest = added.into_iter().fold(0.0_f32, f32::max);
-        Ok(f64::from(largest) * self.pose.frame.world_per_stored())
     }
 }

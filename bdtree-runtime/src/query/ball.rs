@@ -3,7 +3,7 @@
 use bdtree_format::Row;
 use core::ops::ControlFlow;
 
-use super::{Outcome, SKIP, beyond_four, length, point};
+use super::{SKIP, beyond_four, length, point};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
@@ -13,45 +13,24 @@ use crate::math::{cross, length_bound, norm, scale, sub};
 use crate::narrow::four::closest_four;
 use crate::narrow::{Triangle, closest_point};
 use crate::pose::{Pose, U32, round_up};
+use crate::shape;
 use crate::simd::{Lanes, Quad, Quad3, dot3, splat3, sub3};
-use crate::traverse::{Four, StackEntry, Visitor, one};
-use crate::view::Asset;
+use crate::traverse::{Four, StackEntry, Visitor, Walk, one};
 
-/// Reports every triangle whose distance to `center` is at most `radius`: `dist` is distance
-/// minus radius (≤ 0), `point` the triangle's nearest point, `normal` from there to the centre
+/// Reports every triangle whose distance to the center is at most the radius: `distance` is distance
+/// minus radius (≤ 0), `point` the triangle's nearest point, `normal` from there to the center
 /// (the triangle's own normal where the two coincide).
 ///
 /// # Errors
-/// A centre or radius that is not finite or beyond 2^100, a negative radius, a pose of another
-/// asset, too short a stack, a corrupt asset.
-pub fn ball<'p>(
-    asset: &Asset<'_>,
-    pose: impl Into<Posed<'p>>,
-    center: [f64; 3],
-    radius: f64,
-    stack: &mut [StackEntry],
-    sink: &mut impl Sink<Contact>,
-) -> Result<Outcome, QueryError> {
-    ball_posed(asset, pose.into(), center, radius, stack, sink)
-}
-
-/// [`ball`], compiled here for all callers.
-fn ball_posed(
-    asset: &Asset<'_>,
+/// A center or radius that is not finite or beyond 2^100, a negative radius, a corrupt asset.
+pub(super) fn contacts(
     posed: Posed<'_>,
-    center: [f64; 3],
-    radius: f64,
+    ball: &shape::Ball,
     stack: &mut [StackEntry],
     sink: &mut dyn Sink<Contact>,
-) -> Result<Outcome, QueryError> {
-    let pose = posed.pose;
-    let mut visitor = Ball::new(pose, center, radius, sink)?;
-    let walk = one(asset, posed, stack, &mut visitor)?;
-    Ok(Outcome {
-        nodes_visited: walk.nodes_visited,
-        nodes_updated: walk.nodes_updated,
-        truncated: walk.stopped,
-    })
+) -> Result<Walk, QueryError> {
+    let mut visitor = Ball::new(posed.pose, ball, sink)?;
+    one(posed.pose.asset, posed, stack, &mut visitor)
 }
 
 pub(super) struct Ball<'s> {
@@ -65,12 +44,14 @@ pub(super) struct Ball<'s> {
 impl<'s> Ball<'s> {
     pub(super) fn new(
         pose: &Pose<'_>,
-        center: [f64; 3],
-        radius: f64,
+        ball: &shape::Ball,
         sink: &'s mut (dyn Sink<Contact> + 's),
     ) -> Result<Self, QueryError> {
-        let center = point(center, "center: a coordinate is not finite or beyond 2^100")?;
-        let radius = length(radius, "radius: negative, not finite or beyond 2^100")?;
+        let center = point(
+            ball.center,
+            "center: a coordinate is not finite or beyond 2^100",
+        )?;
+        let radius = length(ball.radius, "radius: negative, not finite or beyond 2^100")?;
         let stored = pose.frame.point_to_stored(center);
         let far = length_bound(stored);
         // Reach in stored units: the radius, the f64 errors, the centre's rounding to f32.
@@ -129,7 +110,7 @@ impl Visitor for Ball<'_> {
             triangle: id,
             point: closest.point,
             normal: direction(closest.point, self.center).unwrap_or_else(|| normal(corners)),
-            dist: closest.distance - self.radius,
+            distance: closest.distance - self.radius,
             barycentric: closest.barycentric,
         })
     }
@@ -161,14 +142,14 @@ impl Ball<'_> {
         let point = store3(closest.point);
         let normal = store3([v[0].div(n), v[1].div(n), v[2].div(n)]);
         let barycentric = store3(closest.barycentric);
-        let dist = closest.distance.sub(radius).store();
+        let distance = closest.distance.sub(radius).store();
         let mut contacts = [Contact::EMPTY; 4];
         for k in 0..4 {
             contacts[k] = Contact {
                 triangle: TriangleId(four.ids[k]),
                 point: [point[0][k], point[1][k], point[2][k]],
                 normal: [normal[0][k], normal[1][k], normal[2][k]],
-                dist: dist[k],
+                distance: distance[k],
                 barycentric: [barycentric[0][k], barycentric[1][k], barycentric[2][k]],
             };
         }

@@ -4,7 +4,7 @@ use bdtree_format::Row;
 use core::ops::ControlFlow;
 
 use super::ball::{direction, normal};
-use super::{MARGIN, Outcome, SKIP, length, point};
+use super::{MARGIN, SKIP, length, point};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
@@ -12,66 +12,39 @@ use crate::error::QueryError;
 use crate::math::{add_scaled, clamp, dot, norm, scale, sqrt, sub};
 use crate::narrow::{Triangle, segment_triangle_distance};
 use crate::pose::{Pose, U32, round_up};
+use crate::shape;
 use crate::simd::Lanes;
-use crate::traverse::{StackEntry, Visitor, one};
-use crate::view::Asset;
+use crate::traverse::{StackEntry, Visitor, Walk, one};
 
-/// Reports every triangle whose distance to the segment from `point1` to `point2` is at most
-/// `radius`: `dist` is distance minus radius (≤ 0), `point` the triangle's nearest point, `normal`
-/// from there to the segment's nearest point (the triangle's own normal where the two touch). A
-/// segment of length 0 makes it a ball; a radius of 0 asks what the segment itself touches.
+/// Reports every triangle whose distance to the segment is at most the radius: `distance` is distance
+/// minus radius (≤ 0), `point` the triangle's nearest point, `normal` from there to the segment's nearest
+/// point (the triangle's own normal where the two touch). A segment of length 0 makes it a ball.
 ///
 /// # Errors
-/// An end or radius that is not finite or beyond 2^100, a negative radius, a pose of another
-/// asset, too short a stack, a corrupt asset.
-pub fn capsule<'p>(
-    asset: &Asset<'_>,
-    pose: impl Into<Posed<'p>>,
-    point1: [f64; 3],
-    point2: [f64; 3],
-    radius: f64,
-    stack: &mut [StackEntry],
-    sink: &mut impl Sink<Contact>,
-) -> Result<Outcome, QueryError> {
-    capsule_posed(asset, pose.into(), point1, point2, radius, stack, sink)
-}
-
-/// [`capsule`], compiled here for all callers.
-fn capsule_posed(
-    asset: &Asset<'_>,
+/// An end or radius that is not finite or beyond 2^100, a negative radius, a corrupt asset.
+pub(super) fn contacts(
     posed: Posed<'_>,
-    point1: [f64; 3],
-    point2: [f64; 3],
-    radius: f64,
+    capsule: &shape::Capsule,
     stack: &mut [StackEntry],
     sink: &mut dyn Sink<Contact>,
-) -> Result<Outcome, QueryError> {
+) -> Result<Walk, QueryError> {
     let pose = posed.pose;
-    let point1 = point(point1, "point1: a coordinate is not finite or beyond 2^100")?;
-    let point2 = point(point2, "point2: a coordinate is not finite or beyond 2^100")?;
-    let radius = length(radius, "radius: negative, not finite or beyond 2^100")?;
-    if !pose.belongs_to(asset) {
-        return Err(QueryError::PoseMismatch);
-    }
-    let Some(near) = NearSegment::new(pose, [point1, point2], radius) else {
-        return Ok(Outcome {
-            nodes_visited: 0,
-            nodes_updated: 0,
-            truncated: false,
-        });
+    let a = point(capsule.a, "a: a coordinate is not finite or beyond 2^100")?;
+    let b = point(capsule.b, "b: a coordinate is not finite or beyond 2^100")?;
+    let radius = length(
+        capsule.radius,
+        "radius: negative, not finite or beyond 2^100",
+    )?;
+    let Some(near) = NearSegment::new(pose, [a, b], radius) else {
+        return Ok(Walk::default());
     };
     let mut visitor = Capsule {
         near,
-        segment: [point1, point2],
+        segment: [a, b],
         radius,
         sink,
     };
-    let walk = one(asset, posed, stack, &mut visitor)?;
-    Ok(Outcome {
-        nodes_visited: walk.nodes_visited,
-        nodes_updated: walk.nodes_updated,
-        truncated: walk.stopped,
-    })
+    one(pose.asset, posed, stack, &mut visitor)
 }
 
 /// The part of a segment that a body can be near to (stored units).
@@ -212,7 +185,7 @@ impl Visitor for Capsule<'_> {
             triangle: id,
             point: nearest.on_triangle,
             normal: towards.unwrap_or_else(|| normal(corners)),
-            dist: nearest.distance - self.radius,
+            distance: nearest.distance - self.radius,
             barycentric: nearest.barycentric,
         })
     }

@@ -3,7 +3,7 @@
 use bdtree_format::Row;
 use core::ops::ControlFlow;
 
-use super::{MARGIN, Outcome, SKIP, length, point};
+use super::{MARGIN, SKIP, length, point};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
@@ -11,79 +11,43 @@ use crate::error::QueryError;
 use crate::math::{clamp, dot, norm};
 use crate::narrow::{OrientedBox, Triangle};
 use crate::pose::{Pose, U32, round_up};
+use crate::shape;
 use crate::simd::Lanes;
-use crate::traverse::{StackEntry, Visitor, one};
-use crate::view::Asset;
+use crate::traverse::{StackEntry, Visitor, Walk, one};
 
-/// Reports every triangle that shares a point with the closed box about `center` whose axes are
-/// turned by the quaternion `rotation` (x, y, z, w; normalised first): `point` is the triangle's
-/// point deepest in the box, that is farthest from the nearest face, `dist` minus that distance
-/// (≤ 0), `normal` unit, from that face into the box: moving the box by `−dist` along it takes the
-/// face to the point. Half extents may be 0.
+/// Reports every triangle that shares a point with the box: `point` is the triangle's point deepest in the
+/// box, that is farthest from the nearest face, `distance` minus that distance (≤ 0), `normal` unit, from that
+/// face into the box: moving the box by `−distance` along it takes the face to the point.
 ///
 /// # Errors
-/// A centre or half extent that is not finite or beyond 2^100, a negative half extent, a quaternion
-/// that is not finite or whose norm is off by more than 1e-3, a pose of another asset, too short a
-/// stack, a corrupt asset.
-pub fn cuboid<'p>(
-    asset: &Asset<'_>,
-    pose: impl Into<Posed<'p>>,
-    center: [f64; 3],
-    rotation: [f64; 4],
-    half_extents: [f64; 3],
-    stack: &mut [StackEntry],
-    sink: &mut impl Sink<Contact>,
-) -> Result<Outcome, QueryError> {
-    cuboid_posed(
-        asset,
-        pose.into(),
-        center,
-        rotation,
-        half_extents,
-        stack,
-        sink,
-    )
-}
-
-/// [`cuboid`], compiled here for all callers.
-fn cuboid_posed(
-    asset: &Asset<'_>,
+/// A center or half extent that is not finite or beyond 2^100, a negative half extent, a quaternion
+/// that is not finite or whose norm is off by more than 1e-3, a corrupt asset.
+pub(super) fn contacts(
     posed: Posed<'_>,
-    center: [f64; 3],
-    rotation: [f64; 4],
-    half_extents: [f64; 3],
+    cuboid: &shape::Cuboid,
     stack: &mut [StackEntry],
     sink: &mut dyn Sink<Contact>,
-) -> Result<Outcome, QueryError> {
+) -> Result<Walk, QueryError> {
     let pose = posed.pose;
-    let center = point(center, "center: a coordinate is not finite or beyond 2^100")?;
-    for half in half_extents {
+    let center = point(
+        cuboid.center,
+        "center: a coordinate is not finite or beyond 2^100",
+    )?;
+    for half in cuboid.half_extents {
         length(half, "half_extents: negative, not finite or beyond 2^100")?;
     }
-    let squared = rotation.iter().fold(0.0, |sum, c| sum + c * c);
+    let squared = cuboid.rotation.iter().fold(0.0, |sum, c| sum + c * c);
     // (1 ± 1e-3)², as placements are refused.
     if !((0.998_001..=1.002_001).contains(&squared)) {
         let what = "rotation: not a quaternion within 1e-3 of unit length";
         return Err(QueryError::Argument(what));
     }
-    if !pose.belongs_to(asset) {
-        return Err(QueryError::PoseMismatch);
-    }
-    let shape = OrientedBox::new(center, rotation, half_extents);
+    let shape = OrientedBox::new(center, cuboid.rotation, cuboid.half_extents);
     let Some(near) = NearBox::new(pose, &shape) else {
-        return Ok(Outcome {
-            nodes_visited: 0,
-            nodes_updated: 0,
-            truncated: false,
-        });
+        return Ok(Walk::default());
     };
     let mut visitor = Cuboid { near, shape, sink };
-    let walk = one(asset, posed, stack, &mut visitor)?;
-    Ok(Outcome {
-        nodes_visited: walk.nodes_visited,
-        nodes_updated: walk.nodes_updated,
-        truncated: walk.stopped,
-    })
+    one(pose.asset, posed, stack, &mut visitor)
 }
 
 /// A box as three slabs `low ≤ axis · x ≤ high` about the origin of stored coordinates.
@@ -199,7 +163,7 @@ impl Visitor for Cuboid<'_> {
             point: contact.point,
             normal: contact.normal,
             // Not the negated depth, which for 0 is −0.
-            dist: 0.0 - contact.depth,
+            distance: 0.0 - contact.depth,
             barycentric: contact.barycentric,
         })
     }

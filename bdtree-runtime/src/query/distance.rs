@@ -1,57 +1,54 @@
-//! The distance of two deforming assets.
+//! The distance of two deforming meshes.
 
-use super::{Nearest, limit};
+use super::limit;
+use super::pair::normals;
 use crate::cache::{OwnCache, Posed};
 use crate::contact::PairContact;
 use crate::error::QueryError;
-use crate::traverse::{Gap, LeafPairs, NearestTwo, SearchEntry, Stack};
-use crate::view::Asset;
+use crate::pose::Pose;
+use crate::traverse::{Gap, LeafPairs, NearestTwo, SearchEntry, Stack, Walk};
 
 /// The nearest two triangles, one of each asset, and where they are nearest, if that is within
-/// `max_distance` (which may be infinite): `dist` is their distance, 0 and `point1 = point2` when
-/// they share a point. Of several pairs at the same distance: the lowest ids, those of the first
-/// asset before those of the second.
+/// `max_distance` (which may be infinite). Of several pairs at the same distance: the lowest ids, those of
+/// the first asset before those of the second.
 ///
-/// `stack` needs [`Asset::distance_stack_len`] entries.
+/// `stack` has `distance_stack_len` entries.
 ///
 /// # Errors
-/// A negative or NaN distance, a pose of another asset, too short a stack, a corrupt asset.
-pub fn distance<'p, 'q>(
-    (asset1, pose1): (&Asset<'_>, impl Into<Posed<'p>>),
-    (asset2, pose2): (&Asset<'_>, impl Into<Posed<'q>>),
+/// A negative or NaN distance, a corrupt asset.
+pub(super) fn closest_points(
+    [posed1, posed2]: [Posed<'_>; 2],
     max_distance: f64,
     stack: &mut [SearchEntry],
-) -> Result<Nearest<PairContact>, QueryError> {
-    let posed = [pose1.into().shorter(), pose2.into().shorter()];
-    distance_posed([asset1, asset2], posed, max_distance, stack)
-}
-
-/// [`distance`], compiled here for all callers.
-fn distance_posed(
-    [asset1, asset2]: [&Asset<'_>; 2],
-    posed: [Posed<'_>; 2],
-    max_distance: f64,
-    stack: &mut [SearchEntry],
-) -> Result<Nearest<PairContact>, QueryError> {
-    let [posed1, posed2] = posed.map(Posed::shorter);
-    let max_distance = limit(max_distance, "max_distance: negative, NaN or beyond 2^100")?;
-    if !posed1.pose.belongs_to(asset1) || !posed2.pose.belongs_to(asset2) {
-        return Err(QueryError::PoseMismatch);
-    }
-    let mut frontier = Stack::new(stack, asset1.distance_stack_len(asset2))?;
+) -> Result<(Option<PairContact>, Walk), QueryError> {
+    let max_distance = limit(max_distance, MAX_DISTANCE)?;
+    let (pose1, pose2) = (posed1.pose, posed2.pose);
+    let mut frontier = Stack::new(stack, pose1.asset.distance_stack_len(pose2.asset))?;
     let (mut own1, mut own2) = (OwnCache::default(), OwnCache::default());
     let gap = Gap::new(&posed1, &posed2);
     let mut pairs = LeafPairs::new(max_distance);
-    let walk = asset1.kernel.run(NearestTwo {
-        a: (asset1, posed1.or_keep(&mut own1)),
-        b: (asset2, posed2.or_keep(&mut own2)),
+    let walk = pose1.asset.kernel.run(NearestTwo {
+        a: (pose1.asset, posed1.or_keep(&mut own1)),
+        b: (pose2.asset, posed2.or_keep(&mut own2)),
         gap: &gap,
         frontier: &mut frontier,
         pairs: &mut pairs,
     })?;
-    Ok(Nearest {
-        hit: pairs.best,
-        nodes_visited: walk.nodes_visited,
-        nodes_updated: walk.nodes_updated,
-    })
+    Ok((whole([pose1, pose2], pairs.best)?, walk))
+}
+
+pub(super) const MAX_DISTANCE: &str = "max_distance: negative, NaN or beyond 2^100";
+
+/// The best pair with its normals, which only the last best one gets.
+pub(super) fn whole(
+    [pose1, pose2]: [&Pose<'_>; 2],
+    best: Option<PairContact>,
+) -> Result<Option<PairContact>, QueryError> {
+    let Some(mut best) = best else {
+        return Ok(None);
+    };
+    let corners1 = pose1.deformed_triangle(best.triangle1)?;
+    let corners2 = pose2.deformed_triangle(best.triangle2)?;
+    [best.normal1, best.normal2] = normals(&best, &corners1, &corners2);
+    Ok(Some(best))
 }

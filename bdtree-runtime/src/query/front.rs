@@ -2,17 +2,15 @@
 
 use core::ops::ControlFlow;
 
-use super::pair::{Contacts, Ids, TOLERANCE, outcome};
-use super::{Outcome, length};
 use crate::cache::Posed;
-use crate::contact::{PairContact, Sink, TriangleId, TrianglePair};
+use crate::contact::TriangleId;
 use crate::error::QueryError;
 use crate::frame::PairFrame;
 use crate::motion::Motion;
 use crate::narrow::Triangle;
 use crate::pose::Pose;
-use crate::traverse::{FrontSlot, PairStackEntry, PairVisitor, Two};
-use crate::view::Asset;
+use crate::traverse::{FrontSlot, PairStackEntry, PairVisitor, Two, Walk};
+use crate::workspace::Memory;
 
 /// Steps that a front is meant to last, at the speed of the step before.
 const STEPS: f64 = 8.0;
@@ -41,14 +39,17 @@ const PAUSE: u32 = 16;
 /// front of nodes that rises and sinks, since testing eight lanes again is cheaper than remembering
 /// each. The margin follows the speed of the two; where they are too fast for it or the memory is
 /// too short, the walk from the root is all that is done.
-#[derive(Debug, Clone)]
-pub struct PairFront<M> {
-    memory: M,
+///
+/// A pair query takes it by [`PairQuery::front`](super::PairQuery::front). A front used with another pair, or for another
+/// prediction, forgets what it has and begins anew.
+#[derive(Debug)]
+pub struct PairFront<'m> {
+    memory: Memory<'m>,
     state: State,
 }
 
 /// All of a front but its memory.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct State {
     len: usize,
     /// Of which pair of instances and for which tolerance.
@@ -71,124 +72,82 @@ struct Identity {
     tolerance: f64,
 }
 
-/// One of the two instances: asset, pose with or without kept spheres, and its motion so far.
-pub type Moving<'s, 'a, P> = (&'s Asset<'a>, P, &'s Motion);
-
-impl<M: AsMut<[FrontSlot]>> PairFront<M> {
-    /// A front in this memory: a slot for each pair of leaves that is near, say four for each pair of
-    /// triangles that touch; more is not used, with fewer the front is not kept.
-    pub fn new(memory: M) -> Self {
+#[cfg(feature = "alloc")]
+impl PairFront<'static> {
+    /// A front whose memory grows to what the pair needs.
+    pub const fn new() -> Self {
         Self {
-            memory,
-            state: State {
-                len: 0,
-                of: None,
-                until: f64::NEG_INFINITY,
-                moved: 0.0,
-                steps: STEPS,
-                served: FRESH,
-                pause: 0,
-            },
+            memory: Memory::Owned(alloc::vec::Vec::new()),
+            state: State::NEW,
         }
-    }
-
-    /// [`pair`](super::pair()) with what was found at earlier steps.
-    ///
-    /// # Errors
-    /// Those of [`pair`](super::pair()); [`QueryError::PoseMismatch`] also where a motion does not stand at
-    /// its pose.
-    pub fn pair<'p, 'q>(
-        &mut self,
-        first: Moving<'_, '_, impl Into<Posed<'p>>>,
-        second: Moving<'_, '_, impl Into<Posed<'q>>>,
-        tolerance: f64,
-        stack: &mut [PairStackEntry],
-        sink: &mut impl Sink<PairContact>,
-    ) -> Result<Outcome, QueryError> {
-        let of = Pair {
-            assets: [first.0, second.0],
-            posed: [first.1.into().shorter(), second.1.into().shorter()],
-            motions: [first.2, second.2],
-        };
-        self.state
-            .pair(self.memory.as_mut(), of, tolerance, stack, sink)
-    }
-
-    /// [`touching`](super::touching) with what was found at earlier steps.
-    ///
-    /// # Errors
-    /// Those of [`PairFront::pair`].
-    pub fn touching<'p, 'q>(
-        &mut self,
-        first: Moving<'_, '_, impl Into<Posed<'p>>>,
-        second: Moving<'_, '_, impl Into<Posed<'q>>>,
-        tolerance: f64,
-        stack: &mut [PairStackEntry],
-        sink: &mut impl Sink<TrianglePair>,
-    ) -> Result<Outcome, QueryError> {
-        let of = Pair {
-            assets: [first.0, second.0],
-            posed: [first.1.into().shorter(), second.1.into().shorter()],
-            motions: [first.2, second.2],
-        };
-        self.state
-            .touching(self.memory.as_mut(), of, tolerance, stack, sink)
     }
 }
 
-/// The two instances of a query.
-struct Pair<'s, 'a> {
-    assets: [&'s Asset<'a>; 2],
-    posed: [Posed<'s>; 2],
-    motions: [&'s Motion; 2],
+#[cfg(feature = "alloc")]
+impl Default for PairFront<'static> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<'m> PairFront<'m> {
+    /// A front in these bytes, at any address: 16 for each pair of leaves that is near, say four for each
+    /// pair of triangles that touch; more is not used, with fewer the front is not kept.
+    pub fn in_bytes(memory: &'m mut [u8]) -> Self {
+        Self {
+            memory: Memory::of_bytes(memory),
+            state: State::NEW,
+        }
+    }
+
+    /// A pair query with what was found at earlier steps.
+    ///
+    /// # Errors
+    /// [`QueryError::Motion`] where a pose has no motion; a corrupt asset.
+    pub(super) fn walk(
+        &mut self,
+        posed: [Posed<'_>; 2],
+        stack: &mut [PairStackEntry],
+        visitor: &mut dyn PairVisitor,
+    ) -> Result<Walk, QueryError> {
+        let slots = self.memory.all_slots();
+        let room = slots.len();
+        let (walk, found) = self.state.query(slots, posed, stack, visitor)?;
+        if found > room && self.memory.grows() {
+            // A quarter more, since the next front may be a little larger.
+            self.memory.up_to::<FrontSlot>(found + found / 4);
+            self.state.pause = 0;
+        }
+        Ok(walk)
+    }
 }
 
 impl State {
-    /// [`PairFront::pair`], compiled here for all callers.
-    fn pair(
-        &mut self,
-        memory: &mut [FrontSlot],
-        of: Pair<'_, '_>,
-        tolerance: f64,
-        stack: &mut [PairStackEntry],
-        sink: &mut dyn Sink<PairContact>,
-    ) -> Result<Outcome, QueryError> {
-        let tolerance = length(tolerance, TOLERANCE)?;
-        self.query(memory, of, stack, &mut Contacts { tolerance, sink })
-    }
+    const NEW: Self = Self {
+        len: 0,
+        of: None,
+        until: f64::NEG_INFINITY,
+        moved: 0.0,
+        steps: STEPS,
+        served: FRESH,
+        pause: 0,
+    };
 
-    /// [`PairFront::touching`], compiled here for all callers.
-    fn touching(
-        &mut self,
-        memory: &mut [FrontSlot],
-        of: Pair<'_, '_>,
-        tolerance: f64,
-        stack: &mut [PairStackEntry],
-        sink: &mut dyn Sink<TrianglePair>,
-    ) -> Result<Outcome, QueryError> {
-        let tolerance = length(tolerance, TOLERANCE)?;
-        self.query(memory, of, stack, &mut Ids { tolerance, sink })
-    }
-
+    /// What was done, and how many pairs of leaves a front that was made had, with room or without.
     fn query(
         &mut self,
         memory: &mut [FrontSlot],
-        of: Pair<'_, '_>,
+        posed: [Posed<'_>; 2],
         stack: &mut [PairStackEntry],
         visitor: &mut dyn PairVisitor,
-    ) -> Result<Outcome, QueryError> {
-        let Pair {
-            assets,
-            posed,
-            motions,
-        } = of;
+    ) -> Result<(Walk, usize), QueryError> {
         let [posed1, posed2] = posed.map(Posed::shorter);
         let poses = [posed1.pose, posed2.pose];
-        for k in 0..2 {
-            if !poses[k].belongs_to(assets[k]) || !motions[k].is_at(poses[k]) {
-                return Err(QueryError::PoseMismatch);
-            }
-        }
+        let assets = poses.map(|pose| pose.asset);
+        let [Some(motion1), Some(motion2)] = poses.map(|pose| pose.motion) else {
+            return Err(QueryError::Motion);
+        };
+        let motions = [&motion1, &motion2];
         let tolerance = visitor.tolerance();
         let moved = motions[0].total() + motions[1].total();
         let step = self.step_to(motions, tolerance, moved);
@@ -199,10 +158,10 @@ impl State {
             self.served += 1;
             let leaves = memory.get(..self.len).unwrap_or_default();
             if leaves.is_empty() {
-                return Ok(outcome(None));
+                return Ok((Walk::default(), 0));
             }
             let Some(frame) = PairFrame::new(&posed[0], &posed[1], tolerance) else {
-                return Ok(outcome(None));
+                return Ok((Walk::default(), 0));
             };
             let two = Two {
                 assets,
@@ -210,8 +169,7 @@ impl State {
                 frame: &frame,
                 leaves: Some(leaves),
             };
-            let walk = two.walk(stack, visitor)?;
-            return Ok(outcome(Some(walk)));
+            return Ok((two.walk(stack, visitor)?, 0));
         }
         let margin = if bounded {
             None
@@ -221,7 +179,7 @@ impl State {
         let reach = tolerance + margin.unwrap_or(0.0);
         if PairFrame::new(&posed[0], &posed[1], reach).is_none() {
             self.keep(0, moved, margin);
-            return Ok(outcome(None));
+            return Ok((Walk::default(), 0));
         }
         // A wide margin is worth its walk only where it meets nothing at all.
         let size = |pose: &Pose<'_>| pose.reach * pose.frame.world_per_stored();
@@ -232,7 +190,7 @@ impl State {
         let reach = tolerance + margin.unwrap_or(0.0);
         let Some(frame) = PairFrame::new(&posed[0], &posed[1], reach) else {
             self.keep(0, moved, margin);
-            return Ok(outcome(None));
+            return Ok((Walk::default(), 0));
         };
         let two = Two {
             assets,
@@ -257,7 +215,7 @@ impl State {
         }
         let whole = found <= room_len && !walk.stopped;
         self.keep(found, moved, margin.filter(|_| whole));
-        Ok(outcome(Some(walk)))
+        Ok((walk, found))
     }
 
     /// How far the two have moved since the last query for the same pair and tolerance; for others

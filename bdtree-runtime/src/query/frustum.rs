@@ -3,8 +3,8 @@
 use bdtree_format::Row;
 use core::ops::ControlFlow;
 
-use super::plane::StoredPlane;
-use super::root::{BoundingSphere, root_sphere};
+use super::bounds::BoundingSphere;
+use super::half_space::StoredPlane;
 use super::{MARGIN, unit};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
@@ -14,56 +14,31 @@ use crate::math::{dot, norm};
 use crate::narrow::frustum_triangle::FRUSTUM_PLANES_MAX;
 use crate::narrow::{Frustum, FrustumState, Triangle};
 use crate::simd::Lanes;
-use crate::traverse::{StackEntry, Visitor, one};
-use crate::view::Asset;
-
-/// What [`frustum`] answers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FrustumOutcome {
-    /// Where the mesh lies.
-    pub state: FrustumState,
-    /// Nodes whose spheres were tested.
-    pub nodes_visited: u64,
-    /// Of them, those whose spheres were evaluated: all but what a
-    /// [`StepCache`](crate::StepCache) kept.
-    pub nodes_updated: u64,
-}
+use crate::traverse::{StackEntry, Visitor, Walk, one};
 
 /// Where the deformed triangles lie: `Inside` if all of them are (exactly: if all their corners
-/// are), `Outside` if each of them is as [`Frustum::triangle`] says, `Intersects` otherwise. So it
-/// may say that a mesh outside intersects, within rounding, and never that one in sight is outside.
+/// are), `Outside` if each of them is as [`Frustum::triangle`] says, `Intersects` otherwise.
 ///
-/// The root's sphere is asked first ([`BoundingSphere::state`] of [`root_sphere`] is that part
-/// alone, for scenes of many instances that want no more). Undecided, the tree is descended only
+/// The root's sphere is asked first. Undecided, the tree is descended only
 /// where spheres are not clear of all planes, until the answer is known: a triangle inside and one
 /// outside, or one that intersects, end it.
 ///
 /// # Errors
-/// A pose of another asset, too short a stack, a corrupt asset.
-pub fn frustum<'p>(
-    asset: &Asset<'_>,
-    pose: impl Into<Posed<'p>>,
-    frustum: &Frustum,
-    stack: &mut [StackEntry],
-) -> Result<FrustumOutcome, QueryError> {
-    frustum_posed(asset, pose.into(), frustum, stack)
-}
-
-/// [`frustum`], compiled here for all callers.
-fn frustum_posed(
-    asset: &Asset<'_>,
+/// A corrupt asset.
+pub(super) fn state(
     posed: Posed<'_>,
     frustum: &Frustum,
     stack: &mut [StackEntry],
-) -> Result<FrustumOutcome, QueryError> {
+) -> Result<(FrustumState, Walk), QueryError> {
     let pose = posed.pose;
-    let state = root_sphere(asset, pose)?.state(frustum);
+    let state = pose.bounding_sphere()?.state(frustum);
+    let mut walk = Walk {
+        nodes_visited: 1,
+        nodes_updated: 1,
+        stopped: false,
+    };
     if state != FrustumState::Intersects {
-        return Ok(FrustumOutcome {
-            state,
-            nodes_visited: 1,
-            nodes_updated: 1,
-        });
+        return Ok((state, walk));
     }
     let count = frustum.planes().len();
     let nowhere = StoredPlane::new(pose, [0.0, 0.0, 1.0], 0.0);
@@ -80,17 +55,13 @@ fn frustum_posed(
         inside: false,
         outside: false,
     };
-    let walk = one(asset, posed, stack, &mut visitor)?;
+    walk.add(&one(pose.asset, posed, stack, &mut visitor)?);
     let state = match (visitor.inside, visitor.outside) {
         (true, false) => FrustumState::Inside,
         (false, true) => FrustumState::Outside,
         _ => FrustumState::Intersects,
     };
-    Ok(FrustumOutcome {
-        state,
-        nodes_visited: 1 + walk.nodes_visited,
-        nodes_updated: 1 + walk.nodes_updated,
-    })
+    Ok((state, walk))
 }
 
 impl BoundingSphere {

@@ -2,13 +2,15 @@
 
 use bdtree_format::Row;
 
+use super::ball::normal;
 use super::{MARGIN, SKIP, limit, point, unit};
 use crate::bound::WideSpheres;
-use crate::contact::{RayHit, TriangleId};
+use crate::contact::{RayIntersection, TriangleId};
 use crate::error::QueryError;
-use crate::math::{add_scaled, clamp, dot, length_bound};
+use crate::math::{add_scaled, clamp, dot, length_bound, scale};
 use crate::narrow::{self, Triangle, ray_hit};
 use crate::pose::{Pose, U32, round_up};
+use crate::shape::Ray;
 use crate::simd::{Lanes, Quad};
 
 /// A ray over one pose. Its point nearest to the asset, `near`, becomes its origin, so that f32
@@ -38,15 +40,16 @@ impl Line {
     /// An origin that is not finite or beyond 2^100, a direction that is zero or not finite, a
     /// negative or NaN distance.
     #[inline(always)] // a result that is as large is copied
-    pub(super) fn new(
-        pose: &Pose<'_>,
-        origin: [f64; 3],
-        direction: [f64; 3],
-        max_distance: f64,
-    ) -> Result<Option<Self>, QueryError> {
-        let origin = point(origin, "origin: a coordinate is not finite or beyond 2^100")?;
-        let direction = unit(direction, "direction: zero or not finite")?;
-        let max_distance = limit(max_distance, "max_distance: negative, NaN or beyond 2^100")?;
+    pub(super) fn new(pose: &Pose<'_>, ray: &Ray) -> Result<Option<Self>, QueryError> {
+        let origin = point(
+            ray.origin,
+            "origin: a coordinate is not finite or beyond 2^100",
+        )?;
+        let direction = unit(ray.direction, "direction: zero or not finite")?;
+        let max_distance = limit(
+            ray.max_distance,
+            "max_distance: negative, NaN or beyond 2^100",
+        )?;
         let frame = &pose.frame;
         let stored_per_world = 1.0 / frame.world_per_stored();
         let from = frame.point_to_stored(origin);
@@ -108,14 +111,25 @@ impl Line {
 
     /// Where the ray meets a triangle, by the leaf arithmetic.
     #[inline(always)]
-    pub(super) fn hit(&self, id: TriangleId, corners: &Triangle) -> Option<RayHit> {
+    pub(super) fn hit(&self, id: TriangleId, corners: &Triangle) -> Option<RayIntersection> {
         let hit = ray_hit(&self.ray, corners, self.max_distance)?;
-        Some(RayHit {
+        Some(RayIntersection {
             triangle: id,
             point: hit.point,
+            normal: [0.0; 3], // see `facing`
             distance: hit.t,
             barycentric: hit.barycentric,
         })
+    }
+
+    /// A triangle's unit normal on the side that the ray comes from.
+    pub(super) fn facing(&self, corners: &Triangle) -> [f64; 3] {
+        let normal = normal(corners);
+        if dot(normal, self.ray.direction()) > 0.0 {
+            scale(normal, -1.0)
+        } else {
+            normal
+        }
     }
 
     /// What nothing at a key is met before (world).

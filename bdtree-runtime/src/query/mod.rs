@@ -1,93 +1,54 @@
-//! The public questions: what a ball, a capsule, a box, a plane, a ray, a point, a frustum or another
-//! deforming mesh touches.
+//! What can be asked of a posed mesh: [`Query`] of one, [`PairQuery`] of two.
 //!
-//! Every query takes an asset, a pose and the caller's stack ([`Asset::stack_len`](crate::Asset::stack_len) or
-//! [`Asset::pair_stack_len`](crate::Asset::pair_stack_len) entries), speaks world coordinates and answers exactly what testing
-//! every triangle with the same leaf arithmetic would. Triangles are closed, two-sided; those of
-//! zero area act as segment or point. Limits are inclusive. [`Budget`] has those that stop after a number of
-//! visits, and [`manifold`](manifold()) condenses the pairs that [`pair`](pair()) finds.
+//! Queries speak world coordinates and answer exactly what testing every triangle with the leaf arithmetic
+//! would. Triangles are closed and two-sided; those of zero area act as segment or point. Limits are
+//! inclusive.
+//!
+//! | asked of one mesh | answer |
+//! |---|---|
+//! | [`Query::contacts`], [`Query::intersects`] | triangles that a ball, capsule, cuboid or half-space touches |
+//! | [`Query::project_point`] | the nearest point |
+//! | [`Query::cast_ray`], [`Query::cast_rays`] and their kin | what rays meet: first, any, all |
+//! | [`Query::frustum_state`] | inside, across or outside a view frustum |
+//!
+//! | asked of two meshes | answer |
+//! |---|---|
+//! | [`PairQuery::contacts`], [`PairQuery::triangle_pairs`], [`PairQuery::intersects`] | triangles that touch or are near |
+//! | [`PairQuery::closest_points`], [`PairQuery::distance`] | the nearest two triangles |
+//! | [`PairQuery::contact_manifolds`] | regions of contact with normal, area and depth |
+//!
+//! What is orthogonal to the question is an option of the query: a [`StepCache`](crate::StepCache), a deepest
+//! level, a number of visits, for pairs a [`PairFront`].
 
 mod ball;
+mod bounds;
 mod budget;
 mod capsule;
-mod closest;
 mod cuboid;
 mod distance;
 mod front;
 mod frustum;
+mod half_space;
 mod line;
 mod manifold;
 mod pair;
-mod plane;
+mod pairs;
+mod project;
 mod ray;
 mod rays;
-mod root;
+mod single;
 
-pub use ball::ball;
-pub use budget::{Budget, Budgeted, Unseen};
-pub use capsule::capsule;
-pub use closest::closest;
-pub use cuboid::cuboid;
-pub use distance::distance;
-pub use front::{Moving, PairFront};
-pub use frustum::{FrustumOutcome, frustum};
-pub use manifold::{ContactPoint, ContactRegion, ManifoldSlot, manifold};
-pub use pair::{pair, touching};
-pub use plane::plane;
-pub use ray::{ray, ray_all, ray_any};
-pub use rays::{rays, rays_all, rays_any};
-pub use root::{BoundingSphere, root_sphere};
+pub use bounds::{Aabb, BoundingSphere};
+pub use budget::{Budgeted, BudgetedContacts};
+pub use front::PairFront;
+pub(crate) use manifold::ManifoldSlot;
+pub use manifold::{ContactManifold, ContactPoint};
+pub use pairs::{BudgetedPairQuery, PairQuery};
+pub use single::{BudgetedQuery, Query};
 
 use crate::error::QueryError;
 use crate::math::norm;
 use crate::simd::{Quad, add3, dot3};
-
-/// What a query did besides reporting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Outcome {
-    /// Nodes whose spheres were tested.
-    pub nodes_visited: u64,
-    /// Of them, those whose spheres were evaluated: all but what a [`StepCache`](crate::StepCache)
-    /// kept.
-    pub nodes_updated: u64,
-    /// The sink had no room for everything: what it took is part of the answer.
-    pub truncated: bool,
-}
-
-/// The answer of a query that looks for one best triangle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nearest<T> {
-    /// The best one, if there is any within the limit.
-    pub hit: Option<T>,
-    /// Nodes whose spheres were tested.
-    pub nodes_visited: u64,
-    /// Of them, those whose spheres were evaluated: all but what a [`StepCache`](crate::StepCache)
-    /// kept.
-    pub nodes_updated: u64,
-}
-
-/// Whether anything is there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct AnyHit {
-    /// It is.
-    pub hit: bool,
-    /// Nodes whose spheres were tested.
-    pub nodes_visited: u64,
-    /// Of them, those whose spheres were evaluated: all but what a [`StepCache`](crate::StepCache)
-    /// kept.
-    pub nodes_updated: u64,
-}
-
-/// One of many rays. World units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
-    /// Where it starts: finite, at most 2^100.
-    pub origin: [f64; 3],
-    /// Where it goes: finite, not zero, of any length.
-    pub direction: [f64; 3],
-    /// How far it goes: not negative, may be infinite.
-    pub max_distance: f64,
-}
 
 /// Largest magnitude of a coordinate or length that queries take: 2^100.
 pub(crate) const ARGUMENT_MAX: f64 = (1_u128 << 100) as f64;

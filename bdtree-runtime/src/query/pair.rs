@@ -1,89 +1,32 @@
-//! The touching triangles of two deforming assets.
+//! The touching triangles of two deforming meshes.
 
 use core::ops::ControlFlow;
 
-use super::{Outcome, length};
+use super::ball::{direction, normal};
+use super::length;
 use crate::cache::Posed;
 use crate::contact::{PairContact, Sink, TriangleId, TrianglePair};
 use crate::error::QueryError;
 use crate::frame::PairFrame;
+use crate::math::scale;
 use crate::narrow::{Triangle, nearest_points, triangle_distance, triangles_intersect};
 use crate::traverse::{PairStackEntry, PairVisitor, Two, Walk};
-use crate::view::Asset;
 
-/// Reports every pair of triangles, one of each asset, that share a point (tolerance 0; exact,
-/// coplanar overlap and touching count) or whose distance is at most `tolerance`. The trees are
+/// Hands on every pair of triangles, one of each asset, that share a point (tolerance 0; exact,
+/// coplanar overlap and touching count) or whose distance is at most the visitor's tolerance. The trees are
 /// walked in the frame of the first.
 ///
 /// # Errors
-/// A tolerance that is negative, not finite or beyond 2^100, a pose of another asset, too short
-/// a stack, a corrupt asset.
-pub fn pair<'p, 'q>(
-    (asset1, pose1): (&Asset<'_>, impl Into<Posed<'p>>),
-    (asset2, pose2): (&Asset<'_>, impl Into<Posed<'q>>),
-    tolerance: f64,
-    stack: &mut [PairStackEntry],
-    sink: &mut impl Sink<PairContact>,
-) -> Result<Outcome, QueryError> {
-    let posed = [pose1.into().shorter(), pose2.into().shorter()];
-    pair_posed([asset1, asset2], posed, tolerance, stack, sink)
-}
-
-/// [`pair`], compiled here for all callers.
-fn pair_posed(
-    assets: [&Asset<'_>; 2],
-    posed: [Posed<'_>; 2],
-    tolerance: f64,
-    stack: &mut [PairStackEntry],
-    sink: &mut dyn Sink<PairContact>,
-) -> Result<Outcome, QueryError> {
-    let tolerance = length(tolerance, TOLERANCE)?;
-    walk(assets, posed, stack, &mut Contacts { tolerance, sink })
-}
-
-/// Reports which pairs of triangles [`pair`] would report, without their points: several times
-/// faster where many touch.
-///
-/// # Errors
-/// Those of [`pair`].
-pub fn touching<'p, 'q>(
-    (asset1, pose1): (&Asset<'_>, impl Into<Posed<'p>>),
-    (asset2, pose2): (&Asset<'_>, impl Into<Posed<'q>>),
-    tolerance: f64,
-    stack: &mut [PairStackEntry],
-    sink: &mut impl Sink<TrianglePair>,
-) -> Result<Outcome, QueryError> {
-    let posed = [pose1.into().shorter(), pose2.into().shorter()];
-    touching_posed([asset1, asset2], posed, tolerance, stack, sink)
-}
-
-/// [`touching`], compiled here for all callers.
-fn touching_posed(
-    assets: [&Asset<'_>; 2],
-    posed: [Posed<'_>; 2],
-    tolerance: f64,
-    stack: &mut [PairStackEntry],
-    sink: &mut dyn Sink<TrianglePair>,
-) -> Result<Outcome, QueryError> {
-    let tolerance = length(tolerance, TOLERANCE)?;
-    walk(assets, posed, stack, &mut Ids { tolerance, sink })
-}
-
-pub(super) const TOLERANCE: &str = "tolerance: negative, not finite or beyond 2^100";
-
-fn walk(
-    assets: [&Asset<'_>; 2],
+/// A corrupt asset.
+pub(super) fn walk(
     posed: [Posed<'_>; 2],
     stack: &mut [PairStackEntry],
     visitor: &mut dyn PairVisitor,
-) -> Result<Outcome, QueryError> {
+) -> Result<Walk, QueryError> {
     let [posed1, posed2] = posed.map(Posed::shorter);
-    let (pose1, pose2) = (posed1.pose, posed2.pose);
-    if !pose1.belongs_to(assets[0]) || !pose2.belongs_to(assets[1]) {
-        return Err(QueryError::PoseMismatch);
-    }
+    let assets = [posed1.pose.asset, posed2.pose.asset];
     let Some(frame) = PairFrame::new(&posed1, &posed2, visitor.tolerance()) else {
-        return Ok(outcome(None));
+        return Ok(Walk::default());
     };
     let two = Two {
         assets,
@@ -91,18 +34,32 @@ fn walk(
         frame: &frame,
         leaves: None,
     };
-    let walk = two.walk(stack, visitor)?;
-    Ok(outcome(Some(walk)))
+    two.walk(stack, visitor)
 }
 
-/// What a walk did; without one nothing.
-pub(super) fn outcome(walk: Option<Walk>) -> Outcome {
-    let walk = walk.unwrap_or_default();
-    Outcome {
-        nodes_visited: walk.nodes_visited,
-        nodes_updated: walk.nodes_updated,
-        truncated: walk.stopped,
+/// A tolerance.
+///
+/// # Errors
+/// One that is negative, not finite or beyond 2^100.
+pub(super) fn tolerance(prediction: f64) -> Result<f64, QueryError> {
+    length(
+        prediction,
+        "prediction: negative, not finite or beyond 2^100",
+    )
+}
+
+/// Unit normals at the points of a pair: towards each other, or the triangles' own where they touch.
+pub(super) fn normals(
+    pair: &PairContact,
+    corners1: &Triangle,
+    corners2: &Triangle,
+) -> [[f64; 3]; 2] {
+    if pair.distance > 0.0
+        && let Some(towards) = direction(pair.point1, pair.point2)
+    {
+        return [towards, scale(towards, -1.0)];
     }
+    [normal(corners1), normal(corners2)]
 }
 
 pub(super) struct Contacts<'s> {
@@ -130,15 +87,19 @@ impl PairVisitor for Contacts<'_> {
         if nearest.distance > self.tolerance {
             return ControlFlow::Continue(());
         }
-        self.sink.push(PairContact {
+        let mut contact = PairContact {
             triangle1,
             triangle2,
             point1: nearest.point1,
             point2: nearest.point2,
-            dist: nearest.distance,
+            normal1: [0.0; 3],
+            normal2: [0.0; 3],
+            distance: nearest.distance,
             barycentric1: nearest.barycentric1,
             barycentric2: nearest.barycentric2,
-        })
+        };
+        [contact.normal1, contact.normal2] = normals(&contact, corners1, corners2);
+        self.sink.push(contact)
     }
 }
 

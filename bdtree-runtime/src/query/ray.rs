@@ -1,152 +1,72 @@
 //! The first triangle that a ray meets, whether it meets one, and all that it meets.
+//!
+//! Triangles are two-sided; those of zero area are missed; at the same distance the lowest id wins. Rays
+//! through edges and vertices do not slip between triangles that share them.
 
 use bdtree_format::Row;
 use core::ops::ControlFlow;
 
 use super::line::Line;
-use super::{AnyHit, Nearest, Outcome};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
-use crate::contact::{RayHit, Sink, TriangleId};
+use crate::contact::{RayIntersection, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::narrow::Triangle;
+use crate::shape::Ray;
 use crate::simd::{Lanes, Quad};
-use crate::traverse::{StackEntry, Visitor, one};
-use crate::view::Asset;
+use crate::traverse::{StackEntry, Visitor, Walk, one};
 
-/// The first point where the ray from `origin` along `direction` (normalised first) meets a
-/// triangle, at a distance from 0 to `max_distance` (which may be infinite). Triangles are
-/// two-sided; those of zero area are missed; at the same distance the lowest id wins. Rays
-/// through edges and vertices do not slip between triangles that share them.
+/// The first point where the ray meets a triangle, at a distance from 0 to its `max_distance`.
 ///
 /// # Errors
 /// An origin that is not finite or beyond 2^100, a direction that is zero or not finite, a
-/// negative or NaN distance, a pose of another asset, too short a stack, a corrupt asset.
-pub fn ray<'p>(
-    asset: &Asset<'_>,
-    pose: impl Into<Posed<'p>>,
-    origin: [f64; 3],
-    direction: [f64; 3],
-    max_distance: f64,
-    stack: &mut [StackEntry],
-) -> Result<Nearest<RayHit>, QueryError> {
-    ray_posed(asset, pose.into(), origin, direction, max_distance, stack)
-}
-
-/// [`ray`], compiled here for all callers.
-fn ray_posed(
-    asset: &Asset<'_>,
+/// negative or NaN distance, a corrupt asset.
+pub(super) fn first(
     posed: Posed<'_>,
-    origin: [f64; 3],
-    direction: [f64; 3],
-    max_distance: f64,
+    ray: &Ray,
     stack: &mut [StackEntry],
-) -> Result<Nearest<RayHit>, QueryError> {
-    let Some(line) = Line::new(posed.pose, origin, direction, max_distance)? else {
-        return Ok(Nearest {
-            hit: None,
-            nodes_visited: 0,
-            nodes_updated: 0,
-        });
+) -> Result<(Option<RayIntersection>, Walk), QueryError> {
+    let Some(line) = Line::new(posed.pose, ray)? else {
+        return Ok((None, Walk::default()));
     };
     let mut visitor = First::<false>::new(line);
-    let walk = one(asset, posed, stack, &mut visitor)?;
-    Ok(Nearest {
-        hit: visitor.best,
-        nodes_visited: walk.nodes_visited,
-        nodes_updated: walk.nodes_updated,
-    })
+    let walk = one(posed.pose.asset, posed, stack, &mut visitor)?;
+    Ok((visitor.intersection(), walk))
 }
 
-/// Whether the ray meets any triangle: whether [`ray()`] finds one, in less time.
+/// Whether the ray meets any triangle: whether [`first`] finds one, in less time.
 ///
 /// # Errors
-/// As [`ray()`].
-pub fn ray_any<'p>(
-    asset: &Asset<'_>,
-    pose: impl Into<Posed<'p>>,
-    origin: [f64; 3],
-    direction: [f64; 3],
-    max_distance: f64,
-    stack: &mut [StackEntry],
-) -> Result<AnyHit, QueryError> {
-    ray_any_posed(asset, pose.into(), origin, direction, max_distance, stack)
-}
-
-/// [`ray_any`], compiled here for all callers.
-fn ray_any_posed(
-    asset: &Asset<'_>,
+/// As [`first`].
+pub(super) fn any(
     posed: Posed<'_>,
-    origin: [f64; 3],
-    direction: [f64; 3],
-    max_distance: f64,
+    ray: &Ray,
     stack: &mut [StackEntry],
-) -> Result<AnyHit, QueryError> {
-    let Some(line) = Line::new(posed.pose, origin, direction, max_distance)? else {
-        return Ok(AnyHit {
-            hit: false,
-            nodes_visited: 0,
-            nodes_updated: 0,
-        });
+) -> Result<(bool, Walk), QueryError> {
+    let Some(line) = Line::new(posed.pose, ray)? else {
+        return Ok((false, Walk::default()));
     };
     let mut visitor = First::<true>::new(line);
-    let walk = one(asset, posed, stack, &mut visitor)?;
-    Ok(AnyHit {
-        hit: visitor.best.is_some(),
-        nodes_visited: walk.nodes_visited,
-        nodes_updated: walk.nodes_updated,
-    })
+    let walk = one(posed.pose.asset, posed, stack, &mut visitor)?;
+    Ok((visitor.best.is_some(), walk))
 }
 
 /// Reports every triangle that the ray meets from distance 0 to `max_distance`, each once, in no
 /// order that means anything.
 ///
 /// # Errors
-/// As [`ray()`].
-pub fn ray_all<'p>(
-    asset: &Asset<'_>,
-    pose: impl Into<Posed<'p>>,
-    origin: [f64; 3],
-    direction: [f64; 3],
-    max_distance: f64,
-    stack: &mut [StackEntry],
-    sink: &mut impl Sink<RayHit>,
-) -> Result<Outcome, QueryError> {
-    ray_all_posed(
-        asset,
-        pose.into(),
-        origin,
-        direction,
-        max_distance,
-        stack,
-        sink,
-    )
-}
-
-/// [`ray_all`], compiled here for all callers.
-fn ray_all_posed(
-    asset: &Asset<'_>,
+/// As [`first`].
+pub(super) fn all(
     posed: Posed<'_>,
-    origin: [f64; 3],
-    direction: [f64; 3],
-    max_distance: f64,
+    ray: &Ray,
     stack: &mut [StackEntry],
-    sink: &mut dyn Sink<RayHit>,
-) -> Result<Outcome, QueryError> {
-    let Some(line) = Line::new(posed.pose, origin, direction, max_distance)? else {
-        return Ok(Outcome {
-            nodes_visited: 0,
-            nodes_updated: 0,
-            truncated: false,
-        });
+    sink: &mut dyn Sink<RayIntersection>,
+) -> Result<Walk, QueryError> {
+    let Some(line) = Line::new(posed.pose, ray)? else {
+        return Ok(Walk::default());
     };
     let mut visitor = All { line, sink };
-    let walk = one(asset, posed, stack, &mut visitor)?;
-    Ok(Outcome {
-        nodes_visited: walk.nodes_visited,
-        nodes_updated: walk.nodes_updated,
-        truncated: walk.stopped,
-    })
+    one(posed.pose.asset, posed, stack, &mut visitor)
 }
 
 /// Looks for the first hit; with `ANY` for one that need not be the first.
@@ -154,7 +74,9 @@ pub(super) struct First<const ANY: bool> {
     pub(super) line: Line,
     /// Parameter of the best hit, rounded up.
     pub(super) bound: f32,
-    pub(super) best: Option<RayHit>,
+    pub(super) best: Option<RayIntersection>,
+    /// Its triangle, for the normal, which only the last best one gets.
+    corners: Triangle,
 }
 
 impl<const ANY: bool> First<ANY> {
@@ -163,7 +85,15 @@ impl<const ANY: bool> First<ANY> {
             line,
             bound: f32::INFINITY,
             best: None,
+            corners: [[0.0; 3]; 3],
         }
+    }
+
+    /// The best hit, with its normal.
+    pub(super) fn intersection(&self) -> Option<RayIntersection> {
+        let best = self.best?;
+        let normal = self.line.facing(&self.corners);
+        Some(RayIntersection { normal, ..best })
     }
 }
 
@@ -202,6 +132,7 @@ impl<const ANY: bool> Visitor for First<ANY> {
         if better {
             self.bound = self.line.shorten(hit.distance);
             self.best = Some(hit);
+            self.corners = *corners;
         }
         if ANY {
             return ControlFlow::Break(());
@@ -212,7 +143,7 @@ impl<const ANY: bool> Visitor for First<ANY> {
 
 struct All<'s> {
     line: Line,
-    sink: &'s mut (dyn Sink<RayHit> + 's),
+    sink: &'s mut (dyn Sink<RayIntersection> + 's),
 }
 
 impl Visitor for All<'_> {
@@ -236,7 +167,10 @@ impl Visitor for All<'_> {
     #[inline(never)]
     fn triangle(&mut self, id: TriangleId, corners: &Triangle) -> ControlFlow<()> {
         match self.line.hit(id, corners) {
-            Some(hit) => self.sink.push(hit),
+            Some(hit) => {
+                let normal = self.line.facing(corners);
+                self.sink.push(RayIntersection { normal, ..hit })
+            }
             None => ControlFlow::Continue(()),
         }
     }

@@ -67,9 +67,6 @@ fn walk_one<L: Lanes, V: Visitor>(work: OneWalk<'_, '_, '_, V>) -> Result<Walk, 
         visitor,
     } = work;
     let pose = posed.pose;
-    if !pose.belongs_to(asset) {
-        return Err(QueryError::PoseMismatch);
-    }
     let (needed, found) = (asset.stack_len(), stack.len());
     let Some(stack) = stack.get_mut(..needed) else {
         return Err(QueryError::Memory { needed, found });
@@ -283,6 +280,7 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_, '_, '_>) -> Result<Walk, QueryEr
         sphere: EVERYWHERE,
         lanes_a: u8::MAX,
         lanes_b: u8::MAX,
+        unused: [0; 2],
     };
     let mut len = 1;
     while len > 0 {
@@ -314,6 +312,7 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_, '_, '_>) -> Result<Walk, QueryEr
                         sphere: EVERYWHERE,
                         lanes_a,
                         lanes_b,
+                        unused: [0; 2],
                     };
                     len += 1;
                     continue;

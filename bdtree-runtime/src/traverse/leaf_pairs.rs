@@ -108,7 +108,7 @@ impl LeafPairs {
     #[inline(always)]
     pub(crate) fn limit(&self) -> f64 {
         match &self.best {
-            Some(best) => best.dist,
+            Some(best) => best.distance,
             None => self.max_distance,
         }
     }
@@ -186,13 +186,13 @@ impl LeafPairs {
     fn pair(&mut self, (id_a, id_b): (TriangleId, TriangleId), a: &Triangle, b: &Triangle) {
         if let Some(best) = &self.best {
             let lower = (id_a, id_b) < (best.triangle1, best.triangle2);
-            if best.dist == 0.0 {
+            if best.distance == 0.0 {
                 // Only another touching pair with lower ids would be better.
                 if !lower || !triangles_intersect(a, b) {
                     return;
                 }
-            } else if apart(a, b, sub(best.point2, best.point1), best.dist)
-                || apart(a, b, sub(centre(b), centre(a)), best.dist)
+            } else if apart(a, b, sub(best.point2, best.point1), best.distance)
+                || apart(a, b, sub(centre(b), centre(a)), best.distance)
             {
                 return;
             }
@@ -201,7 +201,7 @@ impl LeafPairs {
         let better = match &self.best {
             None => nearest.distance <= self.max_distance,
             Some(best) => {
-                (nearest.distance, id_a, id_b) < (best.dist, best.triangle1, best.triangle2)
+                (nearest.distance, id_a, id_b) < (best.distance, best.triangle1, best.triangle2)
             }
         };
         if better {
@@ -210,7 +210,10 @@ impl LeafPairs {
                 triangle2: id_b,
                 point1: nearest.point1,
                 point2: nearest.point2,
-                dist: nearest.distance,
+                // See `query::distance`.
+                normal1: [0.0; 3],
+                normal2: [0.0; 3],
+                distance: nearest.distance,
                 barycentric1: nearest.barycentric1,
                 barycentric2: nearest.barycentric2,
             });

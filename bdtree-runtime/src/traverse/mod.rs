@@ -19,8 +19,8 @@ mod pair_side;
 mod supports;
 mod two;
 
-pub use nearest_two::SearchEntry;
-pub use two::FrontSlot;
+pub(crate) use nearest_two::SearchEntry;
+pub(crate) use two::FrontSlot;
 
 #[cfg(test)]
 pub(crate) use bounded::proxy;
@@ -33,6 +33,7 @@ pub(crate) use one::{Visitor, Walk, one};
 pub(crate) use two::{PairVisitor, Two};
 
 use bdtree_format::{LANES, NodeRecord, SectionKind};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::bound::{Spheres, evaluate};
 use crate::error::{Datum, FormatError};
@@ -41,16 +42,18 @@ use crate::simd::{Lanes, Work};
 use crate::view::Asset;
 
 /// One entry of a single-asset traversal's stack: a node or a leaf to visit.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct StackEntry {
+#[derive(Debug, Clone, Copy, Default, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct StackEntry {
     at: Subtree,
     /// Lower bound of what the query minimises, below the node.
     key: f32,
 }
 
 /// One entry of a pair traversal's stack: two nodes, and which of their lanes are to meet.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct PairStackEntry {
+#[derive(Debug, Clone, Copy, Default, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct PairStackEntry {
     a: u32,
     b: u32,
     /// Where lanes of `a` must reach, to be looked at again: the sphere (centre, radius) of `b` in
@@ -58,11 +61,14 @@ pub struct PairStackEntry {
     sphere: [f32; 4],
     lanes_a: u8,
     lanes_b: u8,
+    /// Fills up to a multiple of four bytes.
+    unused: [u8; 2],
 }
 
 /// A node, or the triangles of one leaf lane.
-#[derive(Debug, Clone, Copy, Default)]
-struct Subtree {
+#[derive(Debug, Clone, Copy, Default, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct Subtree {
     /// Node index, or first triangle slot.
     start: u32,
     /// 0 for a node, else the number of triangles.
@@ -124,19 +130,6 @@ impl<'a> Asset<'a> {
         }
     }
 
-    /// The spheres of a node's eight lanes at a pose (stored units); those of empty lanes mean
-    /// nothing. Cost: 10 flops per mode and lane, whatever the mesh.
-    ///
-    /// # Errors
-    /// When the node, its rows or its mode list lie outside their sections.
-    pub fn node_spheres(&self, pose: &Pose<'_>, index: u32) -> Result<Spheres, FormatError> {
-        self.kernel.run(NodeSpheres {
-            asset: self,
-            pose,
-            index,
-        })
-    }
-
     /// The error for a mode list that names a mode the asset lacks.
     #[cold]
     pub(crate) fn unknown_mode(&self, mode_list_start: u32) -> FormatError {
@@ -172,7 +165,22 @@ impl<'a> Asset<'a> {
     }
 }
 
-/// [`Asset::node_spheres`].
+impl Pose<'_> {
+    /// The spheres of a node's eight lanes (stored units); those of empty lanes mean nothing. Cost: 10 flops
+    /// per mode and lane, whatever the mesh.
+    ///
+    /// # Errors
+    /// When the node, its rows or its mode list lie outside their sections.
+    pub fn node_spheres(&self, index: u32) -> Result<Spheres, FormatError> {
+        self.asset.kernel.run(NodeSpheres {
+            asset: self.asset,
+            pose: self,
+            index,
+        })
+    }
+}
+
+/// [`Pose::node_spheres`].
 struct NodeSpheres<'w, 'a> {
     asset: &'w Asset<'a>,
     pose: &'w Pose<'w>,

@@ -1,6 +1,7 @@
 //! Nearest pairs of two trees, in the frame of the first: branch and bound.
 
 use bdtree_format::LANES;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use super::{Gap, Subtree, Walk, lane_subtree, used_lanes};
 use crate::bound::WideSpheres;
@@ -12,8 +13,9 @@ use crate::view::Asset;
 use super::leaf_pairs::{LeafPairs, LeafSide};
 
 /// One entry of the memory of a nearest-pair search or of a budgeted query: what is to be visited.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct SearchEntry {
+#[derive(Debug, Clone, Copy, Default, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct SearchEntry {
     /// Lower bound of what is looked for, below the entry; never NaN.
     pub(super) key: f32,
     pub(super) a: Subtree,

@@ -86,6 +86,15 @@ pub(crate) struct Walk {
     pub(crate) stopped: bool,
 }
 
+impl Walk {
+    /// Adds another one, which came after.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.nodes_visited += other.nodes_visited;
+        self.nodes_updated += other.nodes_updated;
+        self.stopped |= other.stopped;
+    }
+}
+
 /// Visits what the visitor wants, nearest lanes first if it is ordered, else in lane order.
 #[inline]
 pub(crate) fn one<V: Visitor>(
@@ -96,9 +105,6 @@ pub(crate) fn one<V: Visitor>(
 ) -> Result<Walk, QueryError> {
     if let Some(limit) = posed.take_limit() {
         return bounded::one(asset, posed, limit, stack, visitor);
-    }
-    if !posed.pose.belongs_to(asset) {
-        return Err(QueryError::PoseMismatch);
     }
     let needed = asset.stack_len();
     let found = stack.len();

@@ -5,6 +5,7 @@
 
 use bdtree_format::LANES;
 use core::ops::ControlFlow;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use super::apart::{Apart, Found};
 use super::byte_masks::{BYTES, any_row, columns, gather, lowest, rows};
@@ -58,15 +59,16 @@ pub(crate) struct Two<'s, 'a> {
 }
 
 /// Memory for a pair of leaves.
-#[derive(Debug, Clone, Copy)]
-pub struct FrontSlot {
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct FrontSlot {
     pub(super) a: Subtree,
     pub(super) b: Subtree,
 }
 
 impl FrontSlot {
     /// A slot to fill memory with.
-    pub const EMPTY: Self = Self {
+    pub(crate) const EMPTY: Self = Self {
         a: Subtree {
             start: 0,
             triangles: 0,
@@ -194,6 +196,7 @@ fn walk_two<L: Lanes>(
         sphere: EVERYWHERE,
         lanes_a: u8::MAX,
         lanes_b: u8::MAX,
+        unused: [0; 2],
     };
     let mut len = 1;
     loop {
@@ -263,6 +266,7 @@ fn walk_two<L: Lanes>(
                 sphere: EVERYWHERE,
                 lanes_a: u8::MAX,
                 lanes_b: (meets >> (8 * lane)) as u8 & leaf_b,
+                unused: [0; 2],
             };
             push(stack, &mut len, entry, asset_a)?;
         }
@@ -279,6 +283,7 @@ fn walk_two<L: Lanes>(
                 sphere: EVERYWHERE, // these lanes have been found to meet it
                 lanes_a,
                 lanes_b: u8::MAX,
+                unused: [0; 2],
             };
             push(stack, &mut len, entry, asset_a)?;
         }
@@ -296,6 +301,7 @@ fn walk_two<L: Lanes>(
                 sphere: lane_sphere(&stored_b, lane_b),
                 lanes_a: u8::MAX,
                 lanes_b: u8::MAX,
+                unused: [0; 2],
             };
             push(stack, &mut len, entry, asset_a)?;
         }

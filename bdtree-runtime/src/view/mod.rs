@@ -84,11 +84,35 @@ fn unit(exponent: i8) -> f32 {
     f32::from_bits(((i32::from(exponent) + 127).max(0) as u32) << 23)
 }
 
+/// What a source uses the name of a [`Group`] for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum GroupKind {
+    /// An object: OBJ `o`, a mesh of glTF.
+    Object,
+    /// A group: OBJ `g`.
+    Group,
+    /// A material: OBJ `usemtl`.
+    Material,
+}
+
+impl GroupKind {
+    /// The kind of a record, if it is known (SPEC 7.4).
+    fn of(kind: u32) -> Option<Self> {
+        match kind {
+            group_kind::OBJECT => Some(Self::Object),
+            group_kind::GROUP => Some(Self::Group),
+            group_kind::MATERIAL => Some(Self::Material),
+            _ => None,
+        }
+    }
+}
+
 /// A run of triangles that the source put under one name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Group<'a> {
-    /// One of [`bdtree_format::group_kind`].
-    pub kind: u32,
+    /// What the source used the name for.
+    pub kind: GroupKind,
     /// First triangle id.
     pub first_triangle: TriangleId,
     /// Number of triangles.
@@ -235,18 +259,17 @@ impl<'a> Asset<'a> {
     /// are not UTF-8 read as empty.
     pub fn groups(&self) -> impl Iterator<Item = Group<'a>> + use<'a> {
         let names = self.group_names;
-        let known = |g: &&GroupRecord| g.kind <= group_kind::MATERIAL;
-        self.groups.iter().filter(known).map(move |g| {
+        self.groups.iter().filter_map(move |g| {
             let start = g.name_start as usize;
             let bytes = names
                 .get(start..start.saturating_add(g.name_bytes as usize))
                 .unwrap_or_default();
-            Group {
-                kind: g.kind,
+            Some(Group {
+                kind: GroupKind::of(g.kind)?,
                 first_triangle: TriangleId(g.first_triangle),
                 triangle_count: g.triangle_count,
                 name: core::str::from_utf8(bytes).unwrap_or_default(),
-            }
+            })
         })
     }
 
@@ -266,13 +289,13 @@ impl<'a> Asset<'a> {
         kernel.is_available().then_some(Self { kernel, ..self })
     }
 
-    /// Numbers that the `memory` of a [`crate::Pose`] needs: five for every two modes.
+    /// Numbers that the `memory` of [`Asset::pose`] needs: five for every two modes.
     pub fn pose_len(&self) -> usize {
         self.modes.len() + 3 * pair_count(self.modes.len())
     }
 
-    /// Entries that the `stack` of a single-asset query needs.
-    pub fn stack_len(&self) -> usize {
+    /// Entries that the stack of a single-asset query needs.
+    pub(crate) fn stack_len(&self) -> usize {
         // Two nodes are popped at a time and push at most sixteen, so each level leaves fourteen
         // behind; or fifteen, where the second is the only one of a deeper level, which then
         // holds eight. Walks by keys push leaves, too, and pop a node alone where a leaf comes next:
@@ -280,16 +303,16 @@ impl<'a> Asset<'a> {
         14 * self.depth() + 2
     }
 
-    /// Entries that the `stack` of a pair query between `self` and `other` needs.
-    pub fn pair_stack_len(&self, other: &Asset<'_>) -> usize {
+    /// Entries that the stack of a pair query between `self` and `other` needs.
+    pub(crate) fn pair_stack_len(&self, other: &Asset<'_>) -> usize {
         // A popped pair of nodes pushes at most 64 pairs and descends in both trees; a leaf lane
         // against a node pushes eight and descends in one.
         let (a, b) = (self.depth(), other.depth());
         63 * a.min(b) + 7 * a.max(b) + 1
     }
 
-    /// Entries that the `stack` of a distance query between `self` and `other` needs.
-    pub fn distance_stack_len(&self, other: &Asset<'_>) -> usize {
+    /// Entries that the stack of a distance query between `self` and `other` needs.
+    pub(crate) fn distance_stack_len(&self, other: &Asset<'_>) -> usize {
         // Each visit opens one node of one side and puts eight pairs in place of one.
         7 * (self.depth() + other.depth()) + 1
     }

@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 
 use super::super::MARGIN;
 use super::super::ball::Ball;
-use super::super::closest::Closest;
+use super::super::project::Closest;
 use super::super::ray::First;
 use crate::bound::WideSpheres;
 use crate::contact::TriangleId;

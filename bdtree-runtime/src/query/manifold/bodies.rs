@@ -3,44 +3,29 @@
 use super::super::{ray, unit};
 use super::contour::Contour;
 use super::least::least_translation;
-use super::{ContactPoint, ContactRegion};
+use super::{ContactManifold, ContactPoint};
 use crate::cache::Posed;
-use crate::contact::{PairContact, RayHit, TriangleId};
+use crate::contact::{PairContact, RayIntersection};
 use crate::error::QueryError;
 use crate::math::{add_scaled, cross, dot, norm, scale, sub};
 use crate::narrow::{Triangle, closest_point};
+use crate::shape::Ray;
 use crate::traverse::StackEntry;
-use crate::view::Asset;
 
-impl Asset<'_> {
-    /// The deformed corners of a triangle in the world.
-    fn corners(&self, posed: &Posed<'_>, id: TriangleId) -> Result<Triangle, QueryError> {
-        let [a, b, c] = self.triangle(id)?;
-        let pose = posed.pose;
-        Ok([
-            self.deformed(pose, a)?,
-            self.deformed(pose, b)?,
-            self.deformed(pose, c)?,
-        ])
-    }
-}
-
-pub(super) struct Bodies<'n, 'a, 'b, 's> {
-    pub(super) asset1: &'n Asset<'a>,
+pub(super) struct Bodies<'n, 's> {
     pub(super) posed1: Posed<'n>,
-    pub(super) asset2: &'n Asset<'b>,
     pub(super) posed2: Posed<'n>,
     pub(super) stack: &'s mut [StackEntry],
 }
 
-impl Bodies<'_, '_, '_, '_> {
+impl Bodies<'_, '_> {
     /// The region of these pairs, which are sorted by ids.
     pub(super) fn region<'c>(
         &mut self,
         pairs: impl Iterator<Item = &'c PairContact> + Clone,
-    ) -> Result<Option<ContactRegion>, QueryError> {
+    ) -> Result<Option<ContactManifold>, QueryError> {
         let mut contour = Contour::default();
-        for pair in pairs.clone().filter(|p| p.dist == 0.0) {
+        for pair in pairs.clone().filter(|p| p.distance == 0.0) {
             let (a, b) = self.triangles(pair)?;
             contour.outline(&a, &b);
         }
@@ -49,7 +34,7 @@ impl Bodies<'_, '_, '_, '_> {
         };
         contour.begin_moments(normal);
         let (mut first, mut corners) = (None, None);
-        for pair in pairs.clone().filter(|p| p.dist == 0.0) {
+        for pair in pairs.clone().filter(|p| p.distance == 0.0) {
             let (a, b) = self.triangles(pair)?;
             contour.measure(&a, &b);
             if first.is_none() {
@@ -69,10 +54,11 @@ impl Bodies<'_, '_, '_, '_> {
             let at = add_scaled(add_scaled(place.centre, 1.0, u), 1.0, v);
             *point = self.probe(at, normal, place.size, share, &first, &corners)?;
         }
-        Ok(Some(ContactRegion {
-            normal,
+        Ok(Some(ContactManifold {
+            normal1: normal,
+            normal2: scale(normal, -1.0),
             area: place.area,
-            depth: -middle.dist,
+            depth: -middle.distance,
             triangles: [first.triangle1, first.triangle2],
             points,
             len: 4,
@@ -83,7 +69,7 @@ impl Bodies<'_, '_, '_, '_> {
     fn single<'c>(
         &mut self,
         pairs: impl Iterator<Item = &'c PairContact> + Clone,
-    ) -> Result<Option<ContactRegion>, QueryError> {
+    ) -> Result<Option<ContactManifold>, QueryError> {
         let Some(first) = pairs.clone().next() else {
             return Ok(None);
         };
@@ -98,9 +84,9 @@ impl Bodies<'_, '_, '_, '_> {
                 last = Some(pair.triangle1);
             }
             area2 += area(&b);
-            let (dist, normal) = if pair.dist > 0.0 {
+            let (dist, normal) = if pair.distance > 0.0 {
                 let towards = unit(sub(pair.point2, pair.point1), "");
-                (pair.dist, towards.unwrap_or([0.0, 0.0, 1.0]))
+                (pair.distance, towards.unwrap_or([0.0, 0.0, 1.0]))
             } else {
                 let (depth, normal) = least_translation(&a, &b);
                 (-depth, normal)
@@ -116,15 +102,16 @@ impl Bodies<'_, '_, '_, '_> {
         let point = ContactPoint {
             point1: pair.point1,
             point2: pair.point2,
-            dist,
+            distance: dist,
             area,
             triangle1: pair.triangle1,
             barycentric1: pair.barycentric1,
             triangle2: pair.triangle2,
             barycentric2: pair.barycentric2,
         };
-        Ok(Some(ContactRegion {
-            normal,
+        Ok(Some(ContactManifold {
+            normal1: normal,
+            normal2: scale(normal, -1.0),
             area,
             depth: (-dist).max(0.0),
             triangles: [first.triangle1, first.triangle2],
@@ -135,8 +122,8 @@ impl Bodies<'_, '_, '_, '_> {
 
     fn triangles(&self, pair: &PairContact) -> Result<(Triangle, Triangle), QueryError> {
         Ok((
-            self.asset1.corners(&self.posed1, pair.triangle1)?,
-            self.asset2.corners(&self.posed2, pair.triangle2)?,
+            self.posed1.pose.deformed_triangle(pair.triangle1)?,
+            self.posed2.pose.deformed_triangle(pair.triangle2)?,
         ))
     }
 
@@ -155,14 +142,12 @@ impl Bodies<'_, '_, '_, '_> {
         let back = size / (1 << 20) as f64;
         let against = scale(normal, -1.0);
         let hit1 = leaving(
-            self.asset1,
             &mut self.posed1,
             add_scaled(at, -back, normal),
             normal,
             self.stack,
         )?;
         let hit2 = leaving(
-            self.asset2,
             &mut self.posed2,
             add_scaled(at, back, normal),
             against,
@@ -175,7 +160,7 @@ impl Bodies<'_, '_, '_, '_> {
         let mut point = ContactPoint {
             point1: add_scaled(at, reach1, normal),
             point2: add_scaled(at, -reach2, normal),
-            dist: -(reach1 + reach2).max(0.0),
+            distance: -(reach1 + reach2).max(0.0),
             area,
             triangle1: first.triangle1,
             barycentric1: [0.0; 3],
@@ -196,24 +181,16 @@ impl Bodies<'_, '_, '_, '_> {
 
 /// The first triangle along a ray, if the ray leaves the body there.
 fn leaving(
-    asset: &Asset<'_>,
     posed: &mut Posed<'_>,
     origin: [f64; 3],
     direction: [f64; 3],
     stack: &mut [StackEntry],
-) -> Result<Option<RayHit>, QueryError> {
-    let found = ray(
-        asset,
-        posed.again(),
-        origin,
-        direction,
-        f64::INFINITY,
-        stack,
-    )?;
-    let Some(hit) = found.hit else {
+) -> Result<Option<RayIntersection>, QueryError> {
+    let (hit, _) = ray::first(posed.again(), &Ray::new(origin, direction), stack)?;
+    let Some(hit) = hit else {
         return Ok(None);
     };
-    let corners = asset.corners(posed, hit.triangle)?;
+    let corners = posed.pose.deformed_triangle(hit.triangle)?;
     let outwards = dot(area_vector(&corners), direction) > 0.0;
     Ok(outwards.then_some(hit))
 }

@@ -20,20 +20,21 @@ mod contour;
 mod least;
 mod regions;
 
-pub use regions::ManifoldSlot;
+pub(crate) use regions::ManifoldSlot;
 
 use crate::cache::{OwnCache, Posed};
-use crate::contact::{PairContact, Sink, TriangleId};
+use crate::contact::{Coverage, PairContact, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::traverse::StackEntry;
-use crate::view::Asset;
 use bodies::Bodies;
 
-/// A connected region of contact. World coordinates.
+/// A connected region of contact, condensed to a few points. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactRegion {
-    /// Unit, from the first asset to the second.
-    pub normal: [f64; 3],
+pub struct ContactManifold {
+    /// Unit, from the first mesh to the second.
+    pub normal1: [f64; 3],
+    /// Unit, from the second mesh to the first.
+    pub normal2: [f64; 3],
     /// Of the region's projection along the normal.
     pub area: f64,
     /// How far the two overlap along the normal in the region's middle; 0 when they do not.
@@ -44,66 +45,54 @@ pub struct ContactRegion {
     len: usize,
 }
 
-/// One point of a [`ContactRegion`]. World coordinates.
+/// One point of a [`ContactManifold`]. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactPoint {
-    /// The first asset's point.
+    /// The first mesh's point.
     pub point1: [f64; 3],
-    /// The second asset's point.
+    /// The second mesh's point.
     pub point2: [f64; 3],
     /// Signed distance along the normal: negative is penetration depth.
-    pub dist: f64,
+    pub distance: f64,
     /// Its share of the region's area.
     pub area: f64,
-    /// The first asset's triangle.
+    /// The first mesh's triangle.
     pub triangle1: TriangleId,
     /// Weights of its corners that give `point1`.
     pub barycentric1: [f64; 3],
-    /// The second asset's triangle.
+    /// The second mesh's triangle.
     pub triangle2: TriangleId,
     /// Weights of its corners that give `point2`.
     pub barycentric2: [f64; 3],
 }
 
-impl ContactRegion {
+impl ContactManifold {
     /// One point or four.
     pub fn points(&self) -> &[ContactPoint] {
         &self.points[..self.len]
     }
 }
 
-/// Reports the regions of contact of what [`pair`](super::pair()) found, by their lowest ids. Both surfaces
+/// Reports the regions of contact of these pairs, by their lowest ids. Both surfaces
 /// list their corners counterclockwise as seen from outside, or both clockwise.
 ///
-/// `pairs` is sorted by ids, so its order does not matter; all of them are needed. `memory` needs
-/// [`ManifoldSlot::count`] slots and `stack` the longer [`Asset::stack_len`] of the two. Depths are found
-/// by rays on both assets, five each way per region with a contour.
-///
-/// *Errors of depth, normal and area*: those of the meshes as surfaces, of second order in the edges'
-/// length where the surfaces are smooth. Where the contour is far from flat, normal and area are those
-/// of its projection. A point whose ray meets nothing counts from the contour's mean plane.
-///
-/// Returns whether the sink had no room for everything.
+/// `pairs` is sorted by ids, so its order does not matter; all of them are needed. `memory` has
+/// [`ManifoldSlot::count`] slots and `stack` the longer `stack_len` of the two. Depths are found
+/// by rays on both meshes, five each way per region with a contour.
 ///
 /// # Errors
-/// A pose of another asset, pairs of other assets, too little memory, a corrupt asset.
-pub fn manifold<'p, 'q>(
-    (asset1, pose1): (&Asset<'_>, impl Into<Posed<'p>>),
-    (asset2, pose2): (&Asset<'_>, impl Into<Posed<'q>>),
+/// Pairs of other meshes, a corrupt asset.
+pub(super) fn manifolds(
+    [posed1, posed2]: [Posed<'_>; 2],
     pairs: &mut [PairContact],
     memory: &mut [ManifoldSlot],
     stack: &mut [StackEntry],
-    sink: &mut impl Sink<ContactRegion>,
-) -> Result<bool, QueryError> {
-    let (posed1, posed2) = (pose1.into(), pose2.into());
-    if !posed1.pose.belongs_to(asset1) || !posed2.pose.belongs_to(asset2) {
-        return Err(QueryError::PoseMismatch);
-    }
+    sink: &mut dyn Sink<ContactManifold>,
+) -> Result<Coverage, QueryError> {
+    let (asset1, asset2) = (posed1.pose.asset, posed2.pose.asset);
     let (mut own1, mut own2) = (OwnCache::default(), OwnCache::default());
     let mut bodies = Bodies {
-        asset1,
         posed1: posed1.or_keep(&mut own1),
-        asset2,
         posed2: posed2.or_keep(&mut own2),
         stack,
     };
@@ -115,8 +104,8 @@ pub fn manifold<'p, 'q>(
         if let Some(found) = found
             && sink.push(found).is_break()
         {
-            return Ok(true);
+            return Ok(Coverage::Truncated);
         }
     }
-    Ok(false)
+    Ok(Coverage::Complete)
 }

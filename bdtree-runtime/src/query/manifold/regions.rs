@@ -4,20 +4,38 @@
 //! other have a corner in common: so a contour is followed from triangle to triangle, and the feet of a
 //! chair on one large triangle stay apart.
 
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+
 use crate::contact::{PairContact, VertexId};
 use crate::error::QueryError;
 use crate::view::Asset;
 
 /// Memory for grouping pairs.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct ManifoldSlot {
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    Default,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    FromBytes,
+    IntoBytes,
+    KnownLayout,
+    Immutable,
+)]
+#[repr(C)]
+pub(crate) struct ManifoldSlot {
     key: u64,
     pair: u32,
+    /// Fills up to a multiple of eight bytes.
+    unused: u32,
 }
 
 impl ManifoldSlot {
     /// Slots that so many pairs need.
-    pub const fn count(pairs: usize) -> usize {
+    pub(crate) const fn count(pairs: usize) -> usize {
         pairs.saturating_mul(4)
     }
 
@@ -47,8 +65,12 @@ pub(super) fn regions<'m>(
         return Err(QueryError::Memory { needed, found });
     };
     for (i, slot) in parents.iter_mut().enumerate() {
-        slot.pair = i as u32;
+        *slot = ManifoldSlot {
+            pair: i as u32,
+            ..ManifoldSlot::default()
+        };
     }
+    keys.fill(ManifoldSlot::default());
     for first in [true, false] {
         let (slots, _) = keys.as_chunks_mut::<3>();
         for (i, (pair, slots)) in pairs.iter().zip(slots).enumerate() {

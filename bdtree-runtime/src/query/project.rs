@@ -3,53 +3,36 @@
 use bdtree_format::{LANES, Row};
 use core::ops::ControlFlow;
 
-use super::{Nearest, beyond_four, limit, point};
+use super::ball::{direction, normal};
+use super::{beyond_four, limit, point};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
-use crate::contact::{ClosestPoint, TriangleId};
+use crate::contact::{PointProjection, TriangleId};
 use crate::error::QueryError;
 use crate::math::norm;
 use crate::narrow::{Triangle, closest_point};
 use crate::pose::{Pose, U32, round_up};
 use crate::simd::{Lanes, Quad};
-use crate::traverse::{StackEntry, Visitor, one};
-use crate::view::Asset;
+use crate::traverse::{StackEntry, Visitor, Walk, one};
 
 /// Beyond this many times the asset's reach f32 distances prune nothing and may overflow.
 const FAR: f64 = (1_u64 << 30) as f64;
 
-/// The asset's point nearest to `to`, if it is within `max_distance` (which may be infinite).
+/// The point of the deformed mesh nearest to `to`, if it is within `max_distance` (which may be infinite).
 /// Triangles at the same distance: the lowest id.
 ///
 /// # Errors
-/// A point that is not finite or beyond 2^100, a negative or NaN distance, a pose of another
-/// asset, too short a stack, a corrupt asset.
-pub fn closest<'p>(
-    asset: &Asset<'_>,
-    pose: impl Into<Posed<'p>>,
-    to: [f64; 3],
-    max_distance: f64,
-    stack: &mut [StackEntry],
-) -> Result<Nearest<ClosestPoint>, QueryError> {
-    closest_posed(asset, pose.into(), to, max_distance, stack)
-}
-
-/// [`closest`], compiled here for all callers.
-fn closest_posed(
-    asset: &Asset<'_>,
+/// A point that is not finite or beyond 2^100, a negative or NaN distance, a corrupt asset.
+pub(super) fn project(
     posed: Posed<'_>,
     to: [f64; 3],
     max_distance: f64,
     stack: &mut [StackEntry],
-) -> Result<Nearest<ClosestPoint>, QueryError> {
+) -> Result<(Option<PointProjection>, Walk), QueryError> {
     let pose = posed.pose;
     let mut visitor = Closest::new(pose, to, max_distance)?;
-    let walk = one(asset, posed, stack, &mut visitor)?;
-    Ok(Nearest {
-        hit: visitor.best,
-        nodes_visited: walk.nodes_visited,
-        nodes_updated: walk.nodes_updated,
-    })
+    let walk = one(pose.asset, posed, stack, &mut visitor)?;
+    Ok((visitor.projection(pose)?, walk))
 }
 
 pub(super) struct Closest {
@@ -61,7 +44,7 @@ pub(super) struct Closest {
     pub(super) bound: f32,
     to: [f64; 3],
     max_distance: f64,
-    pub(super) best: Option<ClosestPoint>,
+    pub(super) best: Option<PointProjection>,
 }
 
 impl Closest {
@@ -86,6 +69,21 @@ impl Closest {
         };
         closest.tighten(max_distance);
         Ok(closest)
+    }
+
+    /// The best one, with its normal.
+    pub(super) fn projection(
+        &self,
+        pose: &Pose<'_>,
+    ) -> Result<Option<PointProjection>, QueryError> {
+        let Some(best) = self.best else {
+            return Ok(None);
+        };
+        let normal = match direction(best.point, self.to) {
+            Some(away) => away,
+            None => normal(&pose.deformed_triangle(best.triangle)?),
+        };
+        Ok(Some(PointProjection { normal, ..best }))
     }
 
     fn tighten(&mut self, distance: f64) {
@@ -138,9 +136,10 @@ impl Visitor for Closest {
             Some(best) => (closest.distance, id) < (best.distance, best.triangle),
         };
         if better {
-            self.best = Some(ClosestPoint {
+            self.best = Some(PointProjection {
                 triangle: id,
                 point: closest.point,
+                normal: [0.0; 3], // of the last one only
                 distance: closest.distance,
                 barycentric: closest.barycentric,
             });

@@ -1,9 +1,9 @@
-//! The triangles that reach below a plane.
+//! The triangles that reach into a half-space.
 
 use bdtree_format::Row;
 use core::ops::ControlFlow;
 
-use super::{ARGUMENT_MAX, Outcome, unit};
+use super::{ARGUMENT_MAX, unit};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
@@ -11,54 +11,34 @@ use crate::error::QueryError;
 use crate::math::{dot, norm};
 use crate::narrow::Triangle;
 use crate::pose::{Pose, U32, round_up};
+use crate::shape;
 use crate::simd::Lanes;
-use crate::traverse::{StackEntry, Visitor, one};
-use crate::view::Asset;
+use crate::traverse::{StackEntry, Visitor, Walk, one};
 
-/// Reports every triangle with a vertex where `normal · x ≤ offset`, `normal` being normalised
-/// first: `point` is its deepest vertex (the first of equals), `dist` that vertex's
-/// `normal · x − offset`, `normal` the plane's.
+/// Reports every triangle with a vertex in the half-space: `point` is its deepest vertex (the first of
+/// equals), `distance` that vertex's `normal · x − offset`, `normal` the unit normal of the plane.
 ///
 /// # Errors
-/// A normal that is zero or not finite, an offset that is not finite or beyond 2^100, a pose of
-/// another asset, too short a stack, a corrupt asset.
-pub fn plane<'p>(
-    asset: &Asset<'_>,
-    pose: impl Into<Posed<'p>>,
-    normal: [f64; 3],
-    offset: f64,
-    stack: &mut [StackEntry],
-    sink: &mut impl Sink<Contact>,
-) -> Result<Outcome, QueryError> {
-    plane_posed(asset, pose.into(), normal, offset, stack, sink)
-}
-
-/// [`plane`], compiled here for all callers.
-fn plane_posed(
-    asset: &Asset<'_>,
+/// A normal that is zero or not finite, an offset that is not finite or beyond 2^100, a corrupt asset.
+pub(super) fn contacts(
     posed: Posed<'_>,
-    normal: [f64; 3],
-    offset: f64,
+    half_space: &shape::HalfSpace,
     stack: &mut [StackEntry],
     sink: &mut dyn Sink<Contact>,
-) -> Result<Outcome, QueryError> {
+) -> Result<Walk, QueryError> {
     let pose = posed.pose;
-    let normal = unit(normal, "normal: zero or not finite")?;
+    let normal = unit(half_space.normal, "normal: zero or not finite")?;
+    let offset = half_space.offset;
     if !(offset.abs() <= ARGUMENT_MAX) {
         return Err(QueryError::Argument("offset: not finite or beyond 2^100"));
     }
-    let mut visitor = Plane {
+    let mut visitor = HalfSpace {
         stored: StoredPlane::new(pose, normal, offset),
         normal,
         offset,
         sink,
     };
-    let walk = one(asset, posed, stack, &mut visitor)?;
-    Ok(Outcome {
-        nodes_visited: walk.nodes_visited,
-        nodes_updated: walk.nodes_updated,
-        truncated: walk.stopped,
-    })
+    one(pose.asset, posed, stack, &mut visitor)
 }
 
 /// A plane among the spheres of a body: points where `normal · x = offset` (stored units).
@@ -101,14 +81,14 @@ impl StoredPlane {
     }
 }
 
-struct Plane<'s> {
+struct HalfSpace<'s> {
     stored: StoredPlane,
     normal: [f64; 3],
     offset: f64,
     sink: &'s mut (dyn Sink<Contact> + 's),
 }
 
-impl Visitor for Plane<'_> {
+impl Visitor for HalfSpace<'_> {
     const ORDERED: bool = false;
 
     #[inline(always)]
@@ -134,7 +114,7 @@ impl Visitor for Plane<'_> {
             triangle: id,
             point: corners[deepest],
             normal: self.normal,
-            dist: heights[deepest],
+            distance: heights[deepest],
             barycentric,
         })
     }

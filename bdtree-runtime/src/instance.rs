@@ -1,0 +1,211 @@
+//! One deforming body with everything that it needs.
+
+use alloc::vec::Vec;
+
+use crate::cache::{CacheSize, StepCache};
+use crate::error::{PoseError, QueryError};
+use crate::model::Model;
+use crate::motion::Motion;
+use crate::pose::{Pose, PoseNumbers, Transform};
+use crate::query::{Aabb, BoundingSphere, PairQuery, Query};
+use crate::workspace::Workspace;
+
+/// What an instance keeps during a step unless it is told otherwise: about 14 KB.
+const CACHE: CacheSize = CacheSize {
+    nodes: 64,
+    leaves: 32,
+};
+
+/// One deforming body: its model, q, placement, what a step keeps, how far it has moved, and what the program
+/// knows of it. `Send` and `Sync`; owns all its memory and allocates when it is made, not later.
+///
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use bdtree_runtime::{Ball, Contact, Instance, Model, Transform, Workspace};
+///
+/// # let bytes = bdtree_runtime::include_bdt!("../../fixtures/golden/beam.bdt");
+/// let model = Model::from_static(bytes)?;
+/// let mut body = Instance::new(&model)?;
+/// let mut workspace = Workspace::new();
+/// let mut q = vec![0.0; model.asset().mode_count()];
+/// q[0] = 0.05;
+/// body.set_pose(&q, Transform::from_translation([0.0, 2.0, 0.0]))?;
+/// let mut contacts: Vec<Contact> = Vec::new();
+/// body.query(&mut workspace).contacts(Ball::new([0.0, 2.0, 0.0], 0.5), &mut contacts)?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Instance {
+    model: Model,
+    placement: Transform,
+    /// Of the pose, and of the one to come: they change places when it is made.
+    memory: Vec<f32>,
+    spare: Vec<f32>,
+    numbers: PoseNumbers,
+    motion: Motion,
+    cache: StepCache<'static>,
+    /// Whatever the program wants to find it by; 0 at first.
+    pub user_data: u64,
+    /// The groups that it belongs to, a bit each; all at first.
+    pub collision_group: u32,
+    /// The groups that it meets; all at first.
+    pub collision_mask: u32,
+}
+
+impl Instance {
+    /// A body at rest, q = 0, where its mesh is; it keeps a few nodes and leaves of each step.
+    ///
+    /// # Errors
+    /// None for the models that `bdtree-build` writes: 0 is within all limits.
+    pub fn new(model: &Model) -> Result<Self, PoseError> {
+        Self::with_cache(model, CACHE)
+    }
+
+    /// The same with a cache of a size of your own: [`CacheSize::NONE`] for bodies that are asked once a step.
+    ///
+    /// # Errors
+    /// Those of [`Instance::new`].
+    pub fn with_cache(model: &Model, size: CacheSize) -> Result<Self, PoseError> {
+        let asset = model.asset();
+        let q = alloc::vec![0.0; asset.mode_count()];
+        let mut memory = alloc::vec![0.0; asset.pose_len()];
+        let spare = memory.clone();
+        let mut cache = StepCache::new(size);
+        let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
+        cache.start(&pose);
+        let (numbers, motion) = (pose.numbers(), Motion::of_instance(&pose));
+        Ok(Self {
+            model: model.clone(),
+            placement: Transform::IDENTITY,
+            memory,
+            spare,
+            numbers,
+            motion,
+            cache,
+            user_data: 0,
+            collision_group: u32::MAX,
+            collision_mask: u32::MAX,
+        })
+    }
+
+    /// What it is an instance of.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// q as queries use it.
+    pub fn q(&self) -> &[f32] {
+        &self.memory[..self.model.asset().mode_count()]
+    }
+
+    /// Where it stands, as it was given.
+    pub fn placement(&self) -> Transform {
+        self.placement
+    }
+
+    /// Deforms it: q of the step. An error leaves it as it was.
+    ///
+    /// # Errors
+    /// q of another length than the asset has modes, NaN, infinite or over the asset's hard limit.
+    pub fn set_q(&mut self, q: &[f32]) -> Result<(), PoseError> {
+        self.set_pose(q, self.placement)
+    }
+
+    /// Places it. An error leaves it as it was. What the step has kept stays, since it does not depend on the
+    /// placement.
+    ///
+    /// # Errors
+    /// A placement that [`Transform`] does not allow.
+    pub fn set_placement(&mut self, at: impl Into<Transform>) -> Result<(), PoseError> {
+        let at = at.into();
+        let before = self.pose();
+        let pose = before.placed(at)?;
+        let (numbers, motion) = (pose.numbers(), moved(self.motion, &before, &pose));
+        (self.numbers, self.motion, self.placement) = (numbers, motion, at);
+        Ok(())
+    }
+
+    /// Deforms and places it, which takes less time than one after the other. An error leaves it as it was.
+    ///
+    /// # Errors
+    /// Those of [`Instance::set_q`] and [`Instance::set_placement`].
+    pub fn set_pose(&mut self, q: &[f32], at: impl Into<Transform>) -> Result<(), PoseError> {
+        let at = at.into();
+        let asset = self.model.asset();
+        let pose = asset.pose(q, at, &mut self.spare)?;
+        let before = Pose::again(asset, &self.numbers, &self.memory, self.motion);
+        let motion = moved(self.motion, &before, &pose);
+        self.cache.start(&pose);
+        (self.numbers, self.motion, self.placement) = (pose.numbers(), motion, at);
+        core::mem::swap(&mut self.memory, &mut self.spare);
+        Ok(())
+    }
+
+    /// The pose, for any number of readers: queries on it keep nothing of the step.
+    #[inline]
+    pub fn pose(&self) -> Pose<'_> {
+        Pose::again(self.model.asset(), &self.numbers, &self.memory, self.motion)
+    }
+
+    /// Questions about the body, with what the step has kept.
+    #[inline]
+    pub fn query<'q, 'm>(&'q mut self, workspace: &'q mut Workspace<'m>) -> Query<'q, 'm> {
+        let (pose, cache) = self.parts();
+        Query::with_cache(pose, cache, workspace)
+    }
+
+    /// Questions about this body and another, with what the step has kept of both. `get_disjoint_mut` lends
+    /// two of a slice.
+    #[inline]
+    pub fn against<'q, 'm, 'f>(
+        &'q mut self,
+        other: &'q mut Self,
+        workspace: &'q mut Workspace<'m>,
+    ) -> PairQuery<'q, 'm, 'f> {
+        PairQuery::with_caches([self.parts(), other.parts()], workspace)
+    }
+
+    fn parts(&mut self) -> (Pose<'_>, &mut StepCache<'static>) {
+        let asset = self.model.asset();
+        let pose = Pose::again(asset, &self.numbers, &self.memory, self.motion);
+        (pose, &mut self.cache)
+    }
+
+    /// A box that holds the deformed body in the world: [`Pose::aabb`].
+    ///
+    /// # Errors
+    /// A corrupt asset.
+    pub fn aabb(&self) -> Result<Aabb, QueryError> {
+        self.pose().aabb()
+    }
+
+    /// A sphere that holds the deformed body in the world: [`Pose::bounding_sphere`].
+    ///
+    /// # Errors
+    /// A corrupt asset.
+    pub fn bounding_sphere(&self) -> Result<BoundingSphere, QueryError> {
+        self.pose().bounding_sphere()
+    }
+
+    /// Whether each of the two belongs to a group that the other meets.
+    pub fn may_meet(&self, other: &Self) -> bool {
+        self.collision_group & other.collision_mask != 0
+            && other.collision_group & self.collision_mask != 0
+    }
+}
+
+/// The motion after a step.
+fn moved(mut motion: Motion, from: &Pose<'_>, to: &Pose<'_>) -> Motion {
+    match motion.advance(from, to) {
+        Ok(()) => motion,
+        // A corrupt root: fronts begin anew, and queries say so.
+        Err(_) => Motion::of_instance(to),
+    }
+}
+
+/// A body may be asked by any thread.
+const _: () = {
+    const fn is_shareable<T: Send + Sync>() {}
+    is_shareable::<Instance>();
+};

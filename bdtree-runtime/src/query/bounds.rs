@@ -1,0 +1,121 @@
+//! A sphere and a box around a whole deformed mesh, from the root node alone.
+
+use bdtree_format::LANES;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+
+use super::MARGIN;
+use crate::bound::Spheres;
+use crate::error::QueryError;
+use crate::math::{norm, sub};
+use crate::pose::Pose;
+
+/// A ball that holds something. World coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub struct BoundingSphere {
+    /// Its center.
+    pub center: [f64; 3],
+    /// Its radius.
+    pub radius: f64,
+}
+
+/// A box along the axes of the world that holds something.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Aabb {
+    /// Least coordinates.
+    pub min: [f64; 3],
+    /// Largest coordinates.
+    pub max: [f64; 3],
+}
+
+impl Pose<'_> {
+    /// A sphere that holds every deformed triangle in the world, the leaf arithmetic's rounding
+    /// included: what a broad phase over instances compares. One node is evaluated; the sphere
+    /// follows q, but it is not the smallest one.
+    ///
+    /// # Errors
+    /// A corrupt asset.
+    pub fn bounding_sphere(&self) -> Result<BoundingSphere, QueryError> {
+        let root = self.asset.node(0)?;
+        let spheres = self.node_spheres(0)?;
+        let (center, radius) = around(&spheres, root.inner_mask | root.leaf_mask);
+        // No vertex is farther from the origin than B; a radius that is NaN is not smaller.
+        let all = self.reach + f64::from(self.slack);
+        let (center, radius) = if radius < all {
+            (center, radius)
+        } else {
+            ([0.0; 3], all)
+        };
+        Ok(self.world_sphere(center, radius, self.reach))
+    }
+
+    /// A box that holds every deformed triangle in the world, the leaf arithmetic's rounding included: that
+    /// around the spheres of the root's eight parts, so it follows q and the placement, but is not the
+    /// smallest one. One node is evaluated.
+    ///
+    /// # Errors
+    /// A corrupt asset.
+    pub fn aabb(&self) -> Result<Aabb, QueryError> {
+        let root = self.asset.node(0)?;
+        let spheres = self.node_spheres(0)?;
+        let all = self.bounding_sphere()?;
+        let mut aabb = Aabb {
+            min: [f64::INFINITY; 3],
+            max: [f64::NEG_INFINITY; 3],
+        };
+        for lane in (0..LANES).filter(|k| (root.inner_mask | root.leaf_mask) & (1 << k) != 0) {
+            let center = spheres.centre.map(|row| row[lane]);
+            let radius = f64::from(spheres.radius[lane]);
+            // A lane's center lies within twice the reach (docs/guarantees.md).
+            let part = self.world_sphere(center, radius, 2.0 * self.reach);
+            // Anything but a smaller radius, NaN of a corrupt file included, says no more than the whole.
+            let part = if part.radius < all.radius { part } else { all };
+            for k in 0..3 {
+                // The sum's own rounding.
+                let far = f64::EPSILON * (part.center[k].abs() + part.radius);
+                aabb.min[k] = aabb.min[k].min(part.center[k] - part.radius - far);
+                aabb.max[k] = aabb.max[k].max(part.center[k] + part.radius + far);
+            }
+        }
+        Ok(aabb)
+    }
+
+    /// A sphere in the world around one that holds vertices and lies within `reach` of the origin (both in
+    /// stored units).
+    pub(crate) fn world_sphere(&self, center: [f32; 3], radius: f64, reach: f64) -> BoundingSphere {
+        let center = self.frame.world(center);
+        let radius = radius + self.frame.error(norm(center), reach);
+        BoundingSphere {
+            center,
+            radius: radius * self.frame.world_per_stored() * (1.0 + MARGIN),
+        }
+    }
+}
+
+/// A sphere around those of some lanes (stored units): about the middle of their box, which f32
+/// holds exactly enough since the radius is formed about what it holds.
+fn around(spheres: &Spheres, lanes: u8) -> ([f32; 3], f64) {
+    let used = || (0..LANES).filter(|k| lanes & (1 << k) != 0);
+    let center = [0, 1, 2].map(|axis| {
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for k in used() {
+            low = low.min(spheres.centre[axis][k] - spheres.radius[k]);
+            high = high.max(spheres.centre[axis][k] + spheres.radius[k]);
+        }
+        0.5 * low + 0.5 * high
+    });
+    // Without lanes, which no sound root is, nothing is known.
+    let mut radius = if lanes == 0 { f64::INFINITY } else { 0.0 };
+    for k in used() {
+        let apart = [0, 1, 2].map(|axis| f64::from(spheres.centre[axis][k]));
+        let apart = norm(sub(apart, center.map(f64::from)));
+        let reach = apart * (1.0 + MARGIN) + f64::from(spheres.radius[k]);
+        // Anything but "not larger" counts, so that NaN stays.
+        let within = reach <= radius;
+        radius = if within { radius } else { reach };
+        if reach.is_nan() {
+            break;
+        }
+    }
+    (center, radius)
+}

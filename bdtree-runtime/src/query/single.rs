@@ -1,0 +1,426 @@
+//! Queries of one mesh.
+
+use core::ops::ControlFlow;
+
+use super::budget::{Budget, Budgeted, BudgetedContacts, queue_len};
+use super::{ball, capsule, cuboid, frustum, half_space, project, ray, rays};
+use crate::cache::{Kept, Posed, StepCache};
+use crate::contact::{Contact, Coverage, PointProjection, Proxy, RayIntersection, Sink};
+use crate::epoch::Drift;
+use crate::error::QueryError;
+use crate::pose::Pose;
+use crate::proxy::DepthLimit;
+use crate::shape::{Ball, Frustum, FrustumState, Ray, Shape};
+use crate::traverse::{SearchEntry, StackEntry, Walk};
+use crate::vector::Vec3;
+use crate::workspace::{Stats, Workspace};
+
+/// Questions about one posed mesh; made by [`Pose::query`] or [`Instance::query`](crate::Instance::query).
+///
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # use bdtree_runtime::{Asset, Ball, Contact, Ray, Transform, Workspace, include_bdt};
+/// # let asset = Asset::open(include_bdt!("../../../fixtures/golden/beam.bdt"))?;
+/// # let (q, mut memory) = (vec![0.0; asset.mode_count()], vec![0.0; asset.pose_len()]);
+/// # let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
+/// let mut workspace = Workspace::new();
+/// let mut query = pose.query(&mut workspace);
+/// let mut contacts: Vec<Contact> = Vec::new();
+/// query.contacts(Ball::new([0.0, 0.1, 0.0], 0.3), &mut contacts)?;
+/// let hit = query.cast_ray(&Ray::new([0.0, 5.0, 0.0], [0.0, -1.0, 0.0]))?;
+/// # let _ = hit;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Query<'q, 'm> {
+    pub(super) side: Side<'q>,
+    pub(super) workspace: &'q mut Workspace<'m>,
+}
+
+/// A pose and how it is looked at.
+#[derive(Debug)]
+pub(crate) struct Side<'q> {
+    pose: Pose<'q>,
+    /// What a step keeps; an error where that is another pose's, which the next question returns.
+    kept: Result<Kept<'q>, QueryError>,
+    /// The pose at which nodes are evaluated, if it is another one.
+    drift: Option<(Pose<'q>, Drift)>,
+    pub(super) limit: Option<DepthLimit<'q>>,
+}
+
+impl<'q> Side<'q> {
+    #[inline]
+    pub(super) fn new(pose: Pose<'q>) -> Self {
+        Self {
+            pose,
+            kept: Ok(Kept::nothing()),
+            drift: None,
+            limit: None,
+        }
+    }
+
+    #[inline]
+    pub(super) fn keep(&mut self, cache: &'q mut StepCache<'_>) {
+        self.kept = if cache.serves(&self.pose) {
+            cache.slots()
+        } else {
+            Err(QueryError::Cache)
+        };
+    }
+
+    /// Takes spheres from those of `reference`, with which the cache was started (paper, eq. 8).
+    pub(crate) fn follow(&mut self, cache: &'q mut StepCache<'_>, reference: Pose<'q>) {
+        self.kept = match Drift::new(&reference, &self.pose) {
+            Some(drift) if cache.serves(&reference) => {
+                self.drift = Some((reference, drift));
+                cache.slots()
+            }
+            _ => Err(QueryError::Cache),
+        };
+    }
+
+    /// What following a reference has added to the radii of the root's lanes, at most (world units).
+    pub(crate) fn growth(&self) -> Result<f64, QueryError> {
+        let Some((_, drift)) = &self.drift else {
+            return Ok(0.0);
+        };
+        let asset = self.pose.asset;
+        let added = drift.added(asset.node_rows(asset.node(0)?)?.steps);
+        let largest = added.into_iter().fold(0.0_f32, f32::max);
+        Ok(f64::from(largest) * self.pose.frame.world_per_stored())
+    }
+
+    /// For one walk.
+    #[inline]
+    pub(super) fn posed(&mut self) -> Result<Posed<'_>, QueryError> {
+        let kept = match &mut self.kept {
+            Ok(kept) => kept.again(),
+            Err(error) => return Err(*error),
+        };
+        let drift = self.drift.as_ref().map(|(pose, drift)| (pose, *drift));
+        let limit = self.limit.as_mut().map(DepthLimit::again);
+        Ok(Posed::new(&self.pose, drift, kept, limit))
+    }
+
+    /// What it is, for one walk that has no levels to end at.
+    pub(super) fn posed_whole(&mut self, what: &'static str) -> Result<Posed<'_>, QueryError> {
+        if self.limit.is_some() {
+            return Err(QueryError::Argument(what));
+        }
+        self.posed()
+    }
+
+    pub(super) fn pose(&self) -> &Pose<'q> {
+        &self.pose
+    }
+}
+
+impl Pose<'_> {
+    /// Questions about this mesh, in the memory of a workspace.
+    #[inline]
+    pub fn query<'q, 'm>(&'q self, workspace: &'q mut Workspace<'m>) -> Query<'q, 'm> {
+        Query {
+            side: Side::new(*self),
+            workspace,
+        }
+    }
+}
+
+impl<'q, 'm> Query<'q, 'm> {
+    /// Of a pose with the cache that was started with it.
+    #[cfg(feature = "alloc")]
+    #[inline]
+    pub(crate) fn with_cache(
+        pose: Pose<'q>,
+        cache: &'q mut StepCache<'_>,
+        workspace: &'q mut Workspace<'m>,
+    ) -> Self {
+        let mut side = Side::new(pose);
+        side.keep(cache);
+        Self { side, workspace }
+    }
+
+    /// With what a step keeps: answers stay the same, nodes and triangles that an earlier query of the step has
+    /// computed are not computed again. Where the cache was not started with this pose, questions return
+    /// [`QueryError::Cache`].
+    #[inline]
+    pub fn cached(mut self, cache: &'q mut StepCache<'_>) -> Self {
+        self.side.keep(cache);
+        self
+    }
+
+    /// Not looked into below `level` (0 is the root's): a query tests the triangles that
+    /// hang on nodes down to there exactly, as always, and gives `proxies` the spheres of what else its
+    /// tests do not rule out. So every triangle of the full answer is reported or lies in a reported
+    /// sphere. From level [`Asset::depth`](crate::Asset::depth) − 1 on the answer is the full one.
+    ///
+    /// Which spheres: those that the traversal reaches. They need not lie in their ancestors' (unless
+    /// the asset was baked with nested spheres), so the set depends on the tree; it is the same on every
+    /// processor and with every [`Kernel`](crate::Kernel).
+    ///
+    /// Queries for the nearest thing prune by what they have found so far; [`Query::frustum_state`] and
+    /// [`Query::max_visits`] refuse a level.
+    pub fn max_level(mut self, level: usize, proxies: &'q mut dyn Sink<Proxy>) -> Self {
+        self.side.limit = Some(DepthLimit {
+            level,
+            sink: proxies,
+        });
+        self
+    }
+
+    /// Within a number of node visits, the most promising first: answers say what they may have missed.
+    pub fn max_visits(self, max_visits: u64) -> BudgetedQuery<'q, 'm> {
+        BudgetedQuery {
+            query: self,
+            max_visits,
+        }
+    }
+
+    /// The pose.
+    pub fn pose(&self) -> &Pose<'q> {
+        self.side.pose()
+    }
+
+    pub(crate) fn side(&mut self) -> &mut Side<'q> {
+        &mut self.side
+    }
+
+    /// What the last question visited.
+    pub fn stats(&self) -> Stats {
+        self.workspace.stats
+    }
+
+    /// Reports every triangle that the shape touches.
+    ///
+    /// | shape | triangles within | `point` | `normal` | `distance` |
+    /// |---|---|---|---|---|
+    /// | [`Ball`] | the radius of the center | nearest to the center | from there to the center | to the center, less the radius |
+    /// | [`Capsule`](crate::Capsule) | the radius of the segment | nearest to the segment | from there to the segment | to the segment, less the radius |
+    /// | [`Cuboid`](crate::Cuboid) | the box | deepest in the box: farthest from the nearest face | from that face into the box | the depth, negative |
+    /// | [`HalfSpace`](crate::HalfSpace) | (a vertex) below the plane | the deepest vertex, the first of equals | the plane's | height above the plane |
+    ///
+    /// Where a triangle reaches the center or the segment, `normal` is the triangle's own. Moving a cuboid by
+    /// `-distance` along `normal` takes its face to the point.
+    ///
+    /// # Errors
+    /// [`QueryError::Argument`] names the shape's field that is not finite, beyond 2^100, negative or zero where
+    /// it must not be; too little memory, a corrupt asset.
+    #[inline]
+    pub fn contacts(
+        &mut self,
+        shape: impl Into<Shape>,
+        out: &mut impl Sink<Contact>,
+    ) -> Result<Coverage, QueryError> {
+        self.walk_shape(&shape.into(), out)
+    }
+
+    /// [`Query::contacts`], compiled here for all callers.
+    fn walk_shape(
+        &mut self,
+        shape: &Shape,
+        out: &mut dyn Sink<Contact>,
+    ) -> Result<Coverage, QueryError> {
+        self.walk(|posed, stack| {
+            let walk = match shape {
+                Shape::Ball(ball) => ball::contacts(posed, ball, stack, out),
+                Shape::Capsule(capsule) => capsule::contacts(posed, capsule, stack, out),
+                Shape::Cuboid(cuboid) => cuboid::contacts(posed, cuboid, stack, out),
+                Shape::HalfSpace(half_space) => half_space::contacts(posed, half_space, stack, out),
+            }?;
+            Ok((Coverage::of(walk.stopped), walk))
+        })
+    }
+
+    /// Whether the shape touches any triangle: ends with the first one that is found.
+    ///
+    /// # Errors
+    /// Those of [`Query::contacts`].
+    pub fn intersects(&mut self, shape: impl Into<Shape>) -> Result<bool, QueryError> {
+        let coverage = self.walk_shape(&shape.into(), &mut Full)?;
+        Ok(coverage == Coverage::Truncated)
+    }
+
+    /// The point of the mesh nearest to `point`, if it is within `max_distance` (which may be infinite).
+    ///
+    /// # Errors
+    /// A point that is not finite or beyond 2^100, a negative or NaN distance, too little memory, a corrupt asset.
+    #[inline]
+    pub fn project_point(
+        &mut self,
+        point: impl Into<Vec3>,
+        max_distance: f64,
+    ) -> Result<Option<PointProjection>, QueryError> {
+        let Vec3(point) = point.into();
+        self.walk(|posed, stack| project::project(posed, point, max_distance, stack))
+    }
+
+    /// Where the ray first meets the mesh. Triangles of zero area are missed; rays through edges and vertices
+    /// do not slip between triangles that share them.
+    ///
+    /// # Errors
+    /// An origin that is not finite or beyond 2^100, a direction that is zero or not finite, a negative or NaN
+    /// distance, too little memory, a corrupt asset.
+    pub fn cast_ray(&mut self, ray: &Ray) -> Result<Option<RayIntersection>, QueryError> {
+        self.walk(|posed, stack| ray::first(posed, ray, stack))
+    }
+
+    /// Whether [`Query::cast_ray`] finds anything, in less time.
+    ///
+    /// # Errors
+    /// Those of [`Query::cast_ray`].
+    pub fn intersects_ray(&mut self, ray: &Ray) -> Result<bool, QueryError> {
+        self.walk(|posed, stack| ray::any(posed, ray, stack))
+    }
+
+    /// Reports every triangle that the ray meets, in no order that means anything.
+    ///
+    /// # Errors
+    /// Those of [`Query::cast_ray`].
+    pub fn cast_ray_all(
+        &mut self,
+        ray: &Ray,
+        out: &mut impl Sink<RayIntersection>,
+    ) -> Result<Coverage, QueryError> {
+        self.walk(|posed, stack| {
+            let walk = ray::all(posed, ray, stack, out)?;
+            Ok((Coverage::of(walk.stopped), walk))
+        })
+    }
+
+    /// [`Query::cast_ray`] for each of `rays`: `hits[i]` becomes that of ray i.
+    ///
+    /// # Errors
+    /// Those of [`Query::cast_ray`] for any of the rays, and fewer hits than rays; what was written before stays.
+    pub fn cast_rays(
+        &mut self,
+        rays: &[Ray],
+        hits: &mut [Option<RayIntersection>],
+    ) -> Result<(), QueryError> {
+        self.walk(|posed, stack| Ok(((), rays::first(posed, rays, stack, hits)?)))
+    }
+
+    /// [`Query::intersects_ray`] for each of `rays`: `hits[i]` becomes that of ray i.
+    ///
+    /// # Errors
+    /// Those of [`Query::cast_rays`].
+    pub fn intersects_rays(&mut self, rays: &[Ray], hits: &mut [bool]) -> Result<(), QueryError> {
+        self.walk(|posed, stack| Ok(((), rays::any(posed, rays, stack, hits)?)))
+    }
+
+    /// [`Query::cast_ray_all`] for each of `rays`: every hit with the number of its ray, ray after ray.
+    ///
+    /// # Errors
+    /// Those of [`Query::cast_ray`] for any of the rays.
+    pub fn cast_rays_all(
+        &mut self,
+        rays: &[Ray],
+        out: &mut impl Sink<(usize, RayIntersection)>,
+    ) -> Result<Coverage, QueryError> {
+        self.walk(|posed, stack| {
+            let walk = rays::all(posed, rays, stack, out)?;
+            Ok((Coverage::of(walk.stopped), walk))
+        })
+    }
+
+    /// Where the mesh lies: inside the frustum if all of it does, outside if each triangle is, by
+    /// [`Frustum::triangle`], else across. It may say that a mesh outside is across, within rounding, and never
+    /// that one in sight is outside. [`BoundingSphere::state`](crate::BoundingSphere::state) asks the root's sphere alone.
+    ///
+    /// # Errors
+    /// A level limit, too little memory, a corrupt asset.
+    pub fn frustum_state(&mut self, frustum: &Frustum) -> Result<FrustumState, QueryError> {
+        const LEVEL: &str = "max_level: a frustum's state needs all levels";
+        if self.side.limit.is_some() {
+            return Err(QueryError::Argument(LEVEL));
+        }
+        self.walk(|posed, stack| frustum::state(posed, frustum, stack))
+    }
+
+    /// One walk and its counts.
+    #[inline(always)]
+    fn walk<T>(
+        &mut self,
+        ask: impl FnOnce(Posed<'_>, &mut [StackEntry]) -> Result<(T, Walk), QueryError>,
+    ) -> Result<T, QueryError> {
+        let posed = self.side.posed()?;
+        let needed = posed.pose.asset.stack_len();
+        let stack = self.workspace.memory.slots(needed)?;
+        let (answer, walk) = ask(posed, stack)?;
+        self.workspace.stats = Stats::of(&walk);
+        Ok(answer)
+    }
+}
+
+/// A sink that has no room: the query ends with the first thing that it finds.
+pub(super) struct Full;
+
+impl<T> Sink<T> for Full {
+    fn push(&mut self, _item: T) -> ControlFlow<()> {
+        ControlFlow::Break(())
+    }
+}
+
+/// Questions about one posed mesh within a number of node visits; made by [`Query::max_visits`].
+///
+/// With each further visit the answer can only get better and its bound can only rise. Visits without end
+/// return what the plain question returns. What is still to be visited is kept in the workspace; what finds no
+/// room there is left out and counts in the bound.
+#[derive(Debug)]
+pub struct BudgetedQuery<'q, 'm> {
+    query: Query<'q, 'm>,
+    max_visits: u64,
+}
+
+impl BudgetedQuery<'_, '_> {
+    /// [`Query::contacts`] of a ball, the nearest nodes first.
+    ///
+    /// # Errors
+    /// Its errors; a level limit.
+    pub fn contacts(
+        &mut self,
+        ball: Ball,
+        out: &mut impl Sink<Contact>,
+    ) -> Result<BudgetedContacts, QueryError> {
+        self.walk(|budget, posed| budget.ball(posed, &ball, out))
+    }
+
+    /// [`Query::project_point`] within the budget.
+    ///
+    /// # Errors
+    /// Its errors; a level limit.
+    pub fn project_point(
+        &mut self,
+        point: impl Into<Vec3>,
+        max_distance: f64,
+    ) -> Result<Budgeted<Option<PointProjection>>, QueryError> {
+        let Vec3(point) = point.into();
+        self.walk(|budget, posed| budget.project(posed, point, max_distance))
+    }
+
+    /// [`Query::cast_ray`] within the budget.
+    ///
+    /// # Errors
+    /// Its errors; a level limit.
+    pub fn cast_ray(&mut self, ray: &Ray) -> Result<Budgeted<Option<RayIntersection>>, QueryError> {
+        self.walk(|budget, posed| budget.ray(posed, ray))
+    }
+
+    fn walk<T>(
+        &mut self,
+        ask: impl FnOnce(&mut Budget<'_>, Posed<'_>) -> Result<(T, Walk), QueryError>,
+    ) -> Result<T, QueryError> {
+        let workspace = &mut *self.query.workspace;
+        let posed = self.query.side.posed_whole(BUDGET_AND_LEVEL)?;
+        let len = queue_len(self.max_visits).min(posed.pose.asset.node_count());
+        let mut budget = Budget {
+            max_visits: self.max_visits,
+            queue: workspace.memory.up_to::<SearchEntry>(len),
+        };
+        let (answer, walk) = ask(&mut budget, posed)?;
+        workspace.stats = Stats::of(&walk);
+        Ok(answer)
+    }
+}
+
+pub(super) const BUDGET_AND_LEVEL: &str = "max_level: not together with max_visits";
