@@ -23,7 +23,7 @@ const CACHE: CacheSize = CacheSize {
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use bdtree_runtime::{Ball, Contact, Instance, Model, Transform, Workspace};
 ///
-/// # let bytes = bdtree_runtime::include_bdt!("../../fixtures/golden/beam.bdt");
+/// # let bytes = bdtree_runtime::include_bdt!("../../fixtures/golden/sphere.bdt");
 /// let model = Model::from_static(bytes)?;
 /// let mut body = Instance::new(&model)?;
 /// let mut workspace = Workspace::new();

@@ -20,7 +20,7 @@ use crate::workspace::{Stats, Workspace};
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// # use bdtree_runtime::{Asset, Ball, Contact, Ray, Transform, Workspace, include_bdt};
-/// # let asset = Asset::open(include_bdt!("../../../fixtures/golden/beam.bdt"))?;
+/// # let asset = Asset::open(include_bdt!("../../../fixtures/golden/sphere.bdt"))?;
 /// # let (q, mut memory) = (vec![0.0; asset.mode_count()], vec![0.0; asset.pose_len()]);
 /// # let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
 /// let mut workspace = Workspace::new();
