@@ -1,11 +1,10 @@
 //! The device: asking for one, and what it says when it refuses.
 
-use alloc::string::ToString;
-use core::pin::pin;
-use core::task::{Context, Poll, Waker};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
 
-use super::error::GpuError;
+use crate::error::GpuError;
 
 /// A device and its queue with all that the first adapter allows, for programs that have none yet:
 /// wgpu's defaults allow bindings of 128 MiB only. Timestamps are on where there are any.

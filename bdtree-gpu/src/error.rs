@@ -1,9 +1,8 @@
 //! What can go wrong on a GPU.
 
-use alloc::string::String;
-use core::fmt;
+use std::fmt;
 
-use crate::error::{FormatError, PoseError};
+use bdtree_runtime::{FormatError, PoseError};
 
 /// Why something is not done on a GPU.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,7 +89,7 @@ impl fmt::Display for GpuError {
     }
 }
 
-impl core::error::Error for GpuError {}
+impl std::error::Error for GpuError {}
 
 impl From<PoseError> for GpuError {
     fn from(error: PoseError) -> Self {

@@ -1,6 +1,6 @@
 //! What can keep a picture from being made.
 
-use bdtree_runtime::gpu::GpuError;
+use bdtree_gpu::GpuError;
 
 /// Why there is no picture.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

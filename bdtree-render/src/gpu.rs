@@ -121,7 +121,7 @@ impl Gpu {
     /// # Errors
     /// As of [`Gpu::check`].
     pub fn finish(&self) -> Result<(), RenderError> {
-        let waited = bdtree_runtime::gpu::wait(&self.device);
+        let waited = bdtree_gpu::wait(&self.device);
         self.check()?;
         Ok(waited?)
     }

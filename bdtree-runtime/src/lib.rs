@@ -9,8 +9,7 @@
 //! phase on touched triangles only → [`contact`]s.
 //!
 //! The crate is `no_std` and never allocates. Features: `std` (default; instruction sets are
-//! detected at run time), `alloc` ([`AlignedBytes`]), `mmap` ([`MappedFile`]), `wgpu`
-//! (module `gpu`: skinning on a GPU).
+//! detected at run time), `alloc` ([`AlignedBytes`]), `mmap` ([`MappedFile`]).
 //!
 //! # Concepts
 //!
@@ -35,14 +34,13 @@ pub mod broad;
 mod cache;
 pub mod contact;
 mod deform;
+mod drawing;
 #[doc(hidden)]
 pub mod embed;
 mod epoch;
 pub mod error;
 mod force;
 mod frame;
-#[cfg(feature = "wgpu")]
-pub mod gpu;
 #[cfg(test)]
 mod held;
 mod math;
@@ -68,6 +66,7 @@ pub use contact::{
     ClosestPoint, Contact, PairContact, Proxy, RayHit, Sink, SliceSink, TriangleId, TrianglePair,
     VertexId,
 };
+pub use drawing::{AssetId, StoredToWorld};
 pub use error::{Datum, FormatError, PoseError, QueryError};
 pub use force::add_generalized_force;
 #[cfg(feature = "alloc")]

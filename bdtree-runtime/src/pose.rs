@@ -250,7 +250,7 @@ impl<'p> Pose<'p> {
     }
 
     /// Whether the pose was made for this asset.
-    pub(crate) fn belongs_to(&self, asset: &Asset<'_>) -> bool {
+    pub fn belongs_to(&self, asset: &Asset<'_>) -> bool {
         self.asset == identity(asset)
     }
 }
