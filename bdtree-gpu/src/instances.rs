@@ -134,16 +134,15 @@ impl Instances {
         let linear = map.linear();
         let offset = DVec3::from_array(map.offset()) - DVec3::from_array(self.origin);
         // Subnormal entries are 0, as in a pose.
-        let flushed = |q: &f32| if q.abs() < f32::MIN_POSITIVE { 0.0 } else { *q };
-        // S(q) = Σ W_j |q_j|.
-        let weights = asset
-            .modes()
+        let q = q
             .iter()
-            .map(|m| f64::from(m.field_norm_max.get()));
-        let sum: f64 = weights
-            .zip(q)
-            .map(|(w, q)| w * f64::from(flushed(q).abs()))
-            .sum();
+            .map(|q| if q.abs() < f32::MIN_POSITIVE { 0.0 } else { *q });
+        // S(q) = Σ W_j |q_j|.
+        let modes = asset.modes().iter();
+        let weighted = modes
+            .zip(q.clone())
+            .map(|(m, q)| f64::from(m.field_norm_max.get()) * f64::from(q.abs()));
+        let sum: f64 = weighted.sum();
         let p = f64::from(asset.header().position_norm_max.get());
         let per_stored = map.scale();
         let away = offset.length();
@@ -167,7 +166,7 @@ impl Instances {
             matrix[4 * k + 3][lane] = offset[k] as f32;
         }
         for (row, q) in of_q.iter_mut().zip(q) {
-            row[lane] = flushed(q);
+            row[lane] = q;
         }
         self.count += 1;
         let m = self.mode_count as f64;

@@ -164,7 +164,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
                     angles[0].push(degrees(add(at_rest[i].0, linear[i].0, 1.0), normal));
                     let from_fields = degrees(cross(a, b), normal);
                     angles[1].push(from_fields);
-                    // Exact up to rounding, which gpu_normals tests.
+                    // Exact up to rounding, which bdtree-gpu's tests of normals assert.
                     angles[2].push(if marked[i] { 0.0 } else { from_fields });
                 }
             }
