@@ -7,7 +7,7 @@ use bdtree_runtime::{Asset, Pose, Transform, VertexId, include_bdt};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // An engine has a device of its own.
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let (device, queue) = pollster::block_on(request_device(&instance))?;
+    let (_, device, queue) = pollster::block_on(request_device(&instance, None))?;
 
     // Once per asset.
     let asset = Asset::open(include_bdt!("../../fixtures/golden/sphere.bdt"))?;

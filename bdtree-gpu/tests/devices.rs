@@ -33,7 +33,7 @@ impl Gpu {
     /// When there is none: tests that need one do not pass without.
     pub(crate) fn new() -> Self {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let (device, queue) = pollster::block_on(request_device(&instance))
+        let (_, device, queue) = pollster::block_on(request_device(&instance, None))
             .expect("a GPU, or Mesa's lavapipe (mesa-vulkan-drivers, libvulkan1)");
         Self::of(device, queue)
     }

@@ -29,6 +29,11 @@ impl StoredToWorld {
         self.0.origin_in_world()
     }
 
+    /// A stored point in the world, to the bit as [`Asset::deformed`] places vertices.
+    pub fn point(&self, p: [f32; 3]) -> [f64; 3] {
+        self.0.world(p)
+    }
+
     /// World units per stored unit.
     pub fn scale(&self) -> f64 {
         self.0.world_per_stored()

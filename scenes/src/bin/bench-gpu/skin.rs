@@ -62,7 +62,7 @@ struct Bench<'d> {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let (device, queue) = pollster::block_on(request_device(&instance))?;
+    let (_, device, queue) = pollster::block_on(request_device(&instance, None))?;
     let (info, limits) = (device.adapter_info(), device.limits());
     println!(
         "device     {} ({:?}, {} {})",
