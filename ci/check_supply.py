@@ -15,6 +15,7 @@ SHIPPED = {
     "bdtree-format",
     "bdtree-runtime",
     "bdtree-build",
+    "bdtree-gpu",
     "bdtree-render",
     "bdtree-tools",
     "bdtree-view",
@@ -28,7 +29,7 @@ TOOL_WORKSPACES = ["fuzz", "ci/miri", "ci/no-alloc"]
 ALLOWED_TOOLS = {"NCSA"}
 # Fonts are linked as data; the viewer alone has them (THIRD-PARTY-NOTICES.md).
 FONTS = {"epaint_default_fonts": {"OFL-1.1", "Ubuntu-font-1.0"}}
-# The library itself, without what feature `wgpu` adds, links nothing but these; macros run when it is built.
+# The library itself links nothing but these; macros run when it is built.
 LIBRARY = {"bdtree-runtime", "bdtree-format"}
 ALLOWED_LIBRARY = {"MIT", "Apache-2.0"}
 
@@ -139,8 +140,7 @@ def main():
         if any("proc-macro" in target["kind"] for target in package["targets"])
     }
     shipped = reached(nodes, [members[name] for name in SHIPPED], {None, "build"})
-    gpu = {id for id, package in packages.items() if package["name"] == "wgpu"}
-    library = reached(nodes, [members[name] for name in LIBRARY], {None}, macros | gpu)
+    library = reached(nodes, [members[name] for name in LIBRARY], {None}, macros)
     foreign = set(packages) - set(metadata["workspace_members"])
     for id in foreign:
         package = packages[id]

@@ -1,6 +1,6 @@
 //! What can keep a picture from being made.
 
-use bdtree_runtime::gpu::GpuError;
+use bdtree_gpu::GpuError;
 
 /// Why there is no picture.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -12,14 +12,6 @@ pub enum RenderError {
          software Vulkan (Debian: apt-get install mesa-vulkan-drivers libvulkan1)"
     )]
     NoAdapter(String),
-    /// The adapter refused to be used.
-    #[error("graphics adapter {adapter}: {cause}")]
-    NoDevice {
-        /// Its name.
-        adapter: String,
-        /// Why.
-        cause: String,
-    },
     /// More than the device takes.
     #[error("{what}: {needed} {unit}, the graphics device takes at most {limit}")]
     TooLarge {
@@ -32,7 +24,7 @@ pub enum RenderError {
         /// What is counted.
         unit: &'static str,
     },
-    /// An asset could not be deformed on the device.
+    /// The adapter gives no device, or an asset could not be deformed on it.
     #[error("{0}")]
     Skinning(#[from] GpuError),
     /// The device was lost, ran out of memory or refused an operation.

@@ -2,10 +2,8 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use wgpu::{
-    Adapter, Device, DeviceDescriptor, Instance, InstanceDescriptor, PowerPreference, Queue,
-    RequestAdapterOptions, Surface,
-};
+use bdtree_gpu::{GpuError, request_device};
+use wgpu::{Adapter, Device, Instance, InstanceDescriptor, Queue, Surface};
 
 use crate::error::RenderError;
 
@@ -66,25 +64,11 @@ impl Gpu {
         instance: Instance,
         surface: Option<&Surface<'_>>,
     ) -> Result<Self, RenderError> {
-        let options = RequestAdapterOptions {
-            power_preference: PowerPreference::HighPerformance,
-            compatible_surface: surface,
-            ..RequestAdapterOptions::default()
-        };
-        let adapter = pollster::block_on(instance.request_adapter(&options))
-            .map_err(|error| RenderError::NoAdapter(error.to_string()))?;
-        let descriptor = DeviceDescriptor {
-            label: Some("bdtree"),
-            required_limits: adapter.limits(),
-            ..DeviceDescriptor::default()
-        };
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
-                RenderError::NoDevice {
-                    adapter: adapter.get_info().name,
-                    cause: error.to_string(),
-                }
-            })?;
+        let requested = pollster::block_on(request_device(&instance, surface));
+        let (adapter, device, queue) = requested.map_err(|error| match error {
+            GpuError::NoAdapter(why) => RenderError::NoAdapter(why),
+            error => error.into(),
+        })?;
         let failure = Failure::default();
         let noted = failure.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
@@ -121,7 +105,7 @@ impl Gpu {
     /// # Errors
     /// As of [`Gpu::check`].
     pub fn finish(&self) -> Result<(), RenderError> {
-        let waited = bdtree_runtime::gpu::wait(&self.device);
+        let waited = bdtree_gpu::wait(&self.device);
         self.check()?;
         Ok(waited?)
     }

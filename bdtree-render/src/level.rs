@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use bdtree_format::{LANES, NodeRecord, ROW_RADIUS, SectionKind};
-use bdtree_runtime::{Asset, Datum, FormatError, Pose, Transform};
+use bdtree_runtime::{Asset, Datum, FormatError, Pose};
 
 /// The sphere of a node's lane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,21 +32,16 @@ pub struct Level {
 }
 
 impl Level {
-    /// All spheres of `level`; `transform` is the pose's.
+    /// All spheres of `level`.
     ///
     /// # Errors
     /// A corrupt asset.
-    pub fn of(
-        asset: &Asset<'_>,
-        pose: &Pose<'_>,
-        transform: &Transform,
-        level: usize,
-    ) -> Result<Self, FormatError> {
+    pub fn of(asset: &Asset<'_>, pose: &Pose<'_>, level: usize) -> Result<Self, FormatError> {
         let nodes = asset.node_count_to(level);
         let first = level
             .checked_sub(1)
             .map_or(0, |above| asset.node_count_to(above));
-        let spheres = NodeSphere::of_nodes(asset, pose, transform, first as u32..nodes as u32)?;
+        let spheres = NodeSphere::of_nodes(asset, pose, first as u32..nodes as u32)?;
         Ok(Self { level, spheres })
     }
 }
@@ -59,10 +54,9 @@ impl NodeSphere {
     pub fn of_nodes(
         asset: &Asset<'_>,
         pose: &Pose<'_>,
-        transform: &Transform,
         nodes: impl IntoIterator<Item = u32>,
     ) -> Result<Vec<Self>, FormatError> {
-        let place = Place::new(asset, transform);
+        let map = pose.stored_to_world();
         let mut found = Vec::new();
         for index in nodes {
             let spheres = asset.node_spheres(pose, index)?;
@@ -75,57 +69,13 @@ impl NodeSphere {
                     node: index,
                     lane,
                     child: child(node, lane),
-                    centre: place.point([0, 1, 2].map(|k| spheres.centre[k][lane])),
-                    radius: f64::from(spheres.radius[lane]) * place.scale,
-                    rest_radius: f64::from(rest[lane]) * place.scale,
+                    centre: map.point([0, 1, 2].map(|k| spheres.centre[k][lane])),
+                    radius: f64::from(spheres.radius[lane]) * map.scale(),
+                    rest_radius: f64::from(rest[lane]) * map.scale(),
                 });
             }
         }
         Ok(found)
-    }
-}
-
-/// From stored units to the world.
-struct Place {
-    origin: [f64; 3],
-    unit: f64,
-    transform: Transform,
-    /// World units per stored unit.
-    scale: f64,
-}
-
-impl Place {
-    fn new(asset: &Asset<'_>, transform: &Transform) -> Self {
-        let norm = transform.rotation.iter().map(|c| c * c).sum::<f64>().sqrt();
-        Self {
-            origin: asset.origin(),
-            unit: asset.unit(),
-            transform: Transform {
-                rotation: transform.rotation.map(|c| c / norm),
-                ..*transform
-            },
-            scale: asset.unit() * transform.scale,
-        }
-    }
-
-    /// t + s Q (origin + unit c).
-    fn point(&self, c: [f32; 3]) -> [f64; 3] {
-        let p = [0, 1, 2].map(|k| self.origin[k] + self.unit * f64::from(c[k]));
-        let [x, y, z, w] = self.transform.rotation;
-        let cross = |a: [f64; 3], b: [f64; 3]| {
-            [
-                a[1] * b[2] - a[2] * b[1],
-                a[2] * b[0] - a[0] * b[2],
-                a[0] * b[1] - a[1] * b[0],
-            ]
-        };
-        let axis = [x, y, z];
-        let twice = cross(axis, p).map(|c| 2.0 * c);
-        let aside = cross(axis, twice);
-        let Transform {
-            translation, scale, ..
-        } = self.transform;
-        [0, 1, 2].map(|k| translation[k] + scale * (p[k] + w * twice[k] + aside[k]))
     }
 }
 

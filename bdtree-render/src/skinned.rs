@@ -1,6 +1,6 @@
 //! A mesh that the runtime deforms on the device.
 
-use bdtree_runtime::gpu::{GpuAsset, Instances, Normals, Output, Skinner};
+use bdtree_gpu::{GpuAsset, Instances, Normals, Output, Skinner};
 use bdtree_runtime::{Asset, Transform};
 
 use crate::error::RenderError;

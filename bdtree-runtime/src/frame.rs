@@ -101,12 +101,9 @@ impl Frame {
             .chain(rest)
     }
 
-    /// Linear part and offset of the map from stored coordinates to the world seen from `from`.
-    #[cfg(feature = "wgpu")]
-    pub(crate) fn matrix(&self, from: [f64; 3]) -> ([[f64; 3]; 3], [f64; 3]) {
-        let factor = self.world_per_stored();
-        let linear = self.rotation.map(|row| scale(row, factor));
-        (linear, sub(self.origin_in_world(), from))
+    /// Rows of the linear part of [`Frame::world`].
+    pub(crate) fn linear(&self) -> [[f64; 3]; 3] {
+        self.rotation.map(|row| scale(row, self.world_per_stored()))
     }
 
     /// World units per stored unit.

@@ -9,8 +9,7 @@
 //! phase on touched triangles only → [`contact`]s.
 //!
 //! The crate is `no_std` and never allocates. Features: `std` (default; instruction sets are
-//! detected at run time), `alloc` ([`AlignedBytes`]), `mmap` ([`MappedFile`]), `wgpu`
-//! (module `gpu`: skinning on a GPU).
+//! detected at run time), `alloc` ([`AlignedBytes`]), `mmap` ([`MappedFile`]).
 //!
 //! # Concepts
 //!
@@ -35,14 +34,13 @@ pub mod broad;
 mod cache;
 mod contact;
 mod deform;
+mod drawing;
 #[doc(hidden)]
 pub mod embed;
 mod epoch;
 mod error;
 mod force;
 mod frame;
-#[cfg(feature = "wgpu")]
-pub mod gpu;
 #[cfg(test)]
 mod held;
 #[cfg(feature = "alloc")]
@@ -78,6 +76,7 @@ pub use contact::{
     Contact, Coverage, PairContact, PointProjection, Proxy, RayIntersection, Sink, SliceSink,
     TriangleId, TrianglePair, VertexId,
 };
+pub use drawing::{AssetId, StoredToWorld};
 pub use error::{Datum, FormatError, HEADER_SECTION, PoseError, QueryError};
 #[cfg(feature = "alloc")]
 pub use instance::Instance;

@@ -1,7 +1,7 @@
 //! The three-dimensional part of the window, in a texture of its own.
 
+use bdtree_gpu::GpuError;
 use bdtree_render::{Gpu, RenderError, Renderer, Scene, SkinnedMesh};
-use bdtree_runtime::gpu::GpuError;
 use wgpu::{
     CommandEncoder, Extent3d, Texture, TextureDescriptor, TextureDimension, TextureFormat,
     TextureUsages,

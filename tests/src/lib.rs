@@ -15,7 +15,6 @@ pub mod flush;
 pub mod fuzz;
 pub mod gltf_twin;
 pub mod golden;
-pub mod gpu;
 pub mod hard;
 pub mod hostile;
 pub mod judge;

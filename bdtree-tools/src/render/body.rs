@@ -54,13 +54,13 @@ impl<'a> Body<'a> {
     /// Spheres of its tree, those left out that bound nothing.
     pub(super) fn spheres(
         &self,
-        of: impl FnOnce(&Asset<'a>, &Pose<'_>, &Transform) -> Result<Vec<NodeSphere>, FormatError>,
+        of: impl FnOnce(&Asset<'a>, &Pose<'_>) -> Result<Vec<NodeSphere>, FormatError>,
     ) -> Result<Vec<NodeSphere>, ToolError> {
         let mut memory = vec![0.0; self.asset.pose_len()];
         let Posture { q, transform } = &self.posture;
         let pose = Pose::new(&self.asset, q, *transform, &mut memory)
             .map_err(|error| ToolError::input(self.file.path().display(), error))?;
-        let spheres = of(&self.asset, &pose, transform);
+        let spheres = of(&self.asset, &pose);
         spheres.map(sound).map_err(|error| self.file.error(error))
     }
 }

@@ -117,9 +117,7 @@ fn shown<'a>(
     let time_s = number.and_then(|index| asset.frame(usize::try_from(index).ok()?)?.time_s());
     let body = Body::new(file, *asset, posture)?;
     let spheres = match arguments.spheres {
-        Some(level) => body.spheres(|asset, pose, transform| {
-            Ok(Level::of(asset, pose, transform, level)?.spheres)
-        })?,
+        Some(level) => body.spheres(|asset, pose| Ok(Level::of(asset, pose, level)?.spheres))?,
         None => Vec::new(),
     };
     Ok(Frame {

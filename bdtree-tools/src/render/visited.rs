@@ -119,9 +119,8 @@ fn drawn(
     body: &Body<'_>,
     visited: &[u32],
 ) -> Result<Vec<NodeSphere>, ToolError> {
-    let spheres = body.spheres(|asset, pose, transform| {
-        NodeSphere::of_nodes(asset, pose, transform, visited.iter().copied())
-    })?;
+    let spheres =
+        body.spheres(|asset, pose| NodeSphere::of_nodes(asset, pose, visited.iter().copied()))?;
     let nodes = body.asset.nodes();
     let level = |node: u32| {
         nodes

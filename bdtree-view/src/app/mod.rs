@@ -204,7 +204,7 @@ impl<'a> App<'a> {
         let mut memory = vec![0.0; self.asset.pose_len()];
         let pose = Pose::new(&self.asset, q, *transform, &mut memory);
         let pose = pose.map_err(|error| error.to_string())?;
-        let level = Level::of(&self.asset, &pose, transform, level);
+        let level = Level::of(&self.asset, &pose, level);
         let mut spheres = level.map_err(|error| error.to_string())?.spheres;
         // Others say nothing, and every query looks below them.
         spheres.retain(|s| s.radius.is_finite() && s.centre.iter().all(|x| x.is_finite()));

@@ -91,7 +91,7 @@ impl Asker {
         let visited: Vec<u32> = (0..asset.node_count() as u32)
             .filter(|n| cached.keeps(*n))
             .collect();
-        let spheres = NodeSphere::of_nodes(asset, &pose, transform, visited.iter().copied());
+        let spheres = NodeSphere::of_nodes(asset, &pose, visited.iter().copied());
         let mut ends = spheres.map_err(|error| error.to_string())?;
         ends.retain(|sphere| {
             let is_visited = |child: u32| visited.binary_search(&child).is_ok();

@@ -132,7 +132,7 @@ fn spheres(display: &Display, q: &[f32], options: &[&str]) -> (Picture, Vec<Disc
     let camera = app.view.camera.expect("a camera");
     let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(&asset, q, Transform::IDENTITY, &mut memory).expect("a pose");
-    let level = Level::of(&asset, &pose, &Transform::IDENTITY, 0).expect("spheres");
+    let level = Level::of(&asset, &pose, 0).expect("spheres");
     let seen = level.spheres.iter().map(|sphere| {
         let centre = app.place().shown(sphere.centre);
         let [x, y] = camera.project(centre, size).expect("in front");

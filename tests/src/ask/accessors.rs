@@ -68,6 +68,7 @@ pub(super) fn read_all(asset: &Asset<'_>, rng: &mut Pcg64Mcg, answers: &mut Answ
             }
         }
     }
+    draw(asset, &pose, answers);
     // Beyond the last one.
     let vertex = VertexId(asset.vertex_count() as u32);
     assert!(asset.deformed(&pose, vertex).is_err() && asset.displacements(vertex).is_err());
@@ -82,6 +83,41 @@ pub(super) fn read_all(asset: &Asset<'_>, rng: &mut Pcg64Mcg, answers: &mut Answ
             .is_err()
     );
     assert!(asset.node_spheres(&pose, u32::MAX).is_err());
+}
+
+/// What programs ask that draw the mesh themselves: one that passes its check fails nowhere.
+fn draw(asset: &Asset<'_>, pose: &Pose<'_>, answers: &mut Answers) {
+    assert!(pose.belongs_to(asset) && asset.id() == asset.clone().id());
+    assert!(asset.check_q(pose.q()).is_ok());
+    let map = pose.stored_to_world();
+    let same = asset.stored_to_world(Transform::IDENTITY).expect("a map");
+    assert_eq!(map.linear(), same.linear());
+    assert_eq!(map.offset(), same.offset());
+    assert!(map.scale() > 0.0 && map.error(1.0) > 0.0);
+    if answers.read(asset.check_mesh()).is_none() {
+        return;
+    }
+    let mut fields = 0;
+    for vertex in (0..asset.vertex_count() as u32).map(VertexId) {
+        let own = asset.displacements(vertex).expect("of a sound mesh");
+        assert!(own.iter().all(|(mode, _)| mode < asset.mode_count()));
+        fields += own.iter().count();
+        let stored = asset.deformed_stored(pose, vertex).expect("sound");
+        let world = asset.deformed(pose, vertex).expect("sound");
+        assert_eq!(map.point(stored).map(f64::to_bits), world.map(f64::to_bits));
+    }
+    if asset.vertex_modes().is_empty() {
+        assert_eq!(fields, asset.displacement_fields().len());
+        assert!(asset.mode_list_entries().iter().count() <= asset.bytes().len());
+    }
+    for id in (0..asset.triangle_count() as u32).map(TriangleId) {
+        let corners = asset.triangle(id).expect("of a sound mesh");
+        assert!(
+            corners
+                .iter()
+                .all(|v| (v.0 as usize) < asset.vertex_count())
+        );
+    }
 }
 
 /// Poses every frame, or is told why not.

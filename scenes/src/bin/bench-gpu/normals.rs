@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use bdtree_runtime::gpu::NormalFields;
+use bdtree_gpu::NormalFields;
 use bdtree_runtime::{AlignedBytes, Asset, TriangleId, VertexId};
 use bdtree_tests::poses;
 use clap::Args;
@@ -164,7 +164,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
                     angles[0].push(degrees(add(at_rest[i].0, linear[i].0, 1.0), normal));
                     let from_fields = degrees(cross(a, b), normal);
                     angles[1].push(from_fields);
-                    // Exact up to rounding, which gpu_normals tests.
+                    // Exact up to rounding, which bdtree-gpu's tests of normals assert.
                     angles[2].push(if marked[i] { 0.0 } else { from_fields });
                 }
             }

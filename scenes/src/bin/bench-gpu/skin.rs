@@ -8,7 +8,7 @@ use bdtree_baselines::machine;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
-use bdtree_runtime::gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
+use bdtree_gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
 use bdtree_runtime::{AlignedBytes, Asset};
 use bdtree_tests::bake::{bumpy_sphere, smooth_basis};
 use bdtree_tests::{fixtures, poses};
@@ -62,7 +62,7 @@ struct Bench<'d> {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let (device, queue) = pollster::block_on(request_device(&instance))?;
+    let (_, device, queue) = pollster::block_on(request_device(&instance, None))?;
     let (info, limits) = (device.adapter_info(), device.limits());
     println!(
         "device     {} ({:?}, {} {})",

@@ -134,7 +134,7 @@ pub(super) const TRAVERSAL: &[Row] = &[
         says!("within a proved bound of the exact place; queries need no deformed mesh"),
         &[
             Test(
-                "tests/tests/gpu_positions.rs",
+                "bdtree-gpu/tests/positions.rs",
                 "positions_of_all_fixtures_are_within_their_bound",
             ),
             Page("docs/skinning.md"),

@@ -1,11 +1,12 @@
 //! What a device does not allow is split or refused with an error that says what fits; nothing panics.
 
 use bdtree_format::{Header, ModeRecord, SectionKind};
-use bdtree_runtime::gpu::{GpuError, Normals, Skinner, read_back};
+use bdtree_gpu::{GpuError, Normals, Skinner, read_back};
 use bdtree_runtime::{AlignedBytes, Asset, PoseError, Transform};
-use bdtree_tests::gpu::{self, Gpu};
 use bdtree_tests::{bake, mutate};
 use rand::RngExt;
+
+use crate::devices::{self, Gpu};
 
 /// Bindings of 16 KiB: meshes are split into ranges of vertices, of positions, normal fields and rings
 /// alike, and the results keep their bits.
@@ -17,12 +18,12 @@ fn split_assets_give_the_same_bits() {
         limits.max_compute_workgroups_per_dimension = 3;
     });
     let mut split = 0;
-    for (seed, (name, bytes)) in (0..).zip(gpu::assets()) {
+    for (seed, (name, bytes)) in (0..).zip(devices::assets()) {
         let asset = Asset::open(&bytes).expect("open");
         let n = asset.vertex_count();
         // One instance has to fit.
         let fit = (16 << 10) / (12 * n).max(32 * (12 + asset.mode_count()) / 8);
-        let placed = gpu::placed(&asset, seed);
+        let placed = devices::placed(&asset, seed);
         let placed = &placed[1..=fit.clamp(1, placed.len() - 1).min(7)];
         let skinner = Skinner::new(&small.device, &small.queue).expect("skinner");
         let uploaded = skinner.upload(&asset, Normals::Fields).expect("upload");
@@ -87,7 +88,7 @@ fn sizes_beyond_the_device_are_refused_with_what_fits() {
     let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
     let uploaded = skinner.upload(&asset, Normals::None).expect("upload");
     let instances = skinner.instances(&uploaded, 1).expect("instances");
-    let layout = bdtree_runtime::gpu::vertex_layout(&gpu.device);
+    let layout = bdtree_vertex_layout(&gpu.device);
     let group = skinner.vertex_group(&layout, &uploaded, &instances);
     assert!(matches!(group, Err(GpuError::Unsupported(_))), "{group:?}");
 }
@@ -169,8 +170,7 @@ fn instances_have_the_checks_of_poses() {
     let pose = bdtree_runtime::Pose::new(&asset, &q, here, &mut memory).expect("pose");
     instances.push(&asset, &pose).expect("push");
     instances.push_at(&asset, &q, here).expect("push");
-    let [a, b] =
-        [0, 1].map(|k| bdtree_runtime::gpu::twin::positions(&asset, &instances, k).expect("twin"));
+    let [a, b] = [0, 1].map(|k| bdtree_gpu::twin::positions(&asset, &instances, k).expect("twin"));
     assert!(a == b);
     let full = instances.push_at(&asset, &q, here);
     assert!(

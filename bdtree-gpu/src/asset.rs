@@ -1,20 +1,15 @@
 //! An asset on the device.
 
-use alloc::vec::Vec;
-
-use bdtree_format::VertexModes;
+use bdtree_runtime::{Asset, AssetId};
 use zerocopy::IntoBytes;
 
-use super::buffers::filled;
-use super::device::checked;
-use super::error::GpuError;
-use super::layouts::Layouts;
-use super::normal_fields::NormalFields;
-use super::ranges::{BoundRange, FieldSet};
-use super::ring::{Ring, triangles};
-use crate::contact::VertexId;
-use crate::pose::identity;
-use crate::view::Asset;
+use crate::buffers::filled;
+use crate::device::checked;
+use crate::error::GpuError;
+use crate::layouts::Layouts;
+use crate::normal_fields::NormalFields;
+use crate::ranges::{BoundRange, FieldSet};
+use crate::ring::{Ring, triangles};
 
 /// Where the normals of a deformed mesh come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +30,7 @@ pub enum Normals {
 /// An asset on the device: rest positions, displacements, triangles, and what its normals need.
 #[derive(Debug)]
 pub struct GpuAsset {
-    pub(crate) asset: (usize, u32),
+    pub(crate) asset: AssetId,
     pub(crate) listed: bool,
     pub(crate) points: Vec<BoundRange>,
     /// Of [`Normals::Fields`].
@@ -57,7 +52,8 @@ impl GpuAsset {
         asset: &Asset<'_>,
         normals: Normals,
     ) -> Result<Self, GpuError> {
-        let set = field_set(asset)?;
+        asset.check_mesh()?;
+        let set = field_set(asset);
         let triangles = triangles(asset)?;
         let exact = match normals {
             Normals::Exact => Some(Ring::new(asset.vertex_count(), &triangles)?),
@@ -81,7 +77,7 @@ impl GpuAsset {
             });
             let rings = ring.map(|ring| ring.upload(device, queue, layouts, set.mode_count));
             Ok(Self {
-                asset: identity(asset),
+                asset: asset.id(),
                 listed: set.listed(),
                 points: set.upload(device, queue, layouts, "displacements")?,
                 tangents: tangents.transpose()?.unwrap_or_default(),
@@ -96,7 +92,7 @@ impl GpuAsset {
     }
 
     /// Three vertex indices (u32) per triangle, in the order of triangle ids, so that a
-    /// [`crate::Group`] is a run of indices.
+    /// [`bdtree_runtime::Group`] is a run of indices.
     pub fn indices(&self) -> &wgpu::Buffer {
         &self.indices
     }
@@ -129,28 +125,15 @@ impl GpuAsset {
     }
 }
 
-/// Positions and displacements as they lie in the file, with every record checked that a shader
-/// follows.
-pub(crate) fn field_set<'a>(asset: &Asset<'a>) -> Result<FieldSet<'a>, GpuError> {
-    let (vertex_count, mode_count) = (asset.vertex_count(), asset.mode_count());
-    let records: &[VertexModes] = asset.vertex_modes();
-    for i in 0..vertex_count as u32 {
-        let vertex = VertexId(i);
-        if asset.lists_modes() {
-            let (_, modes) = asset.listed_displacements(vertex)?;
-            if modes.iter().any(|j| usize::from(*j) >= mode_count) {
-                return Err(asset.unknown_mode_of(vertex).into());
-            }
-        } else {
-            asset.displacements(vertex)?;
-        }
-    }
-    Ok(FieldSet {
-        mode_count,
+/// Positions and displacements as they lie in the file. Shaders follow its records, so
+/// [`Asset::check_mesh`] comes first.
+pub(crate) fn field_set<'a>(asset: &Asset<'a>) -> FieldSet<'a> {
+    FieldSet {
+        mode_count: asset.mode_count(),
         sides: 1,
-        rest: asset.positions,
-        fields: asset.displacements,
-        records,
-        lists: asset.mode_lists,
-    })
+        rest: asset.positions(),
+        fields: asset.displacement_fields(),
+        records: asset.vertex_modes(),
+        lists: asset.mode_list_entries(),
+    }
 }

@@ -1,16 +1,15 @@
 //! What the shaders compute, on the processor: the same operations in the same order. A device may round and
 //! fuse otherwise, so results agree within bounds (docs/skinning.md), not to the bit.
 
-use alloc::vec::Vec;
+use bdtree_runtime::Asset;
+use glam::Vec3;
 
-use super::asset::field_set;
-use super::error::GpuError;
-use super::instances::Instances;
-use super::normal_fields::NormalFields;
-use super::ranges::FieldSet;
-use super::ring::{Ring, triangles};
-use crate::math::sqrt_f32;
-use crate::view::Asset;
+use crate::asset::field_set;
+use crate::error::GpuError;
+use crate::instances::Instances;
+use crate::normal_fields::NormalFields;
+use crate::ranges::FieldSet;
+use crate::ring::{Ring, triangles};
 
 /// Positions of all vertices of an instance, as `skin.wgsl` and `vertex.wgsl` compute them.
 ///
@@ -22,16 +21,17 @@ pub fn positions(
     instance: u32,
 ) -> Result<Vec<[f32; 3]>, GpuError> {
     check(asset, instances, instance)?;
-    let set = field_set(asset)?;
+    asset.check_mesh()?;
+    let set = field_set(asset);
     let one = |vertex| {
         let p = moved(&set, instances, instance, vertex, 0);
-        let x = turned(instances, instance, p);
-        [0, 1, 2].map(|k| x[k] + instances.row(instance, 4 * k + 3))
+        let offset = Vec3::from_array([3, 7, 11].map(|row| instances.row(instance, row)));
+        (turned(instances, instance, p) + offset).to_array()
     };
     Ok((0..set.rest.len()).map(one).collect())
 }
 
-/// Normals of all vertices of an instance as compute passes of [`Normals::Fields`](super::Normals::Fields) leave
+/// Normals of all vertices of an instance as compute passes of [`Normals::Fields`](Normals::Fields) leave
 /// them: from fields, but of marked vertices from `positions`, those of the instance.
 ///
 /// # Errors
@@ -73,7 +73,7 @@ pub fn field_normals(
     }
     let one = |vertex| {
         let [a, b] = [0, 1].map(|side| moved(&set, instances, instance, vertex, side));
-        normalized(turned(instances, instance, cross(a, b)))
+        normalized(turned(instances, instance, a.cross(b)))
     };
     Ok((0..asset.vertex_count()).map(one).collect())
 }
@@ -84,6 +84,7 @@ pub fn field_normals(
 /// # Errors
 /// Records that break the format's rules; fewer positions than the asset has vertices.
 pub fn exact_normals(asset: &Asset<'_>, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, GpuError> {
+    asset.check_mesh()?;
     let n = asset.vertex_count();
     if positions.len() < n {
         return Err(GpuError::Mismatch("the positions were"));
@@ -95,22 +96,15 @@ pub fn exact_normals(asset: &Asset<'_>, positions: &[[f32; 3]]) -> Result<Vec<[f
 
 /// The normal at p of the triangles around it.
 fn exact(positions: &[[f32; 3]], p: [f32; 3], around: &[[u32; 2]]) -> [f32; 3] {
-    let mut sum = [0.0; 3];
-    for others in around {
-        let [e, f] = others.map(|v| {
-            let x = positions[v as usize];
-            [x[0] - p[0], x[1] - p[1], x[2] - p[2]]
-        });
-        let area = cross(e, f);
-        for k in 0..3 {
-            sum[k] += area[k];
-        }
-    }
+    let sum = around.iter().fold(Vec3::ZERO, |sum, others| {
+        let [e, f] = others.map(|v| Vec3::from_array(positions[v as usize]) - Vec3::from_array(p));
+        sum + e.cross(f)
+    });
     normalized(sum)
 }
 
 fn check(asset: &Asset<'_>, instances: &Instances, instance: u32) -> Result<(), GpuError> {
-    if instances.asset != crate::pose::identity(asset) {
+    if instances.asset != asset.id() {
         return Err(GpuError::Mismatch("the instances were"));
     }
     if instance >= instances.len() {
@@ -126,41 +120,27 @@ fn moved(
     instance: u32,
     vertex: usize,
     side: usize,
-) -> [f32; 3] {
-    let mut sum = [0.0_f32; 3];
-    for (mode, u) in set.of(vertex, side) {
-        for k in 0..3 {
-            sum[k] += u[k] * instances.q(instance, mode);
-        }
-    }
-    let rest = set.rest[set.sides * vertex + side];
-    [rest[0] + sum[0], rest[1] + sum[1], rest[2] + sum[2]]
+) -> Vec3 {
+    let fields = set.of(vertex, side);
+    let sum = fields.fold(Vec3::ZERO, |sum, (mode, u)| {
+        sum + Vec3::from_array(u) * instances.q(instance, mode)
+    });
+    Vec3::from_array(set.rest[set.sides * vertex + side]) + sum
 }
 
-fn turned(instances: &Instances, instance: u32, v: [f32; 3]) -> [f32; 3] {
-    [0, 4, 8].map(|row| {
-        let [a, b, c] = [0, 1, 2].map(|k| instances.row(instance, row + k));
-        (a * v[0] + b * v[1]) + c * v[2]
-    })
-}
-
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+fn turned(instances: &Instances, instance: u32, v: Vec3) -> Vec3 {
+    let row = |first: usize| [0, 1, 2].map(|k| instances.row(instance, first + k));
+    Vec3::from_array([0, 4, 8].map(|first| Vec3::from_array(row(first)).dot(v)))
 }
 
 /// `unit_factors` of common.wgsl.
-fn normalized(v: [f32; 3]) -> [f32; 3] {
+fn normalized(v: Vec3) -> [f32; 3] {
     const LARGEST: f32 = (1_u128 << 125) as f32;
-    let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
+    let [x, y, z] = v.abs().to_array();
+    let largest = x.max(y).max(z);
     if !(f32::MIN_POSITIVE..=LARGEST).contains(&largest) {
         return [0.0; 3];
     }
-    let scale = 1.0 / largest;
-    let [x, y, z] = v.map(|x| x * scale);
-    let unit = 1.0 / sqrt_f32(x * x + y * y + z * z);
-    [x * unit, y * unit, z * unit]
+    let scaled = v * (1.0 / largest);
+    (scaled * (1.0 / scaled.length())).to_array()
 }

@@ -5,19 +5,16 @@
 //! are met exactly and those of second order as well as six numbers per mode can
 //! (docs/decisions/normal-fields.md).
 
-use alloc::collections::BTreeMap;
-use alloc::vec::Vec;
+use std::collections::BTreeMap;
 
 use bdtree_format::VertexModes;
+use bdtree_runtime::{Asset, VertexId};
 
-use super::error::GpuError;
-use super::ranges::FieldSet;
-use super::ring::{Ring, triangles};
-use super::samples::Samples;
-use super::tangents::Around;
-use crate::contact::VertexId;
-use crate::math::{add, norm, scale};
-use crate::view::Asset;
+use crate::error::GpuError;
+use crate::ranges::FieldSet;
+use crate::ring::{Ring, triangles};
+use crate::samples::Samples;
+use crate::tangents::{Around, wide};
 
 /// Two tangents per vertex at rest, and how each mode moves them.
 #[derive(Debug)]
@@ -45,8 +42,9 @@ impl NormalFields {
     /// Records that break the format's rules; sizes beyond 32 bits.
     pub fn new(asset: &Asset<'_>) -> Result<Self, GpuError> {
         let (vertex_count, mode_count) = (asset.vertex_count(), asset.mode_count());
+        asset.check_mesh()?;
         let ring = Ring::new(vertex_count, &triangles(asset)?)?;
-        let listed = asset.lists_modes();
+        let listed = !asset.vertex_modes().is_empty();
         let amplitudes = amplitudes(asset);
         let samples = Samples::new(asset)?;
         let mut marked = Vec::new();
@@ -116,7 +114,7 @@ impl NormalFields {
     }
 
     /// Vertices at which the fields are too far off, ascending: compute passes take their normals from the
-    /// triangles around them instead, as [`Normals::Exact`](super::Normals::Exact) does of all.
+    /// triangles around them instead, as [`Normals::Exact`](Normals::Exact) does of all.
     pub fn marked(&self) -> &[u32] {
         &self.marked.vertices
     }
@@ -133,14 +131,13 @@ impl NormalFields {
             let Some(rest) = self.rest.get(2 * vertex + side) else {
                 return ([0.0; 3], 0.0);
             };
-            let rest = rest.map(f64::from);
-            let mut sum = (rest, norm(rest));
+            let mut sum = (wide(*rest), wide(*rest).length());
             for (mode, u) in set.of(vertex, side) {
                 let q = q.get(mode).copied().map_or(0.0, f64::from);
-                let by = scale(u.map(f64::from), q);
-                sum = (add(sum.0, by), sum.1 + norm(by));
+                let by = wide(u) * q;
+                sum = (sum.0 + by, sum.1 + by.length());
             }
-            sum
+            (sum.0.to_array(), sum.1)
         })
     }
 
@@ -179,15 +176,10 @@ fn acting(asset: &Asset<'_>, ring: &Ring, vertex: usize) -> Result<Vec<u16>, Gpu
     let mut modes = Vec::new();
     let others = ring.around(vertex).as_flattened();
     for v in others.iter().chain(&[vertex as u32]) {
-        modes.extend(asset.listed_displacements(VertexId(*v))?.1);
+        let of_one = asset.displacements(VertexId(*v))?;
+        modes.extend(of_one.iter().map(|(mode, _)| mode as u16)); // there are at most 2^16
     }
     modes.sort_unstable();
     modes.dedup();
-    if modes
-        .last()
-        .is_some_and(|j| usize::from(*j) >= asset.mode_count())
-    {
-        return Err(asset.unknown_mode_of(VertexId(vertex as u32)).into());
-    }
     Ok(modes)
 }

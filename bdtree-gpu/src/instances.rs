@@ -1,15 +1,10 @@
 //! Instances: q and a placement each, on the device.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
+use bdtree_runtime::{Asset, AssetId, Pose, StoredToWorld, Transform};
+use glam::DVec3;
 use zerocopy::IntoBytes;
 
-use super::error::GpuError;
-use crate::frame::Frame;
-use crate::math::norm;
-use crate::pose::{Pose, Transform, U32, checked_q, identity};
-use crate::view::Asset;
+use crate::error::GpuError;
 
 /// Instances side by side in one block.
 pub(crate) const BLOCK: usize = 8;
@@ -17,6 +12,8 @@ pub(crate) const BLOCK: usize = 8;
 const MATRIX_ROWS: usize = 12;
 /// Counts are exact in f32.
 pub(crate) const CAPACITY_MAX: u32 = 1 << 24;
+/// Unit roundoff of f32.
+const U32: f64 = 1.0 / (1_u64 << 24) as f64;
 /// Nothing reaches farther, so that no f32 number overflows.
 const FAR: f64 = (1_u128 << 120) as f64;
 
@@ -29,7 +26,7 @@ pub struct Instances {
     pub(crate) group: wgpu::BindGroup,
     buffer: wgpu::Buffer,
     queue: wgpu::Queue,
-    pub(crate) asset: (usize, u32),
+    pub(crate) asset: AssetId,
     mode_count: usize,
     capacity: u32,
     count: u32,
@@ -46,7 +43,7 @@ impl Instances {
     }
 
     pub(crate) fn new(
-        asset: (usize, u32),
+        asset: AssetId,
         mode_count: usize,
         capacity: u32,
         buffer: wgpu::Buffer,
@@ -99,55 +96,31 @@ impl Instances {
     }
 
     /// Adds an instance of a pose. Returns how far any of its vertices on the device may be from
-    /// [`Asset::deformed`] less the origin (world units; docs/skinning.md derives it).
+    /// [`Pose::deformed`] less the origin (world units; docs/skinning.md derives it).
     ///
     /// # Errors
     /// A pose of another asset; no room; farther from the origin than f32 numbers reach.
-    pub fn push(&mut self, asset: &Asset<'_>, pose: &Pose<'_>) -> Result<f64, GpuError> {
-        if !pose.belongs_to(asset) {
-            return Err(GpuError::Mismatch("the pose was"));
-        }
-        let sum = pose.reach - f64::from(asset.header().position_norm_max.get());
-        self.add(asset, &pose.frame, sum, pose.q.iter().copied())
+    pub fn push(&mut self, pose: &Pose<'_>) -> Result<f64, GpuError> {
+        self.add(pose.asset(), &pose.stored_to_world(), pose.q())
     }
 
     /// Adds an instance without a pose, which costs less. Returns what [`Instances::push`] does.
     ///
     /// # Errors
-    /// What [`Pose::new`] refuses of q and placement; those of [`Instances::push`].
+    /// What [`Asset::pose`] refuses of q and placement; those of [`Instances::push`].
     pub fn push_at(
         &mut self,
         asset: &Asset<'_>,
         q: &[f32],
         transform: Transform,
     ) -> Result<f64, GpuError> {
-        let modes = asset.modes();
-        if q.len() != modes.len() {
-            return Err(crate::PoseError::ModeCount {
-                expected: modes.len(),
-                found: q.len(),
-            }
-            .into());
-        }
-        let mut sum = 0.0;
-        for (mode, (q, record)) in q.iter().zip(modes).enumerate() {
-            let q = checked_q(mode, *q, record)?;
-            sum += f64::from(record.field_norm_max.get()) * f64::from(q.abs());
-        }
-        let frame = Frame::new(asset, &transform.checked()?);
-        let flushed = |q: &f32| if q.abs() < f32::MIN_POSITIVE { 0.0 } else { *q };
-        self.add(asset, &frame, sum, q.iter().map(flushed))
+        asset.check_q(q)?;
+        self.add(asset, &asset.stored_to_world(transform)?, q)
     }
 
-    /// `sum` is S(q) = Σ `W_j` |q_j|.
-    fn add(
-        &mut self,
-        asset: &Asset<'_>,
-        frame: &Frame,
-        sum: f64,
-        q: impl Iterator<Item = f32>,
-    ) -> Result<f64, GpuError> {
-        if identity(asset) != self.asset {
+    /// `q` is one that [`Asset::check_q`] passes.
+    fn add(&mut self, asset: &Asset<'_>, map: &StoredToWorld, q: &[f32]) -> Result<f64, GpuError> {
+        if asset.id() != self.asset {
             return Err(GpuError::Mismatch("the instances were"));
         }
         if self.count == self.capacity {
@@ -155,10 +128,21 @@ impl Instances {
                 capacity: self.capacity,
             });
         }
-        let (linear, offset) = frame.matrix(self.origin);
+        let linear = map.linear();
+        let offset = DVec3::from_array(map.offset()) - DVec3::from_array(self.origin);
+        // Subnormal entries are 0, as in a pose.
+        let q = q
+            .iter()
+            .map(|q| if q.abs() < f32::MIN_POSITIVE { 0.0 } else { *q });
+        // S(q) = Σ W_j |q_j|.
+        let modes = asset.modes().iter();
+        let weighted = modes
+            .zip(q.clone())
+            .map(|(m, q)| f64::from(m.field_norm_max.get()) * f64::from(q.abs()));
+        let sum: f64 = weighted.sum();
         let p = f64::from(asset.header().position_norm_max.get());
-        let per_stored = frame.world_per_stored();
-        let away = norm(offset);
+        let per_stored = map.scale();
+        let away = offset.length();
         // √3: the matrix of magnitudes.
         let reach = 2.0 * per_stored * (p + sum) + away;
         if !(reach <= FAR) {
@@ -186,7 +170,7 @@ impl Instances {
         let flushed = (m + 8.0) / (1_u128 << 125) as f64 * (1.0 + per_stored + p + sum);
         Ok(3.0 * U32 * per_stored * (p + (m + 2.0) * sum)
             + 16.0 * U32 * reach
-            + frame.error(0.0, p + sum) * per_stored
+            + map.error(p + sum)
             + flushed)
     }
 

@@ -1,12 +1,15 @@
-//! Skinning on a GPU (feature `wgpu`): `p' = p + U q` for every vertex of many instances, as vertex
+//! Deforms meshes on a GPU: `p' = p + U q` for every vertex of many instances, as vertex
 //! buffers or inside a vertex shader.
 //!
-//! Everything is made on the caller's device. Results are near [`Asset::deformed`](crate::Asset::deformed), by a bound
+//! Everything is made on the caller's device. Results are near [`Asset::deformed`](bdtree_runtime::Asset::deformed), by a bound
 //! that each instance states, but not to the bit: queries go on using their own arithmetic.
 //! How an engine uses it, layouts, limits and errors: `docs/skinning.md`.
 //!
+//! Features are wgpu's backends: `vulkan` (default), `metal`, `dx12`, `webgpu`. Types of wgpu stand in this crate's
+//! API and in no other's of the library, so that its majors change nothing else.
+//!
 //! ```no_run
-//! use bdtree_runtime::gpu::{GpuError, Normals, Skinner};
+//! use bdtree_gpu::{GpuError, Normals, Skinner};
 //! use bdtree_runtime::{Asset, Transform};
 //!
 //! fn frame(

@@ -4,10 +4,11 @@
 use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::progress::Silent;
-use bdtree_runtime::gpu::{NormalFields, Normals, twin};
+use bdtree_gpu::{NormalFields, Normals, twin};
 use bdtree_runtime::{Asset, Pose, Transform, TriangleId, VertexId};
-use bdtree_tests::gpu::{self, Gpu};
 use bdtree_tests::{bake, fixtures, poses};
+
+use crate::devices::{self, Gpu};
 
 const U: f64 = 1.0 / (1_u64 << 24) as f64;
 
@@ -71,9 +72,9 @@ fn exact_bound((sum, size, count): &([f64; 3], f64, u32)) -> Option<f64> {
 fn exact_normals_are_those_of_the_positions() {
     let gpu = Gpu::new();
     let mut compared = 0;
-    for (seed, (name, bytes)) in (0..).zip(gpu::assets()) {
+    for (seed, (name, bytes)) in (0..).zip(devices::assets()) {
         let asset = Asset::open(&bytes).expect("open");
-        let placed = gpu::placed(&asset, seed);
+        let placed = devices::placed(&asset, seed);
         for placed in [&placed[..], &placed[1..2]] {
             let skinned = gpu.skin(&asset, Normals::Exact, placed, asset.origin());
             let skinned = skinned.expect("skinning");
@@ -109,10 +110,10 @@ fn exact_normals_are_those_of_the_positions() {
 fn field_normals_are_their_twins() {
     let gpu = Gpu::new();
     let (mut compared, mut recomputed) = (0, [0; 2]);
-    for (seed, (name, bytes)) in (0..).zip(gpu::assets()) {
+    for (seed, (name, bytes)) in (0..).zip(devices::assets()) {
         let asset = Asset::open(&bytes).expect("open");
         let fields = NormalFields::new(&asset).expect("fields");
-        let placed = gpu::placed(&asset, seed);
+        let placed = devices::placed(&asset, seed);
         for placed in [&placed[..], &placed[2..3]] {
             let skinned = gpu.skin(&asset, Normals::Fields, placed, asset.origin());
             let skinned = skinned.expect("skinning");

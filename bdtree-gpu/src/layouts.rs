@@ -1,7 +1,5 @@
 //! The layouts of bind groups.
 
-use alloc::vec::Vec;
-
 /// The bind group layouts of all compute passes.
 #[derive(Debug)]
 pub(crate) struct Layouts {

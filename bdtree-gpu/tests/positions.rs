@@ -2,10 +2,11 @@
 //! compute passes and in a vertex shader.
 
 use bdtree_build::input::read_mesh;
-use bdtree_runtime::gpu::{Normals, twin};
+use bdtree_gpu::{Normals, twin};
 use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform, VertexId};
-use bdtree_tests::gpu::{self, Gpu};
 use bdtree_tests::{bake, fixtures, poses};
+
+use crate::devices::{self, Gpu};
 
 fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|c| c * c).sum::<f64>().sqrt()
@@ -33,7 +34,7 @@ fn used(
 
 #[test]
 fn positions_are_within_their_bound() {
-    check(gpu::assets());
+    check(devices::assets());
 }
 
 /// Every mesh of fixtures/, whatever is wrong with its triangles.
@@ -54,7 +55,7 @@ fn check(assets: Vec<(String, AlignedBytes)>) {
     let mut twins_equal = true;
     for (seed, (name, bytes)) in (0..).zip(assets) {
         let asset = Asset::open(&bytes).expect("open");
-        let placed = gpu::placed(&asset, seed);
+        let placed = devices::placed(&asset, seed);
         let n = asset.vertex_count();
         let origin = asset.origin();
         // All together eight by eight, and one by one.
@@ -168,11 +169,11 @@ fn slots_below(asset: &Asset<'_>, node: usize, lane: usize) -> Vec<usize> {
 fn vertices_lie_in_every_sphere_enlarged_by_the_bound() {
     let gpu = Gpu::new();
     let mut tried = 0;
-    for (seed, (name, bytes)) in (0..).zip(gpu::assets()) {
+    for (seed, (name, bytes)) in (0..).zip(devices::assets()) {
         let asset = Asset::open(&bytes).expect("open");
         // Spheres are in stored units, and the world here in mesh units about the origin.
         let place = Transform::IDENTITY;
-        let placed: Vec<_> = gpu::placed(&asset, seed)
+        let placed: Vec<_> = devices::placed(&asset, seed)
             .into_iter()
             .map(|(q, _)| (q, place))
             .collect();

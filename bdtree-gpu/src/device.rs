@@ -1,22 +1,24 @@
 //! The device: asking for one, and what it says when it refuses.
 
-use alloc::string::ToString;
-use core::pin::pin;
-use core::task::{Context, Poll, Waker};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
 
-use super::error::GpuError;
+use crate::error::GpuError;
 
-/// A device and its queue with all that the first adapter allows, for programs that have none yet:
-/// wgpu's defaults allow bindings of 128 MiB only. Timestamps are on where there are any.
+/// The fastest adapter, which can show pictures on `surface` if there is one, and its device and queue with all that it
+/// allows, for programs that have none yet: wgpu's defaults allow bindings of 128 MiB only. Timestamps are on
+/// where there are any.
 ///
 /// # Errors
-/// [`GpuError::NoAdapter`].
+/// [`GpuError::NoAdapter`], [`GpuError::NoDevice`].
 pub async fn request_device(
     instance: &wgpu::Instance,
-) -> Result<(wgpu::Device, wgpu::Queue), GpuError> {
+    surface: Option<&wgpu::Surface<'_>>,
+) -> Result<(wgpu::Adapter, wgpu::Device, wgpu::Queue), GpuError> {
     let options = wgpu::RequestAdapterOptions {
         power_preference: wgpu::PowerPreference::HighPerformance,
+        compatible_surface: surface,
         ..Default::default()
     };
     let adapter = instance
@@ -31,8 +33,13 @@ pub async fn request_device(
         required_limits: adapter.limits(),
         ..Default::default()
     };
-    let device = adapter.request_device(&descriptor).await;
-    device.map_err(|e| GpuError::NoAdapter(e.to_string()))
+    match adapter.request_device(&descriptor).await {
+        Ok((device, queue)) => Ok((adapter, device, queue)),
+        Err(error) => Err(GpuError::NoDevice {
+            adapter: adapter.get_info().name,
+            cause: error.to_string(),
+        }),
+    }
 }
 
 /// What `make` returns, or the first error that the device reports meanwhile; a lost device is one.

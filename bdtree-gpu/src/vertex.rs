@@ -1,14 +1,11 @@
 //! Skinning inside a vertex shader of the caller's.
 
-use alloc::format;
-use alloc::string::String;
-
-use super::asset::{GpuAsset, Normals};
-use super::device::checked;
-use super::error::GpuError;
-use super::instances::Instances;
-use super::layouts::{Access, bind, layout};
-use super::skinner::Skinner;
+use crate::asset::{GpuAsset, Normals};
+use crate::device::checked;
+use crate::error::GpuError;
+use crate::instances::Instances;
+use crate::layouts::{Access, bind, layout};
+use crate::skinner::Skinner;
 
 /// WGSL that defines `bdtree_vertex(vertex: u32, instance: u32) -> BdtreeVertex`, with fields
 /// `position` and `normal`, to be put before an engine's own shader; all its names begin with `bdtree_` or `Bdtree`. Bindings

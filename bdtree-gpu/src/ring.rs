@@ -1,27 +1,12 @@
 //! The triangles around each vertex.
 
-use alloc::vec;
-use alloc::vec::Vec;
+use bdtree_runtime::{Asset, TriangleId};
 
-use bdtree_format::SectionKind;
+use crate::error::GpuError;
 
-use super::error::GpuError;
-use crate::contact::TriangleId;
-use crate::view::Asset;
-
-/// Corners of all triangles by id, checked.
+/// Corners of all triangles by id, of an asset that [`Asset::check_mesh`] has passed.
 pub(crate) fn triangles(asset: &Asset<'_>) -> Result<Vec<[u32; 3]>, GpuError> {
-    let vertex_count = asset.vertex_count();
-    let one = |id| {
-        let corners = asset.triangle(TriangleId(id))?.map(|v| v.0);
-        match corners.iter().find(|v| **v as usize >= vertex_count) {
-            None => Ok(corners),
-            Some(v) => {
-                let v = *v as usize;
-                Err(asset.out_of_range(SectionKind::POSITIONS, v, vertex_count, 12))?
-            }
-        }
-    };
+    let one = |id| Ok(asset.triangle(TriangleId(id))?.map(|v| v.0));
     (0..asset.triangle_count() as u32).map(one).collect()
 }
 

@@ -1,7 +1,5 @@
 //! The passes of compute shaders, put together from their parts.
 
-use alloc::string::String;
-
 /// What a pass computes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Pass {

@@ -1,16 +1,15 @@
 //! An asset's side of the bindings: ranges of vertices whose buffers fit the device.
 
-use alloc::vec::Vec;
-use core::ops::Range;
+use std::ops::Range;
 
 use bdtree_format::VertexModes;
 use zerocopy::IntoBytes;
 
-use super::buffers::filled;
-use super::device::largest_binding;
-use super::error::GpuError;
-use super::layouts::{Layouts, bind};
-use super::ring::Ring;
+use crate::buffers::filled;
+use crate::device::largest_binding;
+use crate::error::GpuError;
+use crate::layouts::{Layouts, bind};
+use crate::ring::Ring;
 
 /// Points or normals at rest and their fields, as a file stores them: of all modes, vertex-major, or
 /// of those that each vertex lists (SPEC 7.3, 7.6).

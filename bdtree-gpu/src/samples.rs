@@ -1,15 +1,11 @@
 //! Poses at which normals from fields are tried, to find the vertices where they are too far off.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
 use bdtree_format::ModeRecord;
+use bdtree_runtime::{Asset, VertexId};
+use glam::DVec3;
 
-use super::error::GpuError;
-use super::tangents::{Around, Tangents};
-use crate::contact::VertexId;
-use crate::math::{add_scaled, cross, dot, norm, sub};
-use crate::view::Asset;
+use crate::error::GpuError;
+use crate::tangents::{Around, Tangents, wide};
 
 /// The farthest vertex moves by so much of the diagonal of the rest positions' box.
 const SHARE: f64 = 0.1;
@@ -74,14 +70,14 @@ impl Samples {
 /// `q` lists modes by their place among the vertex's.
 fn off(around: &Around, tangents: &Tangents, q: &[(usize, f64)]) -> bool {
     let (exact, size) = around.normal(q);
-    let length = norm(exact);
+    let length = exact.length();
     if !(length > CANCELS * size) {
         return false;
     }
     let [a, b] = tangents.at(q);
-    let normal = cross(a, b);
+    let normal = a.cross(b);
     // A normal that is zero or no number is off.
-    !(dot(normal, exact) >= COSINE * norm(normal) * length && norm(normal) > 0.0)
+    !(normal.dot(exact) >= COSINE * normal.length() * length && normal.length() > 0.0)
 }
 
 /// A number in [−1, 1), the same on every machine.
@@ -97,15 +93,12 @@ fn part(seed: u64, mode: u64) -> f64 {
 }
 
 fn diagonal(asset: &Asset<'_>) -> f64 {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for p in asset.positions {
-        for k in 0..3 {
-            low[k] = low[k].min(f64::from(p[k]));
-            high[k] = high[k].max(f64::from(p[k]));
-        }
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for p in asset.positions() {
+        low = low.min(wide(*p));
+        high = high.max(wide(*p));
     }
-    norm(sub(high, low))
+    (high - low).length()
 }
 
 /// How far a pose moves the vertex that it moves farthest.
@@ -113,10 +106,10 @@ fn farthest(asset: &Asset<'_>, pose: &[(u16, f64)]) -> Result<f64, GpuError> {
     let mut most = 0.0_f64;
     for vertex in 0..asset.vertex_count() as u32 {
         let fields = asset.displacements(VertexId(vertex))?;
-        let by = pose.iter().fold([0.0; 3], |sum, (mode, q)| {
-            add_scaled(sum, *q, fields.of(usize::from(*mode)).map(f64::from))
+        let by = pose.iter().fold(DVec3::ZERO, |sum, (mode, q)| {
+            sum + *q * wide(fields.of(usize::from(*mode)))
         });
-        most = most.max(norm(by));
+        most = most.max(by.length());
     }
     Ok(most)
 }

@@ -1,16 +1,22 @@
 //! What can go wrong on a GPU.
 
-use alloc::string::String;
-use core::fmt;
+use std::fmt;
 
-use crate::error::{FormatError, PoseError};
+use bdtree_runtime::{FormatError, PoseError};
 
 /// Why something is not done on a GPU.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum GpuError {
-    /// There is no adapter, or it gives no device; with the backend's words.
+    /// There is no adapter; with the backend's words.
     NoAdapter(String),
+    /// The adapter gives no device.
+    NoDevice {
+        /// Its name.
+        adapter: String,
+        /// Why, in its own words.
+        cause: String,
+    },
     /// The device is lost: everything made on it has to be made anew on another.
     DeviceLost,
     /// The device refuses; with its own words.
@@ -59,6 +65,7 @@ impl fmt::Display for GpuError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoAdapter(why) => write!(f, "no GPU adapter: {why}"),
+            Self::NoDevice { adapter, cause } => write!(f, "GPU adapter {adapter}: {cause}"),
             Self::DeviceLost => {
                 f.write_str("the GPU device is lost; make a new one and upload again")
             }
@@ -90,7 +97,7 @@ impl fmt::Display for GpuError {
     }
 }
 
-impl core::error::Error for GpuError {}
+impl std::error::Error for GpuError {}
 
 impl From<PoseError> for GpuError {
     fn from(error: PoseError) -> Self {

@@ -1,6 +1,6 @@
 //! Buffers made of bytes as they lie in memory.
 
-use super::error::GpuError;
+use crate::error::GpuError;
 
 /// Bytes that are copied to the device before the next part: what is on its way is kept in memory twice.
 const PART: usize = 64 << 20;

@@ -1,30 +1,29 @@
 //! The GPU that tests run on, on a machine without one Mesa's lavapipe; and assets skinned on it.
 
-use bdtree_runtime::gpu::{self, GpuError, Instances, Normals, Skinner};
+use bdtree_gpu::{GpuError, Instances, Normals, Skinner, read_back, request_device};
 use bdtree_runtime::{AlignedBytes, Asset, Transform};
-
-use crate::{bake, golden, poses};
+use bdtree_tests::{bake, golden, poses};
 
 /// A device and its queue.
-pub struct Gpu {
+pub(crate) struct Gpu {
     /// Where everything is made.
-    pub device: wgpu::Device,
+    pub(crate) device: wgpu::Device,
     /// Where everything is submitted.
-    pub queue: wgpu::Queue,
+    pub(crate) queue: wgpu::Queue,
     /// What draws, and its version.
-    pub driver: String,
+    pub(crate) driver: String,
 }
 
 /// What came back of all instances, one behind the other.
-pub struct Skinned {
+pub(crate) struct Skinned {
     /// Positions less the origin.
-    pub positions: Vec<[f32; 3]>,
+    pub(crate) positions: Vec<[f32; 3]>,
     /// Empty without normals.
-    pub normals: Vec<[f32; 3]>,
+    pub(crate) normals: Vec<[f32; 3]>,
     /// The instances, for twins.
-    pub instances: Instances,
+    pub(crate) instances: Instances,
     /// The bound of each instance's positions.
-    pub errors: Vec<f64>,
+    pub(crate) errors: Vec<f64>,
 }
 
 impl Gpu {
@@ -32,9 +31,9 @@ impl Gpu {
     ///
     /// # Panics
     /// When there is none: tests that need one do not pass without.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let (device, queue) = pollster::block_on(gpu::request_device(&instance))
+        let (_, device, queue) = pollster::block_on(request_device(&instance, None))
             .expect("a GPU, or Mesa's lavapipe (mesa-vulkan-drivers, libvulkan1)");
         Self::of(device, queue)
     }
@@ -43,7 +42,7 @@ impl Gpu {
     ///
     /// # Panics
     /// When there is none.
-    pub fn with_limits(change: impl FnOnce(&mut wgpu::Limits)) -> Self {
+    pub(crate) fn with_limits(change: impl FnOnce(&mut wgpu::Limits)) -> Self {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let options = wgpu::RequestAdapterOptions::default();
         let adapter = pollster::block_on(instance.request_adapter(&options)).expect("an adapter");
@@ -71,7 +70,7 @@ impl Gpu {
     ///
     /// # Errors
     /// Those of each step.
-    pub fn skin(
+    pub(crate) fn skin(
         &self,
         asset: &Asset<'_>,
         normals: Normals,
@@ -93,7 +92,7 @@ impl Gpu {
         skinner.record(&mut encoder, &uploaded, &instances, &output)?;
         self.queue.submit([encoder.finish()]);
         let all = asset.vertex_count() * placed.len();
-        let read = |buffer| gpu::read_back(&self.device, &self.queue, buffer, all);
+        let read = |buffer| read_back(&self.device, &self.queue, buffer, all);
         Ok(Skinned {
             positions: read(output.positions())?,
             normals: output.normals().map(read).transpose()?.unwrap_or_default(),
@@ -114,7 +113,7 @@ impl Default for Gpu {
 ///
 /// # Panics
 /// When a golden file is missing or a bake fails.
-pub fn assets() -> Vec<(String, AlignedBytes)> {
+pub(crate) fn assets() -> Vec<(String, AlignedBytes)> {
     let mut all = Vec::new();
     for entry in std::fs::read_dir(golden::folder()).expect("the golden files") {
         let path = entry.expect("an entry").path();
@@ -153,7 +152,7 @@ pub fn assets() -> Vec<(String, AlignedBytes)> {
 }
 
 /// q at rest, adversarial, at its limits and random, each placed at random.
-pub fn placed(asset: &Asset<'_>, seed: u64) -> Vec<(Vec<f32>, Transform)> {
+pub(crate) fn placed(asset: &Asset<'_>, seed: u64) -> Vec<(Vec<f32>, Transform)> {
     let mut rng = poses::rng(seed);
     let mut all = vec![(vec![0.0; asset.mode_count()], Transform::IDENTITY)];
     let mut qs = poses::hard_qs(asset);

@@ -1,17 +1,17 @@
 //! The compute passes.
 
-use alloc::vec::Vec;
 use std::sync::OnceLock;
 
-use super::asset::{GpuAsset, Normals};
-use super::device::{checked, largest_binding, scoped};
-use super::error::GpuError;
-use super::instances::{CAPACITY_MAX, Instances};
-use super::layouts::{Layouts, bind};
-use super::output::{Output, bytes};
-use super::ranges::BoundRange;
-use super::shader::{Pass, Variant};
-use crate::view::Asset;
+use bdtree_runtime::Asset;
+
+use crate::asset::{GpuAsset, Normals};
+use crate::device::{checked, largest_binding, scoped};
+use crate::error::GpuError;
+use crate::instances::{CAPACITY_MAX, Instances};
+use crate::layouts::{Layouts, bind};
+use crate::output::{Output, bytes};
+use crate::ranges::BoundRange;
+use crate::shader::{Pass, Variant};
 
 /// From this number of instances on a thread does eight of them: their reading is shared, and lanes
 /// that stay idle cost less than reading fields again.

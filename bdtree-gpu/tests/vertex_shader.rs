@@ -1,9 +1,12 @@
 //! Skinning inside a vertex shader: drawn as points into a picture of floats, the same as compute passes
 //! give.
 
+use bdtree_gpu::{
+    GpuError, NormalFields, Normals, Skinner, read_back, twin, vertex_layout, vertex_source,
+};
 use bdtree_runtime::Asset;
-use bdtree_runtime::gpu::{self, GpuError, Normals, Skinner, twin};
-use bdtree_tests::gpu::{Gpu, assets, placed};
+
+use crate::devices::{Gpu, assets, placed};
 
 /// Behind the text of `vertex_source`: vertex v of instance k becomes pixel (v, 2 k) with its position
 /// and pixel (v, 2 k + 1) with its normal.
@@ -129,7 +132,7 @@ fn draw(
         (width * height * 4) as usize,
         "read back in triples"
     );
-    let read = gpu::read_back(device, &gpu.queue, &buffer, flat).expect("read");
+    let read = read_back(device, &gpu.queue, &buffer, flat).expect("read");
     read.as_flattened().as_chunks().0.to_vec()
 }
 
@@ -141,14 +144,14 @@ fn a_vertex_shader_computes_the_same() {
         let asset = Asset::open(&bytes).expect("open");
         let n = asset.vertex_count();
         let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
-        let layout = gpu::vertex_layout(&gpu.device);
+        let layout = vertex_layout(&gpu.device);
         let placed = placed(&asset, seed);
         let count = 12.min(placed.len() as u32);
         for normals in [Normals::None, Normals::Fields] {
             let skinned = gpu.skin(&asset, normals, &placed[..count as usize], [0.5, 0.0, -1.0]);
             let skinned = skinned.expect("skinning");
-            let fields = (normals == Normals::Fields)
-                .then(|| gpu::NormalFields::new(&asset).expect("fields"));
+            let fields =
+                (normals == Normals::Fields).then(|| NormalFields::new(&asset).expect("fields"));
             let uploaded = skinner.upload(&asset, normals).expect("upload");
             let mut instances = skinner.instances(&uploaded, count).expect("instances");
             instances.clear([0.5, 0.0, -1.0]);
@@ -159,7 +162,7 @@ fn a_vertex_shader_computes_the_same() {
             let group = skinner
                 .vertex_group(&layout, &uploaded, &instances)
                 .expect("group");
-            let source = gpu::vertex_source(&uploaded, 1).expect("source");
+            let source = vertex_source(&uploaded, 1).expect("source");
             let width = n.next_multiple_of(48) as u32;
             let pixels = draw(&gpu, &source, &layout, &group, [width, 2 * count], n as u32);
             for k in 0..count as usize {
@@ -188,7 +191,7 @@ fn a_vertex_shader_computes_the_same() {
             }
         }
         let exact = skinner.upload(&asset, Normals::Exact).expect("upload");
-        let refused = gpu::vertex_source(&exact, 0);
+        let refused = vertex_source(&exact, 0);
         assert!(
             matches!(refused, Err(GpuError::Unsupported(_))),
             "{refused:?}"

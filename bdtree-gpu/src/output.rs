@@ -1,19 +1,17 @@
 //! Deformed positions and normals on the device.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
+use bdtree_runtime::AssetId;
 use zerocopy::IntoBytes;
 
-use super::asset::Normals;
-use super::device::{checked, largest_binding, wait};
-use super::error::GpuError;
+use crate::asset::Normals;
+use crate::device::{checked, largest_binding, wait};
+use crate::error::GpuError;
 
 /// Positions and normals of all instances: packed `f32` triples, instance by instance, N of each. The
 /// buffers serve as vertex buffers (`Float32x3`, stride 12), in shaders, and as sources of copies.
 #[derive(Debug)]
 pub struct Output {
-    pub(crate) asset: (usize, u32),
+    pub(crate) asset: AssetId,
     pub(crate) kind: Normals,
     pub(crate) capacity: u32,
     pub(crate) positions: wgpu::Buffer,

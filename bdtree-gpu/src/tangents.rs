@@ -1,13 +1,10 @@
 //! The two tangents of one vertex and how modes move them, so that their cross product follows the
 //! normal (docs/decisions/normal-fields.md).
 
-use alloc::vec;
-use alloc::vec::Vec;
+use bdtree_runtime::{Asset, VertexId};
+use glam::DVec3;
 
-use super::error::GpuError;
-use crate::contact::VertexId;
-use crate::math::{add, add_scaled, cross, dot, norm, scale, sqrt, sub};
-use crate::view::Asset;
+use crate::error::GpuError;
 
 /// Up to so many modes of a vertex the terms of second order are met, too: 9 m² numbers per vertex
 /// are solved for, and the sums of all pairs of modes formed.
@@ -22,9 +19,9 @@ const ACROSS: f64 = 1e-3;
 /// The triangles around one vertex: both edges of each, at rest and per mode.
 #[derive(Debug, Default)]
 pub(crate) struct Around {
-    rest: Vec<[[f64; 3]; 2]>,
+    rest: Vec<[DVec3; 2]>,
     /// Mode by mode.
-    moved: Vec<[[f64; 3]; 2]>,
+    moved: Vec<[DVec3; 2]>,
 }
 
 /// What [`NormalFields`] keeps of a vertex.
@@ -35,11 +32,10 @@ pub(crate) struct Tangents {
 
 impl Tangents {
     /// Both at q, of modes by their place among the vertex's.
-    pub(crate) fn at(&self, q: &[(usize, f64)]) -> [[f64; 3]; 2] {
+    pub(crate) fn at(&self, q: &[(usize, f64)]) -> [DVec3; 2] {
         [0, 1].map(|side| {
-            let rest = self.rest[side].map(f64::from);
-            q.iter().fold(rest, |sum, (k, q)| {
-                add_scaled(sum, *q, self.moved[*k][side].map(f64::from))
+            q.iter().fold(wide(self.rest[side]), |sum, (k, q)| {
+                sum + *q * wide(self.moved[*k][side])
             })
         })
     }
@@ -53,11 +49,11 @@ impl Around {
         vertex: usize,
         modes: &[u16],
     ) -> Result<(), GpuError> {
-        let at = |v: u32| asset.positions[v as usize].map(f64::from);
+        let at = |v: u32| wide(asset.positions()[v as usize]);
         let own = at(vertex as u32);
         self.rest.clear();
         self.rest
-            .extend(ring.iter().map(|others| others.map(|v| sub(at(v), own))));
+            .extend(ring.iter().map(|others| others.map(|v| at(v) - own)));
         self.moved.clear();
         let fields = |v: u32| asset.displacements(VertexId(v));
         let own = fields(vertex as u32)?;
@@ -67,31 +63,30 @@ impl Around {
         }
         for mode in modes {
             let mode = usize::from(*mode);
-            let own = own.of(mode).map(f64::from);
+            let own = wide(own.of(mode));
             let edges = of_others
                 .iter()
-                .map(|both| both.map(|f| sub(f.of(mode).map(f64::from), own)));
+                .map(|both| both.map(|f| wide(f.of(mode)) - own));
             self.moved.extend(edges);
         }
         Ok(())
     }
 
     /// The exact normal at q, weighted by area, and the sum of the lengths of its terms, Σ ‖e‖ ‖f‖.
-    pub(crate) fn normal(&self, q: &[(usize, f64)]) -> ([f64; 3], f64) {
-        let mut sum = ([0.0; 3], 0.0);
+    pub(crate) fn normal(&self, q: &[(usize, f64)]) -> (DVec3, f64) {
+        let mut sum = (DVec3::ZERO, 0.0);
         for (i, rest) in self.rest.iter().enumerate() {
             let [e, f] = [0, 1].map(|side| {
-                q.iter().fold(rest[side], |sum, (k, q)| {
-                    add_scaled(sum, *q, self.of(*k)[i][side])
-                })
+                q.iter()
+                    .fold(rest[side], |sum, (k, q)| sum + *q * self.of(*k)[i][side])
             });
-            sum = (add(sum.0, cross(e, f)), sum.1 + norm(e) * norm(f));
+            sum = (sum.0 + e.cross(f), sum.1 + e.length() * f.length());
         }
         sum
     }
 
     /// Edges' changes by a mode.
-    fn of(&self, mode: usize) -> &[[[f64; 3]; 2]] {
+    fn of(&self, mode: usize) -> &[[DVec3; 2]] {
         &self.moved[mode * self.rest.len()..][..self.rest.len()]
     }
 
@@ -99,8 +94,8 @@ impl Around {
         let normal = self
             .rest
             .iter()
-            .fold([0.0; 3], |s, [e, f]| add(s, cross(*e, *f)));
-        let area = norm(normal);
+            .fold(DVec3::ZERO, |s, [e, f]| s + e.cross(*f));
+        let area = normal.length();
         let none = Tangents {
             rest: [[0.0; 3]; 2],
             moved: vec![[[0.0; 3]; 2]; amplitudes.len()],
@@ -108,16 +103,12 @@ impl Around {
         if !(area > 0.0 && area.is_finite()) {
             return none;
         }
-        let n = scale(normal, 1.0 / area);
-        let axis = if n[0].abs() < 0.6 {
-            [1.0, 0.0, 0.0]
-        } else {
-            [0.0, 1.0, 0.0]
-        };
-        let t1 = cross(axis, n);
-        let t1 = scale(t1, 1.0 / norm(t1));
-        let t2 = cross(n, t1);
-        let local = |v: [f64; 3]| [dot(v, t1), dot(v, t2), dot(v, n)];
+        let n = normal * (1.0 / area);
+        let axis = if n.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
+        let t1 = axis.cross(n);
+        let t1 = t1 * (1.0 / t1.length());
+        let t2 = n.cross(t1);
+        let local = |v: DVec3| [v.dot(t1), v.dot(t2), v.dot(n)];
         // First order: T₁ × t₂ + t₁ × T₂ = L. With T₁ = (a₁, b₁, c₁) and T₂ = (a₂, b₂, c₂) along t₁, t₂
         // and n that is c₁ = −L·t₁, c₂ = −L·t₂, a₁ + b₂ = L·n: three numbers per mode are left, a₁, b₁ and
         // a₂. All for modes at their amplitude.
@@ -127,10 +118,10 @@ impl Around {
                     .rest
                     .iter()
                     .zip(self.of(j))
-                    .fold([0.0; 3], |s, ([e, f], [de, df])| {
-                        add(s, add(cross(*de, *f), cross(*e, *df)))
+                    .fold(DVec3::ZERO, |s, ([e, f], [de, df])| {
+                        s + (de.cross(*f) + e.cross(*df))
                     });
-                let [x, y, z] = local(scale(l, amplitudes[j] / area));
+                let [x, y, z] = local(l * (amplitudes[j] / area));
                 [-x, -y, z]
             })
             .collect();
@@ -144,11 +135,11 @@ impl Around {
         if acting <= SECOND_ORDER_MODES {
             let quadratic = |j: usize, k: usize| {
                 let pairs = self.of(j).iter().zip(self.of(k));
-                let sum = pairs.fold([0.0; 3], |s, ([e, f], [g, h])| {
-                    let own = cross(*e, *h);
-                    add(s, if j == k { own } else { add(own, cross(*g, *f)) })
+                let sum = pairs.fold(DVec3::ZERO, |s, ([e, f], [g, h])| {
+                    let own = e.cross(*h);
+                    s + if j == k { own } else { own + g.cross(*f) }
                 });
-                local(scale(sum, amplitudes[j] * amplitudes[k] / area))
+                local(sum * (amplitudes[j] * amplitudes[k] / area))
             };
             meet_second_order(&first, &mut open, quadratic);
         }
@@ -159,10 +150,7 @@ impl Around {
             } else {
                 0.0
             };
-            let combine = |a: f64, b: f64, c: f64| {
-                let v = add_scaled(add_scaled(scale(t1, a), b, t2), c, n);
-                finite(scale(v, per))
-            };
+            let combine = |a: f64, b: f64, c: f64| finite((a * t1 + b * t2 + c * n) * per);
             [combine(*a1, *b1, *c1), combine(*a2, trace - a1, *c2)]
         });
         Tangents {
@@ -173,16 +161,16 @@ impl Around {
 
     /// Of each mode at its amplitude the gradient in the tangents' plane, (t₁·Gt₁, t₂·Gt₁, t₁·Gt₂, t₂·Gt₂),
     /// with G the 3 × 3 matrix that maps edges to their changes best, all edges alike.
-    fn gradients(&self, amplitudes: &[f64], tangents: [[f64; 3]; 2]) -> Vec<[f64; 4]> {
-        let weight = |e: [f64; 3]| {
-            let square = dot(e, e);
+    fn gradients(&self, amplitudes: &[f64], tangents: [DVec3; 2]) -> Vec<[f64; 4]> {
+        let weight = |e: DVec3| {
+            let square = e.length_squared();
             if square > 0.0 { 1.0 / square } else { 0.0 }
         };
         let edges = self.rest.as_flattened();
-        let mut matrix = [[0.0; 3]; 3];
+        let mut matrix = [DVec3::ZERO; 3];
         for e in edges {
-            for (row, x) in matrix.iter_mut().zip(e) {
-                *row = add_scaled(*row, weight(*e) * x, *e);
+            for (row, x) in matrix.iter_mut().zip(e.to_array()) {
+                *row += weight(*e) * x * *e;
             }
         }
         let ridge = ACROSS * (matrix[0][0] + matrix[1][1] + matrix[2][2]);
@@ -194,16 +182,16 @@ impl Around {
             // G t = Σ w de (e · M⁻¹ t), since M is symmetric.
             let images = solved.map(|s| {
                 let changes = self.of(j).as_flattened();
-                edges.iter().zip(changes).fold([0.0; 3], |sum, (e, de)| {
-                    add_scaled(sum, amplitude * weight(*e) * dot(*e, s), *de)
+                edges.iter().zip(changes).fold(DVec3::ZERO, |sum, (e, de)| {
+                    sum + amplitude * weight(*e) * e.dot(s) * *de
                 })
             });
             let [t1, t2] = tangents;
             [
-                dot(images[0], t1),
-                dot(images[0], t2),
-                dot(images[1], t1),
-                dot(images[1], t2),
+                images[0].dot(t1),
+                images[0].dot(t2),
+                images[1].dot(t1),
+                images[1].dot(t2),
             ]
         };
         amplitudes.iter().enumerate().map(one).collect()
@@ -218,7 +206,7 @@ fn meet_second_order(
     quadratic: impl Fn(usize, usize) -> [f64; 3],
 ) {
     let m = first.len();
-    let squares = |v: &[f64; 3]| dot(*v, *v);
+    let squares = |v: &[f64; 3]| DVec3::from_array(*v).length_squared();
     let size = first.iter().chain(&*open).map(squares).sum::<f64>() / m.max(1) as f64;
     if !(size > 0.0 && size.is_finite()) {
         return;
@@ -274,7 +262,7 @@ fn cholesky_solve(a: &mut [f64], b: &mut [f64]) -> bool {
                 if !(sum > 0.0 && sum.is_finite()) {
                     return false;
                 }
-                a[i * n + i] = sqrt(sum);
+                a[i * n + i] = sum.sqrt();
             } else {
                 a[i * n + j] = sum / a[j * n + j];
             }
@@ -296,20 +284,25 @@ fn cholesky_solve(a: &mut [f64], b: &mut [f64]) -> bool {
 }
 
 /// The inverse of a symmetric positive 3 × 3 matrix times a vector.
-fn solve_3(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+fn solve_3(matrix: &[DVec3; 3], v: DVec3) -> DVec3 {
     let [a, b, c] = *matrix;
-    let rows = [cross(b, c), cross(c, a), cross(a, b)];
-    let determinant = dot(a, rows[0]);
+    let rows = [b.cross(c), c.cross(a), a.cross(b)];
+    let determinant = a.dot(rows[0]);
     // The columns of the inverse, for which a symmetric matrix has the rows.
-    rows.map(|row| dot(row, v) / determinant)
+    DVec3::from_array(rows.map(|row| row.dot(v))) / determinant
 }
 
 /// In f32, zero where it is not finite: a needle whose gradient f32 cannot hold has none.
-fn finite(v: [f64; 3]) -> [f32; 3] {
-    let v = v.map(|x| x as f32);
-    if v.iter().all(|x| x.is_finite()) {
-        v
+fn finite(v: DVec3) -> [f32; 3] {
+    let v = v.as_vec3();
+    if v.is_finite() {
+        v.to_array()
     } else {
         [0.0; 3]
     }
+}
+
+/// In f64.
+pub(crate) fn wide(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
 }
