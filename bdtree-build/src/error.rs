@@ -2,14 +2,160 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::path::Path;
+
+/// Where a problem is: a file and a place in it, or a part of the mesh and its fields.
+///
+/// Stages that do not know which file their mesh came from leave [`Place::file`] out; [`crate::bake`] adds it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Place {
+    /// The file as it was named, or its name alone where a stage knows no more.
+    pub file: Option<String>,
+    /// From the outer part to the inner one: a mode, then a vertex. Empty for the file as a whole.
+    pub parts: Vec<Part>,
+}
+
+/// One step of a [`Place`]. Numbers count from 0 unless said otherwise.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Part {
+    /// A line of a text, from 1.
+    Line(u64),
+    /// A byte of a binary file.
+    Byte(u64),
+    /// A value of a JSON document: `meshes[0].primitives[1]`.
+    JsonPath(String),
+    /// A number of an array.
+    Entry(usize),
+    /// A vertex of the mesh.
+    Vertex(usize),
+    /// x, y or z.
+    Axis(usize),
+    /// A triangle of the mesh.
+    Triangle(usize),
+    /// A group of the mesh.
+    Group(String),
+    /// A field of the basis.
+    Mode(usize),
+    /// A frame of an animation.
+    Frame(usize),
+    /// A frame that is a file of its own.
+    FrameFile(String),
+    /// A node of a volume mesh; shown from 1, as files count them.
+    Node(u32),
+    /// An element of a volume mesh; shown from 1.
+    Element(usize),
+    /// The connected part of a volume mesh that this node belongs to; shown from 1.
+    Body(u32),
+    /// A material of a volume mesh, by name or number.
+    Material(String),
+    /// An option by its name on the command line, and what it was given where several may be.
+    Option(&'static str, Option<String>),
+    /// What there is only one of: the shape of an array, the leaf size.
+    The(&'static str),
+}
+
+impl Place {
+    /// No place in particular.
+    pub const NOWHERE: Self = Self {
+        file: None,
+        parts: Vec::new(),
+    };
+
+    /// A file as a whole; without a name: nowhere.
+    pub fn file(name: impl Into<String>) -> Self {
+        let name = name.into();
+        Self {
+            file: (!name.is_empty()).then_some(name),
+            parts: Vec::new(),
+        }
+    }
+
+    /// An option by its name on the command line.
+    pub fn option(name: &'static str) -> Self {
+        Part::Option(name, None).into()
+    }
+
+    /// A part of this place.
+    #[must_use]
+    pub fn at(mut self, part: Part) -> Self {
+        self.parts.push(part);
+        self
+    }
+
+    /// Whether it is a part of the mesh, its fields or its frames, in no file in particular.
+    fn is_in_mesh(&self) -> bool {
+        let first = self.parts.first();
+        self.file.is_none()
+            && matches!(
+                first,
+                Some(Part::Vertex(_) | Part::Triangle(_) | Part::Mode(_) | Part::Frame(_))
+            )
+    }
+}
+
+impl From<Part> for Place {
+    fn from(part: Part) -> Self {
+        Self::NOWHERE.at(part)
+    }
+}
+
+impl From<&Path> for Place {
+    fn from(path: &Path) -> Self {
+        Self::file(path.display().to_string())
+    }
+}
+
+impl fmt::Display for Place {
+    /// `mesh.obj:12`, `U.npy: mode 1, vertex 3, x`, `--fix legs`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.file.as_deref().unwrap_or_default())?;
+        for (i, part) in self.parts.iter().enumerate() {
+            f.write_str(match (i, &self.file, part) {
+                (0, None, _) => "",
+                (0, Some(_), Part::Line(_)) => ":",
+                (0, Some(_), _) => ": ",
+                _ => ", ",
+            })?;
+            write!(f, "{part}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "{line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+            Self::JsonPath(text) | Self::FrameFile(text) => f.write_str(text),
+            Self::Entry(entry) => write!(f, "entry {entry}"),
+            Self::Vertex(vertex) => write!(f, "vertex {vertex}"),
+            Self::Axis(axis) => f.write_str(["x", "y", "z"].get(*axis).unwrap_or(&"?")),
+            Self::Triangle(triangle) => write!(f, "triangle {triangle}"),
+            Self::Group(name) => write!(f, "group {name:?}"),
+            Self::Mode(mode) => write!(f, "mode {mode}"),
+            Self::Frame(frame) => write!(f, "frame {frame}"),
+            Self::Node(node) => write!(f, "node {}", u64::from(*node) + 1),
+            Self::Element(element) => write!(f, "element {}", element + 1),
+            Self::Body(node) => write!(f, "the part of node {}", u64::from(*node) + 1),
+            Self::Material(name) => write!(f, "material {name}"),
+            Self::Option(name, None) => f.write_str(name),
+            Self::Option(name, Some(value)) => write!(f, "{name} {value}"),
+            Self::The(what) => f.write_str(what),
+        }
+    }
+}
 
 /// One problem, and where it is.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Problem {
     /// The stage of the bake that found it: `input`, `basis`, `tree`, `encode`, `file`.
     pub stage: &'static str,
-    /// Where: `mesh.obj:12`, `U.npy: shape`, `vertex 7`. Empty when the problem has no place.
-    pub place: String,
+    /// Where.
+    pub place: Place,
     /// What is wrong and, where it is known, what would be right.
     pub message: String,
 }
@@ -17,10 +163,11 @@ pub struct Problem {
 impl fmt::Display for Problem {
     /// Two parts of one line, whatever a file's names hold: control characters escaped, long text cut.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.place.is_empty() {
+        let place = self.place.to_string();
+        if place.is_empty() {
             write!(f, "{}", one_line(&self.message))
         } else {
-            write!(f, "{}: {}", one_line(&self.place), one_line(&self.message))
+            write!(f, "{}: {}", one_line(&place), one_line(&self.message))
         }
     }
 }
@@ -47,6 +194,7 @@ pub(crate) fn one_line(text: &str) -> Cow<'_, str> {
 
 /// Why a bake failed: one problem or more, in the order they were met.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct BakeError {
     /// Never empty.
     pub problems: Vec<Problem>,
@@ -54,13 +202,109 @@ pub struct BakeError {
 
 impl BakeError {
     /// A failure with a single problem.
-    pub fn one(stage: &'static str, place: impl Into<String>, message: impl Into<String>) -> Self {
+    pub fn one(stage: &'static str, place: impl Into<Place>, message: impl Into<String>) -> Self {
         Self {
             problems: vec![Problem {
                 stage,
                 place: place.into(),
                 message: message.into(),
             }],
+        }
+    }
+
+    /// The same, with the name of the mesh's file where a place is one in the mesh.
+    #[must_use]
+    pub fn in_file(mut self, file: &Path) -> Self {
+        for problem in &mut self.problems {
+            if problem.place.is_in_mesh() {
+                problem.place.file = Some(file.display().to_string());
+            }
+        }
+        self
+    }
+}
+
+impl BakeError {
+    /// The problems of an earlier failure, if there was one, and then these.
+    pub(crate) fn after(self, earlier: Result<(), BakeError>) -> Self {
+        let mut problems = earlier.map_or_else(|error| error.problems, |()| Vec::new());
+        problems.extend(self.problems);
+        Self { problems }
+    }
+}
+
+/// Problems in the order they are met, the first hundred in full and the others counted.
+#[derive(Debug)]
+pub(crate) struct Problems {
+    stage: &'static str,
+    listed: Vec<Problem>,
+    count: usize,
+}
+
+impl Problems {
+    /// Most problems that are listed one by one.
+    pub(crate) const LISTED_MAX: usize = 100;
+
+    /// None yet.
+    pub(crate) fn new(stage: &'static str) -> Self {
+        Self {
+            stage,
+            listed: Vec::new(),
+            count: 0,
+        }
+    }
+
+    /// One more; what it says is asked for only if it is listed.
+    pub(crate) fn add<P: Into<Place>, M: Into<String>>(&mut self, say: impl FnOnce() -> (P, M)) {
+        self.count += 1;
+        if self.listed.len() < Self::LISTED_MAX {
+            let (place, message) = say();
+            self.listed.push(Problem {
+                stage: self.stage,
+                place: place.into(),
+                message: message.into(),
+            });
+        }
+    }
+
+    /// All problems of another failure.
+    pub(crate) fn join(&mut self, error: BakeError) {
+        for problem in error.problems {
+            self.add(|| (problem.place, problem.message));
+        }
+    }
+
+    /// Nothing is wrong so far.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// More problems would only be counted.
+    pub(crate) fn is_full(&self) -> bool {
+        self.listed.len() >= Self::LISTED_MAX
+    }
+
+    /// A failure if there are problems; `place` is where those that are only counted lie.
+    pub(crate) fn into_result(self, place: impl Into<Place>) -> Result<(), BakeError> {
+        if self.is_empty() {
+            Ok(())
+        } else {
+            Err(self.into_error(place))
+        }
+    }
+
+    /// The failure; something must be wrong.
+    pub(crate) fn into_error(mut self, place: impl Into<Place>) -> BakeError {
+        let more = self.count - self.listed.len();
+        if more > 0 {
+            self.listed.push(Problem {
+                stage: self.stage,
+                place: place.into(),
+                message: format!("{more} more problems"),
+            });
+        }
+        BakeError {
+            problems: self.listed,
         }
     }
 }
@@ -86,7 +330,11 @@ mod tests {
     #[test]
     fn problems_are_one_line_whatever_names_hold() {
         let name = format!("red \u{1b}[31m\nsecond line{}", "x".repeat(5000));
-        let error = BakeError::one("input", "a\rb.glb", format!("{name} is not read"));
+        let error = BakeError::one(
+            "input",
+            Place::file("a\rb.glb"),
+            format!("{name} is not read"),
+        );
         let text = error.to_string();
         assert!(text.starts_with("a\\rb.glb: red \\u{1b}[31m\\nsecond linexxx"));
         assert!(text.ends_with("xxx is not read"), "{text}");

@@ -1,20 +1,21 @@
-//! The whole bake.
+//! The whole bake: section 3.1 of the paper (D. L. James and D. K. Pai, "BD-Tree: output-sensitive collision detection
+//! for reduced deformable models", SIGGRAPH 2004) from files to a file.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use bdtree_format::{BASE_ALIGNMENT, ErrorMetadata, LEAF_TRIANGLES_MAX, Metadata, ModeMetadata};
 use bdtree_runtime::{AlignedBytes, Asset};
-use tempfile::NamedTempFile;
 
 use crate::basis::{Basis, BasisError};
 use crate::encode::{Parts, encode};
-use crate::error::{BakeError, one_line};
+use crate::error::{BakeError, Part, Place, one_line};
+use crate::file::write_atomically;
 use crate::input::RawMesh;
+use crate::motion;
 use crate::progress::Progress;
+use crate::recipe::Recipe;
 use crate::report::visits::{self, Visits};
 use crate::report::{self, BakeReport};
 use crate::tree::{self, Split, TreeSettings};
@@ -48,12 +49,6 @@ pub struct BakeSettings {
     pub nested: bool,
     /// Threads to work with; the bytes do not depend on it.
     pub threads: usize,
-    /// Where the basis came from: `rigid`, `given`, `elastic`, …
-    pub basis_kind: String,
-    /// Error of the basis against its source, if there is a source to measure against.
-    pub basis_error: Option<BasisError>,
-    /// Settings for the metadata: option name and value. No paths, no thread counts.
-    pub metadata: BTreeMap<String, String>,
 }
 
 impl Default for BakeSettings {
@@ -63,10 +58,37 @@ impl Default for BakeSettings {
             split: Split::default(),
             nested: false,
             threads: 1,
-            basis_kind: "given".to_string(),
-            basis_error: None,
-            metadata: BTreeMap::new(),
         }
+    }
+}
+
+/// Where fields came from, as the file's metadata tells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Provenance {
+    /// `rigid`, `given`, `elastic`, `volume`, `morph` or `pca`.
+    pub kind: String,
+    /// Error of the basis against its source, if there is a source to measure against.
+    pub error: Option<BasisError>,
+    /// Settings: option name and value. No paths, no thread counts.
+    pub settings: BTreeMap<String, String>,
+    /// What was odd but kept, besides the mesh's own warnings.
+    pub warnings: Vec<String>,
+}
+
+impl Default for Provenance {
+    fn default() -> Self {
+        Self {
+            kind: "given".to_string(),
+            error: None,
+            settings: BTreeMap::new(),
+            warnings: Vec::new(),
+        }
+    }
+}
+
+impl Provenance {
+    pub(crate) fn set(&mut self, name: &str, value: impl ToString) {
+        self.settings.insert(name.to_string(), value.to_string());
     }
 }
 
@@ -79,36 +101,79 @@ pub struct Baked {
     pub report: BakeReport,
 }
 
-/// The file of a mesh and its basis (rigid when the basis has no modes). `warnings` of earlier
-/// stages join the mesh's own in report and metadata.
+impl Baked {
+    /// Puts the file at `path`: all of it or nothing ([`write_atomically`]).
+    ///
+    /// # Errors
+    /// A folder that is missing or may not be written, a full disk.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), BakeError> {
+        write_atomically(path.as_ref(), &self.bytes)
+    }
+}
+
+/// The file that `recipe` describes, and what was made.
+///
+/// # Errors
+/// Everything that is wrong with a file that is read or with what is asked of it, each problem with its place; what
+/// [`bake_fields`] refuses.
+pub fn bake(recipe: &Recipe, progress: &dyn Progress) -> Result<Baked, BakeError> {
+    let named = |error: BakeError| error.in_file(recipe.source.main_file());
+    let mut stages = Stages::new(progress);
+
+    // All files first: what is wrong with one is told before minutes of work.
+    stages.begin("input");
+    let read = motion::read(&recipe.source, progress).map_err(named)?;
+
+    // Section 2: a shape is p' = p + U q, with fields U that are known before the tree is built. Whatever made them
+    // (vibrations, frames, morph targets), nothing below asks where they came from.
+    stages.begin("basis");
+    let moving = read.moving(recipe, progress).map_err(named)?;
+
+    let mut baked = build(
+        (&moving.mesh, &moving.basis),
+        &recipe.settings,
+        &moving.provenance,
+        stages,
+    )
+    .map_err(named)?;
+    baked.report.elastic = moving.elastic;
+    baked.report.volume = moving.volume;
+    Ok(baked)
+}
+
+/// The file of a mesh and its basis in memory (rigid when the basis has no modes).
 ///
 /// # Errors
 /// Whatever [`wrap::store`], [`wrap::wrap`] and [`encode`] refuse, a leaf size out of range, a basis
 /// error that is no number or of no vertex, and a file that [`Asset::open`] would refuse.
-pub fn bake(
+pub fn bake_fields(
     mesh: &RawMesh,
     basis: &Basis,
     settings: &BakeSettings,
-    warnings: &[String],
+    provenance: &Provenance,
     progress: &dyn Progress,
 ) -> Result<Baked, BakeError> {
-    let leaf_size = settings
-        .leaf_size
-        .unwrap_or_else(|| default_leaf_size(mesh.triangles.len()));
-    if !(1..=LEAF_TRIANGLES_MAX).contains(&leaf_size) {
-        let message = format!("{leaf_size} is not in 1..={LEAF_TRIANGLES_MAX}");
-        return Err(BakeError::one("tree", "leaf size", message));
-    }
-    let mut stages = Stages::new(progress);
-    let mut warnings: Vec<String> = [mesh.warnings.as_slice(), warnings]
-        .concat()
-        .iter()
+    build((mesh, basis), settings, provenance, Stages::new(progress))
+}
+
+/// Section 3.1, then the file.
+fn build(
+    (mesh, basis): (&RawMesh, &Basis),
+    settings: &BakeSettings,
+    provenance: &Provenance,
+    mut stages: Stages<'_>,
+) -> Result<Baked, BakeError> {
+    let leaf_size = leaf_size(mesh, settings)?;
+    let mut warnings: Vec<String> = (mesh.warnings.iter().chain(&provenance.warnings))
         .map(|warning| one_line(warning).into_owned())
         .collect();
 
+    // p and U are rounded to f32 before anything is bounded, so that bounds are those of the numbers that queries
+    // will read.
     stages.begin("store");
     let shape = wrap::store(mesh, basis, &mut warnings)?;
 
+    // The hierarchy is that of the undeformed mesh: fields are smooth, so triangles that are near at rest stay so.
     stages.begin("tree");
     let tree = tree::build(
         &shape.positions,
@@ -120,15 +185,19 @@ pub fn bake(
         },
     );
 
+    // A wrapped hierarchy: spheres around the geometry below them and not around their children's spheres, with what
+    // each field adds to center and radius (section 3.2). Tighter, and each can be updated on its own.
     stages.begin("wrap");
     let mut wrapped = wrap::wrap(&tree, &mesh.triangles, &shape, settings.threads)?;
     if settings.nested {
+        // Looser: only for those who stop at a level and need proxies inside their ancestors.
         wrap::nest(&mut wrapped);
     }
 
+    // Everything lies in the file as queries read it, so that opening one costs nothing.
     stages.begin("encode");
-    check_error(settings.basis_error, mesh)?;
-    let metadata = metadata(mesh, basis, settings, &warnings);
+    check_error(provenance.error, mesh)?;
+    let metadata = metadata(mesh, basis, provenance, &warnings);
     let bytes = encode(&Parts {
         mesh,
         basis,
@@ -138,6 +207,7 @@ pub fn bake(
         metadata: &metadata,
     })?;
 
+    // Section 3.3: how tight the bounds are, and what that costs a query, measured on the file itself.
     stages.begin("report");
     let visits = measure_visits(&bytes)?;
     warnings.extend(visits::warning(
@@ -157,11 +227,25 @@ pub fn bake(
         warnings,
         stages: stages.end(),
         frequencies_hz: report::frequencies_hz(basis),
-        basis_error_rel: settings.basis_error.map(Into::into),
+        basis_error_rel: provenance.error.map(Into::into),
         tightness,
         visits,
+        elastic: None,
+        volume: None,
     };
     Ok(Baked { bytes, report })
+}
+
+/// The leaf size that the settings ask for.
+fn leaf_size(mesh: &RawMesh, settings: &BakeSettings) -> Result<usize, BakeError> {
+    let leaf_size = settings
+        .leaf_size
+        .unwrap_or_else(|| default_leaf_size(mesh.triangles.len()));
+    if (1..=LEAF_TRIANGLES_MAX).contains(&leaf_size) {
+        return Ok(leaf_size);
+    }
+    let message = format!("{leaf_size} is not in 1..={LEAF_TRIANGLES_MAX}");
+    Err(BakeError::one("tree", Part::The("leaf size"), message))
 }
 
 /// Opens the file that was made and queries it. Bytes that readers would refuse are refused here:
@@ -176,16 +260,21 @@ fn measure_visits(bytes: &[u8]) -> Result<Visits, BakeError> {
     };
     let asset = Asset::open(aligned).map_err(|error| {
         let message = format!("the file that was made cannot be opened: {error}");
-        BakeError::one("encode", "", message)
+        BakeError::one("encode", Place::NOWHERE, message)
     })?;
-    visits::visits(&asset)
-        .ok_or_else(|| BakeError::one("encode", "", "the file that was made cannot be queried"))
+    visits::visits(&asset).ok_or_else(|| {
+        BakeError::one(
+            "encode",
+            Place::NOWHERE,
+            "the file that was made cannot be queried",
+        )
+    })
 }
 
 fn metadata(
     mesh: &RawMesh,
     basis: &Basis,
-    settings: &BakeSettings,
+    provenance: &Provenance,
     warnings: &[String],
 ) -> Metadata {
     let mut kept: Vec<String> = warnings
@@ -200,8 +289,8 @@ fn metadata(
         builder: concat!("bdtree-build ", env!("CARGO_PKG_VERSION")).to_string(),
         source_name: mesh.name.clone(),
         source_hash: mesh.hash,
-        basis: settings.basis_kind.clone(),
-        settings: settings.metadata.clone(),
+        basis: provenance.kind.clone(),
+        settings: provenance.settings.clone(),
         modes: basis
             .modes
             .iter()
@@ -210,7 +299,7 @@ fn metadata(
                 default_q: mode.default_q,
             })
             .collect(),
-        basis_error_rel: settings.basis_error.map(|e| ErrorMetadata {
+        basis_error_rel: provenance.error.map(|e| ErrorMetadata {
             max: e.max_rel,
             rms: e.rms_rel,
             frame: e.frame.map(|frame| frame as u64),
@@ -233,7 +322,11 @@ fn check_error(error: Option<BasisError>, mesh: &RawMesh) -> Result<(), BakeErro
         "{error:?} is no error of a mesh of {} vertices",
         mesh.positions.len()
     );
-    Err(BakeError::one("encode", "error of the basis", message))
+    Err(BakeError::one(
+        "encode",
+        Part::The("error of the basis"),
+        message,
+    ))
 }
 
 /// The stages that have begun, with their times.
@@ -263,86 +356,5 @@ impl<'a> Stages<'a> {
             .zip(ends.chain([Instant::now()]))
             .map(|((name, begin), end)| (name.to_string(), (end - *begin).as_secs_f64()))
             .collect()
-    }
-}
-
-/// Writes a file so that `path` holds either what it held before or all of `bytes`: into a
-/// temporary file in the same folder, which then takes the name. Links are followed; a device or
-/// a pipe is written to and stays what it is. A process that is killed meanwhile leaves the
-/// temporary file, `.bdtree-*.tmp`.
-///
-/// # Errors
-/// A folder that is missing or may not be written, a full disk.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
-    if is_special(path) {
-        return fs::OpenOptions::new()
-            .write(true)
-            .open(path)
-            .and_then(|mut device| device.write_all(bytes))
-            .map_err(|e| failed(path, "cannot write", &e));
-    }
-    let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
-    let mut file = temporary(path, &target)?;
-    file.write_all(bytes)
-        .and_then(|()| file.as_file().sync_all())
-        .map_err(|e| failed(path, "cannot write", &e))?;
-    file.persist(&target)
-        .map_err(|e| failed(path, "cannot put the finished file in place", &e.error))?;
-    Ok(())
-}
-
-/// Nothing, if [`write_atomically`] could begin now: told before a bake that takes minutes.
-///
-/// # Errors
-/// A path that is a folder, a folder that is missing or may not be written.
-pub fn check_writable(path: &Path) -> Result<(), BakeError> {
-    if path.is_dir() {
-        let place = path.display().to_string();
-        return Err(BakeError::one("file", place, "is a folder: name a file"));
-    }
-    if !is_special(path) {
-        let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
-        temporary(path, &target)?;
-    }
-    Ok(())
-}
-
-/// A device or a pipe.
-fn is_special(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir())
-}
-
-/// An empty file beside `target`, gone when it is dropped; `path` is what errors name.
-fn temporary(path: &Path, target: &Path) -> Result<NamedTempFile, BakeError> {
-    let folder = match target.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".bdtree-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // What any new file gets (the process's mask applies), not the private mode of
-        // temporary files.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder
-        .tempfile_in(folder)
-        .map_err(|e| failed(path, "cannot create a file in this folder", &e))
-}
-
-fn failed(path: &Path, what: &str, error: &std::io::Error) -> BakeError {
-    let message = format!("{what}: {}", cause(error));
-    BakeError::one("file", path.display().to_string(), message)
-}
-
-/// An error without the name of the temporary file, which says nothing to anyone. (`tempfile` puts
-/// it behind the system's text, and hides the system's error number.)
-fn cause(error: &std::io::Error) -> String {
-    let text = error.to_string();
-    match text.split_once(" at path ") {
-        Some((cause, _)) => cause.to_string(),
-        None => text,
     }
 }

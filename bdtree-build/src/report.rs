@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 use bdtree_format::ROW_RADIUS;
 use serde::Serialize;
 
+use crate::basis::elastic::ElasticReport;
+use crate::basis::volume::VolumeReport;
 use crate::basis::{Basis, BasisError};
 use crate::tree::{LaneKind, Tree};
 use crate::wrap::ball::smallest_ball;
@@ -51,6 +53,10 @@ pub struct BakeReport {
     pub tightness: Vec<LevelTightness>,
     /// Nodes that small queries visit.
     pub visits: Visits,
+    /// How elastic modes were found, if those are the fields.
+    pub elastic: Option<ElasticReport>,
+    /// How the modes of a volume were found, if those are the fields.
+    pub volume: Option<VolumeReport>,
 }
 
 /// Error of a basis against its source, over the diagonal of the box.

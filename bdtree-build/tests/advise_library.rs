@@ -7,9 +7,9 @@ use bdtree_build::advise::works::{Contender, Works};
 use bdtree_build::advise::{Goal, Subject, advise};
 use bdtree_build::basis::{Basis, BasisError};
 use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::BakeSettings;
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_runtime::Asset;
+use bdtree_runtime::{AlignedBytes, Asset};
 use bdtree_tests::bake::{
     baked, baked_with, bumpy_sphere, local_basis, rigid, smooth_basis, with_frames,
 };
@@ -212,15 +212,26 @@ fn a_file_gives_back_what_it_was_baked_from() {
     for basis in [animated().1, local_basis(&mesh, 5, 4), rigid(&mesh)] {
         let settings = BakeSettings {
             leaf_size: Some(3),
-            metadata: [("leaf-size".to_string(), "3".to_string())].into(),
             ..BakeSettings::default()
         };
-        let file = baked_with(&mesh, &basis, &settings);
+        let provenance = Provenance {
+            settings: [("leaf-size".to_string(), "3".to_string())].into(),
+            ..Provenance::default()
+        };
+        let baked = bake_fields(&mesh, &basis, &settings, &provenance, &Silent).expect("bake");
+        let file = AlignedBytes::copy_of(&baked.bytes);
         let asset = Asset::open(&file).expect("asset");
         let subject = Subject::of_asset(&asset).expect("records");
         assert_eq!(subject.settings.leaf_size, Some(3));
-        let again = baked_with(&subject.mesh, &subject.basis, &subject.settings);
-        assert!(file[..] == again[..], "{} modes", basis.mode_count());
+        let Subject {
+            mesh,
+            basis,
+            settings,
+            provenance,
+            ..
+        } = subject;
+        let again = bake_fields(&mesh, &basis, &settings, &provenance, &Silent).expect("bake");
+        assert!(file[..] == again.bytes[..], "{} modes", basis.mode_count());
     }
 }
 

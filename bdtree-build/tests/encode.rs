@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use crate::tree_support::*;
 use bdtree_build::basis::{Animation, Basis, BasisMode};
+use bdtree_build::file::write_atomically;
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
-use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_build::tree::Split;
 use bdtree_format::{DEPTH_MAX, Header, SECTION_ORDER, SectionKind, row_count};
@@ -273,9 +274,15 @@ fn bad_input_is_refused_with_its_place() {
     let good = grid(3);
     let fields = waves(&good, 2);
     let refuse = |mesh: &RawMesh, basis: &Basis| {
-        bake(mesh, basis, &BakeSettings::default(), &[], &Silent)
-            .unwrap_err()
-            .to_string()
+        bake_fields(
+            mesh,
+            basis,
+            &BakeSettings::default(),
+            &Provenance::default(),
+            &Silent,
+        )
+        .unwrap_err()
+        .to_string()
     };
     assert!(refuse(&RawMesh::default(), &Basis::default()).contains("no triangles"));
     let mut mesh = good.clone();
@@ -316,7 +323,7 @@ fn bad_input_is_refused_with_its_place() {
         leaf_size: Some(0),
         ..BakeSettings::default()
     };
-    assert!(bake(&good, &fields, &settings, &[], &Silent).is_err());
+    assert!(bake_fields(&good, &fields, &settings, &Provenance::default(), &Silent).is_err());
 }
 
 #[test]
@@ -433,7 +440,15 @@ fn what_would_not_open_is_not_made() {
         }],
         animation: None,
     };
-    let made = |basis: &Basis| bake(&mesh, basis, &BakeSettings::default(), &[], &Silent);
+    let made = |basis: &Basis| {
+        bake_fields(
+            &mesh,
+            basis,
+            &BakeSettings::default(),
+            &Provenance::default(),
+            &Silent,
+        )
+    };
     let error = made(&basis).unwrap_err().to_string();
     assert_eq!(error, "mode 0: modal mass 0 kg is not a positive number");
     basis.modes[0].modal_mass_kg = Some(1e-300);
@@ -451,7 +466,14 @@ fn sizes_that_readers_refuse_are_refused() {
             ..RawMesh::default()
         };
         let settings = BakeSettings::default();
-        bake(&mesh, &Basis::default(), &settings, &[], &Silent).map(|_| ())
+        bake_fields(
+            &mesh,
+            &Basis::default(),
+            &settings,
+            &Provenance::default(),
+            &Silent,
+        )
+        .map(|_| ())
     };
     for (scale, offset) in [(1e150, 0.0), (1e-310, 0.0), (1e28, 1e30)] {
         let error = made(scale, offset).unwrap_err().to_string();

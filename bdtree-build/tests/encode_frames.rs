@@ -6,7 +6,7 @@ use crate::tree_support::*;
 use bdtree_build::basis::{Animation, Basis, BasisError, RigidMotion};
 use bdtree_build::error::BakeError;
 use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::{BakeSettings, Baked, bake};
+use bdtree_build::pipeline::{BakeSettings, Baked, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_format::{ErrorMetadata, Metadata};
 use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform};
@@ -40,7 +40,14 @@ fn sound(bytes: &AlignedBytes) -> Asset<'_> {
 }
 
 fn refused(mesh: &RawMesh, basis: &Basis) -> BakeError {
-    bake(mesh, basis, &BakeSettings::default(), &[], &Silent).expect_err("a refusal")
+    bake_fields(
+        mesh,
+        basis,
+        &BakeSettings::default(),
+        &Provenance::default(),
+        &Silent,
+    )
+    .expect_err("a refusal")
 }
 
 #[test]
@@ -249,12 +256,21 @@ fn the_metadata_states_errors_and_weights() {
         frame: Some(3),
         vertex: 7,
     };
-    for frame in [Some(3), None] {
-        let settings = BakeSettings {
-            basis_error: Some(BasisError { frame, ..error }),
-            ..BakeSettings::default()
+    let with_error = |error| {
+        let provenance = Provenance {
+            error: Some(error),
+            ..Provenance::default()
         };
-        let baked = bake_with(&mesh, &basis, &settings);
+        bake_fields(
+            &mesh,
+            &basis,
+            &BakeSettings::default(),
+            &provenance,
+            &Silent,
+        )
+    };
+    for frame in [Some(3), None] {
+        let baked = with_error(BasisError { frame, ..error }).expect("a sound error");
         let bytes = AlignedBytes::copy_of(&baked.bytes);
         let metadata = Metadata::from_bytes(sound(&bytes).metadata()).expect("metadata");
         assert_eq!(
@@ -286,12 +302,7 @@ fn the_metadata_states_errors_and_weights() {
             ..error
         },
     ] {
-        let settings = BakeSettings {
-            basis_error: Some(bad),
-            ..BakeSettings::default()
-        };
-        let refused = bake(&mesh, &basis, &settings, &[], &Silent).expect_err("a refusal");
-        let text = refused.to_string();
+        let text = with_error(bad).expect_err("a refusal").to_string();
         assert!(text.starts_with("error of the basis: "), "{text}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::pca_support::*;
 use bdtree_build::basis::pca::{About, Modes, Pca, PcaOptions};
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_build::wrap;
 use faer::{Mat, MatRef};
@@ -296,9 +296,15 @@ fn files_are_the_same_bytes_for_any_number_of_threads() {
             threads,
             ..BakeSettings::default()
         };
-        bake(&found.mesh, &found.basis, &settings, &[], &Silent)
-            .expect("bakes")
-            .bytes
+        bake_fields(
+            &found.mesh,
+            &found.basis,
+            &settings,
+            &Provenance::default(),
+            &Silent,
+        )
+        .expect("bakes")
+        .bytes
     };
     let first = file(1);
     assert!(first == file(1) && first == file(2) && first == file(5));

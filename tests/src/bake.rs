@@ -2,7 +2,7 @@
 
 use bdtree_build::basis::{Animation, Basis, BasisMode, RigidMotion};
 use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::AlignedBytes;
 use rand::RngExt;
@@ -24,7 +24,7 @@ pub fn baked(mesh: &RawMesh, basis: &Basis) -> AlignedBytes {
 /// # Panics
 /// When the bake fails.
 pub fn baked_with(mesh: &RawMesh, basis: &Basis, settings: &BakeSettings) -> AlignedBytes {
-    let baked = bake(mesh, basis, settings, &[], &Silent).expect("bake");
+    let baked = bake_fields(mesh, basis, settings, &Provenance::default(), &Silent).expect("bake");
     AlignedBytes::copy_of(&baked.bytes)
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use bdtree_build::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_format::{GroupRecord, Header, SectionKind, SectionRecord};
 use bdtree_runtime::{
@@ -44,11 +44,11 @@ pub fn files() -> Vec<(String, Vec<u8>)> {
 }
 
 fn made(mesh: &RawMesh, basis: &Basis, kind: &str) -> Vec<u8> {
-    let settings = BakeSettings {
-        basis_kind: kind.to_string(),
-        ..BakeSettings::default()
+    let provenance = Provenance {
+        kind: kind.to_string(),
+        ..Provenance::default()
     };
-    bake(mesh, basis, &settings, &[], &Silent)
+    bake_fields(mesh, basis, &BakeSettings::default(), &provenance, &Silent)
         .expect("bake")
         .bytes
 }
@@ -193,19 +193,24 @@ fn animated() -> Vec<u8> {
             motion([0.0, 0.48, 0.64, -0.6], [1e3, 0.0, -0.1]),
         ],
     });
-    let settings = BakeSettings {
-        basis_kind: "given".to_string(),
-        basis_error: Some(BasisError {
+    let provenance = Provenance {
+        error: Some(BasisError {
             max_rel: 0.0625,
             rms_rel: 0.01,
             frame: Some(2),
             vertex: 5,
         }),
-        ..BakeSettings::default()
+        ..Provenance::default()
     };
-    bake(&mesh, &basis, &settings, &[], &Silent)
-        .expect("bake")
-        .bytes
+    bake_fields(
+        &mesh,
+        &basis,
+        &BakeSettings::default(),
+        &provenance,
+        &Silent,
+    )
+    .expect("bake")
+    .bytes
 }
 
 /// A file that the encoder never writes: an unknown optional section before all others, unknown

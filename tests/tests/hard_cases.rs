@@ -4,7 +4,7 @@
 //! `BDTREE_HARD_ROUNDS=20 cargo test -p bdtree-tests --test all hard_cases::` asks more random questions of each
 //! kind (3 without), and all about pairs of large meshes.
 
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::{Asset, Pose, StackEntry, Transform, query};
 use bdtree_tests::hard::{ROUNDS, check_case, exact, hard_cases, placements, refused_cases};
@@ -135,11 +135,11 @@ fn off(asset: &Asset<'_>, q: &[f32], place: Transform) -> f64 {
 #[test]
 fn what_is_no_asset_is_refused_in_words() {
     for case in refused_cases() {
-        let error = bake(
+        let error = bake_fields(
             &case.mesh,
             &case.basis,
             &BakeSettings::default(),
-            &[],
+            &Provenance::default(),
             &Silent,
         );
         let error = error.map(|_| ()).expect_err(case.name).to_string();

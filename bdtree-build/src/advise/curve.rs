@@ -9,7 +9,7 @@ use super::works::{Contender, Measured, Works};
 use crate::basis::BasisError;
 use crate::basis::dropped::select;
 use crate::error::BakeError;
-use crate::pipeline::{BakeSettings, bake, default_leaf_size};
+use crate::pipeline::{BakeSettings, Provenance, bake_fields, default_leaf_size};
 use crate::progress::Progress;
 
 /// Numbers of modes that a curve has at most.
@@ -204,7 +204,12 @@ fn baked(
         }
         _ => &subject.basis,
     };
-    let baked = bake(&subject.mesh, basis, settings, &[], progress)?;
+    // Warnings are no part of what is measured.
+    let provenance = Provenance {
+        warnings: Vec::new(),
+        ..subject.provenance.clone()
+    };
+    let baked = bake_fields(&subject.mesh, basis, settings, &provenance, progress)?;
     Ok((AlignedBytes::copy_of(&baked.bytes), baked.report.nodes))
 }
 

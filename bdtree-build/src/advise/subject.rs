@@ -8,8 +8,12 @@ use bdtree_runtime::{Asset, FormatError, TriangleId, VertexId};
 use super::errors::{Errors, Over};
 use crate::basis::dropped::{Keep, keep_fields};
 use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
+use crate::error::BakeError;
 use crate::input::{GroupKind, RawGroup, RawMesh};
-use crate::pipeline::BakeSettings;
+use crate::motion;
+use crate::pipeline::{BakeSettings, Provenance};
+use crate::progress::Progress;
+use crate::recipe::{Recipe, Source};
 use crate::tree::Split;
 use crate::wrap::RANGE_DIAGONALS;
 
@@ -38,6 +42,8 @@ pub struct Subject {
     pub basis: Basis,
     /// How it is baked.
     pub settings: BakeSettings,
+    /// Where the fields came from.
+    pub provenance: Provenance,
     /// What keeping few costs.
     pub errors: Errors,
     /// What is not known, and what is assumed instead: sentences.
@@ -45,6 +51,65 @@ pub struct Subject {
 }
 
 impl Subject {
+    /// What a recipe makes before it is baked. `within`: of frames as many components as keep this error over the
+    /// diagonal, where the recipe's number of them does not.
+    ///
+    /// # Errors
+    /// What [`bake`](crate::bake) says of the recipe's files.
+    pub fn of_recipe(
+        recipe: &Recipe,
+        within: Option<f64>,
+        progress: &dyn Progress,
+    ) -> Result<Self, BakeError> {
+        let mut recipe = recipe.clone();
+        if let Source::Frames(frames) = &mut recipe.source {
+            // What the first few leave out is measured against the frames.
+            frames.options.measures_all = true;
+        }
+        Self::prepared(&recipe, within, progress)
+            .map_err(|error| error.in_file(recipe.source.main_file()))
+    }
+
+    fn prepared(
+        recipe: &Recipe,
+        within: Option<f64>,
+        progress: &dyn Progress,
+    ) -> Result<Self, BakeError> {
+        progress.stage("input", None);
+        let read = motion::read(&recipe.source, progress)?;
+        progress.stage("basis", None);
+        let moving = match within {
+            Some(max_error_rel) => read.moving_within(recipe, max_error_rel, progress)?,
+            None => read.moving(recipe, progress)?,
+        };
+        let provenance = moving.provenance;
+        let mut missing: Vec<String> = assumed_ranges(&provenance.kind, &provenance.settings)
+            .into_iter()
+            .collect();
+        if matches!(provenance.kind.as_str(), "elastic" | "volume") {
+            let text = "Vibration modes have no end: what those beyond the ones computed here would add is not in \
+                        the error.";
+            missing.push(text.to_string());
+        }
+        let errors = match moving.errors_of_first {
+            Some(errors) => Errors::measured(errors),
+            None => Errors::against_all(
+                &moving.basis,
+                moving.mesh.diagonal(),
+                Over::Ranges,
+                provenance.error,
+            ),
+        };
+        Ok(Self {
+            mesh: moving.mesh,
+            basis: moving.basis,
+            settings: recipe.settings.clone(),
+            provenance,
+            errors,
+            missing,
+        })
+    }
+
     /// What an opened file holds: its numbers are exact, so that a bake of all modes with these settings gives the
     /// same tree. Threads stay 1.
     ///
@@ -74,7 +139,13 @@ impl Subject {
         let diagonal = mesh.diagonal();
         Ok(Self {
             errors: Errors::against_all(&basis, diagonal, over, own),
-            settings: settings(&metadata, own),
+            settings: settings(&metadata),
+            provenance: Provenance {
+                kind: metadata.basis,
+                error: own,
+                settings: metadata.settings,
+                warnings: Vec::new(),
+            },
             mesh: RawMesh {
                 name: metadata.source_name,
                 hash: metadata.source_hash,
@@ -194,7 +265,7 @@ fn basis_error(error: ErrorMetadata) -> BasisError {
 }
 
 /// The settings that the metadata state; those it does not, by default.
-fn settings(metadata: &Metadata, own: Option<BasisError>) -> BakeSettings {
+fn settings(metadata: &Metadata) -> BakeSettings {
     let value = |name: &str| metadata.settings.get(name);
     BakeSettings {
         leaf_size: value("leaf-size").and_then(|text| text.parse().ok()),
@@ -202,9 +273,6 @@ fn settings(metadata: &Metadata, own: Option<BasisError>) -> BakeSettings {
             .and_then(|text| text.parse::<Split>().ok())
             .unwrap_or_default(),
         nested: value("nested").is_some_and(|text| text == "true"),
-        basis_kind: metadata.basis.clone(),
-        basis_error: own,
-        metadata: metadata.settings.clone(),
         ..BakeSettings::default()
     }
 }

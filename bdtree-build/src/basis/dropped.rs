@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::cmp::Reverse;
 
 use super::{Animation, Basis, BasisError};
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 use crate::input::RawMesh;
 use crate::wrap::{self, RANGE_DIAGONALS, StoredShape};
 
@@ -47,7 +47,13 @@ pub struct Kept {
 /// all fields together do not keep, and what [`wrap::store`] refuses.
 pub fn keep_fields(mesh: &RawMesh, basis: Basis, keep: Keep) -> Result<Kept, BakeError> {
     let count = basis.mode_count();
-    let fail = |message| Err(BakeError::one("basis", mesh.name.as_str(), message));
+    let fail = |message| {
+        Err(BakeError::one(
+            "basis",
+            Place::file(mesh.name.as_str()),
+            message,
+        ))
+    };
     let whole = basis.vertex_count.checked_mul(count);
     if basis.vertex_count != mesh.positions.len() || whole != Some(basis.fields.len()) {
         let (found, vertices) = (basis.fields.len(), mesh.positions.len());

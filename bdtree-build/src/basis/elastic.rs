@@ -9,6 +9,8 @@
 
 use std::time::Instant;
 
+use serde::Serialize;
+
 use crate::basis::Basis;
 use crate::basis::modal::{ModalField, modal_basis};
 use crate::elastic::element::Element;
@@ -20,7 +22,7 @@ use crate::elastic::pieces::{Kind, find_pieces};
 use crate::elastic::resolution::{BYTES_PER_CELL, choose_lattice};
 use crate::elastic::solve::{Limits, Solution, SolveError, solve};
 use crate::elastic::system::System;
-use crate::error::{BakeError, Problem};
+use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::RawMesh;
 use crate::progress::Progress;
 
@@ -72,16 +74,17 @@ impl Default for ElasticOptions {
 }
 
 /// A piece of the surface, named by its triangles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct PieceId {
     /// Lowest triangle id.
     pub first_triangle: u32,
     /// Number of triangles.
+    #[serde(rename = "triangles")]
     pub triangle_count: u32,
 }
 
 /// How the modes were found.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ElasticReport {
     /// Cells along the longest side.
     pub resolution: u32,
@@ -104,6 +107,7 @@ pub struct ElasticReport {
     /// Pieces that move in none of the modes.
     pub pieces_without_mode: Vec<PieceId>,
     /// Stage name and seconds.
+    #[serde(skip)]
     pub stages: Vec<(&'static str, f64)>,
 }
 
@@ -162,7 +166,7 @@ pub fn elastic_basis(
     if solution.modes.len() < options.mode_count {
         return Err(BakeError::one(
             "basis",
-            "--modes",
+            Place::option("--modes"),
             format!(
                 "{} modes asked for, but the lattice of {} cells has only {}; raise --resolution \
                  (now {resolution})",
@@ -187,67 +191,51 @@ pub fn elastic_basis(
 }
 
 fn check_options(options: &ElasticOptions) -> Result<(), BakeError> {
-    let mut problems = Vec::new();
-    let mut positive = |name: &str, value: f64| {
+    let mut problems = Problems::new("basis");
+    let mut positive = |name: &'static str, value: f64| {
         if !(value.is_finite() && value > 0.0) {
-            problems.push((name.to_owned(), format!("{value} is not a positive number")));
+            let message = format!("{value} is not a positive number");
+            problems.add(|| (Place::option(name), message));
         }
     };
     positive("--young", options.young_pa);
     positive("--density", options.density_kg_m3);
     positive("--scale", options.scale_m);
     positive("--thickness", options.thickness.unwrap_or(1.0));
+    let mut add = |name, message: String| problems.add(|| (Place::option(name), message));
     if !(options.poisson > -1.0 && options.poisson < 0.5) {
         let message = format!("{} is not between -1 and 0.5", options.poisson);
-        problems.push(("--poisson".to_owned(), message));
+        add("--poisson", message);
     }
     if options.mode_count == 0 {
-        problems.push((
-            "--modes".to_owned(),
-            "no elastic mode is asked for".to_owned(),
-        ));
+        add("--modes", "no elastic mode is asked for".to_owned());
     }
     if let Some(r) = options
         .resolution
         .filter(|r| !(1..=RESOLUTION_MAX).contains(r))
     {
         let message = format!("{r} is not between 1 and {RESOLUTION_MAX}");
-        problems.push(("--resolution".to_owned(), message));
+        add("--resolution", message);
     }
     for fix in &options.fixes {
         if fix.axes == [false; 3] {
-            problems.push(("--fix".to_owned(), "no axis is named".to_owned()));
+            add("--fix", "no axis is named".to_owned());
         }
     }
-    if problems.is_empty() {
-        return Ok(());
-    }
-    Err(BakeError {
-        problems: problems
-            .into_iter()
-            .map(|(place, message)| Problem {
-                stage: "basis",
-                place,
-                message,
-            })
-            .collect(),
-    })
+    problems.into_result(Place::NOWHERE)
 }
 
 fn check_mesh(mesh: &RawMesh) -> Result<(), BakeError> {
-    let bad = |place, message: &str| Err(BakeError::one("basis", place, message));
+    let bad = |part: Part, message: &str| Err(BakeError::one("basis", part, message));
     for (i, p) in mesh.positions.iter().enumerate() {
         // Products of three lengths must stay finite.
         if p.iter().any(|x| x.is_nan() || x.abs() > 1e90) {
-            return bad(
-                format!("vertex {i}"),
-                "its position is not a number below 1e90",
-            );
+            return bad(Part::Vertex(i), "its position is not a number below 1e90");
         }
     }
     for (i, t) in mesh.triangles.iter().enumerate() {
         if t.iter().any(|&v| v as usize >= mesh.positions.len()) {
-            return bad(format!("triangle {i}"), "a corner index is out of range");
+            return bad(Part::Triangle(i), "a corner index is out of range");
         }
     }
     Ok(())
@@ -262,7 +250,7 @@ fn read_subject<'a>(
     if pieces.list.is_empty() {
         return Err(BakeError::one(
             "basis",
-            mesh.name.clone(),
+            Place::file(mesh.name.as_str()),
             "no triangle has an area, so there is no mass to vibrate",
         ));
     }
@@ -283,7 +271,7 @@ fn read_subject<'a>(
     if thickness > diagonal {
         return Err(BakeError::one(
             "basis",
-            "--thickness",
+            Place::option("--thickness"),
             format!("{thickness} is more than the mesh's diagonal, {diagonal}"),
         ));
     }
@@ -321,7 +309,7 @@ fn solve_error(error: SolveError, options: &ElasticOptions, resolution: u32) -> 
         SolveError::Memory(bytes) => {
             return BakeError::one(
                 "basis",
-                "--resolution",
+                Place::option("--resolution"),
                 format!(
                     "{resolution} cells along the longest side need about {} MB, the limit is {} MB",
                     bytes.div_ceil(1 << 20),
@@ -348,7 +336,7 @@ fn solve_error(error: SolveError, options: &ElasticOptions, resolution: u32) -> 
         }
         SolveError::Element(c, cell) => format!("component {c}: cell {cell} has no stiffness"),
     };
-    BakeError::one("basis", "elastic modes", message)
+    BakeError::one("basis", Part::The("elastic modes"), message)
 }
 
 fn to_vertices(

@@ -6,7 +6,7 @@ mod hexahedron;
 mod places;
 mod tetrahedron;
 
-use crate::error::{BakeError, Problem};
+use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::volume::RawVolume;
 use places::Places;
 
@@ -19,9 +19,6 @@ const SMALLEST: f64 = 4.0 * f64::EPSILON;
 
 /// Fourth powers of lengths are numbers up to here.
 const LARGEST: f64 = 1e60;
-
-/// Most problems that are listed one by one.
-const PROBLEM_CAP: usize = 100;
 
 /// For each point the nodes it follows, with weights in [0, 1] that add up to 1.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -101,7 +98,11 @@ pub fn embed(
     let places = Places::new(volume);
     if places.faces.is_empty() {
         let message = "a volume without a boundary";
-        return Err(BakeError::one("basis", volume.name.clone(), message));
+        return Err(BakeError::one(
+            "basis",
+            Place::file(volume.name.as_str()),
+            message,
+        ));
     }
     let mut embedding = Embedding {
         node_count: volume.nodes.len(),
@@ -141,7 +142,13 @@ fn reach(corners: &[[f64; 3]], p: [f64; 3]) -> f64 {
 
 /// What [`embed`] refuses.
 fn check(points: &[[f64; 3]], volume: &RawVolume) -> Result<(), BakeError> {
-    let refuse = |message: &str| Err(BakeError::one("basis", volume.name.clone(), message));
+    let refuse = |message: &str| {
+        Err(BakeError::one(
+            "basis",
+            Place::file(volume.name.as_str()),
+            message,
+        ))
+    };
     let corners = volume.tetrahedra.iter().flatten();
     let mut corners = corners.chain(volume.hexahedra.iter().flatten()).peekable();
     if corners.peek().is_none() {
@@ -154,20 +161,10 @@ fn check(points: &[[f64; 3]], volume: &RawVolume) -> Result<(), BakeError> {
     if !volume.nodes.iter().all(is_sound) {
         return refuse(&format!("nodes are not finite or beyond {LARGEST:e}"));
     }
-    let problems: Vec<Problem> = points
-        .iter()
-        .enumerate()
-        .filter(|(_, point)| !is_sound(point))
-        .take(PROBLEM_CAP)
-        .map(|(i, point)| Problem {
-            stage: "basis",
-            place: format!("vertex {i}"),
-            message: format!("position {point:?} is not finite or beyond {LARGEST:e}"),
-        })
-        .collect();
-    if problems.is_empty() {
-        Ok(())
-    } else {
-        Err(BakeError { problems })
+    let mut problems = Problems::new("basis");
+    for (i, point) in points.iter().enumerate().filter(|(_, p)| !is_sound(p)) {
+        let message = || format!("position {point:?} is not finite or beyond {LARGEST:e}");
+        problems.add(|| (Part::Vertex(i), message()));
     }
+    problems.into_result(Place::NOWHERE)
 }

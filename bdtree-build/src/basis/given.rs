@@ -8,9 +8,10 @@ use std::path::Path;
 use std::str::FromStr;
 
 use super::{Basis, BasisMode};
-use crate::error::{BakeError, Problem};
+use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::forget_folder;
 use crate::input::npy::{self, NpyArray};
+use crate::input::read_file::read_file;
 
 /// What the axes of a basis array mean. N vertices, M fields; k is x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,9 +94,9 @@ pub fn given_basis(
     frequencies: Option<&Path>,
     vertex_count: usize,
 ) -> Result<GivenBasis, BakeError> {
-    let place = path.display().to_string();
-    let array = npy::parse(&read(path)?, "basis", &place)?;
-    let (layout, mode_count) = settle(&array, layout, vertex_count, &place)?;
+    let file = Place::from(path);
+    let array = npy::parse(&read(path)?, "basis", &file.to_string())?;
+    let (layout, mode_count) = settle(&array, layout, vertex_count, &file)?;
     let mut basis = Basis {
         vertex_count,
         fields: Vec::with_capacity(array.values.len() / 3),
@@ -108,34 +109,28 @@ pub fn given_basis(
             basis.fields.push([axis(0), axis(1), axis(2)]);
         }
     }
-    let mut problems = check::non_finite(&basis, &place);
-    if let Some(file) = frequencies {
-        match frequencies::read(file, mode_count) {
+    let mut problems = Problems::new("basis");
+    check::non_finite(&basis, &file, &mut problems);
+    let mut result = problems.into_result(file.clone());
+    if let Some(path) = frequencies {
+        match frequencies::read(path, mode_count) {
             Ok(omegas) => {
                 for (mode, omega) in basis.modes.iter_mut().zip(omegas) {
                     mode.omega_rad_s = Some(omega);
                 }
             }
-            Err(error) => problems.extend(error.problems),
+            Err(error) => result = Err(error.after(result)),
         }
     }
-    if !problems.is_empty() {
-        return Err(BakeError { problems });
-    }
-    let mut warnings = check::oddities(&basis, &place);
+    result?;
+    let mut warnings = check::oddities(&basis, &file);
     forget_folder(path, &mut warnings);
     Ok(GivenBasis { basis, warnings })
 }
 
 /// The bytes of a file of this stage.
 fn read(path: &Path) -> Result<Vec<u8>, BakeError> {
-    crate::input::whole::read(path).map_err(|e| {
-        BakeError::one(
-            "basis",
-            path.display().to_string(),
-            format!("cannot be read: {e}"),
-        )
-    })
+    read_file(path).map_err(|e| BakeError::one("basis", path, format!("cannot be read: {e}")))
 }
 
 /// The one layout that fits, and the number of fields.
@@ -143,17 +138,12 @@ fn settle(
     array: &NpyArray,
     asked: Option<Layout>,
     n: usize,
-    place: &str,
+    file: &Place,
 ) -> Result<(Layout, usize), BakeError> {
     let shape = &array.shape;
     let fail = |message: String| {
-        Err(BakeError {
-            problems: vec![Problem {
-                stage: "basis",
-                place: format!("{place}: shape"),
-                message,
-            }],
-        })
+        let place = file.clone().at(Part::The("shape"));
+        Err(BakeError::one("basis", place, message))
     };
     let fits: Vec<(Layout, usize)> = Layout::ALL
         .into_iter()

@@ -16,10 +16,13 @@ mod reduction;
 mod snapshots;
 mod tsqr;
 
+use std::fmt;
+use std::str::FromStr;
+
 use bdtree_format::MODE_COUNT_MAX;
 
 use super::{Basis, BasisError};
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 use crate::input::RawMesh;
 use crate::input::sequence::FrameSequence;
 use crate::progress::Progress;
@@ -45,6 +48,27 @@ pub enum About {
     Mean,
     /// The positions of the mesh.
     Input,
+}
+
+impl fmt::Display for About {
+    /// As `--about` takes it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Mean => "mean",
+            Self::Input => "input",
+        })
+    }
+}
+
+impl FromStr for About {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        [Self::Mean, Self::Input]
+            .into_iter()
+            .find(|about| about.to_string() == text)
+            .ok_or_else(|| "is neither mean nor input".to_string())
+    }
 }
 
 /// How a sequence becomes a basis.
@@ -147,7 +171,7 @@ pub fn pca_basis(
     let Some(point) = curve.iter().find(|point| point.modes == modes) else {
         return Err(BakeError::one(
             "basis",
-            sequence.name(),
+            Place::file(sequence.name()),
             "no error was measured",
         ));
     };
@@ -161,22 +185,22 @@ pub fn pca_basis(
 }
 
 fn check(mesh: &RawMesh, sequence: &FrameSequence, options: &PcaOptions) -> Result<(), BakeError> {
-    let fail = |place: &str, message| Err(BakeError::one("basis", place, message));
+    let fail = |place: Place, message| Err(BakeError::one("basis", place, message));
     match options.modes {
         Modes::Count(count) if count > MODE_COUNT_MAX => {
             let message = format!("{count} modes: a file holds at most {MODE_COUNT_MAX}");
-            return fail("--modes", message);
+            return fail(Place::option("--modes"), message);
         }
         Modes::Auto { max_error_rel: e } if !(e > 0.0 && e.is_finite()) => {
             let message = format!("{e} is not a share of the diagonal (greater than 0)");
-            return fail("--max-error-rel", message);
+            return fail(Place::option("--max-error-rel"), message);
         }
         _ => {}
     }
     let (vertices, found) = (mesh.positions.len(), sequence.vertex_count());
     if vertices != found {
         let message = format!("{found} vertices per frame, the mesh has {vertices}");
-        return fail(sequence.name(), message);
+        return fail(Place::file(sequence.name()), message);
     }
     Ok(())
 }

@@ -7,11 +7,13 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Instant;
 
+use serde::Serialize;
+
 use super::elastic::{ElasticOptions, Fix};
 use super::modal::ModalField;
 use crate::elastic::hold_nodes::hold_nodes;
 use crate::elastic::solve::{Limits, solve};
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 use crate::input::volume::RawVolume;
 use crate::progress::Progress;
 
@@ -119,7 +121,7 @@ impl VolumeModes {
 }
 
 /// How the modes were found.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct VolumeReport {
     /// Elements.
     pub elements: usize,
@@ -138,6 +140,7 @@ pub struct VolumeReport {
     /// Whether inertia counts proved that no mode was missed.
     pub inertia_checked: bool,
     /// Stage name and seconds.
+    #[serde(skip)]
     pub stages: Vec<(&'static str, f64)>,
 }
 
@@ -198,7 +201,7 @@ pub fn volume_modes(
             "{} modes asked for, but the volume mesh has only {}",
             options.mode_count, solution.available
         );
-        return Err(BakeError::one("basis", "--modes", message));
+        return Err(BakeError::one("basis", Place::option("--modes"), message));
     }
     report.predicted_bytes = solution.bytes;
     report.residual_max = solution.residual;

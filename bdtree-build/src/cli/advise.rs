@@ -7,18 +7,18 @@ use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 use bdtree_build::advise::curve::Point;
-use bdtree_build::advise::errors::{Errors, Over};
+use bdtree_build::advise::errors::Over;
 use bdtree_build::advise::samples;
-use bdtree_build::advise::subject::{assumed_ranges, kept_fields};
+use bdtree_build::advise::subject::kept_fields;
 use bdtree_build::advise::{Advice, AdviceError, Goal, Subject, advise};
-use bdtree_build::error::BakeError;
+use bdtree_build::error::{BakeError, Place};
 use bdtree_build::progress::Progress;
+use bdtree_build::recipe::Recipe;
 use serde_json::{Value, json};
 
+use super::Arguments;
 use super::arguments::Modes;
 use super::output::print_warnings;
-use super::sources::{self, Source};
-use super::{Arguments, settings};
 
 /// Numbers of modes that `--json` has figures of.
 const CURVE_POINTS: usize = 6;
@@ -30,12 +30,22 @@ pub(super) struct Advised {
     warnings: Vec<String>,
 }
 
-pub(super) fn run(arguments: &Arguments, progress: &dyn Progress) -> Result<Advised, BakeError> {
-    let source = sources::read(arguments, progress)?;
-    let settings = settings(arguments, &source);
+pub(super) fn run(
+    arguments: &Arguments,
+    recipe: &Recipe,
+    progress: &dyn Progress,
+) -> Result<Advised, BakeError> {
+    let is_open = arguments.modes() == Modes::Unsaid;
+    let max_error_rel = arguments.goal();
+    let subject = Subject::of_recipe(recipe, is_open.then_some(max_error_rel), progress)?;
+    // What --max-error-rel alone would keep, where any field may go and not only the last ones.
+    let subset = || {
+        let kind = &subject.provenance.kind;
+        kept_fields(kind, &subject.mesh, &subject.basis, max_error_rel)
+    };
     let goal = Goal {
-        max_error_rel: arguments.goal(),
-        subset: subset(arguments, &source),
+        max_error_rel,
+        subset: is_open.then(subset).flatten(),
         leaf_sizes: match arguments.leaf_size {
             Some(_) => Vec::new(),
             None => Goal::default().leaf_sizes,
@@ -43,50 +53,15 @@ pub(super) fn run(arguments: &Arguments, progress: &dyn Progress) -> Result<Advi
         curve_points: if arguments.json { CURVE_POINTS } else { 0 },
         ..Goal::default()
     };
-    let errors = match source.errors_of_first {
-        Some(errors) => Errors::measured(errors),
-        None => Errors::against_all(
-            &source.basis,
-            source.mesh.diagonal(),
-            Over::Ranges,
-            source.error,
-        ),
-    };
-    let subject = Subject {
-        missing: missing(source.kind, &settings.metadata),
-        mesh: source.mesh,
-        basis: source.basis,
-        settings,
-        errors,
-    };
     let advice = advise(&subject, &goal, progress).map_err(|error| match error {
-        AdviceError::Bake(error) => error,
-        other => BakeError::one("advise", "", other.to_string()),
+        AdviceError::Bake(error) => error.in_file(recipe.source.main_file()),
+        other => BakeError::one("advise", Place::NOWHERE, other.to_string()),
     })?;
     Ok(Advised {
         command: command::recommended(std::env::args_os(), &advice),
         advice,
-        warnings: source.warnings,
+        warnings: subject.provenance.warnings,
     })
-}
-
-/// The fields that `--max-error-rel` alone would keep, where any may go and not only the last ones.
-fn subset(arguments: &Arguments, source: &Source) -> Option<(Vec<usize>, f64)> {
-    if arguments.modes() != Modes::Unsaid {
-        return None;
-    }
-    kept_fields(source.kind, &source.mesh, &source.basis, arguments.goal())
-}
-
-/// What the source leaves open.
-fn missing(kind: &str, settings: &std::collections::BTreeMap<String, String>) -> Vec<String> {
-    let mut missing: Vec<String> = assumed_ranges(kind, settings).into_iter().collect();
-    if matches!(kind, "elastic" | "volume") {
-        let text = "Vibration modes have no end: what those beyond the ones computed here would add is not in the \
-                    error.";
-        missing.push(text.to_string());
-    }
-    missing
 }
 
 impl Advised {

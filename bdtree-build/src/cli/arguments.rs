@@ -1,11 +1,14 @@
 //! What the command line says. Exit code 2 for what clap refuses.
 
-use bdtree_build::basis::elastic::{ElasticOptions, Fix, FixRegion, RESOLUTION_MAX};
+use std::path::PathBuf;
+
+use bdtree_build::basis::elastic::{ElasticOptions, Fix, RESOLUTION_MAX};
 use bdtree_build::basis::given::Layout;
+use bdtree_build::basis::pca::About;
 use bdtree_build::basis::volume::MassMatrix;
+use bdtree_build::recipe::Stated;
 use bdtree_build::tree::Split;
-use clap::{Parser, ValueEnum};
-use std::path::{Path, PathBuf};
+use clap::Parser;
 
 /// The error that `--advise` allows where none is given: 1 % of the diagonal.
 const GOAL: f64 = 0.01;
@@ -197,31 +200,8 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// The file that names the output where `-o` does not.
-    pub(crate) fn main_file(&self) -> Option<&Path> {
-        let first = [&self.input, &self.tets, &self.animation];
-        first.into_iter().find_map(Option::as_deref)
-    }
-
-    /// Every file that is read.
-    pub(crate) fn inputs(&self) -> Vec<&Path> {
-        let lists = self.fix.iter().filter_map(|fix| match &fix.region {
-            FixRegion::List(path) => Some(path.as_path()),
-            _ => None,
-        });
-        let named = [
-            &self.input,
-            &self.basis,
-            &self.frequencies,
-            &self.animation,
-            &self.tets,
-        ];
-        let named = named.into_iter().filter_map(Option::as_deref);
-        named.chain(lists).collect()
-    }
-
-    /// The options that were given and that only some kinds of sources use, with these kinds.
-    pub(crate) fn used_by(&self) -> Vec<(&'static str, &'static [&'static str])> {
+    /// The options that were given and that only some kinds of sources use.
+    pub(crate) fn stated(&self) -> Vec<Stated> {
         const LATTICE: &[&str] = &["elastic"];
         const BODIES: &[&str] = &["elastic", "volume"];
         const FREE: &[&str] = &["elastic", "volume", "given"];
@@ -238,7 +218,8 @@ impl Arguments {
             (self.clip.is_some(), "--clip", &["morph"]),
         ]
         .into_iter()
-        .filter_map(|(given, name, kinds)| given.then_some((name, kinds)))
+        .filter(|(is_given, ..)| *is_given)
+        .map(|(_, option, kinds)| Stated { option, kinds })
         .collect()
     }
 
@@ -265,6 +246,17 @@ impl Arguments {
 
     /// What clap cannot see: a usage error.
     pub(crate) fn check(&self) -> Result<(), String> {
+        self.check_numbers()?;
+        self.check_modes()?;
+        if self.input.is_none() && self.tets.is_none() && self.animation.is_none() {
+            let text =
+                "no INPUT: name a mesh (.obj, .obj.gz, .gltf, .glb); --help shows all options";
+            return Err(text.to_string());
+        }
+        Ok(())
+    }
+
+    fn check_numbers(&self) -> Result<(), String> {
         for (name, value) in [
             ("--max-error-rel", self.max_error_rel),
             ("--range-rel", self.range_rel),
@@ -292,6 +284,10 @@ impl Arguments {
         if let Some(poisson) = self.poisson.filter(|nu| !(*nu > -1.0 && *nu < 0.5)) {
             return Err(format!("--poisson: {poisson} is not between -1 and 0.5"));
         }
+        Ok(())
+    }
+
+    fn check_modes(&self) -> Result<(), String> {
         match (self.modes.as_deref(), self.max_error_rel) {
             (Some("auto"), None) if !self.advise => {
                 Err("--modes auto needs --max-error-rel E".to_string())
@@ -312,24 +308,6 @@ impl Arguments {
                 )),
             },
         }
-    }
-}
-
-/// Values of `--about`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum About {
-    /// The mean of the frames.
-    Mean,
-    /// The positions of INPUT.
-    Input,
-}
-
-impl std::fmt::Display for About {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Mean => "mean",
-            Self::Input => "input",
-        })
     }
 }
 

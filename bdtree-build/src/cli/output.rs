@@ -1,95 +1,21 @@
 //! The summary that people read, or the JSON object that machines read.
 
-use bdtree_build::basis::elastic::ElasticReport;
-use bdtree_build::basis::volume::VolumeReport;
-use serde::Serialize;
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
-use super::Done;
+use bdtree_build::report::BakeReport;
+use serde::Serialize;
 
 /// Warnings shown to people; `--json` and the file's metadata have all.
 const WARNINGS_SHOWN: usize = 10;
 
-/// The report's fields, and what is beyond the contract.
+/// The report's fields, and where the file is.
 #[derive(Serialize)]
 struct Json<'d> {
     output: String,
     #[serde(flatten)]
-    report: &'d bdtree_build::report::BakeReport,
-    elastic: Option<ElasticJson>,
-    volume: Option<VolumeJson>,
-}
-
-#[derive(Serialize)]
-struct ElasticJson {
-    resolution: u32,
-    cells: usize,
-    dofs: usize,
-    components: usize,
-    cell_size: f64,
-    predicted_bytes: u64,
-    mass_kg: f64,
-    residual_max: f64,
-    inertia_checked: bool,
-    pieces_without_mode: Vec<PieceJson>,
-}
-
-#[derive(Serialize)]
-struct PieceJson {
-    first_triangle: u32,
-    triangles: u32,
-}
-
-impl From<&ElasticReport> for ElasticJson {
-    fn from(r: &ElasticReport) -> Self {
-        Self {
-            resolution: r.resolution,
-            cells: r.cells,
-            dofs: r.dofs,
-            components: r.components,
-            cell_size: r.cell_size,
-            predicted_bytes: r.predicted_bytes,
-            mass_kg: r.mass_kg,
-            residual_max: r.residual_max,
-            inertia_checked: r.inertia_checked,
-            pieces_without_mode: r
-                .pieces_without_mode
-                .iter()
-                .map(|piece| PieceJson {
-                    first_triangle: piece.first_triangle,
-                    triangles: piece.triangle_count,
-                })
-                .collect(),
-        }
-    }
-}
-
-#[derive(Serialize)]
-struct VolumeJson {
-    elements: usize,
-    nodes: usize,
-    dofs: usize,
-    components: usize,
-    predicted_bytes: u64,
-    mass_kg: f64,
-    residual_max: f64,
-    inertia_checked: bool,
-}
-
-impl From<&VolumeReport> for VolumeJson {
-    fn from(r: &VolumeReport) -> Self {
-        Self {
-            elements: r.elements,
-            nodes: r.nodes,
-            dofs: r.dofs,
-            components: r.components,
-            predicted_bytes: r.predicted_bytes,
-            mass_kg: r.mass_kg,
-            residual_max: r.residual_max,
-            inertia_checked: r.inertia_checked,
-        }
-    }
+    report: &'d BakeReport,
 }
 
 /// The first warnings, on stderr.
@@ -104,17 +30,15 @@ pub(super) fn print_warnings(warnings: &[String]) {
 }
 
 /// Prints. A reader that closes the pipe is no error; a full disk is one, though the file is made.
-pub(super) fn print(done: &Done, json: bool, quiet: bool) -> ExitCode {
+pub(super) fn print(output: &Path, report: &BakeReport, json: bool, quiet: bool) -> ExitCode {
     if !quiet && !json {
-        print_warnings(&done.report.warnings);
+        print_warnings(&report.warnings);
     }
     let mut out = std::io::stdout().lock();
     let printed = if json {
         let object = Json {
-            output: done.output.display().to_string(),
-            report: &done.report,
-            elastic: done.elastic.as_ref().map(ElasticJson::from),
-            volume: done.volume.as_ref().map(VolumeJson::from),
+            output: output.display().to_string(),
+            report,
         };
         serde_json::to_string(&object)
             .map_err(std::io::Error::other)
@@ -122,7 +46,7 @@ pub(super) fn print(done: &Done, json: bool, quiet: bool) -> ExitCode {
     } else if quiet {
         Ok(())
     } else {
-        summary(done, &mut out)
+        summary(output, report, &mut out)
     };
     match printed.and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -133,12 +57,11 @@ pub(super) fn print(done: &Done, json: bool, quiet: bool) -> ExitCode {
     }
 }
 
-fn summary(done: &Done, out: &mut impl Write) -> std::io::Result<()> {
-    let r = &done.report;
+fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Result<()> {
     writeln!(
         out,
         "{}: {} vertices, {} triangles, {} modes; {} nodes in {} levels; {} bytes",
-        done.output.display(),
+        output.display(),
         r.vertices,
         r.triangles,
         r.modes,
@@ -146,14 +69,14 @@ fn summary(done: &Done, out: &mut impl Write) -> std::io::Result<()> {
         r.depth,
         r.bytes
     )?;
-    if let Some(e) = &done.elastic {
+    if let Some(e) = &r.elastic {
         writeln!(
             out,
             "elastic: {} cells of {:.4} ({} along the longest side), {} unknowns, {:.4} kg",
             e.cells, e.cell_size, e.resolution, e.dofs, e.mass_kg
         )?;
     }
-    if let Some(v) = &done.volume {
+    if let Some(v) = &r.volume {
         writeln!(
             out,
             "volume: {} elements on {} nodes, {} unknowns, {:.4} kg",

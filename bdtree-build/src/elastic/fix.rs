@@ -6,7 +6,7 @@ use std::str::FromStr;
 use super::hold::{Grip, Region, hold};
 use super::lattice::{Lattice, Subject};
 use super::node_list::read_list;
-use crate::error::BakeError;
+use crate::error::{BakeError, Part, Place};
 
 /// Holds part of the body along some axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,12 +36,13 @@ pub enum FixRegion {
 
 impl FixRegion {
     /// What messages call it.
-    pub(crate) fn place(&self) -> String {
-        match self {
-            Self::Box { min, max } => format!("--fix box {min:?} to {max:?}"),
-            Self::Group(name) => format!("--fix {name}"),
-            Self::List(path) => format!("--fix @{}", path.display()),
-        }
+    pub(crate) fn place(&self) -> Part {
+        let text = match self {
+            Self::Box { min, max } => format!("box {min:?} to {max:?}"),
+            Self::Group(name) => name.clone(),
+            Self::List(path) => format!("@{}", path.display()),
+        };
+        Part::Option("--fix", Some(text))
     }
 }
 
@@ -183,7 +184,7 @@ pub(crate) fn hold_all(
     if everything == [true; 3] {
         return Err(BakeError::one(
             "basis",
-            "--fix",
+            Place::option("--fix"),
             "everything is held, so nothing can vibrate",
         ));
     }

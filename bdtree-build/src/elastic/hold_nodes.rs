@@ -2,7 +2,7 @@
 
 use super::fix::{Fix, FixRegion};
 use super::node_list::read_list;
-use crate::error::{BakeError, Problem};
+use crate::error::{BakeError, Place, Problems};
 use crate::input::volume::RawVolume;
 
 /// Boxes reach this share of an element farther, for the rounding of coordinates.
@@ -20,12 +20,12 @@ pub(crate) fn hold_nodes(
     fixes: &[Fix],
 ) -> Result<Vec<[bool; 3]>, BakeError> {
     let mut held = vec![[false; 3]; volume.nodes.len()];
-    let mut problems = Vec::new();
+    let mut problems = Problems::new("basis");
     for fix in fixes {
         let nodes = match region_nodes(volume, unit, &fix.region) {
             Ok(nodes) => nodes,
             Err(error) => {
-                problems.extend(error.problems);
+                problems.join(error);
                 continue;
             }
         };
@@ -39,20 +39,14 @@ pub(crate) fn hold_nodes(
             }
         }
         if !any {
-            problems.push(Problem {
-                stage: "basis",
-                place: fix.region.place(),
-                message: "it holds no part of the body".to_owned(),
-            });
+            problems.add(|| (fix.region.place(), "it holds no part of the body"));
         }
     }
-    if !problems.is_empty() {
-        return Err(BakeError { problems });
-    }
+    problems.into_result(Place::option("--fix"))?;
     let mut body = held.iter().zip(used).filter(|(_, u)| **u);
     if body.all(|(axes, _)| *axes == [true; 3]) {
         let message = "everything is held, so nothing can vibrate";
-        return Err(BakeError::one("basis", "--fix", message));
+        return Err(BakeError::one("basis", Place::option("--fix"), message));
     }
     Ok(held)
 }

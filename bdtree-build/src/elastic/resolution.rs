@@ -3,7 +3,7 @@
 use super::lattice::{Lattice, Subject};
 use super::ordering::nested_dissection;
 use super::table::TooManyCells;
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 
 /// Nodes that the default resolution may use.
 pub const NODE_BUDGET: usize = 20_000;
@@ -31,7 +31,7 @@ pub(crate) fn choose_lattice(
             Ok(lattice) => nonempty(subject, lattice, resolution),
             Err(_) => Err(BakeError::one(
                 "basis",
-                "--resolution",
+                Place::option("--resolution"),
                 format!(
                     "{resolution} cells along the longest side make more than {cell_limit} cells, \
                      which do not fit in {} MB",
@@ -85,7 +85,7 @@ pub(crate) fn choose_lattice(
             Ok(lattice) => nonempty(subject, lattice, 1),
             Err(_) => Err(BakeError::one(
                 "basis",
-                subject.mesh.name.clone(),
+                Place::file(subject.mesh.name.as_str()),
                 "its pieces fill more cells than memory allows",
             )),
         },
@@ -100,7 +100,7 @@ fn nonempty(
     if lattice.parts.is_empty() {
         return Err(BakeError::one(
             "basis",
-            subject.mesh.name.clone(),
+            Place::file(subject.mesh.name.as_str()),
             "no cell of the lattice holds mass; raise --resolution or --thickness",
         ));
     }

@@ -13,7 +13,7 @@ use bdtree_format::{
 use zerocopy::IntoBytes;
 
 use crate::basis::Basis;
-use crate::error::BakeError;
+use crate::error::{BakeError, Part, Place};
 use crate::input::{GroupKind, RawGroup, RawMesh};
 use crate::tree::Tree;
 use crate::wrap::{StoredShape, WrappedTree};
@@ -58,7 +58,7 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
     let metadata = parts
         .metadata
         .to_bytes()
-        .map_err(|e| BakeError::one("encode", "", e.to_string()))?;
+        .map_err(|e| BakeError::one("encode", Place::NOWHERE, e.to_string()))?;
 
     let fields = displacements(parts);
     let mut sections: Vec<(SectionKind, &[u8])> = Vec::with_capacity(SECTION_ORDER.len());
@@ -97,7 +97,7 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
 
 /// Units and origins in which readers compute exactly (SPEC 5.2).
 fn check_units(shape: &StoredShape) -> Result<(), BakeError> {
-    let fail = |message: String| Err(BakeError::one("encode", "", message));
+    let fail = |message: String| Err(BakeError::one("encode", Place::NOWHERE, message));
     if shape.unit_exponent.abs() > UNIT_EXPONENT_MAX {
         return fail(format!(
             "lengths of about 2^{} mesh units: a file holds 2^-100 to 2^100, scale the mesh",
@@ -238,7 +238,11 @@ fn group_records(groups: &[RawGroup]) -> Result<(Vec<GroupRecord>, String), Bake
         names.push_str(&group.name);
         if u32::try_from(names.len()).is_err() {
             let message = "group names are longer than 4 GiB together";
-            return Err(BakeError::one("encode", group.name.as_str(), message));
+            return Err(BakeError::one(
+                "encode",
+                Part::Group(group.name.clone()),
+                message,
+            ));
         }
         records.push(GroupRecord {
             first_triangle: group.first_triangle,

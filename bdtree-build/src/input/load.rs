@@ -8,8 +8,9 @@ use std::path::Path;
 use flate2::bufread::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
-use super::{RawMesh, RawModel, gltf, obj, whole};
-use crate::error::BakeError;
+use super::read_file::read_file;
+use super::{RawMesh, RawModel, gltf, obj};
+use crate::error::{BakeError, Place};
 
 /// What every refusal of a format ends with.
 const SUPPORTED: &str = "read now: .obj, .obj.gz, .gltf, .glb";
@@ -53,14 +54,14 @@ pub fn read_model(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError
     if meta.is_dir() {
         return Err(BakeError::one(
             "input",
-            place,
+            Place::file(place),
             format!("is a folder, not a mesh file ({SUPPORTED})"),
         ));
     }
     if format(path, &place)? == Format::Gltf {
         return gltf::read_gltf(path, clip);
     }
-    let bytes = whole::read(path).map_err(|e| unreadable(&place, &e))?;
+    let bytes = read_file(path).map_err(|e| unreadable(&place, &e))?;
     let text = decompress(&bytes, &place)?;
     let mut mesh = obj::parse(&text, &place)?;
     mesh.hash = Sha256::digest(&bytes).into();
@@ -89,7 +90,11 @@ pub(crate) fn forget_folder(path: &Path, warnings: &mut [String]) {
 }
 
 pub(super) fn unreadable(place: &str, error: &std::io::Error) -> BakeError {
-    BakeError::one("input", place, format!("cannot be read: {error}"))
+    BakeError::one(
+        "input",
+        Place::file(place),
+        format!("cannot be read: {error}"),
+    )
 }
 
 /// What the extension says; only OBJ text is read compressed.
@@ -102,7 +107,7 @@ fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
     let Some((_, extension)) = inner.rsplit_once('.') else {
         return Err(BakeError::one(
             "input",
-            place,
+            Place::file(place),
             format!("no file extension to tell the mesh format by ({SUPPORTED})"),
         ));
     };
@@ -121,7 +126,7 @@ fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
         "gltf" | "glb" => format!("compressed .{extension} files are not read ({SUPPORTED})"),
         other => format!("unknown mesh format .{other} ({SUPPORTED})"),
     };
-    Err(BakeError::one("input", place, message))
+    Err(BakeError::one("input", Place::file(place), message))
 }
 
 /// Most bytes of text in a compressed file: this, or [`TEXT_PER_BYTE`] times the file's size where
@@ -142,7 +147,7 @@ pub(super) fn decompress<'a>(bytes: &'a [u8], place: &str) -> Result<Cow<'a, [u8
         .map_err(|e| {
             BakeError::one(
                 "input",
-                place,
+                Place::file(place),
                 format!(
                     "damaged or truncated gzip after {} bytes of text: {e}",
                     text.len()
@@ -155,7 +160,7 @@ pub(super) fn decompress<'a>(bytes: &'a [u8], place: &str) -> Result<Cow<'a, [u8
             most >> 20,
             bytes.len()
         );
-        return Err(BakeError::one("input", place, message));
+        return Err(BakeError::one("input", Place::file(place), message));
     }
     Ok(Cow::Owned(text))
 }

@@ -10,11 +10,11 @@ pub mod obj;
 pub mod sequence;
 pub mod volume;
 
-mod flat;
+mod degenerate;
 mod load;
 mod morphs;
 mod number;
-pub(crate) mod whole;
+pub(crate) mod read_file;
 
 pub(crate) use load::forget_folder;
 pub use load::{read_mesh, read_model};

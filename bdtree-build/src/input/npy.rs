@@ -6,7 +6,7 @@
 //! and parses the header as any Python literal, by recursion.
 
 use super::number::Number;
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 
 /// An array of real numbers as it lies in a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,7 @@ impl NpyArray {
 /// # Errors
 /// Anything that is no .npy file, another dtype, more or fewer bytes than the shape needs.
 pub fn parse(bytes: &[u8], stage: &'static str, place: &str) -> Result<NpyArray, BakeError> {
-    parse_bytes(bytes).map_err(|message| BakeError::one(stage, place, message))
+    parse_bytes(bytes).map_err(|message| BakeError::one(stage, Place::file(place), message))
 }
 
 fn parse_bytes(bytes: &[u8]) -> Result<NpyArray, String> {

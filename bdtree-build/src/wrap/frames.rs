@@ -5,7 +5,7 @@ use bdtree_format::FrameRecord;
 use super::check::Problems;
 use super::round::round_nearest;
 use crate::basis::{Basis, RigidMotion};
-use crate::error::BakeError;
+use crate::error::{BakeError, Part, Place};
 
 /// Squared lengths of quaternions may differ from 1 by this.
 const ROTATION_TOLERANCE: f64 = 1.0 / (1_u64 << 20) as f64;
@@ -65,7 +65,7 @@ pub(super) fn store_frames(basis: &Basis) -> Result<Option<StoredFrames>, BakeEr
     let mut problems = Problems::default();
     let mut whole = |ok: bool, message: String| {
         if !ok {
-            problems.add("animation".to_string(), message);
+            problems.add(Part::The("animation"), message);
         }
     };
     let times = animation.times_s.as_deref();
@@ -93,16 +93,16 @@ pub(super) fn store_frames(basis: &Basis) -> Result<Option<StoredFrames>, BakeEr
     for k in 0..t {
         let motion = animation.motions.get(k).unwrap_or(&RigidMotion::IDENTITY);
         if let Some(message) = broken_motion(motion) {
-            problems.add(format!("frame {k}"), message);
+            problems.add(Part::Frame(k), message);
         }
         let time = times.map_or(TIME_UNKNOWN, |times| times[k]);
         if times.is_some() {
             if !(time >= 0.0 && time.is_finite()) {
                 let message = format!("time {time} s is not a number from 0 on");
-                problems.add(format!("frame {k}"), message);
+                problems.add(Part::Frame(k), message);
             } else if time < before {
                 let message = format!("time {time} s lies before {before} s of an earlier frame");
-                problems.add(format!("frame {k}"), message);
+                problems.add(Part::Frame(k), message);
             } else {
                 before = time;
             }
@@ -131,8 +131,8 @@ pub(super) fn store_frames(basis: &Basis) -> Result<Option<StoredFrames>, BakeEr
 }
 
 /// Where a q stands, for messages.
-pub(super) fn place(frame: usize, mode: usize) -> String {
-    format!("frame {frame}, mode {mode}")
+pub(super) fn place(frame: usize, mode: usize) -> Place {
+    Place::from(Part::Frame(frame)).at(Part::Mode(mode))
 }
 
 /// Why a rigid motion cannot be played back.

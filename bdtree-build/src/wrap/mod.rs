@@ -23,7 +23,7 @@ use zerocopy::IntoBytes;
 pub use nested::nest;
 pub use stored::{ModeLimits, RANGE_DIAGONALS, StoredShape, store};
 
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 use crate::tree::{LaneKind, Tree};
 use lane::Scratch;
 use round::vector_norm_up;
@@ -66,7 +66,7 @@ pub fn wrap(
     for (node, &(mode_list_start, mode_count)) in tree.nodes.iter().zip(&lists.of_node) {
         let Ok(row_start) = u32::try_from(row_total) else {
             let message = "more than 2^32 rows: fewer modes or more triangles per leaf are needed";
-            return Err(BakeError::one("wrap", "", message));
+            return Err(BakeError::one("wrap", Place::NOWHERE, message));
         };
         let mask = |kind: LaneKind| {
             (0..LANES)

@@ -8,7 +8,7 @@ use super::units::{
     LIMIT_EXPONENTS, exponent, exponent_up, length, limit_exponent, origin, power, scale,
 };
 use crate::basis::Basis;
-use crate::error::BakeError;
+use crate::error::{BakeError, Part, Place};
 use crate::input::RawMesh;
 
 /// A mode without a range of its own moves its farthest vertex by this share of the box diagonal at
@@ -122,7 +122,7 @@ pub fn store(
     let diagonal = length(std::array::from_fn(|k| high[k] - low[k]));
     if !diagonal.is_finite() {
         let message = "the box around all vertices is larger than f64 can measure";
-        return Err(BakeError::one("encode", "", message));
+        return Err(BakeError::one("encode", Place::NOWHERE, message));
     }
     let origin = origin(low, high, diagonal);
     let relative = |p: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| p[k] - origin[k]) };
@@ -142,7 +142,11 @@ pub fn store(
             "a box of diagonal {diagonal:e} around {origin:?} cannot be stored: sizes lie within \
              2^±{UNIT_EXPONENT_MAX} mesh units, positions within 2^{ORIGIN_EXPONENT_MAX} of the origin"
         );
-        return Err(BakeError::one("encode", mesh.name.as_str(), message));
+        return Err(BakeError::one(
+            "encode",
+            Place::file(mesh.name.as_str()),
+            message,
+        ));
     }
 
     let mut problems = Problems::default();
@@ -151,7 +155,7 @@ pub fn store(
     for (i, &p) in mesh.positions.iter().enumerate() {
         let stored = quantise(relative(p));
         if !stored.iter().all(|c| c.is_finite()) {
-            problems.add(format!("vertex {i}"), format!("{p:?} is too large for f32"));
+            problems.add(Part::Vertex(i), format!("{p:?} is too large for f32"));
         }
         positions.push(stored);
     }
@@ -161,7 +165,7 @@ pub fn store(
         for (i, &u) in basis.field(j).iter().enumerate() {
             let stored = quantise(u);
             if !stored.iter().all(|c| c.is_finite()) {
-                let place = format!("mode {j}, vertex {i}");
+                let place = Place::from(Part::Mode(j)).at(Part::Vertex(i));
                 problems.add(place, format!("displacement {u:?} is too large for f32"));
             }
             displacements[i * mode_count + j] = stored;
@@ -256,7 +260,7 @@ fn add_limits(
         }
         if norm * f64::from(position_norm) > power(PRODUCT_EXPONENT_MAX) {
             let message = "displacements per unit of q are too large: scale the field down";
-            problems.add(format!("mode {j}"), message.to_string());
+            problems.add(Part::Mode(j), message.to_string());
             continue;
         }
         let (mut limit, typical) = if norm > 0.0 {
@@ -312,7 +316,7 @@ fn add_limits(
     problems.into_result()?;
     if reach > power(REACH_EXPONENTS.1) || (reach > 0.0 && reach < power(REACH_EXPONENTS.0)) {
         let message = "positions and displacements are too far apart in size for f32";
-        return Err(BakeError::one("encode", "", message));
+        return Err(BakeError::one("encode", Place::NOWHERE, message));
     }
     Ok(())
 }

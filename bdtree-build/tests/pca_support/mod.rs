@@ -9,7 +9,7 @@ use bdtree_build::basis::{BasisError, RigidMotion};
 use bdtree_build::error::BakeError;
 use bdtree_build::input::RawMesh;
 use bdtree_build::input::sequence::FrameSequence;
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform, VertexId};
 use bdtree_tests::fixtures::fields::npy_with;
@@ -191,11 +191,11 @@ pub(crate) fn diagonal(points: &[V3]) -> f64 {
 
 /// What the baked file plays back, by the runtime that readers use.
 pub(crate) fn played_back(pca: &Pca) -> Frames {
-    let baked = bake(
+    let baked = bake_fields(
         &pca.mesh,
         &pca.basis,
         &BakeSettings::default(),
-        &[],
+        &Provenance::default(),
         &Silent,
     );
     let bytes = AlignedBytes::copy_of(&baked.expect("bakes").bytes);

@@ -5,7 +5,7 @@ use std::io::Read;
 
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::{BakeSettings, Baked, bake};
+use bdtree_build::pipeline::{BakeSettings, Baked, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_format::{
     Header, ModePair, ModeRecord, NodeRecord, ROWS_LEADING, Row, SectionKind, SectionRecord,
@@ -215,7 +215,7 @@ pub(crate) fn subdivide(mesh: &RawMesh, basis: &Basis) -> (RawMesh, Basis) {
 }
 
 pub(crate) fn bake_with(mesh: &RawMesh, basis: &Basis, settings: &BakeSettings) -> Baked {
-    bake(mesh, basis, settings, &[], &Silent).unwrap()
+    bake_fields(mesh, basis, settings, &Provenance::default(), &Silent).unwrap()
 }
 
 pub(crate) fn bake_default(mesh: &RawMesh, basis: &Basis) -> Decoded {

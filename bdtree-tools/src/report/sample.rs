@@ -197,7 +197,7 @@ mod tests {
     use bdtree_build::advise::samples::{SAMPLES, Samples};
     use bdtree_build::basis::{Basis, BasisMode};
     use bdtree_build::input::RawMesh;
-    use bdtree_build::pipeline::{BakeSettings, bake};
+    use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
     use bdtree_build::progress::Silent;
     use bdtree_runtime::{AlignedBytes, Asset};
 
@@ -219,7 +219,13 @@ mod tests {
             }],
             animation: None,
         };
-        let baked = bake(&mesh, &basis, &BakeSettings::default(), &[], &Silent);
+        let baked = bake_fields(
+            &mesh,
+            &basis,
+            &BakeSettings::default(),
+            &Provenance::default(),
+            &Silent,
+        );
         let bytes = AlignedBytes::copy_of(&baked.expect("a sound mesh").bytes);
         let asset = Asset::open(&bytes).expect("a sound file");
         let samples = Samples::of(&asset, SAMPLES);

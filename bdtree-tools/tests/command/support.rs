@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 use bdtree_build::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -126,12 +126,16 @@ pub(crate) fn baked_with_error(
     basis_error: Option<BasisError>,
 ) -> Vec<u8> {
     let settings = BakeSettings {
-        basis_error,
         leaf_size: Some(4),
-        metadata: BTreeMap::from([("modes".to_string(), "3".to_string())]),
         ..BakeSettings::default()
     };
-    let baked = bake(mesh, basis, &settings, &["odd".to_string()], &Silent);
+    let provenance = Provenance {
+        error: basis_error,
+        settings: BTreeMap::from([("modes".to_string(), "3".to_string())]),
+        warnings: vec!["odd".to_string()],
+        ..Provenance::default()
+    };
+    let baked = bake_fields(mesh, basis, &settings, &provenance, &Silent);
     baked.expect("a sound mesh").bytes
 }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::UNIX_EPOCH;
 
 use bdtree_baselines::Body;
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::AlignedBytes;
 use bdtree_tests::fixtures;
@@ -32,7 +32,14 @@ pub fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         ..BakeSettings::default()
     };
-    let bytes = bake(&body.mesh(), &body.basis(), &settings, &[], &Silent)?.bytes;
+    let bytes = bake_fields(
+        &body.mesh(),
+        &body.basis(),
+        &settings,
+        &Provenance::default(),
+        &Silent,
+    )?
+    .bytes;
     fs::create_dir_all(&folder)?;
     // Those of earlier builds are of no use any more; another program may be at it too.
     for entry in fs::read_dir(&folder)? {

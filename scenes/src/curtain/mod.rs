@@ -14,7 +14,7 @@ use bdtree_baselines::Body;
 use bdtree_build::basis::pca::{Modes, PcaOptions, pca_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::{AlignedBytes, Asset};
 use bdtree_tests::fixtures::animation;
@@ -60,11 +60,11 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
         ..PcaOptions::default()
     };
     let pca = pca_basis(&mesh, &sequence, &options, &Silent, &mut Vec::new())?;
-    let baked = bake(
+    let baked = bake_fields(
         &pca.mesh,
         &pca.basis,
         &BakeSettings::default(),
-        &[],
+        &Provenance::default(),
         &Silent,
     )?;
     let bytes = AlignedBytes::copy_of(&baked.bytes);

@@ -6,7 +6,7 @@ use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::basis::pca::{Modes, PcaOptions, pca_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::AlignedBytes;
 use bdtree_tests::fixtures;
@@ -72,6 +72,6 @@ pub(super) fn baked(mesh: Mesh) -> Result<AlignedBytes, Box<dyn Error>> {
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         ..BakeSettings::default()
     };
-    let baked = bake(&moved, &basis, &settings, &[], &Silent)?;
+    let baked = bake_fields(&moved, &basis, &settings, &Provenance::default(), &Silent)?;
     Ok(AlignedBytes::copy_of(&baked.bytes))
 }

@@ -13,7 +13,7 @@ use bdtree_build::basis::volume::{VolumeOptions, volume_modes};
 use bdtree_build::error::BakeError;
 use bdtree_build::input::volume::surface;
 use bdtree_build::input::{RawMesh, RawModel};
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::{AlignedBytes, Asset, Contact, Pose, StackEntry, query};
 use bdtree_tools::scene::{Query, Scene};
@@ -122,7 +122,7 @@ fn bake_and_ask(mesh: &RawMesh, basis: &Basis, rng: &mut Pcg64Mcg) -> Result<(),
         leaf_size: [None, Some(1), Some(8)][rng.random_range(0..3)],
         ..BakeSettings::default()
     };
-    let baked = bake(mesh, basis, &settings, &[], &Silent)?;
+    let baked = bake_fields(mesh, basis, &settings, &Provenance::default(), &Silent)?;
     let bytes = AlignedBytes::copy_of(&baked.bytes);
     let asset = Asset::open(&bytes).expect("a baked file opens");
     let sound = asset.verify(&mut |error| {

@@ -3,10 +3,7 @@
 use faer::MatRef;
 
 use crate::basis::Basis;
-use crate::error::Problem;
-
-/// Most entries that are listed one by one.
-const PROBLEM_CAP: usize = 100;
+use crate::error::{Part, Place, Problems};
 
 /// Most multiplications for the search for dependent fields; larger bases are not searched.
 const WORK_CAP: f64 = 3e10;
@@ -16,41 +13,26 @@ const WORK_CAP: f64 = 3e10;
 /// search sees, are computed to about 1e-15.
 const DEPENDENT_REL: f64 = 1e-6;
 
-/// One problem per entry that is not finite, in field order; the first 100, then a count.
-pub(super) fn non_finite(basis: &Basis, place: &str) -> Vec<Problem> {
-    let problem = |place, message| Problem {
-        stage: "basis",
-        place,
-        message,
-    };
-    let mut problems = Vec::new();
-    let mut count = 0_usize;
+/// One problem per entry that is not finite, in field order.
+pub(super) fn non_finite(basis: &Basis, file: &Place, problems: &mut Problems) {
     for j in 0..basis.mode_count() {
         for (i, u) in basis.field(j).iter().enumerate() {
-            for (k, axis) in ["x", "y", "z"].iter().enumerate() {
-                if u[k].is_finite() {
-                    continue;
-                }
-                count += 1;
-                if count <= PROBLEM_CAP {
-                    let at = format!("{place}: mode {j}, vertex {i}, {axis}");
-                    problems.push(problem(at, format!("{} is not finite", u[k])));
-                }
+            for (k, x) in u.iter().enumerate().filter(|(_, x)| !x.is_finite()) {
+                let place = || {
+                    let mode = file.clone().at(Part::Mode(j));
+                    mode.at(Part::Vertex(i)).at(Part::Axis(k))
+                };
+                problems.add(|| (place(), format!("{x} is not finite")));
             }
         }
     }
-    if count > PROBLEM_CAP {
-        let more = count - PROBLEM_CAP;
-        problems.push(problem(place.to_string(), format!("{more} more problems")));
-    }
-    problems
 }
 
 /// One warning per field that is zero or a combination of the fields before it.
 ///
 /// Every field is searched, by the Cholesky factor of `UᵀU`, unless (3N + M) M² is beyond
 /// [`WORK_CAP`]: M may be far above 3N, and `UᵀU` has M² numbers.
-pub(super) fn oddities(basis: &Basis, place: &str) -> Vec<String> {
+pub(super) fn oddities(basis: &Basis, place: &Place) -> Vec<String> {
     let (n, m) = (3 * basis.vertex_count, basis.mode_count());
     let is_zero: Vec<bool> = (0..m)
         .map(|j| basis.field(j).as_flattened().iter().all(|&x| x == 0.0))

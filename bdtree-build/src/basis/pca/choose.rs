@@ -5,7 +5,7 @@ use bdtree_format::MODE_COUNT_MAX;
 use super::CurvePoint;
 use super::reduction::Reduction;
 use crate::basis::Basis;
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 use crate::progress::Progress;
 
 /// Modes that are tried at first; twice as many each time.
@@ -65,9 +65,13 @@ fn unreachable(reduction: &Reduction<'_>, max_error_rel: f64, curve: &[CurvePoin
         .iter()
         .min_by(|a, b| a.error.max_rel.total_cmp(&b.error.max_rel));
     let Some(CurvePoint { modes, error }) = best else {
-        return BakeError::one("basis", sequence.name(), "no error was measured");
+        return BakeError::one(
+            "basis",
+            Place::file(sequence.name()),
+            "no error was measured",
+        );
     };
-    let place = error.frame.map_or_else(String::new, |t| sequence.place(t));
+    let place = error.frame.map_or(Place::NOWHERE, |t| sequence.place(t));
     let message = format!(
         "a largest error of {max_error_rel:e} of the diagonal cannot be reached: {modes} of the {} \
          modes there are leave {:.3e} at vertex {}",

@@ -9,7 +9,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 use super::snapshots::Snapshots;
 use super::tsqr::Spectrum;
 use crate::elastic::canonical;
-use crate::error::BakeError;
+use crate::error::{BakeError, Part};
 use crate::progress::Progress;
 
 /// The first modes.
@@ -121,7 +121,7 @@ fn orthonormalise(modes: &mut Fields, vertex_count: usize) -> Result<(), BakeErr
     let gram = u.as_ref().transpose() * u.as_ref();
     let factor = gram.llt(Side::Lower).map_err(|_| {
         let message = "the modes cannot be told apart in double precision: ask for fewer";
-        BakeError::one("basis", "animation", message)
+        BakeError::one("basis", Part::The("animation"), message)
     })?;
     solve_lower_triangular_in_place(factor.L(), u.as_mut().transpose_mut(), Par::Seq);
     solve_lower_triangular_in_place(factor.L(), modes.q.as_mut(), Par::Seq);

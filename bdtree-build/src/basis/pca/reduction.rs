@@ -8,7 +8,7 @@ use super::snapshots::{Snapshots, centre, mean};
 use super::tsqr::{Spectrum, Tsqr};
 use super::{About, PcaOptions};
 use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 use crate::input::RawMesh;
 use crate::input::sequence::FrameSequence;
 use crate::progress::Progress;
@@ -68,7 +68,7 @@ impl<'a> Reduction<'a> {
         }
         let spectrum = tsqr.finish().ok_or_else(|| {
             let message = "the singular value decomposition does not converge";
-            BakeError::one("basis", sequence.name(), message)
+            BakeError::one("basis", Place::file(sequence.name()), message)
         })?;
         // Refuses what cannot be stored before the rest of the work.
         let rigid = Basis {
@@ -206,5 +206,9 @@ fn check_memory(
         need >> 20,
         limit_bytes >> 20
     );
-    Err(BakeError::one("basis", sequence.name(), message))
+    Err(BakeError::one(
+        "basis",
+        Place::file(sequence.name()),
+        message,
+    ))
 }

@@ -5,11 +5,8 @@ use crate::basis::elastic::ElasticOptions;
 use crate::elastic::assemble::NodeLists;
 use crate::elastic::law::Law;
 use crate::elastic::volume::Model;
-use crate::error::{BakeError, Problem};
+use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::volume::{RawMaterial, RawVolume};
-
-/// Problems listed at most.
-const PROBLEMS_MAX: usize = 100;
 
 /// Elements whose least Jacobian determinant is below this share of their longest edge's cube are
 /// flat to rounding.
@@ -29,66 +26,29 @@ pub(super) struct Units {
     pub omega_rad_s: f64,
 }
 
-/// Problems as they are found: the first hundred, and how many there are.
-#[derive(Default)]
-struct Found {
-    listed: Vec<Problem>,
-    count: usize,
-}
-
-impl Found {
-    fn add(&mut self, place: String, message: impl Into<String>) {
-        self.count += 1;
-        if self.listed.len() < PROBLEMS_MAX {
-            self.listed.push(Problem {
-                stage: "basis",
-                place,
-                message: message.into(),
-            });
-        }
-    }
-
-    /// A failure if there are problems; `place` is where those that are only counted lie.
-    fn done(mut self, place: &str) -> Result<(), BakeError> {
-        if self.count == 0 {
-            return Ok(());
-        }
-        let more = self.count - self.listed.len();
-        if more > 0 {
-            self.listed.push(Problem {
-                stage: "basis",
-                place: place.to_owned(),
-                message: format!("{more} more problems"),
-            });
-        }
-        Err(BakeError {
-            problems: self.listed,
-        })
-    }
-}
-
 pub(super) fn options(options: &VolumeOptions) -> Result<(), BakeError> {
-    let mut found = Found::default();
+    let mut found = Problems::new("basis");
     for (name, value) in [
         ("--young", options.young_pa),
         ("--density", options.density_kg_m3),
         ("--scale", Some(options.scale_m)),
     ] {
         if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
-            found.add(name.to_owned(), format!("{value} is not a positive number"));
+            let message = format!("{value} is not a positive number");
+            found.add(|| (Place::option(name), message));
         }
     }
     if let Some(value) = options.poisson.filter(|v| !(*v > -1.0 && *v < 0.5)) {
         let message = format!("{value} is not between -1 and 0.5");
-        found.add("--poisson".to_owned(), message);
+        found.add(|| (Place::option("--poisson"), message));
     }
     if options.mode_count == 0 {
-        found.add("--modes".to_owned(), "no mode is asked for");
+        found.add(|| (Place::option("--modes"), "no mode is asked for"));
     }
     if options.fixes.iter().any(|fix| fix.axes == [false; 3]) {
-        found.add("--fix".to_owned(), "no axis is named");
+        found.add(|| (Place::option("--fix"), "no axis is named"));
     }
-    found.done("")
+    found.into_result(Place::NOWHERE)
 }
 
 /// The elements with their materials, in units of their size, stiffness and density.
@@ -97,13 +57,14 @@ pub(super) fn model(
     options: &VolumeOptions,
     warnings: &mut Vec<String>,
 ) -> Result<(Model, Units), BakeError> {
-    let mut found = Found::default();
-    let place = |text: String| format!("{}: {text}", volume.name);
+    let mut found = Problems::new("basis");
+    let file = Place::file(volume.name.as_str());
+    let place = |part| file.clone().at(part);
     for (n, p) in volume.nodes.iter().enumerate() {
         // Products of three lengths must stay finite.
         if p.iter().any(|x| x.is_nan() || x.abs() > 1e90) {
             let message = "its position is not a number below 1e90";
-            found.add(place(format!("node {}", n + 1)), message);
+            found.add(|| (place(Part::Node(n as u32)), message));
         }
     }
     let mut elements = NodeLists::default();
@@ -114,27 +75,27 @@ pub(super) fn model(
         elements.push(*h);
     }
     if elements.len() == 0 {
-        found.add(volume.name.clone(), "has no elements");
+        found.add(|| (file.clone(), "has no elements"));
     }
     for (e, corners) in elements.iter().enumerate() {
         if corners.iter().any(|&n| n as usize >= volume.nodes.len()) {
             let message = "a corner index is out of range";
-            found.add(place(format!("element {}", e + 1)), message);
+            found.add(|| (place(Part::Element(e)), message));
         }
     }
     let materials = materials(volume, options, &mut found);
     let material_of = volume.material_of.as_slice();
     if !(material_of.is_empty() || material_of.len() == elements.len()) {
         let message = "there is not one material for each element";
-        found.add(volume.name.clone(), message);
+        found.add(|| (file.clone(), message));
     }
     for (e, &m) in material_of.iter().enumerate() {
         if m as usize >= materials.len() {
             let message = format!("its material {m} does not exist");
-            found.add(place(format!("element {}", e + 1)), message);
+            found.add(|| (place(Part::Element(e)), message));
         }
     }
-    found.done(&volume.name)?;
+    found.into_result(file.clone())?;
 
     let length = mean_edge(&volume.nodes, &elements);
     let young_pa = materials.iter().map(|m| m.young_pa).fold(0.0, f64::max);
@@ -148,10 +109,10 @@ pub(super) fn model(
         mass_kg: density * size_m.powi(3),
         omega_rad_s: (young_pa / density).sqrt() / size_m,
     };
-    let mut found = Found::default();
+    let mut found = Problems::new("basis");
     if !(units.mass_kg.is_normal() && units.omega_rad_s.is_normal()) {
         let message = format!("elements {size_m:e} m long are beyond the range of numbers");
-        found.add(volume.name.clone(), message);
+        found.add(|| (file.clone(), message));
     }
     let middle = middle(&volume.nodes, &elements);
     let model = Model {
@@ -175,16 +136,20 @@ pub(super) fn model(
         let (volume, shape) = model.shape(e);
         if !(volume > 0.0 && shape > FLAT) {
             let message = "it is flat or turned inside out";
-            found.add(place(format!("element {}", e + 1)), message);
+            found.add(|| (place(Part::Element(e)), message));
         }
     }
-    found.done(&volume.name)?;
+    found.into_result(file.clone())?;
     warn_locking(volume, &materials, warnings);
     Ok((model, units))
 }
 
 /// The file's materials with what the options override; one by default.
-fn materials(volume: &RawVolume, options: &VolumeOptions, found: &mut Found) -> Vec<RawMaterial> {
+fn materials(
+    volume: &RawVolume,
+    options: &VolumeOptions,
+    found: &mut Problems,
+) -> Vec<RawMaterial> {
     let default = ElasticOptions::default();
     let mut materials = volume.materials.clone();
     if materials.is_empty() {
@@ -200,14 +165,14 @@ fn materials(volume: &RawVolume, options: &VolumeOptions, found: &mut Found) -> 
         m.poisson = options.poisson.unwrap_or(m.poisson);
         m.density_kg_m3 = options.density_kg_m3.unwrap_or(m.density_kg_m3);
         let name = m.name.clone().unwrap_or_else(|| (n + 1).to_string());
-        let place = || format!("{}: material {name}", volume.name);
+        let place = || Place::file(volume.name.as_str()).at(Part::Material(name.clone()));
         for (what, value) in [
             ("Young's modulus", m.young_pa),
             ("density", m.density_kg_m3),
         ] {
             if !(value.is_normal() && value > 0.0) {
                 let message = format!("its {what}, {value}, is not a positive number");
-                found.add(place(), message);
+                found.add(|| (place(), message));
             }
         }
         if !(m.poisson > -1.0 && m.poisson < 0.5) {
@@ -215,7 +180,7 @@ fn materials(volume: &RawVolume, options: &VolumeOptions, found: &mut Found) -> 
                 "its Poisson's ratio, {}, is not between -1 and 0.5",
                 m.poisson
             );
-            found.add(place(), message);
+            found.add(|| (place(), message));
         }
     }
     materials

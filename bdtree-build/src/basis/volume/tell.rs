@@ -5,7 +5,7 @@ use crate::elastic::factor::FactorError;
 use crate::elastic::joints::{BLOCKS_MAX, TooManyBlocks};
 use crate::elastic::solve::{Solution, SolveError};
 use crate::elastic::volume::Part;
-use crate::error::BakeError;
+use crate::error::{self, BakeError, Place};
 use crate::input::volume::RawVolume;
 
 /// Too many joints in the part of this node.
@@ -15,7 +15,7 @@ pub(super) fn joints_error(volume: &RawVolume, node: u32, blocks: TooManyBlocks)
          can be handled",
         blocks.0
     );
-    let place = format!("{}: the part of node {}", volume.name, node + 1);
+    let place = Place::file(volume.name.as_str()).at(error::Part::Body(node));
     BakeError::one("basis", place, message)
 }
 
@@ -66,13 +66,14 @@ pub(super) fn solve_error(
     parts: &[Part],
     options: &VolumeOptions,
 ) -> BakeError {
+    let file = Place::file(volume.name.as_str());
     let part = |c: usize| {
-        let node = parts[c].nodes.first().map_or(0, |n| n + 1);
-        format!("{}: the part of node {node}", volume.name)
+        let node = parts[c].nodes.first().copied().unwrap_or(0);
+        file.clone().at(error::Part::Body(node))
     };
     let (place, message) = match error {
         SolveError::Memory(bytes) => (
-            volume.name.clone(),
+            file,
             format!(
                 "its elements need about {} MB, the limit is {} MB",
                 bytes.div_ceil(1 << 20),
@@ -91,7 +92,7 @@ pub(super) fn solve_error(
             format!("the inertia count finds {counted} modes where the iteration found {found}"),
         ),
         SolveError::Residual(worst) => (
-            volume.name.clone(),
+            file,
             format!(
                 "the modes converged to a residual of {worst:.1e} only: its stiffest and softest \
                  motions are too far apart for the precision of numbers (nearly flat elements, a \
@@ -100,7 +101,7 @@ pub(super) fn solve_error(
             ),
         ),
         SolveError::Element(c, e) => (
-            format!("{}: element {}", volume.name, parts[c].elements[e] + 1),
+            file.at(error::Part::Element(parts[c].elements[e] as usize)),
             "it has no stiffness to rounding".to_owned(),
         ),
     };

@@ -49,8 +49,8 @@ use notes::Notes;
 /// finite, indices out of range, nodes with two parents, an unknown `clip`.
 pub fn read_gltf(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError> {
     let place = path.display().to_string();
-    let bytes = crate::input::whole::read(path)
-        .map_err(|e| BakeError::one("input", place.as_str(), format!("cannot be read: {e}")))?;
+    let bytes = crate::input::read_file::read_file(path)
+        .map_err(|e| BakeError::one("input", path, format!("cannot be read: {e}")))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut model = parse(&bytes, &place, folder, clip)?;
     model.mesh.hash = Sha256::digest(&bytes).into();

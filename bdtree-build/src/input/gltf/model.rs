@@ -4,7 +4,7 @@ use super::document::Document;
 use super::mesh::{MeshData, PrimitiveData};
 use super::nodes::Instance;
 use super::notes::{Notes, Oddity};
-use crate::input::flat::is_flat;
+use crate::input::degenerate::is_degenerate;
 use crate::input::{GroupKind, RawGroup, RawMesh, RawTarget};
 
 /// The morph targets that one node has of its mesh.
@@ -97,7 +97,7 @@ impl Model {
             let id = self.mesh.triangles.len();
             if a == b || b == c || c == a {
                 notes.oddity(Oddity::RepeatedCorner, &path, id);
-            } else if is_flat(corners.map(|corner| self.mesh.positions[corner as usize])) {
+            } else if is_degenerate(corners.map(|corner| self.mesh.positions[corner as usize])) {
                 notes.oddity(Oddity::ZeroArea, &path, id);
             }
             self.mesh.triangles.push(corners);

@@ -2,10 +2,8 @@
 
 use std::fmt::Display;
 
-use crate::error::{BakeError, Problem, one_line};
+use crate::error::{BakeError, Part, Place, Problems, one_line};
 
-/// Most problems that are listed one by one.
-const PROBLEM_CAP: usize = 100;
 /// Most odd triangles of one kind that are listed one by one.
 const ODDITY_CAP: u64 = 5;
 
@@ -36,8 +34,7 @@ impl Oddity {
 /// a whole.
 pub(super) struct Notes {
     file: String,
-    problems: Vec<Problem>,
-    problem_count: u64,
+    problems: Problems,
     warnings: Vec<String>,
     oddities: [u64; 2],
     /// Primitives made of points.
@@ -51,8 +48,7 @@ impl Notes {
     pub(super) fn new(file: String) -> Self {
         Self {
             file,
-            problems: Vec::new(),
-            problem_count: 0,
+            problems: Problems::new("input"),
             warnings: Vec::new(),
             oddities: [0; 2],
             points: 0,
@@ -61,19 +57,12 @@ impl Notes {
     }
 
     pub(super) fn problem(&mut self, at: impl Display, message: impl Into<String>) {
-        self.problem_count += 1;
-        if self.problems.len() < PROBLEM_CAP {
-            let place = self.place(at);
-            self.problems.push(Problem {
-                stage: "input",
-                place,
-                message: message.into(),
-            });
-        }
+        let place = place(&self.file, at);
+        self.problems.add(|| (place, message));
     }
 
     pub(super) fn warn(&mut self, at: impl Display, message: impl Display) {
-        let (place, message) = (self.place(at), message.to_string());
+        let (place, message) = (place(&self.file, at), message.to_string());
         let message = one_line(&message);
         self.warnings.push(format!("{place}: {message}"));
     }
@@ -89,12 +78,12 @@ impl Notes {
 
     /// Nothing is wrong so far.
     pub(super) fn is_clean(&self) -> bool {
-        self.problem_count == 0
+        self.problems.is_empty()
     }
 
     /// More problems would only be counted.
     pub(super) fn is_full(&self) -> bool {
-        self.problems.len() >= PROBLEM_CAP
+        self.problems.is_full()
     }
 
     /// How many primitives were skipped, in words; `None` if there were none.
@@ -110,7 +99,7 @@ impl Notes {
 
     /// The warnings, if nothing is wrong.
     pub(super) fn into_warnings(mut self) -> Result<Vec<String>, BakeError> {
-        if self.problem_count > 0 {
+        if !self.problems.is_empty() {
             return Err(self.into_error());
         }
         for kind in [Oddity::RepeatedCorner, Oddity::ZeroArea] {
@@ -126,26 +115,17 @@ impl Notes {
     }
 
     /// The problems; something must be wrong.
-    pub(super) fn into_error(mut self) -> BakeError {
-        let more = self.problem_count - self.problems.len() as u64;
-        if more > 0 {
-            self.problems.push(Problem {
-                stage: "input",
-                place: self.file,
-                message: format!("{more} more problems"),
-            });
-        }
-        BakeError {
-            problems: self.problems,
-        }
+    pub(super) fn into_error(self) -> BakeError {
+        self.problems.into_error(Place::file(self.file))
     }
+}
 
-    fn place(&self, at: impl Display) -> String {
-        let (file, at) = (&self.file, at.to_string());
-        if at.is_empty() {
-            file.clone()
-        } else {
-            format!("{file}: {at}")
-        }
+/// A JSON path of a file; empty for the file as a whole.
+fn place(file: &str, at: impl Display) -> Place {
+    let (file, path) = (Place::file(file), at.to_string());
+    if path.is_empty() {
+        file
+    } else {
+        file.at(Part::JsonPath(path))
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::notes::{Notes, Oddity};
 use super::tokens;
-use crate::input::flat::is_flat;
+use crate::input::degenerate::is_degenerate;
 
 /// A corner's vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +70,7 @@ pub(super) fn check_shape(
     for (i, &[a, b, c]) in triangles.iter().enumerate() {
         if a == b || b == c || c == a {
             notes.oddity(Oddity::RepeatedCorner, line, first + i);
-        } else if is_flat([a, b, c].map(|corner| positions[corner as usize])) {
+        } else if is_degenerate([a, b, c].map(|corner| positions[corner as usize])) {
             notes.oddity(Oddity::ZeroArea, line, first + i);
         }
     }

@@ -1,13 +1,13 @@
 //! Text to logical lines: every kind of line end, continuations, byte order marks.
 
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 
 /// The text without its UTF-8 byte order mark, if it can be OBJ text at all.
 ///
 /// # Errors
 /// UTF-16 or UTF-32 (by mark or by zero bytes), other binary data, an empty file.
 pub(super) fn check_encoding<'t>(text: &'t [u8], place: &str) -> Result<&'t [u8], BakeError> {
-    let refuse = |message: &str| Err(BakeError::one("input", place, message));
+    let refuse = |message: &str| Err(BakeError::one("input", Place::file(place), message));
     if text.is_empty() {
         return refuse("the file is empty");
     }

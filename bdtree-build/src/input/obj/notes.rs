@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::tokens;
-use crate::error::{BakeError, Problem};
+use crate::error::{BakeError, Part, Place, Problem};
 
 /// Most problems that are listed one by one.
 pub(super) const PROBLEM_CAP: usize = 100;
@@ -151,24 +151,25 @@ impl<'a> Notes<'a> {
         // Stable: problems of one line stay in the order they were met.
         self.problems.sort_by_key(|&(line, _)| line);
         let more = self.problem_count - self.problems.len() as u64;
-        let problem = |place, message| Problem {
-            stage: "input",
-            place,
-            message,
-        };
+        let file = Place::file(self.place);
         let mut problems: Vec<Problem> = self
             .problems
             .into_iter()
-            .map(|(line, message)| match line {
-                0 => problem(self.place.to_string(), message),
-                _ => problem(format!("{}:{line}", self.place), message),
+            .map(|(line, message)| Problem {
+                stage: "input",
+                place: match line {
+                    0 => file.clone(),
+                    _ => file.clone().at(Part::Line(line)),
+                },
+                message,
             })
             .collect();
         if more > 0 {
-            problems.push(problem(
-                self.place.to_string(),
-                format!("{more} more problems"),
-            ));
+            problems.push(Problem {
+                stage: "input",
+                place: file,
+                message: format!("{more} more problems"),
+            });
         }
         BakeError { problems }
     }

@@ -12,8 +12,8 @@ use std::sync::Mutex;
 use sha2::{Digest, Sha256};
 
 use super::data::{FrameData, Order};
-use super::{Opened, Places, Problems, SUPPORTED, check_vertex_count};
-use crate::error::BakeError;
+use super::{Opened, Places, SUPPORTED, check_vertex_count};
+use crate::error::{BakeError, Problems};
 use crate::input::number::Number;
 use crate::input::{RawMesh, load, npy};
 use crate::progress::Progress;
@@ -41,7 +41,7 @@ pub(super) fn open(
     progress: &dyn Progress,
 ) -> Result<Opened, BakeError> {
     let place = path.display().to_string();
-    let fail = |message: String| BakeError::one("input", place.as_str(), message);
+    let fail = |message: String| BakeError::one("input", path, message);
     let extension = path
         .extension()
         .map(|extension| extension.to_string_lossy().to_lowercase());
@@ -78,7 +78,7 @@ pub(super) fn open(
     let places = Places::File(place.clone());
     data.scan(&mut hash, |t| places.of(t), &mut problems, progress)
         .map_err(|e| load::unreadable(&place, &e))?;
-    problems.into_result(&place)?;
+    problems.into_result(path)?;
     let warn = |warning| format!("{place}: {warning}");
     Ok(Opened {
         hash: hash.finalize().into(),

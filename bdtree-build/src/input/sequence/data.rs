@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 use sha2::{Digest, Sha256};
 
-use super::Problems;
+use crate::error::{Part, Place, Problems};
 use crate::input::number::Number;
 use crate::progress::Progress;
 
@@ -94,7 +94,7 @@ impl FrameData {
     pub(super) fn scan(
         &self,
         hash: &mut Sha256,
-        place: impl Fn(usize) -> String,
+        place: impl Fn(usize) -> Place,
         problems: &mut Problems,
         progress: &dyn Progress,
     ) -> io::Result<()> {
@@ -116,9 +116,8 @@ impl FrameData {
                 if !is_coordinate(value) {
                     problems.add(|| {
                         let (frame, vertex, axis) = self.locate(index);
-                        let axis = ["x", "y", "z"][axis];
-                        let at = format!("{}, vertex {vertex}, {axis}", place(frame));
-                        (at, what_is_wrong(value))
+                        let vertex = place(frame).at(Part::Vertex(vertex));
+                        (vertex.at(Part::Axis(axis)), what_is_wrong(value))
                     });
                 }
                 index += 1;

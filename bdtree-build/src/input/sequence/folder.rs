@@ -11,8 +11,8 @@ use sha2::{Digest, Sha256};
 
 use super::data::{FrameData, Order, is_coordinate, what_is_wrong};
 use super::names::{self, Frames};
-use super::{Opened, Places, Problems, caches, check_vertex_count};
-use crate::error::BakeError;
+use super::{Opened, Places, caches, check_vertex_count};
+use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::number::Number;
 use crate::input::{RawMesh, load, read_mesh};
 use crate::progress::Progress;
@@ -31,7 +31,7 @@ pub(super) fn open(
             0 => "an empty folder: no .obj frames".to_string(),
             others => format!("no .obj frames among the {others} entries of this folder"),
         };
-        return Err(BakeError::one("input", place, message));
+        return Err(BakeError::one("input", path, message));
     }
     let mut reader = Reader::new(&frames, input)?;
     progress.stage("frames", Some(frames.paths.len() as u64));
@@ -95,8 +95,8 @@ impl<'a> Reader<'a> {
         let place = self.place(frame);
         for (vertex, p) in mesh.positions.iter().enumerate() {
             if let Some(axis) = p.iter().position(|&x| !is_coordinate(x)) {
-                let axis_name = ["x", "y", "z"][axis];
-                let at = || format!("{place}, vertex {vertex}, {axis_name}");
+                let file = || Place::from(Part::FrameFile(place.clone()));
+                let at = || file().at(Part::Vertex(vertex)).at(Part::Axis(axis));
                 self.problems.add(|| (at(), what_is_wrong(p[axis])));
             }
         }
@@ -111,7 +111,7 @@ impl<'a> Reader<'a> {
         if let Some(message) = difference(&mesh, first) {
             let first_place = self.place(*first_frame);
             let message = format!("{message} {first_place}");
-            self.problems.add(|| (place, message));
+            self.problems.add(|| (Place::file(place), message));
             return Ok(());
         }
         for text in bare.filter(|text| !self.known.contains(text)) {
@@ -148,10 +148,10 @@ impl<'a> Reader<'a> {
     }
 
     fn finish(mut self, place: &str, fps: Option<f64>) -> Result<Opened, BakeError> {
-        self.problems.into_result(place)?;
+        self.problems.into_result(Place::file(place))?;
         let Some((_, first)) = self.first else {
             // Not reached: a frame that cannot be read is a problem.
-            return Err(BakeError::one("input", place, "no frames"));
+            return Err(BakeError::one("input", Place::file(place), "no frames"));
         };
         if let Some(text) = self.more_first {
             self.warnings.push(match self.more {
@@ -189,7 +189,7 @@ impl<'a> Reader<'a> {
 fn spill_error(error: &std::io::Error) -> BakeError {
     let place = std::env::temp_dir().display().to_string();
     let message = format!("cannot hold the frames in a temporary file: {error}");
-    BakeError::one("input", place, message)
+    BakeError::one("input", Place::file(place), message)
 }
 
 /// How the vertices or faces of `mesh` differ from those of `other`, as the start of a sentence

@@ -8,18 +8,15 @@ mod caches;
 mod data;
 mod folder;
 mod names;
-mod problems;
 
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
 use super::{RawMesh, load};
-use crate::error::BakeError;
+use crate::error::{BakeError, Part, Place};
 use crate::progress::Progress;
 use data::FrameData;
-
-pub(crate) use problems::Problems;
 
 /// What every refusal of a format ends with.
 const SUPPORTED: &str = "an animation is a folder of OBJ frames, a .pc2, .mdd or .npy file";
@@ -79,7 +76,7 @@ impl FrameSequence {
         let place = path.display().to_string();
         if let Some(fps) = fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
             let message = format!("{fps} is not a positive number of frames per second");
-            return Err(BakeError::one("input", "--fps", message));
+            return Err(BakeError::one("input", Place::option("--fps"), message));
         }
         let meta = fs::metadata(path).map_err(|e| load::unreadable(&place, &e))?;
         let mut opened = if meta.is_dir() {
@@ -149,7 +146,7 @@ impl FrameSequence {
     }
 
     /// Where `frame` comes from: `frames/cow_003.obj` or `cow.pc2: frame 3`.
-    pub fn place(&self, frame: usize) -> String {
+    pub fn place(&self, frame: usize) -> Place {
         self.places.of(frame)
     }
 
@@ -172,19 +169,26 @@ impl FrameSequence {
                 values.len(),
                 self.vertex_count()
             );
-            return Err(BakeError::one("input", self.name.as_str(), message));
+            return Err(BakeError::one(
+                "input",
+                Place::file(self.name.as_str()),
+                message,
+            ));
         }
         self.data
             .read(vertices, values)
-            .map_err(|(frame, error)| load::unreadable(&self.place(frame), &error))
+            .map_err(|(frame, error)| load::unreadable(&self.place(frame).to_string(), &error))
     }
 }
 
 impl Places {
-    fn of(&self, frame: usize) -> String {
+    fn of(&self, frame: usize) -> Place {
         match self {
-            Places::File(file) => format!("{file}: frame {frame}"),
-            Places::Folder(files) => files.get(frame).cloned().unwrap_or_default(),
+            Places::File(file) => Place::file(file.as_str()).at(Part::Frame(frame)),
+            Places::Folder(files) => match files.get(frame) {
+                Some(file) => Part::FrameFile(file.clone()).into(),
+                None => Place::NOWHERE,
+            },
         }
     }
 }
@@ -203,5 +207,5 @@ fn check_vertex_count(
         input.name,
         input.positions.len()
     );
-    Err(BakeError::one("input", place, message))
+    Err(BakeError::one("input", Place::file(place), message))
 }

@@ -6,9 +6,9 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::{RawVolume, gmsh, veg, vtk};
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 use crate::input::load::{decompress, forget_folder, unreadable};
-use crate::input::whole;
+use crate::input::read_file::read_file;
 
 /// What every refusal of a format ends with.
 const SUPPORTED: &str = "read as volumes: .veg, .vtk, .msh, each also .gz";
@@ -33,10 +33,10 @@ pub fn read_volume(path: &Path) -> Result<RawVolume, BakeError> {
     let meta = fs::metadata(path).map_err(|e| unreadable(&place, &e))?;
     if meta.is_dir() {
         let message = format!("is a folder, not a volume file ({SUPPORTED})");
-        return Err(BakeError::one("input", place, message));
+        return Err(BakeError::one("input", path, message));
     }
     parser(&place)?;
-    let bytes = whole::read(path).map_err(|e| unreadable(&place, &e))?;
+    let bytes = read_file(path).map_err(|e| unreadable(&place, &e))?;
     let mut volume = parse_volume(&bytes, &place)?;
     volume.hash = Sha256::digest(&bytes).into();
     volume.name = path
@@ -74,7 +74,7 @@ fn parser(place: &str) -> Result<Parser, BakeError> {
     };
     Err(BakeError::one(
         "input",
-        place,
+        Place::file(place),
         format!("{message} ({SUPPORTED})"),
     ))
 }

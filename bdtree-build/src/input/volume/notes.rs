@@ -1,6 +1,6 @@
 //! What is said about a volume file: problems in file order up to a cap, and warnings.
 
-use crate::error::{BakeError, Problem, one_line};
+use crate::error::{BakeError, Part, Place, Problem, one_line};
 
 /// Most problems that are listed one by one.
 const PROBLEM_CAP: usize = 100;
@@ -69,11 +69,12 @@ impl<'a> Notes<'a> {
         }
     }
 
-    fn place(&self, position: u64) -> String {
+    fn place(&self, position: u64) -> Place {
+        let file = Place::file(self.file);
         match (position, self.is_binary) {
-            (0, _) => self.file.to_string(),
-            (line, false) => format!("{}:{line}", self.file),
-            (byte, true) => format!("{}: byte {byte}", self.file),
+            (0, _) => file,
+            (line, false) => file.at(Part::Line(line)),
+            (byte, true) => file.at(Part::Byte(byte)),
         }
     }
 
@@ -97,7 +98,7 @@ impl<'a> Notes<'a> {
         if more > 0 {
             problems.push(Problem {
                 stage: "input",
-                place: self.file.to_string(),
+                place: self.place(0),
                 message: format!("{more} more problems"),
             });
         }

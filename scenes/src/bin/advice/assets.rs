@@ -13,7 +13,7 @@ use bdtree_build::basis::pca::{Modes, PcaOptions, pca_basis};
 use bdtree_build::basis::{Basis, BasisError, BasisMode};
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::input::{RawMesh, read_mesh, read_model};
-use bdtree_build::pipeline::BakeSettings;
+use bdtree_build::pipeline::{BakeSettings, Provenance};
 use bdtree_build::progress::Silent;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -143,6 +143,7 @@ impl Asset {
             mesh,
             basis,
             settings,
+            provenance: Provenance::default(),
             errors,
             missing: Vec::new(),
         };

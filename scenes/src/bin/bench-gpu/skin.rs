@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use bdtree_baselines::machine;
 use bdtree_build::input::{RawMesh, read_mesh};
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
 use bdtree_runtime::{AlignedBytes, Asset};
@@ -46,7 +46,13 @@ fn baked(mesh: &RawMesh, modes: usize) -> Result<AlignedBytes, Box<dyn Error>> {
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         ..BakeSettings::default()
     };
-    let baked = bake(mesh, &smooth_basis(mesh, modes, 1), &settings, &[], &Silent)?;
+    let baked = bake_fields(
+        mesh,
+        &smooth_basis(mesh, modes, 1),
+        &settings,
+        &Provenance::default(),
+        &Silent,
+    )?;
     Ok(AlignedBytes::copy_of(&baked.bytes))
 }
 

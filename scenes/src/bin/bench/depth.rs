@@ -5,7 +5,7 @@ use std::error::Error;
 use std::time::Instant;
 
 use bdtree_baselines::stats::median;
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_format::LANES;
 use bdtree_runtime::{
@@ -247,7 +247,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             leaf_size: arguments.scene.leaf_size,
             ..BakeSettings::default()
         };
-        let bytes = AlignedBytes::copy_of(&bake(&mesh, &basis, &settings, &[], &Silent)?.bytes);
+        let bytes = AlignedBytes::copy_of(
+            &bake_fields(&mesh, &basis, &settings, &Provenance::default(), &Silent)?.bytes,
+        );
         let asset = Asset::open(&bytes)?;
         let frames = frames(&asset, arguments)?;
         let kind = if nested { "nested" } else { "wrapped" };

@@ -8,7 +8,7 @@ use std::time::Instant;
 use bdtree_baselines::{machine, stats};
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_format::SectionKind;
 use bdtree_runtime::{
@@ -201,7 +201,7 @@ fn baked(mesh: &RawMesh, basis: &Basis) -> Result<AlignedBytes, Box<dyn Error>> 
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         ..BakeSettings::default()
     };
-    let bytes = bake(mesh, basis, &settings, &[], &Silent)?.bytes;
+    let bytes = bake_fields(mesh, basis, &settings, &Provenance::default(), &Silent)?.bytes;
     Ok(AlignedBytes::copy_of(&bytes))
 }
 

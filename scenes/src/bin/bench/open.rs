@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use bdtree_baselines::{machine, stats};
 use bdtree_build::basis::{Basis, BasisMode};
+use bdtree_build::file::write_atomically;
 use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::{Asset, MappedFile};
 use bdtree_tests::resident::mapped_bytes;
@@ -132,5 +133,5 @@ fn large_file() -> Result<Vec<u8>, Box<dyn Error>> {
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         ..BakeSettings::default()
     };
-    Ok(bake(&mesh, &basis, &settings, &[], &Silent)?.bytes)
+    Ok(bake_fields(&mesh, &basis, &settings, &Provenance::default(), &Silent)?.bytes)
 }

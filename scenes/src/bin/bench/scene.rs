@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use bdtree_build::basis::Basis;
 use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::{RawMesh, read_mesh};
-use bdtree_build::pipeline::{BakeSettings, Baked, bake};
+use bdtree_build::pipeline::{BakeSettings, Baked, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_tests::bake::{bumpy_sphere, smooth_basis};
 use clap::Args;
@@ -89,6 +89,12 @@ impl Scene {
             threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
             ..BakeSettings::default()
         };
-        Ok(bake(mesh, basis, &settings, &[], &Silent)?)
+        Ok(bake_fields(
+            mesh,
+            basis,
+            &settings,
+            &Provenance::default(),
+            &Silent,
+        )?)
     }
 }

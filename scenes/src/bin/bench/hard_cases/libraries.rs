@@ -2,7 +2,7 @@
 
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::{BakeSettings, bake};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::{AlignedBytes, Asset, Pose, StackEntry, Transform, query};
 
@@ -80,7 +80,13 @@ impl Own {
             vertex_count: given.mesh.positions.len(),
             ..Basis::default()
         };
-        let baked = bake(&given.mesh, &basis, &BakeSettings::default(), &[], &Silent);
+        let baked = bake_fields(
+            &given.mesh,
+            &basis,
+            &BakeSettings::default(),
+            &Provenance::default(),
+            &Silent,
+        );
         Ok(Self(AlignedBytes::copy_of(
             &baked.map_err(|e| e.to_string())?.bytes,
         )))

@@ -8,7 +8,7 @@ use std::path::Path;
 const BYTES_MAX: u64 = 4 << 30;
 
 /// The bytes of a plain file: a pipe would be waited for, and a device may have no end.
-pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>> {
     let meta = fs::metadata(path)?;
     let refuse = |why: String| Err(Error::new(ErrorKind::InvalidInput, why));
     if meta.is_dir() {
@@ -30,28 +30,28 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
 
 #[cfg(test)]
 mod tests {
-    use super::read;
+    use super::read_file;
 
     #[test]
     fn what_is_no_plain_file_is_refused() {
         let folder = tempfile::tempdir().expect("a folder");
-        let error = read(folder.path()).expect_err("a folder");
+        let error = read_file(folder.path()).expect_err("a folder");
         assert_eq!(error.to_string(), "it is a folder");
         #[cfg(unix)]
         {
-            let error = read("/dev/zero".as_ref()).expect_err("a device");
+            let error = read_file("/dev/zero".as_ref()).expect_err("a device");
             assert_eq!(error.to_string(), "it is not a plain file");
         }
         let large = folder.path().join("large");
         let file = std::fs::File::create(&large).expect("create");
         file.set_len(1 << 33).expect("a sparse file");
-        let error = read(&large).expect_err("too large");
+        let error = read_file(&large).expect_err("too large");
         assert!(
             error
                 .to_string()
                 .starts_with("it has 8589934592 bytes, more than")
         );
         std::fs::write(&large, b"abc").expect("write");
-        assert_eq!(read(&large).expect("a file"), b"abc");
+        assert_eq!(read_file(&large).expect("a file"), b"abc");
     }
 }

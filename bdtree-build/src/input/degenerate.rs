@@ -2,7 +2,7 @@
 
 /// True if the triangle's area is zero as far as f64 can tell: the cross product of two edges is
 /// no longer than its own rounding error.
-pub(super) fn is_flat(corners: [[f64; 3]; 3]) -> bool {
+pub(super) fn is_degenerate(corners: [[f64; 3]; 3]) -> bool {
     // Relative to the product of the edges; the cross product's rounding error is below 4 ε of it.
     const TOLERANCE: f64 = 8.0 * f64::EPSILON;
     let [a, b, c] = corners;

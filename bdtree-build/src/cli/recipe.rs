@@ -1,0 +1,151 @@
+//! What the arguments ask for, as a recipe.
+
+use std::path::PathBuf;
+
+use bdtree_build::basis::dropped::Keep;
+use bdtree_build::basis::elastic::ElasticOptions;
+use bdtree_build::basis::pca::{self, About, PcaOptions};
+use bdtree_build::basis::volume::VolumeOptions;
+use bdtree_build::error::{BakeError, Part};
+use bdtree_build::pipeline::BakeSettings;
+use bdtree_build::recipe::{Elastic, Frames, Given, Morphs, Motion, Recipe, Source, Volume};
+
+use super::Arguments;
+use super::arguments::Modes;
+
+/// Modes where neither the arguments nor the source name a number.
+const MODES_DEFAULT: usize = 10;
+
+/// The recipe of arguments that [`Arguments::check`] passed.
+pub(super) fn of(arguments: &Arguments) -> Result<Recipe, BakeError> {
+    let surface = arguments.input.clone();
+    let source = if let Some(path) = arguments.animation.clone() {
+        frames(arguments, path, surface)
+    } else if let Some(path) = arguments.tets.clone() {
+        volume(arguments, path, surface)?
+    } else {
+        Source::Surface {
+            path: surface.unwrap_or_default(),
+            clip: arguments.clip.clone(),
+            motion: motion(arguments),
+        }
+    };
+    let threads = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    Ok(Recipe {
+        source,
+        settings: BakeSettings {
+            leaf_size: arguments.leaf_size.map(usize::from),
+            split: arguments.split,
+            nested: arguments.nested,
+            threads: arguments.threads.map_or_else(threads, usize::from),
+        },
+        stated: arguments.stated(),
+    })
+}
+
+/// What moves a surface.
+fn motion(arguments: &Arguments) -> Motion {
+    let keep = match arguments.modes() {
+        Modes::Unsaid => Keep::All,
+        Modes::Count(count) => Keep::First(count),
+        Modes::Auto(max_error_rel) => Keep::Auto { max_error_rel },
+    };
+    if let Some(path) = arguments.basis.clone() {
+        return Motion::Given(Given {
+            path,
+            layout: arguments.basis_layout,
+            frequencies: arguments.frequencies.clone(),
+            keep,
+            range_rel: arguments.range_rel,
+        });
+    }
+    let morphs = Morphs {
+        keep,
+        memory_limit_bytes: memory_limit_bytes(arguments),
+    };
+    match vibration_modes(arguments) {
+        Some(mode_count) => Motion::MorphsElseElastic(morphs, elastic(arguments, mode_count)),
+        // Only morph targets know how far fewer of them are from all.
+        None => Motion::Morphs(morphs),
+    }
+}
+
+fn elastic(arguments: &Arguments, mode_count: usize) -> Elastic {
+    let default = ElasticOptions::default();
+    Elastic {
+        options: ElasticOptions {
+            mode_count,
+            resolution: arguments.resolution,
+            young_pa: arguments.young.unwrap_or(default.young_pa),
+            poisson: arguments.poisson.unwrap_or(default.poisson),
+            density_kg_m3: arguments.density.unwrap_or(default.density_kg_m3),
+            scale_m: arguments.scale.unwrap_or(default.scale_m),
+            thickness: arguments.thickness,
+            fixes: arguments.fix.clone(),
+            memory_limit_bytes: memory_limit_bytes(arguments),
+            ..default
+        },
+        range_rel: arguments.range_rel,
+    }
+}
+
+fn volume(
+    arguments: &Arguments,
+    path: PathBuf,
+    surface: Option<PathBuf>,
+) -> Result<Source, BakeError> {
+    let default = VolumeOptions::default();
+    let Some(mode_count) = vibration_modes(arguments) else {
+        let option = Part::Option("--modes", Some("auto".to_string()));
+        let message = "the modes of a volume have no source to measure an error against: give their number (--modes K)";
+        return Err(BakeError::one("basis", option, message));
+    };
+    Ok(Source::Volume(Volume {
+        path,
+        surface,
+        options: VolumeOptions {
+            mode_count,
+            young_pa: arguments.young,
+            poisson: arguments.poisson,
+            density_kg_m3: arguments.density,
+            scale_m: arguments.scale.unwrap_or(default.scale_m),
+            mass: arguments.mass.unwrap_or(default.mass),
+            fixes: arguments.fix.clone(),
+            memory_limit_bytes: memory_limit_bytes(arguments),
+            ..default
+        },
+        range_rel: arguments.range_rel,
+    }))
+}
+
+fn frames(arguments: &Arguments, path: PathBuf, surface: Option<PathBuf>) -> Source {
+    Source::Frames(Frames {
+        path,
+        surface,
+        fps: arguments.fps,
+        options: PcaOptions {
+            modes: match arguments.modes() {
+                Modes::Unsaid => pca::Modes::Count(MODES_DEFAULT),
+                Modes::Count(count) => pca::Modes::Count(count),
+                Modes::Auto(max_error_rel) => pca::Modes::Auto { max_error_rel },
+            },
+            about: arguments.about.unwrap_or(About::Mean),
+            align: arguments.align,
+            memory_limit_bytes: memory_limit_bytes(arguments),
+            ..PcaOptions::default()
+        },
+    })
+}
+
+/// The number of vibration modes; `None` where an error is to choose it, which they cannot.
+fn vibration_modes(arguments: &Arguments) -> Option<usize> {
+    match arguments.modes() {
+        Modes::Unsaid => Some(MODES_DEFAULT),
+        Modes::Count(count) => Some(count),
+        Modes::Auto(_) => None,
+    }
+}
+
+fn memory_limit_bytes(arguments: &Arguments) -> u64 {
+    arguments.memory_limit.saturating_mul(1 << 20)
+}

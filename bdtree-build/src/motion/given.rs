@@ -1,0 +1,37 @@
+//! Fields made elsewhere.
+
+use super::{Moving, name};
+use crate::basis::dropped::{Keep, keep_fields};
+use crate::basis::given::given_basis;
+use crate::error::BakeError;
+use crate::input::RawMesh;
+use crate::recipe::Given;
+
+/// The mesh with the given fields.
+pub(super) fn moving(mesh: RawMesh, given: &Given) -> Result<Moving, BakeError> {
+    let path = given.path.as_path();
+    let frequencies = given.frequencies.as_deref();
+    let read = given_basis(path, given.layout, frequencies, mesh.positions.len())?;
+    let found = read.basis.mode_count();
+    if let Keep::First(count) = given.keep
+        && count > found
+    {
+        let message = format!("--modes {count}, but the array holds {found} fields");
+        return Err(BakeError::one("basis", path, message));
+    }
+    let mut moving = Moving::new(mesh, read.basis, "given");
+    moving.provenance.warnings = read.warnings;
+    // Before fields are left out: ranges say which matter least.
+    moving.set_ranges(given.range_rel);
+    let kept = keep_fields(&moving.mesh, moving.basis, given.keep)?;
+    moving.basis = kept.basis;
+    moving.provenance.error = Some(kept.error);
+    moving.set("basis", name(path));
+    if let Some(layout) = given.layout {
+        moving.set("basis-layout", layout);
+    }
+    if let Some(frequencies) = frequencies {
+        moving.set("frequencies", name(frequencies));
+    }
+    Ok(moving)
+}

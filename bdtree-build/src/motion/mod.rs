@@ -1,0 +1,180 @@
+//! From a recipe's files to a mesh and the fields that move it.
+
+mod elastic;
+mod frames;
+mod given;
+mod morphs;
+mod volume;
+
+use std::path::Path;
+
+use crate::basis::elastic::ElasticReport;
+use crate::basis::volume::VolumeReport;
+use crate::basis::{Basis, BasisError};
+use crate::error::BakeError;
+use crate::input::sequence::FrameSequence;
+use crate::input::volume::RawVolume;
+use crate::input::{RawMesh, RawModel, read_model};
+use crate::pipeline::{Provenance, default_leaf_size};
+use crate::progress::Progress;
+use crate::recipe::{Frames, Motion, Recipe, Source, Volume};
+
+/// A mesh with the fields that move it, and what is known of them.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Moving {
+    pub(crate) mesh: RawMesh,
+    pub(crate) basis: Basis,
+    pub(crate) provenance: Provenance,
+    /// How far the first 0, 1, … fields are from their source, where that was measured.
+    pub(crate) errors_of_first: Option<Vec<BasisError>>,
+    pub(crate) elastic: Option<ElasticReport>,
+    pub(crate) volume: Option<VolumeReport>,
+}
+
+/// What the files of a source hold, each kind beside what is asked of it.
+pub(crate) enum Read<'r> {
+    Surface(RawModel, &'r Motion),
+    Volume(RawVolume, RawMesh, &'r Volume),
+    Frames(Box<FrameSequence>, RawMesh, &'r Frames),
+}
+
+/// The files of `source`, read.
+pub(crate) fn read<'r>(source: &'r Source, progress: &dyn Progress) -> Result<Read<'r>, BakeError> {
+    match source {
+        Source::Surface { path, clip, motion } => {
+            Ok(Read::Surface(read_model(path, clip.as_deref())?, motion))
+        }
+        Source::Volume(volume) => volume::read(volume),
+        Source::Frames(frames) => frames::read(frames, progress),
+    }
+}
+
+impl Read<'_> {
+    /// The mesh with the fields of `recipe`, whose source this is.
+    pub(crate) fn moving(
+        self,
+        recipe: &Recipe,
+        progress: &dyn Progress,
+    ) -> Result<Moving, BakeError> {
+        let moving = match self {
+            Self::Surface(model, motion) => surface(model, motion, progress),
+            Self::Volume(raw, mesh, volume) => volume::moving(raw, mesh, volume, progress),
+            Self::Frames(sequence, mesh, frames) => {
+                frames::moving(&sequence, &mesh, frames, frames.options.modes, progress)
+            }
+        }?;
+        Ok(moving.stating(recipe))
+    }
+
+    /// The same, of frames with more components where the recipe's number leaves more than `max_error_rel`: as many
+    /// as that takes, or all that there are where none do.
+    pub(crate) fn moving_within(
+        self,
+        recipe: &Recipe,
+        max_error_rel: f64,
+        progress: &dyn Progress,
+    ) -> Result<Moving, BakeError> {
+        match self {
+            Self::Frames(sequence, mesh, frames) => {
+                let moving = frames::within(&sequence, &mesh, frames, max_error_rel, progress)?;
+                Ok(moving.stating(recipe))
+            }
+            other => other.moving(recipe, progress),
+        }
+    }
+}
+
+/// A surface with the fields that its motion has.
+fn surface(model: RawModel, motion: &Motion, progress: &dyn Progress) -> Result<Moving, BakeError> {
+    let RawModel { mesh, morphs } = model;
+    let target_count = morphs.targets.len();
+    let mut moving = match motion {
+        Motion::Morphs(asked) | Motion::MorphsElseElastic(asked, _) if target_count > 0 => {
+            return morphs::moving(mesh, &morphs, asked);
+        }
+        Motion::Rigid => Moving::rigid(mesh),
+        Motion::Morphs(asked) => return Err(morphs::missing(&mesh, asked)),
+        Motion::Elastic(elastic) | Motion::MorphsElseElastic(_, elastic) => {
+            elastic::moving(mesh, elastic, progress)?
+        }
+        Motion::Given(given) => given::moving(mesh, given)?,
+    };
+    if target_count > 0 {
+        let warning = format!("the {target_count} morph targets of the input are not used");
+        moving.provenance.warnings.push(warning);
+    }
+    Ok(moving)
+}
+
+impl Moving {
+    /// A mesh without fields.
+    fn rigid(mesh: RawMesh) -> Self {
+        let basis = Basis {
+            vertex_count: mesh.positions.len(),
+            ..Basis::default()
+        };
+        Self::new(mesh, basis, "rigid")
+    }
+
+    /// A mesh with its fields; `kind` is the metadata's word for them.
+    fn new(mesh: RawMesh, basis: Basis, kind: &str) -> Self {
+        Self {
+            mesh,
+            basis,
+            provenance: Provenance {
+                kind: kind.to_string(),
+                ..Provenance::default()
+            },
+            errors_of_first: None,
+            elastic: None,
+            volume: None,
+        }
+    }
+
+    /// Notes a setting for the metadata.
+    fn set(&mut self, name: &str, value: impl ToString) {
+        self.provenance.set(name, value);
+    }
+
+    /// Gives fields without a range of their own the one that is asked for.
+    fn set_ranges(&mut self, range_rel: Option<f64>) {
+        if let Some(share) = range_rel {
+            self.basis.set_ranges(share * self.mesh.diagonal());
+            self.set("range-rel", share);
+        }
+    }
+
+    /// With what the recipe says of the tree in the metadata, and warnings of stated options that are of no use here.
+    fn stating(mut self, recipe: &Recipe) -> Self {
+        for stated in &recipe.stated {
+            if !stated.kinds.contains(&self.provenance.kind.as_str()) {
+                let users = stated.kinds.join(" and ");
+                let warning = format!("{} is not used: only {users} modes need it", stated.option);
+                self.provenance.warnings.push(warning);
+            }
+        }
+        let settings = &recipe.settings;
+        let leaf_size = settings
+            .leaf_size
+            .unwrap_or_else(|| default_leaf_size(self.mesh.triangles.len()));
+        self.set("leaf-size", leaf_size);
+        self.set("split", settings.split);
+        if settings.nested {
+            self.set("nested", true);
+        }
+        self
+    }
+}
+
+/// SHA-256 as text.
+fn hexadecimal(hash: [u8; 32]) -> String {
+    hash.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The file's name without its folder.
+fn name(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}

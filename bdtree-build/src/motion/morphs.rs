@@ -1,0 +1,42 @@
+//! Morph targets of the mesh's own file.
+
+use super::Moving;
+use crate::basis::dropped::Keep;
+use crate::basis::morph::morph_basis;
+use crate::error::{BakeError, Part, Place};
+use crate::input::{RawMesh, RawMorphs};
+use crate::recipe::Morphs;
+
+/// The mesh with its morph targets, and their weights over time if the file has some.
+pub(super) fn moving(
+    mesh: RawMesh,
+    morphs: &RawMorphs,
+    asked: &Morphs,
+) -> Result<Moving, BakeError> {
+    let mut warnings = Vec::new();
+    let limit = asked.memory_limit_bytes;
+    let morph = morph_basis(&mesh, morphs, asked.keep, limit, &mut warnings)?;
+    let mut moving = Moving::new(mesh, morph.basis, "morph");
+    for (mode, weight) in moving.basis.modes.iter_mut().zip(morph.default_weights) {
+        mode.default_q = Some(weight);
+    }
+    moving.provenance.error = Some(morph.error);
+    moving.provenance.warnings = warnings;
+    if let Some(clip) = &morphs.clip {
+        moving.set("clip", &clip.name);
+    }
+    Ok(moving)
+}
+
+/// Why a mesh without morph targets does not do.
+pub(super) fn missing(mesh: &RawMesh, asked: &Morphs) -> BakeError {
+    if let Keep::Auto { .. } = asked.keep {
+        // Vibration modes, which other meshes get, have no end and nothing to be compared with.
+        let option = Part::Option("--modes", Some("auto".to_string()));
+        let message = "elastic modes have no source to measure an error against: give their number (--modes K); the \
+                       bake states the frequency where they end";
+        return BakeError::one("basis", option, message);
+    }
+    let place = Place::file(mesh.name.as_str());
+    BakeError::one("basis", place, "has no morph targets")
+}
