@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use bdtree_format::{BASE_ALIGNMENT, ErrorMetadata, LEAF_TRIANGLES_MAX, Metadata, ModeMetadata};
-use bdtree_runtime::{AlignedBytes, Asset};
+use bdtree_runtime::{Asset, Model};
 
 use crate::basis::{Basis, BasisError};
 use crate::encode::{Parts, encode};
@@ -251,13 +251,13 @@ fn leaf_size(mesh: &RawMesh, settings: &BakeSettings) -> Result<usize, BakeError
 /// Opens the file that was made and queries it. Bytes that readers would refuse are refused here:
 /// no such file is written.
 fn measure_visits(bytes: &[u8]) -> Result<Visits, BakeError> {
-    let copy;
-    let aligned = if (bytes.as_ptr() as usize).is_multiple_of(BASE_ALIGNMENT) {
-        bytes
+    // Allocators align large blocks, so the copy is for small files.
+    let copy = if (bytes.as_ptr() as usize).is_multiple_of(BASE_ALIGNMENT) {
+        None
     } else {
-        copy = AlignedBytes::copy_of(bytes);
-        &copy
+        Model::from_bytes(bytes).ok()
     };
+    let aligned = copy.as_ref().map_or(bytes, |copy| copy.asset().bytes());
     let asset = Asset::open(aligned).map_err(|error| {
         let message = format!("the file that was made cannot be opened: {error}");
         BakeError::one("encode", Place::NOWHERE, message)

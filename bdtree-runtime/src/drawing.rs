@@ -65,8 +65,14 @@ impl<'a> Asset<'a> {
     ///
     /// # Errors
     /// A placement that [`Asset::pose`] refuses.
-    pub fn stored_to_world(&self, placement: impl Into<Transform>) -> Result<StoredToWorld, PoseError> {
-        Ok(StoredToWorld(Frame::new(self, &placement.into().checked()?)))
+    pub fn stored_to_world(
+        &self,
+        placement: impl Into<Transform>,
+    ) -> Result<StoredToWorld, PoseError> {
+        Ok(StoredToWorld(Frame::new(
+            self,
+            &placement.into().checked()?,
+        )))
     }
 
     /// Checks q as [`Asset::pose`] does.

@@ -1,6 +1,6 @@
 //! An asset baked again with fewer modes or other leaves, and measured beside itself with all.
 
-use bdtree_runtime::{AlignedBytes, Asset};
+use bdtree_runtime::Model;
 
 use super::AdviceError;
 use super::samples::Samples;
@@ -8,7 +8,6 @@ use super::subject::Subject;
 use super::works::{Contender, Measured, Works};
 use crate::basis::BasisError;
 use crate::basis::dropped::select;
-use crate::error::BakeError;
 use crate::pipeline::{BakeSettings, Provenance, bake_fields, default_leaf_size};
 use crate::progress::Progress;
 
@@ -52,7 +51,7 @@ impl Point {
 /// The asset with all its modes, ready to be compared with.
 pub struct Bench<'s> {
     subject: &'s Subject,
-    file: AlignedBytes,
+    file: Model,
     nodes: usize,
     samples: Samples,
     works: Works,
@@ -72,11 +71,11 @@ impl<'s> Bench<'s> {
         progress: &dyn Progress,
     ) -> Result<Self, AdviceError> {
         let (file, nodes) = baked(subject, None, &subject.settings, progress)?;
-        let asset = Asset::open(&file)?;
-        let samples = Samples::of(&asset, samples);
-        let works = Works::new(&asset, &samples)?;
+        let asset = file.asset();
+        let samples = Samples::of(asset, samples);
+        let works = Works::new(asset, &samples)?;
         let contender = Contender {
-            asset: &asset,
+            asset,
             samples: &samples,
         };
         let once = works.measure(&[contender], 1)?;
@@ -148,18 +147,17 @@ impl<'s> Bench<'s> {
 
     /// Measures them in turn; times are over those of the first.
     fn compare(&self, all: &[Contestant<'_>]) -> Result<Vec<Point>, AdviceError> {
-        let assets = all
-            .iter()
-            .map(|one| Asset::open(one.file))
-            .collect::<Result<Vec<_>, _>>()?;
         let samples: Vec<Samples> = all
             .iter()
             .map(|one| self.samples.select(one.setting.0))
             .collect();
-        let contenders: Vec<Contender<'_>> = assets
+        let contenders: Vec<Contender<'_>> = all
             .iter()
             .zip(&samples)
-            .map(|(asset, samples)| Contender { asset, samples })
+            .map(|(one, samples)| Contender {
+                asset: one.file.asset(),
+                samples,
+            })
             .collect();
         let measured = self.works.measure(&contenders, self.rounds)?;
         let first = measured.first().copied().unwrap_or_default();
@@ -167,7 +165,7 @@ impl<'s> Bench<'s> {
             modes: one.setting.0.to_vec(),
             leaf_size: one.setting.1,
             error: self.error(one.setting.0),
-            bytes: one.file.len(),
+            bytes: one.file.asset().bytes().len(),
             nodes: one.nodes,
             measured,
             time_rel: measured.time_over(&first),
@@ -184,7 +182,7 @@ impl<'s> Bench<'s> {
 
 /// A file that was baked, to be measured.
 struct Contestant<'f> {
-    file: &'f AlignedBytes,
+    file: &'f Model,
     nodes: usize,
     setting: Setting<'f>,
 }
@@ -195,7 +193,7 @@ fn baked(
     modes: Option<&[usize]>,
     settings: &BakeSettings,
     progress: &dyn Progress,
-) -> Result<(AlignedBytes, usize), BakeError> {
+) -> Result<(Model, usize), AdviceError> {
     let fewer;
     let basis = match modes {
         Some(modes) if modes.len() < subject.basis.mode_count() => {
@@ -210,7 +208,7 @@ fn baked(
         ..subject.provenance.clone()
     };
     let baked = bake_fields(&subject.mesh, basis, settings, &provenance, progress)?;
-    Ok((AlignedBytes::copy_of(&baked.bytes), baked.report.nodes))
+    Ok((Model::from_bytes(&baked.bytes)?, baked.report.nodes))
 }
 
 /// At most `most` numbers of modes from 1 to `all`: powers of two and halves between, `all`, and `wanted`.

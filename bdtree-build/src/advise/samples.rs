@@ -39,7 +39,7 @@ impl Samples {
     /// and the last among them; without one that moves anything mixtures within ±`q_range`; where no mode moves anything,
     /// the rest pose. Rigid motions of frames are left out: they change no answer.
     ///
-    /// Numbers of frames are the file's: where nobody has verified them, [`bdtree_runtime::Pose::new`] still
+    /// Numbers of frames are the file's: where nobody has verified them, [`bdtree_runtime::Asset::pose`] still
     /// checks what it takes.
     pub fn of(asset: &Asset<'_>, most: usize) -> Self {
         let most = most.max(1);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use bdtree_format::{ErrorMetadata, Metadata, group_kind};
+use bdtree_format::{ErrorMetadata, Metadata};
 use bdtree_runtime::{Asset, FormatError, TriangleId, VertexId};
 
 use super::errors::{Errors, Over};
@@ -180,9 +180,9 @@ fn mesh(asset: &Asset<'_>) -> Result<RawMesh, FormatError> {
     };
     let groups = asset.groups().filter_map(|group| {
         let kind = match group.kind {
-            group_kind::OBJECT => GroupKind::Object,
-            group_kind::GROUP => GroupKind::Group,
-            group_kind::MATERIAL => GroupKind::Material,
+            bdtree_runtime::GroupKind::Object => GroupKind::Object,
+            bdtree_runtime::GroupKind::Group => GroupKind::Group,
+            bdtree_runtime::GroupKind::Material => GroupKind::Material,
             _ => return None,
         };
         Some(RawGroup {

@@ -10,8 +10,7 @@ mod questions;
 use std::fmt;
 use std::time::Instant;
 
-use bdtree_runtime::query::Ray;
-use bdtree_runtime::{Asset, FormatError, Pose, PoseError, QueryError, Transform};
+use bdtree_runtime::{Asset, FormatError, Pose, PoseError, QueryError, Ray, Transform};
 use cpu_time::ThreadTime;
 
 use super::samples::Samples;
@@ -52,7 +51,7 @@ pub struct Work {
     pub questions: u64,
     /// Contacts of balls, hits of rays, pairs of triangles: of all questions together.
     pub found: u64,
-    /// Nodes that all questions together visit; of pairs, what [`bdtree_runtime::query::pair`] counts.
+    /// Nodes that all questions together visit; of pairs, what [`bdtree_runtime::PairQuery::contacts`] counts.
     pub nodes_visited: u64,
     /// Seconds of one question, of the thread's own time: over all of them, the least of the rounds, since what
     /// shares the core or its caches only adds. 0 where nothing was timed.
@@ -153,7 +152,6 @@ impl Works {
                 return Err(WorksError::Samples { expected, found });
             }
             asked.push(Asked::new(
-                contender.asset,
                 poses(contender, Transform::IDENTITY, here)?,
                 poses(contender, self.beside, there)?,
             ));
@@ -172,7 +170,7 @@ impl Works {
     /// Fills in the seconds.
     fn time(
         &self,
-        asked: &mut [Asked<'_, '_>],
+        asked: &mut [Asked<'_>],
         measured: &mut [Measured],
         rounds: usize,
     ) -> Result<(), WorksError> {
@@ -204,7 +202,7 @@ impl Works {
     }
 }
 
-impl Asked<'_, '_> {
+impl Asked<'_> {
     /// Seconds of all questions of a kind, once, the mean of several times.
     fn seconds(&mut self, works: &Works, kind: usize, repeats: usize) -> Result<f64, WorksError> {
         let (thread, wall) = (ThreadTime::try_now(), Instant::now());
@@ -220,7 +218,7 @@ impl Asked<'_, '_> {
 
 /// The poses of all samples.
 fn poses<'m>(
-    contender: &Contender<'_>,
+    contender: &Contender<'m>,
     transform: Transform,
     memory: &'m mut [f32],
 ) -> Result<Vec<Pose<'m>>, WorksError> {
@@ -229,7 +227,8 @@ fn poses<'m>(
         .chunks_exact_mut(asset.pose_len().max(1))
         .enumerate()
         .map(|(sample, memory)| {
-            Pose::new(asset, contender.samples.q(sample), transform, memory)
+            asset
+                .pose(contender.samples.q(sample), transform, memory)
                 .map_err(|error| WorksError::Pose { sample, error })
         })
         .collect()

@@ -1,6 +1,6 @@
 //! What bounds are worth: how many nodes a query as small as a point visits.
 
-use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, VertexId, query};
+use bdtree_runtime::{Asset, Ball, Contact, Transform, VertexId, Workspace};
 use serde::Serialize;
 
 use super::random::Random;
@@ -31,7 +31,7 @@ pub struct Visits {
 pub(crate) fn visits(asset: &Asset<'_>) -> Option<Visits> {
     let mut random = Random::new();
     let mut memory = vec![0.0; asset.pose_len()];
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let mut workspace = Workspace::new();
     let mut contacts: Vec<Contact> = Vec::new();
     let mut q = vec![0.0; asset.mode_count()];
     let mut mean = |poses: usize, extent: f64| -> Option<f64> {
@@ -40,19 +40,19 @@ pub(crate) fn visits(asset: &Asset<'_>) -> Option<Visits> {
             for (q, mode) in q.iter_mut().zip(asset.modes()) {
                 *q = (extent * (2.0 * random.unit() - 1.0)) as f32 * mode.q_range.get();
             }
-            let pose = Pose::new(asset, &q, Transform::IDENTITY, &mut memory).ok()?;
+            let pose = asset.pose(&q, Transform::IDENTITY, &mut memory).ok()?;
             for _ in 0..POINTS {
                 let slot = random.bits() % asset.triangle_count() as u64;
                 let corners = asset.triangles().get(slot as usize)?.corners;
                 let mut centre = [0.0; 3];
                 for corner in corners {
-                    let p = asset.deformed(&pose, VertexId(corner)).ok()?;
+                    let p = pose.deformed(VertexId(corner)).ok()?;
                     centre = std::array::from_fn(|k| centre[k] + p[k] / 3.0);
                 }
                 contacts.clear();
-                let outcome =
-                    query::ball(asset, &pose, centre, 0.0, &mut stack, &mut contacts).ok()?;
-                sum += outcome.nodes_visited;
+                let mut query = pose.query(&mut workspace);
+                query.contacts(Ball::new(centre, 0.0), &mut contacts).ok()?;
+                sum += query.stats().nodes_visited;
             }
         }
         Some(sum as f64 / (poses * POINTS) as f64)

@@ -1,31 +1,25 @@
 //! The questions, put to one asset.
 
-use bdtree_runtime::{
-    Asset, Contact, PairContact, PairStackEntry, Pose, RayHit, StackEntry, query,
-};
+use bdtree_runtime::{Ball, Contact, PairContact, Pose, RayIntersection, Workspace};
 
 use super::{RAYS, Work, Works, WorksError};
 
 /// An asset that is posed at all samples, twice, with the memory that queries need.
-pub(super) struct Asked<'a, 'p> {
-    asset: &'a Asset<'a>,
+pub(super) struct Asked<'p> {
     here: Vec<Pose<'p>>,
     beside: Vec<Pose<'p>>,
-    stack: Vec<StackEntry>,
-    pair_stack: Vec<PairStackEntry>,
+    workspace: Workspace<'static>,
     contacts: Vec<Contact>,
-    hits: [Option<RayHit>; RAYS],
+    hits: [Option<RayIntersection>; RAYS],
     pairs: Vec<PairContact>,
 }
 
-impl<'a, 'p> Asked<'a, 'p> {
-    pub(super) fn new(asset: &'a Asset<'a>, here: Vec<Pose<'p>>, beside: Vec<Pose<'p>>) -> Self {
+impl<'p> Asked<'p> {
+    pub(super) fn new(here: Vec<Pose<'p>>, beside: Vec<Pose<'p>>) -> Self {
         Self {
-            asset,
             here,
             beside,
-            stack: vec![StackEntry::default(); asset.stack_len()],
-            pair_stack: vec![PairStackEntry::default(); asset.pair_stack_len(asset)],
+            workspace: Workspace::new(),
             contacts: Vec::new(),
             hits: [None; RAYS],
             pairs: Vec::new(),
@@ -55,12 +49,12 @@ impl<'a, 'p> Asked<'a, 'p> {
         for (pose, centers) in self.here.iter().zip(&works.balls) {
             for center in centers {
                 self.contacts.clear();
-                let (stack, contacts) = (&mut self.stack, &mut self.contacts);
-                let outcome =
-                    query::ball(self.asset, pose, *center, works.radius, stack, contacts)?;
+                let ball = Ball::new(*center, works.radius);
+                let mut query = pose.query(&mut self.workspace);
+                query.contacts(ball, &mut self.contacts)?;
                 work.questions += 1;
                 work.found += self.contacts.len() as u64;
-                work.nodes_visited += outcome.nodes_visited;
+                work.nodes_visited += self.workspace.stats().nodes_visited;
             }
         }
         Ok(work)
@@ -69,10 +63,11 @@ impl<'a, 'p> Asked<'a, 'p> {
     fn rays(&mut self, works: &Works) -> Result<Work, WorksError> {
         let mut work = Work::default();
         for (pose, rays) in self.here.iter().zip(&works.rays) {
-            let outcome = query::rays(self.asset, pose, rays, &mut self.stack, &mut self.hits)?;
+            let mut query = pose.query(&mut self.workspace);
+            query.cast_rays(rays, &mut self.hits)?;
             work.questions += RAYS as u64;
             work.found += self.hits.iter().flatten().count() as u64;
-            work.nodes_visited += outcome.nodes_visited;
+            work.nodes_visited += self.workspace.stats().nodes_visited;
         }
         Ok(work)
     }
@@ -84,11 +79,11 @@ impl<'a, 'p> Asked<'a, 'p> {
                 continue;
             };
             self.pairs.clear();
-            let (asset, stack) = (self.asset, &mut self.pair_stack);
-            let outcome = query::pair((asset, pose), (asset, other), 0.0, stack, &mut self.pairs)?;
+            let mut query = pose.against(other, &mut self.workspace);
+            query.contacts(0.0, &mut self.pairs)?;
             work.questions += 1;
             work.found += self.pairs.len() as u64;
-            work.nodes_visited += outcome.nodes_visited;
+            work.nodes_visited += self.workspace.stats().nodes_visited;
         }
         Ok(work)
     }

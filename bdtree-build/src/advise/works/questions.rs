@@ -1,7 +1,6 @@
 //! Where balls, rays and the second instance are.
 
-use bdtree_runtime::query::{self, Ray};
-use bdtree_runtime::{Asset, PairStackEntry, Pose, Transform, VertexId};
+use bdtree_runtime::{Asset, Pose, Ray, Transform, VertexId, Workspace};
 
 use super::{BALL_RADIUS_REL, BALLS, Contender, RAYS, Works, WorksError, poses};
 use crate::advise::samples::Samples;
@@ -24,17 +23,13 @@ pub(super) fn make(asset: &Asset<'_>, samples: &Samples) -> Result<Works, WorksE
     for pose in poses(&contender, Transform::IDENTITY, &mut memory)? {
         let mut centers = [[0.0; 3]; BALLS];
         for center in &mut centers {
-            *center = surface_point(asset, &pose, &mut random)?;
+            *center = surface_point(&pose, &mut random)?;
         }
         balls.push(centers);
-        let mut toward = [Ray {
-            origin: [0.0; 3],
-            direction: [0.0, 0.0, 1.0],
-            max_distance: f64::INFINITY,
-        }; RAYS];
+        let mut toward = [Ray::new([0.0; 3], [0.0, 0.0, 1.0]); RAYS];
         for ray in &mut toward {
             ray.origin = space.outside(direction(&mut random));
-            let target = surface_point(asset, &pose, &mut random)?;
+            let target = surface_point(&pose, &mut random)?;
             let way = [0, 1, 2].map(|k| target[k] - ray.origin[k]);
             // A body that reaches the ray's start exactly is asked along z.
             if way != [0.0; 3] {
@@ -142,16 +137,13 @@ fn direction(random: &mut Random) -> [f64; 3] {
 }
 
 /// The middle of one of the deformed triangles, each as likely as any other.
-fn surface_point(
-    asset: &Asset<'_>,
-    pose: &Pose<'_>,
-    random: &mut Random,
-) -> Result<[f64; 3], WorksError> {
+fn surface_point(pose: &Pose<'_>, random: &mut Random) -> Result<[f64; 3], WorksError> {
+    let asset = pose.asset();
     let slot = random.bits() % (asset.triangle_count() as u64).max(1);
     let corners = asset.triangles().get(slot as usize).map(|t| t.corners);
     let mut middle = [0.0; 3];
     for corner in corners.into_iter().flatten() {
-        let p = asset.deformed(pose, VertexId(corner))?;
+        let p = pose.deformed(VertexId(corner))?;
         middle = [0, 1, 2].map(|k| middle[k] + p[k] / 3.0);
     }
     Ok(middle)
@@ -160,7 +152,7 @@ fn surface_point(
 fn beside(contender: Contender<'_>, space: &Space) -> Result<Transform, WorksError> {
     let (asset, count) = (contender.asset, contender.samples.len());
     let mut memory = [(); 2].map(|()| vec![0.0; asset.pose_len().max(1) * count]);
-    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
+    let mut workspace = Workspace::new();
     let [here, there] = &mut memory;
     let here = poses(&contender, Transform::IDENTITY, here)?;
     let (mut best, mut most) = (space.placed(APART[0]), 0);
@@ -169,10 +161,8 @@ fn beside(contender: Contender<'_>, space: &Space) -> Result<Transform, WorksErr
         let there = poses(&contender, transform, there)?;
         let mut touching = 0;
         for (sample, pose) in here.iter().enumerate() {
-            let mut first = First(false);
             let other = &there[Works::partner(sample, count)];
-            query::touching((asset, pose), (asset, other), 0.0, &mut stack, &mut first)?;
-            touching += usize::from(first.0);
+            touching += usize::from(pose.against(other, &mut workspace).intersects()?);
         }
         if touching > most {
             (best, most) = (transform, touching);
@@ -182,14 +172,4 @@ fn beside(contender: Contender<'_>, space: &Space) -> Result<Transform, WorksErr
         }
     }
     Ok(best)
-}
-
-/// Whether anything was found; the first thing is enough.
-struct First(bool);
-
-impl<T> bdtree_runtime::Sink<T> for First {
-    fn push(&mut self, _item: T) -> std::ops::ControlFlow<()> {
-        self.0 = true;
-        std::ops::ControlFlow::Break(())
-    }
 }
