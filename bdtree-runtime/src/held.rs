@@ -10,10 +10,10 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::bound::{Spheres, WideSpheres};
 use crate::cache::Posed;
+use crate::depth::proxy;
 use crate::error::FormatError;
 use crate::frame::{Frame, PairFrame};
 use crate::simd::{Lanes, Reference, Work};
-use crate::traverse::proxy;
 use crate::view::Asset;
 use crate::{Kernel, NodeSlot, Pose, StepCache, Transform, VertexId};
 
@@ -258,10 +258,9 @@ fn proxies_in_the_world() {
             } else {
                 Posed::from(&pose)
             };
-            let (spheres, _) = posed
-                .portable_spheres::<Reference>(asset, node)
-                .expect("a node");
-            let proxy = proxy(&pose, &spheres, lane);
+            let mut spheres = WideSpheres::<Reference>::empty();
+            posed.spheres(asset, node, &mut spheres).expect("a node");
+            let proxy = proxy(&pose, &spheres.store(), lane);
             for v in vertices {
                 let x = asset.deformed(&pose, *v).expect("a vertex");
                 assert!(

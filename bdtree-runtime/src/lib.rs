@@ -35,6 +35,7 @@ pub mod broad;
 mod cache;
 pub mod contact;
 mod deform;
+mod depth;
 #[doc(hidden)]
 pub mod embed;
 mod epoch;

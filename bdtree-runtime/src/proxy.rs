@@ -1,23 +1,9 @@
 //! Bounded depth: queries that look no deeper than a level and report its spheres.
 
-use core::fmt;
-
 use crate::cache::Posed;
 use crate::contact::{Proxy, Sink};
+use crate::depth::DepthLimit;
 use crate::view::Asset;
-
-/// How deep a query looks, and where the spheres go at which it stops.
-pub(crate) struct DepthLimit<'s> {
-    pub(crate) level: usize,
-    pub(crate) sink: &'s mut (dyn Sink<Proxy> + 's),
-}
-
-impl fmt::Debug for DepthLimit<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut out = f.debug_struct("DepthLimit");
-        out.field("level", &self.level).finish_non_exhaustive()
-    }
-}
 
 impl<'s> Posed<'s> {
     /// The same, not looked into below `level` (0 is the root's): a query tests the triangles that
@@ -50,8 +36,9 @@ impl<'s> Posed<'s> {
         self.limit.is_some()
     }
 
-    pub(crate) fn take_limit(&mut self) -> Option<DepthLimit<'s>> {
-        self.limit.take()
+    /// The limit of a query of `asset`, if it cuts anything off.
+    pub(crate) fn take_limit(&mut self, asset: &Asset<'_>) -> Option<DepthLimit<'s>> {
+        self.limit.take().filter(|limit| limit.cuts(asset))
     }
 }
 

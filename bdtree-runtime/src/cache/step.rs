@@ -131,8 +131,7 @@ impl<'s> CachedPose<'s> {
     /// [`StepCache::start`].
     pub fn keeps(&self, index: u32) -> bool {
         let slot = self.nodes.get(place(index as usize, self.nodes.len()));
-        let tags = [self.epoch, self.epoch | STEP_END].map(|epoch| tag(epoch, index));
-        slot.is_some_and(|slot| tags.contains(&slot.tag))
+        slot.is_some_and(|slot| slot.tag == tag(self.epoch, index))
     }
 
     /// What following a reference has added to the radii of the root's lanes, at most (world units):

@@ -5,7 +5,6 @@
 //! take, so shared or chained children cannot make it long.
 
 mod apart;
-mod bounded;
 mod budget;
 mod byte_masks;
 mod gap;
@@ -16,14 +15,13 @@ mod nearest_two;
 mod one;
 mod pair_leaves;
 mod pair_side;
+mod pair_stack;
 mod supports;
 mod two;
 
 pub use nearest_two::SearchEntry;
-pub use two::FrontSlot;
+pub use pair_stack::FrontSlot;
 
-#[cfg(test)]
-pub(crate) use bounded::proxy;
 pub(crate) use budget::{BudgetedOne, Guided, Queue};
 pub(crate) use gap::Gap;
 pub(crate) use leaf_pairs::LeafPairs;

@@ -5,10 +5,11 @@ use core::ops::ControlFlow;
 
 use super::leaves::{Four, Leaves};
 use super::nearest::nearest_first;
-use super::{StackEntry, bounded, lane_subtree};
-use crate::bound::WideSpheres;
+use super::{StackEntry, lane_subtree};
+use crate::bound::{Spheres, WideSpheres};
 use crate::cache::Posed;
 use crate::contact::TriangleId;
+use crate::depth::{Depth, Unlimited};
 use crate::error::QueryError;
 use crate::frame::Frame;
 use crate::narrow::Triangle;
@@ -94,9 +95,6 @@ pub(crate) fn one<V: Visitor>(
     stack: &mut [StackEntry],
     visitor: &mut V,
 ) -> Result<Walk, QueryError> {
-    if let Some(limit) = posed.take_limit() {
-        return bounded::one(asset, posed, limit, stack, visitor);
-    }
     if !posed.pose.belongs_to(asset) {
         return Err(QueryError::PoseMismatch);
     }
@@ -105,43 +103,62 @@ pub(crate) fn one<V: Visitor>(
     if found < needed {
         return Err(QueryError::Memory { needed, found });
     }
-    asset.kernel.run(OneWalk {
-        asset,
-        posed,
-        stack,
-        visitor,
-    })
+    match posed.take_limit(asset) {
+        None => asset.kernel.run(OneWalk {
+            asset,
+            posed,
+            stack,
+            visitor,
+            depth: Unlimited,
+        }),
+        Some(depth) => asset.kernel.run(OneWalk {
+            asset,
+            posed,
+            stack,
+            visitor,
+            depth,
+        }),
+    }
 }
 
 /// A walk and who it is for: node bounds and the visitor's test of them are one piece of code,
 /// leaves another.
-struct OneWalk<'w, 's, 'a, V> {
+struct OneWalk<'w, 's, 'a, V, D> {
     asset: &'w Asset<'a>,
     posed: Posed<'s>,
     stack: &'w mut [StackEntry],
     visitor: &'w mut V,
+    depth: D,
 }
 
-impl<V: Visitor> Work for OneWalk<'_, '_, '_, V> {
+impl<V: Visitor, D: Depth> Work for OneWalk<'_, '_, '_, V, D> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self) -> Self::Output {
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self {
+            asset,
+            mut posed,
+            stack,
+            visitor,
+            mut depth,
+        } = self;
         if V::ORDERED {
-            nearest_first::<L, V>(self.asset, &mut self.posed, self.stack, self.visitor)
+            nearest_first::<L, V, D>(asset, &mut posed, stack, visitor, &mut depth)
         } else {
-            in_lane_order::<L, V>(self.asset, &mut self.posed, self.stack, self.visitor)
+            in_lane_order::<L, V, D>(asset, &mut posed, stack, visitor, &mut depth)
         }
     }
 }
 
 /// Visits everything that the visitor wants.
 #[inline(always)]
-fn in_lane_order<L: Lanes, V: Visitor>(
+fn in_lane_order<L: Lanes, V: Visitor, D: Depth>(
     asset: &Asset<'_>,
     posed: &mut Posed<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
+    depth: &mut D,
 ) -> Result<Walk, QueryError> {
     let pose = posed.pose;
     let mut walk = Walk::default();
@@ -168,7 +185,22 @@ fn in_lane_order<L: Lanes, V: Visitor>(
             let mut spheres = WideSpheres::<L>::empty();
             let evaluated = posed.spheres(asset, index, &mut spheres)?;
             walk.nodes_updated += u64::from(evaluated);
-            let mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
+            let mut mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
+            if D::LIMITED {
+                let at = Visit {
+                    node,
+                    spheres: spheres.store(),
+                    keys,
+                    mask,
+                };
+                match at.settle::<L, V, D>(asset, posed, &mut leaves, visitor, depth)? {
+                    ControlFlow::Continue(left) => mask = left,
+                    ControlFlow::Break(()) => {
+                        walk.stopped = true;
+                        return Ok(walk);
+                    }
+                }
+            }
             found[k] = (node, mask);
         }
         for k in 0..together {
@@ -210,4 +242,64 @@ fn in_lane_order<L: Lanes, V: Visitor>(
     }
     walk.stopped = leaves.finish::<L, V>(asset, pose, visitor)?.is_break();
     Ok(walk)
+}
+
+/// A node as a limited walk finds it.
+pub(super) struct Visit<'a> {
+    pub(super) node: &'a NodeRecord,
+    pub(super) spheres: Spheres,
+    /// The visitor's keys of the lanes, and those that it wants.
+    pub(super) keys: Row,
+    pub(super) mask: u8,
+}
+
+impl Visit<'_> {
+    /// Looks at the wanted lanes that end here, leaves and those at the last level, the nearest first: at once, so that what
+    /// they answer is known before anything below is visited, and no sphere is reported that it rules out. The lanes
+    /// that are left.
+    #[inline(always)]
+    pub(super) fn settle<L: Lanes, V: Visitor, D: Depth>(
+        self,
+        asset: &Asset<'_>,
+        posed: &mut Posed<'_>,
+        leaves: &mut Leaves,
+        visitor: &mut V,
+        depth: &mut D,
+    ) -> Result<ControlFlow<(), u8>, QueryError> {
+        let node = self.node;
+        let mut ending = self.mask;
+        if !depth.ends(node) {
+            ending &= node.leaf_mask;
+        }
+        let left = self.mask & !ending;
+        while ending != 0 {
+            let lane = self.nearest(ending);
+            ending &= !(1 << lane);
+            if V::ORDERED && !visitor.wanted(self.keys[lane]) {
+                continue;
+            }
+            let flow = if node.leaf_mask & (1 << lane) != 0 {
+                leaves.take::<L, V>(asset, posed, lane_subtree(node, lane), visitor)?
+            } else {
+                depth.report(posed.pose, &self.spheres, lane)
+            };
+            if flow.is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
+        }
+        Ok(ControlFlow::Continue(left))
+    }
+
+    /// The lane of the least key, of equal ones the lowest.
+    fn nearest(&self, mut lanes: u8) -> usize {
+        let mut nearest = lanes.trailing_zeros() as usize & (LANES - 1);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+            lanes &= lanes - 1;
+            if self.keys[lane] < self.keys[nearest] {
+                nearest = lane;
+            }
+        }
+        nearest
+    }
 }
