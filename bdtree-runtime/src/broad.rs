@@ -11,7 +11,8 @@ use core::ops::ControlFlow;
 use crate::contact::Sink;
 use crate::error::QueryError;
 use crate::math::{dot, sub};
-use crate::query::{ARGUMENT_MAX, BoundingSphere, MARGIN, length};
+use crate::query::{ARGUMENT_MAX, BoundingSphere, length};
+use crate::rounding::MARGIN;
 
 /// What a broad phase did besides reporting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

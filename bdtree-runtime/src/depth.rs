@@ -11,7 +11,7 @@ use crate::bound::Spheres;
 use crate::contact::{Proxy, Sink};
 use crate::math::norm;
 use crate::pose::Pose;
-use crate::query::MARGIN;
+use crate::rounding::MARGIN;
 use crate::view::Asset;
 
 /// A walk's limit.

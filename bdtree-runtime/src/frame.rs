@@ -3,7 +3,8 @@
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::math::{add, dot, length_bound, norm, scale, sqrt, sub};
-use crate::pose::{Transform, U32, round_up};
+use crate::pose::Transform;
+use crate::rounding::{BODIES_APART, HEIGHT_MARGIN, MAPPED, MAPS, RADIUS_SCALE, round_up};
 use crate::simd::{Lanes, Quad, Quad3, add3, dot3, scale3, splat3};
 use crate::view::Asset;
 
@@ -26,11 +27,6 @@ pub(crate) struct Frame {
     /// 1 / unit.
     per_unit: f64,
 }
-
-/// Relative error of the f64 maps, in units of the magnitudes that enter them: forming Q from
-/// a normalised quaternion, rotating, scaling and adding take fewer than 64 roundings of 2⁻⁵³;
-/// narrow-phase distances and shears add 2⁻⁴⁸.
-const EPSILON: f64 = 1.0 / (1_u64 << 44) as f64;
 
 impl Frame {
     pub(crate) fn new(asset: &Asset<'_>, transform: &Transform) -> Self {
@@ -87,7 +83,7 @@ impl Frame {
         let turned = sqrt(square) * self.unit * reach_from;
         let errors = self.error(0.0, reach) * self.world_per_stored()
             + from.error(0.0, reach_from) * from.world_per_stored();
-        (origin + turned) * (1.0 + EPSILON) + errors
+        (origin + turned) * (1.0 + MAPS) + errors
     }
 
     /// Numbers that tell placements apart.
@@ -145,7 +141,7 @@ impl Frame {
     pub(crate) fn error(&self, x_norm: f64, reach: f64) -> f64 {
         let world =
             x_norm + length_bound(self.translation) + self.scale * length_bound(self.origin);
-        EPSILON * (world / self.world_per_stored() + reach)
+        MAPS * (world / self.world_per_stored() + reach)
     }
 }
 
@@ -218,7 +214,7 @@ impl PairMap {
             reach_a: slack_a + far_a,
             reach_b: s * (slack_b + far_b),
             exact,
-            turned: 16.0 * U32 * SQRT_3 * s * far_b,
+            turned: MAPPED * SQRT_3 * s * far_b,
         }
     }
 
@@ -227,7 +223,7 @@ impl PairMap {
         PairFrame {
             linear: self.linear.map(|row| row.map(|x| x as f32)),
             offset: offset.map(|x| x as f32),
-            radius_scale: round_up(self.scale * (1.0 + 1.0 / (1 << 22) as f64)),
+            radius_scale: round_up(self.scale * RADIUS_SCALE),
             radius_extra: round_up(extra),
             reach: round_up(self.reach_a.max(norm(offset) + self.reach_b) + extra),
         }
@@ -255,9 +251,9 @@ impl PairFrame {
     /// apart than `tolerance` (world units).
     pub(crate) fn new(a: &Posed<'_>, b: &Posed<'_>, tolerance: f64) -> Option<Self> {
         let map = PairMap::new(a, b);
-        let extra = tolerance / map.unit_a + map.exact + map.turned + 16.0 * U32 * norm(map.offset);
+        let extra = tolerance / map.unit_a + map.exact + map.turned + MAPPED * norm(map.offset);
         let reach = map.reach_a + map.reach_b + extra;
-        if norm(map.offset) > reach * (1.0 + 1.0 / (1 << 20) as f64) {
+        if norm(map.offset) > reach * BODIES_APART {
             return None;
         }
         Some(map.rounded(map.offset, extra))
@@ -266,7 +262,7 @@ impl PairFrame {
     /// More than what rounding takes from the difference of two heights along a direction that is not
     /// longer than 1 (docs/guarantees.md, planes between meshes).
     pub(crate) fn height_margin(&self) -> f32 {
-        self.reach * (1.0 / (1 << 17) as f32)
+        self.reach * HEIGHT_MARGIN
     }
 
     /// Spheres of the second asset in the frame of the first.

@@ -57,6 +57,7 @@ mod open;
 mod pose;
 mod proxy;
 pub mod query;
+mod rounding;
 mod shares;
 mod simd;
 mod traverse;

@@ -7,16 +7,9 @@ use crate::bound::BoundPose;
 use crate::error::PoseError;
 use crate::frame::{Frame, rotation_matrix};
 use crate::math::{add, dot, scale, sqrt};
+use crate::rounding::{COARSE, round_up, slack};
 use crate::shares::{Given, Memory, Shares};
 use crate::view::Asset;
-
-/// Unit roundoff of f32: 2⁻²⁴.
-pub(crate) const U32: f64 = 1.0 / (1_u64 << 24) as f64;
-
-/// q̃ gets a second part where one alone would add more than this, times [`leaf_radius`], to every
-/// radius: below a thousandth of the mean radius, which is 1.3 to 1.9 leaf radii where triangles are
-/// about equally large (docs/guarantees.md).
-const COARSE: f64 = 1.0 / 880.0;
 
 /// Where an instance stands: `x = rotation · (scale · x_mesh) + translation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -297,17 +290,4 @@ fn split(memory: &mut [f32], mode_count: usize) -> Option<(&mut [f32], Memory<'_
         active: <[u32]>::mut_from_bytes(active.as_mut_bytes()).ok()?,
     };
     Some((q, shares))
-}
-
-/// `8u P + (M + 12) u S + 2⁻⁵⁴` (docs/guarantees.md, slack).
-fn slack(p: f64, s: f64, mode_count: f64) -> f64 {
-    const ABSOLUTE: f64 = 1.0 / (1_u64 << 54) as f64;
-    8.0 * U32 * p + (mode_count + 12.0) * U32 * s + ABSOLUTE
-}
-
-/// An f32 not below `x`, which is not negative and below 2¹²⁰: rounding to nearest loses at
-/// most u x, flushing at most 2⁻¹²⁶.
-pub(crate) fn round_up(x: f64) -> f32 {
-    let up = x * (1.0 + 4.0 * U32);
-    (up as f32).max(f32::MIN_POSITIVE)
 }

@@ -5,17 +5,13 @@
 
 use bdtree_format::ModeRecord;
 
+use crate::rounding::{RATIO_MIN, SCALE_MIN, round_up};
+
 /// Σ |n_j| is at most this: times 2¹⁵ it fits 32 bits.
 const TOTAL_MAX: f64 = 65_535.0;
 
 /// Largest |n_j|: that of an `i16` whose opposite is one too.
 const LARGEST: f64 = 32_767.0;
-
-/// Least λ: 2⁻¹⁰⁰, so that no product of it and a whole number is subnormal.
-const SCALE_MIN: f64 = f64::from_bits((1023 - 100) << 52);
-
-/// Least ρ: 2⁻³⁰.
-const RATIO_MIN: f64 = f64::from_bits((1023 - 30) << 52);
 
 /// A pose's q̃ of q̃_j = (n_j + ρ m_j) λ `q_limit`_j, two modes side by side.
 #[derive(Debug, Clone, Copy)]
@@ -241,9 +237,4 @@ impl Nearest {
             value: sum - BIG,
         }
     }
-}
-
-/// An f32 that is not below x, which is positive and normal.
-fn round_up(x: f64) -> f32 {
-    (x * (1.0 + 1.0 / (1 << 22) as f64)) as f32
 }

@@ -3,7 +3,7 @@
 use bdtree_format::Row;
 use core::ops::ControlFlow;
 
-use super::{Outcome, SKIP, beyond_four, length, point};
+use super::{Outcome, beyond_four, length, point};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
@@ -12,7 +12,8 @@ use crate::frame::Frame;
 use crate::math::{cross, length_bound, norm, scale, sub};
 use crate::narrow::four::closest_four;
 use crate::narrow::{Triangle, closest_point};
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{BALL_RADIUS, POINT, SKIP, round_up};
 use crate::simd::{Lanes, Quad, Quad3, dot3, splat3, sub3};
 use crate::traverse::{Four, StackEntry, Visitor, one};
 use crate::view::Asset;
@@ -74,9 +75,9 @@ impl<'s> Ball<'s> {
         let stored = pose.frame.point_to_stored(center);
         let far = length_bound(stored);
         // Reach in stored units: the radius, the f64 errors, the centre's rounding to f32.
-        let reach = radius / pose.frame.world_per_stored() * (1.0 + 4.0 * U32)
+        let reach = radius / pose.frame.world_per_stored() * (1.0 + BALL_RADIUS)
             + pose.frame.error(length_bound(center) + radius, pose.reach)
-            + 2.0 * U32 * far;
+            + POINT * far;
         Ok(Self {
             stored: stored.map(|x| x as f32),
             reach: round_up(reach),

@@ -4,14 +4,15 @@ use bdtree_format::Row;
 use core::ops::ControlFlow;
 
 use super::ball::{direction, normal};
-use super::{MARGIN, Outcome, SKIP, length, point};
+use super::{Outcome, length, point};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::math::{add_scaled, clamp, dot, norm, scale, sqrt, sub};
 use crate::narrow::{Triangle, segment_triangle_distance};
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{CUT_TO_REACH, MARGIN, SKIP, round_up};
 use crate::simd::Lanes;
 use crate::traverse::{StackEntry, Visitor, one};
 use crate::view::Asset;
@@ -116,7 +117,7 @@ impl NearSegment {
             return None;
         }
         // 32 u: start, direction, length and parameter in f32, of numbers up to twice `around`.
-        let reach = radius + error + 32.0 * U32 * around;
+        let reach = radius + error + CUT_TO_REACH * around;
         Some(Self {
             from: add_scaled(from, start, along).map(|x| x as f32),
             along: along.map(|x| x as f32),

@@ -3,14 +3,15 @@
 use bdtree_format::Row;
 use core::ops::ControlFlow;
 
-use super::{MARGIN, Outcome, SKIP, length, point};
+use super::{Outcome, length, point};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::math::{clamp, dot, norm};
 use crate::narrow::{OrientedBox, Triangle};
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{CUT_TO_REACH, MARGIN, SKIP, round_up};
 use crate::simd::Lanes;
 use crate::traverse::{StackEntry, Visitor, one};
 use crate::view::Asset;
@@ -123,7 +124,7 @@ impl NearBox {
             low,
             high,
             // 32 u: axes and slabs in f32, of numbers up to twice `around`.
-            reach: round_up(error + 32.0 * U32 * around),
+            reach: round_up(error + CUT_TO_REACH * around),
         })
     }
 

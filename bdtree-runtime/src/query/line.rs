@@ -2,13 +2,16 @@
 
 use bdtree_format::Row;
 
-use super::{MARGIN, SKIP, limit, point, unit};
+use super::{limit, point, unit};
 use crate::bound::WideSpheres;
 use crate::contact::{RayHit, TriangleId};
 use crate::error::QueryError;
 use crate::math::{add_scaled, clamp, dot, length_bound};
 use crate::narrow::{self, Triangle, ray_hit};
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{
+    CHORD, EDGE_FUNCTION, MARGIN, RAY, RAY_RANGE, RAY_REACH, SKIP, next_above, round_up,
+};
 use crate::simd::{Lanes, Quad};
 
 /// A ray over one pose. Its point nearest to the asset, `near`, becomes its origin, so that f32
@@ -56,9 +59,9 @@ impl Line {
         let near = add_scaled(from, shift, along);
         let error = frame.error(length_bound(origin), pose.reach + length_bound(from));
         // 32u B: rounding of origin, direction and parameter to f32 (docs/guarantees.md, rays).
-        let extra = error + 32.0 * U32 * pose.reach;
+        let extra = error + RAY * pose.reach;
         let reach = pose.reach + f64::from(pose.slack) + extra;
-        let far = reach * (1.0 + 16.0 * U32);
+        let far = reach * RAY_REACH;
         if dot(near, near) > far * far {
             return Ok(None);
         }
@@ -95,7 +98,7 @@ impl Line {
         let apart = x.mul(x).add(y.mul(y)).add(z.mul(z)).mul(L::splat(SKIP));
         let squared = reach.mul(reach);
         // Where the chord of the sphere begins, or earlier: half of it is √(reach² − d²).
-        let half = squared.mul(L::splat(GROW)).sub(apart).sqrt();
+        let half = squared.mul(L::splat(CHORD)).sub(apart).sqrt();
         *keys = t.sub(half).sub(extra).store();
         !apart.above(squared)
     }
@@ -136,12 +139,9 @@ impl Line {
         // `extra` is in every key already and covers the errors of this subtraction.
         let t = (distance * self.stored_per_world - self.shift).min(self.window);
         self.sieve.shorten(t);
-        t as f32 + f32::EPSILON * (t.abs() as f32) + f32::MIN_POSITIVE
+        next_above(t)
     }
 }
-
-/// 1 + 2⁻¹⁹: a square grown by more than all roundings behind it.
-const GROW: f32 = 1.0 + 1.0 / (1 << 19) as f32;
 
 /// The shear of [`narrow::ray_hit`] in stored units, without its exactness: four triangles at once
 /// by the signs of their edge functions, with a margin (docs/guarantees.md, rays).
@@ -174,7 +174,7 @@ impl Sieve {
         let p = [near[axes[0]], near[axes[1]], near[axes[2]]];
         let per_depth = 1.0 / d[2];
         let shear = [d[0] * per_depth, d[1] * per_depth, per_depth];
-        let grown = 16.0 * error;
+        let grown = RAY_RANGE * error;
         Self {
             axes,
             shear,
@@ -184,7 +184,7 @@ impl Sieve {
                 shear[2] * p[2],
             ],
             range: [range[0] - grown, range[1] + grown],
-            edge: 64.0 * error * reach,
+            edge: EDGE_FUNCTION * error * reach,
             grown,
         }
     }

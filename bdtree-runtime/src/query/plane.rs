@@ -10,7 +10,8 @@ use crate::contact::{Contact, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::math::{dot, norm};
 use crate::narrow::Triangle;
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{PLANE_HEIGHT, POINT, round_up};
 use crate::simd::Lanes;
 use crate::traverse::{StackEntry, Visitor, one};
 use crate::view::Asset;
@@ -81,7 +82,7 @@ impl StoredPlane {
         // Beyond twice the reach an offset decides alone; clamping keeps its f32 rounding small.
         let far = 2.0 * pose.reach + 2.0 * error + 1.0;
         let stored_offset = stored_offset.clamp(-far, far);
-        let extra = error + 8.0 * U32 * pose.reach + 2.0 * U32 * stored_offset.abs();
+        let extra = error + PLANE_HEIGHT * pose.reach + POINT * stored_offset.abs();
         Self {
             normal: frame.inverse_rotate(normal).map(|x| x as f32),
             offset: stored_offset as f32,

@@ -2,11 +2,11 @@
 
 use bdtree_format::LANES;
 
-use super::MARGIN;
 use crate::bound::Spheres;
 use crate::error::QueryError;
 use crate::math::{norm, sub};
 use crate::pose::Pose;
+use crate::rounding::MARGIN;
 use crate::view::Asset;
 
 /// A ball that holds something. World coordinates.

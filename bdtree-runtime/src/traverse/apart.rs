@@ -13,6 +13,7 @@ use crate::bound::WideSpheres;
 use crate::cache::{CHUNK, LeafChunk, Posed};
 use crate::error::QueryError;
 use crate::frame::PairFrame;
+use crate::rounding::NORMAL_LENGTH;
 use crate::simd::{Lanes, Work};
 use crate::view::Asset;
 
@@ -333,9 +334,8 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 /// A vector of this direction that is not longer than 1.
 #[inline(always)]
 fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
-    const SHRINK: f32 = 1.0 - 1.0 / (1 << 20) as f32;
     let squared = dot(v, v);
-    let scale = SHRINK / crate::math::sqrt_f32(squared);
+    let scale = NORMAL_LENGTH / crate::math::sqrt_f32(squared);
     // Far above what may be flushed to 0 in the squares.
     (squared > 1e-30 && scale > 0.0).then(|| v.map(|x| x * scale))
 }

@@ -9,10 +9,8 @@ use crate::contact::{PairContact, TriangleId};
 use crate::error::{FormatError, QueryError};
 use crate::math::{dot, sqrt, sub};
 use crate::narrow::{Triangle, triangle_distance, triangles_intersect};
+use crate::rounding::MARGIN;
 use crate::view::Asset;
-
-/// Of boxes and gaps: far more than their rounding and that of the distances that they spare.
-pub(super) const MARGIN: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// One asset of a search for pairs of triangles, with the leaf that it met last.
 pub(super) struct LeafSide<'n, 'a> {

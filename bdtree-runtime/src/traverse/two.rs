@@ -20,11 +20,9 @@ use crate::error::QueryError;
 use crate::frame::PairFrame;
 use crate::narrow::Triangle;
 use crate::pose::Pose;
+use crate::rounding::SKIP;
 use crate::simd::{Lanes, Work};
 use crate::view::Asset;
-
-/// Relative error of a squared distance and a sum of two radii in f32 (docs/guarantees.md).
-const SKIP: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 
 /// Nodes that a traversal keeps for itself where the caller grants fewer.
 const NODES: usize = 16;
