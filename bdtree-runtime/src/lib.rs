@@ -54,12 +54,16 @@ mod mmap;
 mod motion;
 pub mod narrow;
 mod open;
+mod pair_frame;
 mod pose;
 mod proxy;
 pub mod query;
+#[cfg(test)]
+mod reference;
 mod rounding;
 mod shares;
 mod simd;
+mod transform;
 mod traverse;
 mod verify;
 mod view;
@@ -77,8 +81,9 @@ pub use memory::AlignedBytes;
 #[cfg(feature = "mmap")]
 pub use mmap::MappedFile;
 pub use motion::Motion;
-pub use pose::{Pose, Transform};
+pub use pose::Pose;
 pub use simd::Kernel;
+pub use transform::Transform;
 pub use traverse::{FrontSlot, PairStackEntry, SearchEntry, StackEntry};
 pub use view::{Asset, Displacements, Group, NodeRows};
 

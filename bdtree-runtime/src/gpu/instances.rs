@@ -8,8 +8,9 @@ use zerocopy::IntoBytes;
 use super::error::GpuError;
 use crate::frame::Frame;
 use crate::math::norm;
-use crate::pose::{Pose, Transform, checked_q, identity};
+use crate::pose::{Pose, checked_q, identity};
 use crate::rounding::U32;
+use crate::transform::Transform;
 use crate::view::Asset;
 
 /// Instances side by side in one block.

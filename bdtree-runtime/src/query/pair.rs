@@ -6,8 +6,8 @@ use super::{Outcome, length};
 use crate::cache::Posed;
 use crate::contact::{PairContact, Sink, TriangleId, TrianglePair};
 use crate::error::QueryError;
-use crate::frame::PairFrame;
 use crate::narrow::{Triangle, nearest_points, triangle_distance, triangles_intersect};
+use crate::pair_frame::PairFrame;
 use crate::traverse::{PairStackEntry, PairVisitor, Two, Walk};
 use crate::view::Asset;
 

@@ -7,8 +7,6 @@
 
 use bdtree_format::{LANES, PairRow, Row};
 
-use crate::traverse::mask_of;
-
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -104,6 +102,16 @@ pub(crate) trait Work {
 
     /// Inlined where the instruction set is enabled: mark it and what it calls `inline(always)`.
     fn run<L: Lanes>(self) -> Self::Output;
+}
+
+/// A mask from one decision per lane.
+#[inline(always)]
+pub(crate) fn mask_of(decide: impl Fn(usize) -> bool) -> u8 {
+    let mut mask = 0;
+    for k in 0..LANES {
+        mask |= u8::from(decide(k)) << k;
+    }
+    mask
 }
 
 /// An instruction set that node bounds are evaluated with.

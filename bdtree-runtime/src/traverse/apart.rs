@@ -12,7 +12,7 @@ use super::{PairStackEntry, Subtree, lane_subtree, used_lanes};
 use crate::bound::WideSpheres;
 use crate::cache::{CHUNK, LeafChunk, Posed};
 use crate::error::QueryError;
-use crate::frame::PairFrame;
+use crate::pair_frame::PairFrame;
 use crate::rounding::NORMAL_LENGTH;
 use crate::simd::{Lanes, Work};
 use crate::view::Asset;

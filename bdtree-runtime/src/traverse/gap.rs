@@ -2,11 +2,11 @@
 
 use bdtree_format::Row;
 
-use super::SearchEntry;
+use super::frontier::SearchEntry;
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
-use crate::frame::{PairFrame, PairMap};
 use crate::math::{norm, scale};
+use crate::pair_frame::{PairFrame, PairMap};
 use crate::rounding::{BUDGET_FAR, GAP_DISTANCE, GAP_FAR_LOST, GAP_LOST, round_down, round_up};
 use crate::simd::Lanes;
 

@@ -5,63 +5,14 @@ use bdtree_format::{NodeRecord, SectionKind, TriangleRecord};
 use core::ops::ControlFlow;
 
 use super::Subtree;
-use super::one::Visitor;
+use super::visitor::{Four, Visitor, world};
 use crate::cache::{CHUNK, LeafChunk, Posed, deform};
 use crate::contact::TriangleId;
 use crate::error::{Datum, FormatError, QueryError};
 use crate::frame::Frame;
-use crate::narrow::Triangle;
 use crate::pose::Pose;
 use crate::simd::{Lanes, Work, prefetch};
 use crate::view::Asset;
-
-/// Triangles that wait for being tested together.
-#[derive(Default)]
-pub(crate) struct Four {
-    pub(crate) ids: [u32; 4],
-    /// Stored units: of each corner, of each coordinate, that of the four.
-    pub(crate) corners: [[[f32; 4]; 3]; 3],
-    /// How many there are.
-    pub(crate) len: usize,
-}
-
-impl Four {
-    /// Adds a triangle; there must be room.
-    #[inline(always)]
-    fn push(&mut self, id: u32, corners: &[[f32; 3]; 3]) {
-        let k = self.len & 3;
-        self.ids[k] = id;
-        for i in 0..3 {
-            for axis in 0..3 {
-                self.corners[i][axis][k] = corners[i][axis];
-            }
-        }
-        self.len = k + 1;
-    }
-
-    /// The world corners of triangle `k`.
-    #[inline(always)]
-    pub(crate) fn world(&self, frame: &Frame, k: usize) -> Triangle {
-        world(frame, &stored(&self.corners, k))
-    }
-}
-
-/// The corners of the k-th of four triangles.
-#[inline(always)]
-fn stored(four: &[[[f32; 4]; 3]; 3], k: usize) -> [[f32; 3]; 3] {
-    let mut corners = [[0.0; 3]; 3];
-    for i in 0..3 {
-        for axis in 0..3 {
-            corners[i][axis] = four[i][axis][k & 3];
-        }
-    }
-    corners
-}
-
-#[inline(always)]
-fn world(frame: &Frame, [a, b, c]: &[[f32; 3]; 3]) -> Triangle {
-    [frame.world(*a), frame.world(*b), frame.world(*c)]
-}
 
 /// What a traversal holds for its leaves.
 pub(super) struct Leaves {

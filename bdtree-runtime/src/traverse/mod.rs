@@ -7,8 +7,10 @@
 mod apart;
 mod budget;
 mod byte_masks;
+mod frontier;
 mod gap;
 mod leaf_pairs;
+mod leaf_side;
 mod leaves;
 mod nearest;
 mod nearest_two;
@@ -18,24 +20,27 @@ mod pair_side;
 mod pair_stack;
 mod supports;
 mod two;
+mod visit;
+mod visitor;
 
-pub use nearest_two::SearchEntry;
+pub use frontier::SearchEntry;
 pub use pair_stack::FrontSlot;
 
 pub(crate) use budget::{BudgetedOne, Guided, Queue};
+pub(crate) use frontier::Stack;
 pub(crate) use gap::Gap;
 pub(crate) use leaf_pairs::LeafPairs;
-pub(crate) use leaves::Four;
-pub(crate) use nearest_two::{NearestTwo, Stack};
-pub(crate) use one::{Visitor, Walk, one};
-pub(crate) use two::{PairVisitor, Two};
+pub(crate) use nearest_two::NearestTwo;
+pub(crate) use one::one;
+pub(crate) use two::Two;
+pub(crate) use visitor::{Four, PairVisitor, Visitor, Walk};
 
-use bdtree_format::{LANES, NodeRecord, SectionKind};
+use bdtree_format::{NodeRecord, SectionKind};
 
 use crate::bound::{Spheres, evaluate};
 use crate::error::{Datum, FormatError};
 use crate::pose::Pose;
-use crate::simd::{Lanes, Work};
+use crate::simd::{Lanes, Work, mask_of};
 use crate::view::Asset;
 
 /// One entry of a single-asset traversal's stack: a node or a leaf to visit.
@@ -190,14 +195,4 @@ impl Work for NodeSpheres<'_, '_> {
             None => Err(asset.unknown_mode(node.mode_list_start)),
         }
     }
-}
-
-/// A mask from one decision per lane.
-#[inline(always)]
-pub(crate) fn mask_of(decide: impl Fn(usize) -> bool) -> u8 {
-    let mut mask = 0;
-    for k in 0..LANES {
-        mask |= u8::from(decide(k)) << k;
-    }
-    mask
 }

@@ -4,7 +4,8 @@ use bdtree_format::{LANES, Row};
 use core::ops::ControlFlow;
 
 use super::leaves::Leaves;
-use super::one::{NO_NODE, TOGETHER, Visit, Visitor, Walk};
+use super::visit::{NO_NODE, TOGETHER, Visit};
+use super::visitor::{Visitor, Walk};
 use super::{StackEntry, Subtree, lane_subtree};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;

@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 
 use super::pair_side::{KeptFour, Side};
 use super::pair_stack::FrontSlot;
-use super::two::PairVisitor;
+use super::visitor::PairVisitor;
 use crate::cache::CHUNK;
 use crate::contact::TriangleId;
 use crate::error::QueryError;

@@ -5,7 +5,7 @@
 
 use bdtree_format::TriangleRecord;
 
-use super::leaf_pairs::LeafSide;
+use super::leaf_side::LeafSide;
 use crate::error::FormatError;
 use crate::math::{dot, norm, scale, sub};
 use crate::rounding::MARGIN;

@@ -11,14 +11,13 @@ use super::byte_masks::{BYTES, any_row, columns, gather, lane_pair, lowest, rows
 use super::pair_leaves::run_leaves;
 use super::pair_side::Side;
 use super::pair_stack::{FrontSlot, LeafQueue, PairStack, QUEUE};
-use super::{PairStackEntry, Walk, lane_subtree};
+use super::visitor::{PairVisitor, Walk};
+use super::{PairStackEntry, lane_subtree};
 use crate::bound::{Spheres, WideSpheres};
 use crate::cache::Posed;
-use crate::contact::TriangleId;
 use crate::depth::{Depth, Unlimited};
 use crate::error::QueryError;
-use crate::frame::PairFrame;
-use crate::narrow::Triangle;
+use crate::pair_frame::PairFrame;
 use crate::pose::Pose;
 use crate::rounding::SKIP;
 use crate::simd::{Lanes, Work};
@@ -26,24 +25,6 @@ use crate::view::Asset;
 
 /// Nodes that a traversal keeps for itself where the caller grants fewer.
 const NODES: usize = 16;
-
-/// A question about pairs of triangles of two deformed meshes.
-pub(crate) trait PairVisitor {
-    /// Farther apart, triangles are no answer (world units).
-    fn tolerance(&self) -> f64;
-
-    /// Told of the pairs of leaves whose spheres meet.
-    fn meet(&mut self, _leaves: &[FrontSlot]) {}
-
-    /// Takes the world corners of two triangles that may be an answer; `Break` ends the traversal.
-    fn triangles(
-        &mut self,
-        a: TriangleId,
-        corners_a: &Triangle,
-        b: TriangleId,
-        corners_b: &Triangle,
-    ) -> ControlFlow<()>;
-}
 
 /// What a pair traversal walks.
 pub(crate) struct Two<'s, 'a> {

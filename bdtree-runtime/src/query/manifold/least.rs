@@ -1,9 +1,8 @@
 //! The least translation that separates two triangles.
 
 use super::super::unit;
-use super::bodies::area_vector;
 use crate::math::{add, cross, dot, scale, sub};
-use crate::narrow::Triangle;
+use crate::narrow::{Triangle, area_vector};
 
 /// How far the first triangle has to move, and the unit direction against which it moves: the least
 /// overlap along the normals of both and the products of their edges (Gottschalk, Lin and Manocha,
