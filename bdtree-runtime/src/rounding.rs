@@ -58,19 +58,19 @@ pub(crate) const GAMMA: f32 = 16.0 / (1_u32 << 24) as f32;
 /// `SKIP`, 1 − 2⁻²⁰: pays for a squared f32 distance, for a sum of radii and its square.
 pub(crate) const SKIP: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 
-/// `PairFrame`, `mapped`: 16u of √3 s B and of ‖t‖, for a centre carried to another frame in f32.
+/// `PairFrame`, `MAPPED`: 16u of √3 s B and of ‖t‖, for a centre carried to another frame in f32.
 pub(crate) const MAPPED: f64 = 16.0 * U32;
 
-/// `PairFrame`, `radius_scale`: 1 + 2⁻²², for a radius carried there.
+/// `PairFrame`, `RADIUS_SCALE`: 1 + 2⁻²², for a radius carried there.
 pub(crate) const RADIUS_SCALE: f64 = 1.0 + 1.0 / (1 << 22) as f64;
 
 /// `PairFrame`: 1 + 2⁻²⁰ of the reach of both, for comparing it with the distance of two bodies.
 pub(crate) const BODIES_APART: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 
-/// `height_margin`: 2⁻¹⁷ of the reach, for the heights of two sides over a plane.
+/// `HEIGHT_MARGIN`: 2⁻¹⁷ of the reach, for the heights of two sides over a plane.
 pub(crate) const HEIGHT_MARGIN: f32 = 1.0 / (1 << 17) as f32;
 
-/// `height_margin`: 1 − 2⁻²⁰, so that a normal is not longer than 1.
+/// `HEIGHT_MARGIN`: 1 − 2⁻²⁰, so that a normal is not longer than 1.
 pub(crate) const NORMAL_LENGTH: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 
 /// `Gap` and the keys of closest points: 1 − 2⁻¹⁹ of an f32 distance, before radii are taken off.
