@@ -14,8 +14,8 @@
 
 use bdtree_format::{ModePair, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, Row};
 
+use crate::quantized_q::QuantizedQ;
 use crate::rounding::{GAMMA, GAP_RADII};
-use crate::shares::Shares;
 use crate::simd::{Lanes, PairSums};
 use crate::view::NodeRows;
 
@@ -148,7 +148,7 @@ impl<V: Lanes> WideSpheres<V> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BoundPose<'p> {
     /// q̃: q in whole numbers.
-    pub(crate) shares: Shares<'p>,
+    pub(crate) quantized: QuantizedQ<'p>,
     /// Absolute error of centre, root and deformed vertices, and what q̃ is off (stored units).
     pub(crate) slack: f32,
 }
@@ -165,7 +165,7 @@ pub(crate) fn evaluate<V: Lanes>(
     pose: &BoundPose<'_>,
 ) -> Option<WideSpheres<V>> {
     let leading = rows.leading;
-    let shares = &pose.shares;
+    let shares = &pose.quantized;
     let mut sums = Sums::<V>::of(rows.pairs, modes, shares, shares.coarse)?.rounded();
     if !shares.fine.is_empty() {
         let fine = Sums::<V>::of(rows.pairs, modes, shares, shares.fine)?.rounded();
@@ -222,7 +222,7 @@ impl<V: Lanes> Sums<V> {
     fn of(
         pairs: &[ModePair],
         modes: &[u16],
-        shares: &Shares<'_>,
+        shares: &QuantizedQ<'_>,
         numbers: &[[i16; 2]],
     ) -> Option<Self> {
         let zero = V::Sums::zero();

@@ -87,7 +87,7 @@ impl Asset<'_> {
     /// When there is no such vertex.
     #[inline]
     pub fn deformed(&self, pose: &Pose<'_>, vertex: VertexId) -> Result<[f64; 3], FormatError> {
-        Ok(pose.frame.world(self.deformed_stored(pose, vertex)?))
+        Ok(pose.placement.world(self.deformed_stored(pose, vertex)?))
     }
 
     /// Puts the deformed corners of four triangles into `corners`: of each corner, of each coordinate,

@@ -96,10 +96,11 @@ impl fmt::Debug for DepthLimit<'_> {
 /// The sphere of a lane in the world, which holds all that the leaf arithmetic puts below it.
 pub(crate) fn proxy(pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> Proxy {
     let center = [0, 1, 2].map(|axis| spheres.centre[axis][lane]);
-    let center = pose.frame.world(center);
-    let radius = f64::from(spheres.radius[lane]) + pose.frame.error(norm(center), 2.0 * pose.reach);
+    let center = pose.placement.world(center);
+    let radius =
+        f64::from(spheres.radius[lane]) + pose.placement.error(norm(center), 2.0 * pose.reach);
     Proxy {
         center,
-        radius: radius * pose.frame.world_per_stored() * (1.0 + MARGIN),
+        radius: radius * pose.placement.world_per_stored() * (1.0 + MARGIN),
     }
 }

@@ -30,7 +30,7 @@ pub fn add_generalized_force(
         return Err(asset.out_of_range(SectionKind::DISPLACEMENTS, m, out.len(), 12));
     };
     // x = t + s Q (origin + unit p'), so ∂x/∂q_j · f = s unit U_ij · (Qᵀ f).
-    let frame = &pose.frame;
+    let frame = &pose.placement;
     let local = frame.inverse_rotate(force);
     let scale = frame.world_per_stored();
     for (corner, weight) in corners.iter().zip(barycentric) {

@@ -41,11 +41,8 @@ pub mod embed;
 mod epoch;
 pub mod error;
 mod force;
-mod frame;
 #[cfg(feature = "wgpu")]
 pub mod gpu;
-#[cfg(test)]
-mod held;
 mod math;
 #[cfg(feature = "alloc")]
 mod memory;
@@ -55,13 +52,16 @@ mod motion;
 pub mod narrow;
 mod open;
 mod pair_frame;
+mod placement;
 mod pose;
 mod proxy;
+mod quantized_q;
 pub mod query;
 #[cfg(test)]
 mod reference;
+#[cfg(test)]
+mod retained_bounds;
 mod rounding;
-mod shares;
 mod simd;
 mod transform;
 mod traverse;

@@ -29,7 +29,7 @@ pub(crate) struct PairMap {
 
 impl PairMap {
     pub(crate) fn new(a: &Posed<'_>, b: &Posed<'_>) -> Self {
-        let (fa, fb) = (&a.pose.frame, &b.pose.frame);
+        let (fa, fb) = (&a.pose.placement, &b.pose.placement);
         let ([far_a, slack_a], [far_b, slack_b]) = (a.reach_and_slack(), b.reach_and_slack());
         let unit_a = fa.world_per_stored();
         let s = fb.world_per_stored() / unit_a;

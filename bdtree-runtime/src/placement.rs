@@ -8,11 +8,11 @@ use crate::view::Asset;
 
 /// The placement of one asset.
 ///
-/// Leaves use [`Frame::world`], the leaf arithmetic that defines the deformed mesh. Node
+/// Leaves use [`Placement::world`], the leaf arithmetic that defines the deformed mesh. Node
 /// tests run in stored units, where f32 serves; the maps to and from there only have to be as
-/// good as [`Frame::error`] says.
+/// good as [`Placement::error`] says.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Frame {
+pub(crate) struct Placement {
     /// Rows of the rotation matrix Q.
     rotation: [[f64; 3]; 3],
     translation: [f64; 3],
@@ -26,7 +26,7 @@ pub(crate) struct Frame {
     per_unit: f64,
 }
 
-impl Frame {
+impl Placement {
     pub(crate) fn new(asset: &Asset<'_>, transform: &Transform) -> Self {
         Self {
             rotation: rotation_matrix(transform.rotation),
@@ -50,7 +50,7 @@ impl Frame {
         add(self.translation, scale(turned, self.scale))
     }
 
-    /// [`Frame::world`] for four points: the same bits.
+    /// [`Placement::world`] for four points: the same bits.
     #[inline(always)]
     pub(crate) fn world_four<Q: Quad>(&self, p: &[[f32; 4]; 3]) -> Quad3<Q> {
         let p = [Q::widen(&p[0]), Q::widen(&p[1]), Q::widen(&p[2])];
@@ -108,7 +108,7 @@ impl Frame {
         self.scale * self.unit
     }
 
-    /// A world point in stored coordinates, within [`Frame::error`].
+    /// A world point in stored coordinates, within [`Placement::error`].
     pub(crate) fn point_to_stored(&self, x: [f64; 3]) -> [f64; 3] {
         let rotated = self.inverse_rotate(sub(x, self.translation));
         scale(

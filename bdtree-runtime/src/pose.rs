@@ -5,10 +5,10 @@ use zerocopy::{FromBytes, IntoBytes};
 
 use crate::bound::BoundPose;
 use crate::error::PoseError;
-use crate::frame::Frame;
 use crate::math::sqrt;
+use crate::placement::Placement;
+use crate::quantized_q::{Given, Memory, QuantizedQ};
 use crate::rounding::{COARSE, round_up, slack};
-use crate::shares::{Given, Memory, Shares};
 use crate::transform::Transform;
 use crate::view::Asset;
 
@@ -40,14 +40,14 @@ pub struct Pose<'p> {
     /// q with subnormal entries set to 0 (deviation from the source's q: below 2⁻¹²⁶).
     pub(crate) q: &'p [f32],
     /// q̃, for node bounds.
-    shares: Shares<'p>,
+    quantized: QuantizedQ<'p>,
     /// Added to every radius: covers the f32 evaluation of centres, radii and vertices, and what q̃
     /// differs from q (docs/guarantees.md, slack; stored units).
     pub(crate) slack: f32,
     /// B = P + S: no deformed vertex and no lane centre is farther from the origin
     /// (stored units, before rounding).
     pub(crate) reach: f64,
-    pub(crate) frame: Frame,
+    pub(crate) placement: Placement,
     /// Identifies the asset: the address at which its bytes start (a number, so that poses may
     /// cross threads) and their header's checksum, since another file may come to lie there.
     asset: (usize, u32),
@@ -108,19 +108,20 @@ impl<'p> Pose<'p> {
             *out = q;
         }
         let transform = transform.checked()?;
-        let frame = Frame::new(asset, &transform);
+        let placement = Placement::new(asset, &transform);
         let p = f64::from(asset.header().position_norm_max.get());
         let given = Given { modes, q: own };
         let coarse = COARSE * leaf_radius(asset);
-        let (shares, left_out) = given.round(tolerance / frame.world_per_stored(), coarse, memory);
+        let (shares, left_out) =
+            given.round(tolerance / placement.world_per_stored(), coarse, memory);
         // q̃ may reach farther than q by what the two differ.
         let s = s + left_out;
         Ok(Self {
             q: own,
-            shares,
+            quantized: shares,
             slack: round_up(slack(p, s, modes.len() as f64) + left_out),
             reach: p + s,
-            frame,
+            placement,
             asset: identity(asset),
         })
     }
@@ -132,7 +133,7 @@ impl<'p> Pose<'p> {
 
     /// Modes that node bounds take into account: what the others move is in [`Pose::slack`].
     pub fn active_modes(&self) -> usize {
-        let pairs = self.shares.active.iter();
+        let pairs = self.quantized.active.iter();
         let in_pair = |k: &u32| (self.q.len() - 2 * *k as usize).min(2);
         pairs.map(in_pair).sum()
     }
@@ -140,14 +141,14 @@ impl<'p> Pose<'p> {
     /// By how much every sphere is larger than its formula says, in world units: rounding, modes
     /// left out, and q rounded for node bounds.
     pub fn slack(&self) -> f64 {
-        f64::from(self.slack) * self.frame.world_per_stored()
+        f64::from(self.slack) * self.placement.world_per_stored()
     }
 
     /// What node bounds need of it.
     #[inline(always)]
     pub(crate) fn bound(&self) -> BoundPose<'p> {
         BoundPose {
-            shares: self.shares,
+            quantized: self.quantized,
             slack: self.slack,
         }
     }
@@ -166,7 +167,7 @@ impl<'p> Pose<'p> {
 
     /// [`Pose::fingerprint`] of q and placement.
     pub(crate) fn placed_fingerprint(&self) -> u64 {
-        let placement = self.frame.numbers().map(f64::to_bits);
+        let placement = self.placement.numbers().map(f64::to_bits);
         hashed(core::iter::once(self.fingerprint()).chain(placement))
     }
 

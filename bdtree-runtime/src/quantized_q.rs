@@ -15,7 +15,7 @@ const LARGEST: f64 = 32_767.0;
 
 /// A pose's q̃ of q̃_j = (n_j + ρ m_j) λ `q_limit`_j, two modes side by side.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shares<'p> {
+pub(crate) struct QuantizedQ<'p> {
     /// n.
     pub(crate) coarse: &'p [[i16; 2]],
     /// m, of the same signs; empty where q̃ has one part only.
@@ -29,7 +29,7 @@ pub(crate) struct Shares<'p> {
     pub(crate) mode_count: usize,
 }
 
-/// Memory for [`Shares`]: one entry each for every two modes.
+/// Memory for [`QuantizedQ`]: one entry each for every two modes.
 pub(crate) struct Memory<'p> {
     pub(crate) coarse: &'p mut [[i16; 2]],
     pub(crate) fine: &'p mut [[i16; 2]],
@@ -89,7 +89,7 @@ impl<'a> Given<'a> {
         tolerance: f64,
         coarse: f64,
         memory: Memory<'p>,
-    ) -> (Shares<'p>, f64) {
+    ) -> (QuantizedQ<'p>, f64) {
         let Memory {
             coarse: first,
             fine: second,
@@ -152,7 +152,7 @@ impl<'a> Given<'a> {
                 used += 1;
             }
         }
-        let shares = Shares {
+        let shares = QuantizedQ {
             coarse: first,
             fine,
             active: &active[..used],

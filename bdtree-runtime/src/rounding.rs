@@ -92,7 +92,7 @@ pub(crate) const BUDGET_FAR: f64 = 1.0 - 1.0 / (1_u64 << 48) as f64;
 /// triangles", `Budget`, `beyond_four`, `NearSegment`, `root_sphere`, proxies and the broad phase.
 pub(crate) const MARGIN: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// `Frame::error`: 2⁻⁴⁴ of the magnitudes that enter the f64 maps. Forming Q from
+/// `Placement::error`: 2⁻⁴⁴ of the magnitudes that enter the f64 maps. Forming Q from
 /// a normalised quaternion, rotating, scaling and adding take fewer than 64 roundings of v;
 /// narrow-phase distances and shears add 2⁻⁴⁸.
 pub(crate) const MAPS: f64 = 1.0 / (1_u64 << 44) as f64;

@@ -145,6 +145,6 @@ impl<'s> CachedPose<'s> {
         };
         let added = drift.added(asset.node_rows(asset.node(0)?)?.steps);
         let largest = added.into_iter().fold(0.0_f32, f32::max);
-        Ok(f64::from(largest) * self.pose.frame.world_per_stored())
+        Ok(f64::from(largest) * self.pose.placement.world_per_stored())
     }
 }

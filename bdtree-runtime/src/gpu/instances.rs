@@ -6,8 +6,8 @@ use alloc::vec::Vec;
 use zerocopy::IntoBytes;
 
 use super::error::GpuError;
-use crate::frame::Frame;
 use crate::math::norm;
+use crate::placement::Placement;
 use crate::pose::{Pose, checked_q, identity};
 use crate::rounding::U32;
 use crate::transform::Transform;
@@ -110,7 +110,7 @@ impl Instances {
             return Err(GpuError::Mismatch("the pose was"));
         }
         let sum = pose.reach - f64::from(asset.header().position_norm_max.get());
-        self.add(asset, &pose.frame, sum, pose.q.iter().copied())
+        self.add(asset, &pose.placement, sum, pose.q.iter().copied())
     }
 
     /// Adds an instance without a pose, which costs less. Returns what [`Instances::push`] does.
@@ -136,7 +136,7 @@ impl Instances {
             let q = checked_q(mode, *q, record)?;
             sum += f64::from(record.field_norm_max.get()) * f64::from(q.abs());
         }
-        let frame = Frame::new(asset, &transform.checked()?);
+        let frame = Placement::new(asset, &transform.checked()?);
         let flushed = |q: &f32| if q.abs() < f32::MIN_POSITIVE { 0.0 } else { *q };
         self.add(asset, &frame, sum, q.iter().map(flushed))
     }
@@ -145,7 +145,7 @@ impl Instances {
     fn add(
         &mut self,
         asset: &Asset<'_>,
-        frame: &Frame,
+        frame: &Placement,
         sum: f64,
         q: impl Iterator<Item = f32>,
     ) -> Result<f64, GpuError> {

@@ -91,7 +91,7 @@ impl NearSegment {
     /// as long as you like: what is left of it is not longer than the body and the capsule's
     /// radius make it, and f32 serves.
     fn new(pose: &Pose<'_>, ends: [[f64; 3]; 2], radius: f64) -> Option<Self> {
-        let frame = &pose.frame;
+        let frame = &pose.placement;
         let radius = radius / frame.world_per_stored();
         let world = norm(ends[0]) + norm(ends[1]) + radius * frame.world_per_stored();
         let error = frame.error(world, pose.reach);

@@ -73,13 +73,13 @@ impl Closest {
     ) -> Result<Self, QueryError> {
         let to = point(to, "point: a coordinate is not finite or beyond 2^100")?;
         let max_distance = limit(max_distance, "max_distance: negative, NaN or beyond 2^100")?;
-        let stored = pose.frame.point_to_stored(to);
+        let stored = pose.placement.point_to_stored(to);
         let far = norm(stored);
-        let extra = pose.frame.error(norm(to), pose.reach) + POINT * far;
+        let extra = pose.placement.error(norm(to), pose.reach) + POINT * far;
         let mut closest = Self {
             stored: (far <= FAR * pose.reach).then(|| stored.map(|x| x as f32)),
             extra: round_up(extra),
-            stored_per_world: 1.0 / pose.frame.world_per_stored(),
+            stored_per_world: 1.0 / pose.placement.world_per_stored(),
             bound: f32::INFINITY,
             to,
             max_distance,

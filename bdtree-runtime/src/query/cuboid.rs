@@ -101,7 +101,7 @@ impl NearBox {
     /// Nothing where a slab holds no point of the body. Slabs are cut off where the body cannot
     /// be, so a box may be as large and as far as you like.
     fn new(pose: &Pose<'_>, shape: &OrientedBox) -> Option<Self> {
-        let frame = &pose.frame;
+        let frame = &pose.placement;
         // Twice: leaf predicate and placement; the slabs and axes formed here.
         let world = norm(shape.center()) + norm(shape.half_extents());
         let error = 2.0 * frame.error(world, pose.reach);

@@ -224,7 +224,7 @@ impl State {
             return Ok(outcome(None));
         }
         // A wide margin is worth its walk only where it meets nothing at all.
-        let size = |pose: &Pose<'_>| pose.reach * pose.frame.world_per_stored();
+        let size = |pose: &Pose<'_>| pose.reach * pose.placement.world_per_stored();
         let widest = MARGIN_REL * (size(poses[0]) + size(poses[1]));
         let margin = margin
             .map(|margin| margin.min(widest))

@@ -50,7 +50,7 @@ impl Line {
         let origin = point(origin, "origin: a coordinate is not finite or beyond 2^100")?;
         let direction = unit(direction, "direction: zero or not finite")?;
         let max_distance = limit(max_distance, "max_distance: negative, NaN or beyond 2^100")?;
-        let frame = &pose.frame;
+        let frame = &pose.placement;
         let stored_per_world = 1.0 / frame.world_per_stored();
         let from = frame.point_to_stored(origin);
         let along = frame.inverse_rotate(direction);

@@ -74,7 +74,7 @@ pub(super) struct StoredPlane {
 impl StoredPlane {
     /// The world plane `normal · x = offset`, `normal` being unit.
     pub(super) fn new(pose: &Pose<'_>, normal: [f64; 3], offset: f64) -> Self {
-        let frame = &pose.frame;
+        let frame = &pose.placement;
         // n·x = n·o + k (n_s·p'), o the stored origin's world position, k world per stored unit.
         let origin = frame.origin_in_world();
         let stored_offset = (offset - dot(normal, origin)) / frame.world_per_stored();

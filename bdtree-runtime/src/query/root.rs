@@ -38,11 +38,11 @@ pub fn root_sphere(asset: &Asset<'_>, pose: &Pose<'_>) -> Result<BoundingSphere,
     } else {
         ([0.0; 3], all)
     };
-    let center = pose.frame.world(center);
-    let radius = radius + pose.frame.error(norm(center), pose.reach);
+    let center = pose.placement.world(center);
+    let radius = radius + pose.placement.error(norm(center), pose.reach);
     Ok(BoundingSphere {
         center,
-        radius: radius * pose.frame.world_per_stored() * (1.0 + MARGIN),
+        radius: radius * pose.placement.world_per_stored() * (1.0 + MARGIN),
     })
 }
 

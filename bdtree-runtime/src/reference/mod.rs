@@ -29,7 +29,7 @@ fn the_page_shows_the_update_that_is_tested() {
 
 /// q as node bounds see it: in whole numbers.
 fn rounded(asset: &Asset<'_>, pose: &Pose<'_>) -> Vec<f64> {
-    let shares = pose.bound().shares;
+    let shares = pose.bound().quantized;
     let (scale, ratio) = (f64::from(shares.scale), f64::from(shares.ratio));
     let of_mode = |(j, mode): (usize, &bdtree_format::ModeRecord)| {
         let n = f64::from(shares.coarse.as_flattened()[j]);

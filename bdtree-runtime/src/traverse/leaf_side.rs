@@ -47,7 +47,7 @@ impl<'n, 'a> LeafSide<'n, 'a> {
             return Ok(());
         }
         self.holds = None; // until it is whole
-        let frame = &self.posed.pose.frame;
+        let frame = &self.posed.pose.placement;
         let (asset, spare) = (self.asset, &mut self.spare);
         let leaf = self.posed.leaf(asset, start, records, spare)?;
         self.ids = leaf.ids;

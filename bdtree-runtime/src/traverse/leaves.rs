@@ -9,7 +9,7 @@ use super::visitor::{Four, Visitor, world};
 use crate::cache::{CHUNK, LeafChunk, Posed, deform};
 use crate::contact::TriangleId;
 use crate::error::{Datum, FormatError, QueryError};
-use crate::frame::Frame;
+use crate::placement::Placement;
 use crate::pose::Pose;
 use crate::simd::{Lanes, Work, prefetch};
 use crate::view::Asset;
@@ -71,14 +71,14 @@ impl Leaves {
                 let flow = if V::IN_FOURS {
                     self.near.push(chunk.ids[k], &corners);
                     if self.near.is_full() {
-                        take_near(&mut self.near, asset, &pose.frame, visitor)
+                        take_near(&mut self.near, asset, &pose.placement, visitor)
                     } else {
                         ControlFlow::Continue(())
                     }
                 } else if visitor.misses(&corners) {
                     ControlFlow::Continue(())
                 } else {
-                    visitor.triangle(TriangleId(chunk.ids[k]), &world(&pose.frame, &corners))
+                    visitor.triangle(TriangleId(chunk.ids[k]), &world(&pose.placement, &corners))
                 };
                 if flow.is_break() {
                     return Ok(ControlFlow::Break(()));
@@ -100,7 +100,7 @@ impl Leaves {
             if self.fresh.len > 0 && self.sieve::<L, V>(asset, pose, visitor)?.is_break() {
                 return Ok(ControlFlow::Break(()));
             }
-            return Ok(take_near(&mut self.near, asset, &pose.frame, visitor));
+            return Ok(take_near(&mut self.near, asset, &pose.placement, visitor));
         }
         Ok(ControlFlow::Continue(()))
     }
@@ -123,7 +123,7 @@ impl Leaves {
             left &= left - 1;
             self.near.push(chunk.ids[k], &chunk.stored(k));
             if self.near.is_full()
-                && take_near(&mut self.near, asset, &pose.frame, visitor).is_break()
+                && take_near(&mut self.near, asset, &pose.placement, visitor).is_break()
             {
                 return Ok(ControlFlow::Break(()));
             }
@@ -180,7 +180,7 @@ impl Near {
 /// [`Visitor::fours`] as work of its own.
 struct TakeNear<'n, V> {
     near: &'n mut Near,
-    frame: &'n Frame,
+    frame: &'n Placement,
     visitor: &'n mut V,
 }
 
@@ -203,7 +203,7 @@ impl<V: Visitor> Work for TakeNear<'_, V> {
 fn take_near<V: Visitor>(
     near: &mut Near,
     asset: &Asset<'_>,
-    frame: &Frame,
+    frame: &Placement,
     visitor: &mut V,
 ) -> ControlFlow<()> {
     asset.kernel.run(TakeNear {

@@ -4,7 +4,6 @@
 //! and it stops with `Corrupt` after as many visits, or pairs of triangles, as sound trees can
 //! take, so shared or chained children cannot make it long.
 
-mod apart;
 mod budget;
 mod byte_masks;
 mod frontier;
@@ -18,6 +17,7 @@ mod one;
 mod pair_leaves;
 mod pair_side;
 mod pair_stack;
+mod separating_plane;
 mod supports;
 mod two;
 mod visit;

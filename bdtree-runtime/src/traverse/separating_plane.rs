@@ -25,7 +25,7 @@ const TRIES: usize = 3;
 const NODES: u32 = 48;
 
 /// The search for a plane.
-pub(super) struct Apart<'p, 's, 'a> {
+pub(super) struct SeparatingPlane<'p, 's, 'a> {
     pub(super) assets: [&'p Asset<'a>; 2],
     pub(super) posed: [&'p mut Posed<'s>; 2],
     pub(super) frame: &'p PairFrame,
@@ -41,7 +41,7 @@ pub(super) struct Found {
     pub(super) nodes_updated: u64,
 }
 
-impl Work for Apart<'_, '_, '_> {
+impl Work for SeparatingPlane<'_, '_, '_> {
     type Output = Result<Found, QueryError>;
 
     #[inline(always)]

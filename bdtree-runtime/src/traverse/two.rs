@@ -6,11 +6,11 @@
 use bdtree_format::{LANES, NodeRecord};
 use core::ops::ControlFlow;
 
-use super::apart::{Apart, Found};
 use super::byte_masks::{BYTES, any_row, columns, gather, lane_pair, lowest, rows};
 use super::pair_leaves::run_leaves;
 use super::pair_side::Side;
 use super::pair_stack::{FrontSlot, LeafQueue, PairStack, QUEUE};
+use super::separating_plane::{Found, SeparatingPlane};
 use super::visitor::{PairVisitor, Walk};
 use super::{PairStackEntry, lane_subtree};
 use crate::bound::{Spheres, WideSpheres};
@@ -57,7 +57,7 @@ impl Two<'_, '_> {
         let mut before = Found::default();
         // The search for a plane goes down to the triangles, which a limited walk does not.
         if self.leaves.is_none() && !is_limited {
-            before = asset_a.kernel.run(Apart {
+            before = asset_a.kernel.run(SeparatingPlane {
                 assets: self.assets,
                 posed: [&mut posed_a, &mut posed_b],
                 frame: self.frame,

@@ -6,8 +6,8 @@ use core::ops::ControlFlow;
 use super::pair_stack::FrontSlot;
 use crate::bound::WideSpheres;
 use crate::contact::TriangleId;
-use crate::frame::Frame;
 use crate::narrow::Triangle;
+use crate::placement::Placement;
 use crate::simd::{Lanes, Quad};
 
 /// A question about one deformed mesh.
@@ -40,7 +40,7 @@ pub(crate) trait Visitor {
 
     /// Takes up to eight triangles, as [`Visitor::triangle`] would one after the other.
     #[inline(always)]
-    fn fours<Q: Quad>(&mut self, frame: &Frame, fours: &[Four; 2]) -> ControlFlow<()> {
+    fn fours<Q: Quad>(&mut self, frame: &Placement, fours: &[Four; 2]) -> ControlFlow<()> {
         for four in fours {
             for k in 0..four.len {
                 self.triangle(TriangleId(four.ids[k]), &four.world(frame, k))?;
@@ -97,7 +97,7 @@ impl Four {
 
     /// The world corners of triangle `k`.
     #[inline(always)]
-    pub(crate) fn world(&self, frame: &Frame, k: usize) -> Triangle {
+    pub(crate) fn world(&self, frame: &Placement, k: usize) -> Triangle {
         world(frame, &stored(&self.corners, k))
     }
 }
@@ -115,7 +115,7 @@ fn stored(four: &[[[f32; 4]; 3]; 3], k: usize) -> [[f32; 3]; 3] {
 }
 
 #[inline(always)]
-pub(super) fn world(frame: &Frame, [a, b, c]: &[[f32; 3]; 3]) -> Triangle {
+pub(super) fn world(frame: &Placement, [a, b, c]: &[[f32; 3]; 3]) -> Triangle {
     [frame.world(*a), frame.world(*b), frame.world(*c)]
 }
 
