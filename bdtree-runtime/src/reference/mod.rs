@@ -81,7 +81,7 @@ fn the_kernel_is_the_plain_update_within_the_slack() {
     let mut compared = 0;
     for file in FILES {
         let asset = Asset::open(file).expect("a golden file");
-        for round in 0..24 {
+        for round in 0..48 {
             let size = [0.0, 1e-6, 0.01, 0.3, 1.0, 4.0][round % 6];
             let of_mode = |mode: &bdtree_format::ModeRecord| {
                 let limit = mode.q_limit.get();
