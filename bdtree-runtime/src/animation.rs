@@ -3,7 +3,7 @@
 use bdtree_format::FrameRecord;
 
 use crate::math::{clamp, sqrt};
-use crate::pose::Transform;
+use crate::transform::Transform;
 use crate::view::Asset;
 
 /// A pose that the source showed. It plays back as

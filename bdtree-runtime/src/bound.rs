@@ -16,7 +16,8 @@ use bdtree_format::{ModePair, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADI
 
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
-use crate::shares::Shares;
+use crate::quantized_q::QuantizedQ;
+use crate::rounding::{GAMMA, GAP_RADII};
 use crate::simd::{Lanes, PairSums};
 use crate::view::NodeRows;
 
@@ -108,8 +109,7 @@ impl<V: Lanes> WideSpheres<V> {
         let dx = self.centre[0].sub(V::splat(x)).mul(V::splat(direction[0]));
         let dy = self.centre[1].sub(V::splat(y)).mul(V::splat(direction[1]));
         let dz = self.centre[2].sub(V::splat(z)).mul(V::splat(direction[2]));
-        const GROW: f32 = 1.0 + 1.0 / (1 << 21) as f32;
-        let reach = self.radius.add(V::splat(radius)).mul(V::splat(GROW));
+        let reach = self.radius.add(V::splat(radius)).mul(V::splat(GAP_RADII));
         dx.add(dy).add(dz).sub(reach)
     }
 
@@ -151,13 +151,10 @@ impl<V: Lanes> WideSpheres<V> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BoundPose<'p> {
     /// q̃: q in whole numbers.
-    pub(crate) shares: Shares<'p>,
+    pub(crate) quantized: QuantizedQ<'p>,
     /// Absolute error of centre, root and deformed vertices, and what q̃ is off (stored units).
     pub(crate) slack: f32,
 }
-
-/// γ' = 16 u (docs/guarantees.md): relative error of the radicand.
-const GAMMA: f32 = 16.0 / (1_u32 << 24) as f32;
 
 /// The spheres of a node's eight lanes at q, of the same bits on every processor; `None` when the rows and the mode list `modes` do
 /// not fit the pose (a corrupt file).
@@ -171,7 +168,7 @@ pub(crate) fn evaluate<V: Lanes>(
     pose: &BoundPose<'_>,
 ) -> Option<WideSpheres<V>> {
     let leading = rows.leading;
-    let shares = &pose.shares;
+    let shares = &pose.quantized;
     let mut sums = Sums::<V>::of(rows.pairs, modes, shares, shares.coarse)?.rounded();
     if !shares.fine.is_empty() {
         let fine = Sums::<V>::of(rows.pairs, modes, shares, shares.fine)?.rounded();
@@ -228,7 +225,7 @@ impl<V: Lanes> Sums<V> {
     fn of(
         pairs: &[ModePair],
         modes: &[u16],
-        shares: &Shares<'_>,
+        shares: &QuantizedQ<'_>,
         numbers: &[[i16; 2]],
     ) -> Option<Self> {
         let zero = V::Sums::zero();

@@ -14,7 +14,8 @@ use crate::error::QueryError;
 #[cfg(feature = "alloc")]
 use crate::instance::Instance;
 use crate::math::{dot, sub};
-use crate::query::{ARGUMENT_MAX, BoundingSphere, MARGIN, length};
+use crate::query::{ARGUMENT_MAX, BoundingSphere, length};
+use crate::rounding::MARGIN;
 use crate::workspace::{Stats, Workspace};
 
 /// Memory for the grids.

@@ -4,7 +4,6 @@ use bdtree_format::{SectionKind, TriangleRecord};
 
 use crate::contact::{TriangleId, VertexId};
 use crate::error::FormatError;
-use crate::narrow::Triangle;
 use crate::pose::Pose;
 use crate::simd::{Fields, Lanes, prefetch, prefetch_from};
 use crate::view::Asset;
@@ -122,22 +121,7 @@ impl Asset<'_> {
         pose: &Pose<'_>,
         vertex: VertexId,
     ) -> Result<[f64; 3], FormatError> {
-        Ok(pose.frame.world(self.deformed_stored(pose, vertex)?))
-    }
-
-    /// The deformed corners of a triangle record in the world.
-    #[inline(always)]
-    pub(crate) fn deformed_triangle(
-        &self,
-        pose: &Pose<'_>,
-        record: &TriangleRecord,
-    ) -> Result<Triangle, FormatError> {
-        let [a, b, c] = record.corners.map(VertexId);
-        Ok([
-            self.deformed(pose, a)?,
-            self.deformed(pose, b)?,
-            self.deformed(pose, c)?,
-        ])
+        Ok(pose.placement.world(self.deformed_stored(pose, vertex)?))
     }
 
     /// Puts the deformed corners of four triangles into `corners`: of each corner, of each coordinate,

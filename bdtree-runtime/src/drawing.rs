@@ -5,8 +5,9 @@ use bdtree_format::SectionKind;
 
 use crate::contact::{TriangleId, VertexId};
 use crate::error::{FormatError, PoseError};
-use crate::frame::Frame;
-use crate::pose::{Pose, Transform, checked_q, identity};
+use crate::placement::Placement;
+use crate::pose::{Pose, checked_q, identity};
+use crate::transform::Transform;
 use crate::view::Asset;
 
 /// Tells open assets apart: two are equal where they are views of the same bytes at the same address. What is made
@@ -16,7 +17,7 @@ pub struct AssetId(usize, u32);
 
 /// The affine map `x = linear · p + offset` from stored coordinates to the world, as a placement gives it, in f64.
 #[derive(Debug, Clone, Copy)]
-pub struct StoredToWorld(Frame);
+pub struct StoredToWorld(Placement);
 
 impl StoredToWorld {
     /// Rows of the linear part: the rotation times [`StoredToWorld::scale`].
@@ -50,7 +51,7 @@ impl StoredToWorld {
 impl Pose<'_> {
     /// Where the pose puts stored coordinates.
     pub fn stored_to_world(&self) -> StoredToWorld {
-        StoredToWorld(self.frame)
+        StoredToWorld(self.placement)
     }
 }
 
@@ -69,7 +70,7 @@ impl<'a> Asset<'a> {
         &self,
         placement: impl Into<Transform>,
     ) -> Result<StoredToWorld, PoseError> {
-        Ok(StoredToWorld(Frame::new(
+        Ok(StoredToWorld(Placement::new(
             self,
             &placement.into().checked()?,
         )))

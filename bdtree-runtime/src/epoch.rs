@@ -3,7 +3,8 @@
 use bdtree_format::Row;
 
 use crate::math::sqrt;
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{DRIFT, round_up};
 use crate::simd::Lanes;
 
 /// What the spheres of another pose need so that they hold at this one: R'' = R' + δR ‖q − q₀‖ + slack.
@@ -71,5 +72,5 @@ fn norm_up(norm: f64) -> f32 {
     if norm == 0.0 {
         return 0.0;
     }
-    round_up(norm * (1.0 + 8.0 * U32))
+    round_up(norm * (1.0 + DRIFT))
 }

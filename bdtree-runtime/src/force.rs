@@ -30,8 +30,8 @@ impl Pose<'_> {
             return Err(asset.out_of_range(SectionKind::DISPLACEMENTS, m, out.len(), 12));
         };
         // x = t + s Q (origin + unit p'), so ∂x/∂q_j · f = s unit U_ij · (Qᵀ f).
-        let local = self.frame.inverse_rotate(force);
-        let scale = self.frame.world_per_stored();
+        let local = self.placement.inverse_rotate(force);
+        let scale = self.placement.world_per_stored();
         for (corner, weight) in corners.iter().zip(barycentric) {
             for (mode, u) in asset.displacements(*corner)?.iter() {
                 let Some(out) = out.get_mut(mode) else {

@@ -6,8 +6,9 @@ use crate::cache::{CacheSize, StepCache};
 use crate::error::{PoseError, QueryError};
 use crate::model::Model;
 use crate::motion::Motion;
-use crate::pose::{Pose, PoseNumbers, Transform};
+use crate::pose::{Pose, PoseNumbers};
 use crate::query::{Aabb, BoundingSphere, PairQuery, Query};
+use crate::transform::Transform;
 use crate::workspace::Workspace;
 
 /// What an instance keeps during a step unless it is told otherwise: about 14 KB.

@@ -34,15 +34,13 @@ pub mod broad;
 mod cache;
 mod contact;
 mod deform;
+mod depth;
 mod drawing;
 #[doc(hidden)]
 pub mod embed;
 mod epoch;
 mod error;
 mod force;
-mod frame;
-#[cfg(test)]
-mod held;
 #[cfg(feature = "alloc")]
 mod instance;
 mod math;
@@ -57,13 +55,21 @@ mod model;
 mod motion;
 pub mod narrow;
 mod open;
+mod pair_frame;
+mod placement;
 mod pose;
 mod proxy;
+mod quantized_q;
 mod query;
+#[cfg(test)]
+mod reference;
+#[cfg(test)]
+mod retained_bounds;
+mod rounding;
 mod shape;
-mod shares;
 mod simd;
 pub mod studies;
+mod transform;
 mod traverse;
 mod vector;
 mod verify;
@@ -85,13 +91,14 @@ pub use model::LoadError;
 #[cfg(feature = "alloc")]
 pub use model::Model;
 pub use motion::Motion;
-pub use pose::{Pose, Transform};
+pub use pose::Pose;
 pub use query::{
     Aabb, BoundingSphere, Budgeted, BudgetedContacts, BudgetedPairQuery, BudgetedQuery,
     ContactManifold, ContactPoint, PairFront, PairQuery, Query,
 };
 pub use shape::{Ball, Capsule, Cuboid, Frustum, FrustumState, HalfSpace, Ray, Shape};
 pub use simd::Kernel;
+pub use transform::Transform;
 pub use vector::{Quat, Vec3};
 pub use view::{Asset, Displacements, Group, GroupKind, NodeRows};
 pub use workspace::{Stats, Workspace};

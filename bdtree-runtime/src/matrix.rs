@@ -2,7 +2,7 @@
 
 use crate::error::PoseError;
 use crate::math::{cross, dot, norm, sqrt};
-use crate::pose::Transform;
+use crate::transform::Transform;
 use crate::vector::{Quat, Vec3};
 
 /// How far columns may be from orthogonal and of one length, over that length: as far as quaternions may be
@@ -36,7 +36,7 @@ impl Transform {
 
     /// The placement as a matrix of four columns; the quaternion is taken as it is.
     pub fn to_columns(&self) -> [[f64; 4]; 4] {
-        let rows = crate::frame::rotation_matrix(self.rotation);
+        let rows = crate::transform::rotation_matrix(self.rotation);
         let axis = |k: usize| {
             let [x, y, z] = [rows[0][k], rows[1][k], rows[2][k]];
             [x * self.scale, y * self.scale, z * self.scale, 0.0]

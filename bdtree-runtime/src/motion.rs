@@ -65,8 +65,8 @@ impl Motion {
         // The drift has the slack at `to` in it; each slack pays for the vertices of its pose.
         let added = drift.added(root.steps).into_iter().fold(0.0_f32, f32::max);
         let deformed = f64::from(added) + f64::from(from.slack);
-        let deformed = deformed * to.frame.world_per_stored();
-        let step = deformed + to.frame.moved(&from.frame, from.reach, to.reach);
+        let deformed = deformed * to.placement.world_per_stored();
+        let step = deformed + to.placement.moved(&from.placement, from.reach, to.reach);
         // NaN, of a corrupt file, must not count as no motion.
         self.total = if step >= 0.0 {
             self.total + step * (1.0 + f64::EPSILON)

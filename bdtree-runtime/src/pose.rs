@@ -5,92 +5,13 @@ use zerocopy::{FromBytes, IntoBytes};
 
 use crate::bound::BoundPose;
 use crate::error::{PoseError, QueryError};
-use crate::frame::{Frame, rotation_matrix};
-use crate::math::{add, dot, scale, sqrt};
+use crate::math::sqrt;
 use crate::motion::Motion;
-use crate::shares::{Given, Memory, Shares};
+use crate::placement::Placement;
+use crate::quantized_q::{Given, Memory, QuantizedQ};
+use crate::rounding::{COARSE, round_up, slack};
+use crate::transform::Transform;
 use crate::view::Asset;
-
-/// Unit roundoff of f32: 2⁻²⁴.
-pub(crate) const U32: f64 = 1.0 / (1_u64 << 24) as f64;
-
-/// q̃ gets a second part where one alone would add more than this, times [`leaf_radius`], to every
-/// radius: below a thousandth of the mean radius, which is 1.3 to 1.9 leaf radii where triangles are
-/// about equally large (docs/guarantees.md).
-const COARSE: f64 = 1.0 / 880.0;
-
-/// Where an instance stands: `x = rotation · (scale · x_mesh) + translation`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Transform {
-    /// Unit quaternion (x, y, z, w); the identity is (0, 0, 0, 1).
-    pub rotation: [f64; 4],
-    /// World units.
-    pub translation: [f64; 3],
-    /// World units per mesh unit.
-    pub scale: f64,
-}
-
-impl Transform {
-    /// World and mesh coordinates are the same.
-    pub const IDENTITY: Self = Self {
-        rotation: [0.0, 0.0, 0.0, 1.0],
-        translation: [0.0; 3],
-        scale: 1.0,
-    };
-
-    /// The placement that does what `first` does and then what `self` does: an instance of a frame
-    /// that has its own rigid motion stands at `place.after(frame.transform())`.
-    ///
-    /// # Errors
-    /// What [`Asset::pose`] refuses of a placement: of either one, or of both together.
-    pub fn after(self, first: Self) -> Result<Self, PoseError> {
-        let (outer, inner) = (self.checked()?, first.checked()?);
-        let turned = rotation_matrix(outer.rotation).map(|row| dot(row, inner.translation));
-        let ([x, y, z, w], [a, b, c, d]) = (outer.rotation, inner.rotation);
-        Self {
-            rotation: [
-                w * a + x * d + y * c - z * b,
-                w * b - x * c + y * d + z * a,
-                w * c + x * b - y * a + z * d,
-                w * d - x * a - y * b - z * c,
-            ],
-            translation: add(outer.translation, scale(turned, outer.scale)),
-            scale: outer.scale * inner.scale,
-        }
-        .checked()
-    }
-
-    /// The transform with its quaternion normalised in f64.
-    ///
-    /// # Errors
-    /// A quaternion whose norm is off by more than 1e-3, a translation that is not finite or
-    /// beyond 2^80, a scale outside 2^-60 … 2^60.
-    pub(crate) fn checked(self) -> Result<Self, PoseError> {
-        const TRANSLATION_MAX: f64 = (1_u128 << 80) as f64;
-        const SCALE_MAX: f64 = (1_u64 << 60) as f64;
-        let [x, y, z, w] = self.rotation;
-        let norm = sqrt(x * x + y * y + z * z + w * w);
-        if !((norm - 1.0).abs() <= 1e-3) {
-            return Err(PoseError::Rotation);
-        }
-        if !self.translation.iter().all(|t| t.abs() <= TRANSLATION_MAX) {
-            return Err(PoseError::Translation);
-        }
-        if !(1.0 / SCALE_MAX..=SCALE_MAX).contains(&self.scale) {
-            return Err(PoseError::Scale);
-        }
-        Ok(Self {
-            rotation: self.rotation.map(|c| c / norm),
-            ..self
-        })
-    }
-}
-
-impl Default for Transform {
-    fn default() -> Self {
-        Self::IDENTITY
-    }
-}
 
 /// About the radius of spheres above leaves of four triangles (stored units): the root's spheres,
 /// each a piece of surface, cut into as many pieces as make leaves.
@@ -123,14 +44,14 @@ pub struct Pose<'p> {
     /// q with subnormal entries set to 0 (deviation from the source's q: below 2⁻¹²⁶).
     pub(crate) q: &'p [f32],
     /// q̃, for node bounds.
-    shares: Shares<'p>,
+    quantized: QuantizedQ<'p>,
     /// Added to every radius: covers the f32 evaluation of centers, radii and vertices, and what q̃
     /// differs from q (docs/guarantees.md, slack; stored units).
     pub(crate) slack: f32,
     /// B = P + S: no deformed vertex and no lane center is farther from the origin
     /// (stored units, before rounding).
     pub(crate) reach: f64,
-    pub(crate) frame: Frame,
+    pub(crate) placement: Placement,
     /// Tells poses of an asset apart by what node spheres depend on.
     fingerprint: u64,
     /// How far the instance has moved until here, if somebody keeps count.
@@ -143,7 +64,7 @@ pub struct Pose<'p> {
 pub(crate) struct PoseNumbers {
     slack: f32,
     reach: f64,
-    frame: Frame,
+    placement: Placement,
     fingerprint: u64,
     /// λ and ρ of q̃, and how much of the memory for m and for the list of pairs is used.
     scale: f32,
@@ -200,21 +121,22 @@ impl Asset<'_> {
             s += f64::from(record.field_norm_max.get()) * f64::from(q.abs());
             *out = q;
         }
-        let frame = Frame::new(self, &at.checked()?);
+        let placement = Placement::new(self, &at.checked()?);
         let p = f64::from(self.header().position_norm_max.get());
         let given = Given { modes, q: own };
         let coarse = COARSE * leaf_radius(self);
-        let (shares, left_out) = given.round(tolerance / frame.world_per_stored(), coarse, memory);
+        let (quantized, left_out) =
+            given.round(tolerance / placement.world_per_stored(), coarse, memory);
         // q̃ may reach farther than q by what the two differ.
         let s = s + left_out;
         let slack = round_up(slack(p, s, modes.len() as f64) + left_out);
         Ok(Pose {
             asset: self,
             q: own,
-            shares,
+            quantized,
             slack,
             reach: p + s,
-            frame,
+            placement,
             fingerprint: fingerprint(self, slack, own),
             motion: None,
         })
@@ -228,12 +150,12 @@ impl<'p> Pose<'p> {
         PoseNumbers {
             slack: self.slack,
             reach: self.reach,
-            frame: self.frame,
+            placement: self.placement,
             fingerprint: self.fingerprint,
-            scale: self.shares.scale,
-            ratio: self.shares.ratio,
-            fine_len: self.shares.fine.len(),
-            active_len: self.shares.active.len(),
+            scale: self.quantized.scale,
+            ratio: self.quantized.ratio,
+            fine_len: self.quantized.fine.len(),
+            active_len: self.quantized.active.len(),
         }
     }
 
@@ -253,7 +175,7 @@ impl<'p> Pose<'p> {
         Self {
             asset,
             q,
-            shares: Shares {
+            quantized: QuantizedQ {
                 coarse: <[[i16; 2]]>::ref_from_bytes(coarse.as_bytes()).unwrap_or_default(),
                 fine: <[[i16; 2]]>::ref_from_bytes(fine.as_bytes()).unwrap_or_default(),
                 active: <[u32]>::ref_from_bytes(active.as_bytes()).unwrap_or_default(),
@@ -263,7 +185,7 @@ impl<'p> Pose<'p> {
             },
             slack: numbers.slack,
             reach: numbers.reach,
-            frame: numbers.frame,
+            placement: numbers.placement,
             fingerprint: numbers.fingerprint,
             motion: Some(motion),
         }
@@ -275,7 +197,7 @@ impl<'p> Pose<'p> {
     /// A placement that [`Transform`] does not allow.
     pub fn placed(self, at: impl Into<Transform>) -> Result<Self, PoseError> {
         Ok(Self {
-            frame: Frame::new(self.asset, &at.into().checked()?),
+            placement: Placement::new(self.asset, &at.into().checked()?),
             motion: None,
             ..self
         })
@@ -306,7 +228,7 @@ impl<'p> Pose<'p> {
 
     /// Modes that node bounds take into account: all but those that are 0, or were left out.
     pub fn active_modes(&self) -> usize {
-        let pairs = self.shares.active.iter();
+        let pairs = self.quantized.active.iter();
         let in_pair = |k: &u32| (self.q.len() - 2 * *k as usize).min(2);
         pairs.map(in_pair).sum()
     }
@@ -314,14 +236,14 @@ impl<'p> Pose<'p> {
     /// By how much every sphere is larger than its formula says, in world units: rounding, modes
     /// left out, and q rounded for node bounds.
     pub fn slack(&self) -> f64 {
-        f64::from(self.slack) * self.frame.world_per_stored()
+        f64::from(self.slack) * self.placement.world_per_stored()
     }
 
     /// What node bounds need of it.
     #[inline(always)]
     pub(crate) fn bound(&self) -> BoundPose<'p> {
         BoundPose {
-            shares: self.shares,
+            quantized: self.quantized,
             slack: self.slack,
         }
     }
@@ -334,7 +256,7 @@ impl<'p> Pose<'p> {
 
     /// [`Pose::fingerprint`] of q and placement.
     pub(crate) fn placed_fingerprint(&self) -> u64 {
-        let placement = self.frame.numbers().map(f64::to_bits);
+        let placement = self.placement.numbers().map(f64::to_bits);
         hashed(core::iter::once(self.fingerprint).chain(placement))
     }
 
@@ -404,17 +326,4 @@ fn split(memory: &[f32], mode_count: usize) -> (&[f32], [&[f32]; 3]) {
     let (coarse, rest) = rest.split_at_checked(pairs).unwrap_or_default();
     let (fine, active) = rest.split_at_checked(pairs).unwrap_or_default();
     (q, [coarse, fine, active])
-}
-
-/// `8u P + (M + 12) u S + 2⁻⁵⁴` (docs/guarantees.md, slack).
-fn slack(p: f64, s: f64, mode_count: f64) -> f64 {
-    const ABSOLUTE: f64 = 1.0 / (1_u64 << 54) as f64;
-    8.0 * U32 * p + (mode_count + 12.0) * U32 * s + ABSOLUTE
-}
-
-/// An f32 not below `x`, which is not negative and below 2¹²⁰: rounding to nearest loses at
-/// most u x, flushing at most 2⁻¹²⁶.
-pub(crate) fn round_up(x: f64) -> f32 {
-    let up = x * (1.0 + 4.0 * U32);
-    (up as f32).max(f32::MIN_POSITIVE)
 }

@@ -7,8 +7,9 @@
 
 use crate::cache::StepCache;
 use crate::error::{PoseError, QueryError};
-use crate::pose::{Pose, Transform};
+use crate::pose::Pose;
 use crate::query::Query;
+use crate::transform::Transform;
 use crate::view::Asset;
 
 /// [`Asset::pose`] with node bounds that leave out the modes that matter least: two by two, in the order of

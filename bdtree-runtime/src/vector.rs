@@ -53,7 +53,7 @@ impl From<Quat> for [f64; 4] {
 mod interop {
     use super::{Quat, Vec3};
     use crate::error::PoseError;
-    use crate::pose::Transform;
+    use crate::transform::Transform;
 
     macro_rules! vectors {
         ($($kind:ident<$number:ty>),*) => {$(

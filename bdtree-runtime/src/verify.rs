@@ -19,13 +19,11 @@ use core::ops::ControlFlow;
 use crate::contact::VertexId;
 use crate::error::{Datum, FormatError};
 use crate::math::norm;
+use crate::rounding::CHECKED_NORM;
 use crate::view::{Asset, NodeRows};
 
 /// Takes each broken rule; `Break` ends the check.
 type Report<'r> = &'r mut dyn FnMut(FormatError) -> ControlFlow<()>;
-
-/// Norms may exceed P and W_j by this share of them: far less than one f32 ulp (SPEC 5.8).
-const GUARD: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Least exponent of a unit that 16-bit rows count: the unit is a normal number (SPEC 6.1).
 const EXPONENT_MIN: i8 = -126;
@@ -205,7 +203,7 @@ impl<'a> Asset<'a> {
         report: Report<'_>,
     ) -> ControlFlow<()> {
         let n = norm(x.map(f64::from));
-        if n * (1.0 - GUARD) > limit {
+        if n * (1.0 - CHECKED_NORM) > limit {
             report(FormatError {
                 section,
                 byte: self.section_offset(section) + 12 * index as u64,

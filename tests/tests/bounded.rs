@@ -165,7 +165,11 @@ fn bounded_answers_are_the_same_with_every_kernel_and_cache() {
                     .expect("ball");
                 assert!(!question.is_ball || contacts.len() == all.exact.len());
                 let again = question.ask(&asset, Posed::from(&mut cached), level);
-                assert_eq!(again, first);
+                assert_eq!(again.nodes_visited, first.nodes_visited);
+                assert_eq!(
+                    (&again.exact, &again.proxies),
+                    (&first.exact, &first.proxies)
+                );
                 let kept = question.ask(&asset, Posed::from(&mut cached), level);
                 assert_eq!(kept.nodes_updated, 0, "every node is kept");
                 assert_eq!((kept.exact, kept.proxies), (again.exact, again.proxies));

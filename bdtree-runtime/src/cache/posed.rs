@@ -2,14 +2,14 @@
 
 use bdtree_format::TriangleRecord;
 
-use super::slots::{CHUNK, LeafChunk, LeafSlot, NodeSlot, STEP_END, leaf_place, place, tag};
+use super::slots::{CHUNK, LeafChunk, LeafSlot, NodeSlot, leaf_place, place, tag};
 use super::step::Kept;
-use crate::bound::{Spheres, WideSpheres, evaluate};
+use crate::bound::{WideSpheres, evaluate};
+use crate::depth::DepthLimit;
 use crate::epoch::Drift;
 use crate::error::FormatError;
 use crate::pose::Pose;
-use crate::proxy::DepthLimit;
-use crate::simd::{Lanes, Reference, Work, prefetch, prefetch_from};
+use crate::simd::{Lanes, Work, prefetch, prefetch_from};
 use crate::view::Asset;
 
 /// A pose to query, with what a step keeps of it and how deep it is looked into.
@@ -228,40 +228,6 @@ impl Posed<'_> {
         }
         *out = spheres;
         Ok(true)
-    }
-
-    /// [`Posed::spheres`] of the same bits on every processor, also where a step's drift is added: they are kept
-    /// apart from others.
-    #[inline(always)]
-    pub(crate) fn portable_spheres<L: Lanes>(
-        &mut self,
-        asset: &Asset<'_>,
-        index: u32,
-    ) -> Result<(Spheres, bool), FormatError> {
-        let tag = tag(self.epoch | STEP_END, index);
-        let place = place(index as usize, self.nodes.len());
-        let node = asset.node(index)?;
-        let rows = asset.node_rows(node)?;
-        let kept = self.nodes.get(place).filter(|slot| slot.tag == tag);
-        let (spheres, evaluated) = match kept {
-            Some(slot) => (slot.spheres, false),
-            None => {
-                let pose = self.drift.map_or(self.pose, |(reference, _)| reference);
-                let modes = asset.node_modes(node)?;
-                let Some(spheres) = evaluate::<L>(&rows, modes, &pose.bound()) else {
-                    return Err(asset.unknown_mode(node.mode_list_start));
-                };
-                (spheres.store(), true)
-            }
-        };
-        if evaluated && let Some(slot) = self.nodes.get_mut(place) {
-            *slot = NodeSlot { tag, spheres };
-        }
-        let Some((_, drift)) = self.drift else {
-            return Ok((spheres, evaluated));
-        };
-        let grown = WideSpheres::<Reference>::load(&spheres).grown(drift.wide(rows.steps));
-        Ok((grown.store(), evaluated))
     }
 
     /// The first four of `records`, the triangles from `start` on, deformed: kept, or made in `spare`.

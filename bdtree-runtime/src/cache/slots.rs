@@ -104,7 +104,7 @@ impl LeafChunk {
     }
 }
 
-/// Steps are below this bit, which marks what the reference kernel computed.
+/// Where the count of steps begins anew.
 pub(super) const STEP_END: u32 = 1 << 31;
 
 /// Where key `key` is kept among `len` slots.

@@ -113,8 +113,7 @@ impl<'m> StepCache<'m> {
             return false;
         };
         let slot = kept.nodes.get(place(index as usize, kept.nodes.len()));
-        let tags = [epoch, epoch | STEP_END].map(|epoch| tag(epoch, index));
-        slot.is_some_and(|slot| tags.contains(&slot.tag))
+        slot.is_some_and(|slot| slot.tag == tag(epoch, index))
     }
 
     /// Whether the last start was with this pose.

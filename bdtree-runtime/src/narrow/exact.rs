@@ -10,12 +10,13 @@ use robust::{Coord, Coord3D, orient2d, orient3d};
 
 use super::Triangle;
 use crate::math::{cross, dot, sub};
+use crate::rounding::HEIGHT_ROUNDING;
 
 /// Smallest and largest magnitude, besides 0, for which the predicates are exact: 2^∓300.
 const TINY: f64 = f64::from_bits((1023 - 300) << 52);
 const HUGE: f64 = f64::from_bits((1023 + 300) << 52);
 /// 2⁻⁸⁰⁰ brings any finite number below 2³⁰⁰.
-const SHRINK: f64 = f64::from_bits((1023 - 800) << 52);
+const SCALE_DOWN: f64 = f64::from_bits((1023 - 800) << 52);
 
 /// Returns the triangles with coordinates inside the exact range, themselves as a rule.
 ///
@@ -35,7 +36,7 @@ pub(super) fn tame<const N: usize>(tris: [Triangle; N]) -> [Triangle; N] {
 fn force<const N: usize>(mut tris: [Triangle; N]) -> [Triangle; N] {
     let numbers = tris.as_flattened_mut().as_flattened_mut();
     let factor = if numbers.iter().any(|x| x.abs() > HUGE) {
-        SHRINK
+        SCALE_DOWN
     } else {
         1.0
     };
@@ -56,10 +57,6 @@ fn sign(x: f64) -> i8 {
 fn coord3([x, y, z]: [f64; 3]) -> Coord3D<f64> {
     Coord3D { x, y, z }
 }
-
-/// Rounding of a height over a plane, against the sum of the magnitudes of its products: below
-/// 9 u, counted as 16 u = 2⁻⁴⁹.
-pub(super) const HEIGHT_ROUNDING: f64 = f64::from_bits((1023 - 49) << 52);
 
 /// Returns [`above`] for each corner of `tri` over the plane of `base`.
 #[inline]

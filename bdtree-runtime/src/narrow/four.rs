@@ -1,9 +1,10 @@
 //! The nearest points of four triangles at once: the steps of [`super::closest_point`], in the
 //! same order, four numbers side by side, so that the bits are the same.
 
+use crate::rounding::MARGIN;
 use crate::simd::{Quad, Quad3, add3, cross3, dot3, scale3, select3, splat3, sub3};
 
-use super::point_triangle::{LARGE, MARGIN, SMALL};
+use super::point_triangle::{LARGE, SMALL};
 
 /// The nearest points of four triangles.
 pub(crate) struct ClosestFour<Q: Quad> {

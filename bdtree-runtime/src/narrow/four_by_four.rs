@@ -6,15 +6,11 @@
 //! Geometric Predicates", 1997).
 
 use super::Triangle;
-use super::exact::HEIGHT_ROUNDING;
+use crate::rounding::{HEIGHT_FLUSHED, HEIGHT_ROUNDING};
 use crate::simd::{Quad, Quad3, cross3, dot3, sub3};
 
 /// Largest sum of a triangle's coordinates, in magnitude, that is filtered: 2¹⁰⁰.
 const LARGEST: f64 = f64::from_bits((1023 + 100) << 52);
-
-/// 2⁻⁹⁰: what numbers below 2⁻³⁰⁰, which the exact test reads as 0, and underflow can add to a height
-/// of such triangles.
-const ABSOLUTE: f64 = f64::from_bits((1023 - 90) << 52);
 
 /// Of each coordinate, that of four.
 type Rows = [[f64; 4]; 3];
@@ -171,7 +167,7 @@ fn beside<Q: Quad>(a: Quad3<Q>, normal: Quad3<Q>, size: Quad3<Q>, corners: &[Qua
         let height = dot3(normal, d);
         let error = dot3(size, abs3(d))
             .mul(Q::splat(HEIGHT_ROUNDING))
-            .add(Q::splat(ABSOLUTE));
+            .add(Q::splat(HEIGHT_FLUSHED));
         above = Q::both(above, height.above(error));
         below = Q::both(below, Q::splat(0.0).sub(height).above(error));
     }

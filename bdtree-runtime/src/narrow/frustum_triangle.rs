@@ -4,6 +4,7 @@ use super::Triangle;
 use super::clip::Polygon;
 use super::exact::plane_side;
 use crate::math::dot;
+use crate::rounding::MARGIN;
 
 /// Planes that a [`Frustum`] has at most.
 pub const FRUSTUM_PLANES_MAX: usize = 64;
@@ -30,14 +31,12 @@ pub struct Frustum {
 const TINY: f64 = f64::from_bits((1023 - 300) << 52);
 const HUGE: f64 = f64::from_bits((1023 + 300) << 52);
 /// 2^±300: steps that no normal can take across the range between the two.
-const GROW: f64 = HUGE;
-const SHRINK: f64 = TINY;
+const SCALE_UP: f64 = HUGE;
+const SCALE_DOWN: f64 = TINY;
 /// Smaller numbers count as 0: 2⁻⁴⁰⁰.
 const FLUSH: f64 = f64::from_bits((1023 - 400) << 52);
 /// 2^100: no coordinate is farther.
 const FAR: f64 = (1_u128 << 100) as f64;
-/// 2⁻⁴⁰: 64 cuts, each off by 8 u of the largest height, and heights off by 8 u, ten times over.
-const RELAXED: f64 = f64::from_bits((1023 - 40) << 52);
 
 impl Frustum {
     /// Returns the region of some planes, nothing if there are none or more than
@@ -60,10 +59,10 @@ impl Frustum {
             }
             let mut factor = 1.0;
             while largest * factor < TINY {
-                factor *= GROW;
+                factor *= SCALE_UP;
             }
             while largest * factor > HUGE {
-                factor *= SHRINK;
+                factor *= SCALE_DOWN;
             }
             let plane = plane.map(|x| x * factor);
             if !plane.iter().all(|x| x.is_finite()) {
@@ -114,7 +113,7 @@ impl Frustum {
         for [nx, ny, nz, d] in self.planes() {
             let n = [*nx, *ny, *nz];
             let size = |corner: &[f64; 3]| dot(n.map(f64::abs), corner.map(f64::abs)) + d.abs();
-            let room = RELAXED * tri.iter().map(size).fold(0.0, f64::max);
+            let room = MARGIN * tri.iter().map(size).fold(0.0, f64::max);
             match piece.clipped(tri.map(|corner| dot(n, corner) + d + room)) {
                 Some(rest) if rest.is_empty() => return true,
                 Some(rest) => piece = rest,

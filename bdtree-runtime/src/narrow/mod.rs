@@ -44,7 +44,7 @@ pub(crate) use triangle_distance::nearest_points;
 pub use triangle_distance::{PairDistance, triangle_distance};
 pub use triangle_triangle::triangles_intersect;
 
-use crate::math::{add_scaled, sub};
+use crate::math::{add_scaled, cross, scale, sub};
 
 /// The corners of a triangle.
 pub type Triangle = [[f64; 3]; 3];
@@ -68,4 +68,9 @@ pub(crate) fn combine(tri: &Triangle, weights: [f64; 3]) -> [f64; 3] {
     offset = add_scaled(offset, weights[i], sub(tri[i], tri[base]));
     offset = add_scaled(offset, weights[j], sub(tri[j], tri[base]));
     add_scaled(tri[base], 1.0, offset)
+}
+
+/// Half the cross product of two edges.
+pub(crate) fn area_vector([p, q, r]: &Triangle) -> [f64; 3] {
+    scale(cross(sub(*q, *p), sub(*r, *p)), 0.5)
 }

@@ -8,7 +8,7 @@
 use crate::math::{add_scaled, clamp, dot};
 
 /// 2⁻¹⁰²: a height below 2⁻⁵¹ of the side is rounding; the boundary is as near as that.
-const FLAT: f64 = f64::from_bits((1023 - 102) << 52);
+const DEGENERATE: f64 = f64::from_bits((1023 - 102) << 52);
 
 /// Where the smallest `|w + s e + t g|` is taken.
 pub(super) struct Minimum {
@@ -45,7 +45,7 @@ fn along_longer(w: [f64; 3], e: [f64; 3], ee: f64, g: [f64; 3], gg: f64) -> Opti
     let h = add_scaled(g, -(dot(g, e) / ee), e);
     let h = add_scaled(h, -(dot(h, e) / ee), e);
     let hh = dot(h, h);
-    if hh <= gg * FLAT || hh.is_nan() {
+    if hh <= gg * DEGENERATE || hh.is_nan() {
         return None;
     }
     let t = -(dot(w, h) / hh);

@@ -8,6 +8,7 @@
 use super::plane_minimum::plane_minimum;
 use super::{Triangle, combine};
 use crate::math::{add_scaled, clamp, cross, dot, sqrt, sub};
+use crate::rounding::MARGIN;
 
 /// The nearest point of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,8 +100,6 @@ pub(super) fn closest_weights(p: [f64; 3], tri: &Triangle) -> ([f64; 3], f64) {
 /// Squares between these are normal numbers with room for products.
 pub(super) const SMALL: f64 = f64::from_bits((1023 - 200) << 52);
 pub(super) const LARGE: f64 = f64::from_bits((1023 + 200) << 52);
-/// Of weights near 0: 2⁻⁴⁰, against 64 u = 2⁻⁴⁷.
-pub(super) const MARGIN: f64 = f64::from_bits((1023 - 40) << 52);
 
 /// The foot of the perpendicular in the plane of a triangle that is no sliver.
 struct Foot {
@@ -133,6 +132,7 @@ fn foot_of_fair_triangle(r: [f64; 3], sides: [[f64; 3]; 3], lengths: [f64; 3]) -
     let weights = [(1.0 - t) - s, s, t];
     // |r| / side is at most the larger of its square and 1; heights are above sides / 8.
     let shortest = lengths[0].min(lengths[1]).min(lengths[2]);
+    // Weights near 0 lose 64v.
     let margin = MARGIN * (1.0 + rr / shortest);
     Some(Foot {
         weights,

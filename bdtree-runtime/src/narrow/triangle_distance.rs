@@ -9,9 +9,7 @@ use super::point_triangle::closest_weights;
 use super::triangle_triangle::triangles_intersect;
 use super::{Triangle, combine};
 use crate::math::{add_scaled, clamp, cross, dot, sqrt, sub};
-
-/// 2⁻⁴⁶, 128 u: rounding of the normal equations is below 16 u.
-const LOST: f64 = f64::from_bits((1023 - 46) << 52);
+use crate::rounding::NORMAL_EQUATIONS;
 
 /// The nearest points of two triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -185,7 +183,10 @@ fn clearly_outside(w: [f64; 3], e: [f64; 3], g: [f64; 3]) -> bool {
     let det = ee * gg - eg * eg;
     let (s, t) = (eg * wg - gg * we, eg * we - ee * wg);
     // |s| ≤ 2 gg |e||w| in parts, each wrong by some u; 2 |e||w| ≤ ee + ww.
-    let (lost_s, lost_t) = (LOST * gg * (ee + ww), LOST * ee * (gg + ww));
+    let (lost_s, lost_t) = (
+        NORMAL_EQUATIONS * gg * (ee + ww),
+        NORMAL_EQUATIONS * ee * (gg + ww),
+    );
     s < -lost_s || s - det > lost_s || t < -lost_t || t - det > lost_t
 }
 

@@ -3,16 +3,17 @@
 use bdtree_format::Row;
 use core::ops::ControlFlow;
 
-use super::{SKIP, beyond_four, length, point};
+use super::{beyond_four, length, point};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
 use crate::error::QueryError;
-use crate::frame::Frame;
 use crate::math::{cross, length_bound, norm, scale, sub};
 use crate::narrow::four::closest_four;
 use crate::narrow::{Triangle, closest_point};
-use crate::pose::{Pose, U32, round_up};
+use crate::placement::Placement;
+use crate::pose::Pose;
+use crate::rounding::{BALL_RADIUS, POINT, SKIP, round_up};
 use crate::shape;
 use crate::simd::{Lanes, Quad, Quad3, dot3, splat3, sub3};
 use crate::traverse::{Four, StackEntry, Visitor, Walk, one};
@@ -52,12 +53,14 @@ impl<'s> Ball<'s> {
             "center: a coordinate is not finite or beyond 2^100",
         )?;
         let radius = length(ball.radius, "radius: negative, not finite or beyond 2^100")?;
-        let stored = pose.frame.point_to_stored(center);
+        let stored = pose.placement.point_to_stored(center);
         let far = length_bound(stored);
         // Reach in stored units: the radius, the f64 errors, the centre's rounding to f32.
-        let reach = radius / pose.frame.world_per_stored() * (1.0 + 4.0 * U32)
-            + pose.frame.error(length_bound(center) + radius, pose.reach)
-            + 2.0 * U32 * far;
+        let reach = radius / pose.placement.world_per_stored() * (1.0 + BALL_RADIUS)
+            + pose
+                .placement
+                .error(length_bound(center) + radius, pose.reach)
+            + POINT * far;
         Ok(Self {
             stored: stored.map(|x| x as f32),
             reach: round_up(reach),
@@ -87,7 +90,7 @@ impl Visitor for Ball<'_> {
     }
 
     #[inline(always)]
-    fn fours<Q: Quad>(&mut self, frame: &Frame, fours: &[Four; 2]) -> ControlFlow<()> {
+    fn fours<Q: Quad>(&mut self, frame: &Placement, fours: &[Four; 2]) -> ControlFlow<()> {
         if fours[1].len == 0 {
             let found = self.nearest::<Q>(frame, &fours[0]);
             return self.report(frame, &fours[0], &found);
@@ -127,7 +130,7 @@ struct Found {
 
 impl Ball<'_> {
     #[inline(always)]
-    fn nearest<Q: Quad>(&self, frame: &Frame, four: &Four) -> Found {
+    fn nearest<Q: Quad>(&self, frame: &Placement, four: &Four) -> Found {
         let [a, b, c] = &four.corners;
         let corners = [
             frame.world_four::<Q>(a),
@@ -161,7 +164,7 @@ impl Ball<'_> {
     }
 
     #[inline(always)]
-    fn report(&mut self, frame: &Frame, four: &Four, found: &Found) -> ControlFlow<()> {
+    fn report(&mut self, frame: &Placement, four: &Four, found: &Found) -> ControlFlow<()> {
         let mut left = found.touching;
         while left != 0 {
             let k = (left.trailing_zeros() & 3) as usize;

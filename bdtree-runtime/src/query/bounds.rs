@@ -3,11 +3,11 @@
 use bdtree_format::LANES;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
-use super::MARGIN;
 use crate::bound::Spheres;
 use crate::error::QueryError;
 use crate::math::{norm, sub};
 use crate::pose::Pose;
+use crate::rounding::MARGIN;
 
 /// A ball that holds something. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
@@ -83,11 +83,11 @@ impl Pose<'_> {
     /// A sphere in the world around one that holds vertices and lies within `reach` of the origin (both in
     /// stored units).
     pub(crate) fn world_sphere(&self, center: [f32; 3], radius: f64, reach: f64) -> BoundingSphere {
-        let center = self.frame.world(center);
-        let radius = radius + self.frame.error(norm(center), reach);
+        let center = self.placement.world(center);
+        let radius = radius + self.placement.error(norm(center), reach);
         BoundingSphere {
             center,
-            radius: radius * self.frame.world_per_stored() * (1.0 + MARGIN),
+            radius: radius * self.placement.world_per_stored() * (1.0 + MARGIN),
         }
     }
 }

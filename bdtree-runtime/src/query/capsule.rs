@@ -4,14 +4,15 @@ use bdtree_format::Row;
 use core::ops::ControlFlow;
 
 use super::ball::{direction, normal};
-use super::{MARGIN, SKIP, length, point};
+use super::{length, point};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::math::{add_scaled, clamp, dot, norm, scale, sqrt, sub};
 use crate::narrow::{Triangle, segment_triangle_distance};
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{CUT_TO_REACH, MARGIN, SKIP, round_up};
 use crate::shape;
 use crate::simd::Lanes;
 use crate::traverse::{StackEntry, Visitor, Walk, one};
@@ -63,7 +64,7 @@ impl NearSegment {
     /// as long as you like: what is left of it is not longer than the body and the capsule's
     /// radius make it, and f32 serves.
     fn new(pose: &Pose<'_>, ends: [[f64; 3]; 2], radius: f64) -> Option<Self> {
-        let frame = &pose.frame;
+        let frame = &pose.placement;
         let radius = radius / frame.world_per_stored();
         let world = norm(ends[0]) + norm(ends[1]) + radius * frame.world_per_stored();
         let error = frame.error(world, pose.reach);
@@ -89,7 +90,7 @@ impl NearSegment {
             return None;
         }
         // 32 u: start, direction, length and parameter in f32, of numbers up to twice `around`.
-        let reach = radius + error + 32.0 * U32 * around;
+        let reach = radius + error + CUT_TO_REACH * around;
         Some(Self {
             from: add_scaled(from, start, along).map(|x| x as f32),
             along: along.map(|x| x as f32),

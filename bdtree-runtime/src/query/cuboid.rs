@@ -3,14 +3,15 @@
 use bdtree_format::Row;
 use core::ops::ControlFlow;
 
-use super::{MARGIN, SKIP, length, point};
+use super::{length, point};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::{Contact, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::math::{clamp, dot, norm};
 use crate::narrow::{OrientedBox, Triangle};
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{CUT_TO_REACH, MARGIN, SKIP, round_up};
 use crate::shape;
 use crate::simd::Lanes;
 use crate::traverse::{StackEntry, Visitor, Walk, one};
@@ -64,7 +65,7 @@ impl NearBox {
     /// Nothing where a slab holds no point of the body. Slabs are cut off where the body cannot
     /// be, so a box may be as large and as far as you like.
     fn new(pose: &Pose<'_>, shape: &OrientedBox) -> Option<Self> {
-        let frame = &pose.frame;
+        let frame = &pose.placement;
         // Twice: leaf predicate and placement; the slabs and axes formed here.
         let world = norm(shape.center()) + norm(shape.half_extents());
         let error = 2.0 * frame.error(world, pose.reach);
@@ -87,7 +88,7 @@ impl NearBox {
             low,
             high,
             // 32 u: axes and slabs in f32, of numbers up to twice `around`.
-            reach: round_up(error + 32.0 * U32 * around),
+            reach: round_up(error + CUT_TO_REACH * around),
         })
     }
 

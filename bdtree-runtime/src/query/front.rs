@@ -5,9 +5,9 @@ use core::ops::ControlFlow;
 use crate::cache::Posed;
 use crate::contact::TriangleId;
 use crate::error::QueryError;
-use crate::frame::PairFrame;
 use crate::motion::Motion;
 use crate::narrow::Triangle;
+use crate::pair_frame::PairFrame;
 use crate::pose::Pose;
 use crate::traverse::{FrontSlot, PairStackEntry, PairVisitor, Two, Walk};
 use crate::workspace::Memory;
@@ -182,7 +182,7 @@ impl State {
             return Ok((Walk::default(), 0));
         }
         // A wide margin is worth its walk only where it meets nothing at all.
-        let size = |pose: &Pose<'_>| pose.reach * pose.frame.world_per_stored();
+        let size = |pose: &Pose<'_>| pose.reach * pose.placement.world_per_stored();
         let widest = MARGIN_REL * (size(poses[0]) + size(poses[1]));
         let margin = margin
             .map(|margin| margin.min(widest))

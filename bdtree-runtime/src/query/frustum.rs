@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 
 use super::bounds::BoundingSphere;
 use super::half_space::StoredPlane;
-use super::{MARGIN, unit};
+use super::unit;
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::contact::TriangleId;
@@ -13,6 +13,7 @@ use crate::error::QueryError;
 use crate::math::{dot, norm};
 use crate::narrow::frustum_triangle::FRUSTUM_PLANES_MAX;
 use crate::narrow::{Frustum, FrustumState, Triangle};
+use crate::rounding::MARGIN;
 use crate::simd::Lanes;
 use crate::traverse::{StackEntry, Visitor, Walk, one};
 

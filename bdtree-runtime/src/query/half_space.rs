@@ -10,7 +10,8 @@ use crate::contact::{Contact, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::math::{dot, norm};
 use crate::narrow::Triangle;
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{PLANE_HEIGHT, POINT, round_up};
 use crate::shape;
 use crate::simd::Lanes;
 use crate::traverse::{StackEntry, Visitor, Walk, one};
@@ -53,7 +54,7 @@ pub(super) struct StoredPlane {
 impl StoredPlane {
     /// The world plane `normal · x = offset`, `normal` being unit.
     pub(super) fn new(pose: &Pose<'_>, normal: [f64; 3], offset: f64) -> Self {
-        let frame = &pose.frame;
+        let frame = &pose.placement;
         // n·x = n·o + k (n_s·p'), o the stored origin's world position, k world per stored unit.
         let origin = frame.origin_in_world();
         let stored_offset = (offset - dot(normal, origin)) / frame.world_per_stored();
@@ -61,7 +62,7 @@ impl StoredPlane {
         // Beyond twice the reach an offset decides alone; clamping keeps its f32 rounding small.
         let far = 2.0 * pose.reach + 2.0 * error + 1.0;
         let stored_offset = stored_offset.clamp(-far, far);
-        let extra = error + 8.0 * U32 * pose.reach + 2.0 * U32 * stored_offset.abs();
+        let extra = error + PLANE_HEIGHT * pose.reach + POINT * stored_offset.abs();
         Self {
             normal: frame.inverse_rotate(normal).map(|x| x as f32),
             offset: stored_offset as f32,

@@ -3,13 +3,16 @@
 use bdtree_format::Row;
 
 use super::ball::normal;
-use super::{MARGIN, SKIP, limit, point, unit};
+use super::{limit, point, unit};
 use crate::bound::WideSpheres;
 use crate::contact::{RayIntersection, TriangleId};
 use crate::error::QueryError;
 use crate::math::{add_scaled, clamp, dot, length_bound, scale};
 use crate::narrow::{self, Triangle, ray_hit};
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{
+    CHORD, EDGE_FUNCTION, MARGIN, RAY, RAY_RANGE, RAY_REACH, SKIP, next_above, round_up,
+};
 use crate::shape::Ray;
 use crate::simd::{Lanes, Quad};
 
@@ -50,7 +53,7 @@ impl Line {
             ray.max_distance,
             "max_distance: negative, NaN or beyond 2^100",
         )?;
-        let frame = &pose.frame;
+        let frame = &pose.placement;
         let stored_per_world = 1.0 / frame.world_per_stored();
         let from = frame.point_to_stored(origin);
         let along = frame.inverse_rotate(direction);
@@ -59,9 +62,9 @@ impl Line {
         let near = add_scaled(from, shift, along);
         let error = frame.error(length_bound(origin), pose.reach + length_bound(from));
         // 32u B: rounding of origin, direction and parameter to f32 (docs/guarantees.md, rays).
-        let extra = error + 32.0 * U32 * pose.reach;
+        let extra = error + RAY * pose.reach;
         let reach = pose.reach + f64::from(pose.slack) + extra;
-        let far = reach * (1.0 + 16.0 * U32);
+        let far = reach * RAY_REACH;
         if dot(near, near) > far * far {
             return Ok(None);
         }
@@ -98,7 +101,7 @@ impl Line {
         let apart = x.mul(x).add(y.mul(y)).add(z.mul(z)).mul(L::splat(SKIP));
         let squared = reach.mul(reach);
         // Where the chord of the sphere begins, or earlier: half of it is √(reach² − d²).
-        let half = squared.mul(L::splat(GROW)).sub(apart).sqrt();
+        let half = squared.mul(L::splat(CHORD)).sub(apart).sqrt();
         *keys = t.sub(half).sub(extra).store();
         !apart.above(squared)
     }
@@ -150,12 +153,9 @@ impl Line {
         // `extra` is in every key already and covers the errors of this subtraction.
         let t = (distance * self.stored_per_world - self.shift).min(self.window);
         self.sieve.shorten(t);
-        t as f32 + f32::EPSILON * (t.abs() as f32) + f32::MIN_POSITIVE
+        next_above(t)
     }
 }
-
-/// 1 + 2⁻¹⁹: a square grown by more than all roundings behind it.
-const GROW: f32 = 1.0 + 1.0 / (1 << 19) as f32;
 
 /// The shear of [`narrow::ray_hit`] in stored units, without its exactness: four triangles at once
 /// by the signs of their edge functions, with a margin (docs/guarantees.md, rays).
@@ -188,7 +188,7 @@ impl Sieve {
         let p = [near[axes[0]], near[axes[1]], near[axes[2]]];
         let per_depth = 1.0 / d[2];
         let shear = [d[0] * per_depth, d[1] * per_depth, per_depth];
-        let grown = 16.0 * error;
+        let grown = RAY_RANGE * error;
         Self {
             axes,
             shear,
@@ -198,7 +198,7 @@ impl Sieve {
                 shear[2] * p[2],
             ],
             range: [range[0] - grown, range[1] + grown],
-            edge: 64.0 * error * reach,
+            edge: EDGE_FUNCTION * error * reach,
             grown,
         }
     }

@@ -48,13 +48,11 @@ pub use single::{BudgetedQuery, Query};
 
 use crate::error::QueryError;
 use crate::math::norm;
+use crate::rounding::MARGIN;
 use crate::simd::{Quad, add3, dot3};
 
 /// Largest magnitude of a coordinate or length that queries take: 2^100.
 pub(crate) const ARGUMENT_MAX: f64 = (1_u128 << 100) as f64;
-
-/// Relative error of a squared f32 distance, and of a sum of radii, with room to spare.
-pub(crate) const SKIP: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 
 /// A point whose coordinates are finite and at most 2^100.
 fn point(x: [f64; 3], what: &'static str) -> Result<[f64; 3], QueryError> {
@@ -95,9 +93,6 @@ fn unit(v: [f64; 3], what: &'static str) -> Result<[f64; 3], QueryError> {
     Ok(v.map(|c| c / n))
 }
 
-/// f64: a few roundings of 2⁻⁵³ per term, against 2⁻⁴⁰ taken off; squares cannot underflow.
-pub(crate) const MARGIN: f64 = 1.0 / (1_u64 << 40) as f64;
-
 /// Which of four triangles (of each corner, of each coordinate, that of the four) are certainly farther
 /// than `reach` from a point (all in stored units): the plane through the point across the direction of
 /// the corners' mean, moved by `reach`, leaves all corners beyond. Anything not proved is not beyond,
@@ -111,6 +106,7 @@ fn beyond_four<Q: Quad>(corners: &[[[f32; 4]; 3]; 3], point: [f32; 3], reach: f6
         }
     }
     let n = add3(add3(d[0], d[1]), d[2]);
+    // Squares cannot underflow.
     let limit = dot3(n, n).mul(Q::splat(reach * reach * (1.0 + 4.0 * MARGIN)));
     let mut all = Q::splat(1.0).above(Q::splat(0.0));
     for d in d {

@@ -7,9 +7,9 @@ use super::length;
 use crate::cache::Posed;
 use crate::contact::{PairContact, Sink, TriangleId, TrianglePair};
 use crate::error::QueryError;
-use crate::frame::PairFrame;
 use crate::math::scale;
 use crate::narrow::{Triangle, nearest_points, triangle_distance, triangles_intersect};
+use crate::pair_frame::PairFrame;
 use crate::traverse::{PairStackEntry, PairVisitor, Two, Walk};
 
 /// Hands on every pair of triangles, one of each asset, that share a point (tolerance 0; exact,

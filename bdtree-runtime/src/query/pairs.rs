@@ -8,9 +8,9 @@ use super::pair::{Contacts, Ids, tolerance, walk};
 use super::single::{BUDGET_AND_LEVEL, Full, Query, Side};
 use crate::cache::{Posed, StepCache};
 use crate::contact::{Coverage, PairContact, Proxy, Sink, SliceSink, TrianglePair};
+use crate::depth::DepthLimit;
 use crate::error::QueryError;
 use crate::pose::Pose;
-use crate::proxy::DepthLimit;
 use crate::traverse::{PairStackEntry, PairVisitor, SearchEntry, StackEntry, Walk};
 use crate::workspace::{Stats, Workspace};
 

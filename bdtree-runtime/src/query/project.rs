@@ -11,7 +11,8 @@ use crate::contact::{PointProjection, TriangleId};
 use crate::error::QueryError;
 use crate::math::norm;
 use crate::narrow::{Triangle, closest_point};
-use crate::pose::{Pose, U32, round_up};
+use crate::pose::Pose;
+use crate::rounding::{GAP_DISTANCE, POINT, round_up};
 use crate::simd::{Lanes, Quad};
 use crate::traverse::{StackEntry, Visitor, Walk, one};
 
@@ -55,13 +56,13 @@ impl Closest {
     ) -> Result<Self, QueryError> {
         let to = point(to, "point: a coordinate is not finite or beyond 2^100")?;
         let max_distance = limit(max_distance, "max_distance: negative, NaN or beyond 2^100")?;
-        let stored = pose.frame.point_to_stored(to);
+        let stored = pose.placement.point_to_stored(to);
         let far = norm(stored);
-        let extra = pose.frame.error(norm(to), pose.reach) + 2.0 * U32 * far;
+        let extra = pose.placement.error(norm(to), pose.reach) + POINT * far;
         let mut closest = Self {
             stored: (far <= FAR * pose.reach).then(|| stored.map(|x| x as f32)),
             extra: round_up(extra),
-            stored_per_world: 1.0 / pose.frame.world_per_stored(),
+            stored_per_world: 1.0 / pose.placement.world_per_stored(),
             bound: f32::INFINITY,
             to,
             max_distance,
@@ -103,13 +104,15 @@ impl Visitor for Closest {
             return u8::MAX;
         };
         // d (1 − 2⁻¹⁹) − R' − extra: below the exact distance of everything in the sphere.
-        const SHRINK: f32 = 1.0 - 1.0 / (1 << 19) as f32;
         let dx = spheres.centre[0].sub(L::splat(x));
         let dy = spheres.centre[1].sub(L::splat(y));
         let dz = spheres.centre[2].sub(L::splat(z));
         let distance = dx.mul(dx).add(dy.mul(dy)).add(dz.mul(dz)).sqrt();
         let reach = spheres.radius.add(L::splat(self.extra));
-        let gap = distance.mul(L::splat(SHRINK)).sub(reach).max(L::splat(0.0));
+        let gap = distance
+            .mul(L::splat(GAP_DISTANCE))
+            .sub(reach)
+            .max(L::splat(0.0));
         *keys = gap.store();
         !gap.above(L::splat(self.bound))
     }

@@ -6,10 +6,10 @@ use super::budget::{Budget, Budgeted, BudgetedContacts, queue_len};
 use super::{ball, capsule, cuboid, frustum, half_space, project, ray, rays};
 use crate::cache::{Kept, Posed, StepCache};
 use crate::contact::{Contact, Coverage, PointProjection, Proxy, RayIntersection, Sink};
+use crate::depth::DepthLimit;
 use crate::epoch::Drift;
 use crate::error::QueryError;
 use crate::pose::Pose;
-use crate::proxy::DepthLimit;
 use crate::shape::{Ball, Frustum, FrustumState, Ray, Shape};
 use crate::traverse::{SearchEntry, StackEntry, Walk};
 use crate::vector::Vec3;
@@ -88,7 +88,7 @@ impl<'q> Side<'q> {
         let asset = self.pose.asset;
         let added = drift.added(asset.node_rows(asset.node(0)?)?.steps);
         let largest = added.into_iter().fold(0.0_f32, f32::max);
-        Ok(f64::from(largest) * self.pose.frame.world_per_stored())
+        Ok(f64::from(largest) * self.pose.placement.world_per_stored())
     }
 
     /// For one walk.

@@ -4,10 +4,10 @@
 use bdtree_format::{PairRow, Row};
 use core::arch::x86_64::{
     __m256, __m256i, _CMP_GT_OQ, _mm256_abs_epi16, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps,
-    _mm256_cvtepi32_ps, _mm256_fmadd_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_madd_epi16,
-    _mm256_max_epi16, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
-    _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_si256, _mm256_sqrt_ps, _mm256_storeu_ps,
-    _mm256_sub_epi16, _mm256_sub_ps,
+    _mm256_cvtepi32_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_madd_epi16, _mm256_max_epi16,
+    _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_epi32,
+    _mm256_set1_ps, _mm256_setzero_si256, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_epi16,
+    _mm256_sub_ps,
 };
 use core::marker::PhantomData;
 
@@ -67,12 +67,6 @@ impl<S: AvxSums> Lanes for Avx8<S> {
     fn mul(self, other: Self) -> Self {
         // SAFETY: needs AVX; see `Avx8`.
         Self::new(unsafe { _mm256_mul_ps(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        // SAFETY: needs FMA; see `Avx8`.
-        Self::new(unsafe { _mm256_fmadd_ps(self.0, factor.0, term.0) })
     }
 
     #[inline(always)]

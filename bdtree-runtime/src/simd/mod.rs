@@ -1,13 +1,11 @@
 //! Eight lanes of f32: one small vocabulary, one implementation per instruction set.
 //!
 //! The node kernel is written once over [`Lanes`]; which implementation runs is chosen once,
-//! when an asset is opened. Kernels sum the same whole numbers over the modes and round what
-//! follows alike, so node bounds have the same bits everywhere; tests of them may differ in the last
-//! bits (fused or separate multiply and add), which changes visits at most, never results.
+//! when an asset is opened. Kernels sum the same whole numbers over the modes, and every operation on f32 is
+//! rounded once, as IEEE 754 says: there is no fused multiply and add. So node bounds and tests of them have the
+//! same bits everywhere, which decides what a query reports that stops at a level.
 
 use bdtree_format::{LANES, PairRow, Row};
-
-use crate::traverse::mask_of;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -23,14 +21,16 @@ pub(crate) mod quad;
 mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod simd128;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use fields::Fields;
 pub(crate) use prefetch::{prefetch, prefetch_from};
 pub(crate) use quad::{Quad, Quad3, add3, cross3, dot3, scale3, select3, splat3, sub3};
-/// The kernel that has the same bits on every processor.
+#[cfg(test)]
 pub(crate) use scalar::Array8 as Reference;
 
-/// Eight f32 side by side.
+/// Eight f32 side by side; no operation rounds more or less than once.
 pub(crate) trait Lanes: Copy {
     /// Four f64 of the same instruction set.
     type Quad: Quad;
@@ -43,13 +43,8 @@ pub(crate) trait Lanes: Copy {
     fn round(sums: Self::Sums) -> Self;
     fn store(self) -> Row;
     fn add(self, other: Self) -> Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        other.mul_add(Self::splat(-1.0), self)
-    }
+    fn sub(self, other: Self) -> Self;
     fn mul(self, other: Self) -> Self;
-    /// self × factor + term, fused or not.
-    fn mul_add(self, factor: Self, term: Self) -> Self;
     fn sqrt(self) -> Self;
     /// The larger of the two, either one where one is NaN.
     #[inline(always)]
@@ -107,6 +102,16 @@ pub(crate) trait Work {
 
     /// Inlined where the instruction set is enabled: mark it and what it calls `inline(always)`.
     fn run<L: Lanes>(self) -> Self::Output;
+}
+
+/// A mask from one decision per lane.
+#[inline(always)]
+pub(crate) fn mask_of(decide: impl Fn(usize) -> bool) -> u8 {
+    let mut mask = 0;
+    for k in 0..LANES {
+        mask |= u8::from(decide(k)) << k;
+    }
+    mask
 }
 
 /// An instruction set that node bounds are evaluated with.

@@ -4,9 +4,9 @@
 use bdtree_format::{PairRow, Row};
 use core::arch::aarch64::{
     float32x4_t, int16x8_t, int32x4_t, vabsq_s16, vaddq_f32, vaddq_s32, vcvtq_f32_s32, vdupq_n_f32,
-    vdupq_n_s16, vdupq_n_s32, vfmaq_f32, vget_low_s16, vld1q_f32, vld1q_s16, vmaxq_f32, vmaxq_s16,
-    vminq_f32, vmlal_high_s16, vmlal_s16, vmulq_f32, vpaddq_s32, vreinterpretq_s16_s32, vsqrtq_f32,
-    vst1q_f32, vsubq_s16,
+    vdupq_n_s16, vdupq_n_s32, vget_low_s16, vld1q_f32, vld1q_s16, vmaxq_f32, vmaxq_s16, vminq_f32,
+    vmlal_high_s16, vmlal_s16, vmulq_f32, vpaddq_s32, vreinterpretq_s16_s32, vsqrtq_f32, vst1q_f32,
+    vsubq_f32, vsubq_s16,
 };
 
 use super::quad::Array4;
@@ -84,11 +84,11 @@ impl Lanes for Neon8 {
     }
 
     #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
+    fn sub(self, other: Self) -> Self {
         // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vfmaq_f32(term.0, self.0, factor.0) };
+        let a = unsafe { vsubq_f32(self.0, other.0) };
         // SAFETY: as above.
-        let b = unsafe { vfmaq_f32(term.1, self.1, factor.1) };
+        let b = unsafe { vsubq_f32(self.1, other.1) };
         Self(a, b)
     }
 

@@ -75,11 +75,6 @@ impl Lanes for Simd8 {
     }
 
     #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        self.mul(factor).add(term)
-    }
-
-    #[inline(always)]
     fn sqrt(self) -> Self {
         Self(f32x4_sqrt(self.0), f32x4_sqrt(self.1))
     }

@@ -2,9 +2,10 @@
 
 use bdtree_format::{LANES, Row};
 
-use super::leaf_pairs::LeafSide;
-use super::nearest_two::{Frontier, SearchEntry, insert};
-use super::{Visitor, Walk, lane_subtree, used_lanes};
+use super::frontier::{Frontier, SearchEntry, insert};
+use super::leaf_side::LeafSide;
+use super::visitor::{Visitor, Walk};
+use super::{lane_subtree, used_lanes};
 use crate::bound::WideSpheres;
 use crate::cache::{CHUNK, Posed};
 use crate::contact::TriangleId;

@@ -1,6 +1,8 @@
 //! Sets of pairs of lanes: eight bytes of eight bits, byte i and bit j for lane i of one node and lane
 //! j of another.
 
+use bdtree_format::LANES;
+
 /// The lowest bit of each byte.
 pub(super) const BYTES: u64 = 0x0101_0101_0101_0101;
 
@@ -37,6 +39,13 @@ pub(super) fn any_row(bytes: u64) -> u8 {
     let half = bytes | bytes >> 32;
     let quarter = half | half >> 16;
     (quarter | quarter >> 8) as u8
+}
+
+/// The lowest of a set of pairs of lanes.
+#[inline(always)]
+pub(super) fn lane_pair(pairs: u64) -> (usize, usize) {
+    let bit = pairs.trailing_zeros() as usize;
+    ((bit / 8) & (LANES - 1), bit & (LANES - 1))
 }
 
 #[cfg(test)]

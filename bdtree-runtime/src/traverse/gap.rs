@@ -2,12 +2,12 @@
 
 use bdtree_format::Row;
 
-use super::SearchEntry;
+use super::frontier::SearchEntry;
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
-use crate::frame::{PairFrame, PairMap};
 use crate::math::{norm, scale};
-use crate::pose::{U32, round_up};
+use crate::pair_frame::{PairFrame, PairMap};
+use crate::rounding::{BUDGET_FAR, GAP_DISTANCE, GAP_FAR_LOST, GAP_LOST, round_down, round_up};
 use crate::simd::Lanes;
 
 /// How distances between spheres of two instances become keys (stored units of the first).
@@ -32,15 +32,15 @@ impl Gap {
         let far = apart > FAR * reach;
         // What rounding may take from a gap (docs/guarantees.md, nearest pairs).
         let lost = if far {
-            16.0 * U32 * reach + apart / (1_u64 << 50) as f64
+            GAP_LOST * reach + GAP_FAR_LOST * apart
         } else {
-            16.0 * U32 * apart
+            GAP_LOST * apart
         };
         let extra = map.exact + map.turned + lost;
         let base = if far { apart } else { 0.0 };
         let offset = if far { [0.0; 3] } else { map.offset };
         let [x, y, z] = offset.map(|x| x as f32);
-        let key = down(apart - (reach + extra) * (1.0 + 16.0 * U32) - base);
+        let key = round_down(apart - (reach + extra) * (1.0 + GAP_LOST) - base);
         Self {
             frame: map.rounded(offset, extra),
             along: far.then(|| scale(map.offset, 1.0 / apart).map(|x| x as f32)),
@@ -58,12 +58,12 @@ impl Gap {
     /// A key above which everything is farther than `distance` (world).
     #[inline(always)]
     pub(crate) fn bound(&self, distance: f64) -> f32 {
-        -down(self.base - distance / self.unit)
+        -round_down(self.base - distance / self.unit)
     }
 
     /// What everything at a key is not nearer than (world).
     pub(crate) fn distance(&self, key: f32) -> f64 {
-        let gap = f64::from(key) + self.base * (1.0 - 1.0 / (1_u64 << 48) as f64);
+        let gap = f64::from(key) + self.base * BUDGET_FAR;
         (gap * self.unit * (1.0 - f64::EPSILON)).max(0.0)
     }
 
@@ -74,23 +74,12 @@ impl Gap {
         other: [f32; 4],
         of_a: bool,
     ) -> Row {
-        /// As in `query::closest`.
-        const SHRINK: f32 = 1.0 - 1.0 / (1 << 19) as f32;
         match self.along {
-            None => spheres.gaps(other, SHRINK).store(),
+            None => spheres.gaps(other, GAP_DISTANCE).store(),
             Some([x, y, z]) => {
                 let towards = if of_a { [-x, -y, -z] } else { [x, y, z] };
                 spheres.gaps_along(towards, other).store()
             }
         }
     }
-}
-
-/// An f32 not above `x`; −∞ for NaN.
-fn down(x: f64) -> f32 {
-    if x.is_nan() {
-        return f32::NEG_INFINITY;
-    }
-    let x = x.min(f64::from(f32::MAX)) as f32;
-    x - f32::EPSILON * x.abs() - f32::MIN_POSITIVE
 }

@@ -5,63 +5,14 @@ use bdtree_format::{NodeRecord, SectionKind, TriangleRecord};
 use core::ops::ControlFlow;
 
 use super::Subtree;
-use super::one::Visitor;
+use super::visitor::{Four, Visitor, world};
 use crate::cache::{CHUNK, LeafChunk, Posed, deform};
 use crate::contact::TriangleId;
 use crate::error::{Datum, FormatError, QueryError};
-use crate::frame::Frame;
-use crate::narrow::Triangle;
+use crate::placement::Placement;
 use crate::pose::Pose;
 use crate::simd::{Lanes, Work, prefetch};
 use crate::view::Asset;
-
-/// Triangles that wait for being tested together.
-#[derive(Default)]
-pub(crate) struct Four {
-    pub(crate) ids: [u32; 4],
-    /// Stored units: of each corner, of each coordinate, that of the four.
-    pub(crate) corners: [[[f32; 4]; 3]; 3],
-    /// How many there are.
-    pub(crate) len: usize,
-}
-
-impl Four {
-    /// Adds a triangle; there must be room.
-    #[inline(always)]
-    fn push(&mut self, id: u32, corners: &[[f32; 3]; 3]) {
-        let k = self.len & 3;
-        self.ids[k] = id;
-        for i in 0..3 {
-            for axis in 0..3 {
-                self.corners[i][axis][k] = corners[i][axis];
-            }
-        }
-        self.len = k + 1;
-    }
-
-    /// The world corners of triangle `k`.
-    #[inline(always)]
-    pub(crate) fn world(&self, frame: &Frame, k: usize) -> Triangle {
-        world(frame, &stored(&self.corners, k))
-    }
-}
-
-/// The corners of the k-th of four triangles.
-#[inline(always)]
-fn stored(four: &[[[f32; 4]; 3]; 3], k: usize) -> [[f32; 3]; 3] {
-    let mut corners = [[0.0; 3]; 3];
-    for i in 0..3 {
-        for axis in 0..3 {
-            corners[i][axis] = four[i][axis][k & 3];
-        }
-    }
-    corners
-}
-
-#[inline(always)]
-fn world(frame: &Frame, [a, b, c]: &[[f32; 3]; 3]) -> Triangle {
-    [frame.world(*a), frame.world(*b), frame.world(*c)]
-}
 
 /// What a traversal holds for its leaves.
 pub(super) struct Leaves {
@@ -120,14 +71,14 @@ impl Leaves {
                 let flow = if V::IN_FOURS {
                     self.near.push(chunk.ids[k], &corners);
                     if self.near.is_full() {
-                        take_near(&mut self.near, asset, &pose.frame, visitor)
+                        take_near(&mut self.near, asset, &pose.placement, visitor)
                     } else {
                         ControlFlow::Continue(())
                     }
                 } else if visitor.misses(&corners) {
                     ControlFlow::Continue(())
                 } else {
-                    visitor.triangle(TriangleId(chunk.ids[k]), &world(&pose.frame, &corners))
+                    visitor.triangle(TriangleId(chunk.ids[k]), &world(&pose.placement, &corners))
                 };
                 if flow.is_break() {
                     return Ok(ControlFlow::Break(()));
@@ -149,7 +100,7 @@ impl Leaves {
             if self.fresh.len > 0 && self.sieve::<L, V>(asset, pose, visitor)?.is_break() {
                 return Ok(ControlFlow::Break(()));
             }
-            return Ok(take_near(&mut self.near, asset, &pose.frame, visitor));
+            return Ok(take_near(&mut self.near, asset, &pose.placement, visitor));
         }
         Ok(ControlFlow::Continue(()))
     }
@@ -172,7 +123,7 @@ impl Leaves {
             left &= left - 1;
             self.near.push(chunk.ids[k], &chunk.stored(k));
             if self.near.is_full()
-                && take_near(&mut self.near, asset, &pose.frame, visitor).is_break()
+                && take_near(&mut self.near, asset, &pose.placement, visitor).is_break()
             {
                 return Ok(ControlFlow::Break(()));
             }
@@ -229,7 +180,7 @@ impl Near {
 /// [`Visitor::fours`] as work of its own.
 struct TakeNear<'n, V> {
     near: &'n mut Near,
-    frame: &'n Frame,
+    frame: &'n Placement,
     visitor: &'n mut V,
 }
 
@@ -252,7 +203,7 @@ impl<V: Visitor> Work for TakeNear<'_, V> {
 fn take_near<V: Visitor>(
     near: &mut Near,
     asset: &Asset<'_>,
-    frame: &Frame,
+    frame: &Placement,
     visitor: &mut V,
 ) -> ControlFlow<()> {
     asset.kernel.run(TakeNear {

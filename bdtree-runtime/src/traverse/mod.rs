@@ -4,41 +4,44 @@
 //! and it stops with `Corrupt` after as many visits, or pairs of triangles, as sound trees can
 //! take, so shared or chained children cannot make it long.
 
-mod apart;
-mod bounded;
 mod budget;
 mod byte_masks;
+mod frontier;
 mod gap;
 mod leaf_pairs;
+mod leaf_side;
 mod leaves;
 mod nearest;
 mod nearest_two;
 mod one;
 mod pair_leaves;
 mod pair_side;
+mod pair_stack;
+mod separating_plane;
 mod supports;
 mod two;
+mod visit;
+mod visitor;
 
-pub(crate) use nearest_two::SearchEntry;
-pub(crate) use two::FrontSlot;
+pub(crate) use frontier::SearchEntry;
+pub(crate) use pair_stack::FrontSlot;
 
-#[cfg(test)]
-pub(crate) use bounded::proxy;
 pub(crate) use budget::{BudgetedOne, Guided, Queue};
+pub(crate) use frontier::Stack;
 pub(crate) use gap::Gap;
 pub(crate) use leaf_pairs::LeafPairs;
-pub(crate) use leaves::Four;
-pub(crate) use nearest_two::{NearestTwo, Stack};
-pub(crate) use one::{Visitor, Walk, one};
-pub(crate) use two::{PairVisitor, Two};
+pub(crate) use nearest_two::NearestTwo;
+pub(crate) use one::one;
+pub(crate) use two::Two;
+pub(crate) use visitor::{Four, PairVisitor, Visitor, Walk};
 
-use bdtree_format::{LANES, NodeRecord, SectionKind};
+use bdtree_format::{NodeRecord, SectionKind};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::bound::{Spheres, evaluate};
 use crate::error::{Datum, FormatError};
 use crate::pose::Pose;
-use crate::simd::{Lanes, Work};
+use crate::simd::{Lanes, Work, mask_of};
 use crate::view::Asset;
 
 /// One entry of a single-asset traversal's stack: a node or a leaf to visit.
@@ -200,14 +203,4 @@ impl Work for NodeSpheres<'_, '_> {
             None => Err(asset.unknown_mode(node.mode_list_start)),
         }
     }
-}
-
-/// A mask from one decision per lane.
-#[inline(always)]
-pub(crate) fn mask_of(decide: impl Fn(usize) -> bool) -> u8 {
-    let mut mask = 0;
-    for k in 0..LANES {
-        mask |= u8::from(decide(k)) << k;
-    }
-    mask
 }

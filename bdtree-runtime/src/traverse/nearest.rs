@@ -1,12 +1,15 @@
 //! One tree against a question that the nearest answers: nearest first.
 
 use bdtree_format::{LANES, Row};
+use core::ops::ControlFlow;
 
 use super::leaves::Leaves;
-use super::one::{NO_NODE, TOGETHER, Visitor, Walk};
+use super::visit::{NO_NODE, TOGETHER, Visit};
+use super::visitor::{Visitor, Walk};
 use super::{StackEntry, Subtree, lane_subtree};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
+use crate::depth::Depth;
 use crate::error::QueryError;
 use crate::simd::Lanes;
 use crate::view::Asset;
@@ -19,11 +22,12 @@ const NEAR_BYTES: usize = 8 << 20;
 /// Visits nodes and leaves in the order of their keys, as far as the stack shows it, until the
 /// visitor wants no more.
 #[inline(always)]
-pub(super) fn nearest_first<L: Lanes, V: Visitor>(
+pub(super) fn nearest_first<L: Lanes, V: Visitor, D: Depth>(
     asset: &Asset<'_>,
     posed: &mut Posed<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
+    depth: &mut D,
 ) -> Result<Walk, QueryError> {
     let pose = posed.pose;
     let mut walk = Walk::default();
@@ -54,10 +58,12 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
             }
             continue;
         }
-        // The next one too, where it is a node: its numbers do not wait for the first one's.
+        // The next one too, where it is a node: its numbers do not wait for the first one's. Not with a limit: what
+        // ends at the nearer may rule out what the other would report.
         let mut entries = [at.start; TOGETHER];
         let mut together = 1;
-        if let Some(next) = stack.get(len.wrapping_sub(1))
+        if !D::LIMITED
+            && let Some(next) = stack.get(len.wrapping_sub(1))
             && next.at.triangles == 0
             && visitor.wanted(next.key)
         {
@@ -80,7 +86,23 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
             let mut spheres = WideSpheres::<L>::empty();
             let evaluated = posed.spheres(asset, index, &mut spheres)?;
             walk.nodes_updated += u64::from(evaluated);
-            let mask = visitor.lanes(spheres, &mut keys[k]) & (node.inner_mask | node.leaf_mask);
+            let mut mask =
+                visitor.lanes(spheres, &mut keys[k]) & (node.inner_mask | node.leaf_mask);
+            if D::LIMITED {
+                let at = Visit {
+                    node,
+                    spheres: spheres.store(),
+                    keys: keys[k],
+                    mask,
+                };
+                match at.settle::<L, V, D>(asset, posed, &mut leaves, visitor, depth)? {
+                    ControlFlow::Continue(left) => mask = left,
+                    ControlFlow::Break(()) => {
+                        walk.stopped = true;
+                        return Ok(walk);
+                    }
+                }
+            }
             found[k] = (node, mask);
         }
         for k in TOGETHER - together..TOGETHER {

@@ -1,99 +1,19 @@
 //! One tree against a primitive.
 
-use bdtree_format::{LANES, NodeRecord, Row};
+use bdtree_format::{LANES, Row};
 use core::ops::ControlFlow;
 
-use super::leaves::{Four, Leaves};
+use super::leaves::Leaves;
 use super::nearest::nearest_first;
-use super::{StackEntry, bounded, lane_subtree};
+use super::visit::{NO_NODE, TOGETHER, Visit};
+use super::visitor::{Visitor, Walk};
+use super::{StackEntry, lane_subtree};
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
-use crate::contact::TriangleId;
+use crate::depth::{Depth, Unlimited};
 use crate::error::QueryError;
-use crate::frame::Frame;
-use crate::narrow::Triangle;
-use crate::simd::{Lanes, Quad, Work};
+use crate::simd::{Lanes, Work};
 use crate::view::Asset;
-
-/// A question about one deformed mesh.
-pub(crate) trait Visitor {
-    /// Whether nearer lanes are to be visited first (by `keys`).
-    const ORDERED: bool;
-
-    /// The lanes that may hold an answer, and, when ordered, a lower bound for each of what the
-    /// question minimises. Anything not proved useless is kept, NaN included.
-    fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8;
-
-    /// Whether a subtree with this lower bound may still hold an answer.
-    fn wanted(&self, key: f32) -> bool;
-
-    /// Whether a triangle with these corners (stored units) certainly is no answer: a cheap test
-    /// that spares the exact one.
-    #[inline(always)]
-    fn misses(&self, _corners: &[[f32; 3]; 3]) -> bool {
-        false
-    }
-
-    /// Whether triangles are taken four at a time, by [`Visitor::four`].
-    const IN_FOURS: bool = false;
-
-    /// [`Visitor::misses`] for four (of each corner, of each coordinate, that of the four).
-    #[inline(always)]
-    fn misses_four<Q: Quad>(&self, _corners: &[[[f32; 4]; 3]; 3]) -> u8 {
-        0
-    }
-
-    /// Takes up to eight triangles, as [`Visitor::triangle`] would one after the other.
-    #[inline(always)]
-    fn fours<Q: Quad>(&mut self, frame: &Frame, fours: &[Four; 2]) -> ControlFlow<()> {
-        for four in fours {
-            for k in 0..four.len {
-                self.triangle(TriangleId(four.ids[k]), &four.world(frame, k))?;
-            }
-        }
-        ControlFlow::Continue(())
-    }
-
-    /// Takes a triangle's world corners; `Break` ends the traversal.
-    fn triangle(&mut self, id: TriangleId, corners: &Triangle) -> ControlFlow<()>;
-}
-
-/// Nodes that are evaluated one right after the other where the order of visits is free: the
-/// second does not wait for the first one's numbers.
-pub(super) const TOGETHER: usize = 2;
-
-/// Stands where no second node is.
-pub(super) const NO_NODE: NodeRecord = NodeRecord {
-    first_child: 0,
-    first_slot: 0,
-    row_start: 0,
-    mode_list_start: 0,
-    mode_count: 0,
-    inner_mask: 0,
-    leaf_mask: 0,
-    leaf_counts: [0; LANES],
-    level: 0,
-    scale_exponents: [0; 3],
-};
-
-/// What a traversal did.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Walk {
-    pub(crate) nodes_visited: u64,
-    /// Of them, those whose spheres were evaluated.
-    pub(crate) nodes_updated: u64,
-    /// The visitor broke off.
-    pub(crate) stopped: bool,
-}
-
-impl Walk {
-    /// Adds another one, which came after.
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.nodes_visited += other.nodes_visited;
-        self.nodes_updated += other.nodes_updated;
-        self.stopped |= other.stopped;
-    }
-}
 
 /// Visits what the visitor wants, nearest lanes first if it is ordered, else in lane order.
 #[inline]
@@ -103,51 +23,67 @@ pub(crate) fn one<V: Visitor>(
     stack: &mut [StackEntry],
     visitor: &mut V,
 ) -> Result<Walk, QueryError> {
-    if let Some(limit) = posed.take_limit() {
-        return bounded::one(asset, posed, limit, stack, visitor);
-    }
     let needed = asset.stack_len();
     let found = stack.len();
     if found < needed {
         return Err(QueryError::Memory { needed, found });
     }
-    asset.kernel.run(OneWalk {
-        asset,
-        posed,
-        stack,
-        visitor,
-    })
+    match posed.take_limit(asset) {
+        None => asset.kernel.run(OneWalk {
+            asset,
+            posed,
+            stack,
+            visitor,
+            depth: Unlimited,
+        }),
+        Some(depth) => asset.kernel.run(OneWalk {
+            asset,
+            posed,
+            stack,
+            visitor,
+            depth,
+        }),
+    }
 }
 
 /// A walk and who it is for: node bounds and the visitor's test of them are one piece of code,
 /// leaves another.
-struct OneWalk<'w, 's, 'a, V> {
+struct OneWalk<'w, 's, 'a, V, D> {
     asset: &'w Asset<'a>,
     posed: Posed<'s>,
     stack: &'w mut [StackEntry],
     visitor: &'w mut V,
+    depth: D,
 }
 
-impl<V: Visitor> Work for OneWalk<'_, '_, '_, V> {
+impl<V: Visitor, D: Depth> Work for OneWalk<'_, '_, '_, V, D> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self) -> Self::Output {
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self {
+            asset,
+            mut posed,
+            stack,
+            visitor,
+            mut depth,
+        } = self;
         if V::ORDERED {
-            nearest_first::<L, V>(self.asset, &mut self.posed, self.stack, self.visitor)
+            nearest_first::<L, V, D>(asset, &mut posed, stack, visitor, &mut depth)
         } else {
-            in_lane_order::<L, V>(self.asset, &mut self.posed, self.stack, self.visitor)
+            in_lane_order::<L, V, D>(asset, &mut posed, stack, visitor, &mut depth)
         }
     }
 }
 
 /// Visits everything that the visitor wants.
 #[inline(always)]
-fn in_lane_order<L: Lanes, V: Visitor>(
+fn in_lane_order<L: Lanes, V: Visitor, D: Depth>(
     asset: &Asset<'_>,
     posed: &mut Posed<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
+    depth: &mut D,
 ) -> Result<Walk, QueryError> {
     let pose = posed.pose;
     let mut walk = Walk::default();
@@ -174,7 +110,22 @@ fn in_lane_order<L: Lanes, V: Visitor>(
             let mut spheres = WideSpheres::<L>::empty();
             let evaluated = posed.spheres(asset, index, &mut spheres)?;
             walk.nodes_updated += u64::from(evaluated);
-            let mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
+            let mut mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
+            if D::LIMITED {
+                let at = Visit {
+                    node,
+                    spheres: spheres.store(),
+                    keys,
+                    mask,
+                };
+                match at.settle::<L, V, D>(asset, posed, &mut leaves, visitor, depth)? {
+                    ControlFlow::Continue(left) => mask = left,
+                    ControlFlow::Break(()) => {
+                        walk.stopped = true;
+                        return Ok(walk);
+                    }
+                }
+            }
             found[k] = (node, mask);
         }
         for k in 0..together {

@@ -3,7 +3,8 @@
 use core::ops::ControlFlow;
 
 use super::pair_side::{KeptFour, Side};
-use super::two::{FrontSlot, PairVisitor};
+use super::pair_stack::FrontSlot;
+use super::visitor::PairVisitor;
 use crate::cache::CHUNK;
 use crate::contact::TriangleId;
 use crate::error::QueryError;

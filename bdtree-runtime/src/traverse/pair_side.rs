@@ -144,7 +144,7 @@ impl<'s, 'a> Side<'s, 'a> {
             kept.len = 0; // until it is whole
             let mut spare = LeafChunk::EMPTY;
             let asset = self.asset;
-            let frame = &self.posed.pose.frame;
+            let frame = &self.posed.pose.placement;
             let leaf = self.posed.leaf(asset, start, records, &mut spare)?;
             kept.world.set::<L::Quad>([
                 frame.world_four(&leaf.corners[0]),

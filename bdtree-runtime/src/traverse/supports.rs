@@ -5,9 +5,10 @@
 
 use bdtree_format::TriangleRecord;
 
-use super::leaf_pairs::{LeafSide, MARGIN};
+use super::leaf_side::LeafSide;
 use crate::error::FormatError;
 use crate::math::{dot, norm, scale, sub};
+use crate::rounding::MARGIN;
 
 /// A direction to look along.
 #[derive(Clone, Copy)]

@@ -3,51 +3,28 @@
 //! A visit takes one node of each tree and tests eight lanes against eight. Where both lanes are
 //! inner, both trees descend; the leaf lanes of one node stay together while the other descends.
 
-use bdtree_format::LANES;
+use bdtree_format::{LANES, NodeRecord};
 use core::ops::ControlFlow;
-use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
-use super::apart::{Apart, Found};
-use super::byte_masks::{BYTES, any_row, columns, gather, lowest, rows};
+use super::byte_masks::{BYTES, any_row, columns, gather, lane_pair, lowest, rows};
 use super::pair_leaves::run_leaves;
 use super::pair_side::Side;
-use super::{PairStackEntry, Subtree, Walk, bounded, lane_subtree};
+use super::pair_stack::{FrontSlot, LeafQueue, PairStack, QUEUE};
+use super::separating_plane::{Found, SeparatingPlane};
+use super::visitor::{PairVisitor, Walk};
+use super::{PairStackEntry, lane_subtree};
 use crate::bound::{Spheres, WideSpheres};
 use crate::cache::Posed;
-use crate::contact::TriangleId;
+use crate::depth::{Depth, Unlimited};
 use crate::error::QueryError;
-use crate::frame::PairFrame;
-use crate::narrow::Triangle;
+use crate::pair_frame::PairFrame;
+use crate::pose::Pose;
+use crate::rounding::SKIP;
 use crate::simd::{Lanes, Work};
 use crate::view::Asset;
 
-/// Relative error of a squared distance and a sum of two radii in f32 (docs/guarantees.md).
-const SKIP: f32 = 1.0 - 1.0 / (1 << 20) as f32;
-
 /// Nodes that a traversal keeps for itself where the caller grants fewer.
 const NODES: usize = 16;
-
-/// Most pairs of leaf lanes that are collected, two visits' worth, so that their triangles are on the way from memory
-/// before the first is looked at.
-const QUEUE: usize = 2 * LANES * LANES;
-
-/// A question about pairs of triangles of two deformed meshes.
-pub(crate) trait PairVisitor {
-    /// Farther apart, triangles are no answer (world units).
-    fn tolerance(&self) -> f64;
-
-    /// Told of the pairs of leaves whose spheres meet.
-    fn meet(&mut self, _leaves: &[FrontSlot]) {}
-
-    /// Takes the world corners of two triangles that may be an answer; `Break` ends the traversal.
-    fn triangles(
-        &mut self,
-        a: TriangleId,
-        corners_a: &Triangle,
-        b: TriangleId,
-        corners_b: &Triangle,
-    ) -> ControlFlow<()>;
-}
 
 /// What a pair traversal walks.
 pub(crate) struct Two<'s, 'a> {
@@ -56,28 +33,6 @@ pub(crate) struct Two<'s, 'a> {
     pub(crate) frame: &'s PairFrame,
     /// Only these pairs of leaves are looked at, if there are any given, and no nodes.
     pub(crate) leaves: Option<&'s [FrontSlot]>,
-}
-
-/// Memory for a pair of leaves.
-#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
-#[repr(C)]
-pub(crate) struct FrontSlot {
-    pub(super) a: Subtree,
-    pub(super) b: Subtree,
-}
-
-impl FrontSlot {
-    /// A slot to fill memory with.
-    pub(crate) const EMPTY: Self = Self {
-        a: Subtree {
-            start: 0,
-            triangles: 0,
-        },
-        b: Subtree {
-            start: 0,
-            triangles: 0,
-        },
-    };
 }
 
 impl Two<'_, '_> {
@@ -93,17 +48,16 @@ impl Two<'_, '_> {
         let Some(stack) = stack.get_mut(..needed) else {
             return Err(QueryError::Memory { needed, found });
         };
-        let [posed_a, posed_b] = self.posed;
-        if posed_a.is_bounded() || posed_b.is_bounded() {
-            let (a, b) = ((asset_a, posed_a), (asset_b, posed_b));
-            return bounded::two(a, b, self.frame, stack, visitor);
-        }
+        let [mut posed_a, mut posed_b] = self.posed;
+        let depths = [posed_a.take_limit(asset_a), posed_b.take_limit(asset_b)];
         let (mut nodes_a, mut nodes_b) = (None, None);
         let mut posed_a = posed_a.at_least::<NODES>(asset_a, &mut nodes_a);
         let mut posed_b = posed_b.at_least::<NODES>(asset_b, &mut nodes_b);
+        let is_limited = depths.iter().any(Option::is_some);
         let mut before = Found::default();
-        if self.leaves.is_none() {
-            before = asset_a.kernel.run(Apart {
+        // The search for a plane goes down to the triangles, which a limited walk does not.
+        if self.leaves.is_none() && !is_limited {
+            before = asset_a.kernel.run(SeparatingPlane {
                 assets: self.assets,
                 posed: [&mut posed_a, &mut posed_b],
                 frame: self.frame,
@@ -118,11 +72,21 @@ impl Two<'_, '_> {
                 frame: self.frame,
                 leaves: self.leaves,
             };
-            walk = asset_a.kernel.run(TwoWalk {
-                two,
-                stack,
-                visitor,
-            })?;
+            walk = if is_limited {
+                asset_a.kernel.run(TwoWalk {
+                    two,
+                    depths,
+                    stack,
+                    visitor,
+                })?
+            } else {
+                asset_a.kernel.run(TwoWalk {
+                    two,
+                    depths: [Unlimited, Unlimited],
+                    stack,
+                    visitor,
+                })?
+            };
         }
         walk.nodes_visited += before.nodes_visited;
         walk.nodes_updated += before.nodes_updated;
@@ -131,66 +95,79 @@ impl Two<'_, '_> {
 }
 
 /// A walk and who it is for.
-struct TwoWalk<'w, 's, 'a> {
+struct TwoWalk<'w, 's, 'a, D> {
     two: Two<'s, 'a>,
+    depths: [D; 2],
     stack: &'w mut [PairStackEntry],
     visitor: &'w mut (dyn PairVisitor + 'w),
 }
 
-impl Work for TwoWalk<'_, '_, '_> {
+impl<D: Depth> Work for TwoWalk<'_, '_, '_, D> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        walk_two::<L>(self.two, self.stack, self.visitor)
+        if let Some(kept) = self.two.leaves {
+            return kept_leaves(self.two, kept, self.visitor);
+        }
+        walk_two::<L, D>(self)
     }
 }
 
+/// Most pairs of triangles that a walk may meet: each once.
+fn tests_max(assets: [&Asset<'_>; 2]) -> u64 {
+    assets[0].triangle_count() as u64 * assets[1].triangle_count() as u64
+}
+
+/// Tests the triangles of given pairs of leaves; nodes are not visited.
 #[inline(always)]
-fn walk_two<L: Lanes>(
+fn kept_leaves(
     two: Two<'_, '_>,
-    stack: &mut [PairStackEntry],
+    kept: &[FrontSlot],
     visitor: &mut dyn PairVisitor,
 ) -> Result<Walk, QueryError> {
+    let [posed_a, posed_b] = two.posed;
+    let mut a = Side::new(two.assets[0], posed_a);
+    let mut b = Side::new(two.assets[1], posed_b);
+    let mut tests_left = tests_max(two.assets);
+    let mut walk = Walk::default();
+    for pairs in kept.chunks(QUEUE) {
+        for pair in pairs {
+            a.announce_leaf(pair.a)?;
+            b.announce_leaf(pair.b)?;
+        }
+        walk.stopped = run_leaves(&mut a, &mut b, pairs, &mut tests_left, visitor)?.is_break();
+        if walk.stopped {
+            break;
+        }
+    }
+    Ok(walk)
+}
+
+#[inline(always)]
+fn walk_two<L: Lanes, D: Depth>(work: TwoWalk<'_, '_, '_, D>) -> Result<Walk, QueryError> {
+    let TwoWalk {
+        two,
+        mut depths,
+        stack,
+        visitor,
+    } = work;
     let [asset_a, asset_b] = two.assets;
     let [posed_a, posed_b] = two.posed;
     let frame = two.frame;
     // In a sound pair of trees two nodes meet at most once with all lanes, and never again with
-    // the leaf lanes of one if they did.
+    // the ending lanes of one if they did.
     let nodes = |asset: &Asset<'_>| asset.node_count() as u64;
     let visits_max = nodes(asset_a)
         .saturating_mul(nodes(asset_b))
         .saturating_mul(3);
     let mut visits = 0;
     let mut nodes_visited = 0;
-    // It meets each pair of triangles once.
-    let mut tests_left = asset_a.triangle_count() as u64 * asset_b.triangle_count() as u64;
-
+    let mut tests_left = tests_max(two.assets);
     let mut a = Side::new(asset_a, posed_a);
     let mut b = Side::new(asset_b, posed_b);
-    if let Some(kept) = two.leaves {
-        let mut stopped = false;
-        for pairs in kept.chunks(QUEUE) {
-            for pair in pairs {
-                a.announce_leaf(pair.a)?;
-                b.announce_leaf(pair.b)?;
-            }
-            stopped = run_leaves(&mut a, &mut b, pairs, &mut tests_left, visitor)?.is_break();
-            if stopped {
-                break;
-            }
-        }
-        return Ok(Walk {
-            stopped,
-            ..Walk::default()
-        });
-    }
-    let mut queue = [FrontSlot::EMPTY; QUEUE];
-    let mut queued = 0;
-    let Some(first) = stack.first_mut() else {
-        return Err(asset_a.too_deep().into());
-    };
-    *first = PairStackEntry {
+    let mut queue = LeafQueue::EMPTY;
+    let first = PairStackEntry {
         a: 0,
         b: 0,
         sphere: EVERYWHERE,
@@ -198,14 +175,13 @@ fn walk_two<L: Lanes>(
         lanes_b: u8::MAX,
         unused: [0; 2],
     };
-    let mut len = 1;
+    let mut stack = PairStack::new(stack, asset_a, first)?;
     loop {
-        if len == 0 || queued > QUEUE - LANES * LANES {
-            let pairs = queue.get(..queued).unwrap_or_default();
+        if stack.is_empty() || !queue.has_room() {
+            let pairs = queue.take();
             visitor.meet(pairs);
             let stopped = run_leaves(&mut a, &mut b, pairs, &mut tests_left, visitor)?.is_break();
-            queued = 0;
-            if stopped || len == 0 {
+            if stopped || stack.is_empty() {
                 return Ok(Walk {
                     nodes_visited,
                     nodes_updated: a.updated + b.updated,
@@ -213,8 +189,7 @@ fn walk_two<L: Lanes>(
                 });
             }
         }
-        len -= 1;
-        let entry = stack[len];
+        let entry = stack.pop();
         visits += 1;
         if visits > visits_max {
             return Err(asset_a.endless(visits_max).into());
@@ -228,123 +203,199 @@ fn walk_two<L: Lanes>(
             continue;
         }
         nodes_visited += 1;
-        let mut spheres_b = WideSpheres::<L>::empty();
-        let node_b = b.node(entry.b, &mut spheres_b)?;
+        let mut own_b = WideSpheres::<L>::empty();
+        let node_b = b.node(entry.b, &mut own_b)?;
         if node_a.leaf_mask & lanes_a != 0 && node_b.leaf_mask & entry.lanes_b != 0 {
             asset_a.prefetch_triangles(node_a);
             asset_b.prefetch_triangles(node_b);
         }
-        let spheres_a = spheres_a.store();
-        let spheres_b = frame.carry(spheres_b);
-        let stored_b = spheres_b.store();
-        let leaf_a = node_a.leaf_mask & lanes_a;
-        let leaf_b = node_b.leaf_mask & entry.lanes_b;
-        let inner_a = node_a.inner_mask & !node_a.leaf_mask & lanes_a;
-        let inner_b = node_b.inner_mask & !node_b.leaf_mask & entry.lanes_b;
+        let stored_a = spheres_a.store();
+        let carried_b = frame.carry(own_b);
+        let ends = [depths[0].ends(node_a), depths[1].ends(node_b)];
+        let (lanes_a, lanes_b) = (
+            Split::new(node_a, lanes_a, ends[0]),
+            Split::new(node_b, entry.lanes_b, ends[1]),
+        );
+        let visit = Visit {
+            entry,
+            nodes: [node_a, node_b],
+            meets: meetings(&stored_a, lanes_a.all(), carried_b),
+            ending: [lanes_a.ending, lanes_b.ending],
+            inner: [lanes_a.inner, lanes_b.inner],
+        };
+        visit.descend_first(&mut stack)?;
+        visit.descend_second(&mut stack)?;
+        let both = visit.meets & rows(visit.inner[0]) & columns(visit.inner[1]);
+        a.prefetch_children(node_a, gather(lowest(both)));
+        b.prefetch_children(node_b, any_row(both));
+        visit.descend_both::<D>(both, &carried_b.store(), &mut stack)?;
 
-        // Byte i, bit j: lane i of a meets lane j of b.
-        let mut meets = 0_u64;
-        let mut left = leaf_a | inner_a;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize & (LANES - 1);
-            left &= left - 1;
-            let [x, y, z, radius] = lane_sphere(&spheres_a, lane);
-            let mask = spheres_b.within([x, y, z], radius, SKIP);
-            meets |= u64::from(mask) << (8 * lane);
+        let mut ended = visit.meets & rows(visit.ending[0]) & columns(visit.ending[1]);
+        if D::LIMITED {
+            let leaves = ended & rows(node_a.leaf_mask) & columns(node_b.leaf_mask);
+            let poses = [a.posed.pose, b.posed.pose];
+            let spheres = [&stored_a, &own_b.store()];
+            if report(ended & !leaves, poses, spheres, &mut depths).is_break() {
+                return Ok(Walk {
+                    nodes_visited,
+                    nodes_updated: a.updated + b.updated,
+                    stopped: true,
+                });
+            }
+            ended = leaves;
         }
-        let (rows_leaf, rows_inner) = (rows(leaf_a), rows(inner_a));
-        let (columns_leaf, columns_inner) = (columns(leaf_b), columns(inner_b));
+        if ended != 0 {
+            let leaves_a = a.announce(node_a, gather(lowest(ended)))?;
+            let leaves_b = b.announce(node_b, any_row(ended))?;
+            queue.add(ended, &leaves_a, &leaves_b);
+        }
+    }
+}
 
-        // Inner lanes of a against all leaf lanes of b together.
-        let mut found = lowest(meets & rows_inner & columns_leaf);
+/// A node's lanes that are looked at.
+struct Split {
+    /// Those below which there is no node to visit: leaves, and all where the walk ends.
+    ending: u8,
+    inner: u8,
+}
+
+impl Split {
+    #[inline(always)]
+    fn new(node: &NodeRecord, lanes: u8, ends: bool) -> Self {
+        let leaves = node.leaf_mask & lanes;
+        let inner = node.inner_mask & !node.leaf_mask & lanes;
+        if ends {
+            return Self {
+                ending: leaves | inner,
+                inner: 0,
+            };
+        }
+        Self {
+            ending: leaves,
+            inner,
+        }
+    }
+
+    #[inline(always)]
+    fn all(&self) -> u8 {
+        self.ending | self.inner
+    }
+}
+
+/// Which lanes of a first node, of those in `lanes`, meet which of a second one in the frame of the first: byte i,
+/// bit j for lane i of the first and lane j of the second.
+#[inline(always)]
+fn meetings<L: Lanes>(a: &Spheres, lanes: u8, b: WideSpheres<L>) -> u64 {
+    let mut meets = 0_u64;
+    let mut left = lanes;
+    while left != 0 {
+        let lane = left.trailing_zeros() as usize & (LANES - 1);
+        left &= left - 1;
+        let [x, y, z, radius] = lane_sphere(a, lane);
+        let mask = b.within([x, y, z], radius, SKIP);
+        meets |= u64::from(mask) << (8 * lane);
+    }
+    meets
+}
+
+/// Two nodes that were compared, first and second.
+struct Visit<'a> {
+    entry: PairStackEntry,
+    nodes: [&'a NodeRecord; 2],
+    /// As [`meetings`] returns it.
+    meets: u64,
+    ending: [u8; 2],
+    inner: [u8; 2],
+}
+
+impl Visit<'_> {
+    /// Inner lanes of the first against all ending lanes of the second together.
+    #[inline(always)]
+    fn descend_first(&self, stack: &mut PairStack<'_, '_>) -> Result<(), QueryError> {
+        let mut found = lowest(self.meets & rows(self.inner[0]) & columns(self.ending[1]));
         while found != 0 {
             let lane = (found.trailing_zeros() as usize / 8) & (LANES - 1);
             found &= found - 1;
-            let entry = PairStackEntry {
-                a: lane_subtree(node_a, lane).start,
-                b: entry.b,
+            stack.push(PairStackEntry {
+                a: lane_subtree(self.nodes[0], lane).start,
+                b: self.entry.b,
                 sphere: EVERYWHERE,
                 lanes_a: u8::MAX,
-                lanes_b: (meets >> (8 * lane)) as u8 & leaf_b,
+                lanes_b: (self.meets >> (8 * lane)) as u8 & self.ending[1],
                 unused: [0; 2],
-            };
-            push(stack, &mut len, entry, asset_a)?;
+            })?;
         }
-        // All leaf lanes of a together against inner lanes of b.
-        let mut found = meets & rows_leaf & columns_inner;
+        Ok(())
+    }
+
+    /// All ending lanes of the first together against inner lanes of the second.
+    #[inline(always)]
+    fn descend_second(&self, stack: &mut PairStack<'_, '_>) -> Result<(), QueryError> {
+        let mut found = self.meets & rows(self.ending[0]) & columns(self.inner[1]);
         while found != 0 {
             let lane = found.trailing_zeros() as usize & (LANES - 1);
             let column = BYTES << lane;
             let lanes_a = gather((found & column) >> lane);
             found &= !column;
-            let entry = PairStackEntry {
-                a: entry.a,
-                b: lane_subtree(node_b, lane).start,
+            stack.push(PairStackEntry {
+                a: self.entry.a,
+                b: lane_subtree(self.nodes[1], lane).start,
                 sphere: EVERYWHERE, // these lanes have been found to meet it
                 lanes_a,
                 lanes_b: u8::MAX,
                 unused: [0; 2],
-            };
-            push(stack, &mut len, entry, asset_a)?;
+            })?;
         }
-        let both = meets & rows_inner & columns_inner;
-        a.prefetch_children(node_a, gather(lowest(both)));
-        b.prefetch_children(node_b, any_row(both));
-        let mut found = both;
+        Ok(())
+    }
+
+    /// The pairs `found` of inner lanes; `b` are the second's spheres in the frame of the first.
+    #[inline(always)]
+    fn descend_both<D: Depth>(
+        &self,
+        mut found: u64,
+        b: &Spheres,
+        stack: &mut PairStack<'_, '_>,
+    ) -> Result<(), QueryError> {
         while found != 0 {
-            let bit = found.trailing_zeros() as usize;
-            let (lane_a, lane_b) = ((bit / 8) & (LANES - 1), bit & (LANES - 1));
+            let (lane_a, lane_b) = lane_pair(found);
             found &= found - 1;
-            let entry = PairStackEntry {
-                a: lane_subtree(node_a, lane_a).start,
-                b: lane_subtree(node_b, lane_b).start,
-                sphere: lane_sphere(&stored_b, lane_b),
+            stack.push(PairStackEntry {
+                a: lane_subtree(self.nodes[0], lane_a).start,
+                b: lane_subtree(self.nodes[1], lane_b).start,
+                // What a limited walk reports is what lanes have met, whatever lies above them.
+                sphere: if D::LIMITED {
+                    EVERYWHERE
+                } else {
+                    lane_sphere(b, lane_b)
+                },
                 lanes_a: u8::MAX,
                 lanes_b: u8::MAX,
                 unused: [0; 2],
-            };
-            push(stack, &mut len, entry, asset_a)?;
+            })?;
         }
-
-        let mut found = meets & rows_leaf & columns_leaf;
-        if found == 0 {
-            continue;
-        }
-        let leaves_a = a.announce(node_a, gather(lowest(found)))?;
-        let leaves_b = b.announce(node_b, any_row(found))?;
-        while found != 0 {
-            let bit = found.trailing_zeros() as usize;
-            found &= found - 1;
-            let Some(slot) = queue.get_mut(queued) else {
-                break; // there is room for all of a visit
-            };
-            *slot = FrontSlot {
-                a: leaves_a[(bit / 8) & (LANES - 1)],
-                b: leaves_b[bit & (LANES - 1)],
-            };
-            queued += 1;
-        }
+        Ok(())
     }
 }
 
-/// Puts an entry on the stack.
-#[inline(always)]
-fn push(
-    stack: &mut [PairStackEntry],
-    len: &mut usize,
-    entry: PairStackEntry,
-    asset: &Asset<'_>,
-) -> Result<(), QueryError> {
-    let Some(slot) = stack.get_mut(*len) else {
-        return Err(asset.too_deep().into());
-    };
-    *slot = entry;
-    *len += 1;
-    Ok(())
+/// Reports the spheres of pairs of lanes: both, so that those of the two sides correspond.
+fn report<D: Depth>(
+    mut pairs: u64,
+    poses: [&Pose<'_>; 2],
+    spheres: [&Spheres; 2],
+    depths: &mut [D; 2],
+) -> ControlFlow<()> {
+    while pairs != 0 {
+        let (lane_a, lane_b) = lane_pair(pairs);
+        pairs &= pairs - 1;
+        depths[0].report(poses[0], spheres[0], lane_a)?;
+        depths[1].report(poses[1], spheres[1], lane_b)?;
+    }
+    ControlFlow::Continue(())
 }
 
 /// A sphere that everything meets.
-pub(super) const EVERYWHERE: [f32; 4] = [0.0, 0.0, 0.0, f32::INFINITY];
+const EVERYWHERE: [f32; 4] = [0.0, 0.0, 0.0, f32::INFINITY];
 
 /// One lane's centre and radius.
 #[inline(always)]

@@ -3,19 +3,13 @@
 use bdtree_format::{LANES, NodeRecord, ROW_CENTRE_X, ROW_RADIUS, SectionKind, pair_row};
 use core::ops::ControlFlow;
 
+use super::Report;
 use super::spectral::at_most_square;
-use super::{GUARD, Report};
 use crate::contact::VertexId;
 use crate::error::{Datum, FormatError};
 use crate::math::{dot, norm, sqrt, sub};
+use crate::rounding::{CHECKED_NORM, CHECKED_PRODUCT, CHECKED_RADIUS, CHECKED_SQUARE};
 use crate::view::{Asset, NodeRows};
-
-/// Shares of R² and ΔR_j² by which squares may exceed them.
-const GUARD_RADIUS: f64 = 1.0 / (1_u64 << 44) as f64;
-/// Share of R² and ΔR_j² that is added to d and e.
-const GUARD_SQUARE: f64 = 1.0 / (1_u64 << 48) as f64;
-/// Share of R ΔR_j by which b± may be too small.
-const GUARD_PRODUCT: f64 = 1.0 / (1_u64 << 40) as f64;
 
 impl Asset<'_> {
     /// Recomputes every lane's bounds from the vertices below it.
@@ -148,7 +142,7 @@ impl LaneCheck<'_, '_> {
     /// Centres obey P and W_j; radii are not negative.
     fn norms(&self, report: Report<'_>) -> ControlFlow<()> {
         let mut check = |byte: u64, n: f64, limit: f64| {
-            if n * (1.0 - GUARD) > limit {
+            if n * (1.0 - CHECKED_NORM) > limit {
                 let rule = "SPEC 5.3: no norm is above position_norm_max or field_norm_max";
                 return report(self.broken(byte, n, limit, rule));
             }
@@ -204,7 +198,7 @@ impl LaneCheck<'_, '_> {
             asset.positions[vertex as usize].map(f64::from),
             self.centre(),
         );
-        if dot(x, x) > radius * radius * (1.0 + GUARD_RADIUS) {
+        if dot(x, x) > radius * radius * (1.0 + CHECKED_RADIUS) {
             let rule = "SPEC 6.6: R reaches every vertex below the lane";
             report(self.too_small(ROW_RADIUS, radius, norm(x), rule))?;
         }
@@ -272,7 +266,7 @@ impl LaneCheck<'_, '_> {
         report: Report<'_>,
     ) -> ControlFlow<()> {
         let radius = self.radius();
-        let d = (radius * radius - dot(x, x)).max(0.0) + GUARD_SQUARE * radius * radius;
+        let d = (radius * radius - dot(x, x)).max(0.0) + CHECKED_SQUARE * radius * radius;
         // At the mode's limit: exact, since limits are powers of two.
         let LaneMode {
             limit,
@@ -281,12 +275,12 @@ impl LaneCheck<'_, '_> {
             cross,
         } = self.mode(k);
         let w = sub(u.map(|x| x * limit), centre);
-        if dot(w, w) > growth * growth * (1.0 + GUARD_RADIUS) {
+        if dot(w, w) > growth * growth * (1.0 + CHECKED_RADIUS) {
             let rule = "SPEC 6.6: delta R reaches every displacement below the lane";
             report(self.mode_too_small((k, GROWTH), growth, norm(w), rule))?;
         }
-        let e = (growth * growth - dot(w, w)).max(0.0) + GUARD_SQUARE * growth * growth;
-        let saved = sqrt(d * e) + GUARD_PRODUCT * radius * growth;
+        let e = (growth * growth - dot(w, w)).max(0.0) + CHECKED_SQUARE * growth * growth;
+        let saved = sqrt(d * e) + CHECKED_PRODUCT * radius * growth;
         let along = dot(x, w);
         for (which, along) in [along, -along].into_iter().enumerate() {
             if cross[which] < along - saved {

@@ -1,7 +1,6 @@
 //! Spectral norms of 3 × M blocks, compared with a bound.
 
-/// Share of δR² by which a vertex's norm may exceed it.
-const GUARD_STEP: f64 = 1.0 / (1_u64 << 41) as f64;
+use crate::rounding::CHECKED_STEP;
 
 /// Whether the largest eigenvalue of a symmetric positive semidefinite matrix is at most
 /// `bound²`, up to the guard: whether bound² I − G has no negative pivot. Pivots are the largest
@@ -12,7 +11,7 @@ pub(super) fn at_most_square(g: &[[f64; 3]; 3], bound: f64) -> bool {
     if g[0][0] + g[1][1] + g[2][2] <= square {
         return true; // the common case, and the trace bounds the largest eigenvalue
     }
-    let slack = GUARD_STEP * square;
+    let slack = CHECKED_STEP * square;
     let mut a = *g;
     for (r, row) in a.iter_mut().enumerate() {
         for (c, x) in row.iter_mut().enumerate() {

@@ -3,13 +3,13 @@
 use bdtree_format::Row;
 use core::ops::ControlFlow;
 
-use super::super::MARGIN;
 use super::super::ball::Ball;
 use super::super::project::Closest;
 use super::super::ray::First;
 use crate::bound::WideSpheres;
 use crate::contact::TriangleId;
 use crate::narrow::Triangle;
+use crate::rounding::MARGIN;
 use crate::simd::Lanes;
 use crate::traverse::{Guided, Visitor};
 

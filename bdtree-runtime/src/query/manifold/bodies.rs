@@ -7,8 +7,8 @@ use super::{ContactManifold, ContactPoint};
 use crate::cache::Posed;
 use crate::contact::{PairContact, RayIntersection};
 use crate::error::QueryError;
-use crate::math::{add_scaled, cross, dot, norm, scale, sub};
-use crate::narrow::{Triangle, closest_point};
+use crate::math::{add_scaled, dot, norm, scale, sub};
+use crate::narrow::{Triangle, area_vector, closest_point};
 use crate::shape::Ray;
 use crate::traverse::StackEntry;
 
@@ -193,11 +193,6 @@ fn leaving(
     let corners = posed.pose.deformed_triangle(hit.triangle)?;
     let outwards = dot(area_vector(&corners), direction) > 0.0;
     Ok(outwards.then_some(hit))
-}
-
-/// Half the cross product of two edges.
-pub(super) fn area_vector([p, q, r]: &Triangle) -> [f64; 3] {
-    scale(cross(sub(*q, *p), sub(*r, *p)), 0.5)
 }
 
 pub(super) fn area(triangle: &Triangle) -> f64 {

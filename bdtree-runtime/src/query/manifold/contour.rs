@@ -4,9 +4,8 @@
 //! pieces need no order, and holes count negative.
 
 use super::super::unit;
-use super::bodies::area_vector;
 use crate::math::{add, add_scaled, cross, dot, norm, scale, sqrt, sub};
-use crate::narrow::Triangle;
+use crate::narrow::{Triangle, area_vector};
 
 /// A contour is open if the ends of its pieces are farther apart than this share of its length.
 const OPEN: f64 = 1e-4;

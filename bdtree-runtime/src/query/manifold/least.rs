@@ -1,9 +1,8 @@
 //! The least translation that separates two triangles.
 
 use super::super::unit;
-use super::bodies::area_vector;
 use crate::math::{add, cross, dot, scale, sub};
-use crate::narrow::Triangle;
+use crate::narrow::{Triangle, area_vector};
 
 /// How far the first triangle has to move, and the unit direction against which it moves: the least
 /// overlap along the normals of both and the products of their edges (Gottschalk, Lin and Manocha,
@@ -11,8 +10,11 @@ use crate::narrow::Triangle;
 /// Along a direction that separates them already it is 0.
 pub(super) fn least_translation(a: &Triangle, b: &Triangle) -> (f64, [f64; 3]) {
     let (normal_a, normal_b) = (unit(area_vector(a), ""), unit(area_vector(b), ""));
-    let flat = [0.0; 3];
-    let (normal_a, normal_b) = (normal_a.unwrap_or(flat), normal_b.unwrap_or(flat));
+    let degenerate = [0.0; 3];
+    let (normal_a, normal_b) = (
+        normal_a.unwrap_or(degenerate),
+        normal_b.unwrap_or(degenerate),
+    );
     // From the first to the second, as far as their corners' order tells.
     let towards = sub(normal_a, normal_b);
     let mut best = (f64::INFINITY, [0.0, 0.0, 1.0]);

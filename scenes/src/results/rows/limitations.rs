@@ -91,10 +91,18 @@ pub(super) const LIMITATIONS: &[Row] = &[
         ],
     ),
     not_yet("P59", "continuous collision detection", "future work"),
-    not_yet(
+    whole(
         "P60",
         "small changes to sphere trees: a reference implementation in the docs",
         "stated",
+        says!("the update in 35 lines of plain Rust, compared with the kernel (page)"),
+        &[
+            Test(
+                "bdtree-runtime/src/reference/mod.rs",
+                "the_kernel_is_the_plain_update_within_the_slack",
+            ),
+            Page("docs/node-update.md"),
+        ],
     ),
     whole(
         "P61",

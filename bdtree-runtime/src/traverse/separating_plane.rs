@@ -12,7 +12,8 @@ use super::{PairStackEntry, Subtree, lane_subtree, used_lanes};
 use crate::bound::WideSpheres;
 use crate::cache::{CHUNK, LeafChunk, Posed};
 use crate::error::QueryError;
-use crate::frame::PairFrame;
+use crate::pair_frame::PairFrame;
+use crate::rounding::NORMAL_LENGTH;
 use crate::simd::{Lanes, Work};
 use crate::view::Asset;
 
@@ -24,7 +25,7 @@ const TRIES: usize = 3;
 const NODES: u32 = 48;
 
 /// The search for a plane.
-pub(super) struct Apart<'p, 's, 'a> {
+pub(super) struct SeparatingPlane<'p, 's, 'a> {
     pub(super) assets: [&'p Asset<'a>; 2],
     pub(super) posed: [&'p mut Posed<'s>; 2],
     pub(super) frame: &'p PairFrame,
@@ -40,7 +41,7 @@ pub(super) struct Found {
     pub(super) nodes_updated: u64,
 }
 
-impl Work for Apart<'_, '_, '_> {
+impl Work for SeparatingPlane<'_, '_, '_> {
     type Output = Result<Found, QueryError>;
 
     #[inline(always)]
@@ -333,9 +334,8 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 /// A vector of this direction that is not longer than 1.
 #[inline(always)]
 fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
-    const SHRINK: f32 = 1.0 - 1.0 / (1 << 20) as f32;
     let squared = dot(v, v);
-    let scale = SHRINK / crate::math::sqrt_f32(squared);
+    let scale = NORMAL_LENGTH / crate::math::sqrt_f32(squared);
     // Far above what may be flushed to 0 in the squares.
     (squared > 1e-30 && scale > 0.0).then(|| v.map(|x| x * scale))
 }

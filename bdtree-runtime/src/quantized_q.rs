@@ -5,21 +5,17 @@
 
 use bdtree_format::ModeRecord;
 
+use crate::rounding::{RATIO_MIN, SCALE_MIN, round_up};
+
 /// Σ |n_j| is at most this: times 2¹⁵ it fits 32 bits.
 const TOTAL_MAX: f64 = 65_535.0;
 
 /// Largest |n_j|: that of an `i16` whose opposite is one too.
 const LARGEST: f64 = 32_767.0;
 
-/// Least λ: 2⁻¹⁰⁰, so that no product of it and a whole number is subnormal.
-const SCALE_MIN: f64 = f64::from_bits((1023 - 100) << 52);
-
-/// Least ρ: 2⁻³⁰.
-const RATIO_MIN: f64 = f64::from_bits((1023 - 30) << 52);
-
 /// A pose's q̃ of q̃_j = (n_j + ρ m_j) λ `q_limit`_j, two modes side by side.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shares<'p> {
+pub(crate) struct QuantizedQ<'p> {
     /// n.
     pub(crate) coarse: &'p [[i16; 2]],
     /// m, of the same signs; empty where q̃ has one part only.
@@ -33,7 +29,7 @@ pub(crate) struct Shares<'p> {
     pub(crate) mode_count: usize,
 }
 
-/// Memory for [`Shares`]: one entry each for every two modes.
+/// Memory for [`QuantizedQ`]: one entry each for every two modes.
 pub(crate) struct Memory<'p> {
     pub(crate) coarse: &'p mut [[i16; 2]],
     pub(crate) fine: &'p mut [[i16; 2]],
@@ -93,7 +89,7 @@ impl<'a> Given<'a> {
         tolerance: f64,
         coarse: f64,
         memory: Memory<'p>,
-    ) -> (Shares<'p>, f64) {
+    ) -> (QuantizedQ<'p>, f64) {
         let Memory {
             coarse: first,
             fine: second,
@@ -156,7 +152,7 @@ impl<'a> Given<'a> {
                 used += 1;
             }
         }
-        let shares = Shares {
+        let shares = QuantizedQ {
             coarse: first,
             fine,
             active: &active[..used],
@@ -241,9 +237,4 @@ impl Nearest {
             value: sum - BIG,
         }
     }
-}
-
-/// An f32 that is not below x, which is positive and normal.
-fn round_up(x: f64) -> f32 {
-    (x * (1.0 + 1.0 / (1 << 22) as f64)) as f32
 }

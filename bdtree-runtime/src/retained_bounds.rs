@@ -10,10 +10,11 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::bound::{Spheres, WideSpheres};
 use crate::cache::Posed;
+use crate::depth::proxy;
 use crate::error::FormatError;
-use crate::frame::{Frame, PairFrame};
+use crate::pair_frame::PairFrame;
+use crate::placement::Placement;
 use crate::simd::{Lanes, Reference, Work};
-use crate::traverse::proxy;
 use crate::view::Asset;
 use crate::{Kernel, NodeSlot, Pose, StepCache, Transform, VertexId};
 
@@ -258,10 +259,9 @@ fn proxies_in_the_world() {
             } else {
                 Posed::from(&pose)
             };
-            let (spheres, _) = posed
-                .portable_spheres::<Reference>(asset, node)
-                .expect("a node");
-            let proxy = proxy(&pose, &spheres, lane);
+            let mut spheres = WideSpheres::<Reference>::empty();
+            posed.spheres(asset, node, &mut spheres).expect("a node");
+            let proxy = proxy(&pose, &spheres.store(), lane);
             for v in vertices {
                 let x = asset.deformed(&pose, *v).expect("a vertex");
                 assert!(
@@ -275,8 +275,8 @@ fn proxies_in_the_world() {
     assert!(held > 100_000);
 }
 
-/// What [`Frame::world`] rounds, not rounded.
-fn exactly_in_world(frame: &Frame, stored: [f64; 3]) -> [BigRational; 3] {
+/// What [`Placement::world`] rounds, not rounded.
+fn exactly_in_world(frame: &Placement, stored: [f64; 3]) -> [BigRational; 3] {
     let n: Vec<BigRational> = frame.numbers().map(exact).collect();
     let (rotation, translation, origin) = (&n[..9], &n[9..12], &n[12..15]);
     let (scale, unit) = (&n[15], &n[16]);
@@ -300,7 +300,7 @@ fn spheres_in_another_frame() {
         let here = Pose::new(&other, &near, random.place(), &mut of_other).expect("pose");
         // The second where the first is, far from the world's origin or not.
         let place = Transform {
-            translation: here.frame.origin_in_world(),
+            translation: here.placement.origin_in_world(),
             ..place
         };
         let [reference, pose] = poses(asset, &q, [place; 2], &mut memory);
@@ -314,14 +314,14 @@ fn spheres_in_another_frame() {
             _ => PairFrame::new(&Posed::from(&here), &Posed::from(&pose), 0.0),
         };
         let frame = frame.expect("one stands in the other");
-        let per_stored = here.frame.world_per_stored();
+        let per_stored = here.placement.world_per_stored();
         for_lanes(asset, |node, lane, vertices| {
             let posed = match round % 3 {
                 0 => Posed::from(&mut followed),
                 _ => Posed::from(&pose),
             };
             let (center, radius) = lane_sphere(&seen(asset, posed, node, Some(&frame)), lane);
-            let center = exactly_in_world(&here.frame, center);
+            let center = exactly_in_world(&here.placement, center);
             let radius = exact(radius) * exact(per_stored);
             for v in vertices.iter().step_by(7) {
                 let x = asset.deformed(&pose, *v).expect("a vertex").map(exact);

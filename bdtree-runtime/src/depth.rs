@@ -1,0 +1,114 @@
+//! How deep a walk looks: to the triangles, or down to a level whose spheres stand for what lies below
+//! them (the paper's contact proxies, 3.4).
+//!
+//! One walk serves both: the limit is a type, so that where there is none nothing is left of it.
+
+use bdtree_format::NodeRecord;
+use core::fmt;
+use core::ops::ControlFlow;
+
+use crate::bound::Spheres;
+use crate::contact::{Proxy, Sink};
+use crate::math::norm;
+use crate::pose::Pose;
+use crate::rounding::MARGIN;
+use crate::view::Asset;
+
+/// A walk's limit.
+pub(crate) trait Depth {
+    /// Whether nodes may end the walk: what is only done for these is compiled away elsewhere.
+    const LIMITED: bool;
+
+    /// Whether nothing below this node's lanes is visited.
+    fn ends(&self, node: &NodeRecord) -> bool;
+
+    /// Reports the sphere of a lane below which nothing is visited.
+    fn report(&mut self, pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> ControlFlow<()>;
+}
+
+/// Down to the triangles.
+pub(crate) struct Unlimited;
+
+impl Depth for Unlimited {
+    const LIMITED: bool = false;
+
+    #[inline(always)]
+    fn ends(&self, _node: &NodeRecord) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn report(&mut self, _pose: &Pose<'_>, _spheres: &Spheres, _lane: usize) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Down to a level, whose spheres a sink takes.
+pub(crate) struct DepthLimit<'s> {
+    pub(crate) level: usize,
+    pub(crate) sink: &'s mut (dyn Sink<Proxy> + 's),
+}
+
+impl DepthLimit<'_> {
+    /// The same for a shorter time.
+    pub(crate) fn again(&mut self) -> DepthLimit<'_> {
+        DepthLimit {
+            level: self.level,
+            sink: &mut *self.sink,
+        }
+    }
+
+    /// Whether there is anything below the level.
+    pub(crate) fn cuts(&self, asset: &Asset<'_>) -> bool {
+        self.level < asset.depth().saturating_sub(1)
+    }
+}
+
+impl Depth for DepthLimit<'_> {
+    const LIMITED: bool = true;
+
+    #[inline(always)]
+    fn ends(&self, node: &NodeRecord) -> bool {
+        usize::from(node.level) >= self.level
+    }
+
+    fn report(&mut self, pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> ControlFlow<()> {
+        self.sink.push(proxy(pose, spheres, lane))
+    }
+}
+
+/// One side of a pair, of which the other may be the limited one.
+impl Depth for Option<DepthLimit<'_>> {
+    const LIMITED: bool = true;
+
+    #[inline(always)]
+    fn ends(&self, node: &NodeRecord) -> bool {
+        self.as_ref().is_some_and(|limit| limit.ends(node))
+    }
+
+    fn report(&mut self, pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> ControlFlow<()> {
+        match self {
+            Some(limit) => limit.report(pose, spheres, lane),
+            None => ControlFlow::Continue(()),
+        }
+    }
+}
+
+impl fmt::Debug for DepthLimit<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut out = f.debug_struct("DepthLimit");
+        out.field("level", &self.level).finish_non_exhaustive()
+    }
+}
+
+/// The sphere of a lane in the world, which holds all that the leaf arithmetic puts below it.
+pub(crate) fn proxy(pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> Proxy {
+    let center = [0, 1, 2].map(|axis| spheres.centre[axis][lane]);
+    let center = pose.placement.world(center);
+    let radius =
+        f64::from(spheres.radius[lane]) + pose.placement.error(norm(center), 2.0 * pose.reach);
+    Proxy {
+        center,
+        radius: radius * pose.placement.world_per_stored() * (1.0 + MARGIN),
+    }
+}

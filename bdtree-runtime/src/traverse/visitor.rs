@@ -1,0 +1,139 @@
+//! What walks ask and what they tell.
+
+use bdtree_format::Row;
+use core::ops::ControlFlow;
+
+use super::pair_stack::FrontSlot;
+use crate::bound::WideSpheres;
+use crate::contact::TriangleId;
+use crate::narrow::Triangle;
+use crate::placement::Placement;
+use crate::simd::{Lanes, Quad};
+
+/// A question about one deformed mesh.
+pub(crate) trait Visitor {
+    /// Whether nearer lanes are to be visited first (by `keys`).
+    const ORDERED: bool;
+
+    /// The lanes that may hold an answer, and, when ordered, a lower bound for each of what the
+    /// question minimises. Anything not proved useless is kept, NaN included.
+    fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8;
+
+    /// Whether a subtree with this lower bound may still hold an answer.
+    fn wanted(&self, key: f32) -> bool;
+
+    /// Whether a triangle with these corners (stored units) certainly is no answer: a cheap test
+    /// that spares the exact one.
+    #[inline(always)]
+    fn misses(&self, _corners: &[[f32; 3]; 3]) -> bool {
+        false
+    }
+
+    /// Whether triangles are taken four at a time, by [`Visitor::four`].
+    const IN_FOURS: bool = false;
+
+    /// [`Visitor::misses`] for four (of each corner, of each coordinate, that of the four).
+    #[inline(always)]
+    fn misses_four<Q: Quad>(&self, _corners: &[[[f32; 4]; 3]; 3]) -> u8 {
+        0
+    }
+
+    /// Takes up to eight triangles, as [`Visitor::triangle`] would one after the other.
+    #[inline(always)]
+    fn fours<Q: Quad>(&mut self, frame: &Placement, fours: &[Four; 2]) -> ControlFlow<()> {
+        for four in fours {
+            for k in 0..four.len {
+                self.triangle(TriangleId(four.ids[k]), &four.world(frame, k))?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Takes a triangle's world corners; `Break` ends the traversal.
+    fn triangle(&mut self, id: TriangleId, corners: &Triangle) -> ControlFlow<()>;
+}
+
+/// A question about pairs of triangles of two deformed meshes.
+pub(crate) trait PairVisitor {
+    /// Farther apart, triangles are no answer (world units).
+    fn tolerance(&self) -> f64;
+
+    /// Told of the pairs of leaves whose spheres meet.
+    fn meet(&mut self, _leaves: &[FrontSlot]) {}
+
+    /// Takes the world corners of two triangles that may be an answer; `Break` ends the traversal.
+    fn triangles(
+        &mut self,
+        a: TriangleId,
+        corners_a: &Triangle,
+        b: TriangleId,
+        corners_b: &Triangle,
+    ) -> ControlFlow<()>;
+}
+
+/// Triangles that wait for being tested together.
+#[derive(Default)]
+pub(crate) struct Four {
+    pub(crate) ids: [u32; 4],
+    /// Stored units: of each corner, of each coordinate, that of the four.
+    pub(crate) corners: [[[f32; 4]; 3]; 3],
+    /// How many there are.
+    pub(crate) len: usize,
+}
+
+impl Four {
+    /// Adds a triangle; there must be room.
+    #[inline(always)]
+    pub(super) fn push(&mut self, id: u32, corners: &[[f32; 3]; 3]) {
+        let k = self.len & 3;
+        self.ids[k] = id;
+        for i in 0..3 {
+            for axis in 0..3 {
+                self.corners[i][axis][k] = corners[i][axis];
+            }
+        }
+        self.len = k + 1;
+    }
+
+    /// The world corners of triangle `k`.
+    #[inline(always)]
+    pub(crate) fn world(&self, frame: &Placement, k: usize) -> Triangle {
+        world(frame, &stored(&self.corners, k))
+    }
+}
+
+/// The corners of the k-th of four triangles.
+#[inline(always)]
+fn stored(four: &[[[f32; 4]; 3]; 3], k: usize) -> [[f32; 3]; 3] {
+    let mut corners = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for axis in 0..3 {
+            corners[i][axis] = four[i][axis][k & 3];
+        }
+    }
+    corners
+}
+
+#[inline(always)]
+pub(super) fn world(frame: &Placement, [a, b, c]: &[[f32; 3]; 3]) -> Triangle {
+    [frame.world(*a), frame.world(*b), frame.world(*c)]
+}
+
+/// What a traversal did.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Walk {
+    pub(crate) nodes_visited: u64,
+    /// Of them, those whose spheres were evaluated.
+    pub(crate) nodes_updated: u64,
+    /// The visitor broke off.
+    pub(crate) stopped: bool,
+}
+
+impl Walk {
+    /// Adds another one, which came after.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.nodes_visited += other.nodes_visited;
+        self.nodes_updated += other.nodes_updated;
+        self.stopped |= other.stopped;
+    }
+}
