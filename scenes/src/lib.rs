@@ -1,7 +1,6 @@
-//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]), the guide's plots ([`guide`]) with what they share, workloads for
-//! benchmarks, and a study of bounds.
+//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]), the guide's plots ([`guide`]) with what they share and workloads for
+//! benchmarks.
 
-pub mod bounds;
 pub mod contenders;
 pub mod curtain;
 pub mod growth;

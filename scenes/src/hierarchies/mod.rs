@@ -1,5 +1,7 @@
 //! Three hierarchies of spheres over the same binary tree: the layered one, the paper's and ours.
 
+mod sphere;
+
 use std::error::Error;
 
 use bdtree_baselines::Place;
@@ -8,7 +10,7 @@ use bdtree_render::tightness::growth;
 use bdtree_runtime::{Asset, Pose, Transform, VertexId};
 use nalgebra::Vector3;
 
-use crate::bounds::sphere::{Growth, Sphere};
+use sphere::Sphere;
 
 /// What holds the triangles of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,7 +50,7 @@ impl Kind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
     /// c'.
-    pub centre: [f64; 3],
+    pub center: [f64; 3],
     /// R'.
     pub radius: f64,
     /// Its radius over that of the paper's wrapped sphere at rest.
@@ -175,7 +177,7 @@ impl<'a> Hierarchies<'a> {
                 .map(|field| wide(field.of(j)))
                 .collect::<Vec<_>>()
         });
-        Ok(Sphere::around(&points, fields, Growth::SecondOrder))
+        Ok(Sphere::around(&points, fields))
     }
 }
 
@@ -191,17 +193,15 @@ impl Level<'_> {
     /// The level's spheres in storage order.
     pub fn spheres(&self, kind: Kind, posed: &mut Posed) -> Vec<Found> {
         let spheres = self.nodes.iter().map(|(node, ours)| {
-            let [x, y, z, radius] = match kind {
-                Kind::Layered => posed.layered.sphere(self.tree, *node).map(f64::from),
-                Kind::Paper => self.tree.sphere(&posed.step, *node).map(f64::from),
-                Kind::Ours => {
-                    let ball = ours.at(&posed.q);
-                    [ball.centre.x, ball.centre.y, ball.centre.z, ball.radius]
-                }
+            let wide = |[x, y, z, radius]: [f32; 4]| ([x, y, z].map(f64::from), f64::from(radius));
+            let (center, radius) = match kind {
+                Kind::Layered => wide(posed.layered.sphere(self.tree, *node)),
+                Kind::Paper => wide(self.tree.sphere(&posed.step, *node)),
+                Kind::Ours => ours.at(&posed.q),
             };
             let [_, _, _, rest] = self.tree.numbers(*node)[0];
             Found {
-                centre: [x, y, z],
+                center,
                 radius,
                 growth: growth(radius, f64::from(rest)),
             }
