@@ -18,7 +18,7 @@ SHIPPED = {
     "bdtree-render",
     "bdtree-tools",
     "bdtree-view",
-    "bdtree-baselines",
+    "bdtree-measure",
 }
 # The same licences stand in deny.toml.
 ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "ISC", "Unicode-3.0", "Zlib"}

@@ -6,7 +6,6 @@ pub mod curtain;
 pub mod growth;
 pub mod guide;
 pub mod hierarchies;
-pub mod plot;
 pub mod report;
 pub mod results;
 pub mod tables;

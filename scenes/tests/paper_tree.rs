@@ -1,9 +1,9 @@
 //! The baseline is what it claims to be: the paper's tree, with the product's answers.
 
-use bdtree_baselines::paper_tree::{PaperTree, Step, Vertices};
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::pipeline::BakeSettings;
 use bdtree_build::tree::Split;
+use bdtree_measure::paper_tree::{PaperTree, Step, Vertices};
 use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, VertexId, query};
 use bdtree_tests::{bake, oracle, poses};
 use rand::RngExt;

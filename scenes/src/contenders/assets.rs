@@ -6,9 +6,9 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::time::UNIX_EPOCH;
 
-use bdtree_baselines::Body;
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
+use bdtree_measure::Body;
 use bdtree_runtime::AlignedBytes;
 use bdtree_tests::fixtures;
 

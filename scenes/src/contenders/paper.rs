@@ -4,12 +4,12 @@ use crate::workloads::bodies::Bodies;
 use crate::workloads::curtain::Curtain;
 use crate::workloads::pile::{COUNT, Pile};
 use crate::workloads::rays::Rays;
-use bdtree_baselines::clock::Clock;
-use bdtree_baselines::paper_tree::{Between, Memory, PaperTree, PlainTree, Step};
-use bdtree_baselines::place::Place;
+use bdtree_measure::clock::Clock;
+use bdtree_measure::paper_tree::{Between, Memory, PaperTree, PlainTree, Step};
+use bdtree_measure::place::Place;
 use bdtree_runtime::{Asset, Contact, PairContact, Pose};
 
-use super::contest::{Counts, Entry, Frame, Role};
+use bdtree_measure::turns::{Counts, Entry, Frame, Role};
 
 /// In tables.
 pub const NAME: &str = "paper's tree";

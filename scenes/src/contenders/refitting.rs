@@ -4,13 +4,13 @@ use crate::workloads::bodies::Bodies;
 use crate::workloads::curtain::Curtain;
 use crate::workloads::pile::{COUNT, Pile};
 use crate::workloads::rays::Rays;
-use bdtree_baselines::clock::Clock;
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::peers::{PairPeer, Peer, Update};
-use bdtree_baselines::place::Place;
+use bdtree_measure::clock::Clock;
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::peers::{PairPeer, Peer, Update};
+use bdtree_measure::place::Place;
 use bdtree_runtime::{Contact, PairContact};
 
-use super::contest::{Counts, Entry, Frame, Role};
+use bdtree_measure::turns::{Counts, Entry, Frame, Role};
 
 /// W1.
 pub fn ball<'a>(

@@ -2,8 +2,8 @@
 
 use std::error::Error;
 
-use bdtree_baselines::paper_tree::{PaperTree, Spheres, Step};
 use bdtree_format::{LANES, ROW_RADIUS};
+use bdtree_measure::paper_tree::{PaperTree, Spheres, Step};
 use bdtree_runtime::{Asset, Contact, Pose, StackEntry, query};
 
 use super::ours;

@@ -3,21 +3,21 @@
 use std::error::Error;
 use std::rc::Rc;
 
-use bdtree_baselines::Place;
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::paper_tree::{BallCounts, Layered, Memory, PaperTree, PlainTree, Step};
-use bdtree_baselines::peers::{LayeredPeer, Obvhs, Peer};
+use bdtree_measure::Place;
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::paper_tree::{BallCounts, Layered, Memory, PaperTree, PlainTree, Step};
+use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer};
 use bdtree_runtime::{Asset, Contact, Pose, Transform};
 use serde_json::{Value, json};
 
 use super::Arguments;
-use crate::contenders::contest::{Counts, Entry, Role, Rounds, Row, TOTAL, Turns, contest};
 use crate::contenders::ours::ball::OurBall;
 use crate::contenders::spheres::{Counting, Tested, of_ball, sum_growths};
 use crate::contenders::{paper, refitting};
-use crate::plot::{Axis, Chart, Curve, svg};
 use crate::report::{Cell, Report, Table};
 use crate::workloads::curtain::Curtain;
+use bdtree_measure::plot::{Axis, Line, Plot, sheet};
+use bdtree_measure::turns::{Counts, Entry, Role, Rounds, Row, TOTAL, Turns, compare};
 
 /// In tables.
 const OURS: &str = "ours";
@@ -67,7 +67,7 @@ pub(super) fn measure(
         turns: Turns::Contender,
         with: &[],
     };
-    let rows = contest(entries, &frames, rounds)?;
+    let rows = compare(entries, &frames, rounds)?;
     let spread = spread(asset, work, &tree)?;
     let contacts = rows.first().map_or(0, |row| row.found);
     let value = json!({
@@ -225,17 +225,19 @@ fn table(
 }
 
 fn picture(rows: &[Row]) -> Result<String, Box<dyn Error>> {
-    let curves = rows.iter().map(|row| Curve {
+    let lines = rows.iter().map(|row| Line {
         name: row.name.clone(),
         points: (0..)
             .map(f64::from)
             .zip(row.by_frame.iter().map(|s| 1e6 * s))
             .collect(),
     });
-    svg(&[Chart {
-        title: "Ball and curtain: time of every frame",
-        x: Axis::linear("frame"),
-        y: Axis::log("µs"),
-        curves: curves.collect(),
-    }])
+    let title = "Ball and curtain: time of every frame";
+    let axes = [Axis::linear("frame"), Axis::log("µs")];
+    Ok(sheet(&[Plot::new(
+        title,
+        &axes[0],
+        &axes[1],
+        lines.collect(),
+    )])?)
 }

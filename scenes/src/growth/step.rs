@@ -3,11 +3,11 @@
 
 use std::error::Error;
 
-use bdtree_baselines::clock::Clock;
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::peers::{Obvhs, Peer};
-use bdtree_baselines::standing::{AMOUNTS, Ahead, MOST, Side, Standing, VISITS_MAX};
-use bdtree_baselines::{Body, Place, stats};
+use bdtree_measure::clock::Clock;
+use bdtree_measure::comparison::{AMOUNTS, Ahead, Comparison, MOST, Side, VISITS_MAX};
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::peers::{Obvhs, Peer};
+use bdtree_measure::{Body, Place, stats};
 use bdtree_runtime::{Asset, Contact};
 use serde_json::{Value, json};
 
@@ -32,7 +32,7 @@ struct Step {
 }
 
 /// Both contenders and what they are asked.
-pub(super) struct Contest<'a> {
+pub(super) struct Contenders<'a> {
     ours: OurBalls<'a>,
     nodes: usize,
     peer: Obvhs,
@@ -60,7 +60,7 @@ impl Point {
     }
 }
 
-impl<'a> Contest<'a> {
+impl<'a> Contenders<'a> {
     /// On a body whose farthest vertex moves by a share of its diagonal, with balls of a radius.
     pub(super) fn new(asset: Asset<'a>, body: &Body, displacement: f64, radius: f32) -> Self {
         let deformer = Deformer::new(body);
@@ -150,7 +150,7 @@ impl<'a> Contest<'a> {
     /// many as visit every node a hundred times.
     ///
     /// # Errors
-    /// Those of [`Contest::measure`].
+    /// Those of [`Contenders::measure`].
     pub(super) fn crossing(&mut self, repeats: usize) -> Result<Crossing, Box<dyn Error>> {
         let mut points = Vec::new();
         for balls in AMOUNTS {
@@ -182,7 +182,7 @@ fn on_surface(body: &Body, points: &[[f32; 3]], stream: &mut Stream) -> [f32; 3]
 /// Who is ahead over balls a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crossing {
-    standing: Standing,
+    comparison: Comparison,
     /// The most balls a step that were asked.
     most: usize,
 }
@@ -192,22 +192,22 @@ impl Crossing {
     pub(super) fn of(points: &[Point]) -> Self {
         let ratios: Vec<(f64, f64)> = points.iter().map(|p| (p.balls as f64, p.times())).collect();
         Self {
-            standing: Standing::of(&ratios),
+            comparison: Comparison::of(&ratios),
             most: points.last().map_or(0, |p| p.balls),
         }
     }
 
     /// For a table.
     pub(super) fn text(&self) -> String {
-        let standing = &self.standing;
-        match (standing.ahead, standing.break_even) {
+        let comparison = &self.comparison;
+        match (comparison.ahead, comparison.break_even) {
             (Ahead::Ours, _) => format!("not up to {}", self.most),
             (Ahead::Refit, _) => "always".to_string(),
-            (Ahead::Crosses, Some(at)) if standing.above == Some(Side::Refit) => whole(at),
+            (Ahead::Crosses, Some(at)) if comparison.above == Some(Side::Refit) => whole(at),
             (Ahead::Crosses, Some(at)) => format!("up to {}", whole(at)),
             _ => {
                 let [from, to] =
-                    [standing.from, standing.to].map(|x| x.map_or_else(String::new, whole));
+                    [comparison.from, comparison.to].map(|x| x.map_or_else(String::new, whole));
                 format!("even from {from} to {to}")
             }
         }
@@ -215,9 +215,9 @@ impl Crossing {
 
     /// All of it; of times, so that it differs between runs.
     pub(super) fn json(&self) -> Value {
-        let standing = &self.standing;
-        json!({"ahead": format!("{:?}", standing.ahead).to_lowercase(), "from": standing.from,
-            "to": standing.to, "break_even_balls": standing.break_even, "most_balls": self.most})
+        let comparison = &self.comparison;
+        json!({"ahead": format!("{:?}", comparison.ahead).to_lowercase(), "from": comparison.from,
+            "to": comparison.to, "break_even_balls": comparison.break_even, "most_balls": self.most})
     }
 }
 

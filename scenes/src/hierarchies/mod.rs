@@ -4,8 +4,8 @@ mod sphere;
 
 use std::error::Error;
 
-use bdtree_baselines::Place;
-use bdtree_baselines::paper_tree::{Layered, PaperTree, Spheres, Step};
+use bdtree_measure::Place;
+use bdtree_measure::paper_tree::{Layered, PaperTree, Spheres, Step};
 use bdtree_render::tightness::growth;
 use bdtree_runtime::{Asset, Pose, Transform, VertexId};
 use nalgebra::Vector3;

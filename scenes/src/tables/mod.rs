@@ -12,14 +12,14 @@ use std::error::Error;
 use std::fs;
 use std::path::PathBuf;
 
-use bdtree_baselines::Body;
+use bdtree_measure::Body;
 use bdtree_runtime::{AlignedBytes, Asset};
 use clap::Parser;
 use serde_json::{Value, json};
 
 use crate::hierarchies::Hierarchies;
-use crate::plot::svg;
 use crate::report::{Cell, Report, Table};
+use bdtree_measure::plot::sheet;
 
 use ratios::Ratios;
 use ways::Deformations;
@@ -172,7 +172,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
         of_files.push(value.map_err(|error| format!("{}: {error}", path.display()))?);
     }
     charts.insert(0, decay::chart(&decays));
-    let picture = svg(&charts)?;
+    let picture = sheet(&charts)?;
     Ok(Report {
         name: "tables",
         value: json!({"settings": {"amplitudes": arguments.amplitudes, "poses": arguments.poses,

@@ -1,6 +1,6 @@
 //! W1: a ball goes through a folded curtain.
 
-use bdtree_baselines::Body;
+use bdtree_measure::Body;
 
 use super::{Shape, sequence};
 

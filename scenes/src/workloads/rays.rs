@@ -2,7 +2,7 @@
 
 use super::bodies::{MODES, blob};
 use super::random::Stream;
-use bdtree_baselines::Body;
+use bdtree_measure::Body;
 
 use super::sequence;
 

@@ -4,10 +4,10 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use bdtree_baselines::machine;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
+use bdtree_measure::machine;
 use bdtree_runtime::gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
 use bdtree_runtime::{AlignedBytes, Asset};
 use bdtree_tests::bake::{bumpy_sphere, smooth_basis};

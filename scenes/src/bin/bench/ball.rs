@@ -4,8 +4,8 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
-use bdtree_baselines::paper_tree::{BallCounts, PaperTree, PlainTree, Step, Vertices};
-use bdtree_baselines::{machine, stats};
+use bdtree_measure::paper_tree::{BallCounts, PaperTree, PlainTree, Step, Vertices};
+use bdtree_measure::{machine, stats};
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Pose, StackEntry, Transform, TriangleId, query,
 };

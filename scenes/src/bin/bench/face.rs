@@ -5,12 +5,12 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
-use bdtree_baselines::{machine, stats};
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
 use bdtree_format::SectionKind;
+use bdtree_measure::{machine, stats};
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Pose, StackEntry, Transform, TriangleId, query,
 };

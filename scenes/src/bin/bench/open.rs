@@ -4,11 +4,11 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use bdtree_baselines::{machine, stats};
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
 use bdtree_build::progress::Silent;
+use bdtree_measure::{machine, stats};
 use bdtree_runtime::{Asset, MappedFile};
 use bdtree_tests::resident::mapped_bytes;
 use clap::Args;

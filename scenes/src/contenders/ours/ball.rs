@@ -2,11 +2,11 @@
 
 use bdtree_runtime::{Asset, CachedPose, Contact, Pose, StackEntry, Transform, query};
 
-use bdtree_baselines::clock::Clock;
-use bdtree_baselines::standing::{CACHED, LEAF_SLOTS};
+use bdtree_measure::clock::Clock;
+use bdtree_measure::comparison::{CACHED, LEAF_SLOTS};
 
 use super::{Cache, cache};
-use crate::contenders::contest::{Frame, Nodes};
+use bdtree_measure::turns::{Frame, Nodes};
 
 /// An asset with the memory that it is asked in.
 pub struct OurBall<'a> {

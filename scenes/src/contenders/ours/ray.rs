@@ -2,10 +2,10 @@
 
 use bdtree_runtime::{Asset, Pose, StackEntry, Transform, query};
 
-use bdtree_baselines::clock::Clock;
+use bdtree_measure::clock::Clock;
 
 use super::{Cache, cache};
-use crate::contenders::contest::{Frame, Nodes};
+use bdtree_measure::turns::{Frame, Nodes};
 
 /// An asset with the memory that it is asked in.
 pub struct OurRays<'a> {

@@ -18,7 +18,7 @@ pub(super) const BOXES: &[Row] = &[
         "boxes in turned coordinates",
         "proposed",
         says!(
-            "0.77 of the spheres' time at rest, 1.5 times at 20 %: `bench bounds` of commit c863d38, not adopted"
+            "0.77 of the spheres' time at rest, 1.7 times at 20 %: `bench bounds` of commit c863d38, not adopted"
         ),
         &[BOUNDS, DECISION],
     ),

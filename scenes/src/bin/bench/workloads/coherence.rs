@@ -4,9 +4,9 @@
 use std::error::Error;
 use std::time::Instant;
 
-use bdtree_baselines::Place;
-use bdtree_baselines::machine;
-use bdtree_baselines::stats::median;
+use bdtree_measure::Place;
+use bdtree_measure::machine;
+use bdtree_measure::stats::median;
 use bdtree_runtime::query::{self, PairFront};
 use bdtree_runtime::{
     Asset, CachedPose, Contact, FrontSlot, Motion, PairStackEntry, Pose, StackEntry, Transform,

@@ -3,18 +3,18 @@
 use std::error::Error;
 use std::rc::Rc;
 
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::paper_tree::PaperTree;
-use bdtree_baselines::peers::LayeredPeer;
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::paper_tree::PaperTree;
+use bdtree_measure::peers::LayeredPeer;
 #[cfg(feature = "peers")]
-use bdtree_baselines::peers::{Parry, TinyBvh};
+use bdtree_measure::peers::{Parry, TinyBvh};
 use bdtree_runtime::Asset;
 use bdtree_scenes::workloads::{bodies, curtain, pile, rays};
 
 use super::libraries::Libraries;
 use super::report::Work;
+use bdtree_measure::turns::{Counts, Entry, Role, Rounds, compare};
 use bdtree_scenes::contenders::assets::baked;
-use bdtree_scenes::contenders::contest::{Counts, Entry, Role, Rounds, contest};
 use bdtree_scenes::contenders::ours::ball::OurBall;
 use bdtree_scenes::contenders::ours::pair::OurPair;
 use bdtree_scenes::contenders::ours::pile::{NODES, OurPile};
@@ -64,7 +64,7 @@ pub(crate) fn ball(
     Ok(Work {
         name: format!("W1 {name}"),
         goals: Some(goals),
-        rows: contest(std::mem::take(&mut entries), &frames, rounds)?,
+        rows: compare(std::mem::take(&mut entries), &frames, rounds)?,
     })
 }
 
@@ -99,7 +99,7 @@ pub(crate) fn pair(rounds: Rounds<'_>) -> Result<Work> {
     Ok(Work {
         name: "W2 blob36k".to_string(),
         goals: Some([2.5, 4.0]),
-        rows: contest(entries, &frames, rounds)?,
+        rows: compare(entries, &frames, rounds)?,
     })
 }
 
@@ -145,7 +145,7 @@ pub(crate) fn ray(
         all.push(Work {
             name: format!("W3 {name}, {count} rays"),
             goals: Some(*goals),
-            rows: contest(std::mem::take(&mut entries), &frames, rounds)?,
+            rows: compare(std::mem::take(&mut entries), &frames, rounds)?,
         });
     }
     Ok(all)
@@ -205,6 +205,6 @@ pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
     Ok(Work {
         name: "W4 blob18k, 1000 bodies".to_string(),
         goals: Some([3.0, 6.0]),
-        rows: contest(entries, &frames, rounds)?,
+        rows: compare(entries, &frames, rounds)?,
     })
 }
