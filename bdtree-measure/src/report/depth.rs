@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::MeasureError;
 use crate::clock::Clock;
 use crate::stats::median;
 use bdtree_runtime::{
@@ -10,14 +11,14 @@ use bdtree_runtime::{
 
 use super::content::{DepthRow, WholeQuery};
 use super::sample::Sample;
-use super::{REPETITIONS, ReportError, lanes};
+use super::{REPETITIONS, lanes};
 
 /// Queries that look into everything, and level by level; the last one is where answers are exact.
 pub(super) fn depth(
     asset: &Asset<'_>,
     samples: &[Sample],
     diagonal: f64,
-) -> Result<(WholeQuery, Vec<DepthRow>), ReportError> {
+) -> Result<(WholeQuery, Vec<DepthRow>), MeasureError> {
     let mut rows: Vec<Row> = (0..asset.depth()).map(Row::new).collect();
     let mut whole = WholeQuery::default();
     let mut memory = vec![0.0; asset.pose_len()];
@@ -53,7 +54,7 @@ struct Answer {
 }
 
 impl Answer {
-    fn of(asset: &Asset<'_>, posed: Posed<'_>, sample: &Sample) -> Result<Self, ReportError> {
+    fn of(asset: &Asset<'_>, posed: Posed<'_>, sample: &Sample) -> Result<Self, MeasureError> {
         let mut stack = vec![StackEntry::default(); asset.stack_len()];
         let mut contacts: Vec<Contact> = Vec::new();
         let (center, radius) = sample.ball;
@@ -133,7 +134,7 @@ impl Row {
         truth: &Answer,
         sample: &Sample,
         diagonal: f64,
-    ) -> Result<(), ReportError> {
+    ) -> Result<(), MeasureError> {
         let mut proxies: Vec<Proxy> = Vec::new();
         let bounded = Posed::from(pose).bounded(self.level, &mut proxies);
         let answer = Answer::of(asset, bounded, sample)?;
@@ -191,7 +192,7 @@ fn time(
     pose: &Pose<'_>,
     sample: &Sample,
     level: Option<usize>,
-) -> Result<f64, ReportError> {
+) -> Result<f64, MeasureError> {
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let (mut contacts, mut proxies): (Vec<Contact>, Vec<Proxy>) = Default::default();
     let (center, radius) = sample.ball;

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use crate::MeasureError;
 use crate::machine;
 use bdtree_build::advise::samples::{SAMPLES, Samples, Source};
 use bdtree_build::advise::works::BALL_RADIUS_REL;
@@ -9,9 +10,7 @@ use bdtree_runtime::{Asset, FormatError};
 
 use super::content::{self, Content, Facts, Machine, Margin, Parts, Seconds};
 use super::sample::{SMALL_BALL, Sample};
-use super::{
-    REPETITIONS, ReportError, advice, comparison, depth, modes, sections, tightness, tolerance,
-};
+use super::{REPETITIONS, advice, comparison, depth, modes, sections, tightness, tolerance};
 
 /// Meshes of more triangles get fewer samples of what looks at all vertices.
 const LARGE_TRIANGLES: usize = 100_000;
@@ -38,7 +37,7 @@ pub struct Subject<'a> {
 ///
 /// # Errors
 /// The first rule of the format that the asset breaks, a bake with fewer modes that is refused.
-pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, ReportError> {
+pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, MeasureError> {
     let mut seconds = Clockwork::new(subject.check_seconds);
     let bounds = bounds(asset);
     let diagonal = length([0, 1, 2].map(|k| bounds[1][k] - bounds[0][k]));
@@ -170,7 +169,7 @@ fn described(
     asset: &Asset<'_>,
     samples: &Samples,
     diagonal: f64,
-) -> Result<content::Samples, ReportError> {
+) -> Result<content::Samples, MeasureError> {
     let mut most = 0.0_f64;
     for k in 0..samples.len() {
         let far = tightness::farthest(asset, samples.q(k))?;

@@ -9,8 +9,8 @@ use bdtree_build::progress::Silent;
 use bdtree_format::Metadata;
 use bdtree_runtime::Asset;
 
-use super::ReportError;
 use super::content::{Advice, ModesRow};
+use crate::MeasureError;
 
 /// Meshes of more triangles are baked less often, and measured at fewer samples.
 const LARGE_TRIANGLES: usize = 50_000;
@@ -28,7 +28,7 @@ pub(super) struct Modes {
 }
 
 /// Bakes with fewer modes and asks.
-pub(super) fn modes(asset: &Asset<'_>, diagonal: f64) -> Result<Modes, ReportError> {
+pub(super) fn modes(asset: &Asset<'_>, diagonal: f64) -> Result<Modes, MeasureError> {
     let subject = Subject::of_asset(asset)?;
     let is_large = asset.triangle_count() > LARGE_TRIANGLES;
     let mut goal = Goal {

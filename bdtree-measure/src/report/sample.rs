@@ -1,5 +1,6 @@
 //! What is asked of an asset at one q: the same questions in every run.
 
+use crate::MeasureError;
 use crate::comparison::MOST;
 use bdtree_build::advise::samples::Samples;
 use bdtree_build::advise::works::BALL_RADIUS_REL;
@@ -7,7 +8,6 @@ use bdtree_runtime::{Asset, Pose, Transform, TriangleId};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::ReportError;
 use super::depth::HERE;
 
 /// Surface points per sample that rays aim at: more rays come to them from elsewhere.
@@ -44,7 +44,7 @@ impl Sample {
         asset: &Asset<'_>,
         samples: &Samples,
         bounds: [[f64; 3]; 2],
-    ) -> Result<Vec<Self>, ReportError> {
+    ) -> Result<Vec<Self>, MeasureError> {
         let mut memory = vec![0.0; asset.pose_len()];
         (0..samples.len())
             .map(|k| Self::new(asset, samples.q(k), k as u64, bounds, &mut memory))
@@ -57,7 +57,7 @@ impl Sample {
         seed: u64,
         [low, high]: [[f64; 3]; 2],
         memory: &mut [f32],
-    ) -> Result<Self, ReportError> {
+    ) -> Result<Self, MeasureError> {
         let pose = Pose::new(asset, q, HERE, memory)?;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let extent = [0, 1, 2].map(|k| high[k] - low[k]);
@@ -111,7 +111,7 @@ impl Sample {
         &self,
         asset: &Asset<'_>,
         memory: &'m mut [f32],
-    ) -> Result<Pose<'m>, ReportError> {
+    ) -> Result<Pose<'m>, MeasureError> {
         self.pose_at(asset, HERE, memory)
     }
 
@@ -121,7 +121,7 @@ impl Sample {
         asset: &Asset<'_>,
         place: Transform,
         memory: &'m mut [f32],
-    ) -> Result<Pose<'m>, ReportError> {
+    ) -> Result<Pose<'m>, MeasureError> {
         Ok(Pose::new(asset, &self.q, place, memory)?)
     }
 
@@ -145,7 +145,7 @@ impl Sample {
 }
 
 /// A triangle's corners at a pose (mesh units).
-fn deformed(asset: &Asset<'_>, pose: &Pose<'_>, id: u32) -> Result<[[f64; 3]; 3], ReportError> {
+fn deformed(asset: &Asset<'_>, pose: &Pose<'_>, id: u32) -> Result<[[f64; 3]; 3], MeasureError> {
     let mut at = [[0.0; 3]; 3];
     for (at, corner) in at.iter_mut().zip(asset.triangle(TriangleId(id))?) {
         *at = asset.deformed(pose, corner)?;

@@ -4,7 +4,8 @@ use bdtree_build::wrap::ball::smallest_ball;
 use bdtree_runtime::{Asset, FormatError, Pose, Transform, VertexId};
 
 use super::content::{Ratio, TightnessRow};
-use super::{ReportError, lanes};
+use super::lanes;
+use crate::MeasureError;
 
 /// Displacements of the farthest vertex, over the diagonal.
 const AMPLITUDES: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
@@ -24,7 +25,7 @@ pub(super) fn tightness(
     asset: &Asset<'_>,
     directions: &[Vec<f32>],
     diagonal: f64,
-) -> Result<Vec<TightnessRow>, ReportError> {
+) -> Result<Vec<TightnessRow>, MeasureError> {
     let reach = directions
         .iter()
         .map(|q| farthest(asset, q))
@@ -175,7 +176,7 @@ fn measure(
     q: &[f32],
     diagonal: f64,
     sums: &mut [Sum; 3],
-) -> Result<(), ReportError> {
+) -> Result<(), MeasureError> {
     let mut memory = vec![0.0; asset.pose_len()];
     let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory)?;
     for sphere in spheres {

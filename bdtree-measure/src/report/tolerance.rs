@@ -1,13 +1,14 @@
 //! Modes left out of node bounds: answers stay, visits and time change.
 
+use crate::MeasureError;
 use crate::clock::Clock;
 use crate::stats::median;
 use bdtree_runtime::{Asset, Contact, Pose, StackEntry, query};
 
+use super::REPETITIONS;
 use super::content::ToleranceRow;
 use super::depth::HERE;
 use super::sample::Sample;
-use super::{REPETITIONS, ReportError};
 
 /// Over the diagonal.
 const TOLERANCES: [f64; 7] = [0.0, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2];
@@ -20,7 +21,7 @@ pub(super) fn tolerance(
     asset: &Asset<'_>,
     samples: &[Sample],
     diagonal: f64,
-) -> Result<Vec<ToleranceRow>, ReportError> {
+) -> Result<Vec<ToleranceRow>, MeasureError> {
     let mut rows = TOLERANCES.map(|tolerance_rel| ToleranceRow {
         tolerance_rel,
         active_modes: 0.0,
@@ -54,7 +55,7 @@ struct Asked {
     micros: f64,
 }
 
-fn ask(asset: &Asset<'_>, sample: &Sample, tolerance: f64) -> Result<Asked, ReportError> {
+fn ask(asset: &Asset<'_>, sample: &Sample, tolerance: f64) -> Result<Asked, MeasureError> {
     let mut memory = vec![0.0; asset.pose_len()];
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut found: Vec<Contact> = Vec::new();

@@ -25,9 +25,9 @@ pub fn ball<'a>(
     Entry::new(name, role, Counts::Same, move |frame| {
         found.clear();
         let update = peer.update(deformer, work.q(frame), &Place::IDENTITY, &mut scratch);
-        let [x, y, z, radius] = work.balls[frame].map(f64::from);
+        let (center, radius) = work.ball(frame);
         let start = Clock::start();
-        peer.ball([x, y, z], radius, &mut found);
+        peer.ball(center, radius, &mut found);
         Frame {
             update,
             query: start.seconds(),

@@ -11,10 +11,10 @@ use bdtree_runtime::{Asset, Pose, Transform, VertexId};
 use serde_json::{Value, json};
 
 use crate::contenders::assets::baked;
-use crate::contenders::ours::ball::OurBall;
 use crate::report::Table;
 use crate::workloads::curtain::cloth;
 use crate::workloads::sequence;
+use bdtree_measure::ours::{self, Ours};
 use bdtree_measure::plot::{Axis, Line, Plot};
 
 /// Balls, each with its own q.
@@ -112,13 +112,13 @@ fn ours(
     repeats: usize,
 ) -> Result<Figures, Box<dyn Error>> {
     let triangles = asset.triangle_count();
-    let mut ours = OurBall::new(asset);
+    let mut ours = Ours::new(asset);
     // Contacts, nodes and seconds of all balls.
     let mut pass = |radius: f32| {
         let mut sums = [0.0; 3];
         for case in cases {
-            let [x, y, z] = case.center;
-            let frame = ours.frame(&case.q, [x, y, z, radius]);
+            let ball = (case.center.map(f64::from), f64::from(radius));
+            let frame = ours::frame(|| ours.balls(&case.q, [ball].into_iter()));
             sums[0] += frame.found as f64;
             sums[1] += frame.nodes.visited as f64;
             sums[2] += frame.query;

@@ -4,17 +4,17 @@
 use std::error::Error;
 
 use bdtree_measure::clock::Clock;
-use bdtree_measure::comparison::{AMOUNTS, Ahead, Comparison, MOST, Side, VISITS_MAX};
+use bdtree_measure::comparison::{AMOUNTS, Ahead, Comparison, LEAF_SLOTS, MOST, Side, VISITS_MAX};
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::peers::{Obvhs, Peer};
 use bdtree_measure::{Body, Place, stats};
 use bdtree_runtime::{Asset, Contact};
 use serde_json::{Value, json};
 
-use crate::contenders::ours::ball::OurBalls;
 use crate::report::digits;
 use crate::workloads::random::Stream;
 use crate::workloads::{scale, sequence};
+use bdtree_measure::ours::{self, Ours};
 
 /// Steps of the motion.
 pub(super) const STEPS: usize = 12;
@@ -33,7 +33,7 @@ struct Step {
 
 /// Both contenders and what they are asked.
 pub(super) struct Contenders<'a> {
-    ours: OurBalls<'a>,
+    ours: Ours<'a>,
     nodes: usize,
     peer: Obvhs,
     deformer: Deformer,
@@ -81,7 +81,7 @@ impl<'a> Contenders<'a> {
         Self {
             steps: steps.collect(),
             nodes: asset.node_count(),
-            ours: OurBalls::new(asset),
+            ours: Ours::keeping(asset, LEAF_SLOTS),
             peer: Obvhs::new(body),
             deformer,
             scratch: Vec::new(),
@@ -108,7 +108,9 @@ impl<'a> Contenders<'a> {
             (contacts, nodes) = (0, 0);
             for (step, times) in self.steps.iter().step_by(every).zip(&mut times) {
                 let centers = &step.centers[..balls];
-                let own = self.ours.step(&step.q, centers, self.radius);
+                let radius = f64::from(self.radius);
+                let own = centers.iter().map(|center| (center.map(f64::from), radius));
+                let own = ours::frame(|| self.ours.balls(&step.q, own));
                 let (deformer, place) = (&self.deformer, &Place::IDENTITY);
                 let update = self
                     .peer
@@ -117,8 +119,8 @@ impl<'a> Contenders<'a> {
                 let mut theirs = 0;
                 for center in centers {
                     self.found.clear();
-                    let (center, radius) = (center.map(f64::from), f64::from(self.radius));
-                    self.peer.ball(center, radius, &mut self.found);
+                    self.peer
+                        .ball(center.map(f64::from), radius, &mut self.found);
                     theirs += self.found.len() as u64;
                 }
                 let query = start.seconds();

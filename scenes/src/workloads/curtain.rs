@@ -74,4 +74,10 @@ impl Curtain {
         let modes = self.body.modes;
         &self.q[frame * modes..(frame + 1) * modes]
     }
+
+    /// Center and radius of a frame's ball.
+    pub fn ball(&self, frame: usize) -> ([f64; 3], f64) {
+        let [x, y, z, radius] = self.balls[frame].map(f64::from);
+        ([x, y, z], radius)
+    }
 }

@@ -11,14 +11,16 @@
 mod ours;
 mod refitted;
 
+use crate::MeasureError;
 use crate::clock::Clock;
-use crate::comparison::{AMOUNTS, Comparison, VISITS_MAX};
+use crate::comparison::{AMOUNTS, Comparison, LEAF_SLOTS, VISITS_MAX};
+use crate::ours::Ours;
 use crate::stats::median;
 use bdtree_runtime::Asset;
 
+use super::REPETITIONS;
 use super::content::{Curve, CurvePoint, Refit};
 use super::sample::Sample;
-use super::{REPETITIONS, ReportError};
 use refitted::Contender;
 
 /// Samples that are measured, of those there are.
@@ -31,8 +33,9 @@ pub(super) fn steps(samples: &[Sample]) -> impl Iterator<Item = &Sample> {
 }
 
 /// All curves. `samples` are used evenly.
-pub(super) fn compare(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, ReportError> {
+pub(super) fn compare(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, MeasureError> {
     let steps: Vec<&Sample> = steps(samples).collect();
+    let mut own = Ours::keeping(*asset, LEAF_SLOTS);
     let mut contender = Contender::new(asset)?;
     let (mut deform, mut refit, mut pose) = (Vec::new(), Vec::new(), Vec::new());
     let mut memory = vec![0.0; asset.pose_len()];
@@ -49,12 +52,14 @@ pub(super) fn compare(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, Re
         pose.push(cost.micros);
     }
     let ball = curve("ball", "balls per step", &AMOUNTS, |amount| {
-        let ours = mean(&steps, |sample| ours::balls(asset, sample, amount))?;
+        let ours = mean(&steps, |sample| {
+            ours::balls(asset, &mut own, sample, amount)
+        })?;
         let theirs = mean(&steps, |sample| contender.balls(sample, amount))?;
         Ok((amount as f64, ours, theirs))
     })?;
     let ray = curve("ray", "rays per step", &AMOUNTS, |amount| {
-        let ours = mean(&steps, |sample| ours::rays(asset, sample, amount))?;
+        let ours = mean(&steps, |sample| ours::rays(asset, &mut own, sample, amount))?;
         let theirs = mean(&steps, |sample| contender.rays(sample, amount))?;
         Ok((amount as f64, ours, theirs))
     })?;
@@ -86,8 +91,8 @@ struct Cost {
 
 fn mean(
     steps: &[&Sample],
-    mut of: impl FnMut(&Sample) -> Result<Cost, ReportError>,
-) -> Result<Cost, ReportError> {
+    mut of: impl FnMut(&Sample) -> Result<Cost, MeasureError>,
+) -> Result<Cost, MeasureError> {
     let mut sum = Cost::default();
     for sample in steps {
         let cost = of(sample)?;
@@ -108,8 +113,8 @@ fn curve(
     question: &str,
     unit: &str,
     amounts: &[usize],
-    mut at: impl FnMut(usize) -> Result<(f64, Cost, Cost), ReportError>,
-) -> Result<Curve, ReportError> {
+    mut at: impl FnMut(usize) -> Result<(f64, Cost, Cost), MeasureError>,
+) -> Result<Curve, MeasureError> {
     let mut points: Vec<CurvePoint> = Vec::new();
     for amount in amounts {
         let (amount, ours, theirs) = at(*amount)?;
@@ -144,8 +149,8 @@ const SPAN: f64 = 50e-6;
 const SPAN_STEPS: usize = 256;
 
 /// Runs a step some times; the median, µs. Nothing but the step lies between two looks at the clock.
-fn timed(mut step: impl FnMut() -> Result<Cost, ReportError>) -> Result<Cost, ReportError> {
-    let mut span = |steps: usize| -> Result<(f64, Cost), ReportError> {
+fn timed(mut step: impl FnMut() -> Result<Cost, MeasureError>) -> Result<Cost, MeasureError> {
+    let mut span = |steps: usize| -> Result<(f64, Cost), MeasureError> {
         let clock = Clock::start();
         let mut cost = step()?;
         for _ in 1..steps {

@@ -1,51 +1,48 @@
-//! Ours: a pose, then questions, with a cache of the step's nodes where many are asked.
+//! Ours: a pose, then queries, with a cache of the step's nodes where many are asked.
 
-use crate::comparison::{CACHED, LEAF_SLOTS};
-use bdtree_runtime::{
-    Asset, CachedPose, Contact, LeafSlot, NodeSlot, PairContact, PairStackEntry, Pose, Posed,
-    StackEntry, StepCache, query,
-};
+use bdtree_runtime::{Asset, PairContact, PairStackEntry, query};
 
-use super::{Cost, ReportError, Sample, timed};
+use super::{Cost, Sample, timed};
+use crate::MeasureError;
+use crate::ours::{Answer, Ours};
 
 /// A step of so many balls.
 pub(super) fn balls(
     asset: &Asset<'_>,
+    ours: &mut Ours<'_>,
     sample: &Sample,
     amount: usize,
-) -> Result<Cost, ReportError> {
+) -> Result<Cost, MeasureError> {
     let balls: Vec<_> = sample.balls(amount).collect();
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
-    let mut found: Vec<Contact> = Vec::new();
-    step(asset, sample, amount, |step| {
-        let mut visits = 0;
-        for (center, radius) in &balls {
-            found.clear();
-            let posed = step.posed();
-            let outcome = query::ball(asset, posed, *center, *radius, &mut stack, &mut found);
-            visits += outcome?.nodes_visited;
-        }
-        Ok(visits)
-    })
+    step(asset, || ours.balls(&sample.q, balls.iter().copied()))
 }
 
 /// A step of so many rays.
-pub(super) fn rays(asset: &Asset<'_>, sample: &Sample, amount: usize) -> Result<Cost, ReportError> {
-    let rays: Vec<_> = sample.rays(amount).collect();
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
-    step(asset, sample, amount, |step| {
-        let mut visits = 0;
-        for (origin, direction) in &rays {
-            let (posed, far) = (step.posed(), f64::INFINITY);
-            let found = query::ray(asset, posed, *origin, *direction, far, &mut stack);
-            visits += found?.nodes_visited;
-        }
-        Ok(visits)
+pub(super) fn rays(
+    asset: &Asset<'_>,
+    ours: &mut Ours<'_>,
+    sample: &Sample,
+    amount: usize,
+) -> Result<Cost, MeasureError> {
+    let rays = sample.rays(amount).map(|(from, along)| [from, along]);
+    let rays: Vec<_> = rays.collect();
+    step(asset, || ours.rays(&sample.q, rays.iter().copied()))
+}
+
+fn step(
+    asset: &Asset<'_>,
+    mut ask: impl FnMut() -> Result<Answer, MeasureError>,
+) -> Result<Cost, MeasureError> {
+    timed(|| {
+        Ok(Cost {
+            visited: ask()?.nodes.visited as f64 / asset.node_count().max(1) as f64,
+            ..Cost::default()
+        })
     })
 }
 
 /// Two instances, one at a place of the sample's.
-pub(super) fn pair(asset: &Asset<'_>, sample: &Sample, which: usize) -> Result<Cost, ReportError> {
+pub(super) fn pair(asset: &Asset<'_>, sample: &Sample, which: usize) -> Result<Cost, MeasureError> {
     let mut memory = [(); 2].map(|()| vec![0.0; asset.pose_len()]);
     let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
     let mut found: Vec<PairContact> = Vec::new();
@@ -60,46 +57,6 @@ pub(super) fn pair(asset: &Asset<'_>, sample: &Sample, which: usize) -> Result<C
             visited: visits as f64 / asset.node_count().max(1) as f64,
             amount: found.len() as f64,
             micros: 0.0,
-        })
-    })
-}
-
-/// A body in a step, with or without a cache.
-enum Step<'s, 'p> {
-    Plain(&'s Pose<'p>),
-    Kept(&'s mut CachedPose<'p>),
-}
-
-impl Step<'_, '_> {
-    fn posed(&mut self) -> Posed<'_> {
-        match self {
-            Self::Plain(pose) => (*pose).into(),
-            Self::Kept(cached) => (&mut **cached).into(),
-        }
-    }
-}
-
-/// Prepares a pose, keeps nodes over the step where many ask, and counts visits.
-fn step(
-    asset: &Asset<'_>,
-    sample: &Sample,
-    amount: usize,
-    mut ask: impl FnMut(&mut Step<'_, '_>) -> Result<u64, ReportError>,
-) -> Result<Cost, ReportError> {
-    let mut memory = vec![0.0; asset.pose_len()];
-    let is_cached = amount >= CACHED;
-    let slots = if is_cached { asset.node_count() } else { 0 };
-    let leaves = if is_cached { LEAF_SLOTS } else { 0 };
-    let mut cache = StepCache::new(vec![NodeSlot::EMPTY; slots], vec![LeafSlot::EMPTY; leaves]);
-    timed(|| {
-        let pose = sample.pose(asset, &mut memory)?;
-        let visits = match is_cached {
-            true => ask(&mut Step::Kept(&mut cache.start(&pose)))?,
-            false => ask(&mut Step::Plain(&pose))?,
-        };
-        Ok(Cost {
-            visited: visits as f64 / asset.node_count().max(1) as f64,
-            ..Cost::default()
         })
     })
 }

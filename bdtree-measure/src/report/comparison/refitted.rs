@@ -2,12 +2,13 @@
 //! coordinates before its time begins.
 
 use crate::Body;
+use crate::MeasureError;
 use crate::deform::Deformer;
 use crate::peers::{Obvhs, PairPeer, Peer, Update};
 use crate::place::{Place, matrix};
 use bdtree_runtime::{Asset, Contact, PairContact, Transform};
 
-use super::{Cost, ReportError, Sample, timed};
+use super::{Cost, Sample, timed};
 
 /// An instance that is refitted, in stored units about the asset's origin.
 pub(super) struct Contender {
@@ -19,7 +20,7 @@ pub(super) struct Contender {
 }
 
 impl Contender {
-    pub(super) fn new(asset: &Asset<'_>) -> Result<Self, ReportError> {
+    pub(super) fn new(asset: &Asset<'_>) -> Result<Self, MeasureError> {
         let body = Body::of_asset(asset)?;
         Ok(Self {
             deformer: Deformer::new(&body),
@@ -44,7 +45,7 @@ impl Contender {
     }
 
     /// A step of so many balls.
-    pub(super) fn balls(&mut self, sample: &Sample, amount: usize) -> Result<Cost, ReportError> {
+    pub(super) fn balls(&mut self, sample: &Sample, amount: usize) -> Result<Cost, MeasureError> {
         let balls = sample.balls(amount);
         let balls: Vec<_> = balls
             .map(|(center, radius)| (self.point(center), radius / self.unit))
@@ -61,7 +62,7 @@ impl Contender {
     }
 
     /// A step of so many rays.
-    pub(super) fn rays(&mut self, sample: &Sample, amount: usize) -> Result<Cost, ReportError> {
+    pub(super) fn rays(&mut self, sample: &Sample, amount: usize) -> Result<Cost, MeasureError> {
         let rays = sample.rays(amount);
         let rays: Vec<_> = rays
             .map(|(origin, along)| [self.point(origin), along].map(|v| v.map(|x| x as f32)))
@@ -81,7 +82,7 @@ impl Contender {
         other: &mut Self,
         sample: &Sample,
         which: usize,
-    ) -> Result<Cost, ReportError> {
+    ) -> Result<Cost, MeasureError> {
         let place = self.place(&sample.places[which]);
         let mut found: Vec<PairContact> = Vec::new();
         timed(|| {

@@ -4,7 +4,7 @@ use bdtree_measure::Place;
 use bdtree_measure::clock::Clock;
 use bdtree_runtime::{Asset, PairStackEntry, Pose, Transform, TrianglePair, query};
 
-use super::{Cache, cache};
+use bdtree_measure::ours::{Cache, cache};
 use bdtree_measure::turns::{Frame, Nodes};
 
 /// Two instances of an asset with the memory that they are asked in.

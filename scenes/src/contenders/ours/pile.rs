@@ -6,7 +6,7 @@ use bdtree_runtime::broad::{self, GridSlot};
 use bdtree_runtime::query::{self, BoundingSphere};
 use bdtree_runtime::{Asset, PairStackEntry, Pose, TrianglePair};
 
-use super::{Cache, cache};
+use bdtree_measure::ours::{Cache, cache};
 use bdtree_measure::turns::{Frame, Nodes};
 
 /// Node slots of each instance. More save evaluations and no time: with a thousand bodies they are read from memory.

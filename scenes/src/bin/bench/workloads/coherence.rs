@@ -15,8 +15,8 @@ use bdtree_runtime::{
 use bdtree_scenes::workloads::bodies::{Bodies, MODES, bodies};
 use clap::Args;
 
+use bdtree_measure::ours::cache;
 use bdtree_scenes::contenders::assets::baked;
-use bdtree_scenes::contenders::ours::cache;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
