@@ -6,13 +6,11 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use bdtree_build::basis::Basis;
-use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::{BakeSettings, bake};
-use bdtree_build::progress::Silent;
 use bdtree_format::SectionKind;
 use bdtree_measure::ours::Ours;
 use bdtree_measure::{machine, stats};
 use bdtree_runtime::{AlignedBytes, Asset, Contact, Pose, Transform, TriangleId};
+use bdtree_scenes::contenders::assets::baked_mesh;
 use bdtree_tests::{bake as made, poses, sections};
 use clap::Args;
 use rand::RngExt;
@@ -191,15 +189,6 @@ impl<'a> Contender<'a> {
     }
 }
 
-fn baked(mesh: &RawMesh, basis: &Basis) -> Result<AlignedBytes, Box<dyn Error>> {
-    let settings = BakeSettings {
-        threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
-        ..BakeSettings::default()
-    };
-    let bytes = bake(mesh, basis, &settings, &[], &Silent)?.bytes;
-    Ok(AlignedBytes::copy_of(&bytes))
-}
-
 /// The files: shapes as baked, with displacements of all modes, with all modes everywhere; waves.
 fn files(arguments: &Arguments) -> Result<[AlignedBytes; 4], Box<dyn Error>> {
     let (mesh, shapes) = made::face_with_shapes();
@@ -215,13 +204,13 @@ fn files(arguments: &Arguments) -> Result<[AlignedBytes; 4], Box<dyn Error>> {
     for u in &mut waves.fields {
         *u = u.map(|c| c * scale);
     }
-    let sparse = baked(&mesh, &shapes)?;
+    let sparse = baked_mesh(&mesh, &shapes)?;
     let all_displacements = sections::with_all_displacements(&sparse);
     Ok([
         sparse,
         all_displacements,
-        baked(&mesh, &everywhere)?,
-        baked(&mesh, &waves)?,
+        baked_mesh(&mesh, &everywhere)?,
+        baked_mesh(&mesh, &waves)?,
     ])
 }
 
