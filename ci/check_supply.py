@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Licences and origins of what is linked: every dependency has an allowed licence and comes from
-crates.io, and every Cargo.lock is committed, complete and current. Needs no network and no other tool."""
+crates.io, what is published depends on nothing of ours that is not, and every Cargo.lock is committed,
+complete and current. Needs no network and no other tool."""
 import json
 import pathlib
 import re
@@ -9,18 +10,6 @@ import sys
 import tomllib
 
 CRATES_IO = "registry+https://github.com/rust-lang/crates.io-index"
-# What is delivered: the format, the library, the builder, the command, the viewer; and what reports
-# on assets measure against.
-SHIPPED = {
-    "bdtree-format",
-    "bdtree-runtime",
-    "bdtree-build",
-    "bdtree-gpu",
-    "bdtree-render",
-    "bdtree-tools",
-    "bdtree-view",
-    "bdtree-baselines",
-}
 # The same licences stand in deny.toml.
 ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "ISC", "Unicode-3.0", "Zlib"}
 # Workspaces of their own: fuzzer, Miri, the proof that nothing allocates. Nothing of them is delivered.
@@ -128,6 +117,16 @@ def check(package, allowed, wrong):
         wrong.append(f"{name}: licence {licence} is not one of those allowed")
 
 
+def published(packages, nodes, members, wrong):
+    """Names of our crates without `publish = false`; faults of those that need one with it, tests aside."""
+    names = {name for name, id in members.items() if packages[id]["publish"] != []}
+    for name in sorted(names):
+        needed = reached(nodes, [members[name]], {None, "build"}) & set(members.values())
+        for other in sorted({packages[id]["name"] for id in needed} - names):
+            wrong.append(f"{name} is published and depends on {other}, which is not")
+    return names
+
+
 def main():
     wrong = []
     metadata = read(".", wrong)
@@ -139,7 +138,8 @@ def main():
         for id, package in packages.items()
         if any("proc-macro" in target["kind"] for target in package["targets"])
     }
-    shipped = reached(nodes, [members[name] for name in SHIPPED], {None, "build"})
+    ours = published(packages, nodes, members, wrong)
+    shipped = reached(nodes, [members[name] for name in ours], {None, "build"})
     library = reached(nodes, [members[name] for name in LIBRARY], {None}, macros)
     foreign = set(packages) - set(metadata["workspace_members"])
     for id in foreign:
@@ -160,7 +160,7 @@ def main():
     print(
         f"{len(foreign)} packages, {len(foreign & shipped)} of them in what is delivered and "
         f"{len(foreign & library)} in the library, {len(tools - foreign)} more in tools: licences allowed, "
-        "all from crates.io; every Cargo.lock is current"
+        f"all from crates.io; {len(ours)} crates of ours can be published; every Cargo.lock is current"
     )
 
 

@@ -188,10 +188,7 @@ fn bad_input_names_its_place_and_leaves_nothing() {
         std::fs::read(own).expect("kept"),
         std::fs::read(fixture("torus.obj")).expect("fixture")
     );
-    let output = run(
-        &["mesh.obj", "--modes", "0", "--bound", "sphere"],
-        folder.path(),
-    );
+    let output = run(&["mesh.obj", "--modes", "0"], folder.path());
     assert_eq!(output.status.code(), Some(0));
     let output = run(
         &["mesh.obj", "--modes", "0", "--young", "1e6"],
@@ -201,14 +198,6 @@ fn bad_input_names_its_place_and_leaves_nothing() {
     for option in ["--animation", "--tets"] {
         refused(&[option, "x.nothing"], 1, &["x.nothing"]);
     }
-    for bound in ["aabb", "obb"] {
-        refused(
-            &[&torus, "--bound", bound],
-            2,
-            &["--bound", bound, "0011-node-bounds.md"],
-        );
-    }
-    refused(&[&torus, "--bound", "ball"], 2, &["--bound", "`ball`"]);
     // What is read, but not as the mesh.
     refused(&[&path("beam_tets.veg")], 1, &["--tets"]);
     refused(&[&path("wave.pc2")], 1, &["--animation"]);

@@ -1,13 +1,11 @@
-//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]), the guide's plots ([`guide`]) with what they share, workloads for
-//! benchmarks, and a study of bounds.
+//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]), the guide's plots ([`guide`]) with what they share and workloads for
+//! benchmarks.
 
-pub mod bounds;
 pub mod contenders;
 pub mod curtain;
 pub mod growth;
 pub mod guide;
 pub mod hierarchies;
-pub mod plot;
 pub mod report;
 pub mod results;
 pub mod tables;

@@ -1,7 +1,6 @@
 //! Tests of one program: linking one is quicker than linking each. What needs a process of its own is beside it in
 //! Cargo.toml.
 
-mod bounds;
 mod experiments;
 mod paper_tree;
 mod peers;

@@ -137,55 +137,6 @@ fn figure_6_is_made_of_files_too() {
     assert!(error.contains("none.bdt: "), "{error}");
 }
 
-/// What docs/node-bounds.md says of the fixtures: a bound is never below the smallest ball, and on coarse levels a
-/// polynomial field is no tighter than the product's bound.
-#[test]
-fn other_bounds_do_not_help_coarse_spheres_of_the_curtain() {
-    let words = [
-        "tables",
-        "--meshes",
-        "curtain",
-        "--amplitudes",
-        "0.2",
-        "--poses",
-        "1",
-        "--pair-vertices",
-        "64",
-        "--bounds",
-    ];
-    let run = || {
-        let arguments = tables::Arguments::try_parse_from(words).expect("options");
-        tables::run(&arguments).expect("tables").value
-    };
-    let value = run();
-    assert_eq!(value, run(), "tables are the same in every run");
-    let all = value.pointer("/meshes/0/bounds").and_then(Value::as_array);
-    let (mut coarse, mut fine) = (0, 0);
-    for level in all.into_iter().flatten() {
-        let ratio = |name: &str| level["ratios"][name].as_f64().expect("a ratio");
-        let [ball, parts, wrapped, smallest] = [
-            "ball b±",
-            "affine by parts, shared",
-            "ball wrapped at c'",
-            "smallest ball",
-        ]
-        .map(ratio);
-        assert!(smallest <= wrapped && wrapped <= ball.min(parts), "{level}");
-        match level["level"].as_u64() {
-            Some(0 | 1) => {
-                assert!(ball < parts, "{level}");
-                coarse += 1;
-            }
-            Some(3) => {
-                assert!(parts < ball, "{level}");
-                fine += 1;
-            }
-            _ => {}
-        }
-    }
-    assert_eq!((coarse, fine), (4, 2));
-}
-
 /// P21: monotone, and at level 10 within three times the paper's row.
 #[test]
 fn growth_decays_as_in_the_paper() {

@@ -1,31 +1,44 @@
 //! The baseline is what it claims to be: the paper's tree, with the product's answers.
 
-use bdtree_baselines::paper_tree::{PaperTree, Step, Vertices};
 use bdtree_build::basis::{Basis, BasisMode};
+use bdtree_build::pipeline::BakeSettings;
+use bdtree_build::tree::Split;
+use bdtree_measure::paper_tree::{PaperTree, Step, Vertices};
 use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, VertexId, query};
 use bdtree_tests::{bake, oracle, poses};
 use rand::RngExt;
 
 #[test]
-fn ball_equals_product_and_brute_force() {
+fn balls_of_all_builders_equal_brute_force() {
     let mesh = bake::bumpy_sphere(24, 3);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 3));
-    let asset = Asset::open(&bytes).expect("open");
-    let tree = PaperTree::build(&asset);
+    let basis = bake::smooth_basis(&mesh, 6, 3);
+    for split in [Split::Quinlan, Split::Cost] {
+        let settings = BakeSettings {
+            split,
+            ..BakeSettings::default()
+        };
+        let bytes = bake::baked_with(&mesh, &basis, &settings);
+        balls_equal_brute_force(&Asset::open(&bytes).expect("open"));
+    }
+}
+
+/// Of the product's tree and of the paper's over the same vertices.
+fn balls_equal_brute_force(asset: &Asset<'_>) {
+    let tree = PaperTree::build(asset);
     let mut rng = poses::rng(5);
     let mut memory = vec![0.0; asset.pose_len()];
     let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let (mut step, mut vertices, mut paper_stack) =
-        (Step::default(), Vertices::new(&asset), Vec::new());
-    let diagonal = poses::diagonal(&asset) * asset.unit();
+        (Step::default(), Vertices::new(asset), Vec::new());
+    let diagonal = poses::diagonal(asset) * asset.unit();
     let mut hits = 0;
-    let mut qs = poses::hard_qs(&asset);
-    qs.extend((0..40).map(|_| poses::random_q(&asset, 0.3, &mut rng)));
+    let mut qs = poses::hard_qs(asset);
+    qs.extend((0..40).map(|_| poses::random_q(asset, 0.3, &mut rng)));
     for q in &qs {
-        let pose = Pose::new(&asset, q, Transform::IDENTITY, &mut memory).expect("pose");
-        step.prepare(&asset, &pose);
+        let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory).expect("pose");
+        step.prepare(asset, &pose);
         vertices.begin_step();
-        let triangles = oracle::deformed_triangles(&asset, &pose);
+        let triangles = oracle::deformed_triangles(asset, &pose);
         for _ in 0..10 {
             let mut center = triangles[rng.random_range(0..triangles.len())][0];
             for c in &mut center {
@@ -35,7 +48,7 @@ fn ball_equals_product_and_brute_force() {
             let expected = oracle::ball(&triangles, center, radius);
             let mut paper: Vec<Contact> = Vec::new();
             tree.ball(
-                &asset,
+                asset,
                 &pose,
                 &step,
                 (center, radius),
@@ -43,7 +56,7 @@ fn ball_equals_product_and_brute_force() {
                 &mut paper,
             );
             let mut product: Vec<Contact> = Vec::new();
-            query::ball(&asset, &pose, center, radius, &mut stack, &mut product).expect("ball");
+            query::ball(asset, &pose, center, radius, &mut stack, &mut product).expect("ball");
             for found in [&mut paper, &mut product] {
                 found.sort_by_key(|c| c.triangle);
                 let answer: Vec<(u32, f64)> =

@@ -2,13 +2,13 @@
 
 use std::rc::Rc;
 
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::leaf;
-use bdtree_baselines::paper_tree::{Between, Memory, PaperTree};
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::leaf;
+use bdtree_measure::paper_tree::{Between, Memory, PaperTree};
 #[cfg(feature = "embree")]
-use bdtree_baselines::peers::{Embree, embree};
-use bdtree_baselines::peers::{LayeredPeer, PairPeer, Peer};
-use bdtree_baselines::{Body, Place};
+use bdtree_measure::peers::{Embree, embree};
+use bdtree_measure::peers::{LayeredPeer, PairPeer, Peer};
+use bdtree_measure::{Body, Place};
 use bdtree_runtime::narrow::{Ray, Triangle, ray_hit};
 use bdtree_runtime::{Asset, Pose, Transform};
 use bdtree_scenes::workloads::{bodies, rays, sequence};
@@ -46,17 +46,17 @@ impl Case {
             #[cfg(feature = "peers")]
             (
                 "parry",
-                Box::new(bdtree_baselines::peers::Parry::new(&self.body)),
+                Box::new(bdtree_measure::peers::Parry::new(&self.body)),
             ),
             #[cfg(feature = "peers")]
             (
                 "obvhs",
-                Box::new(bdtree_baselines::peers::Obvhs::new(&self.body)),
+                Box::new(bdtree_measure::peers::Obvhs::new(&self.body)),
             ),
             #[cfg(feature = "peers")]
             (
                 "tinybvh",
-                Box::new(bdtree_baselines::peers::TinyBvh::new(&self.body)),
+                Box::new(bdtree_measure::peers::TinyBvh::new(&self.body)),
             ),
         ];
         #[cfg(feature = "embree")]
@@ -182,7 +182,7 @@ fn pairs_equal_brute_force() {
     pairs_of("layered", [layered(), layered()], &case, q, &place);
     #[cfg(feature = "peers")]
     {
-        use bdtree_baselines::peers::{Parry, TinyBvh};
+        use bdtree_measure::peers::{Parry, TinyBvh};
         let parry = Parry::new(&case.body);
         pairs_of("parry", [parry.clone(), parry], &case, q, &place);
         let tiny = TinyBvh::new(&case.body);

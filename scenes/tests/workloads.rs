@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::{Body, Place};
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::{Body, Place};
 use bdtree_runtime::{Asset, Pose, Transform, VertexId};
 use bdtree_scenes::workloads::{bodies, curtain, pile, rays, sequence};
 use bdtree_tests::bake;

@@ -170,15 +170,6 @@ pub(crate) struct Arguments {
     #[arg(long, help_heading = "Tree")]
     pub(crate) nested: bool,
 
-    /// What bounds the lanes of a node: sphere. Boxes (aabb, obb) were measured and are refused.
-    #[arg(
-        long,
-        value_name = "BOUND",
-        default_value = "sphere",
-        help_heading = "Tree"
-    )]
-    pub(crate) bound: String,
-
     /// Threads for order-independent work, 1 to 256; the bytes do not depend on it [default: the
     /// processor's].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -269,17 +260,6 @@ impl Arguments {
             if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
                 return Err(format!("{name}: {value} is not a positive number"));
             }
-        }
-        match self.bound.as_str() {
-            "sphere" => {}
-            "aabb" | "obb" => {
-                return Err(format!(
-                    "--bound {}: boxes are not in the format, no measured scene gains from them \
-                     (format-spec/decisions/0011-node-bounds.md): use sphere",
-                    self.bound
-                ));
-            }
-            other => return Err(format!("--bound: `{other}` is not sphere")),
         }
         if let Some(poisson) = self.poisson.filter(|nu| !(*nu > -1.0 && *nu < 0.5)) {
             return Err(format!("--poisson: {poisson} is not between -1 and 0.5"));

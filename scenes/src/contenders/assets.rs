@@ -6,9 +6,12 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::time::UNIX_EPOCH;
 
-use bdtree_baselines::Body;
+use bdtree_build::basis::Basis;
+use bdtree_build::error::BakeError;
+use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
+use bdtree_measure::Body;
 use bdtree_runtime::AlignedBytes;
 use bdtree_tests::fixtures;
 
@@ -28,18 +31,7 @@ pub fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
         return Ok(AlignedBytes::read(&path)?);
     }
     eprintln!("baking {}, {} modes", body.name, body.modes);
-    let settings = BakeSettings {
-        threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
-        ..BakeSettings::default()
-    };
-    let bytes = bake_fields(
-        &body.mesh(),
-        &body.basis(),
-        &settings,
-        &Provenance::default(),
-        &Silent,
-    )?
-    .bytes;
+    let bytes = baked_mesh(&body.mesh(), &body.basis())?;
     fs::create_dir_all(&folder)?;
     // Those of earlier builds are of no use any more; another program may be at it too.
     for entry in fs::read_dir(&folder)? {
@@ -53,5 +45,18 @@ pub fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
         }
     }
     fixtures::write(&path, &bytes)?;
-    Ok(AlignedBytes::copy_of(&bytes))
+    Ok(bytes)
+}
+
+/// The file of a mesh and its modes, with the settings that a bake has by itself.
+///
+/// # Errors
+/// Those of the bake.
+pub fn baked_mesh(mesh: &RawMesh, basis: &Basis) -> Result<AlignedBytes, BakeError> {
+    let settings = BakeSettings {
+        threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
+        ..BakeSettings::default()
+    };
+    let baked = bake_fields(mesh, basis, &settings, &Provenance::default(), &Silent)?;
+    Ok(AlignedBytes::copy_of(&baked.bytes))
 }

@@ -1,8 +1,6 @@
-//! Whoever answers the questions of a workload, one adapter per contender and workload, and the contest that
-//! lets them take turns.
+//! Whoever answers the questions of a workload, one adapter per contender and workload.
 
 pub mod assets;
-pub mod contest;
 pub mod ours;
 pub mod paper;
 pub mod refitting;

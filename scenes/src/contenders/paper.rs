@@ -4,12 +4,12 @@ use crate::workloads::bodies::Bodies;
 use crate::workloads::curtain::Curtain;
 use crate::workloads::pile::{COUNT, Pile};
 use crate::workloads::rays::Rays;
-use bdtree_baselines::clock::Clock;
-use bdtree_baselines::paper_tree::{Between, Memory, PaperTree, PlainTree, Step};
-use bdtree_baselines::place::Place;
+use bdtree_measure::clock::Clock;
+use bdtree_measure::paper_tree::{Between, Memory, PaperTree, PlainTree, Step};
+use bdtree_measure::place::Place;
 use bdtree_runtime::{Asset, Contact, PairContact, Pose};
 
-use super::contest::{Counts, Entry, Frame, Role};
+use bdtree_measure::turns::{Counts, Entry, Frame, Role};
 
 /// In tables.
 pub const NAME: &str = "paper's tree";
@@ -49,12 +49,11 @@ pub fn plain_ball<'a>(tree: &'a PlainTree, asset: Asset<'a>, work: &'a Curtain) 
     let mut found: Vec<Contact> = Vec::new();
     Entry::new(PLAIN, Role::Baseline, Counts::Same, move |frame| {
         found.clear();
-        let [x, y, z, radius] = work.balls[frame].map(f64::from);
+        let ball = work.ball(frame);
         let start = Clock::start();
         let place = Place::IDENTITY.transform();
         let pose = Pose::new(&asset, work.q(frame), place, &mut numbers).expect("q within limits");
         step.prepare(&asset, &pose);
-        let ball = ([x, y, z], radius);
         tree.ball(&asset, &pose, &step, ball, &mut stack, &mut found);
         of(start, found.len())
     })
@@ -66,11 +65,11 @@ pub fn ball<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Curtain) -> Ent
     let mut found: Vec<Contact> = Vec::new();
     Entry::new(NAME, Role::Baseline, Counts::Same, move |frame| {
         found.clear();
-        let [x, y, z, radius] = work.balls[frame].map(f64::from);
+        let ball = work.ball(frame);
         let start = Clock::start();
         let (pose, asset, memory) = body.pose(work.q(frame), &Place::IDENTITY);
         let mut spheres = memory.at(asset, &pose);
-        tree.walk_ball(&mut spheres, ([x, y, z], radius), &mut found);
+        tree.walk_ball(&mut spheres, ball, &mut found);
         of(start, found.len())
     })
 }

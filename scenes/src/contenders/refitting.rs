@@ -4,13 +4,13 @@ use crate::workloads::bodies::Bodies;
 use crate::workloads::curtain::Curtain;
 use crate::workloads::pile::{COUNT, Pile};
 use crate::workloads::rays::Rays;
-use bdtree_baselines::clock::Clock;
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::peers::{PairPeer, Peer, Update};
-use bdtree_baselines::place::Place;
+use bdtree_measure::clock::Clock;
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::peers::{PairPeer, Peer, Update};
+use bdtree_measure::place::Place;
 use bdtree_runtime::{Contact, PairContact};
 
-use super::contest::{Counts, Entry, Frame, Role};
+use bdtree_measure::turns::{Counts, Entry, Frame, Role};
 
 /// W1.
 pub fn ball<'a>(
@@ -25,9 +25,9 @@ pub fn ball<'a>(
     Entry::new(name, role, Counts::Same, move |frame| {
         found.clear();
         let update = peer.update(deformer, work.q(frame), &Place::IDENTITY, &mut scratch);
-        let [x, y, z, radius] = work.balls[frame].map(f64::from);
+        let (center, radius) = work.ball(frame);
         let start = Clock::start();
-        peer.ball([x, y, z], radius, &mut found);
+        peer.ball(center, radius, &mut found);
         Frame {
             update,
             query: start.seconds(),

@@ -2,11 +2,11 @@
 
 use std::error::Error;
 
-use bdtree_baselines::paper_tree::{PaperTree, Spheres, Step};
 use bdtree_format::{LANES, ROW_RADIUS};
+use bdtree_measure::paper_tree::{PaperTree, Spheres, Step};
 use bdtree_runtime::{Asset, Contact, Pose, StackEntry, query};
 
-use super::ours;
+use bdtree_measure::ours;
 
 /// Tests, and how much larger than at rest the tested spheres were.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

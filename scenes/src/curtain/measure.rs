@@ -3,21 +3,21 @@
 use std::error::Error;
 use std::rc::Rc;
 
-use bdtree_baselines::Place;
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::paper_tree::{BallCounts, Layered, Memory, PaperTree, PlainTree, Step};
-use bdtree_baselines::peers::{LayeredPeer, Obvhs, Peer};
+use bdtree_measure::Place;
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::paper_tree::{BallCounts, Layered, Memory, PaperTree, PlainTree, Step};
+use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer};
 use bdtree_runtime::{Asset, Contact, Pose, Transform};
 use serde_json::{Value, json};
 
 use super::Arguments;
-use crate::contenders::contest::{Counts, Entry, Role, Rounds, Row, TOTAL, Turns, contest};
-use crate::contenders::ours::ball::OurBall;
 use crate::contenders::spheres::{Counting, Tested, of_ball, sum_growths};
 use crate::contenders::{paper, refitting};
-use crate::plot::{Axis, Chart, Curve, svg};
 use crate::report::{Cell, Report, Table};
 use crate::workloads::curtain::Curtain;
+use bdtree_measure::ours::{self, Ours};
+use bdtree_measure::plot::{Axis, Line, Plot, sheet};
+use bdtree_measure::turns::{Counts, Entry, Role, Rounds, Row, TOTAL, Turns, compare};
 
 /// In tables.
 const OURS: &str = "ours";
@@ -48,14 +48,14 @@ pub(super) fn measure(
     let deformer = Deformer::new(&work.body);
     let tree = Rc::new(PaperTree::build(asset));
     let plain = PlainTree::of(&tree);
-    let mut ours = OurBall::new(*asset);
+    let mut ours = Ours::new(*asset);
     let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
     let mut boxes = Obvhs::new(&work.body);
     let frames: Vec<usize> = (0..work.balls.len()).collect();
     let (tests, visits) = tests(asset, work, &tree, &plain, &deformer, &mut boxes)?;
     let entries = vec![
-        Entry::new(OURS, Role::Ours, Counts::Same, |frame| {
-            ours.frame(work.q(frame), work.balls[frame])
+        Entry::new(OURS, Role::Ours, Counts::Same, |i| {
+            ours::frame(|| ours.balls(work.q(i), [work.ball(i)].into_iter()))
         }),
         paper::plain_ball(&plain, *asset, work),
         paper::ball(&tree, *asset, work),
@@ -67,7 +67,7 @@ pub(super) fn measure(
         turns: Turns::Contender,
         with: &[],
     };
-    let rows = contest(entries, &frames, rounds)?;
+    let rows = compare(entries, &frames, rounds)?;
     let spread = spread(asset, work, &tree)?;
     let contacts = rows.first().map_or(0, |row| row.found);
     let value = json!({
@@ -113,9 +113,8 @@ fn tests(
     let mut plainly = BallCounts::default();
     let [mut ours, mut wrapped, mut layered] = [Tested::default(); 3];
     let mut lazy = Memory::new(tree, asset);
-    for (frame, ball) in work.balls.iter().enumerate() {
-        let [x, y, z, radius] = ball.map(f64::from);
-        let (ball, q) = (([x, y, z], radius), work.q(frame));
+    for frame in 0..work.balls.len() {
+        let (ball, q) = (work.ball(frame), work.q(frame));
         let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory)?;
         let (tested, nodes) = of_ball(asset, &pose, ball)?;
         (ours, visits) = (ours.and(tested), visits + nodes);
@@ -225,17 +224,19 @@ fn table(
 }
 
 fn picture(rows: &[Row]) -> Result<String, Box<dyn Error>> {
-    let curves = rows.iter().map(|row| Curve {
+    let lines = rows.iter().map(|row| Line {
         name: row.name.clone(),
         points: (0..)
             .map(f64::from)
             .zip(row.by_frame.iter().map(|s| 1e6 * s))
             .collect(),
     });
-    svg(&[Chart {
-        title: "Ball and curtain: time of every frame",
-        x: Axis::linear("frame"),
-        y: Axis::log("µs"),
-        curves: curves.collect(),
-    }])
+    let title = "Ball and curtain: time of every frame";
+    let axes = [Axis::linear("frame"), Axis::log("µs")];
+    Ok(sheet(&[Plot::new(
+        title,
+        &axes[0],
+        &axes[1],
+        lines.collect(),
+    )])?)
 }

@@ -10,12 +10,12 @@ mod measure;
 use std::error::Error;
 use std::path::PathBuf;
 
-use bdtree_baselines::Body;
 use bdtree_build::basis::pca::{Modes, PcaOptions, pca_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
+use bdtree_measure::Body;
 use bdtree_runtime::{AlignedBytes, Asset};
 use bdtree_tests::fixtures::animation;
 use clap::Parser;

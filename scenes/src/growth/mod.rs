@@ -11,8 +11,8 @@ use std::path::PathBuf;
 use clap::Parser;
 use serde_json::json;
 
-use crate::plot::svg;
 use crate::report::Report;
+use bdtree_measure::plot::sheet;
 
 /// Time and visits of the ball query over mesh size, modes, displacement, contacts and balls a step, beside
 /// boxes (obvhs) that are refitted to all deformed vertices
@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
     Ok(Report {
         name: "growth",
         value: json!({"settings": settings, "size": sizes.json(), "sweeps": sweeps}),
-        pictures: vec![("", svg(sizes_chart)?), ("sweeps", svg(others)?)],
+        pictures: vec![("", sheet(sizes_chart)?), ("sweeps", sheet(others)?)],
         tables,
     })
 }

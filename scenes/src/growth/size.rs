@@ -2,20 +2,20 @@
 
 use std::error::Error;
 
-use bdtree_baselines::Place;
-use bdtree_baselines::clock::Clock;
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::peers::{Obvhs, Peer};
-use bdtree_baselines::stats;
+use bdtree_measure::Place;
+use bdtree_measure::clock::Clock;
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::peers::{Obvhs, Peer};
+use bdtree_measure::stats;
 use bdtree_runtime::{Asset, Pose, Transform, VertexId};
 use serde_json::{Value, json};
 
 use crate::contenders::assets::baked;
-use crate::contenders::ours::ball::OurBall;
-use crate::plot::{Axis, Chart, Curve};
 use crate::report::Table;
 use crate::workloads::curtain::cloth;
 use crate::workloads::sequence;
+use bdtree_measure::ours::{self, Ours};
+use bdtree_measure::plot::{Axis, Line, Plot};
 
 /// Balls, each with its own q.
 const BALLS: usize = 64;
@@ -112,13 +112,13 @@ fn ours(
     repeats: usize,
 ) -> Result<Figures, Box<dyn Error>> {
     let triangles = asset.triangle_count();
-    let mut ours = OurBall::new(asset);
+    let mut ours = Ours::new(asset);
     // Contacts, nodes and seconds of all balls.
     let mut pass = |radius: f32| {
         let mut sums = [0.0; 3];
         for case in cases {
-            let [x, y, z] = case.center;
-            let frame = ours.frame(&case.q, [x, y, z, radius]);
+            let ball = (case.center.map(f64::from), f64::from(radius));
+            let frame = ours::frame(|| ours.balls(&case.q, [ball].into_iter()));
             sums[0] += frame.found as f64;
             sums[1] += frame.nodes.visited as f64;
             sums[2] += frame.query;
@@ -208,21 +208,23 @@ impl Sizes {
         table
     }
 
-    pub(super) fn chart(&self) -> Chart<'static> {
-        let curve = |name: &str, of: &dyn Fn(&Figures) -> f64| Curve {
+    pub(super) fn chart(&self) -> Plot {
+        let line = |name: &str, of: &dyn Fn(&Figures) -> f64| Line {
             name: name.to_string(),
             points: self.0.iter().map(|f| (f.triangles as f64, of(f))).collect(),
         };
-        Chart {
-            title: "A ball over the size of the mesh, equal contacts",
-            x: Axis::log("triangles"),
-            y: Axis::log("µs, or nodes"),
-            curves: vec![
-                curve("ours, µs", &|f| 1e6 * f.seconds),
-                curve("ours, nodes visited", &|f| f.nodes),
-                curve("deform + refit + query, µs", &|f| 1e6 * f.refitted),
-            ],
-        }
+        let lines = vec![
+            line("ours, µs", &|f| 1e6 * f.seconds),
+            line("ours, nodes visited", &|f| f.nodes),
+            line("deform + refit + query, µs", &|f| 1e6 * f.refitted),
+        ];
+        let title = "A ball over the size of the mesh, equal contacts";
+        Plot::new(
+            title,
+            &Axis::log("triangles"),
+            &Axis::log("µs, or nodes"),
+            lines,
+        )
     }
 }
 

@@ -3,18 +3,18 @@
 
 use std::error::Error;
 
-use bdtree_baselines::clock::Clock;
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::peers::{Obvhs, Peer};
-use bdtree_baselines::standing::{AMOUNTS, Ahead, MOST, Side, Standing, VISITS_MAX};
-use bdtree_baselines::{Body, Place, stats};
+use bdtree_measure::clock::Clock;
+use bdtree_measure::comparison::{AMOUNTS, Ahead, Comparison, LEAF_SLOTS, MOST, Side, VISITS_MAX};
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::peers::{Obvhs, Peer};
+use bdtree_measure::{Body, Place, stats};
 use bdtree_runtime::{Asset, Contact};
 use serde_json::{Value, json};
 
-use crate::contenders::ours::ball::OurBalls;
 use crate::report::digits;
 use crate::workloads::random::Stream;
 use crate::workloads::{scale, sequence};
+use bdtree_measure::ours::{self, Ours};
 
 /// Steps of the motion.
 pub(super) const STEPS: usize = 12;
@@ -32,8 +32,8 @@ struct Step {
 }
 
 /// Both contenders and what they are asked.
-pub(super) struct Contest<'a> {
-    ours: OurBalls<'a>,
+pub(super) struct Contenders<'a> {
+    ours: Ours<'a>,
     nodes: usize,
     peer: Obvhs,
     deformer: Deformer,
@@ -60,7 +60,7 @@ impl Point {
     }
 }
 
-impl<'a> Contest<'a> {
+impl<'a> Contenders<'a> {
     /// On a body whose farthest vertex moves by a share of its diagonal, with balls of a radius.
     pub(super) fn new(asset: Asset<'a>, body: &Body, displacement: f64, radius: f32) -> Self {
         let deformer = Deformer::new(body);
@@ -81,7 +81,7 @@ impl<'a> Contest<'a> {
         Self {
             steps: steps.collect(),
             nodes: asset.node_count(),
-            ours: OurBalls::new(asset),
+            ours: Ours::keeping(asset, LEAF_SLOTS),
             peer: Obvhs::new(body),
             deformer,
             scratch: Vec::new(),
@@ -108,7 +108,9 @@ impl<'a> Contest<'a> {
             (contacts, nodes) = (0, 0);
             for (step, times) in self.steps.iter().step_by(every).zip(&mut times) {
                 let centers = &step.centers[..balls];
-                let own = self.ours.step(&step.q, centers, self.radius);
+                let radius = f64::from(self.radius);
+                let own = centers.iter().map(|center| (center.map(f64::from), radius));
+                let own = ours::frame(|| self.ours.balls(&step.q, own));
                 let (deformer, place) = (&self.deformer, &Place::IDENTITY);
                 let update = self
                     .peer
@@ -117,8 +119,8 @@ impl<'a> Contest<'a> {
                 let mut theirs = 0;
                 for center in centers {
                     self.found.clear();
-                    let (center, radius) = (center.map(f64::from), f64::from(self.radius));
-                    self.peer.ball(center, radius, &mut self.found);
+                    self.peer
+                        .ball(center.map(f64::from), radius, &mut self.found);
                     theirs += self.found.len() as u64;
                 }
                 let query = start.seconds();
@@ -150,7 +152,7 @@ impl<'a> Contest<'a> {
     /// many as visit every node a hundred times.
     ///
     /// # Errors
-    /// Those of [`Contest::measure`].
+    /// Those of [`Contenders::measure`].
     pub(super) fn crossing(&mut self, repeats: usize) -> Result<Crossing, Box<dyn Error>> {
         let mut points = Vec::new();
         for balls in AMOUNTS {
@@ -182,7 +184,7 @@ fn on_surface(body: &Body, points: &[[f32; 3]], stream: &mut Stream) -> [f32; 3]
 /// Who is ahead over balls a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crossing {
-    standing: Standing,
+    comparison: Comparison,
     /// The most balls a step that were asked.
     most: usize,
 }
@@ -192,22 +194,22 @@ impl Crossing {
     pub(super) fn of(points: &[Point]) -> Self {
         let ratios: Vec<(f64, f64)> = points.iter().map(|p| (p.balls as f64, p.times())).collect();
         Self {
-            standing: Standing::of(&ratios),
+            comparison: Comparison::of(&ratios),
             most: points.last().map_or(0, |p| p.balls),
         }
     }
 
     /// For a table.
     pub(super) fn text(&self) -> String {
-        let standing = &self.standing;
-        match (standing.ahead, standing.break_even) {
+        let comparison = &self.comparison;
+        match (comparison.ahead, comparison.break_even) {
             (Ahead::Ours, _) => format!("not up to {}", self.most),
             (Ahead::Refit, _) => "always".to_string(),
-            (Ahead::Crosses, Some(at)) if standing.above == Some(Side::Refit) => whole(at),
+            (Ahead::Crosses, Some(at)) if comparison.above == Some(Side::Refit) => whole(at),
             (Ahead::Crosses, Some(at)) => format!("up to {}", whole(at)),
             _ => {
                 let [from, to] =
-                    [standing.from, standing.to].map(|x| x.map_or_else(String::new, whole));
+                    [comparison.from, comparison.to].map(|x| x.map_or_else(String::new, whole));
                 format!("even from {from} to {to}")
             }
         }
@@ -215,9 +217,9 @@ impl Crossing {
 
     /// All of it; of times, so that it differs between runs.
     pub(super) fn json(&self) -> Value {
-        let standing = &self.standing;
-        json!({"ahead": format!("{:?}", standing.ahead).to_lowercase(), "from": standing.from,
-            "to": standing.to, "break_even_balls": standing.break_even, "most_balls": self.most})
+        let comparison = &self.comparison;
+        json!({"ahead": format!("{:?}", comparison.ahead).to_lowercase(), "from": comparison.from,
+            "to": comparison.to, "break_even_balls": comparison.break_even, "most_balls": self.most})
     }
 }
 

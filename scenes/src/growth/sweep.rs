@@ -3,15 +3,15 @@
 
 use std::error::Error;
 
-use bdtree_baselines::standing::AMOUNTS;
+use bdtree_measure::comparison::AMOUNTS;
 use bdtree_runtime::Asset;
 use serde_json::{Value, json};
 
-use super::step::{Contest, Crossing, Point};
+use super::step::{Contenders, Crossing, Point};
 use crate::contenders::assets::baked;
-use crate::plot::{Axis, Chart, Curve};
 use crate::report::{Cell, Table};
 use crate::workloads::bodies::blob_with;
+use bdtree_measure::plot::{Axis, Line, Plot};
 
 /// What varies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,11 +84,11 @@ fn settings(
 ) -> Result<Vec<Row>, Box<dyn Error>> {
     let mut rows = Vec::new();
     for (x, setting) in settings {
-        with_contest(n, setting, |contest| {
+        with_contenders(n, setting, |contenders| {
             rows.push(Row {
                 x: *x,
-                point: contest.measure(1, 1, repeats)?,
-                crossing: Some(contest.crossing(repeats)?),
+                point: contenders.measure(1, 1, repeats)?,
+                crossing: Some(contenders.crossing(repeats)?),
             });
             Ok(())
         })?;
@@ -99,11 +99,11 @@ fn settings(
 /// Balls a step at the usual setting: rows that are the crossing's curve themselves.
 fn balls(n: usize, repeats: usize) -> Result<Vec<Row>, Box<dyn Error>> {
     let mut rows = Vec::new();
-    with_contest(n, &USUAL, |contest| {
+    with_contenders(n, &USUAL, |contenders| {
         for balls in AMOUNTS {
             rows.push(Row {
                 x: balls as f64,
-                point: contest.measure(balls, 1, repeats)?,
+                point: contenders.measure(balls, 1, repeats)?,
                 crossing: None,
             });
         }
@@ -112,16 +112,16 @@ fn balls(n: usize, repeats: usize) -> Result<Vec<Row>, Box<dyn Error>> {
     Ok(rows)
 }
 
-fn with_contest(
+fn with_contenders(
     n: usize,
     setting: &Setting,
-    measure: impl FnOnce(&mut Contest<'_>) -> Result<(), Box<dyn Error>>,
+    measure: impl FnOnce(&mut Contenders<'_>) -> Result<(), Box<dyn Error>>,
 ) -> Result<(), Box<dyn Error>> {
     let body = blob_with("blob", n, setting.modes, 3);
     let bytes = baked(&body)?;
     let asset = Asset::open(&bytes)?;
-    let mut contest = Contest::new(asset, &body, setting.displacement, setting.radius);
-    measure(&mut contest)
+    let mut contenders = Contenders::new(asset, &body, setting.displacement, setting.radius);
+    measure(&mut contenders)
 }
 
 impl Sweep {
@@ -186,23 +186,24 @@ impl Sweep {
         table
     }
 
-    pub(super) fn chart(&self) -> Chart<'static> {
-        let curve = |name: &str, of: &dyn Fn(&Point) -> f64| Curve {
+    pub(super) fn chart(&self) -> Plot {
+        let line = |name: &str, of: &dyn Fn(&Point) -> f64| Line {
             name: name.to_string(),
             points: self.rows.iter().map(|r| (r.x, of(&r.point))).collect(),
         };
-        Chart {
-            title: self.what,
-            x: Axis::log(self.what),
-            y: Axis::log("µs a step"),
-            curves: vec![
-                curve("ours", &|p| 1e6 * p.seconds[0]),
-                curve("deform + refit + query", &|p| {
-                    1e6 * (p.seconds[1] + p.seconds[2])
-                }),
-                curve("their queries alone", &|p| 1e6 * p.seconds[2]),
-            ],
-        }
+        let lines = vec![
+            line("ours", &|p| 1e6 * p.seconds[0]),
+            line("deform + refit + query", &|p| {
+                1e6 * (p.seconds[1] + p.seconds[2])
+            }),
+            line("their queries alone", &|p| 1e6 * p.seconds[2]),
+        ];
+        Plot::new(
+            self.what,
+            &Axis::log(self.what),
+            &Axis::log("µs a step"),
+            lines,
+        )
     }
 }
 

@@ -5,19 +5,19 @@ use std::error::Error;
 use serde_json::Value;
 
 use super::Source;
-use crate::plot::{Axis, Chart, Curve};
 use crate::report::{Cell, Table};
+use bdtree_measure::plot::{Axis, Line, Plot};
 
-type Charts = Result<Vec<Chart<'static>>, Box<dyn Error>>;
+type Plots = Result<Vec<Plot>, Box<dyn Error>>;
 type Points = Vec<(f64, f64)>;
 
-/// A curve for every asset.
-fn curves(
+/// A line for every asset.
+fn lines(
     sources: &[Source],
     points: impl Fn(&Source) -> Result<Points, Box<dyn Error>>,
-) -> Result<Vec<Curve>, Box<dyn Error>> {
+) -> Result<Vec<Line>, Box<dyn Error>> {
     let all = sources.iter().map(|source| {
-        Ok(Curve {
+        Ok(Line {
             name: source.name.clone(),
             points: points(source)?,
         })
@@ -40,135 +40,135 @@ fn percent(points: Points) -> Points {
 }
 
 /// What fewer modes cost and save.
-pub(super) fn modes(reports: &[Source]) -> Charts {
+pub(super) fn modes(reports: &[Source]) -> Plots {
     let kept = Axis::linear("modes kept");
     Ok(vec![
-        Chart {
-            title: "Largest error of a vertex, against all modes",
-            x: kept,
-            y: Axis::log("% of the diagonal"),
-            curves: curves(reports, |source| {
+        Plot::new(
+            "Largest error of a vertex, against all modes",
+            &kept,
+            &Axis::log("% of the diagonal"),
+            lines(reports, |source| {
                 Ok(percent(source.points(
                     "/modes",
                     "/modes",
                     "/error_max_rel",
                 )?))
             })?,
-        },
-        Chart {
-            title: "Bytes of the file",
-            x: kept,
-            y: Axis::linear("over those with all modes"),
-            curves: curves(reports, |source| {
+        ),
+        Plot::new(
+            "Bytes of the file",
+            &kept,
+            &Axis::linear("over those with all modes"),
+            lines(reports, |source| {
                 let points = source.points("/modes", "/modes", "/bytes")?;
                 let most = points.iter().map(|p| p.0).fold(0.0, f64::max);
                 Ok(relative(points, |p| p.0 == most))
             })?,
-        },
-        Chart {
-            title: "Time of balls, rays and pairs together",
-            x: kept,
-            y: Axis::linear("over that with all modes"),
-            curves: curves(reports, |source| {
+        ),
+        Plot::new(
+            "Time of balls, rays and pairs together",
+            &kept,
+            &Axis::linear("over that with all modes"),
+            lines(reports, |source| {
                 source.points("/modes", "/modes", "/time_rel")
             })?,
-        },
-        Chart {
-            title: "Nodes that a ball visits",
-            x: kept,
-            y: Axis::linear("nodes"),
-            curves: curves(reports, |source| {
+        ),
+        Plot::new(
+            "Nodes that a ball visits",
+            &kept,
+            &Axis::linear("nodes"),
+            lines(reports, |source| {
                 source.points("/modes", "/modes", "/ball_visits")
             })?,
-        },
+        ),
     ])
 }
 
 /// What leaves of other sizes cost and save.
-pub(super) fn leaves(advice: &[Source]) -> Charts {
+pub(super) fn leaves(advice: &[Source]) -> Plots {
     let size = Axis::log("most triangles of a leaf lane");
     let is_default = |p: &(f64, f64)| p.0 == 4.0;
     let of = |y: &'static str| {
-        curves(advice, move |source| {
+        lines(advice, move |source| {
             let points = source.points("/leaves", "/leaf_size", y)?;
             Ok(relative(points, is_default))
         })
     };
     Ok(vec![
-        Chart {
-            title: "Time of balls, rays and pairs together",
-            x: size,
-            y: Axis::linear("over that with leaves of 4"),
-            curves: of("/time_rel")?,
-        },
-        Chart {
-            title: "Bytes of the file",
-            x: size,
-            y: Axis::linear("over those with leaves of 4"),
-            curves: of("/bytes")?,
-        },
+        Plot::new(
+            "Time of balls, rays and pairs together",
+            &size,
+            &Axis::linear("over that with leaves of 4"),
+            of("/time_rel")?,
+        ),
+        Plot::new(
+            "Bytes of the file",
+            &size,
+            &Axis::linear("over those with leaves of 4"),
+            of("/bytes")?,
+        ),
     ])
 }
 
 /// What stopping at a level costs and saves.
-pub(super) fn depth(reports: &[Source]) -> Charts {
+pub(super) fn depth(reports: &[Source]) -> Plots {
     let level = Axis::linear("level at which a ball stops");
-    let of = |y: &'static str| curves(reports, move |source| source.points("/depth", "/level", y));
+    let of = |y: &'static str| lines(reports, move |source| source.points("/depth", "/level", y));
     Ok(vec![
-        Chart {
-            title: "Area that is reported and not touched",
-            x: level,
-            y: Axis::log("over what is touched"),
-            curves: of("/extra_area_rel")?,
-        },
-        Chart {
-            title: "Error of the penetration depth",
-            x: level,
-            y: Axis::log("% of the diagonal"),
-            curves: curves(reports, |source| {
+        Plot::new(
+            "Area that is reported and not touched",
+            &level,
+            &Axis::log("over what is touched"),
+            of("/extra_area_rel")?,
+        ),
+        Plot::new(
+            "Error of the penetration depth",
+            &level,
+            &Axis::log("% of the diagonal"),
+            lines(reports, |source| {
                 Ok(percent(source.points(
                     "/depth",
                     "/level",
                     "/penetration_error_rel",
                 )?))
             })?,
-        },
-        Chart {
-            title: "Time of a ball",
-            x: level,
-            y: Axis::log("µs"),
-            curves: of("/ball_micros")?,
-        },
+        ),
+        Plot::new(
+            "Time of a ball",
+            &level,
+            &Axis::log("µs"),
+            of("/ball_micros")?,
+        ),
     ])
 }
 
 /// What leaving modes out of node bounds costs and saves.
-pub(super) fn tolerance(reports: &[Source]) -> Charts {
+pub(super) fn tolerance(reports: &[Source]) -> Plots {
     let share = Axis::log("tolerance, % of the diagonal");
     let of = |y: &'static str| {
-        curves(reports, move |source| {
+        lines(reports, move |source| {
             let points = source.points("/tolerance", "/tolerance_rel", y)?;
             let points = relative(points, |p| p.0 == 0.0);
             Ok(points.into_iter().map(|(x, y)| (100.0 * x, y)).collect())
         })
     };
     Ok(vec![
-        Chart {
-            title: "Modes left in node bounds",
-            x: share,
-            y: Axis::linear("over those without a tolerance"),
-            curves: of("/active_modes")?,
-        },
-        Chart {
-            title: "Time of 16 balls and 16 rays, the pose included",
-            x: share,
-            y: Axis::linear("over that without a tolerance"),
-            curves: of("/micros")?,
-        },
+        Plot::new(
+            "Modes left in node bounds",
+            &share,
+            &Axis::linear("over those without a tolerance"),
+            of("/active_modes")?,
+        ),
+        Plot::new(
+            "Time of 16 balls and 16 rays, the pose included",
+            &share,
+            &Axis::linear("over that without a tolerance"),
+            of("/micros")?,
+        ),
     ])
 }
 
-/// The curve of a question in the contest with deforming and refitting.
+/// The curve of a question in the comparison with deforming and refitting.
 fn asked<'s>(source: &'s Source, question: &str) -> Result<&'s Value, Box<dyn Error>> {
     let mut all = source.list("/refit/curves")?.iter();
     let found = all.find(|curve| curve["question"] == question);
@@ -176,9 +176,9 @@ fn asked<'s>(source: &'s Source, question: &str) -> Result<&'s Value, Box<dyn Er
 }
 
 /// Where deforming and refitting is faster.
-pub(super) fn refit(reports: &[Source]) -> Charts {
+pub(super) fn refit(reports: &[Source]) -> Plots {
     let of = |question: &'static str| {
-        curves(reports, move |source| {
+        lines(reports, move |source| {
             let points = asked(source, question)?["points"].as_array();
             let both = |point: &Value| Some((point["amount"].as_f64()?, point["ratio"].as_f64()?));
             Ok(points.into_iter().flatten().filter_map(both).collect())
@@ -186,24 +186,19 @@ pub(super) fn refit(reports: &[Source]) -> Charts {
     };
     let times = Axis::log("deform + refit over ours");
     Ok(vec![
-        Chart {
-            title: "Rays",
-            x: Axis::log("rays per step"),
-            y: times,
-            curves: of("ray")?,
-        },
-        Chart {
-            title: "Balls of 1 % of the diagonal",
-            x: Axis::log("balls per step"),
-            y: times,
-            curves: of("ball")?,
-        },
-        Chart {
-            title: "Two instances that touch",
-            x: Axis::log("touching pairs of triangles"),
-            y: times,
-            curves: of("pair")?,
-        },
+        Plot::new("Rays", &Axis::log("rays per step"), &times, of("ray")?),
+        Plot::new(
+            "Balls of 1 % of the diagonal",
+            &Axis::log("balls per step"),
+            &times,
+            of("ball")?,
+        ),
+        Plot::new(
+            "Two instances that touch",
+            &Axis::log("touching pairs of triangles"),
+            &times,
+            of("pair")?,
+        ),
     ])
 }
 

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use serde_json::{Value, json};
 
-use crate::plot::svg;
 use crate::report::Report;
+use bdtree_measure::plot::sheet;
 
 /// Plots and tables of docs/guide.md, from reports and advice in JSON; an asset is called as its files are, up to the
 /// first dot
@@ -88,11 +88,11 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
     let mut pictures = Vec::new();
     let mut value = serde_json::Map::new();
     for (key, charts) in &drawn {
-        pictures.push((*key, svg(charts)?));
+        pictures.push((*key, sheet(charts)?));
         let charts = charts.iter().map(|chart| {
-            let curves = chart.curves.iter();
+            let curves = chart.lines.iter();
             let curves = curves.map(|curve| json!({"asset": curve.name, "points": curve.points}));
-            json!({"title": chart.title, "x": chart.x.label, "y": chart.y.label,
+            json!({"title": chart.title, "x": chart.x.text, "y": chart.y.text,
                 "curves": curves.collect::<Vec<Value>>()})
         });
         value.insert((*key).to_string(), charts.collect());

@@ -11,7 +11,7 @@ mod updates;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use bdtree_baselines::machine;
+use bdtree_measure::machine;
 use bdtree_runtime::Asset;
 use clap::Parser;
 use serde_json::json;

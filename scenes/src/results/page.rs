@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use bdtree_baselines::machine;
+use bdtree_measure::machine;
 
 use super::goals::goals;
 use super::measured::Measured;

@@ -6,9 +6,9 @@ use bdtree_runtime::Asset;
 use serde_json::{Value, json};
 
 use crate::contenders::assets::baked;
-use crate::contenders::contest::{Counts, Entry, Role, Rounds, TOTAL, Turns, contest};
 use crate::contenders::ours::pile::{NODES, OurPile};
 use crate::workloads::pile;
+use bdtree_measure::turns::{Counts, Entry, Role, Rounds, TOTAL, Turns, compare};
 
 /// Times over those of rigid bodies, in total and per contact.
 pub(super) fn measure(repeats: usize) -> Result<Value, Box<dyn Error>> {
@@ -35,7 +35,7 @@ pub(super) fn measure(repeats: usize) -> Result<Value, Box<dyn Error>> {
         with: &[],
     };
     let frames: Vec<usize> = (0..pile::STEPS).collect();
-    let rows = contest(entries, &frames, rounds)?;
+    let rows = compare(entries, &frames, rounds)?;
     let [ours, rigid, rest] = [0, 1, 2].map(|k| &rows[k]);
     let over = |k: usize| rows[k].median[TOTAL] / rigid.median[TOTAL];
     // Of each frame the least time: what is left of it on a machine that does other work.

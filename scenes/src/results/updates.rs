@@ -4,13 +4,13 @@ use std::error::Error;
 use std::hint::black_box;
 use std::rc::Rc;
 
-use bdtree_baselines::clock::Clock;
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::paper_tree::{PaperTree, Step};
-use bdtree_baselines::peers::{LayeredPeer, Obvhs, Peer};
-use bdtree_baselines::stats::median;
-use bdtree_baselines::{Body, Place};
 use bdtree_format::LANES;
+use bdtree_measure::clock::Clock;
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::paper_tree::{PaperTree, Step};
+use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer};
+use bdtree_measure::stats::median;
+use bdtree_measure::{Body, Place};
 use bdtree_runtime::{Asset, Pose, Transform};
 use serde_json::{Value, json};
 

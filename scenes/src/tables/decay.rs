@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use super::Mesh;
 use crate::hierarchies::Hierarchies;
-use crate::plot::{Axis, Chart, Curve};
 use crate::report::{Cell, Table};
+use bdtree_measure::plot::{Axis, Line, Plot};
 
 /// The paper's chair (3.3): means of the levels over the root's.
 pub(super) const PAPER: [f64; 19] = [
@@ -87,20 +87,14 @@ pub(super) fn table(decays: &[Decay]) -> Table {
     table
 }
 
-pub(super) fn chart(decays: &[Decay]) -> Chart<'static> {
-    let curve = |name: String, means: &[f64]| Curve {
-        name,
+pub(super) fn chart(decays: &[Decay]) -> Plot {
+    let line = |name: &str, means: &[f64]| Line {
+        name: name.to_string(),
         points: (0..).map(f64::from).zip(means.iter().copied()).collect(),
     };
-    let own = decays
-        .iter()
-        .map(|d| curve(d.mesh.name().to_string(), &d.paper));
-    let mut curves: Vec<Curve> = own.collect();
-    curves.push(curve("paper's chair (2004)".to_string(), &PAPER));
-    Chart {
-        title: "Mean of ‖ΔR‖ by level (paper's bound)",
-        x: Axis::linear("level of the binary tree"),
-        y: Axis::log("over the root's"),
-        curves,
-    }
+    let own = decays.iter().map(|d| line(d.mesh.name(), &d.paper));
+    let lines = own.chain([line("paper's chair (2004)", &PAPER)]).collect();
+    let level = Axis::linear("level of the binary tree");
+    let title = "Mean of ‖ΔR‖ by level (paper's bound)";
+    Plot::new(title, &level, &Axis::log("over the root's"), lines)
 }

@@ -161,7 +161,7 @@ pub(super) fn measure(
         let ours = trees.ours(triangles)?;
         for j in 0..points.modes {
             let growths = [f64::from(numbers[1 + j][3]), ours.growth_of(j)];
-            let radii = [f64::from(numbers[0][3]), ours.rest().radius];
+            let radii = [f64::from(numbers[0][3]), ours.radius()];
             for (pairs, (growth, radius)) in all.iter_mut().zip(growths.into_iter().zip(radii)) {
                 pairs.add(growth, lipschitz[j], radius, common);
                 let parent = level.checked_sub(1).and_then(|level| above[level].as_ref());

@@ -5,7 +5,6 @@ mod crossing;
 mod decay;
 mod lipschitz;
 mod ratios;
-mod studied;
 mod subjects;
 mod ways;
 
@@ -13,15 +12,16 @@ use std::error::Error;
 use std::fs;
 use std::path::PathBuf;
 
-use bdtree_baselines::Body;
+use bdtree_measure::Body;
 use bdtree_runtime::{AlignedBytes, Asset};
 use clap::Parser;
 use serde_json::{Value, json};
 
 use crate::hierarchies::Hierarchies;
-use crate::plot::svg;
 use crate::report::{Cell, Report, Table};
+use bdtree_measure::plot::sheet;
 
+use ratios::Ratios;
 use ways::Deformations;
 
 pub use subjects::Mesh;
@@ -49,9 +49,6 @@ pub struct Arguments {
     /// Appendix A on nodes of at most so many vertices: it compares all pairs (2 to 20000)
     #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u16).range(2..=20_000))]
     pub pair_vertices: u16,
-    /// Also the radii of the other bounds of docs/node-bounds.md, level by level: takes a minute
-    #[arg(long)]
-    pub bounds: bool,
     /// Seed of the deformations
     #[arg(long, default_value_t = 2004)]
     pub seed: u64,
@@ -78,95 +75,116 @@ fn share(text: &str) -> Result<f64, String> {
 /// The level of the paper's figure 6: 64 spheres.
 const FIGURE_LEVEL: usize = 6;
 
+/// What is shown of figure 6, of meshes and of files alike.
+struct Figure {
+    level: Table,
+    crossings: Table,
+}
+
+impl Figure {
+    fn new() -> Self {
+        Self {
+            level: ratios::figure_table(),
+            crossings: crossing::table(),
+        }
+    }
+
+    /// Measures an asset and adds its rows: the ratios, and the figures of both as JSON.
+    fn add(
+        &mut self,
+        name: &str,
+        asset: &Asset<'_>,
+        trees: &Hierarchies<'_>,
+        arguments: &Arguments,
+    ) -> Result<(Ratios, Value), Box<dyn Error>> {
+        let body = Body::of_asset(asset)?;
+        let deformations = Deformations::new(asset, &body, arguments.poses, arguments.seed);
+        let ratios = ratios::measure(asset, trees, &deformations, &arguments.amplitudes)?;
+        let met = crossing::measure(trees, &deformations, FIGURE_LEVEL, arguments.largest())?;
+        self.level
+            .rows
+            .extend(ratios.figure_rows(name, FIGURE_LEVEL));
+        self.crossings
+            .rows
+            .extend(met.iter().map(|one| one.row(name)));
+        let value = json!({"triangles": asset.triangle_count(), "modes": asset.mode_count(),
+            "ratios": ratios.json(),
+            "crossings": met.iter().map(|one| one.json()).collect::<Vec<Value>>()});
+        Ok((ratios, value))
+    }
+}
+
 /// Measures.
 ///
 /// # Errors
-/// Fixtures that cannot be made or baked.
+/// Fixtures that cannot be made or baked, files that cannot be read.
 pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
     let mut sizes = sizes_table();
     let mut decays = Vec::new();
-    let mut figure = ratios::figure_table();
+    let mut figure = Figure::new();
     let mut levels = ratios::level_table();
-    let mut crossings = crossing::table();
-    let mut of_files = Vec::new();
-    let mut bounds = studied::table();
     let mut lipschitz = lipschitz::table(arguments.pair_vertices);
     let (mut results, mut charts) = (Vec::new(), Vec::new());
     for mesh in &arguments.meshes {
         let bytes = subjects::baked(*mesh)?;
         let asset = Asset::open(&bytes)?;
         let trees = Hierarchies::new(asset);
+        let name = mesh.name();
         sizes.rows.push(sizes_row(*mesh, &asset, &trees));
         let decay = decay::measure(*mesh, &trees)?;
-        let body = Body::of_asset(&asset)?;
-        let deformations = Deformations::new(&asset, &body, arguments.poses, arguments.seed);
-        let ratios = ratios::measure(&asset, &trees, &deformations, &arguments.amplitudes)?;
-        let met = crossing::measure(&trees, &deformations, FIGURE_LEVEL, arguments.largest())?;
+        let (ratios, mut value) = figure.add(name, &asset, &trees, arguments)?;
+        levels.rows.extend(ratios.level_rows(name));
         let pairs = lipschitz::measure(&asset, &trees, usize::from(arguments.pair_vertices))?;
-        figure
-            .rows
-            .extend(ratios.figure_rows(mesh.name(), FIGURE_LEVEL));
-        levels.rows.extend(ratios.level_rows(mesh.name()));
-        crossings
-            .rows
-            .extend(met.iter().map(|one| one.row(mesh.name())));
-        let studied = match arguments.bounds {
-            true => studied::measure(&body, &deformations, &arguments.amplitudes),
-            false => Vec::new(),
-        };
-        bounds
-            .rows
-            .extend(studied.iter().map(|one| one.row(mesh.name())));
-        lipschitz
-            .rows
-            .extend(pairs.iter().map(|p| p.row(mesh.name())));
+        lipschitz.rows.extend(pairs.iter().map(|p| p.row(name)));
         if *mesh == Mesh::Chair {
             charts.push(ratios.chart());
         }
-        results.push(json!({
-            "mesh": mesh.name(),
-            "vertices": asset.vertex_count(), "triangles": asset.triangle_count(),
-            "modes": asset.mode_count(), "bytes": asset.bytes().len(),
-            "spheres": trees.tree().node_count(), "levels": trees.depth(),
-            "our_nodes": asset.node_count(), "our_levels": asset.depth(),
-            "decay": decay.json(), "ratios": ratios.json(),
-            "crossings": met.iter().map(|one| one.json()).collect::<Vec<Value>>(),
-            "bounds": studied.iter().map(|one| one.json()).collect::<Vec<Value>>(),
-            "appendix_a": pairs.iter().map(|p| p.json()).collect::<Vec<Value>>(),
-        }));
+        for (key, own) in [
+            ("mesh", json!(name)),
+            ("vertices", json!(asset.vertex_count())),
+            ("bytes", json!(asset.bytes().len())),
+            ("spheres", json!(trees.tree().node_count())),
+            ("levels", json!(trees.depth())),
+            ("our_nodes", json!(asset.node_count())),
+            ("our_levels", json!(asset.depth())),
+            ("decay", decay.json()),
+            ("appendix_a", pairs.iter().map(|p| p.json()).collect()),
+        ] {
+            value[key] = own;
+        }
+        results.push(value);
         decays.push(decay);
     }
+    let mut of_files = Vec::new();
     for path in &arguments.files {
-        let place = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-        let bytes = AlignedBytes::copy_of(&fs::read(path).map_err(|e| place(&e))?);
-        let asset = Asset::open(&bytes).map_err(|e| place(&e))?;
-        let trees = Hierarchies::new(asset);
-        let body = Body::of_asset(&asset).map_err(|e| place(&e))?;
-        let deformations = Deformations::new(&asset, &body, arguments.poses, arguments.seed);
-        let ratios = ratios::measure(&asset, &trees, &deformations, &arguments.amplitudes);
-        let ratios = ratios.map_err(|e| place(&e))?;
-        let met = crossing::measure(&trees, &deformations, FIGURE_LEVEL, arguments.largest());
-        let met = met.map_err(|e| place(&e))?;
-        let name = path
-            .file_stem()
-            .unwrap_or(path.as_os_str())
-            .to_string_lossy();
-        figure.rows.extend(ratios.figure_rows(&name, FIGURE_LEVEL));
-        crossings.rows.extend(met.iter().map(|one| one.row(&name)));
-        of_files.push(json!({"file": name, "triangles": asset.triangle_count(),
-            "modes": asset.mode_count(), "ratios": ratios.json(),
-            "crossings": met.iter().map(|one| one.json()).collect::<Vec<Value>>()}));
+        let mut add = || {
+            let bytes = AlignedBytes::copy_of(&fs::read(path)?);
+            let asset = Asset::open(&bytes)?;
+            let name = path
+                .file_stem()
+                .unwrap_or(path.as_os_str())
+                .to_string_lossy();
+            let (_, mut value) = figure.add(&name, &asset, &Hierarchies::new(asset), arguments)?;
+            value["file"] = json!(name);
+            Ok(value)
+        };
+        let value: Result<Value, Box<dyn Error>> = add();
+        of_files.push(value.map_err(|error| format!("{}: {error}", path.display()))?);
     }
     charts.insert(0, decay::chart(&decays));
-    let picture = svg(&charts)?;
-    let mut tables = vec![sizes, decay::table(&decays), figure, crossings, levels];
-    tables.extend(arguments.bounds.then_some(bounds));
-    tables.push(lipschitz);
+    let picture = sheet(&charts)?;
     Ok(Report {
         name: "tables",
         value: json!({"settings": {"amplitudes": arguments.amplitudes, "poses": arguments.poses,
             "pair_vertices": arguments.pair_vertices, "seed": arguments.seed}, "meshes": results, "files": of_files}),
-        tables,
+        tables: vec![
+            sizes,
+            decay::table(&decays),
+            figure.level,
+            figure.crossings,
+            levels,
+            lipschitz,
+        ],
         pictures: vec![("", picture)],
     })
 }

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 
 use super::ways::{Deformations, Way};
 use crate::hierarchies::{Hierarchies, Kind};
-use crate::plot::{Axis, Chart, Curve};
 use crate::report::{Cell, Table};
+use bdtree_measure::plot::{Axis, Line, Plot};
 
 /// Over the nodes of a level and all deformations of a case.
 #[derive(Debug, Clone, Copy)]
@@ -185,9 +185,9 @@ impl Ratios {
     }
 
     /// Means by level at rest and at the largest natural deformation.
-    pub(super) fn chart(&self) -> Chart<'static> {
+    pub(super) fn chart(&self) -> Plot {
         let last = self.last_natural();
-        let curve = |name: String, case: usize, kind: usize| Curve {
+        let line = |name: String, case: usize, kind: usize| Line {
             name,
             points: (0..)
                 .map(f64::from)
@@ -195,19 +195,16 @@ impl Ratios {
                 .collect(),
         };
         let share = 100.0 * self.cases[last].amplitude;
-        let mut curves = vec![
-            curve("layered, at rest".to_string(), 0, 0),
-            curve("ours, at rest".to_string(), 0, 2),
+        let mut lines = vec![
+            line("layered, at rest".to_string(), 0, 0),
+            line("ours, at rest".to_string(), 0, 2),
         ];
         for (k, kind) in Kind::ALL.into_iter().enumerate() {
-            curves.push(curve(format!("{}, {share} %", kind.short()), last, k));
+            lines.push(line(format!("{}, {share} %", kind.short()), last, k));
         }
-        Chart {
-            title: "Chair: radius over the wrapped sphere's at rest",
-            x: Axis::linear("level of the binary tree"),
-            y: Axis::linear("mean ratio"),
-            curves,
-        }
+        let level = Axis::linear("level of the binary tree");
+        let title = "Chair: radius over the wrapped sphere's at rest";
+        Plot::new(title, &level, &Axis::linear("mean ratio"), lines)
     }
 }
 

@@ -6,11 +6,12 @@ use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::basis::pca::{Modes, PcaOptions, pca_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
-use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::AlignedBytes;
 use bdtree_tests::fixtures;
 use clap::ValueEnum;
+
+use crate::contenders::assets::baked_mesh;
 
 /// A model of the paper's Table 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -68,10 +69,5 @@ pub(super) fn baked(mesh: Mesh) -> Result<AlignedBytes, Box<dyn Error>> {
         let (basis, _) = elastic_basis(&own, &options, &Silent, &mut Vec::new())?;
         (own, basis)
     };
-    let settings = BakeSettings {
-        threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
-        ..BakeSettings::default()
-    };
-    let baked = bake_fields(&moved, &basis, &settings, &Provenance::default(), &Silent)?;
-    Ok(AlignedBytes::copy_of(&baked.bytes))
+    Ok(baked_mesh(&moved, &basis)?)
 }

@@ -1,7 +1,7 @@
 //! Ways to deform a body as far as figure 6 asks for.
 
-use bdtree_baselines::Body;
-use bdtree_baselines::deform::Deformer;
+use bdtree_measure::Body;
+use bdtree_measure::deform::Deformer;
 use bdtree_runtime::Asset;
 use bdtree_tests::poses;
 use rand::{Rng, RngExt};

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use super::random::Stream;
-use bdtree_baselines::Body;
-use bdtree_baselines::place::{Place, matrix, undo_after};
+use bdtree_measure::Body;
+use bdtree_measure::place::{Place, matrix, undo_after};
 
 use super::{Shape, sequence};
 

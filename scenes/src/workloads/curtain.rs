@@ -1,6 +1,6 @@
 //! W1: a ball goes through a folded curtain.
 
-use bdtree_baselines::Body;
+use bdtree_measure::Body;
 
 use super::{Shape, sequence};
 
@@ -73,5 +73,11 @@ impl Curtain {
     pub fn q(&self, frame: usize) -> &[f32] {
         let modes = self.body.modes;
         &self.q[frame * modes..(frame + 1) * modes]
+    }
+
+    /// Center and radius of a frame's ball.
+    pub fn ball(&self, frame: usize) -> ([f64; 3], f64) {
+        let [x, y, z, radius] = self.balls[frame].map(f64::from);
+        ([x, y, z], radius)
     }
 }

@@ -12,8 +12,8 @@ pub mod rays;
 
 use std::f64::consts::TAU;
 
-use bdtree_baselines::Body;
-use bdtree_baselines::deform::Deformer;
+use bdtree_measure::Body;
+use bdtree_measure::deform::Deformer;
 
 use random::Stream;
 

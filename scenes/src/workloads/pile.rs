@@ -2,8 +2,8 @@
 
 use super::bodies::{MODES, blob};
 use super::random::Stream;
-use bdtree_baselines::Body;
-use bdtree_baselines::place::{Place, matrix};
+use bdtree_measure::Body;
+use bdtree_measure::place::{Place, matrix};
 
 use super::sequence;
 

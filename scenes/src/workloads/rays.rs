@@ -2,7 +2,7 @@
 
 use super::bodies::{MODES, blob};
 use super::random::Stream;
-use bdtree_baselines::Body;
+use bdtree_measure::Body;
 
 use super::sequence;
 
@@ -57,5 +57,15 @@ impl Rays {
         count: usize,
     ) -> impl ExactSizeIterator<Item = [[f32; 3]; 2]> + '_ {
         (0..count).map(move |i| self.rays[(frame * count + i) % RAYS])
+    }
+
+    /// The same in the numbers that the product takes.
+    pub fn wide(
+        &self,
+        frame: usize,
+        count: usize,
+    ) -> impl ExactSizeIterator<Item = [[f64; 3]; 2]> + '_ {
+        self.of(frame, count)
+            .map(|ray| ray.map(|v| v.map(f64::from)))
     }
 }

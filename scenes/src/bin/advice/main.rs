@@ -10,7 +10,7 @@ mod sweep;
 use std::error::Error;
 use std::path::PathBuf;
 
-use bdtree_baselines::machine;
+use bdtree_measure::machine;
 use clap::Parser;
 
 #[derive(Parser)]

@@ -4,11 +4,11 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use bdtree_baselines::machine;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
+use bdtree_measure::machine;
 use bdtree_runtime::{AlignedBytes, Asset};
 use bdtree_tests::bake::{bumpy_sphere, smooth_basis};
 use bdtree_tests::{fixtures, poses};

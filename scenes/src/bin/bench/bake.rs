@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::time::Instant;
 
-use bdtree_baselines::machine;
+use bdtree_measure::machine;
 use clap::Args;
 use serde_json::json;
 

@@ -4,11 +4,10 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
-use bdtree_baselines::paper_tree::{BallCounts, PaperTree, PlainTree, Step, Vertices};
-use bdtree_baselines::{machine, stats};
-use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, Pose, StackEntry, Transform, TriangleId, query,
-};
+use bdtree_measure::ours::Ours;
+use bdtree_measure::paper_tree::{BallCounts, PaperTree, PlainTree, Step, Vertices};
+use bdtree_measure::{machine, stats};
+use bdtree_runtime::{AlignedBytes, Asset, Contact, Pose, Transform, TriangleId};
 use bdtree_scenes::contenders::spheres::sum_growths;
 use bdtree_tests::poses;
 use clap::Args;
@@ -70,30 +69,13 @@ fn cases(asset: &Asset<'_>, arguments: &Arguments) -> Result<Vec<Case>, Box<dyn 
     Ok(all)
 }
 
-/// The product with the memory that it queries in.
-struct Product<'a> {
-    asset: Asset<'a>,
-    memory: Vec<f32>,
-    stack: Vec<StackEntry>,
-    found: Vec<Contact>,
-}
-
-impl Product<'_> {
-    fn answer(&mut self, case: &Case) -> u64 {
-        let pose = Pose::new(&self.asset, &case.q, Transform::IDENTITY, &mut self.memory)
-            .expect("q within limits");
-        self.found.clear();
-        query::ball(
-            &self.asset,
-            &pose,
-            case.center,
-            case.radius,
-            &mut self.stack,
-            &mut self.found,
-        )
-        .expect("a sound asset")
-        .nodes_visited
-    }
+/// Nodes that the product visits for a case.
+fn ask(product: &mut Ours<'_>, case: &Case) -> u64 {
+    let answer = product.balls(&case.q, [(case.center, case.radius)].into_iter());
+    answer
+        .expect("a sound asset at q within its limits")
+        .nodes
+        .visited
 }
 
 /// The paper's tree with the memory that it queries in.
@@ -162,12 +144,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let bytes = AlignedBytes::copy_of(&arguments.scene.bake(&mesh, &basis)?.bytes);
     let asset = Asset::open(&bytes)?;
     let memory = vec![0.0; asset.pose_len()];
-    let mut product = Product {
-        asset,
-        memory: memory.clone(),
-        stack: vec![StackEntry::default(); asset.stack_len()],
-        found: Vec::new(),
-    };
+    let mut product = Ours::new(asset);
     let tree = PaperTree::build(&asset);
     let mut paper = Paper {
         asset,
@@ -183,17 +160,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 
     let mut work = Work::default();
     for case in &cases {
-        work.nodes += product.answer(case);
+        work.nodes += ask(&mut product, case);
         let counts = paper.answer(case);
         assert_eq!(
-            ids(&product.found),
+            ids(product.found()),
             ids(&paper.found),
             "both trees find the same triangles"
         );
         paper.answer_plainly(case);
-        assert_eq!(ids(&product.found), ids(&paper.found), "as does the plain");
-        work.contacts += product.found.len();
-        work.touching += usize::from(!product.found.is_empty());
+        assert_eq!(ids(product.found()), ids(&paper.found), "as does the plain");
+        work.contacts += product.found().len();
+        work.touching += usize::from(!product.found().is_empty());
         work.paper.spheres += counts.spheres;
         work.paper.triangles += counts.triangles;
         work.count_lanes(&asset, case)?;
@@ -206,7 +183,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             let which = (round + turn) % 3;
             times[which].push(match which {
                 0 => time_pass(&cases, |case| {
-                    black_box(product.answer(case));
+                    black_box(ask(&mut product, case));
                 }),
                 1 => time_pass(&cases, |case| {
                     black_box(paper.answer(case));
@@ -234,7 +211,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             "ratio_plain_quartiles": figures.plain.quartiles,},
         "counts": work.per_ball(cases.len(), &asset, &paper.tree),
         "growth": growth(&asset, &paper.tree, &cases)?,
-        "limits": limits(&work, &cases, &product, &paper),
+        "limits": limits(&work, &cases, &asset, &paper),
     });
     if arguments.json {
         println!("{value:#}");
@@ -343,8 +320,8 @@ fn growth(asset: &Asset<'_>, tree: &PaperTree, cases: &[Case]) -> Result<Value, 
 
 /// What this machine allows: bytes of visited nodes over its read bandwidth, and one node
 /// evaluation from near memory.
-fn limits(work: &Work, cases: &[Case], product: &Product<'_>, paper: &Paper<'_>) -> Value {
-    let m = product.asset.mode_count() as f64;
+fn limits(work: &Work, cases: &[Case], asset: &Asset<'_>, paper: &Paper<'_>) -> Value {
+    let m = asset.mode_count() as f64;
     let balls = cases.len() as f64;
     // The record, four leading rows, and five of a mode's six rows of 16 bits.
     let node_bytes = 32.0 + 32.0 * 4.0 + 16.0 * 5.0 * m;
@@ -365,7 +342,7 @@ fn limits(work: &Work, cases: &[Case], product: &Product<'_>, paper: &Paper<'_>)
         "product": {"bytes": ours, "at_l2_ns": ours / near * 1e9, "at_16_mib_ns": ours / far * 1e9},
         "paper": {"bytes": theirs, "at_l2_ns": theirs / near * 1e9,
             "at_16_mib_ns": theirs / far * 1e9},
-        "product_node_ns": product_node_ns(product, &cases[0]),
+        "product_node_ns": product_node_ns(asset, &cases[0]),
         "product_node_flops": 80.0 * m,
         "paper_node_ns": paper_node_ns(paper, &cases[0]),
         "paper_node_flops": 8.0 * m,
@@ -375,14 +352,14 @@ fn limits(work: &Work, cases: &[Case], product: &Product<'_>, paper: &Paper<'_>)
 /// Nodes whose numbers fit the near caches.
 const NEAR_NODES: usize = 64;
 
-fn product_node_ns(product: &Product<'_>, case: &Case) -> f64 {
-    let mut memory = vec![0.0; product.asset.pose_len()];
-    let Ok(pose) = Pose::new(&product.asset, &case.q, Transform::IDENTITY, &mut memory) else {
+fn product_node_ns(asset: &Asset<'_>, case: &Case) -> f64 {
+    let mut memory = vec![0.0; asset.pose_len()];
+    let Ok(pose) = Pose::new(asset, &case.q, Transform::IDENTITY, &mut memory) else {
         return f64::NAN;
     };
-    let count = NEAR_NODES.min(product.asset.node_count());
+    let count = NEAR_NODES.min(asset.node_count());
     near_ns(count, |i| {
-        black_box(product.asset.node_spheres(&pose, i as u32).ok());
+        black_box(asset.node_spheres(&pose, i as u32).ok());
     })
 }
 

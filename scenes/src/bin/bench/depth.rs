@@ -4,10 +4,10 @@
 use std::error::Error;
 use std::time::Instant;
 
-use bdtree_baselines::stats::median;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_format::LANES;
+use bdtree_measure::stats::median;
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, PairContact, PairStackEntry, Pose, Posed, Proxy, StackEntry,
     Transform, VertexId, query,

@@ -5,15 +5,12 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
-use bdtree_baselines::{machine, stats};
 use bdtree_build::basis::Basis;
-use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
-use bdtree_build::progress::Silent;
 use bdtree_format::SectionKind;
-use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, Pose, StackEntry, Transform, TriangleId, query,
-};
+use bdtree_measure::ours::Ours;
+use bdtree_measure::{machine, stats};
+use bdtree_runtime::{AlignedBytes, Asset, Contact, Pose, Transform, TriangleId};
+use bdtree_scenes::contenders::assets::baked_mesh;
 use bdtree_tests::{bake as made, poses, sections};
 use clap::Args;
 use rand::RngExt;
@@ -102,9 +99,7 @@ struct Contender<'a> {
     asset: Asset<'a>,
     cases: Vec<Case>,
     radius: f64,
-    memory: Vec<f32>,
-    stack: Vec<StackEntry>,
-    found: Vec<Contact>,
+    ours: Ours<'a>,
     /// Nanoseconds per ball, by batch and round.
     ns: Vec<Vec<f64>>,
 }
@@ -137,23 +132,20 @@ impl<'a> Contender<'a> {
             asset,
             cases,
             radius,
-            stack: vec![StackEntry::default(); asset.stack_len()],
-            memory,
-            found: Vec::new(),
+            ours: Ours::new(asset),
             ns: vec![Vec::new(); arguments.balls.div_ceil(BATCH)],
         })
     }
 
-    /// Nodes visited for ball `i`; the contacts are in `found`.
+    /// Nodes visited for ball `i`.
     fn answer(&mut self, i: usize) -> u64 {
         let case = &self.cases[i];
-        let pose = Pose::new(&self.asset, &case.q, Transform::IDENTITY, &mut self.memory)
-            .expect("q within limits");
-        self.found.clear();
-        let (stack, found) = (&mut self.stack, &mut self.found);
-        query::ball(&self.asset, &pose, case.center, self.radius, stack, found)
-            .expect("a sound asset")
-            .nodes_visited
+        let ball = [(case.center, self.radius)].into_iter();
+        let answer = self.ours.balls(&case.q, ball);
+        answer
+            .expect("a sound asset at q within its limits")
+            .nodes
+            .visited
     }
 
     /// One pass over all balls.
@@ -177,11 +169,12 @@ impl<'a> Contender<'a> {
     }
 
     /// Nanoseconds that preparing a pose takes.
-    fn pose_ns(&mut self) -> f64 {
+    fn pose_ns(&self) -> f64 {
+        let mut memory = vec![0.0; self.asset.pose_len()];
         let runs = (0..50).map(|_| {
             let start = Instant::now();
             for case in &self.cases {
-                let pose = Pose::new(&self.asset, &case.q, Transform::IDENTITY, &mut self.memory);
+                let pose = Pose::new(&self.asset, &case.q, Transform::IDENTITY, &mut memory);
                 black_box(pose.is_ok());
             }
             start.elapsed().as_nanos() as f64 / self.cases.len() as f64
@@ -194,15 +187,6 @@ impl<'a> Contender<'a> {
         let known = sections.filter(|s| kinds.contains(&s.kind));
         known.map(|s| s.length.get()).sum()
     }
-}
-
-fn baked(mesh: &RawMesh, basis: &Basis) -> Result<AlignedBytes, Box<dyn Error>> {
-    let settings = BakeSettings {
-        threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
-        ..BakeSettings::default()
-    };
-    let bytes = bake_fields(mesh, basis, &settings, &Provenance::default(), &Silent)?.bytes;
-    Ok(AlignedBytes::copy_of(&bytes))
 }
 
 /// The files: shapes as baked, with displacements of all modes, with all modes everywhere; waves.
@@ -220,13 +204,13 @@ fn files(arguments: &Arguments) -> Result<[AlignedBytes; 4], Box<dyn Error>> {
     for u in &mut waves.fields {
         *u = u.map(|c| c * scale);
     }
-    let sparse = baked(&mesh, &shapes)?;
+    let sparse = baked_mesh(&mesh, &shapes)?;
     let all_displacements = sections::with_all_displacements(&sparse);
     Ok([
         sparse,
         all_displacements,
-        baked(&mesh, &everywhere)?,
-        baked(&mesh, &waves)?,
+        baked_mesh(&mesh, &everywhere)?,
+        baked_mesh(&mesh, &waves)?,
     ])
 }
 
@@ -248,12 +232,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let (mut nodes, mut contacts) = (0, 0);
         for i in 0..arguments.balls {
             nodes += contender.answer(i);
-            contacts += contender.found.len();
+            contacts += contender.ours.found().len();
             if which == 0 {
-                expected.push(contender.found.clone());
+                expected.push(contender.ours.found().to_vec());
             } else if which < 3 {
                 assert_eq!(
-                    contender.found, expected[i],
+                    contender.ours.found(),
+                    expected[i],
                     "the shapes' answers are equal"
                 );
             }

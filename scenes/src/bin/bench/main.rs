@@ -5,7 +5,6 @@
 
 mod bake;
 mod ball;
-mod bounds;
 mod broad;
 mod depth;
 mod face;
@@ -36,8 +35,6 @@ enum Command {
     Depth(depth::Arguments),
     /// Stage times of a bake and the largest resident set
     Bake(bake::Arguments),
-    /// Which bounds a node wants: visits and tests of each
-    Bounds(bounds::Arguments),
     /// Steps that change little: spheres that follow a pose, fronts of pairs
     Coherence(workloads::coherence::Arguments),
     /// Local blend shapes of a face beside dense modes: bytes and time of a ball query
@@ -58,7 +55,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         Command::Broad(arguments) => broad::run(&arguments),
         Command::Depth(arguments) => depth::run(&arguments),
         Command::Bake(arguments) => bake::run(&arguments),
-        Command::Bounds(arguments) => bounds::run(&arguments),
         Command::Coherence(arguments) => workloads::coherence::run(&arguments),
         Command::Face(arguments) => face::run(&arguments),
         Command::HardCases(arguments) => hard_cases::run(&arguments),

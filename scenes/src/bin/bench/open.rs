@@ -4,13 +4,12 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use bdtree_baselines::{machine, stats};
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::file::write_atomically;
 use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
-use bdtree_build::progress::Silent;
-use bdtree_runtime::{Asset, MappedFile};
+use bdtree_measure::{machine, stats};
+use bdtree_runtime::{AlignedBytes, Asset, MappedFile};
+use bdtree_scenes::contenders::assets::baked_mesh;
 use bdtree_tests::resident::mapped_bytes;
 use clap::Args;
 use serde_json::json;
@@ -98,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 }
 
 /// A waving grid of 1.15 million triangles with eight modes.
-fn large_file() -> Result<Vec<u8>, Box<dyn Error>> {
+fn large_file() -> Result<AlignedBytes, Box<dyn Error>> {
     const SIDE: u32 = 760;
     let place = |i: u32| f64::from(i) / f64::from(SIDE - 1);
     let mut mesh = RawMesh {
@@ -129,9 +128,5 @@ fn large_file() -> Result<Vec<u8>, Box<dyn Error>> {
         modes: vec![BasisMode::default(); 8],
         animation: None,
     };
-    let settings = BakeSettings {
-        threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
-        ..BakeSettings::default()
-    };
-    Ok(bake_fields(&mesh, &basis, &settings, &Provenance::default(), &Silent)?.bytes)
+    Ok(baked_mesh(&mesh, &basis)?)
 }

@@ -83,7 +83,7 @@ impl<'a> Stage<'a> {
             .map(|found| {
                 let [r, g, b] = colour(found.growth);
                 Sphere {
-                    centre: [0, 1, 2].map(|k| ((found.centre[k] - middle[k]) / size) as f32),
+                    centre: [0, 1, 2].map(|k| ((found.center[k] - middle[k]) / size) as f32),
                     radius: (found.radius / size) as f32,
                     colour: [r, g, b, 255],
                 }

@@ -1,11 +1,11 @@
 //! The product's pair query.
 
-use bdtree_baselines::Place;
-use bdtree_baselines::clock::Clock;
+use bdtree_measure::Place;
+use bdtree_measure::clock::Clock;
 use bdtree_runtime::{Asset, PairStackEntry, Pose, Transform, TrianglePair, query};
 
-use super::{Cache, cache};
-use crate::contenders::contest::{Frame, Nodes};
+use bdtree_measure::ours::{Cache, cache};
+use bdtree_measure::turns::{Frame, Nodes};
 
 /// Two instances of an asset with the memory that they are asked in.
 pub struct OurPair<'a> {

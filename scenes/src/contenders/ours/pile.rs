@@ -1,13 +1,13 @@
 //! The product on many instances of one asset: poses, root spheres, those that meet, pair queries.
 
 use crate::workloads::pile::{COUNT, Pile};
-use bdtree_baselines::clock::Clock;
+use bdtree_measure::clock::Clock;
 use bdtree_runtime::broad::{self, GridSlot};
 use bdtree_runtime::query::{self, BoundingSphere};
 use bdtree_runtime::{Asset, PairStackEntry, Pose, TrianglePair};
 
-use super::{Cache, cache};
-use crate::contenders::contest::{Frame, Nodes};
+use bdtree_measure::ours::{Cache, cache};
+use bdtree_measure::turns::{Frame, Nodes};
 
 /// Node slots of each instance. More save evaluations and no time: with a thousand bodies they are read from memory.
 pub const NODES: usize = 16;

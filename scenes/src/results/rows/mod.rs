@@ -92,6 +92,7 @@ use says;
 
 const BENCHMARKS: Shown = Page("docs/benchmarks.md");
 const BOUNDS: Shown = Page("docs/node-bounds.md");
+const DECISION: Shown = Page("format-spec/decisions/0011-node-bounds.md");
 
 /// Section by section.
 pub(super) const SECTIONS: [(&str, &[Row]); 6] = [

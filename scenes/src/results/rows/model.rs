@@ -1,7 +1,7 @@
 //! The reduced model and the tree at rest.
 
 use super::super::shown::Shown::{Page, Program, Test};
-use super::{BOUNDS, Row, says, whole};
+use super::{Row, says, whole};
 use crate::report::digits;
 
 pub(super) const MODEL: &[Row] = &[
@@ -42,10 +42,13 @@ pub(super) const MODEL: &[Row] = &[
         ),
         &[
             Test(
-                "scenes/tests/bounds.rs",
-                "every_bound_finds_the_same_contacts",
+                "scenes/tests/paper_tree.rs",
+                "balls_of_all_builders_equal_brute_force",
             ),
-            BOUNDS,
+            Test(
+                "bdtree-build/tests/encode.rs",
+                "nodes_rows_and_triangles_stand_in_canonical_order",
+            ),
         ],
     ),
     whole(

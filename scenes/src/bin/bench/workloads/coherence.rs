@@ -4,9 +4,9 @@
 use std::error::Error;
 use std::time::Instant;
 
-use bdtree_baselines::Place;
-use bdtree_baselines::machine;
-use bdtree_baselines::stats::median;
+use bdtree_measure::Place;
+use bdtree_measure::machine;
+use bdtree_measure::stats::median;
 use bdtree_runtime::query::{self, PairFront};
 use bdtree_runtime::{
     Asset, CachedPose, Contact, FrontSlot, Motion, PairStackEntry, Pose, StackEntry, Transform,
@@ -15,8 +15,8 @@ use bdtree_runtime::{
 use bdtree_scenes::workloads::bodies::{Bodies, MODES, bodies};
 use clap::Args;
 
+use bdtree_measure::ours::cache;
 use bdtree_scenes::contenders::assets::baked;
-use bdtree_scenes::contenders::ours::cache;
 
 #[derive(Args)]
 pub(crate) struct Arguments {

@@ -4,12 +4,12 @@ use std::error::Error;
 #[cfg(feature = "embree")]
 use std::rc::Rc;
 
-use bdtree_baselines::Body;
-use bdtree_baselines::peers::Peer;
+use bdtree_measure::Body;
+use bdtree_measure::peers::Peer;
 #[cfg(feature = "embree")]
-use bdtree_baselines::peers::{Embree, embree};
+use bdtree_measure::peers::{Embree, embree};
 #[cfg(feature = "peers")]
-use bdtree_baselines::peers::{Obvhs, Parry, TinyBvh};
+use bdtree_measure::peers::{Obvhs, Parry, TinyBvh};
 
 /// Bodies by the name of their library.
 pub(crate) type Peers = Vec<(&'static str, Box<dyn Peer>)>;

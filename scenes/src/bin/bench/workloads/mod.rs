@@ -9,8 +9,8 @@ mod works;
 use std::error::Error;
 use std::path::PathBuf;
 
-use bdtree_baselines::machine;
-use bdtree_scenes::contenders::contest::{Rounds, Turns};
+use bdtree_measure::machine;
+use bdtree_measure::turns::{Rounds, Turns};
 use clap::{Args, ValueEnum};
 use libraries::Libraries;
 use serde_json::json;
@@ -44,8 +44,8 @@ pub(crate) struct Arguments {
     /// How often every contender runs all frames (the pile: half as often)
     #[arg(long, default_value_t = 15)]
     repeat: usize,
-    /// Who comes after whom
-    #[arg(long, value_enum, default_value = "contender")]
+    /// Who comes after whom: after each pass over the frames the next contender, or each does all its passes
+    #[arg(long, value_name = "pass|contender", default_value = "contender")]
     turns: Turns,
 }
 

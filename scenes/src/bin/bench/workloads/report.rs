@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use bdtree_scenes::contenders::contest::{PARTS, Role, Row, TOTAL};
+use bdtree_measure::turns::{PARTS, Role, Row, TOTAL};
 
 /// A workload's result.
 pub(crate) struct Work {

@@ -3,22 +3,21 @@
 use std::error::Error;
 use std::rc::Rc;
 
-use bdtree_baselines::deform::Deformer;
-use bdtree_baselines::paper_tree::PaperTree;
-use bdtree_baselines::peers::LayeredPeer;
+use bdtree_measure::deform::Deformer;
+use bdtree_measure::paper_tree::PaperTree;
+use bdtree_measure::peers::LayeredPeer;
 #[cfg(feature = "peers")]
-use bdtree_baselines::peers::{Parry, TinyBvh};
+use bdtree_measure::peers::{Parry, TinyBvh};
 use bdtree_runtime::Asset;
 use bdtree_scenes::workloads::{bodies, curtain, pile, rays};
 
 use super::libraries::Libraries;
 use super::report::Work;
+use bdtree_measure::ours::{Ours, frame};
+use bdtree_measure::turns::{Counts, Entry, Role, Rounds, compare};
 use bdtree_scenes::contenders::assets::baked;
-use bdtree_scenes::contenders::contest::{Counts, Entry, Role, Rounds, contest};
-use bdtree_scenes::contenders::ours::ball::OurBall;
 use bdtree_scenes::contenders::ours::pair::OurPair;
 use bdtree_scenes::contenders::ours::pile::{NODES, OurPile};
-use bdtree_scenes::contenders::ours::ray::OurRays;
 use bdtree_scenes::contenders::{paper, refitting};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -39,15 +38,15 @@ pub(crate) fn ball(
     let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
     let deformer = Deformer::new(&work.body);
     let tree = Rc::new(PaperTree::build(&asset));
-    let (mut ours, mut still) = (OurBall::new(asset), OurBall::new(rigid));
+    let (mut ours, mut still) = (Ours::new(asset), Ours::new(rigid));
     let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
     let mut peers = libraries.of(&work.body)?;
     let mut entries = vec![
-        Entry::new("ours", Role::Ours, Counts::Same, |frame| {
-            ours.frame(work.q(frame), work.balls[frame])
+        Entry::new("ours", Role::Ours, Counts::Same, |i| {
+            frame(|| ours.balls(work.q(i), [work.ball(i)].into_iter()))
         }),
-        Entry::new("ours rigid", Role::Rigid, Counts::Other, |frame| {
-            still.frame(&[], work.balls[frame])
+        Entry::new("ours rigid", Role::Rigid, Counts::Other, |i| {
+            frame(|| still.balls(&[], [work.ball(i)].into_iter()))
         }),
         paper::ball(&tree, asset, &work),
         refitting::ball("layered", Role::Baseline, &mut layered, &deformer, &work),
@@ -64,7 +63,7 @@ pub(crate) fn ball(
     Ok(Work {
         name: format!("W1 {name}"),
         goals: Some(goals),
-        rows: contest(std::mem::take(&mut entries), &frames, rounds)?,
+        rows: compare(std::mem::take(&mut entries), &frames, rounds)?,
     })
 }
 
@@ -99,7 +98,7 @@ pub(crate) fn pair(rounds: Rounds<'_>) -> Result<Work> {
     Ok(Work {
         name: "W2 blob36k".to_string(),
         goals: Some([2.5, 4.0]),
-        rows: contest(entries, &frames, rounds)?,
+        rows: compare(entries, &frames, rounds)?,
     })
 }
 
@@ -115,19 +114,20 @@ pub(crate) fn ray(
     let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
     let deformer = Deformer::new(&work.body);
     let tree = Rc::new(PaperTree::build(&asset));
-    let (mut ours, mut still) = (OurRays::new(asset), OurRays::new(rigid));
     let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
     let mut peers = libraries.of(&work.body)?;
+    // Random rays seldom meet a leaf twice: keeping leaves costs more than it saves.
+    let (mut ours, mut still) = (Ours::keeping(asset, 0), Ours::keeping(rigid, 0));
     let mut all = Vec::new();
     for (count, goals) in goals {
         let frames: Vec<usize> = (0..if *count > 100 { 10 } else { rays::FRAMES }).collect();
         let own = (&work, *count);
         let mut entries = vec![
-            Entry::new("ours", Role::Ours, Counts::Same, |frame| {
-                ours.frame(work.q(frame), work.of(frame, *count))
+            Entry::new("ours", Role::Ours, Counts::Same, |i| {
+                frame(|| ours.rays(work.q(i), work.wide(i, *count)))
             }),
-            Entry::new("ours rigid", Role::Rigid, Counts::Other, |frame| {
-                still.frame(&[], work.of(frame, *count))
+            Entry::new("ours rigid", Role::Rigid, Counts::Other, |i| {
+                frame(|| still.rays(&[], work.wide(i, *count)))
             }),
             paper::ray(&tree, asset, own),
             refitting::ray(
@@ -145,7 +145,7 @@ pub(crate) fn ray(
         all.push(Work {
             name: format!("W3 {name}, {count} rays"),
             goals: Some(*goals),
-            rows: contest(std::mem::take(&mut entries), &frames, rounds)?,
+            rows: compare(std::mem::take(&mut entries), &frames, rounds)?,
         });
     }
     Ok(all)
@@ -205,6 +205,6 @@ pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
     Ok(Work {
         name: "W4 blob18k, 1000 bodies".to_string(),
         goals: Some([3.0, 6.0]),
-        rows: contest(entries, &frames, rounds)?,
+        rows: compare(entries, &frames, rounds)?,
     })
 }

@@ -1,0 +1,295 @@
+//! Plots as SVG: for a page, whose style sheet gives the names of colours other values in the dark, and several
+//! of them as one picture ([`sheet`]).
+
+mod axis;
+mod sheet;
+
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+
+pub use axis::Axis;
+pub use sheet::sheet;
+
+/// Width and height, about those on a phone, so that text is as large there as it is here.
+const SIZE: (u32, u32) = (360, 270);
+
+/// Series; the style sheet turns them into colours that suit the page.
+const SERIES: [RGBColor; 7] = [
+    RGBColor(1, 1, 1),
+    RGBColor(2, 2, 2),
+    RGBColor(3, 3, 3),
+    RGBColor(4, 4, 4),
+    RGBColor(7, 7, 7),
+    RGBColor(8, 8, 8),
+    RGBColor(9, 9, 9),
+];
+const INK: RGBColor = RGBColor(5, 5, 5);
+const GRID: RGBColor = RGBColor(6, 6, 6);
+
+/// The names above as CSS: attribute, value and the variable that replaces it.
+pub fn style() -> String {
+    let mut text = String::new();
+    let names = [
+        "--series-1",
+        "--series-2",
+        "--series-3",
+        "--series-4",
+        "--series-5",
+        "--series-6",
+        "--series-7",
+        "--ink",
+        "--grid",
+    ];
+    let colours = SERIES.into_iter().chain([INK, GRID]);
+    for (hex, name) in colours.map(hex).zip(names) {
+        text += &format!(
+            "svg [fill=\"{hex}\"]{{fill:var({name})}}svg [stroke=\"{hex}\"]{{stroke:var({name})}}\n"
+        );
+    }
+    text
+}
+
+/// As SVG writes it.
+fn hex(RGBColor(r, g, b): RGBColor) -> String {
+    format!("#{r:02X}{g:02X}{b:02X}")
+}
+
+/// Text with what HTML and SVG read as their own escaped.
+pub(crate) fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out += "&amp;",
+            '<' => out += "&lt;",
+            '>' => out += "&gt;",
+            '"' => out += "&quot;",
+            _ => out.push(c),
+        }
+    }
+    out
+}
+
+/// One line of points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// For the legend.
+    pub name: String,
+    /// In order.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Lines over one pair of axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot {
+    /// Above it.
+    pub title: String,
+    /// Below it.
+    pub x: Axis,
+    /// Left of it.
+    pub y: Axis,
+    /// One colour each.
+    pub lines: Vec<Line>,
+}
+
+impl Plot {
+    /// Lines over one pair of axes.
+    pub fn new(title: &str, x: &Axis, y: &Axis, lines: Vec<Line>) -> Self {
+        Self {
+            title: title.to_string(),
+            x: x.clone(),
+            y: y.clone(),
+            lines,
+        }
+    }
+
+    /// The lines' names with the numbers of their colours (`--series-1` …); none of a single line.
+    pub fn keys(&self) -> impl Iterator<Item = (usize, &str)> {
+        let lines = if self.lines.len() > 1 {
+            &self.lines[..]
+        } else {
+            &[]
+        };
+        let names = lines.iter().map(|line| line.name.as_str());
+        (0..).map(|k| k % SERIES.len() + 1).zip(names)
+    }
+
+    /// The plot as an SVG element; `None` where there is nothing to show: fewer than two points in all.
+    pub fn svg(&self) -> Option<String> {
+        let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
+        let all = || {
+            self.lines
+                .iter()
+                .flat_map(|line| line.points.iter())
+                .filter(finite)
+        };
+        let x_is_log = self.x.counts_in_powers(all().map(|p| p.0));
+        let y_is_log = self.y.counts_in_powers(all().map(|p| p.1));
+        // Zero has no place among powers of ten: the axis says so.
+        let has_place = |p: &&(f64, f64)| (!x_is_log || p.0 > 0.0) && (!y_is_log || p.1 > 0.0);
+        let left_out =
+            |of: fn(&(f64, f64)) -> f64, is_log: bool| is_log && all().any(|p| of(p) <= 0.0);
+        let names = [
+            self.x.name(left_out(|p| p.0, x_is_log)),
+            self.y.name(left_out(|p| p.1, y_is_log)),
+        ];
+        let lines: Vec<Line> = self
+            .lines
+            .iter()
+            .map(|line| Line {
+                name: line.name.clone(),
+                points: line
+                    .points
+                    .iter()
+                    .filter(finite)
+                    .filter(has_place)
+                    .copied()
+                    .collect(),
+            })
+            .collect();
+        let shown = || lines.iter().flat_map(|line| line.points.iter());
+        if shown().count() < 2 {
+            return None;
+        }
+        let x = self.x.range(shown().map(|p| p.0), x_is_log);
+        let y = self.y.range(shown().map(|p| p.1), y_is_log);
+        let mut text = String::new();
+        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+        let drawn = match (x_is_log, y_is_log) {
+            (false, false) => draw(&area, x, y, &names, &lines),
+            (true, false) => draw(&area, x.log_scale(), y, &names, &lines),
+            (false, true) => draw(&area, x, y.log_scale(), &names, &lines),
+            (true, true) => draw(&area, x.log_scale(), y.log_scale(), &names, &lines),
+        };
+        // Writing to a string does not fail.
+        drawn.ok()?;
+        drop(area);
+        Some(text)
+    }
+}
+
+fn draw<'a, X, Y>(
+    area: &DrawingArea<SVGBackend<'a>, Shift>,
+    x: X,
+    y: Y,
+    [x_name, y_name]: &[String; 2],
+    lines: &[Line],
+) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>
+where
+    X: AsRangedCoord<Value = f64>,
+    X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    Y: AsRangedCoord<Value = f64>,
+    Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
+{
+    // plotters writes four fifths of these.
+    let font = |size: u32| ("sans-serif", size).into_font().color(&INK);
+    let mut chart = ChartBuilder::on(area)
+        .margin(4)
+        .margin_right(16)
+        .x_label_area_size(46)
+        .y_label_area_size(66)
+        .build_cartesian_2d(x, y)?;
+    chart
+        .configure_mesh()
+        .x_desc(x_name.as_str())
+        .y_desc(y_name.as_str())
+        .x_labels(4)
+        .y_labels(5)
+        .max_light_lines(0)
+        .bold_line_style(GRID)
+        .axis_style(INK)
+        .label_style(font(16))
+        .axis_desc_style(font(17))
+        .x_label_formatter(&|x| short(*x))
+        .y_label_formatter(&|y| short(*y))
+        .draw()?;
+    for (line, colour) in lines.iter().zip(SERIES.iter().cycle()) {
+        let style = colour.stroke_width(2);
+        let series = LineSeries::new(line.points.iter().copied(), style).point_size(3);
+        chart.draw_series(series)?;
+    }
+    area.present()
+}
+
+/// A number with few digits, for marks on axes.
+fn short(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 {
+        "0".to_string()
+    } else if !(1e-3..1e5).contains(&size) {
+        format!("{x:.0e}")
+    } else {
+        let text = format!("{x:.3}");
+        text.trim_end_matches('0').trim_end_matches('.').to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Axis, Line, Plot, short, style};
+
+    #[test]
+    fn what_cannot_be_shown_is_left_out_and_nothing_is_drawn_of_nothing() {
+        let plot = |points: &[(f64, f64)]| Plot {
+            title: String::new(),
+            x: Axis::log("x"),
+            y: Axis::linear("y"),
+            lines: vec![Line {
+                name: "a".to_string(),
+                points: points.to_vec(),
+            }],
+        };
+        assert_eq!(plot(&[]).svg(), None);
+        assert_eq!(plot(&[(0.0, 1.0), (1.0, f64::NAN)]).svg(), None);
+        assert_eq!(plot(&[(1.0, 1.0)]).keys().count(), 0);
+        let text = plot(&[(1.0, 1.0), (10.0, 2.0)]).svg().expect("a plot");
+        assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
+        // Every colour is one that the style sheet knows.
+        for part in text
+            .split("fill=\"#")
+            .chain(text.split("stroke=\"#"))
+            .skip(1)
+        {
+            let hex: String = part.chars().take(6).collect();
+            if hex.chars().all(|c| c.is_ascii_hexdigit()) {
+                assert!(style().contains(&hex), "{hex} in {part:.60}");
+            }
+        }
+    }
+
+    /// Among powers of ten zero has no place, which the axis says; even axes show it.
+    #[test]
+    fn zero_is_shown_or_said_to_be_left_out() {
+        let text = |points: &[(f64, f64)]| {
+            let plot = Plot {
+                title: String::new(),
+                x: Axis::linear("level"),
+                y: Axis::log("error"),
+                lines: vec![Line {
+                    name: "a".to_string(),
+                    points: points.to_vec(),
+                }],
+            };
+            plot.svg().expect("a plot")
+        };
+        let marks = |text: &str| text.matches("<circle").count();
+        let log = text(&[(0.0, 1.0), (1.0, 0.01), (2.0, 0.0)]);
+        assert!(log.contains("error, without 0"), "{log}");
+        let even = text(&[(0.0, 1.0), (1.0, 0.5), (2.0, 0.0)]);
+        assert!(!even.contains("without 0"), "{even}");
+        assert_eq!((marks(&log), marks(&even)), (2, 3));
+    }
+
+    #[test]
+    fn marks_are_short() {
+        for (x, text) in [
+            (0.0, "0"),
+            (0.25, "0.25"),
+            (10.0, "10"),
+            (1e-6, "1e-6"),
+            (3e6, "3e6"),
+        ] {
+            assert_eq!(short(x), text);
+        }
+    }
+}

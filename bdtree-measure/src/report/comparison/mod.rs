@@ -1,0 +1,223 @@
+//! Ours beside deforming all vertices and refitting a tree of boxes, over how much is asked per step: where
+//! the second becomes faster (the paper's section 6: "for large M or when most spheres are queried").
+//!
+//! The contender is obvhs, the fastest library of docs/benchmarks.md that Rust programs can refit; it gets
+//! the same deformed vertices and finds the same contacts. What the two do at leaves differs: for balls and
+//! pairs the contender tests triangle by triangle with the product's public scalar functions
+//! ([`crate::leaf`]), where ours rejects and tests four triangles at a time; for rays it uses its
+//! own test in f32, where ours rejects four at a time and measures hits in f64. So these times are of what a
+//! program gets from either, not of trees alone.
+
+mod ours;
+mod refitted;
+
+use crate::MeasureError;
+use crate::clock::Clock;
+use crate::comparison::{AMOUNTS, Comparison, LEAF_SLOTS, VISITS_MAX};
+use crate::ours::Ours;
+use crate::stats::median;
+use bdtree_runtime::Asset;
+
+use super::REPETITIONS;
+use super::content::{Curve, CurvePoint, Refit};
+use super::sample::Sample;
+use refitted::Contender;
+
+/// Samples that are measured, of those there are.
+const STEPS: usize = 4;
+
+/// The samples that are steps here, evenly chosen.
+pub(super) fn steps(samples: &[Sample]) -> impl Iterator<Item = &Sample> {
+    let step = samples.len().div_ceil(STEPS).max(1);
+    samples.iter().step_by(step)
+}
+
+/// All curves. `samples` are used evenly.
+pub(super) fn compare(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, MeasureError> {
+    let steps: Vec<&Sample> = steps(samples).collect();
+    let mut own = Ours::keeping(*asset, LEAF_SLOTS);
+    let mut contender = Contender::new(asset)?;
+    let (mut deform, mut refit, mut pose) = (Vec::new(), Vec::new(), Vec::new());
+    let mut memory = vec![0.0; asset.pose_len()];
+    for sample in &steps {
+        for _ in 0..REPETITIONS {
+            let update = contender.update(sample);
+            deform.push(update.deform * 1e6);
+            refit.push(update.refit * 1e6);
+        }
+        let cost = timed(|| {
+            std::hint::black_box(sample.pose(asset, &mut memory)?);
+            Ok(Cost::default())
+        })?;
+        pose.push(cost.micros);
+    }
+    let ball = curve("ball", "balls per step", &AMOUNTS, |amount| {
+        let ours = mean(&steps, |sample| {
+            ours::balls(asset, &mut own, sample, amount)
+        })?;
+        let theirs = mean(&steps, |sample| contender.balls(sample, amount))?;
+        Ok((amount as f64, ours, theirs))
+    })?;
+    let ray = curve("ray", "rays per step", &AMOUNTS, |amount| {
+        let ours = mean(&steps, |sample| ours::rays(asset, &mut own, sample, amount))?;
+        let theirs = mean(&steps, |sample| contender.rays(sample, amount))?;
+        Ok((amount as f64, ours, theirs))
+    })?;
+    let mut other = Contender::new(asset)?;
+    let deepness: Vec<usize> = (0..steps.first().map_or(0, |s| s.places.len())).collect();
+    let pair = curve("pair", "touching pairs of triangles", &deepness, |which| {
+        let ours = mean(&steps, |sample| ours::pair(asset, sample, which))?;
+        let theirs = mean(&steps, |sample| contender.pair(&mut other, sample, which))?;
+        Ok((ours.amount, ours, theirs))
+    })?;
+    Ok(Refit {
+        library: "obvhs 0.4 Bvh2, refit_all".to_string(),
+        deform_micros: median(&deform),
+        refit_micros: median(&refit),
+        pose_micros: median(&pose),
+        curves: vec![ball, ray, pair],
+    })
+}
+
+/// Means over steps.
+#[derive(Debug, Clone, Copy, Default)]
+struct Cost {
+    micros: f64,
+    /// Nodes visited over all nodes.
+    visited: f64,
+    /// Pairs that touch.
+    amount: f64,
+}
+
+fn mean(
+    steps: &[&Sample],
+    mut of: impl FnMut(&Sample) -> Result<Cost, MeasureError>,
+) -> Result<Cost, MeasureError> {
+    let mut sum = Cost::default();
+    for sample in steps {
+        let cost = of(sample)?;
+        sum.micros += cost.micros;
+        sum.visited += cost.visited;
+        sum.amount += cost.amount;
+    }
+    let count = steps.len().max(1) as f64;
+    Ok(Cost {
+        micros: sum.micros / count,
+        visited: sum.visited / count,
+        amount: sum.amount / count,
+    })
+}
+
+/// Follows a curve; where it ends depends on counts alone, not on times.
+fn curve(
+    question: &str,
+    unit: &str,
+    amounts: &[usize],
+    mut at: impl FnMut(usize) -> Result<(f64, Cost, Cost), MeasureError>,
+) -> Result<Curve, MeasureError> {
+    let mut points: Vec<CurvePoint> = Vec::new();
+    for amount in amounts {
+        let (amount, ours, theirs) = at(*amount)?;
+        points.push(CurvePoint {
+            amount,
+            ours_micros: ours.micros,
+            refit_micros: theirs.micros,
+            ratio: theirs.micros / ours.micros,
+            visited_rel: ours.visited,
+        });
+        if ours.visited > VISITS_MAX {
+            break;
+        }
+    }
+    points.sort_by(|a, b| a.amount.total_cmp(&b.amount));
+    let ratios: Vec<(f64, f64)> = points.iter().map(|p| (p.amount, p.ratio)).collect();
+    Ok(Curve {
+        question: question.to_string(),
+        unit: unit.to_string(),
+        comparison: Comparison::of(&ratios),
+        points,
+    })
+}
+
+/// Long steps are repeated less often: until this much time is spent, s.
+const LONG: f64 = 0.3;
+
+/// Short steps are repeated within a span of the clock until it lasts so long, s …
+const SPAN: f64 = 50e-6;
+
+/// … or so many are in it.
+const SPAN_STEPS: usize = 256;
+
+/// Runs a step some times; the median, µs. Nothing but the step lies between two looks at the clock.
+fn timed(mut step: impl FnMut() -> Result<Cost, MeasureError>) -> Result<Cost, MeasureError> {
+    let mut span = |steps: usize| -> Result<(f64, Cost), MeasureError> {
+        let clock = Clock::start();
+        let mut cost = step()?;
+        for _ in 1..steps {
+            cost = step()?;
+        }
+        Ok((clock.seconds(), cost))
+    };
+    let mut steps = 1;
+    let (mut seconds, mut cost) = span(steps)?;
+    while seconds < SPAN && steps < SPAN_STEPS {
+        steps *= 2;
+        (seconds, cost) = span(steps)?;
+    }
+    let mut spans = vec![seconds];
+    while spans.len() < REPETITIONS && spans.iter().sum::<f64>() < LONG {
+        (seconds, cost) = span(steps)?;
+        spans.push(seconds);
+    }
+    Ok(Cost {
+        micros: median(&spans) * 1e6 / steps as f64,
+        ..cost
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::hint::black_box;
+
+    use super::{Cost, SPAN_STEPS, curve, timed};
+
+    #[test]
+    fn short_steps_are_told_apart() {
+        let cost = |work: u64| {
+            let mut runs = 0;
+            let cost = timed(|| {
+                runs += 1;
+                let sum: u64 = (0..work).map(black_box).sum();
+                black_box(sum);
+                Ok(Cost {
+                    amount: work as f64,
+                    ..Cost::default()
+                })
+            });
+            (cost.expect("nothing fails"), runs)
+        };
+        let ((short, many), (long, few)) = (cost(100), cost(10_000));
+        assert_eq!((short.amount, long.amount), (100.0, 10_000.0));
+        assert!(short.micros > 0.0 && many > few && many > SPAN_STEPS / 2);
+        // A hundred times the work, whatever the clock takes to read: with much room, since other work interrupts.
+        let ratio = long.micros / short.micros;
+        assert!((10.0..1000.0).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn a_curve_ends_where_every_node_is_visited_a_hundred_times() {
+        let at = |amount: usize| {
+            let cost = |micros| Cost {
+                micros,
+                visited: amount as f64,
+                ..Cost::default()
+            };
+            Ok((amount as f64, cost(amount as f64), cost(20.0)))
+        };
+        let curve = curve("ball", "balls per step", &[4, 40, 101, 400], at).expect("a curve");
+        let amounts: Vec<f64> = curve.points.iter().map(|p| p.amount).collect();
+        assert_eq!(amounts, [4.0, 40.0, 101.0]);
+        assert_eq!(curve.points[0].ratio, 5.0);
+        assert_eq!(curve.comparison.break_even, Some(20.0));
+    }
+}

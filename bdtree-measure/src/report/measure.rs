@@ -1,0 +1,241 @@
+//! All measurements, in order.
+
+use std::time::Instant;
+
+use crate::MeasureError;
+use crate::machine;
+use bdtree_build::advise::samples::{SAMPLES, Samples, Source};
+use bdtree_build::advise::works::BALL_RADIUS_REL;
+use bdtree_runtime::{Asset, FormatError};
+
+use super::content::{self, Content, Facts, Machine, Margin, Parts, Seconds};
+use super::sample::{SMALL_BALL, Sample};
+use super::{REPETITIONS, advice, comparison, depth, modes, sections, tightness, tolerance};
+
+/// Meshes of more triangles get fewer samples of what looks at all vertices.
+const LARGE_TRIANGLES: usize = 100_000;
+
+/// Directions of q that tightness is measured along.
+const DIRECTIONS: usize = 8;
+
+/// Nodes at a q of which margins are tried; fewer for large meshes, whose nodes have many vertices.
+const MARGIN_CASES: u64 = 100_000;
+
+/// What is known of an asset besides its bytes.
+pub struct Subject<'a> {
+    /// The file's name, as the report shows it.
+    pub name: String,
+    /// Largest error of the basis against its source over the diagonal; `None` where there is no source.
+    pub basis_error_rel: Option<f64>,
+    /// Seconds that checking the file took.
+    pub check_seconds: f64,
+    /// Tries so many nodes at q that are made to break their bounds.
+    pub margin: &'a dyn Fn(&Asset<'_>, u64) -> Result<Margin, FormatError>,
+}
+
+/// Measures an asset whose records were checked: measuring follows every one of them.
+///
+/// # Errors
+/// The first rule of the format that the asset breaks, a bake with fewer modes that is refused.
+pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, MeasureError> {
+    let mut seconds = Clockwork::new(subject.check_seconds);
+    let bounds = bounds(asset);
+    let diagonal = length([0, 1, 2].map(|k| bounds[1][k] - bounds[0][k]));
+    let samples = Samples::of(asset, SAMPLES);
+    let mut missing = missing(asset, &samples);
+    let described = described(asset, &samples, diagonal)?;
+    let asked = Sample::all(asset, &samples, bounds)?;
+    let few = few(&asked, asset);
+    let (depth_whole, depth) = depth::depth(asset, few, diagonal)?;
+    let mut content = Content {
+        file: subject.name.clone(),
+        asset: Facts {
+            vertices: asset.vertex_count(),
+            triangles: asset.triangle_count(),
+            modes: asset.mode_count(),
+            nodes: asset.node_count(),
+            depth: asset.depth(),
+            frames: Some(asset.frame_count()).filter(|count| *count > 0),
+            bytes: asset.header().file_bytes.get(),
+            diagonal,
+            basis_error_rel: subject.basis_error_rel,
+        },
+        machine: Machine {
+            processor: machine::processor(),
+            kernel: format!("{:?}", asset.kernel()),
+            repetitions: REPETITIONS,
+        },
+        samples: described,
+        missing: Vec::new(),
+        advice: Vec::new(),
+        modes: Vec::new(),
+        modes_over: None,
+        depth_whole,
+        depth,
+        tolerance: Vec::new(),
+        tightness: Vec::new(),
+        margin: None,
+        refit: None,
+        sections: sections::sections(asset),
+        unneeded: sections::unneeded(asset),
+        seconds: Vec::new(),
+    };
+    content.samples.of_parts.depth = few.len();
+    seconds.lap("depth");
+    if samples.source() != Source::Rest {
+        let found = modes::modes(asset, diagonal)?;
+        content.modes = found.rows;
+        content.modes_over = Some(found.over);
+        content.advice.extend(found.advice);
+        seconds.lap("modes");
+        content.tolerance = tolerance::tolerance(asset, &asked, diagonal)?;
+        seconds.lap("tolerance");
+        let step = samples.len().div_ceil(DIRECTIONS).max(1);
+        let directions: Vec<Vec<f32>> = (0..samples.len())
+            .step_by(step)
+            .map(|k| samples.q(k).to_vec())
+            .collect();
+        content.tightness = tightness::tightness(asset, &directions, diagonal)?;
+        seconds.lap("tightness");
+        content.samples.of_parts = Parts {
+            modes: found.samples,
+            depth: few.len(),
+            tolerance: asked.len(),
+            tightness: directions.len(),
+            refit: comparison::steps(&asked).count(),
+        };
+        content.refit = Some(comparison::compare(asset, &asked)?);
+        seconds.lap("refit");
+        content.margin = Some((subject.margin)(asset, margin_cases(asset))?);
+        seconds.lap("margins");
+    }
+    content.missing.append(&mut missing);
+    content.advice.extend(advice::advice(&content));
+    content.seconds = seconds.laps;
+    Ok(content)
+}
+
+/// Fewer of them for large meshes.
+fn few<'a>(samples: &'a [Sample], asset: &Asset<'_>) -> &'a [Sample] {
+    let most = if asset.triangle_count() > LARGE_TRIANGLES {
+        6
+    } else {
+        samples.len()
+    };
+    &samples[..most.min(samples.len())]
+}
+
+fn margin_cases(asset: &Asset<'_>) -> u64 {
+    let large = (asset.triangle_count() / LARGE_TRIANGLES) as u64;
+    MARGIN_CASES / (1 + 4 * large)
+}
+
+/// What a report cannot say of the asset.
+fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
+    let mut missing = Vec::new();
+    if asset.mode_count() == 0 {
+        missing.push(
+            "The asset is rigid: it has no modes, so there is nothing to say of modes, tolerance, tightness, \
+             refitting and margins."
+                .to_string(),
+        );
+    } else if samples.source() == Source::Rest {
+        missing.push(
+            "No mode moves anything within its q_range, and there is no animation: nothing to say of modes, \
+             tolerance, tightness, refitting and margins."
+                .to_string(),
+        );
+    } else if !samples.still().is_empty() {
+        let numbers: Vec<String> = samples.still().iter().map(usize::to_string).collect();
+        missing.push(format!(
+            "Modes {} move nothing within their q_range: what they do beyond it is not in this report.",
+            numbers.join(", ")
+        ));
+    }
+    if samples.source() == Source::Ranges {
+        let none = match asset.frame_count() {
+            0 => "The asset has no animation",
+            _ => "The asset's animation moves nothing",
+        };
+        missing.push(format!(
+            "{none}: samples are mixtures within ± q_range, which may be more or less than \
+             what a scene does."
+        ));
+    }
+    missing
+}
+
+fn described(
+    asset: &Asset<'_>,
+    samples: &Samples,
+    diagonal: f64,
+) -> Result<content::Samples, MeasureError> {
+    let mut most = 0.0_f64;
+    for k in 0..samples.len() {
+        let far = tightness::farthest(asset, samples.q(k))?;
+        most = most.max(far * asset.unit());
+    }
+    let count = samples.len();
+    let source = match samples.source() {
+        Source::Frames => format!("{count} frames of the animation"),
+        Source::Ranges => format!("{count} mixtures of all modes within ± q_range"),
+        Source::Rest => "the rest pose".to_string(),
+    };
+    Ok(content::Samples {
+        count,
+        source,
+        displacement_max_rel: if diagonal > 0.0 { most / diagonal } else { 0.0 },
+        of_parts: Parts::default(),
+        balls: content::Balls {
+            large_rel: BALL_RADIUS_REL,
+            small_rel: SMALL_BALL * BALL_RADIUS_REL,
+        },
+    })
+}
+
+/// The box of the vertices that triangles use, at rest (mesh units).
+fn bounds(asset: &Asset<'_>) -> [[f64; 3]; 2] {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    let corners = asset.triangles().iter().flat_map(|t| t.corners);
+    for p in corners.filter_map(|v| asset.positions().get(v as usize)) {
+        for k in 0..3 {
+            let x = asset.origin()[k] + asset.unit() * f64::from(p[k]);
+            low[k] = low[k].min(x);
+            high[k] = high[k].max(x);
+        }
+    }
+    [low, high]
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Times of parts.
+struct Clockwork {
+    last: Instant,
+    laps: Vec<Seconds>,
+}
+
+impl Clockwork {
+    /// After the check, which took so many seconds.
+    fn new(check: f64) -> Self {
+        Self {
+            last: Instant::now(),
+            laps: vec![Seconds {
+                part: "check".to_string(),
+                seconds: check,
+            }],
+        }
+    }
+
+    /// Ends a part.
+    fn lap(&mut self, part: &str) {
+        self.laps.push(Seconds {
+            part: part.to_string(),
+            seconds: self.last.elapsed().as_secs_f64(),
+        });
+        self.last = Instant::now();
+    }
+}

@@ -1,0 +1,25 @@
+//! The report on an asset: what each choice costs and buys, measured on the asset itself.
+//!
+//! [`measure`] fills a [`content::Content`]; [`page`] and the JSON of `bdtree report` are made of it. Counts and errors
+//! are the same in every run on processors of the same kind, times are not.
+
+mod advice;
+mod comparison;
+pub mod content;
+mod depth;
+mod lanes;
+mod measure;
+mod modes;
+mod page;
+mod sample;
+mod sections;
+mod text;
+mod tightness;
+mod tolerance;
+mod words;
+
+pub use measure::{Subject, measure};
+pub use page::page;
+
+/// Repetitions of which times are medians.
+const REPETITIONS: usize = 5;

@@ -1,0 +1,84 @@
+//! What fewer modes cost and save: the builder's own measurements (`bdtree-build --advise`), as rows.
+
+use bdtree_build::advise::choose::{Goal, advise};
+use bdtree_build::advise::curve::{POINTS_MAX, Point};
+use bdtree_build::advise::errors::Over;
+use bdtree_build::advise::subject::{Subject, kept_fields};
+use bdtree_build::advise::works::Work;
+use bdtree_build::progress::Silent;
+use bdtree_format::Metadata;
+use bdtree_runtime::Asset;
+
+use super::content::{Advice, ModesRow};
+use crate::MeasureError;
+
+/// Meshes of more triangles are baked less often, and measured at fewer samples.
+const LARGE_TRIANGLES: usize = 50_000;
+
+/// Fewer modes.
+pub(super) struct Modes {
+    /// By rising number of modes.
+    pub(super) rows: Vec<ModesRow>,
+    /// What they advise.
+    pub(super) advice: Vec<Advice>,
+    /// Which q errors are taken over, in words.
+    pub(super) over: String,
+    /// Samples of visits and times.
+    pub(super) samples: usize,
+}
+
+/// Bakes with fewer modes and asks.
+pub(super) fn modes(asset: &Asset<'_>, diagonal: f64) -> Result<Modes, MeasureError> {
+    let subject = Subject::of_asset(asset)?;
+    let is_large = asset.triangle_count() > LARGE_TRIANGLES;
+    let mut goal = Goal {
+        curve_points: if is_large { POINTS_MAX / 3 } else { POINTS_MAX },
+        ..Goal::default()
+    };
+    if is_large {
+        goal.samples /= 4;
+    }
+    let kind = Metadata::from_bytes(asset.metadata()).map_or(String::new(), |m| m.basis);
+    goal.subset = kept_fields(&kind, &subject.mesh, &subject.basis, goal.max_error_rel);
+    let advice = advise(&subject, &goal, &Silent)?;
+    let sentences = advice.sentences().into_iter().map(|text| Advice {
+        topic: "modes".to_string(),
+        text,
+    });
+    let rows = advice.curve.iter().map(|point| row(point, diagonal));
+    let over = match subject.errors.over {
+        Over::Source | Over::Frames => format!("all {} frames", advice.frames),
+        Over::Ranges => "every q within ± q_range, as an upper bound".to_string(),
+    };
+    Ok(Modes {
+        rows: rows.collect(),
+        advice: sentences.collect(),
+        over,
+        samples: advice.samples.1,
+    })
+}
+
+fn row(point: &Point, diagonal: f64) -> ModesRow {
+    // All points of the curve keep the first modes, of which all errors are known.
+    let [max, rms] = point
+        .error
+        .map_or([f64::NAN; 2], |error| [error.max_rel, error.rms_rel]);
+    let micros = |work: Work| 1e6 * work.seconds;
+    let visits = |work: Work| work.nodes_visited as f64 / work.questions.max(1) as f64;
+    let measured = point.measured;
+    ModesRow {
+        modes: point.modes.len(),
+        error_max: max * diagonal,
+        error_rms: rms * diagonal,
+        error_max_rel: max,
+        error_rms_rel: rms,
+        bytes: point.bytes as u64,
+        ball_visits: visits(measured.ball),
+        ray_visits: visits(measured.ray),
+        pair_visits: visits(measured.pair),
+        ball_micros: micros(measured.ball),
+        ray_micros: micros(measured.ray),
+        pair_micros: micros(measured.pair),
+        time_rel: point.time_rel,
+    }
+}

@@ -1,0 +1,112 @@
+//! The report as one HTML page that needs nothing else.
+
+mod facts;
+mod modes;
+mod queries;
+mod refit;
+mod tightness;
+
+use super::content::Content;
+use super::text::escaped;
+use crate::plot::{self, Line, Plot};
+
+/// The page.
+pub fn page(content: &Content) -> String {
+    let mut page = Page::default();
+    page.head(content);
+    page.advice(content);
+    page.modes(content);
+    page.refit(content);
+    page.tightness(content);
+    page.depth(content);
+    page.tolerance(content);
+    page.bytes(content);
+    page.margin(content);
+    page.foot(content);
+    let title = escaped(&content.file);
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+         <title>{title}: report</title>\n<style>\n{}{}</style></head>\n<body>\n{}</body></html>\n",
+        include_str!("../style.css"),
+        plot::style(),
+        page.body
+    )
+}
+
+#[derive(Default)]
+struct Page {
+    body: String,
+}
+
+impl Page {
+    fn line(&mut self, text: &str) {
+        self.body += text;
+        self.body.push('\n');
+    }
+
+    fn heading(&mut self, text: &str) {
+        self.line(&format!("<h2>{}</h2>", escaped(text)));
+    }
+
+    fn text(&mut self, text: &str) {
+        self.line(&format!("<p>{}</p>", escaped(text)));
+    }
+
+    fn soft(&mut self, text: &str) {
+        self.line(&format!("<p class=\"soft\">{}</p>", escaped(text)));
+    }
+
+    fn open(&mut self) {
+        self.line("<div class=\"row\">");
+    }
+
+    fn close(&mut self) {
+        self.line("</div>");
+    }
+
+    fn plot(&mut self, plot: &Plot) {
+        if let Some(svg) = plot.svg() {
+            let title = escaped(&plot.title);
+            let key = |(k, name): (usize, &str)| {
+                format!(
+                    "<span class=\"key\"><i style=\"background:var(--series-{k})\"></i>{}</span>",
+                    escaped(name)
+                )
+            };
+            let keys: String = plot.keys().map(key).collect();
+            self.line(&format!(
+                "<figure role=\"img\" aria-label=\"{title}\"><figcaption>{title}</figcaption>{keys}{svg}</figure>"
+            ));
+        }
+    }
+
+    /// A row for each of `rows`, a column for each head and what stands below it; the first `texts` columns are
+    /// text, the others numbers.
+    fn table<R>(&mut self, rows: &[R], texts: usize, columns: &[Column<'_, R>]) {
+        let line = |tag: &str, text: &dyn Fn(&Column<'_, R>) -> String| -> String {
+            let cell = |(k, column): (usize, &Column<'_, R>)| {
+                let class = if k < texts { " class=\"text\"" } else { "" };
+                format!("<{tag}{class}>{}</{tag}>", escaped(&text(column)))
+            };
+            columns.iter().enumerate().map(cell).collect()
+        };
+        let head = line("th", &|(head, _)| head.to_string());
+        let mut text = format!("<div class=\"table\"><table><thead><tr>{head}</tr></thead><tbody>");
+        for row in rows {
+            text += &format!("<tr>{}</tr>", line("td", &|(_, cell)| cell(row)));
+        }
+        self.line(&(text + "</tbody></table></div>"));
+    }
+}
+
+/// The head of a column, and what a row has there.
+type Column<'a, R> = (&'a str, &'a dyn Fn(&R) -> String);
+
+/// A line through a point of each row.
+fn line<R>(name: &str, rows: &[R], point: impl Fn(&R) -> (f64, f64)) -> Line {
+    Line {
+        name: name.to_string(),
+        points: rows.iter().map(point).collect(),
+    }
+}

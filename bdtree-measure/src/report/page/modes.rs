@@ -1,0 +1,70 @@
+//! What fewer modes cost and save.
+
+use super::super::content::{Content, ModesRow};
+use super::super::text::{grouped, number, percent};
+use super::{Page, line};
+use crate::plot::{Axis, Plot};
+
+impl Page {
+    pub(super) fn modes(&mut self, content: &Content) {
+        let rows = &content.modes;
+        if rows.is_empty() {
+            return;
+        }
+        self.heading("Modes kept");
+        self.soft(&format!(
+            "The first k modes of the file. Error: how far vertices are from where all modes of the file have them, over \
+             {}. Bytes, visits and times: of a file baked with k modes, without groups and names; times are the least of \
+             several rounds, over {} samples. A ball has a radius of {} of the diagonal, a ray is one of 16 asked \
+             together, a pair is the asset beside itself.",
+            content.modes_over.as_deref().unwrap_or("the samples"),
+            content.samples.of_parts.modes,
+            percent(content.samples.balls.large_rel),
+        ));
+        let line = |name: &str, of: &dyn Fn(&ModesRow) -> f64| {
+            line(name, rows, |r| (r.modes as f64, of(r)))
+        };
+        self.open();
+        self.plot(&Plot {
+            title: "Error over the diagonal".to_string(),
+            x: Axis::linear("modes kept"),
+            y: Axis::log("error / diagonal"),
+            lines: vec![
+                line("largest", &|r| r.error_max_rel),
+                line("root mean square", &|r| r.error_rms_rel),
+            ],
+        });
+        self.plot(&Plot {
+            title: "Time over that with all modes".to_string(),
+            x: Axis::linear("modes kept"),
+            y: Axis::linear("time / time with all"),
+            lines: vec![line("time", &|r| r.time_rel)],
+        });
+        self.plot(&Plot {
+            title: "Length of the file".to_string(),
+            x: Axis::linear("modes kept"),
+            y: Axis::linear("MB"),
+            lines: vec![line("bytes", &|r| r.bytes as f64 / 1e6)],
+        });
+        self.table::<ModesRow>(
+            rows,
+            0,
+            &[
+                ("modes", &|r| r.modes.to_string()),
+                ("largest error", &|r| number(r.error_max)),
+                ("rms error", &|r| number(r.error_rms)),
+                ("largest / diagonal", &|r| percent(r.error_max_rel)),
+                ("rms / diagonal", &|r| percent(r.error_rms_rel)),
+                ("bytes", &|r| grouped(r.bytes)),
+                ("ball, µs", &|r| number(r.ball_micros)),
+                ("ray, µs", &|r| number(r.ray_micros)),
+                ("pair, µs", &|r| number(r.pair_micros)),
+                ("time / all", &|r| number(r.time_rel)),
+                ("ball, visits", &|r| number(r.ball_visits)),
+                ("ray, visits", &|r| number(r.ray_visits)),
+                ("pair, visits", &|r| number(r.pair_visits)),
+            ],
+        );
+        self.close();
+    }
+}

@@ -1,0 +1,214 @@
+//! Radii over the smallest possible, per level and amplitude, for three bounds.
+
+use bdtree_build::wrap::ball::smallest_ball;
+use bdtree_runtime::{Asset, FormatError, Pose, Transform, VertexId};
+
+use super::content::{Ratio, TightnessRow};
+use super::lanes;
+use crate::MeasureError;
+
+/// Displacements of the farthest vertex, over the diagonal.
+const AMPLITUDES: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
+
+/// Spheres per level that are measured, spread evenly over those there are.
+const SPHERES_MAX: usize = 100;
+
+/// Vertices below a sphere that are looked at: of more, every n-th. All bounds and the optimum are of the
+/// same ones, except ours, which is the file's: with fewer vertices R_opt could only be smaller.
+const VERTICES_MAX: usize = 20_000;
+
+/// A sphere whose deformed vertices fit into this part of the diagonal is a point: its ratio is rounding.
+const POINT_REL: f64 = 1e-6;
+
+/// Per amplitude and level. `directions` are q whose parts are kept while their size is changed.
+pub(super) fn tightness(
+    asset: &Asset<'_>,
+    directions: &[Vec<f32>],
+    diagonal: f64,
+) -> Result<Vec<TightnessRow>, MeasureError> {
+    let reach = directions
+        .iter()
+        .map(|q| farthest(asset, q))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut rows = Vec::new();
+    for level in 0..asset.depth() {
+        let all = lanes::of_level(asset, level);
+        let step = all.len().div_ceil(SPHERES_MAX).max(1);
+        let spheres: Vec<Sphere> = all
+            .into_iter()
+            .step_by(step)
+            .map(|(node, lane)| Sphere::new(asset, node, lane))
+            .collect::<Result<_, _>>()?;
+        for amplitude in AMPLITUDES {
+            let mut sums = [Sum::default(); 3];
+            for (q, reach) in directions.iter().zip(&reach) {
+                if !(*reach > 0.0) {
+                    continue;
+                }
+                let scale = amplitude * diagonal / asset.unit() / reach;
+                let q = scaled(asset, q, scale);
+                measure(asset, &spheres, &q, diagonal, &mut sums)?;
+            }
+            if let [Some(paper), Some(smallest_ball), Some(ours)] = sums.map(Sum::ratio) {
+                rows.push(TightnessRow {
+                    displacement_rel: amplitude,
+                    level,
+                    spheres: spheres.len(),
+                    paper,
+                    smallest_ball,
+                    ours,
+                });
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// q times `scale`, each within its mode's limit.
+fn scaled(asset: &Asset<'_>, q: &[f32], scale: f64) -> Vec<f32> {
+    let modes = asset.modes().iter();
+    q.iter()
+        .zip(modes)
+        .map(|(q, mode)| {
+            let limit = mode.q_limit.get();
+            ((f64::from(*q) * scale) as f32).clamp(-limit, limit)
+        })
+        .collect()
+}
+
+/// How far q moves the vertex that it moves farthest (stored units).
+pub(super) fn farthest(asset: &Asset<'_>, q: &[f32]) -> Result<f64, FormatError> {
+    let mut most = 0.0_f64;
+    for vertex in 0..asset.vertex_count() as u32 {
+        let mut by = [0.0; 3];
+        for (mode, u) in asset.displacements(VertexId(vertex))?.iter() {
+            for k in 0..3 {
+                by[k] += f64::from(u[k]) * f64::from(q[mode]);
+            }
+        }
+        most = most.max(by.iter().map(|x| x * x).sum());
+    }
+    Ok(most.sqrt())
+}
+
+/// A sphere and what two other bounds store of it (stored units).
+struct Sphere {
+    node: usize,
+    lane: usize,
+    vertices: Vec<u32>,
+    /// Radius of the smallest ball at rest.
+    radius: f64,
+    /// Of each mode ΔR_j about the mean, and about the centre of the smallest ball.
+    growth: Vec<[f64; 2]>,
+}
+
+impl Sphere {
+    fn new(asset: &Asset<'_>, node: usize, lane: usize) -> Result<Self, FormatError> {
+        let mut vertices = lanes::vertices(asset, node, lane);
+        let step = vertices.len().div_ceil(VERTICES_MAX).max(1);
+        vertices = vertices.into_iter().step_by(step).collect();
+        let positions = asset.positions();
+        let at = |v: &u32| positions.get(*v as usize).map(|p| p.map(f64::from));
+        let rest: Vec<[f64; 3]> = vertices.iter().filter_map(at).collect();
+        let mut fields = vec![vec![[0.0; 3]; vertices.len()]; asset.mode_count()];
+        for (place, v) in vertices.iter().enumerate() {
+            for (mode, u) in asset.displacements(VertexId(*v))?.iter() {
+                fields[mode][place] = u.map(f64::from);
+            }
+        }
+        Ok(Self {
+            node,
+            lane,
+            radius: smallest_ball(&rest).radius,
+            growth: fields.iter().map(|field| growth(field)).collect(),
+            vertices,
+        })
+    }
+
+    /// R + Σ ΔR_j |q_j| with both centres.
+    fn bounds(&self, q: &[f32]) -> [f64; 2] {
+        [0, 1].map(|which| {
+            let terms = self.growth.iter().zip(q);
+            let sum: f64 = terms.map(|(g, q)| g[which] * f64::from(q.abs())).sum();
+            self.radius + sum
+        })
+    }
+}
+
+/// ΔR of a mode: farthest from the mean, and the radius of the smallest ball.
+fn growth(field: &[[f64; 3]]) -> [f64; 2] {
+    let count = field.len().max(1) as f64;
+    let mean = [0, 1, 2].map(|k| field.iter().map(|u| u[k]).sum::<f64>() / count);
+    let far = field.iter().map(|u| distance(*u, mean)).fold(0.0, f64::max);
+    [far, smallest_ball(field).radius]
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    total: f64,
+    max: f64,
+    count: u32,
+}
+
+impl Sum {
+    fn add(&mut self, ratio: f64) {
+        self.total += ratio;
+        self.max = self.max.max(ratio);
+        self.count += 1;
+    }
+
+    fn ratio(self) -> Option<Ratio> {
+        (self.count > 0).then(|| Ratio {
+            mean: self.total / f64::from(self.count),
+            max: self.max,
+        })
+    }
+}
+
+/// Adds the ratios of some spheres at q: the paper's, the smallest balls', ours.
+fn measure(
+    asset: &Asset<'_>,
+    spheres: &[Sphere],
+    q: &[f32],
+    diagonal: f64,
+    sums: &mut [Sum; 3],
+) -> Result<(), MeasureError> {
+    let mut memory = vec![0.0; asset.pose_len()];
+    let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory)?;
+    for sphere in spheres {
+        let deformed = sphere.vertices.iter().map(|v| {
+            let p = asset.deformed_stored(&pose, VertexId(*v))?;
+            Ok(p.map(f64::from))
+        });
+        let deformed = deformed.collect::<Result<Vec<_>, FormatError>>()?;
+        let best = smallest_ball(&deformed).radius;
+        if best * asset.unit() <= POINT_REL * diagonal {
+            continue;
+        }
+        let ours = asset.node_spheres(&pose, sphere.node as u32)?;
+        let [paper, ball] = sphere.bounds(q);
+        let radii = [paper, ball, f64::from(ours.radius[sphere.lane])];
+        for (sum, radius) in sums.iter_mut().zip(radii) {
+            sum.add(radius / best);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::growth;
+
+    #[test]
+    fn the_mean_is_never_better_than_the_smallest_ball() {
+        let field = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.1, 0.0], [1.0, 0.0, 0.1]];
+        let [mean, ball] = growth(&field);
+        assert!((0.5..mean).contains(&ball), "{ball} {mean}");
+        assert_eq!(growth(&[]), [0.0, 0.0]);
+        assert_eq!(growth(&[[2.0, 3.0, 4.0]; 3]), [0.0, 0.0]);
+    }
+}

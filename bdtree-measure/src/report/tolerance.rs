@@ -1,0 +1,80 @@
+//! Modes left out of node bounds: answers stay, visits and time change.
+
+use crate::MeasureError;
+use crate::clock::Clock;
+use crate::stats::median;
+use bdtree_runtime::{Asset, Contact, Pose, StackEntry, query};
+
+use super::REPETITIONS;
+use super::content::ToleranceRow;
+use super::depth::HERE;
+use super::sample::Sample;
+
+/// Over the diagonal.
+const TOLERANCES: [f64; 7] = [0.0, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2];
+
+/// Questions of each kind at a sample.
+const QUESTIONS: usize = 16;
+
+/// Row by row; samples and rows take turns, so that what slows the machine down meets all of them.
+pub(super) fn tolerance(
+    asset: &Asset<'_>,
+    samples: &[Sample],
+    diagonal: f64,
+) -> Result<Vec<ToleranceRow>, MeasureError> {
+    let mut rows = TOLERANCES.map(|tolerance_rel| ToleranceRow {
+        tolerance_rel,
+        active_modes: 0.0,
+        visits: 0.0,
+        micros: 0.0,
+    });
+    let share = 1.0 / samples.len().max(1) as f64;
+    for sample in samples {
+        let mut times = vec![Vec::new(); rows.len()];
+        for _ in 0..REPETITIONS {
+            for (row, times) in rows.iter_mut().zip(&mut times) {
+                let tolerance = row.tolerance_rel * diagonal;
+                let asked = ask(asset, sample, tolerance)?;
+                if times.is_empty() {
+                    row.active_modes += share * asked.active_modes as f64;
+                    row.visits += share * asked.visits as f64;
+                }
+                times.push(asked.micros);
+            }
+        }
+        for (row, times) in rows.iter_mut().zip(&times) {
+            row.micros += share * median(times);
+        }
+    }
+    Ok(rows.to_vec())
+}
+
+struct Asked {
+    active_modes: usize,
+    visits: u64,
+    micros: f64,
+}
+
+fn ask(asset: &Asset<'_>, sample: &Sample, tolerance: f64) -> Result<Asked, MeasureError> {
+    let mut memory = vec![0.0; asset.pose_len()];
+    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let mut found: Vec<Contact> = Vec::new();
+    let mut visits = 0;
+    let clock = Clock::start();
+    let pose = Pose::with_tolerance(asset, &sample.q, HERE, tolerance, &mut memory)?;
+    for (center, radius) in sample.balls(QUESTIONS) {
+        found.clear();
+        let outcome = query::ball(asset, &pose, center, radius, &mut stack, &mut found);
+        visits += outcome?.nodes_visited;
+    }
+    for (origin, direction) in sample.rays(QUESTIONS) {
+        let far = f64::INFINITY;
+        let hit = query::ray(asset, &pose, origin, direction, far, &mut stack);
+        visits += hit?.nodes_visited;
+    }
+    Ok(Asked {
+        micros: clock.seconds() * 1e6,
+        active_modes: pose.active_modes(),
+        visits,
+    })
+}
