@@ -12,7 +12,7 @@ use bdtree_build::progress::Silent;
 /// The corpus folder `name`, or `None` after saying that it is skipped.
 fn corpus(name: &str) -> Option<PathBuf> {
     let thread = std::thread::current();
-    bdtree_tests::corpus::path(thread.name().unwrap_or("messy"), name)
+    bdtree_fixtures::corpus::path(thread.name().unwrap_or("messy"), name)
 }
 
 enum Expected {
@@ -201,7 +201,7 @@ fn other_messy_formats_are_refused_with_what_is_read() {
     }) {
         let error = read_mesh(&path).unwrap_err().to_string();
         assert!(error.contains("frames are given as --animation"), "{error}");
-        let mesh = read_mesh(&bdtree_tests::fixtures::path("cube_quads")).expect("a mesh");
+        let mesh = read_mesh(&bdtree_fixtures::models::path("cube_quads")).expect("a mesh");
         let error = FrameSequence::open(&path, Some(&mesh), None, &Silent).unwrap_err();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         assert!(error.to_string().contains(&*name), "{error}");

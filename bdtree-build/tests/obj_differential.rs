@@ -7,7 +7,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 use bdtree_build::input::{RawMesh, read_mesh};
-use bdtree_tests::{corpus, fixtures};
+use bdtree_fixtures::{corpus, models};
 
 /// Files that tobj reads in another way, on purpose or not: points and lines among faces (it gives
 /// the faces twice), lone CR as line ends (it finds one comment), a weight w (it divides by it; we
@@ -94,8 +94,8 @@ fn check(path: &Path) -> bool {
 #[test]
 fn fixtures_agree() {
     let mut count = 0;
-    for fixture in fixtures::meshes().filter(|f| !f.is_broken) {
-        let path = fixtures::ensure(fixture).expect("fixtures can be written");
+    for fixture in models::meshes().filter(|f| !f.is_broken) {
+        let path = models::ensure(fixture).expect("fixtures can be written");
         count += usize::from(check(&path));
     }
     assert!(count >= 18, "only {count} compared");

@@ -1,12 +1,12 @@
 //! Smallest enclosing balls of hard sets beside the smallest ball in rational arithmetic: the least
 //! circumsphere of at most four points that holds all, exactly.
 //!
-//! `cargo test -p bdtree-tests --test all -- --nocapture smallest_balls::` prints the errors of
+//! `cargo test -p bdtree-build --test all -- --nocapture smallest_balls::` prints the errors of
 //! docs/hard-cases.md.
 
 use bdtree_build::wrap::ball::smallest_ball;
-use bdtree_tests::hard::exact::root;
-use bdtree_tests::poses;
+use bdtree_fixtures::oracle::exact::root;
+use bdtree_fixtures::poses;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use rand::RngExt;

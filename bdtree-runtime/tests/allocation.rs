@@ -6,13 +6,13 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
+use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::narrow::{Frustum, FrustumState};
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, LeafSlot, NodeSlot, PairContact, PairStackEntry, Pose, Posed,
     Proxy, RayHit, SearchEntry, Sink, SliceSink, StackEntry, StepCache, Transform, TriangleId,
     add_generalized_force, broad, query,
 };
-use bdtree_tests::{bake, poses};
 
 thread_local! {
     /// Allocations of this thread.

@@ -1,14 +1,14 @@
 //! Bounded depth beside brute force: every contact is reported exactly or lies in a reported sphere,
 //! with the same bits on every kernel, with and without a cache; at full depth the answer is exact.
 
+use bdtree_fixtures::compare::kernels;
+use bdtree_fixtures::oracle::body::Body;
+use bdtree_fixtures::{bake, oracle, poses};
 use bdtree_runtime::narrow::Triangle;
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, LeafSlot, NodeSlot, PairContact, PairStackEntry, Pose, Posed,
     Proxy, QueryError, SliceSink, StackEntry, StepCache, Transform, query,
 };
-use bdtree_tests::body::Body;
-use bdtree_tests::compare::kernels;
-use bdtree_tests::{bake, oracle, poses};
 use rand::RngExt;
 
 /// Pairs of triangles, and the spheres of both sides.

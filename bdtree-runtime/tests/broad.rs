@@ -2,10 +2,10 @@
 
 use std::collections::HashSet;
 
+use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::broad::{BroadOutcome, GridSlot, grid_slots, pairs};
 use bdtree_runtime::query::{BoundingSphere, root_sphere};
 use bdtree_runtime::{Asset, PairContact, PairStackEntry, Pose, QueryError, SliceSink, query};
-use bdtree_tests::{bake, poses};
 use rand::RngExt;
 
 fn found(spheres: &[BoundingSphere], tolerance: f64) -> (Vec<[u32; 2]>, BroadOutcome) {

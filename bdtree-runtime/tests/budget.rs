@@ -1,11 +1,11 @@
 //! Budgeted queries on ordinary bodies; on hard cases: `hard_cases.rs`.
 
+use bdtree_fixtures::compare::budgets::{check_budgets, rising};
+use bdtree_fixtures::compare::kernels;
+use bdtree_fixtures::compare::near::two;
+use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::query::{self, Budget};
 use bdtree_runtime::{Asset, PairContact, Pose, SearchEntry, StackEntry, Transform};
-use bdtree_tests::budgets::{check_budgets, rising};
-use bdtree_tests::compare::kernels;
-use bdtree_tests::near::two;
-use bdtree_tests::{bake, poses};
 use rand::RngExt;
 
 #[test]

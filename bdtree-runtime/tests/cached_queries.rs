@@ -3,10 +3,10 @@
 
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
+use bdtree_fixtures::compare::cached::check_cached;
+use bdtree_fixtures::compare::kernels;
+use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::{Asset, Transform};
-use bdtree_tests::compare::kernels;
-use bdtree_tests::compare_cached::check_cached;
-use bdtree_tests::{bake, poses};
 
 fn check(mesh: &RawMesh, basis: &Basis, seed: u64, rounds: usize) {
     let bytes = bake::baked(mesh, basis);

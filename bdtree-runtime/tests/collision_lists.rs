@@ -6,9 +6,11 @@ use std::path::Path;
 
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::input::read_mesh;
+use bdtree_fixtures::{bake, corpus, oracle};
 use bdtree_runtime::narrow::{Triangle, triangle_distance};
 use bdtree_runtime::{AlignedBytes, Asset, PairContact, PairStackEntry, Pose, Transform, query};
-use bdtree_tests::{bake, collisions, corpus, oracle};
+
+use crate::collisions;
 
 fn baked(folder: &Path, side: &collisions::Side) -> AlignedBytes {
     let mesh = read_mesh(&folder.join(&side.mesh)).expect("mesh");

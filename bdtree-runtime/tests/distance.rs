@@ -2,9 +2,9 @@
 //! caches, on every kernel: disjoint, touching, coplanar, identical, degenerate, far away.
 
 use bdtree_build::input::{RawMesh, read_mesh};
+use bdtree_fixtures::compare::near::{check_distances, two};
+use bdtree_fixtures::{bake, corpus, models, poses};
 use bdtree_runtime::{Asset, QueryError, SearchEntry, Transform, query};
-use bdtree_tests::near::{check_distances, two};
-use bdtree_tests::{bake, corpus, fixtures, poses};
 
 #[test]
 fn distances_equal_brute_force() {
@@ -210,7 +210,7 @@ fn what_is_wrong_is_said() {
 #[test]
 fn fixtures_and_corpus() {
     for name in ["beam", "pieces"] {
-        let mesh = read_mesh(&fixtures::path(name)).expect("fixture");
+        let mesh = read_mesh(&models::path(name)).expect("fixture");
         let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 5));
         let asset = Asset::open(&bytes).expect("open");
         check_distances(asset, asset, 8, 2, 0.9);

@@ -1,11 +1,11 @@
 //! Node spheres kept over steps (paper, eqs. 8–11): answers are those without, updates are saved, and a
 //! reference of another step is refused.
 
+use bdtree_fixtures::{bake, compare, poses};
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, LeafSlot, NodeSlot, PairContact, PairStackEntry, Pose, PoseError,
     StackEntry, StepCache, Transform, query,
 };
-use bdtree_tests::{bake, compare, poses};
 use rand::RngExt;
 
 type Cache = StepCache<Vec<NodeSlot>, Vec<LeafSlot>>;

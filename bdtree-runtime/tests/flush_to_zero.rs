@@ -3,13 +3,13 @@
 #![cfg(target_arch = "x86_64")]
 
 use bdtree_build::input::RawMesh;
+use bdtree_fixtures::flush::with_mode;
+use bdtree_fixtures::{bake, oracle, poses};
 use bdtree_runtime::narrow::{Frustum, OrientedBox};
 use bdtree_runtime::{
     Asset, Contact, Kernel, PairContact, PairStackEntry, Pose, StackEntry, Transform, VertexId,
     query,
 };
-use bdtree_tests::flush::with_mode;
-use bdtree_tests::{bake, oracle, poses};
 
 /// q that make products and sums subnormal, and ordinary ones.
 fn qs(asset: &Asset<'_>) -> Vec<Vec<f32>> {

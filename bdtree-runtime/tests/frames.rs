@@ -6,10 +6,10 @@ use std::ops::ControlFlow;
 
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
+use bdtree_fixtures::compare::{check_pose, kernels};
+use bdtree_fixtures::{bake, mutate, poses};
 use bdtree_format::{FrameRecord, ModeRecord, SectionKind};
 use bdtree_runtime::{AlignedBytes, Asset, FormatError, Pose, PoseError, Transform, VertexId};
-use bdtree_tests::compare::{check_pose, kernels};
-use bdtree_tests::{bake, mutate, poses};
 
 /// A small mesh away from 0, six modes, five frames that move it by up to a third of its size.
 fn animated() -> (RawMesh, Basis) {

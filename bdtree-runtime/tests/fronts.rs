@@ -1,12 +1,12 @@
 //! Pairs that stay close: with a front the answers of every step are those of a walk from the root,
 //! and where the two hardly move or stay apart no node is visited.
 
+use bdtree_fixtures::{bake, compare, poses};
 use bdtree_runtime::query::{self, PairFront};
 use bdtree_runtime::{
     AlignedBytes, Asset, FrontSlot, Motion, PairContact, PairStackEntry, Pose, QueryError,
     Transform, TrianglePair,
 };
-use bdtree_tests::{bake, compare, poses};
 use rand::RngExt;
 
 fn bumpy() -> AlignedBytes {

@@ -1,14 +1,15 @@
 //! The list of docs/hard-cases.md: every query equals brute force on all of them, at every q, in every
 //! place, with every kernel, with subnormals kept and flushed; what is no asset is refused in words.
 //!
-//! `BDTREE_HARD_ROUNDS=20 cargo test -p bdtree-tests --test all hard_cases::` asks more random questions of each
+//! `BDTREE_HARD_ROUNDS=20 cargo test -p bdtree-runtime --test all hard_cases::` asks more random questions of each
 //! kind (3 without), and all about pairs of large meshes.
 
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::hard::{ROUNDS, check_case, hard_cases, placements, refused_cases};
+use bdtree_fixtures::oracle;
+use bdtree_fixtures::oracle::exact;
 use bdtree_runtime::{Asset, Pose, StackEntry, Transform, query};
-use bdtree_tests::hard::{ROUNDS, check_case, exact, hard_cases, placements, refused_cases};
-use bdtree_tests::oracle;
 
 fn rounds() -> usize {
     match std::env::var("BDTREE_HARD_ROUNDS") {
@@ -44,8 +45,8 @@ fn queries_equal_brute_force_on_the_other_hard_cases() {
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn flushed_subnormals_change_nothing_on_hard_cases() {
-    use bdtree_tests::compare::{check_pose, kernels};
-    use bdtree_tests::flush::with_mode;
+    use bdtree_fixtures::compare::{check_pose, kernels};
+    use bdtree_fixtures::flush::with_mode;
     for case in hard_cases() {
         let bytes = case.bake();
         let asset = Asset::open(&bytes).expect("open");

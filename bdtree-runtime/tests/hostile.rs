@@ -7,16 +7,16 @@ use std::ops::ControlFlow;
 use std::sync::LazyLock;
 use std::time::Duration;
 
+use bdtree_fixtures::ask::{ask_everything, located, refused};
+use bdtree_fixtures::compare::kernels;
+use bdtree_fixtures::hostile::{Run, Sources};
+use bdtree_fixtures::sections::{put_together, take_apart};
+use bdtree_fixtures::{mutate, poses};
 use bdtree_format::{Header, NodeRecord, SectionKind, SectionRecord};
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, LeafSlot, NodeSlot, Pose, Posed, QueryError, SearchEntry,
     StackEntry, StepCache, Transform, query,
 };
-use bdtree_tests::ask::{ask_everything, located, refused};
-use bdtree_tests::compare::kernels;
-use bdtree_tests::hostile::{Run, Sources};
-use bdtree_tests::sections::{put_together, take_apart};
-use bdtree_tests::{mutate, poses};
 use rand::RngExt;
 
 static SOURCES: LazyLock<Sources> = LazyLock::new(Sources::new);
@@ -144,18 +144,18 @@ fn nothing_public_is_left_out() {
         "keeps",
     ];
     let asked = [
-        include_str!("../src/ask/mod.rs"),
-        include_str!("../src/ask/accessors.rs"),
-        include_str!("../src/ask/instance.rs"),
-        include_str!("../src/ask/pairs.rs"),
-        include_str!("../src/ask/single.rs"),
-        include_str!("../src/hostile/case.rs"),
-        include_str!("../src/hostile/sound.rs"),
-        include_str!("../src/hostile/sources.rs"),
-        include_str!("../src/judge.rs"),
+        include_str!("../../fixtures/src/ask/mod.rs"),
+        include_str!("../../fixtures/src/ask/accessors.rs"),
+        include_str!("../../fixtures/src/ask/instance.rs"),
+        include_str!("../../fixtures/src/ask/pairs.rs"),
+        include_str!("../../fixtures/src/ask/single.rs"),
+        include_str!("../../fixtures/src/hostile/case.rs"),
+        include_str!("../../fixtures/src/compare/sound.rs"),
+        include_str!("../../fixtures/src/hostile/sources.rs"),
+        include_str!("../../fixtures/src/judge.rs"),
     ]
     .concat();
-    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../bdtree-runtime/src");
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/src");
     let mut folders = vec![std::path::PathBuf::from(root)];
     let mut names = BTreeSet::new();
     while let Some(folder) = folders.pop() {

@@ -3,8 +3,8 @@
 
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
+use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::{Asset, Kernel, Pose, Transform};
-use bdtree_tests::{bake, poses};
 
 /// The bits of all spheres of an asset at a pose; NaN as one of them.
 fn bits(asset: &Asset<'_>, pose: &Pose<'_>) -> Vec<u32> {

@@ -1,12 +1,12 @@
 //! Contact regions of known bodies: normal, depth, area and shared volume.
 
 use bdtree_build::input::RawMesh;
+use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::query::{self, ContactRegion, ManifoldSlot};
 use bdtree_runtime::{
     AlignedBytes, Asset, PairContact, PairStackEntry, Pose, QueryError, SliceSink, StackEntry,
     Transform, add_generalized_force,
 };
-use bdtree_tests::{bake, poses};
 use rand::seq::SliceRandom;
 
 fn mesh(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> RawMesh {

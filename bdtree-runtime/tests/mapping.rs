@@ -5,12 +5,12 @@ use std::fs::OpenOptions;
 use std::mem::offset_of;
 use std::time::{Duration, Instant};
 
+use bdtree_fixtures::resident::mapped_bytes;
+use bdtree_fixtures::{golden, mutate};
 use bdtree_format::{Header, SectionKind, SectionRecord};
 use bdtree_runtime::{
     AlignedBytes, Asset, MappedFile, Pose, StackEntry, Transform, include_bdt, query,
 };
-use bdtree_tests::resident::mapped_bytes;
-use bdtree_tests::{golden, mutate};
 
 #[test]
 fn all_doors_lead_to_the_same_asset() {

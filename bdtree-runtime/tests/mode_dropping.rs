@@ -1,10 +1,10 @@
 //! Poses that leave out the modes that matter least: answers stay, spheres grow by what is left out,
 //! and no more than was allowed.
 
+use bdtree_fixtures::{bake, compare, oracle, poses};
 use bdtree_runtime::{
     Asset, Contact, PairContact, PairStackEntry, Pose, PoseError, StackEntry, Transform, query,
 };
-use bdtree_tests::{bake, compare, oracle, poses};
 
 /// q whose modes move the less the later they come; the first a twentieth of the diagonal.
 fn graded_q(asset: &Asset<'_>) -> Vec<f32> {

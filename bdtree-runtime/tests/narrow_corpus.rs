@@ -4,14 +4,13 @@
 //! undefined; two pairs of one such triangle, 0.06 apart, are listed as touching): there an exact
 //! linear program decides.
 
-#[path = "../../bdtree-runtime/tests/narrow_oracle/mod.rs"]
-mod narrow_oracle;
-
 use std::collections::HashSet;
 
+use bdtree_fixtures::corpus;
 use bdtree_runtime::narrow::{Triangle, triangle_distance, triangles_intersect};
-use bdtree_tests::{collisions, corpus};
-use narrow_oracle::{big, cross, is_zero, minus, share_point};
+
+use crate::collisions;
+use crate::narrow_oracle::{big, cross, is_zero, minus, share_point};
 
 /// All pairs whose boxes overlap in x, y and z, through a sweep over x.
 fn candidates(a: &[Triangle], b: &[Triangle], mut visit: impl FnMut(usize, usize)) {

@@ -2,12 +2,12 @@
 //! and without caches.
 
 use bdtree_build::input::RawMesh;
+use bdtree_fixtures::compare::kernels;
+use bdtree_fixtures::compare::pair_caches::PairCaches;
+use bdtree_fixtures::mutate::{put, section};
+use bdtree_fixtures::{bake, oracle, poses};
 use bdtree_format::{LANES, NodeRecord, ROW_RADIUS, Row, SectionKind};
 use bdtree_runtime::{AlignedBytes, Asset, PairStackEntry, Pose, Transform, TrianglePair, query};
-use bdtree_tests::compare::kernels;
-use bdtree_tests::mutate::{put, section};
-use bdtree_tests::pair_caches::PairCaches;
-use bdtree_tests::{bake, oracle, poses};
 use std::mem::{offset_of, size_of};
 
 /// Compares two instances that differ by `shift` and `q`, at `place`; the number of pairs found.

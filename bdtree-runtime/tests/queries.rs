@@ -3,9 +3,9 @@
 
 use bdtree_build::basis::Basis;
 use bdtree_build::input::{RawMesh, read_mesh};
+use bdtree_fixtures::compare::{check_pairs, check_pose, kernels};
+use bdtree_fixtures::{bake, corpus, poses};
 use bdtree_runtime::{Asset, Transform};
-use bdtree_tests::compare::{check_pairs, check_pose, kernels};
-use bdtree_tests::{bake, corpus, poses};
 
 fn check_mesh(mesh: &RawMesh, mode_count: usize, seed: u64, rounds: usize) {
     check_basis(

@@ -3,11 +3,11 @@
 
 use std::collections::BTreeSet;
 
+use bdtree_fixtures::bake;
 use bdtree_runtime::narrow::Frustum;
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Pose, PoseError, QueryError, StackEntry, Transform, query,
 };
-use bdtree_tests::bake;
 
 fn file() -> AlignedBytes {
     let mesh = bake::bumpy_sphere(8, 1);

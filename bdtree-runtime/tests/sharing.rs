@@ -1,12 +1,12 @@
 //! One asset for many instances on several threads, each with a pose and a cache of its own, and
 //! how many bytes that takes.
 
+use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::broad::GridSlot;
 use bdtree_runtime::{
     AlignedBytes, Asset, CachedPose, Contact, LeafSlot, NodeSlot, Pose, Posed, Proxy, StackEntry,
     StepCache, query,
 };
-use bdtree_tests::{bake, poses};
 use rand::RngExt;
 
 fn crosses_threads<T: Send + Sync>() {}

@@ -1,12 +1,12 @@
 //! An object that shrinks to a point (the paper's first limitation: there R + s doubles): radii of each
 //! bound by level, and that the second-order bound is exact there but for rounding.
 //!
-//! `cargo test -p bdtree-tests --test all -- --nocapture shrink_to_point::` prints the table of
+//! `cargo test -p bdtree-runtime --test all -- --nocapture shrink_to_point::` prints the table of
 //! docs/hard-cases.md.
 
 use bdtree_build::input::{RawMesh, read_mesh};
+use bdtree_fixtures::{bake, lanes, models};
 use bdtree_runtime::{Asset, Kernel, Pose, Transform, VertexId};
-use bdtree_tests::{bake, fixtures, lanes};
 
 /// u of f32.
 const U: f64 = 1.0 / (1_u32 << 24) as f64;
@@ -161,7 +161,7 @@ fn a_sphere_that_shrinks() {
 
 #[test]
 fn a_chair_that_shrinks() {
-    let mesh = read_mesh(&fixtures::path("chair")).expect("fixture");
+    let mesh = read_mesh(&models::path("chair")).expect("fixture");
     let count = mesh.positions.len() as f64;
     let about = [0, 1, 2].map(|k| mesh.positions.iter().map(|p| p[k]).sum::<f64>() / count);
     check("chair", mesh, about);

@@ -4,12 +4,12 @@
 use std::mem::{offset_of, size_of};
 use std::ops::ControlFlow;
 
+use bdtree_fixtures::{bake, mutate, poses, sections};
 use bdtree_format::{SectionKind, VertexModes};
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, PairContact, PairStackEntry, Pose, StackEntry, Transform,
     VertexId, query,
 };
-use bdtree_tests::{bake, mutate, poses, sections};
 
 /// Places and rules of all errors.
 fn errors(bytes: &AlignedBytes) -> Vec<(SectionKind, u64, &'static str)> {

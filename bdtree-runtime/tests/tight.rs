@@ -8,11 +8,11 @@
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
+use bdtree_fixtures::lanes::{Lane, Number};
+use bdtree_fixtures::mutate::{get_f32, put, repair, section};
+use bdtree_fixtures::{bake, golden};
 use bdtree_format::SectionKind;
 use bdtree_runtime::{AlignedBytes, Asset};
-use bdtree_tests::lanes::{Lane, Number};
-use bdtree_tests::mutate::{get_f32, put, repair, section};
-use bdtree_tests::{bake, golden};
 
 fn power(e: i32) -> f64 {
     2_f64.powi(e)

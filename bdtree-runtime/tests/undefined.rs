@@ -1,10 +1,10 @@
 //! Small files opened, verified and asked everything, few enough for an interpreter that finds
 //! undefined behaviour (ci/miri.sh). There `fuzz-files` would take days.
 
+use bdtree_fixtures::ask::{ask_everything, kernels, refused};
+use bdtree_fixtures::mutate::Damage;
+use bdtree_fixtures::poses;
 use bdtree_runtime::{AlignedBytes, Asset, include_bdt};
-use bdtree_tests::ask::{ask_everything, kernels, refused};
-use bdtree_tests::mutate::Damage;
-use bdtree_tests::poses;
 
 /// A triangle with one mode (SPEC 10), and a rigid tetrahedron.
 fn files() -> [&'static [u8]; 2] {

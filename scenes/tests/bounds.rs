@@ -1,6 +1,7 @@
 //! Every bound of the study holds every vertex, and all of them find what brute force finds.
 
 use bdtree_build::tree::{LaneKind, Split};
+use bdtree_fixtures::poses::rng;
 use bdtree_runtime::narrow::triangles_intersect;
 use bdtree_scenes::bounds::body::Body;
 use bdtree_scenes::bounds::bound::Wrapped;
@@ -11,7 +12,6 @@ use bdtree_scenes::bounds::posed::Posed;
 use bdtree_scenes::bounds::scene::{self, Mesh};
 use bdtree_scenes::bounds::shape::Ball;
 use bdtree_scenes::bounds::single::{ball, ray};
-use bdtree_tests::poses::rng;
 use nalgebra::Isometry3;
 use rand::RngExt;
 

@@ -9,10 +9,10 @@ use bdtree_baselines::paper_tree::{Between, Memory, PaperTree};
 use bdtree_baselines::peers::{Embree, embree};
 use bdtree_baselines::peers::{LayeredPeer, PairPeer, Peer};
 use bdtree_baselines::{Body, Place};
+use bdtree_fixtures::bake;
 use bdtree_runtime::narrow::{Ray, Triangle, ray_hit};
 use bdtree_runtime::{Asset, Pose, Transform};
 use bdtree_scenes::workloads::{bodies, rays, sequence};
-use bdtree_tests::bake;
 
 /// A body with everyone who can answer for it.
 struct Case {

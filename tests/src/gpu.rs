@@ -3,7 +3,7 @@
 use bdtree_runtime::gpu::{self, GpuError, Instances, Normals, Skinner};
 use bdtree_runtime::{AlignedBytes, Asset, Transform};
 
-use crate::{bake, golden, poses};
+use bdtree_fixtures::{bake, golden, poses};
 
 /// A device and its queue.
 pub struct Gpu {

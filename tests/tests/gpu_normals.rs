@@ -4,10 +4,10 @@
 use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::{bake, models, poses};
 use bdtree_runtime::gpu::{NormalFields, Normals, twin};
 use bdtree_runtime::{Asset, Pose, Transform, TriangleId, VertexId};
 use bdtree_tests::gpu::{self, Gpu};
-use bdtree_tests::{bake, fixtures, poses};
 
 const U: f64 = 1.0 / (1_u64 << 24) as f64;
 
@@ -230,7 +230,7 @@ fn normals_of_fields_are_near_exact_ones() {
         ("torus", 0.75, 1.0, true),
         ("fish", 0.04, 1.0, true),
     ] {
-        let mesh = read_mesh(&fixtures::path(name)).expect("fixture");
+        let mesh = read_mesh(&models::path(name)).expect("fixture");
         let options = ElasticOptions::default();
         let basis = elastic_basis(&mesh, &options, &Silent, &mut Vec::new());
         let bytes = bake::baked(&mesh, &basis.expect("modes").0);

@@ -4,13 +4,13 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use super::twin::{File, Twin};
 use bdtree_build::basis::dropped::Keep;
 use bdtree_build::basis::morph::{MorphBasis, morph_basis};
 use bdtree_build::input::gltf::read_gltf;
 use bdtree_build::input::{RawModel, read_mesh};
+use bdtree_fixtures::{bake, corpus, oracle, poses};
 use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, VertexId, query};
-use bdtree_tests::gltf_twin::{File, Twin};
-use bdtree_tests::{bake, corpus, oracle, poses};
 
 /// Vertices and triangles as the corpus's table has them; targets, frames, warnings.
 const CHARACTERS: [(&str, [usize; 5]); 9] = [

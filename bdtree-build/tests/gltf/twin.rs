@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::fixtures::math::V3;
+use bdtree_fixtures::models::math::V3;
 
 /// What a glTF file holds.
 #[derive(Debug, Clone, Default, PartialEq)]

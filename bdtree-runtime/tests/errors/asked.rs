@@ -2,8 +2,8 @@
 
 use std::mem::offset_of;
 
+use bdtree_fixtures::mutate::{put, section};
 use bdtree_format::{Header, NodeRecord, SectionKind};
-use bdtree_tests::mutate::{put, section};
 
 use crate::edits::{Change, node, node_count, of_node_u32, u32_at};
 

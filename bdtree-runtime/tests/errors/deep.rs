@@ -2,13 +2,13 @@
 
 use std::mem::{offset_of, size_of};
 
+use bdtree_fixtures::bake;
+use bdtree_fixtures::mutate::{get_u32, put, record, repair, section};
 use bdtree_format::{
     GroupRecord, Header, ModePair, NodeRecord, ROW_RADIUS, SectionKind, SectionRecord,
     TriangleRecord, VertexModes, pair_count, pair_row,
 };
 use bdtree_runtime::{AlignedBytes, Asset, VertexId};
-use bdtree_tests::bake;
-use bdtree_tests::mutate::{get_u32, put, record, repair, section};
 
 use crate::edits::{
     Change, body, field, header, node, node_count, of_node, root_bound, root_growth, root_mode,

@@ -2,10 +2,10 @@
 
 use std::mem::{offset_of, size_of};
 
+use bdtree_fixtures::mutate::{get_f32, get_u32, put, record, section};
 use bdtree_format::{
     FrameRecord, Header, ModePair, NodeRecord, Row, SectionKind, VertexModes, pair_row,
 };
-use bdtree_tests::mutate::{get_f32, get_u32, put, record, section};
 
 pub(crate) type Change = Box<dyn Fn(&mut Vec<u8>)>;
 

@@ -2,8 +2,8 @@
 
 use std::mem::{offset_of, size_of};
 
+use bdtree_fixtures::mutate::{get_u32, put, record, section, table};
 use bdtree_format::{FrameRecord, Header, ModeRecord, SectionKind, SectionRecord};
-use bdtree_tests::mutate::{get_u32, put, record, section, table};
 
 use crate::edits::{Change, body, field, frame, header, u32_at};
 

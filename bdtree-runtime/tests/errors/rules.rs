@@ -1,11 +1,13 @@
 //! The rules: all are triggered, and all stand in the specification.
 
 use std::collections::BTreeSet;
+use std::fs;
+use std::path::PathBuf;
 
+use bdtree_fixtures::mutate::repair;
 use bdtree_runtime::{
     AlignedBytes, Asset, Pose, Transform, TriangleId, VertexId, add_generalized_force,
 };
-use bdtree_tests::mutate::repair;
 
 use crate::deep::list_twice;
 use crate::seen::{FILE, Seen};
@@ -21,25 +23,21 @@ const UNREACHABLE: [&str; 4] = [
 
 /// All rules that the sources cite.
 fn rules() -> BTreeSet<String> {
-    let sources = [
-        include_str!("../../../bdtree-runtime/src/open.rs"),
-        include_str!("../../../bdtree-runtime/src/open/sections.rs"),
-        include_str!("../../../bdtree-runtime/src/verify.rs"),
-        include_str!("../../../bdtree-runtime/src/verify/bounds.rs"),
-        include_str!("../../../bdtree-runtime/src/verify/frames.rs"),
-        include_str!("../../../bdtree-runtime/src/verify/metadata.rs"),
-        include_str!("../../../bdtree-runtime/src/verify/mode_lists.rs"),
-        include_str!("../../../bdtree-runtime/src/verify/vertex_modes.rs"),
-        include_str!("../../../bdtree-runtime/src/traverse/mod.rs"),
-        include_str!("../../../bdtree-runtime/src/view/mod.rs"),
-        include_str!("../../../bdtree-runtime/src/view/displacements.rs"),
-    ];
+    let mut folders = vec![PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/src"))];
     let mut rules = BTreeSet::new();
-    for source in sources {
-        for piece in source.split("\"SPEC ").skip(1) {
-            let text = piece.split('"').next().expect("a closed string");
-            let text: String = text.split("\\\n").map(|l| l.trim_start()).collect();
-            rules.insert(format!("SPEC {text}"));
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).expect("the sources") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let source = fs::read_to_string(path).expect("a source");
+            for piece in source.split("\"SPEC ").skip(1) {
+                let text = piece.split('"').next().expect("a closed string");
+                let text: String = text.split("\\\n").map(|l| l.trim_start()).collect();
+                rules.insert(format!("SPEC {text}"));
+            }
         }
     }
     rules

@@ -5,10 +5,10 @@ use std::ops::ControlFlow;
 use std::sync::LazyLock;
 
 use bdtree_build::input::{GroupKind, RawGroup};
+use bdtree_fixtures::bake;
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, FormatError, Pose, QueryError, StackEntry, Transform, query,
 };
-use bdtree_tests::bake;
 
 /// Several nodes, six local modes (so the header block ends with padding), frames, groups,
 /// metadata.

@@ -1,8 +1,8 @@
 //! The bounds that are compared, their numbers for a body, and their shapes at a pose.
 
 use bdtree_build::tree::LaneKind;
+use bdtree_fixtures::poses::rng;
 use bdtree_format::LANES;
-use bdtree_tests::poses::rng;
 use nalgebra::{Matrix3, Vector3};
 
 use super::affine::{Affine, AffineBall, Fields};

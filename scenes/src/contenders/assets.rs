@@ -9,8 +9,8 @@ use std::time::UNIX_EPOCH;
 use bdtree_baselines::Body;
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::models;
 use bdtree_runtime::AlignedBytes;
-use bdtree_tests::fixtures;
 
 /// The file of a body, kept under `target/workloads/`: its name says which build made it.
 ///
@@ -45,6 +45,6 @@ pub fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
             }
         }
     }
-    fixtures::write(&path, &bytes)?;
+    models::write(&path, &bytes)?;
     Ok(AlignedBytes::copy_of(&bytes))
 }

@@ -2,8 +2,8 @@
 
 use bdtree_baselines::Body;
 use bdtree_baselines::deform::Deformer;
+use bdtree_fixtures::poses;
 use bdtree_runtime::Asset;
-use bdtree_tests::poses;
 use rand::{Rng, RngExt};
 
 use crate::workloads::scale;

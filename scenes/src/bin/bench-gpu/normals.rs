@@ -4,9 +4,9 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use bdtree_fixtures::poses;
 use bdtree_runtime::gpu::NormalFields;
 use bdtree_runtime::{AlignedBytes, Asset, TriangleId, VertexId};
-use bdtree_tests::poses;
 use clap::Args;
 
 #[derive(Args)]

@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use bdtree_baselines::paper_tree::{BallCounts, PaperTree, PlainTree, Step, Vertices};
 use bdtree_baselines::{machine, stats};
+use bdtree_fixtures::poses;
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Pose, StackEntry, Transform, TriangleId, query,
 };
 use bdtree_scenes::contenders::spheres::sum_growths;
-use bdtree_tests::poses;
 use clap::Args;
 use rand::RngExt;
 use serde_json::{Value, json};

@@ -10,11 +10,11 @@ use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, bake};
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::{bake as made, poses, sections};
 use bdtree_format::SectionKind;
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Pose, StackEntry, Transform, TriangleId, query,
 };
-use bdtree_tests::{bake as made, poses, sections};
 use clap::Args;
 use rand::RngExt;
 use serde_json::json;

@@ -9,8 +9,8 @@ use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, bake, write_atomically};
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::resident::mapped_bytes;
 use bdtree_runtime::{Asset, MappedFile};
-use bdtree_tests::resident::mapped_bytes;
 use clap::Args;
 use serde_json::json;
 

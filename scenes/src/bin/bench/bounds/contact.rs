@@ -4,6 +4,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use bdtree_build::tree::Split;
+use bdtree_fixtures::poses::rng;
 use bdtree_runtime::narrow::triangles_intersect;
 use bdtree_scenes::bounds::body::Body;
 use bdtree_scenes::bounds::bound::{Bound, Wrapped};
@@ -13,7 +14,6 @@ use bdtree_scenes::bounds::pair::{Filter, PairCounts, Weights, near_triangles, p
 use bdtree_scenes::bounds::posed::Posed;
 use bdtree_scenes::bounds::scene::{self, Mesh};
 use bdtree_scenes::bounds::sphere::Growth;
-use bdtree_tests::poses::rng;
 use nalgebra::{Isometry3, Vector3};
 
 use super::table::Table;

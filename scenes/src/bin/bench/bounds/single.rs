@@ -1,6 +1,7 @@
 //! Balls against a curtain, rays against the bumpy sphere.
 
 use bdtree_build::tree::Split;
+use bdtree_fixtures::poses::rng;
 use bdtree_scenes::bounds::body::Body;
 use bdtree_scenes::bounds::bound::Wrapped;
 use bdtree_scenes::bounds::contenders::contenders;
@@ -9,7 +10,6 @@ use bdtree_scenes::bounds::posed::Posed;
 use bdtree_scenes::bounds::scene::{self, Mesh};
 use bdtree_scenes::bounds::shape::Ball;
 use bdtree_scenes::bounds::single::{Counts, ball, ray};
-use bdtree_tests::poses::rng;
 use nalgebra::Isometry3;
 use rand::RngExt;
 
