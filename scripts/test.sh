@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 if [[ ${1:-} == --quick ]]; then
     # One set of packages, so that each is compiled with one set of features.
     core=(--locked -p bdtree-runtime -p bdtree-build -p bdtree-fixtures)
-    programs=(--lib --bins --test all --test undefined)
+    programs=(--lib --test all --test undefined)
     start=$SECONDS
     cargo test "${core[@]}" "${programs[@]}" --no-run
     echo "compiled in $((SECONDS - start)) s"
