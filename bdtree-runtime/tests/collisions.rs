@@ -9,14 +9,14 @@ use serde_json::Value;
 
 /// One case: two placed, perhaps deformed meshes.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub(crate) struct Case {
     folder: PathBuf,
     value: Value,
 }
 
 /// One side of a case as the corpus gives it.
 #[derive(Debug, Clone)]
-pub struct Side {
+pub(crate) struct Side {
     /// The mesh, relative to the corpus.
     pub mesh: String,
     /// q and the fields, field after field, x y z per vertex; empty when it is not deformed.
@@ -31,7 +31,7 @@ pub struct Side {
 ///
 /// # Panics
 /// When the corpus is damaged.
-pub fn cases(folder: &Path) -> Vec<Case> {
+pub(crate) fn cases(folder: &Path) -> Vec<Case> {
     let text = read(&folder.join("collisions/pairs/cases.json"));
     let list: Vec<Value> = serde_json::from_slice(&text).expect("JSON");
     list.into_iter()
@@ -44,7 +44,7 @@ pub fn cases(folder: &Path) -> Vec<Case> {
 
 impl Case {
     /// Its name.
-    pub fn id(&self) -> &str {
+    pub(crate) fn id(&self) -> &str {
         self.value["id"].as_str().unwrap_or_default()
     }
 
@@ -52,7 +52,7 @@ impl Case {
     ///
     /// # Panics
     /// When the corpus is damaged.
-    pub fn side(&self, name: &str) -> Side {
+    pub(crate) fn side(&self, name: &str) -> Side {
         let side = &self.value[name];
         let mut fields = Vec::new();
         let mut q = Vec::new();
@@ -79,7 +79,7 @@ impl Case {
     ///
     /// # Panics
     /// When the corpus is damaged.
-    pub fn triangles(&self, name: &str) -> Vec<Triangle> {
+    pub(crate) fn triangles(&self, name: &str) -> Vec<Triangle> {
         let side = self.side(name);
         let (mut points, faces) = obj(&self.folder.join(&side.mesh));
         let mut offsets = vec![0.0; 3 * points.len()];
@@ -103,7 +103,7 @@ impl Case {
     ///
     /// # Panics
     /// When the corpus is damaged.
-    pub fn listed(&self) -> HashSet<(u32, u32)> {
+    pub(crate) fn listed(&self) -> HashSet<(u32, u32)> {
         let Some(file) = self.value["pairs_file"].as_str() else {
             return HashSet::new();
         };

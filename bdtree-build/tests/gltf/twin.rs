@@ -9,7 +9,7 @@ use bdtree_fixtures::models::math::V3;
 
 /// What a glTF file holds.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Twin {
+pub(crate) struct Twin {
     /// World positions.
     pub positions: Vec<V3>,
     /// Corner indices.
@@ -24,7 +24,7 @@ pub struct Twin {
 
 /// The numbers of a sampler of weights.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Sampler {
+pub(crate) struct Sampler {
     /// The first target that it moves.
     pub first_target: usize,
     /// `LINEAR`, `STEP` or `CUBICSPLINE`.
@@ -36,7 +36,7 @@ pub struct Sampler {
 }
 
 /// A sound glTF file, taken apart.
-pub struct File {
+pub(crate) struct File {
     json: Value,
     buffers: Vec<Vec<u8>>,
 }
@@ -49,7 +49,7 @@ impl File {
     ///
     /// # Panics
     /// If the file is not sound.
-    pub fn open(path: &Path) -> Self {
+    pub(crate) fn open(path: &Path) -> Self {
         let bytes = std::fs::read(path).expect("a file");
         Self::new(&bytes, path.parent().expect("a folder"))
     }
@@ -58,7 +58,7 @@ impl File {
     ///
     /// # Panics
     /// If the file is not sound.
-    pub fn new(bytes: &[u8], folder: &Path) -> Self {
+    pub(crate) fn new(bytes: &[u8], folder: &Path) -> Self {
         let word =
             |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("4")) as usize;
         let (json, chunk) = if bytes.starts_with(b"glTF") {
@@ -83,7 +83,7 @@ impl File {
     }
 
     /// The whole scene.
-    pub fn scene(&self) -> Twin {
+    pub(crate) fn scene(&self) -> Twin {
         let mut twin = Twin::default();
         let scene = &self.json["scenes"][index(&self.json["scene"])];
         const IDENTITY: Matrix = [
@@ -102,7 +102,7 @@ impl File {
     }
 
     /// The samplers of an animation that move weights of nodes in `twin`.
-    pub fn samplers(&self, animation: usize, twin: &Twin) -> Vec<Sampler> {
+    pub(crate) fn samplers(&self, animation: usize, twin: &Twin) -> Vec<Sampler> {
         let animation = &self.json["animations"][animation];
         let moves = |channel: &&Value| channel["target"]["path"] == "weights";
         let channels = list(&animation["channels"]).iter().filter(moves);
