@@ -10,9 +10,10 @@ use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_runtime::{AlignedBytes, Asset};
-use bdtree_tests::bake::{
+use bdtree_fixtures::bake::{
     baked, baked_with, bumpy_sphere, local_basis, rigid, smooth_basis, with_frames,
 };
+use bdtree_runtime::Asset;
 use rand::RngExt;
 
 const MODES: usize = 7;
@@ -88,7 +89,7 @@ fn errors_over_ranges_hold_for_every_q_and_are_reached_vertex_by_vertex() {
     let diagonal = mesh.diagonal();
     let errors = Errors::against_all(&basis, diagonal, Over::Ranges, None);
     assert_eq!(errors.over, Over::Ranges);
-    let mut rng = bdtree_tests::poses::rng(5);
+    let mut rng = bdtree_fixtures::poses::rng(5);
     for (k, error) in errors.of_first.iter().enumerate() {
         let reach = |i: usize| -> f64 {
             let modes = (k..MODES).map(|j| 0.5_f64.powi(j as i32) * length(basis.field(j)[i]));

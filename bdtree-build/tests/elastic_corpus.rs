@@ -10,7 +10,7 @@ use bdtree_build::progress::Silent;
 /// The corpus, or `None` with a line that says so.
 fn corpus() -> Option<PathBuf> {
     let thread = std::thread::current();
-    bdtree_tests::corpus::path(thread.name().unwrap_or("elastic"), "")
+    bdtree_fixtures::corpus::path(thread.name().unwrap_or("elastic"), "")
 }
 
 /// Positions and fan triangles of an OBJ file, gzip or not; enough for the corpus.

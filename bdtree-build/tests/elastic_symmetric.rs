@@ -7,7 +7,7 @@ use bdtree_build::basis::volume::VolumeOptions;
 use bdtree_build::input::RawMesh;
 use bdtree_build::input::volume::{RawMaterial, RawVolume};
 use bdtree_build::progress::Silent;
-use bdtree_tests::fixtures;
+use bdtree_fixtures::models;
 
 type Field = Vec<V3>;
 
@@ -144,7 +144,7 @@ fn symmetries_keep_the_spaces_of_equal_frequencies() {
 
 #[test]
 fn surfaces_of_symmetric_bodies_do_too() {
-    let cube = fixtures::mesh("cube").expect("a fixture");
+    let cube = models::mesh("cube").expect("a fixture");
     let mesh = RawMesh {
         positions: cube.positions,
         triangles: cube.triangles,

@@ -17,7 +17,7 @@ use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::input::volume::{RawVolume, parse_volume, read_volume};
 use bdtree_build::input::{RawMesh, RawMorphs, RawTarget};
 use bdtree_build::progress::Silent;
-use bdtree_tests::fixtures::fields::npy_with;
+use bdtree_fixtures::models::fields::npy_with;
 
 fn assert_says<T>(result: Result<T, BakeError>, parts: &[&str]) {
     let text = match result {

@@ -8,7 +8,7 @@ use bdtree_build::basis::pca::{Pca, PcaOptions, pca_basis};
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::progress::Silent;
-use bdtree_tests::{corpus, fixtures};
+use bdtree_fixtures::{corpus, models};
 
 /// Name of the folder, cache and rest mesh in it, or none for the OBJ frames.
 const ANIMATIONS: [(&str, Option<(&str, &str)>); 6] = [
@@ -182,11 +182,11 @@ fn corpus_folder_and_cache_have_like_modes() {
 
 #[test]
 fn the_wave_has_three_components_in_every_format() {
-    let mesh = fixtures::path("wave/wave_00.obj");
+    let mesh = models::path("wave/wave_00.obj");
     let folder = mesh.parent().expect("a folder");
     let mut found = vec![Source::folder(folder)];
     for name in ["wave.pc2", "wave.mdd"] {
-        found.push(Source::cache(&fixtures::path(name), &mesh));
+        found.push(Source::cache(&models::path(name), &mesh));
     }
     for source in &found {
         let three = source.pca(&count(3));
@@ -205,6 +205,6 @@ fn the_wave_has_three_components_in_every_format() {
 /// 110 frames of 6184 vertices.
 #[test]
 fn the_swaying_curtain_is_compressed_as_well_as_can_be() {
-    let mesh = fixtures::path("curtain");
-    check(&Source::cache(&fixtures::path("curtain_sway.pc2"), &mesh));
+    let mesh = models::path("curtain");
+    check(&Source::cache(&models::path("curtain_sway.pc2"), &mesh));
 }

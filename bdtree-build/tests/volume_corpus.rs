@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 #[test]
 fn beam_of_tetrahedra_has_its_known_frequencies() {
     let name = "beam_of_tetrahedra_has_its_known_frequencies";
-    let file = |f: &str| bdtree_tests::corpus::path(name, &format!("modal/beam3_tet.{f}"));
+    let file = |f: &str| bdtree_fixtures::corpus::path(name, &format!("modal/beam3_tet.{f}"));
     let (Some(mesh), Some(known)) = (file("veg"), file("frequencies.txt")) else {
         return;
     };
@@ -81,7 +81,7 @@ fn read_vtk(text: &str) -> RawVolume {
 #[test]
 fn bullet_torus_is_nearly_a_solid() {
     let name = "bullet_torus_is_nearly_a_solid";
-    let file = |f: &str| bdtree_tests::corpus::path(name, &format!("modal/bullet_torus.{f}"));
+    let file = |f: &str| bdtree_fixtures::corpus::path(name, &format!("modal/bullet_torus.{f}"));
     let (Some(mesh), Some(values), Some(modes)) =
         (file("vtk"), file("eigenvalues.txt"), file("modes.f64"))
     else {
@@ -131,7 +131,7 @@ fn bullet_torus_is_nearly_a_solid() {
 #[test]
 fn bridge_of_hexahedra_has_modes() {
     let name = "bridge_of_hexahedra_has_modes";
-    let Some(path) = bdtree_tests::corpus::path(name, "modal/bridge_hex.veg") else {
+    let Some(path) = bdtree_fixtures::corpus::path(name, "modal/bridge_hex.veg") else {
         return;
     };
     let volume = read_veg(&path);

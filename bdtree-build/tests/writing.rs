@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Instant;
 
-use bdtree_tests::bake::bumpy_sphere;
-use bdtree_tests::processes::{kill_while_writing, on_full_disk, set_mode, unprivileged};
+use bdtree_fixtures::bake::bumpy_sphere;
+use bdtree_fixtures::processes::{kill_while_writing, on_full_disk, set_mode, unprivileged};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_bdtree-build");
 

@@ -2,7 +2,7 @@
 
 use bdtree_gpu::{GpuError, Instances, Normals, Skinner, read_back, request_device};
 use bdtree_runtime::{AlignedBytes, Asset, Transform};
-use bdtree_tests::{bake, golden, poses};
+use bdtree_fixtures::{bake, golden, poses};
 
 /// A device and its queue.
 pub(crate) struct Gpu {

@@ -1,9 +1,9 @@
 //! What a device does not allow is split or refused with an error that says what fits; nothing panics.
 
+use bdtree_fixtures::{bake, mutate};
 use bdtree_format::{Header, ModeRecord, SectionKind};
 use bdtree_gpu::{GpuError, Normals, Skinner, read_back};
 use bdtree_runtime::{AlignedBytes, Asset, PoseError, Transform};
-use bdtree_tests::{bake, mutate};
 use rand::RngExt;
 
 use crate::devices::{self, Gpu};
@@ -194,7 +194,7 @@ fn instances_have_the_checks_of_poses() {
 fn broken_records_are_refused() {
     let gpu = Gpu::new();
     let mesh = bake::bumpy_sphere(6, 1);
-    let mut rng = bdtree_tests::poses::rng(1);
+    let mut rng = bdtree_fixtures::poses::rng(1);
     let (mut refused, mut taken) = (0, 0);
     for (sparse, bytes) in [
         (true, bake::baked(&mesh, &bake::local_basis(&mesh, 6, 1))),

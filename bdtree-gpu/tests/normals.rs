@@ -6,7 +6,7 @@ use bdtree_build::input::read_mesh;
 use bdtree_build::progress::Silent;
 use bdtree_gpu::{NormalFields, Normals, twin};
 use bdtree_runtime::{Asset, Pose, Transform, TriangleId, VertexId};
-use bdtree_tests::{bake, fixtures, poses};
+use bdtree_fixtures::{bake, models, poses};
 
 use crate::devices::{self, Gpu};
 
@@ -231,7 +231,7 @@ fn normals_of_fields_are_near_exact_ones() {
         ("torus", 0.75, 1.0, true),
         ("fish", 0.04, 1.0, true),
     ] {
-        let mesh = read_mesh(&fixtures::path(name)).expect("fixture");
+        let mesh = read_mesh(&models::path(name)).expect("fixture");
         let options = ElasticOptions::default();
         let basis = elastic_basis(&mesh, &options, &Silent, &mut Vec::new());
         let bytes = bake::baked(&mesh, &basis.expect("modes").0);

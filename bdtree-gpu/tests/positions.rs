@@ -4,7 +4,7 @@
 use bdtree_build::input::read_mesh;
 use bdtree_gpu::{Normals, twin};
 use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform, VertexId};
-use bdtree_tests::{bake, fixtures, poses};
+use bdtree_fixtures::{bake, models, poses};
 
 use crate::devices::{self, Gpu};
 
@@ -41,8 +41,8 @@ fn positions_are_within_their_bound() {
 #[test]
 fn positions_of_all_fixtures_are_within_their_bound() {
     let mut all = Vec::new();
-    for fixture in fixtures::meshes().filter(|f| !f.is_large && !f.is_broken) {
-        let mesh = read_mesh(&fixtures::path(fixture.name)).expect("a mesh");
+    for fixture in models::meshes().filter(|f| !f.is_large && !f.is_broken) {
+        let mesh = read_mesh(&models::path(fixture.name)).expect("a mesh");
         let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 3));
         all.push((fixture.name.to_string(), bytes));
     }

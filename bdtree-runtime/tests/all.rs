@@ -1,7 +1,34 @@
-//! Tests of one program: linking one is quicker than linking each.
+//! Tests of one program: linking one is quicker than linking each. What needs a process of its own is beside it in
+//! Cargo.toml.
 
+mod bounded;
+mod broad;
+mod budget;
+mod cached_queries;
+mod collision_lists;
+mod collisions;
+mod distance;
+mod epochs;
+mod every_query;
+mod flush_to_zero;
+mod frames;
+mod fronts;
+mod hard_cases;
+mod hostile;
+mod kernels;
+mod manifold;
+mod mapping;
+mod mode_dropping;
+mod narrow_corpus;
 mod narrow_distance;
 mod narrow_intersect;
 mod narrow_oracle;
 mod narrow_ray;
 mod narrow_shapes;
+mod pairs;
+mod queries;
+mod refusals;
+mod sharing;
+mod shrink_to_point;
+mod sparse;
+mod tight;

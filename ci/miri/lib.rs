@@ -1,12 +1,12 @@
 //! What of the tests' library needs the runtime only.
 
-#[path = "../../tests/src/ask/mod.rs"]
+#[path = "../../fixtures/src/ask/mod.rs"]
 pub mod ask;
-#[path = "../../tests/src/lanes.rs"]
+#[path = "../../fixtures/src/lanes.rs"]
 pub mod lanes;
-#[path = "../../tests/src/mutate/mod.rs"]
+#[path = "../../fixtures/src/mutate/mod.rs"]
 pub mod mutate;
-#[path = "../../tests/src/poses.rs"]
+#[path = "../../fixtures/src/poses.rs"]
 pub mod poses;
-#[path = "../../tests/src/sections.rs"]
+#[path = "../../fixtures/src/sections.rs"]
 pub mod sections;

@@ -2,8 +2,8 @@
 #![no_main]
 
 use bdtree_runtime::{AlignedBytes, Asset, include_bdt};
-use bdtree_tests::ask::{ask_everything, kernels, located, refused};
-use bdtree_tests::{mutate, poses};
+use bdtree_fixtures::ask::{ask_everything, kernels, located, refused};
+use bdtree_fixtures::{mutate, poses};
 use libfuzzer_sys::fuzz_target;
 
 fn examine(bytes: &[u8]) {

@@ -9,10 +9,10 @@ use bdtree_measure::paper_tree::{Between, Memory, PaperTree};
 use bdtree_measure::peers::{Embree, embree};
 use bdtree_measure::peers::{LayeredPeer, PairPeer, Peer};
 use bdtree_measure::{Body, Place};
+use bdtree_fixtures::bake;
 use bdtree_runtime::narrow::{Ray, Triangle, ray_hit};
 use bdtree_runtime::{Asset, Pose, Transform};
 use bdtree_scenes::workloads::{bodies, rays, sequence};
-use bdtree_tests::bake;
 
 /// A body with everyone who can answer for it.
 struct Case {

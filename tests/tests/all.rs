@@ -1,42 +1,10 @@
-//! Tests of one program: linking one is quicker than linking each. What needs a process of its own is beside it in
-//! Cargo.toml.
+//! Tests that cross crates, in one program: linking one is quicker than linking each. What needs a process of its own
+//! is beside it in Cargo.toml.
 
 mod animations;
-mod bounded;
-mod broad;
-mod budget;
-mod cached_queries;
-mod collision_lists;
 mod containment;
 mod determinism;
-mod distance;
 mod elastic_queries;
-mod epochs;
-mod face;
-mod flush_to_zero;
-mod frames;
-mod fronts;
-mod gltf_corpus;
-mod golden;
-mod hard_cases;
-mod hostile;
-mod kernels;
-mod manifold;
-mod mapping;
-mod messy;
 mod messy_bakes;
-mod mode_dropping;
-mod narrow_corpus;
 mod nested;
-mod obj_differential;
-mod obj_fields;
-mod obj_fixtures;
-mod pairs;
 mod python_reader;
-mod queries;
-mod refusals;
-mod sharing;
-mod shrink_to_point;
-mod smallest_balls;
-mod sparse;
-mod tight;

@@ -8,9 +8,9 @@ use bdtree_build::basis::pca::{About, Modes, PcaOptions, pca_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::compare::{check_pairs, check_pose};
+use bdtree_fixtures::{bake, corpus, models, poses};
 use bdtree_runtime::{Asset, Pose, VertexId};
-use bdtree_tests::compare::{check_pairs, check_pose};
-use bdtree_tests::{bake, corpus, fixtures, poses};
 
 /// Largest error of a vertex over the diagonal of the rest positions.
 const ERROR: f64 = 0.02;
@@ -84,8 +84,8 @@ fn worst_error(asset: &Asset<'_>, sequence: &FrameSequence) -> f64 {
 
 #[test]
 fn fixtures_play() {
-    let folder = fixtures::folder();
-    let rest = fixtures::path("wave/wave_00.obj");
+    let folder = models::folder();
+    let rest = models::path("wave/wave_00.obj");
     for (file, align, about) in [
         ("wave", false, About::Mean),
         ("wave.pc2", true, About::Mean),
@@ -95,8 +95,8 @@ fn fixtures_play() {
         let mesh = (file != "wave").then_some(rest.as_path());
         check(file, mesh, &folder.join(file), align, about);
     }
-    let curtain = fixtures::path("curtain");
-    let sway = fixtures::path("curtain_sway.pc2");
+    let curtain = models::path("curtain");
+    let sway = models::path("curtain_sway.pc2");
     check("curtain_sway", Some(&curtain), &sway, false, About::Mean);
 }
 

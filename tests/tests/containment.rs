@@ -8,9 +8,9 @@ use std::mem::size_of;
 
 use bdtree_build::basis::Basis;
 use bdtree_build::input::{RawMesh, read_mesh};
+use bdtree_fixtures::{bake, models, mutate, poses};
 use bdtree_format::{ROW_RADIUS, Row, SectionKind};
 use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform};
-use bdtree_tests::{bake, fixtures, mutate, poses};
 use bdtree_tools::stress::{self, Options, Report};
 
 fn no_progress(_: u64) {}
@@ -104,7 +104,7 @@ fn hard_q_by_hand() {
 fn certainty_costs_little() {
     let mut checked = assets();
     for file in ["chair", "curtain", "torus"] {
-        let mesh = read_mesh(&fixtures::path(file)).expect("a fixture");
+        let mesh = read_mesh(&models::path(file)).expect("a fixture");
         for m in [6, 10, 12, 14, 16, 20, 40] {
             let mut basis = bake::smooth_basis(&mesh, m, 1);
             basis.set_ranges(0.05 * mesh.diagonal()); // the builder's default

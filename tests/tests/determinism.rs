@@ -2,10 +2,10 @@
 //! order, with every kernel.
 
 use bdtree_build::pipeline::BakeSettings;
+use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, Kernel, PairContact, PairStackEntry, Pose, StackEntry, query,
 };
-use bdtree_tests::{bake, poses};
 
 #[test]
 fn bytes_depend_on_the_input_only() {

@@ -4,9 +4,9 @@
 use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::compare::{check_pairs, check_pose};
+use bdtree_fixtures::{bake, corpus, models, poses};
 use bdtree_runtime::{Asset, Transform};
-use bdtree_tests::compare::{check_pairs, check_pose};
-use bdtree_tests::{bake, corpus, fixtures, poses};
 use std::ops::ControlFlow;
 
 /// Ten modes on a coarse lattice: what is tested here does not depend on its resolution.
@@ -39,7 +39,7 @@ fn check(name: &str, mesh: &RawMesh, rounds: usize) {
 
 fn check_fixtures(names: &[&str]) {
     for name in names {
-        let mesh = read_mesh(&fixtures::path(name)).expect("fixture");
+        let mesh = read_mesh(&models::path(name)).expect("fixture");
         check(name, &mesh, 5);
     }
 }
@@ -65,7 +65,7 @@ fn shapes_with_elastic_modes() {
 
 #[test]
 fn the_bridge_with_elastic_modes() {
-    let mesh = read_mesh(&fixtures::path("bridge")).expect("fixture");
+    let mesh = read_mesh(&models::path("bridge")).expect("fixture");
     check("bridge", &mesh, 2);
 }
 

@@ -4,8 +4,8 @@
 use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::{bake, corpus, models, oracle, poses};
 use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, query};
-use bdtree_tests::{bake, corpus, fixtures, oracle, poses};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -109,8 +109,8 @@ fn messy_files_bake_or_say_why_not() {
 
 #[test]
 fn fixtures_bake_or_say_why_not() {
-    for fixture in fixtures::meshes().filter(|f| !f.is_large) {
-        let path = fixtures::path(fixture.name);
+    for fixture in models::meshes().filter(|f| !f.is_large) {
+        let path = models::path(fixture.name);
         let result = check(&path);
         assert_eq!(
             result.is_err(),

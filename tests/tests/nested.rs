@@ -3,10 +3,10 @@
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::BakeSettings;
+use bdtree_fixtures::compare::{check_pairs, check_pose, kernels};
+use bdtree_fixtures::{bake, poses};
 use bdtree_format::{LANES, NodeRecord};
 use bdtree_runtime::{AlignedBytes, Asset, Kernel, Pose, Transform};
-use bdtree_tests::compare::{check_pairs, check_pose, kernels};
-use bdtree_tests::{bake, poses};
 
 fn nested(mesh: &RawMesh, basis: &Basis) -> AlignedBytes {
     let settings = BakeSettings {

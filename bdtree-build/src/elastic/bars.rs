@@ -65,7 +65,7 @@ fn solve_bars(nodes: &[[f64; 3]], bars: &NodeLists, wanted: usize) -> Solution {
 fn bullet_torus_has_its_known_modes() {
     let file = |name: &str| {
         let test = "bullet_torus_has_its_known_modes";
-        bdtree_tests::corpus::path(test, &format!("modal/bullet_torus.{name}"))
+        bdtree_fixtures::corpus::path(test, &format!("modal/bullet_torus.{name}"))
     };
     let (Some(mesh), Some(values), Some(modes)) =
         (file("vtk"), file("eigenvalues.txt"), file("modes.f64"))

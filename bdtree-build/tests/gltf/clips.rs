@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
+use super::twin::{File, Sampler};
 use bdtree_build::input::{RawClip, gltf};
-use bdtree_tests::fixtures::{self, gltf::Writer, gltf::component};
-use bdtree_tests::gltf_twin::{File, Sampler};
+use bdtree_fixtures::models::{self, gltf::Writer, gltf::component};
 use serde_json::json;
 
 use crate::support::{edited, read};
 
 fn clip(name: Option<&str>) -> Result<RawClip, String> {
-    let bytes = fixtures::content("morph_nodes.glb");
+    let bytes = models::content("morph_nodes.glb");
     let model = gltf::parse(&bytes, "m", Path::new(""), name).map_err(|e| e.to_string())?;
     Ok(model.morphs.clip.expect("a clip"))
 }
@@ -56,7 +56,7 @@ fn spline(sampler: &Sampler, width: usize, k: usize, t: f64) -> f64 {
 #[test]
 fn splines_are_followed_within_a_thousandth() {
     let clip = clip(Some("blink")).expect("sound");
-    let file = File::open(&fixtures::path("morph_nodes.glb"));
+    let file = File::open(&models::path("morph_nodes.glb"));
     let samplers = file.samplers(1, &file.scene());
     let [sampler] = samplers.as_slice() else {
         panic!("{samplers:?}");
@@ -100,7 +100,7 @@ fn clips_are_chosen_by_name() {
         Err("m: animations: no animation called \"walk\" moves weights; these do: \"talk\", \"blink\"".into())
     );
     let none = gltf::parse(
-        &fixtures::content("strips_fans.glb"),
+        &models::content("strips_fans.glb"),
         "m",
         Path::new(""),
         Some("walk"),

@@ -1,9 +1,9 @@
 //! Damaged files: no panic, no hang, and what is read holds together.
 
 use bdtree_build::input::RawModel;
-use bdtree_tests::fixtures;
-use bdtree_tests::fixtures::gltf::pack;
-use bdtree_tests::poses::rng;
+use bdtree_fixtures::models;
+use bdtree_fixtures::models::gltf::pack;
+use bdtree_fixtures::poses::rng;
 use rand::RngExt;
 use serde_json::{Value, json};
 
@@ -69,7 +69,7 @@ fn survives(bytes: &[u8]) -> bool {
 fn any_byte_may_be_wrong() {
     let mut models = 0;
     for name in ["morph_nodes.glb", "strips_fans.glb", "morph_nodes.gltf"] {
-        let mut bytes = fixtures::content(name);
+        let mut bytes = models::content(name);
         for at in 0..bytes.len() {
             let right = bytes[at];
             for wrong in [0, 0xff, right ^ 0x10, right.wrapping_add(1)] {
@@ -86,7 +86,7 @@ fn any_byte_may_be_wrong() {
 #[test]
 fn any_end_may_be_missing() {
     for name in ["morph_nodes.glb", "strips_fans.glb", "morph_nodes.gltf"] {
-        let bytes = fixtures::content(name);
+        let bytes = models::content(name);
         for end in 0..bytes.len() {
             // The text ends in a line feed that JSON does not need.
             assert_eq!(

@@ -2,9 +2,11 @@
 
 mod buffers;
 mod clips;
+mod corpus;
 mod document;
 mod hostile;
 mod mistakes;
 mod morph;
 mod read;
 mod support;
+mod twin;

@@ -1,6 +1,6 @@
 //! Every mistake beside the document's values is named with its place: numbers, containers, sizes.
 
-use bdtree_tests::fixtures::{self, gltf::Writer, gltf::pack};
+use bdtree_fixtures::models::{self, gltf::Writer, gltf::pack};
 use serde_json::json;
 
 use crate::support::{edited, parts, read, rewritten};
@@ -99,7 +99,7 @@ fn broken_fixtures_say_what_is_wrong() {
             "m: extensionsRequired[0]: KHR_draco_mesh_compression is not supported",
         ),
     ] {
-        assert_eq!(read(&fixtures::content(name)).expect_err(name), problem);
+        assert_eq!(read(&models::content(name)).expect_err(name), problem);
     }
 }
 

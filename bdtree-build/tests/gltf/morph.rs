@@ -5,15 +5,15 @@ use bdtree_build::basis::morph::{MorphBasis, morph_basis};
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::input::{RawClip, RawMesh, RawModel, RawMorphs, RawTarget};
 use bdtree_build::wrap;
-use bdtree_tests::fixtures;
-use bdtree_tests::fixtures::gltf::{Weights, glb};
-use bdtree_tests::poses::rng;
+use bdtree_fixtures::models;
+use bdtree_fixtures::models::gltf::{Weights, glb};
+use bdtree_fixtures::poses::rng;
 use rand::RngExt;
 
 use crate::support::read;
 
 fn model() -> RawModel {
-    read(&fixtures::content("morph_nodes.glb")).expect("sound")
+    read(&models::content("morph_nodes.glb")).expect("sound")
 }
 
 fn morph(model: &RawModel, keep: Keep) -> (MorphBasis, Vec<String>) {
@@ -103,8 +103,8 @@ fn empty_targets_are_kept_with_a_warning_or_dropped_first() {
 /// the stated error, and reached where all dropped targets push the same way.
 #[test]
 fn the_stated_error_is_what_dropped_targets_can_move() {
-    let mesh = fixtures::mesh("sheet").expect("a mesh");
-    let shapes = fixtures::fields::local_fields(&mesh, 12, 3);
+    let mesh = models::mesh("sheet").expect("a mesh");
+    let shapes = models::fields::local_fields(&mesh, 12, 3);
     let raw = RawMesh {
         positions: mesh.positions.clone(),
         triangles: mesh.triangles.clone(),
@@ -266,9 +266,9 @@ fn given_fields_are_dropped_by_the_same_rule() {
 
 #[test]
 fn the_writer_of_faces_is_read_back() {
-    let mesh = fixtures::mesh("icosphere").expect("a mesh");
-    let fields = fixtures::fields::local_fields(&mesh, 3, 8);
-    let everywhere = fixtures::fields::smooth_fields(&mesh, 1, 8).remove(0);
+    let mesh = models::mesh("icosphere").expect("a mesh");
+    let fields = models::fields::local_fields(&mesh, 3, 8);
+    let everywhere = models::fields::smooth_fields(&mesh, 1, 8).remove(0);
     let targets = [
         ("one", fields[0].as_slice()),
         ("two", &fields[1]),

@@ -1,9 +1,9 @@
 //! What is read of sound files.
 
+use super::twin::File;
 use bdtree_build::input::gltf::read_gltf;
 use bdtree_build::input::{GroupKind, RawGroup, read_mesh};
-use bdtree_tests::fixtures::{self, gltf::Writer, gltf::component};
-use bdtree_tests::gltf_twin::File;
+use bdtree_fixtures::models::{self, gltf::Writer, gltf::component};
 use serde_json::json;
 
 use crate::support::{edited, read};
@@ -15,7 +15,7 @@ fn close(a: [f64; 3], b: [f64; 3]) -> bool {
 
 #[test]
 fn nodes_place_meshes_and_their_targets() {
-    let path = fixtures::path("morph_nodes.glb");
+    let path = models::path("morph_nodes.glb");
     let model = read_gltf(&path, None).expect("sound");
     let twin = File::open(&path).scene();
     assert_eq!(model.mesh.name, "morph_nodes.glb");
@@ -93,18 +93,18 @@ fn nodes_place_meshes_and_their_targets() {
 #[test]
 fn text_and_binary_say_the_same() {
     let [mut text, mut binary] = ["morph_nodes.gltf", "morph_nodes.glb"].map(|name| {
-        let bytes = fixtures::content(name);
+        let bytes = models::content(name);
         read(&bytes).expect("sound")
     });
     assert_eq!(text, binary);
     for name in ["morph_nodes.gltf", "morph_nodes.glb"] {
-        let mesh = read_mesh(&fixtures::path(name)).expect("sound");
+        let mesh = read_mesh(&models::path(name)).expect("sound");
         assert_ne!(mesh.hash, [0; 32]);
     }
     // A byte order mark is no JSON.
     let marked = [
         b"\xef\xbb\xbf",
-        fixtures::content("morph_nodes.gltf").as_slice(),
+        models::content("morph_nodes.gltf").as_slice(),
     ]
     .concat();
     text = read(&marked).expect("sound");
@@ -113,7 +113,7 @@ fn text_and_binary_say_the_same() {
         "m: ignored the byte order mark, which JSON does not have"
     );
     // Bytes after the end are no part of a GLB file.
-    let longer = [fixtures::content("morph_nodes.glb"), vec![7; 9]].concat();
+    let longer = [models::content("morph_nodes.glb"), vec![7; 9]].concat();
     binary = read(&longer).expect("sound");
     assert_eq!(
         binary.mesh.warnings.remove(0),
@@ -124,7 +124,7 @@ fn text_and_binary_say_the_same() {
 
 #[test]
 fn strips_and_fans_become_triangles() {
-    let model = read(&fixtures::content("strips_fans.glb")).expect("sound");
+    let model = read(&models::content("strips_fans.glb")).expect("sound");
     let expected = [
         [0, 1, 2],
         [1, 3, 2],

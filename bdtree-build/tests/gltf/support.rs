@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use bdtree_build::input::{RawModel, gltf};
-use bdtree_tests::fixtures::{self, gltf::pack, gltf::unpack};
+use bdtree_fixtures::models::{self, gltf::pack, gltf::unpack};
 use serde_json::Value;
 
 /// A sound file, taken apart: two nodes with two morph targets each.
 pub(crate) fn parts() -> (Value, Vec<u8>) {
-    unpack(&fixtures::content("morph_nodes.glb"))
+    unpack(&models::content("morph_nodes.glb"))
 }
 
 /// The model in `bytes`, or the problems; the file is called `m`.

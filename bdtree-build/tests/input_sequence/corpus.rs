@@ -1,6 +1,6 @@
 //! Sequences of the corpus.
 
-use bdtree_tests::corpus;
+use bdtree_fixtures::corpus;
 
 use crate::support::{all, open, refusal, wave_mesh};
 

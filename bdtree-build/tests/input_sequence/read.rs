@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use bdtree_tests::fixtures::{self, fields::npy_with};
+use bdtree_fixtures::models::{self, fields::npy_with};
 
 use crate::support::{FRAMES, VERTICES, all, as_single, expected, fixture_folder, open, wave_mesh};
 
@@ -24,9 +24,9 @@ fn every_format_has_the_same_frames() {
     assert_eq!((first.name.as_str(), first.hash), ("wave", folder.hash()));
     let sequences = [
         (folder, &expected),
-        (open(&fixtures::path("wave.npy"), Some(&mesh)), &expected),
-        (open(&fixtures::path("wave.pc2"), Some(&mesh)), &single),
-        (open(&fixtures::path("wave.mdd"), Some(&mesh)), &single),
+        (open(&models::path("wave.npy"), Some(&mesh)), &expected),
+        (open(&models::path("wave.pc2"), Some(&mesh)), &single),
+        (open(&models::path("wave.mdd"), Some(&mesh)), &single),
     ];
     for (sequence, expected) in &sequences {
         assert_eq!(sequence.frame_count(), FRAMES);
@@ -100,7 +100,7 @@ fn the_hash_is_of_the_bytes() {
     use sha2::{Digest, Sha256};
     let mesh = wave_mesh();
     for name in ["wave.pc2", "wave.mdd", "wave.npy"] {
-        let path = fixtures::path(name);
+        let path = models::path(name);
         let bytes = fs::read(&path).expect("readable");
         let expected: [u8; 32] = Sha256::digest(bytes).into();
         assert_eq!(open(&path, Some(&mesh)).hash(), expected, "{name}");
@@ -108,7 +108,7 @@ fn the_hash_is_of_the_bytes() {
     let mut hash = Sha256::new();
     for t in 0..FRAMES {
         let name = format!("wave_0{t}.obj");
-        let bytes = fs::read(fixtures::path(&format!("wave/{name}"))).expect("readable");
+        let bytes = fs::read(models::path(&format!("wave/{name}"))).expect("readable");
         hash.update(name);
         hash.update([0]);
         hash.update(Sha256::digest(bytes));
@@ -122,7 +122,7 @@ fn folders_are_taken_in_byte_order() {
     let folder = tempfile::tempdir().expect("a folder");
     let put =
         |name: &str, content: &[u8]| fs::write(folder.path().join(name), content).expect("ok");
-    let frame = |t| fs::read(fixtures::path(&format!("wave/wave_0{t}.obj"))).expect("readable");
+    let frame = |t| fs::read(models::path(&format!("wave/wave_0{t}.obj"))).expect("readable");
     put("f_10.OBJ", &frame(0));
     put("f_2.obj", &frame(1));
     let gz = {

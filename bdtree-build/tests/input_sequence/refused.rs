@@ -4,7 +4,7 @@ use std::fs;
 
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::progress::Silent;
-use bdtree_tests::fixtures::{self, fields::npy_with};
+use bdtree_fixtures::models::{self, fields::npy_with};
 
 use crate::support::{FRAMES, VERTICES, fixture_folder, open, refusal, wave_mesh};
 
@@ -12,11 +12,11 @@ use crate::support::{FRAMES, VERTICES, fixture_folder, open, refusal, wave_mesh}
 fn frames_with_other_vertices_or_faces_are_named() {
     let found = refusal(&fixture_folder("bad_wave_count"), None);
     assert_eq!(
-        found.replace(&format!("{}/", fixtures::folder().display()), ""),
+        found.replace(&format!("{}/", models::folder().display()), ""),
         "bad_wave_count/wave_02.obj: 55 vertices, but 54 in bad_wave_count/wave_00.obj"
     );
     let folder = tempfile::tempdir().expect("a folder");
-    let text = |t| fs::read_to_string(fixtures::path(&format!("wave/wave_0{t}.obj"))).expect("ok");
+    let text = |t| fs::read_to_string(models::path(&format!("wave/wave_0{t}.obj"))).expect("ok");
     let put = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("ok");
     put("a.obj", &text(0));
     put("b.obj", &text(1).replace("f 1 2 11\n", "f 2 11 1\n"));
@@ -60,10 +60,10 @@ fn the_input_must_fit() {
     );
     mesh.positions.pop();
     for name in ["wave.pc2", "wave.mdd", "wave.npy"] {
-        let text = refusal(&fixtures::path(name), Some(&mesh));
+        let text = refusal(&models::path(name), Some(&mesh));
         let expected = format!("{name}: 54 vertices per frame, but wave_00.obj has 53");
         assert_eq!(text, expected);
-        let text = refusal(&fixtures::path(name), None);
+        let text = refusal(&models::path(name), None);
         assert!(
             text.ends_with("name the mesh they belong to as INPUT"),
             "{text}"
@@ -79,7 +79,7 @@ fn the_input_must_fit() {
 #[test]
 fn numbers_that_are_no_coordinates_are_listed() {
     let mesh = wave_mesh();
-    let text = refusal(&fixtures::path("bad_wave_nan.npy"), Some(&mesh));
+    let text = refusal(&models::path("bad_wave_nan.npy"), Some(&mesh));
     assert_eq!(
         text,
         "bad_wave_nan.npy: frame 1, vertex 7, z: NaN is not finite"
@@ -109,7 +109,7 @@ fn numbers_that_are_no_coordinates_are_listed() {
     );
 
     for t in 0..2 {
-        let text = fs::read_to_string(fixtures::path(&format!("wave/wave_0{t}.obj"))).expect("ok");
+        let text = fs::read_to_string(models::path(&format!("wave/wave_0{t}.obj"))).expect("ok");
         let text = if t == 0 {
             text
         } else {
@@ -127,7 +127,7 @@ fn numbers_that_are_no_coordinates_are_listed() {
 #[test]
 fn files_are_as_long_as_they_say() {
     let mesh = wave_mesh();
-    let text = refusal(&fixtures::path("bad_wave_truncated.pc2"), Some(&mesh));
+    let text = refusal(&models::path("bad_wave_truncated.pc2"), Some(&mesh));
     assert_eq!(
         text,
         "bad_wave_truncated.pc2: truncated: 6 frames of 54 points need 3920 bytes, the file has \
@@ -135,7 +135,7 @@ fn files_are_as_long_as_they_say() {
     );
     let folder = tempfile::tempdir().expect("a folder");
     for name in ["wave.pc2", "wave.mdd", "wave.npy"] {
-        let bytes = fs::read(fixtures::path(name)).expect("readable");
+        let bytes = fs::read(models::path(name)).expect("readable");
         let path = folder.path().join(name);
         for end in (0..150)
             .step_by(3)
@@ -169,8 +169,8 @@ fn nothing_is_refused_by_name() {
         fs::write(&path, bytes).expect("writable");
         path
     };
-    let pc2 = fs::read(fixtures::path("wave.pc2")).expect("readable");
-    let mdd = fs::read(fixtures::path("wave.mdd")).expect("readable");
+    let pc2 = fs::read(models::path("wave.pc2")).expect("readable");
+    let mdd = fs::read(models::path("wave.mdd")).expect("readable");
     let with = |bytes: &[u8], at: usize, value: i32, big: bool, keep: usize| {
         let mut bytes = bytes[..keep].to_vec();
         let value = if big {

@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::progress::Silent;
-use bdtree_tests::fixtures;
+use bdtree_fixtures::models;
 
 pub(crate) const FRAMES: usize = 6;
 pub(crate) const VERTICES: usize = 54;
 
 pub(crate) fn fixture_folder(name: &str) -> PathBuf {
-    let first = fixtures::path(&format!("{name}/wave_00.obj"));
+    let first = models::path(&format!("{name}/wave_00.obj"));
     first.parent().expect("a folder").to_path_buf()
 }
 
 pub(crate) fn wave_mesh() -> RawMesh {
-    read_mesh(&fixtures::path("wave/wave_00.obj")).expect("a valid fixture")
+    read_mesh(&models::path("wave/wave_00.obj")).expect("a valid fixture")
 }
 
 pub(crate) fn open(path: &Path, input: Option<&RawMesh>) -> FrameSequence {
@@ -60,6 +60,6 @@ pub(crate) fn as_single(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
 
 /// The wave from its OBJ texts.
 pub(crate) fn expected() -> Vec<[f64; 3]> {
-    let frame = |t| read_mesh(&fixtures::path(&format!("wave/wave_0{t}.obj"))).expect("valid");
+    let frame = |t| read_mesh(&models::path(&format!("wave/wave_0{t}.obj"))).expect("valid");
     (0..FRAMES).flat_map(|t| frame(t).positions).collect()
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::progress::Silent;
-use bdtree_tests::fixtures;
+use bdtree_fixtures::models;
 
 use crate::support::{FRAMES, fixture_folder, wave_mesh};
 
@@ -21,14 +21,14 @@ fn times_come_from_the_file_or_the_rate() {
     };
     let at = |fps: f64| Some((0..FRAMES).map(|t| t as f64 / fps).collect::<Vec<_>>());
     for name in ["wave.pc2", "wave.npy"] {
-        let path = fixtures::path(name);
+        let path = models::path(name);
         assert_eq!(with(&path, None).0, None, "{name}");
         assert_eq!(with(&path, Some(30.0)).0, at(30.0), "{name}");
     }
     let folder = fixture_folder("wave");
     assert_eq!(with(&folder, None).0, None);
     assert_eq!(with(&folder, Some(24.0)).0, at(24.0));
-    let mdd = fixtures::path("wave.mdd");
+    let mdd = models::path("wave.mdd");
     let own: Vec<f64> = (0..FRAMES).map(|t| f64::from(t as f32 / 25.0)).collect();
     assert_eq!(with(&mdd, None).0, Some(own));
     assert_eq!(with(&mdd, Some(50.0)).0, at(50.0));
@@ -36,7 +36,7 @@ fn times_come_from_the_file_or_the_rate() {
     // Start and step of PC2, in frames.
     let temporary = tempfile::tempdir().expect("a folder");
     let changed = |name: &str, at: usize, value: [u8; 4]| {
-        let mut bytes = fs::read(fixtures::path(name)).expect("readable");
+        let mut bytes = fs::read(models::path(name)).expect("readable");
         bytes[at..at + 4].copy_from_slice(&value);
         let path = temporary.path().join(name);
         fs::write(&path, bytes).expect("writable");

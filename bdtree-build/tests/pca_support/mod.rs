@@ -11,8 +11,8 @@ use bdtree_build::input::RawMesh;
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::models::fields::npy_with;
 use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform, VertexId};
-use bdtree_tests::fixtures::fields::npy_with;
 use faer::Mat;
 
 pub(crate) type V3 = [f64; 3];

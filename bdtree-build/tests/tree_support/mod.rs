@@ -107,7 +107,7 @@ pub(crate) fn waves(mesh: &RawMesh, modes: usize) -> Basis {
 /// A file of the corpus, or `None` (with a line, or a failure when the corpus is required).
 pub(crate) fn corpus(name: &str) -> Option<Vec<u8>> {
     let thread = std::thread::current();
-    let path = bdtree_tests::corpus::path(thread.name().unwrap_or("tree"), name)?;
+    let path = bdtree_fixtures::corpus::path(thread.name().unwrap_or("tree"), name)?;
     Some(std::fs::read(path).expect("a file of the corpus"))
 }
 

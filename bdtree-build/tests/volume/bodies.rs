@@ -3,8 +3,8 @@
 use super::shapes::{dot, sub, trilinear};
 use bdtree_build::basis::embed::{Embedding, embed};
 use bdtree_build::input::volume::{RawVolume, parse_volume};
-use bdtree_tests::fixtures::math::Random;
-use bdtree_tests::fixtures::volume::{Format, Volume, hex_block, tet_block};
+use bdtree_fixtures::models::math::Random;
+use bdtree_fixtures::models::volume::{Format, Volume, hex_block, tet_block};
 
 pub(crate) fn tetrahedra((nodes, tetrahedra): (Vec<[f64; 3]>, Vec<[u32; 4]>)) -> RawVolume {
     RawVolume {

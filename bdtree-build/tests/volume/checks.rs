@@ -2,7 +2,7 @@
 
 use super::shapes::{parse, volumes};
 use bdtree_build::input::volume::{RawVolume, parse_volume};
-use bdtree_tests::fixtures::volume::{Format, Volume, block, hex_block, tet_block};
+use bdtree_fixtures::models::volume::{Format, Volume, block, hex_block, tet_block};
 
 fn read(volume: &Volume, format: Format) -> Result<RawVolume, String> {
     let name = format!("m{}", format.extension());

@@ -4,7 +4,7 @@ use super::shapes::{enclosed, is_closed, volumes};
 use bdtree_build::basis::embed::embed;
 use bdtree_build::input::read_mesh;
 use bdtree_build::input::volume::{read_volume, surface};
-use bdtree_tests::corpus;
+use bdtree_fixtures::corpus;
 
 #[test]
 fn counts_and_volumes_are_as_they_should_be() {

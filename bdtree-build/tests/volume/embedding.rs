@@ -5,8 +5,8 @@ use super::bodies::{
 };
 use bdtree_build::basis::embed::embed;
 use bdtree_build::input::volume::RawVolume;
-use bdtree_tests::fixtures::math::Random;
-use bdtree_tests::fixtures::volume::{hex_block, tet_block};
+use bdtree_fixtures::models::math::Random;
+use bdtree_fixtures::models::volume::{hex_block, tet_block};
 
 #[test]
 fn linear_fields_are_reproduced_inside() {

@@ -3,8 +3,8 @@
 use std::io::Write as _;
 
 use bdtree_build::input::volume::{RawVolume, parse_volume, read_volume};
-use bdtree_tests::fixtures;
-use bdtree_tests::fixtures::volume::{Format, Volume, beam, block, hex_block, tet_block};
+use bdtree_fixtures::models;
+use bdtree_fixtures::models::volume::{Format, Volume, beam, block, hex_block, tet_block};
 use flate2::{Compression, write::GzEncoder};
 use sha2::{Digest, Sha256};
 
@@ -75,7 +75,7 @@ fn fixtures_are_read_with_name_and_hash() {
         ("block_hex.vtk", 60, 24),
         ("mirrored_tets.veg", 12, 12),
     ] {
-        let path = fixtures::path(name);
+        let path = models::path(name);
         let volume = read_volume(&path).expect(name);
         let count = volume.tetrahedra.len() + volume.hexahedra.len();
         assert_eq!((volume.nodes.len(), count), (nodes, elements), "{name}");
@@ -121,9 +121,9 @@ fn broken_fixtures_name_every_mistake() {
         ),
     ] {
         let place = format!("b.{}", name.rsplit('.').next().unwrap_or_default());
-        let error = parse_volume(&fixtures::content(name), &place).expect_err(name);
+        let error = parse_volume(&models::content(name), &place).expect_err(name);
         assert_eq!(error.to_string(), text, "{name}");
-        assert!(read_volume(&fixtures::path(name)).is_err(), "{name}");
+        assert!(read_volume(&models::path(name)).is_err(), "{name}");
     }
 }
 

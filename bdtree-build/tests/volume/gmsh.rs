@@ -2,7 +2,7 @@
 
 use super::shapes::parse;
 use bdtree_build::input::volume::{RawVolume, parse_volume};
-use bdtree_tests::fixtures::volume::{Format, beam};
+use bdtree_fixtures::models::volume::{Format, beam};
 
 const FORMATS: [Format; 4] = [
     Format::Msh2,

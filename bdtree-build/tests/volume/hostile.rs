@@ -1,8 +1,8 @@
 //! Files cut and damaged anywhere: an error or a volume, never a panic, never much memory.
 
 use bdtree_build::input::volume::{parse_volume, surface};
-use bdtree_tests::fixtures::math::Random;
-use bdtree_tests::fixtures::volume::{Format, Volume, hex_block, tet_block};
+use bdtree_fixtures::models::math::Random;
+use bdtree_fixtures::models::volume::{Format, Volume, hex_block, tet_block};
 
 /// One file of every format, of a few hundred bytes.
 fn small() -> Vec<(String, Vec<u8>)> {

@@ -3,7 +3,7 @@
 use super::bodies::{check_weights, distance, embedded, volumes};
 use super::shapes::{cross, dot, sub, trilinear};
 use bdtree_build::input::volume::RawVolume;
-use bdtree_tests::fixtures::math::Random;
+use bdtree_fixtures::models::math::Random;
 
 /// The slow twin: all elements in order, tetrahedra by the signs of their faces, hexahedra by halving
 /// boxes of the unit cube as long as their corners surround the point.

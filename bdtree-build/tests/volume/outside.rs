@@ -4,7 +4,7 @@ use super::bodies::{check_weights, distance, distorted, embedded, volumes};
 use super::located::first_containing;
 use bdtree_build::basis::embed::embed;
 use bdtree_build::input::volume::{RawVolume, surface};
-use bdtree_tests::fixtures::math::Random;
+use bdtree_fixtures::models::math::Random;
 
 /// Points around `volume` and outside of it.
 fn around(volume: &RawVolume, count: usize) -> Vec<[f64; 3]> {

@@ -2,7 +2,7 @@
 
 use super::shapes::{enclosed, is_closed, parse, volumes};
 use bdtree_build::input::volume::{RawVolume, parse_volume, surface};
-use bdtree_tests::fixtures::volume::{Format, Volume, beam, block, hex_block, tet_block};
+use bdtree_fixtures::models::volume::{Format, Volume, beam, block, hex_block, tet_block};
 
 fn raw(volume: &Volume) -> RawVolume {
     RawVolume {

@@ -2,7 +2,7 @@
 
 use super::shapes::parse;
 use bdtree_build::input::volume::{RawVolume, parse_volume};
-use bdtree_tests::fixtures::volume::{Format, beam, block};
+use bdtree_fixtures::models::volume::{Format, beam, block};
 
 const HEAD: &str = "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET UNSTRUCTURED_GRID\n";
 const POINTS: &str = "POINTS 5 float\n0 0 0 1 0 0 0 1 0\n0 0 1\n1 1 1\n";

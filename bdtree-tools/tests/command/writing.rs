@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Instant;
 
-use bdtree_tests::bake;
-use bdtree_tests::processes::{kill_while_writing, on_full_disk, set_mode, unprivileged};
+use bdtree_fixtures::bake;
+use bdtree_fixtures::processes::{kill_while_writing, on_full_disk, set_mode, unprivileged};
 
 use crate::support::Folder;
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use bdtree_fixtures::golden;
 use bdtree_render::{Box3, tightness};
 use bdtree_runtime::{TriangleId, narrow};
-use bdtree_tests::golden;
 
 use super::*;
 

@@ -9,9 +9,9 @@ mod input;
 
 use std::path::{Path, PathBuf};
 
+use bdtree_fixtures::golden;
 use bdtree_render::Level;
 use bdtree_runtime::{Pose, Transform};
-use bdtree_tests::golden;
 use bdtree_tools::AssetFile;
 use bdtree_view::app::App;
 use display::{Display, Picture, Running};

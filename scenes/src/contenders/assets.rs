@@ -12,8 +12,8 @@ use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_measure::Body;
+use bdtree_fixtures::models;
 use bdtree_runtime::AlignedBytes;
-use bdtree_tests::fixtures;
 
 /// The file of a body, kept under `target/workloads/`: its name says which build made it.
 ///
@@ -44,7 +44,7 @@ pub fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
             }
         }
     }
-    fixtures::write(&path, &bytes)?;
+    models::write(&path, &bytes)?;
     Ok(bytes)
 }
 

@@ -2,9 +2,9 @@
 
 use std::error::Error;
 
+use bdtree_fixtures::poses;
 use bdtree_render::tightness::mean_and_max;
 use bdtree_runtime::Asset;
-use bdtree_tests::poses;
 use serde_json::{Value, json};
 
 use super::ways::{Deformations, Way};

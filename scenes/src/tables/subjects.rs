@@ -7,8 +7,8 @@ use bdtree_build::basis::pca::{Modes, PcaOptions, pca_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::models;
 use bdtree_runtime::AlignedBytes;
-use bdtree_tests::fixtures;
 use clap::ValueEnum;
 
 use crate::contenders::assets::baked_mesh;
@@ -51,9 +51,9 @@ impl Mesh {
 /// The file of a model.
 pub(super) fn baked(mesh: Mesh) -> Result<AlignedBytes, Box<dyn Error>> {
     let [_, _, mode_count, _, _] = mesh.of_the_paper();
-    let own = read_mesh(&fixtures::path(mesh.name()))?;
+    let own = read_mesh(&models::path(mesh.name()))?;
     let (moved, basis) = if mesh == Mesh::Curtain {
-        let frames = fixtures::path("curtain_sway.pc2");
+        let frames = models::path("curtain_sway.pc2");
         let sequence = FrameSequence::open(&frames, Some(&own), None, &Silent)?;
         let options = PcaOptions {
             modes: Modes::Count(mode_count),

@@ -2,8 +2,8 @@
 
 use bdtree_measure::Body;
 use bdtree_measure::deform::Deformer;
+use bdtree_fixtures::poses;
 use bdtree_runtime::Asset;
-use bdtree_tests::poses;
 use rand::{Rng, RngExt};
 
 use crate::workloads::scale;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use bdtree_tests::hostile::{Case, Run, Sources};
+use bdtree_fixtures::hostile::{Case, Run, Sources};
 use clap::Parser;
 
 /// Makes damaged `.bdt` files, opens, verifies and queries each; a case that panics is told with its

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::binary::{self, Endian};
 use super::{json, text};
-use crate::fixtures::gltf::{pack, unpack};
+use bdtree_fixtures::models::gltf::{pack, unpack};
 
 /// Words of NumPy headers.
 const NPY_WORDS: [&str; 12] = [

@@ -22,8 +22,8 @@ use rand_pcg::Pcg64Mcg;
 use serde_json::Value;
 
 use super::read::Thing;
-use crate::compare::check_pose;
-use crate::{bake, oracle, poses};
+use bdtree_fixtures::compare::check_pose;
+use bdtree_fixtures::{bake, oracle, poses};
 
 /// Larger meshes are read only.
 const TRIANGLES_MAX: usize = 4000;

@@ -18,7 +18,7 @@ use rand_pcg::Pcg64Mcg;
 use tempfile::TempDir;
 
 use super::{Format, scenes, seeds};
-use crate::fixtures::{self, fields};
+use bdtree_fixtures::models::{self, fields};
 
 /// Longest line of an error or a warning, without the file's path.
 const LINE_MAX: usize = 1000;
@@ -55,11 +55,11 @@ pub(super) type Refused = Vec<String>;
 impl Desk {
     pub(super) fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        let wave = fixtures::folder().join("wave/wave_00.obj");
+        let wave = models::folder().join("wave/wave_00.obj");
         let frames = folder.path().join("frames");
         fs::create_dir(&frames).expect("a folder");
         for k in [0, 2] {
-            let from = fixtures::folder().join(format!("wave/wave_{k:02}.obj"));
+            let from = models::folder().join(format!("wave/wave_{k:02}.obj"));
             fs::copy(from, frames.join(format!("{k}.obj"))).expect("a frame");
         }
         let wave = read_mesh(&wave).expect("a mesh");

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::json;
 
-use crate::bake;
+use bdtree_fixtures::bake;
 
 /// Writes the assets of [`seeds`] into a folder: with three modes, rigid, with frames, damaged.
 pub(super) fn write_assets(folder: &Path) {

@@ -5,10 +5,10 @@ use std::fs;
 use std::path::Path;
 
 use super::{Format, scenes};
-use crate::fixtures::gltf::unpack;
-use crate::fixtures::volume::{self, Volume, hex_block, tet_block};
-use crate::fixtures::{self, fields};
-use crate::{corpus, poses};
+use bdtree_fixtures::models::gltf::unpack;
+use bdtree_fixtures::models::volume::{self, Volume, hex_block, tet_block};
+use bdtree_fixtures::models::{self, fields};
+use bdtree_fixtures::{corpus, poses};
 use rand::RngExt;
 
 /// Larger files are mutated too slowly.
@@ -87,10 +87,10 @@ fn add_folder(seeds: &mut Seeds, folder: &Path) {
 fn of_fixtures(format: Format) -> Vec<Vec<u8>> {
     // Broken ones among OBJ files only: changed once more, binary ones are refused at once.
     let with = |extension: &str| -> Vec<Vec<u8>> {
-        let small = fixtures::all().iter().filter(|f| !f.is_large);
+        let small = models::all().iter().filter(|f| !f.is_large);
         small
             .filter(|f| !f.is_broken || extension == "obj")
-            .map(fixtures::place)
+            .map(models::place)
             .filter(|path| path.extension().is_some_and(|e| e == extension))
             .map(|path| fs::read(path).expect("fixture"))
             .filter(|bytes| !bytes.is_empty() && bytes.len() <= SIZE_MAX)
@@ -132,7 +132,7 @@ fn as_text(glb: &[u8]) -> Vec<u8> {
 
 /// The frames of the waving sheet.
 fn wave_frames() -> Vec<Vec<u8>> {
-    let path = |k| fixtures::folder().join(format!("wave/wave_{k:02}.obj"));
+    let path = |k| models::folder().join(format!("wave/wave_{k:02}.obj"));
     (0..6).map(|k| fs::read(path(k)).expect("frame")).collect()
 }
 

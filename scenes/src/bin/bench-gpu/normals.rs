@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use bdtree_gpu::NormalFields;
+use bdtree_fixtures::poses;
 use bdtree_runtime::{AlignedBytes, Asset, TriangleId, VertexId};
-use bdtree_tests::poses;
 use clap::Args;
 
 #[derive(Args)]

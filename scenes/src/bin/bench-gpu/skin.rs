@@ -9,9 +9,9 @@ use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
 use bdtree_measure::machine;
+use bdtree_fixtures::bake::{bumpy_sphere, smooth_basis};
+use bdtree_fixtures::{models, poses};
 use bdtree_runtime::{AlignedBytes, Asset};
-use bdtree_tests::bake::{bumpy_sphere, smooth_basis};
-use bdtree_tests::{fixtures, poses};
 use clap::Args;
 
 use crate::timer::Timer;
@@ -100,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     bench.asset("one large mesh", &Asset::open(&large)?, 1)?;
     let many = match &arguments.asset {
         Some(path) => AlignedBytes::read(path)?,
-        None => baked(&read_mesh(&fixtures::path("chair"))?, arguments.modes)?,
+        None => baked(&read_mesh(&models::path("chair"))?, arguments.modes)?,
     };
     bench.asset("many instances", &Asset::open(&many)?, arguments.instances)
 }

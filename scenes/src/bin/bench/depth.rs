@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::poses;
 use bdtree_format::LANES;
 use bdtree_measure::stats::median;
 use bdtree_runtime::{
     AlignedBytes, Asset, Contact, PairContact, PairStackEntry, Pose, Posed, Proxy, StackEntry,
     Transform, VertexId, query,
 };
-use bdtree_tests::poses;
 use clap::Args;
 use rand::RngExt;
 

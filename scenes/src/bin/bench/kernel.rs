@@ -5,11 +5,11 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
+use bdtree_fixtures::bake::{baked, bumpy_sphere, smooth_basis};
+use bdtree_fixtures::poses;
 use bdtree_format::{Row, pair_count, row_count};
 use bdtree_measure::{machine, stats};
 use bdtree_runtime::{AlignedBytes, Asset, Kernel, Pose, Transform};
-use bdtree_tests::bake::{baked, bumpy_sphere, smooth_basis};
-use bdtree_tests::poses;
 use clap::Args;
 use rand::seq::SliceRandom;
 use serde_json::{Value, json};

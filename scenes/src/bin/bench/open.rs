@@ -10,7 +10,7 @@ use bdtree_build::input::RawMesh;
 use bdtree_measure::{machine, stats};
 use bdtree_runtime::{AlignedBytes, Asset, MappedFile};
 use bdtree_scenes::contenders::assets::baked_mesh;
-use bdtree_tests::resident::mapped_bytes;
+use bdtree_fixtures::resident::mapped_bytes;
 use clap::Args;
 use serde_json::json;
 

@@ -9,7 +9,7 @@ use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::pipeline::{BakeSettings, Baked, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_tests::bake::{bumpy_sphere, smooth_basis};
+use bdtree_fixtures::bake::{bumpy_sphere, smooth_basis};
 use clap::Args;
 
 /// Mesh and modes.

@@ -170,7 +170,7 @@ pub(super) const EXPERIMENTS: &[Row] = &[
         },
         &[
             Test(
-                "tests/tests/obj_fixtures.rs",
+                "fixtures/tests/obj_fixtures.rs",
                 "the_papers_meshes_have_the_papers_sizes",
             ),
             Program("tables"),

@@ -14,7 +14,10 @@ pub(super) const LIMITATIONS: &[Row] = &[
                 "bdtree-build/tests/wrap_bounds.rs",
                 "uniform_scaling_is_exact",
             ),
-            Test("tests/tests/shrink_to_point.rs", "a_chair_that_shrinks"),
+            Test(
+                "bdtree-runtime/tests/shrink_to_point.rs",
+                "a_chair_that_shrinks",
+            ),
             Page("docs/hard-cases.md"),
         ],
     ),
@@ -46,7 +49,7 @@ pub(super) const LIMITATIONS: &[Row] = &[
         "not offered",
         says!("queries within a number of visits say what they left out"),
         &[Test(
-            "tests/tests/budget.rs",
+            "bdtree-runtime/tests/budget.rs",
             "bounds_are_true_and_rise_to_the_answer",
         )],
     ),
@@ -87,11 +90,11 @@ pub(super) const LIMITATIONS: &[Row] = &[
         ),
         &[
             Test(
-                "tests/tests/fronts.rs",
+                "bdtree-runtime/tests/fronts.rs",
                 "answers_are_those_of_a_walk_from_the_root",
             ),
             Test(
-                "tests/tests/fronts.rs",
+                "bdtree-runtime/tests/fronts.rs",
                 "slow_pairs_and_separate_ones_visit_few_nodes",
             ),
             BENCHMARKS,
@@ -118,11 +121,11 @@ pub(super) const LIMITATIONS: &[Row] = &[
         says!("one asset serves instances on all threads, from q alone"),
         &[
             Test(
-                "tests/tests/sharing.rs",
+                "bdtree-runtime/tests/sharing.rs",
                 "one_asset_serves_instances_on_several_threads",
             ),
             Test(
-                "tests/tests/sharing.rs",
+                "bdtree-runtime/tests/sharing.rs",
                 "what_instances_share_and_own_crosses_threads",
             ),
         ],

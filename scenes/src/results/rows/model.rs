@@ -14,7 +14,10 @@ pub(super) const MODEL: &[Row] = &[
         ),
         &[
             Test("scenes/tests/workloads.rs", "deformation_is_the_products"),
-            Test("tests/tests/frames.rs", "playback_is_what_was_baked"),
+            Test(
+                "bdtree-runtime/tests/frames.rs",
+                "playback_is_what_was_baked",
+            ),
         ],
     ),
     whole(
@@ -59,7 +62,7 @@ pub(super) const MODEL: &[Row] = &[
         &[
             Test("scenes/tests/paper_tree.rs", "one_leaf_per_triangle"),
             Test(
-                "tests/tests/obj_fixtures.rs",
+                "fixtures/tests/obj_fixtures.rs",
                 "the_papers_meshes_have_the_papers_sizes",
             ),
             Program("tables"),

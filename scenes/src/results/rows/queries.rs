@@ -39,7 +39,10 @@ pub(super) const TRAVERSAL: &[Row] = &[
         "tree against tree",
         "as for rigid bodies",
         says!("pairs equal brute force"),
-        &[Test("tests/tests/queries.rs", "pairs_equal_brute_force")],
+        &[Test(
+            "bdtree-runtime/tests/queries.rs",
+            "pairs_equal_brute_force",
+        )],
     ),
     whole(
         "P28",
@@ -67,7 +70,7 @@ pub(super) const TRAVERSAL: &[Row] = &[
         says!("every contact is reported or lies in a proxy; error over depth on the page"),
         &[
             Test(
-                "tests/tests/bounded.rs",
+                "bdtree-runtime/tests/bounded.rs",
                 "every_contact_is_reported_or_lies_in_a_proxy",
             ),
             BENCHMARKS,
@@ -104,8 +107,11 @@ pub(super) const TRAVERSAL: &[Row] = &[
         "used",
         says!("pairs of the broad phase equal all pairs"),
         &[
-            Test("tests/tests/broad.rs", "pairs_equal_all_pairs"),
-            Test("tests/tests/broad.rs", "comparisons_grow_with_the_spheres"),
+            Test("bdtree-runtime/tests/broad.rs", "pairs_equal_all_pairs"),
+            Test(
+                "bdtree-runtime/tests/broad.rs",
+                "comparisons_grow_with_the_spheres",
+            ),
         ],
     ),
     whole(
@@ -114,7 +120,7 @@ pub(super) const TRAVERSAL: &[Row] = &[
         "used for the bridge",
         says!("equal to brute force on the bridge"),
         &[Test(
-            "tests/tests/queries.rs",
+            "bdtree-runtime/tests/queries.rs",
             "bridge_queries_equal_brute_force",
         )],
     ),
@@ -137,7 +143,7 @@ pub(super) const TRAVERSAL: &[Row] = &[
         "used",
         says!("manifolds with depths; a falling body gains no energy"),
         &[Test(
-            "tests/tests/manifold.rs",
+            "bdtree-runtime/tests/manifold.rs",
             "penalty_forces_do_not_raise_the_energy_of_a_falling_body",
         )],
     ),

@@ -55,10 +55,13 @@ pub(super) const UPDATES: &[Row] = &[
         says!("each node's spheres follow from its own rows and q; kept and fresh ones are equal"),
         &[
             Test(
-                "tests/tests/epochs.rs",
+                "bdtree-runtime/tests/epochs.rs",
                 "answers_are_those_of_fresh_spheres",
             ),
-            Test("tests/tests/kernels.rs", "every_kernel_gives_the_same_bits"),
+            Test(
+                "bdtree-runtime/tests/kernels.rs",
+                "every_kernel_gives_the_same_bits",
+            ),
         ],
     ),
     whole(
@@ -71,7 +74,10 @@ pub(super) const UPDATES: &[Row] = &[
                 "bdtree-tools/tests/command/render.rs",
                 "visited_nodes_are_those_that_queries_count",
             ),
-            Test("tests/tests/allocation.rs", "queries_allocate_nothing"),
+            Test(
+                "bdtree-runtime/tests/allocation.rs",
+                "queries_allocate_nothing",
+            ),
         ],
     ),
     whole(

@@ -3,9 +3,9 @@
 use std::error::Error;
 
 use bdtree_build::input::RawMesh;
+use bdtree_fixtures::oracle::exact;
+use bdtree_fixtures::poses::rng;
 use bdtree_runtime::narrow::closest_point;
-use bdtree_tests::hard::exact;
-use bdtree_tests::poses::rng;
 use rand::RngExt;
 
 use super::fixture;

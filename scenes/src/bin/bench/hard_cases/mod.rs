@@ -16,7 +16,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use bdtree_build::input::{RawMesh, read_mesh};
-use bdtree_tests::fixtures;
+use bdtree_fixtures::models;
 use clap::Args;
 
 use libraries::{Given, entries};
@@ -38,7 +38,7 @@ pub(crate) struct Arguments {
 }
 
 fn fixture(name: &str) -> Result<RawMesh, Box<dyn Error>> {
-    Ok(read_mesh(&fixtures::path(name))?)
+    Ok(read_mesh(&models::path(name))?)
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use bdtree_build::input::RawMesh;
-use bdtree_tests::poses::rng;
+use bdtree_fixtures::poses::rng;
 use rand::RngExt;
 
 use super::fixture;

@@ -1,0 +1,320 @@
+//! Every glTF file of the corpus bakes as its table says or says what is not supported; what is
+//! read equals a second reading, and what is baked equals the file's weights.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use super::twin::{File, Twin};
+use bdtree_build::basis::dropped::Keep;
+use bdtree_build::basis::morph::{MorphBasis, morph_basis};
+use bdtree_build::input::gltf::read_gltf;
+use bdtree_build::input::{RawModel, read_mesh};
+use bdtree_fixtures::{bake, corpus, oracle, poses};
+use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, VertexId, query};
+
+/// Vertices and triangles as the corpus's table has them; targets, frames, warnings.
+const CHARACTERS: [(&str, [usize; 5]); 9] = [
+    ("Fox.glb", [1728, 576, 0, 0, 2]),
+    ("RiggedSimple.glb", [960, 892, 0, 0, 2]),
+    ("CesiumMan.glb", [3273, 4672, 0, 0, 2]),
+    ("RobotExpressive.glb", [7214, 3237, 9, 81, 6]),
+    (
+        "AnimatedMorphCube/AnimatedMorphCube.gltf",
+        [24, 12, 2, 127, 0],
+    ),
+    (
+        "AnimatedMorphSphere/AnimatedMorphSphere.gltf",
+        [1876, 960, 2, 217, 0],
+    ),
+    (
+        "MorphPrimitivesTest/MorphPrimitivesTest.gltf",
+        [30, 32, 1, 0, 0],
+    ),
+    ("SimpleMorph/SimpleMorph.gltf", [3, 1, 2, 5, 0]),
+    ("cake_parts.glb", [14616, 1332, 0, 0, 0]),
+];
+
+/// Files of `messy/gltf`: vertices and triangles, or the start of the first problem.
+const MESSY: [(&str, Result<[usize; 2], &str>); 17] = [
+    (
+        "BoxWithInfinites.glb",
+        Err("meshes[0].primitives[0].attributes.POSITION: vertex"),
+    ),
+    ("Flower_mangled.glb", Err("GLB header: length")),
+    (
+        "IndexOutOfRange.gltf",
+        Err("meshes[0].primitives[0].indices: index"),
+    ),
+    (
+        "Mesh_PrimitiveMode_00.gltf",
+        Err("no triangles, only primitives that are not triangles: 1 of points"),
+    ),
+    (
+        "Mesh_PrimitiveMode_02.gltf",
+        Err("no triangles, only primitives that are not triangles: 1 of lines"),
+    ),
+    ("Mesh_PrimitiveMode_04.gltf", Ok([4, 2])),
+    ("Mesh_PrimitiveMode_06.gltf", Ok([6, 2])),
+    (
+        "Mesh_PrimitiveMode_08.gltf",
+        Err("no triangles, only primitives that are not triangles: 1 of lines"),
+    ),
+    (
+        "Mesh_PrimitiveMode_10.gltf",
+        Err("no triangles, only primitives that are not triangles: 1 of lines"),
+    ),
+    ("Mesh_PrimitiveMode_12.gltf", Ok([4, 2])),
+    ("Mesh_PrimitiveMode_14.gltf", Ok([4, 2])),
+    (
+        "MissingBin.gltf",
+        Err("buffers[0]: uri \"BoxTextured0.bin\": cannot be read"),
+    ),
+    ("NoScene.gltf", Err("scene: there is no such element")),
+    (
+        "RecursiveNodes.gltf",
+        Err("nodes[0]: reached from scenes[0] and from nodes[1]"),
+    ),
+    (
+        "badArray.gltf",
+        Err("meshes[0].primitives: invalid type: map, expected a sequence"),
+    ),
+    (
+        "badNumber.gltf",
+        Err("buffers[0]: uri \"BoxTextured0.bin\": cannot be read"),
+    ),
+    (
+        "badUint.gltf",
+        Err("buffers[0]: uri \"BoxTextured0.bin\": cannot be read"),
+    ),
+];
+
+#[test]
+fn characters_are_what_their_table_says() {
+    let test = "gltf_characters_are_what_their_table_says";
+    let Some(folder) = corpus::path(test, "characters") else {
+        return;
+    };
+    for (name, expected) in CHARACTERS {
+        let path = folder.join(name);
+        let model = read_gltf(&path, None).unwrap_or_else(|e| panic!("{name}: {e}"));
+        println!("{name}: {:#?}", model.mesh.warnings);
+        let names: Vec<_> = model
+            .morphs
+            .targets
+            .iter()
+            .map(|t| t.name.as_deref())
+            .collect();
+        println!("{name}: {names:?}");
+        let frames = model
+            .morphs
+            .clip
+            .as_ref()
+            .map_or(0, |clip| clip.times_s.len());
+        let found = [
+            model.mesh.positions.len(),
+            model.mesh.triangles.len(),
+            model.morphs.targets.len(),
+            frames,
+            model.mesh.warnings.len(),
+        ];
+        assert_eq!(found, expected, "{name}");
+        let file = File::open(&path);
+        let twin = file.scene();
+        same(&model, &twin, name);
+        let samplers = file.samplers(0, &twin);
+        if let Some(clip) = &model.morphs.clip {
+            for sampler in &samplers {
+                assert_eq!(sampler.interpolation, "LINEAR", "{name}");
+                let width = sampler.values.len() / sampler.times.len();
+                for (k, t) in sampler.times.iter().enumerate() {
+                    let frame = clip
+                        .times_s
+                        .iter()
+                        .position(|x| x == t)
+                        .expect("a frame per key");
+                    let row = &clip.weights[frame * expected[2] + sampler.first_target..][..width];
+                    assert_eq!(row, &sampler.values[k * width..(k + 1) * width], "{name}");
+                }
+            }
+        }
+        let mut warnings = Vec::new();
+        let morph = morph_basis(
+            &model.mesh,
+            &model.morphs,
+            Keep::All,
+            4 << 30,
+            &mut warnings,
+        );
+        let morph = morph.unwrap_or_else(|e| panic!("{name}: {e}"));
+        println!("{name}: {:?} {warnings:?}", morph.error);
+        assert!(morph.error.max_rel < 1e-6, "{name}");
+        baked_weights_move_what_the_file_says(&model, &morph, &twin, name);
+    }
+}
+
+/// Positions, triangles and displacements to a few roundings of f64.
+fn same(model: &RawModel, twin: &Twin, name: &str) {
+    let size = twin
+        .positions
+        .as_flattened()
+        .iter()
+        .fold(0.0_f64, |m, x| m.max(x.abs()));
+    let close = |a: &[f64; 3], b: &[f64; 3], scale: f64| {
+        (0..3).all(|k| (a[k] - b[k]).abs() <= 1e-13 * scale)
+    };
+    assert_eq!(model.mesh.triangles, twin.triangles, "{name}");
+    assert_eq!(model.mesh.positions.len(), twin.positions.len(), "{name}");
+    for (i, (a, b)) in model.mesh.positions.iter().zip(&twin.positions).enumerate() {
+        assert!(close(a, b, size), "{name}: vertex {i}: {a:?} {b:?}");
+    }
+    assert_eq!(model.morphs.targets.len(), twin.fields.len(), "{name}");
+    for (j, (target, field)) in model.morphs.targets.iter().zip(&twin.fields).enumerate() {
+        assert_eq!(target.default_weight, twin.weights[j], "{name}");
+        let mut dense = vec![[0.0; 3]; field.len()];
+        let mut last = None;
+        for &(i, u) in &target.displacements {
+            assert!(last < Some(i), "{name}: ascending");
+            last = Some(i);
+            dense[i as usize] = u;
+        }
+        for (a, b) in dense.iter().zip(field) {
+            assert!(close(a, b, size), "{name}: target {j}: {a:?} {b:?}");
+        }
+    }
+}
+
+/// Weight 1 of each target, and every 16th frame of the clip: vertices to rounding of f32, balls as
+/// brute force finds them.
+fn baked_weights_move_what_the_file_says(
+    model: &RawModel,
+    morph: &MorphBasis,
+    twin: &Twin,
+    name: &str,
+) {
+    let bytes = bake::baked(&model.mesh, &morph.basis);
+    let asset = Asset::open(&bytes).expect("opens");
+    let sound = asset.verify(&mut |e| {
+        println!("{name}: {e}");
+        ControlFlow::Continue(())
+    });
+    assert!(sound, "{name}");
+    let count = twin.fields.len();
+    let one = |j: usize| {
+        (0..count)
+            .map(|k| f64::from(u8::from(k == j)))
+            .collect::<Vec<f64>>()
+    };
+    let mut weights: Vec<Vec<f64>> = (0..count).map(one).collect();
+    weights.push(morph.default_weights.clone());
+    if let Some(animation) = &morph.basis.animation {
+        let frames = animation.q.chunks_exact(count).step_by(16);
+        weights.extend(frames.map(<[f64]>::to_vec));
+    }
+    let diagonal = poses::diagonal(&asset) * asset.unit();
+    let mut memory = vec![0.0; asset.pose_len()];
+    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    for w in weights {
+        let q: Vec<f32> = w.iter().map(|w| *w as f32).collect();
+        let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
+        for (i, p) in twin.positions.iter().enumerate() {
+            let found = asset.deformed(&pose, VertexId(i as u32)).expect("vertex");
+            for k in 0..3 {
+                let moves = (0..count).map(|j| w[j] * twin.fields[j][i][k]);
+                // p and each U are rounded to f32, q too, and so is the sum once more per term; the
+                // world matrices of both readings differ by roundings of f64.
+                let terms: Vec<f64> = std::iter::once(p[k]).chain(moves).collect();
+                let size: f64 = terms.iter().map(|x| x.abs()).sum();
+                let slack = f64::from(f32::EPSILON) * (1 + count) as f64 * size + 1e-14 * diagonal;
+                let exact: f64 = terms.iter().sum();
+                assert!(
+                    (found[k] - exact).abs() <= slack,
+                    "{name}: vertex {i}: {found:?} {exact}"
+                );
+            }
+        }
+        let triangles = oracle::deformed_triangles(&asset, &pose);
+        let radius = 0.05 * diagonal;
+        for triangle in triangles.iter().step_by(1 + triangles.len() / 10) {
+            let centre = triangle[0];
+            let mut found: Vec<Contact> = Vec::new();
+            query::ball(&asset, &pose, centre, radius, &mut stack, &mut found).expect("ball");
+            let mut ids: Vec<u32> = found.iter().map(|c| c.triangle.0).collect();
+            ids.sort_unstable();
+            let expected = oracle::ball(&triangles, centre, radius);
+            let expected: Vec<u32> = expected.iter().map(|e| e.0).collect();
+            assert_eq!(ids, expected, "{name}");
+        }
+    }
+}
+
+#[test]
+fn messy_files_are_read_or_say_why_not() {
+    let test = "gltf_messy_files_are_read_or_say_why_not";
+    let Some(folder) = corpus::path(test, "messy/gltf") else {
+        return;
+    };
+    for (name, expected) in MESSY {
+        let path = folder.join(name);
+        let read = read_mesh(&path);
+        match (&read, expected) {
+            (Ok(mesh), Ok(counts)) => {
+                println!("{name}: {:?}", mesh.warnings);
+                assert_eq!(
+                    [mesh.positions.len(), mesh.triangles.len()],
+                    counts,
+                    "{name}"
+                );
+                let twin = File::open(&path).scene();
+                assert_eq!(mesh.positions, twin.positions, "{name}");
+                assert_eq!(mesh.triangles, twin.triangles, "{name}");
+            }
+            (Err(error), Err(start)) => {
+                println!("{error}");
+                let start = format!("{}: {start}", path.display());
+                assert!(
+                    error.to_string().starts_with(&start),
+                    "{name}: {error}\n{start}"
+                );
+            }
+            (Ok(_), Err(_)) => panic!("{name} should not be readable"),
+            (Err(error), Ok(_)) => panic!("{name}: {error}"),
+        }
+    }
+}
+
+#[test]
+fn no_file_is_missing_from_the_tables() {
+    let test = "gltf_no_file_is_missing_from_the_tables";
+    let Some(folder) = corpus::path(test, "") else {
+        return;
+    };
+    let known = |name: &str| {
+        let characters = CHARACTERS.iter().map(|(name, _)| *name);
+        characters
+            .chain(MESSY.iter().map(|(name, _)| *name))
+            .any(|n| n.ends_with(name))
+    };
+    let mut count = 0;
+    for folder in [folder.join("characters"), folder.join("messy/gltf")] {
+        for name in files(&folder) {
+            if name.ends_with(".glb") || name.ends_with(".gltf") {
+                assert!(known(&name), "{name}");
+                count += 1;
+            }
+        }
+    }
+    assert_eq!(count, CHARACTERS.len() + MESSY.len());
+}
+
+/// Names of the files in `folder` and below.
+fn files(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+        if entry.path().is_dir() {
+            names.extend(files(&entry.path()));
+        } else {
+            names.push(entry.file_name().to_string_lossy().into_owned());
+        }
+    }
+    names
+}

@@ -1,0 +1,76 @@
+//! A sound file, and the rules of the errors that others lead to.
+
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+use std::sync::LazyLock;
+
+use bdtree_build::input::{GroupKind, RawGroup};
+use bdtree_fixtures::bake;
+use bdtree_runtime::{
+    AlignedBytes, Asset, Contact, FormatError, Pose, QueryError, StackEntry, Transform, query,
+};
+
+/// Several nodes, six local modes (so the header block ends with padding), frames, groups,
+/// metadata.
+pub(crate) static FILE: LazyLock<AlignedBytes> = LazyLock::new(|| {
+    let mut mesh = bake::bumpy_sphere(14, 1);
+    for name in ["a", "b"] {
+        mesh.groups.push(RawGroup {
+            kind: GroupKind::Group,
+            name: name.to_string(),
+            first_triangle: 3,
+            triangle_count: 4,
+        });
+    }
+    let mut basis = bake::smooth_basis(&mesh, 6, 1);
+    let count = mesh.positions.len();
+    for (k, u) in basis.fields.iter_mut().enumerate() {
+        if mesh.positions[k % count][(k / count) % 3] < 0.5 {
+            *u = [0.0; 3];
+        }
+    }
+    bake::baked(&mesh, &bake::with_frames(basis, 3, 1.0, 1))
+});
+
+/// The rules of the errors seen so far; each error's text is checked when it is noted.
+#[derive(Default)]
+pub(crate) struct Seen(pub(crate) BTreeSet<String>);
+
+impl Seen {
+    pub(crate) fn note(&mut self, error: &FormatError) {
+        let text = error.to_string();
+        let expected = format!(
+            "section {} at byte {}: {}: expected {}, found {}",
+            error.section, error.byte, error.rule, error.expected, error.found
+        );
+        assert_eq!(text, expected);
+        self.0.insert(error.rule.to_string());
+    }
+
+    /// Opens, verifies and asks; notes everything.
+    pub(crate) fn everything(&mut self, bytes: &[u8]) {
+        let bytes = AlignedBytes::copy_of(bytes);
+        let asset = match Asset::open(&bytes) {
+            Ok(asset) => asset,
+            Err(error) => return self.note(&error),
+        };
+        asset.verify(&mut |error| {
+            self.note(&error);
+            ControlFlow::Continue(())
+        });
+        let mut memory = vec![0.0; asset.pose_len()];
+        let q = vec![0.01; asset.mode_count()];
+        let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
+        let mut stack = vec![StackEntry::default(); asset.stack_len()];
+        let mut found: Vec<Contact> = Vec::new();
+        let ball = query::ball(&asset, &pose, [0.0; 3], 100.0, &mut stack, &mut found);
+        if let Err(QueryError::Corrupt(error)) = ball {
+            assert!(
+                QueryError::from(error)
+                    .to_string()
+                    .ends_with(&error.to_string())
+            );
+            self.note(&error);
+        }
+    }
+}

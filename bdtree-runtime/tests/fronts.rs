@@ -1,0 +1,261 @@
+//! Pairs that stay close: with a front the answers of every step are those of a walk from the root,
+//! and where the two hardly move or stay apart no node is visited.
+
+use bdtree_fixtures::{bake, compare, poses};
+use bdtree_runtime::query::{self, PairFront};
+use bdtree_runtime::{
+    AlignedBytes, Asset, FrontSlot, Motion, PairContact, PairStackEntry, Pose, QueryError,
+    Transform, TrianglePair,
+};
+use rand::RngExt;
+
+fn bumpy() -> AlignedBytes {
+    let mesh = bake::bumpy_sphere(20, 3);
+    bake::baked(&mesh, &bake::smooth_basis(&mesh, 7, 4))
+}
+
+/// What a walk of two bodies did.
+#[derive(Debug, Default)]
+struct Tally {
+    touching: usize,
+    visits_with: u64,
+    visits_without: u64,
+    steps_apart: usize,
+}
+
+/// How fast two bodies move per step, in shares of their diagonal.
+#[derive(Clone, Copy)]
+struct Speed {
+    q: f64,
+    place: f64,
+}
+
+/// Two bodies about each other, `gap` of their diagonal between their middles.
+fn walk(asset: &Asset<'_>, slots: usize, gap: f64, speed: Speed, steps: usize, seed: u64) -> Tally {
+    let mut rng = poses::rng(seed);
+    let size = poses::diagonal(asset) * asset.unit();
+    let mut front = PairFront::new(vec![FrontSlot::EMPTY; slots]);
+    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
+    let mut q = [0, 1].map(|_| poses::random_q(asset, 0.1, &mut rng));
+    let mut places = [0, 1].map(|k| Transform {
+        translation: [gap * size * f64::from(k), 0.0, 0.0],
+        ..poses::random_transform(size, &mut rng)
+    });
+    places.iter_mut().for_each(|place| place.scale = 1.0);
+    let mut before: Option<[(Vec<f32>, Transform, Motion); 2]> = None;
+    let mut tally = Tally::default();
+    for step in 0..steps {
+        let mut memory = [0; 4].map(|_| vec![0.0; asset.pose_len()]);
+        let [m0, m1, m2, m3] = &mut memory;
+        let now = [
+            Pose::new(asset, &q[0], places[0], m0).unwrap(),
+            Pose::new(asset, &q[1], places[1], m1).unwrap(),
+        ];
+        let motions = match &before {
+            None => [Motion::new(&now[0]), Motion::new(&now[1])],
+            Some([a, b]) => {
+                let old = [
+                    Pose::new(asset, &a.0, a.1, m2).unwrap(),
+                    Pose::new(asset, &b.0, b.1, m3).unwrap(),
+                ];
+                let mut motions = [a.2, b.2];
+                for k in 0..2 {
+                    motions[k].advance(asset, &old[k], &now[k]).unwrap();
+                }
+                motions
+            }
+        };
+        let tolerance = if seed.is_multiple_of(2) {
+            0.0
+        } else {
+            0.005 * size
+        };
+        let (mut with, mut without): (Vec<TrianglePair>, Vec<TrianglePair>) = (vec![], vec![]);
+        let first = (asset, &now[0], &motions[0]);
+        let second = (asset, &now[1], &motions[1]);
+        let outcome = front
+            .touching(first, second, tolerance, &mut stack, &mut with)
+            .unwrap();
+        let plain = query::touching(
+            (asset, &now[0]),
+            (asset, &now[1]),
+            tolerance,
+            &mut stack,
+            &mut without,
+        )
+        .unwrap();
+        with.sort_unstable_by_key(|p| (p.triangle1, p.triangle2));
+        without.sort_unstable_by_key(|p| (p.triangle1, p.triangle2));
+        assert_eq!(with, without, "step {step}");
+        tally.touching += with.len();
+        tally.visits_with += outcome.nodes_visited;
+        tally.visits_without += plain.nodes_visited;
+        tally.steps_apart += usize::from(with.is_empty());
+
+        let [p0, p1] = places;
+        before = Some([
+            (q[0].clone(), p0, motions[0]),
+            (q[1].clone(), p1, motions[1]),
+        ]);
+        for q in &mut q {
+            let change = poses::random_q(asset, speed.q, &mut rng);
+            q.iter_mut().zip(change).for_each(|(q, c)| *q += c);
+        }
+        for place in &mut places {
+            for x in &mut place.translation {
+                *x += speed.place * size * rng.random_range(-1.0..1.0);
+            }
+            for x in &mut place.rotation {
+                *x += speed.place * rng.random_range(-1.0..1.0);
+            }
+            let norm = place.rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
+            place.rotation.iter_mut().for_each(|x| *x /= norm);
+        }
+    }
+    tally
+}
+
+#[test]
+fn answers_are_those_of_a_walk_from_the_root() {
+    let bytes = bumpy();
+    let mut touching = 0;
+    for asset in compare::kernels(Asset::open(&bytes).unwrap()) {
+        for (seed, (q, place)) in [(0.0003, 0.0003), (0.004, 0.0), (0.0, 0.01), (0.1, 0.1)]
+            .into_iter()
+            .enumerate()
+        {
+            for (slots, gap) in [(0, 0.42), (3, 0.42), (4096, 0.42), (4096, 0.55)] {
+                let speed = Speed { q, place };
+                let tally = walk(&asset, slots, gap, speed, 25, 20 + seed as u64);
+                touching += tally.touching;
+            }
+        }
+    }
+    assert!(touching > 1000, "{touching}");
+}
+
+#[test]
+fn slow_pairs_and_separate_ones_visit_few_nodes() {
+    let bytes = bumpy();
+    let asset = Asset::open(&bytes).unwrap();
+    let speed = Speed {
+        q: 0.0002,
+        place: 0.0002,
+    };
+    let close = walk(&asset, 8192, 0.42, speed, 60, 2);
+    assert!(close.touching > 0, "{close:?}");
+    assert!(close.visits_with * 2 < close.visits_without, "{close:?}");
+    let apart = walk(&asset, 4096, 0.64, speed, 60, 4);
+    assert!(apart.steps_apart > 50, "{apart:?}");
+    assert!(apart.visits_with * 2 < apart.visits_without, "{apart:?}");
+    // Too fast for any margin: about the visits of walks from the root.
+    let speed = Speed { q: 0.2, place: 0.2 };
+    let fast = walk(&asset, 8192, 0.42, speed, 60, 6);
+    assert!(fast.visits_with * 10 < fast.visits_without * 13, "{fast:?}");
+}
+
+#[test]
+fn points_are_the_same_too_and_wrong_motions_are_refused() {
+    let bytes = bumpy();
+    let asset = &Asset::open(&bytes).unwrap();
+    let size = poses::diagonal(asset) * asset.unit();
+    let mut rng = poses::rng(1);
+    let mut memory = [0; 3].map(|_| vec![0.0; asset.pose_len()]);
+    let [m0, m1, m2] = &mut memory;
+    let q = poses::random_q(asset, 0.1, &mut rng);
+    let aside = Transform {
+        translation: [0.5 * size, 0.0, 0.0],
+        ..Transform::IDENTITY
+    };
+    let a = Pose::new(asset, &q, Transform::IDENTITY, m0).unwrap();
+    let b = Pose::new(asset, &q, aside, m1).unwrap();
+    let further: Vec<f32> = q.iter().map(|q| q * 1.001).collect();
+    let c = Pose::new(asset, &further, aside, m2).unwrap();
+    let (motion_a, mut motion_b) = (Motion::new(&a), Motion::new(&b));
+    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
+    let mut front = PairFront::new([FrontSlot::EMPTY; 2048]);
+    for round in 0..3 {
+        let (mut with, mut without): (Vec<PairContact>, Vec<PairContact>) = (vec![], vec![]);
+        let outcome = front
+            .pair(
+                (asset, &a, &motion_a),
+                (asset, &b, &motion_b),
+                0.0,
+                &mut stack,
+                &mut with,
+            )
+            .unwrap();
+        query::pair((asset, &a), (asset, &b), 0.0, &mut stack, &mut without).unwrap();
+        assert!(!with.is_empty());
+        assert_eq!(with, without);
+        assert_eq!(outcome.nodes_visited == 0, round > 0, "nothing moves");
+    }
+    // The motion has not come to c yet.
+    let mut contacts: Vec<PairContact> = Vec::new();
+    let refused = front.pair(
+        (asset, &a, &motion_a),
+        (asset, &c, &motion_b),
+        0.0,
+        &mut stack,
+        &mut contacts,
+    );
+    assert_eq!(refused, Err(QueryError::PoseMismatch));
+    assert_eq!(
+        motion_b.advance(asset, &c, &b),
+        Err(QueryError::PoseMismatch)
+    );
+    motion_b.advance(asset, &b, &c).unwrap();
+    assert!(motion_b.total() > 0.0);
+    front
+        .pair(
+            (asset, &a, &motion_a),
+            (asset, &c, &motion_b),
+            0.0,
+            &mut stack,
+            &mut contacts,
+        )
+        .unwrap();
+}
+
+/// No vertex comes farther than the motion says.
+#[test]
+fn motion_bounds_the_way_of_every_vertex() {
+    let bytes = bumpy();
+    let asset = &Asset::open(&bytes).unwrap();
+    let size = poses::diagonal(asset) * asset.unit();
+    let mut rng = poses::rng(9);
+    for round in 0..40 {
+        let mut memory = [0; 2].map(|_| vec![0.0; asset.pose_len()]);
+        let [m0, m1] = &mut memory;
+        let far = if round % 3 == 0 { 1e6 } else { 1.0 };
+        let place = poses::random_transform(far * size, &mut rng);
+        let mut next = place;
+        let share = 10_f64.powi(-(round % 5));
+        if round % 2 == 0 {
+            next.translation[0] += share * size;
+            next.scale *= 1.0 + 0.1 * share;
+            next.rotation = poses::random_transform(size, &mut rng).rotation;
+        }
+        let q = poses::random_q(asset, 0.1, &mut rng);
+        let change = poses::random_q(asset, share, &mut rng);
+        let moved: Vec<f32> = q.iter().zip(change).map(|(q, c)| q + c).collect();
+        let from = Pose::new(asset, &q, place, m0).unwrap();
+        let to = Pose::new(asset, &moved, next, m1).unwrap();
+        let mut motion = Motion::new(&from);
+        motion.advance(asset, &from, &to).unwrap();
+        let mut largest = 0.0_f64;
+        for vertex in 0..asset.vertex_count() as u32 {
+            let vertex = bdtree_runtime::VertexId(vertex);
+            let a = asset.deformed(&from, vertex).unwrap();
+            let b = asset.deformed(&to, vertex).unwrap();
+            let way = (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt();
+            largest = largest.max(way);
+        }
+        assert!(motion.total() >= largest, "{} < {largest}", motion.total());
+        // Not much more either: a bound that says nothing keeps no front.
+        assert!(
+            motion.total() <= 40.0 * largest + 1e-4 * far * size,
+            "{round}"
+        );
+    }
+}
