@@ -18,6 +18,7 @@ mod pca;
 mod pca_align;
 mod pca_corpus;
 mod pca_support;
+mod recipes;
 mod tree_support;
 mod tree_visits;
 mod visits;
