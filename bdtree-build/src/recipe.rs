@@ -164,23 +164,30 @@ impl Source {
 
     /// Every file and folder that the bake reads by its name.
     pub fn files(&self) -> Vec<&Path> {
-        let mut files = vec![self.main_file()];
+        let mut files = Vec::new();
         match self {
-            Self::Surface { motion, .. } => match motion {
-                Motion::Elastic(elastic) | Motion::MorphsElseElastic(_, elastic) => {
-                    files.extend(lists(&elastic.options.fixes));
+            Self::Surface { path, motion, .. } => {
+                files.push(path.as_path());
+                match motion {
+                    Motion::Elastic(elastic) | Motion::MorphsElseElastic(_, elastic) => {
+                        files.extend(lists(&elastic.options.fixes));
+                    }
+                    Motion::Given(given) => {
+                        files.push(&given.path);
+                        files.extend(given.frequencies.as_deref());
+                    }
+                    Motion::Rigid | Motion::Morphs(_) => {}
                 }
-                Motion::Given(given) => {
-                    files.push(&given.path);
-                    files.extend(given.frequencies.as_deref());
-                }
-                Motion::Rigid | Motion::Morphs(_) => {}
-            },
+            }
             Self::Volume(volume) => {
+                files.extend(volume.surface.as_deref());
                 files.push(&volume.path);
                 files.extend(lists(&volume.options.fixes));
             }
-            Self::Frames(frames) => files.push(&frames.path),
+            Self::Frames(frames) => {
+                files.extend(frames.surface.as_deref());
+                files.push(&frames.path);
+            }
         }
         files
     }

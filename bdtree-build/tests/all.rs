@@ -21,6 +21,7 @@ mod pca_align;
 mod pca_corpus;
 mod pca_support;
 mod smallest_balls;
+mod recipes;
 mod tree_support;
 mod tree_visits;
 mod visits;

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use bdtree_build::error::{Part, Place};
 use bdtree_build::input::{GroupKind, RawMesh, obj, read_mesh};
 use flate2::{Compression, write::GzEncoder};
 use sha2::{Digest, Sha256};
@@ -90,7 +91,8 @@ fn oddities_are_listed_then_counted() {
 fn problems_beyond_a_hundred_are_counted() {
     let error = obj::parse("v 1\n".repeat(250).as_bytes(), "m.obj").unwrap_err();
     assert_eq!(error.problems.len(), 101);
-    assert_eq!(error.problems[99].place, "m.obj:100");
+    let line = Place::file("m.obj").at(Part::Line(100));
+    assert_eq!(error.problems[99].place, line);
     assert_eq!(error.problems[100].to_string(), "m.obj: 151 more problems");
 }
 

@@ -50,7 +50,7 @@ impl Source {
     fn folder(path: &Path) -> Self {
         let sequence = FrameSequence::open(path, None, None, &Silent).expect("a sequence");
         let frame = |t| {
-            read_mesh(Path::new(&sequence.place(t)))
+            read_mesh(Path::new(&sequence.place(t).to_string()))
                 .expect("a frame")
                 .positions
         };

@@ -67,7 +67,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FRAMES", conflicts_with_all = ["basis", "tets"], help_heading = "Animations")]
     pub(crate) animation: Option<PathBuf>,
 
-    /// What the rest positions are: the mean of the frames, or INPUT's [default: mean].
+    /// What the rest positions are: mean (of the frames) or input (the positions of INPUT) [default: mean].
     #[arg(
         long,
         value_name = "REST",

@@ -149,3 +149,71 @@ fn vibration_modes(arguments: &Arguments) -> Option<usize> {
 fn memory_limit_bytes(arguments: &Arguments) -> u64 {
     arguments.memory_limit.saturating_mul(1 << 20)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use clap::Parser;
+
+    use super::*;
+
+    fn recipe(arguments: &[&str]) -> Recipe {
+        let all = [&["bdtree-build"], arguments].concat();
+        let arguments = Arguments::try_parse_from(all).expect("arguments");
+        arguments.check().expect("no usage error");
+        of(&arguments).expect("a recipe")
+    }
+
+    fn motion(arguments: &[&str]) -> Motion {
+        match recipe(arguments).source {
+            Source::Surface { motion, .. } => motion,
+            other => panic!("{arguments:?}: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn arguments_choose_the_source() {
+        let Motion::MorphsElseElastic(morphs, elastic) = motion(&["a.glb"]) else {
+            panic!("a file without options has what it holds");
+        };
+        assert_eq!((morphs.keep, elastic.options.mode_count), (Keep::All, 10));
+        let Motion::MorphsElseElastic(morphs, elastic) = motion(&["a.obj", "--modes", "3"]) else {
+            panic!("a number of modes serves both");
+        };
+        assert_eq!(
+            (morphs.keep, elastic.options.mode_count),
+            (Keep::First(3), 3)
+        );
+        // Vibration modes cannot answer to an error.
+        assert!(matches!(
+            motion(&["a.obj", "--max-error-rel", "0.1"]),
+            Motion::Morphs(_)
+        ));
+        assert!(matches!(
+            motion(&["a.obj", "--basis", "u.npy"]),
+            Motion::Given(_)
+        ));
+        let source = recipe(&["--tets", "a.veg", "b.obj"]).source;
+        assert_eq!(source.main_file(), Path::new("b.obj"));
+        assert!(matches!(source, Source::Volume(_)));
+        let source = recipe(&["--animation", "frames"]).source;
+        assert_eq!(source.main_file(), Path::new("frames"));
+        assert!(matches!(source, Source::Frames(_)));
+    }
+
+    #[test]
+    fn every_file_that_is_read_is_named() {
+        let files = |arguments: &[&str]| -> Vec<String> {
+            let source = recipe(arguments).source;
+            let files = source.files().into_iter();
+            files.map(|path| path.display().to_string()).collect()
+        };
+        let given = ["a.obj", "--basis", "u.npy", "--frequencies", "f.txt"];
+        assert_eq!(files(&given), ["a.obj", "u.npy", "f.txt"]);
+        assert_eq!(files(&["a.obj", "--fix", "x:@l"]), ["a.obj", "l"]);
+        let volume = ["a.obj", "--tets", "b.veg", "--fix", "x:@l"];
+        assert_eq!(files(&volume), ["a.obj", "b.veg", "l"]);
+        assert_eq!(files(&["--animation", "w", "a.obj"]), ["a.obj", "w"]);
+    }
+}

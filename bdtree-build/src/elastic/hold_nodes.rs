@@ -2,7 +2,7 @@
 
 use super::fix::{Fix, FixRegion};
 use super::node_list::read_list;
-use crate::error::{BakeError, Place, Problems};
+use crate::error::{BakeError, Place};
 use crate::input::volume::RawVolume;
 
 /// Boxes reach this share of an element farther, for the rounding of coordinates.
@@ -20,12 +20,12 @@ pub(crate) fn hold_nodes(
     fixes: &[Fix],
 ) -> Result<Vec<[bool; 3]>, BakeError> {
     let mut held = vec![[false; 3]; volume.nodes.len()];
-    let mut problems = Problems::new("basis");
+    let mut sound = Ok(());
     for fix in fixes {
         let nodes = match region_nodes(volume, unit, &fix.region) {
             Ok(nodes) => nodes,
             Err(error) => {
-                problems.join(error);
+                sound = Err(error.after(sound));
                 continue;
             }
         };
@@ -39,10 +39,11 @@ pub(crate) fn hold_nodes(
             }
         }
         if !any {
-            problems.add(|| (fix.region.place(), "it holds no part of the body"));
+            let error = BakeError::one("basis", fix.region.place(), "it holds no part of the body");
+            sound = Err(error.after(sound));
         }
     }
-    problems.into_result(Place::option("--fix"))?;
+    sound?;
     let mut body = held.iter().zip(used).filter(|(_, u)| **u);
     if body.all(|(axes, _)| *axes == [true; 3]) {
         let message = "everything is held, so nothing can vibrate";

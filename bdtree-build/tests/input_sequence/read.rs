@@ -3,6 +3,7 @@
 use std::fs;
 
 use bdtree_fixtures::models::{self, fields::npy_with};
+use bdtree_build::error::Part;
 
 use crate::support::{FRAMES, VERTICES, all, as_single, expected, fixture_folder, open, wave_mesh};
 
@@ -43,10 +44,11 @@ fn every_format_has_the_same_frames() {
         assert!(sequence.read(50..55, &mut [0.0; 90]).is_err());
         assert!(sequence.read(50..54, &mut [0.0; 71]).is_err());
     }
-    let place = sequences[0].0.place(3);
+    let place = sequences[0].0.place(3).to_string();
     assert!(place.ends_with("wave/wave_03.obj"), "{place}");
     let place = sequences[2].0.place(3);
-    assert!(place.ends_with("wave.pc2: frame 3"), "{place}");
+    assert_eq!(place.parts, [Part::Frame(3)]);
+    assert!(place.to_string().ends_with("wave.pc2: frame 3"), "{place}");
 }
 
 #[test]
@@ -141,6 +143,7 @@ fn folders_are_taken_in_byte_order() {
         .map(|t| {
             sequence
                 .place(t)
+                .to_string()
                 .rsplit('/')
                 .next()
                 .unwrap_or_default()

@@ -39,7 +39,10 @@ fn check(bytes: &[u8], name: &str) -> bool {
         Err(error) => {
             assert!(!error.problems.is_empty() && error.problems.len() <= 101);
             assert!(
-                error.problems.iter().all(|p| p.place.starts_with(name)),
+                error
+                    .problems
+                    .iter()
+                    .all(|p| p.place.file.as_deref() == Some(name)),
                 "{error}"
             );
             false
