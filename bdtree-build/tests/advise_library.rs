@@ -9,11 +9,11 @@ use bdtree_build::basis::{Basis, BasisError};
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_runtime::{AlignedBytes, Asset};
 use bdtree_fixtures::bake::{
     baked, baked_with, bumpy_sphere, local_basis, rigid, smooth_basis, with_frames,
 };
 use bdtree_runtime::Asset;
+use bdtree_runtime::{AlignedBytes, Asset};
 use rand::RngExt;
 
 const MODES: usize = 7;

@@ -1,8 +1,8 @@
 //! The GPU that tests run on, on a machine without one Mesa's lavapipe; and assets skinned on it.
 
+use bdtree_fixtures::{bake, golden, poses};
 use bdtree_gpu::{GpuError, Instances, Normals, Skinner, read_back, request_device};
 use bdtree_runtime::{AlignedBytes, Asset, Transform};
-use bdtree_fixtures::{bake, golden, poses};
 
 /// A device and its queue.
 pub(crate) struct Gpu {

@@ -4,9 +4,9 @@
 use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::{bake, models, poses};
 use bdtree_gpu::{NormalFields, Normals, twin};
 use bdtree_runtime::{Asset, Pose, Transform, TriangleId, VertexId};
-use bdtree_fixtures::{bake, models, poses};
 
 use crate::devices::{self, Gpu};
 

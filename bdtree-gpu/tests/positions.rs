@@ -2,9 +2,9 @@
 //! compute passes and in a vertex shader.
 
 use bdtree_build::input::read_mesh;
+use bdtree_fixtures::{bake, models, poses};
 use bdtree_gpu::{Normals, twin};
 use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform, VertexId};
-use bdtree_fixtures::{bake, models, poses};
 
 use crate::devices::{self, Gpu};
 
