@@ -6,6 +6,7 @@ pub mod elastic;
 pub mod encode;
 pub mod error;
 pub mod input;
+mod parallel;
 pub mod pipeline;
 pub mod progress;
 pub mod report;

@@ -218,6 +218,24 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// More than `limit` cells.
     pub(crate) fn lattice(&self, resolution: f64, limit: usize) -> Result<Lattice, TooManyCells> {
+        let mut lattice = self.connected::<true>(resolution, limit)?;
+        integrate(&mut lattice);
+        Ok(lattice)
+    }
+
+    /// [`Subject::lattice`] without moments: parts, components and nodes are the same.
+    ///
+    /// # Errors
+    /// More than `limit` cells.
+    pub(crate) fn outline(&self, resolution: f64, limit: usize) -> Result<Lattice, TooManyCells> {
+        self.connected::<false>(resolution, limit)
+    }
+
+    fn connected<const ALL: bool>(
+        &self,
+        resolution: f64,
+        limit: usize,
+    ) -> Result<Lattice, TooManyCells> {
         let grid = self.grid(resolution);
         let fine = Grid {
             cell_size: grid.cell_size / FINE as f64,
@@ -227,7 +245,7 @@ impl<'a> Subject<'a> {
         let mesh = self.mesh;
         let corners = |id: u32| mesh.triangles[id as usize].map(|v| mesh.positions[v as usize]);
         let limit = limit.saturating_mul(FINE.pow(3));
-        let fillings = fill(&fine, &self.pieces.list, &corners, self.thickness, limit)?;
+        let fillings = fill::<ALL>(&fine, &self.pieces.list, &corners, self.thickness, limit)?;
         Ok(connect(grid, fine, fillings))
     }
 }
@@ -327,12 +345,28 @@ fn connect(grid: Grid, fine: Grid, fillings: Fillings) -> Lattice {
     lattice
 }
 
-/// Puts the parts into components, with what fills them.
+/// Puts the parts into components.
 fn gather(lattice: &mut Lattice, links: &[Link]) {
     let mut sets = DisjointSets::new(lattice.parts.len());
     for &(a, b, _) in links {
         sets.join(a as usize, b as usize);
     }
+    let mut number: HashMap<usize, u32> = HashMap::new();
+    for n in 0..lattice.parts.len() {
+        let next = number.len() as u32;
+        let component = *number.entry(sets.find(n)).or_insert(next);
+        if component == next {
+            lattice.components.push(Component::default());
+        }
+        let own = &mut lattice.components[component as usize];
+        lattice.parts[n].component = component;
+        lattice.parts[n].place = own.cells.len() as u32;
+        own.cells.push([0; FUNCTIONS]);
+    }
+}
+
+/// Gives the components what fills their parts.
+fn integrate(lattice: &mut Lattice) {
     let mut moments: Vec<Moments> = vec![[0.0; 125]; lattice.parts.len()];
     let mut start = 0;
     while start < lattice.fillings.len() {
@@ -356,20 +390,12 @@ fn gather(lattice: &mut Lattice, links: &[Link]) {
         add_eighth(&mut moments[own as usize], &total, upper);
         start = end;
     }
-    let mut number: HashMap<usize, u32> = HashMap::new();
-    for (n, mut moments) in moments.into_iter().enumerate() {
+    for (part, mut moments) in lattice.parts.iter().zip(moments) {
         if moments[0] > 1.0 - 1e-9 {
             moments = full_cell();
         }
-        let next = number.len() as u32;
-        let component = *number.entry(sets.find(n)).or_insert(next);
-        if component == next {
-            lattice.components.push(Component::default());
-        }
-        let own = &mut lattice.components[component as usize];
-        lattice.parts[n].component = component;
-        lattice.parts[n].place = own.cells.len() as u32;
-        own.cells.push([0; FUNCTIONS]);
+        // Parts stand in their components in their own order.
+        let own = &mut lattice.components[part.component as usize];
         own.moments.push(moments);
     }
 }

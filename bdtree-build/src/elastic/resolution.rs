@@ -40,12 +40,13 @@ pub(crate) fn choose_lattice(
             )),
         };
     }
-    let mut best: Option<(Lattice, u32)> = None;
+    // Only what is taken in the end is integrated.
+    let mut best = None;
     let (mut resolution, mut low, mut high) = (24u32, 0u32, AUTO_RESOLUTION_MAX as u32 + 1);
     for _ in 0..8 {
         let work = subject.surface_work(f64::from(resolution));
         let attempt = if work <= SURFACE_BUDGET + 4.0 * subject.triangle_count() {
-            subject.lattice(f64::from(resolution), 2 * NODE_BUDGET)
+            subject.outline(f64::from(resolution), 2 * NODE_BUDGET)
         } else {
             Err(TooManyCells)
         };
@@ -59,7 +60,7 @@ pub(crate) fn choose_lattice(
                 let share = nodes.max((work / WORK_BUDGET).sqrt());
                 if share <= 1.0 {
                     low = resolution;
-                    best = Some((lattice, resolution));
+                    best = Some(resolution);
                 } else {
                     high = resolution;
                 }
@@ -78,17 +79,15 @@ pub(crate) fn choose_lattice(
         let guess = (f64::from(resolution) * factor).round() as u32;
         resolution = guess.clamp(low + 1, high - 1);
     }
-    match best {
-        Some((lattice, resolution)) => nonempty(subject, lattice, resolution),
-        // Even one cell per piece is more than the budget: as coarse as it goes.
-        None => match subject.lattice(1.0, cell_limit) {
-            Ok(lattice) => nonempty(subject, lattice, 1),
-            Err(_) => Err(BakeError::one(
-                "basis",
-                subject.mesh.name.clone(),
-                "its pieces fill more cells than memory allows",
-            )),
-        },
+    // Even one cell per piece is more than the budget: as coarse as it goes.
+    let (resolution, limit) = best.map_or((1, cell_limit), |best| (best, 2 * NODE_BUDGET));
+    match subject.lattice(f64::from(resolution), limit) {
+        Ok(lattice) => nonempty(subject, lattice, resolution),
+        Err(_) => Err(BakeError::one(
+            "basis",
+            subject.mesh.name.clone(),
+            "its pieces fill more cells than memory allows",
+        )),
     }
 }
 

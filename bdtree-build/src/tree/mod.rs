@@ -130,7 +130,8 @@ pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], settings: &TreeSett
     let (mut tree, query) = cut(positions, triangles, settings, leaf_size);
     debug_assert!(tree.depth <= DEPTH_MAX);
     if settings.split == Split::Cost {
-        tree = exchange::exchange(&tree, positions, triangles, leaf_size, query);
+        let threads = settings.threads.max(1);
+        tree = exchange::exchange(&tree, positions, triangles, leaf_size, query, threads);
     }
     sort_leaves(&mut tree);
     tree
