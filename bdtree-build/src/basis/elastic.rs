@@ -11,21 +11,21 @@ use std::time::Instant;
 
 use crate::basis::Basis;
 use crate::basis::modal::{ModalField, modal_basis};
-use crate::elastic::element::Element;
-use crate::elastic::factor::FactorError;
-use crate::elastic::fix::hold_all;
+use crate::elastic::assemble::system::System;
+use crate::elastic::constraint::fix::hold_all;
+use crate::elastic::element::spline::Element;
+use crate::elastic::lattice::locate::anchors;
+use crate::elastic::lattice::resolution::{BYTES_PER_CELL, choose_lattice};
 use crate::elastic::lattice::{Lattice, Subject};
-use crate::elastic::locate::anchors;
-use crate::elastic::pieces::{Kind, find_pieces};
-use crate::elastic::resolution::{BYTES_PER_CELL, choose_lattice};
+use crate::elastic::solve::factor::FactorError;
 use crate::elastic::solve::{Limits, Solution, SolveError, solve};
-use crate::elastic::system::System;
+use crate::elastic::surface::pieces::{Kind, find_pieces};
 use crate::error::{BakeError, Problem};
 use crate::input::RawMesh;
 use crate::progress::Progress;
 
-pub use crate::elastic::fix::{Fix, FixRegion};
-pub use crate::elastic::resolution::{NODE_BUDGET, RESOLUTION_MAX};
+pub use crate::elastic::constraint::fix::{Fix, FixRegion};
+pub use crate::elastic::lattice::resolution::{NODE_BUDGET, RESOLUTION_MAX};
 
 /// What to bake, and of what.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::elastic::{ElasticOptions, Fix};
 use super::modal::ModalField;
-use crate::elastic::hold_nodes::hold_nodes;
+use crate::elastic::constraint::hold_nodes::hold_nodes;
 use crate::elastic::solve::{Limits, solve};
 use crate::error::BakeError;
 use crate::input::volume::RawVolume;

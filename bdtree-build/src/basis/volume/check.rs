@@ -3,7 +3,7 @@
 use super::VolumeOptions;
 use crate::basis::elastic::ElasticOptions;
 use crate::elastic::assemble::NodeLists;
-use crate::elastic::law::Law;
+use crate::elastic::element::law::Law;
 use crate::elastic::volume::Model;
 use crate::error::{BakeError, Problem};
 use crate::input::volume::{RawMaterial, RawVolume};

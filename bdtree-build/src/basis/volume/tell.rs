@@ -1,8 +1,8 @@
 //! Warnings and errors in words.
 
 use super::VolumeOptions;
-use crate::elastic::factor::FactorError;
-use crate::elastic::joints::{BLOCKS_MAX, TooManyBlocks};
+use crate::elastic::assemble::joints::{BLOCKS_MAX, TooManyBlocks};
+use crate::elastic::solve::factor::FactorError;
 use crate::elastic::solve::{Solution, SolveError};
 use crate::elastic::volume::Part;
 use crate::error::BakeError;

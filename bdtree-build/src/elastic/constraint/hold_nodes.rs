@@ -1,7 +1,7 @@
 //! Which nodes of a volume mesh `--fix` holds.
 
-use super::fix::{Fix, FixRegion};
-use super::node_list::read_list;
+use crate::elastic::constraint::fix::{Fix, FixRegion};
+use crate::elastic::constraint::node_list::read_list;
 use crate::error::{BakeError, Problem};
 use crate::input::volume::RawVolume;
 

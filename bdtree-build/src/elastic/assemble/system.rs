@@ -2,9 +2,9 @@
 
 use faer::{Mat, MatRef};
 
-use super::factor::Pattern;
-use super::hold::Grip;
-use super::joints::Blocks;
+use crate::elastic::assemble::joints::Blocks;
+use crate::elastic::constraint::hold::Grip;
+use crate::elastic::solve::factor::Pattern;
 
 /// Columns that a product takes at once.
 const COLUMNS: usize = 8;

@@ -1,8 +1,8 @@
 //! How many cells: as asked for, or as many as budgets of nodes and of work allow.
 
-use super::lattice::{Lattice, Subject};
-use super::ordering::nested_dissection;
-use super::table::TooManyCells;
+use crate::elastic::assemble::ordering::nested_dissection;
+use crate::elastic::lattice::table::TooManyCells;
+use crate::elastic::lattice::{Lattice, Subject};
 use crate::error::BakeError;
 
 /// Nodes that the default resolution may use.

@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use super::system::System;
+use crate::elastic::assemble::system::System;
 
 /// Neighbouring eigenvalues with a smaller relative gap form a cluster.
 pub(crate) const CLUSTER_GAP: f64 = 1e-6;
@@ -162,7 +162,7 @@ fn test_fields(system: &System) -> Mat<f64> {
 /// Scales a field so that the farthest vertex moves by 1, its leading component positive; returns
 /// the factor, or `None` if nothing moves.
 pub(crate) fn normalise(field: &mut [[f64; 3]]) -> Option<f64> {
-    let length = |v: &[f64; 3]| super::vec3::norm(*v);
+    let length = |v: &[f64; 3]| crate::elastic::vec3::norm(*v);
     let farthest = field.iter().map(length).fold(0.0, f64::max);
     if farthest.is_nan() || farthest <= 0.0 {
         return None;

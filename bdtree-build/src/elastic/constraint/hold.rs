@@ -1,8 +1,8 @@
 //! Which points `--fix` holds.
 
-use super::lattice::{Lattice, Subject};
-use super::locate::{Anchor, anchor};
-use super::slice::{Rules, for_each_fragment};
+use crate::elastic::lattice::locate::{Anchor, anchor};
+use crate::elastic::lattice::slice::{Rules, for_each_fragment};
+use crate::elastic::lattice::{Lattice, Subject};
 
 /// A region to hold, as the lattice sees it.
 #[derive(Debug, Clone)]

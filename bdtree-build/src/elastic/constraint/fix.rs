@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use super::hold::{Grip, Region, hold};
-use super::lattice::{Lattice, Subject};
-use super::node_list::read_list;
+use crate::elastic::constraint::hold::{Grip, Region, hold};
+use crate::elastic::constraint::node_list::read_list;
+use crate::elastic::lattice::{Lattice, Subject};
 use crate::error::BakeError;
 
 /// Holds part of the body along some axes.

@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::assemble::NodeLists;
-use super::pieces::DisjointSets;
-use super::vec3::{cross, norm, sub};
+use crate::elastic::assemble::NodeLists;
+use crate::elastic::surface::pieces::DisjointSets;
+use crate::elastic::vec3::{cross, norm, sub};
 
 /// Sets of elements that are stiff in themselves. A component of several can move at its joints
 /// without strain.

@@ -1,12 +1,21 @@
 //! The lowest modes of all components together.
 
+#[cfg(test)]
+mod bars;
+pub(crate) mod canonical;
+#[cfg(test)]
+pub(crate) mod dense;
+pub(crate) mod factor;
+pub(crate) mod krylov;
+pub(crate) mod rigid;
+
 use faer::Mat;
 
-use super::canonical::{CLUSTER_GAP, turn_clusters};
-use super::factor::{FactorError, Symbolic};
-use super::krylov::{Inverse, Modes, RESIDUAL_MAX, lowest_modes};
-use super::rigid::{rigid_motions, support};
-use super::system::System;
+use crate::elastic::assemble::system::System;
+use crate::elastic::solve::canonical::{CLUSTER_GAP, turn_clusters};
+use crate::elastic::solve::factor::{FactorError, Symbolic};
+use crate::elastic::solve::krylov::{Inverse, Modes, RESIDUAL_MAX, lowest_modes};
+use crate::elastic::solve::rigid::{rigid_motions, support};
 use crate::progress::Progress;
 
 /// More modes than asked for are found, so that a cluster at the end is met whole.

@@ -7,8 +7,8 @@
 //! on coordinates: M. T. Heath, P. Raghavan, "A Cartesian parallel nested dissection algorithm"
 //! (1995).
 
-use super::assemble::{NodeLists, adjacency};
-use super::vec3::dot;
+use crate::elastic::assemble::{NodeLists, adjacency};
+use crate::elastic::vec3::dot;
 
 /// Sets of this many nodes are not cut any further.
 const LEAF: usize = 24;

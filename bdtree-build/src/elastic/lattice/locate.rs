@@ -1,7 +1,7 @@
 //! Where the vertices lie in the lattice, and how they follow its nodes.
 
-use super::element::{FUNCTIONS, spline};
-use super::lattice::{Lattice, Subject};
+use crate::elastic::element::spline::{FUNCTIONS, spline};
+use crate::elastic::lattice::{Lattice, Subject};
 
 /// A point in a component, and the weight of each node there.
 #[derive(Debug, Clone)]

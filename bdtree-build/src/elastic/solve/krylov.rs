@@ -8,8 +8,8 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par, Side};
 
-use super::factor::{Factor, FactorError};
-use super::system::System;
+use crate::elastic::assemble::system::System;
+use crate::elastic::solve::factor::{Factor, FactorError};
 
 /// Eigenpairs, ascending.
 #[derive(Debug, Clone)]

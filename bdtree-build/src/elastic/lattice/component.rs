@@ -1,11 +1,11 @@
 //! The system of a component of the lattice.
 
-use super::assemble::{NodeLists, Source};
-use super::element::Element;
-use super::hold::Grip;
-use super::lattice::Component;
-use super::ordering::nested_dissection;
-use super::system::System;
+use crate::elastic::assemble::ordering::nested_dissection;
+use crate::elastic::assemble::system::System;
+use crate::elastic::assemble::{NodeLists, Source};
+use crate::elastic::constraint::hold::Grip;
+use crate::elastic::element::spline::Element;
+use crate::elastic::lattice::Component;
 
 impl System {
     /// Adds up the cells of a component and the springs at its held points. Functions follow
@@ -35,9 +35,9 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elastic::factor::Symbolic;
-    use crate::elastic::locate::Anchor;
-    use crate::elastic::moments::full_cell;
+    use crate::elastic::element::moments::full_cell;
+    use crate::elastic::lattice::locate::Anchor;
+    use crate::elastic::solve::factor::Symbolic;
     use faer::Mat;
 
     /// A row of full cells.
@@ -91,7 +91,7 @@ mod tests {
     fn negative_pivots_count_eigenvalues() {
         let component = bar(12);
         let system = System::of_lattice(&component, &Element::new(0.3), &[]).expect("a system");
-        let modes = crate::elastic::dense::all_modes(&system, 6).expect("eigenvalues");
+        let modes = crate::elastic::solve::dense::all_modes(&system, 6).expect("eigenvalues");
         let pattern = system.pattern();
         let symbolic = Symbolic::new(&pattern).expect("memory");
         for n in 1..80 {

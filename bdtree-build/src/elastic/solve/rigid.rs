@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use super::system::System;
+use crate::elastic::assemble::system::System;
 
 /// `M`-orthonormal motions without strain (size × count) that held points and unknowns allow: of
 /// the body, and of its blocks at the joints between them.

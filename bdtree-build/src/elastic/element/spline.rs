@@ -12,8 +12,8 @@
 //!
 //! Everything is in cell units: edge 1, Young's modulus 1, density 1.
 
-use super::assemble::ElementMatrices;
-use super::moments::{Moments, POWERS, full_cell};
+use crate::elastic::assemble::ElementMatrices;
+use crate::elastic::element::moments::{Moments, POWERS, full_cell};
 
 /// Functions that act in a cell: number `a + 3b + 9c` is centred `a − 1`, `b − 1`, `c − 1` cells
 /// from it.

@@ -3,9 +3,9 @@
 
 use faer::{Mat, Side};
 
-use super::factor::FactorError;
-use super::krylov::{Modes, worst_residual};
-use super::system::System;
+use crate::elastic::assemble::system::System;
+use crate::elastic::solve::factor::FactorError;
+use crate::elastic::solve::krylov::{Modes, worst_residual};
 
 /// Every elastic mode, ascending; `rigid_count` zero modes come before them and are left out.
 pub(crate) fn all_modes(system: &System, rigid_count: usize) -> Result<Modes, FactorError> {

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-use super::grid::Grid;
-use super::moments::{Moments, POWERS};
-use super::slice::{Polygon, for_each_fragment};
+use crate::elastic::element::moments::{Moments, POWERS};
+use crate::elastic::lattice::grid::Grid;
+use crate::elastic::lattice::slice::{Polygon, for_each_fragment};
 
 /// Moments in η and ζ of what lies between a surface and the lower end of its row.
 pub(crate) type Shadow = [f64; POWERS * POWERS];

@@ -1,14 +1,22 @@
 //! The lattice of filled cells: which hang together, and which spline functions act on them.
 
+pub(crate) mod component;
+pub(crate) mod fill;
+pub(crate) mod grid;
+pub(crate) mod locate;
+pub(crate) mod resolution;
+pub(crate) mod slice;
+pub(crate) mod table;
+
 use std::collections::HashMap;
 
-use super::element::FUNCTIONS;
-use super::fill::fill;
-use super::grid::Grid;
-use super::moments::{Moments, add_eighth, full_cell};
-use super::pieces::{DisjointSets, Kind, Pieces};
-use super::table::{Filling, Fillings, SHARE_MIN, TooManyCells};
-use super::vec3::{add, cross, norm, scale, sub};
+use crate::elastic::element::moments::{Moments, add_eighth, full_cell};
+use crate::elastic::element::spline::FUNCTIONS;
+use crate::elastic::lattice::fill::fill;
+use crate::elastic::lattice::grid::Grid;
+use crate::elastic::lattice::table::{Filling, Fillings, SHARE_MIN, TooManyCells};
+use crate::elastic::surface::pieces::{DisjointSets, Kind, Pieces};
+use crate::elastic::vec3::{add, cross, norm, scale, sub};
 use crate::input::RawMesh;
 
 /// A connected set of cells: its own vibrating body.

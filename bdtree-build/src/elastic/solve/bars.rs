@@ -8,11 +8,11 @@ use std::borrow::Cow;
 
 use faer::Mat;
 
-use super::assemble::{ElementMatrices, NodeLists, Source};
-use super::dissection::dissect_mesh;
-use super::solve::{Limits, Solution, solve};
-use super::system::System;
-use super::vec3::{norm, sub};
+use crate::elastic::assemble::dissection::dissect_mesh;
+use crate::elastic::assemble::system::System;
+use crate::elastic::assemble::{ElementMatrices, NodeLists, Source};
+use crate::elastic::solve::{Limits, Solution, solve};
+use crate::elastic::vec3::{norm, sub};
 use crate::progress::Silent;
 
 /// Stiffness and lumped mass of a bar.

@@ -1,9 +1,9 @@
 //! The linear (constant-strain) tetrahedron.
 //! O. C. Zienkiewicz, R. L. Taylor, "The Finite Element Method" 1 (2000), chapter 6.
 
-use super::assemble::ElementMatrices;
-use super::law::Law;
-use super::vec3::{cross, dot, scale, sub};
+use crate::elastic::assemble::ElementMatrices;
+use crate::elastic::element::law::Law;
+use crate::elastic::vec3::{cross, dot, scale, sub};
 
 /// Volume of a tetrahedron, positive for (b − a) × (c − a) · (d − a) > 0.
 pub(crate) fn volume(p: &[[f64; 3]; 4]) -> f64 {

@@ -5,12 +5,14 @@
 //! a cell is made of prisms, a thinner one is integrated over its area at two Gauss points through its
 //! thickness, which carry its bending stiffness.
 
-use super::grid::Grid;
-use super::moments::{LINE, Moments, POWERS, powers};
-use super::pieces::{Kind, Piece};
-use super::slice::Rules;
-use super::table::{Filling, Fillings, SHARE_MIN, Shadow, Sums, Table, TooManyCells};
-use super::vec3::{add, cross, norm, scale, sub};
+use crate::elastic::element::moments::{LINE, Moments, POWERS, powers};
+use crate::elastic::lattice::grid::Grid;
+use crate::elastic::lattice::slice::Rules;
+use crate::elastic::lattice::table::{
+    Filling, Fillings, SHARE_MIN, Shadow, Sums, Table, TooManyCells,
+};
+use crate::elastic::surface::pieces::{Kind, Piece};
+use crate::elastic::vec3::{add, cross, norm, scale, sub};
 
 /// Moments of every body in every cell it fills, sorted by cell, then body.
 ///
@@ -262,8 +264,8 @@ fn cover_faces(grid: &Grid, sums: &[Sums], fillings: &mut [Filling]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elastic::moments::full_cell;
-    use crate::elastic::pieces::find_pieces;
+    use crate::elastic::element::moments::full_cell;
+    use crate::elastic::surface::pieces::find_pieces;
 
     /// A tetrahedron's volume and first moments, whichever way the cells cut it.
     #[test]

@@ -9,7 +9,7 @@
 
 use std::collections::HashMap;
 
-use super::vec3::{add, cross, dot, norm, scale, sub};
+use crate::elastic::vec3::{add, cross, dot, norm, scale, sub};
 
 /// Holes of a solid may take up this share of the piece's area in all …
 const HOLE_AREA_MAX: f64 = 0.05;

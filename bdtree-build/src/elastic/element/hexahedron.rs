@@ -9,8 +9,8 @@
 
 use nalgebra::{Matrix3, SMatrix};
 
-use super::assemble::ElementMatrices;
-use super::law::Law;
+use crate::elastic::assemble::ElementMatrices;
+use crate::elastic::element::law::Law;
 
 /// Corners of the cube [-1, 1]³ in VTK's order.
 const CORNERS: [[f64; 3]; 8] = [

@@ -2,13 +2,13 @@
 
 use std::borrow::Cow;
 
-use super::assemble::{ElementMatrices, NodeLists, Source};
-use super::dissection::dissect_mesh;
-use super::joints::{Blocks, TooManyBlocks, find_blocks};
-use super::law::Law;
-use super::pieces::DisjointSets;
-use super::system::System;
-use super::{hexahedron, tetrahedron};
+use crate::elastic::assemble::dissection::dissect_mesh;
+use crate::elastic::assemble::joints::{Blocks, TooManyBlocks, find_blocks};
+use crate::elastic::assemble::system::System;
+use crate::elastic::assemble::{ElementMatrices, NodeLists, Source};
+use crate::elastic::element::law::Law;
+use crate::elastic::element::{hexahedron, tetrahedron};
+use crate::elastic::surface::pieces::DisjointSets;
 
 /// Elements that hang together by nodes: their own vibrating body.
 #[derive(Debug, Clone, Default)]
@@ -150,7 +150,7 @@ impl Model {
         for &a in corners {
             for &b in corners {
                 let [a, b] = [a, b].map(|n| self.positions[n as usize]);
-                longest = longest.max(super::vec3::norm(super::vec3::sub(a, b)));
+                longest = longest.max(crate::elastic::vec3::norm(crate::elastic::vec3::sub(a, b)));
             }
         }
         (volume, least / longest.powi(3))

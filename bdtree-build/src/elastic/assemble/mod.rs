@@ -1,10 +1,15 @@
 //! Adds up elements and springs to a system.
 
+pub(crate) mod dissection;
+pub(crate) mod joints;
+pub(crate) mod ordering;
+pub(crate) mod system;
+
 use std::borrow::Cow;
 
-use super::hold::Grip;
-use super::joints::Blocks;
-use super::system::System;
+use crate::elastic::assemble::joints::Blocks;
+use crate::elastic::assemble::system::System;
+use crate::elastic::constraint::hold::Grip;
 
 /// Stiffness of the springs at held points, per cell, in units of Young's modulus times the cell
 /// size: they give way by a thousandth of what the cell itself does.
