@@ -2,7 +2,7 @@
 
 use super::VolumeOptions;
 use crate::basis::elastic::ElasticOptions;
-use crate::elastic::assemble::NodeLists;
+use crate::elastic::element::NodeLists;
 use crate::elastic::element::law::Law;
 use crate::elastic::volume::Model;
 use crate::error::{BakeError, Problem};

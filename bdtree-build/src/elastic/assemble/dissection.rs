@@ -7,7 +7,8 @@
 //! on coordinates: M. T. Heath, P. Raghavan, "A Cartesian parallel nested dissection algorithm"
 //! (1995).
 
-use crate::elastic::assemble::{NodeLists, adjacency};
+use crate::elastic::assemble::adjacency;
+use crate::elastic::element::NodeLists;
 use crate::elastic::vec3::dot;
 
 /// Sets of this many nodes are not cut any further.

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::elastic::assemble::NodeLists;
-use crate::elastic::surface::pieces::DisjointSets;
+use crate::elastic::disjoint_sets::DisjointSets;
+use crate::elastic::element::NodeLists;
 use crate::elastic::vec3::{cross, norm, sub};
 
 /// Sets of elements that are stiff in themselves. A component of several can move at its joints

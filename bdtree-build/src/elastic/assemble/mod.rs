@@ -1,5 +1,6 @@
 //! Adds up elements and springs to a system.
 
+pub(crate) mod constraint;
 pub(crate) mod dissection;
 pub(crate) mod joints;
 pub(crate) mod ordering;
@@ -7,77 +8,14 @@ pub(crate) mod system;
 
 use std::borrow::Cow;
 
+use crate::elastic::assemble::constraint::Grip;
 use crate::elastic::assemble::joints::Blocks;
 use crate::elastic::assemble::system::System;
-use crate::elastic::constraint::hold::Grip;
+use crate::elastic::element::{ElementMatrices, NodeLists};
 
 /// Stiffness of the springs at held points, per cell, in units of Young's modulus times the cell
 /// size: they give way by a thousandth of what the cell itself does.
 const GRIP: f64 = 1e3;
-
-/// Stiffness and mass of an element with n functions.
-#[derive(Debug, Clone)]
-pub(crate) struct ElementMatrices {
-    /// Per pair of functions at `n i + j`: the 3 × 3 block, row-major.
-    pub stiffness: Vec<[f64; 9]>,
-    /// Per pair of functions: the mass of each direction.
-    pub mass: Vec<f64>,
-}
-
-impl ElementMatrices {
-    /// Puts the sum of each row of the mass on its diagonal.
-    pub(crate) fn lump(&mut self) {
-        let count = self.mass.len().isqrt();
-        for (i, row) in self.mass.chunks_exact_mut(count.max(1)).enumerate() {
-            let sum = row.iter().sum();
-            row.fill(0.0);
-            row[i] = sum;
-        }
-    }
-}
-
-/// Lists of nodes, one per element.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct NodeLists {
-    ends: Vec<usize>,
-    nodes: Vec<u32>,
-}
-
-impl NodeLists {
-    /// Appends an element.
-    pub(crate) fn push(&mut self, nodes: impl IntoIterator<Item = u32>) {
-        self.nodes.extend(nodes);
-        self.ends.push(self.nodes.len());
-    }
-
-    /// Number of elements.
-    pub(crate) fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    /// Nodes of an element.
-    pub(crate) fn get(&self, element: usize) -> &[u32] {
-        let start = if element == 0 {
-            0
-        } else {
-            self.ends[element - 1]
-        };
-        &self.nodes[start..self.ends[element]]
-    }
-
-    /// The elements in turn.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &[u32]> {
-        (0..self.len()).map(|e| self.get(e))
-    }
-
-    /// The same with other node numbers.
-    fn renumbered(&self, place: &[u32]) -> Self {
-        Self {
-            ends: self.ends.clone(),
-            nodes: self.nodes.iter().map(|&n| place[n as usize]).collect(),
-        }
-    }
-}
 
 /// What a component consists of; nodes are numbered as in `positions`.
 #[derive(Debug, Clone, Default)]
@@ -180,7 +118,7 @@ impl System {
 /// first, then its later neighbours.
 pub(crate) fn adjacency(elements: &NodeLists, count: usize) -> (Vec<usize>, Vec<u32>) {
     let mut first = vec![0usize; count + 1];
-    for n in &elements.nodes {
+    for n in elements.iter().flatten() {
         first[*n as usize + 1] += 1;
     }
     for n in 0..count {

@@ -2,9 +2,8 @@
 
 use faer::{Mat, MatRef};
 
+use crate::elastic::assemble::constraint::Grip;
 use crate::elastic::assemble::joints::Blocks;
-use crate::elastic::constraint::hold::Grip;
-use crate::elastic::solve::factor::Pattern;
 
 /// Columns that a product takes at once.
 const COLUMNS: usize = 8;
@@ -33,6 +32,15 @@ pub(crate) struct System {
     pub(super) rows: Vec<u32>,
     pub(super) stiffness: Vec<[f64; 9]>,
     pub(super) mass: Vec<f64>,
+}
+
+/// The lower triangle of a symmetric sparse pattern, by columns, rows ascending.
+#[derive(Debug, Clone)]
+pub(crate) struct Pattern {
+    /// Start of each column in `rows`, and its end.
+    pub columns: Vec<usize>,
+    /// Row of each entry.
+    pub rows: Vec<usize>,
 }
 
 impl System {

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use crate::elastic::constraint::hold::{Grip, Region, hold};
+use crate::elastic::assemble::constraint::Grip;
+use crate::elastic::constraint::hold::{Region, hold};
 use crate::elastic::constraint::node_list::read_list;
 use crate::elastic::lattice::{Lattice, Subject};
 use crate::error::BakeError;

@@ -1,6 +1,7 @@
 //! Which points `--fix` holds.
 
-use crate::elastic::lattice::locate::{Anchor, anchor};
+use crate::elastic::assemble::constraint::Grip;
+use crate::elastic::lattice::locate::anchor;
 use crate::elastic::lattice::slice::{Rules, for_each_fragment};
 use crate::elastic::lattice::{Lattice, Subject};
 
@@ -29,17 +30,6 @@ impl Region<'_> {
             Self::Vertices(list) => corners.iter().all(|c| list.binary_search(c).is_ok()),
         }
     }
-}
-
-/// A point of a component that is held along some axes by a stiff spring.
-#[derive(Debug, Clone)]
-pub(crate) struct Grip {
-    /// Where.
-    pub anchor: Anchor,
-    /// Whether x, y, z are held.
-    pub axes: [bool; 3],
-    /// Share of the spring that its cell gets; the shares of a fix add up to 1 in each cell.
-    pub share: f64,
 }
 
 /// What a region holds.

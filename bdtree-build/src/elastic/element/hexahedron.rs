@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix3, SMatrix};
 
-use crate::elastic::assemble::ElementMatrices;
+use crate::elastic::element::ElementMatrices;
 use crate::elastic::element::law::Law;
 
 /// Corners of the cube [-1, 1]³ in VTK's order.

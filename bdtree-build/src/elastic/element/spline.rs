@@ -12,7 +12,7 @@
 //!
 //! Everything is in cell units: edge 1, Young's modulus 1, density 1.
 
-use crate::elastic::assemble::ElementMatrices;
+use crate::elastic::element::ElementMatrices;
 use crate::elastic::element::moments::{Moments, POWERS, full_cell};
 
 /// Functions that act in a cell: number `a + 3b + 9c` is centred `a − 1`, `b − 1`, `c − 1` cells

@@ -1,7 +1,7 @@
 //! The linear (constant-strain) tetrahedron.
 //! O. C. Zienkiewicz, R. L. Taylor, "The Finite Element Method" 1 (2000), chapter 6.
 
-use crate::elastic::assemble::ElementMatrices;
+use crate::elastic::element::ElementMatrices;
 use crate::elastic::element::law::Law;
 use crate::elastic::vec3::{cross, dot, scale, sub};
 

@@ -1,9 +1,10 @@
 //! The system of a component of the lattice.
 
+use crate::elastic::assemble::Source;
+use crate::elastic::assemble::constraint::Grip;
 use crate::elastic::assemble::ordering::nested_dissection;
 use crate::elastic::assemble::system::System;
-use crate::elastic::assemble::{NodeLists, Source};
-use crate::elastic::constraint::hold::Grip;
+use crate::elastic::element::NodeLists;
 use crate::elastic::element::spline::Element;
 use crate::elastic::lattice::Component;
 
@@ -35,8 +36,8 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elastic::assemble::constraint::Anchor;
     use crate::elastic::element::moments::full_cell;
-    use crate::elastic::lattice::locate::Anchor;
     use crate::elastic::solve::factor::Symbolic;
     use faer::Mat;
 

@@ -1,18 +1,8 @@
 //! Where the vertices lie in the lattice, and how they follow its nodes.
 
-use crate::elastic::element::spline::{FUNCTIONS, spline};
+use crate::elastic::assemble::constraint::Anchor;
+use crate::elastic::element::spline::spline;
 use crate::elastic::lattice::{Lattice, Subject};
-
-/// A point in a component, and the weight of each node there.
-#[derive(Debug, Clone)]
-pub(crate) struct Anchor {
-    /// Component.
-    pub component: usize,
-    /// Nodes of that component.
-    pub nodes: [u32; FUNCTIONS],
-    /// The functions' values; they add up to 1.
-    pub weights: [f64; FUNCTIONS],
-}
 
 /// Follows nodes beyond the cell at most this far (in half cells from its middle).
 const REACH: f64 = 3.0;

@@ -10,12 +10,13 @@ pub(crate) mod table;
 
 use std::collections::HashMap;
 
+use crate::elastic::disjoint_sets::DisjointSets;
 use crate::elastic::element::moments::{Moments, add_eighth, full_cell};
 use crate::elastic::element::spline::FUNCTIONS;
 use crate::elastic::lattice::fill::fill;
 use crate::elastic::lattice::grid::Grid;
 use crate::elastic::lattice::table::{Filling, Fillings, SHARE_MIN, TooManyCells};
-use crate::elastic::surface::pieces::{DisjointSets, Kind, Pieces};
+use crate::elastic::surface::pieces::{Kind, Pieces};
 use crate::elastic::vec3::{add, cross, norm, scale, sub};
 use crate::input::RawMesh;
 

@@ -8,9 +8,10 @@ use std::borrow::Cow;
 
 use faer::Mat;
 
+use crate::elastic::assemble::Source;
 use crate::elastic::assemble::dissection::dissect_mesh;
 use crate::elastic::assemble::system::System;
-use crate::elastic::assemble::{ElementMatrices, NodeLists, Source};
+use crate::elastic::element::{ElementMatrices, NodeLists};
 use crate::elastic::solve::{Limits, Solution, solve};
 use crate::elastic::vec3::{norm, sub};
 use crate::progress::Silent;

@@ -1,5 +1,6 @@
 //! The few calls to faer's sparse Cholesky, all of them sequential so that bytes repeat.
 
+use crate::elastic::assemble::system::Pattern;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::linalg::cholesky::llt::factor::LltRegularization;
@@ -11,15 +12,6 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
-
-/// The lower triangle of a symmetric sparse pattern, by columns, rows ascending.
-#[derive(Debug, Clone)]
-pub(crate) struct Pattern {
-    /// Start of each column in `rows`, and its end.
-    pub columns: Vec<usize>,
-    /// Row of each entry.
-    pub rows: Vec<usize>,
-}
 
 impl Pattern {
     fn size(&self) -> usize {

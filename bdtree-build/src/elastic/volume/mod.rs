@@ -2,13 +2,14 @@
 
 use std::borrow::Cow;
 
+use crate::elastic::assemble::Source;
 use crate::elastic::assemble::dissection::dissect_mesh;
 use crate::elastic::assemble::joints::{Blocks, TooManyBlocks, find_blocks};
 use crate::elastic::assemble::system::System;
-use crate::elastic::assemble::{ElementMatrices, NodeLists, Source};
+use crate::elastic::disjoint_sets::DisjointSets;
 use crate::elastic::element::law::Law;
+use crate::elastic::element::{ElementMatrices, NodeLists};
 use crate::elastic::element::{hexahedron, tetrahedron};
-use crate::elastic::surface::pieces::DisjointSets;
 
 /// Elements that hang together by nodes: their own vibrating body.
 #[derive(Debug, Clone, Default)]
