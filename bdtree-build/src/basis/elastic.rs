@@ -12,14 +12,14 @@ use std::time::Instant;
 use crate::basis::Basis;
 use crate::basis::modal::{ModalField, modal_basis};
 use crate::elastic::assemble::system::System;
-use crate::elastic::constraint::fix::hold_all;
+use crate::elastic::constraint::fix::constrain_all;
 use crate::elastic::element::spline::Element;
 use crate::elastic::lattice::locate::anchors;
 use crate::elastic::lattice::resolution::{BYTES_PER_CELL, choose_lattice};
 use crate::elastic::lattice::{Lattice, Subject};
 use crate::elastic::solve::factor::FactorError;
 use crate::elastic::solve::{Limits, Solution, SolveError, solve};
-use crate::elastic::surface::pieces::{Kind, find_pieces};
+use crate::elastic::surface::components::{Kind, find_components};
 use crate::error::{BakeError, Problem};
 use crate::input::RawMesh;
 use crate::progress::Progress;
@@ -101,13 +101,13 @@ pub struct ElasticReport {
     pub residual_max: f64,
     /// Whether inertia counts proved that no mode was missed.
     pub inertia_checked: bool,
-    /// Pieces that move in none of the modes.
+    /// SurfaceComponents that move in none of the modes.
     pub pieces_without_mode: Vec<PieceId>,
     /// Stage name and seconds.
     pub stages: Vec<(&'static str, f64)>,
 }
 
-/// Pieces thinner than this share of a cell are warned about.
+/// SurfaceComponents thinner than this share of a cell are warned about.
 const THIN_SHARE: f64 = 0.25;
 
 /// The K lowest elastic modes of a surface mesh, ascending in frequency, each with ω and modal mass.
@@ -140,7 +140,7 @@ pub fn elastic_basis(
     let (lattice, resolution) =
         choose_lattice(&subject, options.resolution, options.memory_limit_bytes)?;
     warn_thin(&subject, &lattice, warnings);
-    let grips = hold_all(&subject, &lattice, &options.fixes)?;
+    let constraints = constrain_all(&subject, &lattice, &options.fixes)?;
     report.resolution = resolution;
     report.cells = lattice.parts.len();
     report.dofs = 3 * lattice.node_count();
@@ -156,7 +156,7 @@ pub fn elastic_basis(
         verify_dof_max: options.verify_dof_max,
     };
     let sizes: Vec<usize> = lattice.components.iter().map(|c| c.nodes.len()).collect();
-    let system = |c: usize| System::of_lattice(&lattice.components[c], &element, &grips[c]);
+    let system = |c: usize| System::of_lattice(&lattice.components[c], &element, &constraints[c]);
     let solution =
         solve(&sizes, system, limits, progress).map_err(|e| solve_error(e, options, resolution))?;
     if solution.modes.len() < options.mode_count {
@@ -258,7 +258,7 @@ fn read_subject<'a>(
     options: &ElasticOptions,
     warnings: &mut Vec<String>,
 ) -> Result<Subject<'a>, BakeError> {
-    let pieces = find_pieces(&mesh.positions, &mesh.triangles);
+    let pieces = find_components(&mesh.positions, &mesh.triangles);
     if pieces.list.is_empty() {
         return Err(BakeError::one(
             "basis",

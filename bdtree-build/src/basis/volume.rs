@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::elastic::{ElasticOptions, Fix};
 use super::modal::ModalField;
-use crate::elastic::constraint::hold_nodes::hold_nodes;
+use crate::elastic::constraint::nodes::constrain_nodes;
 use crate::elastic::solve::{Limits, solve};
 use crate::error::BakeError;
 use crate::input::volume::RawVolume;
@@ -170,7 +170,7 @@ pub fn volume_modes(
     for &n in parts.iter().flat_map(|p| &p.nodes) {
         used[n as usize] = true;
     }
-    let held = hold_nodes(volume, &used, units.length, &options.fixes)?;
+    let held = constrain_nodes(volume, &used, units.length, &options.fixes)?;
     report.elements = model.elements.len();
     report.nodes = parts.iter().map(|p| p.nodes.len()).sum();
     let held_count = held.iter().flatten().filter(|h| **h).count();

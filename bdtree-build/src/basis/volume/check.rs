@@ -3,7 +3,7 @@
 use super::VolumeOptions;
 use crate::basis::elastic::ElasticOptions;
 use crate::elastic::element::NodeLists;
-use crate::elastic::element::law::Law;
+use crate::elastic::element::material::Material;
 use crate::elastic::volume::Model;
 use crate::error::{BakeError, Problem};
 use crate::input::volume::{RawMaterial, RawVolume};
@@ -164,7 +164,7 @@ pub(super) fn model(
         materials: materials
             .iter()
             .map(|m| {
-                let law = Law::new(m.young_pa / young_pa, m.poisson);
+                let law = Material::new(m.young_pa / young_pa, m.poisson);
                 (law, m.density_kg_m3 / density)
             })
             .collect(),

@@ -15,7 +15,7 @@ pub(crate) struct Anchor {
 
 /// A point of a component that is held along some axes by a stiff spring.
 #[derive(Debug, Clone)]
-pub(crate) struct Grip {
+pub(crate) struct Constraint {
     /// Where.
     pub anchor: Anchor,
     /// Whether x, y, z are held.

@@ -8,14 +8,14 @@ pub(crate) mod system;
 
 use std::borrow::Cow;
 
-use crate::elastic::assemble::constraint::Grip;
+use crate::elastic::assemble::constraint::Constraint;
 use crate::elastic::assemble::joints::Blocks;
 use crate::elastic::assemble::system::System;
 use crate::elastic::element::{ElementMatrices, NodeLists};
 
 /// Stiffness of the springs at held points, per cell, in units of Young's modulus times the cell
 /// size: they give way by a thousandth of what the cell itself does.
-const GRIP: f64 = 1e3;
+const SPRING: f64 = 1e3;
 
 /// What a component consists of; nodes are numbered as in `positions`.
 #[derive(Debug, Clone, Default)]
@@ -27,7 +27,7 @@ pub(crate) struct Source<'a> {
     /// Nodes of each element.
     pub elements: Cow<'a, NodeLists>,
     /// Points that springs hold.
-    pub grips: &'a [Grip],
+    pub constraints: &'a [Constraint],
     /// Whether each node's x, y, z are held; empty if nothing is.
     pub held: Cow<'a, [[bool; 3]]>,
     /// What of it is stiff in itself.
@@ -57,7 +57,7 @@ impl System {
             nodes: (source.order.iter())
                 .map(|&n| source.positions[n as usize])
                 .collect(),
-            grips: source.grips.to_vec(),
+            constraints: source.constraints.to_vec(),
             held,
             blocks: source.blocks.renumbered(&place),
             place,
@@ -77,16 +77,19 @@ impl System {
                 }
             });
         }
-        for n in 0..system.grips.len() {
-            let grip = &mut system.grips[n];
-            grip.anchor.nodes = grip.anchor.nodes.map(|node| system.place[node as usize]);
-            let Grip {
+        for n in 0..system.constraints.len() {
+            let constraint = &mut system.constraints[n];
+            constraint.anchor.nodes = constraint
+                .anchor
+                .nodes
+                .map(|node| system.place[node as usize]);
+            let Constraint {
                 anchor,
                 axes,
                 share,
-            } = grip.clone();
+            } = constraint.clone();
             system.for_each_pair(&anchor.nodes, |system, at, a, b| {
-                let spring = GRIP * share * anchor.weights[a] * anchor.weights[b];
+                let spring = SPRING * share * anchor.weights[a] * anchor.weights[b];
                 for (axis, held) in axes.iter().enumerate() {
                     system.stiffness[at][4 * axis] += if *held { spring } else { 0.0 };
                 }

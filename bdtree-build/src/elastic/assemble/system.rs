@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use crate::elastic::assemble::constraint::Grip;
+use crate::elastic::assemble::constraint::Constraint;
 use crate::elastic::assemble::joints::Blocks;
 
 /// Columns that a product takes at once.
@@ -21,7 +21,7 @@ pub(crate) struct System {
     /// Where each node is, in that order, in units of about an element.
     pub nodes: Vec<[f64; 3]>,
     /// Points that springs hold, with their nodes in that order.
-    pub grips: Vec<Grip>,
+    pub constraints: Vec<Constraint>,
     /// Unknowns that are held, ascending, in that order.
     pub held: Vec<usize>,
     /// What of it is stiff in itself, nodes in that order.

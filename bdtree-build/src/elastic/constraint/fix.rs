@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use crate::elastic::assemble::constraint::Grip;
-use crate::elastic::constraint::hold::{Region, hold};
+use crate::elastic::assemble::constraint::Constraint;
 use crate::elastic::constraint::node_list::read_list;
+use crate::elastic::constraint::region::{Region, constrain};
 use crate::elastic::lattice::{Lattice, Subject};
 use crate::error::BakeError;
 
@@ -131,12 +131,12 @@ impl FromStr for Fix {
 ///
 /// # Errors
 /// A fix that holds nothing, an unknown group, a bad list, nothing left to move.
-pub(crate) fn hold_all(
+pub(crate) fn constrain_all(
     subject: &Subject<'_>,
     lattice: &Lattice,
     fixes: &[Fix],
-) -> Result<Vec<Vec<Grip>>, BakeError> {
-    let mut grips: Vec<Vec<Grip>> = vec![Vec::new(); lattice.components.len()];
+) -> Result<Vec<Vec<Constraint>>, BakeError> {
+    let mut constraints: Vec<Vec<Constraint>> = vec![Vec::new(); lattice.components.len()];
     let mut everything = [false; 3];
     for fix in fixes {
         let mut ranges = Vec::new();
@@ -166,8 +166,8 @@ pub(crate) fn hold_all(
                     Region::Vertices(&vertices)
                 }
             };
-        let held = hold(subject, lattice, &region, fix.axes);
-        if held.grips.is_empty() {
+        let held = constrain(subject, lattice, &region, fix.axes);
+        if held.constraints.is_empty() {
             return Err(BakeError::one(
                 "basis",
                 fix.region.place(),
@@ -177,8 +177,8 @@ pub(crate) fn hold_all(
         for (all, axis) in everything.iter_mut().zip(fix.axes) {
             *all |= held.everything && axis;
         }
-        for grip in held.grips {
-            grips[grip.anchor.component].push(grip);
+        for constraint in held.constraints {
+            constraints[constraint.anchor.component].push(constraint);
         }
     }
     if everything == [true; 3] {
@@ -188,5 +188,5 @@ pub(crate) fn hold_all(
             "everything is held, so nothing can vibrate",
         ));
     }
-    Ok(grips)
+    Ok(constraints)
 }

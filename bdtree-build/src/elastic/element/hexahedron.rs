@@ -10,7 +10,7 @@
 use nalgebra::{Matrix3, SMatrix};
 
 use crate::elastic::element::ElementMatrices;
-use crate::elastic::element::law::Law;
+use crate::elastic::element::material::Material;
 
 /// Corners of the cube [-1, 1]³ in VTK's order.
 const CORNERS: [[f64; 3]; 8] = [
@@ -82,7 +82,11 @@ pub(crate) fn volume(p: &[[f64; 3]; 8]) -> f64 {
 
 /// Stiffness and consistent mass, or `None` if rounding leaves nothing of the incompatible
 /// functions' stiffness. [`least_determinant`] must be positive.
-pub(crate) fn matrices(p: &[[f64; 3]; 8], law: &Law, density: f64) -> Option<ElementMatrices> {
+pub(crate) fn matrices(
+    p: &[[f64; 3]; 8],
+    material: &Material,
+    density: f64,
+) -> Option<ElementMatrices> {
     let mut blocks = [[[0.0; 9]; FUNCTIONS]; FUNCTIONS];
     let middle = jacobian(p, [0.0; 3]);
     let (inner, inner_inverse) = (middle.determinant(), middle.try_inverse()?.transpose());
@@ -100,7 +104,7 @@ pub(crate) fn matrices(p: &[[f64; 3]; 8], law: &Law, density: f64) -> Option<Ele
         for a in 0..FUNCTIONS {
             for b in 0..=a {
                 let (ga, gb) = (gradients[a], gradients[b]);
-                law.add(&mut blocks[a][b], ga, gb, w * determinant);
+                material.add(&mut blocks[a][b], ga, gb, w * determinant);
             }
         }
     }
@@ -187,10 +191,10 @@ mod tests {
     #[test]
     fn skewed_cells_pass_the_patch_test() {
         let nodes = patch_nodes();
-        for law in [
-            Law::new(1e6, 0.25),
-            Law::new(1.0, 0.499),
-            Law::new(1.0, -0.5),
+        for material in [
+            Material::new(1e6, 0.25),
+            Material::new(1.0, 0.499),
+            Material::new(1.0, -0.5),
         ] {
             let u = |[x, y, z]: V3| {
                 [
@@ -205,7 +209,7 @@ mod tests {
                 let p = cell.map(|n| nodes[n]);
                 assert!(least_determinant(&p) > 0.0, "{cell:?}");
                 total += volume(&p);
-                let own = matrices(&p, &law, 1.0).expect("a sound cell");
+                let own = matrices(&p, &material, 1.0).expect("a sound cell");
                 for i in 0..8 {
                     for j in 0..8 {
                         let uj = u(p[j]);
@@ -228,7 +232,7 @@ mod tests {
     fn boxes_bend_without_locking() {
         let (size, poisson) = ([4.0, 0.5, 2.0], 0.3);
         let p = boxed(size);
-        let own = matrices(&p, &Law::new(1.0, poisson), 1.0).expect("a sound cell");
+        let own = matrices(&p, &Material::new(1.0, poisson), 1.0).expect("a sound cell");
         // u = xy, v = −(x² + ν (y² − z²)) / 2, which is a constant at the corners, w = −νyz.
         let bending = energy(&own, &p.map(|[x, y, z]| [x * y, 0.0, -poisson * y * z]));
         let inertia = size[2] * size[1].powi(3) / 12.0;
@@ -238,7 +242,7 @@ mod tests {
     #[test]
     fn rigid_motions_cost_nothing_and_nothing_else_does() {
         let p: [V3; 8] = std::array::from_fn(|n| patch_nodes()[patch()[3][n]]);
-        let own = matrices(&p, &Law::new(1.0, 0.3), 2.0).expect("a sound cell");
+        let own = matrices(&p, &Material::new(1.0, 0.3), 2.0).expect("a sound cell");
         let full = nalgebra::DMatrix::from_fn(24, 24, |i, j| {
             own.stiffness[8 * (i / 3) + j / 3][3 * (i % 3) + j % 3]
         });
@@ -253,7 +257,7 @@ mod tests {
     #[test]
     fn mass_is_the_integral_of_the_functions() {
         let p: [V3; 8] = std::array::from_fn(|n| patch_nodes()[patch()[1][n]]);
-        let own = matrices(&p, &Law::new(1.0, 0.3), 1.0).expect("a sound cell");
+        let own = matrices(&p, &Material::new(1.0, 0.3), 1.0).expect("a sound cell");
         let steps = 40;
         let mut sums = [0.0; 64];
         for n in 0..steps * steps * steps {

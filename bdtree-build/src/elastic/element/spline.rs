@@ -120,7 +120,7 @@ impl Element {
         let zy = self.along_z(&self.along_y(&nn, ND), DN);
         let stiffness = (0..FUNCTIONS * FUNCTIONS)
             .map(|n| {
-                // The isotropic law: λ ∂ᵢu ∂ⱼv + μ (∇u·∇v δ + ∂ⱼu ∂ᵢv).
+                // The isotropic material: λ ∂ᵢu ∂ⱼv + μ (∇u·∇v δ + ∂ⱼu ∂ᵢv).
                 let s = [
                     [xx[n], xy[n], xz[n]],
                     [yx[n], yy[n], yz[n]],

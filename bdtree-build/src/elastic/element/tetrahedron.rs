@@ -2,7 +2,7 @@
 //! O. C. Zienkiewicz, R. L. Taylor, "The Finite Element Method" 1 (2000), chapter 6.
 
 use crate::elastic::element::ElementMatrices;
-use crate::elastic::element::law::Law;
+use crate::elastic::element::material::Material;
 use crate::elastic::vec3::{cross, dot, scale, sub};
 
 /// Volume of a tetrahedron, positive for (b − a) × (c − a) · (d − a) > 0.
@@ -12,7 +12,7 @@ pub(crate) fn volume(p: &[[f64; 3]; 4]) -> f64 {
 }
 
 /// Stiffness and consistent mass; the volume must be positive.
-pub(crate) fn matrices(p: &[[f64; 3]; 4], law: &Law, density: f64) -> ElementMatrices {
+pub(crate) fn matrices(p: &[[f64; 3]; 4], material: &Material, density: f64) -> ElementMatrices {
     let [b, c, d] = [1, 2, 3].map(|k| sub(p[k], p[0]));
     let six = dot(cross(b, c), d);
     let volume = six / 6.0;
@@ -28,7 +28,7 @@ pub(crate) fn matrices(p: &[[f64; 3]; 4], law: &Law, density: f64) -> ElementMat
         own.mass[5 * i] *= 2.0;
         for j in 0..4 {
             let block = &mut own.stiffness[4 * i + j];
-            law.add(block, gradients[i], gradients[j], volume);
+            material.add(block, gradients[i], gradients[j], volume);
         }
     }
     own
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn rigid_motions_cost_nothing_and_constant_strain_is_exact() {
-        let own = matrices(&SKEWED, &Law::new(2.0, 0.3), 3.0);
+        let own = matrices(&SKEWED, &Material::new(2.0, 0.3), 3.0);
         let v = volume(&SKEWED);
         let at = |u: &dyn Fn([f64; 3]) -> [f64; 3]| energy(&own, &SKEWED.map(u));
         assert!(at(&|_| [1.0, 2.0, -1.0]).abs() < 1e-14);
@@ -61,7 +61,7 @@ mod tests {
     /// Against the integral of Nᵢ Nⱼ by a rule that is exact for second degree (Keast 1986).
     #[test]
     fn mass_is_the_integral_of_the_functions() {
-        let mut own = matrices(&SKEWED, &Law::new(1.0, 0.3), 3.0);
+        let mut own = matrices(&SKEWED, &Material::new(1.0, 0.3), 3.0);
         let v = volume(&SKEWED);
         let (near, far) = (0.585_410_196_624_968_5, 0.138_196_601_125_010_5);
         for i in 0..4 {

@@ -11,7 +11,7 @@ use crate::elastic::lattice::slice::Rules;
 use crate::elastic::lattice::table::{
     Filling, Fillings, SHARE_MIN, Shadow, Sums, Table, TooManyCells,
 };
-use crate::elastic::surface::pieces::{Kind, Piece};
+use crate::elastic::surface::components::{Kind, SurfaceComponent};
 use crate::elastic::vec3::{add, cross, norm, scale, sub};
 
 /// Moments of every body in every cell it fills, sorted by cell, then body.
@@ -21,7 +21,7 @@ use crate::elastic::vec3::{add, cross, norm, scale, sub};
 /// bit, in a fraction of the time.
 pub(crate) fn fill<const ALL: bool>(
     grid: &Grid,
-    pieces: &[Piece],
+    pieces: &[SurfaceComponent],
     corners: &dyn Fn(u32) -> [[f64; 3]; 3],
     thickness: f64,
     limit: usize,
@@ -265,7 +265,7 @@ fn cover_faces(grid: &Grid, sums: &[Sums], fillings: &mut [Filling]) {
 mod tests {
     use super::*;
     use crate::elastic::element::moments::full_cell;
-    use crate::elastic::surface::pieces::find_pieces;
+    use crate::elastic::surface::components::find_components;
 
     /// A tetrahedron's volume and first moments, whichever way the cells cut it.
     #[test]
@@ -282,7 +282,7 @@ mod tests {
             cell_size: 1.0,
             dims: [6, 5, 7],
         };
-        let pieces = find_pieces(&p, &triangles).list;
+        let pieces = find_components(&p, &triangles).list;
         let corners = |id: u32| triangles[id as usize].map(|v| p[v as usize]);
         let cells = fill::<true>(&grid, &pieces, &corners, 0.1, 1000)
             .unwrap_or_default()
@@ -315,7 +315,7 @@ mod tests {
             [0.0, 4.0, 2.0],
         ];
         let triangles = [[0, 1, 2], [0, 2, 3]];
-        let pieces = find_pieces(&p, &triangles).list;
+        let pieces = find_components(&p, &triangles).list;
         let corners = |id: u32| triangles[id as usize].map(|v| p[v as usize]);
         for (z, thickness) in [(0.0, 0.2), (0.3, 0.2), (0.0, 2.5)] {
             let grid = Grid {
@@ -366,7 +366,7 @@ mod tests {
                 }
                 triangles.extend(faces.map(|t: [u32; 3]| t.map(|v| v + first)));
             }
-            let mut pieces = find_pieces(&p, &triangles).list;
+            let mut pieces = find_components(&p, &triangles).list;
             pieces[1].body = 0;
             let corners = |id: u32| triangles[id as usize].map(|v: u32| p[v as usize]);
             let grid = Grid {

@@ -1,11 +1,11 @@
 //! The lattice of filled cells: which hang together, and which spline functions act on them.
 
-pub(crate) mod component;
 pub(crate) mod fill;
 pub(crate) mod grid;
 pub(crate) mod locate;
 pub(crate) mod resolution;
 pub(crate) mod slice;
+mod system;
 pub(crate) mod table;
 
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ use crate::elastic::element::spline::FUNCTIONS;
 use crate::elastic::lattice::fill::fill;
 use crate::elastic::lattice::grid::Grid;
 use crate::elastic::lattice::table::{Filling, Fillings, SHARE_MIN, TooManyCells};
-use crate::elastic::surface::pieces::{Kind, Pieces};
+use crate::elastic::surface::components::{Kind, SurfaceComponents};
 use crate::elastic::vec3::{add, cross, norm, scale, sub};
 use crate::input::RawMesh;
 
@@ -134,7 +134,7 @@ pub(crate) struct Subject<'a> {
     /// The mesh.
     pub mesh: &'a RawMesh,
     /// Its pieces.
-    pub pieces: Pieces,
+    pub pieces: SurfaceComponents,
     /// Thickness of sheets (mesh units).
     pub thickness: f64,
     min: [f64; 3],
@@ -145,7 +145,7 @@ pub(crate) struct Subject<'a> {
 
 impl<'a> Subject<'a> {
     /// Measures the box of the material, sheets with their thickness. Needs a piece at least.
-    pub(crate) fn new(mesh: &'a RawMesh, pieces: Pieces, thickness: f64) -> Self {
+    pub(crate) fn new(mesh: &'a RawMesh, pieces: SurfaceComponents, thickness: f64) -> Self {
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let mut take = |p: [f64; 3]| {
             for a in 0..3 {

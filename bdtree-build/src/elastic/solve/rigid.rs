@@ -107,13 +107,17 @@ fn frames(system: &System) -> Vec<Frame> {
 fn null_space(system: &System, frames: &[Frame], own: MatRef<'_, f64>) -> Mat<f64> {
     let size = 6 * frames.len();
     let blocks = &system.blocks;
-    if system.grips.is_empty() && system.held.is_empty() && blocks.joints.is_empty() {
+    if system.constraints.is_empty() && system.held.is_empty() && blocks.joints.is_empty() {
         return Mat::identity(size, size);
     }
     let mut product = Mat::<f64>::zeros(size, size);
-    for grip in &system.grips {
-        for axis in (0..3).filter(|&a| grip.axes[a]) {
-            let nodes = grip.anchor.nodes.iter().zip(grip.anchor.weights);
+    for constraint in &system.constraints {
+        for axis in (0..3).filter(|&a| constraint.axes[a]) {
+            let nodes = constraint
+                .anchor
+                .nodes
+                .iter()
+                .zip(constraint.anchor.weights);
             let mut motion = [0.0; 6];
             for (&n, w) in nodes {
                 for (j, m) in motion.iter_mut().enumerate() {
@@ -142,7 +146,7 @@ fn null_space(system: &System, frames: &[Frame], own: MatRef<'_, f64>) -> Mat<f6
     // Motions are of size 1 at the body's end. Springs give way: what moves all held points by less
     // than 3e-5 of that in all is free, for a hold of one point or of points on a line. Unknowns
     // do not, so 1e-6 allows for the rounding of coordinates, or 3e-8 at each of them.
-    let least = if system.grips.is_empty() {
+    let least = if system.constraints.is_empty() {
         f64::max(1e-12, 1e-15 * trace)
     } else {
         1e-9

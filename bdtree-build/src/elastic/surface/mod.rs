@@ -1,3 +1,3 @@
 //! The surface: what hangs together, what is solid and what is a sheet.
 
-pub(crate) mod pieces;
+pub(crate) mod components;

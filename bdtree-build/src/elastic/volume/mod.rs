@@ -7,7 +7,7 @@ use crate::elastic::assemble::dissection::dissect_mesh;
 use crate::elastic::assemble::joints::{Blocks, TooManyBlocks, find_blocks};
 use crate::elastic::assemble::system::System;
 use crate::elastic::disjoint_sets::DisjointSets;
-use crate::elastic::element::law::Law;
+use crate::elastic::element::material::Material;
 use crate::elastic::element::{ElementMatrices, NodeLists};
 use crate::elastic::element::{hexahedron, tetrahedron};
 
@@ -31,8 +31,8 @@ pub(crate) struct Model {
     pub positions: Vec<[f64; 3]>,
     /// Corners of each element, tetrahedra and hexahedra.
     pub elements: NodeLists,
-    /// Law and density of each material.
-    pub materials: Vec<(Law, f64)>,
+    /// Each material and its density.
+    pub materials: Vec<(Material, f64)>,
     /// Material of each element; empty: the first.
     pub material_of: Vec<u32>,
     /// Whether the mass is summed up on the diagonal.
@@ -99,7 +99,7 @@ impl Model {
             order: dissect_mesh(&positions, &part.corners),
             positions,
             elements: Cow::Borrowed(&part.corners),
-            grips: &[],
+            constraints: &[],
             held: part.nodes.iter().map(|&n| held[n as usize]).collect(),
             blocks: Cow::Borrowed(&part.blocks),
         };
@@ -110,12 +110,12 @@ impl Model {
 
     /// Stiffness and mass of an element.
     fn matrices(&self, element: usize) -> Option<ElementMatrices> {
-        let (law, density) = self.material(element);
+        let (material, density) = self.material(element);
         let corners = self.elements.get(element);
         let mut own = if let Some(p) = self.corners(corners) {
-            tetrahedron::matrices(&p, law, density)
+            tetrahedron::matrices(&p, material, density)
         } else {
-            hexahedron::matrices(&self.corners(corners)?, law, density)?
+            hexahedron::matrices(&self.corners(corners)?, material, density)?
         };
         if self.lumped {
             own.lump();
@@ -123,10 +123,10 @@ impl Model {
         Some(own)
     }
 
-    fn material(&self, element: usize) -> (&Law, f64) {
+    fn material(&self, element: usize) -> (&Material, f64) {
         let index = self.material_of.get(element).map_or(0, |&m| m as usize);
-        let (law, density) = &self.materials[index];
-        (law, *density)
+        let (material, density) = &self.materials[index];
+        (material, *density)
     }
 
     /// Positions of N corners, if there are so many.

@@ -17,7 +17,10 @@ fn jittered(n: [usize; 3], tetrahedra: impl Fn(usize) -> bool, lumped: bool) -> 
         (state >> 40) as f64 / (1u64 << 24) as f64 - 0.5
     };
     let mut model = Model {
-        materials: vec![(Law::new(1.0, 0.3), 1.0), (Law::new(0.3, 0.45), 0.6)],
+        materials: vec![
+            (Material::new(1.0, 0.3), 1.0),
+            (Material::new(0.3, 0.45), 0.6),
+        ],
         lumped,
         ..Model::default()
     };

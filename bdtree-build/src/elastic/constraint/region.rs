@@ -1,6 +1,6 @@
 //! Which points `--fix` holds.
 
-use crate::elastic::assemble::constraint::Grip;
+use crate::elastic::assemble::constraint::Constraint;
 use crate::elastic::lattice::locate::anchor;
 use crate::elastic::lattice::slice::{Rules, for_each_fragment};
 use crate::elastic::lattice::{Lattice, Subject};
@@ -34,21 +34,21 @@ impl Region<'_> {
 
 /// What a region holds.
 #[derive(Debug, Default)]
-pub(crate) struct Held {
+pub(crate) struct Constrained {
     /// Its points.
-    pub grips: Vec<Grip>,
+    pub constraints: Vec<Constraint>,
     /// Whether no point of the surface lies outside the region.
     pub everything: bool,
 }
 
 /// The points that a region holds along `axes`: of the surface in the region the corners and
 /// inner points of its fragments (16 and more in a cell) and, in a box, those of full cells.
-pub(crate) fn hold(
+pub(crate) fn constrain(
     subject: &Subject<'_>,
     lattice: &Lattice,
     region: &Region<'_>,
     axes: [bool; 3],
-) -> Held {
+) -> Constrained {
     let grid = &lattice.grid;
     let slack = 1e-6;
     let (lo, hi) = match region {
@@ -131,13 +131,16 @@ pub(crate) fn hold(
         a.0.cmp(&b.0).then(order(0)).then(order(1)).then(order(2))
     });
     points.dedup();
-    let mut grips = Vec::with_capacity(points.len());
+    let mut constraints = Vec::with_capacity(points.len());
     for own in points.chunk_by(|a, b| a.0 == b.0) {
-        grips.extend(own.iter().map(|&(part, p)| Grip {
+        constraints.extend(own.iter().map(|&(part, p)| Constraint {
             anchor: anchor(lattice, part, p),
             axes,
             share: 1.0 / own.len() as f64,
         }));
     }
-    Held { grips, everything }
+    Constrained {
+        constraints,
+        everything,
+    }
 }

@@ -1,7 +1,7 @@
 //! The system of a component of the lattice.
 
 use crate::elastic::assemble::Source;
-use crate::elastic::assemble::constraint::Grip;
+use crate::elastic::assemble::constraint::Constraint;
 use crate::elastic::assemble::ordering::nested_dissection;
 use crate::elastic::assemble::system::System;
 use crate::elastic::element::NodeLists;
@@ -14,7 +14,7 @@ impl System {
     pub(crate) fn of_lattice(
         component: &Component,
         element: &Element,
-        grips: &[Grip],
+        constraints: &[Constraint],
     ) -> Result<Self, usize> {
         let mut cells = NodeLists::default();
         for cell in &component.cells {
@@ -24,7 +24,7 @@ impl System {
             positions: component.nodes.iter().map(|n| n.map(f64::from)).collect(),
             order: nested_dissection(&component.nodes).order,
             elements: std::borrow::Cow::Owned(cells),
-            grips,
+            constraints,
             ..Source::default()
         };
         Self::assemble(&source, |cell| {
@@ -60,8 +60,8 @@ mod tests {
     #[test]
     fn order_is_a_permutation_and_solves_match_products() {
         let component = bar(30);
-        let grips: Vec<Grip> = (0..9)
-            .map(|n| Grip {
+        let constraints: Vec<Constraint> = (0..9)
+            .map(|n| Constraint {
                 anchor: Anchor {
                     component: 0,
                     nodes: component.cells[0],
@@ -71,7 +71,8 @@ mod tests {
                 share: 1.0,
             })
             .collect();
-        let system = System::of_lattice(&component, &Element::new(0.3), &grips).expect("a system");
+        let system =
+            System::of_lattice(&component, &Element::new(0.3), &constraints).expect("a system");
         let mut seen = system.place.clone();
         seen.sort_unstable();
         assert!(seen.iter().enumerate().all(|(i, &p)| i == p as usize));

@@ -32,7 +32,7 @@ pub(crate) enum Kind {
 
 /// One connected piece.
 #[derive(Debug, Clone)]
-pub(crate) struct Piece {
+pub(crate) struct SurfaceComponent {
     /// Ids of its triangles, ascending, and whether each is taken in reverse.
     pub triangles: Vec<(u32, bool)>,
     /// Closing triangles over small holes (solids only).
@@ -53,15 +53,15 @@ pub(crate) struct Piece {
 
 /// The pieces of a mesh.
 #[derive(Debug, Clone)]
-pub(crate) struct Pieces {
+pub(crate) struct SurfaceComponents {
     /// In order of their first triangle; pieces without area are left out.
-    pub list: Vec<Piece>,
+    pub list: Vec<SurfaceComponent>,
     /// Per vertex: its piece, if a triangle of a piece uses it.
     pub of_vertex: Vec<Option<u32>>,
 }
 
 /// Splits a mesh into pieces. Positions must be finite and indices in range.
-pub(crate) fn find_pieces(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Pieces {
+pub(crate) fn find_components(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> SurfaceComponents {
     let weld = weld(positions);
     let mut sets = DisjointSets::new(positions.len());
     for t in triangles {
@@ -94,7 +94,7 @@ pub(crate) fn find_pieces(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Pie
         }
     }
     orient(positions, triangles, &mut list);
-    Pieces { list, of_vertex }
+    SurfaceComponents { list, of_vertex }
 }
 
 /// Smallest index of a vertex with the same position, per vertex.
@@ -182,7 +182,7 @@ fn measure(
     weld: &[usize],
     ids: Vec<u32>,
     index: usize,
-) -> Option<Piece> {
+) -> Option<SurfaceComponent> {
     let mut corners: Vec<[usize; 3]> = ids
         .iter()
         .map(|&id| triangles[id as usize].map(|v| weld[v as usize]))
@@ -248,7 +248,7 @@ fn measure(
     } else {
         Vec::new()
     };
-    Some(Piece {
+    Some(SurfaceComponent {
         triangles: ids.into_iter().zip(flips).collect(),
         caps,
         kind,
@@ -323,7 +323,7 @@ fn holes_are_small(
 }
 
 /// Decides which solids are inside out and which are cavities of others.
-fn orient(positions: &[[f64; 3]], triangles: &[[u32; 3]], list: &mut [Piece]) {
+fn orient(positions: &[[f64; 3]], triangles: &[[u32; 3]], list: &mut [SurfaceComponent]) {
     let mut order: Vec<usize> = (0..list.len())
         .filter(|&i| list[i].kind == Kind::Solid)
         .collect();
@@ -356,7 +356,7 @@ fn orient(positions: &[[f64; 3]], triangles: &[[u32; 3]], list: &mut [Piece]) {
 fn encloses(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
-    piece: &Piece,
+    piece: &SurfaceComponent,
     point: [f64; 3],
 ) -> bool {
     // An odd direction, so that the ray meets no edge of axis-aligned models.

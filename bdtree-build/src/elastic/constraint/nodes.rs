@@ -13,7 +13,7 @@ const SLACK: f64 = 1e-6;
 ///
 /// # Errors
 /// All of them: fixes that hold nothing, unknown node sets, bad lists; and nothing left to move.
-pub(crate) fn hold_nodes(
+pub(crate) fn constrain_nodes(
     volume: &RawVolume,
     used: &[bool],
     unit: f64,

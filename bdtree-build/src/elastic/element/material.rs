@@ -1,15 +1,15 @@
-//! The isotropic, linear law between strain and stress.
+//! Isotropic, linear materials: what relates strain and stress.
 
-/// Lamé's λ and μ.
+/// A material by Lamé's λ and μ.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Law {
+pub(crate) struct Material {
     /// First parameter.
     pub lambda: f64,
     /// Shear modulus.
     pub mu: f64,
 }
 
-impl Law {
+impl Material {
     /// From Young's modulus and Poisson's ratio in (-1, 0.5).
     pub(crate) fn new(young: f64, poisson: f64) -> Self {
         Self {
