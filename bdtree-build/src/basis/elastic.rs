@@ -258,8 +258,8 @@ fn read_subject<'a>(
     options: &ElasticOptions,
     warnings: &mut Vec<String>,
 ) -> Result<Subject<'a>, BakeError> {
-    let pieces = find_components(&mesh.positions, &mesh.triangles);
-    if pieces.list.is_empty() {
+    let surface = find_components(&mesh.positions, &mesh.triangles);
+    if surface.list.is_empty() {
         return Err(BakeError::one(
             "basis",
             mesh.name.clone(),
@@ -287,21 +287,25 @@ fn read_subject<'a>(
             format!("{thickness} is more than the mesh's diagonal, {diagonal}"),
         ));
     }
-    let sheets = pieces.list.iter().filter(|p| p.kind != Kind::Solid).count();
+    let sheets = surface
+        .list
+        .iter()
+        .filter(|p| p.kind != Kind::Solid)
+        .count();
     if sheets > 0 && options.thickness.is_none() {
         warnings.push(format!(
             "{sheets} of {} pieces enclose no volume and are taken as sheets {thickness} thick \
              (1 % of the diagonal); set --thickness",
-            pieces.list.len()
+            surface.list.len()
         ));
     }
-    Ok(Subject::new(mesh, pieces, thickness))
+    Ok(Subject::new(mesh, surface, thickness))
 }
 
 /// Folds between walls much thinner than a cell are too stiff: docs/elastic.md.
 fn warn_thin(subject: &Subject<'_>, lattice: &Lattice, warnings: &mut Vec<String>) {
     let least = THIN_SHARE * lattice.grid.cell_size;
-    let thin = subject.pieces.list.iter().filter(|p| match p.kind {
+    let thin = subject.surface.list.iter().filter(|p| match p.kind {
         Kind::Solid => 2.0 * p.volume.abs() < least * p.area,
         _ => subject.thickness < least,
     });
@@ -310,7 +314,7 @@ fn warn_thin(subject: &Subject<'_>, lattice: &Lattice, warnings: &mut Vec<String
         warnings.push(format!(
             "{count} of {} pieces are thinner than a quarter of a cell ({:.3e} mesh units) and may \
              come out too stiff where they fold or join; raise --resolution",
-            subject.pieces.list.len(),
+            subject.surface.list.len(),
             lattice.grid.cell_size
         ));
     }
@@ -394,14 +398,14 @@ fn list_silent_pieces(
     for mode in &solution.modes {
         moving[mode.component] = true;
     }
-    let mut body_moves = vec![false; subject.pieces.list.len()];
+    let mut body_moves = vec![false; subject.surface.list.len()];
     for (body, component) in lattice.bodies() {
         body_moves[body as usize] |= moving[component];
     }
-    for piece in subject.pieces.list.iter().filter(|p| !body_moves[p.body]) {
+    for component in subject.surface.list.iter().filter(|p| !body_moves[p.body]) {
         report.pieces_without_mode.push(PieceId {
-            first_triangle: piece.triangles[0].0,
-            triangle_count: piece.triangles.len() as u32,
+            first_triangle: component.triangles[0].0,
+            triangle_count: component.triangles.len() as u32,
         });
     }
     let silent = report.pieces_without_mode.len();
@@ -412,7 +416,7 @@ fn list_silent_pieces(
             .collect();
         warnings.push(format!(
             "{silent} of {} pieces move in none of the {} modes (from {}{})",
-            subject.pieces.list.len(),
+            subject.surface.list.len(),
             solution.modes.len(),
             names.join(", "),
             if silent > 5 { ", …" } else { "" }

@@ -63,9 +63,9 @@ pub(crate) fn constrain(
     let mut everything = true;
     // Part and point; several fragments share corners.
     let mut points: Vec<(usize, [f64; 3])> = Vec::new();
-    for piece in &subject.pieces.list {
-        let body = piece.body as u32;
-        for &(id, _) in &piece.triangles {
+    for component in &subject.surface.list {
+        let body = component.body as u32;
+        for &(id, _) in &component.triangles {
             if !region.takes(id, subject.mesh.triangles[id as usize]) {
                 everything = false;
                 continue;
@@ -99,8 +99,8 @@ pub(crate) fn constrain(
     }
     if let Region::Vertices(list) = region {
         for &v in *list {
-            let piece = subject.pieces.of_vertex[v as usize];
-            let Some(body) = piece.map(|p| subject.pieces.list[p as usize].body) else {
+            let component = subject.surface.of_vertex[v as usize];
+            let Some(body) = component.map(|p| subject.surface.list[p as usize].body) else {
                 continue; // no triangle with area uses it
             };
             let p = grid.local(subject.mesh.positions[v as usize]);

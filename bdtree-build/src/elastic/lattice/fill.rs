@@ -21,22 +21,26 @@ use crate::elastic::vec3::{add, cross, norm, scale, sub};
 /// bit, in a fraction of the time.
 pub(crate) fn fill<const ALL: bool>(
     grid: &Grid,
-    pieces: &[SurfaceComponent],
+    surface: &[SurfaceComponent],
     corners: &dyn Fn(u32) -> [[f64; 3]; 3],
     thickness: f64,
     limit: usize,
 ) -> Result<Fillings, TooManyCells> {
-    let several = pieces.iter().any(|p| p.body != pieces[0].body);
+    let several = surface.iter().any(|p| p.body != surface[0].body);
     // Sums take a kilobyte and more; cells that no surface meets, which have none, take little.
     let mut table = Table::new(several, limit / 4);
     let rules = Rules::new();
-    for piece in pieces {
-        let body = piece.body as u32;
-        for &(id, reverse) in &piece.triangles {
+    for component in surface {
+        let body = component.body as u32;
+        for &(id, reverse) in &component.triangles {
             let triangle = corners(id);
-            match piece.kind {
+            match component.kind {
                 Kind::Solid => {
-                    let sign = if reverse { -piece.sign } else { piece.sign };
+                    let sign = if reverse {
+                        -component.sign
+                    } else {
+                        component.sign
+                    };
                     add_solid::<ALL>(&mut table, &rules, grid, body, triangle, sign)?;
                 }
                 Kind::Sheet => {
@@ -48,8 +52,8 @@ pub(crate) fn fill<const ALL: bool>(
                 }
             }
         }
-        for &cap in &piece.caps {
-            add_solid::<ALL>(&mut table, &rules, grid, body, cap, piece.sign)?;
+        for &cap in &component.caps {
+            add_solid::<ALL>(&mut table, &rules, grid, body, cap, component.sign)?;
         }
     }
     let mut list = sweep(grid, table.sums, limit)?;
@@ -282,9 +286,9 @@ mod tests {
             cell_size: 1.0,
             dims: [6, 5, 7],
         };
-        let pieces = find_components(&p, &triangles).list;
+        let surface = find_components(&p, &triangles).list;
         let corners = |id: u32| triangles[id as usize].map(|v| p[v as usize]);
-        let cells = fill::<true>(&grid, &pieces, &corners, 0.1, 1000)
+        let cells = fill::<true>(&grid, &surface, &corners, 0.1, 1000)
             .unwrap_or_default()
             .list;
         let (mut volume, mut first) = (0.0, [0.0; 3]);
@@ -315,7 +319,7 @@ mod tests {
             [0.0, 4.0, 2.0],
         ];
         let triangles = [[0, 1, 2], [0, 2, 3]];
-        let pieces = find_components(&p, &triangles).list;
+        let surface = find_components(&p, &triangles).list;
         let corners = |id: u32| triangles[id as usize].map(|v| p[v as usize]);
         for (z, thickness) in [(0.0, 0.2), (0.3, 0.2), (0.0, 2.5)] {
             let grid = Grid {
@@ -323,7 +327,7 @@ mod tests {
                 cell_size: 1.0,
                 dims: [4, 4, 4],
             };
-            let cells = fill::<true>(&grid, &pieces, &corners, thickness, 1000)
+            let cells = fill::<true>(&grid, &surface, &corners, thickness, 1000)
                 .unwrap_or_default()
                 .list;
             let volume: f64 = cells
@@ -366,15 +370,15 @@ mod tests {
                 }
                 triangles.extend(faces.map(|t: [u32; 3]| t.map(|v| v + first)));
             }
-            let mut pieces = find_components(&p, &triangles).list;
-            pieces[1].body = 0;
+            let mut surface = find_components(&p, &triangles).list;
+            surface[1].body = 0;
             let corners = |id: u32| triangles[id as usize].map(|v: u32| p[v as usize]);
             let grid = Grid {
                 origin: [0.0; 3],
                 cell_size: 1.0,
                 dims: [4; 3],
             };
-            let cells = fill::<true>(&grid, &pieces, &corners, 0.1, 1000)
+            let cells = fill::<true>(&grid, &surface, &corners, 0.1, 1000)
                 .unwrap_or_default()
                 .list;
             assert_eq!(cells.len(), 64);

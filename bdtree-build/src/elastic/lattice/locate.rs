@@ -8,20 +8,20 @@ use crate::elastic::lattice::{Lattice, Subject};
 const REACH: f64 = 3.0;
 
 /// The anchor of every vertex. A vertex follows a cell that its own body fills: the one it lies
-/// in, else the nearest one. A vertex that no piece uses follows the cell it lies in, if that is
+/// in, else the nearest one. A vertex that no surface component uses follows the cell it lies in, if that is
 /// filled, and stays where it is otherwise.
 pub(crate) fn anchors(subject: &Subject<'_>, lattice: &Lattice) -> Vec<Option<Anchor>> {
-    let pieces = &subject.pieces;
+    let surface = &subject.surface;
     subject
         .mesh
         .positions
         .iter()
-        .zip(&pieces.of_vertex)
-        .map(|(&p, piece)| {
+        .zip(&surface.of_vertex)
+        .map(|(&p, component)| {
             let p = lattice.grid.local(p);
-            match piece {
-                Some(piece) => {
-                    let body = pieces.list[*piece as usize].body as u32;
+            match component {
+                Some(component) => {
+                    let body = surface.list[*component as usize].body as u32;
                     lattice
                         .nearest_part(body, p)
                         .map(|part| anchor(lattice, part, p))

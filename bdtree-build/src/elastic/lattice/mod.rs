@@ -93,7 +93,7 @@ impl Lattice {
             within.then(|| self.find(self.fine.key(cell), body))?
         });
         let all = (0..self.fillings.len()).filter(|&n| self.fillings[n].body == body);
-        // Only parts of a piece that hold no material at all are far from all its cells.
+        // Only parts of a surface component that hold no material at all are far from all its cells.
         let best = self.closest(p, around).or_else(|| self.closest(p, all));
         best.map(|n| self.part_of[n] as usize)
     }
@@ -133,8 +133,8 @@ impl Lattice {
 pub(crate) struct Subject<'a> {
     /// The mesh.
     pub mesh: &'a RawMesh,
-    /// Its pieces.
-    pub pieces: SurfaceComponents,
+    /// Its surface components.
+    pub surface: SurfaceComponents,
     /// Thickness of sheets (mesh units).
     pub thickness: f64,
     min: [f64; 3],
@@ -144,8 +144,8 @@ pub(crate) struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// Measures the box of the material, sheets with their thickness. Needs a piece at least.
-    pub(crate) fn new(mesh: &'a RawMesh, pieces: SurfaceComponents, thickness: f64) -> Self {
+    /// Measures the box of the material, sheets with their thickness. Needs a surface component at least.
+    pub(crate) fn new(mesh: &'a RawMesh, surface: SurfaceComponents, thickness: f64) -> Self {
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let mut take = |p: [f64; 3]| {
             for a in 0..3 {
@@ -154,9 +154,9 @@ impl<'a> Subject<'a> {
             }
         };
         let mut sizes = [[0.0; 3]; 2];
-        for piece in &pieces.list {
-            let is_sheet = piece.kind != Kind::Solid;
-            for &(id, _) in &piece.triangles {
+        for component in &surface.list {
+            let is_sheet = component.kind != Kind::Solid;
+            for &(id, _) in &component.triangles {
                 let [a, b, c] = mesh.triangles[id as usize].map(|v| mesh.positions[v as usize]);
                 let edges = [sub(b, a), sub(c, b), sub(a, c)];
                 let n = cross(edges[0], edges[1]);
@@ -178,7 +178,7 @@ impl<'a> Subject<'a> {
         }
         Self {
             mesh,
-            pieces,
+            surface,
             thickness,
             min,
             max,
@@ -189,7 +189,7 @@ impl<'a> Subject<'a> {
     /// About how much [`Subject::lattice`] has to integrate, in small triangles: what it takes besides
     /// its cells. Where many large triangles lie on each other, cells say nothing about it.
     pub(crate) fn surface_work(&self, resolution: f64) -> f64 {
-        /// A piece as large as a cell is given this many times the points.
+        /// A surface component as large as a cell is given this many times the points.
         const FULL: f64 = 16.0;
         let cell_size = self.grid(resolution).cell_size / FINE as f64;
         // A sheet has two layers, or is made of the eight triangles of a prism.
@@ -200,7 +200,7 @@ impl<'a> Subject<'a> {
         of(self.sizes[0]) + layers * of(self.sizes[1])
     }
 
-    /// Triangles of its pieces.
+    /// Triangles of its surface components.
     pub(crate) fn triangle_count(&self) -> f64 {
         self.sizes[0][0] + self.sizes[1][0]
     }
@@ -254,7 +254,7 @@ impl<'a> Subject<'a> {
         let mesh = self.mesh;
         let corners = |id: u32| mesh.triangles[id as usize].map(|v| mesh.positions[v as usize]);
         let limit = limit.saturating_mul(FINE.pow(3));
-        let fillings = fill::<ALL>(&fine, &self.pieces.list, &corners, self.thickness, limit)?;
+        let fillings = fill::<ALL>(&fine, &self.surface.list, &corners, self.thickness, limit)?;
         Ok(connect(grid, fine, fillings))
     }
 }

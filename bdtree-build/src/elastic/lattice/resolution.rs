@@ -79,7 +79,7 @@ pub(crate) fn choose_lattice(
         let guess = (f64::from(resolution) * factor).round() as u32;
         resolution = guess.clamp(low + 1, high - 1);
     }
-    // Even one cell per piece is more than the budget: as coarse as it goes.
+    // Even one cell per surface component is more than the budget: as coarse as it goes.
     let (resolution, limit) = best.map_or((1, cell_limit), |best| (best, 2 * NODE_BUDGET));
     match subject.lattice(f64::from(resolution), limit) {
         Ok(lattice) => nonempty(subject, lattice, resolution),

@@ -1,10 +1,10 @@
-//! Connected pieces of the surface, and whether each one bounds a solid or is a sheet.
+//! Connected components of the surface, and whether each one bounds a solid or is a sheet.
 //!
-//! A piece is a set of triangles that hang together by equal positions, so that seams split for
+//! A surface component is a set of triangles that hang together by equal positions, so that seams split for
 //! texture coordinates do not tear it. Its directed edges tell whether it is closed: the edges of
 //! a closed surface cancel in pairs, whatever non-manifold detail it has. Small holes are closed
 //! by a cone over each boundary loop, which closes any surface exactly; wide openings make the
-//! piece a sheet. This is a statement about the surface alone, so that it does not change with
+//! surface component a sheet. This is a statement about the surface alone, so that it does not change with
 //! the lattice, as a flood fill's answer would.
 
 use std::collections::HashMap;
@@ -12,14 +12,14 @@ use std::collections::HashMap;
 use crate::elastic::disjoint_sets::DisjointSets;
 use crate::elastic::vec3::{add, cross, dot, norm, scale, sub};
 
-/// Holes of a solid may take up this share of the piece's area in all …
+/// Holes of a solid may take up this share of the surface component's area in all …
 const HOLE_AREA_MAX: f64 = 0.05;
 /// … and each of them this share of the mean cross-section behind it (a pipe's end is 1).
 const HOLE_SECTION_MAX: f64 = 0.25;
-/// A closed piece thinner than this share of its own diagonal has no inside: two-sided paper.
+/// A closed surface component thinner than this share of its own diagonal has no inside: two-sided paper.
 const PAPER_THICKNESS_REL: f64 = 1e-4;
 
-/// What a piece is made of.
+/// What a surface component is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// Bounds a volume.
@@ -30,7 +30,7 @@ pub(crate) enum Kind {
     Paper,
 }
 
-/// One connected piece.
+/// One connected surface component.
 #[derive(Debug, Clone)]
 pub(crate) struct SurfaceComponent {
     /// Ids of its triangles, ascending, and whether each is taken in reverse.
@@ -51,16 +51,16 @@ pub(crate) struct SurfaceComponent {
     max: [f64; 3],
 }
 
-/// The pieces of a mesh.
+/// The surface components of a mesh.
 #[derive(Debug, Clone)]
 pub(crate) struct SurfaceComponents {
-    /// In order of their first triangle; pieces without area are left out.
+    /// In order of their first triangle; surface components without area are left out.
     pub list: Vec<SurfaceComponent>,
-    /// Per vertex: its piece, if a triangle of a piece uses it.
+    /// Per vertex: its surface component, if a triangle of a surface component uses it.
     pub of_vertex: Vec<Option<u32>>,
 }
 
-/// Splits a mesh into pieces. Positions must be finite and indices in range.
+/// Splits a mesh into surface components. Positions must be finite and indices in range.
 pub(crate) fn find_components(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> SurfaceComponents {
     let weld = weld(positions);
     let mut sets = DisjointSets::new(positions.len());
@@ -84,13 +84,13 @@ pub(crate) fn find_components(positions: &[[f64; 3]], triangles: &[[u32; 3]]) ->
     let mut of_vertex = vec![None; positions.len()];
     for ids in members {
         let index = list.len();
-        if let Some(piece) = measure(positions, triangles, &weld, ids, index) {
-            for &(id, _) in &piece.triangles {
+        if let Some(component) = measure(positions, triangles, &weld, ids, index) {
+            for &(id, _) in &component.triangles {
                 for v in triangles[id as usize] {
                     of_vertex[v as usize] = Some(index as u32);
                 }
             }
-            list.push(piece);
+            list.push(component);
         }
     }
     orient(positions, triangles, &mut list);
@@ -352,20 +352,20 @@ fn orient(positions: &[[f64; 3]], triangles: &[[u32; 3]], list: &mut [SurfaceCom
     }
 }
 
-/// Whether a ray from `point` crosses the piece an odd number of times.
+/// Whether a ray from `point` crosses the surface component an odd number of times.
 fn encloses(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
-    piece: &SurfaceComponent,
+    component: &SurfaceComponent,
     point: [f64; 3],
 ) -> bool {
     // An odd direction, so that the ray meets no edge of axis-aligned models.
     let direction = [0.836_516, 0.389_731, 0.384_917];
-    let soup = piece
+    let soup = component
         .triangles
         .iter()
         .map(|&(id, _)| triangles[id as usize].map(|v| positions[v as usize]))
-        .chain(piece.caps.iter().copied());
+        .chain(component.caps.iter().copied());
     let mut inside = false;
     for [a, b, c] in soup {
         let (e1, e2, s) = (sub(b, a), sub(c, a), sub(point, a));
