@@ -13,7 +13,7 @@ use crate::elastic::element::{hexahedron, tetrahedron};
 
 /// Elements that hang together by nodes: their own vibrating body.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Part {
+pub(crate) struct Component {
     /// Nodes of the mesh, ascending.
     pub nodes: Vec<u32>,
     /// Elements of the mesh, ascending.
@@ -40,11 +40,11 @@ pub(crate) struct Model {
 }
 
 impl Model {
-    /// The parts, in the order of their first nodes.
+    /// The components, in the order of their first nodes.
     ///
     /// # Errors
-    /// A part of more blocks than can be handled: its first node.
-    pub(crate) fn parts(&self) -> Result<Vec<Part>, (u32, TooManyBlocks)> {
+    /// A component of more blocks than can be handled: its first node.
+    pub(crate) fn components(&self) -> Result<Vec<Component>, (u32, TooManyBlocks)> {
         let count = self.positions.len();
         let mut sets = DisjointSets::new(count);
         for corners in self.elements.iter() {
@@ -56,16 +56,16 @@ impl Model {
         for &n in self.elements.iter().flatten() {
             used[n as usize] = true;
         }
-        let mut parts: Vec<Part> = Vec::new();
-        let mut part_of = vec![u32::MAX; count];
+        let mut components: Vec<Component> = Vec::new();
+        let mut component_of = vec![u32::MAX; count];
         let mut place = vec![0u32; count];
         for n in (0..count).filter(|&n| used[n]) {
             let root = sets.find(n);
-            if part_of[root] == u32::MAX {
-                part_of[root] = parts.len() as u32;
-                parts.push(Part::default());
+            if component_of[root] == u32::MAX {
+                component_of[root] = components.len() as u32;
+                components.push(Component::default());
             }
-            let own = &mut parts[part_of[root] as usize];
+            let own = &mut components[component_of[root] as usize];
             place[n] = own.nodes.len() as u32;
             own.nodes.push(n as u32);
         }
@@ -73,38 +73,43 @@ impl Model {
             let Some(&first) = corners.first() else {
                 continue;
             };
-            let own = &mut parts[part_of[sets.find(first as usize)] as usize];
+            let own = &mut components[component_of[sets.find(first as usize)] as usize];
             own.elements.push(e as u32);
             own.corners.push(corners.iter().map(|&n| place[n as usize]));
         }
-        for own in &mut parts {
+        for own in &mut components {
             let positions = self.positions_of(own);
             own.blocks = find_blocks(&positions, &own.corners).map_err(|e| (own.nodes[0], e))?;
         }
-        Ok(parts)
+        Ok(components)
     }
 
-    fn positions_of(&self, part: &Part) -> Vec<[f64; 3]> {
-        let nodes = part.nodes.iter();
+    fn positions_of(&self, component: &Component) -> Vec<[f64; 3]> {
+        let nodes = component.nodes.iter();
         nodes.map(|&n| self.positions[n as usize]).collect()
     }
 
-    /// The system of a part; `held` tells of every node of the mesh which axes are held.
+    /// The system of a component; `held` tells of every node of the mesh which axes are held.
     ///
     /// # Errors
-    /// The place in the part of an element that has no stiffness.
-    pub(crate) fn system(&self, part: &Part, held: &[[bool; 3]]) -> Result<System, usize> {
-        let positions = self.positions_of(part);
+    /// The place in the component of an element that has no stiffness.
+    pub(crate) fn system(
+        &self,
+        component: &Component,
+        held: &[[bool; 3]],
+    ) -> Result<System, usize> {
+        let positions = self.positions_of(component);
         let source = Source {
-            order: dissect_mesh(&positions, &part.corners),
+            order: dissect_mesh(&positions, &component.corners),
             positions,
-            elements: Cow::Borrowed(&part.corners),
+            elements: Cow::Borrowed(&component.corners),
             constraints: &[],
-            held: part.nodes.iter().map(|&n| held[n as usize]).collect(),
-            blocks: Cow::Borrowed(&part.blocks),
+            held: component.nodes.iter().map(|&n| held[n as usize]).collect(),
+            blocks: Cow::Borrowed(&component.blocks),
         };
         System::assemble(&source, |e| {
-            self.matrices(part.elements[e] as usize).map(Cow::Owned)
+            self.matrices(component.elements[e] as usize)
+                .map(Cow::Owned)
         })
     }
 
