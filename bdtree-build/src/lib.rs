@@ -35,6 +35,7 @@ pub mod error;
 pub mod file;
 pub mod input;
 mod motion;
+mod parallel;
 pub mod pipeline;
 pub mod progress;
 pub mod recipe;

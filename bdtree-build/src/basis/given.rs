@@ -13,6 +13,9 @@ use crate::input::forget_folder;
 use crate::input::npy::{self, NpyArray};
 use crate::input::read_file::read_file;
 
+/// Vertices whose entries are put in order at a time.
+const VERTICES: usize = 256;
+
 /// What the axes of a basis array mean. N vertices, M fields; k is x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layout {
@@ -99,14 +102,17 @@ pub fn given_basis(
     let (layout, mode_count) = settle(&array, layout, vertex_count, &file)?;
     let mut basis = Basis {
         vertex_count,
-        fields: Vec::with_capacity(array.values.len() / 3),
+        fields: vec![[0.0; 3]; mode_count * vertex_count],
         modes: vec![BasisMode::default(); mode_count],
         animation: None,
     };
-    for j in 0..mode_count {
-        for i in 0..vertex_count {
-            let axis = |k| layout.entry(&array, i, k, j).unwrap_or(f64::NAN);
-            basis.fields.push([axis(0), axis(1), axis(2)]);
+    // The array may hold what belongs to a vertex together: few vertices at a time stay in the cache.
+    for first in (0..vertex_count).step_by(VERTICES) {
+        for j in 0..mode_count {
+            for i in first..vertex_count.min(first + VERTICES) {
+                let axis = |k| layout.entry(&array, i, k, j).unwrap_or(f64::NAN);
+                basis.fields[j * vertex_count + i] = [axis(0), axis(1), axis(2)];
+            }
         }
     }
     let mut problems = Problems::new("basis");

@@ -1,11 +1,12 @@
 //! How triangles are split and ordered: a binary tree built from the top (Quinlan 1994, or by
-//! cost), folded into the file's eight-wide nodes.
+//! cost), collapsed into the file's eight-wide nodes.
 //!
 //! The tree depends on the rest positions as stored and on nothing else, so assets of one mesh
 //! with different bases share their structure. It is the same for any number of threads.
 
 mod binary;
 mod collapse;
+mod collapse_costs;
 mod exchange;
 mod split;
 
@@ -130,13 +131,14 @@ pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], settings: &TreeSett
     let (mut tree, query) = cut(positions, triangles, settings, leaf_size);
     debug_assert!(tree.depth <= DEPTH_MAX);
     if settings.split == Split::Cost {
-        tree = exchange::exchange(&tree, positions, triangles, leaf_size, query);
+        let threads = settings.threads.max(1);
+        tree = exchange::exchange(&tree, positions, triangles, leaf_size, query, threads);
     }
     sort_leaves(&mut tree);
     tree
 }
 
-/// The tree as cut from the top and folded, and the diameter of a typical query.
+/// The tree as cut from the top and collapsed, and the diameter of a typical query.
 fn cut(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],

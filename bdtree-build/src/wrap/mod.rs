@@ -13,8 +13,6 @@ pub mod round;
 pub mod stored;
 mod units;
 
-use std::sync::Mutex;
-
 use bdtree_format::{
     LANES, ModePair, NodeRecord, ROW_CENTRE_X, Row, VertexModes, pair_row, row_count,
 };
@@ -24,6 +22,7 @@ pub use nested::nest;
 pub use stored::{ModeLimits, RANGE_DIAGONALS, StoredShape, store};
 
 use crate::error::{BakeError, Place};
+use crate::parallel;
 use crate::tree::{LaneKind, Tree};
 use lane::Scratch;
 use round::vector_norm_up;
@@ -90,7 +89,7 @@ pub fn wrap(
         });
         row_total += row_count(usize::from(mode_count));
     }
-    let step_bounds = growth::step_bounds(shape);
+    let step_bounds = growth::step_bounds(shape, threads);
     let mut rows = vec![[0.0; LANES]; row_total];
     wrap_nodes(
         tree,
@@ -135,20 +134,14 @@ fn wrap_nodes(
         rest = behind;
         jobs.push((node, record, own));
     }
-    // The root, which has most vertices, comes first, so threads end at about the same time.
-    let jobs = Mutex::new(jobs.into_iter());
-    let work = || {
-        let mut scratch = Scratch::default();
-        let mut last_seen = vec![0u32; shape.positions.len()];
-        let mut stamp = 0u32;
-        loop {
-            let job = match jobs.lock() {
-                Ok(mut jobs) => jobs.next(),
-                Err(_) => None,
-            };
-            let Some((node, record, own)) = job else {
-                break;
-            };
+    let memory = || (Scratch::default(), vec![0u32; shape.positions.len()], 0u32);
+    let mut memory = parallel::states(threads, memory);
+    // The root comes first, which has most vertices.
+    let jobs = jobs.into_iter();
+    parallel::for_each(
+        jobs,
+        &mut memory,
+        |(scratch, last_seen, stamp), (node, record, own)| {
             let start = record.mode_list_start as usize;
             let modes = &lists[start..start + usize::from(record.mode_count)];
             for (lane, below) in node.lanes.iter().zip(&mut scratch.lanes) {
@@ -156,26 +149,20 @@ fn wrap_nodes(
                 if lane.kind == LaneKind::Empty {
                     continue;
                 }
-                stamp += 1;
+                *stamp += 1;
                 for &triangle in tree.triangles_below(*lane) {
                     for corner in triangles[triangle as usize] {
                         let seen = &mut last_seen[corner as usize];
-                        if *seen != stamp {
-                            *seen = stamp;
+                        if *seen != *stamp {
+                            *seen = *stamp;
                             below.vertices.push(corner);
                         }
                     }
                 }
             }
-            record.scale_exponents = lane::write_node(shape, modes, step_bounds, &mut scratch, own);
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 1..threads {
-            scope.spawn(work);
-        }
-        work();
-    });
+            record.scale_exponents = lane::write_node(shape, modes, step_bounds, scratch, own);
+        },
+    );
 }
 
 /// The k-th pair of a node's active modes as `rows`, the node's, hold it.

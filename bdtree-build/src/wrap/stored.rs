@@ -29,6 +29,9 @@ const ZERO_LIMIT_EXPONENT: i32 = 60;
 /// range.
 const PRODUCT_EXPONENT_MAX: i32 = 120;
 
+/// Vertices whose displacements are put in order at a time.
+const VERTICES: usize = 256;
+
 /// The limits of one mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeLimits {
@@ -66,11 +69,13 @@ impl StoredShape {
     }
 
     /// p_i in f64; `vertex` is below N.
+    #[inline]
     pub(super) fn position(&self, vertex: u32) -> [f64; 3] {
         self.positions[vertex as usize].map(f64::from)
     }
 
     /// U_ij in f64; `vertex` is below N and `mode` below M.
+    #[inline]
     pub(super) fn displacement(&self, vertex: u32, mode: u16) -> [f64; 3] {
         self.displacements[vertex as usize * self.limits.len() + usize::from(mode)].map(f64::from)
     }
@@ -161,14 +166,26 @@ pub fn store(
     }
     let mode_count = basis.mode_count();
     let mut displacements = vec![[0.0; 3]; basis.fields.len()];
-    for j in 0..mode_count {
-        for (i, &u) in basis.field(j).iter().enumerate() {
-            let stored = quantise(u);
-            if !stored.iter().all(|c| c.is_finite()) {
-                let place = Place::from(Part::Mode(j)).at(Part::Vertex(i));
-                problems.add(place, format!("displacement {u:?} is too large for f32"));
+    // What belongs to a vertex will lie together: few vertices at a time stay in the cache.
+    for (n, rows) in displacements
+        .chunks_mut(VERTICES * mode_count.max(1))
+        .enumerate()
+    {
+        for j in 0..mode_count {
+            let fields = &basis.field(j)[n * VERTICES..];
+            for (row, &u) in rows.chunks_exact_mut(mode_count).zip(fields) {
+                row[j] = quantise(u);
             }
-            displacements[i * mode_count + j] = stored;
+        }
+    }
+    if displacements.as_flattened().iter().any(|c| !c.is_finite()) {
+        for j in 0..mode_count {
+            for (i, &u) in basis.field(j).iter().enumerate() {
+                if !quantise(u).iter().all(|c| c.is_finite()) {
+                    let place = Place::from(Part::Mode(j)).at(Part::Vertex(i));
+                    problems.add(place, format!("displacement {u:?} is too large for f32"));
+                }
+            }
         }
     }
     problems.into_result()?;

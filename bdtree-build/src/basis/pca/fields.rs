@@ -8,7 +8,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 
 use super::snapshots::Snapshots;
 use super::tsqr::Spectrum;
-use crate::elastic::canonical;
+use crate::elastic::solve::canonical;
 use crate::error::{BakeError, Part};
 use crate::progress::Progress;
 

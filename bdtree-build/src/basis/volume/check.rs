@@ -2,8 +2,8 @@
 
 use super::VolumeOptions;
 use crate::basis::elastic::ElasticOptions;
-use crate::elastic::assemble::NodeLists;
-use crate::elastic::law::Law;
+use crate::elastic::element::NodeLists;
+use crate::elastic::element::material::Material;
 use crate::elastic::volume::Model;
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::volume::{RawMaterial, RawVolume};
@@ -125,7 +125,7 @@ pub(super) fn model(
         materials: materials
             .iter()
             .map(|m| {
-                let law = Law::new(m.young_pa / young_pa, m.poisson);
+                let law = Material::new(m.young_pa / young_pa, m.poisson);
                 (law, m.density_kg_m3 / density)
             })
             .collect(),
