@@ -104,14 +104,14 @@ pub struct ElasticReport {
     pub residual_max: f64,
     /// Whether inertia counts proved that no mode was missed.
     pub inertia_checked: bool,
-    /// SurfaceComponents that move in none of the modes.
+    /// Surface components that move in none of the modes.
     pub pieces_without_mode: Vec<PieceId>,
     /// Stage name and seconds.
     #[serde(skip)]
     pub stages: Vec<(&'static str, f64)>,
 }
 
-/// SurfaceComponents thinner than this share of a cell are warned about.
+/// Surface components thinner than this share of a cell are warned about.
 const THIN_SHARE: f64 = 0.25;
 
 /// The K lowest elastic modes of a surface mesh, ascending in frequency, each with ω and modal mass.
