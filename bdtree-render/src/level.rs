@@ -36,12 +36,13 @@ impl Level {
     ///
     /// # Errors
     /// A corrupt asset.
-    pub fn of(asset: &Asset<'_>, pose: &Pose<'_>, level: usize) -> Result<Self, FormatError> {
+    pub fn of(pose: &Pose<'_>, level: usize) -> Result<Self, FormatError> {
+        let asset = pose.asset();
         let nodes = asset.node_count_to(level);
         let first = level
             .checked_sub(1)
             .map_or(0, |above| asset.node_count_to(above));
-        let spheres = NodeSphere::of_nodes(asset, pose, first as u32..nodes as u32)?;
+        let spheres = NodeSphere::of_nodes(pose, first as u32..nodes as u32)?;
         Ok(Self { level, spheres })
     }
 }
@@ -52,14 +53,14 @@ impl NodeSphere {
     /// # Errors
     /// A node that is not there, a corrupt asset.
     pub fn of_nodes(
-        asset: &Asset<'_>,
         pose: &Pose<'_>,
         nodes: impl IntoIterator<Item = u32>,
     ) -> Result<Vec<Self>, FormatError> {
+        let asset = pose.asset();
         let map = pose.stored_to_world();
         let mut found = Vec::new();
         for index in nodes {
-            let spheres = asset.node_spheres(pose, index)?;
+            let spheres = pose.node_spheres(index)?;
             let Some(node) = asset.nodes().get(index as usize) else {
                 continue; // `node_spheres` has said so
             };
