@@ -3,8 +3,8 @@
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::pipeline::BakeSettings;
 use bdtree_build::tree::Split;
-use bdtree_measure::paper_tree::{PaperTree, Step, Vertices};
 use bdtree_fixtures::{bake, oracle, poses};
+use bdtree_measure::paper_tree::{PaperTree, Step, Vertices};
 use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, VertexId, query};
 use rand::RngExt;
 

@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use bdtree_fixtures::bake;
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::leaf;
 use bdtree_measure::paper_tree::{Between, Memory, PaperTree};
@@ -9,7 +10,6 @@ use bdtree_measure::paper_tree::{Between, Memory, PaperTree};
 use bdtree_measure::peers::{Embree, embree};
 use bdtree_measure::peers::{LayeredPeer, PairPeer, Peer};
 use bdtree_measure::{Body, Place};
-use bdtree_fixtures::bake;
 use bdtree_runtime::narrow::{Ray, Triangle, ray_hit};
 use bdtree_runtime::{Asset, Pose, Transform};
 use bdtree_scenes::workloads::{bodies, rays, sequence};

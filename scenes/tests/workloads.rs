@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use bdtree_fixtures::bake;
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::{Body, Place};
-use bdtree_fixtures::bake;
 use bdtree_runtime::{Asset, Pose, Transform, VertexId};
 use bdtree_scenes::workloads::{bodies, curtain, pile, rays, sequence};
 

@@ -11,8 +11,8 @@ use bdtree_build::error::BakeError;
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_measure::Body;
 use bdtree_fixtures::models;
+use bdtree_measure::Body;
 use bdtree_runtime::AlignedBytes;
 
 /// The file of a body, kept under `target/workloads/`: its name says which build made it.

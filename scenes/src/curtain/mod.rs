@@ -15,8 +15,8 @@ use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_measure::Body;
 use bdtree_fixtures::models::animation;
+use bdtree_measure::Body;
 use bdtree_runtime::{AlignedBytes, Asset};
 use clap::Parser;
 

@@ -4,8 +4,8 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use bdtree_gpu::NormalFields;
 use bdtree_fixtures::poses;
+use bdtree_gpu::NormalFields;
 use bdtree_runtime::{AlignedBytes, Asset, TriangleId, VertexId};
 use clap::Args;
 

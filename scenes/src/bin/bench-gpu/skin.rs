@@ -7,10 +7,10 @@ use std::time::Instant;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
-use bdtree_measure::machine;
 use bdtree_fixtures::bake::{bumpy_sphere, smooth_basis};
 use bdtree_fixtures::{models, poses};
+use bdtree_gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
+use bdtree_measure::machine;
 use bdtree_runtime::{AlignedBytes, Asset};
 use clap::Args;
 

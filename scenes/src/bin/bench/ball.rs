@@ -4,11 +4,11 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
+use bdtree_fixtures::poses;
 use bdtree_measure::ours::Ours;
 use bdtree_measure::paper_tree::{BallCounts, PaperTree, PlainTree, Step, Vertices};
 use bdtree_measure::{machine, stats};
 use bdtree_runtime::{AlignedBytes, Asset, Contact, Pose, Transform, TriangleId};
-use bdtree_fixtures::poses;
 use bdtree_scenes::contenders::spheres::sum_growths;
 use clap::Args;
 use rand::RngExt;

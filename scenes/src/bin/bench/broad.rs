@@ -4,8 +4,8 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
-use bdtree_measure::stats::median;
 use bdtree_fixtures::poses;
+use bdtree_measure::stats::median;
 use bdtree_runtime::broad::{GridSlot, grid_slots, pairs};
 use bdtree_runtime::query::{BoundingSphere, root_sphere};
 use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform};

@@ -6,12 +6,12 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use bdtree_build::basis::Basis;
+use bdtree_fixtures::{bake as made, poses, sections};
 use bdtree_format::SectionKind;
 use bdtree_measure::ours::Ours;
 use bdtree_measure::{machine, stats};
 use bdtree_runtime::{AlignedBytes, Asset, Contact, Pose, Transform, TriangleId};
 use bdtree_scenes::contenders::assets::baked_mesh;
-use bdtree_fixtures::{bake as made, poses, sections};
 use clap::Args;
 use rand::RngExt;
 use serde_json::json;

@@ -7,10 +7,10 @@ use std::time::Instant;
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::file::write_atomically;
 use bdtree_build::input::RawMesh;
+use bdtree_fixtures::resident::mapped_bytes;
 use bdtree_measure::{machine, stats};
 use bdtree_runtime::{AlignedBytes, Asset, MappedFile};
 use bdtree_scenes::contenders::assets::baked_mesh;
-use bdtree_fixtures::resident::mapped_bytes;
 use clap::Args;
 use serde_json::json;
 
