@@ -25,7 +25,7 @@ pub fn ball(id: u32, corners: &Triangle, center: [f64; 3], radius: f64, found: &
         } else {
             away
         },
-        dist: closest.distance - radius,
+        distance: closest.distance - radius,
         barycentric: closest.barycentric,
     });
 }
@@ -46,10 +46,27 @@ pub fn pair(
         triangle2: TriangleId(id2),
         point1: nearest.point1,
         point2: nearest.point2,
-        dist: nearest.distance,
+        normal1: normal(one),
+        normal2: normal(two),
+        distance: nearest.distance,
         barycentric1: nearest.barycentric1,
         barycentric2: nearest.barycentric2,
     });
+}
+
+/// A triangle's unit normal; zero where it has no area.
+fn normal([a, b, c]: &Triangle) -> [f64; 3] {
+    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
+    let cross = [
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    ];
+    if cross == [0.0; 3] {
+        cross
+    } else {
+        unit(cross)
+    }
 }
 
 /// A vector of any length but 0 scaled to 1.

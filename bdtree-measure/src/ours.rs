@@ -1,8 +1,7 @@
 //! The product as one of those who are compared: a pose, then queries, in memory that is kept.
 
 use bdtree_runtime::{
-    Asset, CachedPose, Contact, LeafSlot, NodeSlot, Pose, Posed, StackEntry, StepCache, Transform,
-    query,
+    Asset, Ball, CacheSize, Contact, Query, QueryError, Ray, StepCache, Transform, Workspace,
 };
 
 use crate::MeasureError;
@@ -10,21 +9,13 @@ use crate::clock::Clock;
 use crate::comparison::CACHED;
 use crate::turns::{Frame, Nodes};
 
-/// What an instance keeps during a step.
-pub type Cache = StepCache<Vec<NodeSlot>, Vec<LeafSlot>>;
-
-/// Room for so many nodes and leaves.
-pub fn cache(nodes: usize, leaves: usize) -> Cache {
-    StepCache::new(vec![NodeSlot::EMPTY; nodes], vec![LeafSlot::EMPTY; leaves])
-}
-
 /// An asset with the memory that it is asked in.
 pub struct Ours<'a> {
     asset: Asset<'a>,
     memory: Vec<f32>,
-    stack: Vec<StackEntry>,
+    workspace: Workspace<'static>,
     /// For steps of [`CACHED`] queries and more.
-    cache: Option<Cache>,
+    cache: Option<StepCache<'static>>,
     found: Vec<Contact>,
 }
 
@@ -37,27 +28,12 @@ pub struct Answer {
     pub nodes: Nodes,
 }
 
-/// A body in a step, with or without a cache.
-enum Step<'s, 'p> {
-    Plain(&'s Pose<'p>),
-    Kept(&'s mut CachedPose<'p>),
-}
-
-impl Step<'_, '_> {
-    fn posed(&mut self) -> Posed<'_> {
-        match self {
-            Self::Plain(pose) => (*pose).into(),
-            Self::Kept(cached) => (&mut **cached).into(),
-        }
-    }
-}
-
 impl<'a> Ours<'a> {
     /// On an asset; nothing is kept from one query to the next.
     pub fn new(asset: Asset<'a>) -> Self {
         Self {
             memory: vec![0.0; asset.pose_len()],
-            stack: vec![StackEntry::default(); asset.stack_len()],
+            workspace: Workspace::new(),
             cache: None,
             found: Vec::new(),
             asset,
@@ -66,8 +42,9 @@ impl<'a> Ours<'a> {
 
     /// The same, all nodes and so many leaves kept during a step from [`CACHED`] queries on.
     pub fn keeping(asset: Asset<'a>, leaves: usize) -> Self {
+        let nodes = asset.node_count();
         Self {
-            cache: Some(cache(asset.node_count(), leaves)),
+            cache: Some(StepCache::new(CacheSize { nodes, leaves })),
             ..Self::new(asset)
         }
     }
@@ -77,33 +54,23 @@ impl<'a> Ours<'a> {
         &self.found
     }
 
-    /// A pose and so many queries, each of which adds to what the step found.
+    /// A pose and so many queries, each of which adds what it found to the step's.
     fn step<Q>(
         &mut self,
         q: &[f32],
         queries: impl ExactSizeIterator<Item = Q>,
-        mut ask: impl FnMut(&Asset<'a>, Posed<'_>, &mut [StackEntry], &mut Vec<Contact>, Q) -> Asked,
+        mut ask: impl FnMut(&mut Query<'_, '_>, &mut Vec<Contact>, Q) -> Result<u64, QueryError>,
     ) -> Result<Answer, MeasureError> {
-        let Self {
-            asset,
-            memory,
-            stack,
-            cache,
-            found,
-        } = self;
-        let pose = Pose::new(asset, q, Transform::IDENTITY, memory)?;
-        let cache = cache.as_mut().filter(|_| queries.len() >= CACHED);
-        let mut kept = cache.map(|cache| cache.start(&pose));
-        let mut step = match &mut kept {
-            Some(kept) => Step::Kept(kept),
-            None => Step::Plain(&pose),
-        };
+        let pose = self.asset.pose(q, Transform::IDENTITY, &mut self.memory)?;
+        let mut step = pose.query(&mut self.workspace);
+        if let Some(cache) = self.cache.as_mut().filter(|_| queries.len() >= CACHED) {
+            cache.start(&pose);
+            step = step.cached(cache);
+        }
         let mut answer = Answer::default();
         for query in queries {
-            let own = ask(asset, step.posed(), stack, found, query)?;
-            answer.found += own.found;
-            answer.nodes.visited += own.nodes.visited;
-            answer.nodes.updated += own.nodes.updated;
+            answer.found += ask(&mut step, &mut self.found, query)?;
+            answer.nodes.add(step.stats());
         }
         Ok(answer)
     }
@@ -117,16 +84,10 @@ impl<'a> Ours<'a> {
         q: &[f32],
         balls: impl ExactSizeIterator<Item = ([f64; 3], f64)>,
     ) -> Result<Answer, MeasureError> {
-        self.step(q, balls, |asset, posed, stack, found, (center, radius)| {
+        self.step(q, balls, |step, found, (center, radius)| {
             found.clear();
-            let outcome = query::ball(asset, posed, center, radius, stack, found)?;
-            Ok(Answer {
-                found: found.len() as u64,
-                nodes: Nodes {
-                    visited: outcome.nodes_visited,
-                    updated: outcome.nodes_updated,
-                },
-            })
+            step.contacts(Ball::new(center, radius), found)?;
+            Ok(found.len() as u64)
         })
     }
 
@@ -139,21 +100,12 @@ impl<'a> Ours<'a> {
         q: &[f32],
         rays: impl ExactSizeIterator<Item = [[f64; 3]; 2]>,
     ) -> Result<Answer, MeasureError> {
-        self.step(q, rays, |asset, posed, stack, _, [origin, direction]| {
-            let nearest = query::ray(asset, posed, origin, direction, f64::INFINITY, stack)?;
-            Ok(Answer {
-                found: u64::from(nearest.hit.is_some()),
-                nodes: Nodes {
-                    visited: nearest.nodes_visited,
-                    updated: nearest.nodes_updated,
-                },
-            })
+        self.step(q, rays, |step, _, [origin, direction]| {
+            let hit = step.cast_ray(&Ray::new(origin, direction))?;
+            Ok(u64::from(hit.is_some()))
         })
     }
 }
-
-/// A query's answer.
-type Asked = Result<Answer, MeasureError>;
 
 /// A step of the product as a frame of a comparison, all of it in the time of the queries.
 ///

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use bdtree_runtime::query::Outcome;
+use bdtree_runtime::Stats;
 use serde_json::{Value, json};
 
 use crate::peers::Update;
@@ -62,9 +62,9 @@ pub struct Nodes {
 
 impl Nodes {
     /// Counts a query's.
-    pub fn add(&mut self, outcome: &Outcome) {
-        self.visited += outcome.nodes_visited;
-        self.updated += outcome.nodes_updated;
+    pub fn add(&mut self, stats: Stats) {
+        self.visited += stats.nodes_visited;
+        self.updated += stats.nodes_updated;
     }
 }
 

@@ -29,19 +29,15 @@ impl Memory {
     }
 
     /// Forgets all of them and takes the next step's q.
-    pub fn begin_step(&mut self, asset: &Asset<'_>, pose: &Pose<'_>) {
+    pub fn begin_step(&mut self, pose: &Pose<'_>) {
         self.now += 1;
         self.vertices.begin_step();
-        self.step.prepare(asset, pose);
+        self.step.prepare(pose);
     }
 
     /// The spheres at this step.
-    pub fn at<'m>(&'m mut self, asset: &'m Asset<'m>, pose: &'m Pose<'m>) -> Lazy<'m> {
-        Lazy {
-            memory: self,
-            asset,
-            pose,
-        }
+    pub fn at<'m>(&'m mut self, pose: &'m Pose<'m>) -> Lazy<'m> {
+        Lazy { memory: self, pose }
     }
 }
 
@@ -49,7 +45,6 @@ impl Memory {
 #[derive(Debug)]
 pub struct Lazy<'m> {
     memory: &'m mut Memory,
-    asset: &'m Asset<'m>,
     pose: &'m Pose<'m>,
 }
 
@@ -66,6 +61,6 @@ impl Spheres for Lazy<'_> {
 
     #[inline]
     fn vertex(&mut self, vertex: u32) -> [f64; 3] {
-        self.memory.vertices.get(self.asset, self.pose, vertex)
+        self.memory.vertices.get(self.pose, vertex)
     }
 }

@@ -2,7 +2,7 @@
 //! deformed where a leaf is reached. No layout for vector instructions, no vertex kept for the next leaf.
 
 use bdtree_runtime::narrow::closest_point;
-use bdtree_runtime::{Asset, Contact, Pose, TriangleId, VertexId};
+use bdtree_runtime::{Contact, Pose, TriangleId, VertexId};
 
 use super::query::{contact_within, reach_of};
 use super::{BallCounts, PaperTree, Step};
@@ -54,14 +54,13 @@ impl PlainTree {
     /// Appends the triangles within `radius` of `center` with their contacts.
     pub fn ball(
         &self,
-        asset: &Asset<'_>,
         pose: &Pose<'_>,
         step: &Step,
         (center, radius): ([f64; 3], f64),
         stack: &mut Vec<u32>,
         found: &mut Vec<Contact>,
     ) -> BallCounts {
-        let ([x, y, z], reach) = reach_of(asset, step, center, radius);
+        let ([x, y, z], reach) = reach_of(pose.asset(), step, center, radius);
         let q = pose.q();
         let mut counts = BallCounts::default();
         stack.clear();
@@ -91,8 +90,7 @@ impl PlainTree {
             }
             counts.triangles += 1;
             let corners = self.corners[node.triangle as usize].map(|v| {
-                asset
-                    .deformed(pose, VertexId(v))
+                pose.deformed(VertexId(v))
                     .expect("the tree's vertices are the asset's")
             });
             let closest = closest_point(center, &corners);

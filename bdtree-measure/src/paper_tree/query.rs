@@ -47,12 +47,12 @@ impl Vertices {
     }
 
     #[inline]
-    pub(super) fn get(&mut self, asset: &Asset<'_>, pose: &Pose<'_>, vertex: u32) -> [f64; 3] {
+    pub(super) fn get(&mut self, pose: &Pose<'_>, vertex: u32) -> [f64; 3] {
         let i = vertex as usize;
         if self.step_of[i] != self.step {
             self.step_of[i] = self.step;
-            self.world[i] = asset
-                .deformed(pose, VertexId(vertex))
+            self.world[i] = pose
+                .deformed(VertexId(vertex))
                 .expect("the tree's vertices are the asset's");
         }
         self.world[i]
@@ -77,7 +77,8 @@ impl Step {
     }
 
     /// Prepares q, as the pose holds it.
-    pub fn prepare(&mut self, asset: &Asset<'_>, pose: &Pose<'_>) {
+    pub fn prepare(&mut self, pose: &Pose<'_>) {
+        let asset = pose.asset();
         self.q.clear();
         self.q
             .extend(pose.q().iter().map(|q| [*q, *q, *q, q.abs()]));
@@ -134,7 +135,7 @@ pub(super) fn contact_within(
         triangle,
         point: closest.point,
         normal,
-        dist: closest.distance - radius,
+        distance: closest.distance - radius,
         barycentric: closest.barycentric,
     })
 }
@@ -164,14 +165,13 @@ impl PaperTree {
     /// Appends the triangles within `radius` of `center` with their contacts.
     pub fn ball(
         &self,
-        asset: &Asset<'_>,
         pose: &Pose<'_>,
         step: &Step,
         (center, radius): ([f64; 3], f64),
         (vertices, stack): (&mut Vertices, &mut Vec<u32>),
         found: &mut Vec<Contact>,
     ) -> BallCounts {
-        let ([x, y, z], reach) = reach_of(asset, step, center, radius);
+        let ([x, y, z], reach) = reach_of(pose.asset(), step, center, radius);
         let mut counts = BallCounts::default();
         stack.clear();
         stack.push(0);
@@ -190,7 +190,7 @@ impl PaperTree {
                 continue;
             };
             counts.triangles += 1;
-            let corners = self.corners[id as usize].map(|v| vertices.get(asset, pose, v));
+            let corners = self.corners[id as usize].map(|v| vertices.get(pose, v));
             let closest = closest_point(center, &corners);
             found.extend(contact_within(TriangleId(id), center, radius, &closest));
         }

@@ -6,7 +6,7 @@ use crate::MeasureError;
 use crate::clock::Clock;
 use crate::stats::median;
 use bdtree_runtime::{
-    Asset, Contact, FormatError, Pose, Posed, Proxy, StackEntry, Transform, TriangleId, query,
+    Asset, Ball, Contact, FormatError, Pose, Proxy, Query, Transform, TriangleId, Workspace,
 };
 
 use super::content::{DepthRow, WholeQuery};
@@ -22,15 +22,16 @@ pub(super) fn depth(
     let mut rows: Vec<Row> = (0..asset.depth()).map(Row::new).collect();
     let mut whole = WholeQuery::default();
     let mut memory = vec![0.0; asset.pose_len()];
+    let mut workspace = Workspace::new();
     for sample in samples {
         let pose = sample.pose(asset, &mut memory)?;
-        let body = Deformed::new(asset, &pose)?;
-        let truth = Answer::of(asset, Posed::from(&pose), sample)?;
+        let body = Deformed::new(&pose)?;
+        let truth = Answer::of(pose.query(&mut workspace), sample)?;
         whole.ball_visits += truth.visits as f64;
         whole.apart_rel += f64::from(u8::from(truth.contacts.is_empty()));
-        whole.ball_micros += time(asset, &pose, sample, None)?;
+        whole.ball_micros += time(&pose, &mut workspace, sample, None)?;
         for row in &mut rows {
-            row.add(asset, &pose, &body, &truth, sample, diagonal)?;
+            row.add(&pose, &mut workspace, &body, &truth, sample, diagonal)?;
         }
     }
     let count = samples.len().max(1) as f64;
@@ -54,20 +55,22 @@ struct Answer {
 }
 
 impl Answer {
-    fn of(asset: &Asset<'_>, posed: Posed<'_>, sample: &Sample) -> Result<Self, MeasureError> {
-        let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    fn of(mut query: Query<'_, '_>, sample: &Sample) -> Result<Self, MeasureError> {
         let mut contacts: Vec<Contact> = Vec::new();
         let (center, radius) = sample.ball;
-        let outcome = query::ball(asset, posed, center, radius, &mut stack, &mut contacts);
+        query.contacts(Ball::new(center, radius), &mut contacts)?;
         Ok(Self {
             contacts,
-            visits: outcome?.nodes_visited,
+            visits: query.stats().nodes_visited,
         })
     }
 
     /// How deep the ball reaches in.
     fn depth(&self) -> f64 {
-        self.contacts.iter().map(|c| -c.dist).fold(0.0, f64::max)
+        self.contacts
+            .iter()
+            .map(|c| -c.distance)
+            .fold(0.0, f64::max)
     }
 }
 
@@ -77,10 +80,9 @@ struct Deformed {
 }
 
 impl Deformed {
-    fn new(asset: &Asset<'_>, pose: &Pose<'_>) -> Result<Self, FormatError> {
+    fn new(pose: &Pose<'_>) -> Result<Self, FormatError> {
         let area = |triangle: &bdtree_format::TriangleRecord| {
-            let at = |k: usize| asset.deformed(pose, bdtree_runtime::VertexId(triangle.corners[k]));
-            let [a, b, c] = [at(0)?, at(1)?, at(2)?];
+            let [a, b, c] = pose.deformed_triangle(TriangleId(triangle.id))?;
             let [e, f] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
             let cross = [
                 e[1] * f[2] - e[2] * f[1],
@@ -89,7 +91,7 @@ impl Deformed {
             ];
             Ok(0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt())
         };
-        let areas = asset.triangles().iter().map(area);
+        let areas = pose.asset().triangles().iter().map(area);
         Ok(Self {
             areas: areas.collect::<Result<_, FormatError>>()?,
         })
@@ -128,17 +130,18 @@ impl Row {
 
     fn add(
         &mut self,
-        asset: &Asset<'_>,
         pose: &Pose<'_>,
+        workspace: &mut Workspace<'_>,
         body: &Deformed,
         truth: &Answer,
         sample: &Sample,
         diagonal: f64,
     ) -> Result<(), MeasureError> {
+        let asset = pose.asset();
         let mut proxies: Vec<Proxy> = Vec::new();
-        let bounded = Posed::from(pose).bounded(self.level, &mut proxies);
-        let answer = Answer::of(asset, bounded, sample)?;
-        self.micros += time(asset, pose, sample, Some(self.level))?;
+        let bounded = pose.query(workspace).max_level(self.level, &mut proxies);
+        let answer = Answer::of(bounded, sample)?;
+        self.micros += time(pose, workspace, sample, Some(self.level))?;
         self.visits += answer.visits as f64;
 
         let (center, radius) = sample.ball;
@@ -154,7 +157,7 @@ impl Row {
         let touched: BTreeSet<u32> = truth.contacts.iter().map(|c| c.triangle.0).collect();
         let said = answer.contacts.iter().map(|c| c.triangle.0);
         let mut covered: BTreeSet<u32> = said.collect();
-        for slot in reported(asset, pose, self.level, &proxies)? {
+        for slot in reported(pose, self.level, &proxies)? {
             if let Some(triangle) = asset.triangles().get(slot) {
                 covered.insert(triangle.id);
             }
@@ -188,12 +191,11 @@ impl Row {
 
 /// Median of a query that stops at `level`, if there is one, µs.
 fn time(
-    asset: &Asset<'_>,
     pose: &Pose<'_>,
+    workspace: &mut Workspace<'_>,
     sample: &Sample,
     level: Option<usize>,
 ) -> Result<f64, MeasureError> {
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let (mut contacts, mut proxies): (Vec<Contact>, Vec<Proxy>) = Default::default();
     let (center, radius) = sample.ball;
     let mut times = Vec::new();
@@ -201,11 +203,11 @@ fn time(
         contacts.clear();
         proxies.clear();
         let clock = Clock::start();
-        let mut posed = Posed::from(pose);
+        let mut query = pose.query(workspace);
         if let Some(level) = level {
-            posed = posed.bounded(level, &mut proxies);
+            query = query.max_level(level, &mut proxies);
         }
-        query::ball(asset, posed, center, radius, &mut stack, &mut contacts)?;
+        query.contacts(Ball::new(center, radius), &mut contacts)?;
         times.push(clock.seconds() * 1e6);
     }
     Ok(median(&times))
@@ -213,24 +215,20 @@ fn time(
 
 /// The triangles (places in leaf order) below the lanes whose spheres were reported: a sphere is told by
 /// where it is, to rounding, since queries say no more of it.
-fn reported(
-    asset: &Asset<'_>,
-    pose: &Pose<'_>,
-    level: usize,
-    proxies: &[Proxy],
-) -> Result<Vec<usize>, FormatError> {
+fn reported(pose: &Pose<'_>, level: usize, proxies: &[Proxy]) -> Result<Vec<usize>, FormatError> {
     let mut found = Vec::new();
     if proxies.is_empty() {
         return Ok(found);
     }
     let mut by_x: Vec<&Proxy> = proxies.iter().collect();
     by_x.sort_by(|a, b| a.center[0].total_cmp(&b.center[0]));
+    let asset = pose.asset();
     let unit = asset.unit();
     let mut last = None;
     for (node, lane) in lanes::of_level(asset, level) {
         let spheres = match last {
             Some((of, spheres)) if of == node => spheres,
-            _ => asset.node_spheres(pose, node as u32)?,
+            _ => pose.node_spheres(node as u32)?,
         };
         last = Some((node, spheres));
         let radius = f64::from(spheres.radius[lane]) * unit;

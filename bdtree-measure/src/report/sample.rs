@@ -58,7 +58,7 @@ impl Sample {
         [low, high]: [[f64; 3]; 2],
         memory: &mut [f32],
     ) -> Result<Self, MeasureError> {
-        let pose = Pose::new(asset, q, HERE, memory)?;
+        let pose = asset.pose(q, HERE, memory)?;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let extent = [0, 1, 2].map(|k| high[k] - low[k]);
         let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
@@ -67,7 +67,7 @@ impl Sample {
         let mut points = Vec::with_capacity(POINTS);
         let mut origins = Vec::with_capacity(POINTS);
         for _ in 0..POINTS {
-            let corners = deformed(asset, &pose, random.random_range(0..count))?;
+            let corners = pose.deformed_triangle(TriangleId(random.random_range(0..count)))?;
             let mut point = [0.0; 3];
             for p in corners {
                 point = [0, 1, 2].map(|k| point[k] + p[k] / 3.0);
@@ -90,7 +90,7 @@ impl Sample {
         let mut random = Pcg64Mcg::seed_from_u64(seed ^ BALLS_STREAM);
         let mut centers = Vec::with_capacity(MOST);
         for _ in 0..MOST {
-            let corners = deformed(asset, &pose, random.random_range(0..count))?;
+            let corners = pose.deformed_triangle(TriangleId(random.random_range(0..count)))?;
             centers.push(within(
                 corners,
                 [0; 2].map(|_| random.random_range(0.0..1.0)),
@@ -109,7 +109,7 @@ impl Sample {
     /// Its pose where the mesh stands.
     pub(super) fn pose<'m>(
         &self,
-        asset: &Asset<'_>,
+        asset: &'m Asset<'_>,
         memory: &'m mut [f32],
     ) -> Result<Pose<'m>, MeasureError> {
         self.pose_at(asset, HERE, memory)
@@ -118,11 +118,11 @@ impl Sample {
     /// Its pose at a placement.
     pub(super) fn pose_at<'m>(
         &self,
-        asset: &Asset<'_>,
+        asset: &'m Asset<'_>,
         place: Transform,
         memory: &'m mut [f32],
     ) -> Result<Pose<'m>, MeasureError> {
-        Ok(Pose::new(asset, &self.q, place, memory)?)
+        Ok(asset.pose(&self.q, place, memory)?)
     }
 
     /// So many balls about points of the surface, [`MOST`] at most, [`SMALL_BALL`] as large as the one.
@@ -142,15 +142,6 @@ impl Sample {
             (from, along.map(|x| x / length))
         })
     }
-}
-
-/// A triangle's corners at a pose (mesh units).
-fn deformed(asset: &Asset<'_>, pose: &Pose<'_>, id: u32) -> Result<[[f64; 3]; 3], MeasureError> {
-    let mut at = [[0.0; 3]; 3];
-    for (at, corner) in at.iter_mut().zip(asset.triangle(TriangleId(id))?) {
-        *at = asset.deformed(pose, corner)?;
-    }
-    Ok(at)
 }
 
 /// The point of a triangle at two shares from 0 to 1: evenly spread where those are.
@@ -195,7 +186,7 @@ mod tests {
     use bdtree_build::input::RawMesh;
     use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
     use bdtree_build::progress::Silent;
-    use bdtree_runtime::{AlignedBytes, Asset};
+    use bdtree_runtime::Model;
 
     use super::{POINTS, Sample, within};
 
@@ -222,10 +213,9 @@ mod tests {
             &Provenance::default(),
             &Silent,
         );
-        let bytes = AlignedBytes::copy_of(&baked.expect("a sound mesh").bytes);
-        let asset = Asset::open(&bytes).expect("a sound file");
-        let samples = Samples::of(&asset, SAMPLES);
-        Sample::all(&asset, &samples, [[0.0; 3], [1.0, 1.0, 0.0]]).expect("samples")
+        let model = Model::from_bytes(&baked.expect("a sound mesh").bytes).expect("a sound file");
+        let samples = Samples::of(model.asset(), SAMPLES);
+        Sample::all(model.asset(), &samples, [[0.0; 3], [1.0, 1.0, 0.0]]).expect("samples")
     }
 
     #[test]

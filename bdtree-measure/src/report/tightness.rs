@@ -1,7 +1,7 @@
 //! Radii over the smallest possible, per level and amplitude, for three bounds.
 
 use bdtree_build::wrap::ball::smallest_ball;
-use bdtree_runtime::{Asset, FormatError, Pose, Transform, VertexId};
+use bdtree_runtime::{Asset, FormatError, Transform, VertexId};
 
 use super::content::{Ratio, TightnessRow};
 use super::lanes;
@@ -178,10 +178,10 @@ fn measure(
     sums: &mut [Sum; 3],
 ) -> Result<(), MeasureError> {
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory)?;
+    let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
     for sphere in spheres {
         let deformed = sphere.vertices.iter().map(|v| {
-            let p = asset.deformed_stored(&pose, VertexId(*v))?;
+            let p = pose.deformed_stored(VertexId(*v))?;
             Ok(p.map(f64::from))
         });
         let deformed = deformed.collect::<Result<Vec<_>, FormatError>>()?;
@@ -189,7 +189,7 @@ fn measure(
         if best * asset.unit() <= POINT_REL * diagonal {
             continue;
         }
-        let ours = asset.node_spheres(&pose, sphere.node as u32)?;
+        let ours = pose.node_spheres(sphere.node as u32)?;
         let [paper, ball] = sphere.bounds(q);
         let radii = [paper, ball, f64::from(ours.radius[sphere.lane])];
         for (sum, radius) in sums.iter_mut().zip(radii) {

@@ -3,7 +3,8 @@
 use crate::MeasureError;
 use crate::clock::Clock;
 use crate::stats::median;
-use bdtree_runtime::{Asset, Contact, Pose, StackEntry, query};
+use bdtree_runtime::studies::pose_within;
+use bdtree_runtime::{Asset, Ball, Contact, Ray, Workspace};
 
 use super::REPETITIONS;
 use super::content::ToleranceRow;
@@ -28,13 +29,14 @@ pub(super) fn tolerance(
         visits: 0.0,
         micros: 0.0,
     });
+    let mut workspace = Workspace::new();
     let share = 1.0 / samples.len().max(1) as f64;
     for sample in samples {
         let mut times = vec![Vec::new(); rows.len()];
         for _ in 0..REPETITIONS {
             for (row, times) in rows.iter_mut().zip(&mut times) {
                 let tolerance = row.tolerance_rel * diagonal;
-                let asked = ask(asset, sample, tolerance)?;
+                let asked = ask(asset, sample, tolerance, &mut workspace)?;
                 if times.is_empty() {
                     row.active_modes += share * asked.active_modes as f64;
                     row.visits += share * asked.visits as f64;
@@ -55,22 +57,26 @@ struct Asked {
     micros: f64,
 }
 
-fn ask(asset: &Asset<'_>, sample: &Sample, tolerance: f64) -> Result<Asked, MeasureError> {
+fn ask(
+    asset: &Asset<'_>,
+    sample: &Sample,
+    tolerance: f64,
+    workspace: &mut Workspace<'_>,
+) -> Result<Asked, MeasureError> {
     let mut memory = vec![0.0; asset.pose_len()];
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut found: Vec<Contact> = Vec::new();
     let mut visits = 0;
     let clock = Clock::start();
-    let pose = Pose::with_tolerance(asset, &sample.q, HERE, tolerance, &mut memory)?;
+    let pose = pose_within(asset, &sample.q, HERE, tolerance, &mut memory)?;
+    let mut query = pose.query(workspace);
     for (center, radius) in sample.balls(QUESTIONS) {
         found.clear();
-        let outcome = query::ball(asset, &pose, center, radius, &mut stack, &mut found);
-        visits += outcome?.nodes_visited;
+        query.contacts(Ball::new(center, radius), &mut found)?;
+        visits += query.stats().nodes_visited;
     }
     for (origin, direction) in sample.rays(QUESTIONS) {
-        let far = f64::INFINITY;
-        let hit = query::ray(asset, &pose, origin, direction, far, &mut stack);
-        visits += hit?.nodes_visited;
+        query.cast_ray(&Ray::new(origin, direction))?;
+        visits += query.stats().nodes_visited;
     }
     Ok(Asked {
         micros: clock.seconds() * 1e6,

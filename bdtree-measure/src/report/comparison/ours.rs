@@ -1,6 +1,6 @@
 //! Ours: a pose, then queries, with a cache of the step's nodes where many are asked.
 
-use bdtree_runtime::{Asset, PairContact, PairStackEntry, query};
+use bdtree_runtime::{Asset, PairContact, Workspace};
 
 use super::{Cost, Sample, timed};
 use crate::MeasureError;
@@ -44,15 +44,16 @@ fn step(
 /// Two instances, one at a place of the sample's.
 pub(super) fn pair(asset: &Asset<'_>, sample: &Sample, which: usize) -> Result<Cost, MeasureError> {
     let mut memory = [(); 2].map(|()| vec![0.0; asset.pose_len()]);
-    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
+    let mut workspace = Workspace::new();
     let mut found: Vec<PairContact> = Vec::new();
     timed(|| {
         found.clear();
         let [a, b] = &mut memory;
         let a = sample.pose(asset, a)?;
         let b = sample.pose_at(asset, sample.places[which], b)?;
-        let outcome = query::pair((asset, &a), (asset, &b), 0.0, &mut stack, &mut found);
-        let visits = outcome?.nodes_visited;
+        let mut query = a.against(&b, &mut workspace);
+        query.contacts(0.0, &mut found)?;
+        let visits = query.stats().nodes_visited;
         Ok(Cost {
             visited: visits as f64 / asset.node_count().max(1) as f64,
             amount: found.len() as f64,
