@@ -234,7 +234,7 @@ fn baked_weights_move_what_the_file_says(
                 );
             }
         }
-        let triangles = oracle::deformed_triangles(&asset, &pose);
+        let triangles = oracle::deformed_triangles(&pose);
         let radius = 0.05 * diagonal;
         for triangle in triangles.iter().step_by(1 + triangles.len() / 10) {
             let center = triangle[0];

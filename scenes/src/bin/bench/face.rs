@@ -205,7 +205,7 @@ fn files(arguments: &Arguments) -> Result<[Model; 4], Box<dyn Error>> {
         *u = u.map(|c| c * scale);
     }
     let sparse = baked_mesh(&mesh, &shapes)?;
-    let all_displacements = sections::with_all_displacements(&sparse);
+    let all_displacements = sections::with_all_displacements(sparse.asset());
     Ok([
         sparse,
         all_displacements,
