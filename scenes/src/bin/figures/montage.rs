@@ -9,7 +9,7 @@ use bdtree_render::tightness::colour;
 use bdtree_render::{
     Box3, Camera, Image, Scene, SkinnedMesh, Sphere, Studio, TextSize, draw_scale,
 };
-use bdtree_runtime::{Asset, Pose, Transform, VertexId};
+use bdtree_runtime::{Asset, Transform, VertexId};
 
 use bdtree_scenes::hierarchies::Found;
 
@@ -53,9 +53,9 @@ impl<'a> Stage<'a> {
         let mut memory = vec![0.0; asset.pose_len()];
         let mut bounds = Box3::EMPTY;
         for q in poses {
-            let pose = Pose::new(&asset, q, Transform::IDENTITY, &mut memory)?;
+            let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
             for v in 0..asset.vertex_count() as u32 {
-                bounds = bounds.with(asset.deformed_stored(&pose, VertexId(v))?);
+                bounds = bounds.with(pose.deformed_stored(VertexId(v))?);
             }
         }
         let (middle, size) = (bounds.middle(), bounds.half_diagonal());
