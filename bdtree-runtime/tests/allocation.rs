@@ -160,12 +160,8 @@ fn nothing_is_allocated(bytes: &[u8]) {
         let (mut slots1, mut slots2) = ([Proxy::EMPTY; 64], [Proxy::EMPTY; 64]);
         let (mut proxies1, mut proxies2) =
             (SliceSink::new(&mut slots1), SliceSink::new(&mut slots2));
-        let mut query = pose.query(&mut workspace).cached(&mut cache);
-        let mut query = {
-            let none = SliceSink::<Contact>::new(&mut []);
-            query.contacts(ball, &mut { none }).expect("ball");
-            query.max_level(0, &mut proxies1)
-        };
+        let query = pose.query(&mut workspace).cached(&mut cache);
+        let mut query = query.max_level(0, &mut proxies1);
         query.contacts(ball, &mut Count(0)).expect("ball");
         found += proxies1.items().len();
         let query = pose.against(&pose2, &mut workspace);

@@ -58,12 +58,12 @@ fn what_cannot_be_loaded_is_said_with_its_path() {
             &b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"[..],
             "not a .bdt file",
         ),
-        ("long.obj", &b"v 0 0 0\n".repeat(100), "not a .bdt file"),
-        ("empty.bdt", &[], "not a .bdt file"),
-        ("newer.bdt", &newer, "a .bdt file of another version"),
+        ("long.obj", &b"v 0 0 0\n".repeat(100)[..], "not a .bdt file"),
+        ("empty.bdt", &[][..], "not a .bdt file"),
+        ("newer.bdt", &newer[..], "a .bdt file of another version"),
         ("half.bdt", &sound[..sound.len() / 2], "damaged .bdt file"),
         ("short.bdt", &sound[..sound.len() - 1], "damaged .bdt file"),
-        ("flipped.bdt", &flipped, "damaged .bdt file"),
+        ("flipped.bdt", &flipped[..], "damaged .bdt file"),
     ] {
         let path = path(name);
         std::fs::write(&path, bytes).expect("written");

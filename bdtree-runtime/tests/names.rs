@@ -2,7 +2,7 @@
 
 use bdtree_build::input::{GroupKind as Kind, RawGroup};
 use bdtree_fixtures::bake;
-use bdtree_runtime::{GroupKind, Model};
+use bdtree_runtime::{GroupKind, Model, TriangleId};
 
 #[test]
 fn modes_are_found_by_name() {
@@ -73,7 +73,10 @@ fn groups_have_their_kinds() {
     assert_eq!(groups.len(), given.len());
     for (group, (_, kind, name, first, count)) in groups.iter().zip(given) {
         assert_eq!((group.kind, group.name), (kind, name));
-        assert_eq!((group.first_triangle, group.triangle_count), (first, count));
+        assert_eq!(
+            (group.first_triangle, group.triangle_count),
+            (TriangleId(first), count)
+        );
     }
     assert_eq!(model.asset().mode_names().count(), 0);
 }

@@ -67,7 +67,7 @@ fn every_rule_is_triggered() {
         seen.everything(&bytes);
     }
     // A misaligned base.
-    let mut shifted = vec![0; file.len() + 8];
+    let mut shifted = vec![0; file.len() + 16];
     let start = shifted.as_ptr().align_offset(8);
     for odd in 1..=4 {
         let place = start + odd..start + odd + file.len();
