@@ -167,6 +167,11 @@ impl Instance {
         PairQuery::with_caches([self.parts(), other.parts()], workspace)
     }
 
+    /// Whether queries have kept the spheres of a node: [`StepCache::keeps`].
+    pub fn keeps(&mut self, node: u32) -> bool {
+        self.cache.keeps(node)
+    }
+
     fn parts(&mut self) -> (Pose<'_>, &mut StepCache<'static>) {
         let asset = self.model.asset();
         let pose = Pose::again(asset, &self.numbers, &self.memory, self.motion);

@@ -5,6 +5,8 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
+use crate::memory::plain_len;
+
 /// The usual page size; where pages are larger the system rounds up.
 #[cfg(unix)]
 const PAGE: usize = 4096;
@@ -16,11 +18,14 @@ pub(crate) struct MappedFile {
 
 impl MappedFile {
     /// Maps a file, which must not be changed or truncated while it is mapped: see
-    /// [`Model::load`](crate::Model::load).
+    /// [`Model::load`](crate::Model::load). `None`: it is empty, and nothing can be mapped.
     ///
     /// # Errors
-    /// When it cannot be opened or mapped; an empty file cannot.
-    pub(crate) fn open(path: impl AsRef<Path>) -> io::Result<Self> {
+    /// When it cannot be opened or mapped, or is no plain file.
+    pub(crate) fn open(path: &Path) -> io::Result<Option<Self>> {
+        if plain_len(path)? == 0 {
+            return Ok(None);
+        }
         let file = File::open(path)?;
         // SAFETY: the map is read-only and private to this struct, and `as_slice` borrows it, so
         // no slice outlives it. That nobody changes the file meanwhile is the documented
@@ -32,7 +37,7 @@ impl MappedFile {
         // without it a cached file grew the resident set by 64 KiB to 2 MiB. Failing is harmless.
         #[cfg(unix)]
         let _ = map.advise_range(memmap2::Advice::Random, 0, map.len().min(PAGE));
-        Ok(Self { map })
+        Ok(Some(Self { map }))
     }
 
     /// The bytes, page-aligned.

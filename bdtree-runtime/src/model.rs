@@ -63,15 +63,20 @@ impl Model {
     /// change are read with [`Model::read`].
     ///
     /// # Errors
-    /// When it cannot be opened or mapped, or is not a `.bdt` file.
+    /// When it cannot be opened or mapped, is no plain file, or is not a `.bdt` file.
     #[cfg(feature = "mmap")]
     pub fn load(path: impl AsRef<Path>) -> Result<Self, LoadError> {
         let path = path.as_ref();
         let file = MappedFile::open(path).map_err(|error| LoadError::io(path, error))?;
-        Self::open(Bytes::Mapped(file)).map_err(|error| LoadError::format(path, error))
+        let bytes = match file {
+            Some(file) => Bytes::Mapped(file),
+            None => Bytes::Copied(AlignedBytes::copy_of(&[])),
+        };
+        Self::open(bytes).map_err(|error| LoadError::format(path, error))
     }
 
-    /// Reads a whole file into memory: a copy that nobody else can change.
+    /// Reads a whole file into memory: a copy that nobody else can change. Of one that does not begin as a
+    /// `.bdt` file, whatever its size, the beginning alone.
     ///
     /// # Errors
     /// When it cannot be opened or read, is no plain file (a pipe would be waited for, and a device may have no

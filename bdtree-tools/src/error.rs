@@ -4,28 +4,15 @@ use std::io;
 use std::path::PathBuf;
 
 use bdtree_format::MetadataError;
-use bdtree_runtime::FormatError;
+use bdtree_runtime::LoadError;
 
 /// Why a command gave up.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ToolError {
-    /// A file could not be opened or read.
-    #[error("{}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// A file breaks a rule of the format.
-    #[error("{}: {error}", path.display())]
-    Format {
-        /// The file.
-        path: PathBuf,
-        /// Which rule, and where.
-        error: FormatError,
-    },
+    /// A `.bdt` file could not be read, or breaks a rule of the format.
+    #[error(transparent)]
+    Load(#[from] LoadError),
     /// A file's metadata section is not what the format says.
     #[error("{}: {error}", path.display())]
     Metadata {

@@ -1,6 +1,6 @@
 //! What `--q` and `--frame` ask for.
 
-use bdtree_runtime::{Asset, Transform};
+use bdtree_runtime::Transform;
 
 use crate::AssetFile;
 use crate::error::ToolError;
@@ -14,10 +14,10 @@ use crate::q::{QProblem, QText, checked_q};
 /// A frame that is not there, q that does not fit the asset: every problem.
 pub fn posture(
     file: &AssetFile,
-    asset: &Asset<'_>,
     q: Option<&QText>,
     frame: Option<u64>,
 ) -> Result<(Vec<f32>, Transform), ToolError> {
+    let asset = file.asset();
     let name = file.path().display().to_string();
     if let Some(index) = frame {
         let frame = frame_of(asset, &name, index)

@@ -91,7 +91,7 @@ fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
         check_seconds: start.elapsed().as_secs_f64(),
         margin: &margin,
     };
-    measure(&asset, &subject).map_err(|error| ToolError::input(file.path().display(), error))
+    measure(asset, &subject).map_err(|error| ToolError::input(file.path().display(), error))
 }
 
 /// The tightest that a search with so many cases finds.

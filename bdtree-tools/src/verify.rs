@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::ops::ControlFlow;
 
-use bdtree_runtime::{Datum, FormatError};
+use bdtree_runtime::{Asset, Datum, FormatError, LoadError};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::Value;
@@ -65,12 +65,8 @@ fn value(datum: Datum) -> Value {
     }
 }
 
-/// The broken rules of a file, at most `limit`.
-pub fn broken_rules(file: &AssetFile, limit: usize) -> Vec<FormatError> {
-    let asset = match file.open() {
-        Ok(asset) => asset,
-        Err(error) => return vec![error],
-    };
+/// The rules that an opened file breaks, at most `limit`.
+pub fn broken_rules(asset: &Asset<'_>, limit: usize) -> Vec<FormatError> {
     let mut errors = Vec::new();
     asset.verify(&mut |error| {
         errors.push(error);
@@ -93,31 +89,37 @@ pub fn run(
     out: &mut dyn Write,
     err: &mut dyn Write,
 ) -> Result<u8, ToolError> {
-    let file = AssetFile::read(&arguments.file)?;
-    let mut errors = broken_rules(&file, ERRORS_MAX);
-    let stopped = errors.len() >= ERRORS_MAX;
-    let path = file.path().display();
-    // Bounds that break a rule need not be tried.
-    let tried = if arguments.stress && errors.is_empty() {
-        Some(stressed(&file, arguments)?)
-    } else {
-        None
-    };
-    if let Some(tried) = &tried {
-        errors.extend(&tried.errors);
-    }
-    for error in &errors {
-        let _ = writeln!(err, "{path}: {error}");
-    }
-    if stopped {
-        let _ = writeln!(err, "{path}: stopped after {ERRORS_MAX} broken rules");
+    let path = arguments.file.display();
+    let (mut errors, mut tried) = (Vec::new(), None);
+    match AssetFile::read(&arguments.file) {
+        Ok(file) => {
+            errors = broken_rules(file.asset(), ERRORS_MAX);
+            let stopped = errors.len() >= ERRORS_MAX;
+            // Bounds that break a rule need not be tried.
+            if arguments.stress && errors.is_empty() {
+                let stressed = stressed(&file, arguments)?;
+                errors.extend(&stressed.errors);
+                tried = Some(stressed.summary);
+            }
+            for error in &errors {
+                let _ = writeln!(err, "{path}: {error}");
+            }
+            if stopped {
+                let _ = writeln!(err, "{path}: stopped after {ERRORS_MAX} broken rules");
+            }
+        }
+        Err(ToolError::Load(error @ LoadError::Format { error: rule, .. })) => {
+            let _ = writeln!(err, "{error}");
+            errors.push(rule);
+        }
+        Err(error) => return Err(error),
     }
     let ok = errors.is_empty();
     if arguments.json {
         let report = Report {
             ok,
             errors: errors.iter().map(BrokenRule::from).collect(),
-            stress: tried.map(|tried| tried.summary),
+            stress: tried,
         };
         serde_json::to_writer(&mut *out, &report).map_err(|e| ToolError::Stdout(e.into()))?;
         writeln!(out).map_err(ToolError::Stdout)?;
@@ -126,7 +128,7 @@ pub fn run(
             writeln!(out, "{path}: ok").map_err(ToolError::Stdout)?;
         }
         if let Some(tried) = tried {
-            writeln!(out, "{path}: {}", tried.summary).map_err(ToolError::Stdout)?;
+            writeln!(out, "{path}: {}", tried).map_err(ToolError::Stdout)?;
         }
     }
     Ok(if ok { DONE } else { BAD_INPUT })
@@ -134,19 +136,16 @@ pub fn run(
 
 /// Tries the bounds of a sound file.
 fn stressed(file: &AssetFile, arguments: &Arguments) -> Result<Stressed, ToolError> {
-    let format = |error| ToolError::Format {
-        path: file.path().to_path_buf(),
-        error,
-    };
-    let asset = file.open().map_err(format)?;
+    let format = |error| file.error(error);
+    let asset = file.asset();
     let options = stress::Options {
         cases: arguments.cases,
         seed: arguments.seed,
     };
     // Drawn on a terminal only.
     let bar = ProgressBar::new(options.cases);
-    let report = stress::run(&asset, options, &|cases| bar.inc(cases)).map_err(format)?;
+    let report = stress::run(asset, options, &|cases| bar.inc(cases)).map_err(format)?;
     bar.finish_and_clear();
-    let certainty = stress::certainty(&asset, options.seed).map_err(format)?;
-    Ok(Stressed::of(&asset, options, &report, certainty))
+    let certainty = stress::certainty(asset, options.seed).map_err(format)?;
+    Ok(Stressed::of(asset, options, &report, certainty))
 }

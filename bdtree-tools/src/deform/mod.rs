@@ -6,7 +6,7 @@ mod obj;
 use std::ffi::OsStr;
 use std::io::Write;
 
-use bdtree_runtime::{Asset, Pose, TriangleId, VertexId};
+use bdtree_runtime::{Pose, TriangleId, VertexId};
 
 pub use crate::cli::DeformArguments as Arguments;
 use crate::error::ToolError;
@@ -42,25 +42,26 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     }
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;
-    let (q, transform) = posture(&file, &asset, arguments.q.as_ref(), arguments.frame)?;
+    let (q, transform) = posture(&file, arguments.q.as_ref(), arguments.frame)?;
     let option = if arguments.frame.is_some() {
         "--frame"
     } else {
         "--q"
     };
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(&asset, &q, transform, &mut memory)
+    let pose = asset
+        .pose(&q, transform, &mut memory)
         .map_err(|error| ToolError::input(option, error))?;
-    let positions = deformed(&file, &asset, &pose)?;
+    let positions = deformed(&file, &pose)?;
     match target {
         None => {
-            let triangles = triangles(&file, &asset)?;
-            obj::write(&asset, &positions, &triangles, out).map_err(ToolError::Stdout)?;
+            let triangles = triangles(&file)?;
+            obj::write(asset, &positions, &triangles, out).map_err(ToolError::Stdout)?;
         }
         Some((path, true)) => write_whole(path, |w| npy::write(&positions, w))?,
         Some((path, false)) => {
-            let triangles = triangles(&file, &asset)?;
-            write_whole(path, |w| obj::write(&asset, &positions, &triangles, w))?;
+            let triangles = triangles(&file)?;
+            write_whole(path, |w| obj::write(asset, &positions, &triangles, w))?;
         }
     }
     Ok(DONE)
@@ -70,15 +71,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
 ///
 /// # Errors
 /// An asset that is corrupt.
-pub fn deformed(
-    file: &AssetFile,
-    asset: &Asset<'_>,
-    pose: &Pose<'_>,
-) -> Result<Vec<[f64; 3]>, ToolError> {
-    (0..asset.vertex_count() as u32)
+pub fn deformed(file: &AssetFile, pose: &Pose<'_>) -> Result<Vec<[f64; 3]>, ToolError> {
+    (0..pose.asset().vertex_count() as u32)
         .map(|i| {
-            let x = asset
-                .deformed(pose, VertexId(i))
+            let x = pose
+                .deformed(VertexId(i))
                 .map_err(|error| file.error(error))?;
             if x.iter().all(|c| c.is_finite()) {
                 Ok(x)
@@ -91,7 +88,8 @@ pub fn deformed(
 }
 
 /// The corners of every triangle, by id.
-fn triangles(file: &AssetFile, asset: &Asset<'_>) -> Result<Vec<[VertexId; 3]>, ToolError> {
+fn triangles(file: &AssetFile) -> Result<Vec<[VertexId; 3]>, ToolError> {
+    let asset = file.asset();
     (0..asset.triangle_count() as u32)
         .map(|id| asset.triangle(TriangleId(id)))
         .collect::<Result<_, _>>()

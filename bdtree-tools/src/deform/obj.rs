@@ -2,8 +2,7 @@
 
 use std::io::{self, Write};
 
-use bdtree_format::group_kind;
-use bdtree_runtime::{Asset, Group, VertexId};
+use bdtree_runtime::{Asset, Group, GroupKind, VertexId};
 
 use crate::output::Shortest;
 
@@ -34,8 +33,8 @@ pub(super) fn write(
 /// The statement that opens a group; what would end the line in its name is replaced.
 fn statement(group: &Group<'_>) -> String {
     let keyword = match group.kind {
-        group_kind::OBJECT => "o",
-        group_kind::MATERIAL => "usemtl",
+        GroupKind::Object => "o",
+        GroupKind::Material => "usemtl",
         _ => "g",
     };
     let printable = |c: char| if c.is_control() { '_' } else { c };

@@ -45,9 +45,9 @@ pub fn compare(
     file_b: &AssetFile,
     tolerance_rel: f64,
 ) -> Result<Findings, ToolError> {
-    let (a, b) = (&file_a.asset()?, &file_b.asset()?);
-    let metadata_a = info::metadata(file_a, a)?;
-    let metadata_b = info::metadata(file_b, b)?;
+    let (a, b) = (file_a.asset(), file_b.asset());
+    let metadata_a = info::metadata(file_a)?;
+    let metadata_b = info::metadata(file_b)?;
     let mut findings = Findings::default();
     let comparable = structure::compare(a, b, &mut findings);
     numbers::compare_header(a, b, tolerance_rel, &mut findings);
@@ -57,7 +57,7 @@ pub fn compare(
     if comparable.rows {
         for file in [file_a, file_b] {
             // The comparison walks both files: find out which one is broken first.
-            let asset = file.asset()?;
+            let asset = file.asset();
             for node in asset.nodes() {
                 let inside = asset.node_rows(node).and(asset.node_modes(node).map(drop));
                 inside.map_err(|error| file.error(error))?;
@@ -70,8 +70,7 @@ pub fn compare(
         numbers::compare_positions(a, b, tolerance_rel, &mut findings);
     }
     if comparable.modes {
-        let files = [(file_a, a), (file_b, b)];
-        numbers::compare_displacements(files, tolerance_rel, &mut findings)?;
+        numbers::compare_displacements([file_a, file_b], tolerance_rel, &mut findings)?;
     }
     if comparable.frames {
         frames::compare(a, b, tolerance_rel, &mut findings);

@@ -104,16 +104,15 @@ pub(super) fn compare_positions(
 /// # Errors
 /// Displacements or mode lists outside their sections, in the file that is named.
 pub(super) fn compare_displacements(
-    files: [(&AssetFile, &Asset<'_>); 2],
+    files: [&AssetFile; 2],
     tolerance_rel: f64,
     findings: &mut Findings,
 ) -> Result<(), ToolError> {
-    let [(_, first), _] = files;
+    let first = files[0].asset();
     let vertices = || (0..first.vertex_count() as u32).map(VertexId);
     let fields = |which: usize, vertex: VertexId| {
-        let (file, asset) = files[which];
-        let own = asset.displacements(vertex);
-        own.map_err(|error| file.error(error))
+        let own = files[which].asset().displacements(vertex);
+        own.map_err(|error| files[which].error(error))
     };
     let mut scales = vec![0.0; first.mode_count()];
     for vertex in vertices() {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bdtree_format::{Metadata, NodeRecord, ROW_RADIUS, SectionKind, group_kind};
+use bdtree_format::{Metadata, NodeRecord, ROW_RADIUS, SectionKind};
 use bdtree_runtime::{Asset, Datum, FormatError};
 use serde::Serialize;
 
@@ -144,8 +144,8 @@ impl Info {
     /// # Errors
     /// What is read and breaks the format's rules.
     pub fn of(file: &AssetFile) -> Result<Self, ToolError> {
-        let asset = file.asset()?;
-        let metadata = metadata(file, &asset)?;
+        let asset = file.asset();
+        let metadata = metadata(file)?;
         let metadata = metadata.as_ref();
         let header = asset.header();
         let known = |x: f64| (x != -1.0).then_some(x);
@@ -181,7 +181,7 @@ impl Info {
                 })
                 .collect(),
             frames: Some(asset.frame_count()).filter(|count| *count > 0),
-            duration_s: duration_s(&asset),
+            duration_s: duration_s(asset),
             highest_frequency_hz: asset
                 .modes()
                 .iter()
@@ -197,7 +197,7 @@ impl Info {
                     bytes: section.length.get(),
                 })
                 .collect(),
-            levels: levels(&asset).map_err(|error| file.error(error))?,
+            levels: levels(asset).map_err(|error| file.error(error))?,
             unit: asset.unit(),
             leaf_triangles_max: header.leaf_triangles_max.get(),
             builder: metadata.map(|m| m.builder.clone()),
@@ -215,7 +215,7 @@ impl Info {
             groups: asset
                 .groups()
                 .map(|group| Group {
-                    kind: kind_name(group.kind),
+                    kind: format!("{:?}", group.kind).to_lowercase(),
                     name: group.name.to_string(),
                     first_triangle: group.first_triangle.0,
                     triangles: group.triangle_count,
@@ -226,7 +226,8 @@ impl Info {
 }
 
 /// The metadata section, if there is one.
-pub(crate) fn metadata(file: &AssetFile, asset: &Asset<'_>) -> Result<Option<Metadata>, ToolError> {
+pub(crate) fn metadata(file: &AssetFile) -> Result<Option<Metadata>, ToolError> {
+    let asset = file.asset();
     if asset.metadata().is_empty() {
         return Ok(None);
     }
@@ -235,16 +236,6 @@ pub(crate) fn metadata(file: &AssetFile, asset: &Asset<'_>) -> Result<Option<Met
         path: file.path().to_path_buf(),
         error,
     })
-}
-
-/// A group's kind as a word.
-fn kind_name(kind: u32) -> String {
-    match kind {
-        group_kind::OBJECT => "object".to_string(),
-        group_kind::GROUP => "group".to_string(),
-        group_kind::MATERIAL => "material".to_string(),
-        other => other.to_string(),
-    }
 }
 
 /// Two digits per byte.

@@ -1,10 +1,7 @@
 //! Regions of contact of a pair, as JSON.
 
-use bdtree_runtime::query::{self, ContactPoint, ContactRegion, ManifoldSlot};
-use bdtree_runtime::{PairContact, QueryError, StackEntry};
+use bdtree_runtime::{ContactManifold, ContactPoint, PairContact, PairQuery, QueryError};
 use serde::Serialize;
-
-use super::{Solver, two};
 
 /// A region of contact.
 #[derive(Debug, Serialize)]
@@ -43,11 +40,11 @@ impl RegionLine {
     }
 }
 
-impl From<&ContactRegion> for RegionLine {
-    fn from(region: &ContactRegion) -> Self {
+impl From<&ContactManifold> for RegionLine {
+    fn from(region: &ContactManifold) -> Self {
         Self {
             triangles: region.triangles.map(|id| id.0),
-            normal: region.normal,
+            normal: region.normal1,
             area: region.area,
             depth: region.depth,
             points: region.points().iter().map(PointLine::from).collect(),
@@ -60,7 +57,7 @@ impl From<&ContactPoint> for PointLine {
         Self {
             point1: point.point1,
             point2: point.point2,
-            dist: point.dist,
+            dist: point.distance,
             area: point.area,
             triangle1: point.triangle1.0,
             barycentric1: point.barycentric1,
@@ -70,29 +67,12 @@ impl From<&ContactPoint> for PointLine {
     }
 }
 
-impl Solver<'_, '_> {
-    /// The regions of contact of what a pair query found.
-    pub(super) fn regions(
-        &mut self,
-        a: usize,
-        b: usize,
-        pairs: &mut [PairContact],
-    ) -> Result<Vec<RegionLine>, QueryError> {
-        let [(asset_a, pose_a), (asset_b, pose_b)] = two(self.placed, a, b)?;
-        let needed = asset_a.stack_len().max(asset_b.stack_len());
-        if self.stack.len() < needed {
-            self.stack.resize(needed, StackEntry::default());
-        }
-        let mut memory = vec![ManifoldSlot::default(); ManifoldSlot::count(pairs.len())];
-        let mut regions = Vec::new();
-        query::manifold(
-            (asset_a, pose_a),
-            (asset_b, pose_b),
-            pairs,
-            &mut memory,
-            &mut self.stack,
-            &mut regions,
-        )?;
-        Ok(regions.iter().map(RegionLine::from).collect())
-    }
+/// The regions of contact of what a pair query found.
+pub(super) fn regions(
+    query: &mut PairQuery<'_, '_, '_>,
+    pairs: &mut [PairContact],
+) -> Result<Vec<RegionLine>, QueryError> {
+    let mut regions: Vec<ContactManifold> = Vec::new();
+    query.condense(pairs, &mut regions)?;
+    Ok(regions.iter().map(RegionLine::from).collect())
 }

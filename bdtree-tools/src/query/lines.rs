@@ -1,8 +1,7 @@
 //! What a query answers, as JSON lines.
 
 use super::{Certificate, RegionLine};
-use bdtree_runtime::narrow::FrustumState;
-use bdtree_runtime::{ClosestPoint, Contact, PairContact, Proxy, RayHit};
+use bdtree_runtime::{Contact, FrustumState, PairContact, PointProjection, Proxy, RayIntersection};
 use serde::Serialize;
 
 /// One line.
@@ -149,7 +148,7 @@ impl Answer {
     /// The nearest pair, if there is one.
     pub fn distance(hit: Option<PairContact>) -> Self {
         Self::Distance {
-            distance: hit.map(|h| h.dist),
+            distance: hit.map(|h| h.distance),
             point1: hit.map(|h| h.point1),
             point2: hit.map(|h| h.point2),
             triangles: hit.map(|h| [h.triangle1.0, h.triangle2.0]),
@@ -204,14 +203,14 @@ impl From<&Contact> for ContactLine {
             triangle: contact.triangle.0,
             point: contact.point,
             normal: contact.normal,
-            dist: contact.dist,
+            dist: contact.distance,
             barycentric: contact.barycentric,
         }
     }
 }
 
-impl From<Option<ClosestPoint>> for NearestLine {
-    fn from(hit: Option<ClosestPoint>) -> Self {
+impl From<Option<PointProjection>> for NearestLine {
+    fn from(hit: Option<PointProjection>) -> Self {
         Self {
             triangle: hit.map(|h| h.triangle.0),
             point: hit.map(|h| h.point),
@@ -221,8 +220,8 @@ impl From<Option<ClosestPoint>> for NearestLine {
     }
 }
 
-impl From<Option<RayHit>> for NearestLine {
-    fn from(hit: Option<RayHit>) -> Self {
+impl From<Option<RayIntersection>> for NearestLine {
+    fn from(hit: Option<RayIntersection>) -> Self {
         Self {
             triangle: hit.map(|h| h.triangle.0),
             point: hit.map(|h| h.point),

@@ -12,8 +12,7 @@ pub use lines::{Answer, ContactLine, Line, NearestLine, ProxyLine};
 use std::io::Write;
 
 use bdtree_runtime::{
-    Asset, CachedPose, LeafSlot, NodeSlot, PairStackEntry, Pose, Posed, Proxy, QueryError,
-    SearchEntry, StackEntry, StepCache, query,
+    CacheSize, Instance, PairContact, PairQuery, Proxy, Query as SingleQuery, QueryError, Workspace,
 };
 
 use crate::DONE;
@@ -21,25 +20,17 @@ pub use crate::cli::QueryArguments as Arguments;
 use crate::error::ToolError;
 use crate::scene::{Query, Scene};
 
+/// Nodes that rays of an instance share, at most.
+const NODES_MAX: usize = 1 << 16;
+
 /// Answers the queries of a scene in order; the whole scene is checked before the first line.
 ///
 /// # Errors
 /// Every problem of the scene, a corrupt asset, an output stream that fails.
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
     let scene = Scene::load(&arguments.scene, !arguments.no_verify)?;
-    let mut memory = PoseMemory::of(&scene)?;
-    let poses = memory.poses(&scene)?;
-    // One query after the other: nothing is kept between them.
-    let mut caches: Vec<_> = poses.iter().map(|_| StepCache::new([], [])).collect();
-    let placed = poses.iter().zip(&mut caches);
-    let mut placed: Vec<_> = placed
-        .map(
-            |((asset, pose), cache): (_, &mut StepCache<[NodeSlot; 0], [LeafSlot; 0]>)| {
-                (*asset, cache.start(pose))
-            },
-        )
-        .collect();
-    solve_all(&scene, &mut placed, false, |mut line, nodes_visited| {
+    let mut bodies = scene.bodies(|index| kept(&scene, index))?;
+    solve_all(&scene, &mut bodies, |mut line, nodes_visited| {
         line.nodes_visited = arguments.stats.then_some(nodes_visited);
         serde_json::to_writer(&mut *out, &line).map_err(|e| ToolError::Stdout(e.into()))?;
         writeln!(out).map_err(ToolError::Stdout)
@@ -47,51 +38,34 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     Ok(DONE)
 }
 
-/// Memory for the poses of a scene's instances.
-pub(crate) struct PoseMemory(Vec<Vec<f32>>);
-
-impl PoseMemory {
-    /// Enough for a scene.
-    pub(crate) fn of(scene: &Scene) -> Result<Self, ToolError> {
-        let memory = scene.instances.iter().map(|instance| {
-            let asset = scene.files[instance.asset].asset()?;
-            Ok(vec![0.0_f32; asset.pose_len()])
-        });
-        memory.collect::<Result<_, ToolError>>().map(Self)
+/// Many rays visit the same nodes; other queries come one after the other, and nothing is worth keeping.
+fn kept(scene: &Scene, index: usize) -> CacheSize {
+    let is_rays =
+        |query: &Query| matches!(query, Query::Rays { instance, .. } if *instance == index);
+    if !scene.queries.iter().any(is_rays) {
+        return CacheSize::NONE;
     }
-
-    /// The instances' assets and poses, in the order of the scene.
-    pub(crate) fn poses<'s>(
-        &'s mut self,
-        scene: &'s Scene,
-    ) -> Result<Vec<(Asset<'s>, Pose<'s>)>, ToolError> {
-        let poses = self.0.iter_mut().enumerate().map(|(i, memory)| {
-            let asset = scene.files[scene.instances[i].asset].asset()?;
-            Ok((asset, scene.pose(i, memory)?))
-        });
-        poses.collect()
+    let asset = scene.files[scene.instances[index].file].asset();
+    CacheSize {
+        nodes: asset.node_count().min(NODES_MAX),
+        leaves: 0,
     }
 }
 
 /// Answers the queries of a scene in order: `take` gets each line and the number of nodes visited.
-/// What `placed`, the instances, have room for is kept between queries if `keep`.
 ///
 /// # Errors
 /// A corrupt asset; those of `take`.
-pub(crate) fn solve_all<'a>(
+pub(crate) fn solve_all(
     scene: &Scene,
-    placed: &mut [(Asset<'a>, CachedPose<'a>)],
-    keep: bool,
+    bodies: &mut [Instance],
     mut take: impl FnMut(Line, u64) -> Result<(), ToolError>,
 ) -> Result<(), ToolError> {
     let mut solver = Solver {
-        placed,
-        keep,
+        bodies,
+        workspace: Workspace::new(),
         max_depth: scene.options.max_depth,
         proxies: Default::default(),
-        stack: Vec::new(),
-        pair_stack: Vec::new(),
-        distance_stack: Vec::new(),
     };
     for (i, query) in scene.queries.iter().enumerate() {
         let place = || format!("{}: queries[{i}]", scene.source);
@@ -100,12 +74,9 @@ pub(crate) fn solve_all<'a>(
             Some(n) => solver.solve_within(query, n).map_err(corrupt)?,
             None => None,
         };
-        let (kind, answer, nodes_visited, certificate) = match within {
-            Some((kind, answer, visits, certificate)) => (kind, answer, visits, Some(certificate)),
-            None => {
-                let (kind, answer, visits) = solver.solve(query).map_err(corrupt)?;
-                (kind, answer, visits, None)
-            }
+        let (answer, certificate) = match within {
+            Some((answer, certificate)) => (answer, Some(certificate)),
+            None => (solver.solve(query).map_err(corrupt)?, None),
         };
         let proxies = scene.options.max_depth.map(|_| solver.take_proxies());
         let is_finite = proxies.iter().flatten().all(ProxyLine::is_finite);
@@ -115,13 +86,13 @@ pub(crate) fn solve_all<'a>(
         }
         let line = Line {
             query: i,
-            kind,
+            kind: query.kind(),
             answer,
             proxies,
             certificate,
             nodes_visited: None,
         };
-        take(line, nodes_visited)?;
+        take(line, solver.workspace.stats().nodes_visited)?;
     }
     Ok(())
 }
@@ -132,52 +103,28 @@ fn told(scene: &Scene, query: &Query, error: QueryError) -> String {
         return error.to_string();
     };
     let path = |instance: usize| {
-        let file = &scene.files[scene.instances[instance].asset];
+        let file = &scene.files[scene.instances[instance].file];
         file.path().display().to_string()
     };
-    let files = match query {
-        Query::Pair { a, b, .. } | Query::Distance { a, b, .. } => {
-            let (a, b) = (path(*a), path(*b));
-            if a == b { a } else { format!("{a} or {b}") }
-        }
-        Query::Ball { instance, .. }
-        | Query::Closest { instance, .. }
-        | Query::Ray { instance, .. }
-        | Query::Rays { instance, .. }
-        | Query::Plane { instance, .. }
-        | Query::Frustum { instance, .. }
-        | Query::Capsule { instance, .. }
-        | Query::Box { instance, .. } => path(*instance),
+    let (a, b) = query.instances();
+    let (a, b) = (path(a), b.map(path));
+    let files = match b {
+        Some(b) if b != a => format!("{a} or {b}"),
+        _ => a,
     };
     format!("{files}: {error}")
 }
 
-/// The instances and the memory that traversals share.
-struct Solver<'s, 'a> {
-    placed: &'s mut [(Asset<'a>, CachedPose<'a>)],
-    /// What queries compute is kept with the instances.
-    keep: bool,
+/// The instances, and the memory that queries work in.
+struct Solver<'s> {
+    bodies: &'s mut [Instance],
+    workspace: Workspace<'static>,
     max_depth: Option<usize>,
     /// Of the query's instance, or of both, where the k-th of one belongs to the k-th of the other.
     proxies: [Vec<Proxy>; 2],
-    stack: Vec<StackEntry>,
-    pair_stack: Vec<PairStackEntry>,
-    distance_stack: Vec<SearchEntry>,
 }
 
-/// A pose that is not looked into below the scene's depth.
-fn posed<'p>(
-    pose: impl Into<Posed<'p>>,
-    max_depth: Option<usize>,
-    proxies: &'p mut Vec<Proxy>,
-) -> Posed<'p> {
-    match max_depth {
-        Some(level) => pose.into().bounded(level, proxies),
-        None => pose.into(),
-    }
-}
-
-impl Solver<'_, '_> {
+impl Solver<'_> {
     /// What the last query left in place of what lies deeper: of a pair, a's and b's in turn.
     fn take_proxies(&mut self) -> Vec<ProxyLine> {
         let [a, b] = &mut self.proxies;
@@ -191,198 +138,84 @@ impl Solver<'_, '_> {
         lines
     }
 
-    /// Kind, answer and nodes visited.
-    fn solve(&mut self, query: &Query) -> Result<(&'static str, Answer, u64), QueryError> {
-        let [proxies, proxies_b] = &mut self.proxies;
-        match *query {
-            Query::Ball {
-                instance,
-                center,
-                radius,
-            } => {
-                let (asset, pose) = &mut self.placed[instance];
-                let stack = stack_for(asset, &mut self.stack);
+    fn solve(&mut self, query: &Query) -> Result<Answer, QueryError> {
+        Ok(match *query {
+            Query::Contacts { instance, shape } => {
                 let mut contacts = Vec::new();
-                let outcome = query::ball(
-                    asset,
-                    posed(pose, self.max_depth, proxies),
-                    center,
-                    radius,
-                    stack,
-                    &mut contacts,
-                )?;
-                Ok(("ball", Answer::contacts(contacts), outcome.nodes_visited))
-            }
-            Query::Plane {
-                instance,
-                normal,
-                offset,
-            } => {
-                let (asset, pose) = &mut self.placed[instance];
-                let stack = stack_for(asset, &mut self.stack);
-                let mut contacts = Vec::new();
-                let outcome = query::plane(
-                    asset,
-                    posed(pose, self.max_depth, proxies),
-                    normal,
-                    offset,
-                    stack,
-                    &mut contacts,
-                )?;
-                Ok(("plane", Answer::contacts(contacts), outcome.nodes_visited))
+                self.to_depth(instance).contacts(shape, &mut contacts)?;
+                Answer::contacts(contacts)
             }
             Query::Closest {
                 instance,
                 point,
                 max_distance,
             } => {
-                let (asset, pose) = &mut self.placed[instance];
-                let stack = stack_for(asset, &mut self.stack);
-                let nearest = query::closest(
-                    asset,
-                    posed(pose, self.max_depth, proxies),
-                    point,
-                    max_distance,
-                    stack,
-                )?;
-                let answer = Answer::Nearest(nearest.hit.into());
-                Ok(("closest", answer, nearest.nodes_visited))
+                let nearest = self.to_depth(instance).project_point(point, max_distance)?;
+                Answer::Nearest(nearest.into())
             }
-            Query::Ray {
-                instance,
-                origin,
-                direction,
-                max_distance,
-            } => {
-                let (asset, pose) = &mut self.placed[instance];
-                let stack = stack_for(asset, &mut self.stack);
-                let nearest = query::ray(
-                    asset,
-                    posed(pose, self.max_depth, proxies),
-                    origin,
-                    direction,
-                    max_distance,
-                    stack,
-                )?;
-                let answer = Answer::Nearest(nearest.hit.into());
-                Ok(("ray", answer, nearest.nodes_visited))
+            Query::Ray { instance, ref ray } => {
+                Answer::Nearest(self.to_depth(instance).cast_ray(ray)?.into())
             }
             Query::Rays {
                 instance,
                 mode,
                 ref rays,
-            } => {
-                let (asset, pose) = &mut self.placed[instance];
-                let stack = stack_for(asset, &mut self.stack);
-                let mut cache = rays::cache(asset);
-                let mut own = cache.start(pose.pose());
-                let pose: Posed<'_> = match self.keep {
-                    true => pose.into(),
-                    false => (&mut own).into(),
-                };
-                let posed = posed(pose, self.max_depth, proxies);
-                let (answer, nodes_visited) = rays::solve(asset, posed, mode, rays, stack)?;
-                Ok(("rays", answer, nodes_visited))
-            }
+            } => rays::solve(&mut self.to_depth(instance), mode, rays)?,
+            // The root's sphere decides most of them, and spheres at a level decide nothing.
             Query::Frustum {
                 instance,
                 ref frustum,
-            } => {
-                let (asset, pose) = &mut self.placed[instance];
-                let stack = stack_for(asset, &mut self.stack);
-                let outcome = query::frustum(asset, pose, frustum, stack)?;
-                Ok(("frustum", outcome.state.into(), outcome.nodes_visited))
-            }
-            Query::Capsule {
-                instance,
-                point1,
-                point2,
-                radius,
-            } => {
-                let (asset, pose) = &mut self.placed[instance];
-                let stack = stack_for(asset, &mut self.stack);
-                let mut contacts = Vec::new();
-                let pose = posed(pose, self.max_depth, proxies);
-                let outcome =
-                    query::capsule(asset, pose, point1, point2, radius, stack, &mut contacts)?;
-                Ok(("capsule", Answer::contacts(contacts), outcome.nodes_visited))
-            }
-            Query::Box {
-                instance,
-                center,
-                rotation,
-                half_extents,
-            } => {
-                let (asset, pose) = &mut self.placed[instance];
-                let stack = stack_for(asset, &mut self.stack);
-                let mut contacts = Vec::new();
-                let pose = posed(pose, self.max_depth, proxies);
-                let outcome = query::cuboid(
-                    asset,
-                    pose,
-                    center,
-                    rotation,
-                    half_extents,
-                    stack,
-                    &mut contacts,
-                )?;
-                Ok(("box", Answer::contacts(contacts), outcome.nodes_visited))
-            }
+            } => self.whole(instance).frustum_state(frustum)?.into(),
             Query::Pair {
                 a,
                 b,
                 tolerance,
                 contacts,
             } => {
-                let [(asset_a, pose_a), (asset_b, pose_b)] = two(self.placed, a, b)?;
-                let needed = asset_a.pair_stack_len(asset_b);
-                if self.pair_stack.len() < needed {
-                    self.pair_stack.resize(needed, PairStackEntry::default());
+                let same = QueryError::Argument("b: the same instance as a");
+                let [a, b] = self.bodies.get_disjoint_mut([a, b]).map_err(|_| same)?;
+                let mut both = a.against(b, &mut self.workspace);
+                if let Some(level) = self.max_depth {
+                    let [proxies_a, proxies_b] = &mut self.proxies;
+                    both = both
+                        .max_level1(level, proxies_a)
+                        .max_level2(level, proxies_b);
                 }
-                let mut pairs = Vec::new();
-                let outcome = query::pair(
-                    (asset_a, posed(pose_a, self.max_depth, proxies)),
-                    (asset_b, posed(pose_b, self.max_depth, proxies_b)),
-                    tolerance,
-                    &mut self.pair_stack,
-                    &mut pairs,
-                )?;
+                let mut pairs: Vec<PairContact> = Vec::new();
+                both.contacts(tolerance, &mut pairs)?;
                 let regions = match contacts {
-                    true => Some(self.regions(a, b, &mut pairs)?),
+                    true => Some(contacts::regions(&mut both, &mut pairs)?),
                     false => None,
                 };
-                let answer = Answer::pairs(&pairs, regions);
-                Ok(("pair", answer, outcome.nodes_visited))
+                Answer::pairs(&pairs, regions)
             }
             Query::Distance { a, b, max_distance } => {
-                let [(asset_a, pose_a), (asset_b, pose_b)] = two(self.placed, a, b)?;
-                let needed = asset_a.distance_stack_len(asset_b);
-                if self.distance_stack.len() < needed {
-                    self.distance_stack.resize(needed, SearchEntry::default());
-                }
-                let nearest = query::distance(
-                    (asset_a, pose_a),
-                    (asset_b, pose_b),
-                    max_distance,
-                    &mut self.distance_stack,
-                )?;
-                let answer = Answer::distance(nearest.hit);
-                Ok(("distance", answer, nearest.nodes_visited))
+                Answer::distance(self.whole_pair([a, b])?.closest_points(max_distance)?)
             }
+        })
+    }
+
+    /// An instance, looked into all the way.
+    fn whole(&mut self, instance: usize) -> SingleQuery<'_, 'static> {
+        self.bodies[instance].query(&mut self.workspace)
+    }
+
+    /// An instance, not looked into below the scene's depth.
+    fn to_depth(&mut self, instance: usize) -> SingleQuery<'_, 'static> {
+        let query = self.bodies[instance].query(&mut self.workspace);
+        match self.max_depth {
+            Some(level) => query.max_level(level, &mut self.proxies[0]),
+            None => query,
         }
     }
-}
 
-/// Two instances, which the scene has made sure are different.
-fn two<T>(placed: &mut [T], a: usize, b: usize) -> Result<[&mut T; 2], QueryError> {
-    let same = QueryError::Argument("b: the same instance as a");
-    placed.get_disjoint_mut([a, b]).map_err(|_| same)
-}
-
-/// Enough of a stack for an asset.
-fn stack_for<'s>(asset: &Asset<'_>, stack: &'s mut Vec<StackEntry>) -> &'s mut [StackEntry] {
-    if stack.len() < asset.stack_len() {
-        stack.resize(asset.stack_len(), StackEntry::default());
+    /// Two instances, which the scene has made sure are different, looked into all the way.
+    fn whole_pair(
+        &mut self,
+        [a, b]: [usize; 2],
+    ) -> Result<PairQuery<'_, 'static, 'static>, QueryError> {
+        let same = QueryError::Argument("b: the same instance as a");
+        let [a, b] = self.bodies.get_disjoint_mut([a, b]).map_err(|_| same)?;
+        Ok(a.against(b, &mut self.workspace))
     }
-    stack
 }

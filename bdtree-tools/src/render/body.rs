@@ -1,67 +1,79 @@
 //! A placed, deformed asset to draw.
 
 use bdtree_render::NodeSphere;
-use bdtree_runtime::{Asset, FormatError, Pose, Transform};
+use bdtree_runtime::{Asset, CacheSize, FormatError, Instance, Pose, Transform};
 
-use super::sound;
 use crate::AssetFile;
 use crate::deform::deformed;
 use crate::error::ToolError;
 
-/// q and a place.
-#[derive(Debug, Clone)]
-pub(super) struct Posture {
-    pub(super) q: Vec<f32>,
-    pub(super) transform: Transform,
-}
-
-/// An asset in a posture.
+/// A posed asset.
 pub(super) struct Body<'a> {
     pub(super) file: &'a AssetFile,
-    pub(super) asset: Asset<'a>,
-    pub(super) posture: Posture,
+    pub(super) instance: Instance,
     /// The deformed vertices (world).
     pub(super) positions: Vec<[f64; 3]>,
     /// Box of those that belong to a triangle.
     pub(super) bounds: [[f64; 3]; 2],
 }
 
+/// A body and its spheres.
+pub(super) struct Content<'a> {
+    pub(super) body: Body<'a>,
+    pub(super) spheres: Vec<NodeSphere>,
+    /// It is the file that the picture is of, not one that stands beside it.
+    pub(super) is_file: bool,
+}
+
 impl<'a> Body<'a> {
-    pub(super) fn new(
-        file: &'a AssetFile,
-        asset: Asset<'a>,
-        posture: Posture,
-    ) -> Result<Self, ToolError> {
-        let mut memory = vec![0.0; asset.pose_len()];
-        let pose = Pose::new(&asset, &posture.q, posture.transform, &mut memory)
-            .map_err(|error| ToolError::input(file.path().display(), error))?;
-        let positions = deformed(file, &asset, &pose)?;
+    /// Of an instance of the file.
+    pub(super) fn new(file: &'a AssetFile, instance: Instance) -> Result<Self, ToolError> {
+        let positions = deformed(file, &instance.pose())?;
         let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        for v in asset.triangles().iter().flat_map(|record| record.corners) {
+        let triangles = file.asset().triangles().iter();
+        for v in triangles.flat_map(|record| record.corners) {
             if let Some(p) = positions.get(v as usize) {
                 bounds = around(bounds, *p, 0.0);
             }
         }
         Ok(Self {
             file,
-            asset,
-            posture,
+            instance,
             positions,
             bounds,
         })
     }
 
+    /// Of the file at q and a place.
+    pub(super) fn posed(
+        file: &'a AssetFile,
+        q: &[f32],
+        transform: Transform,
+    ) -> Result<Self, ToolError> {
+        let posed = Instance::with_cache(file.model(), CacheSize::NONE).and_then(|mut instance| {
+            instance.set_pose(q, transform)?;
+            Ok(instance)
+        });
+        Self::new(
+            file,
+            posed.map_err(|error| ToolError::input(file.path().display(), error))?,
+        )
+    }
+
+    /// The asset.
+    pub(super) fn asset(&self) -> &'a Asset<'a> {
+        self.file.asset()
+    }
+
     /// Spheres of its tree, those left out that bound nothing.
     pub(super) fn spheres(
         &self,
-        of: impl FnOnce(&Asset<'a>, &Pose<'_>) -> Result<Vec<NodeSphere>, FormatError>,
+        of: impl FnOnce(&Pose<'_>) -> Result<Vec<NodeSphere>, FormatError>,
     ) -> Result<Vec<NodeSphere>, ToolError> {
-        let mut memory = vec![0.0; self.asset.pose_len()];
-        let Posture { q, transform } = &self.posture;
-        let pose = Pose::new(&self.asset, q, *transform, &mut memory)
-            .map_err(|error| ToolError::input(self.file.path().display(), error))?;
-        let spheres = of(&self.asset, &pose);
-        spheres.map(sound).map_err(|error| self.file.error(error))
+        let mut spheres = of(&self.instance.pose()).map_err(|error| self.file.error(error))?;
+        // Others say nothing, and every query looks below them.
+        spheres.retain(|s| s.radius.is_finite() && s.centre.iter().all(|x| x.is_finite()));
+        Ok(spheres)
     }
 }
 

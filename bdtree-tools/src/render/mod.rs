@@ -9,10 +9,9 @@ mod visited;
 
 use std::ffi::OsStr;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use bdtree_render::{Level, NodeSphere, RenderError, Studio};
-use bdtree_runtime::Asset;
+use bdtree_render::{Level, Studio};
 
 pub use crate::cli::RenderArguments as Arguments;
 use crate::error::ToolError;
@@ -22,8 +21,8 @@ use crate::posture::posture;
 use crate::q::counted;
 use crate::scene::Scene;
 use crate::{AssetFile, DONE};
-use body::{Body, Posture};
-use picture::{Bounds, Content, Frame, Painter};
+use body::{Body, Content};
+use picture::{Bounds, Frame, Painter, graphics};
 pub use report::{Growth, Report, SphereLine};
 
 /// Draws an asset, or a sequence of its frames, into PNG files.
@@ -38,7 +37,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     if let Some(range) = arguments.frames {
         // Before paths are made for all of them.
         let name = file.path().display().to_string();
-        frame_of(&asset, &name, range.last).map_err(|e| ToolError::input("--frames", e))?;
+        frame_of(asset, &name, range.last).map_err(|e| ToolError::input("--frames", e))?;
     }
     let targets = targets(arguments)?;
     if let Some(level) = arguments.spheres
@@ -53,7 +52,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
         Some(path) => {
             let mut scene = Scene::load(path, !arguments.no_verify)?;
             if arguments.q.is_some() || arguments.frame.is_some() {
-                let posture = posture(&file, &asset, arguments.q.as_ref(), arguments.frame)?;
+                let posture = posture(&file, arguments.q.as_ref(), arguments.frame)?;
                 visited::put(&mut scene, &file, &posture)?;
             }
             paint(
@@ -64,7 +63,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
             )?;
         }
         None => {
-            let frame_of = |number| shown(arguments, &file, &asset, number);
+            let frame_of = |number| shown(arguments, &file, number);
             paint(arguments, &targets, frame_of, out)?;
         }
     }
@@ -107,22 +106,20 @@ fn targets(arguments: &Arguments) -> Result<Vec<(Option<u64>, PathBuf)>, ToolErr
 fn shown<'a>(
     arguments: &Arguments,
     file: &'a AssetFile,
-    asset: &Asset<'a>,
     of_sequence: Option<u64>,
 ) -> Result<Frame<'a>, ToolError> {
     // The last frame of a sequence was looked for before.
     let number = of_sequence.or(arguments.frame);
-    let (q, transform) = posture(file, asset, arguments.q.as_ref(), number)?;
-    let posture = Posture { q, transform };
-    let time_s = number.and_then(|index| asset.frame(usize::try_from(index).ok()?)?.time_s());
-    let body = Body::new(file, *asset, posture)?;
+    let (q, transform) = posture(file, arguments.q.as_ref(), number)?;
+    let frame = |index: u64| file.asset().frame(usize::try_from(index).ok()?);
+    let time_s = number.and_then(|index| frame(index)?.time_s());
+    let body = Body::posed(file, &q, transform)?;
     let spheres = match arguments.spheres {
-        Some(level) => body.spheres(|asset, pose| Ok(Level::of(asset, pose, level)?.spheres))?,
+        Some(level) => body.spheres(|pose| Ok(Level::of(pose, level)?.spheres))?,
         None => Vec::new(),
     };
     Ok(Frame {
-        title: title(&arguments.file),
-        about: vec![posture_text(&body.posture, number, time_s)],
+        about: vec![posture_text(&q, number, time_s)],
         number,
         content: vec![Content {
             body,
@@ -134,20 +131,14 @@ fn shown<'a>(
     })
 }
 
-/// The file's name.
-fn title(path: &Path) -> String {
-    let name = path.file_name().unwrap_or(path.as_os_str());
-    crate::output::printable(&name.to_string_lossy())
-}
-
 /// q or the frame in a few words.
-fn posture_text(posture: &Posture, frame: Option<u64>, time_s: Option<f64>) -> String {
+fn posture_text(q: &[f32], frame: Option<u64>, time_s: Option<f64>) -> String {
     match (frame, time_s) {
         (Some(number), Some(time_s)) => format!("frame {number} ({time_s:.3} s)"),
         (Some(number), None) => format!("frame {number}"),
-        _ if posture.q.iter().all(|q| *q == 0.0) => "at rest".to_string(),
+        _ if q.iter().all(|q| *q == 0.0) => "at rest".to_string(),
         _ => {
-            let numbers: Vec<String> = posture.q.iter().map(|q| format!("{q}")).collect();
+            let numbers: Vec<String> = q.iter().map(|q| format!("{q}")).collect();
             format!("q = {}", numbers.join(", "))
         }
     }
@@ -194,15 +185,4 @@ fn paint<'a>(
         }
     }
     Ok(())
-}
-
-/// What the graphics device says, which names no file.
-fn graphics(error: &RenderError) -> ToolError {
-    ToolError::Input(vec![error.to_string()])
-}
-
-/// The spheres that bound something: others say nothing, and every query looks below them.
-fn sound(spheres: Vec<NodeSphere>) -> Vec<NodeSphere> {
-    let is_sound = |s: &NodeSphere| s.radius.is_finite() && s.centre.iter().all(|x| x.is_finite());
-    spheres.into_iter().filter(is_sound).collect()
 }

@@ -3,22 +3,24 @@
 //! Everything is drawn about the middle of all frames' bodies, in units of their size: f32 has the
 //! digits for it wherever they stand and however large they are.
 
+use std::path::Path;
+
 use bdtree_render::tightness::{colour, growths, mean_and_max};
 use bdtree_render::{
-    Box3, Camera, Image, Legend, Line, NodeSphere, Scene, SkinnedMesh, Sphere, Studio,
+    Box3, Camera, Image, Legend, Line, RenderError, Scene, SkinnedMesh, Sphere, Studio,
 };
-use bdtree_runtime::{Asset, Transform};
+use bdtree_runtime::Transform;
 
-use super::body::{Body, around};
+use super::body::{Content, around};
+use super::options::AgainstChoice;
 use super::questions::Shape;
-use super::{Arguments, graphics};
+use crate::cli::RenderArguments as Arguments;
 use crate::error::ToolError;
 use crate::output::printable;
 use crate::q::counted;
 
 /// One picture's worth.
 pub(super) struct Frame<'a> {
-    pub(super) title: String,
     pub(super) about: Vec<String>,
     /// Of the animation.
     pub(super) number: Option<u64>,
@@ -26,14 +28,6 @@ pub(super) struct Frame<'a> {
     /// What queries ask about.
     pub(super) questions: Vec<Shape>,
     pub(super) nodes_visited: Option<u64>,
-}
-
-/// A body and its spheres.
-pub(super) struct Content<'a> {
-    pub(super) body: Body<'a>,
-    pub(super) spheres: Vec<NodeSphere>,
-    /// It is the file that the picture is of, not one that stands beside it.
-    pub(super) is_file: bool,
 }
 
 /// What frames take up.
@@ -157,7 +151,7 @@ impl<'a> Painter<'a> {
         painter.camera = camera.at_distance(MARGIN as f32 / view.zoom);
         for content in &frame.content {
             let place = || content.body.file.path().display();
-            let mesh = painter.studio.skinned(&content.body.asset);
+            let mesh = painter.studio.skinned(content.body.asset());
             let mut mesh = mesh.map_err(|error| ToolError::input(place(), error))?;
             if !content.is_file {
                 mesh.mesh_mut().set_colour(BESIDE);
@@ -187,16 +181,11 @@ impl<'a> Painter<'a> {
     /// The picture, and the growth of its spheres, body by body.
     pub(super) fn paint(&mut self, frame: &Frame<'_>) -> Result<(Image, Vec<f64>), ToolError> {
         for (content, mesh) in frame.content.iter().zip(&mut self.meshes) {
-            let Body {
-                asset,
-                posture,
-                file,
-                ..
-            } = &content.body;
+            let body = &content.body;
             let gpu = self.studio.gpu();
-            let transform = about(posture.transform, self.middle, self.size);
-            mesh.pose(gpu, asset, &posture.q, transform)
-                .map_err(|error| ToolError::input(file.path().display(), error))?;
+            let transform = about(body.instance.placement(), self.middle, self.size);
+            mesh.pose(gpu, body.asset(), body.instance.q(), transform)
+                .map_err(|error| ToolError::input(body.file.path().display(), error))?;
         }
         let mut all_growths = Vec::new();
         let mut spheres = Vec::new();
@@ -204,7 +193,7 @@ impl<'a> Painter<'a> {
         for content in &frame.content {
             let body = &content.body;
             let against = self.arguments.against.into();
-            let growths = growths(&body.asset, &content.spheres, &body.positions, against)
+            let growths = growths(body.asset(), &content.spheres, &body.positions, against)
                 .map_err(|error| body.file.error(error))?;
             for (sphere, growth) in content.spheres.iter().zip(&growths) {
                 let [r, g, b] = colour(*growth);
@@ -254,8 +243,7 @@ impl<'a> Painter<'a> {
     }
 
     fn legend(&self, frame: &Frame<'_>, growths: &[f64]) -> Legend {
-        use super::options::AgainstChoice;
-        let mut lines = vec![frame.title.clone()];
+        let mut lines = vec![title(&self.arguments.file)];
         lines.extend(frame.about.iter().map(|line| printable(line)));
         let (ratio, meaning) = match self.arguments.against {
             AgainstChoice::Rest => ("R'/R", "R'/R: radius over the wrapped sphere's at rest"),
@@ -290,8 +278,13 @@ fn about(transform: Transform, middle: [f64; 3], size: f64) -> Transform {
     }
 }
 
-/// How many nodes an asset has, as text beside a number of them.
-pub(super) fn of_nodes(visited: u64, assets: &[Asset<'_>]) -> String {
-    let all: usize = assets.iter().map(Asset::node_count).sum();
-    format!("{visited} of {}", counted(all, "node"))
+/// The file's name.
+fn title(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    printable(&name.to_string_lossy())
+}
+
+/// What the graphics device says, which names no file.
+pub(super) fn graphics(error: &RenderError) -> ToolError {
+    ToolError::Input(vec![error.to_string()])
 }

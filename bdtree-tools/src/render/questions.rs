@@ -1,6 +1,8 @@
 //! What queries ask about, as shapes to draw.
 
-use super::picture::Content;
+use bdtree_runtime::{Ball, Capsule, Cuboid, Ray, Shape as Touched};
+
+use super::body::Content;
 use crate::scene::{Query, Scene};
 
 /// A shape (world).
@@ -25,50 +27,29 @@ pub(super) fn shapes(scene: &Scene, content: &[Content<'_>]) -> Vec<Shape> {
     let mut shapes = Vec::new();
     for query in &scene.queries {
         match query {
-            Query::Ball { center, radius, .. } => shapes.push(Shape::Ball {
-                centre: *center,
-                radius: *radius,
-            }),
+            Query::Contacts { shape, .. } => match *shape {
+                Touched::Ball(Ball { center, radius }) => shapes.push(Shape::Ball {
+                    centre: center,
+                    radius,
+                }),
+                Touched::Capsule(Capsule { a, b, radius }) => {
+                    shapes.extend([a, b].map(|centre| Shape::Ball { centre, radius }));
+                    shapes.push(Shape::Line([a, b]));
+                }
+                Touched::Cuboid(cuboid) => shapes.extend(edges(cuboid)),
+                _ => {}
+            },
             Query::Closest {
                 instance, point, ..
             } => shapes.push(Shape::Ball {
                 centre: *point,
                 radius: 0.01 * size(&content[*instance]),
             }),
-            Query::Ray {
-                instance,
-                origin,
-                direction,
-                max_distance,
-            } => shapes.push(ray(*origin, *direction, *max_distance, &content[*instance])),
+            Query::Ray { instance, ray } => shapes.push(line(ray, &content[*instance])),
             Query::Rays { instance, rays, .. } => {
-                let all = rays.iter().map(|r| (r.origin, r.direction, r.max_distance));
-                let of =
-                    |(origin, direction, most)| ray(origin, direction, most, &content[*instance]);
-                shapes.extend(all.map(of));
+                shapes.extend(rays.iter().map(|ray| line(ray, &content[*instance])));
             }
-            Query::Capsule {
-                point1,
-                point2,
-                radius,
-                ..
-            } => {
-                let radius = *radius;
-                for centre in [*point1, *point2] {
-                    shapes.push(Shape::Ball { centre, radius });
-                }
-                shapes.push(Shape::Line([*point1, *point2]));
-            }
-            Query::Box {
-                center,
-                rotation,
-                half_extents,
-                ..
-            } => shapes.extend(edges(*center, *rotation, *half_extents)),
-            Query::Plane { .. }
-            | Query::Frustum { .. }
-            | Query::Pair { .. }
-            | Query::Distance { .. } => {}
+            Query::Frustum { .. } | Query::Pair { .. } | Query::Distance { .. } => {}
         }
     }
     shapes
@@ -84,7 +65,12 @@ fn size(content: &Content<'_>) -> f64 {
 }
 
 /// A ray as far as it goes, or to where it has passed the body.
-fn ray(origin: [f64; 3], direction: [f64; 3], max_distance: f64, content: &Content<'_>) -> Shape {
+fn line(ray: &Ray, content: &Content<'_>) -> Shape {
+    let Ray {
+        origin,
+        direction,
+        max_distance,
+    } = *ray;
     let [low, high] = content.body.bounds;
     let to_middle = (0..3).map(|k| (0.5 * (low[k] + high[k]) - origin[k]).powi(2));
     let far = to_middle.sum::<f64>().sqrt() + size(content);
@@ -94,7 +80,12 @@ fn ray(origin: [f64; 3], direction: [f64; 3], max_distance: f64, content: &Conte
 }
 
 /// The twelve edges of a box.
-fn edges(center: [f64; 3], [x, y, z, w]: [f64; 4], half: [f64; 3]) -> impl Iterator<Item = Shape> {
+fn edges(cuboid: Cuboid) -> impl Iterator<Item = Shape> {
+    let Cuboid {
+        center,
+        rotation: [x, y, z, w],
+        half_extents: half,
+    } = cuboid;
     let n = x * x + y * y + z * z + w * w;
     let s = 2.0 / n;
     let rows = [

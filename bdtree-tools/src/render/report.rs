@@ -5,8 +5,8 @@ use std::path::Path;
 use bdtree_render::tightness::mean_and_max;
 use serde::Serialize;
 
-use super::Arguments;
 use super::picture::{Frame, Painter};
+use crate::cli::RenderArguments as Arguments;
 
 /// One picture.
 #[derive(Debug, Serialize)]
@@ -63,7 +63,7 @@ impl Report {
     ) -> Self {
         let mut own = frame.content.iter().filter(|content| content.is_file);
         let q = match (own.next(), own.next()) {
-            (Some(only), None) => Some(only.body.posture.q.clone()),
+            (Some(only), None) => Some(only.body.instance.q().to_vec()),
             _ => None,
         };
         let spheres = frame.content.iter().flat_map(|content| &content.spheres);

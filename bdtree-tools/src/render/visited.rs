@@ -6,16 +6,16 @@
 
 use bdtree_format::NodeRecord;
 use bdtree_render::NodeSphere;
-use bdtree_runtime::{LeafSlot, NodeSlot, StepCache, Transform};
+use bdtree_runtime::{CacheSize, Transform};
 
-use super::body::{Body, Posture};
-use super::picture::{Content, Frame, of_nodes};
+use super::body::{Body, Content};
+use super::picture::Frame;
 use super::questions::shapes;
-use super::{Arguments, title};
 use crate::AssetFile;
+use crate::cli::RenderArguments as Arguments;
 use crate::error::ToolError;
 use crate::q::counted;
-use crate::query::{PoseMemory, solve_all};
+use crate::query::solve_all;
 use crate::scene::Scene;
 
 /// The scene with the spheres in which its queries ended in the file's instances.
@@ -31,27 +31,30 @@ pub(super) fn shown<'a>(
     let is_file: Vec<bool> = scene
         .instances
         .iter()
-        .map(|instance| scene.files[instance.asset].path().canonicalize().ok() == own)
+        .map(|instance| scene.files[instance.file].path().canonicalize().ok() == own)
         .collect();
     if !is_file.contains(&true) {
         let message = format!("no instance of {}", file.path().display());
         return Err(ToolError::input(&scene.source, message));
     }
-    let visited = visited(scene)?;
-    let mut content = Vec::with_capacity(scene.instances.len());
-    let mut count = 0;
-    let mut assets = Vec::new();
-    for ((instance, visited), is_file) in scene.instances.iter().zip(visited).zip(is_file) {
-        let from = &scene.files[instance.asset];
-        let posture = Posture {
-            q: instance.q.clone(),
-            transform: instance.transform,
-        };
-        let body = Body::new(from, from.asset()?, posture)?;
+    let mut bodies = scene.bodies(|index| CacheSize {
+        nodes: scene.files[scene.instances[index].file]
+            .asset()
+            .node_count(),
+        leaves: 0,
+    })?;
+    solve_all(scene, &mut bodies, |_, _| Ok(()))?;
+    let mut content = Vec::with_capacity(bodies.len());
+    let (mut count, mut nodes) = (0, 0);
+    for ((placed, mut instance), is_file) in scene.instances.iter().zip(bodies).zip(is_file) {
+        let from = &scene.files[placed.file];
+        let all = 0..from.asset().node_count() as u32;
+        let visited: Vec<u32> = all.filter(|node| instance.keeps(*node)).collect();
+        let body = Body::new(from, instance)?;
         let mut spheres = Vec::new();
         if is_file {
             count += visited.len() as u64;
-            assets.push(body.asset);
+            nodes += from.asset().node_count();
             spheres = drawn(arguments, &body, &visited)?;
         }
         content.push(Content {
@@ -62,8 +65,10 @@ pub(super) fn shown<'a>(
     }
     let queries = counted(scene.queries.len(), "query").replace("querys", "queries");
     Ok(Frame {
-        title: title(&arguments.file),
-        about: vec![format!("{queries}: visited {}", of_nodes(count, &assets))],
+        about: vec![format!(
+            "{queries}: visited {count} of {}",
+            counted(nodes, "node")
+        )],
         number: None,
         questions: shapes(scene, &content),
         content,
@@ -82,7 +87,7 @@ pub(super) fn put(
 ) -> Result<(), ToolError> {
     let own = file.path().canonicalize().ok();
     for instance in &mut scene.instances {
-        if scene.files[instance.asset].path().canonicalize().ok() == own {
+        if scene.files[instance.file].path().canonicalize().ok() == own {
             instance.q.clone_from(q);
             let place = instance.transform.after(*motion);
             instance.transform = place.map_err(|e| ToolError::input("--frame", e.to_string()))?;
@@ -91,37 +96,14 @@ pub(super) fn put(
     Ok(())
 }
 
-/// The nodes that the scene's queries visit, by instance.
-fn visited(scene: &Scene) -> Result<Vec<Vec<u32>>, ToolError> {
-    let mut memory = PoseMemory::of(scene)?;
-    let poses = memory.poses(scene)?;
-    let cache = |nodes: usize| StepCache::new(vec![NodeSlot::EMPTY; nodes], [LeafSlot::EMPTY; 0]);
-    let mut caches: Vec<_> = poses
-        .iter()
-        .map(|(asset, _)| cache(asset.node_count()))
-        .collect();
-    let mut placed: Vec<_> = poses
-        .iter()
-        .zip(&mut caches)
-        .map(|((asset, pose), cache)| (*asset, cache.start(pose)))
-        .collect();
-    solve_all(scene, &mut placed, true, |_, _| Ok(()))?;
-    let visited = placed.iter().map(|(asset, pose)| {
-        let nodes = 0..asset.node_count() as u32;
-        nodes.filter(|node| pose.keeps(*node)).collect()
-    });
-    Ok(visited.collect())
-}
-
 /// The spheres of visited nodes that lead to no visited node, or those of a level.
 fn drawn(
     arguments: &Arguments,
     body: &Body<'_>,
     visited: &[u32],
 ) -> Result<Vec<NodeSphere>, ToolError> {
-    let spheres =
-        body.spheres(|asset, pose| NodeSphere::of_nodes(asset, pose, visited.iter().copied()))?;
-    let nodes = body.asset.nodes();
+    let spheres = body.spheres(|pose| NodeSphere::of_nodes(pose, visited.iter().copied()))?;
+    let nodes = body.asset().nodes();
     let level = |node: u32| {
         nodes
             .get(node as usize)

@@ -1,6 +1,6 @@
 //! The planes of a frustum query.
 
-use bdtree_runtime::narrow::Frustum;
+use bdtree_runtime::Frustum;
 use bdtree_runtime::narrow::frustum_triangle::FRUSTUM_PLANES_MAX;
 
 use super::fields::{At, Fields, Problems};

@@ -1,85 +1,26 @@
 //! The scene's instances: names, assets, q and placements.
 
-use std::collections::{BTreeMap, HashMap};
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
 
-use bdtree_runtime::{Asset, Transform};
+use bdtree_runtime::Transform;
 
+use super::assets::Assets;
 use super::fields::{At, Fields, Problems};
 use super::shown::read_shown;
-use crate::asset_file::AssetFile;
 
-/// A placed, deformed asset.
+/// A deformed asset and where it stands.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Instance {
+pub struct Placed {
     /// Its name in the scene.
     pub name: String,
-    /// Index of its asset among the scene's.
-    pub asset: usize,
+    /// Index of its asset among the scene's files.
+    pub file: usize,
     /// One number per mode.
     pub q: Vec<f32>,
     /// The frame of the asset's animation that q is of, if it is one.
     pub frame: Option<u64>,
     /// Where it stands; a frame's rigid motion is part of it.
     pub transform: Transform,
-}
-
-/// The assets that instances name, each opened once.
-#[derive(Debug)]
-pub(super) struct Assets {
-    folder: PathBuf,
-    verify: bool,
-    /// By canonical path, so that two spellings are one file; `None`: already reported.
-    known: HashMap<PathBuf, Option<usize>>,
-    files: Vec<AssetFile>,
-}
-
-impl Assets {
-    /// Assets relative to a folder; `verify` checks their checksums.
-    pub(super) fn new(folder: &Path, verify: bool) -> Self {
-        Self {
-            folder: folder.to_path_buf(),
-            verify,
-            known: HashMap::new(),
-            files: Vec::new(),
-        }
-    }
-
-    /// An opened asset.
-    pub(super) fn asset(&self, index: usize) -> Option<Asset<'_>> {
-        self.files.get(index)?.open().ok()
-    }
-
-    /// The opened files.
-    pub(super) fn into_files(self) -> Vec<AssetFile> {
-        self.files
-    }
-
-    /// Index of the asset with this path, opened and checked when it is met first; what is wrong
-    /// with a file is told once.
-    fn open(&mut self, path: &str, place: &str, problems: &mut Problems) -> Option<usize> {
-        let path = self.folder.join(path);
-        let key = path.canonicalize().unwrap_or_else(|_| path.clone());
-        if let Some(known) = self.known.get(&key) {
-            return *known;
-        }
-        let opened = AssetFile::map(&path).and_then(|file| {
-            file.checked_asset(self.verify)?;
-            Ok(file)
-        });
-        let index = match opened {
-            Ok(file) => {
-                self.files.push(file);
-                Some(self.files.len() - 1)
-            }
-            Err(error) => {
-                problems.add(place, error);
-                None
-            }
-        };
-        self.known.insert(key, index);
-        index
-    }
 }
 
 /// The names that queries may use.
@@ -149,7 +90,7 @@ pub(super) fn read_instances(
     at: &At<'_>,
     assets: &mut Assets,
     problems: &mut Problems,
-) -> (Vec<Instance>, Names) {
+) -> (Vec<Placed>, Names) {
     let mut instances = Vec::new();
     let mut names = Names::default();
     for item in at.items(problems).unwrap_or_default() {
@@ -192,7 +133,7 @@ fn read_instance(
     name: &str,
     assets: &mut Assets,
     problems: &mut Problems,
-) -> Option<Instance> {
+) -> Option<Placed> {
     let path = fields.text("asset", problems);
     let asset = path.and_then(|path| assets.open(path, &fields.place("asset"), problems));
     let shown = read_shown(fields, asset.zip(path), assets, problems);
@@ -207,9 +148,9 @@ fn read_instance(
             }
         }
     }
-    Some(Instance {
+    Some(Placed {
         name: name.to_string(),
-        asset,
+        file: asset,
         q: shown.q,
         frame: shown.frame.map(|(number, _)| number),
         transform,

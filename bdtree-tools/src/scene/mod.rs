@@ -3,6 +3,7 @@
 //! A scene is checked as a whole before anything is answered, and every problem is told with its
 //! place, a path like `queries[2].ball.radius`.
 
+mod assets;
 mod fields;
 mod frustum;
 mod instances;
@@ -11,19 +12,21 @@ mod queries;
 mod rays;
 mod shown;
 
-pub use instances::Instance;
-pub use queries::{Query, RaysMode};
+pub use instances::Placed;
+pub use queries::Query;
+pub use rays::RaysMode;
 
 use std::fs;
 use std::io::Read;
 use std::path::Path;
 
-use bdtree_runtime::{Pose, PoseError};
+use bdtree_runtime::{CacheSize, Instance, PoseError};
 
 use crate::asset_file::AssetFile;
 use crate::error::ToolError;
+use assets::Assets;
 use fields::{At, Problems};
-use instances::{Assets, read_instances};
+use instances::read_instances;
 use json::Json;
 use queries::read_queries;
 
@@ -35,7 +38,7 @@ pub struct Scene {
     /// The assets, each file once.
     pub files: Vec<AssetFile>,
     /// The instances, in the order of the scene.
-    pub instances: Vec<Instance>,
+    pub instances: Vec<Placed>,
     /// The queries, in the order of the scene.
     pub queries: Vec<Query>,
     /// What holds for all queries.
@@ -87,10 +90,7 @@ impl Scene {
                 .map_err(|error| ToolError::input("stdin", error))?;
             return Self::parse(&text, "stdin", Path::new(""), verify);
         }
-        let text = fs::read(path).map_err(|source| ToolError::Read {
-            path: path.to_path_buf(),
-            source,
-        })?;
+        let text = fs::read(path).map_err(|error| ToolError::input(path.display(), error))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(&text, &path.display().to_string(), folder, verify)
     }
@@ -122,24 +122,31 @@ impl Scene {
         })
     }
 
-    /// The pose of an instance, in `memory` of [`Asset::pose_len`](bdtree_runtime::Asset::pose_len) numbers.
+    /// The instances as bodies that can be asked, in the order of the scene; `size` says how much each keeps of
+    /// what queries compute.
     ///
     /// # Errors
     /// None that [`Scene::parse`] has not already told.
-    pub fn pose<'p>(&self, index: usize, memory: &'p mut [f32]) -> Result<Pose<'p>, ToolError> {
-        let instance = &self.instances[index];
-        let asset = self.files[instance.asset].asset()?;
-        Pose::new(&asset, &instance.q, instance.transform, memory).map_err(|error| {
-            let field = match error {
-                PoseError::Rotation => ".rotation",
-                PoseError::Translation => ".translation",
-                PoseError::Scale => ".scale",
-                _ if instance.frame.is_some() => ".frame",
-                _ => ".q",
-            };
-            let place = format!("{}: instances[{index}]{field}", self.source);
-            ToolError::input(place, error)
-        })
+    pub fn bodies(&self, size: impl Fn(usize) -> CacheSize) -> Result<Vec<Instance>, ToolError> {
+        let bodies = self.instances.iter().enumerate().map(|(index, placed)| {
+            let body = Instance::with_cache(self.files[placed.file].model(), size(index));
+            let posed = body.and_then(|mut body| {
+                body.set_pose(&placed.q, placed.transform)?;
+                Ok(body)
+            });
+            posed.map_err(|error| {
+                let field = match error {
+                    PoseError::Rotation => ".rotation",
+                    PoseError::Translation => ".translation",
+                    PoseError::Scale => ".scale",
+                    _ if placed.frame.is_some() => ".frame",
+                    _ => ".q",
+                };
+                let place = format!("{}: instances[{index}]{field}", self.source);
+                ToolError::input(place, error)
+            })
+        });
+        bodies.collect()
     }
 }
 
@@ -147,7 +154,7 @@ fn read_scene(
     json: &Json,
     assets: &mut Assets,
     problems: &mut Problems,
-) -> Option<(Vec<Instance>, Vec<Query>, Options)> {
+) -> Option<(Vec<Placed>, Vec<Query>, Options)> {
     let known = ["instances", "options", "queries"];
     let root = At::root(json).fields(&known, problems)?;
     let instances = root.required("instances", problems);

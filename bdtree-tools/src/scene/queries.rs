@@ -1,27 +1,23 @@
 //! The scene's queries: kinds and arguments.
 
-use bdtree_runtime::Transform;
-use bdtree_runtime::narrow::Frustum;
-use bdtree_runtime::query::Ray;
+use bdtree_runtime::{Ball, Capsule, Cuboid, Frustum, HalfSpace, Ray, Shape, Transform};
 
 use super::fields::{At, Fields, Problems};
 use super::frustum::read_frustum;
 use super::instances::{Found, Names};
-use super::rays::read_rays;
+use super::rays::{RaysMode, read_rays};
 
-/// A question; instances by their index. Arguments are in the ranges that
-/// [`bdtree_runtime::query`] takes. World units.
+/// A question; instances by their index. Arguments are in the ranges that [`bdtree_runtime::Query`] and
+/// [`bdtree_runtime::PairQuery`] take. World units.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Query {
-    /// The triangles within a ball.
-    Ball {
+    /// The triangles that a shape touches: ball, plane, capsule, box.
+    Contacts {
         /// Which instance.
         instance: usize,
-        /// Centre.
-        center: [f64; 3],
-        /// Not negative.
-        radius: f64,
+        /// The shape.
+        shape: Shape,
     },
     /// The nearest point.
     Closest {
@@ -36,12 +32,8 @@ pub enum Query {
     Ray {
         /// Which instance.
         instance: usize,
-        /// Where it starts.
-        origin: [f64; 3],
-        /// Not zero, of any length.
-        direction: [f64; 3],
-        /// Not negative, infinite without limit.
-        max_distance: f64,
+        /// The ray, its direction of any length.
+        ray: Ray,
     },
     /// Many rays.
     Rays {
@@ -52,43 +44,12 @@ pub enum Query {
         /// Directions of any length.
         rays: Vec<Ray>,
     },
-    /// The triangles that reach below a plane.
-    Plane {
-        /// Which instance.
-        instance: usize,
-        /// Not zero, of any length.
-        normal: [f64; 3],
-        /// normal·x of the plane's points, for the normalised normal.
-        offset: f64,
-    },
     /// Whether the mesh is in sight.
     Frustum {
         /// Which instance.
         instance: usize,
         /// The planes, of normals of any length.
         frustum: Box<Frustum>,
-    },
-    /// The triangles within a capsule.
-    Capsule {
-        /// Which instance.
-        instance: usize,
-        /// One end of its segment.
-        point1: [f64; 3],
-        /// The other.
-        point2: [f64; 3],
-        /// Not negative.
-        radius: f64,
-    },
-    /// The triangles that touch an oriented box.
-    Box {
-        /// Which instance.
-        instance: usize,
-        /// Centre.
-        center: [f64; 3],
-        /// Quaternion (x, y, z, w) within 1e-3 of unit length.
-        rotation: [f64; 4],
-        /// Not negative.
-        half_extents: [f64; 3],
     },
     /// The pairs of triangles that touch or are near.
     Pair {
@@ -112,15 +73,37 @@ pub enum Query {
     },
 }
 
-/// Which hits of a ray are asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RaysMode {
-    /// The first one.
-    First,
-    /// All.
-    All,
-    /// Whether there is one.
-    Any,
+impl Query {
+    /// Its name in scenes and answers.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Contacts { shape, .. } => match shape {
+                Shape::Ball(_) => "ball",
+                Shape::Capsule(_) => "capsule",
+                Shape::Cuboid(_) => "box",
+                // A half-space: scenes have no other shapes.
+                _ => "plane",
+            },
+            Self::Closest { .. } => "closest",
+            Self::Ray { .. } => "ray",
+            Self::Rays { .. } => "rays",
+            Self::Frustum { .. } => "frustum",
+            Self::Pair { .. } => "pair",
+            Self::Distance { .. } => "distance",
+        }
+    }
+
+    /// The instance that is asked, and the other one of a pair.
+    pub fn instances(&self) -> (usize, Option<usize>) {
+        match *self {
+            Self::Contacts { instance, .. }
+            | Self::Closest { instance, .. }
+            | Self::Ray { instance, .. }
+            | Self::Rays { instance, .. }
+            | Self::Frustum { instance, .. } => (instance, None),
+            Self::Pair { a, b, .. } | Self::Distance { a, b, .. } => (a, Some(b)),
+        }
+    }
 }
 
 /// Kinds that are answered.
@@ -160,10 +143,9 @@ fn read_query(item: &At<'_>, names: &Names, problems: &mut Problems) -> Option<Q
             let instance = names.instance(&fields, "instance", problems);
             let center = fields.point("center", problems);
             let radius = fields.length("radius", problems);
-            Some(Query::Ball {
+            Some(Query::Contacts {
                 instance: instance.index()?,
-                center: center?,
-                radius: radius?,
+                shape: Ball::new(center?, radius?).into(),
             })
         }
         "closest" => {
@@ -186,24 +168,28 @@ fn read_query(item: &At<'_>, names: &Names, problems: &mut Problems) -> Option<Q
             let max_distance = fields.limit("max_distance", problems);
             Some(Query::Ray {
                 instance: instance.index()?,
-                origin: origin?,
-                direction: direction?,
-                max_distance: max_distance?,
+                ray: Ray::new(origin?, direction?).with_max_distance(max_distance?),
             })
         }
         "rays" => {
             let known = ["instance", "origins", "directions", "mode", "max_distance"];
-            read_rays(&at.fields(&known, problems)?, names, problems)
+            let fields = at.fields(&known, problems)?;
+            let instance = names.instance(&fields, "instance", problems);
+            let (mode, rays) = read_rays(&fields, problems)?;
+            Some(Query::Rays {
+                instance: instance.index()?,
+                mode,
+                rays,
+            })
         }
         "plane" => {
             let fields = at.fields(&["instance", "normal", "offset"], problems)?;
             let instance = names.instance(&fields, "instance", problems);
             let normal = fields.direction("normal", problems);
             let offset = fields.offset("offset", problems);
-            Some(Query::Plane {
+            Some(Query::Contacts {
                 instance: instance.index()?,
-                normal: normal?,
-                offset: offset?,
+                shape: HalfSpace::new(normal?, offset?).into(),
             })
         }
         "frustum" => {
@@ -221,11 +207,9 @@ fn read_query(item: &At<'_>, names: &Names, problems: &mut Problems) -> Option<Q
             let point1 = fields.point("point1", problems);
             let point2 = fields.point("point2", problems);
             let radius = fields.length("radius", problems);
-            Some(Query::Capsule {
+            Some(Query::Contacts {
                 instance: instance.index()?,
-                point1: point1?,
-                point2: point2?,
-                radius: radius?,
+                shape: Capsule::new(point1?, point2?, radius?).into(),
             })
         }
         "box" => {
@@ -238,11 +222,10 @@ fn read_query(item: &At<'_>, names: &Names, problems: &mut Problems) -> Option<Q
                 Some(_) => fields.quaternion("rotation", problems),
             };
             let half_extents = fields.lengths("half_extents", problems);
-            Some(Query::Box {
+            let cuboid = Cuboid::new(center?, half_extents?).rotated(rotation?);
+            Some(Query::Contacts {
                 instance: instance.index()?,
-                center: center?,
-                rotation: rotation?,
-                half_extents: half_extents?,
+                shape: cuboid.into(),
             })
         }
         "pair" => read_pair(

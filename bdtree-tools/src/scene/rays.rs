@@ -1,18 +1,25 @@
 //! Many rays of a scene: origins, directions and what is asked of them.
 
-use bdtree_runtime::query::Ray;
+use bdtree_runtime::Ray;
 
 use super::fields::{At, Fields, Problems};
-use super::instances::Names;
-use super::queries::{Query, RaysMode};
 
-/// An absent mode is `first`.
+/// Which hits of a ray are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RaysMode {
+    /// The first one.
+    First,
+    /// All.
+    All,
+    /// Whether there is one.
+    Any,
+}
+
+/// The rays and what is asked of them; an absent mode is `first`.
 pub(super) fn read_rays(
     fields: &Fields<'_>,
-    names: &Names,
     problems: &mut Problems,
-) -> Option<Query> {
-    let instance = names.instance(fields, "instance", problems);
+) -> Option<(RaysMode, Vec<Ray>)> {
     let origins = read_all(fields, "origins", At::point, problems);
     let directions = read_all(fields, "directions", At::direction, problems);
     let mode = match fields.optional("mode") {
@@ -39,21 +46,10 @@ pub(super) fn read_rays(
         );
         return None;
     }
-    let (instance, mode, max_distance) = (instance.index()?, mode?, max_distance?);
-    let rays = origins
-        .into_iter()
-        .zip(directions)
-        .map(|(origin, direction)| Ray {
-            origin,
-            direction,
-            max_distance,
-        })
-        .collect();
-    Some(Query::Rays {
-        instance,
-        mode,
-        rays,
-    })
+    let (mode, max_distance) = (mode?, max_distance?);
+    let rays = origins.into_iter().zip(directions);
+    let ray = |(origin, direction)| Ray::new(origin, direction).with_max_distance(max_distance);
+    Some((mode, rays.map(ray).collect()))
 }
 
 /// The items of a list that must be there, when all of them are sound.

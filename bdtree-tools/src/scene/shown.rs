@@ -2,8 +2,8 @@
 
 use bdtree_runtime::Transform;
 
+use super::assets::Assets;
 use super::fields::{At, Fields, Problems};
-use super::instances::Assets;
 use crate::frames::frame_of;
 use crate::q::checked_q;
 
@@ -47,7 +47,7 @@ fn read_frame(
         return None;
     }
     let (index, path) = asset?;
-    match frame_of(&assets.asset(index)?, path, number as u64) {
+    match frame_of(assets.file(index).asset(), path, number as u64) {
         Ok(frame) => Some(Shown {
             q: frame.q().to_vec(),
             frame: Some((number as u64, frame.transform())),
@@ -70,7 +70,7 @@ fn read_q(
         None => None,
     };
     let (index, path) = asset?;
-    match checked_q(q.as_deref(), &assets.asset(index)?, path) {
+    match checked_q(q.as_deref(), assets.file(index).asset(), path) {
         Ok(q) => Some(Shown { q, frame: None }),
         Err(found) => {
             let place = fields.place("q");

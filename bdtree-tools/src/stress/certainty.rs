@@ -1,7 +1,7 @@
 //! What certainty costs: how much larger spheres are than their formula says.
 
 use bdtree_format::{LANES, ROW_RADIUS};
-use bdtree_runtime::{Asset, FormatError, Pose, Transform};
+use bdtree_runtime::{Asset, FormatError, Transform};
 use rand::RngExt;
 
 use super::poses::HardPoses;
@@ -21,11 +21,11 @@ pub(super) fn certainty(asset: &Asset<'_>, seed: u64) -> Result<f64, FormatError
         q.iter_mut()
             .for_each(|q| *q *= poses.rng().random_range(-1.0..=1.0_f32));
         poses.clamp(&mut q);
-        let Ok(pose) = Pose::new(asset, &q, Transform::IDENTITY, &mut memory) else {
+        let Ok(pose) = asset.pose(&q, Transform::IDENTITY, &mut memory) else {
             continue; // only q beyond the limits is refused
         };
         for (i, node) in (0..).zip(asset.nodes()) {
-            let spheres = asset.node_spheres(&pose, i)?;
+            let spheres = pose.node_spheres(i)?;
             let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
             for lane in 0..LANES {
                 if (node.inner_mask | node.leaf_mask) & (1 << lane) == 0 {

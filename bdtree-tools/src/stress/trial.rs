@@ -2,7 +2,7 @@
 
 use bdtree_format::LANES;
 use bdtree_runtime::bound::Spheres;
-use bdtree_runtime::{Asset, FormatError, Kernel, Pose, Transform, VertexId};
+use bdtree_runtime::{Asset, FormatError, Kernel, Transform, VertexId};
 
 use super::below::Below;
 use super::exact::{certainly_within, squared_distance, within};
@@ -48,16 +48,16 @@ impl<'t, 'a> Trial<'t, 'a> {
         nodes: impl Iterator<Item = usize>,
         report: &mut Report,
     ) -> Result<(), FormatError> {
-        let Ok(pose) = Pose::new(&self.asset, q, Transform::IDENTITY, &mut self.memory) else {
+        let Ok(pose) = self.asset.pose(q, Transform::IDENTITY, &mut self.memory) else {
             return Ok(()); // only q beyond the limits is refused
         };
         for (i, vertex) in (0..).zip(&mut self.vertices) {
-            *vertex = self.asset.deformed_stored(&pose, VertexId(i))?;
+            *vertex = pose.deformed_stored(VertexId(i))?;
         }
         let slack = pose.slack() / self.asset.unit();
         report.poses += 1;
         for node in nodes {
-            let spheres = self.asset.node_spheres(&pose, node as u32)?;
+            let spheres = pose.node_spheres(node as u32)?;
             report.cases += 1;
             for lane in 0..LANES {
                 let below = self.below.lane(node, lane);
@@ -116,10 +116,10 @@ impl<'t, 'a> Trial<'t, 'a> {
         target: &Target,
         report: &mut Report,
     ) -> Result<f64, FormatError> {
-        let Ok(pose) = Pose::new(&self.asset, q, Transform::IDENTITY, &mut self.memory) else {
+        let Ok(pose) = self.asset.pose(q, Transform::IDENTITY, &mut self.memory) else {
             return Ok(f64::INFINITY); // as above
         };
-        let spheres = self.asset.node_spheres(&pose, target.node)?;
+        let spheres = pose.node_spheres(target.node)?;
         let (center, radius) = sphere(&spheres, target.lane);
         let slack = pose.slack() / self.asset.unit();
         report.poses += 1;
@@ -131,7 +131,7 @@ impl<'t, 'a> Trial<'t, 'a> {
         report.vertices += target.watched.len() as u64;
         let mut least = f64::INFINITY;
         for &v in &target.watched {
-            let vertex = self.asset.deformed_stored(&pose, VertexId(v))?;
+            let vertex = pose.deformed_stored(VertexId(v))?;
             let square = squared_distance(vertex, center);
             let margin = (f64::from(radius) - square.sqrt()) / slack;
             let tight = || Tight {
