@@ -41,6 +41,7 @@ pub mod progress;
 pub mod recipe;
 pub mod report;
 pub mod tree;
+mod vec3;
 pub mod wrap;
 
 pub use error::BakeError;

@@ -25,6 +25,7 @@ use crate::elastic::surface::components::{Kind, find_components};
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::RawMesh;
 use crate::progress::Progress;
+use crate::vec3::{bounds, norm, sub};
 
 pub use crate::elastic::constraint::fix::{Fix, FixRegion};
 pub use crate::elastic::lattice::resolution::{NODE_BUDGET, RESOLUTION_MAX};
@@ -254,19 +255,9 @@ fn read_subject<'a>(
             "no triangle has an area, so there is no mass to vibrate",
         ));
     }
-    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in mesh
-        .triangles
-        .iter()
-        .flatten()
-        .map(|&v| mesh.positions[v as usize])
-    {
-        for a in 0..3 {
-            min[a] = min[a].min(p[a]);
-            max[a] = max[a].max(p[a]);
-        }
-    }
-    let diagonal = crate::elastic::vec3::norm(crate::elastic::vec3::sub(max, min));
+    let corners = mesh.triangles.iter().flatten();
+    let (min, max) = bounds(corners.map(|&v| mesh.positions[v as usize]));
+    let diagonal = norm(sub(max, min));
     let thickness = options.thickness.unwrap_or(0.01 * diagonal);
     if thickness > diagonal {
         return Err(BakeError::one(

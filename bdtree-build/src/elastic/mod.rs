@@ -19,5 +19,4 @@ pub(crate) mod element;
 pub(crate) mod lattice;
 pub(crate) mod solve;
 pub(crate) mod surface;
-pub(crate) mod vec3;
 pub(crate) mod volume;

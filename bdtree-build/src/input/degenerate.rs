@@ -1,5 +1,7 @@
 //! Whether a triangle has an area.
 
+use crate::vec3::{cross, norm2};
+
 /// True if the triangle's area is zero as far as f64 can tell: the cross product of two edges is
 /// no longer than its own rounding error.
 pub(super) fn is_degenerate(corners: [[f64; 3]; 3]) -> bool {
@@ -17,11 +19,5 @@ pub(super) fn is_degenerate(corners: [[f64; 3]; 3]) -> bool {
         }
         *v = v.map(|x| x / size);
     }
-    let cross = [
-        e[1] * f[2] - e[2] * f[1],
-        e[2] * f[0] - e[0] * f[2],
-        e[0] * f[1] - e[1] * f[0],
-    ];
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    dot(cross, cross) <= TOLERANCE * TOLERANCE * dot(e, e) * dot(f, f)
+    norm2(cross(e, f)) <= TOLERANCE * TOLERANCE * norm2(e) * norm2(f)
 }

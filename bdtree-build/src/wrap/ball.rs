@@ -7,6 +7,8 @@
 //! (collinear, coplanar, cospherical, repeated points) need no tolerance: their circumspheres
 //! are either good or lose. Why not a library: docs/decisions/smallest-balls.md.
 
+use crate::vec3::{add, cross, dot, norm2, scale, sub};
+
 /// Rounds after which the best ball so far is returned: never met in practice, because the radius
 /// grows in every round but the last few.
 const ROUNDS_MAX: usize = 1000;
@@ -152,32 +154,4 @@ fn circumcentre3(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
         add(scale(cross(c, a), norm2(b)), scale(cross(a, b), norm2(c))),
     );
     scale(sum, 0.5 / dot(a, bc))
-}
-
-pub(crate) fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-fn scale(a: [f64; 3], s: f64) -> [f64; 3] {
-    [a[0] * s, a[1] * s, a[2] * s]
-}
-
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn norm2(a: [f64; 3]) -> f64 {
-    dot(a, a)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }

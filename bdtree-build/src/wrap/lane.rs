@@ -5,10 +5,11 @@ use bdtree_format::{
 };
 use zerocopy::IntoBytes;
 
-use super::ball::{dot, norm2, smallest_ball, sub};
+use super::ball::smallest_ball;
 use super::grid::Grid;
 use super::round::{norm_above, norm_up, round_nearest};
 use super::stored::StoredShape;
+use crate::vec3::{dot, norm2, sub};
 
 /// Relative and absolute guards of d, e and x·w (SPEC 5.7).
 const GUARD_SQUARE: f64 = 1.0 / (1u64 << 48) as f64;

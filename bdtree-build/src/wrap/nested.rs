@@ -4,11 +4,11 @@
 use bdtree_format::{LANES, NodeRecord, ROW_CENTRE_X, ROW_RADIUS, pair_row};
 use zerocopy::IntoBytes;
 
-use super::ball::{norm2, sub};
 use super::grid::Grid;
 use super::round::{norm_above, round_up};
 use super::units::power;
 use super::{WrappedTree, mode_pair};
+use crate::vec3::{norm2, sub};
 
 /// What a sum in f64 may lose, with room to spare.
 const ABOVE: f64 = 1.0 + f64::EPSILON * 4.0;

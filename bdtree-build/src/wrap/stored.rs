@@ -10,6 +10,7 @@ use super::units::{
 use crate::basis::Basis;
 use crate::error::{BakeError, Part, Place};
 use crate::input::RawMesh;
+use crate::vec3::bounds;
 
 /// A mode without a range of its own moves its farthest vertex by this share of the box diagonal at
 /// its typical range.
@@ -123,7 +124,7 @@ pub fn store(
         Some(frames) => frames.farthest(basis.mode_count()),
         None => vec![None; basis.mode_count()],
     };
-    let (low, high) = bounds(&mesh.positions);
+    let (low, high) = bounds(mesh.positions.iter().copied());
     let diagonal = length(std::array::from_fn(|k| high[k] - low[k]));
     if !diagonal.is_finite() {
         let message = "the box around all vertices is larger than f64 can measure";
@@ -336,16 +337,4 @@ fn add_limits(
         return Err(BakeError::one("encode", Place::NOWHERE, message));
     }
     Ok(())
-}
-
-fn bounds(points: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for p in points {
-        for k in 0..3 {
-            low[k] = low[k].min(p[k]);
-            high[k] = high[k].max(p[k]);
-        }
-    }
-    (low, high)
 }

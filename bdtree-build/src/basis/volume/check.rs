@@ -7,6 +7,7 @@ use crate::elastic::element::material::Material;
 use crate::elastic::volume::Model;
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::volume::{RawMaterial, RawVolume};
+use crate::vec3::{bounds, norm, sub};
 
 /// Elements whose least Jacobian determinant is below this share of their longest edge's cube are
 /// flat to rounding.
@@ -192,7 +193,7 @@ fn mean_edge(nodes: &[[f64; 3]], elements: &NodeLists) -> f64 {
     for corners in elements.iter() {
         for pair in corners.windows(2) {
             let [a, b] = [pair[0], pair[1]].map(|n| nodes[n as usize]);
-            sum += crate::elastic::vec3::norm(crate::elastic::vec3::sub(a, b));
+            sum += norm(sub(a, b));
             count += 1;
         }
     }
@@ -201,13 +202,8 @@ fn mean_edge(nodes: &[[f64; 3]], elements: &NodeLists) -> f64 {
 
 /// Middle of the box around the elements.
 fn middle(nodes: &[[f64; 3]], elements: &NodeLists) -> [f64; 3] {
-    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &n in elements.iter().flatten() {
-        for a in 0..3 {
-            lo[a] = lo[a].min(nodes[n as usize][a]);
-            hi[a] = hi[a].max(nodes[n as usize][a]);
-        }
-    }
+    let corners = elements.iter().flatten();
+    let (lo, hi) = bounds(corners.map(|&n| nodes[n as usize]));
     std::array::from_fn(|a| 0.5 * (lo[a] + hi[a]))
 }
 

@@ -9,7 +9,7 @@
 
 use crate::elastic::assemble::adjacency;
 use crate::elastic::element::NodeLists;
-use crate::elastic::vec3::dot;
+use crate::vec3::dot;
 
 /// Sets of this many nodes are not cut any further.
 const LEAF: usize = 24;

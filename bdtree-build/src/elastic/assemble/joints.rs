@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::elastic::disjoint_sets::DisjointSets;
 use crate::elastic::element::NodeLists;
-use crate::elastic::vec3::{cross, norm, sub};
+use crate::vec3::{cross, norm, sub};
 
 /// Sets of elements that are stiff in themselves. A component of several can move at its joints
 /// without strain.

@@ -3,7 +3,7 @@
 
 use crate::elastic::element::ElementMatrices;
 use crate::elastic::element::material::Material;
-use crate::elastic::vec3::{cross, dot, scale, sub};
+use crate::vec3::{cross, dot, scale, sub};
 
 /// Volume of a tetrahedron, positive for (b − a) × (c − a) · (d − a) > 0.
 pub(crate) fn volume(p: &[[f64; 3]; 4]) -> f64 {

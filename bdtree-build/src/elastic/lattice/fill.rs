@@ -12,7 +12,7 @@ use crate::elastic::lattice::table::{
     Filling, Fillings, SHARE_MIN, Shadow, Sums, Table, TooManyCells,
 };
 use crate::elastic::surface::components::{Kind, SurfaceComponent};
-use crate::elastic::vec3::{add, cross, norm, scale, sub};
+use crate::vec3::{add, cross, norm, scale, sub};
 
 /// Moments of every body in every cell it fills, sorted by cell, then body.
 ///
@@ -302,7 +302,7 @@ mod tests {
             }
         }
         let [a, b, c] = [1, 2, 3].map(|i| sub(p[i], p[0]));
-        let want = crate::elastic::vec3::dot(a, cross(b, c)).abs() / 6.0;
+        let want = crate::vec3::dot(a, cross(b, c)).abs() / 6.0;
         assert!((volume - want).abs() < 1e-5, "{volume} {want}");
         for a in 0..3 {
             let mean = p.iter().map(|p| p[a]).sum::<f64>() / 4.0;

@@ -1,6 +1,6 @@
 //! Where the lattice's cells lie.
 
-use crate::elastic::vec3::{scale, sub};
+use crate::vec3::{scale, sub};
 
 /// Where the lattice lies: cubic cells along the mesh axes.
 #[derive(Debug, Clone, Copy)]

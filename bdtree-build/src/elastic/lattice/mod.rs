@@ -17,8 +17,8 @@ use crate::elastic::lattice::fill::fill;
 use crate::elastic::lattice::grid::Grid;
 use crate::elastic::lattice::table::{Filling, Fillings, SHARE_MIN, TooManyCells};
 use crate::elastic::surface::components::{Kind, SurfaceComponents};
-use crate::elastic::vec3::{add, cross, norm, scale, sub};
 use crate::input::RawMesh;
+use crate::vec3::{add, cross, norm, scale, sub};
 
 /// A connected set of cells: its own vibrating body.
 #[derive(Debug, Clone, Default)]

@@ -1,6 +1,6 @@
 //! Cutting triangles along the planes of the lattice, and integrating over the fragments.
 
-use crate::elastic::vec3::{add, cross, norm, scale, sub};
+use crate::vec3::{add, cross, norm, scale, sub};
 
 /// A convex fragment: a triangle cut by six planes has at most nine corners.
 #[derive(Debug, Clone, Copy)]

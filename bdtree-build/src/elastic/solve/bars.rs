@@ -13,8 +13,8 @@ use crate::elastic::assemble::dissection::dissect_mesh;
 use crate::elastic::assemble::system::System;
 use crate::elastic::element::{ElementMatrices, NodeLists};
 use crate::elastic::solve::{Limits, Solution, solve};
-use crate::elastic::vec3::{norm, sub};
 use crate::progress::Silent;
+use crate::vec3::{norm, sub};
 
 /// Stiffness and lumped mass of a bar.
 fn bar(a: [f64; 3], b: [f64; 3]) -> ElementMatrices {

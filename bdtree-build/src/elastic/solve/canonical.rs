@@ -3,6 +3,7 @@
 use faer::{Mat, MatRef};
 
 use crate::elastic::assemble::system::System;
+use crate::vec3::{bounds, norm};
 
 /// Neighbouring eigenvalues with a smaller relative gap form a cluster.
 pub(crate) const CLUSTER_GAP: f64 = 1e-6;
@@ -122,13 +123,7 @@ fn complete(turn: &mut Mat<f64>, mut done: usize) {
 }
 
 fn test_fields(system: &System) -> Mat<f64> {
-    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for node in &system.nodes {
-        for a in 0..3 {
-            lo[a] = lo[a].min(node[a]);
-            hi[a] = hi[a].max(node[a]);
-        }
-    }
+    let (lo, hi) = bounds(system.nodes.iter().copied());
     let reach = (0..3).map(|a| hi[a] - lo[a]).fold(0.0, f64::max);
     let reach = if reach > 0.0 { reach } else { 1.0 };
     let mut exponents = Vec::new();
@@ -162,8 +157,7 @@ fn test_fields(system: &System) -> Mat<f64> {
 /// Scales a field so that the farthest vertex moves by 1, its leading component positive; returns
 /// the factor, or `None` if nothing moves.
 pub(crate) fn normalise(field: &mut [[f64; 3]]) -> Option<f64> {
-    let length = |v: &[f64; 3]| crate::elastic::vec3::norm(*v);
-    let farthest = field.iter().map(length).fold(0.0, f64::max);
+    let farthest = field.iter().map(|&v| norm(v)).fold(0.0, f64::max);
     if farthest.is_nan() || farthest <= 0.0 {
         return None;
     }

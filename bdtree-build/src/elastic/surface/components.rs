@@ -10,7 +10,7 @@
 use std::collections::HashMap;
 
 use crate::elastic::disjoint_sets::DisjointSets;
-use crate::elastic::vec3::{add, cross, dot, norm, scale, sub};
+use crate::vec3::{add, bounds, cross, dot, norm, scale, sub};
 
 /// Holes of a solid may take up this share of the surface component's area in all …
 const HOLE_AREA_MAX: f64 = 0.05;
@@ -203,13 +203,7 @@ fn measure(
             (corners, flips, open) = (trial, turned, trial_open);
         }
     }
-    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in corners.iter().flatten().map(|&v| positions[v]) {
-        for a in 0..3 {
-            min[a] = min[a].min(p[a]);
-            max[a] = max[a].max(p[a]);
-        }
-    }
+    let (min, max) = bounds(corners.iter().flatten().map(|&v| positions[v]));
     let centre = scale(add(min, max), 0.5);
     let diagonal = norm(sub(max, min));
     let at = |v: usize| sub(positions[v], centre);

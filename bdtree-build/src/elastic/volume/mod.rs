@@ -10,6 +10,7 @@ use crate::elastic::disjoint_sets::DisjointSets;
 use crate::elastic::element::material::Material;
 use crate::elastic::element::{ElementMatrices, NodeLists};
 use crate::elastic::element::{hexahedron, tetrahedron};
+use crate::vec3::{norm, sub};
 
 /// Elements that hang together by nodes: their own vibrating body.
 #[derive(Debug, Clone, Default)]
@@ -156,7 +157,7 @@ impl Model {
         for &a in corners {
             for &b in corners {
                 let [a, b] = [a, b].map(|n| self.positions[n as usize]);
-                longest = longest.max(crate::elastic::vec3::norm(crate::elastic::vec3::sub(a, b)));
+                longest = longest.max(norm(sub(a, b)));
             }
         }
         (volume, least / longest.powi(3))

@@ -1,6 +1,7 @@
 //! Balls around triangles.
 
-use crate::wrap::ball::{norm2, smallest_ball, sub};
+use crate::vec3::{norm2, sub};
+use crate::wrap::ball::smallest_ball;
 
 /// A ball, by the square of its radius.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

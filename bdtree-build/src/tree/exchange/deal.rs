@@ -3,7 +3,7 @@
 use super::balls::{Ball, Vertices};
 use super::leaf::{Leaf, Leaves, Place, Rest};
 use super::{Scene, inner_count};
-use crate::wrap::ball::{norm2, sub};
+use crate::vec3::{norm2, sub};
 
 /// Nearest leaves that one deals with.
 const NEIGHBOURS: usize = 8;
