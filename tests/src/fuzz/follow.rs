@@ -15,7 +15,7 @@ use bdtree_build::input::volume::surface;
 use bdtree_build::input::{RawMesh, RawModel};
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_runtime::{Ball, CacheSize, Contact, Model, Workspace};
+use bdtree_runtime::{Ball, CacheSize, Contact, Model, Shape, Workspace};
 use bdtree_tools::scene::{Query, Scene};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -179,26 +179,32 @@ fn check_answers(path: &Path, lines: &str) {
     let known = |(query, _): &(&Query, &Value)| {
         matches!(
             query,
-            Query::Ball { .. } | Query::Plane { .. } | Query::Closest { .. }
+            Query::Contacts {
+                shape: Shape::Ball(_) | Shape::HalfSpace(_),
+                ..
+            } | Query::Closest { .. }
         )
     };
     for (query, line) in scene.queries.iter().zip(&lines).filter(known).take(3) {
-        let (Query::Ball { instance, .. }
-        | Query::Plane { instance, .. }
-        | Query::Closest { instance, .. }) = *query
-        else {
+        let (Query::Contacts { instance, .. } | Query::Closest { instance, .. }) = *query else {
             continue;
         };
         let body = oracle::deformed_triangles(&bodies[instance].pose());
         let ids = |found: Vec<u32>| serde_json::json!(found);
         match *query {
-            Query::Ball { center, radius, .. } => {
-                let found = oracle::ball(&body, center, radius);
+            Query::Contacts {
+                shape: Shape::Ball(ball),
+                ..
+            } => {
+                let found = oracle::ball(&body, ball.center, ball.radius);
                 let found = found.into_iter().map(|(id, _)| id).collect();
                 assert_eq!(line["triangles"], ids(found), "{query:?}");
             }
-            Query::Plane { normal, offset, .. } => {
-                let found = oracle::plane(&body, oracle::unit(normal), offset);
+            Query::Contacts {
+                shape: Shape::HalfSpace(below),
+                ..
+            } => {
+                let found = oracle::plane(&body, oracle::unit(below.normal), below.offset);
                 assert_eq!(line["triangles"], ids(found), "{query:?}");
             }
             Query::Closest {
