@@ -1,13 +1,11 @@
 //! The lowest modes of all components together.
 
-#[cfg(test)]
-mod bars;
 pub(crate) mod canonical;
-#[cfg(test)]
-pub(crate) mod dense;
 pub(crate) mod factor;
 pub(crate) mod krylov;
 pub(crate) mod rigid;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use faer::Mat;
 
