@@ -169,11 +169,7 @@ impl FrameSequence {
                 values.len(),
                 self.vertex_count()
             );
-            return Err(BakeError::one(
-                "input",
-                Place::file(self.name.as_str()),
-                message,
-            ));
+            return Err(BakeError::one("input", Place::file(&self.name), message));
         }
         self.data
             .read(vertices, values)
@@ -184,7 +180,7 @@ impl FrameSequence {
 impl Places {
     fn of(&self, frame: usize) -> Place {
         match self {
-            Places::File(file) => Place::file(file.as_str()).at(Part::Frame(frame)),
+            Places::File(file) => Place::file(file).at(Part::Frame(frame)),
             Places::Folder(files) => match files.get(frame) {
                 Some(file) => Part::FrameFile(file.clone()).into(),
                 None => Place::NOWHERE,
