@@ -3,11 +3,14 @@
 //! Without the modes outside a set K a vertex is off by ‖Σ_{j ∉ K} U_ij q_j‖. Over which q that is taken depends
 //! on what is known of them: see [`Over`].
 
+use serde::Serialize;
+
 use crate::basis::{Basis, BasisError};
 use crate::wrap::RANGE_DIAGONALS;
 
 /// Over which q an error is the largest, and against what.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Over {
     /// Measured against the source of the fields, at all frames that it has: principal components.
     Source,

@@ -47,13 +47,7 @@ pub struct Kept {
 /// all fields together do not keep, and what [`wrap::store`] refuses.
 pub fn keep_fields(mesh: &RawMesh, basis: Basis, keep: Keep) -> Result<Kept, BakeError> {
     let count = basis.mode_count();
-    let fail = |message| {
-        Err(BakeError::one(
-            "basis",
-            Place::file(mesh.name.as_str()),
-            message,
-        ))
-    };
+    let fail = |message| Err(BakeError::one("basis", Place::file(&mesh.name), message));
     let whole = basis.vertex_count.checked_mul(count);
     if basis.vertex_count != mesh.positions.len() || whole != Some(basis.fields.len()) {
         let (found, vertices) = (basis.fields.len(), mesh.positions.len());

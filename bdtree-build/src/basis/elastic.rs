@@ -251,7 +251,7 @@ fn read_subject<'a>(
     if surface.list.is_empty() {
         return Err(BakeError::one(
             "basis",
-            Place::file(mesh.name.as_str()),
+            Place::file(&mesh.name),
             "no triangle has an area, so there is no mass to vibrate",
         ));
     }

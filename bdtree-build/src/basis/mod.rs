@@ -11,6 +11,7 @@ pub mod pca;
 pub mod volume;
 
 pub use animation::{Animation, RigidMotion};
+use serde::Serialize;
 
 /// A deformation basis: `p' = p + Σ_j fields[j] q_j`.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -28,11 +29,13 @@ pub struct Basis {
 
 /// How far a basis, as the file stores it, is from its source: over all vertices, and over all
 /// frames where there are frames.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BasisError {
     /// Largest distance over the diagonal of the box around the rest positions.
+    #[serde(rename = "max")]
     pub max_rel: f64,
     /// Root mean square of the distances over the same diagonal.
+    #[serde(rename = "rms")]
     pub rms_rel: f64,
     /// The frame of the largest distance, from 0.
     pub frame: Option<usize>,

@@ -15,7 +15,7 @@ pub(super) fn joints_error(volume: &RawVolume, node: u32, blocks: TooManyBlocks)
          can be handled",
         blocks.0
     );
-    let place = Place::file(volume.name.as_str()).at(Part::Body(node));
+    let place = Place::file(&volume.name).at(Part::Body(node));
     BakeError::one("basis", place, message)
 }
 
@@ -66,7 +66,7 @@ pub(super) fn solve_error(
     components: &[Component],
     options: &VolumeOptions,
 ) -> BakeError {
-    let file = Place::file(volume.name.as_str());
+    let file = Place::file(&volume.name);
     let component = |c: usize| {
         let node = components[c].nodes.first().copied().unwrap_or(0);
         file.clone().at(Part::Body(node))
