@@ -39,6 +39,12 @@ impl Notes {
         self.problems.add(|| (place, message));
     }
 
+    /// The same, for what can then not be read.
+    pub(super) fn refuse<T>(&mut self, at: impl Display, message: impl Into<String>) -> Option<T> {
+        self.problem(at, message);
+        None
+    }
+
     pub(super) fn warn(&mut self, at: impl Display, message: impl Display) {
         let (place, message) = (place(&self.file, at), message.to_string());
         let message = one_line(&message);
