@@ -3,6 +3,8 @@
 mod check;
 mod tell;
 
+pub(super) use tell::silent_warning;
+
 use std::time::Instant;
 
 use serde::Serialize;
