@@ -42,6 +42,7 @@ pub mod recipe;
 pub mod report;
 pub mod tree;
 mod vec3;
+mod words;
 pub mod wrap;
 
 pub use error::BakeError;

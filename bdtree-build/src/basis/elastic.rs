@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use crate::basis::Basis;
 use crate::basis::modal::{ModalField, modal_basis};
+use crate::basis::volume::silent_warning;
 use crate::elastic::assemble::system::System;
 use crate::elastic::constraint::fix::constrain_all;
 use crate::elastic::element::spline::Element;
@@ -251,7 +252,7 @@ fn read_subject<'a>(
     if surface.list.is_empty() {
         return Err(BakeError::one(
             "basis",
-            Place::file(mesh.name.as_str()),
+            Place::file(&mesh.name),
             "no triangle has an area, so there is no mass to vibrate",
         ));
     }
@@ -387,18 +388,8 @@ fn list_silent_pieces(
             triangle_count: component.triangles.len() as u32,
         });
     }
-    let silent = report.pieces_without_mode.len();
-    if silent > 0 {
-        let names: Vec<String> = report.pieces_without_mode[..silent.min(5)]
-            .iter()
-            .map(|p| format!("triangle {}", p.first_triangle))
-            .collect();
-        warnings.push(format!(
-            "{silent} of {} pieces move in none of the {} modes (from {}{})",
-            subject.surface.list.len(),
-            solution.modes.len(),
-            names.join(", "),
-            if silent > 5 { ", …" } else { "" }
-        ));
-    }
+    let silent = report.pieces_without_mode.iter();
+    let triangles = silent.map(|p| format!("triangle {}", p.first_triangle));
+    let count = subject.surface.list.len();
+    warnings.extend(silent_warning(triangles, count, "pieces", solution));
 }

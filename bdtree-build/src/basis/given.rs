@@ -3,15 +3,14 @@
 mod check;
 mod frequencies;
 
-use std::fmt;
 use std::path::Path;
-use std::str::FromStr;
 
 use super::{Basis, BasisMode};
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::forget_folder;
 use crate::input::npy::{self, NpyArray};
 use crate::input::read_file::read_file;
+use crate::words::words;
 
 /// Vertices whose entries are put in order at a time.
 const VERTICES: usize = 256;
@@ -50,27 +49,13 @@ impl Layout {
     }
 }
 
-impl fmt::Display for Layout {
-    /// As `--basis-layout` takes it.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Layout::N3M => "n3m",
-            Layout::ThreeNM => "3nm",
-            Layout::MN3 => "mn3",
-        })
-    }
-}
-
-impl FromStr for Layout {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        Layout::ALL
-            .into_iter()
-            .find(|layout| layout.to_string() == text)
-            .ok_or_else(|| "is none of n3m, 3nm, mn3".to_string())
-    }
-}
+words!(
+    Layout,
+    "is none of n3m, 3nm, mn3",
+    N3M = "n3m",
+    ThreeNM = "3nm",
+    MN3 = "mn3"
+);
 
 /// A basis as given, and what is odd about it.
 #[derive(Debug, Clone, PartialEq)]

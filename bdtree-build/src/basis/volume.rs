@@ -3,8 +3,8 @@
 mod check;
 mod tell;
 
-use std::fmt;
-use std::str::FromStr;
+pub(super) use tell::silent_warning;
+
 use std::time::Instant;
 
 use serde::Serialize;
@@ -16,6 +16,7 @@ use crate::elastic::solve::{Limits, solve};
 use crate::error::{BakeError, Place};
 use crate::input::volume::RawVolume;
 use crate::progress::Progress;
+use crate::words::words;
 
 /// How elements carry their mass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -27,25 +28,12 @@ pub enum MassMatrix {
     Lumped,
 }
 
-impl fmt::Display for MassMatrix {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Consistent => "consistent",
-            Self::Lumped => "lumped",
-        })
-    }
-}
-
-impl FromStr for MassMatrix {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        [Self::Consistent, Self::Lumped]
-            .into_iter()
-            .find(|mass| mass.to_string() == text)
-            .ok_or_else(|| "is neither consistent nor lumped".to_owned())
-    }
-}
+words!(
+    MassMatrix,
+    "is neither consistent nor lumped",
+    Consistent = "consistent",
+    Lumped = "lumped"
+);
 
 /// What to compute of a volume mesh.
 #[derive(Debug, Clone, PartialEq)]

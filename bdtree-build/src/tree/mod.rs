@@ -12,6 +12,8 @@ mod split;
 
 use bdtree_format::{DEPTH_MAX, LANES, LEAF_TRIANGLES_MAX};
 
+use crate::words::words;
+
 /// How a set of triangles is divided in two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Split {
@@ -25,26 +27,12 @@ pub enum Split {
     Cost,
 }
 
-impl std::fmt::Display for Split {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Quinlan => "quinlan",
-            Self::Cost => "cost",
-        })
-    }
-}
-
-impl std::str::FromStr for Split {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "quinlan" => Ok(Self::Quinlan),
-            "cost" => Ok(Self::Cost),
-            _ => Err("is neither cost nor quinlan".to_string()),
-        }
-    }
-}
+words!(
+    Split,
+    "is neither cost nor quinlan",
+    Quinlan = "quinlan",
+    Cost = "cost"
+);
 
 /// How a tree is built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

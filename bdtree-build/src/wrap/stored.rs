@@ -1,7 +1,7 @@
 //! The shape as the file stores it: origin, length unit, f32 positions and fields, limits of q
 //! (SPEC 5). Tree and bounds are made from these numbers and no others.
 
-use super::check::{Problems, check_counts, check_numbers};
+use super::check::{check_counts, check_numbers, none_yet};
 use super::frames::{Farthest, StoredFrames, place, store_frames};
 use super::round::{round_nearest, vector_norm_up};
 use super::units::{
@@ -148,20 +148,16 @@ pub fn store(
             "a box of diagonal {diagonal:e} around {origin:?} cannot be stored: sizes lie within \
              2^±{UNIT_EXPONENT_MAX} mesh units, positions within 2^{ORIGIN_EXPONENT_MAX} of the origin"
         );
-        return Err(BakeError::one(
-            "encode",
-            Place::file(mesh.name.as_str()),
-            message,
-        ));
+        return Err(BakeError::one("encode", Place::file(&mesh.name), message));
     }
 
-    let mut problems = Problems::default();
+    let mut problems = none_yet();
     let quantise = |x: [f64; 3]| x.map(|c| round_nearest(scale(c, -unit_exponent)));
     let mut positions = Vec::with_capacity(mesh.positions.len());
     for (i, &p) in mesh.positions.iter().enumerate() {
         let stored = quantise(relative(p));
         if !stored.iter().all(|c| c.is_finite()) {
-            problems.add(Part::Vertex(i), format!("{p:?} is too large for f32"));
+            problems.add(|| (Part::Vertex(i), format!("{p:?} is too large for f32")));
         }
         positions.push(stored);
     }
@@ -184,12 +180,12 @@ pub fn store(
             for (i, &u) in basis.field(j).iter().enumerate() {
                 if !quantise(u).iter().all(|c| c.is_finite()) {
                     let place = Place::from(Part::Mode(j)).at(Part::Vertex(i));
-                    problems.add(place, format!("displacement {u:?} is too large for f32"));
+                    problems.add(|| (place, format!("displacement {u:?} is too large for f32")));
                 }
             }
         }
     }
-    problems.into_result()?;
+    problems.into_result(Place::NOWHERE)?;
     let mut shape = StoredShape {
         origin,
         unit_exponent,
@@ -253,7 +249,7 @@ fn add_limits(
     farthest: &[Option<Farthest>],
     warnings: &mut Vec<String>,
 ) -> Result<(), BakeError> {
-    let mut problems = Problems::default();
+    let mut problems = none_yet();
     let mode_count = basis.mode_count();
     let mut norms = vec![0.0f32; mode_count];
     for row in shape.displacements.chunks_exact(mode_count.max(1)) {
@@ -278,7 +274,7 @@ fn add_limits(
         }
         if norm * f64::from(position_norm) > power(PRODUCT_EXPONENT_MAX) {
             let message = "displacements per unit of q are too large: scale the field down";
-            problems.add(Part::Mode(j), message.to_string());
+            problems.add(|| (Part::Mode(j), message.to_string()));
             continue;
         }
         let (mut limit, typical) = if norm > 0.0 {
@@ -294,7 +290,7 @@ fn add_limits(
                     "q {:e} is beyond the largest limit, 2^{}",
                     far.q as f32, LIMIT_EXPONENTS.1
                 );
-                problems.add(place(far.frame, j), message);
+                problems.add(|| (place(far.frame, j), message));
                 continue;
             }
             warnings.push(format!(
@@ -328,10 +324,10 @@ fn add_limits(
                 "q {:e} moves a vertex by {diagonals:.1e} box diagonals: too far for f32",
                 far.q as f32
             );
-            problems.add(place(far.frame, j), message);
+            problems.add(|| (place(far.frame, j), message));
         }
     }
-    problems.into_result()?;
+    problems.into_result(Place::NOWHERE)?;
     if reach > power(REACH_EXPONENTS.1) || (reach > 0.0 && reach < power(REACH_EXPONENTS.0)) {
         let message = "positions and displacements are too far apart in size for f32";
         return Err(BakeError::one("encode", Place::NOWHERE, message));

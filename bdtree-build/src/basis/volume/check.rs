@@ -59,7 +59,7 @@ pub(super) fn model(
     warnings: &mut Vec<String>,
 ) -> Result<(Model, Units), BakeError> {
     let mut found = Problems::new("basis");
-    let file = Place::file(volume.name.as_str());
+    let file = Place::file(&volume.name);
     let place = |part| file.clone().at(part);
     for (n, p) in volume.nodes.iter().enumerate() {
         // Products of three lengths must stay finite.
@@ -166,7 +166,7 @@ fn materials(
         m.poisson = options.poisson.unwrap_or(m.poisson);
         m.density_kg_m3 = options.density_kg_m3.unwrap_or(m.density_kg_m3);
         let name = m.name.clone().unwrap_or_else(|| (n + 1).to_string());
-        let place = || Place::file(volume.name.as_str()).at(Part::Material(name.clone()));
+        let place = || Place::file(&volume.name).at(Part::Material(name.clone()));
         for (what, value) in [
             ("Young's modulus", m.young_pa),
             ("density", m.density_kg_m3),

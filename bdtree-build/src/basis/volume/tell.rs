@@ -15,7 +15,7 @@ pub(super) fn joints_error(volume: &RawVolume, node: u32, blocks: TooManyBlocks)
          can be handled",
         blocks.0
     );
-    let place = Place::file(volume.name.as_str()).at(Part::Body(node));
+    let place = Place::file(&volume.name).at(Part::Body(node));
     BakeError::one("basis", place, message)
 }
 
@@ -43,20 +43,27 @@ pub(super) fn silent(components: &[Component], solution: &Solution, warnings: &m
         .filter(|(_, moves)| !**moves)
         .filter_map(|(component, _)| component.nodes.first().copied())
         .collect();
-    if silent.is_empty() {
-        return;
-    }
-    let names: Vec<String> = (silent.iter().take(5))
-        .map(|n| format!("node {}", n + 1))
-        .collect();
-    warnings.push(format!(
-        "{} of {} parts move in none of the {} modes (from {}{})",
-        silent.len(),
-        components.len(),
-        solution.modes.len(),
-        names.join(", "),
-        if silent.len() > 5 { ", …" } else { "" }
-    ));
+    let nodes = silent.iter().map(|n| format!("node {}", n + 1));
+    warnings.extend(silent_warning(nodes, components.len(), "parts", solution));
+}
+
+/// That parts of a body move in none of the modes, the first few named; `None` without such parts.
+pub(crate) fn silent_warning(
+    silent: impl ExactSizeIterator<Item = String>,
+    count: usize,
+    what: &str,
+    solution: &Solution,
+) -> Option<String> {
+    let silent_count = silent.len();
+    let names: Vec<String> = silent.take(5).collect();
+    (silent_count > 0).then(|| {
+        format!(
+            "{silent_count} of {count} {what} move in none of the {} modes (from {}{})",
+            solution.modes.len(),
+            names.join(", "),
+            if silent_count > 5 { ", …" } else { "" }
+        )
+    })
 }
 
 /// Why there are no modes.
@@ -66,7 +73,7 @@ pub(super) fn solve_error(
     components: &[Component],
     options: &VolumeOptions,
 ) -> BakeError {
-    let file = Place::file(volume.name.as_str());
+    let file = Place::file(&volume.name);
     let component = |c: usize| {
         let node = components[c].nodes.first().copied().unwrap_or(0);
         file.clone().at(Part::Body(node))

@@ -145,6 +145,15 @@ impl System {
         })
     }
 
+    /// Zeroes the rows of what is held.
+    pub(crate) fn clear_held(&self, x: &mut Mat<f64>) {
+        for &i in &self.held {
+            for j in 0..x.ncols() {
+                x[(i, j)] = 0.0;
+            }
+        }
+    }
+
     /// Runs `add(entry, input, output, row, column)` over the lower triangle, for so many columns of
     /// x at once that the matrix is read once for a block.
     fn apply(
@@ -174,11 +183,7 @@ impl System {
                 }
             }
         }
-        for &i in &self.held {
-            for j in 0..result.ncols() {
-                result[(i, j)] = 0.0;
-            }
-        }
+        self.clear_held(&mut result);
         result
     }
 

@@ -85,7 +85,7 @@ pub(crate) fn choose_lattice(
         Ok(lattice) => nonempty(subject, lattice, resolution),
         Err(_) => Err(BakeError::one(
             "basis",
-            Place::file(subject.mesh.name.as_str()),
+            Place::file(&subject.mesh.name),
             "its pieces fill more cells than memory allows",
         )),
     }
@@ -99,7 +99,7 @@ fn nonempty(
     if lattice.parts.is_empty() {
         return Err(BakeError::one(
             "basis",
-            Place::file(subject.mesh.name.as_str()),
+            Place::file(&subject.mesh.name),
             "no cell of the lattice holds mass; raise --resolution or --thickness",
         ));
     }

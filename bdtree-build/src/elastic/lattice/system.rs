@@ -93,7 +93,8 @@ mod tests {
     fn negative_pivots_count_eigenvalues() {
         let component = bar(12);
         let system = System::of_lattice(&component, &Element::new(0.3), &[]).expect("a system");
-        let modes = crate::elastic::solve::dense::all_modes(&system, 6).expect("eigenvalues");
+        let modes =
+            crate::elastic::solve::tests::dense::all_modes(&system, 6).expect("eigenvalues");
         let pattern = system.pattern();
         let symbolic = Symbolic::new(&pattern).expect("memory");
         for n in 1..80 {

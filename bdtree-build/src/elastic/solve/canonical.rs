@@ -146,11 +146,7 @@ fn test_fields(system: &System) -> Mat<f64> {
             })
             .product()
     });
-    for &i in &system.held {
-        for j in 0..fields.ncols() {
-            fields[(i, j)] = 0.0;
-        }
-    }
+    system.clear_held(&mut fields);
     fields
 }
 

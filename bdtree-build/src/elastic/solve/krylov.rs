@@ -261,11 +261,7 @@ fn start_block(system: &System, columns: usize, seed: u64) -> Mat<f64> {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     };
     let mut block = Mat::from_fn(system.size(), columns, |_, _| next());
-    for &i in &system.held {
-        for j in 0..columns {
-            block[(i, j)] = 0.0;
-        }
-    }
+    system.clear_held(&mut block);
     block
 }
 

@@ -1,18 +1,16 @@
 //! The lowest modes of all components together.
 
-#[cfg(test)]
-mod bars;
 pub(crate) mod canonical;
-#[cfg(test)]
-pub(crate) mod dense;
 pub(crate) mod factor;
 pub(crate) mod krylov;
 pub(crate) mod rigid;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use faer::Mat;
 
 use crate::elastic::assemble::system::System;
-use crate::elastic::solve::canonical::{CLUSTER_GAP, turn_clusters};
+use crate::elastic::solve::canonical::{CLUSTER_GAP, clusters, turn_clusters};
 use crate::elastic::solve::factor::{FactorError, Symbolic};
 use crate::elastic::solve::krylov::{Inverse, Modes, RESIDUAL_MAX, lowest_modes};
 use crate::elastic::solve::rigid::{rigid_motions, support};
@@ -117,14 +115,9 @@ pub(crate) fn solve(
 /// By value; within a cluster by component, for rounding must not order equal bodies.
 fn sort(modes: &mut [ComponentMode]) {
     modes.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let mut start = 0;
-    for i in 1..=modes.len() {
-        let ends = i == modes.len()
-            || modes[i].value - modes[i - 1].value > CLUSTER_GAP * modes[i].value.abs();
-        if ends {
-            modes[start..i].sort_by_key(|m| m.component);
-            start = i;
-        }
+    let values: Vec<f64> = modes.iter().map(|mode| mode.value).collect();
+    for cluster in clusters(&values) {
+        modes[cluster].sort_by_key(|m| m.component);
     }
 }
 

@@ -23,11 +23,7 @@ pub(crate) fn rigid_motions(system: &System) -> Mat<f64> {
                 .sum()
         })
     };
-    for &i in &system.held {
-        for c in 0..free.ncols() {
-            free[(i, c)] = 0.0;
-        }
-    }
+    system.clear_held(&mut free);
     if free.ncols() == 0 {
         return free;
     }

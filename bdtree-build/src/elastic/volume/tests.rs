@@ -1,8 +1,8 @@
 //! Small volumes against all their modes at once.
 
 use super::*;
-use crate::elastic::solve::dense::all_modes;
 use crate::elastic::solve::rigid::rigid_motions;
+use crate::elastic::solve::tests::dense::all_modes;
 use crate::elastic::solve::{Limits, solve};
 use crate::progress::Silent;
 
