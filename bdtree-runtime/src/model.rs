@@ -13,6 +13,8 @@ use crate::error::HEADER_SECTION;
 use crate::memory::AlignedBytes;
 #[cfg(feature = "mmap")]
 use crate::mmap::MappedFile;
+#[cfg(feature = "std")]
+use crate::open::WHOLE_HEADER;
 use crate::view::Asset;
 
 /// A `.bdt` file that owns its bytes: opened and checked once, cheap to clone, shared between threads and
@@ -171,6 +173,8 @@ impl fmt::Display for LoadError {
                 let problem = match error.section {
                     // The first eight bytes are the format's name, the next four its version.
                     HEADER_SECTION if error.byte < 8 => "not a .bdt file",
+                    // Too short for any, and the place is its end.
+                    HEADER_SECTION if error.rule == WHOLE_HEADER => "not a .bdt file",
                     HEADER_SECTION if error.byte < 12 => "a .bdt file of another version",
                     _ => "damaged .bdt file",
                 };

@@ -15,6 +15,9 @@ use crate::simd::Kernel;
 use crate::view::Asset;
 use sections::{locate_sections, section_bytes, view};
 
+/// The rule that a file too short for a header breaks.
+pub(crate) const WHOLE_HEADER: &str = "SPEC 2.1: a file starts with a whole header";
+
 /// Most sections a table may list, so that opening is O(1).
 const SECTION_COUNT_MAX: u32 = 64;
 
@@ -152,7 +155,7 @@ fn fixed_header(bytes: &[u8]) -> Result<&Header, FormatError> {
     let Ok((header, _)) = Header::ref_from_prefix(bytes) else {
         return Err(header_error(
             bytes.len(),
-            "SPEC 2.1: a file starts with a whole header",
+            WHOLE_HEADER,
             size_of::<Header>(),
             bytes.len(),
         ));

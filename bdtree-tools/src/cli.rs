@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::q::QText;
 #[cfg(feature = "render")]
-use crate::render::options::{AgainstChoice, FrameRange, PictureSize, View};
+use crate::render::Arguments as RenderArguments;
 
 /// Looks into, checks, compares, deforms, queries and draws .bdt files.
 ///
@@ -158,70 +158,6 @@ pub struct ReportArguments {
     pub no_verify: bool,
 }
 
-/// Draws pictures: the deformed mesh, spheres of its tree, what queries visit.
-///
-/// Spheres are coloured by tightness with the scale of the paper: their radius over that of the
-/// wrapped sphere at rest, dark blue for no growth, dark red from 1.44 (three times the volume) on.
-/// Needs Vulkan: a graphics card's, or Mesa's in software.
-///
-/// The file's checksums are checked first; it must not change meanwhile.
-#[cfg(feature = "render")]
-#[derive(Debug, Args)]
-pub struct RenderArguments {
-    /// The .bdt file
-    pub file: PathBuf,
-    /// Where to: .png; with --frames a name with %d or %0Nd, where the frame's number goes
-    #[arg(short, long, value_name = "FILE.png")]
-    pub output: PathBuf,
-    /// One number per mode, separated by commas, as of `deform` [default: zeros]
-    #[arg(long, allow_hyphen_values = true, value_name = "Q1,Q2,…")]
-    pub q: Option<QText>,
-    /// Frame of the file's animation, counted from 0, instead of --q
-    #[arg(long, value_name = "T", conflicts_with = "q")]
-    pub frame: Option<u64>,
-    /// Frames A to B of the file's animation, one picture each, all seen by the same camera
-    #[arg(long, value_name = "A..B", conflicts_with_all = ["q", "frame"])]
-    pub frames: Option<FrameRange>,
-    /// Draw the spheres of a level of the tree, 0 being the root's (`info` lists the levels)
-    #[arg(long, value_name = "LEVEL")]
-    pub spheres: Option<usize>,
-    /// Place FILE as a scene does (its q instead of the scene's with --q or --frame), beside its other instances, and draw the spheres in which its
-    /// queries end in FILE: those of visited nodes that lead to no other visited one (with
-    /// --spheres: those of visited nodes of that level)
-    #[arg(long, value_name = "SCENE.json", conflicts_with = "frames")]
-    pub query: Option<PathBuf>,
-    /// What a sphere's radius is divided by for its colour: that of the wrapped sphere at rest, as in
-    /// the paper, or that of the smallest ball around the deformed vertices it holds
-    #[arg(long, value_enum, default_value = "rest", value_name = "WHAT")]
-    pub against: AgainstChoice,
-    /// How opaque spheres are, 0 to 1
-    #[arg(long, value_name = "A", default_value = "0.35", value_parser = share)]
-    pub opacity: f64,
-    /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x960")]
-    pub size: PictureSize,
-    /// Where it is seen from, in degrees: around y (0: from +z, 90: from +x), from above (-90 to 90);
-    /// and how near, 1 being where all of it just fits
-    #[arg(
-        long,
-        value_name = "AZIMUTH,ELEVATION[,ZOOM]",
-        default_value = "30,20,1",
-        allow_hyphen_values = true
-    )]
-    pub view: View,
-    /// No text and no scale of colours
-    #[arg(long)]
-    pub no_legend: bool,
-    /// Print one JSON object per picture: output, frame, q, level, nodes_visited, growth {mean, max},
-    /// spheres [{node, lane, center, radius, growth, pixel}] (world units; growth null where it is
-    /// infinite)
-    #[arg(long)]
-    pub json: bool,
-    /// Do not check the checksums first
-    #[arg(long)]
-    pub no_verify: bool,
-}
-
 /// Opens a window on a file: sliders, animation, spheres, a probe.
 ///
 /// Starts the program bdtree-view with all that follows; `bdtree view --help` is its help.
@@ -236,16 +172,6 @@ pub struct ViewArguments {
         value_name = "FILE"
     )]
     pub arguments: Vec<OsString>,
-}
-
-/// A number from 0 to 1.
-#[cfg(feature = "render")]
-fn share(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
-        Ok(_) => Err("must be a number from 0 to 1".to_string()),
-        Err(error) => Err(error.to_string()),
-    }
 }
 
 /// A tolerance from 0 on.

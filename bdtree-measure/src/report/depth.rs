@@ -6,7 +6,7 @@ use crate::MeasureError;
 use crate::clock::Clock;
 use crate::stats::median;
 use bdtree_runtime::{
-    Asset, Ball, Contact, FormatError, Pose, Proxy, Query, Transform, TriangleId, Workspace,
+    Asset, Ball, Contact, FormatError, Pose, Proxy, Query, TriangleId, Workspace,
 };
 
 use super::content::{DepthRow, WholeQuery};
@@ -251,6 +251,3 @@ fn reported(pose: &Pose<'_>, level: usize, proxies: &[Proxy]) -> Result<Vec<usiz
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
-
-/// The placement of reports: world coordinates are the mesh's.
-pub(super) const HERE: Transform = Transform::IDENTITY;

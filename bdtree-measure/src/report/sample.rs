@@ -8,7 +8,8 @@ use bdtree_runtime::{Asset, Pose, Transform, TriangleId};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::depth::HERE;
+/// The placement of reports: world coordinates are the mesh's.
+pub(super) const HERE: Transform = Transform::IDENTITY;
 
 /// Surface points per sample that rays aim at: more rays come to them from elsewhere.
 const POINTS: usize = 512;

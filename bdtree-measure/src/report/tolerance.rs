@@ -8,8 +8,7 @@ use bdtree_runtime::{Asset, Ball, Contact, Ray, Workspace};
 
 use super::REPETITIONS;
 use super::content::ToleranceRow;
-use super::depth::HERE;
-use super::sample::Sample;
+use super::sample::{HERE, Sample};
 
 /// Over the diagonal.
 const TOLERANCES: [f64; 7] = [0.0, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2];

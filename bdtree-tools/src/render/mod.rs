@@ -1,5 +1,6 @@
 //! `bdtree render`: pictures of an asset.
 
+mod arguments;
 mod body;
 pub mod options;
 mod picture;
@@ -13,7 +14,6 @@ use std::path::PathBuf;
 
 use bdtree_render::{Level, Studio};
 
-pub use crate::cli::RenderArguments as Arguments;
 use crate::error::ToolError;
 use crate::frames::frame_of;
 use crate::output::write_whole;
@@ -21,6 +21,7 @@ use crate::posture::posture;
 use crate::q::counted;
 use crate::scene::Scene;
 use crate::{AssetFile, DONE};
+pub use arguments::Arguments;
 use body::{Body, Content};
 use picture::{Bounds, Frame, Painter, graphics};
 pub use report::{Growth, Report, SphereLine};

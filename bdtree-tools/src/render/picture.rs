@@ -11,10 +11,10 @@ use bdtree_render::{
 };
 use bdtree_runtime::Transform;
 
+use super::arguments::Arguments;
 use super::body::{Content, around};
 use super::options::AgainstChoice;
 use super::questions::Shape;
-use crate::cli::RenderArguments as Arguments;
 use crate::error::ToolError;
 use crate::output::printable;
 use crate::q::counted;

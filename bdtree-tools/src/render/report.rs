@@ -5,8 +5,8 @@ use std::path::Path;
 use bdtree_render::tightness::mean_and_max;
 use serde::Serialize;
 
+use super::arguments::Arguments;
 use super::picture::{Frame, Painter};
-use crate::cli::RenderArguments as Arguments;
 
 /// One picture.
 #[derive(Debug, Serialize)]

@@ -8,11 +8,11 @@ use bdtree_format::NodeRecord;
 use bdtree_render::NodeSphere;
 use bdtree_runtime::{CacheSize, Transform};
 
+use super::arguments::Arguments;
 use super::body::{Body, Content};
 use super::picture::Frame;
 use super::questions::shapes;
 use crate::AssetFile;
-use crate::cli::RenderArguments as Arguments;
 use crate::error::ToolError;
 use crate::q::counted;
 use crate::query::solve_all;

@@ -138,7 +138,10 @@ fn bad_input_is_placed() {
 
     let ran = folder.run(&["deform", "bad.bdt"]);
     assert_eq!((ran.code, ran.out.as_str()), (1, ""));
-    assert!(ran.err.starts_with("bad.bdt: section META at byte "));
+    assert!(
+        ran.err
+            .starts_with("damaged .bdt file: bad.bdt: section META at byte ")
+    );
     assert!(ran.err.contains("SPEC 4.1"));
     let ran = folder.run(&["deform", "bad.bdt", "--no-verify"]);
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));

@@ -163,8 +163,12 @@ fn unreadable_files_are_2() {
     let folder = Folder::new();
     folder.write("text.bdt", "not a tree");
     for (a, b, text) in [
-        ("a.bdt", "no.bdt", "no.bdt: "),
-        ("text.bdt", "a.bdt", "text.bdt: section HEAD at byte 10"),
+        ("a.bdt", "no.bdt", "cannot read no.bdt: "),
+        (
+            "text.bdt",
+            "a.bdt",
+            "not a .bdt file: text.bdt: section HEAD at byte 10",
+        ),
     ] {
         let ran = folder.run(&["diff", a, b]);
         assert_eq!((ran.code, ran.out.as_str()), (2, ""));

@@ -110,11 +110,20 @@ fn bad_files_are_named() {
     short.pop();
     folder.write("short.bdt", short);
     for (file, text) in [
-        ("no.bdt", "no.bdt: "),
-        (".", ".: "),
-        ("empty.bdt", "empty.bdt: section HEAD at byte 0: SPEC 2.1"),
-        ("text.bdt", "text.bdt: section HEAD at byte 0: SPEC 9.1"),
-        ("short.bdt", "short.bdt: section HEAD at byte 16: SPEC 3.4"),
+        ("no.bdt", "cannot read no.bdt: "),
+        (".", "cannot read .: "),
+        (
+            "empty.bdt",
+            "not a .bdt file: empty.bdt: section HEAD at byte 0: SPEC 2.1",
+        ),
+        (
+            "text.bdt",
+            "not a .bdt file: text.bdt: section HEAD at byte 0: SPEC 9.1",
+        ),
+        (
+            "short.bdt",
+            "damaged .bdt file: short.bdt: section HEAD at byte 16: SPEC 3.4",
+        ),
     ] {
         let ran = folder.run(&["info", file, "--json"]);
         assert_eq!((ran.code, ran.out.as_str()), (1, ""), "{file}");

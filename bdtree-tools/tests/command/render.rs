@@ -337,7 +337,7 @@ fn what_does_not_fit_is_told() {
         ),
         (
             &["none.bdt", "-o", "out.png"],
-            "none.bdt: No such file or directory (os error 2)",
+            "cannot read none.bdt: No such file or directory (os error 2)",
         ),
         (
             &["a.bdt", "-o", "none/out.png"],
@@ -394,7 +394,10 @@ fn what_does_not_fit_is_told() {
         assert!(!folder.path("out.png").exists());
     }
     let said = folder.refusal(&["broken.bdt", "-o", "out.png"]);
-    assert!(said.starts_with("broken.bdt: section "), "{said}");
+    assert!(
+        said.starts_with("damaged .bdt file: broken.bdt: section "),
+        "{said}"
+    );
     folder.write("a.png", folder.read("a.bdt"));
     assert_eq!(
         folder.refusal(&["a.png", "-o", "a.png"]),

@@ -389,8 +389,8 @@ fn what_is_wrong_is_told() {
     *broken.last_mut().expect("bytes") ^= 1;
     folder.write("broken.bdt", broken);
     for (arguments, expected) in [
-        (&["none.bdt"][..], "none.bdt: No such file"),
-        (&["broken.bdt"], "broken.bdt: section "),
+        (&["none.bdt"][..], "cannot read none.bdt: No such file"),
+        (&["broken.bdt"], "damaged .bdt file: broken.bdt: section "),
         (
             &["a.bdt", "-o", "out.txt"],
             "out.txt: unknown extension: .html can be written",

@@ -100,8 +100,10 @@ fn broken_assets_are_told_once() {
     let err = refused(&folder, &scene(instances.clone(), queries).to_string());
     let lines: Vec<&str> = err.lines().collect();
     assert_eq!(lines.len(), 3, "{err}");
-    assert!(lines[0].starts_with("scene.json: instances[0].asset: no.bdt: "));
-    assert!(lines[1].starts_with("scene.json: instances[2].asset: bad.bdt: section META at byte "));
+    assert!(lines[0].starts_with("scene.json: instances[0].asset: cannot read no.bdt: "));
+    let damaged =
+        "scene.json: instances[2].asset: damaged .bdt file: bad.bdt: section META at byte ";
+    assert!(lines[1].starts_with(damaged), "{err}");
     assert_eq!(lines[2], "scene.json: queries[0].ball.radius: negative");
     let only_bad = json!([instances[2]]);
     folder.write("scene.json", scene(only_bad, json!([])).to_string());

@@ -62,7 +62,10 @@ fn an_error_of_opening_has_the_same_form() {
     assert_eq!(error["section"], "HEAD");
     let ran = folder.run(&["verify", "text.bdt"]);
     assert_eq!((ran.code, ran.out.as_str()), (1, ""));
-    assert!(ran.err.starts_with("text.bdt: section HEAD at byte 10"));
+    assert!(
+        ran.err
+            .starts_with("not a .bdt file: text.bdt: section HEAD at byte 10")
+    );
 }
 
 #[test]
@@ -95,7 +98,7 @@ fn long_lists_are_cut() {
 fn a_missing_file_is_named() {
     let ran = Folder::new().run(&["verify", "no.bdt", "--json"]);
     assert_eq!((ran.code, ran.out.as_str()), (1, ""));
-    assert!(ran.err.starts_with("no.bdt: "));
+    assert!(ran.err.starts_with("cannot read no.bdt: "));
 }
 
 #[test]
