@@ -8,9 +8,9 @@ use std::ops::ControlFlow;
 
 use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::{
-    Asset, Ball, CacheSize, Capsule, Contact, ContactManifold, Coverage, Cuboid, Frustum,
-    FrustumState, HalfSpace, Instance, Model, PairContact, PairFront, Proxy, Ray, Sink, SliceSink,
-    StepCache, Transform, TriangleId, Workspace, broad,
+    Asset, Ball, CacheSize, Capsule, Contact, Coverage, Cuboid, Frustum, FrustumState, HalfSpace,
+    Instance, Model, PairContact, PairFront, Proxy, Ray, Sink, SliceSink, StepCache, Transform,
+    TriangleId, Workspace, broad,
 };
 
 thread_local! {

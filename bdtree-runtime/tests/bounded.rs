@@ -49,10 +49,19 @@ struct Question {
 }
 
 impl Question {
-    fn ask(&self, query: Query<'_, '_>, level: usize) -> Found {
+    fn ask(
+        &self,
+        pose: &Pose<'_>,
+        cache: Option<&mut StepCache<'_>>,
+        workspace: &mut Workspace<'_>,
+        level: usize,
+    ) -> Found {
         let mut contacts: Vec<Contact> = Vec::new();
         let mut proxies = Vec::new();
-        let mut query = query.max_level(level, &mut proxies);
+        let mut query = pose.query(workspace).max_level(level, &mut proxies);
+        if let Some(cache) = cache {
+            query = query.cached(cache);
+        }
         let coverage = if self.is_ball {
             query.contacts(Ball::new(self.point, self.size), &mut contacts)
         } else {
@@ -99,7 +108,7 @@ fn every_contact_is_reported_or_lies_in_a_proxy() {
             };
             let expected = question.expected(&triangles);
             for level in 0..=asset.depth() {
-                let found = question.ask(pose.query(&mut workspace), level);
+                let found = question.ask(&pose, None, &mut workspace, level);
                 let exact: Vec<u32> = found.exact.iter().map(|(id, _)| *id).collect();
                 for id in &expected {
                     let triangle = &triangles[*id as usize];
@@ -140,20 +149,20 @@ fn bounded_answers_are_the_same_with_every_kernel_and_cache() {
                 ..CacheSize::to_level(&asset, level)
             });
             let pose = asset.pose(&q, place, &mut memory).expect("pose");
-            let first = question.ask(pose.query(&mut workspace), level);
+            let first = question.ask(&pose, None, &mut workspace, level);
             assert!(first.proxies.len() + first.exact.len() > 0);
             for asset in kernels(&asset) {
                 let mut memory = vec![0.0; asset.pose_len()];
                 let pose = asset.pose(&q, place, &mut memory).expect("pose");
                 cache.start(&pose);
                 // Fills the slots with this kernel's own spheres.
-                let all = question.ask(pose.query(&mut workspace), usize::MAX);
+                let all = question.ask(&pose, None, &mut workspace, usize::MAX);
                 let mut contacts: Vec<Contact> = Vec::new();
                 let ball = Ball::new(question.point, question.size);
                 let mut query = pose.query(&mut workspace).cached(&mut cache);
                 query.contacts(ball, &mut contacts).expect("ball");
                 assert!(!question.is_ball || contacts.len() == all.exact.len());
-                let mut ask = || question.ask(pose.query(&mut workspace).cached(&mut cache), level);
+                let mut ask = || question.ask(&pose, Some(&mut cache), &mut workspace, level);
                 let (again, kept) = (ask(), ask());
                 assert_eq!(again.stats.nodes_visited, first.stats.nodes_visited);
                 assert_eq!(
@@ -187,7 +196,7 @@ fn what_is_nearest_is_found_or_lies_in_a_proxy() {
             for level in 0..=asset.depth() {
                 let mut proxies = Vec::new();
                 let ray = Ray::new(point, direction);
-                let mut ask = |mut query: Query<'_, '_>| {
+                let ask = |mut query: Query<'_, '_>| {
                     if round % 2 == 0 {
                         let near = query.project_point(point, f64::INFINITY).expect("near");
                         near.map(|near| (near.triangle.0, near.distance))
@@ -237,7 +246,7 @@ fn pairs_are_reported_or_lie_in_proxies() {
     let mut workspace = Workspace::new();
     let (mut in_proxies, mut in_leaves) = (0, 0);
     for (seed, model) in files().iter().enumerate() {
-        let asset = Asset::open(model).expect("open");
+        let asset = *model.asset();
         let mut memory = [vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]];
         let (a, b) = two_poses(&asset, seed as u64, &mut memory);
         let triangles = [&a, &b].map(oracle::deformed_triangles);

@@ -152,11 +152,11 @@ macro_rules! there_and_back {
 
                 let theirs: $vector = MintVector::from(Vec3(place.translation)).into();
                 assert_eq!([theirs[0], theirs[1], theirs[2]], [x, y, z]);
-                assert_eq!(Vec3::from(MintVector::from(theirs)), Vec3(rounded));
+                assert_eq!(Vec3::from(Into::<MintVector>::into(theirs)), Vec3(rounded));
 
                 let theirs: $point = MintPoint::from(Vec3(place.translation)).into();
                 assert_eq!([theirs[0], theirs[1], theirs[2]], [x, y, z]);
-                assert_eq!(Vec3::from(MintPoint::from(theirs)), Vec3(rounded));
+                assert_eq!(Vec3::from(Into::<MintPoint>::into(theirs)), Vec3(rounded));
 
                 let [i, j, k, w] = place.rotation.map(|x| x as $number);
                 let theirs: $quaternion = MintQuaternion::from(Quat(place.rotation)).into();
@@ -171,12 +171,13 @@ macro_rules! there_and_back {
                     assert!((moved.translation[k] - own[k]).abs() < most);
                 }
                 assert_eq!(
-                    Quat::from(MintQuaternion::from(theirs)),
+                    Quat::from(Into::<MintQuaternion>::into(theirs)),
                     Quat([i, j, k, w].map(f64::from))
                 );
 
                 let theirs: $matrix = MintMatrix::from(place).into();
-                let back = Transform::try_from(MintMatrix::from(theirs)).expect("a placement");
+                let back =
+                    Transform::try_from(Into::<MintMatrix>::into(theirs)).expect("a placement");
                 assert!(apart(&place, &back) < most, "{place:?} {back:?}");
             }
             let mut mirrored = Transform::IDENTITY.to_columns();
