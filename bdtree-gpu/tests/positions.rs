@@ -189,12 +189,12 @@ fn vertices_lie_in_every_sphere_enlarged_by_the_bound() {
             for (i, lanes) in lanes.iter().enumerate() {
                 let spheres = pose.node_spheres(i as u32).expect("spheres");
                 for (lane, slots) in lanes.iter().enumerate() {
-                    let centre =
-                        [0, 1, 2].map(|k| asset.unit() * f64::from(spheres.centre[k][lane]));
+                    let center =
+                        [0, 1, 2].map(|k| asset.unit() * f64::from(spheres.center[k][lane]));
                     let radius = asset.unit() * f64::from(spheres.radius[lane]);
                     for v in slots.iter().flat_map(|s| asset.triangles()[*s].corners) {
                         let x = positions[v as usize];
-                        let off = length([0, 1, 2].map(|k| f64::from(x[k]) - centre[k]));
+                        let off = length([0, 1, 2].map(|k| f64::from(x[k]) - center[k]));
                         let reach = radius + skinned.errors[k];
                         assert!(off <= reach * (1.0 + 1e-12), "{name}: {off} {reach}");
                         tried += 1;

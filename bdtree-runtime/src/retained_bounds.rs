@@ -161,7 +161,7 @@ fn seen(asset: &Asset<'_>, posed: Posed<'_>, node: u32, to: Option<&PairFrame>) 
 
 /// A lane of [`Spheres`] in f64.
 fn lane_sphere(spheres: &Spheres, lane: usize) -> ([f64; 3], f64) {
-    let center = spheres.centre.map(|row| f64::from(row[lane]));
+    let center = spheres.center.map(|row| f64::from(row[lane]));
     (center, f64::from(spheres.radius[lane]))
 }
 

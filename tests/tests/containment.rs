@@ -125,10 +125,7 @@ fn a_body_that_shrinks_to_a_point_stays_inside() {
     let model = bake::baked(&mesh, &shrinking(&mesh));
     let asset = model.asset();
     for q in [0.5, 0.9, 0.999, 0.999_999, 1.0, 1.000_001, 1.1, 2.0] {
-        sound(
-            &stress::at(asset, &[q]).expect("a sound file"),
-            "shrinking",
-        );
+        sound(&stress::at(asset, &[q]).expect("a sound file"), "shrinking");
     }
     let mut memory = vec![0.0; asset.pose_len()];
     let pose = asset.pose(&[1.0], Transform::IDENTITY, &mut memory);

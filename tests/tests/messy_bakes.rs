@@ -58,19 +58,21 @@ fn check(path: &Path) -> Result<(), String> {
     let mut rng = poses::rng(1);
     let mut memory = vec![0.0; asset.pose_len()];
     let q = poses::random_q(asset, 0.1, &mut rng);
-    let pose = asset.pose(&q, Transform::IDENTITY, &mut memory).expect("pose");
+    let pose = asset
+        .pose(&q, Transform::IDENTITY, &mut memory)
+        .expect("pose");
     let triangles = oracle::deformed_triangles(&pose);
     let mut workspace = Workspace::new();
     let size = poses::diagonal(asset) * asset.unit();
     for triangle in triangles.iter().step_by(1 + triangles.len() / 20) {
-        let centre = triangle[1];
+        let center = triangle[1];
         let mut found: Vec<Contact> = Vec::new();
-        let ball = Ball::new(centre, 0.05 * size);
+        let ball = Ball::new(center, 0.05 * size);
         let coverage = pose.query(&mut workspace).contacts(ball, &mut found);
         coverage.expect("ball");
         let mut ids: Vec<u32> = found.iter().map(|c| c.triangle.0).collect();
         ids.sort_unstable();
-        let expected: Vec<u32> = oracle::ball(&triangles, centre, 0.05 * size)
+        let expected: Vec<u32> = oracle::ball(&triangles, center, 0.05 * size)
             .iter()
             .map(|e| e.0)
             .collect();

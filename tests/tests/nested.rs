@@ -53,7 +53,9 @@ fn norm(v: [f64; 3]) -> f64 {
 fn sticking_out(asset: &Asset<'_>, q: &[f32]) -> (f64, f64) {
     let asset = asset.with_kernel(Kernel::Scalar).expect("always there");
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = asset.pose(q, Transform::IDENTITY, &mut memory).expect("pose");
+    let pose = asset
+        .pose(q, Transform::IDENTITY, &mut memory)
+        .expect("pose");
     let (mut most, mut count) = (0.0_f64, 0);
     let links = links(&asset);
     for (node, lane, child) in &links {
@@ -62,7 +64,7 @@ fn sticking_out(asset: &Asset<'_>, q: &[f32]) -> (f64, f64) {
         let mut out = f64::NEG_INFINITY;
         for k in used(&asset.nodes()[*child as usize]) {
             let apart = [0, 1, 2]
-                .map(|a| f64::from(inner.centre[a][k]) - f64::from(outer.centre[a][*lane]));
+                .map(|a| f64::from(inner.center[a][k]) - f64::from(outer.center[a][*lane]));
             out =
                 out.max(norm(apart) + f64::from(inner.radius[k]) - f64::from(outer.radius[*lane]));
         }
@@ -142,7 +144,7 @@ fn stored_numbers_satisfy_the_proof() {
                     let [x, y, z, growth, plus, minus] =
                         rows.pairs[j / 2].numbers(j, lane).map(f64::from);
                     let units = rows.units.map(f64::from);
-                    let centre = [x, y, z].map(|n| n * units[0]);
+                    let center = [x, y, z].map(|n| n * units[0]);
                     let growth = growth * units[1];
                     let there = below_modes.iter().position(|m| m == mode);
                     let (other, reach) = there.map_or(([0.0; 3], 0.0), |j| {
@@ -150,7 +152,7 @@ fn stored_numbers_satisfy_the_proof() {
                         let units = below.units.map(f64::from);
                         ([x, y, z].map(|n| n * units[0]), growth * units[1])
                     });
-                    let apart = [0, 1, 2].map(|a| other[a] - centre[a]);
+                    let apart = [0, 1, 2].map(|a| other[a] - center[a]);
                     let needed = norm(apart) + reach;
                     assert!(
                         growth >= needed * (1.0 - 1e-15),

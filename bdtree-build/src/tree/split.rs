@@ -28,7 +28,7 @@ pub(super) struct Item {
 }
 
 impl Item {
-    /// Twice the centre of the triangle's box on one axis: the key that sets are cut by.
+    /// Twice the center of the triangle's box on one axis: the key that sets are cut by.
     fn key(&self, axis: usize) -> f64 {
         f64::from(self.bounds.low[axis]) + f64::from(self.bounds.high[axis])
     }

@@ -1,5 +1,5 @@
 //! Bounds of every lane around the vertices below it: the wrapped spheres of the paper (eqs. 2–7,
-//! 11), centred on smallest balls, with the second-order terms of docs/guarantees.md.
+//! 11), centerd on smallest balls, with the second-order terms of docs/guarantees.md.
 
 pub mod ball;
 mod check;
@@ -14,7 +14,7 @@ pub mod stored;
 mod units;
 
 use bdtree_format::{
-    LANES, ModePair, NodeRecord, ROW_CENTRE_X, Row, VertexModes, pair_row, row_count,
+    LANES, ModePair, NodeRecord, ROW_CENTER_X, Row, VertexModes, pair_row, row_count,
 };
 use zerocopy::IntoBytes;
 
@@ -197,8 +197,8 @@ fn norms(
         let start = node.mode_list_start as usize;
         let modes = &lists[start..start + usize::from(node.mode_count)];
         for lane in 0..LANES {
-            let centre = [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTRE_X + axis][lane]));
-            position = position.max(vector_norm_up(centre));
+            let center = [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTER_X + axis][lane]));
+            position = position.max(vector_norm_up(center));
         }
         let unit = power(i32::from(node.scale_exponents[0]));
         for (k, &mode) in modes.iter().enumerate() {
@@ -207,8 +207,8 @@ fn norms(
             let pair = mode_pair(rows, k / 2);
             for lane in 0..LANES {
                 let [x, y, z, ..] = pair.numbers(k, lane);
-                let centre = [x, y, z].map(|n| f64::from(n) * per_q);
-                fields[mode] = fields[mode].max(vector_norm_up(centre));
+                let center = [x, y, z].map(|n| f64::from(n) * per_q);
+                fields[mode] = fields[mode].max(vector_norm_up(center));
             }
         }
     }

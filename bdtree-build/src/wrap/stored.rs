@@ -103,8 +103,8 @@ impl StoredShape {
 /// The mesh and its basis as stored: x − origin and U in units of 2^e, rounded to nearest f32,
 /// subnormals as 0. Warnings go to `warnings`.
 ///
-/// The origin is 0 when the box's centre is within a diagonal of it, so that f32 sources are
-/// stored as they are; else the centre, rounded so that x − origin is exact for coordinates
+/// The origin is 0 when the box's center is within a diagonal of it, so that f32 sources are
+/// stored as they are; else the center, rounded so that x − origin is exact for coordinates
 /// far from 0. e is 0 unless the reach P + Σ W_j q_limit_j would leave 2⁻²⁰ … 2⁶⁰; the box's
 /// diagonal is then about one unit.
 ///

@@ -67,7 +67,7 @@ impl Pose<'_> {
         // Without lanes, which no sound root is, only the whole is known.
         let lanes = if used == 0 { u8::MAX } else { used };
         for lane in (0..LANES).filter(|k| lanes & (1 << k) != 0) {
-            let center = spheres.centre.map(|row| row[lane]);
+            let center = spheres.center.map(|row| row[lane]);
             let radius = f64::from(spheres.radius[lane]);
             // A lane's center lies within twice the reach (docs/guarantees.md).
             let part = self.world_sphere(center, radius, 2.0 * self.reach);
@@ -112,15 +112,15 @@ fn around(spheres: &Spheres, lanes: u8) -> ([f32; 3], f64) {
     let center = [0, 1, 2].map(|axis| {
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for k in used() {
-            low = low.min(spheres.centre[axis][k] - spheres.radius[k]);
-            high = high.max(spheres.centre[axis][k] + spheres.radius[k]);
+            low = low.min(spheres.center[axis][k] - spheres.radius[k]);
+            high = high.max(spheres.center[axis][k] + spheres.radius[k]);
         }
         0.5 * low + 0.5 * high
     });
     // Without lanes, which no sound root is, nothing is known.
     let mut radius = if lanes == 0 { f64::INFINITY } else { 0.0 };
     for k in used() {
-        let apart = [0, 1, 2].map(|axis| f64::from(spheres.centre[axis][k]));
+        let apart = [0, 1, 2].map(|axis| f64::from(spheres.center[axis][k]));
         let apart = norm(sub(apart, center.map(f64::from)));
         let reach = apart * (1.0 + MARGIN) + f64::from(spheres.radius[k]);
         // Anything but "not larger" counts, so that NaN stays.

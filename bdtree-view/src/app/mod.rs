@@ -208,7 +208,7 @@ impl Spheres {
         let level = Level::of(pose, level);
         let mut spheres = level.map_err(|error| error.to_string())?.spheres;
         // Others say nothing, and every query looks below them.
-        spheres.retain(|s| s.radius.is_finite() && s.centre.iter().all(|x| x.is_finite()));
+        spheres.retain(|s| s.radius.is_finite() && s.center.iter().all(|x| x.is_finite()));
         let growths: Vec<f64> = spheres
             .iter()
             .map(|s| growth(s.radius, s.rest_radius))

@@ -56,7 +56,7 @@ fn a_probe_finds_what_testing_every_triangle_finds() {
         for contact in &answer.contacts {
             let is_in = |s: &NodeSphere| {
                 let apart = (0..3)
-                    .map(|k| (contact.point[k] - s.centre[k]).powi(2))
+                    .map(|k| (contact.point[k] - s.center[k]).powi(2))
                     .sum::<f64>();
                 apart.sqrt() <= s.radius
             };

@@ -95,7 +95,7 @@ fn with_app(name: &str, ball: Option<ProbeText>, test: impl FnOnce(App<'_>)) {
 /// Width and height of the picture.
 const OF_PICTURE: [u32; 2] = [SIZE[0] - EDGE, SIZE[1]];
 
-/// Where the probe's centre is on the screen.
+/// Where the probe's center is on the screen.
 fn probe_of(app: &App<'_>) -> [f32; 2] {
     let camera = app.view.camera.expect("a camera");
     let center = app.place().shown(app.view.probe.center);

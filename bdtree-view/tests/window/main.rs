@@ -135,10 +135,10 @@ fn spheres(display: &Display, q: &[f32], options: &[&str]) -> (Picture, Vec<Disc
     let pose = pose.expect("a pose");
     let level = Level::of(&pose, 0).expect("spheres");
     let seen = level.spheres.iter().map(|sphere| {
-        let centre = app.place().shown(sphere.centre);
-        let [x, y] = camera.project(centre, size).expect("in front");
+        let center = app.place().shown(sphere.center);
+        let [x, y] = camera.project(center, size).expect("in front");
         let away = (0..3)
-            .map(|k| (centre[k] - camera.eye[k]).powi(2))
+            .map(|k| (center[k] - camera.eye[k]).powi(2))
             .sum::<f32>()
             .sqrt();
         let radius = app.place().shown_length(sphere.radius);

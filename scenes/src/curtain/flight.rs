@@ -19,7 +19,7 @@ const GRAVITY: f64 = 9.81;
 /// Share of the speed along the normal that is left after a contact.
 const RESTITUTION: f64 = 0.8;
 
-/// Centre and radius in every frame; `q` holds the frames' coordinates. The curtain throws the ball back as a
+/// Center and radius in every frame; `q` holds the frames' coordinates. The curtain throws the ball back as a
 /// wall would, and so does the floor at y = 0.
 ///
 /// # Errors

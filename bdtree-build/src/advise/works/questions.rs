@@ -73,7 +73,7 @@ impl Space {
         [0, 1, 2].map(|k| 0.5 * self.low[k] + 0.5 * self.high[k])
     }
 
-    /// A point one diagonal from the centre (one unit where all is one point).
+    /// A point one diagonal from the center (one unit where all is one point).
     fn outside(&self, direction: [f64; 3]) -> [f64; 3] {
         let far = if self.diagonal > 0.0 {
             self.diagonal
@@ -84,7 +84,7 @@ impl Space {
         [0, 1, 2].map(|k| center[k] + far * direction[k])
     }
 
-    /// Where the second instance stands: turned about the box's centre, and off along the longest side.
+    /// Where the second instance stands: turned about the box's center, and off along the longest side.
     fn placed(&self, apart: f64) -> Transform {
         let side = [0, 1, 2].map(|k| self.high[k] - self.low[k]);
         let longest = (1..3).fold(0, |best, k| if side[k] > side[best] { k } else { best });

@@ -23,7 +23,7 @@ use crate::vec3::{add, cross, norm, scale, sub};
 /// A connected set of cells: its own vibrating body.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Component {
-    /// Cell in whose middle each node's function is centred; also cells around the lattice.
+    /// Cell in whose middle each node's function is centerd; also cells around the lattice.
     pub nodes: Vec<[i32; 3]>,
     /// Per cell: its nodes, those of the 3 × 3 × 3 cells around it, x fastest, then y, then z.
     pub cells: Vec<[u32; FUNCTIONS]>,
@@ -82,13 +82,13 @@ impl Lattice {
     /// The part of `body` nearest to a lattice point.
     pub(crate) fn nearest_part(&self, body: u32, p: [f64; 3]) -> Option<usize> {
         let p = p.map(|x| x * FINE as f64);
-        let centre = self.fine.cell_of(p);
-        if let Some(n) = self.find(self.fine.key(centre), body) {
+        let center = self.fine.cell_of(p);
+        if let Some(n) = self.find(self.fine.key(center), body) {
             return Some(self.part_of[n] as usize);
         }
         let around = (0..27usize).filter_map(|n| {
             let step = [n % 3, n / 3 % 3, n / 9];
-            let cell: [usize; 3] = std::array::from_fn(|a| (centre[a] + step[a]).wrapping_sub(1));
+            let cell: [usize; 3] = std::array::from_fn(|a| (center[a] + step[a]).wrapping_sub(1));
             let within = (0..3).all(|a| cell[a] < self.fine.dims[a]);
             within.then(|| self.find(self.fine.key(cell), body))?
         });
@@ -205,7 +205,7 @@ impl<'a> Subject<'a> {
         self.sizes[0][0] + self.sizes[1][0]
     }
 
-    /// The grid with this many cells along the longest side, centred on the material's box so
+    /// The grid with this many cells along the longest side, centerd on the material's box so
     /// that symmetric bodies meet symmetric cells, and a box with whole ratios fits exactly.
     pub(crate) fn grid(&self, resolution: f64) -> Grid {
         let extent: [f64; 3] = std::array::from_fn(|a| self.max[a] - self.min[a]);

@@ -10,7 +10,7 @@ use crate::elastic::lattice::Component;
 
 impl System {
     /// Adds up the cells of a component and the springs at its held points. Functions follow
-    /// lines, so their coefficients move as points at their centres do: those are the positions.
+    /// lines, so their coefficients move as points at their centers do: those are the positions.
     pub(crate) fn of_lattice(
         component: &Component,
         element: &Element,

@@ -44,7 +44,7 @@ pub(crate) fn rigid_motions(system: &System) -> Mat<f64> {
 /// The middle and the size of a block.
 #[derive(Debug, Clone, Copy)]
 struct Frame {
-    centre: [f64; 3],
+    center: [f64; 3],
     reach: f64,
 }
 
@@ -55,7 +55,7 @@ impl Frame {
         if j < 3 {
             return std::array::from_fn(|axis| f64::from(axis == j));
         }
-        let p: [f64; 3] = std::array::from_fn(|a| (point[a] - self.centre[a]) / self.reach);
+        let p: [f64; 3] = std::array::from_fn(|a| (point[a] - self.center[a]) / self.reach);
         let j = j - 3;
         let mut motion = [0.0; 3];
         motion[(j + 1) % 3] = -p[(j + 2) % 3];
@@ -76,19 +76,19 @@ fn frames(system: &System) -> Vec<Frame> {
         counts[block] += 1;
     }
     let none = Frame {
-        centre: [0.0; 3],
+        center: [0.0; 3],
         reach: 0.0,
     };
     let mut frames = vec![none; counts.len()];
     for &(n, block) in &all {
         for a in 0..3 {
-            frames[block].centre[a] += system.nodes[n][a] / counts[block] as f64;
+            frames[block].center[a] += system.nodes[n][a] / counts[block] as f64;
         }
     }
     for &(n, block) in &all {
         for a in 0..3 {
             let own = &mut frames[block];
-            own.reach = own.reach.max((system.nodes[n][a] - own.centre[a]).abs());
+            own.reach = own.reach.max((system.nodes[n][a] - own.center[a]).abs());
         }
     }
     for own in frames.iter_mut().filter(|f| f.reach <= 0.0) {

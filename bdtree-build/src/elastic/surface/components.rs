@@ -204,9 +204,9 @@ fn measure(
         }
     }
     let (min, max) = bounds(corners.iter().flatten().map(|&v| positions[v]));
-    let centre = scale(add(min, max), 0.5);
+    let center = scale(add(min, max), 0.5);
     let diagonal = norm(sub(max, min));
-    let at = |v: usize| sub(positions[v], centre);
+    let at = |v: usize| sub(positions[v], center);
     let (mut area, mut volume) = (0.0, 0.0);
     for t in &corners {
         let [a, b, c] = t.map(at);
@@ -237,7 +237,7 @@ fn measure(
         holes
             .into_iter()
             .flatten()
-            .map(|cap| cap.map(|p| add(p, centre)))
+            .map(|cap| cap.map(|p| add(p, center)))
             .collect()
     } else {
         Vec::new()

@@ -6,22 +6,22 @@ use crate::wrap::ball::smallest_ball;
 /// A ball, by the square of its radius.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Ball {
-    pub(super) centre: [f64; 3],
+    pub(super) center: [f64; 3],
     pub(super) square: f64,
 }
 
 impl Ball {
     /// Around nothing: to [`Ball::least_of_both`] any other ball is the larger one.
     pub(super) const EMPTY: Self = Self {
-        centre: [0.0; 3],
+        center: [0.0; 3],
         square: f64::NEG_INFINITY,
     };
 
     /// No ball around what these two are the smallest ones around has a smaller square: about z the points
     /// of a smallest ball (c, r) need a square of at least r² + ‖z − c‖².
     pub(super) fn least_of_both(&self, other: &Self) -> f64 {
-        let apart = norm2(sub(self.centre, other.centre));
-        // On the line through the centres, where both demand the same.
+        let apart = norm2(sub(self.center, other.center));
+        // On the line through the centers, where both demand the same.
         let along = 0.5 * (apart + other.square - self.square);
         if along <= 0.0 {
             self.square
@@ -33,12 +33,12 @@ impl Ball {
     }
 
     pub(super) fn meets(&self, other: &Self) -> bool {
-        let rest = norm2(sub(self.centre, other.centre)) - self.square - other.square;
+        let rest = norm2(sub(self.center, other.center)) - self.square - other.square;
         rest <= 0.0 || rest * rest <= 4.0 * self.square * other.square
     }
 
     pub(super) fn holds(&self, point: [f64; 3]) -> bool {
-        norm2(sub(point, self.centre)) <= self.square
+        norm2(sub(point, self.center)) <= self.square
     }
 }
 
@@ -106,7 +106,7 @@ impl Mesh<'_> {
         }
         let ball = smallest_ball(points);
         Ball {
-            centre: ball.centre,
+            center: ball.center,
             square: ball.radius * ball.radius,
         }
     }

@@ -125,7 +125,7 @@ impl<'s> Dealer<'s> {
             }
             for (leaf, other) in (0..).zip(&self.leaves[node as usize].list) {
                 if !other.triangles.is_empty() && ball.meets(&other.ball) {
-                    let apart = norm2(sub(ball.centre, other.ball.centre));
+                    let apart = norm2(sub(ball.center, other.ball.center));
                     self.found.push((apart, Place { node, leaf }));
                 }
             }

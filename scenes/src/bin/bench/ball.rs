@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// Largest displacement over the diagonal of the box; each q reaches half of it or more
     #[arg(long, default_value_t = 0.1)]
     displacement: f64,
-    /// Balls are centred up to this many radii from a vertex (half of them up to half of it)
+    /// Balls are centerd up to this many radii from a vertex (half of them up to half of it)
     #[arg(long, default_value_t = 2.0)]
     spread: f64,
     /// Rounds; in each all contenders answer all balls, taking turns to be first
@@ -47,7 +47,7 @@ struct Case {
     radius: f64,
 }
 
-/// Small balls at and near the deformed surface: half are centred within half the spread of a
+/// Small balls at and near the deformed surface: half are centerd within half the spread of a
 /// triangle's first corner, the others within the spread.
 fn cases(asset: &Asset<'_>, arguments: &Arguments) -> Result<Vec<Case>, Box<dyn Error>> {
     let mut rng = poses::rng(arguments.scene.seed);
@@ -274,7 +274,7 @@ impl Work {
             let mut child = node.first_child;
             for k in 0..bdtree_format::LANES {
                 let gap = (0..3)
-                    .map(|i| (spheres.centre[i][k] - center[i]).powi(2))
+                    .map(|i| (spheres.center[i][k] - center[i]).powi(2))
                     .sum::<f32>()
                     .sqrt();
                 let apart = gap > spheres.radius[k] + reach;

@@ -215,7 +215,7 @@ fn sticking_out(asset: &Asset<'_>, q: &[f32]) -> Result<[f64; 3], Box<dyn Error>
             let mut excess = 0.0_f64;
             for k in (0..LANES).filter(|k| (below.inner_mask | below.leaf_mask) >> k & 1 == 1) {
                 let at = |s: &bdtree_runtime::bound::Spheres, k: usize| {
-                    s.centre.map(|row| f64::from(row[k]))
+                    s.center.map(|row| f64::from(row[k]))
                 };
                 let reach = distance(at(&inner, k), at(&outer, lane)) + f64::from(inner.radius[k]);
                 excess = excess.max(reach / radius - 1.0);

@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     /// Radius over the diagonal of the box
     #[arg(long, default_value_t = 0.005)]
     radius: f64,
-    /// Balls are centred up to this many radii from a vertex
+    /// Balls are centerd up to this many radii from a vertex
     #[arg(long, default_value_t = 1.0)]
     spread: f64,
     /// Rounds; in each all contenders answer all balls, taking turns to be first

@@ -144,7 +144,7 @@ fn measure(
                 for &(copy, node) in order {
                     let pose = poses.get(copy as usize).ok_or("no such copy")?;
                     let spheres = pose.node_spheres(node)?;
-                    sum += spheres.radius[0] + spheres.centre[0][7];
+                    sum += spheres.radius[0] + spheres.center[0][7];
                 }
             }
             black_box(sum);

@@ -83,7 +83,7 @@ impl<'a> Stage<'a> {
             .map(|found| {
                 let [r, g, b] = colour(found.growth);
                 Sphere {
-                    centre: [0, 1, 2].map(|k| ((found.center[k] - middle[k]) / size) as f32),
+                    center: [0, 1, 2].map(|k| ((found.center[k] - middle[k]) / size) as f32),
                     radius: (found.radius / size) as f32,
                     colour: [r, g, b, 255],
                 }
@@ -95,7 +95,7 @@ impl<'a> Stage<'a> {
     fn camera(&self, rows: &[(String, Vec<Cell<'_>>)]) -> Camera {
         let cells = rows.iter().flat_map(|(_, cells)| cells);
         let spheres = cells.flat_map(|cell| self.spheres(cell));
-        let mut balls: Vec<_> = spheres.map(|s| (s.centre, s.radius)).collect();
+        let mut balls: Vec<_> = spheres.map(|s| (s.center, s.radius)).collect();
         // Geometry lies within its spheres; a figure of geometry alone has only that.
         if balls.is_empty() {
             balls = vec![(self.bounds.middle(), self.bounds.half_diagonal())];
