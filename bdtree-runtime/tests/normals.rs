@@ -105,7 +105,7 @@ fn rays_meet_normals_that_face_them() {
             }
         }
     });
-    assert!(hits > 300, "{hits}");
+    assert!(hits > 100, "{hits}");
 }
 
 #[test]
