@@ -49,7 +49,7 @@ impl Shapes {
         let center = app.place().shown(view.probe.center);
         let radius = app.place().shown_length(view.probe.radius);
         shapes.spheres.push(Sphere {
-            center: center,
+            center,
             radius,
             colour: PROBE,
         });
