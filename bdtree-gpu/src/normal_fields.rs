@@ -114,7 +114,7 @@ impl NormalFields {
     }
 
     /// Vertices at which the fields are too far off, ascending: compute passes take their normals from the
-    /// triangles around them instead, as [`Normals::Exact`](Normals::Exact) does of all.
+    /// triangles around them instead, as [`Normals::Exact`](crate::Normals::Exact) does of all.
     pub fn marked(&self) -> &[u32] {
         &self.marked.vertices
     }

@@ -31,7 +31,7 @@ pub fn positions(
     Ok((0..set.rest.len()).map(one).collect())
 }
 
-/// Normals of all vertices of an instance as compute passes of [`Normals::Fields`](Normals::Fields) leave
+/// Normals of all vertices of an instance as compute passes of [`Normals::Fields`](crate::Normals::Fields) leave
 /// them: from fields, but of marked vertices from `positions`, those of the instance.
 ///
 /// # Errors
