@@ -18,7 +18,8 @@ fn folder() -> Folder {
     let folder = Folder::new();
     set_mode(folder.root(), 0o755);
     let mesh = bake::bumpy_sphere(80, 1);
-    folder.write("large.bdt", &*bake::baked(&mesh, &bake::rigid(&mesh)));
+    let large = bake::baked(&mesh, &bake::rigid(&mesh));
+    folder.write("large.bdt", large.asset().bytes());
     folder
 }
 
