@@ -64,7 +64,8 @@ impl Transform {
         let is_across = |v, w| dot(v, w).abs() <= SKEW_MAX;
         let is_rotation = is_unit(a) && is_unit(b) && is_unit(c);
         let is_rotation = is_rotation && is_across(a, b) && is_across(b, c) && is_across(c, a);
-        if !is_rotation || !(dot(cross(a, b), c) > 0.0) {
+        let is_finite = translation.iter().all(|x| x.is_finite());
+        if !is_rotation || !is_finite || !(dot(cross(a, b), c) > 0.0) {
             return Err(PoseError::Matrix);
         }
         Ok(Self {

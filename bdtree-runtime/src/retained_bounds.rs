@@ -9,14 +9,15 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::bound::{Spheres, WideSpheres};
-use crate::cache::Posed;
+use crate::cache::{CacheSize, Kept, Posed, StepCache};
 use crate::depth::proxy;
+use crate::epoch::Drift;
 use crate::error::FormatError;
 use crate::pair_frame::PairFrame;
 use crate::placement::Placement;
 use crate::simd::{Lanes, Reference, Work};
 use crate::view::Asset;
-use crate::{Kernel, NodeSlot, Pose, StepCache, Transform, VertexId};
+use crate::{Kernel, Pose, Transform, VertexId};
 
 /// Of the golden files: all modes, few modes per vertex, frames, a single triangle per lane.
 const FILES: [&[u8]; 4] = [
@@ -193,13 +194,38 @@ fn rounds(seed: u64, mut check: impl FnMut(&Asset<'_>, &mut Random, usize)) {
 
 /// The poses of a step, each in its placement: the reference and what follows it.
 fn poses<'m>(
-    asset: &Asset<'_>,
+    asset: &'m Asset<'m>,
     q: &[Vec<f32>; 2],
     places: [Transform; 2],
     [first, second]: &'m mut [Vec<f32>; 2],
 ) -> [Pose<'m>; 2] {
-    [(0, first), (1, second)]
-        .map(|(k, memory)| Pose::new(asset, &q[k], places[k], memory).expect("pose"))
+    [(0, first), (1, second)].map(|(k, memory)| asset.pose(&q[k], places[k], memory).expect("pose"))
+}
+
+/// A pose with its cache.
+fn kept<'s>(pose: &'s Pose<'s>, cache: &'s mut StepCache<'_>) -> Posed<'s> {
+    Posed::new(pose, None, cache.slots().expect("its memory"), None)
+}
+
+/// A pose of which nothing is kept.
+fn alone<'s>(pose: &'s Pose<'s>) -> Posed<'s> {
+    Posed::new(pose, None, Kept::nothing(), None)
+}
+
+/// A pose that follows another, with which the cache was started.
+fn following<'s>(
+    pose: &'s Pose<'s>,
+    reference: &'s Pose<'s>,
+    cache: &'s mut StepCache<'_>,
+) -> Posed<'s> {
+    let drift = Drift::new(reference, pose).expect("of one asset");
+    let slots = cache.slots().expect("its memory");
+    Posed::new(pose, Some((reference, drift)), slots, None)
+}
+
+/// A cache of so many nodes.
+fn cache(nodes: usize) -> StepCache<'static> {
+    StepCache::new(CacheSize { nodes, leaves: 0 })
 }
 
 #[test]
@@ -210,24 +236,20 @@ fn spheres_kept_over_a_step() {
         let place = random.place();
         let mut memory = [vec(asset), vec(asset)];
         let [reference, pose] = poses(asset, &q, [place; 2], &mut memory);
-        let mut cache = StepCache::new(std::vec![NodeSlot::EMPTY; asset.node_count()], []);
+        let mut cache = cache(asset.node_count());
         for first in 0..2 {
             // Evaluated at the reference before it is left, and first visited afterwards.
-            let mut started = cache.start(&reference);
+            cache.start(&reference);
             for node in (first..asset.node_count() as u32).step_by(2) {
-                seen(asset, Posed::from(&mut started), node, None);
+                seen(asset, kept(&reference, &mut cache), node, None);
             }
-            let mut followed = cache
-                .follow(asset, &reference, &pose)
-                .expect("its reference");
+            assert!(cache.follow());
             for_lanes(asset, |node, lane, vertices| {
-                let spheres = seen(asset, Posed::from(&mut followed), node, None);
+                let posed = following(&pose, &reference, &mut cache);
+                let spheres = seen(asset, posed, node, None);
                 let (center, radius) = lane_sphere(&spheres, lane);
                 for v in vertices {
-                    let x = asset
-                        .deformed_stored(&pose, *v)
-                        .expect("a vertex")
-                        .map(f64::from);
+                    let x = pose.deformed_stored(*v).expect("a vertex").map(f64::from);
                     assert!(
                         holds(center, radius, x),
                         "node {node}, lane {lane}, {v:?}, {q:?}"
@@ -248,22 +270,20 @@ fn proxies_in_the_world() {
         let place = random.place();
         let mut memory = [vec(asset), vec(asset)];
         let [reference, pose] = poses(asset, &q, [random.place(), place], &mut memory);
-        let mut cache = StepCache::new([NodeSlot::EMPTY; 64], []);
+        let mut cache = cache(64);
         cache.start(&reference);
-        let mut followed = cache
-            .follow(asset, &reference, &pose)
-            .expect("its reference");
+        assert!(cache.follow());
         for_lanes(asset, |node, lane, vertices| {
             let mut posed = if round % 3 == 0 {
-                Posed::from(&mut followed)
+                following(&pose, &reference, &mut cache)
             } else {
-                Posed::from(&pose)
+                alone(&pose)
             };
             let mut spheres = WideSpheres::<Reference>::empty();
             posed.spheres(asset, node, &mut spheres).expect("a node");
             let proxy = proxy(&pose, &spheres.store(), lane);
             for v in vertices {
-                let x = asset.deformed(&pose, *v).expect("a vertex");
+                let x = pose.deformed(*v).expect("a vertex");
                 assert!(
                     holds(proxy.center, proxy.radius, x),
                     "node {node}, lane {lane}, {v:?}, {q:?}, {place:?}"
@@ -297,34 +317,35 @@ fn spheres_in_another_frame() {
         let near = random.q(&other, round + 1);
         let (mut memory, mut of_other) = ([vec(asset), vec(asset)], vec(&other));
         let place = random.place();
-        let here = Pose::new(&other, &near, random.place(), &mut of_other).expect("pose");
+        let here = other
+            .pose(&near, random.place(), &mut of_other)
+            .expect("pose");
         // The second where the first is, far from the world's origin or not.
         let place = Transform {
             translation: here.placement.origin_in_world(),
             ..place
         };
         let [reference, pose] = poses(asset, &q, [place; 2], &mut memory);
-        let mut cache = StepCache::new([NodeSlot::EMPTY; 64], []);
+        let mut cache = cache(64);
         cache.start(&reference);
-        let mut followed = cache
-            .follow(asset, &reference, &pose)
-            .expect("its reference");
-        let frame = match round % 3 {
-            0 => PairFrame::new(&Posed::from(&here), &Posed::from(&mut followed), 0.0),
-            _ => PairFrame::new(&Posed::from(&here), &Posed::from(&pose), 0.0),
+        assert!(cache.follow());
+        let posed = match round % 3 {
+            0 => following(&pose, &reference, &mut cache),
+            _ => alone(&pose),
         };
+        let frame = PairFrame::new(&alone(&here), &posed, 0.0);
         let frame = frame.expect("one stands in the other");
         let per_stored = here.placement.world_per_stored();
         for_lanes(asset, |node, lane, vertices| {
             let posed = match round % 3 {
-                0 => Posed::from(&mut followed),
-                _ => Posed::from(&pose),
+                0 => following(&pose, &reference, &mut cache),
+                _ => alone(&pose),
             };
             let (center, radius) = lane_sphere(&seen(asset, posed, node, Some(&frame)), lane);
             let center = exactly_in_world(&here.placement, center);
             let radius = exact(radius) * exact(per_stored);
             for v in vertices.iter().step_by(7) {
-                let x = asset.deformed(&pose, *v).expect("a vertex").map(exact);
+                let x = pose.deformed(*v).expect("a vertex").map(exact);
                 assert!(
                     is_within(x, center.clone(), radius.clone()),
                     "node {node}, lane {lane}, {v:?}, {q:?}, {place:?}"

@@ -2,6 +2,7 @@
 //! Cargo.toml.
 
 mod bounded;
+mod boxes;
 mod broad;
 mod budget;
 mod cached_queries;
@@ -15,16 +16,20 @@ mod frames;
 mod fronts;
 mod hard_cases;
 mod hostile;
+mod instances;
+mod interop;
 mod kernels;
 mod manifold;
 mod mapping;
 mod mode_dropping;
+mod names;
 mod narrow_corpus;
 mod narrow_distance;
 mod narrow_intersect;
 mod narrow_oracle;
 mod narrow_ray;
 mod narrow_shapes;
+mod normals;
 mod pairs;
 mod queries;
 mod refusals;
@@ -32,3 +37,4 @@ mod sharing;
 mod shrink_to_point;
 mod sparse;
 mod tight;
+mod workspaces;

@@ -7,11 +7,10 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use bdtree_fixtures::{bake, poses};
-use bdtree_runtime::narrow::{Frustum, FrustumState};
 use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, LeafSlot, NodeSlot, PairContact, PairStackEntry, Pose, Posed,
-    Proxy, RayHit, SearchEntry, Sink, SliceSink, StackEntry, StepCache, Transform, TriangleId,
-    add_generalized_force, broad, query,
+    Asset, Ball, CacheSize, Capsule, Contact, Coverage, Cuboid, Frustum, FrustumState, HalfSpace,
+    Instance, Model, PairContact, PairFront, Proxy, Ray, Sink, SliceSink, StepCache, Transform,
+    TriangleId, Workspace, broad,
 };
 
 thread_local! {
@@ -57,13 +56,24 @@ fn allocations<T>(f: impl FnOnce() -> T) -> (usize, T) {
     (COUNT.get() - before, result)
 }
 
-struct CountRegions(usize);
+/// Takes any number of things and keeps none.
+struct Count(usize);
 
-impl Sink<query::ContactRegion> for CountRegions {
-    fn push(&mut self, _: query::ContactRegion) -> ControlFlow<()> {
+impl<T> Sink<T> for Count {
+    fn push(&mut self, _: T) -> ControlFlow<()> {
         self.0 += 1;
         ControlFlow::Continue(())
     }
+}
+
+/// Files of four modes and three frames: all modes for each vertex, and few of them.
+fn animated() -> [Model; 2] {
+    let mesh = bake::bumpy_sphere(12, 1);
+    let bases = [
+        bake::smooth_basis(&mesh, 4, 1),
+        bake::local_basis(&mesh, 4, 1),
+    ];
+    bases.map(|basis| bake::baked(&mesh, &bake::with_frames(basis, 3, 1.0, 1)))
 }
 
 #[test]
@@ -72,156 +82,204 @@ fn queries_allocate_nothing() {
         allocations(|| vec![1_u8; 100]).0 > 0,
         "allocations are counted"
     );
-    let mesh = bake::bumpy_sphere(12, 1);
-    for basis in [
-        bake::smooth_basis(&mesh, 4, 1),
-        bake::local_basis(&mesh, 4, 1),
-    ] {
-        let animated = bake::with_frames(basis, 3, 1.0, 1);
-        nothing_is_allocated(&bake::baked(&mesh, &animated));
+    for model in animated() {
+        nothing_is_allocated(model.asset().bytes());
     }
 }
 
-/// A file of four modes and three frames.
-fn nothing_is_allocated(bytes: &AlignedBytes) {
-    let mut stack = [StackEntry::default(); 256];
-    let mut pair_stack = [PairStackEntry::default(); 1024];
+/// All in memory on the stack.
+fn nothing_is_allocated(bytes: &[u8]) {
+    let mut memory = [0; 1 << 18];
     let mut contacts = [Contact::EMPTY; 512];
     let mut pairs = [PairContact::EMPTY; 512];
-    let mut search = [SearchEntry::default(); 256];
-    let mut slots = [query::ManifoldSlot::default(); query::ManifoldSlot::count(512)];
     let (count, found) = allocations(|| {
         let asset = Asset::open(bytes).expect("open");
-        let (mut memory, mut memory2) = ([0.0; 10], [0.0; 10]);
+        let (mut memory1, mut memory2) = ([0.0; 10], [0.0; 10]);
         let q = [0.5, -0.5, 0.2, 0.0];
-        let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
-        let place = Transform {
-            translation: [1.0, 0.0, 0.0],
-            ..Transform::IDENTITY
-        };
-        let pose2 = Pose::new(&asset, &[0.0; 4], place, &mut memory2).expect("pose");
+        let pose = asset
+            .pose(&q, Transform::IDENTITY, &mut memory1)
+            .expect("pose");
+        let place = Transform::from_translation([1.0, 0.0, 0.0]);
+        let pose2 = asset.pose(&[0.0; 4], place, &mut memory2).expect("pose");
         let point = [0.9, 0.1, 0.2];
         let mut found = 0;
+        assert!(Workspace::bytes_for_manifolds(&[&asset], 512) <= memory.len());
+        let mut workspace = Workspace::in_bytes(&mut memory);
+        let mut query = pose.query(&mut workspace);
         let mut sink = SliceSink::new(&mut contacts);
-        query::ball(&asset, &pose, point, 0.3, &mut stack, &mut sink).expect("ball");
+        let ball = Ball::new(point, 0.3);
+        query.contacts(ball, &mut sink).expect("ball");
         found += sink.items().len();
         sink.clear();
-        query::plane(&asset, &pose, point, -0.5, &mut stack, &mut sink).expect("plane");
+        query
+            .contacts(HalfSpace::new(point, -0.5), &mut sink)
+            .expect("half-space");
         found += sink.items().len();
         sink.clear();
-        query::capsule(&asset, &pose, point, [0.0; 3], 0.1, &mut stack, &mut sink)
+        query
+            .contacts(Capsule::new(point, [0.0; 3], 0.1), &mut sink)
             .expect("capsule");
         found += sink.items().len();
         sink.clear();
-        let turned = [0.0, 0.0, 0.6, 0.8];
-        query::cuboid(
-            &asset, &pose, point, turned, [0.2; 3], &mut stack, &mut sink,
-        )
-        .expect("box");
+        let cuboid = Cuboid::new(point, [0.2; 3]).rotated([0.0, 0.0, 0.6, 0.8]);
+        query.contacts(cuboid, &mut sink).expect("box");
         found += sink.items().len();
+        found += usize::from(query.intersects(cuboid).expect("box"));
         let planes = Frustum::new(&[[1.0, 0.0, 0.0, -0.1]]).expect("planes");
-        let state = query::frustum(&asset, &pose, &planes, &mut stack).expect("frustum");
-        found += usize::from(state.state == FrustumState::Intersects);
-        let sphere = query::root_sphere(&asset, &pose).expect("sphere");
+        let state = query.frustum_state(&planes).expect("frustum");
+        found += usize::from(state == FrustumState::Intersects);
+        let sphere = pose.bounding_sphere().expect("sphere");
         found += usize::from(sphere.radius > 1.0);
-        let near = query::closest(&asset, &pose, point, f64::INFINITY, &mut stack).expect("near");
-        found += usize::from(near.hit.is_some());
-        let hit = query::ray(
-            &asset,
-            &pose,
-            [3.0; 3],
-            [-1.0; 3],
-            f64::INFINITY,
-            &mut stack,
-        );
-        found += usize::from(hit.expect("ray").hit.is_some());
-        let mut cache = StepCache::new([NodeSlot::EMPTY; 9], [LeafSlot::EMPTY; 9]);
-        let mut cached = cache.start(&pose);
-        let ray = query::Ray {
-            origin: [3.0; 3],
-            direction: [-1.0; 3],
-            max_distance: f64::INFINITY,
+        let aabb = pose.aabb().expect("box");
+        found += usize::from(aabb.max[0] > aabb.min[0]);
+        let near = query.project_point(point, f64::INFINITY).expect("near");
+        found += usize::from(near.is_some());
+        let ray = Ray::new([3.0; 3], [-1.0; 3]);
+        let hit = query.cast_ray(&ray).expect("ray");
+        found += usize::from(hit.is_some());
+        let size = CacheSize {
+            nodes: 9,
+            leaves: 9,
         };
+        let mut slots = [0; 9 * 136 + 9 * 176 + 8];
+        let mut cache = StepCache::in_bytes(&mut slots, size).expect("a cache");
+        cache.start(&pose);
+        let mut query = pose.query(&mut workspace).cached(&mut cache);
         let mut hits = [None; 2];
-        query::rays(&asset, &mut cached, &[ray; 2], &mut stack, &mut hits).expect("rays");
+        query.cast_rays(&[ray; 2], &mut hits).expect("rays");
         found += hits.iter().flatten().count();
-        let mut hits = [false; 2];
-        query::rays_any(&asset, &mut cached, &[ray; 2], &mut stack, &mut hits).expect("rays");
-        let mut all = [(0, RayHit::EMPTY); 8];
-        let mut sink = SliceSink::new(&mut all);
-        query::rays_all(&asset, &mut cached, &[ray; 2], &mut stack, &mut sink).expect("rays");
-        found += sink.items().len();
+        let mut any = [false; 2];
+        query.intersects_rays(&[ray; 2], &mut any).expect("rays");
+        let mut all = Count(0);
+        query.cast_rays_all(&[ray; 2], &mut all).expect("rays");
+        found += all.0;
         let mut sink = SliceSink::new(&mut pairs);
-        let (a, b) = ((&asset, &pose), (&asset, &pose2));
-        query::pair(a, b, 0.0, &mut pair_stack, &mut sink).expect("pair");
+        let mut query = pose.against(&pose2, &mut workspace);
+        query.contacts(0.0, &mut sink).expect("pair");
         found += sink.items().len();
         let (mut slots1, mut slots2) = ([Proxy::EMPTY; 64], [Proxy::EMPTY; 64]);
         let (mut proxies1, mut proxies2) =
             (SliceSink::new(&mut slots1), SliceSink::new(&mut slots2));
-        let mut cache = StepCache::new([NodeSlot::EMPTY; 16], [LeafSlot::EMPTY; 16]);
-        let mut cached = cache.start(&pose);
-        let bounded = Posed::from(&mut cached).bounded(0, &mut proxies1);
-        let far = SliceSink::<Contact>::new(&mut []);
-        query::ball(&asset, bounded, point, 0.3, &mut stack, &mut { far }).expect("ball");
+        let query = pose.query(&mut workspace).cached(&mut cache);
+        let mut query = query.max_level(0, &mut proxies1);
+        query.contacts(ball, &mut Count(0)).expect("ball");
         found += proxies1.items().len();
-        let coarse_a = (&asset, Posed::from(&mut cached).bounded(1, &mut proxies1));
-        let coarse_b = (&asset, Posed::from(&pose2).bounded(0, &mut proxies2));
-        query::pair(coarse_a, coarse_b, 0.0, &mut pair_stack, &mut sink).expect("pair");
+        let query = pose.against(&pose2, &mut workspace);
+        let mut query = (query.max_level1(1, &mut proxies1)).max_level2(0, &mut proxies2);
+        query.contacts(0.0, &mut Count(0)).expect("pair");
         found += proxies2.items().len();
-        let spheres = [&pose, &pose2].map(|p| query::root_sphere(&asset, p).expect("sphere"));
-        let mut grid = [broad::GridSlot::EMPTY; broad::grid_slots(2)];
+        let spheres = [&pose, &pose2].map(|pose| pose.bounding_sphere().expect("sphere"));
         let mut near = [[0; 2]; 1];
         let mut near = SliceSink::new(&mut near);
-        broad::pairs(&spheres, 0.0, &mut grid, &mut near).expect("pairs");
+        broad::pairs(&spheres, 0.0, &mut workspace, &mut near).expect("pairs");
         assert_eq!(*near.items(), [[0, 1]]);
-        let mut regions = CountRegions(0);
-        let pairs = sink.items_mut();
-        query::manifold(a, b, pairs, &mut slots, &mut stack, &mut regions).expect("manifold");
+        let mut regions = Count(0);
+        let mut query = pose.against(&pose2, &mut workspace);
+        query
+            .condense(sink.items_mut(), &mut regions)
+            .expect("manifold");
+        query
+            .contact_manifolds(0.0, &mut regions)
+            .expect("manifold");
         found += regions.0;
-        let near = query::distance(a, b, 9.0, &mut search).expect("distance");
-        found += usize::from(near.hit.is_some());
-        let mut budget = query::Budget::new(9, &mut search);
-        let near = budget.distance(a, b, 9.0).expect("distance");
+        let near = query.closest_points(9.0).expect("distance");
+        found += usize::from(near.is_some());
+        let near = query.max_visits(9).closest_points(9.0).expect("distance");
         found += usize::from(near.found.is_some());
-        let near = budget.closest(&asset, &pose, point, 9.0).expect("near");
+        let mut query = pose.query(&mut workspace).max_visits(9);
+        let near = query.project_point(point, 9.0).expect("near");
         found += usize::from(near.found.is_some());
-        let id = TriangleId(0);
         let mut out = [0.0; 4];
-        add_generalized_force(&asset, &pose, id, [1.0, 0.0, 0.0], [1.0; 3], &mut out)
+        pose.add_generalized_force(TriangleId(0), [1.0, 0.0, 0.0], [1.0; 3], &mut out)
             .expect("force");
         let frame = asset.frame(2).expect("a frame");
         let placed = place.after(frame.transform()).expect("a placement");
-        let pose = Pose::new(&asset, frame.q(), placed, &mut memory).expect("pose");
-        let near = query::closest(&asset, &pose, point, f64::INFINITY, &mut stack).expect("near");
-        found += usize::from(near.hit.is_some());
-        assert!(asset.verify(&mut |_| std::ops::ControlFlow::Break(())));
+        let mut sampled = [0.0; 4];
+        asset.sample(0.05, &mut sampled).expect("a pose");
+        let pose = asset.pose(frame.q(), placed, &mut memory1).expect("pose");
+        let near = pose
+            .query(&mut workspace)
+            .project_point(point, f64::INFINITY);
+        found += usize::from(near.expect("near").is_some());
+        assert!(asset.verify(&mut |_| ControlFlow::Break(())));
         found
     });
     assert!(found > 20, "{found}");
     assert_eq!(count, 0, "nothing is allocated");
 }
 
+/// What owns its memory allocates when it is made and when more is asked of it than ever before.
+#[test]
+fn instances_allocate_nothing_after_the_first_step() {
+    for model in animated() {
+        let mut bodies = [0, 1].map(|_| Instance::new(&model).expect("an instance"));
+        let mut workspace = Workspace::new();
+        let mut slots = vec![0; 1 << 16];
+        let mut front = PairFront::in_bytes(&mut slots);
+        let mut contacts = [Contact::EMPTY; 512];
+        let mut pairs = [PairContact::EMPTY; 512];
+        let mut manifolds = Count(0);
+        let mut taken = 0;
+        // There and back, so that no step needs more than the first: the two are nearest there.
+        for step in 0..12 {
+            let (count, ()) = allocations(|| {
+                let [a, b] = &mut bodies;
+                let away = f64::from(step).min(f64::from(12 - step)) * 0.02;
+                a.set_q(&[0.3, -0.1, 0.2, 0.0]).expect("q");
+                b.set_placement(Transform::from_translation([1.2 + away, 0.0, 0.0]))
+                    .expect("a placement");
+                let mut sink = SliceSink::new(&mut contacts);
+                let mut query = a.query(&mut workspace);
+                query
+                    .contacts(Ball::new([1.0, 0.0, 0.0], 0.5), &mut sink)
+                    .expect("ball");
+                query.cast_ray(&Ray::new([3.0; 3], [-1.0; 3])).expect("ray");
+                taken += sink.items().len();
+                let mut sink = SliceSink::new(&mut pairs);
+                let query = a.against(b, &mut workspace);
+                let mut query = query.front(&mut front);
+                let coverage = query.contacts(0.01, &mut sink).expect("pair");
+                assert_eq!(coverage, Coverage::Complete);
+                taken += sink.items().len();
+                query
+                    .contact_manifolds(0.0, &mut manifolds)
+                    .expect("manifolds");
+                a.against(b, &mut workspace)
+                    .distance(9.0)
+                    .expect("distance");
+                let mut near = [[0; 2]];
+                let mut near = SliceSink::new(&mut near);
+                broad::instance_pairs(&bodies, 0.0, &mut workspace, &mut near).expect("pairs");
+                assert_eq!(*near.items(), [[0, 1]]);
+            });
+            assert_eq!(count > 0, step == 0, "step {step}: {count} allocations");
+        }
+        assert!(taken > 100 && manifolds.0 > 0);
+    }
+}
+
 #[test]
 fn a_full_sink_is_said_and_holds_a_part_of_the_answer() {
     let mesh = bake::bumpy_sphere(8, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1));
+    let asset = *model.asset();
     let mut memory = [0.0; 9];
-    let pose = Pose::new(&asset, &[0.1, 0.2], Transform::IDENTITY, &mut memory).expect("pose");
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let pose = asset
+        .pose(&[0.1, 0.2], Transform::IDENTITY, &mut memory)
+        .expect("pose");
+    let mut workspace = Workspace::new();
+    let mut query = pose.query(&mut workspace);
+    let ball = Ball::new([1.0, 0.0, 0.0], 0.6);
     let mut all: Vec<Contact> = Vec::new();
-    let ball = |stack: &mut [StackEntry], slots: &mut [Contact]| {
-        let mut sink = SliceSink::new(slots);
-        let outcome = query::ball(&asset, &pose, [1.0, 0.0, 0.0], 0.6, stack, &mut sink);
-        (outcome.expect("ball").truncated, sink.items().len())
-    };
-    query::ball(&asset, &pose, [1.0, 0.0, 0.0], 0.6, &mut stack, &mut all).expect("ball");
+    query.contacts(ball, &mut all).expect("ball");
     assert!(all.len() > 4);
     for room in [0, 1, all.len() - 1, all.len(), all.len() + 1] {
         let mut slots = vec![Contact::EMPTY; room];
-        let (truncated, taken) = ball(&mut stack, &mut slots);
+        let mut sink = SliceSink::new(&mut slots);
+        let coverage = query.contacts(ball, &mut sink).expect("ball");
+        let taken = sink.items().len();
         assert_eq!(
-            truncated,
+            coverage == Coverage::Truncated,
             room < all.len(),
             "room for {room} of {}",
             all.len()
@@ -231,8 +289,8 @@ fn a_full_sink_is_said_and_holds_a_part_of_the_answer() {
     }
     // Nothing found: no room is needed.
     let mut sink = SliceSink::<Contact>::new(&mut []);
-    let far = query::ball(&asset, &pose, [9.0; 3], 0.1, &mut stack, &mut sink).expect("ball");
-    assert!(!far.truncated);
+    let far = query.contacts(Ball::new([9.0; 3], 0.1), &mut sink);
+    assert_eq!(far, Ok(Coverage::Complete));
 }
 
 /// x·f is linear in q, so a difference quotient is its derivative up to rounding in f32.
@@ -241,8 +299,8 @@ fn generalized_forces_are_derivatives_of_work() {
     let mesh = bake::bumpy_sphere(8, 1);
     let dense = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 1));
     let sparse = bake::baked(&mesh, &bake::local_basis(&mesh, 3, 1));
-    for bytes in [dense, sparse] {
-        forces_are_derivatives(&Asset::open(&bytes).expect("open"));
+    for model in [dense, sparse] {
+        forces_are_derivatives(model.asset());
     }
 }
 
@@ -253,20 +311,21 @@ fn forces_are_derivatives(asset: &Asset<'_>) {
     for id in [0, 7, 50].map(TriangleId) {
         let work = |q: &[f32]| {
             let mut memory = [0.0; 9];
-            let pose = Pose::new(asset, q, place, &mut memory).expect("pose");
+            let pose = asset.pose(q, place, &mut memory).expect("pose");
             let corners = asset.triangle(id).expect("triangle");
             let mut work = 0.0;
             for (corner, weight) in corners.iter().zip(weights) {
-                let x = asset.deformed(&pose, *corner).expect("vertex");
+                let x = pose.deformed(*corner).expect("vertex");
                 work += weight * (x[0] * force[0] + x[1] * force[1] + x[2] * force[2]);
             }
             work
         };
         let q = [0.25, -0.5, 0.125];
         let mut memory = [0.0; 9];
-        let pose = Pose::new(asset, &q, place, &mut memory).expect("pose");
+        let pose = asset.pose(&q, place, &mut memory).expect("pose");
         let mut out = [10.0; 3];
-        add_generalized_force(asset, &pose, id, weights, force, &mut out).expect("force");
+        pose.add_generalized_force(id, weights, force, &mut out)
+            .expect("force");
         for j in 0..3 {
             let (mut up, mut down) = (q, q);
             up[j] += 1.0;

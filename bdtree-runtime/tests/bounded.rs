@@ -6,15 +6,16 @@ use bdtree_fixtures::oracle::body::Body;
 use bdtree_fixtures::{bake, oracle, poses};
 use bdtree_runtime::narrow::Triangle;
 use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, LeafSlot, NodeSlot, PairContact, PairStackEntry, Pose, Posed,
-    Proxy, QueryError, SliceSink, StackEntry, StepCache, Transform, query,
+    Asset, Ball, CacheSize, Contact, ContactManifold, Coverage, Frustum, HalfSpace, Model,
+    PairContact, Pose, Proxy, Query, QueryError, Ray, SliceSink, Stats, StepCache, Transform,
+    VertexId, Workspace,
 };
 use rand::RngExt;
 
 /// Pairs of triangles, and the spheres of both sides.
 type PairAnswer = (Vec<(u32, u32)>, Vec<Proxy>, Vec<Proxy>);
 
-fn files() -> [AlignedBytes; 3] {
+fn files() -> [Model; 3] {
     let mesh = bake::bumpy_sphere(14, 1);
     [
         bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 5)),
@@ -36,8 +37,7 @@ fn holds(proxy: &Proxy, triangle: &Triangle) -> bool {
 struct Found {
     exact: Vec<(u32, f64)>,
     proxies: Vec<Proxy>,
-    nodes_visited: u64,
-    nodes_updated: u64,
+    stats: Stats,
 }
 
 /// A ball (even turns) or a plane.
@@ -49,39 +49,32 @@ struct Question {
 }
 
 impl Question {
-    fn ask(&self, asset: &Asset<'_>, posed: Posed<'_>, level: usize) -> Found {
-        let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    fn ask(
+        &self,
+        pose: &Pose<'_>,
+        cache: Option<&mut StepCache<'_>>,
+        workspace: &mut Workspace<'_>,
+        level: usize,
+    ) -> Found {
         let mut contacts: Vec<Contact> = Vec::new();
         let mut proxies = Vec::new();
-        let posed = posed.bounded(level, &mut proxies);
-        let outcome = if self.is_ball {
-            query::ball(
-                asset,
-                posed,
-                self.point,
-                self.size,
-                &mut stack,
-                &mut contacts,
-            )
+        let mut query = pose.query(workspace).max_level(level, &mut proxies);
+        if let Some(cache) = cache {
+            query = query.cached(cache);
+        }
+        let coverage = if self.is_ball {
+            query.contacts(Ball::new(self.point, self.size), &mut contacts)
         } else {
             let offset = self.point[0] - self.size;
-            query::plane(
-                asset,
-                posed,
-                [1.0, 0.0, 0.0],
-                offset,
-                &mut stack,
-                &mut contacts,
-            )
+            query.contacts(HalfSpace::new([1.0, 0.0, 0.0], offset), &mut contacts)
         };
-        let outcome = outcome.expect("a sound asset");
-        assert!(!outcome.truncated);
+        assert_eq!(coverage, Ok(Coverage::Complete));
+        let stats = query.stats();
         contacts.sort_by_key(|c| c.triangle);
         Found {
-            exact: contacts.iter().map(|c| (c.triangle.0, c.dist)).collect(),
+            exact: (contacts.iter().map(|c| (c.triangle.0, c.distance))).collect(),
             proxies,
-            nodes_visited: outcome.nodes_visited,
-            nodes_updated: outcome.nodes_updated,
+            stats,
         }
     }
 
@@ -97,16 +90,17 @@ impl Question {
 #[test]
 fn every_contact_is_reported_or_lies_in_a_proxy() {
     let mut rng = poses::rng(8);
+    let mut workspace = Workspace::new();
     let (mut in_proxies, mut beside) = (0, 0);
-    for bytes in files() {
-        let asset = Asset::open(&bytes).expect("open");
+    for model in files() {
+        let asset = *model.asset();
         assert!(asset.depth() >= 3, "levels to stop at");
         for round in 0..12 {
             let q = poses::random_q(&asset, [0.0, 0.1, 0.5][round % 3], &mut rng);
             let place = poses::random_transform(10.0, &mut rng);
             let mut memory = vec![0.0; asset.pose_len()];
-            let pose = Pose::new(&asset, &q, place, &mut memory).expect("pose");
-            let triangles = oracle::deformed_triangles(&asset, &pose);
+            let pose = asset.pose(&q, place, &mut memory).expect("pose");
+            let triangles = oracle::deformed_triangles(&pose);
             let question = Question {
                 is_ball: round % 2 == 0,
                 point: triangles[rng.random_range(0..triangles.len())][0],
@@ -114,7 +108,7 @@ fn every_contact_is_reported_or_lies_in_a_proxy() {
             };
             let expected = question.expected(&triangles);
             for level in 0..=asset.depth() {
-                let found = question.ask(&asset, Posed::from(&pose), level);
+                let found = question.ask(&pose, None, &mut workspace, level);
                 let exact: Vec<u32> = found.exact.iter().map(|(id, _)| *id).collect();
                 for id in &expected {
                     let triangle = &triangles[*id as usize];
@@ -125,7 +119,7 @@ fn every_contact_is_reported_or_lies_in_a_proxy() {
                     beside += usize::from(is_exact && level + 1 < asset.depth());
                 }
                 assert!(exact.iter().all(|id| expected.binary_search(id).is_ok()));
-                assert!(found.nodes_visited <= asset.node_count_to(level) as u64);
+                assert!(found.stats.nodes_visited <= asset.node_count_to(level) as u64);
                 if level + 1 >= asset.depth() {
                     assert_eq!((exact, found.proxies.len()), (expected.clone(), 0));
                 }
@@ -138,40 +132,44 @@ fn every_contact_is_reported_or_lies_in_a_proxy() {
 #[test]
 fn bounded_answers_are_the_same_with_every_kernel_and_cache() {
     let mut rng = poses::rng(9);
-    for bytes in files() {
-        let asset = Asset::open(&bytes).expect("open");
+    let mut workspace = Workspace::new();
+    for model in files() {
+        let asset = *model.asset();
         for level in 0..asset.depth() {
             let q = poses::random_q(&asset, 0.2, &mut rng);
             let mut memory = vec![0.0; asset.pose_len()];
             let place = poses::random_transform(3.0, &mut rng);
-            let pose = Pose::new(&asset, &q, place, &mut memory).expect("pose");
             let question = Question {
                 is_ball: level % 2 == 0,
                 point: place.translation,
                 size: 0.9 * place.scale,
             };
-            let slots = vec![NodeSlot::EMPTY; asset.node_count_to(level)];
-            let mut cache = StepCache::new(slots, [LeafSlot::EMPTY; 4]);
-            let first = question.ask(&asset, Posed::from(&pose), level);
+            let mut cache = StepCache::new(CacheSize {
+                leaves: 4,
+                ..CacheSize::to_level(&asset, level)
+            });
+            let pose = asset.pose(&q, place, &mut memory).expect("pose");
+            let first = question.ask(&pose, None, &mut workspace, level);
             assert!(first.proxies.len() + first.exact.len() > 0);
-            for asset in kernels(asset) {
-                let mut cached = cache.start(&pose);
+            for asset in kernels(&asset) {
+                let mut memory = vec![0.0; asset.pose_len()];
+                let pose = asset.pose(&q, place, &mut memory).expect("pose");
+                cache.start(&pose);
                 // Fills the slots with this kernel's own spheres.
-                let all = question.ask(&asset, Posed::from(&pose), usize::MAX);
-                let mut stack = vec![StackEntry::default(); asset.stack_len()];
+                let all = question.ask(&pose, None, &mut workspace, usize::MAX);
                 let mut contacts: Vec<Contact> = Vec::new();
-                let (point, size) = (question.point, question.size);
-                query::ball(&asset, &mut cached, point, size, &mut stack, &mut contacts)
-                    .expect("ball");
+                let ball = Ball::new(question.point, question.size);
+                let mut query = pose.query(&mut workspace).cached(&mut cache);
+                query.contacts(ball, &mut contacts).expect("ball");
                 assert!(!question.is_ball || contacts.len() == all.exact.len());
-                let again = question.ask(&asset, Posed::from(&mut cached), level);
-                assert_eq!(again.nodes_visited, first.nodes_visited);
+                let mut ask = || question.ask(&pose, Some(&mut cache), &mut workspace, level);
+                let (again, kept) = (ask(), ask());
+                assert_eq!(again.stats.nodes_visited, first.stats.nodes_visited);
                 assert_eq!(
                     (&again.exact, &again.proxies),
                     (&first.exact, &first.proxies)
                 );
-                let kept = question.ask(&asset, Posed::from(&mut cached), level);
-                assert_eq!(kept.nodes_updated, 0, "every node is kept");
+                assert_eq!(kept.stats.nodes_updated, 0, "every node is kept");
                 assert_eq!((kept.exact, kept.proxies), (again.exact, again.proxies));
             }
         }
@@ -182,38 +180,33 @@ fn bounded_answers_are_the_same_with_every_kernel_and_cache() {
 fn what_is_nearest_is_found_or_lies_in_a_proxy() {
     let mut rng = poses::rng(10);
     let (mut same, mut other) = (0, 0);
-    for bytes in files() {
-        let asset = Asset::open(&bytes).expect("open");
-        let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    for model in files() {
+        let asset = *model.asset();
+        let mut workspace = Workspace::new();
         for round in 0..10 {
             let q = poses::random_q(&asset, 0.2, &mut rng);
             let mut memory = vec![0.0; asset.pose_len()];
-            let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
-            let triangles = oracle::deformed_triangles(&asset, &pose);
+            let pose = asset
+                .pose(&q, Transform::IDENTITY, &mut memory)
+                .expect("pose");
+            let triangles = oracle::deformed_triangles(&pose);
             let point = [0; 3].map(|_| rng.random_range(-2.0..2.0));
             let toward = triangles[rng.random_range(0..triangles.len())][1];
             let direction = [0, 1, 2].map(|k| toward[k] - point[k]);
             for level in 0..=asset.depth() {
                 let mut proxies = Vec::new();
-                let posed = Posed::from(&pose).bounded(level, &mut proxies);
-                let no_limit = f64::INFINITY;
-                let (found, best) = if round % 2 == 0 {
-                    let near = query::closest(&asset, posed, point, no_limit, &mut stack);
-                    let best = query::closest(&asset, &pose, point, no_limit, &mut stack);
-                    let id = |hit: bdtree_runtime::ClosestPoint| (hit.triangle.0, hit.distance);
-                    (
-                        near.expect("near").hit.map(id),
-                        best.expect("best").hit.map(id),
-                    )
-                } else {
-                    let hit = query::ray(&asset, posed, point, direction, no_limit, &mut stack);
-                    let best = query::ray(&asset, &pose, point, direction, no_limit, &mut stack);
-                    let id = |hit: bdtree_runtime::RayHit| (hit.triangle.0, hit.distance);
-                    (
-                        hit.expect("hit").hit.map(id),
-                        best.expect("best").hit.map(id),
-                    )
+                let ray = Ray::new(point, direction);
+                let ask = |mut query: Query<'_, '_>| {
+                    if round % 2 == 0 {
+                        let near = query.project_point(point, f64::INFINITY).expect("near");
+                        near.map(|near| (near.triangle.0, near.distance))
+                    } else {
+                        let hit = query.cast_ray(&ray).expect("hit");
+                        hit.map(|hit| (hit.triangle.0, hit.distance))
+                    }
                 };
+                let best = ask(pose.query(&mut workspace));
+                let found = ask(pose.query(&mut workspace).max_level(level, &mut proxies));
                 let Some((id, _)) = best else {
                     assert_eq!(found, None);
                     continue;
@@ -233,27 +226,30 @@ fn what_is_nearest_is_found_or_lies_in_a_proxy() {
 
 /// Two bodies that touch.
 fn two_poses<'m>(
-    asset: &Asset<'_>,
+    asset: &'m Asset<'m>,
     seed: u64,
     memory: &'m mut [Vec<f32>; 2],
 ) -> (Pose<'m>, Pose<'m>) {
     let mut rng = poses::rng(seed);
     let [first, second] = memory;
     let q = poses::random_q(asset, 0.2, &mut rng);
-    let a = Pose::new(asset, &q, poses::random_transform(1.0, &mut rng), first).expect("a");
+    let place = poses::random_transform(1.0, &mut rng);
+    let a = asset.pose(&q, place, first).expect("a");
     let q = poses::random_q(asset, 0.2, &mut rng);
-    let b = Pose::new(asset, &q, poses::random_transform(1.0, &mut rng), second).expect("b");
+    let place = poses::random_transform(1.0, &mut rng);
+    let b = asset.pose(&q, place, second).expect("b");
     (a, b)
 }
 
 #[test]
 fn pairs_are_reported_or_lie_in_proxies() {
+    let mut workspace = Workspace::new();
     let (mut in_proxies, mut in_leaves) = (0, 0);
-    for (seed, bytes) in files().iter().enumerate() {
-        let asset = Asset::open(bytes).expect("open");
+    for (seed, model) in files().iter().enumerate() {
+        let asset = *model.asset();
         let mut memory = [vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]];
         let (a, b) = two_poses(&asset, seed as u64, &mut memory);
-        let triangles = [&a, &b].map(|pose| oracle::deformed_triangles(&asset, pose));
+        let triangles = [&a, &b].map(oracle::deformed_triangles);
         let last = asset.depth();
         for tolerance in [0.0, 0.01] {
             let expected = oracle::pair(&triangles[0], &triangles[1], tolerance);
@@ -267,18 +263,16 @@ fn pairs_are_reported_or_lie_in_proxies() {
                 (last, last),
             ] {
                 let mut first: Option<PairAnswer> = None;
-                for asset in kernels(asset) {
+                for asset in kernels(&asset) {
                     let (mut proxies_a, mut proxies_b) = (Vec::new(), Vec::new());
-                    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(&asset)];
+                    let mut memory = [vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]];
+                    let (a, b) = two_poses(&asset, seed as u64, &mut memory);
                     let mut contacts: Vec<PairContact> = Vec::new();
-                    let outcome = query::pair(
-                        (&asset, Posed::from(&a).bounded(levels.0, &mut proxies_a)),
-                        (&asset, Posed::from(&b).bounded(levels.1, &mut proxies_b)),
-                        tolerance,
-                        &mut stack,
-                        &mut contacts,
-                    );
-                    assert!(!outcome.expect("pair").truncated);
+                    let mut query = (a.against(&b, &mut workspace))
+                        .max_level1(levels.0, &mut proxies_a)
+                        .max_level2(levels.1, &mut proxies_b);
+                    let coverage = query.contacts(tolerance, &mut contacts);
+                    assert_eq!(coverage, Ok(Coverage::Complete));
                     let mut ids: Vec<(u32, u32)> = contacts
                         .iter()
                         .map(|c| (c.triangle1.0, c.triangle2.0))
@@ -324,58 +318,78 @@ fn pairs_are_reported_or_lie_in_proxies() {
 
 #[test]
 fn one_side_may_be_bounded_and_a_full_sink_is_said() {
-    let [bytes, ..] = files();
-    let asset = Asset::open(&bytes).expect("open");
+    let [model, ..] = files();
+    let asset = *model.asset();
     let mut memory = [vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]];
     let (a, b) = two_poses(&asset, 0, &mut memory);
-    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(&asset)];
+    let mut workspace = Workspace::new();
     let mut contacts: Vec<PairContact> = Vec::new();
     let mut all = Vec::new();
-    let posed = Posed::from(&b).bounded(1, &mut all);
-    query::pair(
-        (&asset, &a),
-        (&asset, posed),
-        0.0,
-        &mut stack,
-        &mut contacts,
-    )
-    .expect("pair");
+    let mut query = (a.against(&b, &mut workspace)).max_level2(1, &mut all);
+    query.contacts(0.0, &mut contacts).expect("pair");
     assert!(all.len() > 2);
     for room in [0, 1, all.len() - 1, all.len()] {
         let mut room = vec![Proxy::EMPTY; room];
         let mut sink = SliceSink::new(&mut room);
-        let posed = Posed::from(&b).bounded(1, &mut sink);
-        let outcome = query::pair(
-            (&asset, &a),
-            (&asset, posed),
-            0.0,
-            &mut stack,
-            &mut contacts,
-        )
-        .expect("pair");
-        assert_eq!(outcome.truncated, sink.items().len() < all.len());
+        let mut query = (a.against(&b, &mut workspace)).max_level2(1, &mut sink);
+        let coverage = query.contacts(0.0, &mut contacts).expect("pair");
+        let is_short = sink.items().len() < all.len();
+        assert_eq!(coverage == Coverage::Truncated, is_short);
         assert_eq!(*sink.items(), all[..sink.items().len()]);
     }
     // The same of one tree, and its refusals.
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut sink = SliceSink::new(&mut []);
-    let posed = Posed::from(&a).bounded(0, &mut sink);
     let mut none: Vec<Contact> = Vec::new();
-    let center = asset
-        .deformed(&a, bdtree_runtime::VertexId(0))
-        .expect("vertex");
-    let outcome = query::ball(&asset, posed, center, 0.1, &mut stack, &mut none).expect("ball");
-    assert!(outcome.truncated);
+    let ball = Ball::new(a.deformed(VertexId(0)).expect("vertex"), 0.1);
+    let mut query = a.query(&mut workspace).max_level(0, &mut sink);
+    assert_eq!(query.contacts(ball, &mut none), Ok(Coverage::Truncated));
     let mut sink = Vec::new();
-    let posed = Posed::from(&a).bounded(0, &mut sink);
-    let short = query::ball(&asset, posed, center, 0.1, &mut stack[1..], &mut none);
+    let mut small = [0; 64];
+    let mut small = Workspace::in_bytes(&mut small);
+    let mut query = a.query(&mut small).max_level(0, &mut sink);
+    let short = query.contacts(ball, &mut none);
     assert!(matches!(short, Err(QueryError::Memory { .. })));
-    let other = bake::baked(
-        &bake::bumpy_sphere(4, 1),
-        &bake::rigid(&bake::bumpy_sphere(4, 1)),
+}
+
+/// What has no answer down to a level says so, and says which option is in the way.
+#[test]
+fn questions_without_levels_refuse_one() {
+    let [model, ..] = files();
+    let asset = *model.asset();
+    let mut memory = [vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]];
+    let (a, b) = two_poses(&asset, 0, &mut memory);
+    let mut workspace = Workspace::new();
+    let mut refused = Vec::new();
+    let mut refuse = |error: Option<QueryError>| match error {
+        Some(QueryError::Argument(text)) if text.starts_with("max_level: ") => refused.push(text),
+        other => panic!("{other:?}"),
+    };
+    let mut sink = Vec::new();
+    let mut contacts: Vec<Contact> = Vec::new();
+    let mut manifolds: Vec<ContactManifold> = Vec::new();
+    let planes = Frustum::new(&[[0.0, 0.0, 1.0, 0.0]]).expect("planes");
+    let mut query = a.query(&mut workspace).max_level(1, &mut sink);
+    refuse(query.frustum_state(&planes).err());
+    let mut query = query.max_visits(9);
+    refuse(
+        query
+            .contacts(Ball::new([0.0; 3], 1.0), &mut contacts)
+            .err(),
     );
-    let other = Asset::open(&other).expect("open");
-    let posed = Posed::from(&a).bounded(0, &mut sink);
-    let wrong = query::ball(&other, posed, center, 0.1, &mut stack, &mut none);
-    assert_eq!(wrong, Err(QueryError::PoseMismatch));
+    refuse(query.project_point([0.0; 3], 1.0).err());
+    refuse(query.cast_ray(&Ray::new([0.0; 3], [1.0; 3])).err());
+    for first in [true, false] {
+        let query = a.against(&b, &mut workspace);
+        let mut query = if first {
+            query.max_level1(1, &mut sink)
+        } else {
+            query.max_level2(1, &mut sink)
+        };
+        refuse(query.contact_manifolds(0.0, &mut manifolds).err());
+        refuse(query.closest_points(1.0).err());
+        refuse(query.distance(1.0).err());
+        refuse(query.max_visits(9).closest_points(1.0).err());
+    }
+    assert_eq!(refused.len(), 12);
+    assert!(sink.is_empty() && contacts.is_empty() && manifolds.is_empty());
 }

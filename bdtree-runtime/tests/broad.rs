@@ -3,21 +3,23 @@
 use std::collections::HashSet;
 
 use bdtree_fixtures::{bake, poses};
-use bdtree_runtime::broad::{BroadOutcome, GridSlot, grid_slots, pairs};
-use bdtree_runtime::query::{BoundingSphere, root_sphere};
-use bdtree_runtime::{Asset, PairContact, PairStackEntry, Pose, QueryError, SliceSink, query};
+use bdtree_runtime::broad::{bytes_for, instance_pairs, pairs};
+use bdtree_runtime::{
+    BoundingSphere, Coverage, Instance, PairContact, Pose, QueryError, SliceSink, Stats, Workspace,
+};
 use rand::RngExt;
 
-fn found(spheres: &[BoundingSphere], tolerance: f64) -> (Vec<[u32; 2]>, BroadOutcome) {
-    let mut memory = vec![GridSlot::EMPTY; grid_slots(spheres.len())];
+fn found(spheres: &[BoundingSphere], tolerance: f64) -> (Vec<[usize; 2]>, Stats) {
+    let mut memory = vec![0xff; bytes_for(spheres.len())];
+    let mut workspace = Workspace::in_bytes(&mut memory);
     let mut found = Vec::new();
-    let outcome = pairs(spheres, tolerance, &mut memory, &mut found).expect("sound spheres");
-    assert!(!outcome.truncated);
+    let coverage = pairs(spheres, tolerance, &mut workspace, &mut found);
+    assert_eq!(coverage, Ok(Coverage::Complete));
     let mut again = Vec::new();
     // Memory of an earlier step.
-    pairs(spheres, tolerance, &mut memory, &mut again).expect("sound spheres");
+    pairs(spheres, tolerance, &mut workspace, &mut again).expect("sound spheres");
     assert_eq!(found, again, "the same order");
-    (found, outcome)
+    (found, workspace.stats())
 }
 
 /// Gap over the reach, below 0 where the spheres meet.
@@ -27,21 +29,20 @@ fn gap(a: &BoundingSphere, b: &BoundingSphere, tolerance: f64) -> f64 {
     (square.sqrt() - reach) / reach.max(f64::MIN_POSITIVE)
 }
 
-fn check(spheres: &[BoundingSphere], tolerance: f64) -> BroadOutcome {
-    let (list, outcome) = found(spheres, tolerance);
-    let set: HashSet<[u32; 2]> = list.iter().copied().collect();
+fn check(spheres: &[BoundingSphere], tolerance: f64) {
+    let (list, stats) = found(spheres, tolerance);
+    let set: HashSet<[usize; 2]> = list.iter().copied().collect();
     assert_eq!(set.len(), list.len(), "none twice");
     for i in 0..spheres.len() {
         for j in i + 1..spheres.len() {
             let gap = gap(&spheres[i], &spheres[j], tolerance);
-            let is_found = set.contains(&[i as u32, j as u32]);
+            let is_found = set.contains(&[i, j]);
             // Half of what the comparison grants, in which either answer is right.
             assert!(is_found || gap > 0.0, "{i}, {j} missing: gap {gap:e}");
             assert!(!is_found || gap < 1e-12, "{i}, {j} too many: gap {gap:e}");
         }
     }
-    assert!(outcome.sphere_tests >= list.len() as u64);
-    outcome
+    assert!(stats.sphere_tests >= list.len() as u64);
 }
 
 fn random(
@@ -104,8 +105,8 @@ fn equal_and_far_spheres_are_found() {
         radius: 0.0,
     };
     // All in one place: every pair is an answer.
-    let (list, outcome) = found(&[here; 100], 0.0);
-    assert_eq!((list.len(), outcome.sphere_tests), (4950, 4950));
+    let (list, stats) = found(&[here; 100], 0.0);
+    assert_eq!((list.len(), stats.sphere_tests), (4950, 4950));
     let mut far = random(100, 1.0, |_| 0.5, 3);
     for (i, sphere) in far.iter_mut().enumerate().take(20) {
         sphere.center[i % 3] = 2_f64.powi(5 * i as i32) * if i % 2 == 0 { 1.0 } else { -1.0 };
@@ -163,12 +164,18 @@ fn comparisons_grow_with_the_spheres() {
 #[test]
 fn what_cannot_be_answered_is_refused() {
     let spheres = random(10, 1.0, |_| 1.0, 1);
-    let mut memory = vec![GridSlot::EMPTY; grid_slots(10)];
-    assert_eq!(memory.len(), 32);
+    // 32 slots from an address that is a multiple of eight.
+    let needed = 32 * 16;
+    assert_eq!(bytes_for(10), needed + 8);
+    let mut memory = vec![0; needed + 8];
+    let start = memory.as_ptr().align_offset(8);
+    let memory = &mut memory[start..start + needed];
     let mut sink = Vec::new();
-    let short = pairs(&spheres, 0.0, &mut memory[1..], &mut sink).err();
-    let needed = 32;
-    assert_eq!(short, Some(QueryError::Memory { needed, found: 31 }));
+    let mut short = Workspace::in_bytes(&mut memory[..needed - 1]);
+    let short = pairs(&spheres, 0.0, &mut short, &mut sink).err();
+    let found = needed - 1;
+    assert_eq!(short, Some(QueryError::Memory { needed, found }));
+    let mut memory = Workspace::in_bytes(memory);
     for (bad, coordinate) in [(f64::NAN, 0), (f64::INFINITY, 2), (1e31, 1)] {
         let mut broken = spheres.clone();
         broken[3].center[coordinate] = bad;
@@ -182,13 +189,14 @@ fn what_cannot_be_answered_is_refused() {
         assert!(matches!(error, Some(QueryError::Argument(_))));
     }
     // A full sink.
-    let (all, _) = found(&spheres, 0.0);
+    let (all, _) = self::found(&spheres, 0.0);
     assert!(all.len() > 3);
     for room in [0, 2, all.len()] {
         let mut room = vec![[0; 2]; room];
         let mut sink = SliceSink::new(&mut room);
-        let outcome = pairs(&spheres, 0.0, &mut memory, &mut sink).expect("spheres");
-        assert_eq!(outcome.truncated, sink.items().len() < all.len());
+        let coverage = pairs(&spheres, 0.0, &mut memory, &mut sink).expect("spheres");
+        let is_short = sink.items().len() < all.len();
+        assert_eq!(coverage == Coverage::Truncated, is_short);
         assert_eq!(*sink.items(), all[..sink.items().len()]);
     }
 }
@@ -197,8 +205,8 @@ fn what_cannot_be_answered_is_refused() {
 #[test]
 fn touching_bodies_are_pairs_of_the_broad_phase() {
     let mesh = bake::bumpy_sphere(8, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 4, 5));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 4, 5));
+    let asset = *model.asset();
     let mut rng = poses::rng(3);
     let mut memory = vec![vec![0.0; asset.pose_len()]; 40];
     let placed: Vec<Pose<'_>> = memory
@@ -206,29 +214,69 @@ fn touching_bodies_are_pairs_of_the_broad_phase() {
         .map(|memory| {
             let q = poses::random_q(&asset, 0.2, &mut rng);
             let place = poses::random_transform(6.0, &mut rng);
-            Pose::new(&asset, &q, place, memory).expect("pose")
+            asset.pose(&q, place, memory).expect("pose")
         })
         .collect();
     let spheres: Vec<BoundingSphere> = placed
         .iter()
-        .map(|pose| root_sphere(&asset, pose).expect("sphere"))
+        .map(|pose| pose.bounding_sphere().expect("sphere"))
         .collect();
-    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(&asset)];
+    let mut workspace = Workspace::new();
     let mut touching = 0;
     for tolerance in [0.0, 0.2] {
-        let set: HashSet<[u32; 2]> = found(&spheres, tolerance).0.into_iter().collect();
+        let set: HashSet<[usize; 2]> = found(&spheres, tolerance).0.into_iter().collect();
         assert!(set.len() < 40 * 39 / 4, "some are apart");
         for i in 0..placed.len() {
             for j in i + 1..placed.len() {
                 let mut contacts: Vec<PairContact> = Vec::new();
-                let (a, b) = ((&asset, &placed[i]), (&asset, &placed[j]));
-                query::pair(a, b, tolerance, &mut stack, &mut contacts).expect("pair");
+                let mut query = placed[i].against(&placed[j], &mut workspace);
+                query.contacts(tolerance, &mut contacts).expect("pair");
                 if !contacts.is_empty() {
                     touching += 1;
-                    assert!(set.contains(&[i as u32, j as u32]), "{i} touches {j}");
+                    assert!(set.contains(&[i, j]), "{i} touches {j}");
                 }
             }
         }
     }
     assert!(touching > 20, "{touching}");
+}
+
+/// Instances: the pairs of their spheres, without those whose groups do not meet.
+#[test]
+fn instances_that_do_not_meet_are_no_pairs() {
+    let mesh = bake::bumpy_sphere(6, 1);
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 5));
+    let mut rng = poses::rng(8);
+    let bodies: Vec<Instance> = (0..30)
+        .map(|i| {
+            let mut body = Instance::new(&model).expect("an instance");
+            let q = poses::random_q(model.asset(), 0.2, &mut rng);
+            let place = poses::random_transform(3.0, &mut rng);
+            body.set_pose(&q, place).expect("a pose");
+            body.collision_group = 1 << (i % 3);
+            // Group 2 meets itself alone; group 1 meets group 0, which does not meet it.
+            body.collision_mask = [0b001, 0b011, 0b100][i % 3];
+            body
+        })
+        .collect();
+    let spheres: Vec<BoundingSphere> = bodies
+        .iter()
+        .map(|body| body.bounding_sphere().expect("sphere"))
+        .collect();
+    let mut workspace = Workspace::new();
+    let mut filtered = Vec::new();
+    let coverage = instance_pairs(&bodies, 0.1, &mut workspace, &mut filtered);
+    assert_eq!(coverage, Ok(Coverage::Complete));
+    let (all, stats) = found(&spheres, 0.1);
+    assert_eq!(workspace.stats(), stats);
+    let meet = |[i, j]: &[usize; 2]| i % 3 == j % 3;
+    let expected: Vec<[usize; 2]> = all.iter().copied().filter(meet).collect();
+    assert!(expected.len() > 10 && all.len() > 2 * expected.len());
+    assert_eq!(filtered, expected);
+    // A full sink ends the search at a pair that meets, not at one that is left out.
+    let mut room = [[0; 2]; 5];
+    let mut sink = SliceSink::new(&mut room);
+    let coverage = instance_pairs(&bodies, 0.1, &mut workspace, &mut sink);
+    assert_eq!(coverage, Ok(Coverage::Truncated));
+    assert_eq!(*sink.items(), expected[..5]);
 }

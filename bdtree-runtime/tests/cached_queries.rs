@@ -6,11 +6,11 @@ use bdtree_build::input::RawMesh;
 use bdtree_fixtures::compare::cached::check_cached;
 use bdtree_fixtures::compare::kernels;
 use bdtree_fixtures::{bake, poses};
-use bdtree_runtime::{Asset, Transform};
+use bdtree_runtime::Transform;
 
 fn check(mesh: &RawMesh, basis: &Basis, seed: u64, rounds: usize) {
-    let bytes = bake::baked(mesh, basis);
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(mesh, basis);
+    let asset = *model.asset();
     let mut rng = poses::rng(seed);
     let far = Transform {
         translation: [1e7, -2e6, 3.0],
@@ -24,7 +24,7 @@ fn check(mesh: &RawMesh, basis: &Basis, seed: u64, rounds: usize) {
         ),
         (poses::random_q(&asset, 0.4, &mut rng), far),
     ];
-    for asset in kernels(asset) {
+    for asset in kernels(&asset) {
         check_cached(&asset, &at, seed, rounds);
     }
 }

@@ -8,11 +8,11 @@ use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::input::read_mesh;
 use bdtree_fixtures::{bake, corpus, oracle};
 use bdtree_runtime::narrow::{Triangle, triangle_distance};
-use bdtree_runtime::{AlignedBytes, Asset, PairContact, PairStackEntry, Pose, Transform, query};
+use bdtree_runtime::{Model, PairContact, Transform, Workspace};
 
 use crate::collisions;
 
-fn baked(folder: &Path, side: &collisions::Side) -> AlignedBytes {
+fn baked(folder: &Path, side: &collisions::Side) -> Model {
     let mesh = read_mesh(&folder.join(&side.mesh)).expect("mesh");
     let fields = side
         .fields
@@ -80,7 +80,8 @@ fn pair_queries_agree_with_exact_lists() {
     let Some(folder) = corpus::path(test, "") else {
         return;
     };
-    let mut files: HashMap<String, AlignedBytes> = HashMap::new();
+    let mut files: HashMap<String, Model> = HashMap::new();
+    let mut workspace = Workspace::new();
     let (mut pairs, mut borderline) = (0, 0);
     for case in collisions::cases(&folder) {
         let sides = ["a", "b"].map(|name| case.side(name));
@@ -90,23 +91,20 @@ fn pair_queries_agree_with_exact_lists() {
         }
         let assets = [0, 1].map(|i| {
             let key = format!("{} {}", sides[i].mesh, sides[i].q.len());
-            Asset::open(&files[&key]).expect("open")
+            *files[&key].asset()
         });
         let mut memory = [0, 1].map(|i| vec![0.0_f32; assets[i].pose_len()]);
         let qs = [0, 1].map(|i| sides[i].q.iter().map(|q| *q as f32).collect::<Vec<_>>());
         let [memory_a, memory_b] = &mut memory;
-        let a = Pose::new(&assets[0], &qs[0], transform(&sides[0].matrix), memory_a).expect("pose");
-        let b = Pose::new(&assets[1], &qs[1], transform(&sides[1].matrix), memory_b).expect("pose");
-        let mut stack = vec![PairStackEntry::default(); assets[0].pair_stack_len(&assets[1])];
+        let a = assets[0]
+            .pose(&qs[0], transform(&sides[0].matrix), memory_a)
+            .expect("pose");
+        let b = assets[1]
+            .pose(&qs[1], transform(&sides[1].matrix), memory_b)
+            .expect("pose");
         let mut found: Vec<PairContact> = Vec::new();
-        query::pair(
-            (&assets[0], &a),
-            (&assets[1], &b),
-            0.0,
-            &mut stack,
-            &mut found,
-        )
-        .expect("query");
+        let mut query = a.against(&b, &mut workspace);
+        query.contacts(0.0, &mut found).expect("query");
         let found: HashSet<(u32, u32)> = found
             .iter()
             .map(|c| (c.triangle1.0, c.triangle2.0))
@@ -116,8 +114,8 @@ fn pair_queries_agree_with_exact_lists() {
 
         let exact = ["a", "b"].map(|name| case.triangles(name));
         let stored = [
-            oracle::deformed_triangles(&assets[0], &a),
-            oracle::deformed_triangles(&assets[1], &b),
+            oracle::deformed_triangles(&a),
+            oracle::deformed_triangles(&b),
         ];
         let mut differing = 0;
         for &(i, j) in found.symmetric_difference(&listed) {

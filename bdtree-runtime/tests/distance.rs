@@ -4,7 +4,7 @@
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_fixtures::compare::near::{check_distances, two};
 use bdtree_fixtures::{bake, corpus, models, poses};
-use bdtree_runtime::{Asset, QueryError, SearchEntry, Transform, query};
+use bdtree_runtime::{QueryError, Transform, Workspace};
 
 #[test]
 fn distances_equal_brute_force() {
@@ -13,41 +13,37 @@ fn distances_equal_brute_force() {
     let other = bake::bumpy_sphere(7, 2);
     let local = bake::baked(&other, &bake::local_basis(&other, 12, 2));
     let rigid = bake::baked(&other, &bake::rigid(&other));
-    let open = |bytes| Asset::open(bytes).expect("open");
+    let [smooth, local, rigid] = [&smooth, &local, &rigid].map(|model| *model.asset());
     for gap in [0.2, 0.6, 1.5, 30.0] {
-        check_distances(open(&smooth), open(&smooth), 3, 4, gap);
-        check_distances(open(&smooth), open(&local), 4, 4, gap);
-        check_distances(open(&rigid), open(&smooth), 5, 4, gap);
+        check_distances(&smooth, &smooth, 3, 4, gap);
+        check_distances(&smooth, &local, 4, 4, gap);
+        check_distances(&rigid, &smooth, 5, 4, gap);
     }
 }
 
 #[test]
 fn distances_of_far_instances_equal_brute_force() {
     let sphere = bake::bumpy_sphere(8, 1);
-    let bytes = bake::baked(&sphere, &bake::smooth_basis(&sphere, 4, 5));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&sphere, &bake::smooth_basis(&sphere, 4, 5));
+    let asset = *model.asset();
     // Around the distance at which the bound changes, then ever fewer digits.
     for gap in [300.0, 1e3, 3e3, 1e5, 1e8, 1e11] {
-        check_distances(asset, asset, 6, 3, gap);
+        check_distances(&asset, &asset, 6, 3, gap);
     }
     // Where f32 ends nothing is pruned, and nothing fails.
     let small = bake::bumpy_sphere(3, 1);
-    let bytes = bake::baked(&small, &bake::smooth_basis(&small, 2, 5));
-    let asset = Asset::open(&bytes).expect("open");
-    check_distances(asset, asset, 7, 3, 1e15);
-    check_distances(asset, asset, 7, 3, 1e23);
+    let model = bake::baked(&small, &bake::smooth_basis(&small, 2, 5));
+    let asset = *model.asset();
+    check_distances(&asset, &asset, 7, 3, 1e15);
+    check_distances(&asset, &asset, 7, 3, 1e23);
     // Both together far from the world's origin.
     let mut place = Transform::IDENTITY;
     place.translation = [1e7, -3e6, 1e5];
     let mut beside = place;
     beside.translation[0] += 2.5;
     two(
-        asset,
-        &[0.5, 1.0],
-        place,
-        asset,
-        &[0.0, 1.0],
-        beside,
+        (&asset, &[0.5, 1.0], place),
+        (&asset, &[0.0, 1.0], beside),
         |two| {
             two.check_distance("far from the origin");
         },
@@ -58,12 +54,8 @@ fn distances_of_far_instances_equal_brute_force() {
         beside.translation = [1.5, 1.0, 0.5];
         beside.scale = scale;
         two(
-            asset,
-            &[0.5, 1.0],
-            Transform::IDENTITY,
-            asset,
-            &[0.0, 1.0],
-            beside,
+            (&asset, &[0.5, 1.0], Transform::IDENTITY),
+            (&asset, &[0.0, 1.0], beside),
             |two| two.check_distance("scales"),
         );
     }
@@ -72,19 +64,23 @@ fn distances_of_far_instances_equal_brute_force() {
 #[test]
 fn touching_and_identical_copies_have_distance_0_and_the_lowest_ids() {
     let sphere = bake::bumpy_sphere(8, 1);
-    let bytes = bake::baked(&sphere, &bake::smooth_basis(&sphere, 3, 5));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&sphere, &bake::smooth_basis(&sphere, 3, 5));
+    let asset = *model.asset();
     let q = [0.3, -0.5, 0.7];
     for x in [0.0, 0.5, 1.9] {
         let mut place = Transform::IDENTITY;
         place.translation[0] = x;
-        two(asset, &q, Transform::IDENTITY, asset, &q, place, |two| {
-            two.check_distance("copies");
-            if x < 1.0 {
-                let hit = two.distance(0.0).expect("they touch");
-                assert_eq!((hit.dist, hit.point1), (0.0, hit.point2));
-            }
-        });
+        two(
+            (&asset, &q, Transform::IDENTITY),
+            (&asset, &q, place),
+            |two| {
+                two.check_distance("copies");
+                if x < 1.0 {
+                    let hit = two.distance(0.0).expect("they touch");
+                    assert_eq!((hit.distance, hit.point1), (0.0, hit.point2));
+                }
+            },
+        );
     }
 }
 
@@ -119,8 +115,8 @@ fn grid(n: u32) -> RawMesh {
 fn ties_go_to_the_lowest_ids() {
     // Parallel sheets: every pair above each other is as near as the next.
     let mesh = grid(8);
-    let bytes = bake::baked(&mesh, &bake::rigid(&mesh));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::rigid(&mesh));
+    let asset = *model.asset();
     for offset in [
         [0.0, 0.0, 0.25],
         [0.0; 3],
@@ -129,14 +125,18 @@ fn ties_go_to_the_lowest_ids() {
     ] {
         let mut place = Transform::IDENTITY;
         place.translation = offset;
-        two(asset, &[], Transform::IDENTITY, asset, &[], place, |two| {
-            two.check_distance("sheets");
-            let hit = two.distance(1.0).expect("near");
-            assert_eq!(hit.dist, offset[2]);
-            if offset[0] == 0.0 {
-                assert_eq!((hit.triangle1.0, hit.triangle2.0), (0, 0));
-            }
-        });
+        two(
+            (&asset, &[], Transform::IDENTITY),
+            (&asset, &[], place),
+            |two| {
+                two.check_distance("sheets");
+                let hit = two.distance(1.0).expect("near");
+                assert_eq!(hit.distance, offset[2]);
+                if offset[0] == 0.0 {
+                    assert_eq!((hit.triangle1.0, hit.triangle2.0), (0, 0));
+                }
+            },
+        );
     }
 }
 
@@ -154,66 +154,63 @@ fn degenerate_triangles_act_as_what_they_are() {
         [0, 0, 5],
         [3, 3, 3],
     ]);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 5));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 5));
+    let asset = *model.asset();
     for gap in [0.1, 0.5, 2.0] {
-        check_distances(asset, asset, 8, 6, gap);
+        check_distances(&asset, &asset, 8, 6, gap);
     }
 }
 
 #[test]
 fn hard_poses() {
     let mesh = bake::bumpy_sphere(6, 4);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 5));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 5));
+    let asset = *model.asset();
     let mut rng = poses::rng(4);
     for (i, q) in poses::hard_qs(&asset).iter().enumerate() {
         let other = poses::random_q(&asset, 0.3, &mut rng);
         let place = poses::random_transform(3.0, &mut rng);
-        two(asset, q, Transform::IDENTITY, asset, &other, place, |two| {
-            two.check_distance(&format!("hard pose {i}"));
-        });
+        two(
+            (&asset, q, Transform::IDENTITY),
+            (&asset, &other, place),
+            |two| {
+                two.check_distance(&format!("hard pose {i}"));
+            },
+        );
     }
 }
 
 #[test]
 fn what_is_wrong_is_said() {
     let mesh = bake::bumpy_sphere(6, 4);
-    let bytes = bake::baked(&mesh, &bake::rigid(&mesh));
-    let other = bake::baked(&mesh, &bake::rigid(&mesh));
-    let asset = Asset::open(&bytes).expect("open");
-    let stranger = Asset::open(&other).expect("open");
-    two(
-        asset,
-        &[],
-        Transform::IDENTITY,
-        asset,
-        &[],
-        Transform::IDENTITY,
-        |two| {
-            let needed = asset.distance_stack_len(&asset);
-            let mut stack = vec![SearchEntry::default(); needed];
-            let (a, b) = ((&asset, &two.a), (&asset, &two.b));
-            for limit in [-1.0, f64::NAN, 1e40] {
-                let answer = query::distance(a, b, limit, &mut stack);
-                assert!(matches!(answer, Err(QueryError::Argument(_))), "{limit}");
-            }
-            let answer = query::distance(a, (&stranger, &two.b), 1.0, &mut stack);
-            assert_eq!(answer.unwrap_err(), QueryError::PoseMismatch);
-            let answer = query::distance(a, b, 1.0, &mut stack[1..]);
-            let found = needed - 1;
-            assert_eq!(answer.unwrap_err(), QueryError::Memory { needed, found });
-        },
-    );
+    let model = bake::baked(&mesh, &bake::rigid(&mesh));
+    let asset = *model.asset();
+    let here = Transform::IDENTITY;
+    two((&asset, &[], here), (&asset, &[], here), |two| {
+        let mut workspace = Workspace::new();
+        let mut query = two.a.against(&two.b, &mut workspace);
+        for limit in [-1.0, f64::NAN, 1e40] {
+            let answer = query.closest_points(limit);
+            assert!(matches!(answer, Err(QueryError::Argument(_))), "{limit}");
+            assert_eq!(query.distance(limit).err(), answer.err());
+        }
+        let answer = query.closest_points(1.0).expect("an answer");
+        assert_eq!(query.distance(1.0), Ok(answer.map(|hit| hit.distance)));
+        let mut memory = [0; 100];
+        let mut small = Workspace::in_bytes(&mut memory);
+        let answer = two.a.against(&two.b, &mut small).closest_points(1.0);
+        assert!(matches!(answer, Err(QueryError::Memory { needed, found })
+            if needed > found && found > 90));
+    });
 }
 
 #[test]
 fn fixtures_and_corpus() {
     for name in ["beam", "pieces"] {
         let mesh = read_mesh(&models::path(name)).expect("fixture");
-        let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 5));
-        let asset = Asset::open(&bytes).expect("open");
-        check_distances(asset, asset, 8, 2, 0.9);
+        let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 5));
+        let asset = *model.asset();
+        check_distances(&asset, &asset, 8, 2, 0.9);
     }
     for name in ["fish.obj", "curtain.obj", "teapot.obj"] {
         let test = "fixtures_and_corpus";
@@ -221,8 +218,8 @@ fn fixtures_and_corpus() {
             return;
         };
         let mesh = read_mesh(&path).expect("mesh");
-        let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
-        let asset = Asset::open(&bytes).expect("open");
-        check_distances(asset, asset, 8, 1, 0.9);
+        let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
+        let asset = *model.asset();
+        check_distances(&asset, &asset, 8, 1, 0.9);
     }
 }

@@ -5,10 +5,10 @@
 use bdtree_build::input::RawMesh;
 use bdtree_fixtures::flush::with_mode;
 use bdtree_fixtures::{bake, oracle, poses};
-use bdtree_runtime::narrow::{Frustum, OrientedBox};
+use bdtree_runtime::narrow::OrientedBox;
 use bdtree_runtime::{
-    Asset, Contact, Kernel, PairContact, PairStackEntry, Pose, StackEntry, Transform, VertexId,
-    query,
+    Asset, Ball, Capsule, Contact, Cuboid, Frustum, Kernel, PairContact, Pose, Ray, Transform,
+    VertexId, Workspace,
 };
 
 /// q that make products and sums subnormal, and ordinary ones.
@@ -25,18 +25,17 @@ fn qs(asset: &Asset<'_>) -> Vec<Vec<f32>> {
     all
 }
 
-fn check_containment(asset: &Asset<'_>, pose: &Pose<'_>) {
+fn check_containment(pose: &Pose<'_>) {
+    let asset = pose.asset();
     // The root's lanes hold all triangles below them; leaf lanes of all nodes hold their own.
     for (i, node) in asset.nodes().iter().enumerate() {
-        let spheres = asset.node_spheres(pose, i as u32).expect("node");
+        let spheres = pose.node_spheres(i as u32).expect("node");
         let mut slot = node.first_slot as usize;
         for lane in 0..8 {
             let count = usize::from(node.leaf_counts[lane]);
             for triangle in &asset.triangles()[slot..slot + count] {
                 for corner in triangle.corners {
-                    let p = asset
-                        .deformed_stored(pose, VertexId(corner))
-                        .expect("vertex");
+                    let p = pose.deformed_stored(VertexId(corner)).expect("vertex");
                     let square: f64 = (0..3)
                         .map(|k| (f64::from(p[k]) - f64::from(spheres.centre[k][lane])).powi(2))
                         .sum();
@@ -58,18 +57,22 @@ fn sorted(found: &[Contact]) -> Vec<u32> {
     ids
 }
 
-fn check_queries(asset: &Asset<'_>, pose: &Pose<'_>) {
-    let triangles = oracle::deformed_triangles(asset, pose);
+fn check_queries(pose: &Pose<'_>) {
+    let asset = pose.asset();
+    let triangles = oracle::deformed_triangles(pose);
     let size = poses::diagonal(asset) * asset.unit();
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let mut workspace = Workspace::new();
     for k in 0..6 {
         let target = triangles[k * triangles.len() / 6][k % 3];
         let point = target.map(|c| c + 0.01 * k as f64 * size);
         let radius = 0.1 * size;
         let mut found: Vec<Contact> = Vec::new();
-        query::ball(asset, pose, point, radius, &mut stack, &mut found).expect("ball");
+        let mut query = pose.query(&mut workspace);
+        query
+            .contacts(Ball::new(point, radius), &mut found)
+            .expect("ball");
         found.sort_by_key(|c| c.triangle);
-        let ids: Vec<(u32, f64)> = found.iter().map(|c| (c.triangle.0, c.dist)).collect();
+        let ids: Vec<(u32, f64)> = found.iter().map(|c| (c.triangle.0, c.distance)).collect();
         let expected = oracle::ball(&triangles, point, radius);
         assert_eq!(
             ids,
@@ -83,10 +86,8 @@ fn check_queries(asset: &Asset<'_>, pose: &Pose<'_>) {
             [0, 1, 2].map(|i| target[i] + radius * (i as f64 - 0.7)),
         ];
         found.clear();
-        query::capsule(
-            asset, pose, ends[0], ends[1], radius, &mut stack, &mut found,
-        )
-        .expect("capsule");
+        let capsule = Capsule::new(ends[0], ends[1], radius);
+        query.contacts(capsule, &mut found).expect("capsule");
         let expected = oracle::capsule(&triangles, ends, radius);
         assert_eq!(
             sorted(&found),
@@ -94,7 +95,8 @@ fn check_queries(asset: &Asset<'_>, pose: &Pose<'_>) {
         );
         found.clear();
         let (turned, half) = ([0.0, 0.6, 0.0, 0.8], [radius, 0.3 * radius, 2.0 * radius]);
-        query::cuboid(asset, pose, point, turned, half, &mut stack, &mut found).expect("box");
+        let cuboid = Cuboid::new(point, half).rotated(turned);
+        query.contacts(cuboid, &mut found).expect("box");
         let expected = oracle::cuboid(&triangles, &OrientedBox::new(point, turned, half));
         assert_eq!(
             sorted(&found),
@@ -103,15 +105,15 @@ fn check_queries(asset: &Asset<'_>, pose: &Pose<'_>) {
         let height = 1.5 * target[0] - 2.0 * target[1] + 0.25 * target[2];
         let planes = [[1.5, -2.0, 0.25, -height], [0.0, 1.0, 0.0, 2.0 * size]];
         let planes = Frustum::new(&planes).expect("planes");
-        let state = query::frustum(asset, pose, &planes, &mut stack).expect("frustum");
-        assert_eq!(state.state, oracle::frustum(&triangles, &planes));
-        let near = query::closest(asset, pose, point, f64::INFINITY, &mut stack).expect("closest");
-        let near = near.hit.map(|h| (h.triangle.0, h.distance));
+        let state = query.frustum_state(&planes).expect("frustum");
+        assert_eq!(state, oracle::frustum(&triangles, &planes));
+        let near = query.project_point(point, f64::INFINITY).expect("closest");
+        let near = near.map(|h| (h.triangle.0, h.distance));
         assert_eq!(near, oracle::closest(&triangles, point, f64::INFINITY));
         let axis = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]][k % 3];
         let origin = [0, 1, 2].map(|i| target[i] - 3.0 * size * axis[i]);
-        let hit = query::ray(asset, pose, origin, axis, f64::INFINITY, &mut stack).expect("ray");
-        let hit = hit.hit.map(|h| (h.triangle.0, h.distance));
+        let hit = query.cast_ray(&Ray::new(origin, axis)).expect("ray");
+        let hit = hit.map(|h| (h.triangle.0, h.distance));
         assert_eq!(hit, oracle::ray(&triangles, origin, axis, f64::INFINITY));
     }
     let place = Transform {
@@ -119,22 +121,22 @@ fn check_queries(asset: &Asset<'_>, pose: &Pose<'_>) {
         ..Transform::IDENTITY
     };
     let mut memory = vec![0.0; asset.pose_len()];
-    let other = Pose::new(asset, pose.q(), place, &mut memory).expect("pose");
-    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
+    let other = asset.pose(pose.q(), place, &mut memory).expect("pose");
     let mut found: Vec<PairContact> = Vec::new();
-    query::pair((asset, pose), (asset, &other), 0.0, &mut stack, &mut found).expect("pair");
+    let mut query = pose.against(&other, &mut workspace);
+    query.contacts(0.0, &mut found).expect("pair");
     let mut ids: Vec<(u32, u32)> = found
         .iter()
         .map(|c| (c.triangle1.0, c.triangle2.0))
         .collect();
     ids.sort_unstable();
-    let others = oracle::deformed_triangles(asset, &other);
+    let others = oracle::deformed_triangles(&other);
     assert_eq!(ids, oracle::pair(&triangles, &others, 0.0));
 }
 
 fn check_mesh(mesh: &RawMesh, mode_count: usize) {
-    let bytes = bake::baked(mesh, &bake::smooth_basis(mesh, mode_count, 2));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(mesh, &bake::smooth_basis(mesh, mode_count, 2));
+    let asset = *model.asset();
     for kernel in Kernel::ALL {
         let Some(asset) = asset.with_kernel(kernel) else {
             continue;
@@ -143,10 +145,10 @@ fn check_mesh(mesh: &RawMesh, mode_count: usize) {
             for flush in [false, true] {
                 with_mode(flush, || {
                     let mut memory = vec![0.0; asset.pose_len()];
-                    let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory);
+                    let pose = asset.pose(&q, Transform::IDENTITY, &mut memory);
                     let pose = pose.expect("pose");
-                    check_containment(&asset, &pose);
-                    check_queries(&asset, &pose);
+                    check_containment(&pose);
+                    check_queries(&pose);
                 });
             }
         }

@@ -9,7 +9,7 @@ use bdtree_build::input::RawMesh;
 use bdtree_fixtures::compare::{check_pose, kernels};
 use bdtree_fixtures::{bake, mutate, poses};
 use bdtree_format::{FrameRecord, ModeRecord, SectionKind};
-use bdtree_runtime::{AlignedBytes, Asset, FormatError, Pose, PoseError, Transform, VertexId};
+use bdtree_runtime::{FormatError, Model, PoseError, SampleError, Transform, VertexId};
 
 /// A small mesh away from 0, six modes, five frames that move it by up to a third of its size.
 fn animated() -> (RawMesh, Basis) {
@@ -22,9 +22,9 @@ fn animated() -> (RawMesh, Basis) {
 }
 
 fn errors(bytes: &[u8]) -> Vec<FormatError> {
-    let copy = AlignedBytes::copy_of(bytes);
+    let model = Model::from_bytes(bytes).expect("open");
     let mut errors = Vec::new();
-    Asset::open(&copy).expect("open").verify(&mut |error| {
+    model.asset().verify(&mut |error| {
         errors.push(error);
         ControlFlow::Continue(())
     });
@@ -42,16 +42,16 @@ fn queries_on_frames_equal_brute_force() {
 }
 
 fn check_frames(mesh: &RawMesh, basis: &Basis) {
-    let bytes = bake::baked(mesh, basis);
-    assert_eq!(errors(&bytes), []);
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(mesh, basis);
+    let asset = *model.asset();
+    assert_eq!(errors(asset.bytes()), []);
     let mut rng = poses::rng(5);
     for k in 0..asset.frame_count() {
         let frame = asset.frame(k).expect("a frame");
         let place = poses::random_transform(3.0, &mut rng);
         let placed = place.after(frame.transform()).expect("a placement");
-        check_pose(kernels(asset), frame.q(), frame.transform(), k as u64, 12);
-        check_pose(kernels(asset), frame.q(), placed, k as u64, 12);
+        check_pose(kernels(&asset), frame.q(), frame.transform(), k as u64, 12);
+        check_pose(kernels(&asset), frame.q(), placed, k as u64, 12);
     }
 }
 
@@ -73,8 +73,8 @@ fn turned([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
 #[test]
 fn playback_is_what_was_baked() {
     let (mesh, basis) = animated();
-    let bytes = bake::baked(&mesh, &basis);
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &basis);
+    let asset = *model.asset();
     let animation = basis.animation.as_ref().expect("an animation");
     let place = poses::random_transform(3.0, &mut poses::rng(8));
     let m = basis.mode_count();
@@ -84,8 +84,10 @@ fn playback_is_what_was_baked() {
         let placed = place.after(frame.transform()).expect("a placement");
         let mut memory = [0.0; 16];
         let mut memory2 = [0.0; 16];
-        let pose = Pose::new(&asset, frame.q(), frame.transform(), &mut memory).expect("pose");
-        let pose2 = Pose::new(&asset, frame.q(), placed, &mut memory2).expect("pose");
+        let pose = asset
+            .pose(frame.q(), frame.transform(), &mut memory)
+            .expect("pose");
+        let pose2 = asset.pose(frame.q(), placed, &mut memory2).expect("pose");
         for i in 0..mesh.positions.len() {
             let p: [f64; 3] = [0, 1, 2].map(|c| {
                 let moved = (0..m).map(|j| basis.field(j)[i][c] * animation.q[k * m + j]);
@@ -94,7 +96,7 @@ fn playback_is_what_was_baked() {
             let r = turned(motion.rotation, p);
             let expected = [0, 1, 2].map(|c| r[c] + motion.translation[c]);
             let vertex = VertexId(i as u32);
-            let found = asset.deformed(&pose, vertex).expect("vertex");
+            let found = pose.deformed(vertex).expect("vertex");
             // f32 of position, six displacements and their q, all below 2; and f64 at 20.
             let tolerance = 20.0 * 2_f64.powi(-24) + 1e-13;
             let apart = (0..3)
@@ -104,7 +106,7 @@ fn playback_is_what_was_baked() {
             // Composed placements: the same but for f64 rounding at 30 to 70 units.
             let r = turned(place.rotation, found);
             let expected = [0, 1, 2].map(|c| place.scale * r[c] + place.translation[c]);
-            let found = asset.deformed(&pose2, vertex).expect("vertex");
+            let found = pose2.deformed(vertex).expect("vertex");
             let apart = (0..3)
                 .map(|c| (found[c] - expected[c]).abs())
                 .fold(0.0, f64::max);
@@ -145,7 +147,7 @@ fn placements_that_do_not_compose_are_refused() {
 #[test]
 fn broken_rules_are_found_with_their_place() {
     let (mesh, basis) = animated();
-    let sound = bake::baked(&mesh, &basis).to_vec();
+    let sound = bake::baked(&mesh, &basis).asset().bytes().to_vec();
     let limit_at = size_of::<bdtree_format::Header>() + 3 * size_of::<ModeRecord>();
     let limit = mutate::get_f32(&sound, limit_at);
     let place = |kind, offset: usize| mutate::section(&sound, kind).start + offset;
@@ -209,4 +211,85 @@ fn broken_rules_are_found_with_their_place() {
     let found = errors(&bytes);
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!(found[0].byte, record(2, time) as u64);
+}
+
+#[test]
+fn samples_lie_on_and_between_frames() {
+    let (mesh, basis) = animated();
+    let model = bake::baked(&mesh, &basis);
+    let asset = *model.asset();
+    let count = asset.frame_count();
+    let time = |k: usize| asset.frame(k).expect("a frame").time_s().expect("a time");
+    assert_eq!(asset.duration_s(), Some(time(count - 1)));
+    let mut q = vec![f32::NAN; asset.mode_count()];
+    // At a frame exactly its numbers; before the first and after the last theirs.
+    let mut cases: Vec<(f64, usize)> = (0..count).map(|k| (time(k), k)).collect();
+    let ends = [-1.0, -f64::MIN_POSITIVE, f64::NEG_INFINITY].map(|t| (t, 0));
+    cases.extend(ends);
+    cases.extend([time(count - 1).next_up(), 1e9, f64::INFINITY].map(|t| (t, count - 1)));
+    for (time_s, k) in cases {
+        let frame = asset.frame(k).expect("a frame");
+        let motion = asset.sample(time_s, &mut q).expect("a pose");
+        assert_eq!(q, frame.q(), "{time_s}");
+        let given = frame.transform();
+        assert_eq!((motion.translation, motion.scale), (given.translation, 1.0));
+        // Normalised anew, and −q is the same rotation.
+        let same: f64 = (motion.rotation.iter().zip(&given.rotation))
+            .map(|(a, b)| a * b)
+            .sum();
+        assert!((same - 1.0).abs() < 1e-12, "{same}");
+    }
+    for k in 0..count - 1 {
+        let (a, b) = (asset.frame(k).expect("a"), asset.frame(k + 1).expect("b"));
+        for share in [0.25, 0.5, 0.875] {
+            let time_s = time(k) + share * (time(k + 1) - time(k));
+            let motion = asset.sample(time_s, &mut q).expect("a pose");
+            let mix = |a: f64, b: f64| a + share * (b - a);
+            for (found, (a, b)) in q.iter().zip(a.q().iter().zip(b.q())) {
+                let expected = mix(f64::from(*a), f64::from(*b));
+                let size = f64::from(a.abs().max(b.abs()));
+                assert!((f64::from(*found) - expected).abs() <= 1e-6 * size);
+            }
+            let (from, to) = (a.transform(), b.transform());
+            for axis in 0..3 {
+                let expected = mix(from.translation[axis], to.translation[axis]);
+                assert!((motion.translation[axis] - expected).abs() < 1e-12);
+            }
+            let dot =
+                |x: [f64; 4], y: [f64; 4]| -> f64 { x.iter().zip(&y).map(|(x, y)| x * y).sum() };
+            assert!((dot(motion.rotation, motion.rotation) - 1.0).abs() < 1e-12);
+            // On the shorter way, in the plane of both: nearer to each than they are to each other.
+            let apart = dot(from.rotation, to.rotation).abs();
+            let [near, far] = [from, to].map(|end| dot(motion.rotation, end.rotation).abs());
+            assert!(near >= apart - 1e-12 && far >= apart - 1e-12);
+            let between = near.min(1.0).acos() + far.min(1.0).acos();
+            assert!((between - apart.min(1.0).acos()).abs() < 1e-6);
+            // It is a pose of the asset.
+            let mut memory = vec![0.0; asset.pose_len()];
+            asset.pose(&q, motion, &mut memory).expect("a pose");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_sampled_is_refused() {
+    let (mesh, basis) = animated();
+    let model = bake::baked(&mesh, &basis);
+    let mut q = [7.0; 6];
+    let refused = model.asset().sample(f64::NAN, &mut q);
+    assert_eq!(refused, Err(SampleError::Time));
+    let (expected, found) = (6, 5);
+    let refused = model.asset().sample(0.0, &mut q[..5]);
+    assert_eq!(refused, Err(SampleError::ModeCount { expected, found }));
+    let still = bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 2));
+    assert_eq!(still.asset().duration_s(), None);
+    let refused = still.asset().sample(0.0, &mut q);
+    assert_eq!(refused, Err(SampleError::NoFrames));
+    let mut timeless = basis;
+    timeless.animation.as_mut().expect("an animation").times_s = None;
+    let timeless = bake::baked(&mesh, &timeless);
+    assert_eq!(timeless.asset().duration_s(), None);
+    let refused = timeless.asset().sample(0.0, &mut q);
+    assert_eq!(refused, Err(SampleError::NoTimes));
+    assert_eq!(q, [7.0; 6], "nothing is written");
 }

@@ -2,14 +2,13 @@
 //! and where the two hardly move or stay apart no node is visited.
 
 use bdtree_fixtures::{bake, compare, poses};
-use bdtree_runtime::query::{self, PairFront};
 use bdtree_runtime::{
-    AlignedBytes, Asset, FrontSlot, Motion, PairContact, PairStackEntry, Pose, QueryError,
-    Transform, TrianglePair,
+    Asset, Instance, Model, Motion, PairContact, PairFront, QueryError, Transform, TrianglePair,
+    VertexId, Workspace,
 };
 use rand::RngExt;
 
-fn bumpy() -> AlignedBytes {
+fn bumpy() -> Model {
     let mesh = bake::bumpy_sphere(20, 3);
     bake::baked(&mesh, &bake::smooth_basis(&mesh, 7, 4))
 }
@@ -34,8 +33,9 @@ struct Speed {
 fn walk(asset: &Asset<'_>, slots: usize, gap: f64, speed: Speed, steps: usize, seed: u64) -> Tally {
     let mut rng = poses::rng(seed);
     let size = poses::diagonal(asset) * asset.unit();
-    let mut front = PairFront::new(vec![FrontSlot::EMPTY; slots]);
-    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
+    let mut bytes = vec![0xff; 16 * slots + 7];
+    let mut front = PairFront::in_bytes(&mut bytes);
+    let mut workspace = Workspace::new();
     let mut q = [0, 1].map(|_| poses::random_q(asset, 0.1, &mut rng));
     let mut places = [0, 1].map(|k| Transform {
         translation: [gap * size * f64::from(k), 0.0, 0.0],
@@ -48,19 +48,19 @@ fn walk(asset: &Asset<'_>, slots: usize, gap: f64, speed: Speed, steps: usize, s
         let mut memory = [0; 4].map(|_| vec![0.0; asset.pose_len()]);
         let [m0, m1, m2, m3] = &mut memory;
         let now = [
-            Pose::new(asset, &q[0], places[0], m0).unwrap(),
-            Pose::new(asset, &q[1], places[1], m1).unwrap(),
+            asset.pose(&q[0], places[0], m0).unwrap(),
+            asset.pose(&q[1], places[1], m1).unwrap(),
         ];
         let motions = match &before {
             None => [Motion::new(&now[0]), Motion::new(&now[1])],
             Some([a, b]) => {
                 let old = [
-                    Pose::new(asset, &a.0, a.1, m2).unwrap(),
-                    Pose::new(asset, &b.0, b.1, m3).unwrap(),
+                    asset.pose(&a.0, a.1, m2).unwrap(),
+                    asset.pose(&b.0, b.1, m3).unwrap(),
                 ];
                 let mut motions = [a.2, b.2];
                 for k in 0..2 {
-                    motions[k].advance(asset, &old[k], &now[k]).unwrap();
+                    motions[k].advance(&old[k], &now[k]).unwrap();
                 }
                 motions
             }
@@ -71,25 +71,19 @@ fn walk(asset: &Asset<'_>, slots: usize, gap: f64, speed: Speed, steps: usize, s
             0.005 * size
         };
         let (mut with, mut without): (Vec<TrianglePair>, Vec<TrianglePair>) = (vec![], vec![]);
-        let first = (asset, &now[0], &motions[0]);
-        let second = (asset, &now[1], &motions[1]);
-        let outcome = front
-            .touching(first, second, tolerance, &mut stack, &mut with)
-            .unwrap();
-        let plain = query::touching(
-            (asset, &now[0]),
-            (asset, &now[1]),
-            tolerance,
-            &mut stack,
-            &mut without,
-        )
-        .unwrap();
+        let moving = [0, 1].map(|k| now[k].moving(&motions[k]).unwrap());
+        let mut query = moving[0]
+            .against(&moving[1], &mut workspace)
+            .front(&mut front);
+        query.triangle_pairs(tolerance, &mut with).unwrap();
+        tally.visits_with += query.stats().nodes_visited;
+        let mut query = now[0].against(&now[1], &mut workspace);
+        query.triangle_pairs(tolerance, &mut without).unwrap();
+        tally.visits_without += query.stats().nodes_visited;
         with.sort_unstable_by_key(|p| (p.triangle1, p.triangle2));
         without.sort_unstable_by_key(|p| (p.triangle1, p.triangle2));
         assert_eq!(with, without, "step {step}");
         tally.touching += with.len();
-        tally.visits_with += outcome.nodes_visited;
-        tally.visits_without += plain.nodes_visited;
         tally.steps_apart += usize::from(with.is_empty());
 
         let [p0, p1] = places;
@@ -117,9 +111,9 @@ fn walk(asset: &Asset<'_>, slots: usize, gap: f64, speed: Speed, steps: usize, s
 
 #[test]
 fn answers_are_those_of_a_walk_from_the_root() {
-    let bytes = bumpy();
+    let model = bumpy();
     let mut touching = 0;
-    for asset in compare::kernels(Asset::open(&bytes).unwrap()) {
+    for asset in compare::kernels(model.asset()) {
         for (seed, (q, place)) in [(0.0003, 0.0003), (0.004, 0.0), (0.0, 0.01), (0.1, 0.1)]
             .into_iter()
             .enumerate()
@@ -136,8 +130,8 @@ fn answers_are_those_of_a_walk_from_the_root() {
 
 #[test]
 fn slow_pairs_and_separate_ones_visit_few_nodes() {
-    let bytes = bumpy();
-    let asset = Asset::open(&bytes).unwrap();
+    let model = bumpy();
+    let asset = *model.asset();
     let speed = Speed {
         q: 0.0002,
         place: 0.0002,
@@ -156,72 +150,108 @@ fn slow_pairs_and_separate_ones_visit_few_nodes() {
 
 #[test]
 fn points_are_the_same_too_and_wrong_motions_are_refused() {
-    let bytes = bumpy();
-    let asset = &Asset::open(&bytes).unwrap();
+    let model = bumpy();
+    let asset = model.asset();
     let size = poses::diagonal(asset) * asset.unit();
     let mut rng = poses::rng(1);
     let mut memory = [0; 3].map(|_| vec![0.0; asset.pose_len()]);
     let [m0, m1, m2] = &mut memory;
     let q = poses::random_q(asset, 0.1, &mut rng);
-    let aside = Transform {
-        translation: [0.5 * size, 0.0, 0.0],
-        ..Transform::IDENTITY
-    };
-    let a = Pose::new(asset, &q, Transform::IDENTITY, m0).unwrap();
-    let b = Pose::new(asset, &q, aside, m1).unwrap();
+    let aside = Transform::from_translation([0.5 * size, 0.0, 0.0]);
+    let a = asset.pose(&q, Transform::IDENTITY, m0).unwrap();
+    let b = asset.pose(&q, aside, m1).unwrap();
     let further: Vec<f32> = q.iter().map(|q| q * 1.001).collect();
-    let c = Pose::new(asset, &further, aside, m2).unwrap();
+    let c = asset.pose(&further, aside, m2).unwrap();
     let (motion_a, mut motion_b) = (Motion::new(&a), Motion::new(&b));
-    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
-    let mut front = PairFront::new([FrontSlot::EMPTY; 2048]);
+    let mut workspace = Workspace::new();
+    let mut front = PairFront::new();
+    let mut contacts: Vec<PairContact> = Vec::new();
+    // Poses that do not say how far they have moved.
+    for (first, second) in [(a, b), (a.moving(&motion_a).unwrap(), b)] {
+        let mut query = first.against(&second, &mut workspace).front(&mut front);
+        assert_eq!(query.contacts(0.0, &mut contacts), Err(QueryError::Motion));
+        assert_eq!(query.intersects(), Err(QueryError::Motion));
+        let mut ids: Vec<TrianglePair> = Vec::new();
+        let refused = query.triangle_pairs(0.0, &mut ids);
+        assert_eq!(refused, Err(QueryError::Motion));
+    }
+    assert!(contacts.is_empty());
+    let (a, b) = (a.moving(&motion_a).unwrap(), b.moving(&motion_b).unwrap());
     for round in 0..3 {
         let (mut with, mut without): (Vec<PairContact>, Vec<PairContact>) = (vec![], vec![]);
-        let outcome = front
-            .pair(
-                (asset, &a, &motion_a),
-                (asset, &b, &motion_b),
-                0.0,
-                &mut stack,
-                &mut with,
-            )
-            .unwrap();
-        query::pair((asset, &a), (asset, &b), 0.0, &mut stack, &mut without).unwrap();
+        let mut query = a.against(&b, &mut workspace).front(&mut front);
+        query.contacts(0.0, &mut with).unwrap();
+        let visited = query.stats().nodes_visited;
+        assert_eq!(query.intersects(), Ok(true));
+        let mut query = a.against(&b, &mut workspace);
+        query.contacts(0.0, &mut without).unwrap();
         assert!(!with.is_empty());
         assert_eq!(with, without);
-        assert_eq!(outcome.nodes_visited == 0, round > 0, "nothing moves");
+        // The first walk finds out how much memory the front takes, the second fills it.
+        assert_eq!(visited == 0, round > 1, "nothing moves");
     }
     // The motion has not come to c yet.
-    let mut contacts: Vec<PairContact> = Vec::new();
-    let refused = front.pair(
-        (asset, &a, &motion_a),
-        (asset, &c, &motion_b),
-        0.0,
-        &mut stack,
-        &mut contacts,
-    );
-    assert_eq!(refused, Err(QueryError::PoseMismatch));
-    assert_eq!(
-        motion_b.advance(asset, &c, &b),
-        Err(QueryError::PoseMismatch)
-    );
-    motion_b.advance(asset, &b, &c).unwrap();
+    assert_eq!(c.moving(&motion_b).err(), Some(QueryError::Motion));
+    assert_eq!(motion_b.advance(&c, &b), Err(QueryError::Motion));
+    motion_b.advance(&b, &c).unwrap();
     assert!(motion_b.total() > 0.0);
-    front
-        .pair(
-            (asset, &a, &motion_a),
-            (asset, &c, &motion_b),
-            0.0,
-            &mut stack,
-            &mut contacts,
-        )
-        .unwrap();
+    let c = c.moving(&motion_b).unwrap();
+    let mut query = a.against(&c, &mut workspace).front(&mut front);
+    query.contacts(0.0, &mut contacts).unwrap();
+    // Elsewhere it has no motion any more.
+    let placed = c.placed(Transform::IDENTITY).unwrap();
+    let mut query = a.against(&placed, &mut workspace).front(&mut front);
+    assert_eq!(query.intersects(), Err(QueryError::Motion));
+}
+
+/// A front that another pair takes, whose poses are the same as those where the first pair stood: nothing of
+/// the first pair is answered.
+#[test]
+fn a_front_of_another_pair_begins_anew() {
+    let model = bumpy();
+    let size = poses::diagonal(model.asset()) * model.asset().unit();
+    let near = Transform::from_translation([0.5 * size, 0.0, 0.0]);
+    let far = Transform::from_translation([2.0 * size, 0.0, 0.0]);
+    let mut workspace = Workspace::new();
+    let mut front = PairFront::new();
+    let mut bodies = [0; 4].map(|_| Instance::new(&model).unwrap());
+    let mut found: Vec<TrianglePair> = Vec::new();
+    let [a, b, c, d] = &mut bodies;
+    // Both pairs start at the same poses, and each moves away by the same steps.
+    let mut answers = [Vec::new(), Vec::new()];
+    for (step, place) in [near, near, near, far, near].into_iter().enumerate() {
+        // The second pair is one step behind.
+        for (pair, answers) in [(&mut *a, &mut *b), (&mut *c, &mut *d)]
+            .into_iter()
+            .zip(&mut answers)
+        {
+            let (first, second) = pair;
+            second.set_placement(place).unwrap();
+            found.clear();
+            let mut query = first.against(second, &mut workspace).front(&mut front);
+            query.triangle_pairs(0.0, &mut found).unwrap();
+            assert_eq!(found.is_empty(), place == far, "step {step}");
+            found.sort_unstable();
+            answers.push(found.clone());
+        }
+    }
+    assert_eq!(answers[0], answers[1]);
+    // One stays apart where the other touches: the front says of each what is true of it.
+    for round in 0..40 {
+        b.set_placement(near).unwrap();
+        d.set_placement(far).unwrap();
+        let mut query = a.against(b, &mut workspace).front(&mut front);
+        assert_eq!(query.intersects(), Ok(true), "round {round}");
+        let mut query = c.against(d, &mut workspace).front(&mut front);
+        assert_eq!(query.intersects(), Ok(false), "round {round}");
+    }
 }
 
 /// No vertex comes farther than the motion says.
 #[test]
 fn motion_bounds_the_way_of_every_vertex() {
-    let bytes = bumpy();
-    let asset = &Asset::open(&bytes).unwrap();
+    let model = bumpy();
+    let asset = model.asset();
     let size = poses::diagonal(asset) * asset.unit();
     let mut rng = poses::rng(9);
     for round in 0..40 {
@@ -239,15 +269,15 @@ fn motion_bounds_the_way_of_every_vertex() {
         let q = poses::random_q(asset, 0.1, &mut rng);
         let change = poses::random_q(asset, share, &mut rng);
         let moved: Vec<f32> = q.iter().zip(change).map(|(q, c)| q + c).collect();
-        let from = Pose::new(asset, &q, place, m0).unwrap();
-        let to = Pose::new(asset, &moved, next, m1).unwrap();
+        let from = asset.pose(&q, place, m0).unwrap();
+        let to = asset.pose(&moved, next, m1).unwrap();
         let mut motion = Motion::new(&from);
-        motion.advance(asset, &from, &to).unwrap();
+        motion.advance(&from, &to).unwrap();
         let mut largest = 0.0_f64;
         for vertex in 0..asset.vertex_count() as u32 {
-            let vertex = bdtree_runtime::VertexId(vertex);
-            let a = asset.deformed(&from, vertex).unwrap();
-            let b = asset.deformed(&to, vertex).unwrap();
+            let vertex = VertexId(vertex);
+            let a = from.deformed(vertex).unwrap();
+            let b = to.deformed(vertex).unwrap();
             let way = (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt();
             largest = largest.max(way);
         }

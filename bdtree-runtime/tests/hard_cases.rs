@@ -9,7 +9,7 @@ use bdtree_build::progress::Silent;
 use bdtree_fixtures::hard::{ROUNDS, check_case, hard_cases, placements, refused_cases};
 use bdtree_fixtures::oracle;
 use bdtree_fixtures::oracle::exact;
-use bdtree_runtime::{Asset, Pose, StackEntry, Transform, query};
+use bdtree_runtime::{Asset, Ray, Transform, Workspace};
 
 fn rounds() -> usize {
     match std::env::var("BDTREE_HARD_ROUNDS") {
@@ -48,13 +48,13 @@ fn flushed_subnormals_change_nothing_on_hard_cases() {
     use bdtree_fixtures::compare::{check_pose, kernels};
     use bdtree_fixtures::flush::with_mode;
     for case in hard_cases() {
-        let bytes = case.bake();
-        let asset = Asset::open(&bytes).expect("open");
+        let model = case.bake();
+        let asset = *model.asset();
         for (i, q) in case.poses(&asset).iter().enumerate() {
             let places = placements();
             for n in [0, i] {
                 let place = places[n % places.len()].1;
-                with_mode(true, || check_pose(kernels(asset), q, place, i as u64, 1));
+                with_mode(true, || check_pose(kernels(&asset), q, place, i as u64, 1));
             }
         }
     }
@@ -65,14 +65,15 @@ fn flushed_subnormals_change_nothing_on_hard_cases() {
 fn rays_slip_through_no_closed_body() {
     let mut rays = 0;
     for case in hard_cases().iter().filter(|case| case.is_star) {
-        let bytes = case.bake();
-        let asset = Asset::open(&bytes).expect("open");
+        let model = case.bake();
+        let asset = *model.asset();
         let q = vec![0.0; asset.mode_count()];
         for (name, place) in placements() {
             let mut memory = vec![0.0; asset.pose_len()];
-            let pose = Pose::new(&asset, &q, place, &mut memory).expect("pose");
-            let body = oracle::deformed_triangles(&asset, &pose);
-            let mut stack = vec![StackEntry::default(); asset.stack_len()];
+            let pose = asset.pose(&q, place, &mut memory).expect("pose");
+            let body = oracle::deformed_triangles(&pose);
+            let mut workspace = Workspace::new();
+            let mut query = pose.query(&mut workspace);
             let count = (3 * body.len()) as f64;
             let middle =
                 [0, 1, 2].map(|k| body.iter().flatten().map(|x| x[k]).sum::<f64>() / count);
@@ -80,8 +81,7 @@ fn rays_slip_through_no_closed_body() {
                 let between = |s: f64| [0, 1, 2].map(|k| a[k] + s * (b[k] - a[k]));
                 for target in [*a, *b, *c, between(0.5), between(0.3)] {
                     let d = [0, 1, 2].map(|k| target[k] - middle[k]);
-                    let hit = query::ray(&asset, &pose, middle, d, f64::INFINITY, &mut stack);
-                    let hit = hit.expect("ray").hit;
+                    let hit = query.cast_ray(&Ray::new(middle, d)).expect("ray");
                     assert!(hit.is_some(), "{}, {name}: at {target:?}", case.name);
                     rays += 1;
                 }
@@ -97,8 +97,8 @@ fn rays_slip_through_no_closed_body() {
 #[test]
 fn distances_are_exact_to_what_narrow_states() {
     for case in hard_cases() {
-        let bytes = case.bake();
-        let asset = Asset::open(&bytes).expect("open");
+        let model = case.bake();
+        let asset = *model.asset();
         let mut worst = 0.0_f64;
         for q in case.poses(&asset) {
             for (_, place) in placements() {
@@ -112,16 +112,17 @@ fn distances_are_exact_to_what_narrow_states() {
 
 fn off(asset: &Asset<'_>, q: &[f32], place: Transform) -> f64 {
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(asset, q, place, &mut memory).expect("pose");
-    let body = oracle::deformed_triangles(asset, &pose);
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let pose = asset.pose(q, place, &mut memory).expect("pose");
+    let body = oracle::deformed_triangles(&pose);
+    let mut workspace = Workspace::new();
+    let mut query = pose.query(&mut workspace);
     let (t, far) = (&body[body.len() / 3], &body[body.len() / 2]);
     let mut worst = 0.0_f64;
     for s in [0.0, 0.01, 1.5] {
         let to =
             [0, 1, 2].map(|k| t[0][k] + s * (far[2][k] - t[0][k]) + s * s * (t[1][k] - t[0][k]));
-        let near = query::closest(asset, &pose, to, f64::INFINITY, &mut stack).expect("closest");
-        let near = near.hit.expect("a triangle");
+        let near = query.project_point(to, f64::INFINITY).expect("closest");
+        let near = near.expect("a triangle");
         let expected = exact::distance(to, &body, near.distance);
         let corners = body[near.triangle.0 as usize];
         let reach = corners

@@ -14,8 +14,8 @@ use bdtree_fixtures::sections::{put_together, take_apart};
 use bdtree_fixtures::{mutate, poses};
 use bdtree_format::{Header, NodeRecord, SectionKind, SectionRecord};
 use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, LeafSlot, NodeSlot, Pose, Posed, QueryError, SearchEntry,
-    StackEntry, StepCache, Transform, query,
+    Asset, Ball, CacheSize, Capsule, Contact, Cuboid, HalfSpace, Model, QueryError, Shape,
+    StepCache, Transform, Workspace,
 };
 use rand::RngExt;
 
@@ -49,15 +49,15 @@ fn damaged_files_are_harmless() {
 #[test]
 fn every_truncation_is_refused() {
     let mut lengths = 0;
-    for (name, bytes) in SOURCES.all() {
-        Asset::open(bytes).expect("the whole file opens");
+    for (name, model) in SOURCES.all() {
+        let bytes = model.asset().bytes();
         for length in 0..bytes.len() {
             let error = Asset::open(&bytes[..length]);
             located(&error.expect_err("a truncated file"));
         }
         lengths += bytes.len();
-        let longer = AlignedBytes::copy_of(&[bytes, &[0][..]].concat());
-        assert!(Asset::open(&longer).is_err(), "{name}");
+        let longer = [bytes, &[0][..]].concat();
+        assert!(Model::from_bytes(&longer).is_err(), "{name}");
     }
     println!("{lengths} lengths");
 }
@@ -66,31 +66,29 @@ fn every_truncation_is_refused() {
 /// `asked`-th file that opens, and of the same with its checksums made to fit, everything is asked.
 /// Returns the flips and the files opened.
 fn flip(bytes: &[u8], first: usize, step: usize, asked: usize) -> [usize; 2] {
-    let partner = Asset::open(&SOURCES.partner).expect("open");
+    let partner = SOURCES.partner.asset();
     let mut rng = poses::rng(first as u64);
     let body = mutate::get_u32(bytes, offset_of!(Header, header_bytes)) as usize;
-    let mut flipped = AlignedBytes::copy_of(bytes).to_vec();
+    let mut flipped = bytes.to_vec();
     let mut counts = [0, 0];
     for bit in (first..8 * bytes.len()).step_by(step) {
         flipped[bit / 8] ^= 1 << (bit % 8);
-        let copy = AlignedBytes::copy_of(&flipped);
         let ask = counts[0] % asked == 0;
         counts[0] += 1;
-        if let Ok(asset) = Asset::open(&copy) {
-            assert!(refused(&asset), "bit {bit} of {} bytes", bytes.len());
+        if let Ok(model) = Model::from_bytes(&flipped) {
+            assert!(refused(model.asset()), "bit {bit} of {} bytes", bytes.len());
             counts[1] += 1;
             if ask {
-                ask_everything(&asset, &partner, &mut rng);
+                ask_everything(model.asset(), partner, &mut rng);
             }
         }
         if ask && bit / 8 < body {
             // No promise but to end.
             let mut repaired = flipped.clone();
             mutate::repair(&mut repaired);
-            let copy = AlignedBytes::copy_of(&repaired);
-            if let Ok(asset) = Asset::open(&copy) {
-                let _ = refused(&asset);
-                ask_everything(&asset, &partner, &mut rng);
+            if let Ok(model) = Model::from_bytes(&repaired) {
+                let _ = refused(model.asset());
+                ask_everything(model.asset(), partner, &mut rng);
             }
         }
         flipped[bit / 8] ^= 1 << (bit % 8);
@@ -104,8 +102,9 @@ fn flip(bytes: &[u8], first: usize, step: usize, asked: usize) -> [usize; 2] {
 fn every_flipped_bit_is_found_and_harmless() {
     let all = std::env::var_os("BDTREE_FLIP_ALL").is_some();
     let mut total = [0, 0];
-    for (k, (name, bytes)) in SOURCES.all().iter().enumerate() {
-        assert!(!refused(&Asset::open(bytes).expect("open")), "{name}");
+    for (k, (name, model)) in SOURCES.all().iter().enumerate() {
+        assert!(!refused(model.asset()), "{name}");
+        let bytes = model.asset().bytes();
         let small = bytes.len() < 6_000;
         let (step, asked) = match *name {
             "tetrahedron.bdt" => (1, 1),
@@ -128,18 +127,17 @@ fn every_flipped_bit_is_found_and_harmless() {
 /// files.
 #[test]
 fn nothing_public_is_left_out() {
-    /// What damaged files cannot reach: plain memory, and the file's own door.
-    const ELSEWHERE: [&str; 11] = [
-        "copy_of",
-        "read",
-        "as_slice",
+    /// What damaged files cannot reach: plain memory, placements, and the file's own doors.
+    const ELSEWHERE: [&str; 10] = [
+        "open",
+        "load",
+        "from_static",
         "items",
         "items_mut",
-        "clear",
-        "bytes",
-        "header",
         "state",
-        "pose",
+        "to_columns",
+        "from_columns",
+        "with_scale",
         // Of what a step has in its memory: an index against tags.
         "keeps",
     ];
@@ -197,9 +195,9 @@ fn nothing_public_is_left_out() {
 }
 
 /// A few hundred triangles, on several levels.
-fn larger() -> &'static AlignedBytes {
-    let (_, bytes) = SOURCES.larger().last().expect("one");
-    bytes
+fn larger() -> &'static [u8] {
+    let (_, model) = SOURCES.larger().last().expect("one");
+    model.asset().bytes()
 }
 
 /// A node that is its own child and that no other node leads to: counts and levels fit.
@@ -244,10 +242,9 @@ fn a_node_that_is_its_own_child_is_found() {
         &64_u64.to_le_bytes(),
     );
     mutate::repair(&mut bytes);
-    let bytes = AlignedBytes::copy_of(&bytes);
-    let asset = Asset::open(&bytes).expect("open");
+    let model = Model::from_bytes(&bytes).expect("open");
     let mut rules = Vec::new();
-    asset.verify(&mut |e| {
+    model.asset().verify(&mut |e| {
         rules.push(e.rule);
         ControlFlow::Continue(())
     });
@@ -260,7 +257,7 @@ fn a_node_that_is_its_own_child_is_found() {
 /// Two nodes with the same leaf: each triangle is met twice, which no walk of one tree may do.
 #[test]
 fn leaves_that_share_triangles_end_a_walk() {
-    let sound = &SOURCES.small()[0].1;
+    let sound = SOURCES.small()[0].1.asset().bytes();
     let mut parts = take_apart(sound);
     let nodes = parts.iter_mut().find(|p| p.kind() == SectionKind::NODES);
     let nodes = &mut nodes.expect("nodes").body;
@@ -289,38 +286,36 @@ fn leaves_that_share_triangles_end_a_walk() {
         mutate::put(&mut bytes, at, &value.to_le_bytes());
     }
     mutate::repair(&mut bytes);
-    let bytes = AlignedBytes::copy_of(&bytes);
-    for asset in kernels(Asset::open(&bytes).expect("open")) {
+    let model = Model::from_bytes(&bytes).expect("open");
+    for asset in kernels(model.asset()) {
         assert!(refused(&asset));
-        let pose = Pose::new(&asset, &[], Transform::IDENTITY, &mut []).expect("pose");
-        let mut stack = vec![StackEntry::default(); asset.stack_len()];
-        let mut cache = StepCache::new([NodeSlot::EMPTY; 4], [LeafSlot::EMPTY; 40]);
-        let mut cached = cache.start(&pose);
-        let mut queue = vec![SearchEntry::default(); 100];
-        let (at, far, stack) = ([0.0; 3], 100.0, &mut stack);
+        let pose = asset.pose(&[], Transform::IDENTITY, &mut []).expect("pose");
+        let mut workspace = Workspace::new();
+        let mut cache = StepCache::new(CacheSize {
+            nodes: 4,
+            leaves: 40,
+        });
+        cache.start(&pose);
+        let (at, far) = ([0.0; 3], 100.0);
         let mut found: Vec<Contact> = Vec::new();
         let mut proxies = Vec::new();
-        let bounded = Posed::from(&pose).bounded(9, &mut proxies);
-        let answers = [
-            query::ball(&asset, &pose, at, far, stack, &mut found).err(),
-            query::ball(&asset, &mut cached, at, far, stack, &mut found).err(),
-            query::ball(&asset, bounded, at, far, stack, &mut found).err(),
-            query::plane(&asset, &pose, [1.0, 0.0, 0.0], far, stack, &mut found).err(),
-            query::capsule(&asset, &pose, at, [1.0; 3], far, stack, &mut found).err(),
-            query::cuboid(
-                &asset,
-                &pose,
-                at,
-                [0.0, 0.0, 0.0, 1.0],
-                [far; 3],
-                stack,
-                &mut found,
-            )
-            .err(),
-            query::Budget::new(u64::MAX, &mut queue)
-                .ball(&asset, &pose, at, far, &mut found)
-                .err(),
-        ];
+        let ball = Ball::new(at, far);
+        let mut answers = Vec::new();
+        for shape in [
+            ball.into(),
+            HalfSpace::new([1.0, 0.0, 0.0], far).into(),
+            Capsule::new(at, [1.0; 3], far).into(),
+            Shape::from(Cuboid::new(at, [far; 3])),
+        ] {
+            let mut query = pose.query(&mut workspace);
+            answers.push(query.contacts(shape, &mut found).err());
+        }
+        let mut query = pose.query(&mut workspace).cached(&mut cache);
+        answers.push(query.contacts(ball, &mut found).err());
+        let mut query = pose.query(&mut workspace).max_level(9, &mut proxies);
+        answers.push(query.contacts(ball, &mut found).err());
+        let mut query = pose.query(&mut workspace).max_visits(u64::MAX);
+        answers.push(query.contacts(ball, &mut found).err());
         for answer in answers {
             let Some(QueryError::Corrupt(error)) = answer else {
                 panic!("{answer:?}");
@@ -339,9 +334,9 @@ fn leaves_that_share_triangles_end_a_walk() {
 fn noise_is_refused() {
     let mut rng = poses::rng(7);
     for _ in 0..20_000 {
-        let mut bytes = SOURCES.small()[1].1.to_vec();
+        let mut bytes = SOURCES.small()[1].1.asset().bytes().to_vec();
         let from = [0, 8, 12, 128][rng.random_range(0..4)];
         rng.fill(&mut bytes[from..]);
-        assert!(Asset::open(&AlignedBytes::copy_of(&bytes)).is_err());
+        assert!(Model::from_bytes(&bytes).is_err());
     }
 }

@@ -4,12 +4,13 @@
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use bdtree_fixtures::{bake, poses};
-use bdtree_runtime::{Asset, Kernel, Pose, Transform};
+use bdtree_runtime::studies::pose_within;
+use bdtree_runtime::{Kernel, Pose, Transform};
 
 /// The bits of all spheres of an asset at a pose; NaN as one of them.
-fn bits(asset: &Asset<'_>, pose: &Pose<'_>) -> Vec<u32> {
-    let rows = (0..asset.node_count() as u32).flat_map(|node| {
-        let spheres = asset.node_spheres(pose, node).expect("node");
+fn bits(pose: &Pose<'_>) -> Vec<u32> {
+    let rows = (0..pose.asset().node_count() as u32).flat_map(|node| {
+        let spheres = pose.node_spheres(node).expect("node");
         let [x, y, z] = spheres.centre;
         [x, y, z, spheres.radius]
     });
@@ -20,8 +21,8 @@ fn bits(asset: &Asset<'_>, pose: &Pose<'_>) -> Vec<u32> {
 
 /// Returns the poses compared.
 fn check(mesh: &RawMesh, basis: &Basis) -> usize {
-    let bytes = bake::baked(mesh, basis);
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(mesh, basis);
+    let asset = *model.asset();
     let scalar = asset.with_kernel(Kernel::Scalar).expect("scalar");
     let mut rng = poses::rng(7);
     let mut qs = poses::hard_qs(&asset);
@@ -31,13 +32,14 @@ fn check(mesh: &RawMesh, basis: &Basis) -> usize {
     for q in &qs {
         for tolerance in [0.0, 0.01 * size] {
             let mut memory = vec![0.0; asset.pose_len()];
-            let place = Transform::IDENTITY;
-            let pose = Pose::with_tolerance(&asset, q, place, tolerance, &mut memory);
-            let pose = pose.expect("pose");
-            let expected = bits(&scalar, &pose);
+            let here = Transform::IDENTITY;
+            let pose = pose_within(&scalar, q, here, tolerance, &mut memory);
+            let expected = bits(&pose.expect("pose"));
             for kernel in Kernel::ALL {
                 if let Some(asset) = asset.with_kernel(kernel) {
-                    assert!(bits(&asset, &pose) == expected, "{kernel:?}, q {q:?}");
+                    let pose = pose_within(&asset, q, here, tolerance, &mut memory);
+                    let found = bits(&pose.expect("pose"));
+                    assert!(found == expected, "{kernel:?}, q {q:?}");
                     compared += 1;
                 }
             }

@@ -2,10 +2,9 @@
 
 use bdtree_build::input::RawMesh;
 use bdtree_fixtures::{bake, poses};
-use bdtree_runtime::query::{self, ContactRegion, ManifoldSlot};
 use bdtree_runtime::{
-    AlignedBytes, Asset, PairContact, PairStackEntry, Pose, QueryError, SliceSink, StackEntry,
-    Transform, add_generalized_force,
+    ContactManifold, Coverage, Model, PairContact, Pose, QueryError, SliceSink, Transform,
+    Workspace,
 };
 use rand::seq::SliceRandom;
 
@@ -18,7 +17,7 @@ fn mesh(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> RawMesh {
     }
 }
 
-fn rigid(mesh: &RawMesh) -> AlignedBytes {
+fn rigid(mesh: &RawMesh) -> Model {
     bake::baked(mesh, &bake::rigid(mesh))
 }
 
@@ -113,40 +112,27 @@ fn place(translation: [f64; 3]) -> Transform {
     }
 }
 
-/// The pairs of two posed assets and their regions.
-fn contact(
-    (asset1, pose1): (&Asset<'_>, &Pose<'_>),
-    (asset2, pose2): (&Asset<'_>, &Pose<'_>),
-    tolerance: f64,
-) -> (Vec<PairContact>, Vec<ContactRegion>) {
-    let mut stack = vec![PairStackEntry::default(); asset1.pair_stack_len(asset2)];
-    let mut pairs = Vec::new();
-    query::pair(
-        (asset1, pose1),
-        (asset2, pose2),
-        tolerance,
-        &mut stack,
-        &mut pairs,
-    )
-    .expect("pair");
-    let regions = regions((asset1, pose1), (asset2, pose2), &mut pairs);
+/// The pairs of two posed assets and their regions, which are those of the pairs.
+fn contact(a: &Pose<'_>, b: &Pose<'_>, tolerance: f64) -> (Vec<PairContact>, Vec<ContactManifold>) {
+    let mut workspace = Workspace::new();
+    let mut query = a.against(b, &mut workspace);
+    let (mut pairs, mut whole) = (Vec::new(), Vec::new());
+    query.contacts(tolerance, &mut pairs).expect("pair");
+    let coverage = query.contact_manifolds(tolerance, &mut whole);
+    assert_eq!(coverage, Ok(Coverage::Complete));
+    let regions = regions(a, b, &mut pairs);
+    assert_eq!(regions, whole);
     (pairs, regions)
 }
 
-fn regions(
-    (asset1, pose1): (&Asset<'_>, &Pose<'_>),
-    (asset2, pose2): (&Asset<'_>, &Pose<'_>),
-    pairs: &mut [PairContact],
-) -> Vec<ContactRegion> {
-    let mut memory = vec![ManifoldSlot::default(); ManifoldSlot::count(pairs.len())];
-    let room = asset1.stack_len().max(asset2.stack_len());
-    let mut stack = vec![StackEntry::default(); room];
+fn regions(a: &Pose<'_>, b: &Pose<'_>, pairs: &mut [PairContact]) -> Vec<ContactManifold> {
+    let mut workspace = Workspace::new();
     let mut regions = Vec::new();
-    let (a, b) = ((asset1, pose1), (asset2, pose2));
-    let truncated = query::manifold(a, b, pairs, &mut memory, &mut stack, &mut regions);
-    assert!(!truncated.expect("manifold"));
+    let coverage = a.against(b, &mut workspace).condense(pairs, &mut regions);
+    assert_eq!(coverage, Ok(Coverage::Complete));
     for region in &regions {
-        let length = region.normal.iter().map(|c| c * c).sum::<f64>();
+        let length = region.normal1.iter().map(|c| c * c).sum::<f64>();
+        assert_eq!(region.normal2, region.normal1.map(|c| -c));
         assert!((length - 1.0).abs() < 1e-12 && region.depth >= 0.0 && region.area >= 0.0);
         let area: f64 = region.points().iter().map(|p| p.area).sum();
         assert!(
@@ -168,20 +154,16 @@ fn between(
     b: &RawMesh,
     tb: Transform,
     tolerance: f64,
-) -> Vec<ContactRegion> {
+) -> Vec<ContactManifold> {
     let (a, b) = (rigid(a), rigid(b));
-    let (a, b) = (
-        Asset::open(&a).expect("open"),
-        Asset::open(&b).expect("open"),
-    );
-    let pose_a = Pose::new(&a, &[], ta, &mut []).expect("pose");
-    let pose_b = Pose::new(&b, &[], tb, &mut []).expect("pose");
-    contact((&a, &pose_a), (&b, &pose_b), tolerance).1
+    let a = a.asset().pose(&[], ta, &mut []).expect("pose");
+    let b = b.asset().pose(&[], tb, &mut []).expect("pose");
+    contact(&a, &b, tolerance).1
 }
 
 /// Depth times area over the points.
-fn volume(region: &ContactRegion) -> f64 {
-    region.points().iter().map(|p| -p.dist * p.area).sum()
+fn volume(region: &ContactManifold) -> f64 {
+    region.points().iter().map(|p| -p.distance * p.area).sum()
 }
 
 #[track_caller]
@@ -204,7 +186,7 @@ fn spheres(n: u32, direction: [f64; 3], d: f64) -> [f64; 4] {
     );
     assert_eq!(found.len(), 1);
     let [region] = found[..] else { unreachable!() };
-    let along: f64 = (0..3).map(|k| region.normal[k] * direction[k]).sum();
+    let along: f64 = (0..3).map(|k| region.normal1[k] * direction[k]).sum();
     let area = std::f64::consts::PI * (d - d * d / 4.0);
     let shared = std::f64::consts::PI * (6.0 - d) * d * d / 12.0;
     [
@@ -249,13 +231,13 @@ fn a_box_in_a_plane() {
             panic!("{} regions", found.len())
         };
         for k in 0..3 {
-            near(region.normal[k], [0.0, 0.0, -1.0][k], 1e-12);
+            near(region.normal1[k], [0.0, 0.0, -1.0][k], 1e-12);
         }
         near(region.depth, d, 1e-12);
         near(region.area, 0.5, 1e-12);
         assert_eq!(region.points().len(), 4);
         for point in region.points() {
-            near(point.dist, -d, 1e-12);
+            near(point.distance, -d, 1e-12);
             near(point.point1[0].abs(), 0.5 / 3_f64.sqrt(), 1e-9);
             near(point.point1[1].abs(), 0.25 / 3_f64.sqrt(), 1e-9);
             near(point.point1[2], -d, 1e-12);
@@ -269,7 +251,7 @@ fn a_box_in_a_plane() {
             Transform::IDENTITY,
             0.0,
         );
-        near(swapped[0].normal[2], 1.0, 1e-12);
+        near(swapped[0].normal1[2], 1.0, 1e-12);
         near(volume(&swapped[0]), 0.5 * d, 1e-12);
     }
 }
@@ -291,7 +273,7 @@ fn a_cylinder_in_a_plane() {
     let segment = radius * radius * (half / radius).asin() - half * (radius - d);
     // 96 sides: sagitta r (1 − cos π/96) = 2.7e-4.
     near(region.depth, d, 5e-4);
-    near(region.normal[2], -1.0, 1e-9);
+    near(region.normal1[2], -1.0, 1e-9);
     near(region.area / (4.0 * half), 1.0, 0.02);
     near(volume(&region) / (2.0 * segment), 1.0, 0.03);
 }
@@ -302,7 +284,7 @@ fn faces_that_only_touch_have_depth_0() {
     let high = boxes(&[([-0.5, -0.25, 0.0], [0.5, 0.75, 1.0])]);
     for region in between(&high, Transform::IDENTITY, &low, Transform::IDENTITY, 0.0) {
         assert_eq!(region.depth, 0.0);
-        assert_eq!(region.normal, [0.0, 0.0, -1.0]);
+        assert_eq!(region.normal1, [0.0, 0.0, -1.0]);
         assert!(region.area > 0.0);
     }
     // Lifted, within a tolerance: the gap.
@@ -315,8 +297,8 @@ fn faces_that_only_touch_have_depth_0() {
     );
     assert!(!found.is_empty());
     for region in &found {
-        assert_eq!((region.depth, region.points()[0].dist), (0.0, 0.125));
-        near(region.normal[2], -1.0, 1e-12);
+        assert_eq!((region.depth, region.points()[0].distance), (0.0, 0.125));
+        near(region.normal1[2], -1.0, 1e-12);
     }
 }
 
@@ -336,10 +318,15 @@ fn crossing_edges() {
     let [region] = found[..] else {
         panic!("{} regions", found.len())
     };
-    near(region.normal[2], 1.0, 1e-9);
+    near(region.normal1[2], 1.0, 1e-9);
     near(region.depth, d, 1e-9);
     near(region.area, 2.0 * d * d, 1e-9);
-    assert!(region.points().iter().all(|p| p.dist < 0.0 && p.dist > -d));
+    assert!(
+        region
+            .points()
+            .iter()
+            .all(|p| p.distance < 0.0 && p.distance > -d)
+    );
 }
 
 #[test]
@@ -392,33 +379,41 @@ fn feet_on_one_triangle_stay_apart() {
 #[test]
 fn the_order_of_pairs_does_not_matter() {
     let mesh = bake::bumpy_sphere(16, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 5));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 5));
+    let asset = *model.asset();
     let mut rng = poses::rng(3);
     let q = poses::random_q(&asset, 0.2, &mut rng);
     let (mut memory1, mut memory2) = (vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]);
-    let pose1 = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory1).expect("pose");
-    let pose2 = Pose::new(&asset, &[0.0; 5], place([1.0, 0.9, 0.4]), &mut memory2).expect("pose");
-    let (a, b) = ((&asset, &pose1), (&asset, &pose2));
-    let (mut pairs, expected) = contact(a, b, 0.01);
+    let pose1 = asset
+        .pose(&q, Transform::IDENTITY, &mut memory1)
+        .expect("pose");
+    let pose2 = asset
+        .pose(&[0.0; 5], place([1.0, 0.9, 0.4]), &mut memory2)
+        .expect("pose");
+    let (mut pairs, expected) = contact(&pose1, &pose2, 0.01);
     assert!(!expected.is_empty());
     for _ in 0..3 {
         pairs.shuffle(&mut rng);
-        assert_eq!(regions(a, b, &mut pairs), expected);
+        assert_eq!(regions(&pose1, &pose2, &mut pairs), expected);
     }
     // What is wrong is said; a full sink holds the first ones.
-    let mut slots = vec![ManifoldSlot::default(); ManifoldSlot::count(pairs.len())];
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
     let mut room = [expected[0]; 0];
     let mut sink = SliceSink::new(&mut room);
-    let full = query::manifold(a, b, &mut pairs, &mut slots, &mut stack, &mut sink);
-    assert_eq!(full, Ok(true));
-    let short = query::manifold(a, b, &mut pairs, &mut slots[1..], &mut stack, &mut sink);
+    let mut workspace = Workspace::new();
+    let mut query = pose1.against(&pose2, &mut workspace);
+    let full = query.condense(&mut pairs, &mut sink);
+    assert_eq!(full, Ok(Coverage::Truncated));
+    assert_eq!(query.contact_manifolds(0.01, &mut sink), full);
+    let mut bytes = [0; 1000];
+    let mut small = Workspace::in_bytes(&mut bytes);
+    let mut query = pose1.against(&pose2, &mut small);
+    let short = query.condense(&mut pairs, &mut sink);
     assert!(matches!(short, Err(QueryError::Memory { .. })));
-    assert_eq!(
-        query::manifold(a, b, &mut [], &mut [], &mut [], &mut sink),
-        Ok(false)
-    );
+    let short = query.contact_manifolds(0.01, &mut sink);
+    assert!(matches!(short, Err(QueryError::Memory { .. })));
+    // Of no pairs there are no regions.
+    let mut query = pose1.against(&pose2, &mut workspace);
+    assert_eq!(query.condense(&mut [], &mut sink), Ok(Coverage::Complete));
 }
 
 /// A body falls on a sheet, held up by `k · depth + c · approach` per area (Kelvin and Voigt), its modes
@@ -430,11 +425,8 @@ fn drop(basis_modes: usize, damping: f64) -> [f64; 3] {
     let body = sphere(16);
     let body = bake::baked(&body, &bake::smooth_basis(&body, basis_modes, 3));
     let floor = rigid(&sheet(8));
-    let (body, floor) = (
-        Asset::open(&body).expect("open"),
-        Asset::open(&floor).expect("open"),
-    );
-    let on = Pose::new(&floor, &[], Transform::IDENTITY, &mut []).expect("pose");
+    let (body, floor) = (body.asset(), floor.asset());
+    let on = (floor.pose(&[], Transform::IDENTITY, &mut [])).expect("pose");
     // Modal stiffness per unit of modal mass.
     let omega_squared: Vec<f64> = (0..basis_modes).map(|j| 900.0 * (1.0 + j as f64)).collect();
     let modal_mass = 0.5;
@@ -451,18 +443,21 @@ fn drop(basis_modes: usize, damping: f64) -> [f64; 3] {
     for _ in 0..4096 {
         let mut memory = vec![0.0; body.pose_len()];
         let q32: Vec<f32> = q.iter().map(|x| *x as f32).collect();
-        let pose = Pose::new(&body, &q32, place([0.1, 0.2, height]), &mut memory).expect("pose");
-        let (pairs, regions) = contact((&body, &pose), (&floor, &on), 0.0);
+        let pose = body
+            .pose(&q32, place([0.1, 0.2, height]), &mut memory)
+            .expect("pose");
+        let (pairs, regions) = contact(&pose, &on, 0.0);
         let mut force = -mass * gravity;
         let mut modal = vec![0.0; basis_modes];
         for region in &regions {
             for point in region.points() {
-                let approach = speed * region.normal[2];
-                let pressure = (-stiffness * point.dist + damping * approach).max(0.0);
-                let push = region.normal.map(|n| -n * pressure * point.area);
+                let approach = speed * region.normal1[2];
+                let pressure = (-stiffness * point.distance + damping * approach).max(0.0);
+                let push = region.normal1.map(|n| -n * pressure * point.area);
                 force += push[2];
                 let (id, weights) = (point.triangle1, point.barycentric1);
-                add_generalized_force(&body, &pose, id, weights, push, &mut modal).expect("force");
+                pose.add_generalized_force(id, weights, push, &mut modal)
+                    .expect("force");
             }
         }
         touched += usize::from(!regions.is_empty());

@@ -1,10 +1,10 @@
 //! Poses that leave out the modes that matter least: answers stay, spheres grow by what is left out,
 //! and no more than was allowed.
 
-use bdtree_fixtures::{bake, compare, oracle, poses};
-use bdtree_runtime::{
-    Asset, Contact, PairContact, PairStackEntry, Pose, PoseError, StackEntry, Transform, query,
-};
+use bdtree_fixtures::compare::{check_pose_within, kernels};
+use bdtree_fixtures::{bake, oracle, poses};
+use bdtree_runtime::studies::pose_within;
+use bdtree_runtime::{Asset, Ball, Contact, PairContact, PoseError, Transform, Workspace};
 
 /// q whose modes move the less the later they come; the first a twentieth of the diagonal.
 fn graded_q(asset: &Asset<'_>) -> Vec<f32> {
@@ -36,8 +36,8 @@ fn answers_stay_and_spheres_grow_by_what_is_left_out() {
         bake::smooth_basis(&mesh, 13, 2),
         bake::local_basis(&mesh, 20, 3),
     ] {
-        let bytes = bake::baked(&mesh, &basis);
-        let asset = Asset::open(&bytes).expect("open");
+        let model = bake::baked(&mesh, &basis);
+        let asset = *model.asset();
         let q = graded_q(&asset);
         let reaches = reaches(&asset, &q);
         let place = Transform {
@@ -47,13 +47,13 @@ fn answers_stay_and_spheres_grow_by_what_is_left_out() {
         let world = 3.0 * asset.unit();
         let size = poses::diagonal(&asset) * world;
         let mut memory = vec![0.0; asset.pose_len()];
-        let all = Pose::new(&asset, &q, place, &mut memory).expect("pose");
+        let all = asset.pose(&q, place, &mut memory).expect("pose");
         let (slack, modes) = (all.slack(), all.active_modes());
         let mut fewest = modes;
         for share in [0.0, 1e-4, 1e-3, 1e-2, 0.1, f64::INFINITY] {
             let tolerance = share * size;
             let mut memory = vec![0.0; asset.pose_len()];
-            let pose = Pose::with_tolerance(&asset, &q, place, tolerance, &mut memory);
+            let pose = pose_within(&asset, &q, place, tolerance, &mut memory);
             let pose = pose.expect("pose");
             // The slow twin: the least first, while they fit.
             let (mut left_out, mut dropped) = (0.0, 0);
@@ -69,7 +69,7 @@ fn answers_stay_and_spheres_grow_by_what_is_left_out() {
             assert!(grown <= left_out * world * (1.0 + 1e-4) + 1e-6 * slack);
             assert!(grown >= left_out * world * (1.0 - 1e-4) - slack);
             fewest = fewest.min(pose.active_modes());
-            compare::check_posed(&asset, &pose, 3, 8);
+            check_pose_within(kernels(&asset), &q, place, tolerance, 3, 8);
         }
         assert_eq!(fewest, 0);
     }
@@ -78,8 +78,8 @@ fn answers_stay_and_spheres_grow_by_what_is_left_out() {
 #[test]
 fn pairs_stay_and_dropping_costs_visits() {
     let mesh = bake::bumpy_sphere(10, 5);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 12, 2));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 12, 2));
+    let asset = *model.asset();
     let q = graded_q(&asset);
     let size = poses::diagonal(&asset) * asset.unit();
     let place = |x: f64| Transform {
@@ -89,25 +89,26 @@ fn pairs_stay_and_dropping_costs_visits() {
     let mut visits = Vec::new();
     for tolerance in [0.0, 0.02 * size, f64::INFINITY] {
         let (mut first, mut second) = (vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]);
-        let a = Pose::with_tolerance(&asset, &q, place(0.0), tolerance, &mut first).expect("pose");
-        let b = Pose::with_tolerance(&asset, &q, place(0.3), tolerance, &mut second).expect("pose");
-        let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(&asset)];
+        let a = pose_within(&asset, &q, place(0.0), tolerance, &mut first).expect("pose");
+        let b = pose_within(&asset, &q, place(0.3), tolerance, &mut second).expect("pose");
+        let mut workspace = Workspace::new();
         let mut found: Vec<PairContact> = Vec::new();
-        query::pair((&asset, &a), (&asset, &b), 0.0, &mut stack, &mut found).expect("pair");
+        let mut query = a.against(&b, &mut workspace);
+        query.contacts(0.0, &mut found).expect("pair");
         let mut ids: Vec<(u32, u32)> = found
             .iter()
             .map(|c| (c.triangle1.0, c.triangle2.0))
             .collect();
         ids.sort_unstable();
-        let triangles = [&a, &b].map(|pose| oracle::deformed_triangles(&asset, pose));
+        let triangles = [&a, &b].map(oracle::deformed_triangles);
         assert_eq!(ids, oracle::pair(&triangles[0], &triangles[1], 0.0));
         assert!(!ids.is_empty());
 
-        let mut stack = vec![StackEntry::default(); asset.stack_len()];
         let mut found: Vec<Contact> = Vec::new();
-        let centre = triangles[0][0][0];
-        let outcome = query::ball(&asset, &a, centre, 0.01 * size, &mut stack, &mut found);
-        visits.push(outcome.expect("ball").nodes_visited);
+        let ball = Ball::new(triangles[0][0][0], 0.01 * size);
+        let mut query = a.query(&mut workspace);
+        query.contacts(ball, &mut found).expect("ball");
+        visits.push(query.stats().nodes_visited);
     }
     assert!(visits.is_sorted() && visits[0] < visits[2], "{visits:?}");
 }
@@ -115,12 +116,12 @@ fn pairs_stay_and_dropping_costs_visits() {
 #[test]
 fn tolerances_that_are_none_are_refused() {
     let mesh = bake::bumpy_sphere(4, 5);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 2));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 2));
+    let asset = *model.asset();
     let mut memory = vec![0.0; asset.pose_len()];
     for tolerance in [f64::NAN, -1e-300, f64::NEG_INFINITY] {
         let place = Transform::IDENTITY;
-        let pose = Pose::with_tolerance(&asset, &[0.0; 2], place, tolerance, &mut memory);
+        let pose = pose_within(&asset, &[0.0; 2], place, tolerance, &mut memory);
         assert_eq!(pose.err(), Some(PoseError::Tolerance));
     }
 }

@@ -7,47 +7,49 @@ use bdtree_fixtures::compare::pair_caches::PairCaches;
 use bdtree_fixtures::mutate::{put, section};
 use bdtree_fixtures::{bake, oracle, poses};
 use bdtree_format::{LANES, NodeRecord, ROW_RADIUS, Row, SectionKind};
-use bdtree_runtime::{AlignedBytes, Asset, PairStackEntry, Pose, Transform, TrianglePair, query};
+use bdtree_runtime::{Model, Transform, TrianglePair, Workspace};
 use std::mem::{offset_of, size_of};
 
 /// Compares two instances that differ by `shift` and `q`, at `place`; the number of pairs found.
-fn check(bytes: &AlignedBytes, place: Transform, shift: [f64; 3], share: [f64; 2]) -> usize {
-    let asset = Asset::open(bytes).expect("open");
+fn check(model: &Model, place: Transform, shift: [f64; 3], share: [f64; 2]) -> usize {
+    let asset = *model.asset();
     let qs = share.map(|share| poses::random_q(&asset, share, &mut poses::rng(3)));
     let mut moved = place;
     for k in 0..3 {
         moved.translation[k] += shift[k];
     }
     let (mut memory_a, mut memory_b) = (vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]);
-    let a = Pose::new(&asset, &qs[0], place, &mut memory_a).expect("pose");
-    let b = Pose::new(&asset, &qs[1], moved, &mut memory_b).expect("pose");
-    let triangles = [&a, &b].map(|pose| oracle::deformed_triangles(&asset, pose));
+    let a = asset.pose(&qs[0], place, &mut memory_a).expect("pose");
+    let b = asset.pose(&qs[1], moved, &mut memory_b).expect("pose");
+    let triangles = [&a, &b].map(oracle::deformed_triangles);
     let mut caches = PairCaches::new(&asset);
     let mut count = 0;
     for tolerance in [0.0, 1e-3 * place.scale] {
         let expected = oracle::pair(&triangles[0], &triangles[1], tolerance);
         count += expected.len();
-        for asset in kernels(asset) {
-            let found = caches.pairs(&asset, [&a, &b], tolerance);
+        for asset in kernels(&asset) {
+            let a = asset.pose(&qs[0], place, &mut memory_a).expect("pose");
+            let b = asset.pose(&qs[1], moved, &mut memory_b).expect("pose");
+            let found = caches.pairs([&a, &b], tolerance);
             assert_eq!(found, expected, "shift {shift:?}, tolerance {tolerance}");
         }
     }
     count
 }
 
-fn sphere() -> AlignedBytes {
+fn sphere() -> Model {
     let mesh = bake::bumpy_sphere(10, 1);
     bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 5))
 }
 
 #[test]
 fn identical_copies_and_slight_shifts() {
-    let bytes = sphere();
+    let model = sphere();
     let turned = poses::random_transform(1.0, &mut poses::rng(9));
     for place in [Transform::IDENTITY, turned] {
         for share in [[0.0, 0.0], [0.2, 0.2], [0.2, 0.201]] {
             for shift in [[0.0; 3], [1e-300, 0.0, 0.0], [0.0, 1e-9, 0.0], [0.01; 3]] {
-                assert!(check(&bytes, place, shift, share) > 0);
+                assert!(check(&model, place, shift, share) > 0);
             }
         }
     }
@@ -55,24 +57,24 @@ fn identical_copies_and_slight_shifts() {
 
 #[test]
 fn far_from_the_world_s_origin() {
-    let bytes = sphere();
+    let model = sphere();
     for far in [1e3, 1e6, 1e9, 1e15] {
         let mut place = poses::random_transform(1.0, &mut poses::rng(9));
         place.translation = [far, -2.0 * far, 0.5 * far];
-        assert!(check(&bytes, place, [0.3, 0.2, 0.1], [0.2, 0.3]) > 0);
+        assert!(check(&model, place, [0.3, 0.2, 0.1], [0.2, 0.3]) > 0);
     }
 }
 
 #[test]
 fn small_and_large_scales() {
-    let bytes = sphere();
+    let model = sphere();
     for exponent in [-59, -30, 30, 59] {
         let place = Transform {
             scale: 2_f64.powi(exponent),
             ..Transform::IDENTITY
         };
         let shift = [0.7 * place.scale; 3];
-        assert!(check(&bytes, place, shift, [0.2, 0.3]) > 0);
+        assert!(check(&model, place, shift, [0.2, 0.3]) > 0);
     }
 }
 
@@ -89,14 +91,14 @@ fn flat_sheets_that_share_a_plane() {
             }
         }
     }
-    let bytes = bake::baked(&mesh, &bake::rigid(&mesh));
+    let model = bake::baked(&mesh, &bake::rigid(&mesh));
     for shift in [
         [0.0; 3],
         [0.5, 0.0, 0.0],
         [0.25, 0.25, 0.0],
         [0.0, 0.0, 1e-12],
     ] {
-        assert!(check(&bytes, Transform::IDENTITY, shift, [0.0; 2]) > 0);
+        assert!(check(&model, Transform::IDENTITY, shift, [0.0; 2]) > 0);
     }
 }
 
@@ -104,7 +106,7 @@ fn flat_sheets_that_share_a_plane() {
 /// is found, and nothing else says so.
 #[test]
 fn bodies_that_nearly_touch() {
-    let bytes = sphere();
+    let model = sphere();
     let mut rng = poses::rng(21);
     let (mut touching, mut apart) = (0, 0);
     for _ in 0..6 {
@@ -116,7 +118,7 @@ fn bodies_that_nearly_touch() {
         for step in 0..24 {
             let far = place.scale * (1.7 + 0.03 * f64::from(step)) / length;
             let shift = [x * far, y * far, z * far];
-            match check(&bytes, place, shift, [0.1, 0.15]) {
+            match check(&model, place, shift, [0.1, 0.15]) {
                 0 => apart += 1,
                 _ => touching += 1,
             }
@@ -152,7 +154,7 @@ fn faces_that_nearly_touch() {
         .to_vec(),
         ..RawMesh::default()
     };
-    let bytes = bake::baked(&mesh, &bake::rigid(&mesh));
+    let model = bake::baked(&mesh, &bake::rigid(&mesh));
     let turned = poses::random_transform(1.0, &mut poses::rng(5));
     for gap in [
         -1e-6,
@@ -167,26 +169,26 @@ fn faces_that_nearly_touch() {
         2e-3,
     ] {
         let found = check(
-            &bytes,
+            &model,
             Transform::IDENTITY,
             [1.0 + gap, 0.25, 0.0],
             [0.0; 2],
         );
         assert_eq!(found > 0, gap <= 1e-3, "gap {gap}: {found} pairs");
         let along = turned.scale * (1.0 + gap);
-        check(&bytes, turned, [along, 0.0, 0.0], [0.0; 2]);
+        check(&model, turned, [along, 0.0, 0.0], [0.0; 2]);
     }
 }
 
 /// One plane between two bodies, instead of all pairs of nodes that are near each other.
 #[test]
 fn a_plane_takes_few_visits() {
-    let bytes = bake::baked(
+    let model = bake::baked(
         &bake::bumpy_sphere(60, 1),
         &bake::rigid(&bake::bumpy_sphere(60, 1)),
     );
-    let asset = Asset::open(&bytes).expect("open");
-    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(&asset)];
+    let asset = *model.asset();
+    let mut workspace = Workspace::new();
     let mut found: Vec<TrianglePair> = Vec::new();
     // Nearer and nearer until they touch.
     let mut visits = Vec::new();
@@ -197,10 +199,13 @@ fn a_plane_takes_few_visits() {
         };
         let mut memory = [vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]];
         let [memory_a, memory_b] = &mut memory;
-        let a = Pose::new(&asset, &[], Transform::IDENTITY, memory_a).expect("pose");
-        let b = Pose::new(&asset, &[], place, memory_b).expect("pose");
-        let done = query::touching((&asset, &a), (&asset, &b), 0.0, &mut stack, &mut found);
-        visits.push(done.expect("query").nodes_visited);
+        let a = asset
+            .pose(&[], Transform::IDENTITY, memory_a)
+            .expect("pose");
+        let b = asset.pose(&[], place, memory_b).expect("pose");
+        let mut query = a.against(&b, &mut workspace);
+        query.triangle_pairs(0.0, &mut found).expect("query");
+        visits.push(query.stats().nodes_visited);
         if !found.is_empty() {
             break;
         }
@@ -221,6 +226,8 @@ fn radii_that_are_no_numbers() {
         &bake::bumpy_sphere(6, 1),
         &bake::smooth_basis(&bake::bumpy_sphere(6, 1), 3, 5),
     )
+    .asset()
+    .bytes()
     .to_vec();
     let nodes = section(&bytes, SectionKind::NODES);
     let rows = section(&bytes, SectionKind::ROWS);
@@ -232,6 +239,6 @@ fn radii_that_are_no_numbers() {
             put(&mut bytes, radius + 4 * lane, &f32::NAN.to_le_bytes());
         }
     }
-    let bytes = AlignedBytes::copy_of(&bytes);
-    assert!(check(&bytes, Transform::IDENTITY, [1.0, 0.5, 0.0], [0.2, 0.3]) > 0);
+    let model = Model::from_bytes(&bytes).expect("open");
+    assert!(check(&model, Transform::IDENTITY, [1.0, 0.5, 0.0], [0.2, 0.3]) > 0);
 }

@@ -5,7 +5,7 @@ use bdtree_build::basis::Basis;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_fixtures::compare::{check_pairs, check_pose, kernels};
 use bdtree_fixtures::{bake, corpus, poses};
-use bdtree_runtime::{Asset, Transform};
+use bdtree_runtime::Transform;
 
 fn check_mesh(mesh: &RawMesh, mode_count: usize, seed: u64, rounds: usize) {
     check_basis(
@@ -17,8 +17,8 @@ fn check_mesh(mesh: &RawMesh, mode_count: usize, seed: u64, rounds: usize) {
 }
 
 fn check_basis(mesh: &RawMesh, basis: &Basis, seed: u64, rounds: usize) {
-    let bytes = bake::baked(mesh, basis);
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(mesh, basis);
+    let asset = *model.asset();
     let mut errors = Vec::new();
     asset.verify(&mut |e| {
         errors.push(e);
@@ -29,8 +29,8 @@ fn check_basis(mesh: &RawMesh, basis: &Basis, seed: u64, rounds: usize) {
     for share in [0.0, 0.05, 0.5] {
         let q = poses::random_q(&asset, share, &mut rng);
         let transform = poses::random_transform(10.0, &mut rng);
-        check_pose(kernels(asset), &q, transform, seed, rounds);
-        check_pose(kernels(asset), &q, Transform::IDENTITY, seed + 1, rounds);
+        check_pose(kernels(&asset), &q, transform, seed, rounds);
+        check_pose(kernels(&asset), &q, Transform::IDENTITY, seed + 1, rounds);
     }
 }
 
@@ -46,8 +46,8 @@ fn queries_equal_brute_force_on_a_sphere() {
 fn queries_equal_brute_force_under_local_fields() {
     let mesh = bake::bumpy_sphere(20, 1);
     check_basis(&mesh, &bake::local_basis(&mesh, 16, 2), 7, 20);
-    let bytes = bake::baked(&mesh, &bake::local_basis(&mesh, 100, 3));
-    check_pairs(&bytes, 3, 12, 0.4);
+    let model = bake::baked(&mesh, &bake::local_basis(&mesh, 100, 3));
+    check_pairs(model.asset(), 3, 12, 0.4);
 }
 
 #[test]
@@ -63,10 +63,10 @@ fn queries_equal_brute_force_at_hard_poses() {
         bake::smooth_basis(&mesh, 7, 5),
         bake::local_basis(&mesh, 7, 5),
     ] {
-        let bytes = bake::baked(&mesh, &basis);
-        let asset = Asset::open(&bytes).expect("open");
+        let model = bake::baked(&mesh, &basis);
+        let asset = *model.asset();
         for (i, q) in poses::hard_qs(&asset).iter().enumerate() {
-            check_pose(kernels(asset), q, Transform::IDENTITY, i as u64, 10);
+            check_pose(kernels(&asset), q, Transform::IDENTITY, i as u64, 10);
         }
     }
 }
@@ -88,8 +88,8 @@ fn queries_equal_brute_force_far_from_the_world_origin() {
 #[test]
 fn pairs_equal_brute_force() {
     let mesh = bake::bumpy_sphere(16, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
-    check_pairs(&bytes, 3, 12, 0.4);
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
+    check_pairs(model.asset(), 3, 12, 0.4);
 }
 
 fn check_corpus(test: &str, meshes: &[(&str, usize)]) {
@@ -99,8 +99,8 @@ fn check_corpus(test: &str, meshes: &[(&str, usize)]) {
         };
         let mesh = read_mesh(&path).expect("mesh");
         check_mesh(&mesh, 10, 21, *rounds);
-        let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
-        check_pairs(&bytes, 4, 3, 0.3);
+        let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
+        check_pairs(model.asset(), 4, 3, 0.3);
     }
 }
 

@@ -4,12 +4,12 @@
 use std::collections::BTreeSet;
 
 use bdtree_fixtures::bake;
-use bdtree_runtime::narrow::Frustum;
 use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, Pose, PoseError, QueryError, StackEntry, Transform, query,
+    Ball, CacheSize, Capsule, Contact, ContactManifold, Cuboid, Frustum, HalfSpace, Model,
+    PairContact, PoseError, QueryError, Ray, Shape, StepCache, Transform, Workspace,
 };
 
-fn file() -> AlignedBytes {
+fn file() -> Model {
     let mesh = bake::bumpy_sphere(8, 1);
     bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 1))
 }
@@ -17,11 +17,12 @@ fn file() -> AlignedBytes {
 #[test]
 fn every_pose_error_is_triggered() {
     let file = file();
-    let asset = Asset::open(&file).expect("open");
+    let asset = *file.asset();
     let limit = asset.modes()[2].q_limit.get();
     let posed = |q: &[f32], memory: usize, transform: Transform| {
         let mut memory = vec![0.0; memory];
-        Pose::new(&asset, q, transform, &mut memory)
+        asset
+            .pose(q, transform, &mut memory)
             .map(|_| ())
             .expect_err("refused")
     };
@@ -92,7 +93,7 @@ fn every_pose_error_is_triggered() {
     }
     let mut memory = [0.0; 16];
     assert!(
-        Pose::new(&asset, &q(limit), here, &mut memory).is_ok(),
+        asset.pose(&q(limit), here, &mut memory).is_ok(),
         "limits are inclusive"
     );
 }
@@ -100,78 +101,63 @@ fn every_pose_error_is_triggered() {
 #[test]
 fn every_query_error_is_triggered() {
     let file = file();
-    let asset = Asset::open(&file).expect("open");
-    let copy = AlignedBytes::copy_of(&file);
-    let other = Asset::open(&copy).expect("open");
+    let asset = *file.asset();
     let mut memory = [0.0; 16];
-    let pose = Pose::new(&asset, &[0.0; 5], Transform::IDENTITY, &mut memory).expect("pose");
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
-    let mut pairs = vec![Default::default(); asset.pair_stack_len(&asset)];
+    let pose = asset
+        .pose(&[0.0; 5], Transform::IDENTITY, &mut memory)
+        .expect("pose");
     let mut out: Vec<Contact> = Vec::new();
-    let mut pair_out = Vec::new();
+    let mut pair_out: Vec<PairContact> = Vec::new();
     let (nan, far, inf) = (f64::NAN, 2e30, f64::INFINITY);
     let origin = [0.0; 3];
-
-    let found = query::ball(&other, &pose, origin, 1.0, &mut stack, &mut out);
-    assert_eq!(found, Err(QueryError::PoseMismatch));
     let (turned, half) = ([0.0, 0.0, 0.0, 1.0], [1.0; 3]);
-    let found = query::capsule(&other, &pose, origin, origin, 1.0, &mut stack, &mut out);
-    assert_eq!(found, Err(QueryError::PoseMismatch));
-    let found = query::cuboid(&other, &pose, origin, turned, half, &mut stack, &mut out);
-    assert_eq!(found, Err(QueryError::PoseMismatch));
     let planes = Frustum::new(&[[0.0, 0.0, 1.0, 0.0]]).expect("planes");
-    let found = query::frustum(&other, &pose, &planes, &mut stack);
-    assert_eq!(found, Err(QueryError::PoseMismatch));
-    let found = query::root_sphere(&other, &pose);
-    assert_eq!(found, Err(QueryError::PoseMismatch));
-    let two = ((&asset, &pose), (&other, &pose));
-    let found = query::pair(two.0, two.1, 0.0, &mut pairs, &mut pair_out);
-    assert_eq!(found, Err(QueryError::PoseMismatch));
-    assert_eq!(
-        QueryError::PoseMismatch.to_string(),
-        "the pose was made for another asset"
-    );
+    let shapes: [Shape; 4] = [
+        Ball::new(origin, 1.0).into(),
+        HalfSpace::new([1.0; 3], 0.0).into(),
+        Capsule::new(origin, origin, 1.0).into(),
+        Cuboid::new(origin, half).into(),
+    ];
+    let ray = Ray::new(origin, [1.0; 3]);
 
-    let needed = asset.stack_len();
-    let memory = QueryError::Memory {
-        needed,
-        found: needed - 1,
+    let text = QueryError::Memory {
+        needed: 70,
+        found: 69,
     };
-    assert!(memory.to_string().contains(&format!("{needed} are needed")));
-    let short = &mut stack[1..];
     assert_eq!(
-        query::ball(&asset, &pose, origin, 1.0, short, &mut out),
-        Err(memory)
+        text.to_string(),
+        "the query needs 70 bytes of memory, it has 69"
     );
-    assert_eq!(
-        query::plane(&asset, &pose, [1.0; 3], 0.0, short, &mut out),
-        Err(memory)
-    );
-    assert_eq!(
-        query::closest(&asset, &pose, origin, inf, short),
-        Err(memory)
-    );
-    assert_eq!(
-        query::ray(&asset, &pose, origin, [1.0; 3], inf, short),
-        Err(memory)
-    );
-    assert_eq!(
-        query::capsule(&asset, &pose, origin, origin, 1.0, short, &mut out),
-        Err(memory)
-    );
-    assert_eq!(
-        query::cuboid(&asset, &pose, origin, turned, half, short, &mut out),
-        Err(memory)
-    );
-    assert_eq!(query::frustum(&asset, &pose, &planes, short), Err(memory));
-    let needed = pairs.len();
-    let memory = QueryError::Memory {
-        needed,
-        found: needed - 1,
+    // One byte fewer than what each kind of query needs, from an address that is a multiple of eight.
+    let mut bytes = [0_u64; 1024];
+    let bytes = zerocopy::IntoBytes::as_mut_bytes(&mut bytes[..]);
+    let most = bytes.len();
+    let mut short = |ask: &mut dyn FnMut(&mut Workspace<'_>) -> Option<QueryError>| {
+        let Some(QueryError::Memory { needed, found: 0 }) = ask(&mut Workspace::in_bytes(&mut []))
+        else {
+            panic!("nothing is enough");
+        };
+        assert!(64 < needed && needed < most, "{needed}");
+        let found = needed - 1;
+        let refused = ask(&mut Workspace::in_bytes(&mut bytes[..found]));
+        assert_eq!(refused, Some(QueryError::Memory { needed, found }));
+        let answer = ask(&mut Workspace::in_bytes(&mut bytes[..needed]));
+        assert_eq!(answer, None, "{needed} bytes are enough");
     };
-    let same = ((&asset, &pose), (&asset, &pose));
-    let found = query::pair(same.0, same.1, 0.0, &mut pairs[1..], &mut pair_out);
-    assert_eq!(found, Err(memory));
+    for shape in shapes {
+        short(&mut |memory| pose.query(memory).contacts(shape, &mut out).err());
+        short(&mut |memory| pose.query(memory).intersects(shape).err());
+    }
+    short(&mut |memory| pose.query(memory).project_point(origin, inf).err());
+    short(&mut |memory| pose.query(memory).cast_ray(&ray).err());
+    short(&mut |memory| pose.query(memory).frustum_state(&planes).err());
+    short(&mut |memory| {
+        pose.against(&pose, memory)
+            .contacts(0.0, &mut pair_out)
+            .err()
+    });
+    short(&mut |memory| pose.against(&pose, memory).intersects().err());
+    short(&mut |memory| pose.against(&pose, memory).distance(inf).err());
 
     let mut texts = BTreeSet::new();
     let mut argument = |found: Option<QueryError>| match found {
@@ -181,38 +167,144 @@ fn every_query_error_is_triggered() {
         }
         other => panic!("{other:?}"),
     };
+    let mut workspace = Workspace::new();
     for bad in [nan, inf, far] {
         let point = [0.0, bad, 0.0];
-        argument(query::ball(&asset, &pose, point, 1.0, &mut stack, &mut out).err());
-        argument(query::ball(&asset, &pose, origin, bad, &mut stack, &mut out).err());
-        argument(query::plane(&asset, &pose, [1.0; 3], bad, &mut stack, &mut out).err());
-        let (out, stack) = (&mut out, &mut stack);
-        argument(query::capsule(&asset, &pose, point, origin, 1.0, stack, out).err());
-        argument(query::capsule(&asset, &pose, origin, point, 1.0, stack, out).err());
-        argument(query::cuboid(&asset, &pose, point, turned, half, stack, out).err());
         let quaternion = [0.0, bad, 0.0, 1.0];
-        argument(query::cuboid(&asset, &pose, origin, quaternion, half, stack, out).err());
-        argument(query::closest(&asset, &pose, point, inf, stack).err());
-        argument(query::ray(&asset, &pose, point, [1.0; 3], inf, stack).err());
-        argument(query::pair(same.0, same.1, bad, &mut pairs, &mut pair_out).err());
+        let mut query = pose.query(&mut workspace);
+        for shape in [
+            Ball::new(point, 1.0).into(),
+            Ball::new(origin, bad).into(),
+            HalfSpace::new([1.0; 3], bad).into(),
+            Capsule::new(point, origin, 1.0).into(),
+            Capsule::new(origin, point, 1.0).into(),
+            Cuboid::new(point, half).into(),
+            Shape::from(Cuboid::new(origin, half).rotated(quaternion)),
+        ] {
+            argument(query.contacts(shape, &mut out).err());
+            argument(query.intersects(shape).err());
+        }
+        argument(query.project_point(point, inf).err());
+        argument(query.cast_ray(&Ray::new(point, [1.0; 3])).err());
+        let mut query = pose.against(&pose, &mut workspace);
+        argument(query.contacts(bad, &mut pair_out).err());
     }
     for bad in [nan, -1.0, -f64::MIN_POSITIVE, far] {
-        let (thick, thin) = ([1.0, bad, 1.0], &mut out);
-        argument(query::capsule(&asset, &pose, origin, origin, bad, &mut stack, thin).err());
-        argument(query::cuboid(&asset, &pose, origin, turned, thick, &mut stack, thin).err());
-        argument(query::ball(&asset, &pose, origin, bad, &mut stack, &mut out).err());
-        argument(query::closest(&asset, &pose, origin, bad, &mut stack).err());
-        argument(query::ray(&asset, &pose, origin, [1.0; 3], bad, &mut stack).err());
-        argument(query::pair(same.0, same.1, bad, &mut pairs, &mut pair_out).err());
+        let mut query = pose.query(&mut workspace);
+        for shape in [
+            Capsule::new(origin, origin, bad).into(),
+            Cuboid::new(origin, [1.0, bad, 1.0]).into(),
+            Shape::from(Ball::new(origin, bad)),
+        ] {
+            argument(query.contacts(shape, &mut out).err());
+        }
+        argument(query.project_point(origin, bad).err());
+        argument(query.cast_ray(&ray.with_max_distance(bad)).err());
+        let mut query = pose.against(&pose, &mut workspace);
+        argument(query.contacts(bad, &mut pair_out).err());
     }
+    let mut query = pose.query(&mut workspace);
     for bad in [[0.0; 3], [nan, 1.0, 0.0], [1.0, inf, 0.0]] {
-        argument(query::plane(&asset, &pose, bad, 0.0, &mut stack, &mut out).err());
-        argument(query::ray(&asset, &pose, origin, bad, inf, &mut stack).err());
+        argument(query.contacts(HalfSpace::new(bad, 0.0), &mut out).err());
+        argument(query.cast_ray(&Ray::new(origin, bad)).err());
     }
     for bad in [[0.0; 4], [0.0, 0.0, 0.0, 1.0011], [0.5, 0.5, 0.5, 0.497]] {
-        argument(query::cuboid(&asset, &pose, origin, bad, half, &mut stack, &mut out).err());
+        argument(
+            query
+                .contacts(Cuboid::new(origin, half).rotated(bad), &mut out)
+                .err(),
+        );
     }
-    let edge = [0.0, 0.0, 0.0, 0.99901];
-    assert!(query::cuboid(&asset, &pose, origin, edge, half, &mut stack, &mut out).is_ok());
+    let edge = Cuboid::new(origin, half).rotated([0.0, 0.0, 0.0, 0.99901]);
+    assert!(query.contacts(edge, &mut out).is_ok());
+    assert!(
+        query
+            .contacts(Cuboid::new(origin, half).rotated(turned), &mut out)
+            .is_ok()
+    );
     assert!(texts.len() >= 13, "{texts:?}");
+}
+
+/// A cache that was started with another pose: every question says so, whichever side it is of.
+#[test]
+fn a_cache_of_another_pose_is_refused() {
+    let file = file();
+    let asset = *file.asset();
+    let q = [0.0, 0.1, 0.0, 0.0, 0.0];
+    let mut memory = [[0.0; 16], [0.0; 16]];
+    let [memory0, memory1] = &mut memory;
+    let pose = asset
+        .pose(&[0.0; 5], Transform::IDENTITY, memory0)
+        .expect("pose");
+    let other = asset.pose(&q, Transform::IDENTITY, memory1).expect("pose");
+    let mut workspace = Workspace::new();
+    let mut out: Vec<Contact> = Vec::new();
+    let mut pair_out: Vec<PairContact> = Vec::new();
+    let size = CacheSize::all(&asset);
+    let (mut right, mut wrong, mut never) = (
+        StepCache::new(size),
+        StepCache::new(size),
+        StepCache::new(size),
+    );
+    right.start(&pose);
+    wrong.start(&other);
+    let ball = Ball::new([1.0, 0.0, 0.0], 0.5);
+    for cache in [&mut wrong, &mut never] {
+        let mut query = pose.query(&mut workspace).cached(cache);
+        assert_eq!(query.contacts(ball, &mut out), Err(QueryError::Cache));
+        assert_eq!(query.intersects(ball), Err(QueryError::Cache));
+        assert_eq!(query.project_point([0.0; 3], 9.0), Err(QueryError::Cache));
+        let ray = Ray::new([0.0; 3], [1.0; 3]);
+        assert_eq!(query.cast_ray(&ray), Err(QueryError::Cache));
+        let mut query = query.max_visits(9);
+        assert_eq!(query.cast_ray(&ray).err(), Some(QueryError::Cache));
+    }
+    for first in [true, false] {
+        let (one, two) = if first {
+            (&mut wrong, &mut right)
+        } else {
+            (&mut right, &mut wrong)
+        };
+        let mut query = pose.against(&pose, &mut workspace).cached(one, two);
+        assert_eq!(query.contacts(0.0, &mut pair_out), Err(QueryError::Cache));
+        assert_eq!(query.distance(1.0), Err(QueryError::Cache));
+        let mut manifolds: Vec<ContactManifold> = Vec::new();
+        let refused = query.contact_manifolds(0.0, &mut manifolds);
+        assert_eq!(refused, Err(QueryError::Cache));
+        let mut query = query.max_visits(9);
+        assert_eq!(query.closest_points(1.0).err(), Some(QueryError::Cache));
+    }
+    assert!(out.is_empty() && pair_out.is_empty());
+    // The pose elsewhere is the same to a cache.
+    let placed = pose.placed(Transform::from_translation([2.0, 0.0, 0.0]));
+    let placed = placed.expect("a placement");
+    let mut query = placed.query(&mut workspace).cached(&mut right);
+    assert!(query.contacts(ball, &mut out).is_ok());
+    // Memory that is too short for a cache.
+    let mut bytes = vec![
+        0;
+        CacheSize {
+            nodes: 3,
+            leaves: 2
+        }
+        .bytes()
+    ];
+    let short = StepCache::in_bytes(
+        &mut bytes[..3 * 136 + 2 * 176 - 1],
+        CacheSize {
+            nodes: 3,
+            leaves: 2,
+        },
+    );
+    assert!(matches!(short, Err(QueryError::Memory { needed, .. }) if needed == 3 * 136 + 2 * 176));
+    assert!(
+        StepCache::in_bytes(
+            &mut bytes[1..],
+            CacheSize {
+                nodes: 3,
+                leaves: 2
+            }
+        )
+        .is_ok()
+    );
 }

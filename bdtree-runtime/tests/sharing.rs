@@ -2,10 +2,8 @@
 //! how many bytes that takes.
 
 use bdtree_fixtures::{bake, poses};
-use bdtree_runtime::broad::GridSlot;
 use bdtree_runtime::{
-    AlignedBytes, Asset, CachedPose, Contact, LeafSlot, NodeSlot, Pose, Posed, Proxy, StackEntry,
-    StepCache, query,
+    Asset, Ball, CacheSize, Contact, Instance, Model, PairFront, Pose, Proxy, StepCache, Workspace,
 };
 use rand::RngExt;
 
@@ -14,31 +12,36 @@ fn crosses_threads<T: Send + Sync>() {}
 #[test]
 fn what_instances_share_and_own_crosses_threads() {
     crosses_threads::<Asset<'static>>();
-    crosses_threads::<AlignedBytes>();
+    crosses_threads::<Model>();
+    crosses_threads::<Instance>();
     crosses_threads::<Pose<'static>>();
-    crosses_threads::<CachedPose<'static>>();
-    crosses_threads::<StepCache<Vec<NodeSlot>, Vec<LeafSlot>>>();
-    crosses_threads::<(StackEntry, NodeSlot, LeafSlot, GridSlot, Contact, Proxy)>();
+    crosses_threads::<StepCache<'static>>();
+    crosses_threads::<PairFront<'static>>();
+    crosses_threads::<Workspace<'static>>();
+    crosses_threads::<(Contact, Proxy)>();
 }
 
 /// What an instance answers over a few steps.
-fn simulate(asset: &Asset<'_>, instance: u64) -> Vec<(Vec<Contact>, Vec<Proxy>)> {
+fn simulate(model: &Model, instance: u64) -> Vec<(Vec<Contact>, Vec<Proxy>)> {
     let mut rng = poses::rng(instance);
-    let mut cache = StepCache::new([NodeSlot::EMPTY; 64], [LeafSlot::EMPTY; 64]);
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let size = CacheSize {
+        nodes: 64,
+        leaves: 64,
+    };
+    let mut body = Instance::with_cache(model, size).expect("an instance");
+    let mut workspace = Workspace::new();
     let mut answers = Vec::new();
     for _ in 0..5 {
-        let q = poses::random_q(asset, 0.2, &mut rng);
+        let q = poses::random_q(model.asset(), 0.2, &mut rng);
         let place = poses::random_transform(1.0, &mut rng);
-        let mut memory = vec![0.0; asset.pose_len()];
-        let pose = Pose::new(asset, &q, place, &mut memory).expect("pose");
-        let mut cached = cache.start(&pose);
+        body.set_pose(&q, place).expect("pose");
         for _ in 0..5 {
-            let center = [0; 3].map(|_| rng.random_range(-2.0..2.0));
+            let ball = Ball::new([0; 3].map(|_| rng.random_range(-2.0_f64..2.0)), 0.4);
             let (mut contacts, mut proxies) = (Vec::new(), Vec::new());
-            query::ball(asset, &mut cached, center, 0.4, &mut stack, &mut contacts).expect("ball");
-            let posed = Posed::from(&mut cached).bounded(1, &mut proxies);
-            query::ball(asset, posed, center, 0.4, &mut stack, &mut Vec::new()).expect("ball");
+            let mut query = body.query(&mut workspace);
+            query.contacts(ball, &mut contacts).expect("ball");
+            let mut query = query.max_level(1, &mut proxies);
+            query.contacts(ball, &mut Vec::new()).expect("ball");
             answers.push((contacts, proxies));
         }
     }
@@ -46,11 +49,10 @@ fn simulate(asset: &Asset<'_>, instance: u64) -> Vec<(Vec<Contact>, Vec<Proxy>)>
 }
 
 #[test]
-fn one_asset_serves_instances_on_several_threads() {
+fn one_model_serves_instances_on_several_threads() {
     let mesh = bake::bumpy_sphere(12, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 5));
-    let asset = Asset::open(&bytes).expect("open");
-    let alone: Vec<_> = (0..32).map(|i| simulate(&asset, i)).collect();
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 5));
+    let alone: Vec<_> = (0..32).map(|i| simulate(&model, i)).collect();
     let found: usize = alone
         .iter()
         .flatten()
@@ -60,10 +62,10 @@ fn one_asset_serves_instances_on_several_threads() {
     let together: Vec<_> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..4)
             .map(|worker| {
-                let asset = &asset;
+                let model = model.clone();
                 scope.spawn(move || {
                     let mine = (0..32).filter(|i| i % 4 == worker);
-                    mine.map(|i| (i, simulate(asset, i))).collect::<Vec<_>>()
+                    mine.map(|i| (i, simulate(&model, i))).collect::<Vec<_>>()
                 })
             })
             .collect();
@@ -82,12 +84,12 @@ fn one_asset_serves_instances_on_several_threads() {
 #[test]
 fn an_instance_takes_less_than_64_kilobytes() {
     let mesh = bake::bumpy_sphere(67, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 5));
+    let asset = *model.asset();
     let bytes_to = |level: usize| {
         size_of::<Pose<'_>>()
             + size_of::<f32>() * asset.pose_len()
-            + size_of::<NodeSlot>() * asset.node_count_to(level)
+            + CacheSize::to_level(&asset, level).bytes()
     };
     assert_eq!(asset.node_count_to(0), 1);
     assert!(asset.node_count_to(1) <= 9 && asset.node_count_to(2) <= 73);
@@ -100,5 +102,9 @@ fn an_instance_takes_less_than_64_kilobytes() {
         asset.depth()
     );
     // Any number of slots serves; the rest is evaluated when it is asked for again.
-    assert!(size_of::<NodeSlot>() * 256 + size_of::<LeafSlot>() * 128 < 60 * 1024);
+    let some = CacheSize {
+        nodes: 256,
+        leaves: 128,
+    };
+    assert!(some.bytes() < 60 * 1024);
 }

@@ -57,7 +57,8 @@ struct Radii {
     slack: f64,
 }
 
-fn radii(asset: &Asset<'_>, pose: &Pose<'_>, lane: &Lane) -> Radii {
+fn radii(pose: &Pose<'_>, lane: &Lane) -> Radii {
+    let asset = pose.asset();
     let rows = asset.node_rows(&asset.nodes()[lane.node]).expect("rows");
     let mode = &asset.modes()[0];
     let q = f64::from(pose.q()[0]).abs();
@@ -75,11 +76,10 @@ fn radii(asset: &Asset<'_>, pose: &Pose<'_>, lane: &Lane) -> Radii {
     let count = lane.vertices.len() as f64;
     let mean = [0, 1, 2].map(|k| lane.vertices.iter().map(|v| field(v)[k]).sum::<f64>() / count);
     let farthest = |f: &dyn Fn(&u32) -> f64| lane.vertices.iter().map(f).fold(0.0, f64::max);
-    let spheres = asset.node_spheres(pose, lane.node as u32).expect("node");
+    let spheres = pose.node_spheres(lane.node as u32).expect("node");
     let middle = spheres.centre.map(|row| f64::from(row[lane.lane]));
     let place = |v: &u32| {
-        asset
-            .deformed_stored(pose, VertexId(*v))
+        pose.deformed_stored(VertexId(*v))
             .expect("a vertex")
             .map(f64::from)
     };
@@ -103,8 +103,8 @@ fn check(name: &str, mut mesh: RawMesh, about: [f64; 3]) {
         *p = [0, 1, 2].map(|k| p[k] - about[k]);
     }
     let field = mesh.positions.iter().map(|p| p.map(|x| -x)).collect();
-    let bytes = bake::baked(&mesh, &bake::basis_of(&[field]));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::basis_of(&[field]));
+    let asset = *model.asset();
     let lanes = all_lanes(&asset);
     println!(
         "{name}: {} triangles; means over lanes of R'/R",
@@ -120,9 +120,11 @@ fn check(name: &str, mut mesh: RawMesh, about: [f64; 3]) {
                 continue;
             };
             let mut memory = vec![0.0; asset.pose_len()];
-            let pose = Pose::new(&asset, &[q], Transform::IDENTITY, &mut memory).expect("pose");
+            let pose = asset
+                .pose(&[q], Transform::IDENTITY, &mut memory)
+                .expect("pose");
             for lane in &lanes {
-                let r = radii(&asset, &pose, lane);
+                let r = radii(&pose, lane);
                 // Nothing is outside, nothing is better than it can be.
                 assert!(r.wrapped <= r.ours && r.ours <= r.ball * (1.0 + 1e-3) + r.slack);
                 // Exact: R |1 − q|, and under the root what rounding adds.

@@ -7,15 +7,14 @@ use std::ops::ControlFlow;
 use bdtree_fixtures::{bake, mutate, poses, sections};
 use bdtree_format::{SectionKind, VertexModes};
 use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, PairContact, PairStackEntry, Pose, StackEntry, Transform,
-    VertexId, query,
+    Asset, Ball, Capsule, Contact, Cuboid, HalfSpace, Model, PairContact, Shape, Transform,
+    VertexId, Workspace,
 };
 
 /// Places and rules of all errors.
-fn errors(bytes: &AlignedBytes) -> Vec<(SectionKind, u64, &'static str)> {
-    let asset = Asset::open(bytes).expect("open");
+fn errors(model: &Model) -> Vec<(SectionKind, u64, &'static str)> {
     let mut errors = Vec::new();
-    asset.verify(&mut |e| {
+    model.asset().verify(&mut |e| {
         errors.push((e.section, e.byte, e.rule));
         ControlFlow::Continue(())
     });
@@ -23,7 +22,7 @@ fn errors(bytes: &AlignedBytes) -> Vec<(SectionKind, u64, &'static str)> {
 }
 
 /// A sphere with twelve fields: the first moves nothing, the others are local.
-fn sphere() -> AlignedBytes {
+fn sphere() -> Model {
     let mesh = bake::bumpy_sphere(12, 1);
     let mut basis = bake::local_basis(&mesh, 12, 1);
     basis.fields[..mesh.positions.len()].fill([0.0; 3]);
@@ -34,51 +33,37 @@ fn sphere() -> AlignedBytes {
 fn answers(asset: &Asset<'_>, q: &[f32], place: Transform) -> (Vec<Contact>, Vec<PairContact>) {
     let mut memory = vec![0.0; asset.pose_len()];
     let mut memory2 = memory.clone();
-    let pose = Pose::new(asset, q, place, &mut memory).expect("pose");
+    let pose = asset.pose(q, place, &mut memory).expect("pose");
     let rest = vec![0.0; asset.mode_count()];
-    let other = Pose::new(asset, &rest, Transform::IDENTITY, &mut memory2).expect("pose");
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
-    let mut pair_stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
+    let other = asset
+        .pose(&rest, Transform::IDENTITY, &mut memory2)
+        .expect("pose");
+    let mut workspace = Workspace::new();
     let (mut contacts, mut pairs) = (Vec::new(), Vec::new());
     let point = [0.8, 0.1, -0.3];
-    query::ball(asset, &pose, point, 0.5, &mut stack, &mut contacts).expect("ball");
-    query::plane(asset, &pose, point, 0.2, &mut stack, &mut contacts).expect("plane");
-    query::capsule(
-        asset,
-        &pose,
-        point,
-        [0.0; 3],
-        0.2,
-        &mut stack,
-        &mut contacts,
-    )
-    .expect("capsule");
-    query::cuboid(
-        asset,
-        &pose,
-        point,
-        [0.0, 0.0, 0.6, 0.8],
-        [0.4; 3],
-        &mut stack,
-        &mut contacts,
-    )
-    .expect("box");
-    let (a, b) = ((asset, &pose), (asset, &other));
-    query::pair(a, b, 0.01, &mut pair_stack, &mut pairs).expect("pair");
+    let mut query = pose.query(&mut workspace);
+    let cuboid = Cuboid::new(point, [0.4; 3]).rotated([0.0, 0.0, 0.6, 0.8]);
+    for shape in [
+        Ball::new(point, 0.5).into(),
+        HalfSpace::new(point, 0.2).into(),
+        Capsule::new(point, [0.0; 3], 0.2).into(),
+        Shape::from(cuboid),
+    ] {
+        query.contacts(shape, &mut contacts).expect("contacts");
+    }
+    let mut query = pose.against(&other, &mut workspace);
+    query.contacts(0.01, &mut pairs).expect("pair");
     (contacts, pairs)
 }
 
 #[test]
 fn both_layouts_give_equal_numbers() {
     let sparse = sphere();
-    let dense = sections::with_all_displacements(&sparse);
-    let (a, b) = (
-        Asset::open(&sparse).expect("open"),
-        Asset::open(&dense).expect("open"),
-    );
+    let dense = sections::with_all_displacements(sparse.asset());
+    let (a, b) = (*sparse.asset(), *dense.asset());
     assert!(!a.vertex_modes().is_empty() && b.vertex_modes().is_empty());
     assert!(errors(&sparse).is_empty() && errors(&dense).is_empty());
-    assert!(4 * sparse.len() < 3 * dense.len());
+    assert!(4 * a.bytes().len() < 3 * b.bytes().len());
     for i in (0..a.vertex_count() as u32).map(VertexId) {
         let (own, all) = (
             a.displacements(i).expect("a vertex"),
@@ -105,10 +90,10 @@ fn both_layouts_give_equal_numbers() {
     for q in qs {
         let (mut memory, mut memory2) = (vec![0.0; a.pose_len()], vec![0.0; a.pose_len()]);
         let place = poses::random_transform(0.5, &mut rng);
-        let pose_a = Pose::new(&a, &q, place, &mut memory).expect("pose");
-        let pose_b = Pose::new(&b, &q, place, &mut memory2).expect("pose");
+        let pose_a = a.pose(&q, place, &mut memory).expect("pose");
+        let pose_b = b.pose(&q, place, &mut memory2).expect("pose");
         for i in (0..a.vertex_count() as u32).map(VertexId) {
-            let (x, y) = (a.deformed_stored(&pose_a, i), b.deformed_stored(&pose_b, i));
+            let (x, y) = (pose_a.deformed_stored(i), pose_b.deformed_stored(i));
             assert_eq!(x.expect("a vertex"), y.expect("a vertex"), "{i:?} {q:?}");
         }
         let (contacts, pairs) = answers(&a, &q, place);
@@ -126,17 +111,18 @@ fn every_broken_vertex_record_is_found() {
     const ENTRIES: &str = "SPEC 7.6: first entries ascend";
     const ENDS: &str = "SPEC 7.6: the first record begins at 0";
     const WHOLE: &str = "SPEC 6.7: nodes and vertices use whole mode lists";
-    let sound = sphere();
-    let asset = Asset::open(&sound).expect("open");
+    let model = sphere();
+    let asset = *model.asset();
+    let sound = asset.bytes();
     let records = asset.vertex_modes();
     let last = records.len() - 1;
-    let start = mutate::section(&sound, SectionKind::VERTEX_MODES).start;
+    let start = mutate::section(sound, SectionKind::VERTEX_MODES).start;
     let size = size_of::<VertexModes>();
     let check = |i: usize, field: usize, value: u32, reported: usize, rule: &str| {
         let mut bytes = sound.to_vec();
         mutate::put(&mut bytes, start + i * size + field, &value.to_le_bytes());
         mutate::repair(&mut bytes);
-        let found = errors(&AlignedBytes::copy_of(&bytes));
+        let found = errors(&Model::from_bytes(&bytes).expect("open"));
         let byte = (start + reported * size) as u64;
         assert!(
             found.iter().any(|(section, at, text)| {
@@ -180,8 +166,9 @@ fn every_broken_vertex_record_is_found() {
 /// A list that nothing uses, one twice, one out of order, modes that do not exist.
 #[test]
 fn every_broken_list_is_found() {
-    let sound = sphere();
-    let place = mutate::section(&sound, SectionKind::MODE_LISTS);
+    let model = sphere();
+    let sound = model.asset().bytes();
+    let place = mutate::section(sound, SectionKind::MODE_LISTS);
     let entries: Vec<u16> = sound[place]
         .chunks(2)
         .map(|pair| u16::from_le_bytes([pair[0], pair[1]]))
@@ -206,16 +193,16 @@ fn every_broken_list_is_found() {
             "SPEC 6.7: mode lists hold indices below the mode count",
         ),
     ] {
-        let mut parts = sections::take_apart(&sound);
+        let mut parts = sections::take_apart(sound);
         for part in &mut parts {
             if part.kind() == SectionKind::MODE_LISTS {
                 part.body
                     .extend(more.iter().flat_map(|j: &u16| j.to_le_bytes()));
             }
         }
-        let bytes = AlignedBytes::copy_of(&sections::put_together(&sound, parts));
+        let bytes = sections::put_together(sound, parts);
         let place = mutate::section(&bytes, SectionKind::MODE_LISTS);
-        let found = errors(&bytes);
+        let found = errors(&Model::from_bytes(&bytes).expect("open"));
         let (section, byte, text) = found[0];
         assert_eq!((section, text), (SectionKind::MODE_LISTS, rule), "{more:?}");
         assert!(

@@ -12,7 +12,7 @@ use bdtree_fixtures::lanes::{Lane, Number};
 use bdtree_fixtures::mutate::{get_f32, put, repair, section};
 use bdtree_fixtures::{bake, golden};
 use bdtree_format::SectionKind;
-use bdtree_runtime::{AlignedBytes, Asset};
+use bdtree_runtime::Model;
 
 fn power(e: i32) -> f64 {
     2_f64.powi(e)
@@ -23,10 +23,9 @@ const LEAST: f64 = i16::MIN as f64;
 
 /// The places in ROWS that verify reports.
 fn reported(bytes: &[u8]) -> BTreeSet<usize> {
-    let bytes = AlignedBytes::copy_of(bytes);
-    let asset = Asset::open(&bytes).expect("open");
+    let model = Model::from_bytes(bytes).expect("open");
     let mut places = BTreeSet::new();
-    asset.verify(&mut |error| {
+    model.asset().verify(&mut |error| {
         assert_eq!(error.section, SectionKind::ROWS, "{error}");
         places.insert(error.byte as usize);
         ControlFlow::Continue(())
@@ -35,8 +34,9 @@ fn reported(bytes: &[u8]) -> BTreeSet<usize> {
 }
 
 /// `irregular`: no norm is itself an f32, where writers go one step further than they need.
-fn check(bytes: &AlignedBytes, irregular: bool) {
-    let asset = Asset::open(bytes).expect("open");
+fn check(model: &Model, irregular: bool) {
+    let asset = *model.asset();
+    let bytes = asset.bytes();
     assert!(reported(bytes).is_empty());
     let rows = section(bytes, SectionKind::ROWS).start;
     let mut changed = bytes.to_vec();
@@ -112,6 +112,6 @@ fn bounds_one_step_too_small_are_found() {
     check(&bake::baked(&mesh, &bake::rigid(&mesh)), true);
     check(&bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1)), true);
     check(&bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 1)), true);
-    let golden = AlignedBytes::read(golden::folder().join("sphere.bdt")).expect("read");
+    let golden = Model::read(golden::folder().join("sphere.bdt")).expect("read");
     check(&golden, false);
 }

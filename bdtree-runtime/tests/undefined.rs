@@ -4,7 +4,7 @@
 use bdtree_fixtures::ask::{ask_everything, kernels, refused};
 use bdtree_fixtures::mutate::Damage;
 use bdtree_fixtures::poses;
-use bdtree_runtime::{AlignedBytes, Asset, include_bdt};
+use bdtree_runtime::{Asset, Model, include_bdt};
 
 /// A triangle with one mode (SPEC 10), and a rigid tetrahedron.
 fn files() -> [&'static [u8]; 2] {
@@ -25,8 +25,8 @@ fn sound_files_are_asked_everything() {
     for bytes in files() {
         let asset = Asset::open(bytes).expect("open");
         assert!(!refused(&asset));
-        let copy = AlignedBytes::copy_of(bytes);
-        assert!(copy.as_slice() == bytes);
+        let copy = Model::from_bytes(bytes).expect("open");
+        assert!(copy.asset().bytes() == bytes);
         let partner = Asset::open(if bytes == one { two } else { one }).expect("open");
         for (k, kernel) in kernels().into_iter().enumerate() {
             println!("{kernel:?}");
@@ -45,18 +45,16 @@ fn damaged_files_are_asked_everything() {
     // The larger one takes an interpreter minutes.
     let some = if cfg!(miri) { 1 } else { 2 };
     for (k, bytes) in files().into_iter().take(some).enumerate() {
-        let sound = AlignedBytes::copy_of(bytes);
         let partner = Asset::open(bytes).expect("open");
         for (d, damage) in Damage::ALL.into_iter().enumerate() {
             for round in 0..rounds() {
                 let mut rng = poses::rng(round + 100 * d as u64 + 1000 * k as u64);
-                let copy = AlignedBytes::copy_of(&damage.done_to(&sound, &mut rng));
-                let Ok(asset) = Asset::open(&copy) else {
+                let Ok(model) = Model::from_bytes(&damage.done_to(&partner, &mut rng)) else {
                     continue;
                 };
                 opened += 1;
-                let _ = refused(&asset);
-                ask_everything(&asset, &partner, &mut rng);
+                let _ = refused(model.asset());
+                ask_everything(model.asset(), &partner, &mut rng);
             }
         }
     }

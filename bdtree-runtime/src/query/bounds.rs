@@ -63,19 +63,32 @@ impl Pose<'_> {
             min: [f64::INFINITY; 3],
             max: [f64::NEG_INFINITY; 3],
         };
-        for lane in (0..LANES).filter(|k| (root.inner_mask | root.leaf_mask) & (1 << k) != 0) {
+        let used = root.inner_mask | root.leaf_mask;
+        // Without lanes, which no sound root is, only the whole is known.
+        let lanes = if used == 0 { u8::MAX } else { used };
+        for lane in (0..LANES).filter(|k| lanes & (1 << k) != 0) {
             let center = spheres.centre.map(|row| row[lane]);
             let radius = f64::from(spheres.radius[lane]);
             // A lane's center lies within twice the reach (docs/guarantees.md).
             let part = self.world_sphere(center, radius, 2.0 * self.reach);
             // Anything but a smaller radius, NaN of a corrupt file included, says no more than the whole.
-            let part = if part.radius < all.radius { part } else { all };
+            let part = if used != 0 && part.radius < all.radius {
+                part
+            } else {
+                all
+            };
             for k in 0..3 {
                 // The sum's own rounding.
                 let far = f64::EPSILON * (part.center[k].abs() + part.radius);
                 aabb.min[k] = aabb.min[k].min(part.center[k] - part.radius - far);
                 aabb.max[k] = aabb.max[k].max(part.center[k] + part.radius + far);
             }
+        }
+        // The whole's sphere holds them too, and may say more where the parts reach far.
+        for k in 0..3 {
+            let far = f64::EPSILON * (all.center[k].abs() + all.radius);
+            aabb.min[k] = aabb.min[k].max(all.center[k] - all.radius - far);
+            aabb.max[k] = aabb.max[k].min(all.center[k] + all.radius + far);
         }
         Ok(aabb)
     }

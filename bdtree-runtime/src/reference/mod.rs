@@ -28,7 +28,7 @@ fn the_page_shows_the_update_that_is_tested() {
 }
 
 /// q as node bounds see it: in whole numbers.
-fn rounded(asset: &Asset<'_>, pose: &Pose<'_>) -> Vec<f64> {
+fn rounded(pose: &Pose<'_>) -> Vec<f64> {
     let shares = pose.bound().quantized;
     let (scale, ratio) = (f64::from(shares.scale), f64::from(shares.ratio));
     let of_mode = |(j, mode): (usize, &bdtree_format::ModeRecord)| {
@@ -40,7 +40,12 @@ fn rounded(asset: &Asset<'_>, pose: &Pose<'_>) -> Vec<f64> {
             .map_or(0.0, |m| f64::from(*m));
         (n + ratio * m) * scale * f64::from(mode.q_limit.get())
     };
-    asset.modes().iter().enumerate().map(of_mode).collect()
+    pose.asset()
+        .modes()
+        .iter()
+        .enumerate()
+        .map(of_mode)
+        .collect()
 }
 
 /// Calls `check` with each lane's sphere in plain numbers and its modes.
@@ -89,18 +94,18 @@ fn the_kernel_is_the_plain_update_within_the_slack() {
                 ((q * f64::from(mode.q_range.get())) as f32).clamp(-limit, limit)
             };
             let q: Vec<f32> = asset.modes().iter().map(of_mode).collect();
-            let mut memory = std::vec![0.0; asset.pose_len()];
-            let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
-            let (near, slack) = (rounded(&asset, &pose), f64::from(pose.slack));
             for kernel in Kernel::ALL {
                 let Some(asset) = asset.with_kernel(kernel) else {
                     continue;
                 };
+                let mut memory = std::vec![0.0; asset.pose_len()];
+                let pose = (asset.pose(&q, Transform::IDENTITY, &mut memory)).expect("pose");
+                let (near, slack) = (rounded(&pose), f64::from(pose.slack));
                 for_spheres(&asset, |node, lane, sphere, modes| {
                     let at = |q: &dyn Fn(usize) -> f64| -> Vec<f64> {
                         modes.iter().map(|j| q(usize::from(*j))).collect()
                     };
-                    let spheres = asset.node_spheres(&pose, node).expect("spheres");
+                    let spheres = pose.node_spheres(node).expect("spheres");
                     let found = spheres.centre.map(|row| f64::from(row[lane]));
                     let found_radius = f64::from(spheres.radius[lane]);
                     let (center, radius) = sphere.update(&at(&|j| near[j]));

@@ -49,11 +49,16 @@ impl Two<'_, '_> {
             return Err(QueryError::Memory { needed, found });
         };
         let [mut posed_a, mut posed_b] = self.posed;
-        let depths = [posed_a.take_limit(asset_a), posed_b.take_limit(asset_b)];
+        let cuts = |posed: &Posed<'_>, asset: &Asset<'_>| {
+            (posed.limit.as_ref()).is_some_and(|limit| limit.cuts(asset))
+        };
+        let is_limited = cuts(&posed_a, asset_a) || cuts(&posed_b, asset_b);
+        // Where one side is cut off, the other's sink takes the spheres that those meet.
+        let limits = [posed_a.limit.take(), posed_b.limit.take()];
+        let depths = if is_limited { limits } else { [None, None] };
         let (mut nodes_a, mut nodes_b) = (None, None);
         let mut posed_a = posed_a.at_least::<NODES>(asset_a, &mut nodes_a);
         let mut posed_b = posed_b.at_least::<NODES>(asset_b, &mut nodes_b);
-        let is_limited = depths.iter().any(Option::is_some);
         let mut before = Found::default();
         // The search for a plane goes down to the triangles, which a limited walk does not.
         if self.leaves.is_none() && !is_limited {

@@ -8,7 +8,7 @@ use bdtree_format::{
     GroupRecord, Header, ModePair, NodeRecord, ROW_RADIUS, SectionKind, SectionRecord,
     TriangleRecord, VertexModes, pair_count, pair_row,
 };
-use bdtree_runtime::{AlignedBytes, Asset, VertexId};
+use bdtree_runtime::{Model, VertexId};
 
 use crate::edits::{
     Change, body, field, header, node, node_count, of_node, root_bound, root_growth, root_mode,
@@ -95,8 +95,8 @@ pub(crate) fn changes() -> Vec<Change> {
         }),
         Box::new(|b| {
             // A vertex's displacements are those of other modes, which the node above leaves out.
-            let bytes = AlignedBytes::copy_of(b);
-            let asset = Asset::open(&bytes).expect("open");
+            let model = Model::from_bytes(b).expect("open");
+            let asset = model.asset();
             let modes = |v: usize| -> Vec<usize> {
                 let own = asset.displacements(VertexId(v as u32)).expect("a vertex");
                 own.iter().map(|(mode, _)| mode).collect()
@@ -126,8 +126,8 @@ pub(crate) fn changes() -> Vec<Change> {
         }),
         Box::new(|b| {
             // The vertex with the longest list has one mode less: part of a list.
-            let bytes = AlignedBytes::copy_of(b);
-            let asset = Asset::open(&bytes).expect("open");
+            let model = Model::from_bytes(b).expect("open");
+            let asset = model.asset();
             let records = asset.vertex_modes();
             let length = |v: &usize| records[v + 1].first_entry - records[*v].first_entry;
             let longest = (0..asset.vertex_count()).max_by_key(length).expect("one");
@@ -136,8 +136,8 @@ pub(crate) fn changes() -> Vec<Change> {
         }),
         Box::new(|b| {
             // An empty list that stands elsewhere than at 0.
-            let bytes = AlignedBytes::copy_of(b);
-            let asset = Asset::open(&bytes).expect("open");
+            let model = Model::from_bytes(b).expect("open");
+            let asset = model.asset();
             let pairs = asset.vertex_modes().windows(2);
             let still = |pair: &[VertexModes]| pair[0].first_entry == pair[1].first_entry;
             let v = pairs.map(still).position(|x| x).expect("a vertex at rest");
@@ -180,7 +180,8 @@ pub(crate) fn changes() -> Vec<Change> {
 /// list only.
 pub(crate) fn list_twice(used: bool) -> Vec<u8> {
     let mesh = bake::bumpy_sphere(8, 1);
-    let mut bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1)).to_vec();
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1));
+    let mut bytes = model.asset().bytes().to_vec();
     let at = record(&bytes, SectionKind::MODE_LISTS) + offset_of!(SectionRecord, length);
     assert_eq!(get_u32(&bytes, at), 4, "one list of two modes");
     u32_at(&mut bytes, at, 8);

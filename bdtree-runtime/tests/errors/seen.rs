@@ -6,13 +6,11 @@ use std::sync::LazyLock;
 
 use bdtree_build::input::{GroupKind, RawGroup};
 use bdtree_fixtures::bake;
-use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, FormatError, Pose, QueryError, StackEntry, Transform, query,
-};
+use bdtree_runtime::{Ball, Contact, FormatError, Instance, Model, QueryError, Workspace};
 
 /// Several nodes, six local modes (so the header block ends with padding), frames, groups,
 /// metadata.
-pub(crate) static FILE: LazyLock<AlignedBytes> = LazyLock::new(|| {
+pub(crate) static FILE: LazyLock<Model> = LazyLock::new(|| {
     let mut mesh = bake::bumpy_sphere(14, 1);
     for name in ["a", "b"] {
         mesh.groups.push(RawGroup {
@@ -49,21 +47,21 @@ impl Seen {
 
     /// Opens, verifies and asks; notes everything.
     pub(crate) fn everything(&mut self, bytes: &[u8]) {
-        let bytes = AlignedBytes::copy_of(bytes);
-        let asset = match Asset::open(&bytes) {
-            Ok(asset) => asset,
+        let model = match Model::from_bytes(bytes) {
+            Ok(model) => model,
             Err(error) => return self.note(&error),
         };
-        asset.verify(&mut |error| {
+        model.asset().verify(&mut |error| {
             self.note(&error);
             ControlFlow::Continue(())
         });
-        let mut memory = vec![0.0; asset.pose_len()];
-        let q = vec![0.01; asset.mode_count()];
-        let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
-        let mut stack = vec![StackEntry::default(); asset.stack_len()];
+        let mut body = Instance::new(&model).expect("an instance");
+        let q = vec![0.01; model.asset().mode_count()];
+        body.set_q(&q).expect("pose");
+        let mut workspace = Workspace::new();
+        let mut query = body.query(&mut workspace);
         let mut found: Vec<Contact> = Vec::new();
-        let ball = query::ball(&asset, &pose, [0.0; 3], 100.0, &mut stack, &mut found);
+        let ball = query.contacts(Ball::new([0.0; 3], 100.0), &mut found);
         if let Err(QueryError::Corrupt(error)) = ball {
             assert!(
                 QueryError::from(error)
