@@ -237,18 +237,28 @@ impl BakeError {
 #[derive(Debug)]
 pub(crate) struct Problems {
     stage: &'static str,
+    listed_max: usize,
+    more: fn(usize) -> String,
     listed: Vec<Problem>,
     count: usize,
 }
 
 impl Problems {
-    /// Most problems that are listed one by one.
-    pub(crate) const LISTED_MAX: usize = 100;
-
-    /// None yet.
+    /// None yet; a hundred will be listed.
     pub(crate) fn new(stage: &'static str) -> Self {
+        Self::listing(100, stage, |more| format!("{more} more problems"))
+    }
+
+    /// None yet; at most `listed_max` will be listed, and `more` tells of the others.
+    pub(crate) fn listing(
+        listed_max: usize,
+        stage: &'static str,
+        more: fn(usize) -> String,
+    ) -> Self {
         Self {
             stage,
+            listed_max,
+            more,
             listed: Vec::new(),
             count: 0,
         }
@@ -257,7 +267,7 @@ impl Problems {
     /// One more; what it says is asked for only if it is listed.
     pub(crate) fn add<P: Into<Place>, M: Into<String>>(&mut self, say: impl FnOnce() -> (P, M)) {
         self.count += 1;
-        if self.listed.len() < Self::LISTED_MAX {
+        if !self.is_full() {
             let (place, message) = say();
             self.listed.push(Problem {
                 stage: self.stage,
@@ -274,6 +284,17 @@ impl Problems {
         }
     }
 
+    /// The same in the order of their lines or bytes; those of a file as a whole come first, those of one place stay
+    /// in the order they were met.
+    pub(crate) fn sorted(mut self) -> Self {
+        self.listed
+            .sort_by_key(|problem| match problem.place.parts.last() {
+                Some(Part::Line(position) | Part::Byte(position)) => *position,
+                _ => 0,
+            });
+        self
+    }
+
     /// Nothing is wrong so far.
     pub(crate) fn is_empty(&self) -> bool {
         self.count == 0
@@ -281,7 +302,7 @@ impl Problems {
 
     /// More problems would only be counted.
     pub(crate) fn is_full(&self) -> bool {
-        self.listed.len() >= Self::LISTED_MAX
+        self.listed.len() >= self.listed_max
     }
 
     /// A failure if there are problems; `place` is where those that are only counted lie.
@@ -300,7 +321,7 @@ impl Problems {
             self.listed.push(Problem {
                 stage: self.stage,
                 place: place.into(),
-                message: format!("{more} more problems"),
+                message: (self.more)(more),
             });
         }
         BakeError {

@@ -35,11 +35,14 @@ pub mod error;
 pub mod file;
 pub mod input;
 mod motion;
+mod parallel;
 pub mod pipeline;
 pub mod progress;
 pub mod recipe;
 pub mod report;
 pub mod tree;
+mod vec3;
+mod words;
 pub mod wrap;
 
 pub use error::BakeError;

@@ -227,7 +227,7 @@ fn build(
         warnings,
         stages: stages.end(),
         frequencies_hz: report::frequencies_hz(basis),
-        basis_error_rel: provenance.error.map(Into::into),
+        basis_error_rel: provenance.error,
         tightness,
         visits,
         elastic: None,

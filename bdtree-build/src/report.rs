@@ -48,7 +48,7 @@ pub struct BakeReport {
     /// Frequencies of all modes (Hz), when every mode has one.
     pub frequencies_hz: Option<Vec<f64>>,
     /// Error of the basis over the diagonal of the box.
-    pub basis_error_rel: Option<ErrorReport>,
+    pub basis_error_rel: Option<BasisError>,
     /// Per level, the root's lanes being level 0.
     pub tightness: Vec<LevelTightness>,
     /// Nodes that small queries visit.
@@ -57,30 +57,6 @@ pub struct BakeReport {
     pub elastic: Option<ElasticReport>,
     /// How the modes of a volume were found, if those are the fields.
     pub volume: Option<VolumeReport>,
-}
-
-/// Error of a basis against its source, over the diagonal of the box.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ErrorReport {
-    /// Largest over vertices and frames.
-    pub max: f64,
-    /// Root mean square.
-    pub rms: f64,
-    /// The frame of the largest, from 0.
-    pub frame: Option<usize>,
-    /// The vertex of the largest.
-    pub vertex: usize,
-}
-
-impl From<BasisError> for ErrorReport {
-    fn from(error: BasisError) -> Self {
-        Self {
-            max: error.max_rel,
-            rms: error.rms_rel,
-            frame: error.frame,
-            vertex: error.vertex,
-        }
-    }
 }
 
 /// R'/R_opt of the lanes of one level at q = q_range; R_opt is the radius of the smallest ball

@@ -9,11 +9,10 @@ use bdtree_build::basis::{Basis, BasisError};
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_runtime::{AlignedBytes, Asset};
 use bdtree_fixtures::bake::{
     baked, baked_with, bumpy_sphere, local_basis, rigid, smooth_basis, with_frames,
 };
-use bdtree_runtime::Asset;
+use bdtree_runtime::Model;
 use rand::RngExt;
 
 const MODES: usize = 7;
@@ -129,9 +128,9 @@ fn what_all_modes_are_off_by_is_added() {
 #[test]
 fn samples_are_frames_mixtures_or_the_rest_pose() {
     let (mesh, basis) = animated();
-    let file = baked(&mesh, &basis);
-    let asset = Asset::open(&file).expect("asset");
-    let samples = Samples::of(&asset, 4);
+    let model = baked(&mesh, &basis);
+    let asset = model.asset();
+    let samples = Samples::of(asset, 4);
     assert_eq!((samples.source(), samples.len()), (Source::Frames, 4));
     for (sample, frame) in [0, 2, 5, 8].into_iter().enumerate() {
         assert_eq!(samples.frame(sample), Some(frame));
@@ -145,9 +144,8 @@ fn samples_are_frames_mixtures_or_the_rest_pose() {
         animation: None,
         ..basis.clone()
     };
-    let file = baked(&mesh, &still);
-    let asset = Asset::open(&file).expect("asset");
-    let samples = Samples::of(&asset, 24);
+    let model = baked(&mesh, &still);
+    let samples = Samples::of(model.asset(), 24);
     assert_eq!((samples.source(), samples.len()), (Source::Ranges, 24));
     for sample in 0..24 {
         let within = samples.q(sample).iter().zip(asset.modes());
@@ -158,17 +156,15 @@ fn samples_are_frames_mixtures_or_the_rest_pose() {
         );
         assert!(within.into_iter().any(|(q, _)| *q != 0.0));
     }
-    assert_eq!(samples, Samples::of(&asset, 24));
+    assert_eq!(samples, Samples::of(model.asset(), 24));
 
-    let file = baked(&mesh, &rigid(&mesh));
-    let samples = Samples::of(&Asset::open(&file).expect("asset"), 24);
+    let samples = Samples::of(baked(&mesh, &rigid(&mesh)).asset(), 24);
     assert_eq!((samples.source(), samples.len()), (Source::Rest, 1));
 
     // A field that moves nothing has no use at any q.
     let mut zero = smooth_basis(&mesh, 2, 2);
     zero.fields.fill([0.0; 3]);
-    let file = baked(&mesh, &zero);
-    let samples = Samples::of(&Asset::open(&file).expect("asset"), 24);
+    let samples = Samples::of(baked(&mesh, &zero).asset(), 24);
     assert_eq!(
         (samples.source(), samples.still()),
         (Source::Rest, &[0, 1][..])
@@ -182,13 +178,12 @@ fn questions_find_the_same_whatever_the_leaves() {
         leaf_size: Some(leaf_size),
         ..BakeSettings::default()
     };
-    let files = [1, 4, 9].map(|size| baked_with(&mesh, &basis, &settings(size)));
-    let assets = [0, 1, 2].map(|k| Asset::open(&files[k]).expect("asset"));
-    let samples = Samples::of(&assets[0], 6);
-    let works = Works::new(&assets[0], &samples).expect("questions");
-    let measured = assets.each_ref().map(|asset| {
+    let models = [1, 4, 9].map(|size| baked_with(&mesh, &basis, &settings(size)));
+    let samples = Samples::of(models[0].asset(), 6);
+    let works = Works::new(models[0].asset(), &samples).expect("questions");
+    let measured = models.each_ref().map(|model| {
         let contender = Contender {
-            asset,
+            asset: model.asset(),
             samples: &samples,
         };
         works.count(contender).expect("answers")
@@ -220,9 +215,8 @@ fn a_file_gives_back_what_it_was_baked_from() {
             ..Provenance::default()
         };
         let baked = bake_fields(&mesh, &basis, &settings, &provenance, &Silent).expect("bake");
-        let file = AlignedBytes::copy_of(&baked.bytes);
-        let asset = Asset::open(&file).expect("asset");
-        let subject = Subject::of_asset(&asset).expect("records");
+        let model = Model::from_bytes(&baked.bytes).expect("a model");
+        let subject = Subject::of_asset(model.asset()).expect("records");
         assert_eq!(subject.settings.leaf_size, Some(3));
         let Subject {
             mesh,
@@ -232,15 +226,14 @@ fn a_file_gives_back_what_it_was_baked_from() {
             ..
         } = subject;
         let again = bake_fields(&mesh, &basis, &settings, &provenance, &Silent).expect("bake");
-        assert!(file[..] == again.bytes[..], "{} modes", basis.mode_count());
+        assert!(baked.bytes == again.bytes, "{} modes", basis.mode_count());
     }
 }
 
 #[test]
 fn advice_on_a_file_is_for_the_fewest_modes_that_are_good_enough() {
     let (mesh, basis) = animated();
-    let file = baked(&mesh, &basis);
-    let subject = Subject::of_asset(&Asset::open(&file).expect("asset")).expect("records");
+    let subject = Subject::of_asset(baked(&mesh, &basis).asset()).expect("records");
     assert_eq!(subject.errors.over, Over::Frames);
     let goal = Goal {
         max_error_rel: 0.01,
@@ -278,9 +271,7 @@ fn a_line_and_a_triangle_are_judged_like_any_asset() {
             ..RawMesh::default()
         };
         for basis in [rigid(&mesh), smooth_basis(&mesh, 2, 1)] {
-            let file = baked(&mesh, &basis);
-            let asset = Asset::open(&file).expect("asset");
-            let subject = Subject::of_asset(&asset).expect("records");
+            let subject = Subject::of_asset(baked(&mesh, &basis).asset()).expect("records");
             let bench = Bench::new(&subject, 24, 0.0, &Silent).expect("bench");
             let modes: Vec<usize> = (0..basis.mode_count()).collect();
             let (whole, points) = bench.points(&[(&modes, 1)], &Silent).expect("points");

@@ -9,7 +9,7 @@ use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Baked, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_format::{ErrorMetadata, Metadata};
-use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform};
+use bdtree_runtime::{Model, Transform};
 
 /// Four frames of two modes, with times and turns.
 fn animated(mesh: &RawMesh) -> Basis {
@@ -33,10 +33,11 @@ fn animated(mesh: &RawMesh) -> Basis {
     basis
 }
 
-fn sound(bytes: &AlignedBytes) -> Asset<'_> {
-    let asset = Asset::open(bytes).expect("open");
-    asset.verify(&mut |error| -> ControlFlow<()> { panic!("{error}") });
-    asset
+fn sound(bytes: &[u8]) -> Model {
+    let model = Model::from_bytes(bytes).expect("open");
+    let report = &mut |error| -> ControlFlow<()> { panic!("{error}") };
+    model.asset().verify(report);
+    model
 }
 
 fn refused(mesh: &RawMesh, basis: &Basis) -> BakeError {
@@ -56,8 +57,8 @@ fn frames_are_stored_as_they_are() {
     let basis = animated(&mesh);
     let baked = bake_with(&mesh, &basis, &BakeSettings::default());
     assert_eq!(baked.report.frames, Some(4));
-    let bytes = AlignedBytes::copy_of(&baked.bytes);
-    let asset = sound(&bytes);
+    let model = sound(&baked.bytes);
+    let asset = model.asset();
     let animation = basis.animation.expect("an animation");
     assert_eq!(asset.frame_count(), 4);
     assert!(asset.frame(4).is_none() && asset.frame(usize::MAX).is_none());
@@ -79,7 +80,8 @@ fn frames_are_stored_as_they_are() {
             assert_eq!(stored.to_bits(), (expected + 0.0).to_bits());
         }
         let mut memory = vec![0.0; asset.pose_len()];
-        Pose::new(&asset, frame.q(), frame.transform(), &mut memory).expect("playable");
+        let pose = asset.pose(frame.q(), frame.transform(), &mut memory);
+        pose.expect("playable");
     }
 }
 
@@ -90,8 +92,8 @@ fn what_the_source_does_not_say_is_unknown() {
     let animation = basis.animation.as_mut().expect("an animation");
     animation.times_s = None;
     animation.motions.clear();
-    let bytes = AlignedBytes::copy_of(&bake_with(&mesh, &basis, &BakeSettings::default()).bytes);
-    let asset = sound(&bytes);
+    let model = sound(&bake_with(&mesh, &basis, &BakeSettings::default()).bytes);
+    let asset = model.asset();
     for k in 0..4 {
         let frame = asset.frame(k).expect("a frame");
         assert_eq!(frame.time_s(), None);
@@ -106,15 +108,14 @@ fn what_the_source_does_not_say_is_unknown() {
         }),
         ..Basis::default()
     };
-    let bytes = AlignedBytes::copy_of(&bake_with(&mesh, &rigid, &BakeSettings::default()).bytes);
-    let asset = sound(&bytes);
+    let model = sound(&bake_with(&mesh, &rigid, &BakeSettings::default()).bytes);
+    let asset = model.asset();
     assert_eq!(asset.frame_count(), 2);
     assert_eq!(asset.frame(1).map(|f| f.q().len()), Some(0));
     // No animation.
     let baked = bake_with(&mesh, &Basis::default(), &BakeSettings::default());
     assert_eq!(baked.report.frames, None);
-    let bytes = AlignedBytes::copy_of(&baked.bytes);
-    assert_eq!(sound(&bytes).frame_count(), 0);
+    assert_eq!(sound(&baked.bytes).asset().frame_count(), 0);
 }
 
 /// q_limit by itself is 100 to 200 diagonals; a frame beyond it raises it to the next power of two.
@@ -137,14 +138,15 @@ fn every_frame_is_playable() {
         animation.q[5] = f64::from(q);
         basis.modes[1].q_range = Some(f64::from(q.abs()));
         let Baked { bytes, report } = bake_with(&mesh, &basis, &BakeSettings::default());
-        let bytes = AlignedBytes::copy_of(&bytes);
-        let asset = sound(&bytes);
+        let model = sound(&bytes);
+        let asset = model.asset();
         assert_eq!(asset.modes()[1].q_limit.get(), expected);
         assert_eq!(asset.modes()[1].q_range.get(), q.abs());
         let frame = asset.frame(2).expect("a frame");
         assert_eq!(frame.q()[1], q);
         let mut memory = vec![0.0; asset.pose_len()];
-        Pose::new(&asset, frame.q(), frame.transform(), &mut memory).expect("playable");
+        let pose = asset.pose(frame.q(), frame.transform(), &mut memory);
+        pose.expect("playable");
         let warned = report
             .warnings
             .iter()
@@ -271,8 +273,8 @@ fn the_metadata_states_errors_and_weights() {
     };
     for frame in [Some(3), None] {
         let baked = with_error(BasisError { frame, ..error }).expect("a sound error");
-        let bytes = AlignedBytes::copy_of(&baked.bytes);
-        let metadata = Metadata::from_bytes(sound(&bytes).metadata()).expect("metadata");
+        let model = sound(&baked.bytes);
+        let metadata = Metadata::from_bytes(model.asset().metadata()).expect("metadata");
         assert_eq!(
             metadata.basis_error_rel,
             Some(ErrorMetadata {

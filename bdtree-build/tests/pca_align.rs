@@ -102,7 +102,7 @@ fn modes_are_those_of_the_body_at_rest() {
                     .sum()
             };
             for (t, frame) in undone.iter().enumerate().step_by(7) {
-                let centre = Vector3::from(
+                let center = Vector3::from(
                     mean(&vec![frame.clone()])
                         .iter()
                         .fold([0.0; 3], |s, p| [0, 1, 2].map(|k| s[k] + p[k] / 300.0)),
@@ -112,7 +112,7 @@ fn modes_are_those_of_the_body_at_rest() {
                         let turn = UnitQuaternion::from_scaled_axis(axis * angle);
                         let turned: Vec<V3> = frame
                             .iter()
-                            .map(|p| (turn * (Vector3::from(*p) - centre) + centre).into())
+                            .map(|p| (turn * (Vector3::from(*p) - center) + center).into())
                             .collect();
                         assert!(total(&turned, rest) > total(frame, rest), "{about:?} {t}");
                     }

@@ -27,9 +27,9 @@ fn dot(a: &Exact, b: &Exact) -> BigRational {
     &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
 }
 
-/// Where 2 G λ = diag(G) for the arms' Gram matrix G: the circumcentre, relative to the point that the
+/// Where 2 G λ = diag(G) for the arms' Gram matrix G: the circumcenter, relative to the point that the
 /// arms start from, in their span. `None` when they are dependent: a smaller set does as well.
-fn circumcentre(arms: &[Exact]) -> Option<Exact> {
+fn circumcenter(arms: &[Exact]) -> Option<Exact> {
     let n = arms.len();
     let two = number(2.0);
     let mut rows: Vec<Vec<BigRational>> = (0..n)
@@ -52,14 +52,14 @@ fn circumcentre(arms: &[Exact]) -> Option<Exact> {
             }
         }
     }
-    let mut centre = [(); 3].map(|()| BigRational::zero());
+    let mut center = [(); 3].map(|()| BigRational::zero());
     for (i, arm) in arms.iter().enumerate() {
         let share = &rows[i][n] / &rows[i][i];
         for k in 0..3 {
-            centre[k] += &share * &arm[k];
+            center[k] += &share * &arm[k];
         }
     }
-    Some(centre)
+    Some(center)
 }
 
 /// The squared radius of the smallest ball.
@@ -75,15 +75,15 @@ fn smallest(points: &[Exact]) -> BigRational {
             .map(|i| &points[i])
             .collect();
         let arms: Vec<Exact> = members[1..].iter().map(|p| minus(p, members[0])).collect();
-        let Some(centre) = circumcentre(&arms) else {
+        let Some(center) = circumcenter(&arms) else {
             continue;
         };
-        let square = dot(&centre, &centre);
+        let square = dot(&center, &center);
         if best.as_ref().is_some_and(|best| *best <= square) {
             continue;
         }
         let holds = |p: &Exact| {
-            let arm = minus(&minus(p, members[0]), &centre);
+            let arm = minus(&minus(p, members[0]), &center);
             dot(&arm, &arm) <= square
         };
         if points.iter().all(holds) {
@@ -99,10 +99,10 @@ fn errors(points: &[Point]) -> [f64; 2] {
     let ball = smallest_ball(points);
     let exact: Vec<Exact> = points.iter().map(|p| p.map(number)).collect();
     let least = root(&smallest(&exact));
-    let centre = ball.centre.map(number);
+    let center = ball.center.map(number);
     let farthest = exact
         .iter()
-        .map(|p| minus(p, &centre))
+        .map(|p| minus(p, &center))
         .map(|arm| dot(&arm, &arm))
         .max()
         .expect("a point");

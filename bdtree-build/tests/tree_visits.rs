@@ -26,8 +26,8 @@ impl Spheres {
         let of = (0..file.nodes.len())
             .map(|i| {
                 std::array::from_fn(|k| {
-                    let (centre, square, _) = file.sphere(i, k, q);
-                    (centre, square.max(0.0).sqrt())
+                    let (center, square, _) = file.sphere(i, k, q);
+                    (center, square.max(0.0).sqrt())
                 })
             })
             .collect();
@@ -49,8 +49,8 @@ fn ball(file: &Decoded, spheres: &Spheres, point: [f64; 3], radius: f64) -> (usi
         let mut child = node.first_child as usize;
         for k in 0..8 {
             let inner = node.inner_mask >> k & 1 == 1;
-            let (centre, r) = spheres.of[i][k];
-            if distance(centre, point) <= r + radius {
+            let (center, r) = spheres.of[i][k];
+            if distance(center, point) <= r + radius {
                 if inner {
                     stack.push(child);
                 }
@@ -82,13 +82,13 @@ fn lanes(file: &Decoded, spheres: &Spheres, i: usize) -> Vec<([f64; 3], f64, Bel
     let (mut child, mut slot) = (node.first_child as usize, node.first_slot as usize);
     let mut lanes = Vec::new();
     for k in 0..8 {
-        let (centre, radius) = spheres.of[i][k];
+        let (center, radius) = spheres.of[i][k];
         if node.inner_mask >> k & 1 == 1 {
-            lanes.push((centre, radius, Below::Node(child)));
+            lanes.push((center, radius, Below::Node(child)));
             child += 1;
         } else if node.leaf_counts[k] > 0 {
             let count = usize::from(node.leaf_counts[k]);
-            lanes.push((centre, radius, Below::Leaf(slot, count)));
+            lanes.push((center, radius, Below::Leaf(slot, count)));
             slot += count;
         }
     }

@@ -15,9 +15,9 @@ fn dot(a: Point, b: Point) -> f64 {
     (0..3).map(|k| a[k] * b[k]).sum()
 }
 
-/// Solves the symmetric system 2 G λ = diag(G) by elimination with pivoting: the circumcentre of
+/// Solves the symmetric system 2 G λ = diag(G) by elimination with pivoting: the circumcenter of
 /// `arms` and 0 in their span. `None` when they are dependent.
-fn circumcentre(arms: &[Point]) -> Option<Point> {
+fn circumcenter(arms: &[Point]) -> Option<Point> {
     let n = arms.len();
     let mut m = vec![[0.0; 4]; n];
     for i in 0..n {
@@ -42,13 +42,13 @@ fn circumcentre(arms: &[Point]) -> Option<Point> {
             }
         }
     }
-    let mut centre = [0.0; 3];
+    let mut center = [0.0; 3];
     for (i, arm) in arms.iter().enumerate() {
         for k in 0..3 {
-            centre[k] += m[i][3] / m[i][i] * arm[k];
+            center[k] += m[i][3] / m[i][i] * arm[k];
         }
     }
-    centre.iter().all(|x| x.is_finite()).then_some(centre)
+    center.iter().all(|x| x.is_finite()).then_some(center)
 }
 
 /// The least radius over the circumspheres of all subsets of at most four points, each grown to
@@ -59,10 +59,10 @@ fn oracle(points: &[Point]) -> f64 {
     let mut consider = |set: &[usize]| {
         let base = points[set[0]];
         let arms: Vec<Point> = set[1..].iter().map(|&i| sub(points[i], base)).collect();
-        if let Some(centre) = circumcentre(&arms) {
+        if let Some(center) = circumcenter(&arms) {
             let reach = points
                 .iter()
-                .map(|&p| sub(sub(p, base), centre))
+                .map(|&p| sub(sub(p, base), center))
                 .map(|d| dot(d, d).sqrt())
                 .fold(0.0, f64::max);
             if reach < best {
@@ -94,13 +94,13 @@ fn check(name: &str, points: &[Point]) {
         "{name}: radius {} instead of {best} for {points:?}",
         ball.radius
     );
-    // The centre is rounded to the coordinates' own precision.
+    // The center is rounded to the coordinates' own precision.
     let coordinate = points
         .iter()
         .flatten()
         .fold(0.0, |m: f64, x| m.max(x.abs()));
     for &p in points {
-        let d = sub(p, ball.centre);
+        let d = sub(p, ball.center);
         let slack = 1e-15 * coordinate * 4.0;
         assert!(
             dot(d, d).sqrt() <= ball.radius * (1.0 + 1e-15 * 8.0) + slack,
@@ -159,10 +159,10 @@ fn symmetric_bodies_have_their_balls() {
     let cube: Vec<Point> = (0..8).map(corners).collect();
     check("cube", &cube);
     let ball = smallest_ball(&cube);
-    assert_eq!(ball.centre, [0.5; 3]);
+    assert_eq!(ball.center, [0.5; 3]);
     assert_eq!(smallest_ball(&[]).radius, 0.0);
     let point = [0.1, -0.2, 1e30];
-    assert_eq!(smallest_ball(&[point; 7]).centre, point);
+    assert_eq!(smallest_ball(&[point; 7]).center, point);
     assert_eq!(smallest_ball(&[point; 7]).radius, 0.0);
 }
 
@@ -184,16 +184,16 @@ fn large_sets_are_held_by_the_points_on_the_surface() {
         let ball = smallest_ball(&points);
         let distances = points
             .iter()
-            .map(|&p| sub(p, ball.centre))
+            .map(|&p| sub(p, ball.center))
             .map(|d| dot(d, d).sqrt());
         let outermost = distances.clone().fold(0.0, f64::max);
         assert!(outermost <= ball.radius * (1.0 + 1e-14), "{name}");
-        // The centre is in the hull of the surface points: no direction leaves all behind.
+        // The center is in the hull of the surface points: no direction leaves all behind.
         let surface: Vec<Point> = points
             .iter()
             .zip(distances)
             .filter(|(_, d)| *d >= ball.radius * (1.0 - 1e-9))
-            .map(|(&p, _)| sub(p, ball.centre))
+            .map(|(&p, _)| sub(p, ball.center))
             .collect();
         for _ in 0..1000 {
             let direction = unit_vector(&mut rng);

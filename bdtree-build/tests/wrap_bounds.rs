@@ -11,7 +11,7 @@ fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
-fn centre(file: &Decoded, i: usize, k: usize) -> [f64; 3] {
+fn center(file: &Decoded, i: usize, k: usize) -> [f64; 3] {
     std::array::from_fn(|axis| f64::from(file.value(&file.nodes[i], axis, k)))
 }
 
@@ -21,7 +21,7 @@ fn some_vertex_touches_every_sphere() {
     let mesh = grid(40);
     let file = bake_default(&mesh, &waves(&mesh, 3));
     for (i, k) in file.lanes() {
-        let c = centre(&file, i, k);
+        let c = center(&file, i, k);
         let radius = file.value(&file.nodes[i], 3, k);
         let farthest = file
             .vertices_below(i, k)
@@ -50,8 +50,8 @@ fn translation_fields_hardly_grow_anything() {
         for j in 0..3 {
             let limit = f64::from(file.modes[j].q_limit.get());
             let growth = f64::from(file.value(node, 4 + 6 * j + 3, k)) * limit;
-            let [centre_unit, growth_unit, _] = file.units(node);
-            assert!(growth <= 0.867 * centre_unit + growth_unit);
+            let [center_unit, growth_unit, _] = file.units(node);
+            assert!(growth <= 0.867 * center_unit + growth_unit);
             assert!(growth <= 2f64.powi(-14) * 1.5 * limit);
         }
         let q = [0.5, -2.0, 0.1];
@@ -63,7 +63,7 @@ fn translation_fields_hardly_grow_anything() {
 }
 
 /// P22 (appendix A, eqs. 12–15): ΔR_j ≤ 2 L_j R with L_j the Lipschitz constant of the field over
-/// the lane's vertices; by Jung's theorem 1.22 L_j R for a ball-centred Ū_j.
+/// the lane's vertices; by Jung's theorem 1.22 L_j R for a ball-centerd Ū_j.
 #[test]
 fn growth_is_bounded_by_the_smoothness_of_the_field() {
     let mesh = grid(24);
@@ -87,8 +87,8 @@ fn growth_is_bounded_by_the_smoothness_of_the_field() {
             let growth = f64::from(file.value(&file.nodes[i], 4 + 6 * j + 3, k));
             let radius = f64::from(file.value(&file.nodes[i], 3, k));
             // Ū and ΔR lie on grids.
-            let [centre_unit, growth_unit, _] = file.units(&file.nodes[i]);
-            let rounded = (centre_unit + growth_unit) / f64::from(file.modes[j].q_limit.get());
+            let [center_unit, growth_unit, _] = file.units(&file.nodes[i]);
+            let rounded = (center_unit + growth_unit) / f64::from(file.modes[j].q_limit.get());
             assert!(growth <= 2.0 * lipschitz * radius * (1.0 + 1e-6) + 1e-7 + rounded);
         }
     }
@@ -105,10 +105,10 @@ fn uniform_scaling_is_exact() {
             let (_, square, _) = file.sphere(i, k, &[q]);
             let wanted = radius * (1.0 - f64::from(q)).abs();
             // b is rounded up by at most a unit, ΔR by one, Ū to √3/2 units.
-            let [centre, growth, cross] = file.units(&file.nodes[i]);
+            let [center, growth, cross] = file.units(&file.nodes[i]);
             let share = file.shares(&[q]);
-            let around = radius * (1.0 + f64::from(q.abs())) + share * (centre + growth);
-            let tolerance = 2.0 * share * (cross + 2.0 * around * (centre + growth));
+            let around = radius * (1.0 + f64::from(q.abs())) + share * (center + growth);
+            let tolerance = 2.0 * share * (cross + 2.0 * around * (center + growth));
             assert!(
                 (square - wanted * wanted).abs() <= tolerance + 1e-12,
                 "{i} {k} {q}"

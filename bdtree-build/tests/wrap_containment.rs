@@ -26,7 +26,7 @@ fn check(mesh: &RawMesh, basis: &Basis, lanes_max: usize, poses: usize, seed: u6
         check_f32(&file, &sampled, &q);
         let deformed = file.deform(&q);
         for (i, k, vertices) in &sampled {
-            let (centre, square, reach) = file.sphere(*i, *k, &q);
+            let (center, square, reach) = file.sphere(*i, *k, &q);
             // Exact arithmetic keeps every vertex inside. f64 loses at most (M + 8) 2⁻⁵³ of the
             // largest term, which the norms of section 5 bound; an f32 bound that is one ulp too
             // small is 2⁻²⁴ off, a thousand times more than this margin.
@@ -38,7 +38,7 @@ fn check(mesh: &RawMesh, basis: &Basis, lanes_max: usize, poses: usize, seed: u6
                     .sum::<f64>();
             let margin = (file.mode_count() + 8) as f64 * 2f64.powi(-52) * scale;
             for &v in vertices {
-                let d2: f64 = (0..3).map(|a| (deformed[v][a] - centre[a]).powi(2)).sum();
+                let d2: f64 = (0..3).map(|a| (deformed[v][a] - center[a]).powi(2)).sum();
                 let bound = square.max(0.0) + margin * (reach + margin) * 4.0;
                 assert!(
                     d2 <= bound,
@@ -51,7 +51,7 @@ fn check(mesh: &RawMesh, basis: &Basis, lanes_max: usize, poses: usize, seed: u6
     }
 }
 
-/// The same in the arithmetic of a query (SPEC 5.6): centres and radii in f32 with γ' under
+/// The same in the arithmetic of a query (SPEC 5.6): centers and radii in f32 with γ' under
 /// the root and the slack added, vertices in the leaf arithmetic, and the test that skips a node.
 fn check_f32(file: &Decoded, lanes: &[(usize, usize, Vec<usize>)], q: &[f32]) {
     let m = file.mode_count();
@@ -69,12 +69,12 @@ fn check_f32(file: &Decoded, lanes: &[(usize, usize, Vec<usize>)], q: &[f32]) {
     for (i, k, vertices) in lanes {
         let node = &file.nodes[*i];
         let at = |row: usize| file.value(node, row, *k);
-        let mut centre = [at(0), at(1), at(2)];
+        let mut center = [at(0), at(1), at(2)];
         let (mut cross, mut growth) = (0.0f32, 0.0f32);
         for (a, &mode) in file.node_modes(node).iter().enumerate() {
             let q = q[usize::from(mode)];
             let row = 4 + 6 * a;
-            for (axis, c) in centre.iter_mut().enumerate() {
+            for (axis, c) in center.iter_mut().enumerate() {
                 *c += at(row + axis) * q;
             }
             growth += at(row + 3) * q.abs();
@@ -91,7 +91,7 @@ fn check_f32(file: &Decoded, lanes: &[(usize, usize, Vec<usize>)], q: &[f32]) {
                 }
             }
             let d2: f64 = (0..3)
-                .map(|a| f64::from(file.positions[v][a] + moved[a]) - f64::from(centre[a]))
+                .map(|a| f64::from(file.positions[v][a] + moved[a]) - f64::from(center[a]))
                 .map(|d| d * d)
                 .sum();
             let skipped = d2 * (1.0 - 2f64.powi(-20)) > f64::from(radius).powi(2);

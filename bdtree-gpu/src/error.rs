@@ -46,7 +46,7 @@ pub enum GpuError {
         /// Instances that fit.
         capacity: u32,
     },
-    /// Instances, output or pose are of another asset.
+    /// Instances, output, positions or a pose are of another asset.
     Mismatch(&'static str),
     /// What cannot be done, and what can instead.
     Unsupported(&'static str),

@@ -1,7 +1,7 @@
 //! Deforms meshes on a GPU: `p' = p + U q` for every vertex of many instances, as vertex
 //! buffers or inside a vertex shader.
 //!
-//! Everything is made on the caller's device. Results are near [`Asset::deformed`](bdtree_runtime::Asset::deformed), by a bound
+//! Everything is made on the caller's device. Results are near [`Pose::deformed`](bdtree_runtime::Pose::deformed), by a bound
 //! that each instance states, but not to the bit: queries go on using their own arithmetic.
 //! How an engine uses it, layouts, limits and errors: `docs/skinning.md`.
 //!

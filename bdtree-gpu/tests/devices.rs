@@ -1,8 +1,8 @@
 //! The GPU that tests run on, on a machine without one Mesa's lavapipe; and assets skinned on it.
 
-use bdtree_gpu::{GpuError, Instances, Normals, Skinner, read_back, request_device};
-use bdtree_runtime::{AlignedBytes, Asset, Transform};
 use bdtree_fixtures::{bake, golden, poses};
+use bdtree_gpu::{GpuError, Instances, Normals, Skinner, read_back, request_device};
+use bdtree_runtime::{Asset, Model, Transform};
 
 /// A device and its queue.
 pub(crate) struct Gpu {
@@ -113,13 +113,13 @@ impl Default for Gpu {
 ///
 /// # Panics
 /// When a golden file is missing or a bake fails.
-pub(crate) fn assets() -> Vec<(String, AlignedBytes)> {
+pub(crate) fn assets() -> Vec<(String, Model)> {
     let mut all = Vec::new();
     for entry in std::fs::read_dir(golden::folder()).expect("the golden files") {
         let path = entry.expect("an entry").path();
         if path.extension().is_some_and(|e| e == "bdt") {
-            let bytes = AlignedBytes::read(&path).expect("a golden file");
-            all.push((path.display().to_string(), bytes));
+            let model = Model::read(&path).expect("a golden file");
+            all.push((path.display().to_string(), model));
         }
     }
     all.sort_by(|a, b| a.0.cmp(&b.0));

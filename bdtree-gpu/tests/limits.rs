@@ -1,9 +1,9 @@
 //! What a device does not allow is split or refused with an error that says what fits; nothing panics.
 
-use bdtree_fixtures::{bake, mutate};
+use bdtree_fixtures::{bake, mutate, poses};
 use bdtree_format::{Header, ModeRecord, SectionKind};
-use bdtree_gpu::{GpuError, Normals, Skinner, read_back};
-use bdtree_runtime::{AlignedBytes, Asset, PoseError, Transform};
+use bdtree_gpu::{GpuError, Normals, Skinner, read_back, twin, vertex_layout};
+use bdtree_runtime::{Model, PoseError, Transform};
 use rand::RngExt;
 
 use crate::devices::{self, Gpu};
@@ -18,19 +18,19 @@ fn split_assets_give_the_same_bits() {
         limits.max_compute_workgroups_per_dimension = 3;
     });
     let mut split = 0;
-    for (seed, (name, bytes)) in (0..).zip(devices::assets()) {
-        let asset = Asset::open(&bytes).expect("open");
+    for (seed, (name, model)) in (0..).zip(devices::assets()) {
+        let asset = model.asset();
         let n = asset.vertex_count();
         // One instance has to fit.
         let fit = (16 << 10) / (12 * n).max(32 * (12 + asset.mode_count()) / 8);
-        let placed = devices::placed(&asset, seed);
+        let placed = devices::placed(asset, seed);
         let placed = &placed[1..=fit.clamp(1, placed.len() - 1).min(7)];
         let skinner = Skinner::new(&small.device, &small.queue).expect("skinner");
-        let uploaded = skinner.upload(&asset, Normals::Fields).expect("upload");
+        let uploaded = skinner.upload(asset, Normals::Fields).expect("upload");
         split += u32::from(uploaded.range_count() > 1);
         for normals in [Normals::Fields, Normals::Exact] {
-            let a = whole.skin(&asset, normals, placed, [1.0, 2.0, 3.0]);
-            let b = small.skin(&asset, normals, placed, [1.0, 2.0, 3.0]);
+            let a = whole.skin(asset, normals, placed, [1.0, 2.0, 3.0]);
+            let b = small.skin(asset, normals, placed, [1.0, 2.0, 3.0]);
             let (a, b) = (a.expect("whole"), b.expect("split"));
             assert!(a.positions == b.positions, "{name}: positions");
             assert!(a.normals == b.normals, "{name}: normals");
@@ -44,11 +44,11 @@ fn split_assets_give_the_same_bits() {
 fn sizes_beyond_the_device_are_refused_with_what_fits() {
     let gpu = Gpu::with_limits(|limits| limits.max_storage_buffer_binding_size = 16 << 10);
     let mesh = bake::bumpy_sphere(14, 1); // 366 vertices
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 1));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 1));
+    let asset = model.asset();
     let n = asset.vertex_count();
     let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
-    let uploaded = skinner.upload(&asset, Normals::None).expect("upload");
+    let uploaded = skinner.upload(asset, Normals::None).expect("upload");
     let fit = (16 << 10) / (12 * n) as u32;
     assert!(skinner.output(&uploaded, fit).is_ok());
     match skinner.output(&uploaded, fit + 1) {
@@ -75,10 +75,10 @@ fn sizes_beyond_the_device_are_refused_with_what_fits() {
     // A single vertex of 512 modes takes 6 KiB, twice that with normals' fields: refused where it does not fit.
     let tiny = Gpu::with_limits(|limits| limits.max_storage_buffer_binding_size = 4 << 10);
     let mesh = bake::bumpy_sphere(3, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 400, 1));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 400, 1));
+    let asset = model.asset();
     let skinner = Skinner::new(&tiny.device, &tiny.queue).expect("skinner");
-    match skinner.upload(&asset, Normals::None) {
+    match skinner.upload(asset, Normals::None) {
         Err(GpuError::AssetTooLarge { what, bytes, limit }) => {
             assert_eq!((what, bytes, limit), ("displacements", 4800, 4 << 10));
         }
@@ -86,9 +86,9 @@ fn sizes_beyond_the_device_are_refused_with_what_fits() {
     }
     // A vertex shader needs the asset whole.
     let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
-    let uploaded = skinner.upload(&asset, Normals::None).expect("upload");
+    let uploaded = skinner.upload(asset, Normals::None).expect("upload");
     let instances = skinner.instances(&uploaded, 1).expect("instances");
-    let layout = bdtree_vertex_layout(&gpu.device);
+    let layout = vertex_layout(&gpu.device);
     let group = skinner.vertex_group(&layout, &uploaded, &instances);
     assert!(matches!(group, Err(GpuError::Unsupported(_))), "{group:?}");
 }
@@ -97,15 +97,15 @@ fn sizes_beyond_the_device_are_refused_with_what_fits() {
 fn instances_have_the_checks_of_poses() {
     let gpu = Gpu::new();
     let mesh = bake::bumpy_sphere(6, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1));
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1));
     let other = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 2));
-    let asset = Asset::open(&bytes).expect("open");
+    let asset = model.asset();
     let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
-    let uploaded = skinner.upload(&asset, Normals::None).expect("upload");
+    let uploaded = skinner.upload(asset, Normals::None).expect("upload");
     let mut instances = skinner.instances(&uploaded, 2).expect("instances");
     let limit = asset.modes()[1].q_limit.get();
     let here = Transform::IDENTITY;
-    let mut refused = |q: &[f32], place: Transform| match instances.push_at(&asset, q, place) {
+    let mut refused = |q: &[f32], place: Transform| match instances.push_at(asset, q, place) {
         Err(GpuError::Pose(error)) => error,
         other => panic!("{q:?}: {other:?}"),
     };
@@ -145,41 +145,39 @@ fn instances_have_the_checks_of_poses() {
 
     // Beyond f32, seen from a camera elsewhere.
     instances.clear([1e37, 0.0, 0.0]);
-    let far = instances.push_at(&asset, &[0.0; 2], here);
+    let far = instances.push_at(asset, &[0.0; 2], here);
     assert!(
         matches!(far, Err(GpuError::TooFar { instance: 0 })),
         "{far:?}"
     );
     instances.clear([f64::NAN; 3]);
-    assert!(instances.push_at(&asset, &[0.0; 2], here).is_err());
+    assert!(instances.push_at(asset, &[0.0; 2], here).is_err());
     instances.clear([0.0; 3]);
 
-    let stranger = Asset::open(&other).expect("open");
-    let mixed = instances.push_at(&stranger, &[0.0; 2], here);
+    let stranger = other.asset();
+    let mixed = instances.push_at(stranger, &[0.0; 2], here);
     assert!(matches!(mixed, Err(GpuError::Mismatch(_))), "{mixed:?}");
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = bdtree_runtime::Pose::new(&stranger, &[0.0; 2], here, &mut memory).expect("pose");
-    assert!(matches!(
-        instances.push(&asset, &pose),
-        Err(GpuError::Mismatch(_))
-    ));
+    let pose = stranger.pose(&[0.0; 2], here, &mut memory).expect("pose");
+    let mixed = instances.push(&pose);
+    assert!(matches!(mixed, Err(GpuError::Mismatch(_))), "{mixed:?}");
 
     // A pose and its q give the same instance.
     let mut memory = vec![0.0; asset.pose_len()];
     let q = [0.25 * limit, f32::MIN_POSITIVE / 2.0];
-    let pose = bdtree_runtime::Pose::new(&asset, &q, here, &mut memory).expect("pose");
-    instances.push(&asset, &pose).expect("push");
-    instances.push_at(&asset, &q, here).expect("push");
-    let [a, b] = [0, 1].map(|k| bdtree_gpu::twin::positions(&asset, &instances, k).expect("twin"));
+    let pose = asset.pose(&q, here, &mut memory).expect("pose");
+    instances.push(&pose).expect("push");
+    instances.push_at(asset, &q, here).expect("push");
+    let [a, b] = [0, 1].map(|k| twin::positions(asset, &instances, k).expect("twin"));
     assert!(a == b);
-    let full = instances.push_at(&asset, &q, here);
+    let full = instances.push_at(asset, &q, here);
     assert!(
         matches!(full, Err(GpuError::Full { capacity: 2 })),
         "{full:?}"
     );
 
     // Instances and outputs of other assets, and too small ones.
-    let theirs = skinner.upload(&stranger, Normals::None).expect("upload");
+    let theirs = skinner.upload(stranger, Normals::None).expect("upload");
     let small = skinner.output(&uploaded, 1).expect("output");
     let wrong = skinner.output(&theirs, 2).expect("output");
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -194,14 +192,14 @@ fn instances_have_the_checks_of_poses() {
 fn broken_records_are_refused() {
     let gpu = Gpu::new();
     let mesh = bake::bumpy_sphere(6, 1);
-    let mut rng = bdtree_fixtures::poses::rng(1);
+    let mut rng = poses::rng(1);
     let (mut refused, mut taken) = (0, 0);
-    for (sparse, bytes) in [
+    for (sparse, model) in [
         (true, bake::baked(&mesh, &bake::local_basis(&mesh, 6, 1))),
         (false, bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 1))),
     ] {
         for _ in 0..150 {
-            let mut bytes = bytes.to_vec();
+            let mut bytes = model.asset().bytes().to_vec();
             let kinds = [
                 SectionKind::TRIANGLES,
                 SectionKind::TRIANGLE_SLOTS,
@@ -232,13 +230,12 @@ fn broken_records_are_refused() {
             }
             // Else the table of modes would never get past its checksum.
             mutate::repair(&mut bytes);
-            let bytes = AlignedBytes::copy_of(&bytes);
-            let Ok(asset) = Asset::open(&bytes) else {
+            let Ok(model) = Model::from_bytes(&bytes) else {
                 continue;
             };
             let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
             for normals in [Normals::Fields, Normals::Exact] {
-                match skinner.upload(&asset, normals) {
+                match skinner.upload(model.asset(), normals) {
                     Ok(_) => taken += 1,
                     Err(GpuError::Corrupt(_)) => refused += 1,
                     Err(other) => panic!("{other}"),
@@ -256,19 +253,19 @@ fn broken_records_are_refused() {
 #[test]
 fn a_lost_device_is_an_error() {
     let mesh = bake::bumpy_sphere(6, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1));
+    let asset = model.asset();
     let gpu = Gpu::new();
     let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
-    let uploaded = skinner.upload(&asset, Normals::Exact).expect("upload");
+    let uploaded = skinner.upload(asset, Normals::Exact).expect("upload");
     let mut instances = skinner.instances(&uploaded, 1).expect("instances");
     let output = skinner.output(&uploaded, 1).expect("output");
     instances
-        .push_at(&asset, &[0.0; 2], Transform::IDENTITY)
+        .push_at(asset, &[0.0; 2], Transform::IDENTITY)
         .expect("push");
     gpu.device.destroy();
     let lost = [
-        skinner.upload(&asset, Normals::Exact).map(|_| ()),
+        skinner.upload(asset, Normals::Exact).map(|_| ()),
         skinner.instances(&uploaded, 1).map(|_| ()),
         skinner.output(&uploaded, 1).map(|_| ()),
         Skinner::new(&gpu.device, &gpu.queue).map(|_| ()),

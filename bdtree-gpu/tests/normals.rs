@@ -4,9 +4,9 @@
 use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::progress::Silent;
-use bdtree_gpu::{NormalFields, Normals, twin};
-use bdtree_runtime::{Asset, Pose, Transform, TriangleId, VertexId};
 use bdtree_fixtures::{bake, models, poses};
+use bdtree_gpu::{NormalFields, Normals, twin};
+use bdtree_runtime::{Asset, Transform, TriangleId, VertexId};
 
 use crate::devices::{self, Gpu};
 
@@ -72,18 +72,18 @@ fn exact_bound((sum, size, count): &([f64; 3], f64, u32)) -> Option<f64> {
 fn exact_normals_are_those_of_the_positions() {
     let gpu = Gpu::new();
     let mut compared = 0;
-    for (seed, (name, bytes)) in (0..).zip(devices::assets()) {
-        let asset = Asset::open(&bytes).expect("open");
-        let placed = devices::placed(&asset, seed);
+    for (seed, (name, model)) in (0..).zip(devices::assets()) {
+        let asset = model.asset();
+        let placed = devices::placed(asset, seed);
         for placed in [&placed[..], &placed[1..2]] {
-            let skinned = gpu.skin(&asset, Normals::Exact, placed, asset.origin());
+            let skinned = gpu.skin(asset, Normals::Exact, placed, asset.origin());
             let skinned = skinned.expect("skinning");
             let n = asset.vertex_count();
             for k in 0..placed.len() {
                 let positions = &skinned.positions[k * n..][..n];
                 let normals = &skinned.normals[k * n..][..n];
-                let twin = twin::exact_normals(&asset, positions).expect("twin");
-                let exact = exact(&asset, positions);
+                let twin = twin::exact_normals(asset, positions).expect("twin");
+                let exact = exact(asset, positions);
                 for (i, exact) in exact.iter().enumerate() {
                     let Some(bound) = exact_bound(exact) else {
                         continue;
@@ -110,20 +110,20 @@ fn exact_normals_are_those_of_the_positions() {
 fn field_normals_are_their_twins() {
     let gpu = Gpu::new();
     let (mut compared, mut recomputed) = (0, [0; 2]);
-    for (seed, (name, bytes)) in (0..).zip(devices::assets()) {
-        let asset = Asset::open(&bytes).expect("open");
-        let fields = NormalFields::new(&asset).expect("fields");
-        let placed = devices::placed(&asset, seed);
+    for (seed, (name, model)) in (0..).zip(devices::assets()) {
+        let asset = model.asset();
+        let fields = NormalFields::new(asset).expect("fields");
+        let placed = devices::placed(asset, seed);
         for placed in [&placed[..], &placed[2..3]] {
-            let skinned = gpu.skin(&asset, Normals::Fields, placed, asset.origin());
+            let skinned = gpu.skin(asset, Normals::Fields, placed, asset.origin());
             let skinned = skinned.expect("skinning");
             let n = asset.vertex_count();
             for (k, (q, _)) in placed.iter().enumerate() {
                 let positions = &skinned.positions[k * n..][..n];
                 let instances = &skinned.instances;
-                let twin = twin::normals(&asset, &fields, instances, k as u32, positions);
+                let twin = twin::normals(asset, &fields, instances, k as u32, positions);
                 let twin = twin.expect("twin");
-                let exact = exact(&asset, positions);
+                let exact = exact(asset, positions);
                 for (i, (a, b)) in twin.iter().zip(&skinned.normals[k * n..][..n]).enumerate() {
                     if fields.marked().binary_search(&(i as u32)).is_ok() {
                         if let Some(bound) = exact_bound(&exact[i]) {
@@ -200,9 +200,9 @@ fn apart(gpu: &Gpu, asset: &Asset<'_>, fields: &NormalFields) -> [Vec<f64>; 2] {
     let mut angles = [vec![], vec![]];
     for (k, (q, place)) in placed.iter().enumerate() {
         let mut memory = vec![0.0; asset.pose_len()];
-        let pose = Pose::new(asset, q, *place, &mut memory).expect("pose");
+        let pose = asset.pose(q, *place, &mut memory).expect("pose");
         let positions: Vec<[f32; 3]> = (0..n as u32)
-            .map(|v| asset.deformed_stored(&pose, VertexId(v)).expect("a vertex"))
+            .map(|v| pose.deformed_stored(VertexId(v)).expect("a vertex"))
             .collect();
         let alone = twin::field_normals(asset, fields, &skinned.instances, k as u32);
         let alone = alone.expect("twin");
@@ -234,11 +234,11 @@ fn normals_of_fields_are_near_exact_ones() {
         let mesh = read_mesh(&models::path(name)).expect("fixture");
         let options = ElasticOptions::default();
         let basis = elastic_basis(&mesh, &options, &Silent, &mut Vec::new());
-        let bytes = bake::baked(&mesh, &basis.expect("modes").0);
-        let asset = Asset::open(&bytes).expect("open");
-        let fields = NormalFields::new(&asset).expect("fields");
+        let model = bake::baked(&mesh, &basis.expect("modes").0);
+        let asset = model.asset();
+        let fields = NormalFields::new(asset).expect("fields");
         let marked = fields.marked().len() as f64 / asset.vertex_count() as f64;
-        let [device, alone] = apart(&gpu, &asset, &fields);
+        let [device, alone] = apart(&gpu, asset, &fields);
         let of = |angles: &[f64]| {
             [0.5, 0.99, 0.999, 1.0].map(|s| angles[((angles.len() - 1) as f64 * s) as usize])
         };

@@ -2,9 +2,9 @@
 //! compute passes and in a vertex shader.
 
 use bdtree_build::input::read_mesh;
-use bdtree_gpu::{Normals, twin};
-use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform, VertexId};
 use bdtree_fixtures::{bake, models, poses};
+use bdtree_gpu::{Normals, twin};
+use bdtree_runtime::{Asset, Model, Transform, VertexId};
 
 use crate::devices::{self, Gpu};
 
@@ -21,10 +21,10 @@ fn used(
     bound: f64,
 ) -> f64 {
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(asset, q, *place, &mut memory).expect("pose");
+    let pose = asset.pose(q, *place, &mut memory).expect("pose");
     let mut worst = 0.0_f64;
     for (i, y) in (0..).zip(positions) {
-        let x = asset.deformed(&pose, VertexId(i)).expect("a vertex");
+        let x = pose.deformed(VertexId(i)).expect("a vertex");
         let off = length([0, 1, 2].map(|k| x[k] - origin[k] - f64::from(y[k])));
         assert!(off.is_finite());
         worst = worst.max(off / bound);
@@ -43,40 +43,40 @@ fn positions_of_all_fixtures_are_within_their_bound() {
     let mut all = Vec::new();
     for fixture in models::meshes().filter(|f| !f.is_large && !f.is_broken) {
         let mesh = read_mesh(&models::path(fixture.name)).expect("a mesh");
-        let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 3));
-        all.push((fixture.name.to_string(), bytes));
+        let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 3));
+        all.push((fixture.name.to_string(), model));
     }
     assert!(all.len() > 20, "{}", all.len());
     check(all);
 }
 
-fn check(assets: Vec<(String, AlignedBytes)>) {
+fn check(assets: Vec<(String, Model)>) {
     let gpu = Gpu::new();
     let mut twins_equal = true;
-    for (seed, (name, bytes)) in (0..).zip(assets) {
-        let asset = Asset::open(&bytes).expect("open");
-        let placed = devices::placed(&asset, seed);
+    for (seed, (name, model)) in (0..).zip(assets) {
+        let asset = model.asset();
+        let placed = devices::placed(asset, seed);
         let n = asset.vertex_count();
         let origin = asset.origin();
         // All together eight by eight, and one by one.
-        let together = gpu.skin(&asset, Normals::None, &placed, origin);
+        let together = gpu.skin(asset, Normals::None, &placed, origin);
         let together = together.expect("skinning");
         for (k, placed) in placed.iter().enumerate() {
             let bound = together.errors[k];
             let ours = &together.positions[k * n..][..n];
-            let worst = used(&asset, placed, origin, ours, bound);
+            let worst = used(asset, placed, origin, ours, bound);
             assert!(worst <= 1.0, "{name}, instance {k}: {worst} of the bound");
-            let twin = twin::positions(&asset, &together.instances, k as u32).expect("twin");
+            let twin = twin::positions(asset, &together.instances, k as u32).expect("twin");
             for (a, b) in twin.iter().zip(ours) {
                 let off = length([0, 1, 2].map(|k| f64::from(a[k]) - f64::from(b[k])));
                 assert!(off <= 2.0 * bound, "{name}, instance {k}: {a:?} {b:?}");
                 twins_equal &= a == b;
             }
         }
-        let single = gpu.skin(&asset, Normals::None, &placed[3..4], origin);
+        let single = gpu.skin(asset, Normals::None, &placed[3..4], origin);
         let single = single.expect("skinning");
         let worst = used(
-            &asset,
+            asset,
             &placed[3],
             origin,
             &single.positions,
@@ -98,20 +98,20 @@ fn check(assets: Vec<(String, AlignedBytes)>) {
 fn the_bound_is_narrow() {
     let gpu = Gpu::new();
     let mesh = bake::bumpy_sphere(10, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 1));
-    let asset = Asset::open(&bytes).expect("open");
-    let q = poses::random_q(&asset, 0.3, &mut poses::rng(1));
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 10, 1));
+    let asset = model.asset();
+    let q = poses::random_q(asset, 0.3, &mut poses::rng(1));
     let place = Transform {
         rotation: [0.5, -0.5, 0.5, 0.5],
         translation: [0.1, 0.2, 0.3],
         scale: 1.1,
     };
     let placed = [(q, place)];
-    let skinned = gpu.skin(&asset, Normals::None, &placed, [0.0; 3]);
+    let skinned = gpu.skin(asset, Normals::None, &placed, [0.0; 3]);
     let skinned = skinned.expect("skinning");
     assert!(skinned.errors[0] < 2e-5, "{}", skinned.errors[0]);
     let worst = used(
-        &asset,
+        asset,
         &placed[0],
         [0.0; 3],
         &skinned.positions,
@@ -125,20 +125,20 @@ fn the_bound_is_narrow() {
 fn coordinates_are_relative_to_the_camera() {
     let gpu = Gpu::new();
     let mesh = bake::bumpy_sphere(8, 1);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 4, 1));
-    let asset = Asset::open(&bytes).expect("open");
-    let q = poses::random_q(&asset, 0.3, &mut poses::rng(1));
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 4, 1));
+    let asset = model.asset();
+    let q = poses::random_q(asset, 0.3, &mut poses::rng(1));
     let place = Transform {
         translation: [1e8, -2e8, 3e8],
         ..Transform::IDENTITY
     };
     let placed = [(q, place)];
     for (origin, bound) in [([1e8 + 1.0, -2e8, 3e8], 1e-4), ([0.0; 3], 1e4)] {
-        let skinned = gpu.skin(&asset, Normals::None, &placed, origin);
+        let skinned = gpu.skin(asset, Normals::None, &placed, origin);
         let skinned = skinned.expect("skinning");
         assert!(skinned.errors[0] < bound, "{}", skinned.errors[0]);
         let worst = used(
-            &asset,
+            asset,
             &placed[0],
             origin,
             &skinned.positions,
@@ -169,32 +169,32 @@ fn slots_below(asset: &Asset<'_>, node: usize, lane: usize) -> Vec<usize> {
 fn vertices_lie_in_every_sphere_enlarged_by_the_bound() {
     let gpu = Gpu::new();
     let mut tried = 0;
-    for (seed, (name, bytes)) in (0..).zip(devices::assets()) {
-        let asset = Asset::open(&bytes).expect("open");
+    for (seed, (name, model)) in (0..).zip(devices::assets()) {
+        let asset = model.asset();
         // Spheres are in stored units, and the world here in mesh units about the origin.
         let place = Transform::IDENTITY;
-        let placed: Vec<_> = devices::placed(&asset, seed)
+        let placed: Vec<_> = devices::placed(asset, seed)
             .into_iter()
             .map(|(q, _)| (q, place))
             .collect();
-        let skinned = gpu.skin(&asset, Normals::None, &placed, asset.origin());
+        let skinned = gpu.skin(asset, Normals::None, &placed, asset.origin());
         let skinned = skinned.expect("skinning");
         let lanes: Vec<Vec<Vec<usize>>> = (0..asset.node_count())
-            .map(|i| (0..8).map(|lane| slots_below(&asset, i, lane)).collect())
+            .map(|i| (0..8).map(|lane| slots_below(asset, i, lane)).collect())
             .collect();
         for (k, (q, place)) in placed.iter().enumerate() {
             let positions = &skinned.positions[k * asset.vertex_count()..];
             let mut memory = vec![0.0; asset.pose_len()];
-            let pose = Pose::new(&asset, q, *place, &mut memory).expect("pose");
+            let pose = asset.pose(q, *place, &mut memory).expect("pose");
             for (i, lanes) in lanes.iter().enumerate() {
-                let spheres = asset.node_spheres(&pose, i as u32).expect("spheres");
+                let spheres = pose.node_spheres(i as u32).expect("spheres");
                 for (lane, slots) in lanes.iter().enumerate() {
-                    let centre =
-                        [0, 1, 2].map(|k| asset.unit() * f64::from(spheres.centre[k][lane]));
+                    let center =
+                        [0, 1, 2].map(|k| asset.unit() * f64::from(spheres.center[k][lane]));
                     let radius = asset.unit() * f64::from(spheres.radius[lane]);
                     for v in slots.iter().flat_map(|s| asset.triangles()[*s].corners) {
                         let x = positions[v as usize];
-                        let off = length([0, 1, 2].map(|k| f64::from(x[k]) - centre[k]));
+                        let off = length([0, 1, 2].map(|k| f64::from(x[k]) - center[k]));
                         let reach = radius + skinned.errors[k];
                         assert!(off <= reach * (1.0 + 1e-12), "{name}: {off} {reach}");
                         tried += 1;

@@ -4,7 +4,6 @@
 use bdtree_gpu::{
     GpuError, NormalFields, Normals, Skinner, read_back, twin, vertex_layout, vertex_source,
 };
-use bdtree_runtime::Asset;
 
 use crate::devices::{Gpu, assets, placed};
 
@@ -140,23 +139,23 @@ fn draw(
 fn a_vertex_shader_computes_the_same() {
     let gpu = Gpu::new();
     let mut compared = 0;
-    for (seed, (name, bytes)) in (0..).zip(assets()) {
-        let asset = Asset::open(&bytes).expect("open");
+    for (seed, (name, model)) in (0..).zip(assets()) {
+        let asset = model.asset();
         let n = asset.vertex_count();
         let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
         let layout = vertex_layout(&gpu.device);
-        let placed = placed(&asset, seed);
+        let placed = placed(asset, seed);
         let count = 12.min(placed.len() as u32);
         for normals in [Normals::None, Normals::Fields] {
-            let skinned = gpu.skin(&asset, normals, &placed[..count as usize], [0.5, 0.0, -1.0]);
+            let skinned = gpu.skin(asset, normals, &placed[..count as usize], [0.5, 0.0, -1.0]);
             let skinned = skinned.expect("skinning");
             let fields =
-                (normals == Normals::Fields).then(|| NormalFields::new(&asset).expect("fields"));
-            let uploaded = skinner.upload(&asset, normals).expect("upload");
+                (normals == Normals::Fields).then(|| NormalFields::new(asset).expect("fields"));
+            let uploaded = skinner.upload(asset, normals).expect("upload");
             let mut instances = skinner.instances(&uploaded, count).expect("instances");
             instances.clear([0.5, 0.0, -1.0]);
             for (q, place) in &placed[..count as usize] {
-                instances.push_at(&asset, q, *place).expect("push");
+                instances.push_at(asset, q, *place).expect("push");
             }
             instances.write();
             let group = skinner
@@ -166,10 +165,10 @@ fn a_vertex_shader_computes_the_same() {
             let width = n.next_multiple_of(48) as u32;
             let pixels = draw(&gpu, &source, &layout, &group, [width, 2 * count], n as u32);
             for k in 0..count as usize {
-                let twin = twin::positions(&asset, &instances, k as u32).expect("twin");
+                let twin = twin::positions(asset, &instances, k as u32).expect("twin");
                 // From fields alone, at marked vertices too.
                 let normals = match &fields {
-                    Some(fields) => twin::field_normals(&asset, fields, &instances, k as u32),
+                    Some(fields) => twin::field_normals(asset, fields, &instances, k as u32),
                     None => Ok(vec![[0.0; 3]; n]),
                 };
                 let normals = normals.expect("twin");
@@ -190,7 +189,7 @@ fn a_vertex_shader_computes_the_same() {
                 }
             }
         }
-        let exact = skinner.upload(&asset, Normals::Exact).expect("upload");
+        let exact = skinner.upload(asset, Normals::Exact).expect("upload");
         let refused = vertex_source(&exact, 0);
         assert!(
             matches!(refused, Err(GpuError::Unsupported(_))),

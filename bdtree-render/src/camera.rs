@@ -77,7 +77,7 @@ impl Camera {
         Self::around_balls(&corners, aspect, azimuth_deg, elevation_deg)
     }
 
-    /// [`Camera::around`] for balls, centres and radii given: it comes as near as they allow.
+    /// [`Camera::around`] for balls, centers and radii given: it comes as near as they allow.
     pub fn around_balls(
         balls: &[([f32; 3], f32)],
         aspect: f32,
@@ -102,8 +102,8 @@ impl Camera {
         let slope_y = (0.5 * FOV_Y_RAD).tan();
         let slope_x = slope_y * aspect.max(1e-3);
         let mut distance = 1e-3 * bounds.half_diagonal();
-        for (centre, radius) in balls {
-            let p = sub(*centre, camera.target);
+        for (center, radius) in balls {
+            let p = sub(*center, camera.target);
             // From how far away the ball is within the planes through the picture's edges.
             for (axis, slope) in [(right, slope_x), (up, slope_y)] {
                 let aside = dot(p, axis).abs() + radius * (1.0 + slope * slope).sqrt();
@@ -273,11 +273,11 @@ mod tests {
         let camera = Camera::around_balls(&balls, 4.0 / 3.0, 25.0, 10.0);
         // Points of each ball where it is seen widest: nothing beyond the edge, something at it.
         let mut nearest_edge = f32::INFINITY;
-        for (centre, radius) in balls {
+        for (center, radius) in balls {
             for i in 0..64 * 64 {
                 let (a, b) = ((i / 64) as f32 * 0.0982, (i % 64) as f32 * 0.0491 - 1.571);
                 let ray = [a.cos() * b.cos(), b.sin(), a.sin() * b.cos()];
-                let p = add(centre, scale(ray, radius));
+                let p = add(center, scale(ray, radius));
                 let [x, y] = camera.project(p, size).expect("in front");
                 for (x, n) in [(x, size[0]), (y, size[1])] {
                     nearest_edge = nearest_edge.min(x).min(n as f32 - x);

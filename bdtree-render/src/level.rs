@@ -15,7 +15,7 @@ pub struct NodeSphere {
     /// The node that the lane leads to; `None` where triangles hang on it.
     pub child: Option<u32>,
     /// c' (world).
-    pub centre: [f64; 3],
+    pub center: [f64; 3],
     /// R', rounding slack included (world units); not a number where the bound says nothing.
     pub radius: f64,
     /// R, of the wrapped sphere at rest (world units).
@@ -70,7 +70,7 @@ impl NodeSphere {
                     node: index,
                     lane,
                     child: child(node, lane),
-                    centre: map.point([0, 1, 2].map(|k| spheres.centre[k][lane])),
+                    center: map.point([0, 1, 2].map(|k| spheres.center[k][lane])),
                     radius: f64::from(spheres.radius[lane]) * map.scale(),
                     rest_radius: f64::from(rest[lane]) * map.scale(),
                 });

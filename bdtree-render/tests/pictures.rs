@@ -15,9 +15,9 @@ fn camera() -> Camera {
     }
 }
 
-fn sphere(centre: [f32; 3], radius: f32, colour: [u8; 4]) -> Sphere {
+fn sphere(center: [f32; 3], radius: f32, colour: [u8; 4]) -> Sphere {
     Sphere {
-        centre,
+        center,
         radius,
         colour,
     }
@@ -49,11 +49,11 @@ fn is_mostly(pixel: [u8; 4], channel: usize) -> bool {
 #[test]
 fn a_sphere_covers_its_disc_and_nothing_else() {
     let mut studio = Studio::open().expect("a graphics adapter: Mesa's lavapipe will do");
-    let centre = [0.5, -0.3, 0.0];
+    let center = [0.5, -0.3, 0.0];
     let image = picture(
         &mut studio,
         &[],
-        &[sphere(centre, 0.8, [255, 0, 0, 255])],
+        &[sphere(center, 0.8, [255, 0, 0, 255])],
         &[],
     );
     // By rays of our own: the pixel's middle hits the sphere or not, rims (mixed pixels) aside.
@@ -67,7 +67,7 @@ fn a_sphere_covers_its_disc_and_nothing_else() {
                 -1.0,
             ];
             let n = ray.iter().map(|c| c * c).sum::<f32>().sqrt();
-            let to = [centre[0], centre[1], centre[2] - 10.0];
+            let to = [center[0], center[1], center[2] - 10.0];
             let along = (0..3).map(|k| to[k] * ray[k] / n).sum::<f32>();
             let aside = (to.iter().map(|c| c * c).sum::<f32>() - along * along).sqrt();
             let pixel = image.pixel(x, y).expect("within");

@@ -1,6 +1,6 @@
 //! The bound: eight child spheres of a node at q, from q alone.
 //!
-//! The paper's centre and radius (eqs. 5–7) with our second-order radius
+//! The paper's center and radius (eqs. 5–7) with our second-order radius
 //!
 //! ```text
 //! c'(q)  = c + Σ_j Ū_j q_j
@@ -12,7 +12,7 @@
 //! Deviation from the paper: b± (docs/guarantees.md, the bound in exact arithmetic), because R + s grows under local rotations
 //! and for bodies that shrink.
 
-use bdtree_format::{ModePair, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS, Row};
+use bdtree_format::{ModePair, ROW_CENTER_X, ROW_CENTER_Y, ROW_CENTER_Z, ROW_RADIUS, Row};
 
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
@@ -25,8 +25,8 @@ use crate::view::NodeRows;
 #[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
 #[repr(C)]
 pub struct Spheres {
-    /// Centres.
-    pub centre: [Row; 3],
+    /// Centers.
+    pub center: [Row; 3],
     /// Radii: rounding slack included; NaN where the radicand came out negative, which every
     /// test reads as "visit".
     pub radius: Row,
@@ -35,7 +35,7 @@ pub struct Spheres {
 /// [`Spheres`] still in registers.
 #[derive(Clone, Copy)]
 pub(crate) struct WideSpheres<V> {
-    pub(crate) centre: [V; 3],
+    pub(crate) center: [V; 3],
     pub(crate) radius: V,
 }
 
@@ -45,21 +45,21 @@ impl<V: Lanes> WideSpheres<V> {
     pub(crate) fn empty() -> Self {
         let zero = V::splat(0.0);
         Self {
-            centre: [zero; 3],
+            center: [zero; 3],
             radius: zero,
         }
     }
 
     #[inline(always)]
     pub(crate) fn load(spheres: &Spheres) -> Self {
-        let [x, y, z] = &spheres.centre;
+        let [x, y, z] = &spheres.center;
         Self {
-            centre: [V::load(x), V::load(y), V::load(z)],
+            center: [V::load(x), V::load(y), V::load(z)],
             radius: V::load(&spheres.radius),
         }
     }
 
-    /// The same centres with radii larger by `added`.
+    /// The same centers with radii larger by `added`.
     #[inline(always)]
     pub(crate) fn grown(self, added: V) -> Self {
         Self {
@@ -70,9 +70,9 @@ impl<V: Lanes> WideSpheres<V> {
 
     #[inline(always)]
     pub(crate) fn store(self) -> Spheres {
-        let [x, y, z] = self.centre;
+        let [x, y, z] = self.center;
         Spheres {
-            centre: [x.store(), y.store(), z.store()],
+            center: [x.store(), y.store(), z.store()],
             radius: self.radius.store(),
         }
     }
@@ -81,9 +81,9 @@ impl<V: Lanes> WideSpheres<V> {
     /// the relative error of this test. NaN is not far.
     #[inline(always)]
     pub(crate) fn within(self, point: [f32; 3], reach: f32, skip: f32) -> u8 {
-        let dx = self.centre[0].sub(V::splat(point[0]));
-        let dy = self.centre[1].sub(V::splat(point[1]));
-        let dz = self.centre[2].sub(V::splat(point[2]));
+        let dx = self.center[0].sub(V::splat(point[0]));
+        let dy = self.center[1].sub(V::splat(point[1]));
+        let dz = self.center[2].sub(V::splat(point[2]));
         let reach = self.radius.add(V::splat(reach));
         let squared = dx.mul(dx).add(dy.mul(dy)).add(dz.mul(dz));
         !squared.mul(V::splat(skip)).above(reach.mul(reach))
@@ -94,9 +94,9 @@ impl<V: Lanes> WideSpheres<V> {
     /// the computation.
     #[inline(always)]
     pub(crate) fn gaps(self, [x, y, z, radius]: [f32; 4], shrink: f32) -> V {
-        let dx = self.centre[0].sub(V::splat(x));
-        let dy = self.centre[1].sub(V::splat(y));
-        let dz = self.centre[2].sub(V::splat(z));
+        let dx = self.center[0].sub(V::splat(x));
+        let dy = self.center[1].sub(V::splat(y));
+        let dz = self.center[2].sub(V::splat(z));
         let squared = dx.mul(dx).add(dy.mul(dy)).add(dz.mul(dz));
         let reach = self.radius.add(V::splat(radius));
         squared.sqrt().mul(V::splat(shrink)).sub(reach)
@@ -106,9 +106,9 @@ impl<V: Lanes> WideSpheres<V> {
     /// what rounding takes from the radii.
     #[inline(always)]
     pub(crate) fn gaps_along(self, direction: [f32; 3], [x, y, z, radius]: [f32; 4]) -> V {
-        let dx = self.centre[0].sub(V::splat(x)).mul(V::splat(direction[0]));
-        let dy = self.centre[1].sub(V::splat(y)).mul(V::splat(direction[1]));
-        let dz = self.centre[2].sub(V::splat(z)).mul(V::splat(direction[2]));
+        let dx = self.center[0].sub(V::splat(x)).mul(V::splat(direction[0]));
+        let dy = self.center[1].sub(V::splat(y)).mul(V::splat(direction[1]));
+        let dz = self.center[2].sub(V::splat(z)).mul(V::splat(direction[2]));
         let reach = self.radius.add(V::splat(radius)).mul(V::splat(GAP_RADII));
         dx.add(dy).add(dz).sub(reach)
     }
@@ -117,7 +117,7 @@ impl<V: Lanes> WideSpheres<V> {
     /// radius.
     #[inline(always)]
     pub(crate) fn heights(self, [x, y, z]: [f32; 3], share: f32) -> V {
-        let [cx, cy, cz] = self.centre;
+        let [cx, cy, cz] = self.center;
         let along = cx.mul(V::splat(x)).add(cy.mul(V::splat(y)));
         let along = along.add(cz.mul(V::splat(z)));
         along.add(self.radius.mul(V::splat(share)))
@@ -133,15 +133,15 @@ impl<V: Lanes> WideSpheres<V> {
         factor: f32,
         extra: f32,
     ) -> Self {
-        let [x, y, z] = self.centre;
-        let mut centre = self.centre;
+        let [x, y, z] = self.center;
+        let mut center = self.center;
         for i in 0..3 {
             let row = &linear[i];
             let sum = x.mul(V::splat(row[0])).add(y.mul(V::splat(row[1])));
-            centre[i] = sum.add(z.mul(V::splat(row[2]))).add(V::splat(offset[i]));
+            center[i] = sum.add(z.mul(V::splat(row[2]))).add(V::splat(offset[i]));
         }
         Self {
-            centre,
+            center,
             radius: self.radius.mul(V::splat(factor)).add(V::splat(extra)),
         }
     }
@@ -152,7 +152,7 @@ impl<V: Lanes> WideSpheres<V> {
 pub(crate) struct BoundPose<'p> {
     /// q̃: q in whole numbers.
     pub(crate) quantized: QuantizedQ<'p>,
-    /// Absolute error of centre, root and deformed vertices, and what q̃ is off (stored units).
+    /// Absolute error of center, root and deformed vertices, and what q̃ is off (stored units).
     pub(crate) slack: f32,
 }
 
@@ -190,9 +190,9 @@ pub(crate) fn evaluate<V: Lanes>(
     let x = sums[0].mul(scale);
     let y = sums[1].mul(scale);
     let z = sums[2].mul(scale);
-    let x = V::load(&leading[ROW_CENTRE_X]).add(x.mul(unit[0]));
-    let y = V::load(&leading[ROW_CENTRE_Y]).add(y.mul(unit[0]));
-    let z = V::load(&leading[ROW_CENTRE_Z]).add(z.mul(unit[0]));
+    let x = V::load(&leading[ROW_CENTER_X]).add(x.mul(unit[0]));
+    let y = V::load(&leading[ROW_CENTER_Y]).add(y.mul(unit[0]));
+    let z = V::load(&leading[ROW_CENTER_Z]).add(z.mul(unit[0]));
     let rest_radius = V::load(&leading[ROW_RADIUS]);
     // R² + 2 Σ b|q| + s² + γ' T²: the terms cancel when the node shrinks, T² = (R + s)² does not.
     let total = rest_radius.add(growth);
@@ -203,7 +203,7 @@ pub(crate) fn evaluate<V: Lanes>(
         .add(total.mul(total).mul(V::splat(GAMMA)));
     let radius = radicand.sqrt().add(V::splat(pose.slack));
     Some(WideSpheres {
-        centre: [x, y, z],
+        center: [x, y, z],
         radius,
     })
 }
@@ -212,7 +212,7 @@ pub(crate) fn evaluate<V: Lanes>(
 #[derive(Clone, Copy)]
 struct Sums<V: Lanes> {
     /// Σ Ū_j n_j.
-    centre: [V::Sums; 3],
+    center: [V::Sums; 3],
     /// Σ ΔR_j |n_j|.
     growth: V::Sums,
     /// Σ b⁺_j max(n_j, 0) and Σ b⁻_j max(−n_j, 0).
@@ -230,7 +230,7 @@ impl<V: Lanes> Sums<V> {
     ) -> Option<Self> {
         let zero = V::Sums::zero();
         let mut sums = Self {
-            centre: [zero; 3],
+            center: [zero; 3],
             growth: zero,
             cross: [zero; 2],
         };
@@ -263,7 +263,7 @@ impl<V: Lanes> Sums<V> {
         let positive = V::Sums::positive(n);
         let negative = V::Sums::positive_of_opposite(n);
         for k in 0..3 {
-            self.centre[k] = self.centre[k].add_products(&pair.centre[k], n);
+            self.center[k] = self.center[k].add_products(&pair.center[k], n);
         }
         self.growth = self.growth.add_products(&pair.growth, magnitude);
         self.cross[0] = self.cross[0].add_products(&pair.cross[0], positive);
@@ -273,7 +273,7 @@ impl<V: Lanes> Sums<V> {
     /// Σ Ū_j n_j, Σ ΔR_j |n_j| and Σ b_j |n_j|, rounded to f32.
     #[inline(always)]
     fn rounded(self) -> [V; 5] {
-        let [x, y, z] = self.centre;
+        let [x, y, z] = self.center;
         [
             V::round(x),
             V::round(y),

@@ -103,7 +103,7 @@ impl fmt::Debug for DepthLimit<'_> {
 
 /// The sphere of a lane in the world, which holds all that the leaf arithmetic puts below it.
 pub(crate) fn proxy(pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> Proxy {
-    let center = [0, 1, 2].map(|axis| spheres.centre[axis][lane]);
+    let center = [0, 1, 2].map(|axis| spheres.center[axis][lane]);
     let center = pose.placement.world(center);
     let radius =
         f64::from(spheres.radius[lane]) + pose.placement.error(norm(center), 2.0 * pose.reach);

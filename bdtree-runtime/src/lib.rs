@@ -1,15 +1,31 @@
 //! Collision and proximity queries on reduced deformable meshes `p' = p + U q`, straight from
 //! the reduced coordinates `q`, without ever deforming the mesh.
 //!
-//! The flow of a query, one module each:
+//! ```
+#![doc = include_str!("../examples/first_query.rs")]
+//! ```
+//!
+//! A [`Model`] owns a `.bdt` file; an [`Instance`] is one deforming body with all the memory that it needs; a
+//! [`Workspace`] is the memory that queries work in. [`Query`] and [`PairQuery`] list everything that can be
+//! asked. `bdtree-runtime/examples` has the uses: many instances, picking, animations, forces, static memory.
+//!
+//! # Features
+//!
+//! | feature | gives |
+//! |---|---|
+//! | (none) | `no_std`, no allocation: [`Asset`] over bytes of the caller's, [`Asset::pose`], [`Workspace::in_bytes`] and every query |
+//! | `alloc` | what owns its memory: [`Model`], [`Instance`], [`Workspace::new`], [`StepCache::new`], [`PairFront::new`] |
+//! | `std` (default) | `alloc`; instruction sets are detected at run time; `Model::read`, `LoadError` |
+//! | `mmap` | `std`; `Model::load` maps a file, whose pages are read when queries touch them |
+//! | `mint` | points, vectors, quaternions and matrices of every library that speaks mint (glam, nalgebra, …) as arguments and back |
+//!
+//! Deforming whole meshes for drawing is `bdtree-gpu`'s.
+//!
+//! # The flow of a query
 //!
 //! `open` bytes → [`Asset`] view → [`Pose`] (q and a placement, prepared once per step; a
-//! [`StepCache`] keeps what its queries compute) →
-//! [`bound`] (the eight-lane node kernel) → traversal in the caller's memory → exact narrow
-//! phase on touched triangles only → [`contact`]s.
-//!
-//! The crate is `no_std` and never allocates. Features: `std` (default; instruction sets are
-//! detected at run time), `alloc` ([`AlignedBytes`]), `mmap` ([`MappedFile`]).
+//! [`StepCache`] keeps what its queries compute) → [`bound`] (the eight-lane node kernel) → traversal in the
+//! workspace → exact narrow phase on touched triangles only → [`Contact`]s.
 //!
 //! # Concepts
 //!
@@ -21,6 +37,10 @@
 //! *The promise*: for every finite q inside the asset's limits a query returns exactly what
 //! testing every deformed triangle with the same leaf arithmetic returns. `docs/guarantees.md`
 //! derives the constants; they are named here as there.
+//!
+//! *What the compiler checks, and what it cannot*: a pose carries its asset, so the two are never of different
+//! files. A cache that was not started with the pose that is asked, and a motion that does not stand at it, are
+//! errors of the query.
 #![no_std]
 
 #[cfg(feature = "alloc")]

@@ -16,7 +16,7 @@ pub(crate) struct PairMap {
     linear: [[f64; 3]; 3],
     /// Where the second's origin lies, in stored coordinates of the first.
     pub(crate) offset: [f64; 3],
-    /// The first's vertices and lane centres are this near to its origin, slack included.
+    /// The first's vertices and lane centers are this near to its origin, slack included.
     pub(crate) reach_a: f64,
     /// The second's likewise, in stored units of the first.
     pub(crate) reach_b: f64,
@@ -82,7 +82,7 @@ pub(crate) struct PairFrame {
     /// Added to every radius of the second asset: errors of the map, f64 errors on both sides,
     /// and the tolerance (stored units of the first).
     radius_extra: f32,
-    /// No vertex or lane centre of either is farther from the first's origin.
+    /// No vertex or lane center of either is farther from the first's origin.
     reach: f32,
 }
 

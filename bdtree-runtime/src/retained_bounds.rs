@@ -161,7 +161,7 @@ fn seen(asset: &Asset<'_>, posed: Posed<'_>, node: u32, to: Option<&PairFrame>) 
 
 /// A lane of [`Spheres`] in f64.
 fn lane_sphere(spheres: &Spheres, lane: usize) -> ([f64; 3], f64) {
-    let center = spheres.centre.map(|row| f64::from(row[lane]));
+    let center = spheres.center.map(|row| f64::from(row[lane]));
     (center, f64::from(spheres.radius[lane]))
 }
 
@@ -204,7 +204,7 @@ fn poses<'m>(
 
 /// A pose with its cache.
 fn kept<'s>(pose: &'s Pose<'s>, cache: &'s mut StepCache<'_>) -> Posed<'s> {
-    Posed::new(pose, None, cache.slots().expect("its memory"), None)
+    Posed::new(pose, None, cache.slots(), None)
 }
 
 /// A pose of which nothing is kept.
@@ -219,7 +219,7 @@ fn following<'s>(
     cache: &'s mut StepCache<'_>,
 ) -> Posed<'s> {
     let drift = Drift::new(reference, pose).expect("of one asset");
-    let slots = cache.slots().expect("its memory");
+    let slots = cache.slots();
     Posed::new(pose, Some((reference, drift)), slots, None)
 }
 

@@ -46,7 +46,7 @@ pub(crate) const RATIO_MIN: f64 = f64::from_bits((1023 - 30) << 52);
 
 // Rounding: the constants.
 
-/// `slack`: 8u P + (M + 12) u S + 2⁻⁵⁴, which pays for vertices, centres and roots in f32 and for flushed values.
+/// `slack`: 8u P + (M + 12) u S + 2⁻⁵⁴, which pays for vertices, centers and roots in f32 and for flushed values.
 pub(crate) fn slack(p: f64, s: f64, mode_count: f64) -> f64 {
     const FLUSHED: f64 = 1.0 / (1_u64 << 54) as f64;
     8.0 * U32 * p + (mode_count + 12.0) * U32 * s + FLUSHED
@@ -58,7 +58,7 @@ pub(crate) const GAMMA: f32 = 16.0 / (1_u32 << 24) as f32;
 /// `SKIP`, 1 − 2⁻²⁰: pays for a squared f32 distance, for a sum of radii and its square.
 pub(crate) const SKIP: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 
-/// `PairFrame`, `MAPPED`: 16u of √3 s B and of ‖t‖, for a centre carried to another frame in f32.
+/// `PairFrame`, `MAPPED`: 16u of √3 s B and of ‖t‖, for a center carried to another frame in f32.
 pub(crate) const MAPPED: f64 = 16.0 * U32;
 
 /// `PairFrame`, `RADIUS_SCALE`: 1 + 2⁻²², for a radius carried there.

@@ -47,9 +47,9 @@ pub fn next_step(cache: &mut StepCache<'_>, reference: &Pose<'_>) {
 pub fn follow<'q, 'm>(
     mut query: Query<'q, 'm>,
     cache: &'q mut StepCache<'_>,
-    reference: &Pose<'q>,
+    reference: &'q Pose<'q>,
 ) -> Query<'q, 'm> {
-    query.side().follow(cache, *reference);
+    query.side().follow(cache, reference);
     query
 }
 

@@ -26,7 +26,7 @@ impl Transform {
     /// that has its own rigid motion stands at `place.after(frame.transform())`.
     ///
     /// # Errors
-    /// What [`Pose::new`] refuses of a placement: of either one, or of both together.
+    /// What [`Asset::pose`](crate::Asset::pose) refuses of a placement: of either one, or of both together.
     pub fn after(self, first: Self) -> Result<Self, PoseError> {
         let (outer, inner) = (self.checked()?, first.checked()?);
         let turned = rotation_matrix(outer.rotation).map(|row| dot(row, inner.translation));

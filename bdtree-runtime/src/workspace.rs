@@ -19,6 +19,9 @@ pub(crate) trait Slot: FromBytes + IntoBytes + KnownLayout + Immutable {}
 
 impl<T: FromBytes + IntoBytes + KnownLayout + Immutable> Slot for T {}
 
+/// Slots of three kinds.
+type Three<'s, A, B, C> = (&'s mut [A], &'s mut [B], &'s mut [C]);
+
 /// Memory of the caller's, or memory that grows by itself.
 #[derive(Debug)]
 pub(crate) enum Memory<'m> {
@@ -104,7 +107,7 @@ impl<'m> Memory<'m> {
     pub(crate) fn three_slots<A: Slot, B: Slot, C: Slot>(
         &mut self,
         [a, b, c]: [usize; 3],
-    ) -> Result<(&mut [A], &mut [B], &mut [C]), QueryError> {
+    ) -> Result<Three<'_, A, B, C>, QueryError> {
         let needed = size_of::<A>()
             .saturating_mul(a)
             .saturating_add(size_of::<B>().saturating_mul(b))

@@ -37,7 +37,7 @@ fn check_containment(pose: &Pose<'_>) {
                 for corner in triangle.corners {
                     let p = pose.deformed_stored(VertexId(corner)).expect("vertex");
                     let square: f64 = (0..3)
-                        .map(|k| (f64::from(p[k]) - f64::from(spheres.centre[k][lane])).powi(2))
+                        .map(|k| (f64::from(p[k]) - f64::from(spheres.center[k][lane])).powi(2))
                         .sum();
                     let r = f64::from(spheres.radius[lane]);
                     assert!(

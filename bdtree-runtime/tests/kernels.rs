@@ -11,7 +11,7 @@ use bdtree_runtime::{Kernel, Pose, Transform};
 fn bits(pose: &Pose<'_>) -> Vec<u32> {
     let rows = (0..pose.asset().node_count() as u32).flat_map(|node| {
         let spheres = pose.node_spheres(node).expect("node");
-        let [x, y, z] = spheres.centre;
+        let [x, y, z] = spheres.center;
         [x, y, z, spheres.radius]
     });
     rows.flatten()

@@ -176,12 +176,12 @@ fn near(found: f64, expected: f64, tolerance: f64) {
 
 /// How far the spheres' normal, depth, area and shared volume are off, relatively.
 fn spheres(n: u32, direction: [f64; 3], d: f64) -> [f64; 4] {
-    let centre = direction.map(|c| c * (2.0 - d));
+    let center = direction.map(|c| c * (2.0 - d));
     let found = between(
         &sphere(n),
         Transform::IDENTITY,
         &sphere(n),
-        place(centre),
+        place(center),
         0.0,
     );
     assert_eq!(found.len(), 1);

@@ -46,11 +46,11 @@ struct Radii {
     rest: f64,
     /// R + s, Ū the mean of the displacements.
     paper: f64,
-    /// R + s, Ū the centre of their smallest ball, as stored.
+    /// R + s, Ū the center of their smallest ball, as stored.
     ball: f64,
     /// As the runtime evaluates it, `slack` included.
     ours: f64,
-    /// The least about the same centre.
+    /// The least about the same center.
     wrapped: f64,
     /// What rounding may add to the square of ours.
     rounding: f64,
@@ -63,7 +63,7 @@ fn radii(pose: &Pose<'_>, lane: &Lane) -> Radii {
     let mode = &asset.modes()[0];
     let q = f64::from(pose.q()[0]).abs();
     let share = q / f64::from(mode.q_limit.get());
-    let [centre, growth, cross] = rows.units.map(|unit| share * f64::from(unit));
+    let [center, growth, cross] = rows.units.map(|unit| share * f64::from(unit));
     let rest = f64::from(rows.leading[3][lane.lane]);
     let spread = f64::from(rows.numbers(0, lane.lane)[3]) * growth;
     let field = |v: &u32| {
@@ -77,15 +77,15 @@ fn radii(pose: &Pose<'_>, lane: &Lane) -> Radii {
     let mean = [0, 1, 2].map(|k| lane.vertices.iter().map(|v| field(v)[k]).sum::<f64>() / count);
     let farthest = |f: &dyn Fn(&u32) -> f64| lane.vertices.iter().map(f).fold(0.0, f64::max);
     let spheres = pose.node_spheres(lane.node as u32).expect("node");
-    let middle = spheres.centre.map(|row| f64::from(row[lane.lane]));
+    let middle = spheres.center.map(|row| f64::from(row[lane.lane]));
     let place = |v: &u32| {
         pose.deformed_stored(VertexId(*v))
             .expect("a vertex")
             .map(f64::from)
     };
     // b is rounded up by at most a unit, ΔR by one, Ū to √3/2 units; γ' under the root.
-    let around = rest + spread + centre + growth;
-    let rounding = 2.0 * (cross + 2.0 * around * (centre + growth)) + 20.0 * U * around * around;
+    let around = rest + spread + center + growth;
+    let rounding = 2.0 * (cross + 2.0 * around * (center + growth)) + 20.0 * U * around * around;
     Radii {
         rest,
         paper: rest + q * farthest(&|v| distance(field(v), mean)),

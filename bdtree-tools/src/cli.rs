@@ -75,7 +75,7 @@ pub struct VerifyArguments {
 ///
 /// Structure is counts, sections, tree, triangles, groups, names and settings. A number's
 /// difference is measured against the largest magnitude of its quantity in both files: positions
-/// and sphere centres against the mesh's size, each mode's field against that mode's largest
+/// and sphere centers against the mesh's size, each mode's field against that mode's largest
 /// displacement, and so on. The version of the builder is shown but does not count.
 ///
 /// Exit code 0 when they are the same, 1 when they differ, 2 when one cannot be read.

@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Show the spheres of a level of the tree, 0 being the root's
     #[arg(long, value_name = "LEVEL")]
     pub spheres: Option<usize>,
-    /// Show the probe: centre and radius, world units
+    /// Show the probe: center and radius, world units
     #[arg(long, value_name = "X,Y,Z,R", allow_hyphen_values = true)]
     pub probe: Option<ProbeText>,
     /// Width and height of the window in pixels
@@ -48,7 +48,7 @@ pub struct Arguments {
 /// `X,Y,Z,R`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProbeText {
-    /// Centre.
+    /// Center.
     pub center: [f64; 3],
     /// Radius, 0 or more.
     pub radius: f64,

@@ -62,7 +62,7 @@ fn open(arguments: &Arguments) -> Result<(), ToolError> {
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;
     let frame = arguments.frame.or(arguments.play.then_some(0));
-    let posture = posture(&file, &asset, arguments.q.as_ref(), frame)?;
+    let posture = posture(&file, arguments.q.as_ref(), frame)?;
     if let Some(level) = arguments.spheres
         && level >= asset.depth()
     {
@@ -71,7 +71,7 @@ fn open(arguments: &Arguments) -> Result<(), ToolError> {
             "--spheres: {level} is out of range: asset {path} has {levels} levels, numbered from 0"
         )]));
     }
-    let mut app = App::new(&file, asset, posture)?;
+    let mut app = App::new(&file, posture)?;
     app.view.level = arguments.spheres;
     if let Some(ProbeText { center, radius }) = arguments.probe {
         app.view.has_probe = true;

@@ -32,7 +32,7 @@ impl Shapes {
         let sphere = |s: &NodeSphere, growth: f64, opacity: u8| {
             let [r, g, b] = colour(growth);
             Sphere {
-                centre: app.place().shown(s.centre),
+                center: app.place().shown(s.center),
                 radius: app.place().shown_length(s.radius),
                 colour: [r, g, b, opacity],
             }
@@ -49,7 +49,7 @@ impl Shapes {
         let center = app.place().shown(view.probe.center);
         let radius = app.place().shown_length(view.probe.radius);
         shapes.spheres.push(Sphere {
-            centre: center,
+            center: center,
             radius,
             colour: PROBE,
         });
@@ -69,7 +69,7 @@ impl Shapes {
             let point = app.place().shown(contact.point);
             let tip = [0, 1, 2].map(|k| point[k] + NORMAL * radius * contact.normal[k] as f32);
             self.spheres.push(Sphere {
-                centre: point,
+                center: point,
                 radius: DOT * radius,
                 colour: CONTACT,
             });

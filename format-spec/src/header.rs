@@ -51,7 +51,7 @@ pub struct Header {
     pub depth: U32,
     /// Number of section records.
     pub section_count: U32,
-    /// P: an upper bound of the norms of all stored rest positions and lane centres
+    /// P: an upper bound of the norms of all stored rest positions and lane centers
     /// (stored units).
     pub position_norm_max: F32,
     /// Most triangles in one leaf lane.

@@ -28,7 +28,7 @@ pub use header::{Header, MAGIC, VERSION_MAJOR, VERSION_MINOR};
 pub use metadata::{ErrorMetadata, Metadata, MetadataError, ModeMetadata};
 pub use mode::ModeRecord;
 pub use node::{
-    LANES, ModePair, NodeRecord, PairRow, ROW_CENTRE_X, ROW_CENTRE_Y, ROW_CENTRE_Z, ROW_RADIUS,
+    LANES, ModePair, NodeRecord, PairRow, ROW_CENTER_X, ROW_CENTER_Y, ROW_CENTER_Z, ROW_RADIUS,
     ROWS_FIXED, ROWS_LEADING, ROWS_PER_PAIR, Row, pair_count, pair_row, row_count,
 };
 pub use section::{SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord};

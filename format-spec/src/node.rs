@@ -24,7 +24,7 @@ pub type PairRow = [[i16; 2]; LANES];
 #[repr(C)]
 pub struct ModePair {
     /// Ū_x, Ū_y and Ū_z.
-    pub centre: [PairRow; 3],
+    pub center: [PairRow; 3],
     /// ΔR, not negative.
     pub growth: PairRow,
     /// b⁺ and b⁻.
@@ -37,7 +37,7 @@ impl ModePair {
     /// Ū_x, Ū_y, Ū_z, ΔR, b⁺ and b⁻ of one lane for the first mode of the pair (`which` even) or
     /// the second (odd), in units.
     pub fn numbers(&self, which: usize, lane: usize) -> [i16; 6] {
-        let [x, y, z] = &self.centre;
+        let [x, y, z] = &self.center;
         let [plus, minus] = &self.cross;
         [x, y, z, &self.growth, plus, minus].map(|row| row[lane % LANES][which % 2])
     }
@@ -77,12 +77,12 @@ pub struct NodeRecord {
 
 const _: () = assert!(size_of::<NodeRecord>() == 32);
 
-/// Row of the centres' x (stored units), relative to the origin.
-pub const ROW_CENTRE_X: usize = 0;
-/// Row of the centres' y.
-pub const ROW_CENTRE_Y: usize = 1;
-/// Row of the centres' z.
-pub const ROW_CENTRE_Z: usize = 2;
+/// Row of the centers' x (stored units), relative to the origin.
+pub const ROW_CENTER_X: usize = 0;
+/// Row of the centers' y.
+pub const ROW_CENTER_Y: usize = 1;
+/// Row of the centers' z.
+pub const ROW_CENTER_Z: usize = 2;
 /// Row of the rest radii R.
 pub const ROW_RADIUS: usize = 3;
 

@@ -125,7 +125,7 @@ fn node_table_matches_struct() {
 
 #[test]
 fn mode_pair_table_matches_struct() {
-    let all = fields!(ModePair: centre, growth, cross);
+    let all = fields!(ModePair: center, growth, cross);
     check_record("ModePair", size_of::<ModePair>(), &all);
 }
 
@@ -218,9 +218,9 @@ fn rows_match_constants() {
         .map(|row| (row[0].to_string(), row[1]))
         .collect();
     let code = [
-        (fmt::ROW_CENTRE_X.to_string(), "ROW_CENTRE_X"),
-        (fmt::ROW_CENTRE_Y.to_string(), "ROW_CENTRE_Y"),
-        (fmt::ROW_CENTRE_Z.to_string(), "ROW_CENTRE_Z"),
+        (fmt::ROW_CENTER_X.to_string(), "ROW_CENTER_X"),
+        (fmt::ROW_CENTER_Y.to_string(), "ROW_CENTER_Y"),
+        (fmt::ROW_CENTER_Z.to_string(), "ROW_CENTER_Z"),
         (fmt::ROW_RADIUS.to_string(), "ROW_RADIUS"),
     ];
     assert_eq!(leading, code);

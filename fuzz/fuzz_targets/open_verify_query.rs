@@ -1,18 +1,18 @@
 //! Any bytes, as they are and with checksums that fit: opened, verified, asked everything.
 #![no_main]
 
-use bdtree_runtime::{AlignedBytes, Asset, include_bdt};
 use bdtree_fixtures::ask::{ask_everything, kernels, located, refused};
 use bdtree_fixtures::{mutate, poses};
+use bdtree_runtime::{Asset, Model, include_bdt};
 use libfuzzer_sys::fuzz_target;
 
 fn examine(bytes: &[u8]) {
-    let copy = AlignedBytes::copy_of(bytes);
-    let asset = match Asset::open(&copy) {
-        Ok(asset) => asset,
+    let model = match Model::from_bytes(bytes) {
+        Ok(model) => model,
         Err(error) => return located(&error),
     };
-    let _ = refused(&asset);
+    let asset = model.asset();
+    let _ = refused(asset);
     let partner = include_bdt!("../../fixtures/golden/tetrahedron.bdt");
     let partner = Asset::open(partner).expect("the partner opens");
     // The file says what it is asked, so that a finding can be repeated.

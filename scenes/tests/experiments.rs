@@ -107,7 +107,8 @@ fn crossings_are_where_both_are_as_large() {
 fn figure_6_is_made_of_files_too() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("chair.bdt");
-    std::fs::write(&path, tables::chair().expect("a bake").as_ref()).expect("written");
+    let chair = tables::chair().expect("a bake");
+    std::fs::write(&path, chair.asset().bytes()).expect("written");
     let run = |path: &std::path::Path| {
         let path = path.to_str().expect("a path");
         let words = [

@@ -3,9 +3,9 @@
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::pipeline::BakeSettings;
 use bdtree_build::tree::Split;
-use bdtree_measure::paper_tree::{PaperTree, Step, Vertices};
 use bdtree_fixtures::{bake, oracle, poses};
-use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, VertexId, query};
+use bdtree_measure::paper_tree::{PaperTree, Step, Vertices};
+use bdtree_runtime::{Asset, Ball, Contact, Transform, VertexId, Workspace};
 use rand::RngExt;
 
 #[test]
@@ -17,8 +17,7 @@ fn balls_of_all_builders_equal_brute_force() {
             split,
             ..BakeSettings::default()
         };
-        let bytes = bake::baked_with(&mesh, &basis, &settings);
-        balls_equal_brute_force(&Asset::open(&bytes).expect("open"));
+        balls_equal_brute_force(bake::baked_with(&mesh, &basis, &settings).asset());
     }
 }
 
@@ -27,7 +26,7 @@ fn balls_equal_brute_force(asset: &Asset<'_>) {
     let tree = PaperTree::build(asset);
     let mut rng = poses::rng(5);
     let mut memory = vec![0.0; asset.pose_len()];
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let mut workspace = Workspace::new();
     let (mut step, mut vertices, mut paper_stack) =
         (Step::default(), Vertices::new(asset), Vec::new());
     let diagonal = poses::diagonal(asset) * asset.unit();
@@ -35,10 +34,12 @@ fn balls_equal_brute_force(asset: &Asset<'_>) {
     let mut qs = poses::hard_qs(asset);
     qs.extend((0..40).map(|_| poses::random_q(asset, 0.3, &mut rng)));
     for q in &qs {
-        let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory).expect("pose");
-        step.prepare(asset, &pose);
+        let pose = asset
+            .pose(q, Transform::IDENTITY, &mut memory)
+            .expect("pose");
+        step.prepare(&pose);
         vertices.begin_step();
-        let triangles = oracle::deformed_triangles(asset, &pose);
+        let triangles = oracle::deformed_triangles(&pose);
         for _ in 0..10 {
             let mut center = triangles[rng.random_range(0..triangles.len())][0];
             for c in &mut center {
@@ -48,7 +49,6 @@ fn balls_equal_brute_force(asset: &Asset<'_>) {
             let expected = oracle::ball(&triangles, center, radius);
             let mut paper: Vec<Contact> = Vec::new();
             tree.ball(
-                asset,
                 &pose,
                 &step,
                 (center, radius),
@@ -56,11 +56,13 @@ fn balls_equal_brute_force(asset: &Asset<'_>) {
                 &mut paper,
             );
             let mut product: Vec<Contact> = Vec::new();
-            query::ball(asset, &pose, center, radius, &mut stack, &mut product).expect("ball");
+            let mut query = pose.query(&mut workspace);
+            let ball = Ball::new(center, radius);
+            query.contacts(ball, &mut product).expect("ball");
             for found in [&mut paper, &mut product] {
                 found.sort_by_key(|c| c.triangle);
                 let answer: Vec<(u32, f64)> =
-                    found.iter().map(|c| (c.triangle.0, c.dist)).collect();
+                    found.iter().map(|c| (c.triangle.0, c.distance)).collect();
                 let expected: Vec<(u32, f64)> =
                     expected.iter().map(|(id, d)| (*id, d - radius)).collect();
                 assert_eq!(answer, expected, "ball at {center:?}, radius {radius}");
@@ -76,9 +78,9 @@ fn balls_equal_brute_force(asset: &Asset<'_>) {
 fn one_leaf_per_triangle() {
     for rings in [3, 4, 9, 20] {
         let mesh = bake::bumpy_sphere(rings, 1);
-        let bytes = bake::baked(&mesh, &bake::rigid(&mesh));
-        let asset = Asset::open(&bytes).expect("open");
-        let tree = PaperTree::build(&asset);
+        let model = bake::baked(&mesh, &bake::rigid(&mesh));
+        let asset = model.asset();
+        let tree = PaperTree::build(asset);
         let count = asset.triangle_count();
         assert_eq!(tree.node_count(), 2 * count - 1);
         let nodes = tree.nodes();
@@ -101,20 +103,22 @@ fn one_leaf_per_triangle() {
 #[test]
 fn spheres_hold_their_vertices() {
     let mesh = bake::bumpy_sphere(12, 8);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 8));
-    let asset = Asset::open(&bytes).expect("open");
-    let tree = PaperTree::build(&asset);
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 5, 8));
+    let asset = model.asset();
+    let tree = PaperTree::build(asset);
     let nodes = tree.nodes();
     let mut memory = vec![0.0; asset.pose_len()];
     let mut step = Step::default();
-    let mut qs = poses::hard_qs(&asset);
+    let mut qs = poses::hard_qs(asset);
     let mut rng = poses::rng(9);
-    qs.extend((0..100).map(|_| poses::random_q(&asset, 0.5, &mut rng)));
+    qs.extend((0..100).map(|_| poses::random_q(asset, 0.5, &mut rng)));
     for q in &qs {
-        let pose = Pose::new(&asset, q, Transform::IDENTITY, &mut memory).expect("pose");
-        step.prepare(&asset, &pose);
+        let pose = asset
+            .pose(q, Transform::IDENTITY, &mut memory)
+            .expect("pose");
+        step.prepare(&pose);
         let vertices: Vec<[f32; 3]> = (0..asset.vertex_count() as u32)
-            .map(|v| asset.deformed_stored(&pose, VertexId(v)).expect("vertex"))
+            .map(|v| pose.deformed_stored(VertexId(v)).expect("vertex"))
             .collect();
         for (i, (_, triangles)) in nodes.iter().enumerate() {
             let [x, y, z, r] = tree.sphere(&step, i).map(f64::from);
@@ -155,9 +159,9 @@ fn growth_decays_by_level() {
         modes: vec![BasisMode::default(); fields.len()],
         animation: None,
     };
-    let bytes = bake::baked(&mesh, &basis);
-    let asset = Asset::open(&bytes).expect("open");
-    let tree = PaperTree::build(&asset);
+    let model = bake::baked(&mesh, &basis);
+    let asset = model.asset();
+    let tree = PaperTree::build(asset);
     let mut levels = vec![(0.0, 0.0); tree.depth()];
     for (i, (level, _)) in tree.nodes().iter().enumerate() {
         let squared: f64 = tree.numbers(i)[1..]

@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use bdtree_fixtures::bake;
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::leaf;
 use bdtree_measure::paper_tree::{Between, Memory, PaperTree};
@@ -9,9 +10,8 @@ use bdtree_measure::paper_tree::{Between, Memory, PaperTree};
 use bdtree_measure::peers::{Embree, embree};
 use bdtree_measure::peers::{LayeredPeer, PairPeer, Peer};
 use bdtree_measure::{Body, Place};
-use bdtree_fixtures::bake;
 use bdtree_runtime::narrow::{Ray, Triangle, ray_hit};
-use bdtree_runtime::{Asset, Pose, Transform};
+use bdtree_runtime::{Contact, PairContact, Transform, Workspace};
 use bdtree_scenes::workloads::{bodies, rays, sequence};
 
 /// A body with everyone who can answer for it.
@@ -71,7 +71,7 @@ impl Case {
     }
 }
 
-fn ids(found: &[bdtree_runtime::Contact]) -> Vec<u32> {
+fn ids(found: &[Contact]) -> Vec<u32> {
     let mut ids: Vec<u32> = found.iter().map(|c| c.triangle.0).collect();
     ids.sort_unstable();
     ids
@@ -81,18 +81,20 @@ fn ids(found: &[bdtree_runtime::Contact]) -> Vec<u32> {
 #[test]
 fn balls_and_rays_equal_brute_force() {
     let case = Case::new(bodies::blob("blob", 10, 3));
-    let bytes = bake::baked(&case.body.mesh(), &case.body.basis());
-    let asset = Asset::open(&bytes).expect("open");
-    let tree = Rc::new(PaperTree::build(&asset));
+    let model = bake::baked(&case.body.mesh(), &case.body.basis());
+    let asset = model.asset();
+    let tree = Rc::new(PaperTree::build(asset));
     let mut peers = case.peers(&tree);
-    let mut memory = Memory::new(&tree, &asset);
+    let mut memory = Memory::new(&tree, asset);
     let mut numbers = vec![0.0; asset.pose_len()];
     let (mut scratch, mut contacts) = (Vec::new(), 0);
     let shots = rays::rays("blob", 1);
     for (frame, q) in sequence(6, 10, 0.8, 5).chunks_exact(10).enumerate() {
         let triangles = case.triangles(q, &Place::IDENTITY);
-        let pose = Pose::new(&asset, q, Transform::IDENTITY, &mut numbers).expect("pose");
-        memory.begin_step(&asset, &pose);
+        let pose = asset
+            .pose(q, Transform::IDENTITY, &mut numbers)
+            .expect("pose");
+        memory.begin_step(&pose);
         for (_, peer) in &mut peers {
             peer.update(&case.deformer, q, &Place::IDENTITY, &mut scratch);
         }
@@ -104,7 +106,7 @@ fn balls_and_rays_equal_brute_force() {
             }
             contacts += expected.len();
             let mut found = Vec::new();
-            tree.walk_ball(&mut memory.at(&asset, &pose), (center, 0.3), &mut found);
+            tree.walk_ball(&mut memory.at(&pose), (center, 0.3), &mut found);
             assert_eq!(ids(&found), ids(&expected), "the paper's tree");
             let ray = Ray::new(origin.map(f64::from), leaf::unit(direction.map(f64::from)));
             let hit = triangles
@@ -112,7 +114,7 @@ fn balls_and_rays_equal_brute_force() {
                 .filter_map(|t| ray_hit(&ray, t, f64::INFINITY))
                 .map(|hit| hit.t)
                 .reduce(f64::min);
-            let lazy = tree.walk_ray(&mut memory.at(&asset, &pose), origin, direction);
+            let lazy = tree.walk_ray(&mut memory.at(&pose), origin, direction);
             assert_eq!(lazy, hit, "the paper's tree");
             for (name, peer) in &mut peers {
                 let mut found = Vec::new();
@@ -172,9 +174,9 @@ fn pairs_of<P: PairPeer>(name: &str, peers: [P; 2], case: &Case, q: [&[f32]; 2],
 #[test]
 fn pairs_equal_brute_force() {
     let case = Case::new(bodies::blob("blob", 8, 3));
-    let bytes = bake::baked(&case.body.mesh(), &case.body.basis());
-    let asset = Asset::open(&bytes).expect("open");
-    let tree = Rc::new(PaperTree::build(&asset));
+    let model = bake::baked(&case.body.mesh(), &case.body.basis());
+    let asset = model.asset();
+    let tree = Rc::new(PaperTree::build(asset));
     let q = sequence(2, 10, 0.8, 11);
     let q = [&q[..10], &q[10..]];
     let place = Place::new([0.1, 0.5, -0.1, 0.73_f64.sqrt()], [1.1, 1.2, -0.7]);
@@ -190,30 +192,24 @@ fn pairs_equal_brute_force() {
     }
     let mut numbers = [(); 2].map(|()| vec![0.0; asset.pose_len()]);
     let [one, two] = &mut numbers;
-    let pose_a = Pose::new(&asset, q[0], Transform::IDENTITY, one).expect("pose");
-    let pose_b = Pose::new(&asset, q[1], place.transform(), two).expect("pose");
-    let mut memories = [(); 2].map(|()| Memory::new(&tree, &asset));
-    memories[0].begin_step(&asset, &pose_a);
-    memories[1].begin_step(&asset, &pose_b);
+    let pose_a = asset.pose(q[0], Transform::IDENTITY, one).expect("pose");
+    let pose_b = asset.pose(q[1], place.transform(), two).expect("pose");
+    let mut memories = [(); 2].map(|()| Memory::new(&tree, asset));
+    memories[0].begin_step(&pose_a);
+    memories[1].begin_step(&pose_b);
     let [a, b] = &mut memories;
     let mut found = Vec::new();
     PaperTree::walk_pair(
-        (&tree, &mut a.at(&asset, &pose_a)),
-        (&tree, &mut b.at(&asset, &pose_b)),
+        (&tree, &mut a.at(&pose_a)),
+        (&tree, &mut b.at(&pose_b)),
         &Between::new(&Place::IDENTITY, &place),
         &mut found,
     );
-    let mut stack = vec![Default::default(); asset.pair_stack_len(&asset)];
-    let mut expected: Vec<bdtree_runtime::PairContact> = Vec::new();
-    bdtree_runtime::query::pair(
-        (&asset, &pose_a),
-        (&asset, &pose_b),
-        0.0,
-        &mut stack,
-        &mut expected,
-    )
-    .expect("pair");
-    let ids = |all: &[bdtree_runtime::PairContact]| {
+    let mut workspace = Workspace::new();
+    let mut expected: Vec<PairContact> = Vec::new();
+    let mut query = pose_a.against(&pose_b, &mut workspace);
+    query.contacts(0.0, &mut expected).expect("pair");
+    let ids = |all: &[PairContact]| {
         let mut ids: Vec<_> = all.iter().map(|c| (c.triangle1, c.triangle2)).collect();
         ids.sort_unstable();
         ids

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use bdtree_fixtures::bake;
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::{Body, Place};
-use bdtree_fixtures::bake;
-use bdtree_runtime::{Asset, Pose, Transform, VertexId};
+use bdtree_runtime::{Transform, VertexId};
 use bdtree_scenes::workloads::{bodies, curtain, pile, rays, sequence};
 
 /// Counts and sizes by the workloads' description.
@@ -126,19 +126,19 @@ fn workloads_are_those_of_the_description() {
 fn deformation_is_the_products() {
     // 1681 vertices: the last block of coordinates is not full.
     for body in [curtain::cloth("cloth", 41, 41), bodies::blob("blob", 7, 3)] {
-        let bytes = bake::baked(&body.mesh(), &body.basis());
-        let asset = Asset::open(&bytes).expect("open");
+        let model = bake::baked(&body.mesh(), &body.basis());
+        let asset = model.asset();
         assert_eq!((asset.origin(), asset.unit()), ([0.0; 3], 1.0));
         let deformer = Deformer::new(&body);
         let mut out = vec![0.0; deformer.len()];
         let mut memory = vec![0.0; asset.pose_len()];
         for q in sequence(5, body.modes, 0.8, 77).chunks_exact(body.modes) {
             deformer.deform(q, &mut out);
-            let pose = Pose::new(&asset, q, Transform::IDENTITY, &mut memory).expect("pose");
+            let pose = asset
+                .pose(q, Transform::IDENTITY, &mut memory)
+                .expect("pose");
             for (i, p) in out.as_chunks::<3>().0.iter().enumerate() {
-                let own = asset
-                    .deformed_stored(&pose, VertexId(i as u32))
-                    .expect("vertex");
+                let own = pose.deformed_stored(VertexId(i as u32)).expect("vertex");
                 assert_eq!(own.map(f32::to_bits), p.map(f32::to_bits), "vertex {i}");
             }
         }

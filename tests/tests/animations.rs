@@ -10,7 +10,7 @@ use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::progress::Silent;
 use bdtree_fixtures::compare::{check_pairs, check_pose};
 use bdtree_fixtures::{bake, corpus, models, poses};
-use bdtree_runtime::{Asset, Pose, VertexId};
+use bdtree_runtime::{Asset, VertexId};
 
 /// Largest error of a vertex over the diagonal of the rest positions.
 const ERROR: f64 = 0.02;
@@ -33,8 +33,8 @@ fn check(name: &str, mesh: Option<&Path>, path: &Path, align: bool, about: About
     };
     let pca = pca_basis(&mesh, &sequence, &options, &Silent, &mut Vec::new())
         .unwrap_or_else(|e| panic!("{name}: {e}"));
-    let bytes = bake::baked(&pca.mesh, &pca.basis);
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&pca.mesh, &pca.basis);
+    let asset = model.asset();
     let is_sound = asset.verify(&mut |e| {
         println!("{name}: {e}");
         ControlFlow::Continue(())
@@ -43,7 +43,7 @@ fn check(name: &str, mesh: Option<&Path>, path: &Path, align: bool, about: About
     let count = sequence.frame_count();
     assert_eq!(asset.frame_count(), count, "{name}");
 
-    let worst = worst_error(&asset, &sequence) / (poses::diagonal(&asset) * asset.unit());
+    let worst = worst_error(asset, &sequence) / (poses::diagonal(asset) * asset.unit());
     assert!(worst <= ERROR, "{name}: {worst}");
     // The stored diagonal is rounded to f32.
     let stated = pca.error.max_rel;
@@ -54,11 +54,11 @@ fn check(name: &str, mesh: Option<&Path>, path: &Path, align: bool, about: About
     let mut rng = poses::rng(3);
     for t in [0, count / 3, 2 * count / 3, count - 1] {
         let frame = asset.frame(t).expect("frame");
-        check_pose([asset], frame.q(), frame.transform(), 1, 3);
+        check_pose([*asset], frame.q(), frame.transform(), 1, 3);
         let placed = poses::random_transform(5.0, &mut rng);
-        check_pose([asset], frame.q(), placed, 2, 3);
+        check_pose([*asset], frame.q(), placed, 2, 3);
     }
-    check_pairs(&bytes, 6, 2, 0.3);
+    check_pairs(asset, 6, 2, 0.3);
 }
 
 /// The farthest that a vertex is from its source in any frame (mesh units).
@@ -70,9 +70,10 @@ fn worst_error(asset: &Asset<'_>, sequence: &FrameSequence) -> f64 {
     let mut memory = vec![0.0; asset.pose_len()];
     for t in 0..count {
         let frame = asset.frame(t).expect("frame");
-        let pose = Pose::new(asset, frame.q(), frame.transform(), &mut memory).expect("pose");
+        let pose = asset.pose(frame.q(), frame.transform(), &mut memory);
+        let pose = pose.expect("pose");
         for i in 0..n {
-            let p = asset.deformed(&pose, VertexId(i as u32)).expect("vertex");
+            let p = pose.deformed(VertexId(i as u32)).expect("vertex");
             let square: f64 = (0..3)
                 .map(|k| (p[k] - source[3 * (t * n + i) + k]).powi(2))
                 .sum();

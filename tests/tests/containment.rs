@@ -10,7 +10,7 @@ use bdtree_build::basis::Basis;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_fixtures::{bake, models, mutate, poses};
 use bdtree_format::{ROW_RADIUS, Row, SectionKind};
-use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform};
+use bdtree_runtime::{Model, Transform};
 use bdtree_tools::stress::{self, Options, Report};
 
 fn no_progress(_: u64) {}
@@ -41,7 +41,7 @@ fn moved(mesh: &RawMesh, by: f64, scale: f64) -> RawMesh {
 }
 
 /// No modes, one, many; all of them everywhere, or some; beside the origin, far from it, tiny.
-fn assets() -> Vec<(&'static str, AlignedBytes)> {
+fn assets() -> Vec<(&'static str, Model)> {
     let (small, large) = (bake::bumpy_sphere(6, 2), bake::bumpy_sphere(12, 1));
     let smooth = |mesh: &RawMesh, m, seed| bake::baked(mesh, &bake::smooth_basis(mesh, m, seed));
     let local = |mesh: &RawMesh, m| bake::baked(mesh, &bake::local_basis(mesh, m, 3));
@@ -68,17 +68,17 @@ fn vertices_stay_in_every_sphere_above_them() {
     };
     let assets = assets();
     let mut tried = 0;
-    for (seed, (name, bytes)) in (0..).zip(&assets) {
-        let asset = Asset::open(bytes).expect("open");
+    for (seed, (name, model)) in (0..).zip(&assets) {
+        let asset = model.asset();
         let options = Options {
             cases: cases / assets.len() as u64,
             seed,
         };
-        let report = stress::run(&asset, options, &no_progress).expect("a sound file");
+        let report = stress::run(asset, options, &no_progress).expect("a sound file");
         assert_eq!(report.cases, options.cases);
         sound(&report, name);
         let tightest = report.tightest.as_ref().expect("a vertex").margin();
-        let certainty = stress::certainty(&asset, seed).expect("a sound file");
+        let certainty = stress::certainty(asset, seed).expect("a sound file");
         println!(
             "{name}: {} cases, {} q, {} vertices, {tightest:.4} slacks left, certainty {certainty:.1e}",
             report.cases, report.poses, report.vertices
@@ -90,10 +90,10 @@ fn vertices_stay_in_every_sphere_above_them() {
 
 #[test]
 fn hard_q_by_hand() {
-    for (name, bytes) in assets() {
-        let asset = Asset::open(&bytes).expect("open");
-        for q in poses::hard_qs(&asset) {
-            sound(&stress::at(&asset, &q).expect("a sound file"), name);
+    for (name, model) in assets() {
+        let asset = model.asset();
+        for q in poses::hard_qs(asset) {
+            sound(&stress::at(asset, &q).expect("a sound file"), name);
         }
     }
 }
@@ -111,9 +111,9 @@ fn certainty_costs_little() {
             checked.push((file, bake::baked(&mesh, &basis)));
         }
     }
-    for (name, bytes) in checked {
-        let asset = Asset::open(&bytes).expect("open");
-        let cost = stress::certainty(&asset, 1).expect("a sound file");
+    for (name, model) in checked {
+        let asset = model.asset();
+        let cost = stress::certainty(asset, 1).expect("a sound file");
         println!("{name}, {} modes: {cost:.1e}", asset.mode_count());
         assert!(cost > 0.0 && cost < 1e-3, "{name}: {cost}");
     }
@@ -122,17 +122,14 @@ fn certainty_costs_little() {
 #[test]
 fn a_body_that_shrinks_to_a_point_stays_inside() {
     let mesh = bake::bumpy_sphere(10, 3);
-    let bytes = bake::baked(&mesh, &shrinking(&mesh));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &shrinking(&mesh));
+    let asset = model.asset();
     for q in [0.5, 0.9, 0.999, 0.999_999, 1.0, 1.000_001, 1.1, 2.0] {
-        sound(
-            &stress::at(&asset, &[q]).expect("a sound file"),
-            "shrinking",
-        );
+        sound(&stress::at(asset, &[q]).expect("a sound file"), "shrinking");
     }
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(&asset, &[1.0], Transform::IDENTITY, &mut memory).expect("pose");
-    let spheres = asset.node_spheres(&pose, 0).expect("node");
+    let pose = asset.pose(&[1.0], Transform::IDENTITY, &mut memory);
+    let spheres = pose.expect("pose").node_spheres(0).expect("node");
     let largest = spheres.radius.iter().copied().fold(0.0, f32::max);
     // The paper's bound is 2 R ≈ 2 here; ours is exact up to the root of the rounding terms, of which
     // Ū's is the largest: half a unit, 2⁻¹⁶ of the largest Ū.
@@ -143,29 +140,30 @@ fn a_body_that_shrinks_to_a_point_stays_inside() {
 #[test]
 fn a_radius_that_is_too_small_is_found() {
     let mesh = bake::bumpy_sphere(6, 2);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 2));
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 2));
     let options = Options {
         cases: 20_000,
         seed: 0,
     };
-    let asset = Asset::open(&bytes).expect("open");
+    let asset = model.asset();
+    let bytes = asset.bytes();
     sound(
-        &stress::run(&asset, options, &no_progress).expect("run"),
+        &stress::run(asset, options, &no_progress).expect("run"),
         "whole",
     );
-    let rows = mutate::section(&bytes, SectionKind::ROWS).start;
+    let rows = mutate::section(bytes, SectionKind::ROWS).start;
     let node = asset.node_count() - 1;
     let record = asset.nodes()[node];
     let lane = record.leaf_mask.trailing_zeros() as usize;
     let at = rows
         + size_of::<Row>() * (record.row_start as usize + ROW_RADIUS)
         + size_of::<f32>() * lane;
-    let radius = mutate::get_f32(&bytes, at);
+    let radius = mutate::get_f32(bytes, at);
     let mut damaged = bytes.to_vec();
     mutate::put(&mut damaged, at, &(radius * 0.99999).to_le_bytes());
-    let damaged = AlignedBytes::copy_of(&damaged);
-    let asset = Asset::open(&damaged).expect("open");
-    let report = stress::run(&asset, options, &no_progress).expect("run");
+    let damaged = Model::from_bytes(&damaged).expect("open");
+    let asset = damaged.asset();
+    let report = stress::run(asset, options, &no_progress).expect("run");
     let tight = report.violations.first().expect("a vertex outside");
     assert_eq!((tight.node as usize, tight.lane), (node, lane));
     assert!(tight.margin() < 0.0 && report.tightest.expect("one").margin() < 0.0);
@@ -175,19 +173,20 @@ fn a_radius_that_is_too_small_is_found() {
 #[test]
 fn what_is_not_a_number_is_found() {
     let mesh = bake::bumpy_sphere(6, 2);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 2));
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 2));
+    let bytes = model.asset().bytes();
     let nan = f32::NAN.to_le_bytes();
-    let positions = mutate::section(&bytes, SectionKind::POSITIONS).start;
-    let rows = mutate::section(&bytes, SectionKind::ROWS).start;
+    let positions = mutate::section(bytes, SectionKind::POSITIONS).start;
+    let rows = mutate::section(bytes, SectionKind::ROWS).start;
     for (at, in_positions) in [
         (positions, true),
         (rows + size_of::<Row>() * ROW_RADIUS, false),
     ] {
         let mut damaged = bytes.to_vec();
         mutate::put(&mut damaged, at, &nan);
-        let damaged = AlignedBytes::copy_of(&damaged);
-        let asset = Asset::open(&damaged).expect("open");
-        let report = stress::at(&asset, &[0.01, -0.02, 0.0]).expect("a sound tree");
+        let damaged = Model::from_bytes(&damaged).expect("open");
+        let asset = damaged.asset();
+        let report = stress::at(asset, &[0.01, -0.02, 0.0]).expect("a sound tree");
         assert_eq!(!report.violations.is_empty(), in_positions);
         assert_eq!(report.unbounded > 0, !in_positions);
         let tightest = report.tightest.expect("a vertex").margin();
@@ -199,14 +198,14 @@ fn what_is_not_a_number_is_found() {
 #[test]
 fn a_run_can_be_repeated() {
     let mesh = bake::bumpy_sphere(6, 2);
-    let bytes = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 2));
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 2));
+    let asset = model.asset();
     let run = |seed| {
         let options = Options {
             cases: 12_345,
             seed,
         };
-        stress::run(&asset, options, &no_progress).expect("run")
+        stress::run(asset, options, &no_progress).expect("run")
     };
     let first = run(1);
     assert_eq!(first.cases, 12_345);

@@ -6,7 +6,7 @@ use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::progress::Silent;
 use bdtree_fixtures::compare::{check_pairs, check_pose};
 use bdtree_fixtures::{bake, corpus, models, poses};
-use bdtree_runtime::{Asset, Transform};
+use bdtree_runtime::Transform;
 use std::ops::ControlFlow;
 
 /// Ten modes on a coarse lattice: what is tested here does not depend on its resolution.
@@ -18,8 +18,8 @@ fn check(name: &str, mesh: &RawMesh, rounds: usize) {
     let (basis, _) = elastic_basis(mesh, &options, &Silent, &mut Vec::new())
         .unwrap_or_else(|e| panic!("{name}: {e}"));
     assert_eq!(basis.mode_count(), 10, "{name}");
-    let bytes = bake::baked(mesh, &basis);
-    let asset = Asset::open(&bytes).expect("open");
+    let model = bake::baked(mesh, &basis);
+    let asset = model.asset();
     assert!(
         asset.verify(&mut |e| {
             println!("{name}: {e}");
@@ -29,12 +29,12 @@ fn check(name: &str, mesh: &RawMesh, rounds: usize) {
     );
     let mut rng = poses::rng(5);
     for share in [0.0, 0.1, 0.5] {
-        let q = poses::random_q(&asset, share, &mut rng);
-        check_pose([asset], &q, Transform::IDENTITY, 1, rounds);
+        let q = poses::random_q(asset, share, &mut rng);
+        check_pose([*asset], &q, Transform::IDENTITY, 1, rounds);
         let placed = poses::random_transform(5.0, &mut rng);
-        check_pose([asset], &q, placed, 2, rounds);
+        check_pose([*asset], &q, placed, 2, rounds);
     }
-    check_pairs(&bytes, 6, 3, 0.3);
+    check_pairs(asset, 6, 3, 0.3);
 }
 
 fn check_fixtures(names: &[&str]) {

@@ -5,7 +5,7 @@ use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::progress::Silent;
 use bdtree_fixtures::{bake, corpus, models, oracle, poses};
-use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, query};
+use bdtree_runtime::{Ball, Contact, Transform, Workspace};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -46,8 +46,8 @@ fn check(path: &Path) -> Result<(), String> {
             (bake::rigid(&mesh), Default::default())
         }
     };
-    let bytes = bake::baked(&mesh, &basis);
-    let asset = Asset::open(&bytes).map_err(|e| format!("{name}: {e}"))?;
+    let model = bake::baked(&mesh, &basis);
+    let asset = model.asset();
     assert!(
         asset.verify(&mut |e| {
             println!("{name}: {e}");
@@ -57,18 +57,22 @@ fn check(path: &Path) -> Result<(), String> {
     );
     let mut rng = poses::rng(1);
     let mut memory = vec![0.0; asset.pose_len()];
-    let q = poses::random_q(&asset, 0.1, &mut rng);
-    let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
-    let triangles = oracle::deformed_triangles(&asset, &pose);
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
-    let size = poses::diagonal(&asset) * asset.unit();
+    let q = poses::random_q(asset, 0.1, &mut rng);
+    let pose = asset
+        .pose(&q, Transform::IDENTITY, &mut memory)
+        .expect("pose");
+    let triangles = oracle::deformed_triangles(&pose);
+    let mut workspace = Workspace::new();
+    let size = poses::diagonal(asset) * asset.unit();
     for triangle in triangles.iter().step_by(1 + triangles.len() / 20) {
-        let centre = triangle[1];
+        let center = triangle[1];
         let mut found: Vec<Contact> = Vec::new();
-        query::ball(&asset, &pose, centre, 0.05 * size, &mut stack, &mut found).expect("ball");
+        let ball = Ball::new(center, 0.05 * size);
+        let coverage = pose.query(&mut workspace).contacts(ball, &mut found);
+        coverage.expect("ball");
         let mut ids: Vec<u32> = found.iter().map(|c| c.triangle.0).collect();
         ids.sort_unstable();
-        let expected: Vec<u32> = oracle::ball(&triangles, centre, 0.05 * size)
+        let expected: Vec<u32> = oracle::ball(&triangles, center, 0.05 * size)
             .iter()
             .map(|e| e.0)
             .collect();

@@ -6,9 +6,9 @@ use bdtree_build::pipeline::BakeSettings;
 use bdtree_fixtures::compare::{check_pairs, check_pose, kernels};
 use bdtree_fixtures::{bake, poses};
 use bdtree_format::{LANES, NodeRecord};
-use bdtree_runtime::{AlignedBytes, Asset, Kernel, Pose, Transform};
+use bdtree_runtime::{Asset, Kernel, Model, Transform};
 
-fn nested(mesh: &RawMesh, basis: &Basis) -> AlignedBytes {
+fn nested(mesh: &RawMesh, basis: &Basis) -> Model {
     let settings = BakeSettings {
         nested: true,
         ..BakeSettings::default()
@@ -53,16 +53,18 @@ fn norm(v: [f64; 3]) -> f64 {
 fn sticking_out(asset: &Asset<'_>, q: &[f32]) -> (f64, f64) {
     let asset = asset.with_kernel(Kernel::Scalar).expect("always there");
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(&asset, q, Transform::IDENTITY, &mut memory).expect("pose");
+    let pose = asset
+        .pose(q, Transform::IDENTITY, &mut memory)
+        .expect("pose");
     let (mut most, mut count) = (0.0_f64, 0);
     let links = links(&asset);
     for (node, lane, child) in &links {
-        let outer = asset.node_spheres(&pose, *node).expect("node");
-        let inner = asset.node_spheres(&pose, *child).expect("node");
+        let outer = pose.node_spheres(*node).expect("node");
+        let inner = pose.node_spheres(*child).expect("node");
         let mut out = f64::NEG_INFINITY;
         for k in used(&asset.nodes()[*child as usize]) {
             let apart = [0, 1, 2]
-                .map(|a| f64::from(inner.centre[a][k]) - f64::from(outer.centre[a][*lane]));
+                .map(|a| f64::from(inner.center[a][k]) - f64::from(outer.center[a][*lane]));
             out =
                 out.max(norm(apart) + f64::from(inner.radius[k]) - f64::from(outer.radius[*lane]));
         }
@@ -77,15 +79,11 @@ fn sticking_out(asset: &Asset<'_>, q: &[f32]) -> (f64, f64) {
 fn spheres_hold_those_below_them_at_every_q() {
     let mut rng = poses::rng(1);
     for (mesh, basis) in cases() {
-        let bytes = nested(&mesh, &basis);
-        let plain = bake::baked(&mesh, &basis);
-        let (asset, plain) = (
-            Asset::open(&bytes).expect("open"),
-            Asset::open(&plain).expect("open"),
-        );
+        let models = [nested(&mesh, &basis), bake::baked(&mesh, &basis)];
+        let [asset, plain] = models.each_ref().map(Model::asset);
         assert_eq!(asset.nodes().len(), plain.nodes().len(), "the same tree");
         let mut qs: Vec<Vec<f32>> = [0.0, 0.02, 0.1, 0.5, 3.0]
-            .map(|share| poses::random_q(&asset, share, &mut rng))
+            .map(|share| poses::random_q(asset, share, &mut rng))
             .into();
         qs.push(
             asset
@@ -96,11 +94,11 @@ fn spheres_hold_those_below_them_at_every_q() {
         );
         let mut stick_out = 0.0_f64;
         for q in &qs {
-            let size = 1.0 + norm_of_motion(&asset, q);
+            let size = 1.0 + norm_of_motion(asset, q);
             // f32 rounding of both spheres and the slack of the inner one, well below this.
-            let (most, _) = sticking_out(&asset, q);
+            let (most, _) = sticking_out(asset, q);
             assert!(most < 1e-5 * size, "{most:e} of the diagonal at {q:?}");
-            stick_out = stick_out.max(sticking_out(&plain, q).1);
+            stick_out = stick_out.max(sticking_out(plain, q).1);
         }
         // Wrapped spheres do: else this test could not fail.
         assert!(stick_out > 0.05, "{stick_out} of the plain tree's lanes");
@@ -120,10 +118,10 @@ fn norm_of_motion(asset: &Asset<'_>, q: &[f32]) -> f64 {
 #[test]
 fn stored_numbers_satisfy_the_proof() {
     for (mesh, basis) in cases() {
-        let bytes = nested(&mesh, &basis);
-        let asset = Asset::open(&bytes).expect("open");
+        let model = nested(&mesh, &basis);
+        let asset = model.asset();
         let mut checked = 0;
-        for (node, lane, child) in links(&asset) {
+        for (node, lane, child) in links(asset) {
             let (outer, inner) = (
                 &asset.nodes()[node as usize],
                 &asset.nodes()[child as usize],
@@ -146,7 +144,7 @@ fn stored_numbers_satisfy_the_proof() {
                     let [x, y, z, growth, plus, minus] =
                         rows.pairs[j / 2].numbers(j, lane).map(f64::from);
                     let units = rows.units.map(f64::from);
-                    let centre = [x, y, z].map(|n| n * units[0]);
+                    let center = [x, y, z].map(|n| n * units[0]);
                     let growth = growth * units[1];
                     let there = below_modes.iter().position(|m| m == mode);
                     let (other, reach) = there.map_or(([0.0; 3], 0.0), |j| {
@@ -154,7 +152,7 @@ fn stored_numbers_satisfy_the_proof() {
                         let units = below.units.map(f64::from);
                         ([x, y, z].map(|n| n * units[0]), growth * units[1])
                     });
-                    let apart = [0, 1, 2].map(|a| other[a] - centre[a]);
+                    let apart = [0, 1, 2].map(|a| other[a] - center[a]);
                     let needed = norm(apart) + reach;
                     assert!(
                         growth >= needed * (1.0 - 1e-15),
@@ -172,8 +170,8 @@ fn stored_numbers_satisfy_the_proof() {
 #[test]
 fn nested_files_are_sound_and_answer_the_same() {
     for (mesh, basis) in cases() {
-        let bytes = nested(&mesh, &basis);
-        let asset = Asset::open(&bytes).expect("open");
+        let model = nested(&mesh, &basis);
+        let asset = model.asset();
         let mut errors = Vec::new();
         asset.verify(&mut |e| {
             errors.push(e);
@@ -181,7 +179,7 @@ fn nested_files_are_sound_and_answer_the_same() {
         });
         assert!(errors.is_empty(), "{}", errors[0]);
         let mut rng = poses::rng(2);
-        let q = poses::random_q(&asset, 0.3, &mut rng);
+        let q = poses::random_q(asset, 0.3, &mut rng);
         check_pose(
             kernels(asset),
             &q,
@@ -189,6 +187,6 @@ fn nested_files_are_sound_and_answer_the_same() {
             3,
             6,
         );
-        check_pairs(&bytes, 3, 3, 0.3);
+        check_pairs(asset, 3, 3, 0.3);
     }
 }

@@ -1,6 +1,7 @@
 //! An asset baked again with fewer modes or other leaves, and measured beside itself with all.
 
 use bdtree_runtime::Model;
+use serde::Serialize;
 
 use super::AdviceError;
 use super::samples::Samples;
@@ -21,7 +22,7 @@ const ROUNDS: (usize, usize) = (5, 60);
 pub type Setting<'s> = (&'s [usize], usize);
 
 /// One setting, baked and measured.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
     /// The modes that are kept, by their numbers among all, ascending.
     pub modes: Vec<usize>,
@@ -29,12 +30,14 @@ pub struct Point {
     pub leaf_size: usize,
     /// What these modes leave out ([`super::errors::Errors`]); `None` where the modes are not the first ones and
     /// nobody measured them.
+    #[serde(rename = "error_rel")]
     pub error: Option<BasisError>,
     /// Length of the file.
     pub bytes: usize,
     /// Number of nodes.
     pub nodes: usize,
     /// What the works found and visited, and how long they took.
+    #[serde(rename = "works")]
     pub measured: Measured,
     /// Time over that of the asset with all modes, in the same run ([`Measured::time_over`]).
     pub time_rel: f64,

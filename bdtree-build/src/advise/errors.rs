@@ -3,11 +3,14 @@
 //! Without the modes outside a set K a vertex is off by ‖Σ_{j ∉ K} U_ij q_j‖. Over which q that is taken depends
 //! on what is known of them: see [`Over`].
 
+use serde::Serialize;
+
 use crate::basis::{Basis, BasisError};
-use crate::wrap::RANGE_DIAGONALS;
+use crate::vec3::{norm, norm2};
 
 /// Over which q an error is the largest, and against what.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Over {
     /// Measured against the source of the fields, at all frames that it has: principal components.
     Source,
@@ -98,7 +101,7 @@ fn at_frames(basis: &Basis, q: &[f64], size: f64) -> Vec<BasisError> {
                 *off = [0, 1, 2].map(|axis| off[axis] + u[axis] * q[k]);
             }
             for (vertex, off) in off.iter().enumerate() {
-                tally[k].add(square(off), Some(t), vertex);
+                tally[k].add(norm2(*off), Some(t), vertex);
             }
         }
     }
@@ -111,9 +114,9 @@ fn in_ranges(basis: &Basis, size: f64) -> Vec<BasisError> {
     let mut tally = vec![Tally::default(); m + 1];
     let mut off = vec![0.0; n];
     for k in (0..m).rev() {
-        let range = range(basis, k, size);
+        let range = basis.range(k, size);
         for (vertex, (off, u)) in off.iter_mut().zip(basis.field(k)).enumerate() {
-            *off += range * square(u).sqrt();
+            *off += range * norm(*u);
             tally[k].add(*off * *off, None, vertex);
         }
     }
@@ -121,18 +124,6 @@ fn in_ranges(basis: &Basis, size: f64) -> Vec<BasisError> {
         .iter()
         .map(|tally| tally.error(n.max(1), size))
         .collect()
-}
-
-/// The range of mode `k`: without one of its own, the one that moves its farthest vertex by 5 % of the diagonal.
-fn range(basis: &Basis, k: usize, diagonal: f64) -> f64 {
-    basis.modes[k].q_range.unwrap_or_else(|| {
-        let longest = basis.field(k).iter().map(square).fold(0.0, f64::max).sqrt();
-        if longest > 0.0 {
-            RANGE_DIAGONALS * diagonal / longest
-        } else {
-            0.0
-        }
-    })
 }
 
 /// Squared distances so far.
@@ -166,8 +157,4 @@ impl Tally {
             vertex: self.vertex,
         }
     }
-}
-
-fn square(v: &[f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum()
 }

@@ -14,8 +14,6 @@ pub mod subject;
 pub mod words;
 pub mod works;
 
-use std::fmt;
-
 use bdtree_runtime::FormatError;
 
 use crate::error::BakeError;
@@ -24,45 +22,18 @@ pub use subject::Subject;
 use works::WorksError;
 
 /// Why there is no advice.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum AdviceError {
     /// A bake was refused.
-    Bake(BakeError),
+    #[error(transparent)]
+    Bake(#[from] BakeError),
     /// A file that was made is refused.
-    Open(FormatError),
+    #[error(transparent)]
+    Open(#[from] FormatError),
     /// The questions have no answer.
-    Works(WorksError),
+    #[error(transparent)]
+    Works(#[from] WorksError),
     /// There was nothing to choose from.
+    #[error("no setting was measured")]
     NothingMeasured,
-}
-
-impl fmt::Display for AdviceError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Bake(error) => write!(f, "{error}"),
-            Self::Open(error) => write!(f, "{error}"),
-            Self::Works(error) => write!(f, "{error}"),
-            Self::NothingMeasured => f.write_str("no setting was measured"),
-        }
-    }
-}
-
-impl std::error::Error for AdviceError {}
-
-impl From<BakeError> for AdviceError {
-    fn from(error: BakeError) -> Self {
-        Self::Bake(error)
-    }
-}
-
-impl From<FormatError> for AdviceError {
-    fn from(error: FormatError) -> Self {
-        Self::Open(error)
-    }
-}
-
-impl From<WorksError> for AdviceError {
-    fn from(error: WorksError) -> Self {
-        Self::Works(error)
-    }
 }

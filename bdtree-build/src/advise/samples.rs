@@ -1,6 +1,7 @@
 //! The q at which an asset is judged.
 
 use bdtree_runtime::Asset;
+use serde::Serialize;
 
 use crate::report::random::Random;
 
@@ -12,7 +13,8 @@ pub const SAMPLES: usize = 24;
 const STILL: f64 = 1.0 / (1 << 24) as f64;
 
 /// Where samples come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Source {
     /// Frames of the asset's animation.
     Frames,

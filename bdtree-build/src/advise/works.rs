@@ -7,11 +7,11 @@
 mod ask;
 mod questions;
 
-use std::fmt;
 use std::time::Instant;
 
 use bdtree_runtime::{Asset, FormatError, Pose, PoseError, QueryError, Ray, Transform};
 use cpu_time::ThreadTime;
+use serde::Serialize;
 
 use super::samples::Samples;
 use ask::Asked;
@@ -45,7 +45,7 @@ pub struct Works {
 }
 
 /// One kind of question, asked at every sample.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Work {
     /// Number of questions: balls, rays, pairs of instances.
     pub questions: u64,
@@ -59,7 +59,7 @@ pub struct Work {
 }
 
 /// What the works did with an asset.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Measured {
     /// Balls.
     pub ball: Work,
@@ -240,9 +240,10 @@ fn least(times: &[f64]) -> f64 {
 }
 
 /// Why questions cannot be asked.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum WorksError {
     /// A sample's q is refused.
+    #[error("sample {sample}: {error}")]
     Pose {
         /// The sample, from 0.
         sample: usize,
@@ -250,44 +251,19 @@ pub enum WorksError {
         error: PoseError,
     },
     /// A query gives no answer.
-    Query(QueryError),
+    #[error(transparent)]
+    Query(#[from] QueryError),
     /// The asset's bytes break a rule of the format.
-    Corrupt(FormatError),
+    #[error("corrupt asset: {0}")]
+    Corrupt(#[from] FormatError),
     /// The asset has another number of samples than the questions are for.
+    #[error("the questions are for {expected} samples, the asset has {found}")]
     Samples {
         /// What they are for.
         expected: usize,
         /// What the asset has.
         found: usize,
     },
-}
-
-impl fmt::Display for WorksError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Pose { sample, error } => write!(f, "sample {sample}: {error}"),
-            Self::Query(error) => write!(f, "{error}"),
-            Self::Corrupt(error) => write!(f, "corrupt asset: {error}"),
-            Self::Samples { expected, found } => write!(
-                f,
-                "the questions are for {expected} samples, the asset has {found}"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for WorksError {}
-
-impl From<QueryError> for WorksError {
-    fn from(error: QueryError) -> Self {
-        Self::Query(error)
-    }
-}
-
-impl From<FormatError> for WorksError {
-    fn from(error: FormatError) -> Self {
-        Self::Corrupt(error)
-    }
 }
 
 #[cfg(test)]

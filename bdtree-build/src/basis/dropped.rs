@@ -6,7 +6,8 @@ use std::cmp::Reverse;
 use super::{Animation, Basis, BasisError};
 use crate::error::{BakeError, Place};
 use crate::input::RawMesh;
-use crate::wrap::{self, RANGE_DIAGONALS, StoredShape};
+use crate::vec3::norm;
+use crate::wrap::{self, StoredShape};
 
 /// Which fields of a basis to keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,13 +48,7 @@ pub struct Kept {
 /// all fields together do not keep, and what [`wrap::store`] refuses.
 pub fn keep_fields(mesh: &RawMesh, basis: Basis, keep: Keep) -> Result<Kept, BakeError> {
     let count = basis.mode_count();
-    let fail = |message| {
-        Err(BakeError::one(
-            "basis",
-            Place::file(mesh.name.as_str()),
-            message,
-        ))
-    };
+    let fail = |message| Err(BakeError::one("basis", Place::file(&mesh.name), message));
     let whole = basis.vertex_count.checked_mul(count);
     if basis.vertex_count != mesh.positions.len() || whole != Some(basis.fields.len()) {
         let (found, vertices) = (basis.fields.len(), mesh.positions.len());
@@ -122,39 +117,18 @@ impl<'a> Source<'a> {
             0.0 => 1.0,
             diagonal => diagonal,
         };
-        let ranges = (0..basis.mode_count())
-            .map(|j| {
-                let longest = basis
-                    .field(j)
-                    .iter()
-                    .map(|&u| length(u))
-                    .fold(0.0, f64::max);
-                let typical = if longest > 0.0 {
-                    RANGE_DIAGONALS * diagonal / longest
-                } else {
-                    0.0
-                };
-                basis.modes[j].q_range.unwrap_or(typical)
-            })
-            .collect();
+        let ranges = (0..basis.mode_count()).map(|j| basis.range(j, diagonal));
         Self {
             mesh,
             diagonal,
-            ranges,
+            ranges: ranges.collect(),
         }
     }
 
     /// The fields by ascending reach (of equal ones the last first), and after each count of
     /// dropped ones how far a vertex can be off.
     fn drop_order(&self, basis: &Basis) -> (Vec<usize>, Vec<f64>) {
-        let reach = |j: usize| {
-            let longest = basis
-                .field(j)
-                .iter()
-                .map(|&u| length(u))
-                .fold(0.0, f64::max);
-            self.ranges[j] * longest
-        };
+        let reach = |j: usize| self.ranges[j] * basis.longest(j);
         let mut order: Vec<(f64, Reverse<usize>)> = (0..basis.mode_count())
             .map(|j| (reach(j), Reverse(j)))
             .collect();
@@ -164,7 +138,7 @@ impl<'a> Source<'a> {
         let mut worst = vec![0.0];
         for &j in &order {
             for (off, &u) in off.iter_mut().zip(basis.field(j)) {
-                *off += self.ranges[j] * length(u);
+                *off += self.ranges[j] * norm(u);
             }
             worst.push(off.iter().copied().fold(0.0, f64::max));
         }
@@ -176,7 +150,7 @@ impl<'a> Source<'a> {
         let mut off = vec![0.0; basis.vertex_count];
         for (j, _) in is_kept.iter().enumerate().filter(|(_, kept)| !**kept) {
             for (off, &u) in off.iter_mut().zip(basis.field(j)) {
-                *off += self.ranges[j] * length(u);
+                *off += self.ranges[j] * norm(u);
             }
         }
         let fields: Vec<usize> = (0..is_kept.len()).filter(|&j| is_kept[j]).collect();
@@ -202,11 +176,11 @@ impl<'a> Source<'a> {
         let back = |x: [f32; 3]| x.map(|x| f64::from(x) * unit);
         for (i, off) in off.iter_mut().enumerate() {
             let (p, s) = (self.mesh.positions[i], back(stored.positions[i]));
-            *off += length(std::array::from_fn(|k| p[k] - stored.origin[k] - s[k]));
+            *off += norm(std::array::from_fn(|k| p[k] - stored.origin[k] - s[k]));
             for (j, &old) in fields.iter().enumerate() {
                 let u = basis.field(j)[i];
                 let s = back(stored.displacements[i * fields.len() + j]);
-                *off += self.ranges[old] * length(std::array::from_fn(|k| u[k] - s[k]));
+                *off += self.ranges[old] * norm(std::array::from_fn(|k| u[k] - s[k]));
             }
         }
     }
@@ -247,8 +221,4 @@ pub(crate) fn select(basis: &Basis, fields: &[usize]) -> Basis {
             }
         }),
     }
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

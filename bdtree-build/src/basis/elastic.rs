@@ -13,21 +13,23 @@ use serde::Serialize;
 
 use crate::basis::Basis;
 use crate::basis::modal::{ModalField, modal_basis};
-use crate::elastic::element::Element;
-use crate::elastic::factor::FactorError;
-use crate::elastic::fix::hold_all;
+use crate::basis::volume::silent_warning;
+use crate::elastic::assemble::system::System;
+use crate::elastic::constraint::fix::constrain_all;
+use crate::elastic::element::spline::Element;
+use crate::elastic::lattice::locate::anchors;
+use crate::elastic::lattice::resolution::{BYTES_PER_CELL, choose_lattice};
 use crate::elastic::lattice::{Lattice, Subject};
-use crate::elastic::locate::anchors;
-use crate::elastic::pieces::{Kind, find_pieces};
-use crate::elastic::resolution::{BYTES_PER_CELL, choose_lattice};
+use crate::elastic::solve::factor::FactorError;
 use crate::elastic::solve::{Limits, Solution, SolveError, solve};
-use crate::elastic::system::System;
+use crate::elastic::surface::components::{Kind, find_components};
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::RawMesh;
 use crate::progress::Progress;
+use crate::vec3::{bounds, norm, sub};
 
-pub use crate::elastic::fix::{Fix, FixRegion};
-pub use crate::elastic::resolution::{NODE_BUDGET, RESOLUTION_MAX};
+pub use crate::elastic::constraint::fix::{Fix, FixRegion};
+pub use crate::elastic::lattice::resolution::{NODE_BUDGET, RESOLUTION_MAX};
 
 /// What to bake, and of what.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,14 +106,14 @@ pub struct ElasticReport {
     pub residual_max: f64,
     /// Whether inertia counts proved that no mode was missed.
     pub inertia_checked: bool,
-    /// Pieces that move in none of the modes.
+    /// Surface components that move in none of the modes.
     pub pieces_without_mode: Vec<PieceId>,
     /// Stage name and seconds.
     #[serde(skip)]
     pub stages: Vec<(&'static str, f64)>,
 }
 
-/// Pieces thinner than this share of a cell are warned about.
+/// Surface components thinner than this share of a cell are warned about.
 const THIN_SHARE: f64 = 0.25;
 
 /// The K lowest elastic modes of a surface mesh, ascending in frequency, each with ω and modal mass.
@@ -144,7 +146,7 @@ pub fn elastic_basis(
     let (lattice, resolution) =
         choose_lattice(&subject, options.resolution, options.memory_limit_bytes)?;
     warn_thin(&subject, &lattice, warnings);
-    let grips = hold_all(&subject, &lattice, &options.fixes)?;
+    let constraints = constrain_all(&subject, &lattice, &options.fixes)?;
     report.resolution = resolution;
     report.cells = lattice.parts.len();
     report.dofs = 3 * lattice.node_count();
@@ -160,7 +162,7 @@ pub fn elastic_basis(
         verify_dof_max: options.verify_dof_max,
     };
     let sizes: Vec<usize> = lattice.components.iter().map(|c| c.nodes.len()).collect();
-    let system = |c: usize| System::of_lattice(&lattice.components[c], &element, &grips[c]);
+    let system = |c: usize| System::of_lattice(&lattice.components[c], &element, &constraints[c]);
     let solution =
         solve(&sizes, system, limits, progress).map_err(|e| solve_error(e, options, resolution))?;
     if solution.modes.len() < options.mode_count {
@@ -246,27 +248,17 @@ fn read_subject<'a>(
     options: &ElasticOptions,
     warnings: &mut Vec<String>,
 ) -> Result<Subject<'a>, BakeError> {
-    let pieces = find_pieces(&mesh.positions, &mesh.triangles);
-    if pieces.list.is_empty() {
+    let surface = find_components(&mesh.positions, &mesh.triangles);
+    if surface.list.is_empty() {
         return Err(BakeError::one(
             "basis",
-            Place::file(mesh.name.as_str()),
+            Place::file(&mesh.name),
             "no triangle has an area, so there is no mass to vibrate",
         ));
     }
-    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in mesh
-        .triangles
-        .iter()
-        .flatten()
-        .map(|&v| mesh.positions[v as usize])
-    {
-        for a in 0..3 {
-            min[a] = min[a].min(p[a]);
-            max[a] = max[a].max(p[a]);
-        }
-    }
-    let diagonal = crate::elastic::vec3::norm(crate::elastic::vec3::sub(max, min));
+    let corners = mesh.triangles.iter().flatten();
+    let (min, max) = bounds(corners.map(|&v| mesh.positions[v as usize]));
+    let diagonal = norm(sub(max, min));
     let thickness = options.thickness.unwrap_or(0.01 * diagonal);
     if thickness > diagonal {
         return Err(BakeError::one(
@@ -275,21 +267,25 @@ fn read_subject<'a>(
             format!("{thickness} is more than the mesh's diagonal, {diagonal}"),
         ));
     }
-    let sheets = pieces.list.iter().filter(|p| p.kind != Kind::Solid).count();
+    let sheets = surface
+        .list
+        .iter()
+        .filter(|p| p.kind != Kind::Solid)
+        .count();
     if sheets > 0 && options.thickness.is_none() {
         warnings.push(format!(
             "{sheets} of {} pieces enclose no volume and are taken as sheets {thickness} thick \
              (1 % of the diagonal); set --thickness",
-            pieces.list.len()
+            surface.list.len()
         ));
     }
-    Ok(Subject::new(mesh, pieces, thickness))
+    Ok(Subject::new(mesh, surface, thickness))
 }
 
 /// Folds between walls much thinner than a cell are too stiff: docs/elastic.md.
 fn warn_thin(subject: &Subject<'_>, lattice: &Lattice, warnings: &mut Vec<String>) {
     let least = THIN_SHARE * lattice.grid.cell_size;
-    let thin = subject.pieces.list.iter().filter(|p| match p.kind {
+    let thin = subject.surface.list.iter().filter(|p| match p.kind {
         Kind::Solid => 2.0 * p.volume.abs() < least * p.area,
         _ => subject.thickness < least,
     });
@@ -298,7 +294,7 @@ fn warn_thin(subject: &Subject<'_>, lattice: &Lattice, warnings: &mut Vec<String
         warnings.push(format!(
             "{count} of {} pieces are thinner than a quarter of a cell ({:.3e} mesh units) and may \
              come out too stiff where they fold or join; raise --resolution",
-            subject.pieces.list.len(),
+            subject.surface.list.len(),
             lattice.grid.cell_size
         ));
     }
@@ -382,28 +378,18 @@ fn list_silent_pieces(
     for mode in &solution.modes {
         moving[mode.component] = true;
     }
-    let mut body_moves = vec![false; subject.pieces.list.len()];
+    let mut body_moves = vec![false; subject.surface.list.len()];
     for (body, component) in lattice.bodies() {
         body_moves[body as usize] |= moving[component];
     }
-    for piece in subject.pieces.list.iter().filter(|p| !body_moves[p.body]) {
+    for component in subject.surface.list.iter().filter(|p| !body_moves[p.body]) {
         report.pieces_without_mode.push(PieceId {
-            first_triangle: piece.triangles[0].0,
-            triangle_count: piece.triangles.len() as u32,
+            first_triangle: component.triangles[0].0,
+            triangle_count: component.triangles.len() as u32,
         });
     }
-    let silent = report.pieces_without_mode.len();
-    if silent > 0 {
-        let names: Vec<String> = report.pieces_without_mode[..silent.min(5)]
-            .iter()
-            .map(|p| format!("triangle {}", p.first_triangle))
-            .collect();
-        warnings.push(format!(
-            "{silent} of {} pieces move in none of the {} modes (from {}{})",
-            subject.pieces.list.len(),
-            solution.modes.len(),
-            names.join(", "),
-            if silent > 5 { ", …" } else { "" }
-        ));
-    }
+    let silent = report.pieces_without_mode.iter();
+    let triangles = silent.map(|p| format!("triangle {}", p.first_triangle));
+    let count = subject.surface.list.len();
+    warnings.extend(silent_warning(triangles, count, "pieces", solution));
 }

@@ -98,11 +98,7 @@ pub fn embed(
     let places = Places::new(volume);
     if places.faces.is_empty() {
         let message = "a volume without a boundary";
-        return Err(BakeError::one(
-            "basis",
-            Place::file(volume.name.as_str()),
-            message,
-        ));
+        return Err(BakeError::one("basis", Place::file(&volume.name), message));
     }
     let mut embedding = Embedding {
         node_count: volume.nodes.len(),
@@ -142,13 +138,7 @@ fn reach(corners: &[[f64; 3]], p: [f64; 3]) -> f64 {
 
 /// What [`embed`] refuses.
 fn check(points: &[[f64; 3]], volume: &RawVolume) -> Result<(), BakeError> {
-    let refuse = |message: &str| {
-        Err(BakeError::one(
-            "basis",
-            Place::file(volume.name.as_str()),
-            message,
-        ))
-    };
+    let refuse = |message: &str| Err(BakeError::one("basis", Place::file(&volume.name), message));
     let corners = volume.tetrahedra.iter().flatten();
     let mut corners = corners.chain(volume.hexahedra.iter().flatten()).peekable();
     if corners.peek().is_none() {

@@ -3,15 +3,17 @@
 mod check;
 mod frequencies;
 
-use std::fmt;
 use std::path::Path;
-use std::str::FromStr;
 
 use super::{Basis, BasisMode};
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::forget_folder;
 use crate::input::npy::{self, NpyArray};
 use crate::input::read_file::read_file;
+use crate::words::words;
+
+/// Vertices whose entries are put in order at a time.
+const VERTICES: usize = 256;
 
 /// What the axes of a basis array mean. N vertices, M fields; k is x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,27 +49,13 @@ impl Layout {
     }
 }
 
-impl fmt::Display for Layout {
-    /// As `--basis-layout` takes it.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Layout::N3M => "n3m",
-            Layout::ThreeNM => "3nm",
-            Layout::MN3 => "mn3",
-        })
-    }
-}
-
-impl FromStr for Layout {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        Layout::ALL
-            .into_iter()
-            .find(|layout| layout.to_string() == text)
-            .ok_or_else(|| "is none of n3m, 3nm, mn3".to_string())
-    }
-}
+words!(
+    Layout,
+    "is none of n3m, 3nm, mn3",
+    N3M = "n3m",
+    ThreeNM = "3nm",
+    MN3 = "mn3"
+);
 
 /// A basis as given, and what is odd about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,14 +87,17 @@ pub fn given_basis(
     let (layout, mode_count) = settle(&array, layout, vertex_count, &file)?;
     let mut basis = Basis {
         vertex_count,
-        fields: Vec::with_capacity(array.values.len() / 3),
+        fields: vec![[0.0; 3]; mode_count * vertex_count],
         modes: vec![BasisMode::default(); mode_count],
         animation: None,
     };
-    for j in 0..mode_count {
-        for i in 0..vertex_count {
-            let axis = |k| layout.entry(&array, i, k, j).unwrap_or(f64::NAN);
-            basis.fields.push([axis(0), axis(1), axis(2)]);
+    // The array may hold what belongs to a vertex together: few vertices at a time stay in the cache.
+    for first in (0..vertex_count).step_by(VERTICES) {
+        for j in 0..mode_count {
+            for i in first..vertex_count.min(first + VERTICES) {
+                let axis = |k| layout.entry(&array, i, k, j).unwrap_or(f64::NAN);
+                basis.fields[j * vertex_count + i] = [axis(0), axis(1), axis(2)];
+            }
         }
     }
     let mut problems = Problems::new("basis");

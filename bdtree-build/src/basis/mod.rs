@@ -11,6 +11,10 @@ pub mod pca;
 pub mod volume;
 
 pub use animation::{Animation, RigidMotion};
+use serde::Serialize;
+
+use crate::vec3::norm;
+use crate::wrap::RANGE_DIAGONALS;
 
 /// A deformation basis: `p' = p + Σ_j fields[j] q_j`.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -28,11 +32,13 @@ pub struct Basis {
 
 /// How far a basis, as the file stores it, is from its source: over all vertices, and over all
 /// frames where there are frames.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BasisError {
     /// Largest distance over the diagonal of the box around the rest positions.
+    #[serde(rename = "max")]
     pub max_rel: f64,
     /// Root mean square of the distances over the same diagonal.
+    #[serde(rename = "rms")]
     pub rms_rel: f64,
     /// The frame of the largest distance, from 0.
     pub frame: Option<usize>,
@@ -65,16 +71,28 @@ impl Basis {
     /// units). Zero fields stay without.
     pub fn set_ranges(&mut self, length: f64) {
         for j in 0..self.mode_count() {
-            let squares = self.field(j).iter();
-            let longest = squares
-                .map(|u| u.iter().map(|x| x * x).sum::<f64>())
-                .fold(0.0, f64::max)
-                .sqrt();
+            let longest = self.longest(j);
             let mode = &mut self.modes[j];
             if mode.q_range.is_none() && longest > 0.0 {
                 mode.q_range = Some(length / longest);
             }
         }
+    }
+
+    /// How far one unit of q moves the farthest vertex of field `j` (mesh units).
+    pub(crate) fn longest(&self, j: usize) -> f64 {
+        let lengths = self.field(j).iter().map(|&u| norm(u));
+        lengths.fold(0.0, f64::max)
+    }
+
+    /// The range of |q_j|: the mode's own, else what moves its farthest vertex by the usual share of `diagonal`; 0 for
+    /// zero fields without one.
+    pub(crate) fn range(&self, j: usize, diagonal: f64) -> f64 {
+        let typical = match self.longest(j) {
+            longest if longest > 0.0 => RANGE_DIAGONALS * diagonal / longest,
+            _ => 0.0,
+        };
+        self.modes[j].q_range.unwrap_or(typical)
     }
 
     /// Field `j`: N displacement vectors.

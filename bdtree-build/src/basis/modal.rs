@@ -1,7 +1,7 @@
 //! Vibration modes as a basis.
 
 use super::{Basis, BasisMode};
-use crate::elastic::canonical::normalise;
+use crate::elastic::solve::canonical::normalise;
 
 /// A vibration mode on the vertices of a mesh, of whatever length.
 #[derive(Debug, Clone, PartialEq)]

@@ -47,11 +47,7 @@ pub fn morph_basis(
         for &(vertex, u) in &target.displacements {
             let Some(place) = field.get_mut(vertex as usize) else {
                 let message = format!("target {j} moves vertex {vertex} of {n}");
-                return Err(BakeError::one(
-                    "basis",
-                    Place::file(mesh.name.as_str()),
-                    message,
-                ));
+                return Err(BakeError::one("basis", Place::file(&mesh.name), message));
             };
             *place = u;
         }
@@ -95,13 +91,7 @@ pub fn morph_basis(
 
 /// Refuses fields that no file holds, or that need more than the limit.
 fn check_size(mesh: &RawMesh, count: usize, keep: Keep, limit: u64) -> Result<(), BakeError> {
-    let fail = |message| {
-        Err(BakeError::one(
-            "basis",
-            Place::file(mesh.name.as_str()),
-            message,
-        ))
-    };
+    let fail = |message| Err(BakeError::one("basis", Place::file(&mesh.name), message));
     // Bytes of the kept displacements: in f32, and where fields are left out once more in f64.
     let (kept, each) = match keep {
         Keep::All => (count, 12),

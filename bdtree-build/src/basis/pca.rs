@@ -16,9 +16,6 @@ mod reduction;
 mod snapshots;
 mod tsqr;
 
-use std::fmt;
-use std::str::FromStr;
-
 use bdtree_format::MODE_COUNT_MAX;
 
 use super::{Basis, BasisError};
@@ -26,6 +23,7 @@ use crate::error::{BakeError, Place};
 use crate::input::RawMesh;
 use crate::input::sequence::FrameSequence;
 use crate::progress::Progress;
+use crate::words::words;
 use reduction::Reduction;
 
 /// How many modes.
@@ -50,26 +48,12 @@ pub enum About {
     Input,
 }
 
-impl fmt::Display for About {
-    /// As `--about` takes it.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Mean => "mean",
-            Self::Input => "input",
-        })
-    }
-}
-
-impl FromStr for About {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        [Self::Mean, Self::Input]
-            .into_iter()
-            .find(|about| about.to_string() == text)
-            .ok_or_else(|| "is neither mean nor input".to_string())
-    }
-}
+words!(
+    About,
+    "is neither mean nor input",
+    Mean = "mean",
+    Input = "input"
+);
 
 /// How a sequence becomes a basis.
 #[derive(Debug, Clone, PartialEq)]

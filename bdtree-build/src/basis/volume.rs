@@ -3,19 +3,20 @@
 mod check;
 mod tell;
 
-use std::fmt;
-use std::str::FromStr;
+pub(super) use tell::silent_warning;
+
 use std::time::Instant;
 
 use serde::Serialize;
 
 use super::elastic::{ElasticOptions, Fix};
 use super::modal::ModalField;
-use crate::elastic::hold_nodes::hold_nodes;
+use crate::elastic::constraint::nodes::constrain_nodes;
 use crate::elastic::solve::{Limits, solve};
 use crate::error::{BakeError, Place};
 use crate::input::volume::RawVolume;
 use crate::progress::Progress;
+use crate::words::words;
 
 /// How elements carry their mass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -27,30 +28,17 @@ pub enum MassMatrix {
     Lumped,
 }
 
-impl fmt::Display for MassMatrix {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Consistent => "consistent",
-            Self::Lumped => "lumped",
-        })
-    }
-}
-
-impl FromStr for MassMatrix {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        [Self::Consistent, Self::Lumped]
-            .into_iter()
-            .find(|mass| mass.to_string() == text)
-            .ok_or_else(|| "is neither consistent nor lumped".to_owned())
-    }
-}
+words!(
+    MassMatrix,
+    "is neither consistent nor lumped",
+    Consistent = "consistent",
+    Lumped = "lumped"
+);
 
 /// What to compute of a volume mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VolumeOptions {
-    /// Number of modes K above those without strain, all parts together. Default 10.
+    /// Number of modes K above those without strain, all components together. Default 10.
     pub mode_count: usize,
     /// Young's modulus in Pa of all elements; `None`: the file's, 2e9 where it has none.
     pub young_pa: Option<f64>,
@@ -66,7 +54,7 @@ pub struct VolumeOptions {
     pub fixes: Vec<Fix>,
     /// Bakes that would take more are refused before they do. Default 4 GiB.
     pub memory_limit_bytes: u64,
-    /// Up to this many unknowns per part an inertia count proves that no mode was missed.
+    /// Up to this many unknowns per component an inertia count proves that no mode was missed.
     /// Default 70 000.
     pub verify_dof_max: usize,
 }
@@ -166,36 +154,36 @@ pub fn volume_modes(
     progress.stage("elements", None);
     check::options(options)?;
     let (model, units) = check::model(volume, options, warnings)?;
-    let parts = model
-        .parts()
+    let components = model
+        .components()
         .map_err(|(node, blocks)| tell::joints_error(volume, node, blocks))?;
     let mut used = vec![false; volume.nodes.len()];
-    for &n in parts.iter().flat_map(|p| &p.nodes) {
+    for &n in components.iter().flat_map(|p| &p.nodes) {
         used[n as usize] = true;
     }
-    let held = hold_nodes(volume, &used, units.length, &options.fixes)?;
+    let held = constrain_nodes(volume, &used, units.length, &options.fixes)?;
     report.elements = model.elements.len();
-    report.nodes = parts.iter().map(|p| p.nodes.len()).sum();
+    report.nodes = components.iter().map(|p| p.nodes.len()).sum();
     let held_count = held.iter().flatten().filter(|h| **h).count();
     report.dofs = 3 * report.nodes - held_count;
-    report.components = parts.len();
+    report.components = components.len();
     report.mass_kg = units.mass_kg
         * (0..model.elements.len())
             .map(|e| model.mass(e, model.shape(e).0))
             .sum::<f64>();
-    tell::joints(&parts, warnings);
+    tell::joints(&components, warnings);
     lap(&mut report, "elements");
 
-    progress.stage("modes", Some(parts.len() as u64));
+    progress.stage("modes", Some(components.len() as u64));
     let limits = Limits {
         wanted: options.mode_count,
         bytes: options.memory_limit_bytes,
         verify_dof_max: options.verify_dof_max,
     };
-    let sizes: Vec<usize> = parts.iter().map(|p| p.nodes.len()).collect();
-    let system = |c: usize| model.system(&parts[c], &held);
+    let sizes: Vec<usize> = components.iter().map(|p| p.nodes.len()).collect();
+    let system = |c: usize| model.system(&components[c], &held);
     let solution = solve(&sizes, system, limits, progress)
-        .map_err(|e| tell::solve_error(e, volume, &parts, options))?;
+        .map_err(|e| tell::solve_error(e, volume, &components, options))?;
     if solution.modes.len() < options.mode_count {
         let message = format!(
             "{} modes asked for, but the volume mesh has only {}",
@@ -206,14 +194,14 @@ pub fn volume_modes(
     report.predicted_bytes = solution.bytes;
     report.residual_max = solution.residual;
     report.inertia_checked = solution.checked;
-    tell::silent(&parts, &solution, warnings);
+    tell::silent(&components, &solution, warnings);
     lap(&mut report, "modes");
 
     let scale = 1.0 / units.mass_kg.sqrt();
     let modes = solution.modes.iter().map(|mode| {
         let mut field = vec![[0.0; 3]; volume.nodes.len()];
         let values = mode.vector.as_chunks::<3>().0.iter();
-        for (&n, u) in parts[mode.component].nodes.iter().zip(values) {
+        for (&n, u) in components[mode.component].nodes.iter().zip(values) {
             field[n as usize] = u.map(|x| x * scale);
         }
         VolumeMode {

@@ -3,12 +3,9 @@
 mod command;
 
 use std::ffi::OsString;
-use std::io::{ErrorKind, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
-use bdtree_build::advise::curve::Point;
-use bdtree_build::advise::errors::Over;
-use bdtree_build::advise::samples;
 use bdtree_build::advise::subject::kept_fields;
 use bdtree_build::advise::{Advice, AdviceError, Goal, Subject, advise};
 use bdtree_build::error::{BakeError, Place};
@@ -18,7 +15,7 @@ use serde_json::{Value, json};
 
 use super::Arguments;
 use super::arguments::Modes;
-use super::output::print_warnings;
+use super::output::{print_warnings, to_stdout};
 
 /// Numbers of modes that `--json` has figures of.
 const CURVE_POINTS: usize = 6;
@@ -67,20 +64,16 @@ pub(super) fn run(
 impl Advised {
     /// Sentences and the command on the last line, or one JSON object. A reader that closes the pipe is no error.
     pub(super) fn print(&self, is_json: bool) -> ExitCode {
-        let mut out = std::io::stdout().lock();
-        let printed = if is_json {
-            writeln!(out, "{}", self.json())
-        } else {
+        if !is_json {
             print_warnings(&self.warnings);
-            self.text(&mut out)
-        };
-        match printed.and_then(|()| out.flush()) {
-            Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-                eprintln!("bdtree-build: standard output: {error}");
-                ExitCode::from(1)
-            }
-            _ => ExitCode::SUCCESS,
         }
+        to_stdout(|out| {
+            if is_json {
+                writeln!(out, "{}", self.json())
+            } else {
+                self.text(out)
+            }
+        })
     }
 
     fn text(&self, out: &mut impl Write) -> std::io::Result<()> {
@@ -92,16 +85,7 @@ impl Advised {
 
     fn json(&self) -> Value {
         let advice = &self.advice;
-        let source = match advice.samples.0 {
-            samples::Source::Frames => "frames",
-            samples::Source::Ranges => "ranges",
-            samples::Source::Rest => "rest",
-        };
-        let over = match advice.over {
-            Over::Source => "source",
-            Over::Frames => "frames",
-            Over::Ranges => "ranges",
-        };
+        let (source, count) = advice.samples;
         let arguments = self.command.iter().map(|part| part.to_string_lossy());
         json!({
             "command": command::shell(&self.command),
@@ -111,45 +95,16 @@ impl Advised {
             "is_met": advice.is_met,
             "error_rel": advice.error_rel,
             "error_of_fewer_rel": advice.error_of_fewer_rel,
-            "error_over": over,
-            "samples": { "source": source, "count": advice.samples.1 },
+            "error_over": advice.over,
+            "samples": { "source": source, "count": count },
             "modes": advice.chosen.modes.len(),
             "leaf_size": advice.chosen.leaf_size,
-            "chosen": point(&advice.chosen),
-            "all": point(&advice.all),
-            "leaves": advice.leaves.iter().map(point).collect::<Vec<_>>(),
-            "curve": advice.curve.iter().map(point).collect::<Vec<_>>(),
+            "chosen": advice.chosen,
+            "all": advice.all,
+            "leaves": advice.leaves,
+            "curve": advice.curve,
             "missing": advice.missing,
             "warnings": self.warnings,
         })
     }
-}
-
-fn point(point: &Point) -> Value {
-    let works = point.measured.works().map(|(name, work)| {
-        let value = json!({
-            "questions": work.questions,
-            "found": work.found,
-            "nodes_visited": work.nodes_visited,
-            "seconds": work.seconds,
-        });
-        (name.to_string(), value)
-    });
-    let error = point.error.map(|error| {
-        json!({
-            "max": error.max_rel,
-            "rms": error.rms_rel,
-            "frame": error.frame,
-            "vertex": error.vertex,
-        })
-    });
-    json!({
-        "modes": point.modes,
-        "leaf_size": point.leaf_size,
-        "error_rel": error,
-        "bytes": point.bytes,
-        "nodes": point.nodes,
-        "time_rel": point.time_rel,
-        "works": serde_json::Map::from_iter(works),
-    })
 }

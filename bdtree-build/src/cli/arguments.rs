@@ -13,6 +13,12 @@ use clap::Parser;
 /// The error that `--advise` allows where none is given: 1 % of the diagonal.
 const GOAL: f64 = 0.01;
 
+/// Headings that several options stand under.
+const GIVEN: &str = "Given fields";
+const PCA: &str = "Animations";
+const VOLUME: &str = "Given volumes";
+const BODY: &str = "Elastic modes";
+
 /// Bakes a mesh and a deformation basis into a memory-mappable .bdt file.
 ///
 /// The fields are the principal components of --animation, the vibration modes of --tets, the fields
@@ -40,53 +46,33 @@ pub(crate) struct Arguments {
 
     /// Given displacement fields (mesh units per unit of q): .npy, f32 or f64, shape (N,3,M),
     /// (3N,M) or (M,N,3).
-    #[arg(long, value_name = "U.npy", help_heading = "Given fields")]
+    #[arg(long, value_name = "U.npy", help_heading = GIVEN)]
     pub(crate) basis: Option<PathBuf>,
 
     /// What the axes of the --basis array are, where its shape leaves it open: n3m, 3nm or mn3.
-    #[arg(
-        long,
-        value_name = "LAYOUT",
-        requires = "basis",
-        help_heading = "Given fields"
-    )]
+    #[arg(long, value_name = "LAYOUT", requires = "basis", help_heading = GIVEN)]
     pub(crate) basis_layout: Option<Layout>,
 
     /// Frequencies of the --basis fields in Hz: .npy or text, one number per field.
-    #[arg(
-        long,
-        value_name = "FILE",
-        requires = "basis",
-        help_heading = "Given fields"
-    )]
+    #[arg(long, value_name = "FILE", requires = "basis", help_heading = GIVEN)]
     pub(crate) frequencies: Option<PathBuf>,
 
     /// Frames whose principal components are the fields: a folder of .obj frames in the order of
     /// their names, a .pc2, a .mdd or a .npy file of shape (T,N,3). A folder needs no INPUT: its
     /// first frame is the mesh.
-    #[arg(long, value_name = "FRAMES", conflicts_with_all = ["basis", "tets"], help_heading = "Animations")]
+    #[arg(long, value_name = "FRAMES", conflicts_with_all = ["basis", "tets"], help_heading = PCA)]
     pub(crate) animation: Option<PathBuf>,
 
     /// What the rest positions are: mean (of the frames) or input (the positions of INPUT) [default: mean].
-    #[arg(
-        long,
-        value_name = "REST",
-        requires = "animation",
-        help_heading = "Animations"
-    )]
+    #[arg(long, value_name = "REST", requires = "animation", help_heading = PCA)]
     pub(crate) about: Option<About>,
 
     /// Takes the rigid motion out of each frame; playback puts it back.
-    #[arg(long, requires = "animation", help_heading = "Animations")]
+    #[arg(long, requires = "animation", help_heading = PCA)]
     pub(crate) align: bool,
 
     /// Frames per second, above 0, for frames without times [default: times unknown].
-    #[arg(
-        long,
-        value_name = "FPS",
-        requires = "animation",
-        help_heading = "Animations"
-    )]
+    #[arg(long, value_name = "FPS", requires = "animation", help_heading = PCA)]
     pub(crate) fps: Option<f64>,
 
     /// Which of a glTF file's animations gives the weights over time, by name [default: the first
@@ -96,56 +82,42 @@ pub(crate) struct Arguments {
 
     /// A volume mesh of tetrahedra or hexahedra whose modes move the mesh: .veg (VegaFEM), .vtk
     /// (legacy) or .msh (Gmsh). Without INPUT its surface is the mesh.
-    #[arg(
-        long,
-        value_name = "VOLUME",
-        conflicts_with = "basis",
-        help_heading = "Given volumes"
-    )]
+    #[arg(long, value_name = "VOLUME", conflicts_with = "basis", help_heading = VOLUME)]
     pub(crate) tets: Option<PathBuf>,
 
     /// How the elements of --tets carry their mass: consistent or lumped [default: consistent].
-    #[arg(long, value_name = "MASS", help_heading = "Given volumes")]
+    #[arg(long, value_name = "MASS", help_heading = VOLUME)]
     pub(crate) mass: Option<MassMatrix>,
 
     /// Lattice cells along the longest side, 1 to 1024 [default: as many as a fixed budget of
     /// lattice nodes allows].
-    #[arg(long, value_name = "CELLS", value_parser = clap::value_parser!(u32).range(1..=i64::from(RESOLUTION_MAX)), help_heading = "Elastic modes")]
+    #[arg(long, value_name = "CELLS", value_parser = clap::value_parser!(u32).range(1..=i64::from(RESOLUTION_MAX)), help_heading = BODY)]
     pub(crate) resolution: Option<u32>,
 
     /// Young's modulus in Pa, above 0 [default: that of --tets, else 2e9].
-    #[arg(long, value_name = "PA", help_heading = "Elastic modes")]
+    #[arg(long, value_name = "PA", help_heading = BODY)]
     pub(crate) young: Option<f64>,
 
     /// Poisson's ratio, in (-1, 0.5) [default: that of --tets, else 0.35].
-    #[arg(
-        long,
-        value_name = "NU",
-        allow_hyphen_values = true,
-        help_heading = "Elastic modes"
-    )]
+    #[arg(long, value_name = "NU", allow_hyphen_values = true, help_heading = BODY)]
     pub(crate) poisson: Option<f64>,
 
     /// Density in kg/m³, above 0 [default: that of --tets, else 1000].
-    #[arg(long, value_name = "KG_M3", help_heading = "Elastic modes")]
+    #[arg(long, value_name = "KG_M3", help_heading = BODY)]
     pub(crate) density: Option<f64>,
 
     /// Metres per mesh unit, above 0 [default: 1].
-    #[arg(long, value_name = "M", help_heading = "Elastic modes")]
+    #[arg(long, value_name = "M", help_heading = BODY)]
     pub(crate) scale: Option<f64>,
 
     /// Thickness of open sheets in mesh units, above 0 [default: 1 % of the box diagonal].
-    #[arg(long, value_name = "LENGTH", help_heading = "Elastic modes")]
+    #[arg(long, value_name = "LENGTH", help_heading = BODY)]
     pub(crate) thickness: Option<f64>,
 
     /// Holds part of the body along axes: AXES:xmin,ymin,zmin,xmax,ymax,zmax (mesh units),
     /// AXES:GROUP, or AXES:@FILE with numbers of vertices from 1, AXES being letters of xyz. May be
     /// given several times.
-    #[arg(
-        long,
-        value_name = "AXES:BOX|GROUP|@FILE",
-        help_heading = "Elastic modes"
-    )]
+    #[arg(long, value_name = "AXES:BOX|GROUP|@FILE", help_heading = BODY)]
     pub(crate) fix: Vec<Fix>,
 
     /// Refuses bakes that would take more than this many MiB.

@@ -1,6 +1,6 @@
 //! The summary that people read, or the JSON object that machines read.
 
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, StdoutLock, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -29,26 +29,30 @@ pub(super) fn print_warnings(warnings: &[String]) {
     }
 }
 
-/// Prints. A reader that closes the pipe is no error; a full disk is one, though the file is made.
+/// Prints the summary or the object.
 pub(super) fn print(output: &Path, report: &BakeReport, json: bool, quiet: bool) -> ExitCode {
     if !quiet && !json {
         print_warnings(&report.warnings);
     }
+    to_stdout(|out| {
+        if json {
+            let output = output.display().to_string();
+            writeln!(out, "{}", serde_json::to_string(&Json { output, report })?)
+        } else if quiet {
+            Ok(())
+        } else {
+            summary(output, report, out)
+        }
+    })
+}
+
+/// Prints to standard output. A reader that closes the pipe is no error; a full disk is one, though what was to be done
+/// is done.
+pub(super) fn to_stdout(
+    write: impl FnOnce(&mut StdoutLock<'_>) -> std::io::Result<()>,
+) -> ExitCode {
     let mut out = std::io::stdout().lock();
-    let printed = if json {
-        let object = Json {
-            output: output.display().to_string(),
-            report,
-        };
-        serde_json::to_string(&object)
-            .map_err(std::io::Error::other)
-            .and_then(|text| writeln!(out, "{text}"))
-    } else if quiet {
-        Ok(())
-    } else {
-        summary(output, report, &mut out)
-    };
-    match printed.and_then(|()| out.flush()) {
+    match write(&mut out).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             eprintln!("bdtree-build: standard output: {error}");
             ExitCode::from(1)
@@ -100,7 +104,7 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
         writeln!(
             out,
             "error of the basis over the box diagonal: at most {:.3e} (vertex {}{frame}), rms {:.3e}",
-            e.max, e.vertex, e.rms
+            e.max_rel, e.vertex, e.rms_rel
         )?;
     }
     if !r.tightness.is_empty() {

@@ -1,8 +1,47 @@
-//! Whether a triangle has an area.
+//! Whether a triangle has an area, and what is said of one that has none.
+
+use crate::vec3::{cross, norm2};
+
+/// Something odd about a triangle that is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Oddity {
+    RepeatedCorner,
+    ZeroArea,
+}
+
+impl Oddity {
+    pub(super) const ALL: [Self; 2] = [Self::RepeatedCorner, Self::ZeroArea];
+
+    /// What is odd about the triangle of these corners, which must all be known.
+    pub(super) fn of(corners: [u32; 3], positions: &[[f64; 3]]) -> Option<Self> {
+        let [a, b, c] = corners;
+        if a == b || b == c || c == a {
+            return Some(Self::RepeatedCorner);
+        }
+        let is_degenerate = is_degenerate(corners.map(|corner| positions[corner as usize]));
+        is_degenerate.then_some(Self::ZeroArea)
+    }
+
+    /// What one triangle does.
+    pub(super) fn one(self) -> &'static str {
+        match self {
+            Self::RepeatedCorner => "repeats a corner",
+            Self::ZeroArea => "has zero area",
+        }
+    }
+
+    /// What several are called.
+    pub(super) fn many(self) -> &'static str {
+        match self {
+            Self::RepeatedCorner => "triangles that repeat a corner",
+            Self::ZeroArea => "triangles with zero area",
+        }
+    }
+}
 
 /// True if the triangle's area is zero as far as f64 can tell: the cross product of two edges is
 /// no longer than its own rounding error.
-pub(super) fn is_degenerate(corners: [[f64; 3]; 3]) -> bool {
+fn is_degenerate(corners: [[f64; 3]; 3]) -> bool {
     // Relative to the product of the edges; the cross product's rounding error is below 4 ε of it.
     const TOLERANCE: f64 = 8.0 * f64::EPSILON;
     let [a, b, c] = corners;
@@ -17,11 +56,5 @@ pub(super) fn is_degenerate(corners: [[f64; 3]; 3]) -> bool {
         }
         *v = v.map(|x| x / size);
     }
-    let cross = [
-        e[1] * f[2] - e[2] * f[1],
-        e[2] * f[0] - e[0] * f[2],
-        e[0] * f[1] - e[1] * f[0],
-    ];
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    dot(cross, cross) <= TOLERANCE * TOLERANCE * dot(e, e) * dot(f, f)
+    norm2(cross(e, f)) <= TOLERANCE * TOLERANCE * norm2(e) * norm2(f)
 }

@@ -16,6 +16,7 @@ mod morphs;
 mod number;
 pub(crate) mod read_file;
 
+use crate::vec3::{bounds, diagonal};
 pub(crate) use load::forget_folder;
 pub use load::{read_mesh, read_model};
 pub use morphs::{RawClip, RawModel, RawMorphs, RawTarget};
@@ -40,15 +41,7 @@ pub struct RawMesh {
 impl RawMesh {
     /// Diagonal of the box around all vertices (mesh units).
     pub fn diagonal(&self) -> f64 {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for p in &self.positions {
-            for k in 0..3 {
-                low[k] = low[k].min(p[k]);
-                high[k] = high[k].max(p[k]);
-            }
-        }
-        let square: f64 = (0..3).map(|k| (high[k] - low[k]).max(0.0).powi(2)).sum();
-        square.sqrt()
+        diagonal(bounds(self.positions.iter().copied()))
     }
 }
 

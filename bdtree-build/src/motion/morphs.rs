@@ -37,6 +37,6 @@ pub(super) fn missing(mesh: &RawMesh, asked: &Morphs) -> BakeError {
                        bake states the frequency where they end";
         return BakeError::one("basis", option, message);
     }
-    let place = Place::file(mesh.name.as_str());
+    let place = Place::file(&mesh.name);
     BakeError::one("basis", place, "has no morph targets")
 }

@@ -44,14 +44,14 @@ pub(crate) fn visits(asset: &Asset<'_>) -> Option<Visits> {
             for _ in 0..POINTS {
                 let slot = random.bits() % asset.triangle_count() as u64;
                 let corners = asset.triangles().get(slot as usize)?.corners;
-                let mut centre = [0.0; 3];
+                let mut center = [0.0; 3];
                 for corner in corners {
                     let p = pose.deformed(VertexId(corner)).ok()?;
-                    centre = std::array::from_fn(|k| centre[k] + p[k] / 3.0);
+                    center = std::array::from_fn(|k| center[k] + p[k] / 3.0);
                 }
                 contacts.clear();
                 let mut query = pose.query(&mut workspace);
-                query.contacts(Ball::new(centre, 0.0), &mut contacts).ok()?;
+                query.contacts(Ball::new(center, 0.0), &mut contacts).ok()?;
                 sum += query.stats().nodes_visited;
             }
         }

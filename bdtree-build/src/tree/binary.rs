@@ -1,8 +1,8 @@
-//! The binary tree that the eight-wide one is folded from.
+//! The binary tree that the eight-wide one is collapsed from.
 
 use bdtree_format::LANES;
 
-use super::collapse::Folding;
+use super::collapse_costs::CollapseCosts;
 use super::split::{Bounds, Item, Splitter, bounds_of};
 
 /// Below this depth sets are halved, so that the height stays below 48 + 32 for any input.
@@ -19,7 +19,7 @@ pub(super) struct Binary {
     /// Levels below this one; 0 for a leaf.
     pub(super) height: usize,
     /// How it goes into wide nodes.
-    pub(super) folding: Folding,
+    pub(super) costs: CollapseCosts,
     pub(super) children: Option<Box<[Binary; 2]>>,
 }
 
@@ -42,7 +42,7 @@ fn build_range(
         start,
         count,
         height: 0,
-        folding: Folding::default(),
+        costs: CollapseCosts::default(),
         children: None,
     };
     if count <= splitter.leaf_size {
@@ -73,7 +73,7 @@ fn build_range(
     };
     node.height = 1 + children[0].height.max(children[1].height);
     let [left, right] = &children;
-    node.folding = Folding::of_inner(splitter.visits(&bounds), &left.folding, &right.folding);
+    node.costs = CollapseCosts::of_inner(splitter.visits(&bounds), &left.costs, &right.costs);
     node.children = Some(Box::new(children));
     node
 }

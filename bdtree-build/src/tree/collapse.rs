@@ -1,50 +1,9 @@
-//! Folding a binary tree into eight-wide nodes.
-//!
-//! Which binary nodes become wide nodes and which dissolve into their parents is chosen for the
-//! least expected visits by dynamic programming (H. Ylitie, T. Karras, S. Laine, "Efficient
-//! incoherent ray traversal on GPUs through compressed wide BVHs", HPG 2017, section 3.1).
+//! Collapsing a binary tree into eight-wide nodes, as [`CollapseCosts`](super::collapse_costs::CollapseCosts) have it.
 
 use bdtree_format::{DEPTH_MAX, LANES};
 
 use super::binary::Binary;
 use super::{Lane, LaneKind, Tree, TreeNode};
-
-/// The cheapest ways to put a binary subtree into lanes of a node above it.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Folding {
-    /// Expected visits of all wide nodes below, when the subtree gets at most i + 1 lanes.
-    cost: [f64; LANES],
-    /// Lanes of the left child then; 0: the whole subtree is one lane.
-    left_lanes: [u8; LANES],
-    /// Lanes of the left child in the subtree's own wide node.
-    own_left_lanes: u8,
-}
-
-impl Folding {
-    /// The folding of an inner node whose wide node would be visited `visits` times.
-    pub(super) fn of_inner(visits: f64, left: &Self, right: &Self) -> Self {
-        // The cheapest way to share `lanes` between the children.
-        let share = |lanes: usize| {
-            (1..lanes)
-                .map(|l| (left.cost[l - 1] + right.cost[lanes - l - 1], l as u8))
-                .fold(
-                    (f64::INFINITY, 0),
-                    |best, new| if new.0 < best.0 { new } else { best },
-                )
-        };
-        let (below, own_left_lanes) = share(LANES);
-        let own = (visits + below, 0);
-        let mut folding = Self {
-            own_left_lanes,
-            ..Self::default()
-        };
-        for i in 0..LANES {
-            let opened = share(i + 1);
-            (folding.cost[i], folding.left_lanes[i]) = if opened.0 < own.0 { opened } else { own };
-        }
-        folding
-    }
-}
 
 /// Eight-wide nodes, breadth first.
 pub(super) fn collapse(root: &Binary, order: Vec<u32>) -> Tree {
@@ -85,7 +44,7 @@ pub(super) fn collapse(root: &Binary, order: Vec<u32>) -> Tree {
 /// At most eight subtrees that together are `subtree`, in its order.
 fn lanes_of(subtree: &Binary, level: usize) -> Vec<&Binary> {
     let mut lanes = Vec::with_capacity(LANES);
-    // Any folding takes at least one level off a subtree, opening the tallest lanes takes three.
+    // Any collapse takes at least one level off a subtree, opening the tallest lanes takes three.
     // So subtrees here are at most two levels above this limit, and that many fit the last node.
     if subtree.height > 3 * (DEPTH_MAX - 1).saturating_sub(level) {
         lanes.push(subtree);
@@ -95,7 +54,7 @@ fn lanes_of(subtree: &Binary, level: usize) -> Vec<&Binary> {
     match &subtree.children {
         None => lanes.push(subtree),
         Some(children) => {
-            let left_lanes = usize::from(subtree.folding.own_left_lanes);
+            let left_lanes = usize::from(subtree.costs.own_left_lanes);
             gather(&children[0], left_lanes, &mut lanes);
             gather(&children[1], LANES - left_lanes, &mut lanes);
         }
@@ -105,7 +64,7 @@ fn lanes_of(subtree: &Binary, level: usize) -> Vec<&Binary> {
 
 /// Adds the lanes that a subtree takes when it gets at most `count`.
 fn gather<'a>(subtree: &'a Binary, count: usize, lanes: &mut Vec<&'a Binary>) {
-    let left_lanes = usize::from(subtree.folding.left_lanes[count - 1]);
+    let left_lanes = usize::from(subtree.costs.left_lanes[count - 1]);
     match &subtree.children {
         Some(children) if left_lanes > 0 => {
             gather(&children[0], left_lanes, lanes);

@@ -1,15 +1,18 @@
 //! How triangles are split and ordered: a binary tree built from the top (Quinlan 1994, or by
-//! cost), folded into the file's eight-wide nodes.
+//! cost), collapsed into the file's eight-wide nodes.
 //!
 //! The tree depends on the rest positions as stored and on nothing else, so assets of one mesh
 //! with different bases share their structure. It is the same for any number of threads.
 
 mod binary;
 mod collapse;
+mod collapse_costs;
 mod exchange;
 mod split;
 
 use bdtree_format::{DEPTH_MAX, LANES, LEAF_TRIANGLES_MAX};
+
+use crate::words::words;
 
 /// How a set of triangles is divided in two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,26 +27,12 @@ pub enum Split {
     Cost,
 }
 
-impl std::fmt::Display for Split {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Quinlan => "quinlan",
-            Self::Cost => "cost",
-        })
-    }
-}
-
-impl std::str::FromStr for Split {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "quinlan" => Ok(Self::Quinlan),
-            "cost" => Ok(Self::Cost),
-            _ => Err("is neither cost nor quinlan".to_string()),
-        }
-    }
-}
+words!(
+    Split,
+    "is neither cost nor quinlan",
+    Quinlan = "quinlan",
+    Cost = "cost"
+);
 
 /// How a tree is built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -130,13 +119,14 @@ pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], settings: &TreeSett
     let (mut tree, query) = cut(positions, triangles, settings, leaf_size);
     debug_assert!(tree.depth <= DEPTH_MAX);
     if settings.split == Split::Cost {
-        tree = exchange::exchange(&tree, positions, triangles, leaf_size, query);
+        let threads = settings.threads.max(1);
+        tree = exchange::exchange(&tree, positions, triangles, leaf_size, query, threads);
     }
     sort_leaves(&mut tree);
     tree
 }
 
-/// The tree as cut from the top and folded, and the diameter of a typical query.
+/// The tree as cut from the top and collapsed, and the diameter of a typical query.
 fn cut(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],

@@ -28,7 +28,7 @@ pub(super) struct Item {
 }
 
 impl Item {
-    /// Twice the centre of the triangle's box on one axis: the key that sets are cut by.
+    /// Twice the center of the triangle's box on one axis: the key that sets are cut by.
     fn key(&self, axis: usize) -> f64 {
         f64::from(self.bounds.low[axis]) + f64::from(self.bounds.high[axis])
     }
@@ -244,8 +244,9 @@ impl Splitter {
         };
         let mut best = Best::new(count);
         let mut right_cost = vec![0.0; count];
+        let mut sorter = Sorter::default();
         for axis in 0..3 {
-            items.sort_unstable_by(|a, b| compare(a, b, axis));
+            sorter.sort(items, axis);
             let mut bounds = Bounds::EMPTY;
             for (i, item) in items.iter().enumerate().rev() {
                 bounds.add(&item.bounds);
@@ -335,6 +336,42 @@ fn longest_axis(bounds: &Bounds) -> usize {
             best
         }
     })
+}
+
+/// Memory for sorting.
+#[derive(Debug, Default)]
+struct Sorter {
+    keys: Vec<u128>,
+    sorted: Vec<Item>,
+}
+
+impl Sorter {
+    /// Puts items in the order of [`compare`]: key, id and place as one number each, which sorts several times
+    /// quicker than the items.
+    fn sort(&mut self, items: &mut [Item], axis: usize) {
+        self.keys.clear();
+        self.keys.extend((0u32..).zip(&*items).map(|(place, item)| {
+            u128::from(order_bits(item.key(axis))) << 64
+                | u128::from(item.id) << 32
+                | u128::from(place)
+        }));
+        self.keys.sort_unstable();
+        self.sorted.clear();
+        let places = self.keys.iter().map(|&key| key as u32 as usize);
+        self.sorted.extend(places.map(|place| items[place]));
+        items.copy_from_slice(&self.sorted);
+    }
+}
+
+/// A number that orders as `f64::total_cmp` does.
+fn order_bits(x: f64) -> u64 {
+    let bits = x.to_bits();
+    let flipped = if x.is_sign_negative() {
+        u64::MAX
+    } else {
+        1 << 63
+    };
+    bits ^ flipped
 }
 
 fn compare(a: &Item, b: &Item, axis: usize) -> std::cmp::Ordering {

@@ -7,6 +7,8 @@
 //! (collinear, coplanar, cospherical, repeated points) need no tolerance: their circumspheres
 //! are either good or lose. Why not a library: docs/decisions/smallest-balls.md.
 
+use crate::vec3::{add, cross, dot, norm2, scale, sub};
+
 /// Rounds after which the best ball so far is returned: never met in practice, because the radius
 /// grows in every round but the last few.
 const ROUNDS_MAX: usize = 1000;
@@ -19,9 +21,9 @@ const IDLE_MAX: usize = 4;
 /// A ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball {
-    /// Its centre.
-    pub centre: [f64; 3],
-    /// Its radius: the largest distance of a point from the centre before the centre was rounded
+    /// Its center.
+    pub center: [f64; 3],
+    /// Its radius: the largest distance of a point from the center before the center was rounded
     /// to coordinates far from 0.
     pub radius: f64,
 }
@@ -34,7 +36,7 @@ pub struct Ball {
 pub fn smallest_ball(points: &[[f64; 3]]) -> Ball {
     let Some(&base) = points.first() else {
         return Ball {
-            centre: [0.0; 3],
+            center: [0.0; 3],
             radius: 0.0,
         };
     };
@@ -44,21 +46,21 @@ pub fn smallest_ball(points: &[[f64; 3]]) -> Ball {
     let (second, _) = farthest(points, base, relative(first));
     let mut active = Active::default();
     active.push(relative(first));
-    let mut centre = relative(first);
-    let mut best = (centre, f64::INFINITY);
+    let mut center = relative(first);
+    let mut best = (center, f64::INFINITY);
     let mut reach = -1.0;
     let mut outside = second;
     let mut idle = 0;
     for _ in 0..ROUNDS_MAX {
         let (grown, support, radius2) = active.with(relative(outside));
         active = support;
-        centre = grown;
-        let (next, next2) = farthest(points, base, centre);
+        center = grown;
+        let (next, next2) = farthest(points, base, center);
         if next2 >= best.1 && radius2 <= reach {
             idle += 1;
         }
         if next2 < best.1 {
-            best = (centre, next2);
+            best = (center, next2);
         }
         reach = reach.max(radius2);
         if next2 <= radius2 || idle == IDLE_MAX {
@@ -67,19 +69,19 @@ pub fn smallest_ball(points: &[[f64; 3]]) -> Ball {
         outside = next;
     }
     if !best.1.is_finite() {
-        best = (centre, farthest(points, base, centre).1);
+        best = (center, farthest(points, base, center).1);
     }
     Ball {
-        centre: add(base, best.0),
+        center: add(base, best.0),
         radius: best.1.sqrt(),
     }
 }
 
-/// The point farthest from `base + centre`, and its squared distance.
-fn farthest(points: &[[f64; 3]], base: [f64; 3], centre: [f64; 3]) -> (usize, f64) {
+/// The point farthest from `base + center`, and its squared distance.
+fn farthest(points: &[[f64; 3]], base: [f64; 3], center: [f64; 3]) -> (usize, f64) {
     let mut best = (0, -1.0);
     for (i, &point) in points.iter().enumerate() {
-        let d2 = norm2(sub(sub(point, base), centre));
+        let d2 = norm2(sub(sub(point, base), center));
         if d2 > best.1 {
             best = (i, d2);
         }
@@ -103,7 +105,7 @@ impl Active {
     }
 
     /// The smallest ball around these points and `new`, which is outside their ball and so on
-    /// the surface of the new one: centre, support, squared radius.
+    /// the surface of the new one: center, support, squared radius.
     fn with(&self, new: [f64; 3]) -> ([f64; 3], Active, f64) {
         let mut best = (new, Active::default(), f64::INFINITY);
         for subset in 0u32..1 << self.count {
@@ -117,67 +119,39 @@ impl Active {
                 }
             }
             let arm = |i: usize| sub(support.points[i], new);
-            let centre = match support.count {
+            let center = match support.count {
                 0 => new,
                 1 => add(new, scale(arm(0), 0.5)),
-                2 => add(new, circumcentre2(arm(0), arm(1))),
-                _ => add(new, circumcentre3(arm(0), arm(1), arm(2))),
+                2 => add(new, circumcenter2(arm(0), arm(1))),
+                _ => add(new, circumcenter3(arm(0), arm(1), arm(2))),
             };
             let radius2 = self.points[..self.count]
                 .iter()
-                .map(|&point| norm2(sub(point, centre)))
-                .fold(norm2(sub(new, centre)), f64::max);
+                .map(|&point| norm2(sub(point, center)))
+                .fold(norm2(sub(new, center)), f64::max);
             // False for the NaN of a degenerate support.
-            if norm2(centre).is_finite() && radius2 < best.2 {
+            if norm2(center).is_finite() && radius2 < best.2 {
                 support.push(new);
-                best = (centre, support, radius2);
+                best = (center, support, radius2);
             }
         }
         best
     }
 }
 
-/// Centre, relative to a third point, of the circle through it and two others at `a` and `b`.
-fn circumcentre2(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+/// Center, relative to a third point, of the circle through it and two others at `a` and `b`.
+fn circumcenter2(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     let normal = cross(a, b);
     let numerator = sub(scale(b, norm2(a)), scale(a, norm2(b)));
     scale(cross(numerator, normal), 0.5 / norm2(normal))
 }
 
-/// Centre, relative to a fourth point, of the sphere through it and three others.
-fn circumcentre3(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
+/// Center, relative to a fourth point, of the sphere through it and three others.
+fn circumcenter3(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
     let bc = cross(b, c);
     let sum = add(
         scale(bc, norm2(a)),
         add(scale(cross(c, a), norm2(b)), scale(cross(a, b), norm2(c))),
     );
     scale(sum, 0.5 / dot(a, bc))
-}
-
-pub(crate) fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-fn scale(a: [f64; 3], s: f64) -> [f64; 3] {
-    [a[0] * s, a[1] * s, a[2] * s]
-}
-
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn norm2(a: [f64; 3]) -> f64 {
-    dot(a, a)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }

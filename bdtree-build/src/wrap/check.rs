@@ -3,7 +3,7 @@
 use bdtree_format::MODE_COUNT_MAX;
 
 use crate::basis::Basis;
-use crate::error::{BakeError, Part, Place, Problem};
+use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::RawMesh;
 
 /// Problems listed before the rest is only counted.
@@ -11,13 +11,7 @@ const PROBLEMS_MAX: usize = 20;
 
 /// Counts that fit the file and each other.
 pub(super) fn check_counts(mesh: &RawMesh, basis: &Basis) -> Result<(), BakeError> {
-    let fail = |message: String| {
-        Err(BakeError::one(
-            "encode",
-            Place::file(mesh.name.as_str()),
-            message,
-        ))
-    };
+    let fail = |message: String| Err(BakeError::one("encode", Place::file(&mesh.name), message));
     let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
     if triangles == 0 {
         return fail("the mesh has no triangles".to_string());
@@ -50,24 +44,24 @@ pub(super) fn check_counts(mesh: &RawMesh, basis: &Basis) -> Result<(), BakeErro
 
 /// Numbers that are numbers, corners and groups that exist.
 pub(super) fn check_numbers(mesh: &RawMesh, basis: &Basis) -> Result<(), BakeError> {
-    let mut problems = Problems::default();
+    let mut problems = none_yet();
     let vertices = mesh.positions.len();
     for (i, p) in mesh.positions.iter().enumerate() {
         if !p.iter().all(|x| x.is_finite()) {
-            problems.add(Part::Vertex(i), format!("position {p:?} is not finite"));
+            problems.add(|| (Part::Vertex(i), format!("position {p:?} is not finite")));
         }
     }
     for (i, corners) in mesh.triangles.iter().enumerate() {
         if corners.iter().any(|&corner| corner as usize >= vertices) {
             let message = format!("corners {corners:?} are not all below {vertices} vertices");
-            problems.add(Part::Triangle(i), message);
+            problems.add(|| (Part::Triangle(i), message));
         }
     }
     for group in &mesh.groups {
         let end = u64::from(group.first_triangle) + u64::from(group.triangle_count);
         if end > mesh.triangles.len() as u64 {
             let message = format!("ends at triangle {end} of {}", mesh.triangles.len());
-            problems.add(Part::Group(group.name.clone()), message);
+            problems.add(|| (Part::Group(group.name.clone()), message));
         }
     }
     for (j, mode) in basis.modes.iter().enumerate() {
@@ -76,24 +70,24 @@ pub(super) fn check_numbers(mesh: &RawMesh, basis: &Basis) -> Result<(), BakeErr
             && !(omega >= 0.0 && omega.is_finite())
         {
             let message = format!("angular frequency {omega} rad/s is not a number of at least 0");
-            problems.add(Part::Mode(j), message);
+            problems.add(|| (Part::Mode(j), message));
         }
         if let Some(mass) = mode.modal_mass_kg
             && !(mass > 0.0 && mass.is_finite())
         {
             let message = format!("modal mass {mass} kg is not a positive number");
-            problems.add(Part::Mode(j), message);
+            problems.add(|| (Part::Mode(j), message));
         }
         if let Some(weight) = mode.default_q
             && !weight.is_finite()
         {
             let message = format!("default weight {weight} is not finite");
-            problems.add(Part::Mode(j), message);
+            problems.add(|| (Part::Mode(j), message));
         }
         for (i, u) in basis.field(j).iter().enumerate() {
             if !u.iter().all(|x| x.is_finite()) {
                 let message = format!("displacement {u:?} is not finite");
-                problems.add(Place::from(Part::Mode(j)).at(Part::Vertex(i)), message);
+                problems.add(|| (Place::from(Part::Mode(j)).at(Part::Vertex(i)), message));
             }
         }
         if mode
@@ -101,44 +95,15 @@ pub(super) fn check_numbers(mesh: &RawMesh, basis: &Basis) -> Result<(), BakeErr
             .is_some_and(|range| !(range > 0.0 && range.is_finite()))
         {
             let message = format!("range of q {:?} is not a positive number", mode.q_range);
-            problems.add(Part::Mode(j), message);
+            problems.add(|| (Part::Mode(j), message));
         }
     }
-    problems.into_result()
+    problems.into_result(Place::NOWHERE)
 }
 
-/// Problems of this stage, the first few in full.
-#[derive(Debug, Default)]
-pub(super) struct Problems {
-    listed: Vec<Problem>,
-    count: usize,
-}
-
-impl Problems {
-    pub(super) fn add(&mut self, place: impl Into<Place>, message: String) {
-        self.count += 1;
-        if self.listed.len() < PROBLEMS_MAX {
-            self.listed.push(Problem {
-                stage: "encode",
-                place: place.into(),
-                message,
-            });
-        }
-    }
-
-    pub(super) fn into_result(mut self) -> Result<(), BakeError> {
-        if self.count == 0 {
-            return Ok(());
-        }
-        if self.count > self.listed.len() {
-            self.listed.push(Problem {
-                stage: "encode",
-                place: Place::NOWHERE,
-                message: format!("and {} more of this kind", self.count - self.listed.len()),
-            });
-        }
-        Err(BakeError {
-            problems: self.listed,
-        })
-    }
+/// For the problems of this stage, the first few in full.
+pub(super) fn none_yet() -> Problems {
+    Problems::listing(PROBLEMS_MAX, "encode", |more| {
+        format!("and {more} more of this kind")
+    })
 }

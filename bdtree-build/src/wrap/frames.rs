@@ -2,7 +2,7 @@
 
 use bdtree_format::FrameRecord;
 
-use super::check::Problems;
+use super::check::none_yet;
 use super::round::round_nearest;
 use crate::basis::{Basis, RigidMotion};
 use crate::error::{BakeError, Part, Place};
@@ -62,10 +62,10 @@ pub(super) fn store_frames(basis: &Basis) -> Result<Option<StoredFrames>, BakeEr
         return Ok(None);
     };
     let (t, m) = (animation.frame_count, basis.mode_count());
-    let mut problems = Problems::default();
+    let mut problems = none_yet();
     let mut whole = |ok: bool, message: String| {
         if !ok {
-            problems.add(Part::The("animation"), message);
+            problems.add(|| (Part::The("animation"), message));
         }
     };
     let times = animation.times_s.as_deref();
@@ -85,24 +85,24 @@ pub(super) fn store_frames(basis: &Basis) -> Result<Option<StoredFrames>, BakeEr
         animation.motions.is_empty() || animation.motions.len() == t,
         format!("{} rigid motions for {t} frames", animation.motions.len()),
     );
-    problems.into_result()?;
+    problems.into_result(Place::NOWHERE)?;
 
-    let mut problems = Problems::default();
+    let mut problems = none_yet();
     let mut records = Vec::with_capacity(t);
     let mut before = 0.0;
     for k in 0..t {
         let motion = animation.motions.get(k).unwrap_or(&RigidMotion::IDENTITY);
         if let Some(message) = broken_motion(motion) {
-            problems.add(Part::Frame(k), message);
+            problems.add(|| (Part::Frame(k), message));
         }
         let time = times.map_or(TIME_UNKNOWN, |times| times[k]);
         if times.is_some() {
             if !(time >= 0.0 && time.is_finite()) {
                 let message = format!("time {time} s is not a number from 0 on");
-                problems.add(Part::Frame(k), message);
+                problems.add(|| (Part::Frame(k), message));
             } else if time < before {
                 let message = format!("time {time} s lies before {before} s of an earlier frame");
-                problems.add(Part::Frame(k), message);
+                problems.add(|| (Part::Frame(k), message));
             } else {
                 before = time;
             }
@@ -122,11 +122,11 @@ pub(super) fn store_frames(basis: &Basis) -> Result<Option<StoredFrames>, BakeEr
             } else {
                 "not finite"
             };
-            problems.add(place(i / m, i % m), format!("q {q:e} is {reason}"));
+            problems.add(|| (place(i / m, i % m), format!("q {q:e} is {reason}")));
         }
         stored.push(rounded);
     }
-    problems.into_result()?;
+    problems.into_result(Place::NOWHERE)?;
     Ok(Some(StoredFrames { records, q: stored }))
 }
 

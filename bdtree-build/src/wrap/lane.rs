@@ -1,14 +1,15 @@
 //! The bounds of a node's lanes from the vertices below them (docs/guarantees.md).
 
 use bdtree_format::{
-    LANES, ModePair, ROW_CENTRE_X, ROW_RADIUS, Row, pair_count, pair_row, row_count,
+    LANES, ModePair, ROW_CENTER_X, ROW_RADIUS, Row, pair_count, pair_row, row_count,
 };
 use zerocopy::IntoBytes;
 
-use super::ball::{dot, norm2, smallest_ball, sub};
+use super::ball::smallest_ball;
 use super::grid::Grid;
 use super::round::{norm_above, norm_up, round_nearest};
 use super::stored::StoredShape;
+use crate::vec3::{dot, norm2, sub};
 
 /// Relative and absolute guards of d, e and x·w (SPEC 5.7).
 const GUARD_SQUARE: f64 = 1.0 / (1u64 << 48) as f64;
@@ -18,7 +19,7 @@ const GUARD_PRODUCT: f64 = 1.0 / (1u64 << 40) as f64;
 /// all of the node are known, b± before their rounding.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct ModeBound {
-    centre: [f64; 3],
+    center: [f64; 3],
     growth: f64,
     cross: [f64; 2],
 }
@@ -34,8 +35,8 @@ pub(super) struct Lane {
     arms: Vec<[f64; 3]>,
     /// √d_i, from below.
     depth_roots: Vec<f64>,
-    /// Per mode, the centre of the displacements' smallest ball and their mean.
-    centres: Vec<[[f64; 3]; 2]>,
+    /// Per mode, the center of the displacements' smallest ball and their mean.
+    centers: Vec<[[f64; 3]; 2]>,
     /// Per mode, the bounds about the two, until one of them is chosen.
     candidates: Vec<[ModeBound; 2]>,
     bounds: Vec<ModeBound>,
@@ -70,9 +71,9 @@ pub(super) fn write_node(
         .collect();
 
     for (k, lane) in &mut used {
-        let centre = lane.set_rest(shape, points);
-        for (axis, x) in centre.into_iter().enumerate() {
-            rows[ROW_CENTRE_X + axis][*k] = x;
+        let center = lane.set_rest(shape, points);
+        for (axis, x) in center.into_iter().enumerate() {
+            rows[ROW_CENTER_X + axis][*k] = x;
         }
         rows[ROW_RADIUS][*k] = lane.radius as f32; // made from an f32
         for which in 0..2 {
@@ -82,13 +83,13 @@ pub(super) fn write_node(
                 .map(|&i| step_bounds[i as usize][which])
                 .fold(0.0, f32::max);
         }
-        lane.set_centres(shape, modes, points);
+        lane.set_centers(shape, modes, points);
     }
 
-    let centres = used.iter().flat_map(|(_, lane)| &lane.centres);
-    let centre_grid = Grid::covering(largest(centres.flatten().flatten().copied()));
+    let centers = used.iter().flat_map(|(_, lane)| &lane.centers);
+    let center_grid = Grid::covering(largest(centers.flatten().flatten().copied()));
     for (_, lane) in &mut used {
-        lane.choose_bounds(shape, modes, centre_grid, points);
+        lane.choose_bounds(shape, modes, center_grid, points);
     }
     let bounds = used.iter().flat_map(|(_, lane)| &lane.bounds);
     let growth_grid = Grid::covering(largest(bounds.map(|b| b.growth)));
@@ -102,8 +103,8 @@ pub(super) fn write_node(
         let mut out = ModePair::default();
         for (lane, scratch) in &used {
             for (which, bound) in scratch.bounds[2 * pair..].iter().take(2).enumerate() {
-                for (row, x) in out.centre.iter_mut().zip(bound.centre) {
-                    row[*lane][which] = centre_grid.nearest(x); // on the grid already
+                for (row, x) in out.center.iter_mut().zip(bound.center) {
+                    row[*lane][which] = center_grid.nearest(x); // on the grid already
                 }
                 out.growth[*lane][which] = growth_grid.up(bound.growth); // the same
                 for (row, b) in out.cross.iter_mut().zip(bound.cross) {
@@ -115,7 +116,7 @@ pub(super) fn write_node(
             .as_mut_bytes()
             .copy_from_slice(out.as_bytes());
     }
-    [centre_grid, growth_grid, cross_grid].map(Grid::exponent)
+    [center_grid, growth_grid, cross_grid].map(Grid::exponent)
 }
 
 /// The largest magnitude.
@@ -124,12 +125,12 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 impl Lane {
-    /// R, x_i and √d_i about the smallest ball's centre as stored, which is returned.
+    /// R, x_i and √d_i about the smallest ball's center as stored, which is returned.
     fn set_rest(&mut self, shape: &StoredShape, points: &mut Vec<[f64; 3]>) -> [f32; 3] {
         points.clear();
         points.extend(self.vertices.iter().map(|&i| shape.position(i)));
-        let centre = smallest_ball(points).centre.map(round_nearest);
-        let wide = centre.map(f64::from);
+        let center = smallest_ball(points).center.map(round_nearest);
+        let wide = center.map(f64::from);
         self.arms.clear();
         self.arms.extend(points.iter().map(|&p| sub(p, wide)));
         let square = self.arms.iter().map(|&x| norm2(x)).fold(0.0, f64::max);
@@ -138,16 +139,16 @@ impl Lane {
         self.depth_roots
             .extend(self.arms.iter().map(|&x| excess_root(radius, norm2(x))));
         self.radius = radius;
-        centre
+        center
     }
 
     /// The two candidates of each mode's Ū, before they are rounded.
-    fn set_centres(&mut self, shape: &StoredShape, modes: &[u16], points: &mut Vec<[f64; 3]>) {
-        self.centres.clear();
+    fn set_centers(&mut self, shape: &StoredShape, modes: &[u16], points: &mut Vec<[f64; 3]>) {
+        self.centers.clear();
         for &mode in modes {
             self.load_field(shape, mode, points);
-            self.centres
-                .push([smallest_ball(points).centre, mean(points)]);
+            self.centers
+                .push([smallest_ball(points).center, mean(points)]);
         }
     }
 
@@ -162,10 +163,10 @@ impl Lane {
         self.candidates.clear();
         for (k, &mode) in modes.iter().enumerate() {
             self.load_field(shape, mode, points);
-            let bounds = self.centres[k].map(|centre| {
-                let centre = centre.map(|x| grid.value(grid.nearest(x)));
-                let growth = growth_about(points, centre);
-                self.bound_mode(points, centre, growth)
+            let bounds = self.centers[k].map(|center| {
+                let center = center.map(|x| grid.value(grid.nearest(x)));
+                let growth = growth_about(points, center);
+                self.bound_mode(points, center, growth)
             });
             self.candidates.push(bounds);
         }
@@ -189,9 +190,9 @@ impl Lane {
     ) {
         for (k, &mode) in modes.iter().enumerate() {
             self.load_field(shape, mode, points);
-            let ModeBound { centre, growth, .. } = self.bounds[k];
+            let ModeBound { center, growth, .. } = self.bounds[k];
             let growth = grid.value(grid.up(growth));
-            self.bounds[k] = self.bound_mode(points, centre, growth);
+            self.bounds[k] = self.bound_mode(points, center, growth);
         }
     }
 
@@ -207,17 +208,17 @@ impl Lane {
     }
 
     /// The bound of one mode about a stored Ū with a ΔR that reaches every displacement.
-    fn bound_mode(&self, field: &[[f64; 3]], centre: [f64; 3], growth: f64) -> ModeBound {
+    fn bound_mode(&self, field: &[[f64; 3]], center: [f64; 3], growth: f64) -> ModeBound {
         if self.radius == 0.0 || growth == 0.0 {
             return ModeBound {
-                centre,
+                center,
                 growth,
                 cross: [0.0; 2],
             };
         }
         let (mut plus, mut minus) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         for ((&u, &x), &depth_root) in field.iter().zip(&self.arms).zip(&self.depth_roots) {
-            let w = sub(u, centre);
+            let w = sub(u, center);
             let product = dot(x, w);
             let root = depth_root * excess_root(growth, norm2(w)) * (1.0 - GUARD_PRODUCT);
             plus = plus.max(product - root);
@@ -225,19 +226,19 @@ impl Lane {
         }
         let guard = GUARD_PRODUCT * self.radius * growth;
         ModeBound {
-            centre,
+            center,
             growth,
             cross: [plus + guard, minus + guard],
         }
     }
 }
 
-/// max ‖u − centre‖, from above.
-fn growth_about(field: &[[f64; 3]], centre: [f64; 3]) -> f64 {
+/// max ‖u − center‖, from above.
+fn growth_about(field: &[[f64; 3]], center: [f64; 3]) -> f64 {
     norm_above(
         field
             .iter()
-            .map(|&u| norm2(sub(u, centre)))
+            .map(|&u| norm2(sub(u, center)))
             .fold(0.0, f64::max),
     )
 }

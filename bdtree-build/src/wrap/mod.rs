@@ -1,5 +1,5 @@
 //! Bounds of every lane around the vertices below it: the wrapped spheres of the paper (eqs. 2–7,
-//! 11), centred on smallest balls, with the second-order terms of docs/guarantees.md.
+//! 11), centerd on smallest balls, with the second-order terms of docs/guarantees.md.
 
 pub mod ball;
 mod check;
@@ -13,10 +13,8 @@ pub mod round;
 pub mod stored;
 mod units;
 
-use std::sync::Mutex;
-
 use bdtree_format::{
-    LANES, ModePair, NodeRecord, ROW_CENTRE_X, Row, VertexModes, pair_row, row_count,
+    LANES, ModePair, NodeRecord, ROW_CENTER_X, Row, VertexModes, pair_row, row_count,
 };
 use zerocopy::IntoBytes;
 
@@ -24,6 +22,7 @@ pub use nested::nest;
 pub use stored::{ModeLimits, RANGE_DIAGONALS, StoredShape, store};
 
 use crate::error::{BakeError, Place};
+use crate::parallel;
 use crate::tree::{LaneKind, Tree};
 use lane::Scratch;
 use round::vector_norm_up;
@@ -90,7 +89,7 @@ pub fn wrap(
         });
         row_total += row_count(usize::from(mode_count));
     }
-    let step_bounds = growth::step_bounds(shape);
+    let step_bounds = growth::step_bounds(shape, threads);
     let mut rows = vec![[0.0; LANES]; row_total];
     wrap_nodes(
         tree,
@@ -135,20 +134,14 @@ fn wrap_nodes(
         rest = behind;
         jobs.push((node, record, own));
     }
-    // The root, which has most vertices, comes first, so threads end at about the same time.
-    let jobs = Mutex::new(jobs.into_iter());
-    let work = || {
-        let mut scratch = Scratch::default();
-        let mut last_seen = vec![0u32; shape.positions.len()];
-        let mut stamp = 0u32;
-        loop {
-            let job = match jobs.lock() {
-                Ok(mut jobs) => jobs.next(),
-                Err(_) => None,
-            };
-            let Some((node, record, own)) = job else {
-                break;
-            };
+    let memory = || (Scratch::default(), vec![0u32; shape.positions.len()], 0u32);
+    let mut memory = parallel::states(threads, memory);
+    // The root comes first, which has most vertices.
+    let jobs = jobs.into_iter();
+    parallel::for_each(
+        jobs,
+        &mut memory,
+        |(scratch, last_seen, stamp), (node, record, own)| {
             let start = record.mode_list_start as usize;
             let modes = &lists[start..start + usize::from(record.mode_count)];
             for (lane, below) in node.lanes.iter().zip(&mut scratch.lanes) {
@@ -156,26 +149,20 @@ fn wrap_nodes(
                 if lane.kind == LaneKind::Empty {
                     continue;
                 }
-                stamp += 1;
+                *stamp += 1;
                 for &triangle in tree.triangles_below(*lane) {
                     for corner in triangles[triangle as usize] {
                         let seen = &mut last_seen[corner as usize];
-                        if *seen != stamp {
-                            *seen = stamp;
+                        if *seen != *stamp {
+                            *seen = *stamp;
                             below.vertices.push(corner);
                         }
                     }
                 }
             }
-            record.scale_exponents = lane::write_node(shape, modes, step_bounds, &mut scratch, own);
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 1..threads {
-            scope.spawn(work);
-        }
-        work();
-    });
+            record.scale_exponents = lane::write_node(shape, modes, step_bounds, scratch, own);
+        },
+    );
 }
 
 /// The k-th pair of a node's active modes as `rows`, the node's, hold it.
@@ -210,8 +197,8 @@ fn norms(
         let start = node.mode_list_start as usize;
         let modes = &lists[start..start + usize::from(node.mode_count)];
         for lane in 0..LANES {
-            let centre = [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTRE_X + axis][lane]));
-            position = position.max(vector_norm_up(centre));
+            let center = [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTER_X + axis][lane]));
+            position = position.max(vector_norm_up(center));
         }
         let unit = power(i32::from(node.scale_exponents[0]));
         for (k, &mode) in modes.iter().enumerate() {
@@ -220,8 +207,8 @@ fn norms(
             let pair = mode_pair(rows, k / 2);
             for lane in 0..LANES {
                 let [x, y, z, ..] = pair.numbers(k, lane);
-                let centre = [x, y, z].map(|n| f64::from(n) * per_q);
-                fields[mode] = fields[mode].max(vector_norm_up(centre));
+                let center = [x, y, z].map(|n| f64::from(n) * per_q);
+                fields[mode] = fields[mode].max(vector_norm_up(center));
             }
         }
     }

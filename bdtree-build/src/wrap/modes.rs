@@ -121,9 +121,10 @@ fn count(mask: &[u64]) -> u32 {
 /// Bit j of a node's words: mode j moves a vertex below it.
 fn node_masks(tree: &Tree, triangles: &[[u32; 3]], vertex_masks: &[u64], words: usize) -> Vec<u64> {
     let mut node_masks = vec![0u64; tree.nodes.len() * words];
+    let mut mask = vec![0u64; words];
     // Children stand behind their parents.
     for (i, node) in tree.nodes.iter().enumerate().rev() {
-        let mut mask = vec![0u64; words];
+        mask.fill(0);
         let mut child = node.first_child as usize;
         for lane in node.lanes {
             match lane.kind {

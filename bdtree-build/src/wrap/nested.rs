@@ -1,14 +1,14 @@
 //! Spheres that hold those below them at every q, as an option: the paper's enlarged coarse nodes (3.4),
 //! proved instead of hoped for.
 
-use bdtree_format::{LANES, NodeRecord, ROW_CENTRE_X, ROW_RADIUS, pair_row};
+use bdtree_format::{LANES, NodeRecord, ROW_CENTER_X, ROW_RADIUS, pair_row};
 use zerocopy::IntoBytes;
 
-use super::ball::{norm2, sub};
 use super::grid::Grid;
 use super::round::{norm_above, round_up};
 use super::units::power;
 use super::{WrappedTree, mode_pair};
+use crate::vec3::{norm2, sub};
 
 /// What a sum in f64 may lose, with room to spare.
 const ABOVE: f64 = 1.0 + f64::EPSILON * 4.0;
@@ -21,7 +21,7 @@ const ABOVE: f64 = 1.0 + f64::EPSILON * 4.0;
 /// ```
 ///
 /// so that R'(q) ≥ R + Σ ΔR_j |q_j| ≥ ‖c'_k(q) − c'(q)‖ + R'_k(q): the paper's bound there, since the
-/// second-order one of a lane need not be above that of the lanes below. Centres, leaf lanes and the
+/// second-order one of a lane need not be above that of the lanes below. Centers, leaf lanes and the
 /// bounds of steps stay. O(nodes · M).
 pub fn nest(tree: &mut WrappedTree) {
     for i in (0..tree.nodes.len()).rev() {
@@ -45,7 +45,7 @@ fn used(node: &NodeRecord) -> u8 {
 
 /// The numbers of a node's lanes; those of modes for q_j at its limit.
 struct Lanes {
-    centre: [[f64; 3]; LANES],
+    center: [[f64; 3]; LANES],
     radius: [f64; LANES],
     /// Ascending.
     modes: Vec<LaneMode>,
@@ -55,7 +55,7 @@ struct Lanes {
 #[derive(Clone, Copy)]
 struct LaneMode {
     mode: u16,
-    centre: [[f64; 3]; LANES],
+    center: [[f64; 3]; LANES],
     growth: [f64; LANES],
     cross: [[f64; 2]; LANES],
 }
@@ -65,11 +65,11 @@ impl Lanes {
         let rows = &tree.rows[node.row_start as usize..];
         let start = node.mode_list_start as usize;
         let modes = &tree.mode_lists[start..start + usize::from(node.mode_count)];
-        let [centre_unit, growth_unit, cross_unit] =
+        let [center_unit, growth_unit, cross_unit] =
             node.scale_exponents.map(|e| power(i32::from(e)));
         let every = |f: &dyn Fn(usize) -> [f64; 3]| std::array::from_fn(f);
         Self {
-            centre: every(&|k| [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTRE_X + axis][k]))),
+            center: every(&|k| [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTER_X + axis][k]))),
             radius: rows[ROW_RADIUS].map(f64::from),
             modes: (0..)
                 .zip(modes)
@@ -78,9 +78,9 @@ impl Lanes {
                     let numbers = |k: usize| own.numbers(j, k).map(f64::from);
                     LaneMode {
                         mode,
-                        centre: every(&|k| {
+                        center: every(&|k| {
                             let [x, y, z, ..] = numbers(k);
-                            [x, y, z].map(|n| n * centre_unit)
+                            [x, y, z].map(|n| n * center_unit)
                         }),
                         growth: std::array::from_fn(|k| numbers(k)[3] * growth_unit),
                         cross: std::array::from_fn(|k| {
@@ -97,20 +97,20 @@ impl Lanes {
     /// its own.
     fn hold(&mut self, lane: usize, below: &Lanes, mask: u8) {
         let held = || (0..LANES).filter(|k| mask >> k & 1 == 1);
-        let centre = self.centre[lane];
+        let center = self.center[lane];
         let mut radius = self.radius[lane];
         for k in held() {
-            let apart = norm_above(norm2(sub(below.centre[k], centre)));
+            let apart = norm_above(norm2(sub(below.center[k], center)));
             radius = radius.max((apart + below.radius[k]) * ABOVE);
         }
         self.radius[lane] = f64::from(round_up(radius));
         for own in &mut self.modes {
             let other = below.modes.iter().find(|m| m.mode == own.mode);
-            let centre = own.centre[lane];
+            let center = own.center[lane];
             for k in held() {
                 // A mode that a node leaves out moves nothing there.
-                let (there, growth) = other.map_or(([0.0; 3], 0.0), |m| (m.centre[k], m.growth[k]));
-                let reach = norm_above(norm2(sub(there, centre))) + growth;
+                let (there, growth) = other.map_or(([0.0; 3], 0.0), |m| (m.center[k], m.growth[k]));
+                let reach = norm_above(norm2(sub(there, center))) + growth;
                 own.growth[lane] = own.growth[lane].max(reach * ABOVE);
             }
             own.cross[lane] = [f64::INFINITY; 2]; // once ΔR is rounded

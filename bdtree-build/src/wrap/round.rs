@@ -39,5 +39,5 @@ pub fn norm_up(square: f64) -> f32 {
 
 /// An upper bound of the norm of a stored vector.
 pub(super) fn vector_norm_up(v: [f64; 3]) -> f32 {
-    norm_up(super::ball::norm2(v))
+    norm_up(crate::vec3::norm2(v))
 }

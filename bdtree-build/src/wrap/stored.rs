@@ -1,7 +1,7 @@
 //! The shape as the file stores it: origin, length unit, f32 positions and fields, limits of q
 //! (SPEC 5). Tree and bounds are made from these numbers and no others.
 
-use super::check::{Problems, check_counts, check_numbers};
+use super::check::{check_counts, check_numbers, none_yet};
 use super::frames::{Farthest, StoredFrames, place, store_frames};
 use super::round::{round_nearest, vector_norm_up};
 use super::units::{
@@ -10,6 +10,7 @@ use super::units::{
 use crate::basis::Basis;
 use crate::error::{BakeError, Part, Place};
 use crate::input::RawMesh;
+use crate::vec3::bounds;
 
 /// A mode without a range of its own moves its farthest vertex by this share of the box diagonal at
 /// its typical range.
@@ -28,6 +29,9 @@ const ZERO_LIMIT_EXPONENT: i32 = 60;
 /// Exponent of the largest product of P and W_j: with it norms and step bounds stay far below f32's
 /// range.
 const PRODUCT_EXPONENT_MAX: i32 = 120;
+
+/// Vertices whose displacements are put in order at a time.
+const VERTICES: usize = 256;
 
 /// The limits of one mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,11 +70,13 @@ impl StoredShape {
     }
 
     /// p_i in f64; `vertex` is below N.
+    #[inline]
     pub(super) fn position(&self, vertex: u32) -> [f64; 3] {
         self.positions[vertex as usize].map(f64::from)
     }
 
     /// U_ij in f64; `vertex` is below N and `mode` below M.
+    #[inline]
     pub(super) fn displacement(&self, vertex: u32, mode: u16) -> [f64; 3] {
         self.displacements[vertex as usize * self.limits.len() + usize::from(mode)].map(f64::from)
     }
@@ -97,8 +103,8 @@ impl StoredShape {
 /// The mesh and its basis as stored: x − origin and U in units of 2^e, rounded to nearest f32,
 /// subnormals as 0. Warnings go to `warnings`.
 ///
-/// The origin is 0 when the box's centre is within a diagonal of it, so that f32 sources are
-/// stored as they are; else the centre, rounded so that x − origin is exact for coordinates
+/// The origin is 0 when the box's center is within a diagonal of it, so that f32 sources are
+/// stored as they are; else the center, rounded so that x − origin is exact for coordinates
 /// far from 0. e is 0 unless the reach P + Σ W_j q_limit_j would leave 2⁻²⁰ … 2⁶⁰; the box's
 /// diagonal is then about one unit.
 ///
@@ -118,7 +124,7 @@ pub fn store(
         Some(frames) => frames.farthest(basis.mode_count()),
         None => vec![None; basis.mode_count()],
     };
-    let (low, high) = bounds(&mesh.positions);
+    let (low, high) = bounds(mesh.positions.iter().copied());
     let diagonal = length(std::array::from_fn(|k| high[k] - low[k]));
     if !diagonal.is_finite() {
         let message = "the box around all vertices is larger than f64 can measure";
@@ -142,36 +148,44 @@ pub fn store(
             "a box of diagonal {diagonal:e} around {origin:?} cannot be stored: sizes lie within \
              2^±{UNIT_EXPONENT_MAX} mesh units, positions within 2^{ORIGIN_EXPONENT_MAX} of the origin"
         );
-        return Err(BakeError::one(
-            "encode",
-            Place::file(mesh.name.as_str()),
-            message,
-        ));
+        return Err(BakeError::one("encode", Place::file(&mesh.name), message));
     }
 
-    let mut problems = Problems::default();
+    let mut problems = none_yet();
     let quantise = |x: [f64; 3]| x.map(|c| round_nearest(scale(c, -unit_exponent)));
     let mut positions = Vec::with_capacity(mesh.positions.len());
     for (i, &p) in mesh.positions.iter().enumerate() {
         let stored = quantise(relative(p));
         if !stored.iter().all(|c| c.is_finite()) {
-            problems.add(Part::Vertex(i), format!("{p:?} is too large for f32"));
+            problems.add(|| (Part::Vertex(i), format!("{p:?} is too large for f32")));
         }
         positions.push(stored);
     }
     let mode_count = basis.mode_count();
     let mut displacements = vec![[0.0; 3]; basis.fields.len()];
-    for j in 0..mode_count {
-        for (i, &u) in basis.field(j).iter().enumerate() {
-            let stored = quantise(u);
-            if !stored.iter().all(|c| c.is_finite()) {
-                let place = Place::from(Part::Mode(j)).at(Part::Vertex(i));
-                problems.add(place, format!("displacement {u:?} is too large for f32"));
+    // What belongs to a vertex will lie together: few vertices at a time stay in the cache.
+    for (n, rows) in displacements
+        .chunks_mut(VERTICES * mode_count.max(1))
+        .enumerate()
+    {
+        for j in 0..mode_count {
+            let fields = &basis.field(j)[n * VERTICES..];
+            for (row, &u) in rows.chunks_exact_mut(mode_count).zip(fields) {
+                row[j] = quantise(u);
             }
-            displacements[i * mode_count + j] = stored;
         }
     }
-    problems.into_result()?;
+    if displacements.as_flattened().iter().any(|c| !c.is_finite()) {
+        for j in 0..mode_count {
+            for (i, &u) in basis.field(j).iter().enumerate() {
+                if !quantise(u).iter().all(|c| c.is_finite()) {
+                    let place = Place::from(Part::Mode(j)).at(Part::Vertex(i));
+                    problems.add(|| (place, format!("displacement {u:?} is too large for f32")));
+                }
+            }
+        }
+    }
+    problems.into_result(Place::NOWHERE)?;
     let mut shape = StoredShape {
         origin,
         unit_exponent,
@@ -235,7 +249,7 @@ fn add_limits(
     farthest: &[Option<Farthest>],
     warnings: &mut Vec<String>,
 ) -> Result<(), BakeError> {
-    let mut problems = Problems::default();
+    let mut problems = none_yet();
     let mode_count = basis.mode_count();
     let mut norms = vec![0.0f32; mode_count];
     for row in shape.displacements.chunks_exact(mode_count.max(1)) {
@@ -260,7 +274,7 @@ fn add_limits(
         }
         if norm * f64::from(position_norm) > power(PRODUCT_EXPONENT_MAX) {
             let message = "displacements per unit of q are too large: scale the field down";
-            problems.add(Part::Mode(j), message.to_string());
+            problems.add(|| (Part::Mode(j), message.to_string()));
             continue;
         }
         let (mut limit, typical) = if norm > 0.0 {
@@ -276,7 +290,7 @@ fn add_limits(
                     "q {:e} is beyond the largest limit, 2^{}",
                     far.q as f32, LIMIT_EXPONENTS.1
                 );
-                problems.add(place(far.frame, j), message);
+                problems.add(|| (place(far.frame, j), message));
                 continue;
             }
             warnings.push(format!(
@@ -310,25 +324,13 @@ fn add_limits(
                 "q {:e} moves a vertex by {diagonals:.1e} box diagonals: too far for f32",
                 far.q as f32
             );
-            problems.add(place(far.frame, j), message);
+            problems.add(|| (place(far.frame, j), message));
         }
     }
-    problems.into_result()?;
+    problems.into_result(Place::NOWHERE)?;
     if reach > power(REACH_EXPONENTS.1) || (reach > 0.0 && reach < power(REACH_EXPONENTS.0)) {
         let message = "positions and displacements are too far apart in size for f32";
         return Err(BakeError::one("encode", Place::NOWHERE, message));
     }
     Ok(())
-}
-
-fn bounds(points: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for p in points {
-        for k in 0..3 {
-            low[k] = low[k].min(p[k]);
-            high[k] = high[k].max(p[k]);
-        }
-    }
-    (low, high)
 }

@@ -60,18 +60,18 @@ pub(super) fn limit_exponent(norm: f64, diagonal: f64) -> i32 {
     n.clamp(LIMIT_EXPONENTS.0, LIMIT_EXPONENTS.1)
 }
 
-/// The origin for a box: 0 when its centre is within a diagonal of 0, else the centre on a grid
+/// The origin for a box: 0 when its center is within a diagonal of 0, else the center on a grid
 /// of the power of two at the diagonal.
 pub(super) fn origin(low: [f64; 3], high: [f64; 3], diagonal: f64) -> [f64; 3] {
-    let centre: [f64; 3] = std::array::from_fn(|k| low[k] * 0.5 + high[k] * 0.5);
-    if length(centre) <= diagonal {
+    let center: [f64; 3] = std::array::from_fn(|k| low[k] * 0.5 + high[k] * 0.5);
+    if length(center) <= diagonal {
         return [0.0; 3];
     }
     if diagonal == 0.0 {
         return low.map(|x| x + 0.0);
     }
     let grid = exponent(diagonal);
-    centre.map(|x| {
+    center.map(|x| {
         let rounded = scale(scale(x, -grid).round_ties_even(), grid);
         // `+ 0.0` turns −0 into +0.
         if rounded.is_finite() {

@@ -10,7 +10,7 @@ use bdtree_build::basis::morph::{MorphBasis, morph_basis};
 use bdtree_build::input::gltf::read_gltf;
 use bdtree_build::input::{RawModel, read_mesh};
 use bdtree_fixtures::{bake, corpus, oracle, poses};
-use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, VertexId, query};
+use bdtree_runtime::{Ball, Contact, Transform, VertexId, Workspace};
 
 /// Vertices and triangles as the corpus's table has them; targets, frames, warnings.
 const CHARACTERS: [(&str, [usize; 5]); 9] = [
@@ -191,8 +191,8 @@ fn baked_weights_move_what_the_file_says(
     twin: &Twin,
     name: &str,
 ) {
-    let bytes = bake::baked(&model.mesh, &morph.basis);
-    let asset = Asset::open(&bytes).expect("opens");
+    let baked = bake::baked(&model.mesh, &morph.basis);
+    let asset = baked.asset();
     let sound = asset.verify(&mut |e| {
         println!("{name}: {e}");
         ControlFlow::Continue(())
@@ -210,14 +210,16 @@ fn baked_weights_move_what_the_file_says(
         let frames = animation.q.chunks_exact(count).step_by(16);
         weights.extend(frames.map(<[f64]>::to_vec));
     }
-    let diagonal = poses::diagonal(&asset) * asset.unit();
+    let diagonal = poses::diagonal(asset) * asset.unit();
     let mut memory = vec![0.0; asset.pose_len()];
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let mut workspace = Workspace::new();
     for w in weights {
         let q: Vec<f32> = w.iter().map(|w| *w as f32).collect();
-        let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory).expect("pose");
+        let pose = asset
+            .pose(&q, Transform::IDENTITY, &mut memory)
+            .expect("pose");
         for (i, p) in twin.positions.iter().enumerate() {
-            let found = asset.deformed(&pose, VertexId(i as u32)).expect("vertex");
+            let found = pose.deformed(VertexId(i as u32)).expect("vertex");
             for k in 0..3 {
                 let moves = (0..count).map(|j| w[j] * twin.fields[j][i][k]);
                 // p and each U are rounded to f32, q too, and so is the sum once more per term; the
@@ -232,15 +234,17 @@ fn baked_weights_move_what_the_file_says(
                 );
             }
         }
-        let triangles = oracle::deformed_triangles(&asset, &pose);
+        let triangles = oracle::deformed_triangles(&pose);
         let radius = 0.05 * diagonal;
         for triangle in triangles.iter().step_by(1 + triangles.len() / 10) {
-            let centre = triangle[0];
+            let center = triangle[0];
             let mut found: Vec<Contact> = Vec::new();
-            query::ball(&asset, &pose, centre, radius, &mut stack, &mut found).expect("ball");
+            pose.query(&mut workspace)
+                .contacts(Ball::new(center, radius), &mut found)
+                .expect("ball");
             let mut ids: Vec<u32> = found.iter().map(|c| c.triangle.0).collect();
             ids.sort_unstable();
-            let expected = oracle::ball(&triangles, centre, radius);
+            let expected = oracle::ball(&triangles, center, radius);
             let expected: Vec<u32> = expected.iter().map(|e| e.0).collect();
             assert_eq!(ids, expected, "{name}");
         }

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use bdtree_fixtures::models::{self, fields::npy_with};
 use bdtree_build::error::Part;
+use bdtree_fixtures::models::{self, fields::npy_with};
 
 use crate::support::{FRAMES, VERTICES, all, as_single, expected, fixture_folder, open, wave_mesh};
 

@@ -12,7 +12,7 @@ use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_fixtures::models::fields::npy_with;
-use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform, VertexId};
+use bdtree_runtime::{Model, Transform, VertexId};
 use faer::Mat;
 
 pub(crate) type V3 = [f64; 3];
@@ -198,8 +198,8 @@ pub(crate) fn played_back(pca: &Pca) -> Frames {
         &Provenance::default(),
         &Silent,
     );
-    let bytes = AlignedBytes::copy_of(&baked.expect("bakes").bytes);
-    let asset = Asset::open(&bytes).expect("opens");
+    let model = Model::from_bytes(&baked.expect("bakes").bytes).expect("opens");
+    let asset = model.asset();
     let animation = pca.basis.animation.as_ref().expect("an animation");
     let modes = pca.basis.mode_count();
     let mut memory = vec![0.0; asset.pose_len()];
@@ -222,9 +222,11 @@ pub(crate) fn played_back(pca: &Pca) -> Frames {
                 translation,
                 scale: 1.0,
             };
-            let pose = Pose::new(&asset, &q, place, &mut memory).expect("within the limits");
+            let pose = asset
+                .pose(&q, place, &mut memory)
+                .expect("within the limits");
             (0..pca.mesh.positions.len() as u32)
-                .map(|i| asset.deformed(&pose, VertexId(i)).expect("a vertex"))
+                .map(|i| pose.deformed(VertexId(i)).expect("a vertex"))
                 .collect()
         })
         .collect()

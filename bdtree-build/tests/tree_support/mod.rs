@@ -363,20 +363,20 @@ impl Decoded {
     pub(crate) fn sphere(&self, node: usize, lane: usize, q: &[f32]) -> ([f64; 3], f64, f64) {
         let node = &self.nodes[node];
         let at = |row: usize| f64::from(self.value(node, row, lane));
-        let mut centre: [f64; 3] = std::array::from_fn(at);
+        let mut center: [f64; 3] = std::array::from_fn(at);
         let radius = at(3);
         let (mut cross, mut growth) = (0.0, 0.0);
         for (k, &mode) in self.node_modes(node).iter().enumerate() {
             let q = f64::from(q[usize::from(mode)]);
             let row = ROWS_LEADING + NUMBERS_PER_MODE * k;
-            for (axis, c) in centre.iter_mut().enumerate() {
+            for (axis, c) in center.iter_mut().enumerate() {
                 *c += at(row + axis) * q;
             }
             growth += at(row + 3) * q.abs();
             cross += at(row + if q > 0.0 { 4 } else { 5 }) * q.abs();
         }
         (
-            centre,
+            center,
             radius * radius + 2.0 * cross + growth * growth,
             radius + growth,
         )

@@ -126,9 +126,9 @@ impl Builder<'_, '_> {
                 high[k] = high[k].max(positions[*v as usize][k]);
             }
         }
-        let centre = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
-        let radius = farthest(self.vertices.iter().map(|v| positions[*v as usize]), centre);
-        self.tree.numbers.push(with_radius(centre, radius));
+        let center = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
+        let radius = farthest(self.vertices.iter().map(|v| positions[*v as usize]), center);
+        self.tree.numbers.push(with_radius(center, radius));
 
         let m = self.tree.mode_count;
         for j in 0..m {
@@ -151,12 +151,12 @@ fn with_radius([x, y, z]: [f32; 3], radius: f32) -> [f32; 4] {
     [x, y, z, radius]
 }
 
-/// max ‖x − centre‖, rounded up to f32.
-fn farthest(points: impl Iterator<Item = [f32; 3]>, centre: [f32; 3]) -> f32 {
+/// max ‖x − center‖, rounded up to f32.
+fn farthest(points: impl Iterator<Item = [f32; 3]>, center: [f32; 3]) -> f32 {
     let squared = points
         .map(|x| {
             (0..3)
-                .map(|k| (f64::from(x[k]) - f64::from(centre[k])).powi(2))
+                .map(|k| (f64::from(x[k]) - f64::from(center[k])).powi(2))
                 .sum::<f64>()
         })
         .fold(0.0, f64::max);

@@ -9,7 +9,7 @@
 //!
 //! An honest one: f32, one node's numbers side by side as four-lane rows (`[c, R]`, then
 //! `[Ū_j, ΔR_j]` per mode) that compilers turn into vector instructions, nodes in depth-first
-//! order, an explicit stack, vertices deformed once per step. The centre c is the middle of the
+//! order, an explicit stack, vertices deformed once per step. The center c is the middle of the
 //! vertices' box: cheap, as the paper leaves it open.
 //!
 //! It reads positions and displacements of an opened asset, uses the runtime's leaf arithmetic

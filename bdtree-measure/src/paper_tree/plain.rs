@@ -33,7 +33,7 @@ impl PlainTree {
     pub fn of(tree: &PaperTree) -> Self {
         let nodes = (0..tree.node_count()).map(|i| {
             let [own, modes @ ..] = tree.numbers(i) else {
-                unreachable!("a node has a centre")
+                unreachable!("a node has a center")
             };
             let link = tree.links[i];
             PlainNode {

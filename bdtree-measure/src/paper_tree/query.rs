@@ -64,14 +64,14 @@ impl Vertices {
 pub struct Step {
     /// `[q, q, q, |q|]` per mode.
     q: Vec<[f32; 4]>,
-    /// Rounding of centres, radii and vertices (stored units), added to every radius.
+    /// Rounding of centers, radii and vertices (stored units), added to every radius.
     slack: f32,
     /// P + S(q).
     reach: f64,
 }
 
 impl Step {
-    /// Rounding of centres, radii and vertices (stored units).
+    /// Rounding of centers, radii and vertices (stored units).
     pub(super) fn slack(&self) -> f32 {
         self.slack
     }
@@ -97,7 +97,7 @@ impl Step {
     }
 }
 
-/// A ball's centre in stored units and its radius there, rounding included.
+/// A ball's center in stored units and its radius there, rounding included.
 pub(super) fn reach_of(
     asset: &Asset<'_>,
     step: &Step,

@@ -23,7 +23,7 @@ pub trait Spheres {
 pub struct Between {
     /// Rows of rotation and translation.
     pub rows: [[f32; 4]; 3],
-    /// Rounding of moved centres, added to every radius of the second.
+    /// Rounding of moved centers, added to every radius of the second.
     pub extra: f32,
 }
 

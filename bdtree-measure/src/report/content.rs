@@ -215,7 +215,7 @@ pub struct TightnessRow {
     pub spheres: usize,
     /// The paper's bound: R + Σ ΔR_j |q_j|, Ū_j the mean (eqs. 4 to 7).
     pub paper: Ratio,
-    /// The same with Ū_j the centre of the smallest ball of the displacements.
+    /// The same with Ū_j the center of the smallest ball of the displacements.
     pub smallest_ball: Ratio,
     /// The file's.
     pub ours: Ratio,

@@ -233,7 +233,7 @@ fn reported(pose: &Pose<'_>, level: usize, proxies: &[Proxy]) -> Result<Vec<usiz
         last = Some((node, spheres));
         let radius = f64::from(spheres.radius[lane]) * unit;
         let origin = asset.origin();
-        let center = [0, 1, 2].map(|k| origin[k] + f64::from(spheres.centre[k][lane]) * unit);
+        let center = [0, 1, 2].map(|k| origin[k] + f64::from(spheres.center[k][lane]) * unit);
         let near = 1e-4 * radius + 1e-9 * (center.iter().map(|c| c.abs()).sum::<f64>());
         let first = by_x.partition_point(|p| p.center[0] < center[0] - near);
         let is_it =

@@ -26,7 +26,7 @@ const APART: [f64; 8] = [1.1, 0.98, 0.9, 0.8, 0.65, 0.5, 0.3, 0.1];
 /// An asset at a q, and what is asked about it (world coordinates are the mesh's).
 pub(super) struct Sample {
     pub(super) q: Vec<f32>,
-    /// Centre and radius of the ball that levels are compared with.
+    /// Center and radius of the ball that levels are compared with.
     pub(super) ball: ([f64; 3], f64),
     /// Where a second instance stands, nearer each time.
     pub(super) places: Vec<Transform>,

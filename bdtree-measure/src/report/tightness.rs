@@ -98,7 +98,7 @@ struct Sphere {
     vertices: Vec<u32>,
     /// Radius of the smallest ball at rest.
     radius: f64,
-    /// Of each mode ΔR_j about the mean, and about the centre of the smallest ball.
+    /// Of each mode ΔR_j about the mean, and about the center of the smallest ball.
     growth: Vec<[f64; 2]>,
 }
 
@@ -125,7 +125,7 @@ impl Sphere {
         })
     }
 
-    /// R + Σ ΔR_j |q_j| with both centres.
+    /// R + Σ ΔR_j |q_j| with both centers.
     fn bounds(&self, q: &[f32]) -> [f64; 2] {
         [0, 1].map(|which| {
             let terms = self.growth.iter().zip(q);

@@ -96,15 +96,15 @@ struct OnSphere {
     @location(2) @interpolate(flat) colour: vec4<f32>,
 }
 
-// A square that just covers the sphere as the eye sees it; `sphere` is centre and radius.
+// A square that just covers the sphere as the eye sees it; `sphere` is center and radius.
 @vertex
 fn sphere_vertex(
     @builtin(vertex_index) vertex: u32,
     @location(0) sphere: vec4<f32>,
     @location(1) colour: vec4<f32>,
 ) -> OnSphere {
-    let to_centre = sphere.xyz - globals.eye.xyz;
-    let distance = length(to_centre);
+    let to_center = sphere.xyz - globals.eye.xyz;
+    let distance = length(to_center);
     let radius = sphere.w;
     let corner = vec2(f32(vertex & 1u), f32(vertex >> 1u)) * 2.0 - 1.0;
     var out: OnSphere;
@@ -114,7 +114,7 @@ fn sphere_vertex(
     // From within a sphere nothing of it is seen.
     out.clip = vec4(0.0, 0.0, 2.0, 1.0);
     if distance > radius * 1.0001 {
-        let toward = to_centre / distance;
+        let toward = to_center / distance;
         var other = vec3(0.0, 1.0, 0.0);
         if abs(toward.y) > 0.9 {
             other = vec3(1.0, 0.0, 0.0);
@@ -122,7 +122,7 @@ fn sphere_vertex(
         let x = normalize(cross(toward, other));
         let y = cross(x, toward);
         let reach = distance * radius / sqrt((distance - radius) * (distance + radius));
-        out.to_point = to_centre + (corner.x * x + corner.y * y) * reach;
+        out.to_point = to_center + (corner.x * x + corner.y * y) * reach;
         out.clip = globals.view_projection * vec4(globals.eye.xyz + out.to_point, 1.0);
     }
     return out;
@@ -136,11 +136,11 @@ struct SpherePixel {
 @fragment
 fn sphere_fragment(in: OnSphere) -> SpherePixel {
     let ray = normalize(in.to_point);
-    let to_centre = in.sphere.xyz - globals.eye.xyz;
+    let to_center = in.sphere.xyz - globals.eye.xyz;
     let radius = in.sphere.w;
-    let along = dot(to_centre, ray);
-    // From where the ray is nearest to the centre: small numbers, also for small spheres.
-    let aside = to_centre - along * ray;
+    let along = dot(to_center, ray);
+    // From where the ray is nearest to the center: small numbers, also for small spheres.
+    let aside = to_center - along * ray;
     let square = radius * radius - dot(aside, aside);
     if square < 0.0 {
         discard;

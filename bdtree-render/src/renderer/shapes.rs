@@ -8,8 +8,8 @@ use crate::camera::{Camera, length, sub};
 #[derive(Debug, Clone, Copy, PartialEq, IntoBytes, Immutable)]
 #[repr(C)]
 pub struct Sphere {
-    /// Its centre.
-    pub centre: [f32; 3],
+    /// Its center.
+    pub center: [f32; 3],
     /// Its radius.
     pub radius: f32,
     /// Red, green, blue, opacity; 255 is opaque.
@@ -37,7 +37,7 @@ pub(super) struct LineEnd {
 /// those first, then the others from far to near, by their points nearest to the eye.
 pub(super) fn sphere_instances(spheres: &[Sphere], camera: &Camera) -> (Vec<Sphere>, u32) {
     let is_sound = |s: &&Sphere| {
-        s.centre.iter().all(|x| x.is_finite()) && s.radius > 0.0 && s.radius.is_finite()
+        s.center.iter().all(|x| x.is_finite()) && s.radius > 0.0 && s.radius.is_finite()
     };
     let (mut all, translucent): (Vec<Sphere>, Vec<Sphere>) = spheres
         .iter()
@@ -47,7 +47,7 @@ pub(super) fn sphere_instances(spheres: &[Sphere], camera: &Camera) -> (Vec<Sphe
     let mut keyed: Vec<(f32, Sphere)> = translucent
         .into_iter()
         .filter(|sphere| sphere.colour[3] > 0)
-        .map(|s| (length(sub(s.centre, camera.eye)) - s.radius, s))
+        .map(|s| (length(sub(s.center, camera.eye)) - s.radius, s))
         .collect();
     keyed.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.extend(keyed.into_iter().map(|(_, sphere)| sphere));

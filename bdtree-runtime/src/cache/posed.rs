@@ -124,7 +124,7 @@ impl Posed<'_> {
         }
     }
 
-    /// No deformed vertex and no lane centre is farther from the origin, not where the spheres are
+    /// No deformed vertex and no lane center is farther from the origin, not where the spheres are
     /// evaluated either; and the slack that goes with it (stored units).
     pub(crate) fn reach_and_slack(&self) -> [f64; 2] {
         let of = |pose: &Pose<'_>| [pose.reach, f64::from(pose.slack)];

@@ -26,7 +26,7 @@ impl NodeSlot {
     pub(crate) const EMPTY: Self = Self {
         tag: 0,
         spheres: Spheres {
-            centre: [[0.0; LANES]; 3],
+            center: [[0.0; LANES]; 3],
             radius: [0.0; LANES],
         },
     };

@@ -109,9 +109,7 @@ impl<'m> StepCache<'m> {
     /// another: then it says whether a query has visited the node since [`StepCache::start`].
     pub fn keeps(&mut self, index: u32) -> bool {
         let epoch = self.epoch;
-        let Ok(kept) = self.slots() else {
-            return false;
-        };
+        let kept = self.slots();
         let slot = kept.nodes.get(place(index as usize, kept.nodes.len()));
         slot.is_some_and(|slot| slot.tag == tag(epoch, index))
     }
@@ -132,24 +130,24 @@ impl<'m> StepCache<'m> {
 
     /// What it keeps, for a query.
     #[inline]
-    pub(crate) fn slots(&mut self) -> Result<Kept<'_>, QueryError> {
+    pub(crate) fn slots(&mut self) -> Kept<'_> {
         let counts = [self.size.nodes, self.size.leaves];
-        let (nodes, leaves) = self.memory.two_slots(counts)?;
-        Ok(Kept {
+        // There is room for them since the cache was made.
+        let (nodes, leaves) = self.memory.two_slots(counts).unwrap_or_default();
+        Kept {
             nodes,
             leaves,
             step: self.step,
             epoch: self.epoch,
-        })
+        }
     }
 
     /// Counts on; at the end of the count everything is forgotten.
     fn next_step(&mut self) {
         self.step += 1;
         if self.step == STEP_END {
-            if let Ok(kept) = self.slots() {
-                clear(kept.nodes, kept.leaves);
-            }
+            let kept = self.slots();
+            clear(kept.nodes, kept.leaves);
             (self.step, self.epoch, self.reference) = (1, 0, None);
         }
     }

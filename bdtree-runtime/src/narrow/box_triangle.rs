@@ -47,7 +47,7 @@ impl OrientedBox {
         }
     }
 
-    /// Returns the centre.
+    /// Returns the center.
     pub fn center(&self) -> [f64; 3] {
         self.center
     }

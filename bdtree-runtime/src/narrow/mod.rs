@@ -5,7 +5,7 @@
 //! `+ − × ÷ √`, so every processor returns the same bits.
 //!
 //! *What a hit is worth.* With u = 2⁻⁵³ and L the largest coordinate difference between the
-//! corners of the two things compared (ray, point and box: between corner and origin, point or centre):
+//! corners of the two things compared (ray, point and box: between corner and origin, point or center):
 //!
 //! | function | statement |
 //! |---|---|

@@ -55,7 +55,7 @@ impl<'s> Ball<'s> {
         let radius = length(ball.radius, "radius: negative, not finite or beyond 2^100")?;
         let stored = pose.placement.point_to_stored(center);
         let far = length_bound(stored);
-        // Reach in stored units: the radius, the f64 errors, the centre's rounding to f32.
+        // Reach in stored units: the radius, the f64 errors, the center's rounding to f32.
         let reach = radius / pose.placement.world_per_stored() * (1.0 + BALL_RADIUS)
             + pose
                 .placement
@@ -124,7 +124,7 @@ struct Found {
     contacts: [Contact; 4],
     /// Those that may touch.
     touching: u8,
-    /// Those whose contact is right: the others, slivers and points on the centre, are tested one by one.
+    /// Those whose contact is right: the others, slivers and points on the center, are tested one by one.
     plain: u8,
 }
 

@@ -19,6 +19,18 @@ pub struct BoundingSphere {
     pub radius: f64,
 }
 
+impl BoundingSphere {
+    /// The box around it, rounding included.
+    fn aabb(&self) -> Aabb {
+        // The sums' own rounding.
+        let far = |x: f64| f64::EPSILON * (x.abs() + self.radius);
+        Aabb {
+            min: self.center.map(|x| x - self.radius - far(x)),
+            max: self.center.map(|x| x + self.radius + far(x)),
+        }
+    }
+}
+
 /// A box along the axes of the world that holds something.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aabb {
@@ -59,38 +71,31 @@ impl Pose<'_> {
         let root = self.asset.node(0)?;
         let spheres = self.node_spheres(0)?;
         let all = self.bounding_sphere()?;
+        let whole = all.aabb();
         let mut aabb = Aabb {
             min: [f64::INFINITY; 3],
             max: [f64::NEG_INFINITY; 3],
         };
-        let used = root.inner_mask | root.leaf_mask;
-        // Without lanes, which no sound root is, only the whole is known.
-        let lanes = if used == 0 { u8::MAX } else { used };
-        for lane in (0..LANES).filter(|k| lanes & (1 << k) != 0) {
-            let center = spheres.centre.map(|row| row[lane]);
+        for lane in (0..LANES).filter(|k| (root.inner_mask | root.leaf_mask) & (1 << k) != 0) {
+            let center = spheres.center.map(|row| row[lane]);
             let radius = f64::from(spheres.radius[lane]);
             // A lane's center lies within twice the reach (docs/guarantees.md).
             let part = self.world_sphere(center, radius, 2.0 * self.reach);
             // Anything but a smaller radius, NaN of a corrupt file included, says no more than the whole.
-            let part = if used != 0 && part.radius < all.radius {
-                part
-            } else {
-                all
-            };
+            let part = if part.radius < all.radius { part } else { all }.aabb();
             for k in 0..3 {
-                // The sum's own rounding.
-                let far = f64::EPSILON * (part.center[k].abs() + part.radius);
-                aabb.min[k] = aabb.min[k].min(part.center[k] - part.radius - far);
-                aabb.max[k] = aabb.max[k].max(part.center[k] + part.radius + far);
+                aabb.min[k] = aabb.min[k].min(part.min[k]);
+                aabb.max[k] = aabb.max[k].max(part.max[k]);
             }
         }
         // The whole's sphere holds them too, and may say more where the parts reach far.
         for k in 0..3 {
-            let far = f64::EPSILON * (all.center[k].abs() + all.radius);
-            aabb.min[k] = aabb.min[k].max(all.center[k] - all.radius - far);
-            aabb.max[k] = aabb.max[k].min(all.center[k] + all.radius + far);
+            aabb.min[k] = aabb.min[k].max(whole.min[k]);
+            aabb.max[k] = aabb.max[k].min(whole.max[k]);
         }
-        Ok(aabb)
+        // Parts that are outside of the whole, or missing, are those of a damaged file.
+        let is_sound = (0..3).all(|k| aabb.min[k] <= aabb.max[k]);
+        Ok(if is_sound { aabb } else { whole })
     }
 
     /// A sphere in the world around one that holds vertices and lies within `reach` of the origin (both in
@@ -112,15 +117,15 @@ fn around(spheres: &Spheres, lanes: u8) -> ([f32; 3], f64) {
     let center = [0, 1, 2].map(|axis| {
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for k in used() {
-            low = low.min(spheres.centre[axis][k] - spheres.radius[k]);
-            high = high.max(spheres.centre[axis][k] + spheres.radius[k]);
+            low = low.min(spheres.center[axis][k] - spheres.radius[k]);
+            high = high.max(spheres.center[axis][k] + spheres.radius[k]);
         }
         0.5 * low + 0.5 * high
     });
     // Without lanes, which no sound root is, nothing is known.
     let mut radius = if lanes == 0 { f64::INFINITY } else { 0.0 };
     for k in used() {
-        let apart = [0, 1, 2].map(|axis| f64::from(spheres.centre[axis][k]));
+        let apart = [0, 1, 2].map(|axis| f64::from(spheres.center[axis][k]));
         let apart = norm(sub(apart, center.map(f64::from)));
         let reach = apart * (1.0 + MARGIN) + f64::from(spheres.radius[k]);
         // Anything but "not larger" counts, so that NaN stays.

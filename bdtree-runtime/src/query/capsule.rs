@@ -107,9 +107,9 @@ impl NearSegment {
             L::splat(self.along[1]),
             L::splat(self.along[2]),
         ];
-        let x = spheres.centre[0].sub(L::splat(self.from[0]));
-        let y = spheres.centre[1].sub(L::splat(self.from[1]));
-        let z = spheres.centre[2].sub(L::splat(self.from[2]));
+        let x = spheres.center[0].sub(L::splat(self.from[0]));
+        let y = spheres.center[1].sub(L::splat(self.from[1]));
+        let z = spheres.center[2].sub(L::splat(self.from[2]));
         let along = x.mul(dx).add(y.mul(dy)).add(z.mul(dz));
         let t = along.max(L::splat(0.0)).min(L::splat(self.length));
         let (x, y, z) = (x.sub(t.mul(dx)), y.sub(t.mul(dy)), z.sub(t.mul(dz)));

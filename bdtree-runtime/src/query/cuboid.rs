@@ -95,7 +95,7 @@ impl NearBox {
     /// The lanes that are not certainly farther than `reach`.
     #[inline(always)]
     fn within<L: Lanes>(&self, spheres: &WideSpheres<L>) -> u8 {
-        let [x, y, z] = spheres.centre;
+        let [x, y, z] = spheres.center;
         let mut squared = L::splat(0.0);
         for k in 0..3 {
             let [ax, ay, az] = self.axes[k];

@@ -47,7 +47,7 @@ pub(super) fn contacts(
 pub(super) struct StoredPlane {
     normal: [f32; 3],
     offset: f32,
-    /// What heights of centres may be off by, besides what their spheres' slack covers.
+    /// What heights of centers may be off by, besides what their spheres' slack covers.
     pub(super) extra: f32,
 }
 
@@ -70,10 +70,10 @@ impl StoredPlane {
         }
     }
 
-    /// Heights of the spheres' centres above the plane.
+    /// Heights of the spheres' centers above the plane.
     #[inline(always)]
     pub(super) fn heights<L: Lanes>(&self, spheres: &WideSpheres<L>) -> L {
-        let [x, y, z] = spheres.centre;
+        let [x, y, z] = spheres.center;
         let [nx, ny, nz] = self.normal;
         x.mul(L::splat(nx))
             .add(y.mul(L::splat(ny)))

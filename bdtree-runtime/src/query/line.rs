@@ -90,9 +90,9 @@ impl Line {
     pub(super) fn lanes<L: Lanes>(&self, spheres: &WideSpheres<L>, keys: &mut Row) -> u8 {
         let [dx, dy, dz] = self.along;
         let (dx, dy, dz) = (L::splat(dx), L::splat(dy), L::splat(dz));
-        let x = spheres.centre[0].sub(L::splat(self.near[0]));
-        let y = spheres.centre[1].sub(L::splat(self.near[1]));
-        let z = spheres.centre[2].sub(L::splat(self.near[2]));
+        let x = spheres.center[0].sub(L::splat(self.near[0]));
+        let y = spheres.center[1].sub(L::splat(self.near[1]));
+        let z = spheres.center[2].sub(L::splat(self.near[2]));
         let along = x.mul(dx).add(y.mul(dy)).add(z.mul(dz));
         let t = along.max(L::splat(self.t_min)).min(L::splat(self.t_max));
         let (x, y, z) = (x.sub(t.mul(dx)), y.sub(t.mul(dy)), z.sub(t.mul(dz)));

@@ -1,5 +1,7 @@
 //! Queries of two meshes.
 
+use bdtree_format::LANES;
+
 use super::budget::{Budget, Budgeted, queue_len};
 use super::distance::closest_points;
 use super::front::PairFront;
@@ -347,7 +349,12 @@ impl BudgetedPairQuery<'_, '_, '_> {
             side1.posed_whole(BUDGET_AND_LEVEL)?,
             side2.posed_whole(BUDGET_AND_LEVEL)?,
         ];
-        let len = queue_len(self.max_visits).min(QUEUE_MAX);
+        let [nodes1, nodes2] = posed.each_ref().map(|posed| posed.pose.asset.node_count());
+        // Never more than there are pairs of a node or leaf of one and a node or leaf of the other.
+        let parts = |nodes: usize| (1 + LANES) * nodes;
+        let len = queue_len(self.max_visits)
+            .min(parts(nodes1).saturating_mul(parts(nodes2)))
+            .min(QUEUE_MAX);
         let workspace = &mut *self.query.workspace;
         let mut budget = Budget {
             max_visits: self.max_visits,

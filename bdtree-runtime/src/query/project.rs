@@ -104,9 +104,9 @@ impl Visitor for Closest {
             return u8::MAX;
         };
         // d (1 − 2⁻¹⁹) − R' − extra: below the exact distance of everything in the sphere.
-        let dx = spheres.centre[0].sub(L::splat(x));
-        let dy = spheres.centre[1].sub(L::splat(y));
-        let dz = spheres.centre[2].sub(L::splat(z));
+        let dx = spheres.center[0].sub(L::splat(x));
+        let dy = spheres.center[1].sub(L::splat(y));
+        let dz = spheres.center[2].sub(L::splat(z));
         let distance = dx.mul(dx).add(dy.mul(dy)).add(dz.mul(dz)).sqrt();
         let reach = spheres.radius.add(L::splat(self.extra));
         let gap = distance

@@ -42,10 +42,12 @@ pub struct Query<'q, 'm> {
 #[derive(Debug)]
 pub(crate) struct Side<'q> {
     pose: Pose<'q>,
-    /// What a step keeps; an error where that is another pose's, which the next question returns.
-    kept: Result<Kept<'q>, QueryError>,
+    /// What a step keeps.
+    kept: Kept<'q>,
+    /// Whether that is of another pose, which the next question says.
+    is_stale: bool,
     /// The pose at which nodes are evaluated, if it is another one.
-    drift: Option<(Pose<'q>, Drift)>,
+    drift: Option<(&'q Pose<'q>, Drift)>,
     pub(super) limit: Option<DepthLimit<'q>>,
 }
 
@@ -54,7 +56,8 @@ impl<'q> Side<'q> {
     pub(super) fn new(pose: Pose<'q>) -> Self {
         Self {
             pose,
-            kept: Ok(Kept::nothing()),
+            kept: Kept::nothing(),
+            is_stale: false,
             drift: None,
             limit: None,
         }
@@ -62,22 +65,15 @@ impl<'q> Side<'q> {
 
     #[inline]
     pub(super) fn keep(&mut self, cache: &'q mut StepCache<'_>) {
-        self.kept = if cache.serves(&self.pose) {
-            cache.slots()
-        } else {
-            Err(QueryError::Cache)
-        };
+        self.is_stale = !cache.serves(&self.pose);
+        self.kept = cache.slots();
     }
 
     /// Takes spheres from those of `reference`, with which the cache was started (paper, eq. 8).
-    pub(crate) fn follow(&mut self, cache: &'q mut StepCache<'_>, reference: Pose<'q>) {
-        self.kept = match Drift::new(&reference, &self.pose) {
-            Some(drift) if cache.serves(&reference) => {
-                self.drift = Some((reference, drift));
-                cache.slots()
-            }
-            _ => Err(QueryError::Cache),
-        };
+    pub(crate) fn follow(&mut self, cache: &'q mut StepCache<'_>, reference: &'q Pose<'q>) {
+        self.drift = Drift::new(reference, &self.pose).map(|drift| (reference, drift));
+        self.is_stale = self.drift.is_none() || !cache.serves(reference);
+        self.kept = cache.slots();
     }
 
     /// What following a reference has added to the radii of the root's lanes, at most (world units).
@@ -94,13 +90,11 @@ impl<'q> Side<'q> {
     /// For one walk.
     #[inline]
     pub(super) fn posed(&mut self) -> Result<Posed<'_>, QueryError> {
-        let kept = match &mut self.kept {
-            Ok(kept) => kept.again(),
-            Err(error) => return Err(*error),
-        };
-        let drift = self.drift.as_ref().map(|(pose, drift)| (pose, *drift));
+        if self.is_stale {
+            return Err(QueryError::Cache);
+        }
         let limit = self.limit.as_mut().map(DepthLimit::again);
-        Ok(Posed::new(&self.pose, drift, kept, limit))
+        Ok(Posed::new(&self.pose, self.drift, self.kept.again(), limit))
     }
 
     /// What it is, for one walk that has no levels to end at.

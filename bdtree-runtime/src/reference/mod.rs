@@ -106,7 +106,7 @@ fn the_kernel_is_the_plain_update_within_the_slack() {
                         modes.iter().map(|j| q(usize::from(*j))).collect()
                     };
                     let spheres = pose.node_spheres(node).expect("spheres");
-                    let found = spheres.centre.map(|row| f64::from(row[lane]));
+                    let found = spheres.center.map(|row| f64::from(row[lane]));
                     let found_radius = f64::from(spheres.radius[lane]);
                     let (center, radius) = sphere.update(&at(&|j| near[j]));
                     let (given, _) = sphere.update(&at(&|j| f64::from(q[j])));

@@ -15,7 +15,7 @@ pub(crate) struct SearchEntry {
     pub(super) a: Subtree,
     /// Means nothing where one tree is searched, as what follows.
     pub(super) b: Subtree,
-    /// Centre and radius in the frame of the first.
+    /// Center and radius in the frame of the first.
     pub(super) sphere_a: [f32; 4],
     pub(super) sphere_b: [f32; 4],
 }

@@ -121,7 +121,7 @@ impl LeafPairs {
                     return;
                 }
             } else if apart(a, b, sub(best.point2, best.point1), best.distance)
-                || apart(a, b, sub(centre(b), centre(a)), best.distance)
+                || apart(a, b, sub(center(b), center(a)), best.distance)
             {
                 return;
             }
@@ -152,7 +152,7 @@ impl LeafPairs {
 }
 
 /// Three times the centroid.
-fn centre([p, q, r]: &Triangle) -> [f64; 3] {
+fn center([p, q, r]: &Triangle) -> [f64; 3] {
     [0, 1, 2].map(|k| p[k] + q[k] + r[k])
 }
 

@@ -59,7 +59,7 @@ pub(crate) struct StackEntry {
 pub(crate) struct PairStackEntry {
     a: u32,
     b: u32,
-    /// Where lanes of `a` must reach, to be looked at again: the sphere (centre, radius) of `b` in
+    /// Where lanes of `a` must reach, to be looked at again: the sphere (center, radius) of `b` in
     /// the frame of `a`.
     sphere: [f32; 4],
     lanes_a: u8,

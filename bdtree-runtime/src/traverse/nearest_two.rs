@@ -74,7 +74,7 @@ impl<F: Frontier> Work for NearestTwo<'_, '_, '_, F> {
                 gap.frame.carry(spheres)
             };
             let keys = gap.keys(spheres, other, of_a);
-            let [x, y, z] = spheres.store().centre;
+            let [x, y, z] = spheres.store().center;
             let radius = spheres.store().radius;
             let bound = gap.bound(pairs.limit());
             let mut count = 0;

@@ -1,7 +1,7 @@
 //! A plane between two deformed meshes: most bodies that are near each other do not touch, and one
 //! plane says so at a fraction of what all pairs of their nodes cost.
 //!
-//! Its normal is first the line of the bodies' centres, then what the points found farthest along it
+//! Its normal is first the line of the bodies' centers, then what the points found farthest along it
 //! suggest (Chung and Wang, "Quick collision detection of polytopes in virtual environments", 1996). All is in the
 //! frame of the first asset. What lies beyond the plane is looked at down to its corners; without a
 //! plane nothing is lost but the time.
@@ -148,7 +148,7 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
         Ok(())
     }
 
-    /// The mean of the root's lane centres.
+    /// The mean of the root's lane centers.
     #[inline(always)]
     fn middle<L: Lanes>(&mut self) -> Result<[f32; 3], QueryError> {
         let mut spheres = WideSpheres::<L>::empty();
@@ -159,7 +159,7 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
         for lane in 0..LANES {
             if lanes & (1 << lane) != 0 {
                 for axis in 0..3 {
-                    sum[axis] += spheres.centre[axis][lane];
+                    sum[axis] += spheres.center[axis][lane];
                 }
             }
         }
@@ -184,7 +184,7 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
                 self.corners(at.start, first, &mut corners)?;
                 for corner in corners {
                     let heights = corner.heights(direction, 0.0).store();
-                    let points = corner.store().centre;
+                    let points = corner.store().center;
                     for k in 0..LANES {
                         if heights[k] > top.height {
                             top.height = heights[k];
@@ -307,7 +307,7 @@ impl<'p, 's, 'a> Side<'p, 's, 'a> {
 #[inline(always)]
 fn points<L: Lanes>(p: &[[f32; 4]; 3], q: &[[f32; 4]; 3]) -> WideSpheres<L> {
     WideSpheres {
-        centre: [
+        center: [
             L::load(&row(&p[0], &q[0])),
             L::load(&row(&p[1], &q[1])),
             L::load(&row(&p[2], &q[2])),

@@ -402,9 +402,9 @@ fn report<D: Depth>(
 /// A sphere that everything meets.
 const EVERYWHERE: [f32; 4] = [0.0, 0.0, 0.0, f32::INFINITY];
 
-/// One lane's centre and radius.
+/// One lane's center and radius.
 #[inline(always)]
 fn lane_sphere(spheres: &Spheres, lane: usize) -> [f32; 4] {
-    let [x, y, z] = &spheres.centre;
+    let [x, y, z] = &spheres.center;
     [x[lane], y[lane], z[lane], spheres.radius[lane]]
 }

@@ -1,6 +1,6 @@
 //! Recomputes every lane's bounds from the vertices below it, within SPEC 5.8.
 
-use bdtree_format::{LANES, NodeRecord, ROW_CENTRE_X, ROW_RADIUS, SectionKind, pair_row};
+use bdtree_format::{LANES, NodeRecord, ROW_CENTER_X, ROW_RADIUS, SectionKind, pair_row};
 use core::ops::ControlFlow;
 
 use super::Report;
@@ -78,7 +78,7 @@ struct LaneCheck<'c, 'a> {
 struct LaneMode {
     /// `q_limit`_j.
     limit: f64,
-    centre: [f64; 3],
+    center: [f64; 3],
     growth: f64,
     cross: [f64; 2],
 }
@@ -90,8 +90,8 @@ const GROWTH: usize = 3;
 const CROSS: usize = 4;
 
 impl LaneCheck<'_, '_> {
-    fn centre(&self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| f64::from(self.rows.leading[ROW_CENTRE_X + axis][self.lane]))
+    fn center(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| f64::from(self.rows.leading[ROW_CENTER_X + axis][self.lane]))
     }
 
     fn radius(&self) -> f64 {
@@ -101,11 +101,11 @@ impl LaneCheck<'_, '_> {
     /// The numbers of the k-th active mode, exact.
     fn mode(&self, k: usize) -> LaneMode {
         let [x, y, z, r, plus, minus] = self.rows.numbers(k, self.lane).map(f64::from);
-        let [centre, growth, cross] = self.rows.units.map(f64::from);
+        let [center, growth, cross] = self.rows.units.map(f64::from);
         let mode = usize::from(self.modes[k]);
         LaneMode {
             limit: f64::from(self.asset.modes[mode].q_limit.get()),
-            centre: [x * centre, y * centre, z * centre],
+            center: [x * center, y * center, z * center],
             growth: r * growth,
             cross: [plus * cross, minus * cross],
         }
@@ -139,7 +139,7 @@ impl LaneCheck<'_, '_> {
         }
     }
 
-    /// Centres obey P and W_j; radii are not negative.
+    /// Centers obey P and W_j; radii are not negative.
     fn norms(&self, report: Report<'_>) -> ControlFlow<()> {
         let mut check = |byte: u64, n: f64, limit: f64| {
             if n * (1.0 - CHECKED_NORM) > limit {
@@ -149,13 +149,13 @@ impl LaneCheck<'_, '_> {
             ControlFlow::Continue(())
         };
         let p = f64::from(self.asset.header.position_norm_max.get());
-        let byte = self.asset.row_byte(self.node, ROW_CENTRE_X, self.lane);
-        check(byte, norm(self.centre()), p)?;
+        let byte = self.asset.row_byte(self.node, ROW_CENTER_X, self.lane);
+        check(byte, norm(self.center()), p)?;
         for (k, mode) in self.modes.iter().enumerate() {
-            let LaneMode { limit, centre, .. } = self.mode(k);
+            let LaneMode { limit, center, .. } = self.mode(k);
             let w = self.asset.modes[usize::from(*mode)].field_norm_max.get();
             let byte = self.asset.mode_byte(self.node, k, 0, self.lane);
-            check(byte, norm(centre) / limit, f64::from(w))?;
+            check(byte, norm(center) / limit, f64::from(w))?;
         }
         for k in 0..self.modes.len() {
             let growth = self.mode(k).growth;
@@ -187,7 +187,7 @@ impl LaneCheck<'_, '_> {
         ControlFlow::Continue(())
     }
 
-    /// docs/guarantees.md, the bound, with the stored centres, radii and growths.
+    /// docs/guarantees.md, the bound, with the stored centers, radii and growths.
     fn vertex(&self, vertex: u32, report: Report<'_>) -> ControlFlow<()> {
         let asset = self.asset;
         let Ok(own) = asset.displacements(VertexId(vertex)) else {
@@ -196,7 +196,7 @@ impl LaneCheck<'_, '_> {
         let radius = self.radius();
         let x = sub(
             asset.positions[vertex as usize].map(f64::from),
-            self.centre(),
+            self.center(),
         );
         if dot(x, x) > radius * radius * (1.0 + CHECKED_RADIUS) {
             let rule = "SPEC 6.6: R reaches every vertex below the lane";
@@ -256,7 +256,7 @@ impl LaneCheck<'_, '_> {
         ControlFlow::Continue(())
     }
 
-    /// ΔR, b⁺ and b⁻ of the node's k-th active mode, which moves a vertex at `x` from the centre
+    /// ΔR, b⁺ and b⁻ of the node's k-th active mode, which moves a vertex at `x` from the center
     /// by `u` per unit of q.
     fn mode_bounds(
         &self,
@@ -270,11 +270,11 @@ impl LaneCheck<'_, '_> {
         // At the mode's limit: exact, since limits are powers of two.
         let LaneMode {
             limit,
-            centre,
+            center,
             growth,
             cross,
         } = self.mode(k);
-        let w = sub(u.map(|x| x * limit), centre);
+        let w = sub(u.map(|x| x * limit), center);
         if dot(w, w) > growth * growth * (1.0 + CHECKED_RADIUS) {
             let rule = "SPEC 6.6: delta R reaches every displacement below the lane";
             report(self.mode_too_small((k, GROWTH), growth, norm(w), rule))?;

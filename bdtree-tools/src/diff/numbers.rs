@@ -4,7 +4,7 @@
 //! |---|---|
 //! | origin | origin and size of the mesh |
 //! | mode table, each column | its largest entry |
-//! | rest positions; sphere centres and radii | their largest |
+//! | rest positions; sphere centers and radii | their largest |
 //! | U_ij; Ū_j and ΔR_j; b⁺_j and b⁻_j (the last two: beyond what their grids explain) | the largest of the mode |
 //! | δR; δR of scaled steps | their largest |
 //! | times and rotations of frames; q of a mode in all frames | their largest |
@@ -216,8 +216,8 @@ const NUMBERS_PER_MODE: usize = 6;
 /// The numbers of a node, one row of lanes each: the f32 rows as they are, those of the modes in
 /// stored units for a q at its limit.
 fn numbers(rows: &NodeRows<'_>, mode_count: usize) -> Vec<[f64; LANES]> {
-    let [centre, growth, cross] = rows.units.map(f64::from);
-    let units = [centre, centre, centre, growth, cross, cross];
+    let [center, growth, cross] = rows.units.map(f64::from);
+    let units = [center, center, center, growth, cross, cross];
     let mut all: Vec<_> = rows.leading.iter().map(|row| row.map(f64::from)).collect();
     for k in 0..mode_count {
         let lanes: [_; LANES] = std::array::from_fn(|lane| rows.numbers(k, lane));
@@ -243,19 +243,19 @@ fn grid(row: usize, mode_count: usize, units: [f64; 3], larger: impl Fn(usize) -
     if k >= mode_count {
         return 0.0;
     }
-    let [centre, growth, cross] = units;
+    let [center, growth, cross] = units;
     match which {
-        0..3 => centre,
-        3 => 2.0 * centre + growth,
+        0..3 => center,
+        3 => 2.0 * center + growth,
         _ => {
             let widest = larger(ROWS_LEADING + NUMBERS_PER_MODE * k + 3);
-            let root = (2.0 * widest * (2.0 * centre + growth)).sqrt();
-            2.0 * larger(ROW_RADIUS) * (centre + root) + cross
+            let root = (2.0 * widest * (2.0 * center + growth)).sqrt();
+            2.0 * larger(ROW_RADIUS) * (center + root) + cross
         }
     }
 }
 
-/// Centres and radii, two per mode, δR, δR of scaled steps.
+/// Centers and radii, two per mode, δR, δR of scaled steps.
 fn quantity_count(mode_count: usize) -> usize {
     3 + 2 * mode_count
 }
@@ -276,7 +276,7 @@ fn quantity(row: usize, modes: &[u16], mode_count: usize) -> usize {
 
 fn quantity_name(quantity: usize, mode_count: usize) -> String {
     let name = match quantity {
-        0 => "centres and radii".to_string(),
+        0 => "centers and radii".to_string(),
         k if k == 1 + 2 * mode_count => "radius growth delta-R".to_string(),
         k if k == 2 + 2 * mode_count => "radius growth delta-R of scaled steps".to_string(),
         k if k % 2 == 1 => format!("mean displacement and growth of mode {}", (k - 1) / 2),

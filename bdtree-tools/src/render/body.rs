@@ -72,7 +72,7 @@ impl<'a> Body<'a> {
     ) -> Result<Vec<NodeSphere>, ToolError> {
         let mut spheres = of(&self.instance.pose()).map_err(|error| self.file.error(error))?;
         // Others say nothing, and every query looks below them.
-        spheres.retain(|s| s.radius.is_finite() && s.centre.iter().all(|x| x.is_finite()));
+        spheres.retain(|s| s.radius.is_finite() && s.center.iter().all(|x| x.is_finite()));
         Ok(spheres)
     }
 }
@@ -80,12 +80,12 @@ impl<'a> Body<'a> {
 /// A box that holds another one and a ball.
 pub(super) fn around(
     [mut low, mut high]: [[f64; 3]; 2],
-    centre: [f64; 3],
+    center: [f64; 3],
     radius: f64,
 ) -> [[f64; 3]; 2] {
     for k in 0..3 {
-        low[k] = low[k].min(centre[k] - radius);
-        high[k] = high[k].max(centre[k] + radius);
+        low[k] = low[k].min(center[k] - radius);
+        high[k] = high[k].max(center[k] + radius);
     }
     [low, high]
 }

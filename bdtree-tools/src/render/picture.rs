@@ -34,7 +34,7 @@ pub(super) struct Frame<'a> {
 pub(super) struct Bounds {
     /// Box of bodies.
     bodies: [[f64; 3]; 2],
-    /// Centres and radii of all that is to be seen; where it is too much, corners of its box.
+    /// Centers and radii of all that is to be seen; where it is too much, corners of its box.
     balls: Vec<([f64; 3], f64)>,
 }
 
@@ -66,11 +66,11 @@ impl Bounds {
             self.balls
                 .extend(body.positions.iter().filter(is_seen).map(|p| (*p, 0.0)));
             self.balls
-                .extend(content.spheres.iter().map(|s| (s.centre, s.radius)));
+                .extend(content.spheres.iter().map(|s| (s.center, s.radius)));
         }
         for shape in &frame.questions {
             match shape {
-                Shape::Ball { centre, radius } => self.balls.push((*centre, *radius)),
+                Shape::Ball { center, radius } => self.balls.push((*center, *radius)),
                 Shape::Line(ends) => self.balls.extend(ends.map(|end| (end, 0.0))),
                 // They come from anywhere: the picture shows them where they are near.
                 Shape::Ray(_) => {}
@@ -197,7 +197,7 @@ impl<'a> Painter<'a> {
                 .map_err(|error| body.file.error(error))?;
             for (sphere, growth) in content.spheres.iter().zip(&growths) {
                 let [r, g, b] = colour(*growth);
-                spheres.push(self.sphere(sphere.centre, sphere.radius, [r, g, b, opacity]));
+                spheres.push(self.sphere(sphere.center, sphere.radius, [r, g, b, opacity]));
             }
             all_growths.extend(growths);
         }
@@ -205,8 +205,8 @@ impl<'a> Painter<'a> {
         let [r, g, b] = QUESTION;
         for shape in &frame.questions {
             match shape {
-                Shape::Ball { centre, radius } => {
-                    spheres.push(self.sphere(*centre, *radius, [r, g, b, 110]));
+                Shape::Ball { center, radius } => {
+                    spheres.push(self.sphere(*center, *radius, [r, g, b, 110]));
                 }
                 Shape::Line(ends) | Shape::Ray(ends) => lines.push(Line {
                     ends: ends.map(|end| self.shown(end)),
@@ -234,9 +234,9 @@ impl<'a> Painter<'a> {
         Ok((image, all_growths))
     }
 
-    fn sphere(&self, centre: [f64; 3], radius: f64, colour: [u8; 4]) -> Sphere {
+    fn sphere(&self, center: [f64; 3], radius: f64, colour: [u8; 4]) -> Sphere {
         Sphere {
-            centre: self.shown(centre),
+            center: self.shown(center),
             radius: (radius / self.size) as f32,
             colour,
         }

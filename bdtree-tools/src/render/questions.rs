@@ -10,8 +10,8 @@ use crate::scene::{Query, Scene};
 pub(super) enum Shape {
     /// A ball.
     Ball {
-        /// Its centre.
-        centre: [f64; 3],
+        /// Its center.
+        center: [f64; 3],
         /// Its radius.
         radius: f64,
     },
@@ -29,11 +29,11 @@ pub(super) fn shapes(scene: &Scene, content: &[Content<'_>]) -> Vec<Shape> {
         match query {
             Query::Contacts { shape, .. } => match *shape {
                 Touched::Ball(Ball { center, radius }) => shapes.push(Shape::Ball {
-                    centre: center,
+                    center: center,
                     radius,
                 }),
                 Touched::Capsule(Capsule { a, b, radius }) => {
-                    shapes.extend([a, b].map(|centre| Shape::Ball { centre, radius }));
+                    shapes.extend([a, b].map(|center| Shape::Ball { center, radius }));
                     shapes.push(Shape::Line([a, b]));
                 }
                 Touched::Cuboid(cuboid) => shapes.extend(edges(cuboid)),
@@ -42,7 +42,7 @@ pub(super) fn shapes(scene: &Scene, content: &[Content<'_>]) -> Vec<Shape> {
             Query::Closest {
                 instance, point, ..
             } => shapes.push(Shape::Ball {
-                centre: *point,
+                center: *point,
                 radius: 0.01 * size(&content[*instance]),
             }),
             Query::Ray { instance, ray } => shapes.push(line(ray, &content[*instance])),

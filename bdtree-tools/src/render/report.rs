@@ -49,7 +49,7 @@ pub struct SphereLine {
     pub radius: f64,
     /// What colours it; null where it is infinite.
     pub growth: Option<f64>,
-    /// Where its centre is in the picture; null behind the camera.
+    /// Where its center is in the picture; null behind the camera.
     pub pixel: Option<[f32; 2]>,
 }
 
@@ -79,10 +79,10 @@ impl Report {
                 .map(|(sphere, growth)| SphereLine {
                     node: sphere.node,
                     lane: sphere.lane,
-                    center: sphere.centre,
+                    center: sphere.center,
                     radius: sphere.radius,
                     growth: growth.is_finite().then_some(*growth),
-                    pixel: painter.pixel(sphere.centre),
+                    pixel: painter.pixel(sphere.center),
                 })
                 .collect(),
         }

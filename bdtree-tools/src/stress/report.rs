@@ -20,7 +20,7 @@ pub struct Tight {
     pub q: Vec<f32>,
     /// The sphere's radius.
     pub radius: f64,
-    /// From the sphere's centre to the vertex.
+    /// From the sphere's center to the vertex.
     pub distance: f64,
     /// What the pose adds to every radius for rounding.
     pub slack: f64,

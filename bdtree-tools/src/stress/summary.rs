@@ -54,7 +54,7 @@ pub struct Tightest {
     pub vertex: u32,
     /// The sphere's radius.
     pub radius: f64,
-    /// From the sphere's centre to the vertex.
+    /// From the sphere's center to the vertex.
     pub distance: f64,
     /// What the pose adds to every radius.
     pub slack: f64,

@@ -155,6 +155,6 @@ impl<'t, 'a> Trial<'t, 'a> {
 }
 
 fn sphere(spheres: &Spheres, lane: usize) -> ([f32; 3], f32) {
-    let [x, y, z] = &spheres.centre;
+    let [x, y, z] = &spheres.center;
     ([x[lane], y[lane], z[lane]], spheres.radius[lane])
 }

@@ -56,7 +56,7 @@ pub(crate) fn two(folder: &Folder) -> [Instance; 2] {
     ]
 }
 
-pub(crate) fn centre(instance: &Instance) -> Point {
+pub(crate) fn center(instance: &Instance) -> Point {
     let corners = instance.triangles.as_flattened();
     let sum = corners
         .iter()
@@ -113,7 +113,7 @@ pub(crate) fn weighted(t: &Triangle, weights: Point) -> Point {
 fn balls_and_planes_find_what_brute_force_finds() {
     let folder = Folder::new();
     let [a, b] = two(&folder);
-    let middle = centre(&a);
+    let middle = center(&a);
     let mut queries = Vec::new();
     let mut tests: Vec<Signed> = Vec::new();
     for (i, d) in directions(40).enumerate() {
@@ -176,7 +176,7 @@ fn balls_and_planes_find_what_brute_force_finds() {
 fn nearest_points_and_first_hits_are_those_of_brute_force() {
     let folder = Folder::new();
     let [a, b] = two(&folder);
-    let middle = centre(&b);
+    let middle = center(&b);
     let mut queries = Vec::new();
     let mut expected = Vec::new();
     for (i, d) in directions(60).enumerate() {
@@ -240,7 +240,7 @@ fn nearest_points_and_first_hits_are_those_of_brute_force() {
 fn many_rays_answer_as_rays_one_by_one() {
     let folder = Folder::new();
     let [a, _] = two(&folder);
-    let middle = centre(&a);
+    let middle = center(&a);
     let (mut origins, mut towards, mut expected) = (Vec::new(), Vec::new(), Vec::new());
     for (i, d) in directions(30).enumerate() {
         let origin = away(middle, if i % 3 == 0 { 0.0 } else { 3.0 }, d);

@@ -338,7 +338,7 @@ fn what_an_asset_has_not_is_said() {
 #[test]
 fn balls_that_touch_nothing_are_asked_too() {
     let folder = Folder::new();
-    // Centres lie in a cube about a point of the surface: beside a slanted one they get farthest away.
+    // Centers lie in a cube about a point of the surface: beside a slanted one they get farthest away.
     let slanted = RawMesh {
         positions: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         triangles: vec![[0, 1, 2]],

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::oracle::{Point, Triangle, dot, norm, placed, sub, triangle_distance};
 use crate::query::{
-    EPSILON, Signed, assert_within, away, centre, directions, ids, number, two, vector, weighted,
+    EPSILON, Signed, assert_within, away, center, directions, ids, number, two, vector, weighted,
 };
 use crate::support::Folder;
 
@@ -93,7 +93,7 @@ fn contacts<'l>(line: &'l Value, triangles: &[Triangle]) -> Vec<(&'l Value, Tria
 fn capsules_find_what_brute_force_finds() {
     let folder = Folder::new();
     let [a, b] = two(&folder);
-    let middle = centre(&a);
+    let middle = center(&a);
     let mut queries = Vec::new();
     let mut tests: Vec<Signed> = Vec::new();
     for (i, d) in directions(40).enumerate() {
@@ -151,7 +151,7 @@ fn capsules_find_what_brute_force_finds() {
 fn boxes_find_what_brute_force_finds() {
     let folder = Folder::new();
     let [a, b] = two(&folder);
-    let middle = centre(&a);
+    let middle = center(&a);
     let mut queries = Vec::new();
     let mut shapes: Vec<Box3> = Vec::new();
     for (i, d) in directions(40).enumerate() {
@@ -201,7 +201,7 @@ fn boxes_find_what_brute_force_finds() {
 fn frustums_say_where_the_mesh_is() {
     let folder = Folder::new();
     let [a, b] = two(&folder);
-    let middle = centre(&b);
+    let middle = center(&b);
     let mut queries = Vec::new();
     let mut heights: Vec<Vec<[f64; 3]>> = Vec::new();
     for (i, d) in directions(60).enumerate() {

@@ -143,7 +143,7 @@ pub(crate) fn baked_with_error(
 pub(crate) fn ball_mesh() -> RawMesh {
     const RINGS: u32 = 9;
     const SEGMENTS: u32 = 14;
-    let centre = [10.0, -2.5, 0.25];
+    let center = [10.0, -2.5, 0.25];
     let mut positions = Vec::new();
     for ring in 0..=RINGS {
         let theta = std::f64::consts::PI * f64::from(ring) / f64::from(RINGS);
@@ -151,9 +151,9 @@ pub(crate) fn ball_mesh() -> RawMesh {
             let phi = std::f64::consts::TAU * f64::from(segment) / f64::from(SEGMENTS);
             let radius = 1.0 + 0.15 * (3.0 * phi).sin() * theta.sin();
             positions.push([
-                centre[0] + radius * theta.sin() * phi.cos(),
-                centre[1] + radius * theta.sin() * phi.sin(),
-                centre[2] + radius * theta.cos(),
+                center[0] + radius * theta.sin() * phi.cos(),
+                center[1] + radius * theta.sin() * phi.sin(),
+                center[2] + radius * theta.cos(),
             ]);
         }
     }

@@ -18,8 +18,10 @@ fn folder() -> Folder {
     let folder = Folder::new();
     set_mode(folder.root(), 0o755);
     let mesh = bake::bumpy_sphere(80, 1);
-    let large = bake::baked(&mesh, &bake::rigid(&mesh));
-    folder.write("large.bdt", large.asset().bytes());
+    folder.write(
+        "large.bdt",
+        bake::baked(&mesh, &bake::rigid(&mesh)).asset().bytes(),
+    );
     folder
 }
 

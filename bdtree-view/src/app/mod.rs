@@ -12,7 +12,7 @@ pub use view::{Grab, View};
 
 use bdtree_render::tightness::{growth, mean_and_max};
 use bdtree_render::{Box3, Level, NodeSphere};
-use bdtree_runtime::{Asset, Pose, Transform};
+use bdtree_runtime::{Asset, CacheSize, Instance, Pose, PoseError, Transform};
 use bdtree_tools::deform::deformed;
 use bdtree_tools::info::Info;
 use bdtree_tools::{AssetFile, ToolError};
@@ -43,7 +43,8 @@ pub struct Spheres {
 /// The state of the viewer.
 pub struct App<'a> {
     file: &'a AssetFile,
-    asset: Asset<'a>,
+    /// As the view wants it to be, from the last [`App::refresh`] or [`App::fit`] on.
+    body: Instance,
     /// What the file holds.
     pub info: Info,
     place: Place,
@@ -70,16 +71,20 @@ impl<'a> App<'a> {
     /// q that the asset refuses, a corrupt asset.
     pub fn new(
         file: &'a AssetFile,
-        asset: Asset<'a>,
         (q, transform): (Vec<f32>, Transform),
     ) -> Result<Self, ToolError> {
-        let place = Place::around(positions(file, &asset, &q, transform)?);
+        let asset = file.asset();
+        let body = Instance::with_cache(file.model(), CacheSize::NONE);
+        let mut body = body.map_err(|error| refused(file, error))?;
+        let posed = body.set_pose(&q, transform);
+        posed.map_err(|error| refused(file, error))?;
+        let place = Place::around(positions(file, &body.pose())?);
         let mut center = place.middle();
         // Beside the middle, where of most objects the surface is.
         center[1] += 0.5 * place.size();
         Ok(Self {
             file,
-            asset,
+            body,
             info: Info::of(file)?,
             place,
             view: View {
@@ -96,12 +101,12 @@ impl<'a> App<'a> {
                 has_ends: true,
                 camera: None,
             },
-            playback: Playback::new(&asset),
+            playback: Playback::new(asset),
             reach: Reach::Range,
             grab: None,
             spheres: Ok(Spheres::default()),
             answer: None,
-            asker: Asker::new(&asset),
+            asker: Asker::new(asset),
             known: None,
         })
     }
@@ -112,8 +117,8 @@ impl<'a> App<'a> {
     }
 
     /// Its view.
-    pub fn asset(&self) -> &Asset<'a> {
-        &self.asset
+    pub fn asset(&self) -> &'a Asset<'a> {
+        self.file.asset()
     }
 
     /// Where things are drawn.
@@ -123,7 +128,7 @@ impl<'a> App<'a> {
 
     /// The largest |q_j| of a slider.
     pub fn slider_end(&self, mode: usize) -> f32 {
-        let Some(record) = self.asset.modes().get(mode) else {
+        let Some(record) = self.asset().modes().get(mode) else {
             return 0.0;
         };
         match self.reach {
@@ -141,7 +146,7 @@ impl<'a> App<'a> {
 
     /// Shows the animation's moment.
     pub fn show_moment(&mut self) {
-        if let Some((q, transform)) = self.playback.posture(&self.asset) {
+        if let Some((q, transform)) = self.playback.posture(self.asset()) {
             self.view.q = q;
             self.view.transform = transform;
         }
@@ -157,10 +162,12 @@ impl<'a> App<'a> {
     /// Puts the camera where all of the mesh is seen in a picture of `aspect`.
     ///
     /// # Errors
-    /// A corrupt asset.
+    /// q that the asset refuses, a corrupt asset.
     pub fn fit(&mut self, aspect: f32) -> Result<(), ToolError> {
         let View { q, transform, .. } = &self.view;
-        let positions = positions(self.file, &self.asset, q, *transform)?;
+        let posed = self.body.set_pose(q, *transform);
+        posed.map_err(|error| refused(self.file, error))?;
+        let positions = positions(self.file, &self.body.pose())?;
         let bounds = Box3::around(positions.map(|p| self.place.shown(p)));
         self.view.camera = Some(View::camera_around(&bounds, aspect));
         Ok(())
@@ -174,45 +181,39 @@ impl<'a> App<'a> {
         let has_level = is_posed && known.is_some_and(|k| k.level == view.level);
         let is_asked = is_posed
             && known.is_some_and(|k| (k.has_probe, k.probe) == (view.has_probe, view.probe));
+        if has_level && is_asked {
+            return false;
+        }
+        let posed = self.body.set_pose(&view.q, view.transform);
+        let posed = posed.map_err(|error| error.to_string());
+        let pose = self.body.pose();
         if !has_level {
             self.spheres = match view.level {
-                Some(level) => self.spheres_of(level),
+                Some(level) => posed.clone().and_then(|()| Spheres::of(&pose, level)),
                 None => Ok(Spheres::default()),
             };
         }
         if !is_asked {
-            let View {
-                q,
-                transform,
-                probe,
-                ..
-            } = &self.view;
-            self.answer = self
-                .view
-                .has_probe
-                .then(|| self.asker.ask(&self.asset, q, transform, *probe));
+            let asked = view.has_probe.then_some(view.probe);
+            self.answer = asked.map(|probe| posed.and_then(|()| self.asker.ask(&pose, probe)));
         }
-        let has_changed = !(has_level && is_asked);
-        if has_changed {
-            self.known = Some(self.view.clone());
-        }
-        has_changed
+        self.known = Some(view.clone());
+        true
     }
+}
 
-    fn spheres_of(&self, level: usize) -> Result<Spheres, String> {
-        let View { q, transform, .. } = &self.view;
-        let mut memory = vec![0.0; self.asset.pose_len()];
-        let pose = Pose::new(&self.asset, q, *transform, &mut memory);
-        let pose = pose.map_err(|error| error.to_string())?;
-        let level = Level::of(&self.asset, &pose, level);
+impl Spheres {
+    /// Those of a level that bound something.
+    fn of(pose: &Pose<'_>, level: usize) -> Result<Self, String> {
+        let level = Level::of(pose, level);
         let mut spheres = level.map_err(|error| error.to_string())?.spheres;
         // Others say nothing, and every query looks below them.
-        spheres.retain(|s| s.radius.is_finite() && s.centre.iter().all(|x| x.is_finite()));
+        spheres.retain(|s| s.radius.is_finite() && s.center.iter().all(|x| x.is_finite()));
         let growths: Vec<f64> = spheres
             .iter()
             .map(|s| growth(s.radius, s.rest_radius))
             .collect();
-        Ok(Spheres {
+        Ok(Self {
             mean_and_max: mean_and_max(&growths),
             spheres,
             growths,
@@ -220,18 +221,19 @@ impl<'a> App<'a> {
     }
 }
 
+/// A posture that the asset refuses.
+fn refused(file: &AssetFile, error: PoseError) -> ToolError {
+    ToolError::Input(vec![format!("{}: {error}", file.path().display())])
+}
+
 /// The deformed vertices of triangles (world).
 fn positions(
     file: &AssetFile,
-    asset: &Asset<'_>,
-    q: &[f32],
-    transform: Transform,
-) -> Result<impl Iterator<Item = [f64; 3]>, ToolError> {
-    let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(asset, q, transform, &mut memory)
-        .map_err(|error| ToolError::Input(vec![format!("{}: {error}", file.path().display())]))?;
-    let all = deformed(file, asset, &pose)?;
-    let corners = asset.triangles().iter().flat_map(|record| record.corners);
+    pose: &Pose<'_>,
+) -> Result<impl Iterator<Item = [f64; 3]> + use<>, ToolError> {
+    let all = deformed(file, pose)?;
+    let triangles = pose.asset().triangles().iter();
+    let corners = triangles.flat_map(|record| record.corners);
     let mut used: Vec<u32> = corners.collect();
     used.sort_unstable();
     used.dedup();

@@ -3,14 +3,12 @@
 use std::time::{Duration, Instant};
 
 use bdtree_render::NodeSphere;
-use bdtree_runtime::{
-    Asset, Contact, LeafSlot, NodeSlot, Pose, StackEntry, StepCache, Transform, query,
-};
+use bdtree_runtime::{Asset, Ball, CacheSize, Contact, Pose, StepCache, Workspace};
 
 /// The ball (world).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Probe {
-    /// Its centre.
+    /// Its center.
     pub center: [f64; 3],
     /// Its radius.
     pub radius: f64,
@@ -34,7 +32,7 @@ impl Answer {
     pub fn depth(&self) -> Option<f64> {
         self.contacts
             .iter()
-            .map(|contact| -contact.dist)
+            .map(|contact| -contact.distance)
             .reduce(f64::max)
     }
 }
@@ -42,56 +40,43 @@ impl Answer {
 /// Memory for the queries of an asset.
 #[derive(Debug)]
 pub struct Asker {
-    pose: Vec<f32>,
-    stack: Vec<StackEntry>,
-    cache: StepCache<Vec<NodeSlot>, [LeafSlot; 0]>,
+    workspace: Workspace<'static>,
+    cache: StepCache<'static>,
 }
 
 impl Asker {
     /// For an asset.
     pub fn new(asset: &Asset<'_>) -> Self {
-        let slots = vec![NodeSlot::EMPTY; asset.node_count()];
+        let nodes = asset.node_count();
         Self {
-            pose: vec![0.0; asset.pose_len()],
-            stack: vec![StackEntry::default(); asset.stack_len()],
-            cache: StepCache::new(slots, [LeafSlot::EMPTY; 0]),
+            workspace: Workspace::new(),
+            cache: StepCache::new(CacheSize { nodes, leaves: 0 }),
         }
     }
 
-    /// What a probe touches of the asset at q.
+    /// What a probe touches of a pose of the asset.
     ///
     /// # Errors
-    /// In words: q, placement or probe that the runtime refuses, a corrupt asset.
-    pub fn ask(
-        &mut self,
-        asset: &Asset<'_>,
-        q: &[f32],
-        transform: &Transform,
-        probe: Probe,
-    ) -> Result<Answer, String> {
-        let Probe { center, radius } = probe;
-        let pose = Pose::new(asset, q, *transform, &mut self.pose).map_err(|e| e.to_string())?;
+    /// In words: a probe that the runtime refuses, a corrupt asset.
+    pub fn ask(&mut self, pose: &Pose<'_>, probe: Probe) -> Result<Answer, String> {
+        let ball = Ball::new(probe.center, probe.radius);
         let mut contacts = Vec::new();
         let begin = Instant::now();
-        let outcome = query::ball(asset, &pose, center, radius, &mut self.stack, &mut contacts);
+        let mut query = pose.query(&mut self.workspace);
+        let asked = query.contacts(ball, &mut contacts);
         let time = begin.elapsed();
-        let outcome = outcome.map_err(|error| error.to_string())?;
+        asked.map_err(|error| error.to_string())?;
+        let nodes_visited = query.stats().nodes_visited;
         // Once more with memory for all nodes: those that are in it afterwards were visited.
-        let mut cached = self.cache.start(&pose);
+        self.cache.start(pose);
         let mut again: Vec<Contact> = Vec::new();
-        query::ball(
-            asset,
-            &mut cached,
-            center,
-            radius,
-            &mut self.stack,
-            &mut again,
-        )
-        .map_err(|error| error.to_string())?;
-        let visited: Vec<u32> = (0..asset.node_count() as u32)
-            .filter(|n| cached.keeps(*n))
+        let query = pose.query(&mut self.workspace);
+        let asked = query.cached(&mut self.cache).contacts(ball, &mut again);
+        asked.map_err(|error| error.to_string())?;
+        let visited: Vec<u32> = (0..pose.asset().node_count() as u32)
+            .filter(|n| self.cache.keeps(*n))
             .collect();
-        let spheres = NodeSphere::of_nodes(asset, &pose, visited.iter().copied());
+        let spheres = NodeSphere::of_nodes(pose, visited.iter().copied());
         let mut ends = spheres.map_err(|error| error.to_string())?;
         ends.retain(|sphere| {
             let is_visited = |child: u32| visited.binary_search(&child).is_ok();
@@ -99,7 +84,7 @@ impl Asker {
         });
         Ok(Answer {
             contacts,
-            nodes_visited: outcome.nodes_visited,
+            nodes_visited,
             time,
             ends,
         })

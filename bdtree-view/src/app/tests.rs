@@ -12,7 +12,7 @@ fn with_file(name: &str, test: impl FnOnce(App<'_>)) {
     let file = AssetFile::read(&golden::folder().join(name)).expect("a golden file");
     let asset = file.checked_asset(true).expect("sound");
     let q = vec![0.0; asset.mode_count()];
-    test(App::new(&file, asset, (q, Transform::IDENTITY)).expect("a state"));
+    test(App::new(&file, (q, Transform::IDENTITY)).expect("a state"));
 }
 
 #[test]
@@ -32,14 +32,14 @@ fn a_probe_finds_what_testing_every_triangle_finds() {
             .as_ref()
             .expect("answered");
 
-        let mut memory = vec![0.0; app.asset.pose_len()];
-        let pose = Pose::new(&app.asset, &app.view.q, app.view.transform, &mut memory).unwrap();
+        let mut memory = vec![0.0; app.asset().pose_len()];
+        let View { q, transform, .. } = &app.view;
+        let pose = app.asset().pose(q, *transform, &mut memory).unwrap();
         let Probe { center, radius } = app.view.probe;
         let mut expected = BTreeSet::new();
         let mut depth = f64::NEG_INFINITY;
-        for id in 0..app.asset.triangle_count() as u32 {
-            let corners = app.asset.triangle(TriangleId(id)).unwrap();
-            let corners = corners.map(|v| app.asset.deformed(&pose, v).unwrap());
+        for id in 0..app.asset().triangle_count() as u32 {
+            let corners = pose.deformed_triangle(TriangleId(id)).unwrap();
             let closest = narrow::closest_point(center, &corners);
             if closest.distance <= radius {
                 expected.insert(id);
@@ -51,12 +51,12 @@ fn a_probe_finds_what_testing_every_triangle_finds() {
         assert_eq!(found, expected);
         assert_eq!(found.len(), answer.contacts.len(), "each once");
         assert!((answer.depth().unwrap() - depth).abs() < 1e-12);
-        assert!((1..=app.asset.node_count() as u64).contains(&answer.nodes_visited));
+        assert!((1..=app.asset().node_count() as u64).contains(&answer.nodes_visited));
         // What was found hangs below a sphere in which the query ended.
         for contact in &answer.contacts {
             let is_in = |s: &NodeSphere| {
                 let apart = (0..3)
-                    .map(|k| (contact.point[k] - s.centre[k]).powi(2))
+                    .map(|k| (contact.point[k] - s.center[k]).powi(2))
                     .sum::<f64>();
                 apart.sqrt() <= s.radius
             };
@@ -82,19 +82,19 @@ fn a_probe_that_is_refused_says_why() {
 #[test]
 fn moments_are_frames_and_what_lies_between() {
     with_file("animated.bdt", |mut app| {
-        let count = app.asset.frame_count();
+        let count = app.asset().frame_count();
         assert!(count > 2);
         for index in 0..count {
             app.playback.go_to(index);
             app.show_moment();
-            let frame = app.asset.frame(index).unwrap();
+            let frame = app.asset().frame(index).unwrap();
             assert_eq!(app.view.q, frame.q());
             assert_eq!(
                 app.view.transform.translation,
                 frame.transform().translation
             );
         }
-        let frames = [0, 1].map(|i| app.asset.frame(i).unwrap());
+        let frames = [0, 1].map(|i| app.asset().frame(i).unwrap());
         let [from, to] = frames.map(|frame| frame.time_s().unwrap());
         app.playback.go_to(0);
         app.playback.is_playing = true;
@@ -200,7 +200,7 @@ fn all_of_the_mesh_is_seen() {
         app.view.q = vec![0.5, -0.5];
         app.fit(0.8).unwrap();
         let camera = app.view.camera.unwrap();
-        let at_q = positions(app.file, &app.asset, &app.view.q, app.view.transform).unwrap();
+        let at_q = positions(app.file, &app.body.pose()).unwrap();
         let mut seen = Box3::EMPTY;
         for p in at_q {
             let [x, y] = camera.project(app.place.shown(p), [800, 1000]).unwrap();

@@ -82,7 +82,7 @@ fn with_app(name: &str, ball: Option<ProbeText>, test: impl FnOnce(App<'_>)) {
     let file = AssetFile::read(&file(name)).expect("a golden file");
     let asset = file.checked_asset(true).expect("sound");
     let posture = (vec![0.0; asset.mode_count()], Transform::IDENTITY);
-    let mut app = App::new(&file, asset, posture).expect("a state");
+    let mut app = App::new(&file, posture).expect("a state");
     if let Some(ProbeText { center, radius }) = ball {
         app.view.has_probe = true;
         app.view.probe = Probe { center, radius };
@@ -95,7 +95,7 @@ fn with_app(name: &str, ball: Option<ProbeText>, test: impl FnOnce(App<'_>)) {
 /// Width and height of the picture.
 const OF_PICTURE: [u32; 2] = [SIZE[0] - EDGE, SIZE[1]];
 
-/// Where the probe's centre is on the screen.
+/// Where the probe's center is on the screen.
 fn probe_of(app: &App<'_>) -> [f32; 2] {
     let camera = app.view.camera.expect("a camera");
     let center = app.place().shown(app.view.probe.center);

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use bdtree_fixtures::golden;
 use bdtree_render::Level;
-use bdtree_runtime::{Pose, Transform};
+use bdtree_runtime::Transform;
 use bdtree_tools::AssetFile;
 use bdtree_view::app::App;
 use display::{Display, Picture, Running};
@@ -126,18 +126,19 @@ fn spheres(display: &Display, q: &[f32], options: &[&str]) -> (Picture, Vec<Disc
     let picture = screenshot(display, &path, &all);
     let file = AssetFile::read(&path).expect("a golden file");
     let asset = file.checked_asset(true).expect("sound");
-    let mut app = App::new(&file, asset, (q.to_vec(), Transform::IDENTITY)).expect("a state");
+    let mut app = App::new(&file, (q.to_vec(), Transform::IDENTITY)).expect("a state");
     let size = [SIZE[0] - EDGE, SIZE[1]];
     app.fit(size[0] as f32 / size[1] as f32).expect("a camera");
     let camera = app.view.camera.expect("a camera");
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(&asset, q, Transform::IDENTITY, &mut memory).expect("a pose");
-    let level = Level::of(&asset, &pose, 0).expect("spheres");
+    let pose = asset.pose(q, Transform::IDENTITY, &mut memory);
+    let pose = pose.expect("a pose");
+    let level = Level::of(&pose, 0).expect("spheres");
     let seen = level.spheres.iter().map(|sphere| {
-        let centre = app.place().shown(sphere.centre);
-        let [x, y] = camera.project(centre, size).expect("in front");
+        let center = app.place().shown(sphere.center);
+        let [x, y] = camera.project(center, size).expect("in front");
         let away = (0..3)
-            .map(|k| (centre[k] - camera.eye[k]).powi(2))
+            .map(|k| (center[k] - camera.eye[k]).powi(2))
             .sum::<f32>()
             .sqrt();
         let radius = app.place().shown_length(sphere.radius);

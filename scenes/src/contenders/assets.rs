@@ -7,19 +7,18 @@ use std::path::Path;
 use std::time::UNIX_EPOCH;
 
 use bdtree_build::basis::Basis;
-use bdtree_build::error::BakeError;
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_measure::Body;
 use bdtree_fixtures::models;
-use bdtree_runtime::AlignedBytes;
+use bdtree_measure::Body;
+use bdtree_runtime::Model;
 
-/// The file of a body, kept under `target/workloads/`: its name says which build made it.
+/// The model of a body, whose file is kept under `target/workloads/`: its name says which build made it.
 ///
 /// # Errors
 /// A body that cannot be baked, a file that cannot be read or written.
-pub fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
+pub fn baked(body: &Body) -> Result<Model, Box<dyn Error>> {
     let program = std::env::current_exe()?;
     let made = fs::metadata(&program)?;
     let age = made.modified()?.duration_since(UNIX_EPOCH)?.as_millis();
@@ -28,10 +27,10 @@ pub fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
     let stem = format!("{name}-{count}-m{}-", body.modes);
     let path = folder.join(format!("{stem}{age:x}-{:x}.bdt", made.len()));
     if path.exists() {
-        return Ok(AlignedBytes::read(&path)?);
+        return Ok(Model::read(&path)?);
     }
     eprintln!("baking {}, {} modes", body.name, body.modes);
-    let bytes = baked_mesh(&body.mesh(), &body.basis())?;
+    let model = baked_mesh(&body.mesh(), &body.basis())?;
     fs::create_dir_all(&folder)?;
     // Those of earlier builds are of no use any more; another program may be at it too.
     for entry in fs::read_dir(&folder)? {
@@ -44,19 +43,19 @@ pub fn baked(body: &Body) -> Result<AlignedBytes, Box<dyn Error>> {
             }
         }
     }
-    models::write(&path, &bytes)?;
-    Ok(bytes)
+    models::write(&path, model.asset().bytes())?;
+    Ok(model)
 }
 
-/// The file of a mesh and its modes, with the settings that a bake has by itself.
+/// The model of a mesh and its modes, with the settings that a bake has by itself.
 ///
 /// # Errors
 /// Those of the bake.
-pub fn baked_mesh(mesh: &RawMesh, basis: &Basis) -> Result<AlignedBytes, BakeError> {
+pub fn baked_mesh(mesh: &RawMesh, basis: &Basis) -> Result<Model, Box<dyn Error>> {
     let settings = BakeSettings {
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         ..BakeSettings::default()
     };
     let baked = bake_fields(mesh, basis, &settings, &Provenance::default(), &Silent)?;
-    Ok(AlignedBytes::copy_of(&baked.bytes))
+    Ok(Model::from_bytes(&baked.bytes)?)
 }

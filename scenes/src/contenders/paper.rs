@@ -34,11 +34,11 @@ impl<'a> Instance<'a> {
     }
 
     /// Begins a step; gives the pose and the rest of the instance.
-    fn pose(&mut self, q: &[f32], place: &Place) -> (Pose<'_>, &Asset<'a>, &mut Memory) {
-        let pose = Pose::new(&self.asset, q, place.transform(), &mut self.numbers);
+    fn pose(&mut self, q: &[f32], place: &Place) -> (Pose<'_>, &mut Memory) {
+        let pose = self.asset.pose(q, place.transform(), &mut self.numbers);
         let pose = pose.expect("q within limits");
-        self.memory.begin_step(&self.asset, &pose);
-        (pose, &self.asset, &mut self.memory)
+        self.memory.begin_step(&pose);
+        (pose, &mut self.memory)
     }
 }
 
@@ -52,9 +52,10 @@ pub fn plain_ball<'a>(tree: &'a PlainTree, asset: Asset<'a>, work: &'a Curtain) 
         let ball = work.ball(frame);
         let start = Clock::start();
         let place = Place::IDENTITY.transform();
-        let pose = Pose::new(&asset, work.q(frame), place, &mut numbers).expect("q within limits");
-        step.prepare(&asset, &pose);
-        tree.ball(&asset, &pose, &step, ball, &mut stack, &mut found);
+        let pose = asset.pose(work.q(frame), place, &mut numbers);
+        let pose = pose.expect("q within limits");
+        step.prepare(&pose);
+        tree.ball(&pose, &step, ball, &mut stack, &mut found);
         of(start, found.len())
     })
 }
@@ -67,8 +68,8 @@ pub fn ball<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Curtain) -> Ent
         found.clear();
         let ball = work.ball(frame);
         let start = Clock::start();
-        let (pose, asset, memory) = body.pose(work.q(frame), &Place::IDENTITY);
-        let mut spheres = memory.at(asset, &pose);
+        let (pose, memory) = body.pose(work.q(frame), &Place::IDENTITY);
+        let mut spheres = memory.at(&pose);
         tree.walk_ball(&mut spheres, ball, &mut found);
         of(start, found.len())
     })
@@ -83,11 +84,11 @@ pub fn pair<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Bodies) -> Entr
         let ([qa, qb], place) = (work.q(frame), &work.places[frame]);
         let start = Clock::start();
         let [a, b] = &mut bodies;
-        let (pose_a, asset_a, memory_a) = a.pose(qa, &Place::IDENTITY);
-        let (pose_b, asset_b, memory_b) = b.pose(qb, place);
+        let (pose_a, memory_a) = a.pose(qa, &Place::IDENTITY);
+        let (pose_b, memory_b) = b.pose(qb, place);
         PaperTree::walk_pair(
-            (tree, &mut memory_a.at(asset_a, &pose_a)),
-            (tree, &mut memory_b.at(asset_b, &pose_b)),
+            (tree, &mut memory_a.at(&pose_a)),
+            (tree, &mut memory_b.at(&pose_b)),
             &Between::new(&Place::IDENTITY, place),
             &mut found,
         );
@@ -104,8 +105,8 @@ pub fn ray<'a>(
     let mut body = Instance::new(tree, asset);
     Entry::new(NAME, Role::Baseline, Counts::Same, move |frame| {
         let start = Clock::start();
-        let (pose, asset, memory) = body.pose(work.q(frame), &Place::IDENTITY);
-        let mut spheres = memory.at(asset, &pose);
+        let (pose, memory) = body.pose(work.q(frame), &Place::IDENTITY);
+        let mut spheres = memory.at(&pose);
         let mut found = 0;
         for [origin, direction] in work.of(frame, count) {
             found += usize::from(tree.walk_ray(&mut spheres, origin, direction).is_some());
@@ -127,18 +128,19 @@ pub fn pile<'a>(tree: &'a PaperTree, asset: Asset<'a>, work: &'a Pile) -> Entry<
             .enumerate()
             .map(|(i, numbers)| {
                 let place = work.place(step, i).transform();
-                Pose::new(&asset, work.q(step, i), place, numbers).expect("q within limits")
+                let pose = asset.pose(work.q(step, i), place, numbers);
+                pose.expect("q within limits")
             })
             .collect();
         for (memory, pose) in memories.iter_mut().zip(&poses) {
-            memory.begin_step(&asset, pose);
+            memory.begin_step(pose);
         }
         for [i, j] in &work.pairs {
             let (i, j) = (*i as usize, *j as usize);
             let (low, high) = memories.split_at_mut(j);
             PaperTree::walk_pair(
-                (tree, &mut low[i].at(&asset, &poses[i])),
-                (tree, &mut high[0].at(&asset, &poses[j])),
+                (tree, &mut low[i].at(&poses[i])),
+                (tree, &mut high[0].at(&poses[j])),
                 &Between::new(work.place(step, i), work.place(step, j)),
                 &mut found,
             );

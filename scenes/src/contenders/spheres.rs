@@ -4,9 +4,7 @@ use std::error::Error;
 
 use bdtree_format::{LANES, ROW_RADIUS};
 use bdtree_measure::paper_tree::{PaperTree, Spheres, Step};
-use bdtree_runtime::{Asset, Contact, Pose, StackEntry, query};
-
-use bdtree_measure::ours;
+use bdtree_runtime::{Ball, CacheSize, Contact, Pose, StepCache, Workspace};
 
 /// Tests, and how much larger than at rest the tested spheres were.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -68,14 +66,11 @@ impl<S: Spheres> Spheres for Counting<'_, S> {
 ///
 /// # Errors
 /// Records that break the format's rules.
-pub fn lane_growths(
-    asset: &Asset<'_>,
-    pose: &Pose<'_>,
-    index: u32,
-) -> Result<Vec<f64>, Box<dyn Error>> {
+pub fn lane_growths(pose: &Pose<'_>, index: u32) -> Result<Vec<f64>, Box<dyn Error>> {
+    let asset = pose.asset();
     let node = &asset.nodes()[index as usize];
     let rest = asset.node_rows(node)?.leading[ROW_RADIUS];
-    let spheres = asset.node_spheres(pose, index)?;
+    let spheres = pose.node_spheres(index)?;
     let taken = (0..LANES).filter(|k| (node.inner_mask | node.leaf_mask) >> k & 1 == 1);
     let growths = taken.map(|k| f64::from(spheres.radius[k]) / f64::from(rest[k]));
     Ok(growths.collect())
@@ -87,38 +82,36 @@ pub fn lane_growths(
 /// # Errors
 /// Those of the query.
 pub fn of_ball(
-    asset: &Asset<'_>,
     pose: &Pose<'_>,
     (center, radius): ([f64; 3], f64),
 ) -> Result<(Tested, u64), Box<dyn Error>> {
     // With a slot for every node what is kept is what was visited.
-    let mut cache = ours::cache(asset.node_count(), 0);
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let nodes = pose.asset().node_count();
+    let mut cache = StepCache::new(CacheSize { nodes, leaves: 0 });
+    cache.start(pose);
+    let mut workspace = Workspace::new();
     let mut found: Vec<Contact> = Vec::new();
-    let mut kept = cache.start(pose);
-    let outcome = query::ball(asset, &mut kept, center, radius, &mut stack, &mut found)?;
+    let mut query = pose.query(&mut workspace).cached(&mut cache);
+    query.contacts(Ball::new(center, radius), &mut found)?;
     let mut tested = Tested::default();
-    for index in (0..asset.node_count() as u32).filter(|index| kept.keeps(*index)) {
-        for growth in lane_growths(asset, pose, index)? {
+    for index in (0..nodes as u32).filter(|index| cache.keeps(*index)) {
+        for growth in lane_growths(pose, index)? {
             tested.tests += 1;
             tested.growth += growth;
         }
     }
-    Ok((tested, outcome.nodes_visited))
+    Ok((tested, workspace.stats().nodes_visited))
 }
 
 /// Sum and number of R'/R over all spheres above a thousandth of the largest: the product's and the paper's.
 ///
 /// # Errors
 /// Records that break the format's rules.
-pub fn sum_growths(
-    asset: &Asset<'_>,
-    tree: &PaperTree,
-    pose: &Pose<'_>,
-) -> Result<[[f64; 2]; 2], Box<dyn Error>> {
+pub fn sum_growths(tree: &PaperTree, pose: &Pose<'_>) -> Result<[[f64; 2]; 2], Box<dyn Error>> {
+    let asset = pose.asset();
     let mut sums = [[0.0; 2]; 2];
     let mut step = Step::default();
-    step.prepare(asset, pose);
+    step.prepare(pose);
     let least = tree.numbers(0)[0][3] * 1e-3;
     let mut add = |who: usize, growth: f64| {
         sums[who][0] += growth;
@@ -126,7 +119,7 @@ pub fn sum_growths(
     };
     for index in 0..asset.node_count() as u32 {
         let rest = asset.node_rows(&asset.nodes()[index as usize])?.leading[ROW_RADIUS];
-        let spheres = asset.node_spheres(pose, index)?;
+        let spheres = pose.node_spheres(index)?;
         for k in (0..LANES).filter(|k| rest[*k] > least) {
             add(0, f64::from(spheres.radius[k] / rest[k]));
         }

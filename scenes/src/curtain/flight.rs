@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use bdtree_runtime::{Asset, Contact, Pose, StackEntry, Transform, query};
+use bdtree_runtime::{Asset, Ball, Contact, Transform, Workspace};
 
 /// Seconds from frame to frame.
 const FRAME: f64 = 1.0 / 30.0;
@@ -19,7 +19,7 @@ const GRAVITY: f64 = 9.81;
 /// Share of the speed along the normal that is left after a contact.
 const RESTITUTION: f64 = 0.8;
 
-/// Centre and radius in every frame; `q` holds the frames' coordinates. The curtain throws the ball back as a
+/// Center and radius in every frame; `q` holds the frames' coordinates. The curtain throws the ball back as a
 /// wall would, and so does the floor at y = 0.
 ///
 /// # Errors
@@ -31,13 +31,14 @@ pub(super) fn flight(
 ) -> Result<Vec<[f32; 4]>, Box<dyn Error>> {
     let [mut place, mut speed] = START;
     let mut memory = vec![0.0; asset.pose_len()];
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let mut workspace = Workspace::new();
     let mut found: Vec<Contact> = Vec::new();
     let radius = f64::from(radius);
     let mut all = Vec::new();
     for q in q.chunks_exact(asset.mode_count()) {
         all.push([place[0], place[1], place[2], radius].map(|x| x as f32));
-        let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory)?;
+        let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
+        let mut query = pose.query(&mut workspace);
         for _ in 0..STEPS {
             let step = FRAME / STEPS as f64;
             speed[1] -= GRAVITY * step;
@@ -45,8 +46,10 @@ pub(super) fn flight(
                 place[k] += step * speed[k];
             }
             found.clear();
-            query::ball(asset, &pose, place, radius, &mut stack, &mut found)?;
-            let deepest = found.iter().min_by(|a, b| a.dist.total_cmp(&b.dist));
+            query.contacts(Ball::new(place, radius), &mut found)?;
+            let deepest = found
+                .iter()
+                .min_by(|a, b| a.distance.total_cmp(&b.distance));
             if let Some(contact) = deepest {
                 bounce(&mut speed, contact.normal);
             }

@@ -7,7 +7,7 @@ use bdtree_measure::Place;
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::paper_tree::{BallCounts, Layered, Memory, PaperTree, PlainTree, Step};
 use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer};
-use bdtree_runtime::{Asset, Contact, Pose, Transform};
+use bdtree_runtime::{Asset, Contact, Transform};
 use serde_json::{Value, json};
 
 use super::Arguments;
@@ -115,14 +115,14 @@ fn tests(
     let mut lazy = Memory::new(tree, asset);
     for frame in 0..work.balls.len() {
         let (ball, q) = (work.ball(frame), work.q(frame));
-        let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory)?;
-        let (tested, nodes) = of_ball(asset, &pose, ball)?;
+        let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
+        let (tested, nodes) = of_ball(&pose, ball)?;
         (ours, visits) = (ours.and(tested), visits + nodes);
-        step.prepare(asset, &pose);
-        let counts = plain.ball(asset, &pose, &step, ball, &mut stack, &mut found);
+        step.prepare(&pose);
+        let counts = plain.ball(&pose, &step, ball, &mut stack, &mut found);
         plainly.spheres += counts.spheres;
-        lazy.begin_step(asset, &pose);
-        let mut spheres = lazy.at(asset, &pose);
+        lazy.begin_step(&pose);
+        let mut spheres = lazy.at(&pose);
         let mut counting = Counting::new(&mut spheres);
         tree.walk_ball(&mut counting, ball, &mut found);
         wrapped = wrapped.and(counting.tested);
@@ -151,8 +151,8 @@ fn spread(asset: &Asset<'_>, work: &Curtain, tree: &PaperTree) -> Result<[f64; 2
     let mut memory = vec![0.0; asset.pose_len()];
     let mut sums = [[0.0; 2]; 2];
     for frame in 0..work.balls.len() {
-        let pose = Pose::new(asset, work.q(frame), Transform::IDENTITY, &mut memory)?;
-        let both = sum_growths(asset, tree, &pose)?;
+        let pose = asset.pose(work.q(frame), Transform::IDENTITY, &mut memory)?;
+        let both = sum_growths(tree, &pose)?;
         for (sum, [growth, count]) in sums.iter_mut().zip(both) {
             sum[0] += growth;
             sum[1] += count;

@@ -15,9 +15,9 @@ use bdtree_build::input::read_mesh;
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_measure::Body;
 use bdtree_fixtures::models::animation;
-use bdtree_runtime::{AlignedBytes, Asset};
+use bdtree_measure::Body;
+use bdtree_runtime::Model;
 use clap::Parser;
 
 use crate::report::Report;
@@ -67,8 +67,8 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
         &Provenance::default(),
         &Silent,
     )?;
-    let bytes = AlignedBytes::copy_of(&baked.bytes);
-    let asset = Asset::open(&bytes)?;
+    let model = Model::from_bytes(&baked.bytes)?;
+    let asset = model.asset();
     if asset.unit() != 1.0 || asset.origin() != [0.0; 3] {
         // Contenders would each need their own way from the world to stored units.
         return Err("the curtain is not stored in its own coordinates".into());
@@ -79,9 +79,9 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
         q.extend_from_slice(asset.frame(frame).ok_or("the file has fewer frames")?.q());
     }
     let work = Curtain {
-        balls: flight::flight(&asset, &q, arguments.radius)?,
-        body: Body::of_asset(&asset)?,
+        balls: flight::flight(asset, &q, arguments.radius)?,
+        body: Body::of_asset(asset)?,
         q,
     };
-    measure::measure(arguments, &asset, &work, pca.error.max_rel)
+    measure::measure(arguments, asset, &work, pca.error.max_rel)
 }

@@ -7,7 +7,7 @@ use bdtree_measure::clock::Clock;
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::peers::{Obvhs, Peer};
 use bdtree_measure::stats;
-use bdtree_runtime::{Asset, Pose, Transform, VertexId};
+use bdtree_runtime::{Asset, Transform, VertexId};
 use serde_json::{Value, json};
 
 use crate::contenders::assets::baked;
@@ -54,10 +54,9 @@ pub(super) fn measure(
         let side = (f64::from(*count) / 2.0).sqrt().round() as usize + 1;
         let shape = [side, side];
         let body = cloth("cloth", side, side);
-        let bytes = baked(&body)?;
-        let asset = Asset::open(&bytes)?;
-        let cases = cases(&asset, shape)?;
-        let mut figures = ours(asset, &cases, contacts, repeats)?;
+        let model = baked(&body)?;
+        let cases = cases(model.asset(), shape)?;
+        let mut figures = ours(*model.asset(), &cases, contacts, repeats)?;
         let deformer = Deformer::new(&body);
         let mut boxes = Obvhs::new(&body);
         let (mut scratch, mut found) = (Vec::new(), Vec::new());
@@ -95,8 +94,8 @@ fn cases(asset: &Asset<'_>, [across, down]: [usize; 2]) -> Result<Vec<Case>, Box
         let share = |step: f64| 0.1 + 0.8 * (0.5 + step * i as f64).fract();
         let column = (share(0.754_877_666) * (across - 1) as f64).round() as usize;
         let row = (share(0.569_840_291) * (down - 1) as f64).round() as usize;
-        let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory)?;
-        let center = asset.deformed(&pose, VertexId((row * across + column) as u32))?;
+        let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
+        let center = pose.deformed(VertexId((row * across + column) as u32))?;
         all.push(Case {
             q: q.to_vec(),
             center: center.map(|x| x as f32),

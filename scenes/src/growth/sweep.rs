@@ -4,7 +4,6 @@
 use std::error::Error;
 
 use bdtree_measure::comparison::AMOUNTS;
-use bdtree_runtime::Asset;
 use serde_json::{Value, json};
 
 use super::step::{Contenders, Crossing, Point};
@@ -118,9 +117,13 @@ fn with_contenders(
     measure: impl FnOnce(&mut Contenders<'_>) -> Result<(), Box<dyn Error>>,
 ) -> Result<(), Box<dyn Error>> {
     let body = blob_with("blob", n, setting.modes, 3);
-    let bytes = baked(&body)?;
-    let asset = Asset::open(&bytes)?;
-    let mut contenders = Contenders::new(asset, &body, setting.displacement, setting.radius);
+    let model = baked(&body)?;
+    let Setting {
+        displacement,
+        radius,
+        ..
+    } = *setting;
+    let mut contenders = Contenders::new(*model.asset(), &body, displacement, radius);
     measure(&mut contenders)
 }
 

@@ -7,7 +7,7 @@ use std::error::Error;
 use bdtree_measure::Place;
 use bdtree_measure::paper_tree::{Layered, PaperTree, Spheres, Step};
 use bdtree_render::tightness::growth;
-use bdtree_runtime::{Asset, Pose, Transform, VertexId};
+use bdtree_runtime::{Asset, Transform, VertexId};
 use nalgebra::Vector3;
 
 use sphere::Sphere;
@@ -114,12 +114,12 @@ impl<'a> Hierarchies<'a> {
     pub fn posed(&self, q: &[f32]) -> Result<Posed, Box<dyn Error>> {
         let asset = &self.asset;
         let mut memory = vec![0.0; asset.pose_len()];
-        let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory)?;
+        let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
         let mut step = Step::default();
-        step.prepare(asset, &pose);
+        step.prepare(&pose);
         let mut layered = Layered::new(&self.tree, 3 * asset.vertex_count());
         for (v, out) in (0..).zip(layered.vertices.as_chunks_mut::<3>().0) {
-            *out = asset.deformed_stored(&pose, VertexId(v))?;
+            *out = pose.deformed_stored(VertexId(v))?;
         }
         layered.refit(&self.tree, &Place::IDENTITY);
         Ok(Posed {

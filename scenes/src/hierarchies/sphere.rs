@@ -71,7 +71,7 @@ impl Sphere {
 /// That of the smallest ball around points.
 fn center(points: &[Vector3<f64>]) -> Vector3<f64> {
     let points: Vec<[f64; 3]> = points.iter().map(|p| (*p).into()).collect();
-    smallest_ball(&points).centre.into()
+    smallest_ball(&points).center.into()
 }
 
 fn farthest(arms: &[Vector3<f64>]) -> f64 {

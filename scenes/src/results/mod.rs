@@ -12,7 +12,6 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use bdtree_measure::machine;
-use bdtree_runtime::Asset;
 use clap::Parser;
 use serde_json::json;
 
@@ -99,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let repeats = if arguments.small { 1 } else { 8 };
     // First what is timed most finely.
     let chair = tables::chair()?;
-    let updates = updates::measure(&Asset::open(&chair)?, repeats)?;
+    let updates = updates::measure(chair.asset(), repeats)?;
     let reports = [
         curtain::run(&curtain::Arguments::parse_from(curtain))?,
         growth::run(&growth::Arguments::parse_from(growth))?,

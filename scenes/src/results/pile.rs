@@ -2,7 +2,6 @@
 
 use std::error::Error;
 
-use bdtree_runtime::Asset;
 use serde_json::{Value, json};
 
 use crate::contenders::assets::baked;
@@ -13,8 +12,8 @@ use bdtree_measure::turns::{Counts, Entry, Role, Rounds, TOTAL, Turns, compare};
 /// Times over those of rigid bodies, in total and per contact.
 pub(super) fn measure(repeats: usize) -> Result<Value, Box<dyn Error>> {
     let work = pile::pile();
-    let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
-    let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
+    let (model, rigid) = (baked(&work.body)?, baked(&work.body.rigid())?);
+    let (asset, rigid) = (*model.asset(), *rigid.asset());
     let mut ours = OurPile::new(asset, NODES);
     let mut still = OurPile::new(rigid, NODES);
     let mut rest = OurPile::new(asset, NODES).at_rest();

@@ -11,7 +11,7 @@ use bdtree_measure::paper_tree::{PaperTree, Step};
 use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer};
 use bdtree_measure::stats::median;
 use bdtree_measure::{Body, Place};
-use bdtree_runtime::{Asset, Pose, Transform};
+use bdtree_runtime::{Asset, Transform};
 use serde_json::{Value, json};
 
 /// Nodes whose numbers stay in near caches.
@@ -25,14 +25,14 @@ pub(super) fn measure(asset: &Asset<'_>, repeats: usize) -> Result<Value, Box<dy
         .map(|mode| 0.5 * mode.q_range.get())
         .collect();
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(asset, &q, Transform::IDENTITY, &mut memory)?;
+    let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
     let tree = Rc::new(PaperTree::build(asset));
     let mut step = Step::default();
-    step.prepare(asset, &pose);
+    step.prepare(&pose);
     let near = NEAR.min(asset.node_count());
     let ours = span(repeats, || {
         for i in 0..near {
-            black_box(asset.node_spheres(&pose, i as u32).ok());
+            black_box(pose.node_spheres(i as u32).ok());
         }
     });
     let near_theirs = NEAR.min(tree.node_count());

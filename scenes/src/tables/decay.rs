@@ -25,7 +25,7 @@ pub(super) struct Decay {
     ours: Vec<f64>,
 }
 
-/// ‖ΔR‖₂ of the paper's nodes (Ū the mean) and of our spheres around the same triangles (Ū the centre of the
+/// ‖ΔR‖₂ of the paper's nodes (Ū the mean) and of our spheres around the same triangles (Ū the center of the
 /// smallest ball).
 pub(super) fn measure(mesh: Mesh, trees: &Hierarchies<'_>) -> Result<Decay, Box<dyn Error>> {
     let mut sums = vec![(0.0, 0.0); trees.depth()];

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::hierarchies::{Hierarchies, Kind};
 use crate::report::{Cell, Table};
 
-/// ΔR is at most this times L R where Ū is the centre of the smallest ball (Jung's theorem in space).
+/// ΔR is at most this times L R where Ū is the center of the smallest ball (Jung's theorem in space).
 const JUNG: f64 = 1.224_744_871_391_589;
 
 /// What rounding to f32 may add, relative.
@@ -136,7 +136,7 @@ impl Points {
     }
 }
 
-/// The paper's spheres (mean Ū) and ours (ball-centred Ū) of all nodes of at most `most` vertices.
+/// The paper's spheres (mean Ū) and ours (ball-centerd Ū) of all nodes of at most `most` vertices.
 pub(super) fn measure(
     asset: &Asset<'_>,
     trees: &Hierarchies<'_>,
@@ -176,7 +176,7 @@ pub(super) fn measure(
 pub(super) fn table(most: u16) -> Table {
     let title = format!(
         "Appendix A: ΔR_j / (L_j R) over all nodes of at most {most} vertices and all modes, which may not exceed \
-         2 (Ū the mean) or √(3/2) (Ū the centre of the smallest ball); where L_j exceeds the parent's; and share \
+         2 (Ū the mean) or √(3/2) (Ū the center of the smallest ball); where L_j exceeds the parent's; and share \
          of nodes and modes where ΔR_j exceeds δR."
     );
     Table::new(

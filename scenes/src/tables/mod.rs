@@ -9,11 +9,10 @@ mod subjects;
 mod ways;
 
 use std::error::Error;
-use std::fs;
 use std::path::PathBuf;
 
 use bdtree_measure::Body;
-use bdtree_runtime::{AlignedBytes, Asset};
+use bdtree_runtime::{Asset, Model};
 use clap::Parser;
 use serde_json::{Value, json};
 
@@ -126,15 +125,15 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
     let mut lipschitz = lipschitz::table(arguments.pair_vertices);
     let (mut results, mut charts) = (Vec::new(), Vec::new());
     for mesh in &arguments.meshes {
-        let bytes = subjects::baked(*mesh)?;
-        let asset = Asset::open(&bytes)?;
-        let trees = Hierarchies::new(asset);
+        let model = subjects::baked(*mesh)?;
+        let asset = model.asset();
+        let trees = Hierarchies::new(*asset);
         let name = mesh.name();
-        sizes.rows.push(sizes_row(*mesh, &asset, &trees));
+        sizes.rows.push(sizes_row(*mesh, asset, &trees));
         let decay = decay::measure(*mesh, &trees)?;
-        let (ratios, mut value) = figure.add(name, &asset, &trees, arguments)?;
+        let (ratios, mut value) = figure.add(name, asset, &trees, arguments)?;
         levels.rows.extend(ratios.level_rows(name));
-        let pairs = lipschitz::measure(&asset, &trees, usize::from(arguments.pair_vertices))?;
+        let pairs = lipschitz::measure(asset, &trees, usize::from(arguments.pair_vertices))?;
         lipschitz.rows.extend(pairs.iter().map(|p| p.row(name)));
         if *mesh == Mesh::Chair {
             charts.push(ratios.chart());
@@ -157,19 +156,13 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
     }
     let mut of_files = Vec::new();
     for path in &arguments.files {
-        let mut add = || {
-            let bytes = AlignedBytes::copy_of(&fs::read(path)?);
-            let asset = Asset::open(&bytes)?;
-            let name = path
-                .file_stem()
-                .unwrap_or(path.as_os_str())
-                .to_string_lossy();
-            let (_, mut value) = figure.add(&name, &asset, &Hierarchies::new(asset), arguments)?;
-            value["file"] = json!(name);
-            Ok(value)
-        };
-        let value: Result<Value, Box<dyn Error>> = add();
-        of_files.push(value.map_err(|error| format!("{}: {error}", path.display()))?);
+        let model = Model::read(path)?;
+        let (asset, name) = (model.asset(), path.file_stem().unwrap_or(path.as_os_str()));
+        let (name, trees) = (name.to_string_lossy(), Hierarchies::new(*asset));
+        let added = figure.add(&name, asset, &trees, arguments);
+        let (_, mut value) = added.map_err(|error| format!("{}: {error}", path.display()))?;
+        value["file"] = json!(name);
+        of_files.push(value);
     }
     charts.insert(0, decay::chart(&decays));
     let picture = sheet(&charts)?;
@@ -189,11 +182,11 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
     })
 }
 
-/// The file of the chair with its ten modes.
+/// The chair with its ten modes.
 ///
 /// # Errors
 /// A fixture that cannot be made or baked.
-pub fn chair() -> Result<AlignedBytes, Box<dyn Error>> {
+pub fn chair() -> Result<Model, Box<dyn Error>> {
     subjects::baked(Mesh::Chair)
 }
 

@@ -1,8 +1,8 @@
 //! Ways to deform a body as far as figure 6 asks for.
 
+use bdtree_fixtures::poses;
 use bdtree_measure::Body;
 use bdtree_measure::deform::Deformer;
-use bdtree_fixtures::poses;
 use bdtree_runtime::Asset;
 use rand::{Rng, RngExt};
 

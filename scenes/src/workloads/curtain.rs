@@ -24,7 +24,7 @@ pub struct Curtain {
     pub body: Body,
     /// q, frame after frame.
     pub q: Vec<f32>,
-    /// Centre and radius.
+    /// Center and radius.
     pub balls: Vec<[f32; 4]>,
 }
 

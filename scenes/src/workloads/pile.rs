@@ -35,7 +35,7 @@ pub fn pile() -> Pile {
     let mut stream = Stream::new(10);
     let mut q = vec![0.0_f32; STEPS * COUNT * MODES];
     let mut places = vec![Place::IDENTITY; STEPS * COUNT];
-    let mut centres = Vec::with_capacity(COUNT);
+    let mut centers = Vec::with_capacity(COUNT);
     // A lattice along the axes would flatter trees of boxes.
     let tilt = matrix(stream.rotation());
     for i in 0..COUNT {
@@ -43,21 +43,21 @@ pub fn pile() -> Pile {
         let turn = stream.rotation();
         let cell = [i % SIDE, i / SIDE % SIDE, i / (SIDE * SIDE)];
         let cell = cell.map(|k| 2.11 * k as f64 + 0.03 * stream.signed());
-        let centre = tilt.map(|row| row[0] * cell[0] + row[1] * cell[1] + row[2] * cell[2]);
+        let center = tilt.map(|row| row[0] * cell[0] + row[1] * cell[1] + row[2] * cell[2]);
         let drift = stream.direction();
         for t in 0..STEPS {
             let at = (t * COUNT + i) * MODES;
             q[at..at + MODES].copy_from_slice(&own[t * MODES..(t + 1) * MODES]);
             let far = 0.01 * t as f64;
-            let centre = [0, 1, 2].map(|k| centre[k] + far * drift[k]);
-            places[t * COUNT + i] = Place::new(turn, centre);
+            let center = [0, 1, 2].map(|k| center[k] + far * drift[k]);
+            places[t * COUNT + i] = Place::new(turn, center);
         }
-        centres.push(centre);
+        centers.push(center);
     }
     let mut pairs = Vec::new();
     for i in 0..COUNT {
         for j in i + 1..COUNT {
-            let apart = [0, 1, 2].map(|k| (centres[i][k] - centres[j][k]).powi(2));
+            let apart = [0, 1, 2].map(|k| (centers[i][k] - centers[j][k]).powi(2));
             if apart[0] + apart[1] + apart[2] < 2.5 * 2.5 {
                 pairs.push([i as u32, j as u32]);
             }

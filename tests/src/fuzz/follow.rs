@@ -15,7 +15,7 @@ use bdtree_build::input::volume::surface;
 use bdtree_build::input::{RawMesh, RawModel};
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_runtime::{AlignedBytes, Asset, Contact, Pose, StackEntry, query};
+use bdtree_runtime::{Ball, CacheSize, Contact, Model, Shape, Workspace};
 use bdtree_tools::scene::{Query, Scene};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -123,8 +123,8 @@ fn bake_and_ask(mesh: &RawMesh, basis: &Basis, rng: &mut Pcg64Mcg) -> Result<(),
         ..BakeSettings::default()
     };
     let baked = bake_fields(mesh, basis, &settings, &Provenance::default(), &Silent)?;
-    let bytes = AlignedBytes::copy_of(&baked.bytes);
-    let asset = Asset::open(&bytes).expect("a baked file opens");
+    let model = Model::from_bytes(&baked.bytes).expect("a baked file opens");
+    let asset = model.asset();
     let sound = asset.verify(&mut |error| {
         eprintln!("{error}");
         ControlFlow::Continue(())
@@ -132,24 +132,26 @@ fn bake_and_ask(mesh: &RawMesh, basis: &Basis, rng: &mut Pcg64Mcg) -> Result<(),
     assert!(sound, "a baked file is not sound");
     let q = match rng.random_range(0..4) {
         0 => {
-            let hard = poses::hard_qs(&asset);
+            let hard = poses::hard_qs(asset);
             hard[rng.random_range(0..hard.len())].clone()
         }
-        _ => poses::random_q(&asset, 0.2, rng),
+        _ => poses::random_q(asset, 0.2, rng),
     };
     let place = poses::random_transform(1.0, rng);
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(&asset, &q, place, &mut memory).expect("a pose");
-    let body = oracle::deformed_triangles(&asset, &pose);
+    let pose = asset.pose(&q, place, &mut memory).expect("a pose");
+    let body = oracle::deformed_triangles(&pose);
     let farthest = body.as_flattened().as_flattened().iter();
     let farthest = farthest.fold(0.0_f64, |m, x| m.max(x.abs()));
     if farthest < CHECKED_MAX {
-        check_pose([asset], &q, place, rng.random_range(0..u64::MAX), 1);
+        check_pose([*asset], &q, place, rng.random_range(0..u64::MAX), 1);
     } else if farthest < ASKED_MAX {
         let (center, radius) = (body[0][0], 0.5 * farthest);
-        let mut stack = vec![StackEntry::default(); asset.stack_len()];
+        let mut workspace = Workspace::new();
         let mut found: Vec<Contact> = Vec::new();
-        query::ball(&asset, &pose, center, radius, &mut stack, &mut found).expect("a ball");
+        let mut query = pose.query(&mut workspace);
+        let coverage = query.contacts(Ball::new(center, radius), &mut found);
+        coverage.expect("a ball");
         let mut found: Vec<u32> = found.iter().map(|contact| contact.triangle.0).collect();
         found.sort_unstable();
         let expected = oracle::ball(&body, center, radius);
@@ -173,34 +175,36 @@ fn check_answers(path: &Path, lines: &str) {
     if scene.options.max_depth.is_some() || scene.options.max_visits.is_some() {
         return;
     }
+    let bodies = scene.bodies(|_| CacheSize::NONE).expect("poses");
     let known = |(query, _): &(&Query, &Value)| {
         matches!(
             query,
-            Query::Ball { .. } | Query::Plane { .. } | Query::Closest { .. }
+            Query::Contacts {
+                shape: Shape::Ball(_) | Shape::HalfSpace(_),
+                ..
+            } | Query::Closest { .. }
         )
     };
     for (query, line) in scene.queries.iter().zip(&lines).filter(known).take(3) {
-        let (Query::Ball { instance, .. }
-        | Query::Plane { instance, .. }
-        | Query::Closest { instance, .. }) = *query
-        else {
+        let (Query::Contacts { instance, .. } | Query::Closest { instance, .. }) = *query else {
             continue;
         };
-        let asset = scene.files[scene.instances[instance].asset]
-            .asset()
-            .expect("asset");
-        let mut memory = vec![0.0; asset.pose_len()];
-        let pose = scene.pose(instance, &mut memory).expect("pose");
-        let body = oracle::deformed_triangles(&asset, &pose);
+        let body = oracle::deformed_triangles(&bodies[instance].pose());
         let ids = |found: Vec<u32>| serde_json::json!(found);
         match *query {
-            Query::Ball { center, radius, .. } => {
-                let found = oracle::ball(&body, center, radius);
+            Query::Contacts {
+                shape: Shape::Ball(ball),
+                ..
+            } => {
+                let found = oracle::ball(&body, ball.center, ball.radius);
                 let found = found.into_iter().map(|(id, _)| id).collect();
                 assert_eq!(line["triangles"], ids(found), "{query:?}");
             }
-            Query::Plane { normal, offset, .. } => {
-                let found = oracle::plane(&body, oracle::unit(normal), offset);
+            Query::Contacts {
+                shape: Shape::HalfSpace(below),
+                ..
+            } => {
+                let found = oracle::plane(&body, oracle::unit(below.normal), below.offset);
                 assert_eq!(line["triangles"], ids(found), "{query:?}");
             }
             Query::Closest {

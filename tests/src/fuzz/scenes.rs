@@ -12,14 +12,16 @@ pub(super) fn write_assets(folder: &Path) {
     let ball = bake::bumpy_sphere(5, 1);
     let moving = bake::baked(&ball, &bake::smooth_basis(&ball, 3, 1));
     let small = bake::bumpy_sphere(3, 2);
+    let rigid = bake::baked(&small, &bake::rigid(&small));
     let frames = bake::with_frames(bake::smooth_basis(&small, 2, 1), 3, 0.5, 1);
-    let mut damaged = moving.to_vec();
+    let frames = bake::baked(&small, &frames);
+    let mut damaged = moving.asset().bytes().to_vec();
     let last = damaged.len() - 1;
     damaged[last] ^= 1;
     let files: [(&str, &[u8]); 5] = [
-        ("a.bdt", &moving),
-        ("rigid.bdt", &bake::baked(&small, &bake::rigid(&small))),
-        ("frames.bdt", &bake::baked(&small, &frames)),
+        ("a.bdt", moving.asset().bytes()),
+        ("rigid.bdt", rigid.asset().bytes()),
+        ("frames.bdt", frames.asset().bytes()),
         ("damaged.bdt", &damaged),
         ("empty.bdt", &[]),
     ];

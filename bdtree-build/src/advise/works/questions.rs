@@ -5,6 +5,7 @@ use bdtree_runtime::{Asset, Pose, Ray, Transform, VertexId, Workspace};
 use super::{BALL_RADIUS_REL, BALLS, Contender, RAYS, Works, WorksError, poses};
 use crate::advise::samples::Samples;
 use crate::report::random::Random;
+use crate::vec3::{bounds, cross, diagonal, dot, norm};
 
 /// How far the second instance stands off, over the box's longest side: the first of these at which half of the
 /// samples touch, else the one at which most do.
@@ -55,22 +56,16 @@ struct Space {
 
 impl Space {
     fn of(asset: &Asset<'_>) -> Self {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let (origin, unit) = (asset.origin(), asset.unit());
         let corners = asset.triangles().iter().flat_map(|t| t.corners);
         // Corners that are no vertices are met again, and named, where they are deformed.
-        for p in corners.filter_map(|corner| asset.positions().get(corner as usize)) {
-            for k in 0..3 {
-                let x = origin[k] + unit * f64::from(p[k]);
-                low[k] = low[k].min(x);
-                high[k] = high[k].max(x);
-            }
-        }
-        let square: f64 = (0..3).map(|k| (high[k] - low[k]).max(0.0).powi(2)).sum();
+        let positions = corners.filter_map(|corner| asset.positions().get(corner as usize));
+        let place = |p: &[f32; 3]| [0, 1, 2].map(|k| origin[k] + unit * f64::from(p[k]));
+        let (low, high) = bounds(positions.map(place));
         Self {
             low,
             high,
-            diagonal: square.sqrt(),
+            diagonal: diagonal((low, high)),
         }
     }
 
@@ -78,7 +73,7 @@ impl Space {
         [0, 1, 2].map(|k| 0.5 * self.low[k] + 0.5 * self.high[k])
     }
 
-    /// A point one diagonal from the centre (one unit where all is one point).
+    /// A point one diagonal from the center (one unit where all is one point).
     fn outside(&self, direction: [f64; 3]) -> [f64; 3] {
         let far = if self.diagonal > 0.0 {
             self.diagonal
@@ -89,7 +84,7 @@ impl Space {
         [0, 1, 2].map(|k| center[k] + far * direction[k])
     }
 
-    /// Where the second instance stands: turned about the box's centre, and off along the longest side.
+    /// Where the second instance stands: turned about the box's center, and off along the longest side.
     fn placed(&self, apart: f64) -> Transform {
         let side = [0, 1, 2].map(|k| self.high[k] - self.low[k]);
         let longest = (1..3).fold(0, |best, k| if side[k] > side[best] { k } else { best });
@@ -116,12 +111,7 @@ impl Space {
 fn rotate(x: [f64; 3]) -> [f64; 3] {
     let (sin, cos) = TURN_RAD.sin_cos();
     let n = TURN_AXIS;
-    let along: f64 = (0..3).map(|k| n[k] * x[k]).sum();
-    let across = [
-        n[1] * x[2] - n[2] * x[1],
-        n[2] * x[0] - n[0] * x[2],
-        n[0] * x[1] - n[1] * x[0],
-    ];
+    let (along, across) = (dot(n, x), cross(n, x));
     [0, 1, 2].map(|k| cos * x[k] + sin * across[k] + (1.0 - cos) * along * n[k])
 }
 
@@ -129,9 +119,9 @@ fn rotate(x: [f64; 3]) -> [f64; 3] {
 fn direction(random: &mut Random) -> [f64; 3] {
     loop {
         let v = [(); 3].map(|()| 2.0 * random.unit() - 1.0);
-        let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if (0.1..=1.0).contains(&norm) {
-            return v.map(|x| x / norm);
+        let length = norm(v);
+        if (0.1..=1.0).contains(&length) {
+            return v.map(|x| x / length);
         }
     }
 }

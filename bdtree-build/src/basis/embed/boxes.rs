@@ -93,8 +93,8 @@ impl BoxTree {
         let axis = (0..3).fold(0, |best, a| if side(a) > side(best) { a } else { best });
         let middle = items.len() / 2;
         items.select_nth_unstable_by(middle, |(i, x), (j, y)| {
-            let centre = |b: &Aabb| 0.5 * b.low[axis] + 0.5 * b.high[axis];
-            centre(x).total_cmp(&centre(y)).then(i.cmp(j))
+            let center = |b: &Aabb| 0.5 * b.low[axis] + 0.5 * b.high[axis];
+            center(x).total_cmp(&center(y)).then(i.cmp(j))
         });
         self.build(start, start + middle);
         self.nodes[node].second = self.nodes.len() as u32;

@@ -1,6 +1,6 @@
 //! The point of a face nearest to a point in space.
 
-use crate::elastic::vec3::{add, cross, dot, scale, sub};
+use crate::vec3::{add, cross, dot, scale, sub};
 
 /// The weights of the corners at the point of a triangle nearest to `p`, and the square of the
 /// distance.

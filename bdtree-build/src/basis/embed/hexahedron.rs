@@ -1,7 +1,7 @@
 //! Trilinear weights in a hexahedron: the inverse of the map from the unit cube.
 
-use crate::elastic::vec3::{cross, dot, norm, scale, sub};
-use crate::input::volume::trilinear::{self, CORNERS, at, determinant, tangents};
+use crate::input::volume::trilinear::{self, CORNERS, at, inverse, tangents};
+use crate::vec3::{dot, norm, sub};
 
 /// Sub-boxes that are looked at, at most, before a point counts as outside.
 const BOXES: usize = 4096;
@@ -103,12 +103,4 @@ fn newton(values: &[[f64; 3]; 8], start: [f64; 3], zero: f64) -> Option<[f64; 3]
         }
     }
     at(values, xi).iter().all(|f| f.abs() <= zero).then_some(xi)
-}
-
-/// The rows of the inverse of the matrix of these columns.
-fn inverse(columns: [[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
-    let [a, b, c] = columns;
-    let factor = 1.0 / determinant(columns);
-    let rows = [cross(b, c), cross(c, a), cross(a, b)].map(|row| scale(row, factor));
-    rows.iter().flatten().all(|x| x.is_finite()).then_some(rows)
 }

@@ -2,8 +2,8 @@
 
 use super::boxes::{Aabb, BoxTree};
 use super::{Embedding, face, hexahedron, reach, tetrahedron};
-use crate::elastic::vec3::{norm, sub};
 use crate::input::volume::{Face, RawVolume, boundary};
+use crate::vec3::{norm, sub};
 
 /// A volume with trees over its elements and the faces of its boundary.
 pub(super) struct Places<'v> {

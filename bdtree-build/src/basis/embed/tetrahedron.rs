@@ -2,8 +2,8 @@
 
 use super::face::triangle;
 use super::{SMALLEST, reach};
-use crate::elastic::vec3::{add, dot, norm, scale, sub};
 use crate::input::volume::trilinear::inverse;
+use crate::vec3::{add, dot, norm, scale, sub};
 
 /// The weights of `p`; `None` outside, by more than rounding.
 ///

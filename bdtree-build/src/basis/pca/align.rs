@@ -27,17 +27,17 @@ pub(super) fn align(
         About::Mean => ROUNDS_MAX,
     };
     progress.stage("align", Some(rounds as u64 + 1));
-    let frame_centres = frame_centres(snapshots)?;
-    let centre = centroid(positions);
+    let frame_centers = frame_centers(snapshots)?;
+    let center = centroid(positions);
     let mut shape = positions.to_vec();
-    let mut motions = vec![RigidMotion::IDENTITY; frame_centres.len()];
+    let mut motions = vec![RigidMotion::IDENTITY; frame_centers.len()];
     progress.advance(1);
     for round in 0..rounds {
         // The first round fits to `positions` as they are.
-        let (moments, change) = fit(snapshots, &frame_centres, centre, &mut shape, round > 0)?;
+        let (moments, change) = fit(snapshots, &frame_centers, center, &mut shape, round > 0)?;
         let mut near = RigidMotion::IDENTITY;
-        for ((motion, moments), to) in motions.iter_mut().zip(moments).zip(&frame_centres) {
-            *motion = nearest_motion(moments, centre, *to, &near);
+        for ((motion, moments), to) in motions.iter_mut().zip(moments).zip(&frame_centers) {
+            *motion = nearest_motion(moments, center, *to, &near);
             near = *motion;
         }
         snapshots.motions = motions.iter().map(Motion::from).collect();
@@ -50,7 +50,7 @@ pub(super) fn align(
 }
 
 /// The mean position of the vertices of each frame.
-fn frame_centres(snapshots: &Snapshots<'_>) -> Result<Vec<[f64; 3]>, BakeError> {
+fn frame_centers(snapshots: &Snapshots<'_>) -> Result<Vec<[f64; 3]>, BakeError> {
     let count = snapshots.sequence.vertex_count() as f64;
     let mut sums = vec![[0.0; 3]; snapshots.sequence.frame_count()];
     let mut values = Vec::new();
@@ -79,12 +79,12 @@ type Moments = [[f64; 3]; 3];
 /// `renew`; and how far that moved it, relative to its size.
 fn fit(
     snapshots: &Snapshots<'_>,
-    frame_centres: &[[f64; 3]],
-    centre: [f64; 3],
+    frame_centers: &[[f64; 3]],
+    center: [f64; 3],
     shape: &mut [[f64; 3]],
     renew: bool,
 ) -> Result<(Vec<Moments>, f64), BakeError> {
-    let mut all = vec![[[0.0; 3]; 3]; frame_centres.len()];
+    let mut all = vec![[[0.0; 3]; 3]; frame_centers.len()];
     let (mut change, mut size) = (0.0, 0.0);
     let (mut values, mut aligned, mut old) = (Vec::new(), Vec::new(), Vec::new());
     for vertices in snapshots.chunks() {
@@ -99,16 +99,16 @@ fn fit(
             mean(&aligned, rows, shape);
             for (new, old) in shape.iter().zip(&old) {
                 change += (0..3).map(|k| (new[k] - old[k]).powi(2)).sum::<f64>();
-                size += (0..3).map(|k| (new[k] - centre[k]).powi(2)).sum::<f64>();
+                size += (0..3).map(|k| (new[k] - center[k]).powi(2)).sum::<f64>();
             }
         }
-        let frames = values.chunks_exact(rows).zip(frame_centres);
+        let frames = values.chunks_exact(rows).zip(frame_centers);
         for (moments, (column, to)) in all.iter_mut().zip(frames) {
             for (x, y) in column.as_chunks::<3>().0.iter().zip(shape.iter()) {
                 let x: [f64; 3] = std::array::from_fn(|b| x[b] - to[b]);
                 for a in 0..3 {
                     for b in 0..3 {
-                        moments[a][b] += (y[a] - centre[a]) * x[b];
+                        moments[a][b] += (y[a] - center[a]) * x[b];
                     }
                 }
             }

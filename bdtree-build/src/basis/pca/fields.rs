@@ -8,9 +8,10 @@ use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 
 use super::snapshots::Snapshots;
 use super::tsqr::Spectrum;
-use crate::elastic::canonical;
+use crate::elastic::solve::canonical;
 use crate::error::{BakeError, Part};
 use crate::progress::Progress;
+use crate::vec3::bounds;
 
 /// The first modes.
 pub(super) struct Fields {
@@ -97,7 +98,7 @@ fn project(
     progress.stage("fields", Some(snapshots.chunks().count() as u64));
     for vertices in snapshots.chunks() {
         let rows = 3 * vertices.len();
-        snapshots.read_centred(&vertices, rest, &mut values)?;
+        snapshots.read_centerd(&vertices, rest, &mut values)?;
         let x = MatRef::from_column_major_slice(&values, rows, frames);
         let all = MatMut::from_column_major_slice_mut(fields.as_flattened_mut(), 3 * n, count);
         let mut u = all.subrows_mut(3 * vertices.start, rows);
@@ -145,13 +146,7 @@ fn turn(modes: &mut Fields, rest: &[[f64; 3]], first: usize, len: usize) {
 /// Scalar products of the columns of `u` with test fields of unit length: the monomials of the
 /// rest positions up to third degree, along each axis.
 fn along_test_fields(u: MatRef<'_, f64>, rest: &[[f64; 3]]) -> Mat<f64> {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in rest {
-        for a in 0..3 {
-            low[a] = low[a].min(p[a]);
-            high[a] = high[a].max(p[a]);
-        }
-    }
+    let (low, high) = bounds(rest.iter().copied());
     let reach = (0..3).map(|a| high[a] - low[a]).fold(0.0, f64::max);
     let reach = if reach > 0.0 { reach } else { 1.0 };
     let exponents: Vec<[i32; 3]> = (0..=3)

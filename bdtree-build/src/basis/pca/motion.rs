@@ -168,8 +168,8 @@ mod tests {
             for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
                 for angle in [-1.0, -1e-3, 1e-3, 1.0] {
                     let more = rotation(&turn(axis, angle, [0.0; 3])) * rotation(&found);
-                    let centre = Vector3::from(mean(&to));
-                    let shift = centre - more * Vector3::from(mean(&BODY));
+                    let center = Vector3::from(mean(&to));
+                    let shift = center - more * Vector3::from(mean(&BODY));
                     let other = RigidMotion {
                         rotation: [more.i, more.j, more.k, more.w],
                         translation: shift.into(),

@@ -4,7 +4,7 @@ use super::align::align;
 use super::fields::{fields, held};
 use super::measure;
 use super::rank::{Rank, Rounding, rank};
-use super::snapshots::{Snapshots, centre, mean};
+use super::snapshots::{Snapshots, center, mean};
 use super::tsqr::{Spectrum, Tsqr};
 use super::{About, PcaOptions};
 use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
@@ -62,7 +62,7 @@ impl<'a> Reduction<'a> {
             if options.about == About::Mean {
                 mean(&values, rows, rest);
             }
-            centre(&mut values, rest);
+            center(&mut values, rest);
             tsqr.add(&values);
             progress.advance(1);
         }

@@ -60,7 +60,7 @@ impl<'a> Snapshots<'a> {
     }
 
     /// The rows of `vertices`, aligned, minus their rest positions.
-    pub(super) fn read_centred(
+    pub(super) fn read_centerd(
         &self,
         vertices: &Range<usize>,
         rest: &[[f64; 3]],
@@ -68,13 +68,13 @@ impl<'a> Snapshots<'a> {
     ) -> Result<(), BakeError> {
         self.read(vertices, values)?;
         self.align(values);
-        centre(values, &rest[vertices.clone()]);
+        center(values, &rest[vertices.clone()]);
         Ok(())
     }
 }
 
 /// Subtracts `rest` from every column.
-pub(super) fn centre(values: &mut [f64], rest: &[[f64; 3]]) {
+pub(super) fn center(values: &mut [f64], rest: &[[f64; 3]]) {
     let rest = rest.as_flattened();
     for column in values.chunks_exact_mut(rest.len().max(1)) {
         for (value, rest) in column.iter_mut().zip(rest) {

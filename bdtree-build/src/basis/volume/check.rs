@@ -2,11 +2,12 @@
 
 use super::VolumeOptions;
 use crate::basis::elastic::ElasticOptions;
-use crate::elastic::assemble::NodeLists;
-use crate::elastic::law::Law;
+use crate::elastic::element::NodeLists;
+use crate::elastic::element::material::Material;
 use crate::elastic::volume::Model;
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::volume::{RawMaterial, RawVolume};
+use crate::vec3::{bounds, norm, sub};
 
 /// Elements whose least Jacobian determinant is below this share of their longest edge's cube are
 /// flat to rounding.
@@ -58,7 +59,7 @@ pub(super) fn model(
     warnings: &mut Vec<String>,
 ) -> Result<(Model, Units), BakeError> {
     let mut found = Problems::new("basis");
-    let file = Place::file(volume.name.as_str());
+    let file = Place::file(&volume.name);
     let place = |part| file.clone().at(part);
     for (n, p) in volume.nodes.iter().enumerate() {
         // Products of three lengths must stay finite.
@@ -125,7 +126,7 @@ pub(super) fn model(
         materials: materials
             .iter()
             .map(|m| {
-                let law = Law::new(m.young_pa / young_pa, m.poisson);
+                let law = Material::new(m.young_pa / young_pa, m.poisson);
                 (law, m.density_kg_m3 / density)
             })
             .collect(),
@@ -165,7 +166,7 @@ fn materials(
         m.poisson = options.poisson.unwrap_or(m.poisson);
         m.density_kg_m3 = options.density_kg_m3.unwrap_or(m.density_kg_m3);
         let name = m.name.clone().unwrap_or_else(|| (n + 1).to_string());
-        let place = || Place::file(volume.name.as_str()).at(Part::Material(name.clone()));
+        let place = || Place::file(&volume.name).at(Part::Material(name.clone()));
         for (what, value) in [
             ("Young's modulus", m.young_pa),
             ("density", m.density_kg_m3),
@@ -192,7 +193,7 @@ fn mean_edge(nodes: &[[f64; 3]], elements: &NodeLists) -> f64 {
     for corners in elements.iter() {
         for pair in corners.windows(2) {
             let [a, b] = [pair[0], pair[1]].map(|n| nodes[n as usize]);
-            sum += crate::elastic::vec3::norm(crate::elastic::vec3::sub(a, b));
+            sum += norm(sub(a, b));
             count += 1;
         }
     }
@@ -201,13 +202,8 @@ fn mean_edge(nodes: &[[f64; 3]], elements: &NodeLists) -> f64 {
 
 /// Middle of the box around the elements.
 fn middle(nodes: &[[f64; 3]], elements: &NodeLists) -> [f64; 3] {
-    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &n in elements.iter().flatten() {
-        for a in 0..3 {
-            lo[a] = lo[a].min(nodes[n as usize][a]);
-            hi[a] = hi[a].max(nodes[n as usize][a]);
-        }
-    }
+    let corners = elements.iter().flatten();
+    let (lo, hi) = bounds(corners.map(|&n| nodes[n as usize]));
     std::array::from_fn(|a| 0.5 * (lo[a] + hi[a]))
 }
 

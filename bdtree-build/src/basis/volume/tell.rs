@@ -1,75 +1,82 @@
 //! Warnings and errors in words.
 
 use super::VolumeOptions;
-use crate::elastic::factor::FactorError;
-use crate::elastic::joints::{BLOCKS_MAX, TooManyBlocks};
+use crate::elastic::assemble::joints::{BLOCKS_MAX, TooManyBlocks};
+use crate::elastic::solve::factor::FactorError;
 use crate::elastic::solve::{Solution, SolveError};
-use crate::elastic::volume::Part;
-use crate::error::{self, BakeError, Place};
+use crate::elastic::volume::Component;
+use crate::error::{BakeError, Part, Place};
 use crate::input::volume::RawVolume;
 
-/// Too many joints in the part of this node.
+/// Too many joints in the component of this node.
 pub(super) fn joints_error(volume: &RawVolume, node: u32, blocks: TooManyBlocks) -> BakeError {
     let message = format!(
         "{} blocks of elements hang together by single nodes or edges only, at most {BLOCKS_MAX} \
          can be handled",
         blocks.0
     );
-    let place = Place::file(volume.name.as_str()).at(error::Part::Body(node));
+    let place = Place::file(&volume.name).at(Part::Body(node));
     BakeError::one("basis", place, message)
 }
 
 /// Parts that bend at joints.
-pub(super) fn joints(parts: &[Part], warnings: &mut Vec<String>) {
-    for part in parts.iter().filter(|p| p.blocks.further > 0) {
-        let joint = part.blocks.joints.first();
-        let node = joint.map_or(0, |&(n, _)| part.nodes[n as usize]);
+pub(super) fn joints(components: &[Component], warnings: &mut Vec<String>) {
+    for component in components.iter().filter(|p| p.blocks.further > 0) {
+        let joint = component.blocks.joints.first();
+        let node = joint.map_or(0, |&(n, _)| component.nodes[n as usize]);
         warnings.push(format!(
             "{} blocks of elements hang together by single nodes or edges only (first: node {}); \
              what moves there without strain is left out of the modes",
-            part.blocks.further + 1,
+            component.blocks.further + 1,
             node + 1
         ));
     }
 }
 
 /// Parts that move in none of the modes.
-pub(super) fn silent(parts: &[Part], solution: &Solution, warnings: &mut Vec<String>) {
-    let mut moving = vec![false; parts.len()];
+pub(super) fn silent(components: &[Component], solution: &Solution, warnings: &mut Vec<String>) {
+    let mut moving = vec![false; components.len()];
     for mode in &solution.modes {
         moving[mode.component] = true;
     }
-    let silent: Vec<u32> = (parts.iter().zip(&moving))
+    let silent: Vec<u32> = (components.iter().zip(&moving))
         .filter(|(_, moves)| !**moves)
-        .filter_map(|(part, _)| part.nodes.first().copied())
+        .filter_map(|(component, _)| component.nodes.first().copied())
         .collect();
-    if silent.is_empty() {
-        return;
-    }
-    let names: Vec<String> = (silent.iter().take(5))
-        .map(|n| format!("node {}", n + 1))
-        .collect();
-    warnings.push(format!(
-        "{} of {} parts move in none of the {} modes (from {}{})",
-        silent.len(),
-        parts.len(),
-        solution.modes.len(),
-        names.join(", "),
-        if silent.len() > 5 { ", …" } else { "" }
-    ));
+    let nodes = silent.iter().map(|n| format!("node {}", n + 1));
+    warnings.extend(silent_warning(nodes, components.len(), "parts", solution));
+}
+
+/// That parts of a body move in none of the modes, the first few named; `None` without such parts.
+pub(crate) fn silent_warning(
+    silent: impl ExactSizeIterator<Item = String>,
+    count: usize,
+    what: &str,
+    solution: &Solution,
+) -> Option<String> {
+    let silent_count = silent.len();
+    let names: Vec<String> = silent.take(5).collect();
+    (silent_count > 0).then(|| {
+        format!(
+            "{silent_count} of {count} {what} move in none of the {} modes (from {}{})",
+            solution.modes.len(),
+            names.join(", "),
+            if silent_count > 5 { ", …" } else { "" }
+        )
+    })
 }
 
 /// Why there are no modes.
 pub(super) fn solve_error(
     error: SolveError,
     volume: &RawVolume,
-    parts: &[Part],
+    components: &[Component],
     options: &VolumeOptions,
 ) -> BakeError {
-    let file = Place::file(volume.name.as_str());
-    let part = |c: usize| {
-        let node = parts[c].nodes.first().copied().unwrap_or(0);
-        file.clone().at(error::Part::Body(node))
+    let file = Place::file(&volume.name);
+    let component = |c: usize| {
+        let node = components[c].nodes.first().copied().unwrap_or(0);
+        file.clone().at(Part::Body(node))
     };
     let (place, message) = match error {
         SolveError::Memory(bytes) => (
@@ -80,15 +87,17 @@ pub(super) fn solve_error(
                 options.memory_limit_bytes >> 20
             ),
         ),
-        SolveError::Factor(c, FactorError::Memory) => (part(c), "not enough memory".to_owned()),
+        SolveError::Factor(c, FactorError::Memory) => {
+            (component(c), "not enough memory".to_owned())
+        }
         SolveError::Factor(c, FactorError::Pivot) => (
-            part(c),
+            component(c),
             "its stiffness is not positive definite to rounding: elements may be nearly flat, or \
              a Poisson's ratio too near -1 or 0.5"
                 .to_owned(),
         ),
         SolveError::Missed(c, counted, found) => (
-            part(c),
+            component(c),
             format!("the inertia count finds {counted} modes where the iteration found {found}"),
         ),
         SolveError::Residual(worst) => (
@@ -101,7 +110,7 @@ pub(super) fn solve_error(
             ),
         ),
         SolveError::Element(c, e) => (
-            file.at(error::Part::Element(parts[c].elements[e] as usize)),
+            file.at(Part::Element(components[c].elements[e] as usize)),
             "it has no stiffness to rounding".to_owned(),
         ),
     };

@@ -1,8 +1,8 @@
 //! Small volumes against all their modes at once.
 
 use super::*;
-use crate::elastic::dense::all_modes;
-use crate::elastic::rigid::rigid_motions;
+use crate::elastic::solve::rigid::rigid_motions;
+use crate::elastic::solve::tests::dense::all_modes;
 use crate::elastic::solve::{Limits, solve};
 use crate::progress::Silent;
 
@@ -17,7 +17,10 @@ fn jittered(n: [usize; 3], tetrahedra: impl Fn(usize) -> bool, lumped: bool) -> 
         (state >> 40) as f64 / (1u64 << 24) as f64 - 0.5
     };
     let mut model = Model {
-        materials: vec![(Law::new(1.0, 0.3), 1.0), (Law::new(0.3, 0.45), 0.6)],
+        materials: vec![
+            (Material::new(1.0, 0.3), 1.0),
+            (Material::new(0.3, 0.45), 0.6),
+        ],
         lumped,
         ..Model::default()
     };
@@ -63,20 +66,20 @@ fn check(model: &Model, held: &[[bool; 3]], still: usize) {
     for e in 0..model.elements.len() {
         assert!(model.shape(e).1 > 1e-2, "element {e}");
     }
-    let parts = model.parts().expect("few blocks");
+    let components = model.components().expect("few blocks");
     let limits = Limits {
         wanted: 12,
         bytes: 1 << 30,
         verify_dof_max: 70_000,
     };
-    let sizes: Vec<usize> = parts.iter().map(|p| p.nodes.len()).collect();
-    let system = |c: usize| model.system(&parts[c], held);
+    let sizes: Vec<usize> = components.iter().map(|p| p.nodes.len()).collect();
+    let system = |c: usize| model.system(&components[c], held);
     let found = solve(&sizes, system, limits, &Silent).expect("modes");
     assert!(found.checked);
     let mut want = Vec::new();
     let mut motions = 0;
-    for part in &parts {
-        let system = model.system(part, held).expect("a system");
+    for component in &components {
+        let system = model.system(component, held).expect("a system");
         let rigid = rigid_motions(&system);
         let energy = rigid.transpose() * system.apply_stiffness(rigid.as_ref());
         for j in 0..rigid.ncols() {
@@ -95,7 +98,7 @@ fn check(model: &Model, held: &[[bool; 3]], still: usize) {
             "{} {want}",
             mode.value
         );
-        let own = &parts[mode.component].nodes;
+        let own = &components[mode.component].nodes;
         for (i, u) in mode.vector.iter().enumerate() {
             if held[own[i / 3] as usize][i % 3] {
                 assert_eq!(*u, 0.0);
@@ -160,10 +163,10 @@ fn joints_move_without_strain() {
     model.elements = NodeLists::default();
     elements.into_iter().for_each(|e| model.elements.push(e));
     model.material_of.truncate(4);
-    let parts = model.parts().expect("few blocks");
+    let components = model.components().expect("few blocks");
     // Cells 0 and 5 share an edge, 6 lies beside 5 and shares a corner with 23.
-    assert_eq!(parts.len(), 1);
-    assert_eq!(parts[0].blocks.further, 2);
+    assert_eq!(components.len(), 1);
+    assert_eq!(components[0].blocks.further, 2);
     let mut held = vec![[false; 3]; model.positions.len()];
     check(&model, &held, 6 + 1 + 3);
     let first = model.elements.get(0)[0] as usize;
@@ -179,6 +182,6 @@ fn parts_that_share_no_node_vibrate_apart() {
     model.elements = NodeLists::default();
     elements.into_iter().for_each(|e| model.elements.push(e));
     model.material_of.truncate(3);
-    assert_eq!(model.parts().expect("few blocks").len(), 2);
+    assert_eq!(model.components().expect("few blocks").len(), 2);
     check(&model, &vec![[false; 3]; model.positions.len()], 12);
 }

@@ -75,20 +75,17 @@ impl Accessors<'_> {
     ) -> Option<Elements<'_>> {
         let name = format!("accessors[{index}]");
         let Some(accessor) = self.list.get(index) else {
-            notes.problem(place, format!("there is no {name}"));
-            return None;
+            return notes.refuse(place, format!("there is no {name}"));
         };
         let (kind, wanted) = purpose.kind();
         let (Checked::Valid(component), Checked::Valid(found)) =
             (accessor.component_type, accessor.type_)
         else {
-            notes.problem(place, format!("{name} has an unknown type"));
-            return None;
+            return notes.refuse(place, format!("{name} has an unknown type"));
         };
         let component = component.0;
         if found != kind {
-            notes.problem(place, format!("{name} is not of type {wanted}"));
-            return None;
+            return notes.refuse(place, format!("{name} is not of type {wanted}"));
         }
         if let Some(wanted) = purpose.refuses(component, accessor.normalized) {
             let code = component.as_gl_enum();
@@ -96,15 +93,13 @@ impl Accessors<'_> {
                 "{name}: componentType {code} ({}) is not {wanted}",
                 word(component)
             );
-            notes.problem(place, message);
-            return None;
+            return notes.refuse(place, message);
         }
         let Some(count) = u32::try_from(accessor.count.0).ok().map(|n| n as usize) else {
-            notes.problem(
+            return notes.refuse(
                 place,
                 format!("{name} has more elements than 32 bits count"),
             );
-            return None;
         };
         let size = component.size() * kind.multiplicity();
         let base = match accessor.buffer_view {
@@ -127,8 +122,7 @@ impl Accessors<'_> {
         let is_virtual = base.is_none() && !matches!(purpose, Purpose::Displacements { .. });
         if is_virtual && (sparse.is_none() || count > VIRTUAL_COUNT_MAX) {
             let message = format!("{name} has no bufferView: its data may be in an extension");
-            notes.problem(place, message);
-            return None;
+            return notes.refuse(place, message);
         }
         Some(Elements {
             count,
@@ -149,8 +143,7 @@ impl Accessors<'_> {
         notes: &mut Notes,
     ) -> Option<(Vec<u32>, Strided<'_>)> {
         let Checked::Valid(component) = sparse.indices.component_type else {
-            notes.problem(place, format!("{name}.sparse.indices has an unknown type"));
-            return None;
+            return notes.refuse(place, format!("{name}.sparse.indices has an unknown type"));
         };
         let component = component.0;
         let Some(changed) = usize::try_from(sparse.count.0).ok().filter(|&n| n <= count) else {
@@ -158,8 +151,7 @@ impl Accessors<'_> {
                 "{name}.sparse replaces {} of {count} elements",
                 sparse.count.0
             );
-            notes.problem(place, message);
-            return None;
+            return notes.refuse(place, message);
         };
         let span = Span {
             view: sparse.indices.buffer_view.value(),
@@ -189,8 +181,7 @@ impl Accessors<'_> {
             (None, Some(i)) => format!("index {} is not above the one before it", i + 1),
             (None, None) => return Some((indices, values)),
         };
-        notes.problem(place, format!("{name}.sparse.indices: {message}"));
-        None
+        notes.refuse(place, format!("{name}.sparse.indices: {message}"))
     }
 
     /// The bytes of a span, if its view has them all.
@@ -211,8 +202,7 @@ impl Accessors<'_> {
         let stride = stride.filter(|&stride| stride > 0).unwrap_or(size);
         if stride < size {
             let message = format!("{name}: stride {stride} of bufferViews[{view}] is below {size}");
-            notes.problem(place, message);
-            return None;
+            return notes.refuse(place, message);
         }
         let length = match count.checked_sub(1) {
             Some(steps) => steps.checked_mul(stride).and_then(|n| n.checked_add(size)),

@@ -66,10 +66,7 @@ impl<'a> Buffers<'a> {
     fn buffer(&self, index: usize, notes: &mut Notes) -> Option<&[u8]> {
         let load = || match self.load(index) {
             Ok(bytes) => Some(bytes),
-            Err(message) => {
-                notes.problem(format!("buffers[{index}]"), message);
-                None
-            }
+            Err(message) => notes.refuse(format!("buffers[{index}]"), message),
         };
         self.loaded.get(index)?.get_or_init(load).as_deref()
     }

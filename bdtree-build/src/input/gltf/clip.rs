@@ -48,8 +48,7 @@ pub(super) fn read(
                     _ => format!("these do: {}", shown(&all)),
                 };
                 let message = format!("no animation called {wanted:?} moves weights; {others}");
-                notes.problem("animations", message);
-                return None;
+                return notes.refuse("animations", message);
             }
         },
     };

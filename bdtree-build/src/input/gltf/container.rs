@@ -28,21 +28,18 @@ pub(super) fn split<'a>(bytes: &'a [u8], notes: &mut Notes) -> Option<Container<
         Some(u32::from_le_bytes(*word))
     };
     let (Some(version), Some(length)) = (word(0), word(4)) else {
-        notes.problem("GLB header", "truncated: 12 bytes make a header");
-        return None;
+        return notes.refuse("GLB header", "truncated: 12 bytes make a header");
     };
     if version != 2 {
         let message = format!("version {version} at byte 4; 2 is read");
-        notes.problem("GLB header", message);
-        return None;
+        return notes.refuse("GLB header", message);
     }
     let length = length as usize;
     let found = bytes.len();
     let whole = bytes.get(..length).filter(|_| length >= GLB_BYTES_MIN);
     let Some(whole) = whole else {
         let message = format!("length {length} at byte 8, but the file has {found} bytes");
-        notes.problem("GLB header", message);
-        return None;
+        return notes.refuse("GLB header", message);
     };
     if found > length {
         let message = format!("ignored {} bytes after its end", found - length);
@@ -54,21 +51,14 @@ pub(super) fn split<'a>(bytes: &'a [u8], notes: &mut Notes) -> Option<Container<
             json: glb.json,
             binary: glb.bin,
         }),
-        Ok(Err(error)) => {
-            notes.problem("GLB chunks", error.to_string());
-            None
-        }
-        Err(panic) => {
-            notes.problem("GLB chunks", format!("damaged: {panic}"));
-            None
-        }
+        Ok(Err(error)) => notes.refuse("GLB chunks", error.to_string()),
+        Err(panic) => notes.refuse("GLB chunks", format!("damaged: {panic}")),
     }
 }
 
 fn text<'a>(bytes: &'a [u8], notes: &mut Notes) -> Option<Container<'a>> {
     if bytes.is_empty() {
-        notes.problem("", "the file is empty");
-        return None;
+        return notes.refuse("", "the file is empty");
     }
     let json = match bytes.strip_prefix(b"\xef\xbb\xbf") {
         Some(rest) => {

@@ -89,8 +89,7 @@ pub(super) fn parse(json: &[u8], notes: &mut Notes) -> Option<Document> {
     let mut value: Value = match serde_json::from_slice(json) {
         Ok(value) => value,
         Err(error) => {
-            notes.problem("JSON", error.to_string());
-            return None;
+            return notes.refuse("JSON", error.to_string());
         }
     };
     check_version(&value, notes);
@@ -211,13 +210,9 @@ fn typed<'v, T: Deserialize<'v>>(value: &'v Value, notes: &mut Notes) -> Option<
         Ok(Err(error)) => {
             let path = error.path().to_string();
             let at = if path == "." { "" } else { &path };
-            notes.problem(at, error.inner().to_string());
-            None
+            notes.refuse(at, error.inner().to_string())
         }
-        Err(panic) => {
-            notes.problem("JSON", format!("damaged: {panic}"));
-            None
-        }
+        Err(panic) => notes.refuse("JSON", format!("damaged: {panic}")),
     }
 }
 

@@ -105,8 +105,7 @@ impl Reader<'_, '_> {
         let triangles = match topology::triangles(mode, &corners) {
             Ok(triangles) => triangles,
             Err(message) => {
-                self.notes.problem(&self.place, message);
-                return None;
+                return self.notes.refuse(&self.place, message);
             }
         };
         let targets = primitive.targets.iter().flatten().enumerate();
@@ -184,8 +183,7 @@ impl Reader<'_, '_> {
                 "{} displacements for {vertex_count} vertices",
                 elements.count
             );
-            self.notes.problem(&place, message);
-            return None;
+            return self.notes.refuse(&place, message);
         }
         let displacements = elements.nonzero();
         for (i, u) in &displacements {

@@ -3,8 +3,8 @@
 use super::document::Document;
 use super::mesh::{MeshData, PrimitiveData};
 use super::nodes::Instance;
-use super::notes::{Notes, Oddity};
-use crate::input::degenerate::is_degenerate;
+use super::notes::Notes;
+use crate::input::degenerate::Oddity;
 use crate::input::{GroupKind, RawGroup, RawMesh, RawTarget};
 
 /// The morph targets that one node has of its mesh.
@@ -93,12 +93,8 @@ impl Model {
         }
         for corners in &primitive.triangles {
             let corners = corners.map(|corner| base as u32 + corner);
-            let [a, b, c] = corners;
-            let id = self.mesh.triangles.len();
-            if a == b || b == c || c == a {
-                notes.oddity(Oddity::RepeatedCorner, &path, id);
-            } else if is_degenerate(corners.map(|corner| self.mesh.positions[corner as usize])) {
-                notes.oddity(Oddity::ZeroArea, &path, id);
+            if let Some(oddity) = Oddity::of(corners, &self.mesh.positions) {
+                notes.oddity(oddity, &path, self.mesh.triangles.len());
             }
             self.mesh.triangles.push(corners);
         }

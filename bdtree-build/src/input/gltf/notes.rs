@@ -3,32 +3,10 @@
 use std::fmt::Display;
 
 use crate::error::{BakeError, Part, Place, Problems, one_line};
+use crate::input::degenerate::Oddity;
 
 /// Most odd triangles of one kind that are listed one by one.
 const ODDITY_CAP: u64 = 5;
-
-/// Something odd about a triangle that is kept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Oddity {
-    RepeatedCorner,
-    ZeroArea,
-}
-
-impl Oddity {
-    fn one(self) -> &'static str {
-        match self {
-            Oddity::RepeatedCorner => "repeats a corner",
-            Oddity::ZeroArea => "has zero area",
-        }
-    }
-
-    fn many(self) -> &'static str {
-        match self {
-            Oddity::RepeatedCorner => "triangles that repeat a corner",
-            Oddity::ZeroArea => "triangles with zero area",
-        }
-    }
-}
 
 /// The notes on one file. Places are JSON paths (`meshes[0].primitives[1]`), empty for the file as
 /// a whole.
@@ -59,6 +37,12 @@ impl Notes {
     pub(super) fn problem(&mut self, at: impl Display, message: impl Into<String>) {
         let place = place(&self.file, at);
         self.problems.add(|| (place, message));
+    }
+
+    /// The same, for what can then not be read.
+    pub(super) fn refuse<T>(&mut self, at: impl Display, message: impl Into<String>) -> Option<T> {
+        self.problem(at, message);
+        None
     }
 
     pub(super) fn warn(&mut self, at: impl Display, message: impl Display) {
@@ -102,7 +86,7 @@ impl Notes {
         if !self.problems.is_empty() {
             return Err(self.into_error());
         }
-        for kind in [Oddity::RepeatedCorner, Oddity::ZeroArea] {
+        for kind in Oddity::ALL {
             let count = self.oddities[kind as usize];
             if count > ODDITY_CAP {
                 self.warn("", format!("{} more {}", count - ODDITY_CAP, kind.many()));

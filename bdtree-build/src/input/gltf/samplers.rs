@@ -85,12 +85,10 @@ fn curve(
     let (index, animation) = animation;
     let place = format!("animations[{}].samplers[{sampler}]", index);
     let Some(sampler) = animation.samplers.get(sampler) else {
-        notes.problem(place, "there is no such element");
-        return None;
+        return notes.refuse(place, "there is no such element");
     };
     let Checked::Valid(interpolation) = sampler.interpolation else {
-        notes.problem(place, "interpolation is none of LINEAR, STEP, CUBICSPLINE");
-        return None;
+        return notes.refuse(place, "interpolation is none of LINEAR, STEP, CUBICSPLINE");
     };
     let (input, output) = (format!("{place}.input"), format!("{place}.output"));
     let times = accessors.read(sampler.input.value(), Purpose::Times, &input, notes);
@@ -98,8 +96,7 @@ fn curve(
     let (times, values) = times.zip(values)?;
     let keys = times.count;
     if keys == 0 {
-        notes.problem(input, "has no keys");
-        return None;
+        return notes.refuse(input, "has no keys");
     }
     if Curve::value_count(interpolation, keys, width) != Some(values.count) {
         let kind = match interpolation {
@@ -110,8 +107,7 @@ fn curve(
             "{} values for {keys} keys{kind} of {width} morph targets",
             values.count
         );
-        notes.problem(output, message);
-        return None;
+        return notes.refuse(output, message);
     }
     let times = times.all::<1>().into_flattened();
     let mut equal = 0;

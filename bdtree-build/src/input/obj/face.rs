@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::notes::{Notes, Oddity};
+use super::notes::Notes;
 use super::tokens;
-use crate::input::degenerate::is_degenerate;
+use crate::input::degenerate::Oddity;
 
 /// A corner's vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,11 +67,9 @@ pub(super) fn check_shape(
     line: u64,
     notes: &mut Notes<'_>,
 ) {
-    for (i, &[a, b, c]) in triangles.iter().enumerate() {
-        if a == b || b == c || c == a {
-            notes.oddity(Oddity::RepeatedCorner, line, first + i);
-        } else if is_degenerate([a, b, c].map(|corner| positions[corner as usize])) {
-            notes.oddity(Oddity::ZeroArea, line, first + i);
+    for (id, &corners) in (first..).zip(triangles) {
+        if let Some(oddity) = Oddity::of(corners, positions) {
+            notes.oddity(oddity, line, id);
         }
     }
 }

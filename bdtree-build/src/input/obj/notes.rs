@@ -3,43 +3,18 @@
 use std::collections::BTreeMap;
 
 use super::tokens;
-use crate::error::{BakeError, Part, Place, Problem};
+use crate::error::{BakeError, Part, Place, Problems};
+use crate::input::degenerate::Oddity;
 
-/// Most problems that are listed one by one.
-pub(super) const PROBLEM_CAP: usize = 100;
 /// Most warnings of one kind that are listed one by one.
 const WARNING_CAP: usize = 5;
 /// Most different unknown keywords that are listed.
 const KEYWORD_CAP: usize = 16;
 
-/// Something odd about a triangle that is kept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Oddity {
-    RepeatedCorner,
-    ZeroArea,
-}
-
-impl Oddity {
-    fn one(self) -> &'static str {
-        match self {
-            Oddity::RepeatedCorner => "repeats a corner",
-            Oddity::ZeroArea => "has zero area",
-        }
-    }
-
-    fn many(self) -> &'static str {
-        match self {
-            Oddity::RepeatedCorner => "triangles that repeat a corner",
-            Oddity::ZeroArea => "triangles with zero area",
-        }
-    }
-}
-
 /// The notes on one file.
 pub(super) struct Notes<'a> {
     place: &'a str,
-    problems: Vec<(u64, String)>,
-    problem_count: u64,
+    problems: Problems,
     oddities: [(Vec<String>, u64); 2],
     keywords: BTreeMap<String, u64>,
     other_keywords: u64,
@@ -55,8 +30,7 @@ impl<'a> Notes<'a> {
     pub(super) fn new(place: &'a str) -> Self {
         Self {
             place,
-            problems: Vec::new(),
-            problem_count: 0,
+            problems: Problems::new("input"),
             oddities: Default::default(),
             keywords: BTreeMap::new(),
             other_keywords: 0,
@@ -68,10 +42,12 @@ impl<'a> Notes<'a> {
 
     /// A problem on `line`; line 0 stands for the file as a whole.
     pub(super) fn problem(&mut self, line: u64, message: String) {
-        self.problem_count += 1;
-        if self.problems.len() < PROBLEM_CAP {
-            self.problems.push((line, message));
-        }
+        let file = Place::file(self.place);
+        let place = match line {
+            0 => file,
+            _ => file.at(Part::Line(line)),
+        };
+        self.problems.add(|| (place, message));
     }
 
     pub(super) fn oddity(&mut self, kind: Oddity, line: u64, triangle: usize) {
@@ -115,11 +91,10 @@ impl<'a> Notes<'a> {
 
     /// The warnings, if nothing is wrong.
     pub(super) fn into_warnings(mut self) -> Result<Vec<String>, BakeError> {
-        if self.problem_count > 0 {
-            return Err(self.into_error());
-        }
+        let (file, skipped) = (Place::file(self.place), self.skipped());
+        self.problems.sorted().into_result(file)?;
         let mut warnings = Vec::new();
-        for kind in [Oddity::RepeatedCorner, Oddity::ZeroArea] {
+        for kind in Oddity::ALL {
             let (listed, count) = std::mem::take(&mut self.oddities[kind as usize]);
             let more = count - listed.len() as u64;
             warnings.extend(listed);
@@ -128,7 +103,7 @@ impl<'a> Notes<'a> {
                 warnings.push(format!("{place}: {more} more {}", kind.many()));
             }
         }
-        if let Some(skipped) = self.skipped() {
+        if let Some(skipped) = skipped {
             warnings.push(format!("{}: ignored {skipped}", self.place));
         }
         if !self.keywords.is_empty() {
@@ -145,32 +120,5 @@ impl<'a> Notes<'a> {
             warnings.push(format!("{place}: ignored unknown statements: {words}"));
         }
         Ok(warnings)
-    }
-
-    fn into_error(mut self) -> BakeError {
-        // Stable: problems of one line stay in the order they were met.
-        self.problems.sort_by_key(|&(line, _)| line);
-        let more = self.problem_count - self.problems.len() as u64;
-        let file = Place::file(self.place);
-        let mut problems: Vec<Problem> = self
-            .problems
-            .into_iter()
-            .map(|(line, message)| Problem {
-                stage: "input",
-                place: match line {
-                    0 => file.clone(),
-                    _ => file.clone().at(Part::Line(line)),
-                },
-                message,
-            })
-            .collect();
-        if more > 0 {
-            problems.push(Problem {
-                stage: "input",
-                place: file,
-                message: format!("{more} more problems"),
-            });
-        }
-        BakeError { problems }
     }
 }

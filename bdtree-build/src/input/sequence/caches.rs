@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use sha2::{Digest, Sha256};
 
 use super::data::{FrameData, Order};
-use super::{Opened, Places, SUPPORTED, check_vertex_count};
+use super::{FrameSequence, Places, SUPPORTED, check_vertex_count};
 use crate::error::{BakeError, Problems};
 use crate::input::number::Number;
 use crate::input::{RawMesh, load, npy};
@@ -39,7 +39,7 @@ pub(super) fn open(
     input: Option<&RawMesh>,
     fps: Option<f64>,
     progress: &dyn Progress,
-) -> Result<Opened, BakeError> {
+) -> Result<FrameSequence, BakeError> {
     let place = path.display().to_string();
     let fail = |message: String| BakeError::one("input", path, message);
     let extension = path
@@ -80,7 +80,8 @@ pub(super) fn open(
         .map_err(|e| load::unreadable(&place, &e))?;
     problems.into_result(path)?;
     let warn = |warning| format!("{place}: {warning}");
-    Ok(Opened {
+    Ok(FrameSequence {
+        name: String::new(), // with the path
         hash: hash.finalize().into(),
         times_s: header.times_s,
         first_mesh: None,

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use super::data::{FrameData, Order, is_coordinate, what_is_wrong};
 use super::names::{self, Frames};
-use super::{Opened, Places, caches, check_vertex_count};
+use super::{FrameSequence, Places, caches, check_vertex_count};
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::number::Number;
 use crate::input::{RawMesh, load, read_mesh};
@@ -23,7 +23,7 @@ pub(super) fn open(
     input: Option<&RawMesh>,
     fps: Option<f64>,
     progress: &dyn Progress,
-) -> Result<Opened, BakeError> {
+) -> Result<FrameSequence, BakeError> {
     let place = path.display().to_string();
     let frames = names::list(path).map_err(|e| load::unreadable(&place, &e))?;
     if frames.paths.is_empty() {
@@ -147,7 +147,7 @@ impl<'a> Reader<'a> {
             .map_err(|e| spill_error(&e))
     }
 
-    fn finish(mut self, place: &str, fps: Option<f64>) -> Result<Opened, BakeError> {
+    fn finish(mut self, place: &str, fps: Option<f64>) -> Result<FrameSequence, BakeError> {
         self.problems.into_result(Place::file(place))?;
         let Some((_, first)) = self.first else {
             // Not reached: a frame that cannot be read is a problem.
@@ -168,7 +168,8 @@ impl<'a> Reader<'a> {
             .map_err(|e| spill_error(e.error()))?;
         let frame_count = self.frames.paths.len();
         let paths = self.frames.paths.iter();
-        Ok(Opened {
+        Ok(FrameSequence {
+            name: String::new(), // with the path
             hash: self.hash.finalize().into(),
             times_s: fps.map(|fps| caches::even_times(frame_count, fps)),
             warnings: self.warnings,

@@ -42,16 +42,6 @@ enum Places {
     Folder(Vec<String>),
 }
 
-/// What a reader of one format hands over.
-struct Opened {
-    hash: [u8; 32],
-    times_s: Option<Vec<f64>>,
-    first_mesh: Option<RawMesh>,
-    warnings: Vec<String>,
-    places: Places,
-    data: FrameData,
-}
-
 impl FrameSequence {
     /// The sequence at `path`: a folder of `.obj` and `.obj.gz` frames in byte order of their
     /// names, a `.pc2`, `.mdd` or `.npy` file of shape (T, N, 3).
@@ -79,33 +69,22 @@ impl FrameSequence {
             return Err(BakeError::one("input", Place::option("--fps"), message));
         }
         let meta = fs::metadata(path).map_err(|e| load::unreadable(&place, &e))?;
-        let mut opened = if meta.is_dir() {
+        let mut sequence = if meta.is_dir() {
             folder::open(path, input, fps, progress)?
         } else {
             caches::open(path, input, fps, progress)?
         };
-        load::forget_folder(path, &mut opened.warnings);
-        if let Some(mesh) = &mut opened.first_mesh {
-            load::forget_folder(path, &mut mesh.warnings);
-        }
-        let name = path.file_name().map_or_else(
+        load::forget_folder(path, &mut sequence.warnings);
+        sequence.name = path.file_name().map_or_else(
             || "frames".to_string(), // `.` and `..`
             |name| name.to_string_lossy().into_owned(),
         );
-        let first_mesh = opened.first_mesh.map(|mesh| RawMesh {
-            name: name.clone(),
-            hash: opened.hash,
-            ..mesh
-        });
-        Ok(Self {
-            name,
-            hash: opened.hash,
-            times_s: opened.times_s,
-            first_mesh,
-            warnings: opened.warnings,
-            places: opened.places,
-            data: opened.data,
-        })
+        if let Some(mesh) = &mut sequence.first_mesh {
+            load::forget_folder(path, &mut mesh.warnings);
+            mesh.name.clone_from(&sequence.name);
+            mesh.hash = sequence.hash;
+        }
+        Ok(sequence)
     }
 
     /// File or folder name without the folder it lies in.
@@ -169,11 +148,7 @@ impl FrameSequence {
                 values.len(),
                 self.vertex_count()
             );
-            return Err(BakeError::one(
-                "input",
-                Place::file(self.name.as_str()),
-                message,
-            ));
+            return Err(BakeError::one("input", Place::file(&self.name), message));
         }
         self.data
             .read(vertices, values)
@@ -184,7 +159,7 @@ impl FrameSequence {
 impl Places {
     fn of(&self, frame: usize) -> Place {
         match self {
-            Places::File(file) => Place::file(file.as_str()).at(Part::Frame(frame)),
+            Places::File(file) => Place::file(file).at(Part::Frame(frame)),
             Places::Folder(files) => match files.get(frame) {
                 Some(file) => Part::FrameFile(file.clone()).into(),
                 None => Place::NOWHERE,

@@ -5,6 +5,7 @@ use super::draft::{Draft, Element};
 use super::notes::{Notes, Tally};
 use super::shape::{Sense, hexahedron, tetrahedron};
 use crate::error::BakeError;
+use crate::vec3::bounds;
 
 /// The volume of `draft`, with every element positively oriented; name and hash are left empty.
 ///
@@ -65,14 +66,7 @@ pub(super) fn finish(mut draft: Draft, mut notes: Notes<'_>) -> Result<RawVolume
 
 /// The nodes scaled to a box of size 1, so that neither tiny nor huge volumes leave the range of f64.
 fn unit_positions(nodes: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for node in nodes {
-        for a in 0..3 {
-            low[a] = low[a].min(node[a]);
-            high[a] = high[a].max(node[a]);
-        }
-    }
+    let (low, high) = bounds(nodes.iter().copied());
     // Halves, because a difference of finite numbers may not be finite.
     let half = (0..3).fold(0.0_f64, |m, a| m.max(0.5 * high[a] - 0.5 * low[a]));
     let size = if half > 0.0 { half } else { 1.0 };

@@ -28,6 +28,17 @@ pub(super) struct Element<const N: usize> {
     pub(super) position: u64,
 }
 
+impl<const N: usize> Element<N> {
+    /// One with no more to it than its parts.
+    pub(super) fn new(corners: [u32; N], number: i64, position: u64) -> Self {
+        Self {
+            corners,
+            number,
+            position,
+        }
+    }
+}
+
 /// What an element's type number means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {

@@ -1,17 +1,13 @@
 //! What is said about a volume file: problems in file order up to a cap, and warnings.
 
-use crate::error::{BakeError, Part, Place, Problem, one_line};
-
-/// Most problems that are listed one by one.
-const PROBLEM_CAP: usize = 100;
+use crate::error::{BakeError, Part, Place, Problems, one_line};
 
 /// The notes on one file.
 pub(super) struct Notes<'a> {
     file: &'a str,
     /// Positions are bytes, not lines.
     pub(super) is_binary: bool,
-    problems: Vec<(u64, String)>,
-    problem_count: u64,
+    problems: Problems,
     warnings: Vec<String>,
 }
 
@@ -37,23 +33,20 @@ impl<'a> Notes<'a> {
         Self {
             file,
             is_binary: false,
-            problems: Vec::new(),
-            problem_count: 0,
+            problems: Problems::new("input"),
             warnings: Vec::new(),
         }
     }
 
     /// A problem at a line or byte; 0 stands for the file as a whole.
     pub(super) fn problem(&mut self, position: u64, message: String) {
-        self.problem_count += 1;
-        if self.problems.len() < PROBLEM_CAP {
-            self.problems.push((position, message));
-        }
+        let place = self.place(position);
+        self.problems.add(|| (place, message));
     }
 
     /// Something is wrong already.
     pub(super) fn has_problems(&self) -> bool {
-        self.problem_count > 0
+        !self.problems.is_empty()
     }
 
     /// Something odd at a line or byte; 0 stands for the file as a whole.
@@ -79,29 +72,9 @@ impl<'a> Notes<'a> {
     }
 
     /// The warnings, if nothing is wrong.
-    pub(super) fn into_warnings(mut self) -> Result<Vec<String>, BakeError> {
-        if !self.has_problems() {
-            return Ok(self.warnings);
-        }
-        // Stable: problems of one place stay in the order they were met.
-        self.problems.sort_by_key(|&(position, _)| position);
-        let more = self.problem_count - self.problems.len() as u64;
-        let mut problems: Vec<Problem> = self
-            .problems
-            .iter()
-            .map(|(position, message)| Problem {
-                stage: "input",
-                place: self.place(*position),
-                message: message.clone(),
-            })
-            .collect();
-        if more > 0 {
-            problems.push(Problem {
-                stage: "input",
-                place: self.place(0),
-                message: format!("{more} more problems"),
-            });
-        }
-        Err(BakeError { problems })
+    pub(super) fn into_warnings(self) -> Result<Vec<String>, BakeError> {
+        let file = Place::file(self.file);
+        self.problems.sorted().into_result(file)?;
+        Ok(self.warnings)
     }
 }

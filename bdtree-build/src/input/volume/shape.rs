@@ -1,7 +1,7 @@
 //! Whether an element has a volume, and which way round its corners go.
 
 use super::trilinear::{CORNERS, determinant, rounding, tangents};
-use crate::elastic::vec3::sub;
+use crate::vec3::sub;
 
 /// What the corners of an element enclose.
 #[derive(Debug, Clone, Copy, PartialEq)]

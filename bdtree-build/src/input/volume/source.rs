@@ -202,6 +202,12 @@ impl<'t> Source<'t> {
         }
     }
 
+    /// A number of things that follow, each of at least `each` bytes ([`Self::fits`]).
+    pub(super) fn count(&mut self, what: &str, kind: Kind, each: usize) -> Result<usize, String> {
+        let count = self.integer(what, kind)?;
+        self.fits(what, count, each)
+    }
+
     /// `count` as a number of things to come that take at least `each` bytes, if the rest of the
     /// file can hold them.
     pub(super) fn fits(&self, what: &str, count: i64, each: usize) -> Result<usize, String> {

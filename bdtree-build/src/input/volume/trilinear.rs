@@ -1,6 +1,6 @@
 //! The map from the unit cube onto a hexahedron: x(ξ) = Σ N_i(ξ) x_i.
 
-use crate::elastic::vec3::{add, cross, dot, norm, scale, sub};
+use crate::vec3::{add, cross, dot, norm, scale, sub};
 
 /// Where each corner of VTK's order lies in the unit cube.
 pub(crate) const CORNERS: [[f64; 3]; 8] = [

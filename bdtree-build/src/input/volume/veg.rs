@@ -183,21 +183,13 @@ impl<'a> Reader<'a> {
             match read(&mut self.source) {
                 Ok((number, corners)) => {
                     numbers.next(number, position, "element", &mut self.notes);
-                    elements.push(Element {
-                        corners,
-                        number,
-                        position,
-                    });
+                    elements.push(Element::new(corners, number, position));
                 }
                 Err(message) => {
                     self.notes.problem(position, message);
                     // As above: the elements of sets keep their indices.
                     numbers.skip();
-                    elements.push(Element {
-                        corners: [0; N],
-                        number: 0,
-                        position,
-                    });
+                    elements.push(Element::new([0; N], 0, position));
                 }
             }
             self.source.skip_line();

@@ -1,20 +1,27 @@
 //! Balls around triangles.
 
-use crate::wrap::ball::{norm2, smallest_ball, sub};
+use crate::vec3::{norm2, sub};
+use crate::wrap::ball::smallest_ball;
 
 /// A ball, by the square of its radius.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Ball {
-    pub(super) centre: [f64; 3],
+    pub(super) center: [f64; 3],
     pub(super) square: f64,
 }
 
 impl Ball {
+    /// Around nothing: to [`Ball::least_of_both`] any other ball is the larger one.
+    pub(super) const EMPTY: Self = Self {
+        center: [0.0; 3],
+        square: f64::NEG_INFINITY,
+    };
+
     /// No ball around what these two are the smallest ones around has a smaller square: about z the points
     /// of a smallest ball (c, r) need a square of at least r² + ‖z − c‖².
     pub(super) fn least_of_both(&self, other: &Self) -> f64 {
-        let apart = norm2(sub(self.centre, other.centre));
-        // On the line through the centres, where both demand the same.
+        let apart = norm2(sub(self.center, other.center));
+        // On the line through the centers, where both demand the same.
         let along = 0.5 * (apart + other.square - self.square);
         if along <= 0.0 {
             self.square
@@ -26,36 +33,80 @@ impl Ball {
     }
 
     pub(super) fn meets(&self, other: &Self) -> bool {
-        let rest = norm2(sub(self.centre, other.centre)) - self.square - other.square;
+        let rest = norm2(sub(self.center, other.center)) - self.square - other.square;
         rest <= 0.0 || rest * rest <= 4.0 * self.square * other.square
     }
 
     pub(super) fn holds(&self, point: [f64; 3]) -> bool {
-        norm2(sub(point, self.centre)) <= self.square
+        norm2(sub(point, self.center)) <= self.square
     }
 }
 
-/// The triangles, with memory for their points.
+/// The triangles.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Mesh<'t> {
     pub(super) positions: &'t [[f32; 3]],
     pub(super) corners: &'t [[u32; 3]],
-    pub(super) points: Vec<[f64; 3]>,
 }
 
+/// Memory for the vertices of some triangles.
+#[derive(Debug, Default)]
+pub(super) struct Vertices {
+    ids: Vec<u32>,
+    points: Vec<[f64; 3]>,
+    /// Per vertex of the mesh, the last set that it was seen in; empty until a large set comes.
+    seen: Vec<u32>,
+    sets: u32,
+}
+
+/// Up to this many triangles their vertices are compared with each other.
+const COMPARED_MAX: usize = 32;
+
 impl Mesh<'_> {
-    pub(super) fn corners(&self, triangle: u32) -> [[f64; 3]; 3] {
-        self.corners[triangle as usize].map(|i| self.positions[i as usize].map(f64::from))
+    fn position(&self, vertex: u32) -> [f64; 3] {
+        self.positions[vertex as usize].map(f64::from)
     }
 
-    pub(super) fn ball(&mut self, triangles: &[u32]) -> Ball {
-        self.points.clear();
-        for &triangle in triangles {
-            let corners = self.corners(triangle);
-            self.points.extend(corners);
+    pub(super) fn corners(&self, triangle: u32) -> [[f64; 3]; 3] {
+        self.corners[triangle as usize].map(|i| self.position(i))
+    }
+
+    /// The smallest ball around some triangles; [`Ball::EMPTY`] around none. Each vertex is looked at once, in the
+    /// order of first use, on which the last bits depend.
+    pub(super) fn ball(&self, triangles: &[u32], vertices: &mut Vertices) -> Ball {
+        if triangles.is_empty() {
+            return Ball::EMPTY;
         }
-        let ball = smallest_ball(&self.points);
+        let Vertices {
+            ids,
+            points,
+            seen,
+            sets,
+        } = vertices;
+        points.clear();
+        let corners = triangles.iter().flat_map(|&t| self.corners[t as usize]);
+        if triangles.len() <= COMPARED_MAX {
+            ids.clear();
+            for vertex in corners {
+                if !ids.contains(&vertex) {
+                    ids.push(vertex);
+                    points.push(self.position(vertex));
+                }
+            }
+        } else {
+            seen.resize(self.positions.len(), 0);
+            *sets += 1;
+            for vertex in corners {
+                let last = &mut seen[vertex as usize];
+                if *last != *sets {
+                    *last = *sets;
+                    points.push(self.position(vertex));
+                }
+            }
+        }
+        let ball = smallest_ball(points);
         Ball {
-            centre: ball.centre,
+            center: ball.center,
             square: ball.radius * ball.radius,
         }
     }

@@ -1,6 +1,7 @@
 //! Trades keep the tree whole and make leaves rounder.
 
 use super::super::{Split, TreeNode, TreeSettings, cut};
+use super::deal::LANES_MIN;
 use super::*;
 
 const LEAF_SIZE: usize = 4;
@@ -30,7 +31,9 @@ fn both(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: usize) -> [Tr
         threads: 1,
     };
     let (tree, query) = cut(positions, triangles, &settings, leaf_size);
-    let after = exchange(&tree, positions, triangles, leaf_size, query);
+    let [after, in_parallel] =
+        [1, 3].map(|threads| exchange(&tree, positions, triangles, leaf_size, query, threads));
+    assert!(after == in_parallel);
     [tree, after]
 }
 
@@ -89,11 +92,11 @@ fn is_whole(tree: &Tree, triangles: usize, leaf_size: usize) {
 #[test]
 fn leaves_get_rounder_and_nodes_no_larger() {
     let (positions, triangles) = sheet(60);
-    let mut mesh = Mesh {
+    let mesh = Mesh {
         positions: &positions,
         corners: &triangles,
-        points: Vec::new(),
     };
+    let mut vertices = Vertices::default();
     let [before, after] = both(&positions, &triangles, LEAF_SIZE);
     is_whole(&before, triangles.len(), LEAF_SIZE);
     is_whole_as(&before, &after, triangles.len(), LEAF_SIZE);
@@ -101,7 +104,7 @@ fn leaves_get_rounder_and_nodes_no_larger() {
         let lanes = tree.nodes.iter().flat_map(|node| node.lanes);
         let leaves = lanes.filter(|lane| lane.kind == LaneKind::Leaf);
         leaves
-            .map(|lane| mesh.ball(tree.triangles_below(lane)).square)
+            .map(|lane| mesh.ball(tree.triangles_below(lane), &mut vertices).square)
             .sum::<f64>()
     };
     let (sum_before, sum_after) = (leaf_squares(&before), leaf_squares(&after));
@@ -112,7 +115,7 @@ fn leaves_get_rounder_and_nodes_no_larger() {
             let ids = lanes.iter().flat_map(|lane| tree.triangles_below(*lane));
             ids.copied().collect::<Vec<u32>>()
         };
-        let ball = mesh.ball(&below(&before, old.lanes));
+        let ball = mesh.ball(&below(&before, old.lanes), &mut vertices);
         let room = Ball {
             square: ball.square * (1.0 + 1e-9),
             ..ball

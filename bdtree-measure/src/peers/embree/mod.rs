@@ -56,7 +56,7 @@ impl Peer for Embree {
 
     fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {
         let near = center.map(|c| c as f32);
-        // Embree measures in f32, from a rounded centre: a few roundings more, so that nothing is lost.
+        // Embree measures in f32, from a rounded center: a few roundings more, so that nothing is lost.
         let off = (0..3).map(|k| (center[k] - f64::from(near[k])).abs());
         let wide = (radius + off.sum::<f64>()) * (1.0 + 8.0 * f64::from(f32::EPSILON));
         let vertices = self.scene.vertices().as_chunks::<3>().0;

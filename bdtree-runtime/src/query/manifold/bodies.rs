@@ -45,13 +45,13 @@ impl Bodies<'_, '_> {
             return self.single(pairs);
         };
         let share = place.area / 4.0;
-        let middle = self.probe(place.centre, normal, place.size, 0.0, &first, &corners)?;
+        let middle = self.probe(place.center, normal, place.size, 0.0, &first, &corners)?;
         let mut points = [middle; 4];
         for (k, point) in points.iter_mut().enumerate() {
             let [u, v] = place.spread;
             let u = scale(u, if k & 1 == 0 { -1.0 } else { 1.0 });
             let v = scale(v, if k & 2 == 0 { -1.0 } else { 1.0 });
-            let at = add_scaled(add_scaled(place.centre, 1.0, u), 1.0, v);
+            let at = add_scaled(add_scaled(place.center, 1.0, u), 1.0, v);
             *point = self.probe(at, normal, place.size, share, &first, &corners)?;
         }
         Ok(Some(ContactManifold {

@@ -35,7 +35,7 @@ pub(super) struct Contour {
 
 /// Where a region lies.
 pub(super) struct Place {
-    pub(super) centre: [f64; 3],
+    pub(super) center: [f64; 3],
     pub(super) area: f64,
     /// Principal axes, as long as the standard deviations along them.
     pub(super) spread: [[f64; 3]; 2],
@@ -102,7 +102,7 @@ impl Contour {
         self.height += 0.5 * norm(sub(q, p)) * (dot(p, n) + dot(q, n));
     }
 
-    /// Centre, area and spread of what the contour encloses.
+    /// Center, area and spread of what the contour encloses.
     pub(super) fn place(&self) -> Option<Place> {
         let origin = self.origin?;
         let area = 0.5 * self.flat_area;
@@ -127,9 +127,9 @@ impl Contour {
         let [n, u, v] = self.axes;
         let major = add_scaled(scale(u, c), s, v);
         let minor = add_scaled(scale(u, -s), c, v);
-        let centre = add_scaled(add_scaled(origin, x, u), y, v);
+        let center = add_scaled(add_scaled(origin, x, u), y, v);
         Some(Place {
-            centre: add_scaled(centre, self.height / self.length, n),
+            center: add_scaled(center, self.height / self.length, n),
             area,
             spread: [
                 scale(major, sqrt((mean + root).max(0.0))),

@@ -8,7 +8,7 @@
 //! along the normal: the least translation along it that separates the two patches there.
 //!
 //! *Points* lie at one standard deviation of the contour's inside along its principal axes, to either
-//! side, a quarter of the area each: so centre and second moments are kept, and with depths that vary up
+//! side, a quarter of the area each: so center and second moments are kept, and with depths that vary up
 //! to the third power over a rectangle the sum is exact (two-point Gauss quadrature in each direction).
 //!
 //! *Otherwise* (an open contour: a surface ends there; faces that only touch; near ones within a

@@ -4,9 +4,9 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use bdtree_gpu::NormalFields;
 use bdtree_fixtures::poses;
-use bdtree_runtime::{AlignedBytes, Asset, TriangleId, VertexId};
+use bdtree_gpu::NormalFields;
+use bdtree_runtime::{Asset, Model, TriangleId, VertexId};
 use clap::Args;
 
 #[derive(Args)]
@@ -128,17 +128,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         "asset, fields: largest, 99.9 %, 99 %, mean; over 1 degree; bytes; vertices recomputed, seconds to make"
     );
     for path in &arguments.assets {
-        let bytes = AlignedBytes::read(path)?;
-        let asset = Asset::open(&bytes)?;
+        let model = Model::read(path)?;
+        let asset = model.asset();
         let (n, m) = (asset.vertex_count(), asset.mode_count());
-        let mesh = Mesh::of(&asset)?;
+        let mesh = Mesh::of(asset)?;
         let start = Instant::now();
-        let fields = NormalFields::new(&asset)?;
+        let fields = NormalFields::new(asset)?;
         let seconds = start.elapsed().as_secs_f64();
         let at_rest = mesh.normals(&mesh.rest);
         let mut rng = poses::rng(arguments.seed);
         let alone = (0..m).map(|j| (0..m).map(|k| f32::from(u8::from(j == k))).collect());
-        let mixed = (0..arguments.mixtures).map(|_| poses::random_q(&asset, 0.1, &mut rng));
+        let mixed = (0..arguments.mixtures).map(|_| poses::random_q(asset, 0.1, &mut rng));
         let mut marked = vec![false; n];
         for vertex in fields.marked() {
             marked[*vertex as usize] = true;
@@ -146,7 +146,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let mut angles = [Vec::new(), Vec::new(), Vec::new()];
         for mut q in alone.chain(mixed).collect::<Vec<Vec<f32>>>() {
             let most = mesh.displaced(&q).into_iter().map(norm).fold(0.0, f64::max);
-            let goal = arguments.share * poses::diagonal(&asset);
+            let goal = arguments.share * poses::diagonal(asset);
             q.iter_mut().for_each(|q| *q *= (goal / most) as f32);
             let by = mesh.displaced(&q);
             let at: Vec<Vector> = mesh

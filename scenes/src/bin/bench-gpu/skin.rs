@@ -7,11 +7,11 @@ use std::time::Instant;
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
-use bdtree_measure::machine;
 use bdtree_fixtures::bake::{bumpy_sphere, smooth_basis};
 use bdtree_fixtures::{models, poses};
-use bdtree_runtime::{AlignedBytes, Asset};
+use bdtree_gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
+use bdtree_measure::machine;
+use bdtree_runtime::{Asset, Model};
 use clap::Args;
 
 use crate::timer::Timer;
@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
     repeats: u32,
 }
 
-fn baked(mesh: &RawMesh, modes: usize) -> Result<AlignedBytes, Box<dyn Error>> {
+fn baked(mesh: &RawMesh, modes: usize) -> Result<Model, Box<dyn Error>> {
     let settings = BakeSettings {
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         ..BakeSettings::default()
@@ -53,7 +53,7 @@ fn baked(mesh: &RawMesh, modes: usize) -> Result<AlignedBytes, Box<dyn Error>> {
         &Provenance::default(),
         &Silent,
     )?;
-    Ok(AlignedBytes::copy_of(&baked.bytes))
+    Ok(Model::from_bytes(&baked.bytes)?)
 }
 
 struct Bench<'d> {
@@ -97,12 +97,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     );
     bench.measure_copy(arguments.copy_bytes.min(limits.max_buffer_size / 4))?;
     let large = baked(&bumpy_sphere(arguments.rings.max(3), 1), arguments.modes)?;
-    bench.asset("one large mesh", &Asset::open(&large)?, 1)?;
+    bench.asset("one large mesh", large.asset(), 1)?;
     let many = match &arguments.asset {
-        Some(path) => AlignedBytes::read(path)?,
+        Some(path) => Model::read(path)?,
         None => baked(&read_mesh(&models::path("chair"))?, arguments.modes)?,
     };
-    bench.asset("many instances", &Asset::open(&many)?, arguments.instances)
+    bench.asset("many instances", many.asset(), arguments.instances)
 }
 
 impl Bench<'_> {

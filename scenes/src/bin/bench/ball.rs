@@ -4,11 +4,11 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
+use bdtree_fixtures::poses;
 use bdtree_measure::ours::Ours;
 use bdtree_measure::paper_tree::{BallCounts, PaperTree, PlainTree, Step, Vertices};
 use bdtree_measure::{machine, stats};
-use bdtree_runtime::{AlignedBytes, Asset, Contact, Pose, Transform, TriangleId};
-use bdtree_fixtures::poses;
+use bdtree_runtime::{Asset, Contact, Model, Transform, TriangleId};
 use bdtree_scenes::contenders::spheres::sum_growths;
 use clap::Args;
 use rand::RngExt;
@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// Largest displacement over the diagonal of the box; each q reaches half of it or more
     #[arg(long, default_value_t = 0.1)]
     displacement: f64,
-    /// Balls are centred up to this many radii from a vertex (half of them up to half of it)
+    /// Balls are centerd up to this many radii from a vertex (half of them up to half of it)
     #[arg(long, default_value_t = 2.0)]
     spread: f64,
     /// Rounds; in each all contenders answer all balls, taking turns to be first
@@ -47,7 +47,7 @@ struct Case {
     radius: f64,
 }
 
-/// Small balls at and near the deformed surface: half are centred within half the spread of a
+/// Small balls at and near the deformed surface: half are centerd within half the spread of a
 /// triangle's first corner, the others within the spread.
 fn cases(asset: &Asset<'_>, arguments: &Arguments) -> Result<Vec<Case>, Box<dyn Error>> {
     let mut rng = poses::rng(arguments.scene.seed);
@@ -57,9 +57,9 @@ fn cases(asset: &Asset<'_>, arguments: &Arguments) -> Result<Vec<Case>, Box<dyn 
     for i in 0..arguments.balls {
         let share = arguments.displacement * rng.random_range(0.5..1.0);
         let q = poses::random_q(asset, share, &mut rng);
-        let pose = Pose::new(asset, &q, Transform::IDENTITY, &mut memory)?;
+        let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
         let id = TriangleId(rng.random_range(0..asset.triangle_count() as u32));
-        let mut center = asset.deformed(&pose, asset.triangle(id)?[0])?;
+        let mut center = pose.deformed(asset.triangle(id)?[0])?;
         let far = arguments.spread * if i % 2 == 0 { 0.5 } else { 1.0 };
         for c in &mut center {
             *c += far * radius * rng.random_range(-1.0..1.0) / 3.0_f64.sqrt();
@@ -92,13 +92,14 @@ struct Paper<'a> {
 
 impl Paper<'_> {
     fn answer(&mut self, case: &Case) -> BallCounts {
-        let pose = Pose::new(&self.asset, &case.q, Transform::IDENTITY, &mut self.memory)
-            .expect("q within limits");
-        self.step.prepare(&self.asset, &pose);
+        let pose = self
+            .asset
+            .pose(&case.q, Transform::IDENTITY, &mut self.memory);
+        let pose = pose.expect("q within limits");
+        self.step.prepare(&pose);
         self.vertices.begin_step();
         self.found.clear();
         self.tree.ball(
-            &self.asset,
             &pose,
             &self.step,
             (case.center, case.radius),
@@ -108,12 +109,13 @@ impl Paper<'_> {
     }
 
     fn answer_plainly(&mut self, case: &Case) -> BallCounts {
-        let pose = Pose::new(&self.asset, &case.q, Transform::IDENTITY, &mut self.memory)
-            .expect("q within limits");
-        self.step.prepare(&self.asset, &pose);
+        let pose = self
+            .asset
+            .pose(&case.q, Transform::IDENTITY, &mut self.memory);
+        let pose = pose.expect("q within limits");
+        self.step.prepare(&pose);
         self.found.clear();
         self.plain.ball(
-            &self.asset,
             &pose,
             &self.step,
             (case.center, case.radius),
@@ -141,22 +143,22 @@ fn time_pass(cases: &[Case], mut answer: impl FnMut(&Case)) -> f64 {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let (mesh, basis) = arguments.scene.load()?;
-    let bytes = AlignedBytes::copy_of(&arguments.scene.bake(&mesh, &basis)?.bytes);
-    let asset = Asset::open(&bytes)?;
+    let model = Model::from_bytes(&arguments.scene.bake(&mesh, &basis)?.bytes)?;
+    let asset = model.asset();
     let memory = vec![0.0; asset.pose_len()];
-    let mut product = Ours::new(asset);
-    let tree = PaperTree::build(&asset);
+    let mut product = Ours::new(*asset);
+    let tree = PaperTree::build(asset);
     let mut paper = Paper {
-        asset,
+        asset: *asset,
         plain: PlainTree::of(&tree),
         tree,
         memory,
         step: Step::default(),
-        vertices: Vertices::new(&asset),
+        vertices: Vertices::new(asset),
         stack: Vec::new(),
         found: Vec::new(),
     };
-    let cases = cases(&asset, arguments)?;
+    let cases = cases(asset, arguments)?;
 
     let mut work = Work::default();
     for case in &cases {
@@ -173,7 +175,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         work.touching += usize::from(!product.found().is_empty());
         work.paper.spheres += counts.spheres;
         work.paper.triangles += counts.triangles;
-        work.count_lanes(&asset, case)?;
+        work.count_lanes(asset, case)?;
     }
 
     // Times per round of the product, the tree with care and the plain one.
@@ -209,9 +211,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             "ratio": figures.care.median, "ratio_quartiles": figures.care.quartiles,
             "ratio_plain": figures.plain.median,
             "ratio_plain_quartiles": figures.plain.quartiles,},
-        "counts": work.per_ball(cases.len(), &asset, &paper.tree),
-        "growth": growth(&asset, &paper.tree, &cases)?,
-        "limits": limits(&work, &cases, &asset, &paper),
+        "counts": work.per_ball(cases.len(), asset, &paper.tree),
+        "growth": growth(asset, &paper.tree, &cases)?,
+        "limits": limits(&work, &cases, asset, &paper),
     });
     if arguments.json {
         println!("{value:#}");
@@ -260,19 +262,19 @@ impl Work {
     /// triangles of touched leaf lanes.
     fn count_lanes(&mut self, asset: &Asset<'_>, case: &Case) -> Result<(), Box<dyn Error>> {
         let mut memory = vec![0.0; asset.pose_len()];
-        let pose = Pose::new(asset, &case.q, Transform::IDENTITY, &mut memory)?;
+        let pose = asset.pose(&case.q, Transform::IDENTITY, &mut memory)?;
         let (origin, unit) = (asset.origin(), asset.unit());
         let center = [0, 1, 2].map(|k| ((case.center[k] - origin[k]) / unit) as f32);
         let reach = (case.radius / unit) as f32;
         let mut stack = vec![0_u32];
         while let Some(index) = stack.pop() {
             let node = &asset.nodes()[index as usize];
-            let spheres = asset.node_spheres(&pose, index)?;
+            let spheres = pose.node_spheres(index)?;
             self.lanes += u64::from((node.inner_mask | node.leaf_mask).count_ones());
             let mut child = node.first_child;
             for k in 0..bdtree_format::LANES {
                 let gap = (0..3)
-                    .map(|i| (spheres.centre[i][k] - center[i]).powi(2))
+                    .map(|i| (spheres.center[i][k] - center[i]).powi(2))
                     .sum::<f32>()
                     .sqrt();
                 let apart = gap > spheres.radius[k] + reach;
@@ -308,8 +310,8 @@ fn growth(asset: &Asset<'_>, tree: &PaperTree, cases: &[Case]) -> Result<Value, 
     let mut memory = vec![0.0; asset.pose_len()];
     let mut sums = [[0.0; 2]; 2];
     for case in cases.iter().take(5) {
-        let pose = Pose::new(asset, &case.q, Transform::IDENTITY, &mut memory)?;
-        let both = sum_growths(asset, tree, &pose)?;
+        let pose = asset.pose(&case.q, Transform::IDENTITY, &mut memory)?;
+        let both = sum_growths(tree, &pose)?;
         for (sum, own) in sums.iter_mut().zip(both) {
             *sum = [sum[0] + own[0], sum[1] + own[1]];
         }
@@ -354,22 +356,22 @@ const NEAR_NODES: usize = 64;
 
 fn product_node_ns(asset: &Asset<'_>, case: &Case) -> f64 {
     let mut memory = vec![0.0; asset.pose_len()];
-    let Ok(pose) = Pose::new(asset, &case.q, Transform::IDENTITY, &mut memory) else {
+    let Ok(pose) = asset.pose(&case.q, Transform::IDENTITY, &mut memory) else {
         return f64::NAN;
     };
     let count = NEAR_NODES.min(asset.node_count());
     near_ns(count, |i| {
-        black_box(asset.node_spheres(&pose, i as u32).ok());
+        black_box(pose.node_spheres(i as u32).ok());
     })
 }
 
 fn paper_node_ns(paper: &Paper<'_>, case: &Case) -> f64 {
     let mut memory = vec![0.0; paper.asset.pose_len()];
-    let Ok(pose) = Pose::new(&paper.asset, &case.q, Transform::IDENTITY, &mut memory) else {
+    let Ok(pose) = paper.asset.pose(&case.q, Transform::IDENTITY, &mut memory) else {
         return f64::NAN;
     };
     let mut step = Step::default();
-    step.prepare(&paper.asset, &pose);
+    step.prepare(&pose);
     near_ns(NEAR_NODES.min(paper.tree.node_count()), |i| {
         black_box(paper.tree.sphere(&step, i));
     })

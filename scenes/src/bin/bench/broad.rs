@@ -4,11 +4,10 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
-use bdtree_measure::stats::median;
 use bdtree_fixtures::poses;
-use bdtree_runtime::broad::{GridSlot, grid_slots, pairs};
-use bdtree_runtime::query::{BoundingSphere, root_sphere};
-use bdtree_runtime::{AlignedBytes, Asset, Pose, Transform};
+use bdtree_measure::stats::median;
+use bdtree_runtime::broad::pairs;
+use bdtree_runtime::{Asset, BoundingSphere, Model, Transform, Workspace};
 use clap::Args;
 use rand::RngExt;
 
@@ -34,8 +33,8 @@ fn pile(
     let mut rng = poses::rng(seed);
     let mut memory = vec![0.0; asset.pose_len()];
     let rest = vec![0.0; asset.mode_count()];
-    let pose = Pose::new(asset, &rest, Transform::IDENTITY, &mut memory)?;
-    let step = spacing * root_sphere(asset, &pose)?.radius;
+    let pose = asset.pose(&rest, Transform::IDENTITY, &mut memory)?;
+    let step = spacing * pose.bounding_sphere()?.radius;
     let side = (count as f64).cbrt().ceil() as usize;
     let (sin, cos) = 0.5_f64.sin_cos();
     let mut spheres = Vec::with_capacity(count);
@@ -51,8 +50,8 @@ fn pile(
         };
         let q = poses::random_q(asset, 0.03, &mut rng);
         let start = Instant::now();
-        let pose = Pose::new(asset, &q, place, &mut memory)?;
-        spheres.push(root_sphere(asset, &pose)?);
+        let pose = asset.pose(&q, place, &mut memory)?;
+        spheres.push(pose.bounding_sphere()?);
         micros += start.elapsed().as_secs_f64() * 1e6;
     }
     Ok((spheres, micros))
@@ -62,8 +61,8 @@ fn pile(
 /// Comparisons and pairs.
 fn sweep(
     spheres: &[BoundingSphere],
-    order: &mut Vec<(f64, u32)>,
-    found: &mut Vec<[u32; 2]>,
+    order: &mut Vec<(f64, usize)>,
+    found: &mut Vec<[usize; 2]>,
 ) -> u64 {
     let mut spread = [0.0; 3];
     for (axis, spread) in spread.iter_mut().enumerate() {
@@ -85,14 +84,14 @@ fn sweep(
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let mut tests = 0;
     for (k, &(_, i)) in order.iter().enumerate() {
-        let a = &spheres[i as usize];
+        let a = &spheres[i];
         let end = a.center[axis] + a.radius;
         for &(low, j) in &order[k + 1..] {
             if low > end {
                 break;
             }
             tests += 1;
-            let b = &spheres[j as usize];
+            let b = &spheres[j];
             let square: f64 = (0..3).map(|k| (a.center[k] - b.center[k]).powi(2)).sum();
             if square <= (a.radius + b.radius).powi(2) {
                 found.push([i.min(j), i.max(j)]);
@@ -104,13 +103,12 @@ fn sweep(
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let (mesh, basis) = arguments.scene.load()?;
-    let bytes = AlignedBytes::copy_of(&arguments.scene.bake(&mesh, &basis)?.bytes);
-    let asset = Asset::open(&bytes)?;
+    let model = Model::from_bytes(&arguments.scene.bake(&mesh, &basis)?.bytes)?;
     let seed = arguments.scene.seed;
     let mut scenes: Vec<(String, Vec<BoundingSphere>)> = Vec::new();
     for count in [1000, 3600, 12000] {
         for spacing in [1.6, 2.2] {
-            let (spheres, micros) = pile(&asset, count, spacing, seed)?;
+            let (spheres, micros) = pile(model.asset(), count, spacing, seed)?;
             println!(
                 "{count} root spheres: {:.3} us each, pose included",
                 micros / count as f64
@@ -139,15 +137,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     ));
 
     for (name, spheres) in &scenes {
-        let mut memory = vec![GridSlot::EMPTY; grid_slots(spheres.len())];
+        let mut workspace = Workspace::new();
         let (mut order, mut by_grid, mut by_sweep) = (Vec::new(), Vec::new(), Vec::new());
         let (mut grid_us, mut sweep_us) = (Vec::new(), Vec::new());
         let (mut grid_tests, mut sweep_tests) = (0, 0);
         for _ in 0..arguments.rounds {
             by_grid.clear();
             let start = Instant::now();
-            grid_tests = pairs(black_box(spheres), 0.0, &mut memory, &mut by_grid)?.sphere_tests;
+            pairs(black_box(spheres), 0.0, &mut workspace, &mut by_grid)?;
             grid_us.push(start.elapsed().as_secs_f64() * 1e6);
+            grid_tests = workspace.stats().sphere_tests;
             by_sweep.clear();
             let start = Instant::now();
             sweep_tests = sweep(black_box(spheres), &mut order, &mut by_sweep);

@@ -10,8 +10,7 @@ use bdtree_fixtures::poses;
 use bdtree_format::LANES;
 use bdtree_measure::stats::median;
 use bdtree_runtime::{
-    AlignedBytes, Asset, Contact, PairContact, PairStackEntry, Pose, Posed, Proxy, StackEntry,
-    Transform, VertexId, query,
+    Asset, Ball, Contact, Model, PairContact, Proxy, Transform, VertexId, Workspace,
 };
 use clap::Args;
 use rand::RngExt;
@@ -54,9 +53,9 @@ fn frames(asset: &Asset<'_>, arguments: &Arguments) -> Result<Vec<Frame>, Box<dy
             poses::random_q(asset, share, &mut rng)
         };
         let q = [random_q(), random_q()];
-        let pose = Pose::new(asset, &q[0], Transform::IDENTITY, &mut memory)?;
+        let pose = asset.pose(&q[0], Transform::IDENTITY, &mut memory)?;
         let vertex = VertexId(rng.random_range(0..asset.vertex_count() as u32));
-        let mut center = asset.deformed(&pose, vertex)?;
+        let mut center = pose.deformed(vertex)?;
         for c in &mut center {
             *c += arguments.radius * diagonal * rng.random_range(-0.4..0.4);
         }
@@ -102,40 +101,33 @@ fn balls(
 ) -> Result<Row, Box<dyn Error>> {
     let diagonal = poses::diagonal(asset) * asset.unit();
     let radius = arguments.radius * diagonal;
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let mut workspace = Workspace::new();
     let mut memory = vec![0.0; asset.pose_len()];
     let (mut contacts, mut proxies): (Vec<Contact>, Vec<Proxy>) = Default::default();
     let mut row = Row::default();
     let mut count = 0;
     for frame in frames {
-        let pose = Pose::new(asset, &frame.q[0], Transform::IDENTITY, &mut memory)?;
+        let pose = asset.pose(&frame.q[0], Transform::IDENTITY, &mut memory)?;
         let mut exact: Vec<Contact> = Vec::new();
-        query::ball(asset, &pose, frame.center, radius, &mut stack, &mut exact)?;
+        let ball = Ball::new(frame.center, radius);
+        pose.query(&mut workspace).contacts(ball, &mut exact)?;
         let mut times = Vec::new();
         for _ in 0..arguments.rounds {
             contacts.clear();
             proxies.clear();
             let start = Instant::now();
-            let posed = if level == usize::MAX {
-                Posed::from(&pose)
-            } else {
-                Posed::from(&pose).bounded(level, &mut proxies)
-            };
-            let outcome = query::ball(
-                asset,
-                posed,
-                frame.center,
-                radius,
-                &mut stack,
-                &mut contacts,
-            )?;
+            let mut query = pose.query(&mut workspace);
+            if level != usize::MAX {
+                query = query.max_level(level, &mut proxies);
+            }
+            query.contacts(ball, &mut contacts)?;
             times.push(start.elapsed().as_secs_f64() * 1e6);
-            row.visits += outcome.nodes_visited as f64 / arguments.rounds as f64;
+            row.visits += workspace.stats().nodes_visited as f64 / arguments.rounds as f64;
         }
         row.micros += median(&times);
         row.exact += contacts.len() as f64;
         row.proxies += proxies.len() as f64;
-        let depth = |contacts: &[Contact]| contacts.iter().map(|c| -c.dist).fold(0.0, f64::max);
+        let depth = |contacts: &[Contact]| contacts.iter().map(|c| -c.distance).fold(0.0, f64::max);
         let reached = |p: &Proxy| radius + p.radius - distance(p.center, frame.center);
         let spheres = proxies.iter().map(reached).fold(0.0, f64::max);
         if exact.is_empty() {
@@ -159,33 +151,31 @@ fn pairs(
     arguments: &Arguments,
 ) -> Result<Row, Box<dyn Error>> {
     let diagonal = poses::diagonal(asset) * asset.unit();
-    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
+    let mut workspace = Workspace::new();
     let (mut memory_a, mut memory_b) = (vec![0.0; asset.pose_len()], vec![0.0; asset.pose_len()]);
     let mut contacts: Vec<PairContact> = Vec::new();
     let (mut first, mut second): (Vec<Proxy>, Vec<Proxy>) = Default::default();
     let mut row = Row::default();
     let mut count = 0.0;
     for frame in frames {
-        let a = Pose::new(asset, &frame.q[0], Transform::IDENTITY, &mut memory_a)?;
-        let b = Pose::new(asset, &frame.q[1], frame.place, &mut memory_b)?;
+        let a = asset.pose(&frame.q[0], Transform::IDENTITY, &mut memory_a)?;
+        let b = asset.pose(&frame.q[1], frame.place, &mut memory_b)?;
         let mut exact: Vec<PairContact> = Vec::new();
-        query::pair((asset, &a), (asset, &b), 0.0, &mut stack, &mut exact)?;
+        a.against(&b, &mut workspace).contacts(0.0, &mut exact)?;
         let mut times = Vec::new();
         for _ in 0..arguments.rounds {
             contacts.clear();
             first.clear();
             second.clear();
             let start = Instant::now();
-            let (posed_a, posed_b) = if level == usize::MAX {
-                (Posed::from(&a), Posed::from(&b))
-            } else {
-                let posed_a = Posed::from(&a).bounded(level, &mut first);
-                (posed_a, Posed::from(&b).bounded(level, &mut second))
-            };
-            let (side_a, side_b) = ((asset, posed_a), (asset, posed_b));
-            let outcome = query::pair(side_a, side_b, 0.0, &mut stack, &mut contacts)?;
+            let mut query = a.against(&b, &mut workspace);
+            if level != usize::MAX {
+                query = query.max_level1(level, &mut first);
+                query = query.max_level2(level, &mut second);
+            }
+            query.contacts(0.0, &mut contacts)?;
             times.push(start.elapsed().as_secs_f64() * 1e6);
-            row.visits += outcome.nodes_visited as f64 / arguments.rounds as f64;
+            row.visits += workspace.stats().nodes_visited as f64 / arguments.rounds as f64;
         }
         row.micros += median(&times);
         row.exact += contacts.len() as f64;
@@ -213,19 +203,19 @@ fn pairs(
 /// how far at most over the lane's radius, and the mean radius over the diagonal.
 fn sticking_out(asset: &Asset<'_>, q: &[f32]) -> Result<[f64; 3], Box<dyn Error>> {
     let mut memory = vec![0.0; asset.pose_len()];
-    let pose = Pose::new(asset, q, Transform::IDENTITY, &mut memory)?;
+    let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
     let (mut lanes, mut out, mut most, mut radii) = (0.0, 0.0, 0.0_f64, 0.0);
     for (i, node) in (0..).zip(asset.nodes()) {
-        let outer = asset.node_spheres(&pose, i)?;
+        let outer = pose.node_spheres(i)?;
         let inner_lanes = (0..LANES).filter(|k| node.inner_mask >> k & 1 == 1);
         for (child, lane) in (node.first_child..).zip(inner_lanes) {
             let below = &asset.nodes()[child as usize];
-            let inner = asset.node_spheres(&pose, child)?;
+            let inner = pose.node_spheres(child)?;
             let radius = f64::from(outer.radius[lane]);
             let mut excess = 0.0_f64;
             for k in (0..LANES).filter(|k| (below.inner_mask | below.leaf_mask) >> k & 1 == 1) {
                 let at = |s: &bdtree_runtime::bound::Spheres, k: usize| {
-                    s.centre.map(|row| f64::from(row[k]))
+                    s.center.map(|row| f64::from(row[k]))
                 };
                 let reach = distance(at(&inner, k), at(&outer, lane)) + f64::from(inner.radius[k]);
                 excess = excess.max(reach / radius - 1.0);
@@ -247,11 +237,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             leaf_size: arguments.scene.leaf_size,
             ..BakeSettings::default()
         };
-        let bytes = AlignedBytes::copy_of(
-            &bake_fields(&mesh, &basis, &settings, &Provenance::default(), &Silent)?.bytes,
-        );
-        let asset = Asset::open(&bytes)?;
-        let frames = frames(&asset, arguments)?;
+        let baked = bake_fields(&mesh, &basis, &settings, &Provenance::default(), &Silent)?;
+        let model = Model::from_bytes(&baked.bytes)?;
+        let asset = model.asset();
+        let frames = frames(asset, arguments)?;
         let kind = if nested { "nested" } else { "wrapped" };
         println!(
             "{kind}: {} triangles, {} levels",
@@ -260,14 +249,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         );
         let rest = vec![0.0; asset.mode_count()];
         for (name, q) in [("at rest", &rest), ("under q", &frames[0].q[0])] {
-            let [share, most, radius] = sticking_out(&asset, q)?;
+            let [share, most, radius] = sticking_out(asset, q)?;
             println!("{name}: {share:.3} of the lanes, by {most:.3} R; mean radius {radius:.5}");
         }
         for name in ["ball", "pair"] {
             for level in (0..asset.depth()).chain([usize::MAX]) {
                 let row = match name {
-                    "ball" => balls(&asset, &frames, level, arguments)?,
-                    _ => pairs(&asset, &frames, level, arguments)?,
+                    "ball" => balls(asset, &frames, level, arguments)?,
+                    _ => pairs(asset, &frames, level, arguments)?,
                 };
                 let n = frames.len() as f64;
                 let level = if level == usize::MAX {

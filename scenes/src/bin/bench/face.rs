@@ -6,12 +6,12 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use bdtree_build::basis::Basis;
+use bdtree_fixtures::{bake as made, poses, sections};
 use bdtree_format::SectionKind;
 use bdtree_measure::ours::Ours;
 use bdtree_measure::{machine, stats};
-use bdtree_runtime::{AlignedBytes, Asset, Contact, Pose, Transform, TriangleId};
+use bdtree_runtime::{Asset, Contact, Model, Transform, TriangleId};
 use bdtree_scenes::contenders::assets::baked_mesh;
-use bdtree_fixtures::{bake as made, poses, sections};
 use clap::Args;
 use rand::RngExt;
 use serde_json::json;
@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     /// Radius over the diagonal of the box
     #[arg(long, default_value_t = 0.005)]
     radius: f64,
-    /// Balls are centred up to this many radii from a vertex
+    /// Balls are centerd up to this many radii from a vertex
     #[arg(long, default_value_t = 1.0)]
     spread: f64,
     /// Rounds; in each all contenders answer all balls, taking turns to be first
@@ -119,9 +119,9 @@ impl<'a> Contender<'a> {
             let q: Vec<f32> = (0..asset.mode_count())
                 .map(|_| weights.random(&mut rng))
                 .collect();
-            let pose = Pose::new(&asset, &q, Transform::IDENTITY, &mut memory)?;
+            let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
             let id = TriangleId(rng.random_range(0..asset.triangle_count() as u32));
-            let mut center = asset.deformed(&pose, asset.triangle(id)?[0])?;
+            let mut center = pose.deformed(asset.triangle(id)?[0])?;
             for c in &mut center {
                 *c += arguments.spread * radius * rng.random_range(-1.0..1.0) / 3.0_f64.sqrt();
             }
@@ -174,7 +174,7 @@ impl<'a> Contender<'a> {
         let runs = (0..50).map(|_| {
             let start = Instant::now();
             for case in &self.cases {
-                let pose = Pose::new(&self.asset, &case.q, Transform::IDENTITY, &mut memory);
+                let pose = self.asset.pose(&case.q, Transform::IDENTITY, &mut memory);
                 black_box(pose.is_ok());
             }
             start.elapsed().as_nanos() as f64 / self.cases.len() as f64
@@ -190,7 +190,7 @@ impl<'a> Contender<'a> {
 }
 
 /// The files: shapes as baked, with displacements of all modes, with all modes everywhere; waves.
-fn files(arguments: &Arguments) -> Result<[AlignedBytes; 4], Box<dyn Error>> {
+fn files(arguments: &Arguments) -> Result<[Model; 4], Box<dyn Error>> {
     let (mesh, shapes) = made::face_with_shapes();
     let mut everywhere = shapes.clone();
     for u in &mut everywhere.fields {
@@ -205,7 +205,7 @@ fn files(arguments: &Arguments) -> Result<[AlignedBytes; 4], Box<dyn Error>> {
         *u = u.map(|c| c * scale);
     }
     let sparse = baked_mesh(&mesh, &shapes)?;
-    let all_displacements = sections::with_all_displacements(&sparse);
+    let all_displacements = sections::with_all_displacements(sparse.asset());
     Ok([
         sparse,
         all_displacements,
@@ -223,8 +223,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         ("all everywhere", &files[2], Weights::Shapes),
         ("dense waves", &files[3], Weights::Waves),
     ] {
-        let asset = Asset::open(file)?;
-        contenders.push(Contender::new(name, asset, weights, arguments)?);
+        contenders.push(Contender::new(name, *file.asset(), weights, arguments)?);
     }
     let mut counts = Vec::new();
     let mut expected: Vec<Vec<Contact>> = Vec::new();

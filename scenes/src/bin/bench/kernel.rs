@@ -9,7 +9,7 @@ use bdtree_fixtures::bake::{baked, bumpy_sphere, smooth_basis};
 use bdtree_fixtures::poses;
 use bdtree_format::{Row, pair_count, row_count};
 use bdtree_measure::{machine, stats};
-use bdtree_runtime::{AlignedBytes, Asset, Kernel, Pose, Transform};
+use bdtree_runtime::{Asset, Kernel, Model, Pose, Transform, studies};
 use clap::Args;
 use rand::seq::SliceRandom;
 use serde_json::{Value, json};
@@ -78,17 +78,15 @@ fn measure(
     rounds: usize,
 ) -> Result<Value, Box<dyn Error>> {
     let mesh = bumpy_sphere(60, 2004);
-    let file = baked(&mesh, &smooth_basis(&mesh, modes, 2004));
+    let model = baked(&mesh, &smooth_basis(&mesh, modes, 2004));
     let node_bytes = row_count(modes) * size_of::<Row>();
-    let per_file = Asset::open(&file)?.node_count();
+    let per_file = model.asset().node_count();
     let wanted = (bytes / node_bytes).max(8);
     // Copies of the file, so that any level of the memory is filled by real nodes.
-    let copies: Vec<AlignedBytes> = (0..wanted.div_ceil(per_file))
-        .map(|_| AlignedBytes::copy_of(&file))
-        .collect();
-    let assets = copies.iter().map(|copy| Asset::open(copy));
-    let assets: Vec<Asset<'_>> = assets.collect::<Result<_, _>>()?;
-    let first = assets.first().ok_or("no file")?;
+    let copies: Vec<Model> = (0..wanted.div_ceil(per_file))
+        .map(|_| Model::from_bytes(model.asset().bytes()))
+        .collect::<Result<_, _>>()?;
+    let first = model.asset();
     let q = poses::random_q(first, 0.1, &mut poses::rng(1));
 
     let in_order: Vec<(u32, u32)> = (0..wanted)
@@ -129,20 +127,24 @@ fn measure(
             } else {
                 &shuffled
             };
-            let nodes = assets
-                .iter()
-                .filter_map(|a| a.with_kernel(contender.kernel));
-            let nodes: Vec<Asset<'_>> = nodes.collect();
-            let mut memory = vec![0.0; first.pose_len()];
-            let place = Transform::IDENTITY;
-            let pose = Pose::with_tolerance(first, &q, place, contender.tolerance, &mut memory)?;
+            let assets = copies.iter().map(Model::asset);
+            let assets = assets.filter_map(|asset| asset.with_kernel(contender.kernel));
+            let assets: Vec<Asset<'_>> = assets.collect();
+            let mut memory = vec![0.0; assets.len() * first.pose_len()];
+            let memories = memory.chunks_exact_mut(first.pose_len());
+            let poses: Vec<Pose<'_>> = (assets.iter().zip(memories))
+                .map(|(asset, memory)| {
+                    let place = Transform::IDENTITY;
+                    studies::pose_within(asset, &q, place, contender.tolerance, memory)
+                })
+                .collect::<Result<_, _>>()?;
             let start = Instant::now();
             let mut sum = 0.0;
             for _ in 0..passes {
                 for &(copy, node) in order {
-                    let asset = nodes.get(copy as usize).ok_or("no such copy")?;
-                    let spheres = asset.node_spheres(&pose, node)?;
-                    sum += spheres.radius[0] + spheres.centre[0][7];
+                    let pose = poses.get(copy as usize).ok_or("no such copy")?;
+                    let spheres = pose.node_spheres(node)?;
+                    sum += spheres.radius[0] + spheres.center[0][7];
                 }
             }
             black_box(sum);

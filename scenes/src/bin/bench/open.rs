@@ -7,10 +7,10 @@ use std::time::Instant;
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::file::write_atomically;
 use bdtree_build::input::RawMesh;
-use bdtree_measure::{machine, stats};
-use bdtree_runtime::{AlignedBytes, Asset, MappedFile};
-use bdtree_scenes::contenders::assets::baked_mesh;
 use bdtree_fixtures::resident::mapped_bytes;
+use bdtree_measure::{machine, stats};
+use bdtree_runtime::Model;
+use bdtree_scenes::contenders::assets::baked_mesh;
 use clap::Args;
 use serde_json::json;
 
@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Some(path) = &arguments.file else {
         let path = PathBuf::from("target/bench-open.bdt");
         if !path.exists() {
-            write_atomically(&path, &large_file()?)?;
+            write_atomically(&path, large_file()?.asset().bytes())?;
         }
         // A fresh process, whose memory the bake has not filled.
         let mut command = std::process::Command::new(std::env::current_exe()?);
@@ -53,23 +53,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         &small,
         include_bytes!("../../../../fixtures/golden/tetrahedron.bdt"),
     )?;
-    let warm = MappedFile::open(&small)?;
-    std::hint::black_box(Asset::open(&warm)?.node_count());
+    std::hint::black_box(Model::load(&small)?.asset().node_count());
     std::fs::remove_file(&small)?;
     let mut times = Vec::with_capacity(arguments.repetitions);
     let start = Instant::now();
-    let file = MappedFile::open(path)?;
-    let asset = Asset::open(&file)?;
+    let model = Model::load(path)?;
     let first = start.elapsed().as_secs_f64();
     let resident = mapped_bytes(&path.canonicalize()?).unwrap_or(0);
     let huge = machine::mapped_huge_bytes();
-    let bytes = asset.bytes().len();
+    let bytes = model.asset().bytes().len();
     for _ in 0..arguments.repetitions {
         let start = Instant::now();
-        let again = MappedFile::open(path)?;
-        let asset = Asset::open(&again)?;
+        let again = Model::load(path)?;
         times.push(start.elapsed().as_secs_f64());
-        std::hint::black_box(asset.node_count());
+        std::hint::black_box(again.asset().node_count());
     }
     let typical = stats::median(&times);
     if arguments.json {
@@ -97,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 }
 
 /// A waving grid of 1.15 million triangles with eight modes.
-fn large_file() -> Result<AlignedBytes, Box<dyn Error>> {
+fn large_file() -> Result<Model, Box<dyn Error>> {
     const SIDE: u32 = 760;
     let place = |i: u32| f64::from(i) / f64::from(SIDE - 1);
     let mut mesh = RawMesh {
@@ -128,5 +125,5 @@ fn large_file() -> Result<AlignedBytes, Box<dyn Error>> {
         modes: vec![BasisMode::default(); 8],
         animation: None,
     };
-    Ok(baked_mesh(&mesh, &basis)?)
+    baked_mesh(&mesh, &basis)
 }

@@ -12,7 +12,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use bdtree_render::tightness::mean_and_max;
-use bdtree_runtime::{Asset, MappedFile};
+use bdtree_runtime::Model;
 use bdtree_scenes::hierarchies::{Found, Hierarchies, Kind};
 use clap::Parser;
 
@@ -54,8 +54,8 @@ const LEVELS: [usize; 4] = [0, 2, 4, 6];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
-    let file = MappedFile::open(&arguments.file)?;
-    let asset = Asset::open(file.as_slice())?;
+    let model = Model::load(&arguments.file)?;
+    let asset = *model.asset();
     let rest = vec![0.0; asset.mode_count()];
     let shares = arguments
         .q_of_range

@@ -9,7 +9,7 @@ use bdtree_render::tightness::colour;
 use bdtree_render::{
     Box3, Camera, Image, Scene, SkinnedMesh, Sphere, Studio, TextSize, draw_scale,
 };
-use bdtree_runtime::{Asset, Pose, Transform, VertexId};
+use bdtree_runtime::{Asset, Transform, VertexId};
 
 use bdtree_scenes::hierarchies::Found;
 
@@ -53,9 +53,9 @@ impl<'a> Stage<'a> {
         let mut memory = vec![0.0; asset.pose_len()];
         let mut bounds = Box3::EMPTY;
         for q in poses {
-            let pose = Pose::new(&asset, q, Transform::IDENTITY, &mut memory)?;
+            let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
             for v in 0..asset.vertex_count() as u32 {
-                bounds = bounds.with(asset.deformed_stored(&pose, VertexId(v))?);
+                bounds = bounds.with(pose.deformed_stored(VertexId(v))?);
             }
         }
         let (middle, size) = (bounds.middle(), bounds.half_diagonal());
@@ -83,7 +83,7 @@ impl<'a> Stage<'a> {
             .map(|found| {
                 let [r, g, b] = colour(found.growth);
                 Sphere {
-                    centre: [0, 1, 2].map(|k| ((found.center[k] - middle[k]) / size) as f32),
+                    center: [0, 1, 2].map(|k| ((found.center[k] - middle[k]) / size) as f32),
                     radius: (found.radius / size) as f32,
                     colour: [r, g, b, 255],
                 }
@@ -95,7 +95,7 @@ impl<'a> Stage<'a> {
     fn camera(&self, rows: &[(String, Vec<Cell<'_>>)]) -> Camera {
         let cells = rows.iter().flat_map(|(_, cells)| cells);
         let spheres = cells.flat_map(|cell| self.spheres(cell));
-        let mut balls: Vec<_> = spheres.map(|s| (s.centre, s.radius)).collect();
+        let mut balls: Vec<_> = spheres.map(|s| (s.center, s.radius)).collect();
         // Geometry lies within its spheres; a figure of geometry alone has only that.
         if balls.is_empty() {
             balls = vec![(self.bounds.middle(), self.bounds.half_diagonal())];

@@ -2,11 +2,10 @@
 
 use crate::workloads::pile::{COUNT, Pile};
 use bdtree_measure::clock::Clock;
-use bdtree_runtime::broad::{self, GridSlot};
-use bdtree_runtime::query::{self, BoundingSphere};
-use bdtree_runtime::{Asset, PairStackEntry, Pose, TrianglePair};
+use bdtree_runtime::{
+    Asset, BoundingSphere, CacheSize, Pose, StepCache, TrianglePair, Workspace, broad,
+};
 
-use bdtree_measure::ours::{Cache, cache};
 use bdtree_measure::turns::{Frame, Nodes};
 
 /// Node slots of each instance. More save evaluations and no time: with a thousand bodies they are read from memory.
@@ -19,11 +18,10 @@ pub struct OurPile<'a> {
     /// Whether all q are 0.
     at_rest: bool,
     memory: Vec<f32>,
-    caches: Vec<Cache>,
-    stack: Vec<PairStackEntry>,
-    grid: Vec<GridSlot>,
+    caches: Vec<StepCache<'static>>,
+    workspace: Workspace<'static>,
     spheres: Vec<BoundingSphere>,
-    pairs: Vec<[u32; 2]>,
+    pairs: Vec<[usize; 2]>,
     found: Vec<TrianglePair>,
 }
 
@@ -31,12 +29,13 @@ impl<'a> OurPile<'a> {
     /// With so many node slots for each instance between its pairs. A pair's query has sixteen for
     /// itself where there are fewer.
     pub fn new(asset: Asset<'a>, nodes: usize) -> Self {
+        let leaves = LEAVES;
+        let cache = |_| StepCache::new(CacheSize { nodes, leaves });
         Self {
             at_rest: false,
             memory: vec![0.0; COUNT * asset.pose_len()],
-            caches: (0..COUNT).map(|_| cache(nodes, LEAVES)).collect(),
-            stack: vec![PairStackEntry::default(); asset.pair_stack_len(&asset)],
-            grid: vec![GridSlot::EMPTY; broad::grid_slots(COUNT)],
+            caches: (0..COUNT).map(cache).collect(),
+            workspace: Workspace::new(),
             spheres: Vec::new(),
             pairs: Vec::new(),
             found: Vec::new(),
@@ -63,37 +62,32 @@ impl<'a> OurPile<'a> {
                 let q = if zero { &zeros } else { pile.q(step, i) };
                 let memory = memories.next().unwrap_or_default();
                 let place = pile.place(step, i).transform();
-                Pose::new(asset, q, place, memory).expect("q within limits")
+                asset.pose(q, place, memory).expect("q within limits")
             })
             .collect();
         self.spheres.clear();
         for pose in &poses {
-            let sphere = query::root_sphere(asset, pose).expect("a sound asset");
+            let sphere = pose.bounding_sphere().expect("a sound asset");
             self.spheres.push(sphere);
         }
         self.pairs.clear();
-        broad::pairs(&self.spheres, 0.0, &mut self.grid, &mut self.pairs).expect("finite spheres");
+        let (spheres, workspace) = (&self.spheres, &mut self.workspace);
+        broad::pairs(spheres, 0.0, workspace, &mut self.pairs).expect("finite spheres");
         // One body's pairs after each other, so that its numbers stay near.
         self.pairs.sort_unstable();
-        let caches = self.caches.iter_mut().zip(&poses);
-        let mut kept: Vec<_> = caches.map(|(cache, pose)| cache.start(pose)).collect();
+        for (cache, pose) in self.caches.iter_mut().zip(&poses) {
+            cache.start(pose);
+        }
         let mut nodes = Nodes::default();
-        for pair in &self.pairs {
-            let [Ok(a), Ok(b)] = pair.map(usize::try_from) else {
+        for [i, j] in self.pairs.iter().copied() {
+            let Ok([a, b]) = self.caches.get_disjoint_mut([i, j]) else {
                 continue;
             };
-            let Ok([a, b]) = kept.get_disjoint_mut([a, b]) else {
-                continue;
-            };
-            let outcome = query::touching(
-                (asset, a),
-                (asset, b),
-                0.0,
-                &mut self.stack,
-                &mut self.found,
-            )
-            .expect("a sound asset");
-            nodes.add(&outcome);
+            let pair = poses[i].against(&poses[j], workspace);
+            let mut pair = pair.cached(a, b);
+            let asked = pair.triangle_pairs(0.0, &mut self.found);
+            asked.expect("a sound asset");
+            nodes.add(pair.stats());
         }
         Frame {
             query: start.seconds(),

@@ -122,7 +122,7 @@ pub(super) const LIMITATIONS: &[Row] = &[
         &[
             Test(
                 "bdtree-runtime/tests/sharing.rs",
-                "one_asset_serves_instances_on_several_threads",
+                "one_model_serves_instances_on_several_threads",
             ),
             Test(
                 "bdtree-runtime/tests/sharing.rs",

@@ -24,7 +24,7 @@ pub(super) const BOXES: &[Row] = &[
     ),
     whole(
         "P26",
-        "boxes keep a tracked centre",
+        "boxes keep a tracked center",
         "proposed",
         says!(
             "intervals of coordinates about it, exact at rest (test `every_lane_holds_its_vertices` of commit c863d38)"

@@ -1,4 +1,4 @@
-//! Centres and radii under q.
+//! Centers and radii under q.
 
 use super::super::shown::Shown::{Page, Program, Test};
 use super::{BENCHMARKS, Row, says, whole};
@@ -7,10 +7,10 @@ use crate::report::digits;
 pub(super) const UPDATES: &[Row] = &[
     whole(
         "P12",
-        "centre c' = c + Ū q, Ū the mean",
+        "center c' = c + Ū q, Ū the mean",
         "6 M flops",
         says!(
-            "the baseline's; the product takes the centre of the displacements' smallest ball, linear in M"
+            "the baseline's; the product takes the center of the displacements' smallest ball, linear in M"
         ),
         &[
             Test("scenes/tests/paper_tree.rs", "spheres_hold_their_vertices"),
@@ -157,7 +157,7 @@ pub(super) const UPDATES: &[Row] = &[
                 Some(format!("{} and {}", of(0)?, of(1)?))
             });
             format!(
-                "largest ΔR / (L R), the mean tracked (at most 2) and ball centres (at most 1.22): {text}"
+                "largest ΔR / (L R), the mean tracked (at most 2) and ball centers (at most 1.22): {text}"
             )
         },
         &[

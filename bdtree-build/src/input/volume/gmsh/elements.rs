@@ -65,10 +65,8 @@ impl Reader<'_> {
         while left > 0 {
             *at = self.source.position();
             let kind = self.source.integer("the type of a list", Kind::I32)?;
-            let count = self.source.integer("the length of a list", Kind::I32)?;
-            let count = self.source.fits("the length of a list", count, 4)?;
-            let tags = self.source.integer("the number of tags", Kind::I32)?;
-            let tags = self.source.fits("the number of tags", tags, 4)?;
+            let count = self.source.count("the length of a list", Kind::I32, 4)?;
+            let tags = self.source.count("the number of tags", Kind::I32, 4)?;
             if count == 0 || count > left {
                 return Err(format!("a list of {count} elements where {left} are left"));
             }
@@ -99,8 +97,7 @@ impl Reader<'_> {
     fn blocks(&mut self, nodes: &Tags, at: &mut u64) -> Result<(), String> {
         let size = self.format.size;
         self.begin("the numbers of elements", at)?;
-        let blocks = self.source.integer("the number of blocks", size)?;
-        let blocks = self.source.fits("the number of blocks", blocks, 8)?;
+        let blocks = self.source.count("the number of blocks", size, 8)?;
         let declared = self.source.integer("the number of elements", size)?;
         self.source.integer("the lowest number", size)?;
         self.source.integer("the highest number", size)?;
@@ -199,19 +196,15 @@ impl Reader<'_> {
         match (shape, &*nodes) {
             (Shape::Tetrahedron, &[a, b, c, d]) => {
                 let corners = [a, b, c, d];
-                self.draft.tetrahedra.push(Element {
-                    corners,
-                    number,
-                    position,
-                });
+                self.draft
+                    .tetrahedra
+                    .push(Element::new(corners, number, position));
             }
             (Shape::Hexahedron, &[a, b, c, d, e, f, g, h]) => {
                 let corners = [a, b, c, d, e, f, g, h];
-                self.draft.hexahedra.push(Element {
-                    corners,
-                    number,
-                    position,
-                });
+                self.draft
+                    .hexahedra
+                    .push(Element::new(corners, number, position));
             }
             (Shape::Lower(name), _) => self.draft.others.skip(name, 1),
             (Shape::Solid(name), _) => self.draft.others.refuse(kind, name, position),

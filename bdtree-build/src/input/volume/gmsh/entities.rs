@@ -52,8 +52,7 @@ fn read(
         source.end();
         begin(source, "the ghost entities")?;
         let what = "the number of ghost entities";
-        let ghosts = source.integer(what, format.size)?;
-        let ghosts = source.fits(what, ghosts, 4)?;
+        let ghosts = source.count(what, format.size, 4)?;
         source.end();
         for _ in 0..ghosts {
             begin(source, "a ghost entity")?;
@@ -66,8 +65,7 @@ fn read(
     let mut counts = [0; 4];
     for count in &mut counts {
         let what = "the number of entities";
-        let read = source.integer(what, format.size)?;
-        *count = source.fits(what, read, 4)?;
+        *count = source.count(what, format.size, 4)?;
     }
     source.end();
     for (dimension, count) in counts.into_iter().enumerate() {
@@ -84,8 +82,7 @@ fn read(
                 source.real("a coordinate", Kind::F64)?;
             }
             let what = "the number of physical tags";
-            let tags = source.integer(what, format.size)?;
-            let tags = source.fits(what, tags, 2)?;
+            let tags = source.count(what, format.size, 2)?;
             let mut physical = Vec::with_capacity(tags);
             for _ in 0..tags {
                 // The sign of a tag is an orientation.
@@ -108,8 +105,7 @@ fn read(
 
 /// A count, and as many tags.
 fn skip(source: &mut Source<'_>, format: Format, what: &str) -> Result<(), String> {
-    let count = source.integer(what, format.size)?;
-    for _ in 0..source.fits(what, count, 2)? {
+    for _ in 0..source.count(what, format.size, 2)? {
         source.integer("a tag", Kind::I32)?;
     }
     Ok(())

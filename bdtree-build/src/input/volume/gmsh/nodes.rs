@@ -93,8 +93,7 @@ impl Section<'_, '_> {
         let size = format.size;
         let is_binary = self.source.binary.is_some();
         self.begin("the numbers of nodes")?;
-        let blocks = self.source.integer("the number of blocks", size)?;
-        let blocks = self.source.fits("the number of blocks", blocks, 8)?;
+        let blocks = self.source.count("the number of blocks", size, 8)?;
         let declared = self.source.integer("the number of nodes", size)?;
         self.source.integer("the lowest tag", size)?;
         self.source.integer("the highest tag", size)?;

@@ -188,26 +188,20 @@ impl Cells {
                     Ok(())
                 }
                 Shape::Tetrahedron => corners::<4>(points, known).map(|corners| {
-                    draft.tetrahedra.push(Element {
-                        corners,
-                        number,
-                        position,
-                    });
+                    draft
+                        .tetrahedra
+                        .push(Element::new(corners, number, position));
                 }),
                 Shape::Hexahedron => corners::<8>(points, known).map(|corners| {
-                    draft.hexahedra.push(Element {
-                        corners,
-                        number,
-                        position,
-                    });
+                    draft
+                        .hexahedra
+                        .push(Element::new(corners, number, position));
                 }),
                 Shape::Voxel => corners::<8>(points, known).map(|[a, b, c, d, e, f, g, h]| {
                     let corners = [a, b, d, c, e, f, h, g];
-                    draft.hexahedra.push(Element {
-                        corners,
-                        number,
-                        position,
-                    });
+                    draft
+                        .hexahedra
+                        .push(Element::new(corners, number, position));
                 }),
             };
             if let Err(message) = built {

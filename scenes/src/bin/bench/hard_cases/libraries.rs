@@ -4,7 +4,7 @@ use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_runtime::{AlignedBytes, Asset, Pose, StackEntry, Transform, query};
+use bdtree_runtime::{Instance, Model, Ray, Workspace};
 
 /// A mesh as it is given, and rounded for those who take f32.
 pub(super) struct Given {
@@ -72,7 +72,10 @@ pub(super) fn entries() -> Vec<Entry> {
     ]
 }
 
-struct Own(AlignedBytes);
+struct Own {
+    body: Instance,
+    workspace: Workspace<'static>,
+}
 
 impl Own {
     fn new(given: &Given) -> Result<Self, String> {
@@ -87,19 +90,10 @@ impl Own {
             &Provenance::default(),
             &Silent,
         );
-        Ok(Self(AlignedBytes::copy_of(
-            &baked.map_err(|e| e.to_string())?.bytes,
-        )))
-    }
-
-    fn ask<T>(&self, f: impl FnOnce(&Asset<'_>, &Pose<'_>, &mut [StackEntry]) -> T) -> T {
-        let asset = Asset::open(&self.0).expect("a sound file");
-        let pose = Pose::new(&asset, &[], Transform::IDENTITY, &mut []).expect("a pose at rest");
-        f(
-            &asset,
-            &pose,
-            &mut vec![StackEntry::default(); asset.stack_len()],
-        )
+        let model = Model::from_bytes(&baked.map_err(|e| e.to_string())?.bytes);
+        let body = Instance::new(&model.expect("a sound file")).expect("a pose at rest");
+        let workspace = Workspace::new();
+        Ok(Self { body, workspace })
     }
 }
 
@@ -107,15 +101,17 @@ impl Library for Own {
     fn ray(&mut self, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
         let [o, d] = [origin, direction].map(|v| v.map(f64::from));
         let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
-        let hit =
-            self.ask(|asset, pose, stack| query::ray(asset, pose, o, d, f64::INFINITY, stack));
-        hit.expect("a ray").hit.map(|hit| hit.distance / length)
+        let hit = self
+            .body
+            .query(&mut self.workspace)
+            .cast_ray(&Ray::new(o, d));
+        hit.expect("a ray").map(|hit| hit.distance / length)
     }
 
     fn closest(&mut self, to: [f64; 3]) -> Option<f64> {
-        let near =
-            self.ask(|asset, pose, stack| query::closest(asset, pose, to, f64::INFINITY, stack));
-        near.expect("a point").hit.map(|hit| hit.distance)
+        let mut query = self.body.query(&mut self.workspace);
+        let near = query.project_point(to, f64::INFINITY).expect("a point");
+        near.map(|near| near.distance)
     }
 }
 

@@ -7,15 +7,13 @@ use std::time::Instant;
 use bdtree_measure::Place;
 use bdtree_measure::machine;
 use bdtree_measure::stats::median;
-use bdtree_runtime::query::{self, PairFront};
 use bdtree_runtime::{
-    Asset, CachedPose, Contact, FrontSlot, Motion, PairStackEntry, Pose, StackEntry, Transform,
-    TrianglePair, VertexId,
+    Asset, Ball, CacheSize, Contact, Motion, PairFront, Pose, Query, StepCache, Transform,
+    TrianglePair, VertexId, Workspace, studies,
 };
 use bdtree_scenes::workloads::bodies::{Bodies, MODES, bodies};
 use clap::Args;
 
-use bdtree_measure::ours::cache;
 use bdtree_scenes::contenders::assets::baked;
 
 #[derive(Args)]
@@ -34,11 +32,14 @@ pub(crate) struct Arguments {
     repeat: usize,
 }
 
+/// Pairs of leaves that a front has room for, 16 bytes each.
+const FRONT_SLOTS: usize = 4096;
+
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     println!("{}", machine::processor());
     let work = bodies();
-    let bytes = baked(&work.body)?;
-    let asset = Asset::open(&bytes)?;
+    let model = baked(&work.body)?;
+    let asset = model.asset();
     println!(
         "A ball (radius 0.05) at {} places of W2's body",
         arguments.balls
@@ -46,7 +47,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     println!("| largest motion a step, % | contender | visits | updates | µs per step |");
     println!("|---|---|---|---|---|");
     for speed in &arguments.speeds {
-        balls(&asset, &work, *speed, arguments)?;
+        balls(asset, &work, *speed, arguments)?;
     }
     println!("\nW2's two bodies");
     println!(
@@ -55,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     println!("|---|---|---|---|---|---|---|");
     for (place, apart) in [("touching", 0.0), ("0.15 apart", 0.15), ("0.5 apart", 0.5)] {
         for speed in &arguments.speeds {
-            pairs((&asset, &work), (place, apart), *speed, arguments)?;
+            pairs((asset, &work), (place, apart), *speed, arguments)?;
         }
     }
     Ok(())
@@ -72,13 +73,13 @@ fn at(work: &Bodies, body: usize, step: usize, per_frame: usize) -> Vec<f32> {
 }
 
 /// The way of the vertex that moves most in a step, in the mean over the steps, in per cent of the diagonal.
-fn motion(asset: &Asset<'_>, poses: &[Pose<'_>]) -> Result<f64, Box<dyn Error>> {
+fn motion(poses: &[Pose<'_>]) -> Result<f64, Box<dyn Error>> {
     let (mut sum, mut low, mut high) = (0.0, [f64::MAX; 3], [f64::MIN; 3]);
     let some = &poses[..poses.len().min(20)];
     for two in some.windows(2) {
         let mut most = 0.0_f64;
-        for i in 0..asset.vertex_count() as u32 {
-            let [a, b] = [&two[0], &two[1]].map(|pose| asset.deformed(pose, VertexId(i)));
+        for i in 0..two[0].asset().vertex_count() as u32 {
+            let [a, b] = [&two[0], &two[1]].map(|pose| pose.deformed(VertexId(i)));
             let (a, b) = (a?, b?);
             let square: f64 = (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
             most = most.max(square);
@@ -95,7 +96,7 @@ fn motion(asset: &Asset<'_>, poses: &[Pose<'_>]) -> Result<f64, Box<dyn Error>> 
 
 /// Poses of a body at all steps.
 fn poses<'m>(
-    (asset, work): (&Asset<'_>, &Bodies),
+    (asset, work): (&'m Asset<'m>, &Bodies),
     (body, place): (usize, Transform),
     per_frame: usize,
     memory: &'m mut [Vec<f32>],
@@ -105,7 +106,7 @@ fn poses<'m>(
         .map(|(step, memory)| {
             let q = at(work, body, step, per_frame);
             memory.resize(asset.pose_len(), 0.0);
-            Ok(Pose::new(asset, &q, place, memory)?)
+            Ok(asset.pose(&q, place, memory)?)
         })
         .collect()
 }
@@ -133,30 +134,30 @@ fn balls(
 ) -> Result<(), Box<dyn Error>> {
     let mut memory = vec![Vec::new(); arguments.steps];
     let poses = poses((asset, work), (0, Transform::IDENTITY), speed, &mut memory)?;
-    let moved = motion(asset, &poses)?;
+    let moved = motion(&poses)?;
     let count = asset.vertex_count() as u32;
     let centers = (0..arguments.balls as u32)
-        .map(|i| asset.deformed(&poses[0], VertexId(i * (count / arguments.balls as u32))))
+        .map(|i| poses[0].deformed(VertexId(i * (count / arguments.balls as u32))))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut stack = vec![StackEntry::default(); asset.stack_len()];
+    let mut workspace = Workspace::new();
     let mut found: Vec<Contact> = Vec::new();
-    let mut ask = |kept: &mut CachedPose<'_>, tally: &mut Tally| -> Result<(), Box<dyn Error>> {
+    let mut ask = |query: &mut Query<'_, '_>, tally: &mut Tally| -> Result<(), Box<dyn Error>> {
         for center in &centers {
             found.clear();
-            let outcome = query::ball(asset, &mut *kept, *center, 0.05, &mut stack, &mut found)?;
-            tally.visits += outcome.nodes_visited;
-            tally.updates += outcome.nodes_updated;
+            query.contacts(Ball::new(*center, 0.05), &mut found)?;
+            tally.visits += query.stats().nodes_visited;
+            tally.updates += query.stats().nodes_updated;
             tally.found += found.len() as u64;
         }
         Ok(())
     };
-    let limit = 0.1 * leaf_radius(asset, &poses[0])?;
+    let limit = 0.1 * leaf_radius(&poses[0])?;
     let contenders = [
         ("anew, nothing kept", 0, false),
         ("anew, kept for the step", asset.node_count(), false),
         ("followed", asset.node_count(), true),
     ];
-    let mut caches = contenders.map(|(_, slots, _)| cache(slots, 0));
+    let mut caches = contenders.map(|(_, nodes, _)| StepCache::new(CacheSize { nodes, leaves: 0 }));
     let mut runs = [const { Vec::new() }; 3];
     let mut tallies = [const { Tally::ZERO }; 3];
     for _ in 0..arguments.repeat.max(1) {
@@ -167,14 +168,18 @@ fn balls(
             let mut reference = 0;
             for (step, pose) in poses.iter().enumerate() {
                 if follows && step > reference {
-                    let mut kept = cache.follow(asset, &poses[reference], pose)?;
-                    if kept.growth(asset)? <= limit {
-                        ask(&mut kept, &mut tally)?;
+                    let reference = &poses[reference];
+                    studies::next_step(cache, reference);
+                    let query = pose.query(&mut workspace);
+                    let mut query = studies::follow(query, cache, reference);
+                    if studies::growth(&mut query)? <= limit {
+                        ask(&mut query, &mut tally)?;
                         continue;
                     }
                 }
                 reference = step;
-                ask(&mut cache.start(pose), &mut tally)?;
+                cache.start(pose);
+                ask(&mut pose.query(&mut workspace).cached(cache), &mut tally)?;
             }
             runs[k].push(start.elapsed().as_secs_f64());
             tallies[k] = tally;
@@ -196,10 +201,11 @@ fn balls(
 }
 
 /// Mean radius of leaf lanes (world).
-fn leaf_radius(asset: &Asset<'_>, pose: &Pose<'_>) -> Result<f64, Box<dyn Error>> {
+fn leaf_radius(pose: &Pose<'_>) -> Result<f64, Box<dyn Error>> {
+    let asset = pose.asset();
     let (mut sum, mut count) = (0.0, 0.0);
     for (index, node) in (0..).zip(asset.nodes()) {
-        let spheres = asset.node_spheres(pose, index)?;
+        let spheres = pose.node_spheres(index)?;
         for lane in (0..8).filter(|lane| node.leaf_mask & 1 << lane != 0) {
             sum += f64::from(spheres.radius[lane]);
             count += 1.0;
@@ -224,31 +230,33 @@ fn pairs(
     let [memory_a, memory_b] = &mut memory;
     let a = poses((asset, work), (0, Transform::IDENTITY), speed, memory_a)?;
     let b = poses((asset, work), (1, place.transform()), speed, memory_b)?;
-    let moved = motion(asset, &a)?;
-    let mut stack = vec![PairStackEntry::default(); asset.pair_stack_len(asset)];
+    let moved = motion(&a)?;
+    let mut workspace = Workspace::new();
     let mut found: Vec<TrianglePair> = Vec::new();
     let mut runs = [const { Vec::new() }; 2];
     let mut tallies = [const { Tally::ZERO }; 2];
     for _ in 0..arguments.repeat.max(1) {
         for k in 0..2 {
             let mut tally = Tally::ZERO;
-            let mut front = PairFront::new(vec![FrontSlot::EMPTY; 4096]);
+            let mut slots = vec![0; 16 * FRONT_SLOTS];
+            let mut front = PairFront::in_bytes(&mut slots);
             let mut motions = [Motion::new(&a[0]), Motion::new(&b[0])];
             let start = Instant::now();
             for step in 0..arguments.steps {
                 found.clear();
-                let outcome = if k == 1 {
+                if k == 1 {
                     let before = step.saturating_sub(1);
-                    motions[0].advance(asset, &a[before], &a[step])?;
-                    motions[1].advance(asset, &b[before], &b[step])?;
-                    let one = (asset, &a[step], &motions[0]);
-                    let two = (asset, &b[step], &motions[1]);
-                    front.touching(one, two, 0.0, &mut stack, &mut found)?
+                    motions[0].advance(&a[before], &a[step])?;
+                    motions[1].advance(&b[before], &b[step])?;
+                    let one = a[step].moving(&motions[0])?;
+                    let two = b[step].moving(&motions[1])?;
+                    let pair = one.against(&two, &mut workspace);
+                    pair.front(&mut front).triangle_pairs(0.0, &mut found)?;
                 } else {
-                    let (one, two) = ((asset, &a[step]), (asset, &b[step]));
-                    query::touching(one, two, 0.0, &mut stack, &mut found)?
-                };
-                tally.visits += outcome.nodes_visited;
+                    let mut pair = a[step].against(&b[step], &mut workspace);
+                    pair.triangle_pairs(0.0, &mut found)?;
+                }
+                tally.visits += workspace.stats().nodes_visited;
                 tally.found += found.len() as u64;
             }
             runs[k].push(start.elapsed().as_secs_f64());

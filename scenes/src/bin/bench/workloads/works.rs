@@ -8,7 +8,6 @@ use bdtree_measure::paper_tree::PaperTree;
 use bdtree_measure::peers::LayeredPeer;
 #[cfg(feature = "peers")]
 use bdtree_measure::peers::{Parry, TinyBvh};
-use bdtree_runtime::Asset;
 use bdtree_scenes::workloads::{bodies, curtain, pile, rays};
 
 use super::libraries::Libraries;
@@ -34,8 +33,8 @@ pub(crate) fn ball(
     let frames: Vec<usize> = (0..curtain::FRAMES)
         .step_by(if size == 2 { 10 } else { 1 })
         .collect();
-    let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
-    let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
+    let (model, rigid) = (baked(&work.body)?, baked(&work.body.rigid())?);
+    let (asset, rigid) = (*model.asset(), *rigid.asset());
     let deformer = Deformer::new(&work.body);
     let tree = Rc::new(PaperTree::build(&asset));
     let (mut ours, mut still) = (Ours::new(asset), Ours::new(rigid));
@@ -71,8 +70,8 @@ pub(crate) fn ball(
 pub(crate) fn pair(rounds: Rounds<'_>) -> Result<Work> {
     let work = bodies::bodies();
     let frames: Vec<usize> = (0..bodies::FRAMES).collect();
-    let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
-    let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
+    let (model, rigid) = (baked(&work.body)?, baked(&work.body.rigid())?);
+    let (asset, rigid) = (*model.asset(), *rigid.asset());
     let deformer = Deformer::new(&work.body);
     let tree = Rc::new(PaperTree::build(&asset));
     let (mut ours, mut still) = (OurPair::new(asset), OurPair::new(rigid));
@@ -110,8 +109,8 @@ pub(crate) fn ray(
 ) -> Result<Vec<Work>> {
     let (name, n) = rays::SIZES[size];
     let work = rays::rays(name, n);
-    let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
-    let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
+    let (model, rigid) = (baked(&work.body)?, baked(&work.body.rigid())?);
+    let (asset, rigid) = (*model.asset(), *rigid.asset());
     let deformer = Deformer::new(&work.body);
     let tree = Rc::new(PaperTree::build(&asset));
     let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
@@ -155,8 +154,8 @@ pub(crate) fn ray(
 pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
     let work = pile::pile();
     let frames: Vec<usize> = (0..pile::STEPS).collect();
-    let (bytes, rigid_bytes) = (baked(&work.body)?, baked(&work.body.rigid())?);
-    let (asset, rigid) = (Asset::open(&bytes)?, Asset::open(&rigid_bytes)?);
+    let (model, rigid) = (baked(&work.body)?, baked(&work.body.rigid())?);
+    let (asset, rigid) = (*model.asset(), *rigid.asset());
     let deformer = Deformer::new(&work.body);
     let tree = Rc::new(PaperTree::build(&asset));
     let mut ours = OurPile::new(asset, NODES);

@@ -1,0 +1,227 @@
+//! The lowest modes of all components together.
+
+pub(crate) mod canonical;
+pub(crate) mod factor;
+pub(crate) mod krylov;
+pub(crate) mod rigid;
+#[cfg(test)]
+pub(crate) mod tests;
+
+use faer::Mat;
+
+use crate::elastic::assemble::system::System;
+use crate::elastic::solve::canonical::{CLUSTER_GAP, clusters, turn_clusters};
+use crate::elastic::solve::factor::{FactorError, Symbolic};
+use crate::elastic::solve::krylov::{Inverse, Modes, RESIDUAL_MAX, lowest_modes};
+use crate::elastic::solve::rigid::{rigid_motions, support};
+use crate::progress::Progress;
+
+/// More modes than asked for are found, so that a cluster at the end is met whole.
+const EXTRA: usize = 4;
+
+/// A mode of one component.
+#[derive(Debug, Clone)]
+pub(crate) struct ComponentMode {
+    /// Component.
+    pub component: usize,
+    /// Eigenvalue in the system's units.
+    pub value: f64,
+    /// Displacement per unknown of the component's nodes, unit modal mass in the system's
+    /// units.
+    pub vector: Vec<f64>,
+}
+
+/// The lowest modes, and how they were found.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Solution {
+    /// Ascending; at most as many as asked for.
+    pub modes: Vec<ComponentMode>,
+    /// Worst residual of [`Modes`].
+    pub residual: f64,
+    /// Whether an inertia count confirmed every component's number of modes.
+    pub checked: bool,
+    /// Largest memory a component was predicted to take.
+    pub bytes: u64,
+    /// Elastic modes that the body has, at most; meaningful when fewer than asked for exist.
+    pub available: usize,
+}
+
+/// Why there is no solution.
+#[derive(Debug, Clone)]
+pub(crate) enum SolveError {
+    /// Predicted bytes beyond the limit.
+    Memory(u64),
+    /// The allocation or a pivot failed in this component.
+    Factor(usize, FactorError),
+    /// The inertia count of this component contradicts the modes found: (component, counted, found).
+    Missed(usize, usize, usize),
+    /// The worst residual reached.
+    Residual(f64),
+    /// This element of this component has no stiffness: (component, element).
+    Element(usize, usize),
+}
+
+/// What bounds the work.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// Modes wanted in all.
+    pub wanted: usize,
+    /// Memory limit.
+    pub bytes: u64,
+    /// Components up to this many unknowns get an inertia count.
+    pub verify_dof_max: usize,
+}
+
+/// Solves component after component, the largest first: once enough modes are known, an inertia
+/// count tells cheaply that a further component has none below them.
+///
+/// `sizes` are the components' numbers of nodes; `system` makes the system of one, or names an
+/// element that cannot be.
+pub(crate) fn solve(
+    sizes: &[usize],
+    system: impl Fn(usize) -> Result<System, usize>,
+    limits: Limits,
+    progress: &dyn Progress,
+) -> Result<Solution, SolveError> {
+    let mut order: Vec<usize> = (0..sizes.len()).collect();
+    order.sort_by_key(|&c| (usize::MAX - sizes[c], c));
+    let mut solution = Solution {
+        checked: true,
+        ..Solution::default()
+    };
+    for c in order {
+        let system = system(c).map_err(|element| SolveError::Element(c, element))?;
+        let found = solve_component(c, &system, limits, &mut solution)?;
+        for (j, &value) in found.values.iter().enumerate().take(limits.wanted) {
+            let vector = (0..system.size())
+                .map(|i| found.vectors[(3 * system.place[i / 3] as usize + i % 3, j)])
+                .collect();
+            solution.modes.push(ComponentMode {
+                component: c,
+                value,
+                vector,
+            });
+        }
+        sort(&mut solution.modes);
+        solution.modes.truncate(limits.wanted);
+        progress.advance(1);
+    }
+    if solution.residual.is_nan() || solution.residual > RESIDUAL_MAX {
+        return Err(SolveError::Residual(solution.residual));
+    }
+    Ok(solution)
+}
+
+/// By value; within a cluster by component, for rounding must not order equal bodies.
+fn sort(modes: &mut [ComponentMode]) {
+    modes.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let values: Vec<f64> = modes.iter().map(|mode| mode.value).collect();
+    for cluster in clusters(&values) {
+        modes[cluster].sort_by_key(|m| m.component);
+    }
+}
+
+fn solve_component(
+    c: usize,
+    system: &System,
+    limits: Limits,
+    solution: &mut Solution,
+) -> Result<Modes, SolveError> {
+    let none = Modes {
+        values: Vec::new(),
+        vectors: Mat::zeros(system.size(), 0),
+        residual: 0.0,
+    };
+    let fail = |e| SolveError::Factor(c, e);
+    let rigid = rigid_motions(system);
+    let rigid_count = rigid.ncols();
+    let available = system.free_count().saturating_sub(rigid_count);
+    solution.available += available;
+    if available == 0 {
+        return Ok(none);
+    }
+    let pattern = system.pattern();
+    let symbolic = Symbolic::new(&pattern).map_err(fail)?;
+    let bytes = predicted_bytes(system, &symbolic, limits.wanted);
+    solution.bytes = solution.bytes.max(bytes);
+    if bytes > limits.bytes {
+        return Err(SolveError::Memory(bytes));
+    }
+    let count = |below: f64| -> Result<usize, SolveError> {
+        let values = system.values(below, &[]);
+        let negative = symbolic.negative_count(&pattern, &values).map_err(fail)?;
+        Ok(negative.saturating_sub(rigid_count))
+    };
+    let mut wanted = limits.wanted;
+    let mut counted = None;
+    if solution.modes.len() == limits.wanted {
+        // A sound bound however the modes found so far came about.
+        let bound = solution.modes[limits.wanted - 1].value * (1.0 + 10.0 * CLUSTER_GAP);
+        let below = count(bound)?;
+        if below == 0 {
+            return Ok(none);
+        }
+        wanted = wanted.min(below);
+        counted = Some((bound, below));
+    }
+    let pins = support(system, rigid.as_ref());
+    let mut more = EXTRA;
+    let mut modes = loop {
+        let found = {
+            let values = system.values(0.0, &pins);
+            let factor = symbolic.factorize(&pattern, &values).map_err(fail)?;
+            drop(values);
+            let rigid_mass = system.apply_mass(rigid.as_ref());
+            let inverse = Inverse {
+                system,
+                factor: &factor,
+                pins: &pins,
+                rigid: rigid.as_ref(),
+                rigid_mass: rigid_mass.as_ref(),
+            };
+            lowest_modes(&inverse, wanted + more).map_err(fail)?
+        };
+        if system.size() > limits.verify_dof_max && counted.is_none() {
+            solution.checked = false;
+            break found;
+        }
+        let (bound, below) = match counted {
+            Some(known) => known,
+            None => {
+                let bound = gap_after(&found.values, wanted);
+                (bound, count(bound)?)
+            }
+        };
+        let seen = found.values.iter().filter(|v| **v < bound).count();
+        if seen >= below.min(wanted) && (counted.is_some() || seen == below) {
+            break found;
+        }
+        if more > EXTRA {
+            return Err(SolveError::Missed(c, below, seen));
+        }
+        more = EXTRA + 16; // once more with a larger space
+    };
+    solution.residual = solution.residual.max(modes.residual);
+    turn_clusters(system, &mut modes.vectors, &modes.values);
+    Ok(modes)
+}
+
+/// A value in the widest gap at or after the last wanted mode.
+fn gap_after(values: &[f64], wanted: usize) -> f64 {
+    let first = wanted.min(values.len()).saturating_sub(1);
+    let mut best = (0.0, values.last().map_or(0.0, |v| v * (1.0 + CLUSTER_GAP)));
+    for i in first..values.len().saturating_sub(1) {
+        let gap = values[i + 1] / values[i] - 1.0;
+        if gap > best.0 {
+            best = (gap, (values[i + 1] * values[i]).sqrt());
+        }
+    }
+    best.1
+}
+
+/// Memory of the numeric step: factor, matrix in three forms, Krylov basis.
+fn predicted_bytes(system: &System, symbolic: &Symbolic, wanted: usize) -> u64 {
+    let (n, entries) = (system.size() as u64, system.entry_count() as u64);
+    let basis = 8 * n * (24 * 8 + 4 * wanted as u64);
+    symbolic.factor_bytes() + entries * 60 + basis + n * 200
+}

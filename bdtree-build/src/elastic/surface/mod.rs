@@ -1,0 +1,3 @@
+//! The surface: what hangs together, what is solid and what is a sheet.
+
+pub(crate) mod components;
