@@ -142,7 +142,7 @@ impl Solver<'_> {
         Ok(match *query {
             Query::Contacts { instance, shape } => {
                 let mut contacts = Vec::new();
-                self.looking(instance).contacts(shape, &mut contacts)?;
+                self.limited(instance).contacts(shape, &mut contacts)?;
                 Answer::contacts(contacts)
             }
             Query::Closest {
@@ -150,17 +150,17 @@ impl Solver<'_> {
                 point,
                 max_distance,
             } => {
-                let nearest = self.looking(instance).project_point(point, max_distance)?;
+                let nearest = self.limited(instance).project_point(point, max_distance)?;
                 Answer::Nearest(nearest.into())
             }
             Query::Ray { instance, ref ray } => {
-                Answer::Nearest(self.looking(instance).cast_ray(ray)?.into())
+                Answer::Nearest(self.limited(instance).cast_ray(ray)?.into())
             }
             Query::Rays {
                 instance,
                 mode,
                 ref rays,
-            } => rays::solve(&mut self.looking(instance), mode, rays)?,
+            } => rays::solve(&mut self.limited(instance), mode, rays)?,
             // The root's sphere decides most of them, and spheres at a level decide nothing.
             Query::Frustum {
                 instance,
@@ -201,7 +201,7 @@ impl Solver<'_> {
     }
 
     /// An instance, not looked into below the scene's depth.
-    fn looking(&mut self, instance: usize) -> SingleQuery<'_, 'static> {
+    fn limited(&mut self, instance: usize) -> SingleQuery<'_, 'static> {
         let query = self.bodies[instance].query(&mut self.workspace);
         match self.max_depth {
             Some(level) => query.max_level(level, &mut self.proxies[0]),

@@ -28,10 +28,9 @@ pub(super) fn shapes(scene: &Scene, content: &[Content<'_>]) -> Vec<Shape> {
     for query in &scene.queries {
         match query {
             Query::Contacts { shape, .. } => match *shape {
-                Touched::Ball(Ball { center, radius }) => shapes.push(Shape::Ball {
-                    center: center,
-                    radius,
-                }),
+                Touched::Ball(Ball { center, radius }) => {
+                    shapes.push(Shape::Ball { center, radius })
+                }
                 Touched::Capsule(Capsule { a, b, radius }) => {
                     shapes.extend([a, b].map(|center| Shape::Ball { center, radius }));
                     shapes.push(Shape::Line([a, b]));
