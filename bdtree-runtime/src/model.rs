@@ -173,8 +173,8 @@ impl fmt::Display for LoadError {
                 let problem = match error.section {
                     // The first eight bytes are the format's name, the next four its version.
                     HEADER_SECTION if error.byte < 8 => "not a .bdt file",
-                    // Too short for any, and the place is its end.
-                    HEADER_SECTION if error.rule == WHOLE_HEADER => "not a .bdt file",
+                    // Cut off before the header's end, which is then the place.
+                    _ if error.rule == WHOLE_HEADER => "damaged .bdt file",
                     HEADER_SECTION if error.byte < 12 => "a .bdt file of another version",
                     _ => "damaged .bdt file",
                 };

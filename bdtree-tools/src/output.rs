@@ -84,6 +84,7 @@ pub fn write_whole(
 ///
 /// # Errors
 /// [`ToolError::Write`].
+#[cfg(feature = "report")]
 pub(crate) fn check_writable(path: &Path) -> Result<(), ToolError> {
     if fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
         return Ok(());
