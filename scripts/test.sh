@@ -3,7 +3,7 @@
 # linker (gcc), python3, Mesa's software Vulkan and a virtual display, as root or through sudo; without either it prints
 # the line to run.
 #
-# `--quick` runs the core's alone, in at most a minute once they are compiled, and installs nothing: the unit tests of
+# `--quick` runs the core's alone (the aim: a minute once they are compiled) and installs nothing: the unit tests of
 # the runtime and the builder, every query on one small mesh beside brute force, and the bytes of all committed files.
 set -euo pipefail
 cd "$(dirname "$0")/.."
