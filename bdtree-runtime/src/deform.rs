@@ -5,7 +5,7 @@ use bdtree_format::{SectionKind, TriangleRecord};
 use crate::contact::{TriangleId, VertexId};
 use crate::error::FormatError;
 use crate::pose::Pose;
-use crate::simd::{Fields, Lanes, prefetch, prefetch_from};
+use crate::simd::{Fields, LINE, Lanes, prefetch, prefetch_from, prefetch_lines};
 use crate::view::Asset;
 
 impl Pose<'_> {
@@ -177,9 +177,33 @@ impl Asset<'_> {
         if self.lists_modes() {
             return self.prefetch_listed_vertices(records);
         }
+        let m = self.modes.len();
+        // Of a known number of lines each is one instruction: up to 21 modes.
+        match (m * size_of::<[f32; 3]>()).div_ceil(LINE) {
+            1 => self.prefetch_fields::<1>(records),
+            2 => self.prefetch_fields::<2>(records),
+            3 => self.prefetch_fields::<3>(records),
+            4 => self.prefetch_fields::<4>(records),
+            _ => {
+                for i in records.iter().flat_map(|record| record.corners) {
+                    self.prefetch_vertex::<false>(i);
+                }
+            }
+        }
+    }
+
+    /// Vertices whose displacements fill so many lines.
+    #[inline(always)]
+    fn prefetch_fields<const LINES: usize>(&self, records: &[TriangleRecord]) {
+        let fields = self.displacements.as_ptr();
         for record in records {
             for vertex in record.corners {
-                self.prefetch_vertex::<false>(vertex);
+                let i = vertex as usize;
+                if let Some(p) = self.positions.get(i) {
+                    prefetch(p);
+                    let own = fields.wrapping_add(i.wrapping_mul(self.modes.len()));
+                    prefetch_lines::<LINES, _>(own);
+                }
             }
         }
     }

@@ -49,8 +49,19 @@ pub(crate) struct DepthLimit<'s> {
     pub(crate) sink: &'s mut (dyn Sink<Proxy> + 's),
 }
 
-impl DepthLimit<'_> {
-    /// The same for a shorter time.
+impl<'s> DepthLimit<'s> {
+    /// The same for a shorter time; spelled out, since what borrows a sink is not shortened by itself.
+    pub(crate) fn shorter<'t>(self) -> DepthLimit<'t>
+    where
+        's: 't,
+    {
+        DepthLimit {
+            level: self.level,
+            sink: self.sink,
+        }
+    }
+
+    /// The same for one of several walks.
     pub(crate) fn again(&mut self) -> DepthLimit<'_> {
         DepthLimit {
             level: self.level,

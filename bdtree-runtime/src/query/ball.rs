@@ -31,7 +31,7 @@ pub(super) fn contacts(
     sink: &mut dyn Sink<Contact>,
 ) -> Result<Walk, QueryError> {
     let mut visitor = Ball::new(posed.pose, ball, sink)?;
-    one(posed.pose.asset, posed, stack, &mut visitor)
+    one(posed, stack, &mut visitor)
 }
 
 pub(super) struct Ball<'s> {
@@ -200,9 +200,21 @@ pub(super) fn direction(from: [f64; 3], to: [f64; 3]) -> Option<[f64; 3]> {
 
 /// A triangle's unit normal by its corner order; for one of zero area some unit vector across
 /// its longest edge, +z for a single point.
+#[inline]
 pub(super) fn normal(corners: &Triangle) -> [f64; 3] {
     let [a, b, c] = *corners;
     let (ab, ac) = (sub(b, a), sub(c, a));
+    let n = cross(ab, ac);
+    let length = norm(n);
+    if (SHORT..1.0 / SHORT).contains(&length) {
+        return n.map(|c| c / length);
+    }
+    tiny_normal(ab, ac)
+}
+
+/// [`normal`] by two edges whose cross product may be 0, or lose digits.
+#[cold]
+fn tiny_normal(ab: [f64; 3], ac: [f64; 3]) -> [f64; 3] {
     let largest = ab.iter().chain(&ac).fold(0.0_f64, |m, x| m.max(x.abs()));
     if largest == 0.0 {
         return [0.0, 0.0, 1.0];

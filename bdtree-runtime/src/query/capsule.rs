@@ -45,7 +45,7 @@ pub(super) fn contacts(
         radius,
         sink,
     };
-    one(pose.asset, posed, stack, &mut visitor)
+    one(posed, stack, &mut visitor)
 }
 
 /// The part of a segment that a body can be near to (stored units).

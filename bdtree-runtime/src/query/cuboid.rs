@@ -48,7 +48,7 @@ pub(super) fn contacts(
         return Ok(Walk::default());
     };
     let mut visitor = Cuboid { near, shape, sink };
-    one(pose.asset, posed, stack, &mut visitor)
+    one(posed, stack, &mut visitor)
 }
 
 /// A box as three slabs `low ≤ axis · x ≤ high` about the origin of stored coordinates.

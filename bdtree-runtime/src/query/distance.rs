@@ -28,8 +28,7 @@ pub(super) fn closest_points(
     let gap = Gap::new(&posed1, &posed2);
     let mut pairs = LeafPairs::new(max_distance);
     let walk = pose1.asset.kernel.run(NearestTwo {
-        a: (pose1.asset, posed1.or_keep(&mut own1)),
-        b: (pose2.asset, posed2.or_keep(&mut own2)),
+        posed: [posed1.or_keep(&mut own1), posed2.or_keep(&mut own2)],
         gap: &gap,
         frontier: &mut frontier,
         pairs: &mut pairs,

@@ -143,7 +143,6 @@ impl State {
     ) -> Result<(Walk, usize), QueryError> {
         let [posed1, posed2] = posed.map(Posed::shorter);
         let poses = [posed1.pose, posed2.pose];
-        let assets = poses.map(|pose| pose.asset);
         let [Some(motion1), Some(motion2)] = poses.map(|pose| pose.motion) else {
             return Err(QueryError::Motion);
         };
@@ -164,7 +163,6 @@ impl State {
                 return Ok((Walk::default(), 0));
             };
             let two = Two {
-                assets,
                 posed,
                 frame: &frame,
                 leaves: Some(leaves),
@@ -193,7 +191,6 @@ impl State {
             return Ok((Walk::default(), 0));
         };
         let two = Two {
-            assets,
             posed,
             frame: &frame,
             leaves: None,

@@ -56,7 +56,7 @@ pub(super) fn state(
         inside: false,
         outside: false,
     };
-    walk.add(&one(pose.asset, posed, stack, &mut visitor)?);
+    walk.add(&one(posed, stack, &mut visitor)?);
     let state = match (visitor.inside, visitor.outside) {
         (true, false) => FrustumState::Inside,
         (false, true) => FrustumState::Outside,

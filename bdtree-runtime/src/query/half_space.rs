@@ -39,7 +39,7 @@ pub(super) fn contacts(
         offset,
         sink,
     };
-    one(pose.asset, posed, stack, &mut visitor)
+    one(posed, stack, &mut visitor)
 }
 
 /// A plane among the spheres of a body: points where `normal · x = offset` (stored units).

@@ -8,7 +8,7 @@ use crate::bound::WideSpheres;
 use crate::contact::{RayIntersection, TriangleId};
 use crate::error::QueryError;
 use crate::math::{add_scaled, clamp, dot, length_bound, scale};
-use crate::narrow::{self, Triangle, ray_hit};
+use crate::narrow::{self, RayHit, Triangle, ray_hit};
 use crate::pose::Pose;
 use crate::rounding::{
     CHORD, EDGE_FUNCTION, MARGIN, RAY, RAY_RANGE, RAY_REACH, SKIP, next_above, round_up,
@@ -114,24 +114,28 @@ impl Line {
 
     /// Where the ray meets a triangle, by the leaf arithmetic.
     #[inline(always)]
-    pub(super) fn hit(&self, id: TriangleId, corners: &Triangle) -> Option<RayIntersection> {
-        let hit = ray_hit(&self.ray, corners, self.max_distance)?;
-        Some(RayIntersection {
-            triangle: id,
-            point: hit.point,
-            normal: [0.0; 3], // see `facing`
-            distance: hit.t,
-            barycentric: hit.barycentric,
-        })
+    pub(super) fn hit(&self, corners: &Triangle) -> Option<RayHit> {
+        ray_hit(&self.ray, corners, self.max_distance)
     }
 
-    /// A triangle's unit normal on the side that the ray comes from.
-    pub(super) fn facing(&self, corners: &Triangle) -> [f64; 3] {
-        let normal = normal(corners);
+    /// A hit with the triangle's unit normal on the side that the ray comes from.
+    #[inline(always)]
+    pub(super) fn intersection(
+        &self,
+        triangle: TriangleId,
+        corners: &Triangle,
+        hit: &RayHit,
+    ) -> RayIntersection {
+        let mut normal = normal(corners);
         if dot(normal, self.ray.direction()) > 0.0 {
-            scale(normal, -1.0)
-        } else {
-            normal
+            normal = scale(normal, -1.0);
+        }
+        RayIntersection {
+            triangle,
+            point: hit.point,
+            normal,
+            distance: hit.t,
+            barycentric: hit.barycentric,
         }
     }
 

@@ -24,12 +24,10 @@ pub(super) fn walk(
     visitor: &mut dyn PairVisitor,
 ) -> Result<Walk, QueryError> {
     let [posed1, posed2] = posed.map(Posed::shorter);
-    let assets = [posed1.pose.asset, posed2.pose.asset];
     let Some(frame) = PairFrame::new(&posed1, &posed2, visitor.tolerance()) else {
         return Ok(Walk::default());
     };
     let two = Two {
-        assets,
         posed: [posed1, posed2],
         frame: &frame,
         leaves: None,

@@ -32,7 +32,7 @@ pub(super) fn project(
 ) -> Result<(Option<PointProjection>, Walk), QueryError> {
     let pose = posed.pose;
     let mut visitor = Closest::new(pose, to, max_distance)?;
-    let walk = one(pose.asset, posed, stack, &mut visitor)?;
+    let walk = one(posed, stack, &mut visitor)?;
     Ok((visitor.projection(pose)?, walk))
 }
 

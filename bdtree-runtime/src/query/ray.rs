@@ -21,6 +21,7 @@ use crate::traverse::{StackEntry, Visitor, Walk, one};
 /// # Errors
 /// An origin that is not finite or beyond 2^100, a direction that is zero or not finite, a
 /// negative or NaN distance, a corrupt asset.
+#[inline(always)] // a result that is as large is copied
 pub(super) fn first(
     posed: Posed<'_>,
     ray: &Ray,
@@ -30,8 +31,8 @@ pub(super) fn first(
         return Ok((None, Walk::default()));
     };
     let mut visitor = First::<false>::new(line);
-    let walk = one(posed.pose.asset, posed, stack, &mut visitor)?;
-    Ok((visitor.intersection(), walk))
+    let walk = one(posed, stack, &mut visitor)?;
+    Ok((visitor.best, walk))
 }
 
 /// Whether the ray meets any triangle: whether [`first`] finds one, in less time.
@@ -47,8 +48,8 @@ pub(super) fn any(
         return Ok((false, Walk::default()));
     };
     let mut visitor = First::<true>::new(line);
-    let walk = one(posed.pose.asset, posed, stack, &mut visitor)?;
-    Ok((visitor.best.is_some(), walk))
+    let walk = one(posed, stack, &mut visitor)?;
+    Ok((walk.stopped, walk)) // stopped by a hit
 }
 
 /// Reports every triangle that the ray meets from distance 0 to `max_distance`, each once, in no
@@ -66,7 +67,7 @@ pub(super) fn all(
         return Ok(Walk::default());
     };
     let mut visitor = All { line, sink };
-    one(posed.pose.asset, posed, stack, &mut visitor)
+    one(posed, stack, &mut visitor)
 }
 
 /// Looks for the first hit; with `ANY` for one that need not be the first.
@@ -75,8 +76,6 @@ pub(super) struct First<const ANY: bool> {
     /// Parameter of the best hit, rounded up.
     pub(super) bound: f32,
     pub(super) best: Option<RayIntersection>,
-    /// Its triangle, for the normal, which only the last best one gets.
-    corners: Triangle,
 }
 
 impl<const ANY: bool> First<ANY> {
@@ -85,15 +84,7 @@ impl<const ANY: bool> First<ANY> {
             line,
             bound: f32::INFINITY,
             best: None,
-            corners: [[0.0; 3]; 3],
         }
-    }
-
-    /// The best hit, with its normal.
-    pub(super) fn intersection(&self) -> Option<RayIntersection> {
-        let best = self.best?;
-        let normal = self.line.facing(&self.corners);
-        Some(RayIntersection { normal, ..best })
     }
 }
 
@@ -122,20 +113,19 @@ impl<const ANY: bool> Visitor for First<ANY> {
 
     #[inline(never)]
     fn triangle(&mut self, id: TriangleId, corners: &Triangle) -> ControlFlow<()> {
-        let Some(hit) = self.line.hit(id, corners) else {
+        let Some(hit) = self.line.hit(corners) else {
             return ControlFlow::Continue(());
         };
-        let better = match &self.best {
-            None => true,
-            Some(best) => (hit.distance, id) < (best.distance, best.triangle),
-        };
-        if better {
-            self.bound = self.line.shorten(hit.distance);
-            self.best = Some(hit);
-            self.corners = *corners;
-        }
         if ANY {
             return ControlFlow::Break(());
+        }
+        let better = match &self.best {
+            None => true,
+            Some(best) => (hit.t, id) < (best.distance, best.triangle),
+        };
+        if better {
+            self.bound = self.line.shorten(hit.t);
+            self.best = Some(self.line.intersection(id, corners, &hit));
         }
         ControlFlow::Continue(())
     }
@@ -166,11 +156,8 @@ impl Visitor for All<'_> {
 
     #[inline(never)]
     fn triangle(&mut self, id: TriangleId, corners: &Triangle) -> ControlFlow<()> {
-        match self.line.hit(id, corners) {
-            Some(hit) => {
-                let normal = self.line.facing(corners);
-                self.sink.push(RayIntersection { normal, ..hit })
-            }
+        match self.line.hit(corners) {
+            Some(hit) => self.sink.push(self.line.intersection(id, corners, &hit)),
             None => ControlFlow::Continue(()),
         }
     }

@@ -25,7 +25,7 @@ mod simd128;
 mod tests;
 
 pub(crate) use fields::Fields;
-pub(crate) use prefetch::{prefetch, prefetch_from};
+pub(crate) use prefetch::{LINE, prefetch, prefetch_from, prefetch_lines};
 pub(crate) use quad::{Quad, Quad3, add3, cross3, dot3, scale3, select3, splat3, sub3};
 #[cfg(test)]
 pub(crate) use scalar::Array8 as Reference;

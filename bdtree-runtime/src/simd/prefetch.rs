@@ -1,7 +1,7 @@
 //! Asking for memory before it is needed.
 
 /// Bytes of a cache line.
-const LINE: usize = 64;
+pub(crate) const LINE: usize = 64;
 
 /// Asks the processor to bring the cache line where `target` begins; elsewhere than on x86-64
 /// nothing. Only time depends on it.
@@ -21,6 +21,14 @@ pub(crate) fn prefetch_from<T>(values: &[T], first: usize, len: usize) {
     while at < len * size_of::<T>() {
         prefetch_at(start.wrapping_add(at));
         at += LINE;
+    }
+}
+
+/// [`prefetch()`] for so many lines from an address on, which need not be anyone's.
+#[inline(always)]
+pub(crate) fn prefetch_lines<const LINES: usize, T>(address: *const T) {
+    for line in 0..LINES {
+        prefetch_at(address.cast::<u8>().wrapping_add(LINE * line));
     }
 }
 

@@ -11,7 +11,6 @@ use crate::cache::{CHUNK, Posed};
 use crate::contact::TriangleId;
 use crate::error::QueryError;
 use crate::simd::{Lanes, Work};
-use crate::view::Asset;
 
 /// A binary heap (Knuth, vol. 3, 5.2.3) in the caller's memory, the least key first, that gives out
 /// a limited number of entries. What finds no room is left out and remembered by its key.
@@ -110,8 +109,7 @@ pub(crate) trait Guided: Visitor {
 }
 
 /// Visits the nodes of one tree as `queue` gives them out.
-pub(crate) struct BudgetedOne<'n, 'a, 'q, V> {
-    pub(crate) asset: &'n Asset<'a>,
+pub(crate) struct BudgetedOne<'n, 'q, V> {
     pub(crate) posed: Posed<'n>,
     pub(crate) queue: &'n mut Queue<'q>,
     pub(crate) visitor: &'n mut V,
@@ -119,24 +117,20 @@ pub(crate) struct BudgetedOne<'n, 'a, 'q, V> {
     pub(crate) settled: &'n mut u64,
 }
 
-impl<V: Guided> Work for BudgetedOne<'_, '_, '_, V> {
+impl<V: Guided> Work for BudgetedOne<'_, '_, V> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let Self {
-            asset,
             posed,
             queue,
             visitor,
             settled,
         } = self;
-        let mut side = LeafSide::new((asset, posed));
-        let mut walk = Walk {
-            nodes_visited: 0,
-            nodes_updated: 0,
-            stopped: false,
-        };
+        let asset = posed.pose.asset;
+        let mut side = LeafSide::new(posed);
+        let mut walk = Walk::default();
         let visits_max = asset.node_count() as u64;
         let mut triangles_left = asset.triangle_count() as u64;
         let mut keys: Row = [0.0; LANES];
@@ -180,7 +174,7 @@ impl<V: Guided> Work for BudgetedOne<'_, '_, '_, V> {
                 if child.key > visitor.bound() {
                     continue;
                 }
-                for (i, records) in side.records(child.a)?.chunks(CHUNK).enumerate() {
+                for (i, records) in asset.leaf(child.a)?.chunks(CHUNK).enumerate() {
                     side.fill(child.a.start + (CHUNK * i) as u32, records)?;
                     for k in 0..records.len() {
                         let id = TriangleId(side.ids[k]);

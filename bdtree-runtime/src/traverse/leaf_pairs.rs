@@ -46,12 +46,12 @@ impl LeafPairs {
     #[inline(never)]
     pub(super) fn compare(
         &mut self,
-        a: &mut LeafSide<'_, '_>,
+        a: &mut LeafSide<'_>,
         leaf_a: Subtree,
-        b: &mut LeafSide<'_, '_>,
+        b: &mut LeafSide<'_>,
         leaf_b: Subtree,
     ) -> Result<(), QueryError> {
-        let (records_a, records_b) = (a.records(leaf_a)?, b.records(leaf_b)?);
+        let (records_a, records_b) = (a.asset.leaf(leaf_a)?, b.asset.leaf(leaf_b)?);
         self.tests = self
             .tests
             .saturating_add(records_a.len() as u64 * records_b.len() as u64);
@@ -76,7 +76,7 @@ impl LeafPairs {
     }
 
     /// Up to four triangles against four, those with the nearest boxes first.
-    fn chunks(&mut self, a: &LeafSide<'_, '_>, len_a: usize, b: &LeafSide<'_, '_>, len_b: usize) {
+    fn chunks(&mut self, a: &LeafSide<'_>, len_a: usize, b: &LeafSide<'_>, len_b: usize) {
         let limit = self.limit();
         let mut near = [(0.0, 0, 0); CHUNK * CHUNK];
         let mut count = 0;

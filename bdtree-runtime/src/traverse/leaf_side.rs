@@ -1,16 +1,15 @@
 //! One side of a search for pairs of triangles: its leaves in the world.
 
-use bdtree_format::{SectionKind, TriangleRecord};
+use bdtree_format::TriangleRecord;
 
-use super::Subtree;
 use crate::cache::{CHUNK, LeafChunk, Posed};
 use crate::error::FormatError;
 use crate::narrow::Triangle;
 use crate::view::Asset;
 
 /// One asset of a search for pairs of triangles, with the leaf that it met last.
-pub(super) struct LeafSide<'n, 'a> {
-    pub(super) asset: &'n Asset<'a>,
+pub(super) struct LeafSide<'n> {
+    pub(super) asset: &'n Asset<'n>,
     pub(super) posed: Posed<'n>,
     spare: LeafChunk,
     /// First triangle slot of `corners`, and how many they are.
@@ -22,10 +21,10 @@ pub(super) struct LeafSide<'n, 'a> {
     pub(super) high: [[f64; 3]; CHUNK],
 }
 
-impl<'n, 'a> LeafSide<'n, 'a> {
-    pub(super) fn new((asset, posed): (&'n Asset<'a>, Posed<'n>)) -> Self {
+impl<'n> LeafSide<'n> {
+    pub(super) fn new(posed: Posed<'n>) -> Self {
         Self {
-            asset,
+            asset: posed.pose.asset,
             posed,
             spare: LeafChunk::EMPTY,
             holds: None,
@@ -62,15 +61,5 @@ impl<'n, 'a> LeafSide<'n, 'a> {
         }
         self.holds = holds;
         Ok(())
-    }
-
-    pub(super) fn records(&self, leaf: Subtree) -> Result<&'a [TriangleRecord], FormatError> {
-        let start = leaf.start as usize;
-        let end = start.saturating_add(leaf.triangles as usize);
-        self.asset.triangles.get(start..end).ok_or_else(|| {
-            let len = self.asset.triangles.len();
-            self.asset
-                .out_of_range(SectionKind::TRIANGLES, end, len, 16)
-        })
     }
 }

@@ -23,13 +23,13 @@ const NEAR_BYTES: usize = 8 << 20;
 /// visitor wants no more.
 #[inline(always)]
 pub(super) fn nearest_first<L: Lanes, V: Visitor, D: Depth>(
-    asset: &Asset<'_>,
     posed: &mut Posed<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
     depth: &mut D,
 ) -> Result<Walk, QueryError> {
     let pose = posed.pose;
+    let asset = pose.asset;
     let mut walk = Walk::default();
     let visits_max = asset.node_count() as u64;
     let mut keys: [Row; TOGETHER] = [[0.0; LANES]; TOGETHER];

@@ -16,39 +16,32 @@ use crate::view::Asset;
 
 /// Visits pairs of subtrees as `frontier` orders them, as long as they may hold a pair of triangles
 /// as near as the best so far.
-pub(crate) struct NearestTwo<'n, 's, 'a, F> {
-    pub(crate) a: (&'s Asset<'a>, Posed<'n>),
-    pub(crate) b: (&'s Asset<'a>, Posed<'n>),
+pub(crate) struct NearestTwo<'n, F> {
+    pub(crate) posed: [Posed<'n>; 2],
     pub(crate) gap: &'n Gap,
     pub(crate) frontier: &'n mut F,
     pub(crate) pairs: &'n mut LeafPairs,
 }
 
-impl<F: Frontier> Work for NearestTwo<'_, '_, '_, F> {
+impl<F: Frontier> Work for NearestTwo<'_, F> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let Self {
+            posed,
             gap,
             frontier,
             pairs,
-            ..
         } = self;
-        let ((asset_a, posed_a), (asset_b, posed_b)) = (self.a, self.b);
-        let mut a = LeafSide::new((asset_a, posed_a.shorter()));
-        let mut b = LeafSide::new((asset_b, posed_b.shorter()));
+        let [mut a, mut b] = posed.map(LeafSide::new);
         // A sound pair of trees has at most one entry for each pair of a node or leaf lane of one
         // and a node or leaf lane of the other, and a node has eight lanes.
         let subtrees = |asset: &Asset<'_>| (1 + LANES as u64) * asset.node_count() as u64;
         let visits_max = subtrees(a.asset).saturating_mul(subtrees(b.asset));
         let tests_max =
             (a.asset.triangle_count() as u64).saturating_mul(b.asset.triangle_count() as u64);
-        let mut walk = Walk {
-            nodes_visited: 0,
-            nodes_updated: 0,
-            stopped: false,
-        };
+        let mut walk = Walk::default();
         let mut found = [SearchEntry::default(); LANES];
         frontier.put(&[gap.root]);
         while let Some(entry) = frontier.next(gap.bound(pairs.limit())) {

@@ -13,16 +13,15 @@ use crate::cache::Posed;
 use crate::depth::{Depth, Unlimited};
 use crate::error::QueryError;
 use crate::simd::{Lanes, Work};
-use crate::view::Asset;
 
 /// Visits what the visitor wants, nearest lanes first if it is ordered, else in lane order.
 #[inline]
 pub(crate) fn one<V: Visitor>(
-    asset: &Asset<'_>,
     mut posed: Posed<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
 ) -> Result<Walk, QueryError> {
+    let asset = posed.pose.asset;
     let needed = asset.stack_len();
     let found = stack.len();
     if found < needed {
@@ -30,14 +29,12 @@ pub(crate) fn one<V: Visitor>(
     }
     match posed.take_limit(asset) {
         None => asset.kernel.run(OneWalk {
-            asset,
             posed,
             stack,
             visitor,
             depth: Unlimited,
         }),
         Some(depth) => asset.kernel.run(OneWalk {
-            asset,
             posed,
             stack,
             visitor,
@@ -48,30 +45,28 @@ pub(crate) fn one<V: Visitor>(
 
 /// A walk and who it is for: node bounds and the visitor's test of them are one piece of code,
 /// leaves another.
-struct OneWalk<'w, 's, 'a, V, D> {
-    asset: &'w Asset<'a>,
+struct OneWalk<'w, 's, V, D> {
     posed: Posed<'s>,
     stack: &'w mut [StackEntry],
     visitor: &'w mut V,
     depth: D,
 }
 
-impl<V: Visitor, D: Depth> Work for OneWalk<'_, '_, '_, V, D> {
+impl<V: Visitor, D: Depth> Work for OneWalk<'_, '_, V, D> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let Self {
-            asset,
             mut posed,
             stack,
             visitor,
             mut depth,
         } = self;
         if V::ORDERED {
-            nearest_first::<L, V, D>(asset, &mut posed, stack, visitor, &mut depth)
+            nearest_first::<L, V, D>(&mut posed, stack, visitor, &mut depth)
         } else {
-            in_lane_order::<L, V, D>(asset, &mut posed, stack, visitor, &mut depth)
+            in_lane_order::<L, V, D>(&mut posed, stack, visitor, &mut depth)
         }
     }
 }
@@ -79,13 +74,13 @@ impl<V: Visitor, D: Depth> Work for OneWalk<'_, '_, '_, V, D> {
 /// Visits everything that the visitor wants.
 #[inline(always)]
 fn in_lane_order<L: Lanes, V: Visitor, D: Depth>(
-    asset: &Asset<'_>,
     posed: &mut Posed<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
     depth: &mut D,
 ) -> Result<Walk, QueryError> {
     let pose = posed.pose;
+    let asset = pose.asset;
     let mut walk = Walk::default();
     let visits_max = asset.node_count() as u64;
     let mut keys: Row = [0.0; LANES];

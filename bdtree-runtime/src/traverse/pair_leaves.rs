@@ -11,15 +11,15 @@ use crate::error::QueryError;
 use crate::simd::{Lanes, Work};
 
 /// [`leaves`] as work of its own.
-struct LeavesWork<'l, 's, 'a> {
-    a: &'l mut Side<'s, 'a>,
-    b: &'l mut Side<'s, 'a>,
+struct LeavesWork<'l, 's> {
+    a: &'l mut Side<'s>,
+    b: &'l mut Side<'s>,
     pairs: &'l [FrontSlot],
     tests_left: &'l mut u64,
     visitor: &'l mut (dyn PairVisitor + 'l),
 }
 
-impl Work for LeavesWork<'_, '_, '_> {
+impl Work for LeavesWork<'_, '_> {
     type Output = Result<ControlFlow<()>, QueryError>;
 
     #[inline(always)]
@@ -29,9 +29,9 @@ impl Work for LeavesWork<'_, '_, '_> {
 }
 
 #[inline(always)]
-pub(super) fn run_leaves<'s, 'a>(
-    a: &mut Side<'s, 'a>,
-    b: &mut Side<'s, 'a>,
+pub(super) fn run_leaves<'s>(
+    a: &mut Side<'s>,
+    b: &mut Side<'s>,
     pairs: &[FrontSlot],
     tests_left: &mut u64,
     visitor: &mut dyn PairVisitor,
@@ -49,8 +49,8 @@ pub(super) fn run_leaves<'s, 'a>(
 /// Tests the triangles of pairs of leaf lanes, as long as `tests_left` lasts.
 #[inline(always)]
 fn leaves<L: Lanes>(
-    a: &mut Side<'_, '_>,
-    b: &mut Side<'_, '_>,
+    a: &mut Side<'_>,
+    b: &mut Side<'_>,
     pairs: &[FrontSlot],
     tests_left: &mut u64,
     visitor: &mut dyn PairVisitor,
@@ -66,11 +66,11 @@ fn leaves<L: Lanes>(
             return Err(a.asset.endless(*tests_left).into());
         };
         *tests_left = fewer;
-        let mut rest_a = a.records(*leaf_a)?;
+        let mut rest_a = a.asset.leaf(*leaf_a)?;
         let mut start_a = leaf_a.start as usize;
         while !rest_a.is_empty() {
             let four_a = a.four::<L>(start_a, rest_a)?;
-            let mut rest_b = b.records(*leaf_b)?;
+            let mut rest_b = b.asset.leaf(*leaf_b)?;
             let mut start_b = leaf_b.start as usize;
             while !rest_b.is_empty() {
                 let four_b = b.four::<L>(start_b, rest_b)?;

@@ -1,6 +1,6 @@
 //! One side of a walk of two trees: its nodes, and its leaves' triangles in the world.
 
-use bdtree_format::{LANES, NodeRecord, SectionKind, TriangleRecord};
+use bdtree_format::{LANES, NodeRecord, TriangleRecord};
 
 use super::{Subtree, lane_subtree};
 use crate::bound::WideSpheres;
@@ -17,8 +17,8 @@ const FOURS: usize = 32;
 const ANNOUNCED: usize = 64;
 
 /// One side of the traversal.
-pub(super) struct Side<'s, 'a> {
-    pub(super) asset: &'s Asset<'a>,
+pub(super) struct Side<'s> {
+    pub(super) asset: &'s Asset<'s>,
     pub(super) posed: Posed<'s>,
     /// Filled when they are first used: most pairs of bodies that are near each other do not get to
     /// their leaves.
@@ -48,10 +48,10 @@ impl KeptFour {
     };
 }
 
-impl<'s, 'a> Side<'s, 'a> {
-    pub(super) fn new(asset: &'s Asset<'a>, posed: Posed<'s>) -> Self {
+impl<'s> Side<'s> {
+    pub(super) fn new(posed: Posed<'s>) -> Self {
         Self {
-            asset,
+            asset: posed.pose.asset,
             posed,
             fours: [const { None }; FOURS],
             announced: [u32::MAX; ANNOUNCED],
@@ -65,27 +65,11 @@ impl<'s, 'a> Side<'s, 'a> {
         &mut self,
         index: u32,
         out: &mut WideSpheres<L>,
-    ) -> Result<&'a NodeRecord, QueryError> {
+    ) -> Result<&'s NodeRecord, QueryError> {
         let node = self.asset.node(index)?;
         let evaluated = self.posed.spheres(self.asset, index, out)?;
         self.updated += u64::from(evaluated);
         Ok(node)
-    }
-
-    #[inline(always)]
-    pub(super) fn records(&self, leaf: Subtree) -> Result<&'a [TriangleRecord], QueryError> {
-        let start = leaf.start as usize;
-        let end = start.saturating_add(leaf.triangles as usize);
-        match self.asset.triangles.get(start..end) {
-            Some(records) => Ok(records),
-            None => {
-                let len = self.asset.triangles.len();
-                Err(self
-                    .asset
-                    .out_of_range(SectionKind::TRIANGLES, end, len, 16)
-                    .into())
-            }
-        }
     }
 
     /// Asks for what the children in `lanes` and the triangles of a node need.
@@ -124,8 +108,7 @@ impl<'s, 'a> Side<'s, 'a> {
             return Ok(());
         }
         *announced = leaf.start;
-        let records = self.records(leaf)?;
-        self.asset.prefetch_vertices(records);
+        self.asset.prefetch_vertices(self.asset.leaf(leaf)?);
         Ok(())
     }
 

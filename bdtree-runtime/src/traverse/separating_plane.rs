@@ -25,8 +25,7 @@ const TRIES: usize = 3;
 const NODES: u32 = 48;
 
 /// The search for a plane.
-pub(super) struct SeparatingPlane<'p, 's, 'a> {
-    pub(super) assets: [&'p Asset<'a>; 2],
+pub(super) struct SeparatingPlane<'p, 's> {
     pub(super) posed: [&'p mut Posed<'s>; 2],
     pub(super) frame: &'p PairFrame,
     pub(super) stack: &'p mut [PairStackEntry],
@@ -41,15 +40,14 @@ pub(super) struct Found {
     pub(super) nodes_updated: u64,
 }
 
-impl Work for SeparatingPlane<'_, '_, '_> {
+impl Work for SeparatingPlane<'_, '_> {
     type Output = Result<Found, QueryError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        let [asset_a, asset_b] = self.assets;
         let [posed_a, posed_b] = self.posed;
-        let mut a = Side::new(asset_a, posed_a, None);
-        let mut b = Side::new(asset_b, posed_b, Some(self.frame));
+        let mut a = Side::new(posed_a, None);
+        let mut b = Side::new(posed_b, Some(self.frame));
         let apart = search::<L>(&mut a, &mut b, self.frame, self.stack)?;
         Ok(Found {
             apart,
@@ -61,8 +59,8 @@ impl Work for SeparatingPlane<'_, '_, '_> {
 
 #[inline(always)]
 fn search<L: Lanes>(
-    a: &mut Side<'_, '_, '_>,
-    b: &mut Side<'_, '_, '_>,
+    a: &mut Side<'_, '_>,
+    b: &mut Side<'_, '_>,
     frame: &PairFrame,
     stack: &mut [PairStackEntry],
 ) -> Result<bool, QueryError> {
@@ -104,8 +102,8 @@ struct Top {
 }
 
 /// One asset in the frame of the first.
-struct Side<'p, 's, 'a> {
-    asset: &'p Asset<'a>,
+struct Side<'p, 's> {
+    asset: &'p Asset<'p>,
     posed: &'p mut Posed<'s>,
     /// Carries there what is the second's.
     frame: Option<&'p PairFrame>,
@@ -114,10 +112,10 @@ struct Side<'p, 's, 'a> {
     updated: u64,
 }
 
-impl<'p, 's, 'a> Side<'p, 's, 'a> {
-    fn new(asset: &'p Asset<'a>, posed: &'p mut Posed<'s>, frame: Option<&'p PairFrame>) -> Self {
+impl<'p, 's> Side<'p, 's> {
+    fn new(posed: &'p mut Posed<'s>, frame: Option<&'p PairFrame>) -> Self {
         Self {
-            asset,
+            asset: posed.pose.asset,
             posed,
             frame,
             spare: LeafChunk::EMPTY,

@@ -73,7 +73,7 @@ impl Supports {
     pub(super) fn of(
         &mut self,
         view: &View,
-        side: &mut LeafSide<'_, '_>,
+        side: &mut LeafSide<'_>,
         start: u32,
         records: &[TriangleRecord],
     ) -> Result<f64, FormatError> {

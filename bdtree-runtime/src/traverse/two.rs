@@ -27,22 +27,25 @@ use crate::view::Asset;
 const NODES: usize = 16;
 
 /// What a pair traversal walks.
-pub(crate) struct Two<'s, 'a> {
-    pub(crate) assets: [&'s Asset<'a>; 2],
+pub(crate) struct Two<'s> {
     pub(crate) posed: [Posed<'s>; 2],
     pub(crate) frame: &'s PairFrame,
     /// Only these pairs of leaves are looked at, if there are any given, and no nodes.
     pub(crate) leaves: Option<&'s [FrontSlot]>,
 }
 
-impl Two<'_, '_> {
+impl<'s> Two<'s> {
+    fn assets(&self) -> [&'s Asset<'s>; 2] {
+        self.posed.each_ref().map(|posed| posed.pose.asset)
+    }
+
     /// Visits all pairs of leaf triangles whose lanes' spheres meet, with the first asset's kernel.
     pub(crate) fn walk(
         self,
         stack: &mut [PairStackEntry],
         visitor: &mut dyn PairVisitor,
     ) -> Result<Walk, QueryError> {
-        let [asset_a, asset_b] = self.assets;
+        let [asset_a, asset_b] = self.assets();
         let needed = asset_a.pair_stack_len(asset_b);
         let found = stack.len();
         let Some(stack) = stack.get_mut(..needed) else {
@@ -63,7 +66,6 @@ impl Two<'_, '_> {
         // The search for a plane goes down to the triangles, which a limited walk does not.
         if self.leaves.is_none() && !is_limited {
             before = asset_a.kernel.run(SeparatingPlane {
-                assets: self.assets,
                 posed: [&mut posed_a, &mut posed_b],
                 frame: self.frame,
                 stack,
@@ -72,7 +74,6 @@ impl Two<'_, '_> {
         let mut walk = Walk::default();
         if !before.apart {
             let two = Two {
-                assets: self.assets,
                 posed: [posed_a, posed_b],
                 frame: self.frame,
                 leaves: self.leaves,
@@ -100,14 +101,14 @@ impl Two<'_, '_> {
 }
 
 /// A walk and who it is for.
-struct TwoWalk<'w, 's, 'a, D> {
-    two: Two<'s, 'a>,
+struct TwoWalk<'w, 's, D> {
+    two: Two<'s>,
     depths: [D; 2],
     stack: &'w mut [PairStackEntry],
     visitor: &'w mut (dyn PairVisitor + 'w),
 }
 
-impl<D: Depth> Work for TwoWalk<'_, '_, '_, D> {
+impl<D: Depth> Work for TwoWalk<'_, '_, D> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
@@ -127,14 +128,12 @@ fn tests_max(assets: [&Asset<'_>; 2]) -> u64 {
 /// Tests the triangles of given pairs of leaves; nodes are not visited.
 #[inline(always)]
 fn kept_leaves(
-    two: Two<'_, '_>,
+    two: Two<'_>,
     kept: &[FrontSlot],
     visitor: &mut dyn PairVisitor,
 ) -> Result<Walk, QueryError> {
-    let [posed_a, posed_b] = two.posed;
-    let mut a = Side::new(two.assets[0], posed_a);
-    let mut b = Side::new(two.assets[1], posed_b);
-    let mut tests_left = tests_max(two.assets);
+    let mut tests_left = tests_max(two.assets());
+    let [mut a, mut b] = two.posed.map(Side::new);
     let mut walk = Walk::default();
     for pairs in kept.chunks(QUEUE) {
         for pair in pairs {
@@ -150,15 +149,14 @@ fn kept_leaves(
 }
 
 #[inline(always)]
-fn walk_two<L: Lanes, D: Depth>(work: TwoWalk<'_, '_, '_, D>) -> Result<Walk, QueryError> {
+fn walk_two<L: Lanes, D: Depth>(work: TwoWalk<'_, '_, D>) -> Result<Walk, QueryError> {
     let TwoWalk {
         two,
         mut depths,
         stack,
         visitor,
     } = work;
-    let [asset_a, asset_b] = two.assets;
-    let [posed_a, posed_b] = two.posed;
+    let [asset_a, asset_b] = two.assets();
     let frame = two.frame;
     // In a sound pair of trees two nodes meet at most once with all lanes, and never again with
     // the ending lanes of one if they did.
@@ -168,9 +166,8 @@ fn walk_two<L: Lanes, D: Depth>(work: TwoWalk<'_, '_, '_, D>) -> Result<Walk, Qu
         .saturating_mul(3);
     let mut visits = 0;
     let mut nodes_visited = 0;
-    let mut tests_left = tests_max(two.assets);
-    let mut a = Side::new(asset_a, posed_a);
-    let mut b = Side::new(asset_b, posed_b);
+    let mut tests_left = tests_max([asset_a, asset_b]);
+    let [mut a, mut b] = two.posed.map(Side::new);
     let mut queue = LeafQueue::EMPTY;
     let first = PairStackEntry {
         a: 0,

@@ -83,7 +83,7 @@ impl Budget<'_> {
         let rest = self.one(posed, &mut visitor)?;
         let limit = visitor.best.map_or(max_distance, |best| best.distance);
         let left_out = visitor.line.distance(rest.key);
-        Ok(rest.budgeted(visitor.intersection(), limit, left_out))
+        Ok(rest.budgeted(visitor.best, limit, left_out))
     }
 
     /// [`super::ball::contacts`] within the budget, the nearest nodes first.
@@ -123,8 +123,7 @@ impl Budget<'_> {
         let mut pairs = LeafPairs::new(max_distance);
         let mut queue = Queue::new(self.queue, self.max_visits);
         let walk = pose1.asset.kernel.run(NearestTwo {
-            a: (pose1.asset, posed1.or_keep(&mut own1)),
-            b: (pose2.asset, posed2.or_keep(&mut own2)),
+            posed: [posed1.or_keep(&mut own1), posed2.or_keep(&mut own2)],
             gap: &gap,
             frontier: &mut queue,
             pairs: &mut pairs,
@@ -140,11 +139,9 @@ impl Budget<'_> {
     }
 
     fn one<V: Guided>(&mut self, posed: Posed<'_>, visitor: &mut V) -> Result<Rest, QueryError> {
-        let asset = posed.pose.asset;
         let mut queue = Queue::new(self.queue, self.max_visits);
         let mut settled = 0;
-        let walk = asset.kernel.run(BudgetedOne {
-            asset,
+        let walk = posed.pose.asset.kernel.run(BudgetedOne {
             posed: posed.shorter(),
             queue: &mut queue,
             visitor,
