@@ -3,7 +3,6 @@
 use std::str::FromStr;
 
 use bdtree_runtime::Stats;
-use serde_json::{Value, json};
 
 use crate::peers::Update;
 use crate::stats;
@@ -131,6 +130,8 @@ pub struct Row {
     pub frames: usize,
     /// Each frame's median over the repetitions, all parts together.
     pub by_frame: Vec<f64>,
+    /// Each repetition's sum over the frames, all parts together.
+    pub by_repeat: Vec<f64>,
     /// Mean over frames of each frame's median over the repetitions, by part.
     pub median: [f64; 4],
     /// Mean over frames of each frame's least, by part.
@@ -148,7 +149,10 @@ impl Row {
                 frames.sum::<f64>() / times.len() as f64
             })
         };
+        let repeats = times.first().map_or(0, Vec::len);
+        let of_repeat = |k: usize| times.iter().map(|repeats| repeats[k][TOTAL]).sum();
         Self {
+            by_repeat: (0..repeats).map(of_repeat).collect(),
             name: entry.name.clone(),
             role: entry.role,
             found,
@@ -164,18 +168,6 @@ impl Row {
             median: mean(&stats::median),
             floor: mean(&|part| part.iter().copied().fold(f64::INFINITY, f64::min)),
         }
-    }
-
-    /// Counts and times.
-    pub fn json(&self) -> Value {
-        let parts = |times: &[f64; 4]| {
-            let named = PARTS.iter().zip(times);
-            Value::Object(named.map(|(k, t)| (k.to_string(), json!(t))).collect())
-        };
-        json!({"name": self.name, "role": format!("{:?}", self.role).to_lowercase(),
-            "found": self.found, "frames": self.frames,
-            "nodes_visited": self.nodes.visited, "nodes_updated": self.nodes.updated,
-            "median_s": parts(&self.median), "floor_s": parts(&self.floor)})
     }
 }
 

@@ -9,6 +9,54 @@ use bdtree_measure::machine;
 pub use bdtree_measure::table::{Cell, Table, digits};
 use serde_json::{Value, json};
 
+/// A row of a table with the names of its columns: of these one description text and JSON are made.
+pub type Row = Vec<(String, Cell)>;
+
+/// A [`Row`], written as `json!` has it: a column's name and what becomes its [`Cell`].
+#[macro_export]
+macro_rules! row {
+    ($($column:expr => $cell:expr),* $(,)?) => {
+        vec![$((String::from($column), $crate::report::Cell::from($cell))),*]
+    };
+}
+
+/// A table of rows. Its columns are those of all rows, in the order in which they first occur.
+pub fn table(key: &'static str, title: impl Into<String>, rows: &[Row]) -> Table {
+    let mut columns: Vec<String> = Vec::new();
+    for (column, _) in rows.iter().flatten() {
+        if !columns.contains(column) {
+            columns.push(column.clone());
+        }
+    }
+    let cell = |row: &Row, column: &String| {
+        let own = row.iter().find(|(name, _)| name == column);
+        own.map_or(Cell::None, |(_, cell)| cell.clone())
+    };
+    let cells = |row: &Row| columns.iter().map(|column| cell(row, column)).collect();
+    let title = title.into();
+    Table {
+        key,
+        title,
+        rows: rows.iter().map(cells).collect(),
+        columns,
+    }
+}
+
+/// A table as JSON: an object per row, whose fields are the columns.
+fn objects(table: &Table) -> Value {
+    let value = |cell: &Cell| match cell {
+        Cell::Text(text) => json!(text),
+        Cell::Count(count) => json!(count),
+        Cell::Number(number) => json!(number),
+        Cell::None => Value::Null,
+    };
+    let object = |row: &Vec<Cell>| {
+        let fields = table.columns.iter().cloned().zip(row.iter().map(value));
+        Value::Object(fields.collect())
+    };
+    table.rows.iter().map(object).collect()
+}
+
 /// All that a program found.
 #[derive(Debug, Clone)]
 pub struct Report {
@@ -24,6 +72,17 @@ pub struct Report {
 }
 
 impl Report {
+    /// Of tables that hold every figure.
+    pub fn of_tables(name: &'static str, tables: Vec<Table>) -> Self {
+        let objects = |table: &Table| (table.key.to_string(), objects(table));
+        Self {
+            name,
+            value: Value::Object(tables.iter().map(objects).collect()),
+            tables,
+            pictures: Vec::new(),
+        }
+    }
+
     /// All tables.
     pub fn markdown(&self) -> String {
         let tables: Vec<String> = self.tables.iter().map(Table::markdown).collect();
@@ -112,7 +171,23 @@ pub fn without_times(value: &Value) -> Value {
 mod tests {
     use serde_json::json;
 
-    use super::without_times;
+    use super::{Report, table, without_times};
+
+    #[test]
+    fn rows_make_text_and_json() {
+        let rows = [
+            row! {"who" => "a", "n" => 2_usize},
+            row! {"who" => "b", "s" => 0.5},
+        ];
+        let report = Report::of_tables("program", vec![table("key", "Title", &rows)]);
+        let text = "Title\n\n| who | n | s |\n|---|---|---|\n| a | 2 | – |\n| b | – | 0.500 |\n";
+        assert_eq!(report.markdown(), text);
+        let [a, b] = [
+            json!({"who": "a", "n": 2, "s": null}),
+            json!({"who": "b", "n": null, "s": 0.5}),
+        ];
+        assert_eq!(report.value, json!({"key": [a, b]}));
+    }
 
     #[test]
     fn times_are_left_out_at_any_depth() {

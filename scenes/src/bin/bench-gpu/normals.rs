@@ -6,8 +6,12 @@ use std::time::Instant;
 
 use bdtree_fixtures::poses;
 use bdtree_gpu::NormalFields;
-use bdtree_runtime::{Asset, Model, TriangleId, VertexId};
+use bdtree_measure::Body;
+use bdtree_runtime::{Asset, Model};
+use bdtree_scenes::report::{Report, table};
+use bdtree_scenes::row;
 use clap::Args;
+use nalgebra::Vector3;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -25,30 +29,10 @@ pub(crate) struct Arguments {
     seed: u64,
 }
 
-type Vector = [f64; 3];
-
-fn add(a: Vector, b: Vector, k: f64) -> Vector {
-    [0, 1, 2].map(|i| a[i] + k * b[i])
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn norm(a: Vector) -> f64 {
-    dot(a, a).sqrt()
-}
+type Vector = Vector3<f64>;
 
 fn degrees(a: Vector, b: Vector) -> f64 {
-    norm(cross(a, b)).atan2(dot(a, b)).to_degrees()
+    a.cross(&b).norm().atan2(a.dot(&b)).to_degrees()
 }
 
 /// Positions and fields in f64, and the triangles.
@@ -61,28 +45,22 @@ struct Mesh {
 
 impl Mesh {
     fn of(asset: &Asset<'_>) -> Result<Self, Box<dyn Error>> {
-        let n = asset.vertex_count();
-        let mut fields = vec![vec![[0.0; 3]; n]; asset.mode_count()];
-        for i in 0..n {
-            for (mode, u) in asset.displacements(VertexId(i as u32))?.iter() {
-                fields[mode][i] = u.map(f64::from);
-            }
-        }
-        let triangle = |id| Ok(asset.triangle(TriangleId(id))?.map(|v| v.0 as usize));
+        let body = Body::of_asset(asset)?;
+        let wide = |all: &[[f32; 3]]| all.iter().map(|p| p.map(f64::from).into()).collect();
+        let fields = body.fields.chunks(asset.vertex_count());
+        let triangles = body.triangles.iter().map(|t| t.map(|v| v as usize));
         Ok(Self {
-            rest: asset.positions().iter().map(|p| p.map(f64::from)).collect(),
-            fields,
-            triangles: (0..asset.triangle_count() as u32)
-                .map(triangle)
-                .collect::<Result<_, Box<dyn Error>>>()?,
+            rest: wide(&body.positions),
+            fields: fields.map(wide).collect(),
+            triangles: triangles.collect(),
         })
     }
 
     fn displaced(&self, q: &[f32]) -> Vec<Vector> {
-        let mut sum = vec![[0.0; 3]; self.rest.len()];
+        let mut sum = vec![Vector::zeros(); self.rest.len()];
         for (field, q) in self.fields.iter().zip(q) {
             for (sum, u) in sum.iter_mut().zip(field) {
-                *sum = add(*sum, *u, f64::from(*q));
+                *sum += *u * f64::from(*q);
             }
         }
         sum
@@ -91,28 +69,29 @@ impl Mesh {
     /// Area-weighted normals, Σ e × f, and Σ ‖e‖ ‖f‖, which tells where they cancel.
     fn normals(&self, at: &[Vector]) -> Vec<(Vector, f64)> {
         self.sums(|own, b, c| {
-            let (e, f) = (add(at[b], at[own], -1.0), add(at[c], at[own], -1.0));
-            (cross(e, f), norm(e) * norm(f))
+            let (e, f) = (at[b] - at[own], at[c] - at[own]);
+            (e.cross(&f), e.norm() * f.norm())
         })
     }
 
     /// What a displacement changes of them in first order: the best that three numbers per mode can do.
     fn first_order(&self, by: &[Vector]) -> Vec<(Vector, f64)> {
+        let rest = &self.rest;
         self.sums(|own, b, c| {
-            let edge = |of: &[Vector], v: usize| add(of[v], of[own], -1.0);
-            let (e, f) = (edge(&self.rest, b), edge(&self.rest, c));
-            let (de, df) = (edge(by, b), edge(by, c));
-            (add(cross(de, f), cross(e, df), 1.0), 0.0)
+            let (e, f) = (rest[b] - rest[own], rest[c] - rest[own]);
+            let (de, df) = (by[b] - by[own], by[c] - by[own]);
+            (de.cross(&f) + e.cross(&df), 0.0)
         })
     }
 
     fn sums(&self, of: impl Fn(usize, usize, usize) -> (Vector, f64)) -> Vec<(Vector, f64)> {
-        let mut sums = vec![([0.0; 3], 0.0); self.rest.len()];
+        let mut sums = vec![(Vector::zeros(), 0.0); self.rest.len()];
         for corners in &self.triangles {
             for k in 0..3 {
                 let [own, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
                 let (v, size) = of(own, b, c);
-                sums[own] = (add(sums[own].0, v, 1.0), sums[own].1 + size);
+                sums[own].0 += v;
+                sums[own].1 += size;
             }
         }
         sums
@@ -120,13 +99,7 @@ impl Mesh {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    println!(
-        "angles to exact normals in degrees, modes alone and {} mixtures, farthest vertex moved by {} of the diagonal",
-        arguments.mixtures, arguments.share
-    );
-    println!(
-        "asset, fields: largest, 99.9 %, 99 %, mean; over 1 degree; bytes; vertices recomputed, seconds to make"
-    );
+    let mut rows = Vec::new();
     for path in &arguments.assets {
         let model = Model::read(path)?;
         let asset = model.asset();
@@ -145,56 +118,58 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         }
         let mut angles = [Vec::new(), Vec::new(), Vec::new()];
         for mut q in alone.chain(mixed).collect::<Vec<Vec<f32>>>() {
-            let most = mesh.displaced(&q).into_iter().map(norm).fold(0.0, f64::max);
+            let most = mesh
+                .displaced(&q)
+                .iter()
+                .map(Vector::norm)
+                .fold(0.0, f64::max);
             let goal = arguments.share * poses::diagonal(asset);
             q.iter_mut().for_each(|q| *q *= (goal / most) as f32);
             let by = mesh.displaced(&q);
-            let at: Vec<Vector> = mesh
-                .rest
-                .iter()
-                .zip(&by)
-                .map(|(p, u)| add(*p, *u, 1.0))
-                .collect();
+            let at: Vec<Vector> = mesh.rest.iter().zip(&by).map(|(p, u)| p + u).collect();
             let (exact, linear) = (mesh.normals(&at), mesh.first_order(&by));
             for i in 0..n {
-                let (normal, size) = exact[i];
+                let ((normal, size), (rest, rest_size)) = (exact[i], at_rest[i]);
                 // Where triangles cancel, as needles that coincide do, there is no normal to compare with.
-                if norm(normal) > 1e-3 * size && norm(at_rest[i].0) > 1e-3 * at_rest[i].1 {
-                    let [(a, _), (b, _)] = fields.tangents(i, &q);
-                    angles[0].push(degrees(add(at_rest[i].0, linear[i].0, 1.0), normal));
-                    let from_fields = degrees(cross(a, b), normal);
+                if normal.norm() > 1e-3 * size && rest.norm() > 1e-3 * rest_size {
+                    let [a, b] = fields
+                        .tangents(i, &q)
+                        .map(|(tangent, _)| Vector::from(tangent));
+                    angles[0].push(degrees(rest + linear[i].0, normal));
+                    let from_fields = degrees(a.cross(&b), normal);
                     angles[1].push(from_fields);
                     // Exact up to rounding, which bdtree-gpu's tests of normals assert.
                     angles[2].push(if marked[i] { 0.0 } else { from_fields });
                 }
             }
         }
-        let tangents = fields.bytes() as usize;
-        let bytes = [
-            12 * n * (m + 1),
-            tangents - fields.marked_bytes() as usize,
-            tangents,
-        ];
-        let share = 100.0 * fields.marked().len() as f64 / n as f64;
-        let made = format!("{share:.2} %, {seconds:.3}");
+        let all = fields.bytes() as usize;
+        let bytes = [12 * n * (m + 1), all - fields.marked_bytes() as usize, all];
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        for ((angles, bytes), (what, made)) in angles.iter_mut().zip(bytes).zip([
-            ("linear", "-"),
-            ("tangents", "-"),
-            ("recomputed", &made),
-        ]) {
+        let whats = ["linear", "tangents", "recomputed"];
+        for ((angles, bytes), what) in angles.iter_mut().zip(bytes).zip(whats) {
             angles.sort_by(f64::total_cmp);
             let at = |share: f64| angles[((angles.len() - 1) as f64 * share) as usize];
-            let over = angles.iter().filter(|a| **a > 1.0).count() as f64 / angles.len() as f64;
-            println!(
-                "{name}, {what}: {:.2}, {:.2}, {:.3}, {:.4}; {:.4} %; {bytes}; {made}",
-                at(1.0),
-                at(0.999),
-                at(0.99),
-                angles.iter().sum::<f64>() / angles.len() as f64,
-                100.0 * over,
-            );
+            let count = angles.len() as f64;
+            let over = angles.iter().filter(|a| **a > 1.0).count() as f64;
+            let mut row = row! {
+                "asset" => name.as_ref(), "fields" => what,
+                "largest" => at(1.0), "99.9 %" => at(0.999), "99 %" => at(0.99),
+                "mean" => angles.iter().sum::<f64>() / count,
+                "over 1 degree, %" => 100.0 * over / count, "bytes" => bytes,
+            };
+            if what == "recomputed" {
+                row.extend(row! {
+                    "vertices recomputed, %" => 100.0 * fields.marked().len() as f64 / n as f64,
+                    "seconds to make" => seconds,
+                });
+            }
+            rows.push(row);
         }
     }
-    Ok(())
+    let title = format!(
+        "Angles to exact normals in degrees, modes alone and {} mixtures, farthest vertex moved by {} of the diagonal",
+        arguments.mixtures, arguments.share
+    );
+    Report::of_tables("normals", vec![table("normals", title, &rows)]).show(None)
 }

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use bdtree_build::input::{RawMesh, read_mesh};
-use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
-use bdtree_build::progress::Silent;
 use bdtree_fixtures::bake::{bumpy_sphere, smooth_basis};
 use bdtree_fixtures::{models, poses};
 use bdtree_gpu::{GpuError, Instances, NormalFields, Normals, Skinner, request_device};
-use bdtree_measure::machine;
 use bdtree_runtime::{Asset, Model};
+use bdtree_scenes::contenders::assets::baked_mesh;
+use bdtree_scenes::report::{Report, Row, table};
+use bdtree_scenes::row;
 use clap::Args;
 
 use crate::timer::Timer;
@@ -41,151 +41,123 @@ pub(crate) struct Arguments {
     repeats: u32,
 }
 
-fn baked(mesh: &RawMesh, modes: usize) -> Result<Model, Box<dyn Error>> {
-    let settings = BakeSettings {
-        threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
-        ..BakeSettings::default()
-    };
-    let baked = bake_fields(
-        mesh,
-        &smooth_basis(mesh, modes, 1),
-        &settings,
-        &Provenance::default(),
-        &Silent,
-    )?;
-    Ok(Model::from_bytes(&baked.bytes)?)
-}
-
-struct Bench<'d> {
-    device: &'d wgpu::Device,
-    skinner: Skinner,
-    timer: Timer<'d>,
-    rounds: usize,
-    repeats: u32,
-    /// Bytes per second.
-    copy: f64,
+/// A mesh with smooth modes.
+fn smooth(mesh: &RawMesh, modes: usize) -> Result<Model, Box<dyn Error>> {
+    baked_mesh(mesh, &smooth_basis(mesh, modes, 1))
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let (_, device, queue) = pollster::block_on(request_device(&instance, None))?;
     let (info, limits) = (device.adapter_info(), device.limits());
-    println!(
-        "device     {} ({:?}, {} {})",
-        info.name, info.device_type, info.driver, info.driver_info
-    );
-    println!("processor  {}", machine::processor());
-    println!(
-        "limits     binding {} MB, buffer {} MB, {} workgroups per dimension",
-        limits.max_storage_buffer_binding_size / 1_000_000,
-        limits.max_buffer_size / 1_000_000,
-        limits.max_compute_workgroups_per_dimension
-    );
-    let mut bench = Bench {
-        device: &device,
-        skinner: Skinner::new(&device, &queue)?,
-        timer: Timer::new(&device, &queue),
-        rounds: arguments.rounds.max(1),
-        repeats: arguments.repeats.max(1),
-        copy: 0.0,
+    let repeats = arguments.repeats.max(1);
+    let timer = Timer::new(&device, &queue, arguments.rounds.max(1), repeats);
+    let bytes = arguments.copy_bytes.min(limits.max_buffer_size / 4) & !255;
+    let seconds = copy_seconds(&device, &timer, bytes)?;
+    let bandwidth = 2.0 * bytes as f64 / seconds;
+    let about = row! {
+        "device" => format!("{} ({:?}, {} {})", info.name, info.device_type, info.driver, info.driver_info),
+        "binding, MB" => limits.max_storage_buffer_binding_size / 1_000_000,
+        "buffer, MB" => limits.max_buffer_size / 1_000_000,
+        "workgroups per dimension" => u64::from(limits.max_compute_workgroups_per_dimension),
+        "measured by" => timer.method(),
+        "submissions, of which the median counts" => timer.rounds, "executions in each" => u64::from(repeats),
+        "copied, MB" => bytes / 1_000_000, "copy, ms" => 1e3 * seconds,
+        "copy, GB/s read and written" => bandwidth / 1e9,
     };
-    println!(
-        "measured   by {}, median of {} submissions of {}",
-        bench.timer.method(),
-        bench.rounds,
-        bench.repeats
-    );
-    bench.measure_copy(arguments.copy_bytes.min(limits.max_buffer_size / 4))?;
-    let large = baked(&bumpy_sphere(arguments.rings.max(3), 1), arguments.modes)?;
-    bench.asset("one large mesh", large.asset(), 1)?;
+    let skinner = Skinner::new(&device, &queue)?;
+    let large = smooth(&bumpy_sphere(arguments.rings.max(3), 1), arguments.modes)?;
     let many = match &arguments.asset {
         Some(path) => Model::read(path)?,
-        None => baked(&read_mesh(&models::path("chair"))?, arguments.modes)?,
+        None => smooth(&read_mesh(&models::path("chair"))?, arguments.modes)?,
     };
-    bench.asset("many instances", many.asset(), arguments.instances)
+    let mut rows = Vec::new();
+    for (what, model, count) in [
+        ("one large mesh", &large, 1),
+        ("many instances", &many, arguments.instances),
+    ] {
+        for normals in [Normals::None, Normals::Fields, Normals::Exact] {
+            let mut row = row! {"asset" => what};
+            row.extend(skin(
+                (&skinner, &timer),
+                model.asset(),
+                (normals, count),
+                bandwidth,
+            )?);
+            rows.push(row);
+        }
+    }
+    let tables = vec![
+        table("device", "The device", &[about]),
+        table("skin", "Skinning", &rows),
+    ];
+    Report::of_tables("skin", tables).show(None)
 }
 
-impl Bench<'_> {
-    fn measure_copy(&mut self, bytes: u64) -> Result<(), Box<dyn Error>> {
-        let bytes = bytes & !255;
-        let buffer = || {
-            self.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("copy"),
-                size: bytes,
-                usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
-        let (from, to) = (buffer(), buffer());
-        let seconds = self.timer.seconds(self.rounds, self.repeats, |encoder| {
-            encoder.copy_buffer_to_buffer(&from, 0, &to, 0, bytes);
-            Ok(())
-        })?;
-        self.copy = 2.0 * bytes as f64 / seconds;
-        println!(
-            "copy       {} MB in {:.3} ms: {:.1} GB/s read and written",
-            bytes / 1_000_000,
-            1e3 * seconds,
-            self.copy / 1e9
-        );
+/// Seconds that the device takes to copy so many bytes.
+fn copy_seconds(
+    device: &wgpu::Device,
+    timer: &Timer<'_>,
+    bytes: u64,
+) -> Result<f64, Box<dyn Error>> {
+    let [from, to] = [(); 2].map(|()| {
+        device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("copy"),
+            size: bytes,
+            usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    });
+    timer.seconds(|encoder| {
+        encoder.copy_buffer_to_buffer(&from, 0, &to, 0, bytes);
         Ok(())
-    }
+    })
+}
 
-    fn asset(&self, what: &str, asset: &Asset<'_>, count: u32) -> Result<(), Box<dyn Error>> {
-        let (n, m) = (asset.vertex_count(), asset.mode_count());
-        println!(
-            "{what}: {n} vertices, {} triangles, {m} modes",
-            asset.triangle_count()
-        );
-        for normals in [Normals::None, Normals::Fields, Normals::Exact] {
-            let start = Instant::now();
-            let uploaded = self.skinner.upload(asset, normals)?;
-            let upload = start.elapsed().as_secs_f64();
-            let (count, output) = match self.skinner.output(&uploaded, count) {
-                Err(GpuError::TooManyInstances { fit, .. }) if fit > 0 => {
-                    println!("  {count} instances do not fit a binding: {fit} of them");
-                    (fit as u32, self.skinner.output(&uploaded, fit as u32)?)
-                }
-                output => (count, output?),
-            };
-            let mut instances = self.skinner.instances(&uploaded, count)?;
-            let posing = fill(&mut instances, asset, count)?;
-            let seconds = self.timer.seconds(self.rounds, self.repeats, |encoder| {
-                Ok(self
-                    .skinner
-                    .record(encoder, &uploaded, &instances, &output)?)
-            })?;
-            // Each byte that has to be moved, once, whatever caches do.
-            let points = 12 * n * count as usize;
-            let mut moved = points
-                + 12 * asset.positions().len()
-                + 12 * n * m
-                + instances.buffer().size() as usize;
-            moved += match normals {
-                Normals::Fields => points + NormalFields::new(asset)?.bytes() as usize,
-                Normals::Exact => 2 * points + 4 * n + 24 * asset.triangle_count(),
-                _ => 0,
-            };
-            let bandwidth = moved as f64 / seconds;
-            println!(
-                "  {:<22} {count:>5} instances {:>9.3} ms {:>8.1} MB moved {:>8.1} GB/s {:>5.1} % of a copy {:>7.2} G vertices/s; \
-                 poses {:.2} ms, upload {:.0} ms",
-                match normals {
-                    Normals::Fields => "positions, fields",
-                    Normals::Exact => "positions, exact",
-                    _ => "positions",
-                },
-                1e3 * seconds,
-                moved as f64 / 1e6,
-                bandwidth / 1e9,
-                100.0 * bandwidth / self.copy,
-                n as f64 * f64::from(count) / seconds / 1e9,
-                1e3 * posing,
-                1e3 * upload,
-            );
+/// Skins so many instances of an asset, or as many as fit; `copy` is the device's bandwidth in bytes per second.
+fn skin(
+    (skinner, timer): (&Skinner, &Timer<'_>),
+    asset: &Asset<'_>,
+    (normals, count): (Normals, u32),
+    copy: f64,
+) -> Result<Row, Box<dyn Error>> {
+    let (n, m) = (asset.vertex_count(), asset.mode_count());
+    let start = Instant::now();
+    let uploaded = skinner.upload(asset, normals)?;
+    let upload = start.elapsed().as_secs_f64();
+    let (count, output) = match skinner.output(&uploaded, count) {
+        Err(GpuError::TooManyInstances { fit, .. }) if fit > 0 => {
+            eprintln!("{count} instances do not fit a binding: {fit} of them");
+            (fit as u32, skinner.output(&uploaded, fit as u32)?)
         }
-        Ok(())
-    }
+        output => (count, output?),
+    };
+    let mut instances = skinner.instances(&uploaded, count)?;
+    let posing = fill(&mut instances, asset, count)?;
+    let seconds =
+        timer.seconds(|encoder| Ok(skinner.record(encoder, &uploaded, &instances, &output)?))?;
+    let points = 12 * n * count as usize;
+    let (name, written) = match normals {
+        Normals::Fields => {
+            let tangents = NormalFields::new(asset)?.bytes() as usize;
+            ("positions, fields", points + tangents)
+        }
+        Normals::Exact => {
+            let corners = 4 * n + 24 * asset.triangle_count();
+            ("positions, exact", 2 * points + corners)
+        }
+        _ => ("positions", 0),
+    };
+    // Each byte that has to be moved, once, whatever caches do.
+    let read = 12 * n * (m + 1) + instances.buffer().size() as usize;
+    let moved = (points + read + written) as f64;
+    Ok(row! {
+        "vertices" => n, "triangles" => asset.triangle_count(), "modes" => m,
+        "what" => name, "instances" => u64::from(count), "ms" => 1e3 * seconds, "MB moved" => moved / 1e6,
+        "GB/s" => moved / seconds / 1e9, "of a copy, %" => 100.0 * moved / seconds / copy,
+        "G vertices/s" => n as f64 * f64::from(count) / seconds / 1e9,
+        "poses, ms" => 1e3 * posing, "upload, ms" => 1e3 * upload,
+    })
 }
 
 /// Poses all instances at random; returns the seconds that takes, with what is copied.

@@ -3,11 +3,17 @@
 use std::error::Error;
 use std::time::Instant;
 
+use bdtree_measure::stats::median;
+
 /// Measures by timestamps of the device, or by the clock where it has none.
 pub(crate) struct Timer<'d> {
     device: &'d wgpu::Device,
     queue: &'d wgpu::Queue,
     stamps: Option<Stamps>,
+    /// Submissions, of which the median counts, after one to warm up.
+    pub(crate) rounds: usize,
+    /// Executions in each.
+    repeats: u32,
 }
 
 struct Stamps {
@@ -17,9 +23,14 @@ struct Stamps {
 }
 
 impl<'d> Timer<'d> {
-    pub(crate) fn new(device: &'d wgpu::Device, queue: &'d wgpu::Queue) -> Self {
-        let needed =
-            wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+    pub(crate) fn new(
+        device: &'d wgpu::Device,
+        queue: &'d wgpu::Queue,
+        rounds: usize,
+        repeats: u32,
+    ) -> Self {
+        use wgpu::Features as F;
+        let needed = F::TIMESTAMP_QUERY | F::TIMESTAMP_QUERY_INSIDE_ENCODERS;
         let buffer = |usage| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("timestamps"),
@@ -41,6 +52,8 @@ impl<'d> Timer<'d> {
             device,
             queue,
             stamps,
+            rounds,
+            repeats,
         }
     }
 
@@ -52,21 +65,18 @@ impl<'d> Timer<'d> {
         }
     }
 
-    /// Median seconds of one execution of what `record` records: `rounds` submissions of
-    /// `repeats` executions each, after one to warm up.
+    /// Median seconds of one execution of what `record` records.
     pub(crate) fn seconds(
         &self,
-        rounds: usize,
-        repeats: u32,
         record: impl Fn(&mut wgpu::CommandEncoder) -> Result<(), Box<dyn Error>>,
     ) -> Result<f64, Box<dyn Error>> {
         let mut all = Vec::new();
-        for round in 0..=rounds {
+        for round in 0..=self.rounds {
             let mut encoder = self.device.create_command_encoder(&Default::default());
             if let Some(stamps) = &self.stamps {
                 encoder.write_timestamp(&stamps.set, 0);
             }
-            for _ in 0..repeats {
+            for _ in 0..self.repeats {
                 record(&mut encoder)?;
             }
             if let Some(stamps) = &self.stamps {
@@ -84,26 +94,22 @@ impl<'d> Timer<'d> {
                 None => wall,
             };
             if round > 0 {
-                all.push(seconds / f64::from(repeats));
+                all.push(seconds / f64::from(self.repeats));
             }
         }
-        all.sort_by(f64::total_cmp);
-        Ok(all[all.len() / 2])
+        Ok(median(&all))
     }
 
     fn read(&self, stamps: &Stamps) -> Result<f64, Box<dyn Error>> {
         stamps.read.slice(..).map_async(wgpu::MapMode::Read, |_| ());
         self.device.poll(wgpu::PollType::wait_indefinitely())?;
-        let [start, end] = {
-            let view = stamps.read.slice(..).get_mapped_range()?;
-            [0, 8].map(|at| {
-                let mut bytes = [0; 8];
-                bytes.copy_from_slice(&view[at..at + 8]);
-                u64::from_le_bytes(bytes)
-            })
-        };
+        let view = stamps.read.slice(..).get_mapped_range()?;
+        let ticks: Vec<u64> = (view.as_chunks().0.iter().copied())
+            .map(u64::from_le_bytes)
+            .collect();
+        drop(view);
         stamps.read.unmap();
-        let ticks = end.saturating_sub(start) as f64;
+        let ticks = ticks[1].saturating_sub(ticks[0]) as f64;
         Ok(ticks * f64::from(self.queue.get_timestamp_period()) * 1e-9)
     }
 }

@@ -1,26 +1,9 @@
 //! The broad phase over many bodies: the grid beside a sweep along an axis.
 
-use std::error::Error;
-use std::hint::black_box;
-use std::time::Instant;
-
-use bdtree_fixtures::poses;
-use bdtree_measure::stats::median;
+use bdtree_runtime::BoundingSphere;
 use bdtree_runtime::broad::pairs;
-use bdtree_runtime::{Asset, BoundingSphere, Model, Transform, Workspace};
-use clap::Args;
-use rand::RngExt;
 
-use crate::scene::Scene;
-
-#[derive(Args)]
-pub(crate) struct Arguments {
-    #[command(flatten)]
-    scene: Scene,
-    /// Rounds, in which both answer all scenes
-    #[arg(long, default_value_t = 51)]
-    rounds: usize,
-}
+use crate::prelude::*;
 
 /// A tilted, jittered lattice of deforming bodies that stand `spacing` root radii apart: their root
 /// spheres, and microseconds that these took.
@@ -29,7 +12,7 @@ fn pile(
     count: usize,
     spacing: f64,
     seed: u64,
-) -> Result<(Vec<BoundingSphere>, f64), Box<dyn Error>> {
+) -> Result<(Vec<BoundingSphere>, f64)> {
     let mut rng = poses::rng(seed);
     let mut memory = vec![0.0; asset.pose_len()];
     let rest = vec![0.0; asset.mode_count()];
@@ -64,23 +47,16 @@ fn sweep(
     order: &mut Vec<(f64, usize)>,
     found: &mut Vec<[usize; 2]>,
 ) -> u64 {
-    let mut spread = [0.0; 3];
-    for (axis, spread) in spread.iter_mut().enumerate() {
-        let mean = spheres.iter().map(|s| s.center[axis]).sum::<f64>() / spheres.len() as f64;
-        *spread = spheres
-            .iter()
-            .map(|s| (s.center[axis] - mean).powi(2))
-            .sum::<f64>();
-    }
-    let axis = (0..3)
-        .max_by(|a, b| spread[*a].total_cmp(&spread[*b]))
-        .unwrap_or(0);
+    let spread = [0, 1, 2].map(|axis| {
+        let along = spheres.iter().map(|s| s.center[axis]);
+        let mean = along.clone().sum::<f64>() / spheres.len() as f64;
+        along.map(|x| (x - mean).powi(2)).sum::<f64>()
+    });
+    let axis = (0..3).max_by(|a, b| spread[*a].total_cmp(&spread[*b]));
+    let axis = axis.unwrap_or(0);
+    let low = |s: &BoundingSphere| s.center[axis] - s.radius;
     order.clear();
-    order.extend(
-        (0..)
-            .zip(spheres)
-            .map(|(i, s)| (s.center[axis] - s.radius, i)),
-    );
+    order.extend(spheres.iter().map(low).zip(0..));
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let mut tests = 0;
     for (k, &(_, i)) in order.iter().enumerate() {
@@ -101,66 +77,67 @@ fn sweep(
     tests
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let (mesh, basis) = arguments.scene.load()?;
-    let model = Model::from_bytes(&arguments.scene.bake(&mesh, &basis)?.bytes)?;
-    let seed = arguments.scene.seed;
+pub(crate) fn run(scene: &Scene, rounds: usize) -> Result<Vec<Table>> {
+    let model = scene.model()?;
     let mut scenes: Vec<(String, Vec<BoundingSphere>)> = Vec::new();
+    let mut roots = Vec::new();
     for count in [1000, 3600, 12000] {
         for spacing in [1.6, 2.2] {
-            let (spheres, micros) = pile(model.asset(), count, spacing, seed)?;
-            println!(
-                "{count} root spheres: {:.3} us each, pose included",
-                micros / count as f64
-            );
+            let (spheres, micros) = pile(model.asset(), count, spacing, scene.seed)?;
+            let each = micros / count as f64;
+            roots.push(row! {"root spheres" => count, "µs each, pose included" => each});
             scenes.push((format!("lattice, {count}, {spacing} radii apart"), spheres));
         }
     }
     let ball = |center: [f64; 3], radius: f64| BoundingSphere { center, radius };
     let mut giant = scenes[2].1.clone();
     giant[0].radius *= 1e6;
-    scenes.push(("the second with a giant".into(), giant));
-    let line = (0..3600)
-        .map(|i| ball([f64::from(i), 0.0, 0.0], 0.6))
-        .collect();
-    scenes.push(("line along an axis, 3600".into(), line));
-    let stack = (0..3600).map(|i| {
-        ball(
-            [0.01 * f64::from(i % 60), 1.0 * f64::from(i / 60), 0.0],
-            0.3,
-        )
-    });
-    scenes.push(("60 heaps of 60".into(), stack.collect()));
-    scenes.push((
-        "all in one place, 1000".into(),
-        vec![ball([0.0; 3], 1.0); 1000],
-    ));
+    let line = (0..3600).map(|i| ball([f64::from(i), 0.0, 0.0], 0.6));
+    let heap = |i: i32| [0.01 * f64::from(i % 60), f64::from(i / 60), 0.0];
+    let place = vec![ball([0.0; 3], 1.0); 1000];
+    let heaps = (0..3600).map(|i| ball(heap(i), 0.3));
+    scenes.extend([
+        ("the second with a giant".into(), giant),
+        ("line along an axis, 3600".into(), line.collect()),
+        ("60 heaps of 60".into(), heaps.collect()),
+        ("all in one place, 1000".into(), place),
+    ]);
 
+    let mut all = Vec::new();
     for (name, spheres) in &scenes {
         let mut workspace = Workspace::new();
         let (mut order, mut by_grid, mut by_sweep) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut grid_us, mut sweep_us) = (Vec::new(), Vec::new());
-        let (mut grid_tests, mut sweep_tests) = (0, 0);
-        for _ in 0..arguments.rounds {
-            by_grid.clear();
-            let start = Instant::now();
-            pairs(black_box(spheres), 0.0, &mut workspace, &mut by_grid)?;
-            grid_us.push(start.elapsed().as_secs_f64() * 1e6);
-            grid_tests = workspace.stats().sphere_tests;
-            by_sweep.clear();
-            let start = Instant::now();
-            sweep_tests = sweep(black_box(spheres), &mut order, &mut by_sweep);
-            sweep_us.push(start.elapsed().as_secs_f64() * 1e6);
-        }
+        let answer = |pairs: usize, comparisons: u64| {
+            let mut answer = Answer::default();
+            (answer.found, answer.nodes.visited) = (pairs as u64, comparisons);
+            Ok(answer)
+        };
+        let entries = vec![
+            Entry::new("grid", Role::Ours, Counts::Same, |_| {
+                by_grid.clear();
+                frame(|| {
+                    let found = pairs(black_box(spheres), 0.0, &mut workspace, &mut by_grid);
+                    found.expect("finite spheres");
+                    answer(by_grid.len(), workspace.stats().sphere_tests)
+                })
+            }),
+            Entry::new("sweep", Role::Variant, Counts::Same, |_| {
+                by_sweep.clear();
+                frame(|| {
+                    let tests = sweep(black_box(spheres), &mut order, &mut by_sweep);
+                    answer(by_sweep.len(), tests)
+                })
+            }),
+        ];
+        let measured = compare(entries, 1, rounds)?;
         by_grid.sort_unstable();
         by_sweep.sort_unstable();
         assert_eq!(by_grid, by_sweep, "both find the same pairs");
-        println!(
-            "| {name} | {} | {:.0} | {grid_tests} | {:.0} | {sweep_tests} |",
-            by_grid.len(),
-            median(&grid_us),
-            median(&sweep_us)
-        );
+        let about = row! {"scene" => name.as_str()};
+        all.extend(rows(&about, &measured, 1, "µs"));
     }
-    Ok(())
+    Ok(vec![
+        table("roots", "Root spheres of deforming bodies", &roots),
+        table("scenes", "Spheres that overlap, and comparisons", &all),
+    ])
 }

@@ -1,20 +1,12 @@
 //! What local fields cost: a face with 52 blend shapes as it is baked, the same with modes and
 //! displacements everywhere, and the face with 12 dense modes; bytes and a small ball.
 
-use std::error::Error;
-use std::hint::black_box;
-use std::time::Instant;
-
 use bdtree_build::basis::Basis;
-use bdtree_fixtures::{bake as made, poses, sections};
+use bdtree_fixtures::{bake as made, sections};
 use bdtree_format::SectionKind;
-use bdtree_measure::ours::Ours;
-use bdtree_measure::{machine, stats};
-use bdtree_runtime::{Asset, Contact, Model, Transform, TriangleId};
 use bdtree_scenes::contenders::assets::baked_mesh;
-use clap::Args;
-use rand::RngExt;
-use serde_json::json;
+
+use crate::prelude::*;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -30,47 +22,21 @@ pub(crate) struct Arguments {
     /// Balls are centerd up to this many radii from a vertex
     #[arg(long, default_value_t = 1.0)]
     spread: f64,
-    /// Rounds; in each all contenders answer all balls, taking turns to be first
-    #[arg(long, default_value_t = 51)]
-    rounds: usize,
     /// Seed of waves, weights and positions
     #[arg(long, default_value_t = 2004)]
     seed: u64,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
 }
 
 /// A displacement that is stored and moves nothing.
 const SPECK: f64 = 1e-30;
 
-/// Which weights a contender is asked with.
-#[derive(Clone, Copy, PartialEq)]
-enum Weights {
-    Shapes,
-    Waves,
-}
-
-impl Weights {
-    fn random(self, rng: &mut impl RngExt) -> f32 {
-        match self {
-            Self::Shapes => rng.random_range(0.0..1.0),
-            Self::Waves => rng.random_range(-1.0..1.0),
-        }
-    }
-
-    /// Mean and variance of a weight.
-    fn moments(self) -> (f64, f64) {
-        match self {
-            Self::Shapes => (0.5, 1.0 / 12.0),
-            Self::Waves => (0.0, 1.0 / 3.0),
-        }
-    }
-}
+/// From where to where weights of shapes lie, and of waves.
+const SHAPES: [f64; 2] = [0.0, 1.0];
+const WAVES: [f64; 2] = [-1.0, 1.0];
 
 /// Mean square of how far vertices are moved by random weights.
-fn mean_square(basis: &Basis, weights: Weights) -> f64 {
-    let (mean, variance) = weights.moments();
+fn mean_square(basis: &Basis, [low, high]: [f64; 2]) -> f64 {
+    let (mean, variance) = (0.5 * (low + high), (high - low).powi(2) / 12.0);
     let square = |u: [f64; 3]| u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
     let n = basis.vertex_count;
     let of_vertex = |i: usize| {
@@ -88,109 +54,8 @@ fn mean_square(basis: &Basis, weights: Weights) -> f64 {
 /// Balls that one reading of the clock is for.
 const BATCH: usize = 20;
 
-struct Case {
-    q: Vec<f32>,
-    center: [f64; 3],
-}
-
-/// A file, its memory and the balls it is asked for.
-struct Contender<'a> {
-    name: &'static str,
-    asset: Asset<'a>,
-    cases: Vec<Case>,
-    radius: f64,
-    ours: Ours<'a>,
-    /// Nanoseconds per ball, by batch and round.
-    ns: Vec<Vec<f64>>,
-}
-
-impl<'a> Contender<'a> {
-    fn new(
-        name: &'static str,
-        asset: Asset<'a>,
-        weights: Weights,
-        arguments: &Arguments,
-    ) -> Result<Self, Box<dyn Error>> {
-        let mut rng = poses::rng(arguments.seed);
-        let mut memory = vec![0.0; asset.pose_len()];
-        let radius = arguments.radius * poses::diagonal(&asset) * asset.unit();
-        let mut cases = Vec::with_capacity(arguments.balls);
-        for _ in 0..arguments.balls {
-            let q: Vec<f32> = (0..asset.mode_count())
-                .map(|_| weights.random(&mut rng))
-                .collect();
-            let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
-            let id = TriangleId(rng.random_range(0..asset.triangle_count() as u32));
-            let mut center = pose.deformed(asset.triangle(id)?[0])?;
-            for c in &mut center {
-                *c += arguments.spread * radius * rng.random_range(-1.0..1.0) / 3.0_f64.sqrt();
-            }
-            cases.push(Case { q, center });
-        }
-        Ok(Self {
-            name,
-            asset,
-            cases,
-            radius,
-            ours: Ours::new(asset),
-            ns: vec![Vec::new(); arguments.balls.div_ceil(BATCH)],
-        })
-    }
-
-    /// Nodes visited for ball `i`.
-    fn answer(&mut self, i: usize) -> u64 {
-        let case = &self.cases[i];
-        let ball = [(case.center, self.radius)].into_iter();
-        let answer = self.ours.balls(&case.q, ball);
-        answer
-            .expect("a sound asset at q within its limits")
-            .nodes
-            .visited
-    }
-
-    /// One pass over all balls.
-    fn time_round(&mut self) {
-        for batch in 0..self.ns.len() {
-            let balls = BATCH * batch..(BATCH * (batch + 1)).min(self.cases.len());
-            let count = balls.len() as f64;
-            let start = Instant::now();
-            for i in balls {
-                black_box(self.answer(black_box(i)));
-            }
-            self.ns[batch].push(start.elapsed().as_nanos() as f64 / count);
-        }
-    }
-
-    /// Nanoseconds per ball: of each batch the median over rounds, which others on the machine
-    /// interrupt now and then.
-    fn ball_ns(&self) -> f64 {
-        let medians = self.ns.iter().map(|rounds| stats::median(rounds));
-        medians.sum::<f64>() / self.ns.len() as f64
-    }
-
-    /// Nanoseconds that preparing a pose takes.
-    fn pose_ns(&self) -> f64 {
-        let mut memory = vec![0.0; self.asset.pose_len()];
-        let runs = (0..50).map(|_| {
-            let start = Instant::now();
-            for case in &self.cases {
-                let pose = self.asset.pose(&case.q, Transform::IDENTITY, &mut memory);
-                black_box(pose.is_ok());
-            }
-            start.elapsed().as_nanos() as f64 / self.cases.len() as f64
-        });
-        runs.fold(f64::INFINITY, f64::min)
-    }
-
-    fn section_bytes(&self, kinds: &[SectionKind]) -> u64 {
-        let sections = self.asset.sections().iter();
-        let known = sections.filter(|s| kinds.contains(&s.kind));
-        known.map(|s| s.length.get()).sum()
-    }
-}
-
 /// The files: shapes as baked, with displacements of all modes, with all modes everywhere; waves.
-fn files(arguments: &Arguments) -> Result<[Model; 4], Box<dyn Error>> {
+fn files(arguments: &Arguments) -> Result<[Model; 4]> {
     let (mesh, shapes) = made::face_with_shapes();
     let mut everywhere = shapes.clone();
     for u in &mut everywhere.fields {
@@ -199,8 +64,7 @@ fn files(arguments: &Arguments) -> Result<[Model; 4], Box<dyn Error>> {
         }
     }
     let mut waves = made::smooth_basis(&mesh, arguments.modes, arguments.seed);
-    let moved = mean_square(&shapes, Weights::Shapes);
-    let scale = (moved / mean_square(&waves, Weights::Waves)).sqrt();
+    let scale = (mean_square(&shapes, SHAPES) / mean_square(&waves, WAVES)).sqrt();
     for u in &mut waves.fields {
         *u = u.map(|c| c * scale);
     }
@@ -214,112 +78,84 @@ fn files(arguments: &Arguments) -> Result<[Model; 4], Box<dyn Error>> {
     ])
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let files = files(arguments)?;
-    let mut contenders = Vec::new();
-    for (name, file, weights) in [
-        ("52 shapes", &files[0], Weights::Shapes),
-        ("local nodes only", &files[1], Weights::Shapes),
-        ("all everywhere", &files[2], Weights::Shapes),
-        ("dense waves", &files[3], Weights::Waves),
-    ] {
-        contenders.push(Contender::new(name, *file.asset(), weights, arguments)?);
+/// Bytes of a file's parts, and how many modes act where.
+fn bytes(asset: &Asset<'_>) -> Row {
+    let bytes = |kinds: &[SectionKind]| {
+        let sections = asset.sections().iter();
+        let known = sections.filter(|s| kinds.contains(&s.kind));
+        known.map(|s| s.length.get()).sum::<u64>()
+    };
+    let entries = bytes(&[SectionKind::DISPLACEMENTS]) / 12;
+    let acting = asset.nodes().iter().map(|n| u64::from(n.mode_count));
+    row! {
+        "modes" => asset.mode_count(), "bytes" => asset.bytes().len(),
+        "nodes and rows" => bytes(&[SectionKind::NODES, SectionKind::ROWS]),
+        "displacements" => bytes(&[SectionKind::DISPLACEMENTS, SectionKind::VERTEX_MODES]),
+        "lists" => bytes(&[SectionKind::MODE_LISTS]),
+        "modes per vertex" => entries as f64 / asset.vertex_count() as f64,
+        "modes per node" => acting.sum::<u64>() as f64 / asset.node_count() as f64,
     }
-    let mut counts = Vec::new();
-    let mut expected: Vec<Vec<Contact>> = Vec::new();
-    for (which, contender) in contenders.iter_mut().enumerate() {
-        let (mut nodes, mut contacts) = (0, 0);
-        for i in 0..arguments.balls {
-            nodes += contender.answer(i);
-            contacts += contender.ours.found().len();
-            if which == 0 {
-                expected.push(contender.ours.found().to_vec());
-            } else if which < 3 {
-                assert_eq!(
-                    contender.ours.found(),
-                    expected[i],
-                    "the shapes' answers are equal"
-                );
-            }
-        }
-        let mean = |count: f64| count / arguments.balls as f64;
-        counts.push((mean(nodes as f64), mean(contacts as f64)));
-    }
-    for round in 0..arguments.rounds {
-        for turn in 0..contenders.len() {
-            let which = (round + turn) % contenders.len();
-            contenders[which].time_round();
-        }
-    }
-    let base = contenders[3].ball_ns();
-    let rows: Vec<_> = contenders
-        .iter_mut()
-        .zip(counts)
-        .map(|(c, (nodes, contacts))| {
-            let entries = c.section_bytes(&[SectionKind::DISPLACEMENTS]) / 12;
-            let acting: usize = c
-                .asset
-                .nodes()
-                .iter()
-                .map(|n| usize::from(n.mode_count))
-                .sum();
-            json!({
-                "name": c.name, "modes": c.asset.mode_count(), "bytes": c.asset.bytes().len(),
-                "rows_bytes": c.section_bytes(&[SectionKind::NODES, SectionKind::ROWS]),
-                "displacement_bytes": c.section_bytes(
-                    &[SectionKind::DISPLACEMENTS, SectionKind::VERTEX_MODES]),
-                "list_bytes": c.section_bytes(&[SectionKind::MODE_LISTS]),
-                "modes_per_vertex": entries as f64 / c.asset.vertex_count() as f64,
-                "modes_per_node": acting as f64 / c.asset.node_count() as f64,
-                "nodes": nodes, "contacts": contacts, "pose_ns": c.pose_ns(),
-                "ns": c.ball_ns(), "ratio": c.ball_ns() / base,
-            })
-        })
-        .collect();
-    let value = json!({
-        "machine": machine::processor(), "vertices": contenders[0].asset.vertex_count(),
-        "triangles": contenders[0].asset.triangle_count(), "balls": arguments.balls,
-        "radius_rel": arguments.radius, "rounds": arguments.rounds, "files": rows,
-    });
-    if arguments.json {
-        println!("{value:#}");
-    } else {
-        print(&value);
-    }
-    Ok(())
 }
 
-fn print(value: &serde_json::Value) {
-    println!("machine    {}", value["machine"].as_str().unwrap_or("?"));
-    println!(
-        "face       {} vertices, {} triangles; {} balls of {} of the diagonal, {} rounds",
-        value["vertices"], value["triangles"], value["balls"], value["radius_rel"], value["rounds"],
-    );
-    println!(
-        "                        MB   rows  fields  modes/node  /vertex  contacts  nodes  pose, ns  ns/ball  to the waves"
-    );
-    let base = value["files"][3]["bytes"].as_f64().unwrap_or(f64::NAN);
-    for file in value["files"].as_array().into_iter().flatten() {
-        let number = |path: &str| {
-            file.pointer(path)
-                .and_then(|x| x.as_f64())
-                .unwrap_or(f64::NAN)
-        };
-        println!(
-            "{:>3} {:<17} {:>5.2} {:>6.2} {:>7.2} {:>11.1} {:>8.1} {:>9.1} {:>6.1} {:>9.0} {:>8.0}  {:.2}, bytes {:.2}",
-            number("/modes"),
-            file["name"].as_str().unwrap_or("?"),
-            number("/bytes") / 1e6,
-            number("/rows_bytes") / 1e6,
-            number("/displacement_bytes") / 1e6,
-            number("/modes_per_node"),
-            number("/modes_per_vertex"),
-            number("/contacts"),
-            number("/nodes"),
-            number("/pose_ns"),
-            number("/ns"),
-            number("/ratio"),
-            number("/bytes") / base,
-        );
+pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
+    let files = files(arguments)?;
+    // The waves first: they are what the others are compared with.
+    let contenders = [
+        ("dense waves", &files[3], WAVES),
+        ("52 shapes", &files[0], SHAPES),
+        ("local nodes only", &files[1], SHAPES),
+        ("all everywhere", &files[2], SHAPES),
+    ];
+    let wanted = (arguments.balls, arguments.radius);
+    let mut asked = Vec::new();
+    let mut expected: Vec<Vec<Contact>> = Vec::new();
+    for (k, (_, file, weights)) in contenders.iter().enumerate() {
+        let asset = file.asset();
+        let [low, high] = weights.map(|weight| weight as f32);
+        let cases = cases(asset, wanted, poses::rng(arguments.seed), |_, rng| {
+            let weights = (0..asset.mode_count()).map(|_| rng.random_range(low..high));
+            (weights.collect(), arguments.spread)
+        })?;
+        let mut ours = Ours::new(*file.asset());
+        for (i, case) in cases.iter().enumerate().filter(|_| k > 0) {
+            case.ask(&mut ours)?;
+            match k {
+                1 => expected.push(ours.found().to_vec()),
+                _ => assert_eq!(ours.found(), expected[i], "the shapes' answers are equal"),
+            }
+        }
+        asked.push((cases, ours));
     }
+    let pairs = contenders.iter().zip(&mut asked);
+    let entries = pairs.map(|((name, ..), (cases, ours))| {
+        let batches: Vec<&[Case]> = cases.chunks(BATCH).collect();
+        Entry::new(name, Role::Ours, Counts::Other, move |batch| {
+            pass(batches[batch], |case| case.ask(ours))
+        })
+    });
+    let batches = arguments.balls.div_ceil(BATCH);
+    let measured = compare(entries.collect(), batches, rounds)?;
+    let mut rows = rows(&[], &measured, arguments.balls, "ns per ball");
+    let base = files[3].asset().bytes().len() as f64;
+    for ((row, (_, file, _)), (cases, _)) in rows.iter_mut().zip(contenders).zip(&asked) {
+        let asset = file.asset();
+        let mut memory = vec![0.0; asset.pose_len()];
+        let pose_ns = least_ns(1, cases.len(), |i| {
+            let pose = asset.pose(&cases[i].q, Transform::IDENTITY, &mut memory);
+            black_box(pose.is_ok());
+        });
+        row.extend(row! {
+            "bytes to the waves" => asset.bytes().len() as f64 / base, "pose, ns" => pose_ns,
+        });
+        row.extend(bytes(asset));
+    }
+    let asset = files[0].asset();
+    let face = row! {
+        "vertices" => asset.vertex_count(), "triangles" => asset.triangle_count(),
+        "balls" => arguments.balls, "radius over the diagonal" => arguments.radius, "rounds" => rounds,
+    };
+    Ok(vec![
+        table("face", "The face", &[face]),
+        table("files", "Files in turns, per ball", &rows),
+    ])
 }

@@ -1,18 +1,12 @@
 //! The node kernel alone: time of the eight spheres of a node, from each level of the memory, beside
 //! what the machine allows.
 
-use std::error::Error;
-use std::hint::black_box;
-use std::time::Instant;
-
 use bdtree_fixtures::bake::{baked, bumpy_sphere, smooth_basis};
-use bdtree_fixtures::poses;
-use bdtree_format::{Row, pair_count, row_count};
-use bdtree_measure::{machine, stats};
-use bdtree_runtime::{Asset, Kernel, Model, Pose, Transform, studies};
-use clap::Args;
+use bdtree_format::{Row as NodeRow, pair_count, row_count};
+use bdtree_runtime::{Kernel, studies};
 use rand::seq::SliceRandom;
-use serde_json::{Value, json};
+
+use crate::prelude::*;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -22,12 +16,6 @@ pub(crate) struct Arguments {
     /// Number of modes that is measured from all levels; the others are from the nearest only
     #[arg(long, default_value_t = 10)]
     everywhere: usize,
-    /// Rounds in which all contenders take turns
-    #[arg(long, default_value_t = 31)]
-    rounds: usize,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
 }
 
 /// Rows of visited nodes, in bytes, that fit a level of the memory and not the one before.
@@ -38,48 +26,28 @@ const LEVELS: [(&str, usize); 4] = [
     ("DRAM", 192 << 20),
 ];
 
-/// One way to go over nodes.
-struct Contender {
-    name: String,
-    kernel: Kernel,
-    /// Order of the file instead of a random one.
-    in_order: bool,
-    /// World units that modes left out may move.
-    tolerance: f64,
-    times: Vec<f64>,
-}
-
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
     let mut results = Vec::new();
     for &modes in &arguments.modes {
-        for (level, bytes) in LEVELS {
-            if level == "L1" || modes == arguments.everywhere {
-                results.push(measure(modes, level, bytes, arguments.rounds)?);
+        for level in LEVELS {
+            if level.0 == "L1" || modes == arguments.everywhere {
+                results.push(measure(modes, level, rounds)?);
             }
         }
     }
-    let machine = json!({"processor": machine::processor(), "clock_ghz": clock_ghz()});
-    if arguments.json {
-        println!("{:#}", json!({"machine": machine, "results": results}));
-        return Ok(());
-    }
-    println!("{machine}");
-    for result in results {
-        println!("{result}");
-    }
-    Ok(())
+    let clock = row! {"clock, GHz" => clock_ghz()};
+    let title = "ns per node in turns; what reading and multiplying alone would take";
+    Ok(vec![
+        table("machine", "The processor", &[clock]),
+        table("nodes", title, &results),
+    ])
 }
 
-/// ns per node of every contender over nodes of about `bytes` bytes.
-fn measure(
-    modes: usize,
-    level: &str,
-    bytes: usize,
-    rounds: usize,
-) -> Result<Value, Box<dyn Error>> {
+/// ns per node of every contender over nodes of about so many bytes.
+fn measure(modes: usize, (level, bytes): (&str, usize), rounds: usize) -> Result<Row> {
     let mesh = bumpy_sphere(60, 2004);
     let model = baked(&mesh, &smooth_basis(&mesh, modes, 2004));
-    let node_bytes = row_count(modes) * size_of::<Row>();
+    let node_bytes = row_count(modes) * size_of::<NodeRow>();
     let per_file = model.asset().node_count();
     let wanted = (bytes / node_bytes).max(8);
     // Copies of the file, so that any level of the memory is filled by real nodes.
@@ -94,82 +62,60 @@ fn measure(
         .collect();
     let mut shuffled = in_order.clone();
     shuffled.shuffle(&mut poses::rng(2));
-    let mut contenders = Vec::new();
-    let mut add = |name: String, kernel: Kernel, in_order: bool, tolerance: f64| {
-        if kernel.is_available() {
-            contenders.push(Contender {
-                name,
-                kernel,
-                in_order,
-                tolerance,
-                times: Vec::new(),
-            });
-        }
-    };
-    for kernel in Kernel::ALL {
-        add(format!("{kernel:?}"), kernel, false, 0.0);
-    }
-    add("in the file's order".into(), Kernel::best(), true, 0.0);
-    // The half of the pairs that move least.
-    let half = half_of_modes(first, &q) * first.unit();
-    add(
-        "half of the modes left out".into(),
-        Kernel::best(),
-        false,
-        half,
-    );
-
     let passes = (200_000 / wanted).max(1);
-    for _ in 0..rounds {
-        for contender in &mut contenders {
-            let order = if contender.in_order {
-                &in_order
-            } else {
-                &shuffled
-            };
+    // One way to go over nodes: `tolerance` are world units that modes left out may move.
+    let walk = |name: &str, kernel: Kernel, is_shuffled: bool, tolerance: f64| {
+        let (copies, q) = (&copies, &q);
+        let order = if is_shuffled { &shuffled } else { &in_order };
+        Entry::new(name, Role::Ours, Counts::Other, move |_| {
             let assets = copies.iter().map(Model::asset);
-            let assets = assets.filter_map(|asset| asset.with_kernel(contender.kernel));
+            let assets = assets.filter_map(|asset| asset.with_kernel(kernel));
             let assets: Vec<Asset<'_>> = assets.collect();
             let mut memory = vec![0.0; assets.len() * first.pose_len()];
             let memories = memory.chunks_exact_mut(first.pose_len());
             let poses: Vec<Pose<'_>> = (assets.iter().zip(memories))
                 .map(|(asset, memory)| {
-                    let place = Transform::IDENTITY;
-                    studies::pose_within(asset, &q, place, contender.tolerance, memory)
+                    studies::pose_within(asset, q, Transform::IDENTITY, tolerance, memory)
                 })
-                .collect::<Result<_, _>>()?;
-            let start = Instant::now();
-            let mut sum = 0.0;
-            for _ in 0..passes {
-                for &(copy, node) in order {
-                    let pose = poses.get(copy as usize).ok_or("no such copy")?;
-                    let spheres = pose.node_spheres(node)?;
-                    sum += spheres.radius[0] + spheres.center[0][7];
+                .collect::<Result<_, _>>()
+                .expect("q within limits");
+            frame(|| {
+                let mut sum = 0.0;
+                for _ in 0..passes {
+                    for &(copy, node) in order {
+                        let spheres = poses[copy as usize].node_spheres(node)?;
+                        sum += spheres.radius[0] + spheres.center[0][7];
+                    }
                 }
-            }
-            black_box(sum);
-            let nodes = (passes * order.len()) as f64;
-            contender
-                .times
-                .push(start.elapsed().as_secs_f64() * 1e9 / nodes);
-        }
-    }
-    let times: serde_json::Map<String, Value> = contenders
-        .iter()
-        .map(|c| (c.name.clone(), rounded(stats::median(&c.times))))
+                black_box(sum);
+                Ok(Answer::default())
+            })
+        })
+    };
+    // The half of the pairs that move least.
+    let half = half_of_modes(first, &q) * first.unit();
+    let kernels = Kernel::ALL
+        .into_iter()
+        .filter(|kernel| kernel.is_available());
+    let mut entries: Vec<Entry<'_>> = kernels
+        .map(|kernel| walk(&format!("{kernel:?}"), kernel, true, 0.0))
         .collect();
+    let best = Kernel::best();
+    entries.push(walk("in the file's order", best, false, 0.0));
+    entries.push(walk("half of the modes left out", best, true, half));
+
+    let mut row = row! {"modes" => modes, "from" => level, "bytes per node" => node_bytes};
+    for contender in compare(entries, 1, rounds)? {
+        let ns = contender.median[TOTAL] * 1e9 / (passes * wanted) as f64;
+        row.extend(row! {contender.name => ns});
+    }
     // All bytes of a node at the bandwidth of a plain read; six multiplications of pairs for two
     // modes, of which processors do two a cycle.
-    let read_ns = node_bytes as f64 / machine::read_bandwidth(wanted * node_bytes) * 1e9;
-    let multiply_ns = 3.0 * pair_count(modes) as f64 / clock_ghz();
-    Ok(json!({
-        "modes": modes, "from": level, "node_bytes": node_bytes, "ns_per_node": times,
-        "limit_read_ns": rounded(read_ns), "limit_multiply_ns": rounded(multiply_ns),
-    }))
-}
-
-fn rounded(x: f64) -> Value {
-    json!((x * 10.0).round() / 10.0)
+    row.extend(row! {
+        "plain read" => node_bytes as f64 / machine::read_bandwidth(wanted * node_bytes) * 1e9,
+        "multiplications" => 3.0 * pair_count(modes) as f64 / clock_ghz(),
+    });
+    Ok(row)
 }
 
 /// What half of the pairs of modes, those that move least, move together (stored units).

@@ -1,7 +1,8 @@
 //! Side-by-side benchmarks: the product beside the paper's plain tree, in one run.
 //!
 //! Machines that measure are shared, so contenders take turns within a run and what counts are
-//! medians of ratios; `docs/benchmarks.md` holds the method and the figures.
+//! medians of ratios; `docs/benchmarks.md` holds the method and the figures. Every command gives tables,
+//! which are printed as text or as JSON.
 
 mod bake;
 mod ball;
@@ -12,29 +13,64 @@ mod hard_cases;
 mod kernel;
 mod open;
 mod scene;
+mod turns;
 mod workloads;
 
-use std::error::Error;
+/// What most benchmarks use.
+mod prelude {
+    pub(crate) use std::error::Error;
+    pub(crate) use std::hint::black_box;
+    pub(crate) use std::time::Instant;
 
+    pub(crate) use bdtree_fixtures::poses;
+    pub(crate) use bdtree_measure::machine;
+    pub(crate) use bdtree_measure::ours::{Answer, Ours, frame};
+    pub(crate) use bdtree_measure::turns::{Counts, Entry, Role, TOTAL};
+    pub(crate) use bdtree_runtime::{Asset, Contact, Model, Pose, Transform, Workspace};
+    pub(crate) use bdtree_scenes::report::{Row, Table, table};
+    pub(crate) use bdtree_scenes::row;
+    pub(crate) use clap::Args;
+    pub(crate) use rand::RngExt;
+
+    pub(crate) use crate::scene::{Case, Scene, cases};
+    pub(crate) use crate::turns::{compare, least_ns, pass, rows};
+
+    pub(crate) type Result<T, E = Box<dyn Error>> = std::result::Result<T, E>;
+}
+
+use std::path::{Path, PathBuf};
+
+use bdtree_scenes::report::{Report, write};
 use clap::{Parser, Subcommand};
+
+use prelude::Result;
 
 #[derive(Parser)]
 #[command(about = "Side-by-side benchmarks of BD-Trees")]
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// How often everyone's turn comes [default: what docs/benchmarks.md was measured with]
+    #[arg(long, global = true, visible_aliases = ["repeat", "repetitions"], value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: Option<u32>,
+    /// JSON instead of text, or beside it in this file
+    #[arg(long, global = true, value_name = "FILE", num_args = 0..=1, default_missing_value = STDOUT)]
+    json: Option<PathBuf>,
 }
+
+/// What `--json` without a file means.
+const STDOUT: &str = "-";
 
 #[derive(Subcommand)]
 enum Command {
     /// A small ball against a deforming mesh: product and paper's tree
     Ball(ball::Arguments),
     /// Root spheres of many bodies: grid and sweep
-    Broad(broad::Arguments),
+    Broad(scene::Scene),
     /// Queries that stop at a level: time, spheres and their error
     Depth(depth::Arguments),
     /// Stage times of a bake and the largest resident set
-    Bake(bake::Arguments),
+    Bake(scene::Scene),
     /// Steps that change little: spheres that follow a pose, fronts of pairs
     Coherence(workloads::coherence::Arguments),
     /// Local blend shapes of a face beside dense modes: bytes and time of a ball query
@@ -49,17 +85,31 @@ enum Command {
     Workloads(workloads::Arguments),
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    match Cli::parse().command {
-        Command::Ball(arguments) => ball::run(&arguments),
-        Command::Broad(arguments) => broad::run(&arguments),
-        Command::Depth(arguments) => depth::run(&arguments),
-        Command::Bake(arguments) => bake::run(&arguments),
-        Command::Coherence(arguments) => workloads::coherence::run(&arguments),
-        Command::Face(arguments) => face::run(&arguments),
-        Command::HardCases(arguments) => hard_cases::run(&arguments),
-        Command::Kernel(arguments) => kernel::run(&arguments),
-        Command::Open(arguments) => open::run(&arguments),
-        Command::Workloads(arguments) => workloads::run(&arguments),
+fn main() -> Result<()> {
+    let cli = Cli::parse();
+    let rounds = |default: usize| cli.rounds.map_or(default, |rounds| rounds as usize);
+    let (name, tables) = match &cli.command {
+        Command::Ball(arguments) => ("ball", ball::run(arguments, rounds(31))),
+        Command::Broad(scene) => ("broad", broad::run(scene, rounds(51))),
+        Command::Depth(arguments) => ("depth", depth::run(arguments, rounds(9))),
+        Command::Bake(scene) => ("bake", bake::run(scene)),
+        Command::Coherence(arguments) => {
+            ("coherence", workloads::coherence::run(arguments, rounds(9)))
+        }
+        Command::Face(arguments) => ("face", face::run(arguments, rounds(51))),
+        Command::HardCases(arguments) => ("hard-cases", hard_cases::run(arguments)),
+        Command::Kernel(arguments) => ("kernel", kernel::run(arguments, rounds(31))),
+        Command::Open(arguments) => ("open", open::run(arguments, rounds(200))),
+        Command::Workloads(arguments) => ("workloads", workloads::run(arguments, rounds(15))),
+    };
+    let report = Report::of_tables(name, tables?);
+    if cli.json.as_deref() != Some(Path::new(STDOUT)) {
+        report.show(None)?;
     }
+    match cli.json {
+        Some(path) if path == Path::new(STDOUT) => println!("{:#}", report.json()),
+        Some(path) => write(&path, &format!("{:#}\n", report.json()))?,
+        None => {}
+    }
+    Ok(())
 }

@@ -1,7 +1,6 @@
 //! What is measured on: a mesh, generated or read, with smooth modes.
 
 use std::collections::HashMap;
-use std::error::Error;
 use std::path::PathBuf;
 
 use bdtree_build::basis::Basis;
@@ -10,7 +9,10 @@ use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_build::pipeline::{BakeSettings, Baked, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
 use bdtree_fixtures::bake::{bumpy_sphere, smooth_basis};
-use clap::Args;
+use bdtree_measure::MeasureError;
+use bdtree_runtime::TriangleId;
+
+use crate::prelude::*;
 
 /// Mesh and modes.
 #[derive(Args)]
@@ -62,7 +64,7 @@ fn subdivide(mesh: &mut RawMesh) {
 
 impl Scene {
     /// The mesh and its modes.
-    pub(crate) fn load(&self) -> Result<(RawMesh, Basis), Box<dyn Error>> {
+    pub(crate) fn load(&self) -> Result<(RawMesh, Basis)> {
         let mut mesh = match &self.mesh {
             Some(path) => read_mesh(path)?,
             None => bumpy_sphere(self.rings, self.seed),
@@ -83,18 +85,55 @@ impl Scene {
     }
 
     /// The baked file of mesh and modes.
-    pub(crate) fn bake(&self, mesh: &RawMesh, basis: &Basis) -> Result<Baked, Box<dyn Error>> {
+    pub(crate) fn bake(&self, mesh: &RawMesh, basis: &Basis, nested: bool) -> Result<Baked> {
         let settings = BakeSettings {
             leaf_size: self.leaf_size,
+            nested,
             threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
             ..BakeSettings::default()
         };
-        Ok(bake_fields(
-            mesh,
-            basis,
-            &settings,
-            &Provenance::default(),
-            &Silent,
-        )?)
+        let provenance = Provenance::default();
+        Ok(bake_fields(mesh, basis, &settings, &provenance, &Silent)?)
     }
+
+    /// The file, opened.
+    pub(crate) fn model(&self) -> Result<Model> {
+        let (mesh, basis) = self.load()?;
+        Ok(Model::from_bytes(&self.bake(&mesh, &basis, false)?.bytes)?)
+    }
+}
+
+/// q and a ball: what a contender is asked.
+pub(crate) struct Case {
+    pub(crate) q: Vec<f32>,
+    pub(crate) ball: ([f64; 3], f64),
+}
+
+impl Case {
+    /// Asks the product.
+    pub(crate) fn ask(&self, ours: &mut Ours<'_>) -> Result<Answer, MeasureError> {
+        ours.balls(&self.q, [self.ball].into_iter())
+    }
+}
+
+/// Balls about the first corners of deformed triangles. `next` gives q, and how many radii a ball may be from there.
+pub(crate) fn cases<R: RngExt>(
+    asset: &Asset<'_>,
+    (count, radius_rel): (usize, f64),
+    mut rng: R,
+    mut next: impl FnMut(usize, &mut R) -> (Vec<f32>, f64),
+) -> Result<Vec<Case>> {
+    let mut memory = vec![0.0; asset.pose_len()];
+    let radius = radius_rel * poses::diagonal(asset) * asset.unit();
+    let case = |i: usize| {
+        let (q, spread) = next(i, &mut rng);
+        let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
+        let id = TriangleId(rng.random_range(0..asset.triangle_count() as u32));
+        let far = spread * radius / 3.0_f64.sqrt();
+        let center = pose.deformed(asset.triangle(id)?[0])?;
+        let center = center.map(|c| c + far * rng.random_range(-1.0..1.0));
+        let ball = (center, radius);
+        Ok(Case { q, ball })
+    };
+    (0..count).map(case).collect()
 }

@@ -14,6 +14,8 @@ use std::path::PathBuf;
 use bdtree_render::tightness::mean_and_max;
 use bdtree_runtime::Model;
 use bdtree_scenes::hierarchies::{Found, Hierarchies, Kind};
+use bdtree_scenes::report::{Table, table};
+use bdtree_scenes::row;
 use clap::Parser;
 
 use montage::{Cell, Stage};
@@ -57,19 +59,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let model = Model::load(&arguments.file)?;
     let asset = *model.asset();
     let rest = vec![0.0; asset.mode_count()];
-    let shares = arguments
-        .q_of_range
-        .iter()
-        .copied()
-        .chain(std::iter::repeat(0.0));
-    let bent: Vec<f32> = asset
-        .modes()
-        .iter()
-        .zip(shares)
-        .map(|(mode, share)| share * mode.q_range.get())
-        .collect();
+    let mut bent = rest.clone();
+    let ranges = asset.modes().iter().map(|mode| mode.q_range.get());
+    for ((q, range), share) in bent.iter_mut().zip(ranges).zip(&arguments.q_of_range) {
+        *q = share * range;
+    }
     let hierarchies = Hierarchies::new(asset);
-    print_table(&hierarchies, [("at rest", &rest), ("deformed", &bent)])?;
+    let poses = [("at rest", &rest), ("deformed", &bent)];
+    for (name, q) in poses {
+        println!("{}", ratio_table(&hierarchies, name, q)?.markdown());
+    }
 
     let view = [0, 1].map(|k| arguments.view.get(k).copied().unwrap_or(0.0));
     let mut stage = Stage::new(asset, &[&rest, &bent], view, arguments.cell)?;
@@ -79,12 +78,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut cells = Vec::new();
         for level in LEVELS {
             let found = hierarchies.level(level)?.spheres(kind, &mut posed[0]);
-            let title = format!("level {level}: {}", ratios(&found));
-            cells.push(Cell {
-                title,
-                q: &rest,
-                spheres: Some(found),
-            });
+            let title = format!("level {level}: {}", ratios(&found, 2));
+            cells.push(Cell::of(title, &rest, Some(found)));
         }
         rows.push((kind.name().to_string(), cells));
     }
@@ -93,22 +88,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut rows = Vec::new();
     let level = hierarchies.level(arguments.level)?;
-    for ((name, q), posed) in [("at rest", &rest), ("deformed", &bent)]
-        .into_iter()
-        .zip(&mut posed)
-    {
-        let mut cells = vec![Cell {
-            title: "geometry".to_string(),
-            q,
-            spheres: None,
-        }];
+    for ((name, q), posed) in poses.into_iter().zip(&mut posed) {
+        let mut cells = vec![Cell::of("geometry".to_string(), q, None)];
         for kind in Kind::ALL.into_iter().rev() {
             let found = level.spheres(kind, posed);
-            cells.push(Cell {
-                title: format!("{} {}", kind.short(), ratios(&found)),
-                q,
-                spheres: Some(found),
-            });
+            let title = format!("{} {}", kind.short(), ratios(&found, 2));
+            cells.push(Cell::of(title, q, Some(found)));
         }
         rows.push((name.to_string(), cells));
     }
@@ -117,47 +102,35 @@ fn main() -> Result<(), Box<dyn Error>> {
         "Figure 6: level {}, {count} spheres; numbers: mean / largest ratio",
         arguments.level
     );
-    stage.figure(&title, &rows, &arguments.folder.join("figure-6.png"))?;
-    Ok(())
+    stage.figure(&title, &rows, &arguments.folder.join("figure-6.png"))
 }
 
-/// Mean and largest ratio of some spheres.
-fn ratios(found: &[Found]) -> String {
+/// Mean and largest ratio of some spheres, to so many digits.
+fn ratios(found: &[Found], digits: usize) -> String {
     let growths: Vec<f64> = found.iter().map(|s| s.growth).collect();
-    match mean_and_max(&growths) {
-        Some([mean, max]) => format!("{mean:.2} / {max:.2}"),
-        None => "-".to_string(),
-    }
+    mean_and_max(&growths).map_or("-".to_string(), |[mean, max]| {
+        format!("{mean:.digits$} / {max:.digits$}")
+    })
 }
 
 /// Mean and largest ratio per level, of all hierarchies.
-fn print_table(
+fn ratio_table(
     hierarchies: &Hierarchies<'_>,
-    poses: [(&str, &Vec<f32>); 2],
-) -> Result<(), Box<dyn Error>> {
-    println!("radius over the undeformed wrapped sphere's of the paper's tree: mean / largest");
-    for (name, q) in poses {
-        println!("\n{name}, q = {q:?}\n");
-        println!("| level | spheres | layered | BD-Tree (paper) | ours |");
-        println!("|---|---|---|---|---|");
-        let mut posed = hierarchies.posed(q)?;
-        for level in 0..hierarchies.depth() {
-            let nodes = hierarchies.level(level)?;
-            let mut cells = Vec::new();
-            for kind in Kind::ALL {
-                let found = nodes.spheres(kind, &mut posed);
-                let growths: Vec<f64> = found.iter().map(|s| s.growth).collect();
-                cells.push(match mean_and_max(&growths) {
-                    Some([mean, max]) => format!("{mean:.3} / {max:.3}"),
-                    None => "-".to_string(),
-                });
-            }
-            println!(
-                "| {level} | {} | {} |",
-                hierarchies.count(level),
-                cells.join(" | ")
-            );
+    name: &str,
+    q: &[f32],
+) -> Result<Table, Box<dyn Error>> {
+    let mut posed = hierarchies.posed(q)?;
+    let mut rows = Vec::new();
+    for level in 0..hierarchies.depth() {
+        let nodes = hierarchies.level(level)?;
+        let mut row = row! {"level" => level, "spheres" => hierarchies.count(level)};
+        for kind in Kind::ALL {
+            row.extend(row! {kind.name() => ratios(&nodes.spheres(kind, &mut posed), 3)});
         }
+        rows.push(row);
     }
-    Ok(())
+    let title = format!(
+        "Radius over the undeformed wrapped sphere's of the paper's tree, mean / largest: {name}, q = {q:?}"
+    );
+    Ok(table("", title, &rows))
 }

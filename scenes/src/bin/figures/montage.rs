@@ -1,10 +1,9 @@
 //! Pictures side by side.
 
 use std::error::Error;
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
+use bdtree_build::file::write_atomically;
 use bdtree_render::tightness::colour;
 use bdtree_render::{
     Box3, Camera, Image, Scene, SkinnedMesh, Sphere, Studio, TextSize, draw_scale,
@@ -20,6 +19,12 @@ pub(crate) struct Cell<'q> {
     pub(crate) q: &'q [f32],
     /// `None`: the mesh.
     pub(crate) spheres: Option<Vec<Found>>,
+}
+
+impl<'q> Cell<'q> {
+    pub(crate) fn of(title: String, q: &'q [f32], spheres: Option<Vec<Found>>) -> Self {
+        Self { title, q, spheres }
+    }
 }
 
 /// Everything that all pictures share.
@@ -161,12 +166,9 @@ impl<'a> Stage<'a> {
         let corner = [margin, size[1] - margin - foot + line / 2];
         draw_scale(&mut image, corner, [24 * line, line * 3 / 4], meaning, TEXT);
 
-        // Beside the target and then renamed: no half picture.
-        let part = path.with_extension("png.tmp");
-        let mut out = BufWriter::new(File::create(&part)?);
-        image.write_png(&mut out)?;
-        out.flush()?;
-        fs::rename(&part, path)?;
+        let mut png = Vec::new();
+        image.write_png(&mut png)?;
+        write_atomically(path, &png)?;
         println!("\nwrote {}", path.display());
         Ok(())
     }

@@ -1,36 +1,12 @@
 //! Rigid meshes in the libraries that people use, each asked in its own way and precision.
 
-use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
-use bdtree_runtime::{Instance, Model, Ray, Workspace};
+use bdtree_fixtures::bake::rigid;
+use bdtree_runtime::{Instance, Ray};
 
-/// A mesh as it is given, and rounded for those who take f32.
-pub(super) struct Given {
-    pub(super) mesh: RawMesh,
-    /// Three corners per triangle.
-    #[cfg(feature = "peers")]
-    soup: Vec<[f32; 3]>,
-}
-
-impl Given {
-    pub(super) fn new(mesh: RawMesh) -> Self {
-        Self {
-            #[cfg(feature = "peers")]
-            soup: soup(&mesh),
-            mesh,
-        }
-    }
-}
-
-/// The corners of all triangles; of one that has none, nothing is taken.
-#[cfg(feature = "peers")]
-fn soup(mesh: &RawMesh) -> Vec<[f32; 3]> {
-    let corner = |v: &u32| mesh.positions.get(*v as usize);
-    let corners = mesh.triangles.as_flattened().iter().filter_map(corner);
-    corners.map(|p| p.map(|x| x as f32)).collect()
-}
+use crate::prelude::*;
 
 /// A mesh in a library.
 pub(super) trait Library {
@@ -42,34 +18,39 @@ pub(super) trait Library {
     fn closest(&mut self, to: [f64; 3]) -> Option<f64>;
 }
 
-/// Name, precision of coordinates, and how a mesh gets in.
-pub(super) struct Entry {
-    pub(super) name: &'static str,
-    pub(super) precision: &'static str,
-    pub(super) build: fn(&Given) -> Result<Box<dyn Library + '_>, String>,
+/// Names and precision of coordinates, the product first.
+pub(super) const LIBRARIES: &[(&str, &str)] = &[
+    ("bdtree", "f32 about an origin in f64, tests in f64"),
+    #[cfg(feature = "peers")]
+    ("parry3d", "f32"),
+    #[cfg(feature = "peers")]
+    ("obvhs", "f32"),
+];
+
+/// A mesh in a library.
+pub(super) fn build(library: &str, mesh: &RawMesh) -> Result<Box<dyn Library>, String> {
+    Ok(match library {
+        #[cfg(feature = "peers")]
+        "parry3d" => Box::new(peers::Parry::new(mesh)?),
+        #[cfg(feature = "peers")]
+        "obvhs" => Box::new(peers::Obvhs::new(mesh)),
+        _ => Box::new(Own::new(mesh)?),
+    })
 }
 
-/// The product first.
-pub(super) fn entries() -> Vec<Entry> {
-    vec![
-        Entry {
-            name: "bdtree",
-            precision: "f32 about an origin in f64, tests in f64",
-            build: |given| Ok(Box::new(Own::new(given)?)),
-        },
-        #[cfg(feature = "peers")]
-        Entry {
-            name: "parry3d",
-            precision: "f32",
-            build: |given| Ok(Box::new(peers::Parry::new(given)?)),
-        },
-        #[cfg(feature = "peers")]
-        Entry {
-            name: "obvhs",
-            precision: "f32",
-            build: |given| Ok(Box::new(peers::Obvhs::new(given))),
-        },
-    ]
+/// What each library answers on a mesh, or why it does not take the mesh.
+pub(super) fn answers(
+    name: &str,
+    mesh: &RawMesh,
+    mut ask: impl FnMut(&mut dyn Library) -> String,
+) -> Row {
+    let mut row = row! {"mesh" => name};
+    for (library, _) in LIBRARIES {
+        let built = build(library, mesh);
+        let answer = built.map_or_else(|error| error, |mut library| ask(library.as_mut()));
+        row.extend(row! {*library => answer});
+    }
+    row
 }
 
 struct Own {
@@ -78,18 +59,9 @@ struct Own {
 }
 
 impl Own {
-    fn new(given: &Given) -> Result<Self, String> {
-        let basis = Basis {
-            vertex_count: given.mesh.positions.len(),
-            ..Basis::default()
-        };
-        let baked = bake_fields(
-            &given.mesh,
-            &basis,
-            &BakeSettings::default(),
-            &Provenance::default(),
-            &Silent,
-        );
+    fn new(mesh: &RawMesh) -> Result<Self, String> {
+        let (settings, provenance) = (BakeSettings::default(), Provenance::default());
+        let baked = bake_fields(mesh, &rigid(mesh), &settings, &provenance, &Silent);
         let model = Model::from_bytes(&baked.map_err(|e| e.to_string())?.bytes);
         let body = Instance::new(&model.expect("a sound file")).expect("a pose at rest");
         let workspace = Workspace::new();
@@ -101,11 +73,9 @@ impl Library for Own {
     fn ray(&mut self, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
         let [o, d] = [origin, direction].map(|v| v.map(f64::from));
         let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
-        let hit = self
-            .body
-            .query(&mut self.workspace)
-            .cast_ray(&Ray::new(o, d));
-        hit.expect("a ray").map(|hit| hit.distance / length)
+        let mut query = self.body.query(&mut self.workspace);
+        let hit = query.cast_ray(&Ray::new(o, d)).expect("a ray");
+        hit.map(|hit| hit.distance / length)
     }
 
     fn closest(&mut self, to: [f64; 3]) -> Option<f64> {
@@ -130,15 +100,17 @@ mod peers {
     use parry3d::query::{PointQuery, Ray, RayCast};
     use parry3d::shape::TriMesh;
 
-    use super::{Given, Library};
+    use bdtree_build::input::RawMesh;
+
+    use super::Library;
 
     pub(super) struct Parry(TriMesh);
 
     impl Parry {
-        pub(super) fn new(given: &Given) -> Result<Self, String> {
-            let vertices = given.mesh.positions.iter();
+        pub(super) fn new(mesh: &RawMesh) -> Result<Self, String> {
+            let vertices = mesh.positions.iter();
             let vertices = vertices.map(|p| Vector::from_array(p.map(|x| x as f32)));
-            let mesh = TriMesh::new(vertices.collect(), given.mesh.triangles.clone());
+            let mesh = TriMesh::new(vertices.collect(), mesh.triangles.clone());
             mesh.map(Self).map_err(|e| e.to_string())
         }
     }
@@ -161,20 +133,19 @@ mod peers {
     }
 
     impl Obvhs {
-        pub(super) fn new(given: &Given) -> Self {
-            let triangles: Vec<Triangle> = (given.soup.as_chunks::<3>().0.iter())
-                .map(|corners| {
-                    let [v0, v1, v2] = corners.map(Vec3A::from_array);
-                    Triangle { v0, v1, v2 }
-                })
-                .collect();
+        pub(super) fn new(mesh: &RawMesh) -> Self {
+            let corner = |v: u32| Vec3A::from_array(mesh.positions[v as usize].map(|x| x as f32));
+            let triangle = |t: &[u32; 3]| {
+                let [v0, v1, v2] = t.map(corner);
+                Triangle { v0, v1, v2 }
+            };
+            let triangles: Vec<Triangle> = mesh.triangles.iter().map(triangle).collect();
             let settings = BvhBuildParams::medium_build();
             let tree = build_bvh2_from_tris(&triangles, settings, &mut Duration::default());
             let ordered = tree.primitive_indices.iter();
+            let ordered = ordered.map(|i| RtTriangle::from(&triangles[*i as usize]));
             Self {
-                triangles: ordered
-                    .map(|i| RtTriangle::from(&triangles[*i as usize]))
-                    .collect(),
+                triangles: ordered.collect(),
                 tree,
             }
         }

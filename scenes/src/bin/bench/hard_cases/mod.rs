@@ -11,15 +11,15 @@ mod rays;
 #[cfg(feature = "peers")]
 mod touching;
 
-use std::error::Error;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_fixtures::models;
-use clap::Args;
 
-use libraries::{Given, entries};
+use libraries::{LIBRARIES, build};
+
+use crate::prelude::*;
 
 /// How long a library may take over a broken mesh.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -37,52 +37,35 @@ pub(crate) struct Arguments {
     broken: Option<Vec<String>>,
 }
 
-fn fixture(name: &str) -> Result<RawMesh, Box<dyn Error>> {
+fn fixture(name: &str) -> Result<RawMesh> {
     Ok(read_mesh(&models::path(name))?)
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+pub(crate) fn run(arguments: &Arguments) -> Result<Vec<Table>> {
     if let Some(words) = &arguments.broken {
-        return broken_here(&words[0], &words[1]);
+        println!("{}", broken_here(&words[0], &words[1])?);
+        std::process::exit(0);
     }
-    for entry in entries() {
-        println!("{}: {}", entry.name, entry.precision);
-    }
-    if entries().len() == 1 {
-        println!("no other library: built without the feature peers");
-    }
-    println!(
-        "\n| rays from inside that miss, of {} |{}",
-        arguments.rays,
-        names()
-    );
-    println!("|---|{}", "---|".repeat(entries().len()));
-    rays::table(arguments.rays)?;
-    println!(
-        "\n| distance of a point, largest error over the size of the mesh |{}",
-        names()
-    );
-    println!("|---|{}", "---|".repeat(entries().len()));
-    closest::table(arguments.points)?;
-    #[cfg(feature = "peers")]
-    touching::report()?;
-    println!("\n| broken input |{}", names());
-    println!("|---|{}", "---|".repeat(entries().len()));
+    let about = |(name, precision): &_| row! {"library" => *name, "coordinates" => *precision};
+    let libraries: Vec<Row> = LIBRARIES.iter().map(about).collect();
+    let missed = format!("Rays from inside that miss, of {}", arguments.rays);
+    let off = "Distance of a point, largest error over the size of the mesh";
+    let mut broken = Vec::new();
     for case in BROKEN {
-        let answers: Result<Vec<String>, _> = entries()
-            .iter()
-            .map(|entry| broken_elsewhere(case, entry.name))
-            .collect();
-        println!("| {case} | {} |", answers?.join(" | "));
+        let mut row = row! {"input" => case};
+        for (library, _) in LIBRARIES {
+            row.extend(row! {*library => broken_elsewhere(case, library)?});
+        }
+        broken.push(row);
     }
-    Ok(())
-}
-
-fn names() -> String {
-    entries()
-        .iter()
-        .map(|entry| format!(" {} |", entry.name))
-        .collect()
+    Ok(vec![
+        table("libraries", "Who takes part", &libraries),
+        table("rays", missed, &rays::rows(arguments.rays)?),
+        table("closest", off, &closest::rows(arguments.points)?),
+        #[cfg(feature = "peers")]
+        table("touching", touching::TITLE, &[touching::row()?]),
+        table("broken", "Broken input", &broken),
+    ])
 }
 
 /// Meshes that are none.
@@ -94,7 +77,7 @@ const BROKEN: [&str; 4] = [
 ];
 
 /// Builds a broken mesh in a process of its own, which may panic, abort or hang.
-fn broken_elsewhere(case: &str, library: &str) -> Result<String, Box<dyn Error>> {
+fn broken_elsewhere(case: &str, library: &str) -> Result<String> {
     let mut child = Command::new(std::env::current_exe()?)
         .args(["hard-cases", "--broken", case, library])
         .stdout(Stdio::piped())
@@ -118,7 +101,7 @@ fn broken_elsewhere(case: &str, library: &str) -> Result<String, Box<dyn Error>>
 }
 
 /// Builds a broken mesh and asks for rays at the corners that are sound, from the middle.
-fn broken_here(case: &str, library: &str) -> Result<(), Box<dyn Error>> {
+fn broken_here(case: &str, library: &str) -> Result<String> {
     let mut mesh = fixture("cube")?;
     match case {
         "NaN in a vertex" => mesh.positions[7][1] = f64::NAN,
@@ -133,27 +116,19 @@ fn broken_here(case: &str, library: &str) -> Result<(), Box<dyn Error>> {
             [0, 1, 2].map(|k| (corners[0][k] + corners[1][k] + corners[2][k]) / 3.0)
         })
         .collect();
-    let entries = entries();
-    let entry = entries
-        .iter()
-        .find(|entry| entry.name == library)
-        .ok_or("no such library")?;
     // Those who take corners and not indices fail here, before they are asked.
     if case == "index out of range" && library == "obvhs" {
-        println!("takes no indices");
-        return Ok(());
+        return Ok("takes no indices".to_string());
     }
-    let given = Given::new(mesh);
-    match (entry.build)(&given) {
-        Err(error) => println!("error: {error}"),
+    Ok(match build(library, &mesh) {
+        Err(error) => format!("error: {error}"),
         Ok(mut library) => {
             let missed = sound.iter().filter(|target| {
                 let direction = target.map(|x| x as f32);
                 library.ray([0.0; 3], direction).is_none()
             });
             let (missed, all) = (missed.count(), sound.len());
-            println!("accepted; {missed} of {all} rays at sound triangles miss");
+            format!("accepted; {missed} of {all} rays at sound triangles miss")
         }
-    }
-    Ok(())
+    })
 }

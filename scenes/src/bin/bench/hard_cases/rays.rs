@@ -1,21 +1,15 @@
 //! Rays from inside closed meshes, at corners, along edges and anywhere: each must hit.
 
-use std::error::Error;
-
 use bdtree_build::input::RawMesh;
 use bdtree_fixtures::poses::rng;
-use rand::RngExt;
 
 use super::fixture;
-use super::libraries::{Given, entries};
+use super::libraries::answers;
 
-/// A closed mesh, in f32 numbers, and places inside of it.
-struct Closed {
-    name: &'static str,
-    mesh: RawMesh,
-    /// Where a ray may begin, from three random numbers in -1..1.
-    inside: fn([f64; 3]) -> [f64; 3],
-}
+use crate::prelude::*;
+
+/// A closed mesh by its name, and where a ray may begin in it, from three random numbers in -1..1.
+type Closed = (&'static str, RawMesh, fn([f64; 3]) -> [f64; 3]);
 
 fn scaled(mut mesh: RawMesh, by: [f64; 3], to: [f64; 3]) -> RawMesh {
     for p in &mut mesh.positions {
@@ -24,83 +18,55 @@ fn scaled(mut mesh: RawMesh, by: [f64; 3], to: [f64; 3]) -> RawMesh {
     mesh
 }
 
-fn meshes() -> Result<Vec<Closed>, Box<dyn Error>> {
-    let in_ball = |r: [f64; 3]| r.map(|x| 0.3 * x);
+/// On the circle inside of the torus.
+fn in_torus([x, y, _]: [f64; 3]) -> [f64; 3] {
+    let length = (x * x + y * y).sqrt().max(1e-3);
+    [x / length, 0.0, y / length]
+}
+
+fn meshes() -> Result<Vec<Closed>> {
     let (ball, cube, torus) = (fixture("icosphere")?, fixture("cube")?, fixture("torus")?);
-    let mut all = vec![
-        Closed {
-            name: "ball",
-            mesh: ball.clone(),
-            inside: in_ball,
-        },
-        Closed {
-            name: "cube, rays begin on a grid",
-            mesh: cube,
-            // Multiples of 1/8, so that rays run through corners and along faces' diagonals.
-            inside: |r| r.map(|x| (4.0 * x).round() / 8.0),
-        },
-        Closed {
-            name: "torus",
-            mesh: torus.clone(),
-            inside: |[x, y, _]| {
-                let length = (x * x + y * y).sqrt().max(1e-3);
-                [x / length, 0.0, y / length]
-            },
-        },
-        Closed {
-            name: "ball of needles, 1 : 1 : 4096",
-            mesh: scaled(ball.clone(), [4096.0, 1.0, 1.0], [0.0; 3]),
-            inside: |[x, y, z]| [1228.0 * x, 0.3 * y, 0.3 * z],
-        },
-        Closed {
-            name: "torus of size 1e-6",
-            mesh: scaled(torus, [1e-6; 3], [0.0; 3]),
-            inside: |[x, y, _]| {
-                let length = (x * x + y * y).sqrt().max(1e-3);
-                [1e-6 * x / length, 0.0, 1e-6 * y / length]
-            },
-        },
+    let needles = scaled(ball.clone(), [4096.0, 1.0, 1.0], [0.0; 3]);
+    let tiny = scaled(torus.clone(), [1e-6; 3], [0.0; 3]);
+    let [far, farther] = [1e6, 1e8].map(|away| scaled(ball.clone(), [1.0; 3], [away; 3]));
+    let mut all: Vec<Closed> = vec![
+        ("ball", ball, |r| r.map(|x| 0.3 * x)),
+        // Multiples of 1/8, so that rays run through corners and along faces' diagonals.
+        ("cube, rays begin on a grid", cube, |r| {
+            r.map(|x| (4.0 * x).round() / 8.0)
+        }),
+        ("torus", torus, in_torus),
+        ("ball of needles, 1 : 1 : 4096", needles, |[x, y, z]| {
+            [1228.0 * x, 0.3 * y, 0.3 * z]
+        }),
+        ("torus of size 1e-6", tiny, |r| {
+            in_torus(r).map(|x| 1e-6 * x)
+        }),
     ];
     // Coordinates that f32 holds: the mesh is the same for all.
-    for closed in &mut all {
-        for x in closed.mesh.positions.iter_mut().flatten() {
-            *x = f64::from(*x as f32);
-        }
+    for x in all
+        .iter_mut()
+        .flat_map(|(_, mesh, _)| mesh.positions.as_flattened_mut())
+    {
+        *x = f64::from(*x as f32);
     }
     // Coordinates that it does not hold: rounded, the ball is another one.
-    all.push(Closed {
-        name: "ball 1e6 away",
-        mesh: scaled(ball.clone(), [1.0; 3], [1e6; 3]),
-        inside: |r| r.map(|x| 1e6 + 0.3 * x),
-    });
-    all.push(Closed {
-        name: "ball 1e8 away",
-        mesh: scaled(ball, [1.0; 3], [1e8; 3]),
-        inside: |_| [1e8; 3],
-    });
+    all.push(("ball 1e6 away", far, |r| r.map(|x| 1e6 + 0.3 * x)));
+    all.push(("ball 1e8 away", farther, |_| [1e8; 3]));
     Ok(all)
 }
 
 /// One row per mesh.
-pub(super) fn table(count: usize) -> Result<(), Box<dyn Error>> {
-    for closed in meshes()? {
-        let given = Given::new(closed.mesh.clone());
-        let mut row = Vec::new();
-        for entry in entries() {
-            let mut library = match (entry.build)(&given) {
-                Ok(library) => library,
-                Err(error) => {
-                    row.push(error);
-                    continue;
-                }
-            };
+pub(super) fn rows(count: usize) -> Result<Vec<Row>> {
+    let row = |(name, mesh, inside): Closed| {
+        answers(name, &mesh, |library| {
             let mut rng = rng(7);
             let mut missed = 0;
             for i in 0..count {
                 let mut some = || [0; 3].map(|_| rng.random_range(-1.0..1.0));
-                let (start, share) = ((closed.inside)(some()), some());
-                let t = closed.mesh.triangles[i % closed.mesh.triangles.len()];
-                let [a, b, c] = t.map(|v| closed.mesh.positions[v as usize]);
+                let (start, share) = (inside(some()), some());
+                let t = mesh.triangles[i % mesh.triangles.len()];
+                let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
                 // A corner, the middle of an edge, a place on it, a place inside.
                 let target = [0, 1, 2].map(|k| match i % 4 {
                     0 => a[k],
@@ -114,9 +80,8 @@ pub(super) fn table(count: usize) -> Result<(), Box<dyn Error>> {
                     missed += 1;
                 }
             }
-            row.push(missed.to_string());
-        }
-        println!("| {} | {} |", closed.name, row.join(" | "));
-    }
-    Ok(())
+            missed.to_string()
+        })
+    };
+    Ok(meshes()?.into_iter().map(row).collect())
 }

@@ -1,7 +1,5 @@
 //! Triangles that touch in a point, along a line or in a plane: who sees it.
 
-use std::error::Error;
-
 use bdtree_runtime::narrow::triangles_intersect;
 use parry3d::math::{Pose, Vector};
 use parry3d::query::intersection_test;
@@ -9,9 +7,13 @@ use parry3d::shape::Triangle;
 
 use super::fixture;
 
+use crate::prelude::*;
+
+pub(super) const TITLE: &str = "Fixture touching, pairs of triangles whose boxes touch, in parry3d's intersection_test (the product's is exact, obvhs has none)";
+
 /// Compares parry's test of two triangles with the exact one on all pairs of the fixture whose boxes
 /// touch: coordinates are sixteenths, so f32 holds them.
-pub(super) fn report() -> Result<(), Box<dyn Error>> {
+pub(super) fn row() -> Result<Row> {
     let mesh = fixture("touching")?;
     let triangles: Vec<[[f64; 3]; 3]> = (mesh.triangles.iter())
         .map(|t| t.map(|v| mesh.positions[v as usize]))
@@ -23,7 +25,7 @@ pub(super) fn report() -> Result<(), Box<dyn Error>> {
             all.fold(f64::NEG_INFINITY, f64::max),
         ]
     };
-    let (mut touching, mut apart, mut missed, mut wrong) = (0, 0, 0, 0);
+    let (mut touching, mut apart, mut missed, mut wrong) = (0_usize, 0_usize, 0, 0);
     for (i, a) in triangles.iter().enumerate() {
         for b in &triangles[..i] {
             let meets = |k: usize| {
@@ -39,22 +41,17 @@ pub(super) fn report() -> Result<(), Box<dyn Error>> {
             });
             let here = Pose::IDENTITY;
             let found = intersection_test(&here, &one, &here, &two)?.intersecting;
-            match (triangles_intersect(a, b), found) {
-                (true, found) => {
-                    touching += 1;
-                    missed += usize::from(!found);
-                }
-                (false, found) => {
-                    apart += 1;
-                    wrong += usize::from(found);
-                }
+            if triangles_intersect(a, b) {
+                touching += 1;
+                missed += usize::from(!found);
+            } else {
+                apart += 1;
+                wrong += usize::from(found);
             }
         }
     }
-    println!(
-        "\nfixture touching, pairs of triangles whose boxes touch: {touching} touch, of which parry3d's \
-         intersection_test misses {missed}; {apart} do not, of which it reports {wrong}. The product's test is \
-         exact. obvhs has no such test."
-    );
-    Ok(())
+    Ok(row! {
+        "pairs that touch" => touching, "of them missed" => missed,
+        "pairs that do not" => apart, "of them reported" => wrong,
+    })
 }

@@ -1,20 +1,15 @@
 //! Steps that change little: spheres that follow a pose (P18) and fronts of pairs that stay close
 //! (P58), beside asking anew.
 
-use std::error::Error;
-use std::time::Instant;
-
-use bdtree_measure::Place;
-use bdtree_measure::machine;
-use bdtree_measure::stats::median;
+use bdtree_measure::{MeasureError, Place};
 use bdtree_runtime::{
-    Asset, Ball, CacheSize, Contact, Motion, PairFront, Pose, Query, StepCache, Transform,
-    TrianglePair, VertexId, Workspace, studies,
+    Ball, CacheSize, Motion, PairFront, Query, StepCache, TrianglePair, VertexId, studies,
 };
-use bdtree_scenes::workloads::bodies::{Bodies, MODES, bodies};
-use clap::Args;
-
 use bdtree_scenes::contenders::assets::baked;
+use bdtree_scenes::workloads::bodies::{Bodies, MODES, bodies};
+use nalgebra::Vector3;
+
+use crate::prelude::*;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -27,39 +22,35 @@ pub(crate) struct Arguments {
     /// Balls asked for at each step
     #[arg(long, default_value_t = 8)]
     balls: usize,
-    /// Runs of which the median counts
-    #[arg(long, default_value_t = 9)]
-    repeat: usize,
 }
 
 /// Pairs of leaves that a front has room for, 16 bytes each.
 const FRONT_SLOTS: usize = 4096;
 
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    println!("{}", machine::processor());
+pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
     let work = bodies();
     let model = baked(&work.body)?;
-    let asset = model.asset();
-    println!(
-        "A ball (radius 0.05) at {} places of W2's body",
-        arguments.balls
-    );
-    println!("| largest motion a step, % | contender | visits | updates | µs per step |");
-    println!("|---|---|---|---|---|");
-    for speed in &arguments.speeds {
-        balls(asset, &work, *speed, arguments)?;
+    let (mut followed, mut fronts) = (Vec::new(), Vec::new());
+    let runs = arguments.speeds.iter().map(|speed| Run {
+        asset: *model.asset(),
+        work: &work,
+        steps: arguments.steps,
+        per_frame: *speed,
+        rounds,
+    });
+    for run in runs.clone() {
+        followed.extend(run.balls(arguments.balls)?);
     }
-    println!("\nW2's two bodies");
-    println!(
-        "| place | largest motion a step, % | touching | visits | µs from the root | visits, front | µs, front |"
-    );
-    println!("|---|---|---|---|---|---|---|");
     for (place, apart) in [("touching", 0.0), ("0.15 apart", 0.15), ("0.5 apart", 0.5)] {
-        for speed in &arguments.speeds {
-            pairs((asset, &work), (place, apart), *speed, arguments)?;
+        for run in runs.clone() {
+            fronts.extend(run.pairs(place, apart)?);
         }
     }
-    Ok(())
+    let title = "Balls (radius 0.05) on W2's body; the motion is the largest in a step";
+    Ok(vec![
+        table("balls", title, &followed),
+        table("pairs", "W2's two bodies, per step", &fronts),
+    ])
 }
 
 /// q of one of the two bodies after so many steps, frames joined by straight lines.
@@ -73,135 +64,24 @@ fn at(work: &Bodies, body: usize, step: usize, per_frame: usize) -> Vec<f32> {
 }
 
 /// The way of the vertex that moves most in a step, in the mean over the steps, in per cent of the diagonal.
-fn motion(poses: &[Pose<'_>]) -> Result<f64, Box<dyn Error>> {
-    let (mut sum, mut low, mut high) = (0.0, [f64::MAX; 3], [f64::MIN; 3]);
+fn motion(poses: &[Pose<'_>]) -> Result<f64> {
+    let (mut sum, mut low, mut high) = (0.0, [f64::MAX; 3].into(), [f64::MIN; 3].into());
     let some = &poses[..poses.len().min(20)];
     for two in some.windows(2) {
         let mut most = 0.0_f64;
         for i in 0..two[0].asset().vertex_count() as u32 {
-            let [a, b] = [&two[0], &two[1]].map(|pose| pose.deformed(VertexId(i)));
+            let [a, b] = [0, 1].map(|k| two[k].deformed(VertexId(i)).map(Vector3::from));
             let (a, b) = (a?, b?);
-            let square: f64 = (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
-            most = most.max(square);
-            for k in 0..3 {
-                low[k] = low[k].min(a[k]);
-                high[k] = high[k].max(a[k]);
-            }
+            most = most.max((a - b).norm());
+            (low, high) = (a.inf(&low), a.sup(&high));
         }
-        sum += most.sqrt();
+        sum += most;
     }
-    let square: f64 = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum();
-    Ok(100.0 * sum / (some.len() - 1) as f64 / square.sqrt())
-}
-
-/// Poses of a body at all steps.
-fn poses<'m>(
-    (asset, work): (&'m Asset<'m>, &Bodies),
-    (body, place): (usize, Transform),
-    per_frame: usize,
-    memory: &'m mut [Vec<f32>],
-) -> Result<Vec<Pose<'m>>, Box<dyn Error>> {
-    let steps = memory.iter_mut().enumerate();
-    steps
-        .map(|(step, memory)| {
-            let q = at(work, body, step, per_frame);
-            memory.resize(asset.pose_len(), 0.0);
-            Ok(asset.pose(&q, place, memory)?)
-        })
-        .collect()
-}
-
-/// What a run did.
-struct Tally {
-    visits: u64,
-    updates: u64,
-    found: u64,
-}
-
-impl Tally {
-    const ZERO: Self = Self {
-        visits: 0,
-        updates: 0,
-        found: 0,
-    };
-}
-
-fn balls(
-    asset: &Asset<'_>,
-    work: &Bodies,
-    speed: usize,
-    arguments: &Arguments,
-) -> Result<(), Box<dyn Error>> {
-    let mut memory = vec![Vec::new(); arguments.steps];
-    let poses = poses((asset, work), (0, Transform::IDENTITY), speed, &mut memory)?;
-    let moved = motion(&poses)?;
-    let count = asset.vertex_count() as u32;
-    let centers = (0..arguments.balls as u32)
-        .map(|i| poses[0].deformed(VertexId(i * (count / arguments.balls as u32))))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut workspace = Workspace::new();
-    let mut found: Vec<Contact> = Vec::new();
-    let mut ask = |query: &mut Query<'_, '_>, tally: &mut Tally| -> Result<(), Box<dyn Error>> {
-        for center in &centers {
-            found.clear();
-            query.contacts(Ball::new(*center, 0.05), &mut found)?;
-            tally.visits += query.stats().nodes_visited;
-            tally.updates += query.stats().nodes_updated;
-            tally.found += found.len() as u64;
-        }
-        Ok(())
-    };
-    let limit = 0.1 * leaf_radius(&poses[0])?;
-    let contenders = [
-        ("anew, nothing kept", 0, false),
-        ("anew, kept for the step", asset.node_count(), false),
-        ("followed", asset.node_count(), true),
-    ];
-    let mut caches = contenders.map(|(_, nodes, _)| StepCache::new(CacheSize { nodes, leaves: 0 }));
-    let mut runs = [const { Vec::new() }; 3];
-    let mut tallies = [const { Tally::ZERO }; 3];
-    for _ in 0..arguments.repeat.max(1) {
-        for (k, (_, _, follows)) in contenders.into_iter().enumerate() {
-            let cache = &mut caches[k];
-            let mut tally = Tally::ZERO;
-            let start = Instant::now();
-            let mut reference = 0;
-            for (step, pose) in poses.iter().enumerate() {
-                if follows && step > reference {
-                    let reference = &poses[reference];
-                    studies::next_step(cache, reference);
-                    let query = pose.query(&mut workspace);
-                    let mut query = studies::follow(query, cache, reference);
-                    if studies::growth(&mut query)? <= limit {
-                        ask(&mut query, &mut tally)?;
-                        continue;
-                    }
-                }
-                reference = step;
-                cache.start(pose);
-                ask(&mut pose.query(&mut workspace).cached(cache), &mut tally)?;
-            }
-            runs[k].push(start.elapsed().as_secs_f64());
-            tallies[k] = tally;
-        }
-    }
-    if tallies.iter().any(|tally| tally.found != tallies[0].found) {
-        return Err("contenders find different contacts".into());
-    }
-    let steps = arguments.steps as f64;
-    for (k, (name, _, _)) in contenders.into_iter().enumerate() {
-        println!(
-            "| {moved:.5} | {name} | {:.1} | {:.1} | {:.2} |",
-            tallies[k].visits as f64 / steps,
-            tallies[k].updates as f64 / steps,
-            1e6 * median(&runs[k]) / steps
-        );
-    }
-    Ok(())
+    Ok(100.0 * sum / (some.len() - 1) as f64 / (high - low).norm())
 }
 
 /// Mean radius of leaf lanes (world).
-fn leaf_radius(pose: &Pose<'_>) -> Result<f64, Box<dyn Error>> {
+fn leaf_radius(pose: &Pose<'_>) -> Result<f64> {
     let asset = pose.asset();
     let (mut sum, mut count) = (0.0, 0.0);
     for (index, node) in (0..).zip(asset.nodes()) {
@@ -214,70 +94,134 @@ fn leaf_radius(pose: &Pose<'_>) -> Result<f64, Box<dyn Error>> {
     Ok(sum / count * asset.unit())
 }
 
-fn pairs(
-    (asset, work): (&Asset<'_>, &Bodies),
-    (name, apart): (&str, f64),
-    speed: usize,
-    arguments: &Arguments,
-) -> Result<(), Box<dyn Error>> {
-    let [x, y, z] = work.places[0].translation;
-    let far = 1.0 + apart / (x * x + y * y + z * z).sqrt();
-    let place = Place {
-        translation: [x * far, y * far, z * far],
-        ..work.places[0]
-    };
-    let mut memory = [0; 2].map(|_| vec![Vec::new(); arguments.steps]);
-    let [memory_a, memory_b] = &mut memory;
-    let a = poses((asset, work), (0, Transform::IDENTITY), speed, memory_a)?;
-    let b = poses((asset, work), (1, place.transform()), speed, memory_b)?;
-    let moved = motion(&a)?;
-    let mut workspace = Workspace::new();
-    let mut found: Vec<TrianglePair> = Vec::new();
-    let mut runs = [const { Vec::new() }; 2];
-    let mut tallies = [const { Tally::ZERO }; 2];
-    for _ in 0..arguments.repeat.max(1) {
-        for k in 0..2 {
-            let mut tally = Tally::ZERO;
-            let mut slots = vec![0; 16 * FRONT_SLOTS];
-            let mut front = PairFront::in_bytes(&mut slots);
-            let mut motions = [Motion::new(&a[0]), Motion::new(&b[0])];
-            let start = Instant::now();
-            for step in 0..arguments.steps {
-                found.clear();
-                if k == 1 {
-                    let before = step.saturating_sub(1);
-                    motions[0].advance(&a[before], &a[step])?;
-                    motions[1].advance(&b[before], &b[step])?;
-                    let one = a[step].moving(&motions[0])?;
-                    let two = b[step].moving(&motions[1])?;
-                    let pair = one.against(&two, &mut workspace);
-                    pair.front(&mut front).triangle_pairs(0.0, &mut found)?;
-                } else {
-                    let mut pair = a[step].against(&b[step], &mut workspace);
-                    pair.triangle_pairs(0.0, &mut found)?;
+/// So many steps, which are so many a frame of W2.
+struct Run<'a> {
+    asset: Asset<'a>,
+    work: &'a Bodies,
+    steps: usize,
+    per_frame: usize,
+    rounds: usize,
+}
+
+impl Run<'_> {
+    /// Poses of a body at all steps.
+    fn poses<'m>(
+        &'m self,
+        body: usize,
+        place: Transform,
+        memory: &'m mut Vec<f32>,
+    ) -> Result<Vec<Pose<'m>>> {
+        let len = self.asset.pose_len();
+        memory.resize(self.steps * len, 0.0);
+        let pose = |(step, memory): (usize, &'m mut [f32])| {
+            let q = at(self.work, body, step, self.per_frame);
+            Ok(self.asset.pose(&q, place, memory)?)
+        };
+        memory.chunks_exact_mut(len).enumerate().map(pose).collect()
+    }
+
+    /// Balls that are asked anew at each step, or whose spheres follow.
+    fn balls(&self, count: usize) -> Result<Vec<Row>> {
+        let (asset, mut memory) = (&self.asset, Vec::new());
+        let poses = self.poses(0, Transform::IDENTITY, &mut memory)?;
+        let apart = asset.vertex_count() / count;
+        let centers = (0..count).map(|i| poses[0].deformed(VertexId((i * apart) as u32)));
+        let centers: Vec<[f64; 3]> = centers.collect::<Result<_, _>>()?;
+        let limit = 0.1 * leaf_radius(&poses[0])?;
+        let (poses, centers) = (&poses, &centers);
+        let run = |name: &str, nodes: usize, follows: bool| {
+            let mut cache = StepCache::new(CacheSize { nodes, leaves: 0 });
+            let mut workspace = Workspace::new();
+            let mut found: Vec<Contact> = Vec::new();
+            let mut steps = move || {
+                let mut answer = Answer::default();
+                let mut ask = |query: &mut Query<'_, '_>| -> Result<(), MeasureError> {
+                    for center in centers {
+                        found.clear();
+                        query.contacts(Ball::new(*center, 0.05), &mut found)?;
+                        answer.nodes.add(query.stats());
+                        answer.found += found.len() as u64;
+                    }
+                    Ok(())
+                };
+                let mut reference = 0;
+                for (step, pose) in poses.iter().enumerate() {
+                    if follows && step > reference {
+                        let reference = &poses[reference];
+                        studies::next_step(&mut cache, reference);
+                        let query = pose.query(&mut workspace);
+                        let mut query = studies::follow(query, &mut cache, reference);
+                        if studies::growth(&mut query)? <= limit {
+                            ask(&mut query)?;
+                            continue;
+                        }
+                    }
+                    reference = step;
+                    cache.start(pose);
+                    ask(&mut pose.query(&mut workspace).cached(&mut cache))?;
                 }
-                tally.visits += workspace.stats().nodes_visited;
-                tally.found += found.len() as u64;
-            }
-            runs[k].push(start.elapsed().as_secs_f64());
-            tallies[k] = tally;
-        }
+                Ok(answer)
+            };
+            Entry::new(name, Role::Ours, Counts::Same, move |_| frame(&mut steps))
+        };
+        let all = asset.node_count();
+        let entries = vec![
+            run("anew, nothing kept", 0, false),
+            run("anew, kept for the step", all, false),
+            run("followed", all, true),
+        ];
+        let about = row! {"motion, %" => motion(poses)?};
+        let measured = compare(entries, 1, self.rounds)?;
+        Ok(rows(&about, &measured, self.steps, "µs per step"))
     }
-    if tallies[0].found != tallies[1].found {
-        return Err("the front finds other pairs".into());
+
+    /// Two bodies so far apart, from the root and with a front.
+    fn pairs(&self, place_name: &str, apart: f64) -> Result<Vec<Row>> {
+        let work = self.work;
+        let [x, y, z] = work.places[0].translation;
+        let far = 1.0 + apart / (x * x + y * y + z * z).sqrt();
+        let place = Place {
+            translation: [x * far, y * far, z * far],
+            ..work.places[0]
+        };
+        let (mut memory_a, mut memory_b) = (Vec::new(), Vec::new());
+        let a = &self.poses(0, Transform::IDENTITY, &mut memory_a)?;
+        let b = &self.poses(1, place.transform(), &mut memory_b)?;
+        let run = |name: &str, has_front: bool| {
+            let mut workspace = Workspace::new();
+            let mut found: Vec<TrianglePair> = Vec::new();
+            Entry::new(name, Role::Ours, Counts::Same, move |_| {
+                let mut slots = vec![0; 16 * FRONT_SLOTS];
+                let mut front = PairFront::in_bytes(&mut slots);
+                let mut motions = [Motion::new(&a[0]), Motion::new(&b[0])];
+                frame(|| {
+                    let mut answer = Answer::default();
+                    for step in 0..self.steps {
+                        found.clear();
+                        if has_front {
+                            let before = step.saturating_sub(1);
+                            motions[0].advance(&a[before], &a[step])?;
+                            motions[1].advance(&b[before], &b[step])?;
+                            let one = a[step].moving(&motions[0])?;
+                            let two = b[step].moving(&motions[1])?;
+                            let pair = one.against(&two, &mut workspace);
+                            pair.front(&mut front).triangle_pairs(0.0, &mut found)?;
+                        } else {
+                            let mut pair = a[step].against(&b[step], &mut workspace);
+                            pair.triangle_pairs(0.0, &mut found)?;
+                        }
+                        answer.nodes.add(workspace.stats());
+                        answer.found += found.len() as u64;
+                    }
+                    Ok(answer)
+                })
+            })
+        };
+        let entries = vec![run("from the root", false), run("front", true)];
+        let about = row! {"place" => place_name, "motion, %" => motion(a)?};
+        let measured = compare(entries, 1, self.rounds)?;
+        Ok(rows(&about, &measured, self.steps, "µs per step"))
     }
-    let steps = arguments.steps as f64;
-    let visits = |k: usize| tallies[k].visits as f64 / steps;
-    let us = |k: usize| 1e6 * median(&runs[k]) / steps;
-    println!(
-        "| {name} | {moved:.5} | {:.0} | {:.1} | {:.2} | {:.1} | {:.2} |",
-        tallies[0].found as f64 / steps,
-        visits(0),
-        us(0),
-        visits(1),
-        us(1)
-    );
-    Ok(())
 }
 
 #[cfg(test)]

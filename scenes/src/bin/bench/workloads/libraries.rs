@@ -1,18 +1,23 @@
 //! The libraries that answer single bodies: those built in, and Embree where it is found.
 
-use std::error::Error;
 #[cfg(feature = "embree")]
 use std::rc::Rc;
 
 use bdtree_measure::Body;
-use bdtree_measure::peers::Peer;
 #[cfg(feature = "embree")]
 use bdtree_measure::peers::{Embree, embree};
+use bdtree_measure::peers::{LayeredPeer, Peer};
 #[cfg(feature = "peers")]
 use bdtree_measure::peers::{Obvhs, Parry, TinyBvh};
 
-/// Bodies by the name of their library.
-pub(crate) type Peers = Vec<(&'static str, Box<dyn Peer>)>;
+use crate::prelude::*;
+
+/// Those who refit: name, what it is to the comparison and how near its rays come, a body.
+pub(crate) type Peers = Vec<(&'static str, (Role, Counts), Box<dyn Peer>)>;
+
+/// Libraries test rays on their own.
+#[cfg(feature = "peers")]
+const PEER: (Role, Counts) = (Role::Peer, Counts::OwnTest);
 
 /// What is there on this machine.
 pub(crate) struct Libraries {
@@ -25,7 +30,7 @@ impl Libraries {
     ///
     /// # Errors
     /// One that is named and cannot be used.
-    pub(crate) fn find() -> Result<Self, Box<dyn Error>> {
+    pub(crate) fn find() -> Result<Self> {
         Ok(Self {
             #[cfg(feature = "embree")]
             embree: embree::Device::find()?,
@@ -43,28 +48,24 @@ impl Libraries {
         "absent, built without the feature embree".to_string()
     }
 
-    /// A body in all of them.
+    /// A body in the layered hierarchy and in all of them.
     ///
     /// # Errors
     /// A body that one of them refuses.
-    pub(crate) fn of(&self, body: &Body) -> Result<Peers, Box<dyn Error>> {
-        let all: Peers = vec![
-            #[cfg(feature = "peers")]
-            ("parry3d", Box::new(Parry::new(body))),
-            #[cfg(feature = "peers")]
-            ("obvhs", Box::new(Obvhs::new(body))),
-            #[cfg(feature = "peers")]
-            ("tinybvh", Box::new(TinyBvh::new(body))),
-        ];
+    pub(crate) fn of(&self, body: &Body, layered: LayeredPeer) -> Result<Peers> {
+        #[allow(unused_mut)]
+        let mut all: Peers = vec![("layered", (Role::Baseline, Counts::Same), Box::new(layered))];
+        #[cfg(feature = "peers")]
+        all.extend::<Peers>(vec![
+            ("parry3d", PEER, Box::new(Parry::new(body))),
+            ("obvhs", PEER, Box::new(Obvhs::new(body))),
+            ("tinybvh", PEER, Box::new(TinyBvh::new(body))),
+        ]);
         #[cfg(feature = "embree")]
-        let all = match &self.embree {
-            Some(device) => {
-                let embree: Box<dyn Peer> = Box::new(Embree::new(device, body)?);
-                all.into_iter().chain([("embree4", embree)]).collect()
-            }
-            None => all,
-        };
-        // Without features there are none.
+        if let Some(device) = &self.embree {
+            all.push(("embree4", PEER, Box::new(Embree::new(device, body)?)));
+        }
+        // Without features there is no other.
         let _ = body;
         Ok(all)
     }

@@ -1,19 +1,18 @@
 //! W1 to W4: the product beside those who deform all vertices and refit, the paper's lazy tree and
-//! the layered hierarchy, in turns on the same inputs.
+//! the layered hierarchy, in turns on the same inputs. All contenders run all frames as often as the rounds say (the
+//! pile's half as often).
 
 pub(crate) mod coherence;
 mod libraries;
 mod report;
 mod works;
 
-use std::error::Error;
-use std::path::PathBuf;
-
-use bdtree_measure::machine;
 use bdtree_measure::turns::{Rounds, Turns};
 use clap::{Args, ValueEnum};
+
 use libraries::Libraries;
-use serde_json::json;
+
+use crate::prelude::*;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Which {
@@ -38,12 +37,6 @@ pub(crate) struct Arguments {
     /// Only the product and these contenders ("none": it alone)
     #[arg(long, value_delimiter = ',')]
     with: Vec<String>,
-    /// Write all figures there
-    #[arg(long)]
-    json: Option<PathBuf>,
-    /// How often every contender runs all frames (the pile: half as often)
-    #[arg(long, default_value_t = 15)]
-    repeat: usize,
     /// Who comes after whom: after each pass over the frames the next contender, or each does all its passes
     #[arg(long, value_name = "pass|contender", default_value = "contender")]
     turns: Turns,
@@ -62,14 +55,11 @@ const RAYS: [[(usize, [f64; 2]); 3]; 2] = [
     ],
 ];
 
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let repeats = arguments.repeat.max(1);
-    let turns = arguments.turns;
-    let with = &arguments.with;
+pub(crate) fn run(arguments: &Arguments, repeats: usize) -> Result<Vec<Table>> {
     let rounds = Rounds {
         repeats,
-        turns,
-        with,
+        turns: arguments.turns,
+        with: &arguments.with,
     };
     let wanted = |which| arguments.only.is_empty() || arguments.only.contains(&which);
     let vectors = if cfg!(target_feature = "avx2") {
@@ -77,43 +67,31 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     } else {
         "built for any processor of its kind"
     };
-    println!("{}, {vectors}", machine::processor());
     let libraries = Libraries::find()?;
-    println!("embree4: {}", libraries.embree());
-    println!("medians over {repeats} repetitions, floors in brackets");
-    let mut all = Vec::new();
-    let mut show = |works: Vec<report::Work>| {
-        for work in works {
-            work.print();
-            all.push(work.json());
-        }
+    let run = row! {
+        "vectors" => vectors, "embree4" => libraries.embree(), "repetitions" => repeats,
+        "turns" => format!("{:?}", arguments.turns).to_lowercase(),
     };
+    let mut works = Vec::new();
     if wanted(Which::W1) {
-        for (size, goals) in BALL.into_iter().enumerate() {
-            if size < 2 || arguments.large {
-                show(vec![works::ball(&libraries, (size, goals), rounds)?]);
-            }
+        let sizes = if arguments.large { 3 } else { 2 };
+        for (size, goals) in BALL.into_iter().enumerate().take(sizes) {
+            works.push(works::ball(&libraries, (size, goals), rounds)?);
         }
     }
     if wanted(Which::W2) {
-        show(vec![works::pair(rounds)?]);
+        works.push(works::pair(rounds)?);
     }
     if wanted(Which::W3) {
         for (size, goals) in RAYS.iter().enumerate() {
-            show(works::ray(&libraries, (size, goals), rounds)?);
+            works.extend(works::ray(&libraries, (size, goals), rounds)?);
         }
     }
     if wanted(Which::W4) {
-        show(vec![works::pile(Rounds {
-            repeats: repeats.div_ceil(2),
-            ..rounds
-        })?]);
+        let repeats = repeats.div_ceil(2);
+        works.push(works::pile(Rounds { repeats, ..rounds })?);
     }
-    if let Some(path) = &arguments.json {
-        let value = json!({"machine": machine::processor(), "vectors": vectors,
-            "embree4": libraries.embree(), "repeats": repeats,
-            "turns": format!("{turns:?}").to_lowercase(), "works": all});
-        std::fs::write(path, format!("{value:#}\n"))?;
-    }
-    Ok(())
+    let mut tables = vec![table("run", "The run", &[run])];
+    tables.extend(report::tables(&works));
+    Ok(tables)
 }

@@ -1,8 +1,8 @@
 //! Who takes part in each workload.
 
-use std::error::Error;
 use std::rc::Rc;
 
+use bdtree_measure::Body;
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::paper_tree::PaperTree;
 use bdtree_measure::peers::LayeredPeer;
@@ -12,14 +12,53 @@ use bdtree_scenes::workloads::{bodies, curtain, pile, rays};
 
 use super::libraries::Libraries;
 use super::report::Work;
-use bdtree_measure::ours::{Ours, frame};
-use bdtree_measure::turns::{Counts, Entry, Role, Rounds, compare};
+use bdtree_measure::turns::{Rounds, compare};
 use bdtree_scenes::contenders::assets::baked;
 use bdtree_scenes::contenders::ours::pair::OurPair;
 use bdtree_scenes::contenders::ours::pile::{NODES, OurPile};
 use bdtree_scenes::contenders::{paper, refitting};
 
-type Result<T> = std::result::Result<T, Box<dyn Error>>;
+use crate::prelude::*;
+
+/// What a body's contenders are made of.
+struct Cast {
+    model: Model,
+    rigid: Model,
+    deformer: Deformer,
+    tree: Rc<PaperTree>,
+}
+
+impl Cast {
+    fn of(body: &Body) -> Result<Self> {
+        let model = baked(body)?;
+        Ok(Self {
+            tree: Rc::new(PaperTree::build(model.asset())),
+            model,
+            rigid: baked(&body.rigid())?,
+            deformer: Deformer::new(body),
+        })
+    }
+
+    fn layered(&self) -> LayeredPeer {
+        LayeredPeer::new(Rc::clone(&self.tree), &self.deformer)
+    }
+}
+
+/// All frames by everyone.
+fn done(
+    name: impl Into<String>,
+    goals: [f64; 2],
+    entries: Vec<Entry<'_>>,
+    frames: impl Iterator<Item = usize>,
+    rounds: Rounds<'_>,
+) -> Result<Work> {
+    let frames: Vec<usize> = frames.collect();
+    Ok(Work {
+        name: name.into(),
+        goals,
+        rows: compare(entries, &frames, rounds)?,
+    })
+}
 
 /// W1 on one cloth.
 pub(crate) fn ball(
@@ -29,17 +68,10 @@ pub(crate) fn ball(
 ) -> Result<Work> {
     let (name, across, down) = curtain::SIZES[size];
     let work = curtain::curtain(name, across, down);
-    // Every tenth frame of the largest.
-    let frames: Vec<usize> = (0..curtain::FRAMES)
-        .step_by(if size == 2 { 10 } else { 1 })
-        .collect();
-    let (model, rigid) = (baked(&work.body)?, baked(&work.body.rigid())?);
-    let (asset, rigid) = (*model.asset(), *rigid.asset());
-    let deformer = Deformer::new(&work.body);
-    let tree = Rc::new(PaperTree::build(&asset));
+    let cast = Cast::of(&work.body)?;
+    let (asset, rigid) = (*cast.model.asset(), *cast.rigid.asset());
     let (mut ours, mut still) = (Ours::new(asset), Ours::new(rigid));
-    let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
-    let mut peers = libraries.of(&work.body)?;
+    let mut others = libraries.of(&work.body, cast.layered())?;
     let mut entries = vec![
         Entry::new("ours", Role::Ours, Counts::Same, |i| {
             frame(|| ours.balls(work.q(i), [work.ball(i)].into_iter()))
@@ -47,35 +79,23 @@ pub(crate) fn ball(
         Entry::new("ours rigid", Role::Rigid, Counts::Other, |i| {
             frame(|| still.balls(&[], [work.ball(i)].into_iter()))
         }),
-        paper::ball(&tree, asset, &work),
-        refitting::ball("layered", Role::Baseline, &mut layered, &deformer, &work),
+        paper::ball(&cast.tree, asset, &work),
     ];
-    for (name, peer) in &mut peers {
-        entries.push(refitting::ball(
-            name,
-            Role::Peer,
-            peer.as_mut(),
-            &deformer,
-            &work,
-        ));
-    }
-    Ok(Work {
-        name: format!("W1 {name}"),
-        goals: Some(goals),
-        rows: compare(std::mem::take(&mut entries), &frames, rounds)?,
-    })
+    entries.extend(others.iter_mut().map(|(name, (role, _), peer)| {
+        refitting::ball(name, *role, peer.as_mut(), &cast.deformer, &work)
+    }));
+    // Every tenth frame of the largest.
+    let frames = (0..curtain::FRAMES).step_by(if size == 2 { 10 } else { 1 });
+    done(format!("W1 {name}"), goals, entries, frames, rounds)
 }
 
 /// W2.
 pub(crate) fn pair(rounds: Rounds<'_>) -> Result<Work> {
     let work = bodies::bodies();
-    let frames: Vec<usize> = (0..bodies::FRAMES).collect();
-    let (model, rigid) = (baked(&work.body)?, baked(&work.body.rigid())?);
-    let (asset, rigid) = (*model.asset(), *rigid.asset());
-    let deformer = Deformer::new(&work.body);
-    let tree = Rc::new(PaperTree::build(&asset));
-    let (mut ours, mut still) = (OurPair::new(asset), OurPair::new(rigid));
-    let mut layered = [(); 2].map(|()| LayeredPeer::new(Rc::clone(&tree), &deformer));
+    let cast = Cast::of(&work.body)?;
+    let (asset, deformer) = (*cast.model.asset(), &cast.deformer);
+    let (mut ours, mut still) = (OurPair::new(asset), OurPair::new(*cast.rigid.asset()));
+    let mut layered = [(); 2].map(|()| cast.layered());
     #[cfg(feature = "peers")]
     let mut parry = [(); 2].map(|()| Parry::new(&work.body));
     #[cfg(feature = "peers")]
@@ -87,18 +107,14 @@ pub(crate) fn pair(rounds: Rounds<'_>) -> Result<Work> {
         Entry::new("ours rigid", Role::Rigid, Counts::Other, |frame| {
             still.frame([&[], &[]], &work.rigid_places[frame])
         }),
-        paper::pair(&tree, asset, &work),
-        refitting::pair("layered", Role::Baseline, &mut layered, &deformer, &work),
+        paper::pair(&cast.tree, asset, &work),
+        refitting::pair("layered", Role::Baseline, &mut layered, deformer, &work),
         #[cfg(feature = "peers")]
-        refitting::pair("parry3d", Role::Peer, &mut parry, &deformer, &work),
+        refitting::pair("parry3d", Role::Peer, &mut parry, deformer, &work),
         #[cfg(feature = "peers")]
-        refitting::pair("tinybvh", Role::Peer, &mut tiny, &deformer, &work),
+        refitting::pair("tinybvh", Role::Peer, &mut tiny, deformer, &work),
     ];
-    Ok(Work {
-        name: "W2 blob36k".to_string(),
-        goals: Some([2.5, 4.0]),
-        rows: compare(entries, &frames, rounds)?,
-    })
+    done("W2 blob36k", [2.5, 4.0], entries, 0..bodies::FRAMES, rounds)
 }
 
 /// W3 on one body, with each number of rays a frame and its goals.
@@ -109,17 +125,13 @@ pub(crate) fn ray(
 ) -> Result<Vec<Work>> {
     let (name, n) = rays::SIZES[size];
     let work = rays::rays(name, n);
-    let (model, rigid) = (baked(&work.body)?, baked(&work.body.rigid())?);
-    let (asset, rigid) = (*model.asset(), *rigid.asset());
-    let deformer = Deformer::new(&work.body);
-    let tree = Rc::new(PaperTree::build(&asset));
-    let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
-    let mut peers = libraries.of(&work.body)?;
+    let cast = Cast::of(&work.body)?;
+    let (asset, rigid) = (*cast.model.asset(), *cast.rigid.asset());
+    let mut others = libraries.of(&work.body, cast.layered())?;
     // Random rays seldom meet a leaf twice: keeping leaves costs more than it saves.
     let (mut ours, mut still) = (Ours::keeping(asset, 0), Ours::keeping(rigid, 0));
     let mut all = Vec::new();
     for (count, goals) in goals {
-        let frames: Vec<usize> = (0..if *count > 100 { 10 } else { rays::FRAMES }).collect();
         let own = (&work, *count);
         let mut entries = vec![
             Entry::new("ours", Role::Ours, Counts::Same, |i| {
@@ -128,24 +140,14 @@ pub(crate) fn ray(
             Entry::new("ours rigid", Role::Rigid, Counts::Other, |i| {
                 frame(|| still.rays(&[], work.wide(i, *count)))
             }),
-            paper::ray(&tree, asset, own),
-            refitting::ray(
-                "layered",
-                (Role::Baseline, Counts::Same),
-                &mut layered,
-                &deformer,
-                own,
-            ),
+            paper::ray(&cast.tree, asset, own),
         ];
-        for (name, peer) in &mut peers {
-            let kind = (Role::Peer, Counts::OwnTest);
-            entries.push(refitting::ray(name, kind, peer.as_mut(), &deformer, own));
-        }
-        all.push(Work {
-            name: format!("W3 {name}, {count} rays"),
-            goals: Some(*goals),
-            rows: compare(std::mem::take(&mut entries), &frames, rounds)?,
-        });
+        entries.extend(others.iter_mut().map(|(name, kind, peer)| {
+            refitting::ray(name, *kind, peer.as_mut(), &cast.deformer, own)
+        }));
+        let frames = 0..if *count > 100 { 10 } else { rays::FRAMES };
+        let name = format!("W3 {name}, {count} rays");
+        all.push(done(name, *goals, entries, frames, rounds)?);
     }
     Ok(all)
 }
@@ -153,57 +155,38 @@ pub(crate) fn ray(
 /// W4.
 pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
     let work = pile::pile();
-    let frames: Vec<usize> = (0..pile::STEPS).collect();
-    let (model, rigid) = (baked(&work.body)?, baked(&work.body.rigid())?);
-    let (asset, rigid) = (*model.asset(), *rigid.asset());
-    let deformer = Deformer::new(&work.body);
-    let tree = Rc::new(PaperTree::build(&asset));
-    let mut ours = OurPile::new(asset, NODES);
-    let mut still = OurPile::new(rigid, NODES);
+    let cast = Cast::of(&work.body)?;
+    let (asset, deformer) = (*cast.model.asset(), &cast.deformer);
+    let nodes = [NODES, 0, asset.node_count()];
+    let [some, none, all] = nodes.map(|nodes| OurPile::new(asset, nodes));
+    let rigid = OurPile::new(*cast.rigid.asset(), NODES);
     // Redundant updates as in the paper: q = 0, so that they change nothing.
-    let mut rest = OurPile::new(asset, NODES).at_rest();
-    let mut forgetful = OurPile::new(asset, 0);
-    let mut hoarding = OurPile::new(asset, asset.node_count());
-    let layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
-    let layered = vec![layered; pile::COUNT];
-    let entries = vec![
-        Entry::new("ours", Role::Ours, Counts::Same, |step| {
-            ours.frame(&work, step)
-        }),
-        Entry::new("ours rigid", Role::Rigid, Counts::Other, |step| {
-            still.frame(&work, step)
-        }),
-        Entry::new("ours at rest", Role::Variant, Counts::Rigid, |step| {
-            rest.frame(&work, step)
-        }),
-        Entry::new("ours none kept", Role::Variant, Counts::Same, |step| {
-            forgetful.frame(&work, step)
-        }),
-        Entry::new("ours all kept", Role::Variant, Counts::Same, |step| {
-            hoarding.frame(&work, step)
-        }),
-        paper::pile(&tree, asset, &work),
-        refitting::pile("layered", Role::Baseline, layered, &deformer, &work),
-        #[cfg(feature = "peers")]
-        refitting::pile(
-            "parry3d",
-            Role::Peer,
-            vec![Parry::new(&work.body); pile::COUNT],
-            &deformer,
-            &work,
-        ),
-        #[cfg(feature = "peers")]
-        refitting::pile(
-            "tinybvh",
-            Role::Peer,
-            vec![TinyBvh::new(&work.body); pile::COUNT],
-            &deformer,
-            &work,
-        ),
+    let rest = OurPile::new(asset, NODES).at_rest();
+    let layered = vec![cast.layered(); pile::COUNT];
+    #[cfg(feature = "peers")]
+    let parry = vec![Parry::new(&work.body); pile::COUNT];
+    #[cfg(feature = "peers")]
+    let tiny = vec![TinyBvh::new(&work.body); pile::COUNT];
+    let settings = [
+        ("ours", Role::Ours, Counts::Same, some),
+        ("ours rigid", Role::Rigid, Counts::Other, rigid),
+        ("ours at rest", Role::Variant, Counts::Rigid, rest),
+        ("ours none kept", Role::Variant, Counts::Same, none),
+        ("ours all kept", Role::Variant, Counts::Same, all),
     ];
-    Ok(Work {
-        name: "W4 blob18k, 1000 bodies".to_string(),
-        goals: Some([3.0, 6.0]),
-        rows: compare(entries, &frames, rounds)?,
-    })
+    let own = settings.map(|(name, role, counts, mut pile)| {
+        let work = &work;
+        Entry::new(name, role, counts, move |step| pile.frame(work, step))
+    });
+    let mut entries = Vec::from(own);
+    entries.extend([
+        paper::pile(&cast.tree, asset, &work),
+        refitting::pile("layered", Role::Baseline, layered, deformer, &work),
+        #[cfg(feature = "peers")]
+        refitting::pile("parry3d", Role::Peer, parry, deformer, &work),
+        #[cfg(feature = "peers")]
+        refitting::pile("tinybvh", Role::Peer, tiny, deformer, &work),
+    ]);
+    let name = "W4 blob18k, 1000 bodies";
+    done(name, [3.0, 6.0], entries, 0..pile::STEPS, rounds)
 }
