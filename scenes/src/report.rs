@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use bdtree_measure::machine;
-pub use bdtree_measure::table::{Cell, Table, digits};
+pub use bdtree_measure::table::{Cell, Column, Table, digits};
 use serde_json::{Value, json};
 
 /// All that a program found.

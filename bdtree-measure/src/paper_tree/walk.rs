@@ -54,7 +54,7 @@ impl Between {
 }
 
 /// Whether spheres certainly lie apart; NaN does not.
-fn apart(a: [f32; 4], b: [f32; 4]) -> bool {
+pub(super) fn apart(a: [f32; 4], b: [f32; 4]) -> bool {
     let (dx, dy, dz) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
     let touch = a[3] + b[3];
     (dx * dx + dy * dy + dz * dz) * SKIP > touch * touch

@@ -12,10 +12,9 @@ use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 
 use super::vertices::{Vertices, box_of};
-use super::{PairPeer, Peer};
-use crate::deform::Deformer;
+use super::{PairPeer, Peer, Target};
+use crate::Body;
 use crate::leaf;
-use crate::{Body, Place};
 
 /// A body in obvhs.
 #[derive(Clone)]
@@ -84,15 +83,8 @@ impl Obvhs {
 }
 
 impl Peer for Obvhs {
-    fn update_with(
-        &mut self,
-        deformer: &Deformer,
-        q: &[f32],
-        place: &Place,
-        scratch: &mut Vec<f32>,
-        deformed: &mut dyn FnMut(),
-    ) {
-        self.vertices.update(deformer, q, place, scratch);
+    fn update_with(&mut self, to: Target<'_>, scratch: &mut Vec<f32>, deformed: &mut dyn FnMut()) {
+        to.write(scratch, &mut self.vertices.0);
         deformed();
         for node in &mut self.tree.nodes {
             if !node.is_leaf() {

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use bdtree_measure::Place;
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::paper_tree::{BallCounts, Layered, Memory, PaperTree, PlainTree, Step};
-use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer};
+use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer, Target};
 use bdtree_runtime::{Asset, Contact, Transform};
 use serde_json::{Value, json};
 
@@ -131,7 +131,8 @@ fn tests(
         let mut counting = Counting::new(&mut refitted);
         tree.walk_ball(&mut counting, ball, &mut found);
         layered = layered.and(counting.tested);
-        boxes.update(deformer, q, &Place::IDENTITY, &mut scratch);
+        let place = &Place::IDENTITY;
+        boxes.update(Target { deformer, q, place }, &mut scratch);
         boxed += boxes.box_tests(ball.0, ball.1);
     }
     let plainly = Tests {
@@ -179,47 +180,38 @@ fn table(
         spread[0],
         spread[1]
     );
-    let columns = [
-        "method",
-        "tests",
-        "total, ms",
-        "per frame, ms",
-        "time over ours",
-        "mean R'/R of tested",
-    ];
-    let mut table = Table::new("", title, &columns);
     let ours = rows.first().map_or(f64::NAN, |row| row.median[TOTAL]);
-    for (row, tests) in rows.iter().zip(tests) {
-        let seconds = row.median[TOTAL];
-        table.rows.push(vec![
-            row.name.as_str().into(),
-            tests.count.into(),
-            (1e3 * seconds * row.frames as f64).into(),
-            (1e3 * seconds).into(),
-            (seconds / ours).into(),
-            tests.growth.map_or(Cell::None, Cell::Number),
-        ]);
-    }
+    let both: Vec<(&Row, &Tests)> = rows.iter().zip(tests).collect();
+    let mut table = Table::of(
+        "",
+        title,
+        &both,
+        &[
+            ("method", &|(row, _)| row.name.as_str().into()),
+            ("tests", &|(_, tests)| tests.count.into()),
+            ("total, ms", &|(row, _)| {
+                (1e3 * row.median[TOTAL] * row.frames as f64).into()
+            }),
+            ("per frame, ms", &|(row, _)| {
+                (1e3 * row.median[TOTAL]).into()
+            }),
+            ("time over ours", &|(row, _)| {
+                (row.median[TOTAL] / ours).into()
+            }),
+            ("mean R'/R of tested", &|(_, tests)| {
+                tests.growth.map_or(Cell::None, Cell::Number)
+            }),
+        ],
+    );
     // Table 2 of the paper: Java, 3.0 GHz Xeon, another ball and another curtain.
-    for (name, count, total, each, growth) in [
-        (
-            "paper, 2004: BD-Tree",
-            3890_u64,
-            2.4,
-            0.022,
-            Cell::Number(1.51),
-        ),
-        ("paper, 2004: layered", 2150, 5400.0, 49.0, Cell::None),
-    ] {
-        table.rows.push(vec![
-            name.into(),
-            count.into(),
-            total.into(),
-            each.into(),
-            Cell::None,
-            growth,
-        ]);
-    }
+    let papers = |name: &str, count: u64, total: f64, each: f64, growth| {
+        let cells = [name.into(), count.into(), total.into(), each.into()];
+        cells.into_iter().chain([Cell::None, growth]).collect()
+    };
+    table.rows.extend([
+        papers("paper, 2004: BD-Tree", 3890, 2.4, 0.022, Cell::Number(1.51)),
+        papers("paper, 2004: layered", 2150, 5400.0, 49.0, Cell::None),
+    ]);
     table
 }
 
@@ -232,11 +224,11 @@ fn picture(rows: &[Row]) -> Result<String, Box<dyn Error>> {
             .collect(),
     });
     let title = "Ball and curtain: time of every frame";
-    let axes = [Axis::linear("frame"), Axis::log("µs")];
+    let (frame, micros) = (Axis::linear("frame"), Axis::log("µs"));
     Ok(sheet(&[Plot::new(
         title,
-        &axes[0],
-        &axes[1],
+        &frame,
+        &micros,
         lines.collect(),
     )])?)
 }
