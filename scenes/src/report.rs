@@ -79,13 +79,8 @@ pub fn write(path: &Path, text: &str) -> Result<(), Box<dyn Error>> {
 /// The commit that the sources are at, with `-dirty` if they differ; `unknown` without git.
 pub fn commit() -> String {
     let git = Command::new("git")
-        .args([
-            "-C",
-            env!("CARGO_MANIFEST_DIR"),
-            "describe",
-            "--always",
-            "--dirty",
-        ])
+        .args(["describe", "--always", "--dirty"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output();
     match git {
         Ok(output) if output.status.success() => {

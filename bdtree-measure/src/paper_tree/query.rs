@@ -5,6 +5,7 @@ use bdtree_runtime::{Asset, Contact, Pose, VertexId};
 use super::PaperTree;
 use super::walk::apart;
 use crate::leaf;
+use crate::vector::length;
 
 /// Unit roundoff of f32.
 const U32: f64 = 1.0 / (1_u64 << 24) as f64;
@@ -102,16 +103,12 @@ impl Step {
 pub(super) fn reach_of(asset: &Asset<'_>, step: &Step, center: [f64; 3], radius: f64) -> [f32; 4] {
     let (origin, unit) = (asset.origin(), asset.unit());
     let stored = [0, 1, 2].map(|k| (center[k] - origin[k]) / unit);
-    let world = norm(center) + radius + norm(origin);
+    let world = length(center) + radius + length(origin);
     let reach = radius / unit * (1.0 + 4.0 * U32)
         + FRAME * (world / unit + step.reach)
-        + 2.0 * U32 * norm(stored);
+        + 2.0 * U32 * length(stored);
     let [x, y, z] = stored.map(|c| c as f32);
     [x, y, z, reach as f32 * (1.0 + 4.0 * U32 as f32)]
-}
-
-fn norm(v: [f64; 3]) -> f64 {
-    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
 impl PaperTree {

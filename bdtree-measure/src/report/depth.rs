@@ -5,12 +5,13 @@ use std::collections::BTreeSet;
 use crate::MeasureError;
 use crate::clock::Clock;
 use crate::stats::median;
+use crate::vector::{cross, distance, length, minus};
 use bdtree_runtime::{
     Asset, Ball, Contact, FormatError, Pose, Proxy, Query, TriangleId, Workspace,
 };
 
 use super::content::{DepthRow, WholeQuery};
-use super::sample::Sample;
+use super::sample::{HERE, Sample};
 use super::{REPETITIONS, lanes};
 
 /// Queries that look into everything, and level by level; the last one is where answers are exact.
@@ -31,7 +32,7 @@ pub(super) fn depth(
     let mut memory = vec![0.0; asset.pose_len()];
     let mut workspace = Workspace::new();
     for sample in samples {
-        let pose = sample.pose(asset, &mut memory)?;
+        let pose = asset.pose(&sample.q, HERE, &mut memory)?;
         let areas = areas(&pose)?;
         let truth = Answer::of(pose.query(&mut workspace), sample)?;
         whole.ball_visits += truth.visits as f64;
@@ -102,13 +103,7 @@ impl Answer {
 fn areas(pose: &Pose<'_>) -> Result<Vec<f64>, FormatError> {
     let area = |id| {
         let [a, b, c] = pose.deformed_triangle(TriangleId(id))?;
-        let [e, f] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
-        let cross = [
-            e[1] * f[2] - e[2] * f[1],
-            e[2] * f[0] - e[0] * f[2],
-            e[0] * f[1] - e[1] * f[0],
-        ];
-        Ok(0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt())
+        Ok(0.5 * length(cross(minus(b, a), minus(c, a))))
     };
     (0..pose.asset().triangle_count() as u32)
         .map(area)
@@ -213,8 +208,4 @@ fn reported(pose: &Pose<'_>, level: usize, proxies: &[Proxy]) -> Result<Vec<usiz
         }
     }
     Ok(found)
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }

@@ -4,25 +4,13 @@ use crate::workloads::bodies::Bodies;
 use crate::workloads::curtain::Curtain;
 use crate::workloads::pile::{COUNT, Pile};
 use crate::workloads::rays::Rays;
-use bdtree_measure::clock::Clock;
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::peers::{PairPeer, Peer, Target, Update};
 use bdtree_measure::place::Place;
 use bdtree_runtime::{Contact, PairContact};
 
-use bdtree_measure::turns::{Counts, Entry, Frame, Role};
-
-/// A frame of what was brought up to date in this time, and is asked now: what is found counts.
-fn frame(update: Update, ask: impl FnOnce() -> usize) -> Frame {
-    let start = Clock::start();
-    let found = ask() as u64;
-    Frame {
-        update,
-        query: start.seconds(),
-        found,
-        ..Frame::default()
-    }
-}
+use super::frame;
+use bdtree_measure::turns::{Counts, Entry, Role};
 
 /// W1.
 pub fn ball<'a>(

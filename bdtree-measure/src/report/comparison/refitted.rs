@@ -72,7 +72,7 @@ impl Contender {
     pub(super) fn rays(&mut self, sample: &Sample, amount: usize) -> Result<Cost, MeasureError> {
         let rays = sample.rays(amount);
         let rays: Vec<_> = rays
-            .map(|(origin, along)| [self.point(origin), along].map(|v| v.map(|x| x as f32)))
+            .map(|[origin, along]| [self.point(origin), along].map(|v| v.map(|x| x as f32)))
             .collect();
         timed(|| {
             self.follow(sample, &Place::IDENTITY);
