@@ -9,6 +9,8 @@
 use bdtree_runtime::narrow::{Triangle, closest_point, triangle_distance, triangles_intersect};
 use bdtree_runtime::{Contact, PairContact, TriangleId};
 
+use crate::vector::{cross, length, minus};
+
 /// Appends a triangle's contact with a ball, if they touch.
 #[inline]
 pub fn ball(id: u32, corners: &Triangle, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {
@@ -16,7 +18,7 @@ pub fn ball(id: u32, corners: &Triangle, center: [f64; 3], radius: f64, found: &
     if closest.distance > radius {
         return;
     }
-    let away = [0, 1, 2].map(|k| center[k] - closest.point[k]);
+    let away = minus(center, closest.point);
     found.push(Contact {
         triangle: TriangleId(id),
         point: closest.point,
@@ -56,12 +58,7 @@ pub fn pair(
 
 /// A triangle's unit normal; zero where it has no area.
 fn normal([a, b, c]: &Triangle) -> [f64; 3] {
-    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
-    let cross = [
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    ];
+    let cross = cross(minus(*b, *a), minus(*c, *a));
     if cross == [0.0; 3] {
         cross
     } else {
@@ -71,6 +68,6 @@ fn normal([a, b, c]: &Triangle) -> [f64; 3] {
 
 /// A vector of any length but 0 scaled to 1.
 pub fn unit(v: [f64; 3]) -> [f64; 3] {
-    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    let length = length(v);
     v.map(|c| c / length)
 }

@@ -23,6 +23,7 @@ pub mod report;
 pub mod stats;
 pub mod table;
 pub mod turns;
+mod vector;
 
 pub use body::Body;
 pub use error::MeasureError;

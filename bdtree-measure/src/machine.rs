@@ -22,23 +22,23 @@ pub fn processor() -> String {
     )
 }
 
-/// A line of /proc/self/status in bytes, e.g. `VmHWM` (largest resident set) or `VmRSS`.
-pub fn status_bytes(name: &str) -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with(name))?;
+/// A line of a file that the kernel fills, in bytes.
+fn kernel_bytes(file: &str, name: &str) -> Option<u64> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find(|line| line.starts_with(name))?;
     let kib: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kib * 1024)
+}
+
+/// A line of /proc/self/status in bytes, e.g. `VmHWM` (largest resident set) or `VmRSS`.
+pub fn status_bytes(name: &str) -> Option<u64> {
+    kernel_bytes("/proc/self/status", name)
 }
 
 /// Bytes of files that this process has mapped in huge pages: where the page cache holds them,
 /// touching one byte counts 2 MiB as resident, which other processes share.
 pub fn mapped_huge_bytes() -> u64 {
-    let maps = std::fs::read_to_string("/proc/self/smaps_rollup").unwrap_or_default();
-    let kib = maps
-        .lines()
-        .find(|line| line.starts_with("FilePmdMapped"))
-        .and_then(|line| line.split_whitespace().nth(1)?.parse().ok());
-    kib.unwrap_or(0_u64) * 1024
+    kernel_bytes("/proc/self/smaps_rollup", "FilePmdMapped").unwrap_or(0)
 }
 
 /// Bytes per second of summing an array of this many bytes front to back, best of several runs.

@@ -81,6 +81,9 @@ pub fn digits(x: f64) -> String {
     format!("{x:.after$}")
 }
 
+/// The head of a column, and what a row has there.
+pub type Column<'a, R> = (&'a str, &'a dyn Fn(&R) -> Cell);
+
 /// A table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
@@ -102,6 +105,21 @@ impl Table {
             title: title.into(),
             columns: columns.iter().map(|c| (*c).to_string()).collect(),
             rows: Vec::new(),
+        }
+    }
+
+    /// A row for each of `rows`, a column for each head and what stands below it.
+    pub fn of<R>(
+        key: &'static str,
+        title: impl Into<String>,
+        rows: &[R],
+        columns: &[Column<'_, R>],
+    ) -> Self {
+        let heads: Vec<&str> = columns.iter().map(|(head, _)| *head).collect();
+        let row = |row: &R| columns.iter().map(|(_, cell)| cell(row)).collect();
+        Self {
+            rows: rows.iter().map(row).collect(),
+            ..Self::new(key, title, &heads)
         }
     }
 

@@ -140,14 +140,16 @@ pub struct Row {
 
 impl Row {
     fn of(entry: &Entry<'_>, (found, nodes): (u64, Nodes), times: &[Vec<[f64; 4]>]) -> Self {
-        let mean = |of_frame: &dyn Fn(&[f64]) -> f64| {
-            std::array::from_fn(|part| {
-                let frames = times.iter().map(|repeats| {
-                    let part: Vec<f64> = repeats.iter().map(|t| t[part]).collect();
-                    of_frame(&part)
-                });
-                frames.sum::<f64>() / times.len() as f64
-            })
+        let by_frame = |part: usize, of_frame: fn(&[f64]) -> f64| -> Vec<f64> {
+            let frames = times.iter().map(|repeats| {
+                let part: Vec<f64> = repeats.iter().map(|t| t[part]).collect();
+                of_frame(&part)
+            });
+            frames.collect()
+        };
+        let mean = |of_frame| {
+            let mean = |part| by_frame(part, of_frame).iter().sum::<f64>() / times.len() as f64;
+            std::array::from_fn(mean)
         };
         let repeats = times.first().map_or(0, Vec::len);
         let of_repeat = |k: usize| times.iter().map(|repeats| repeats[k][TOTAL]).sum();
@@ -158,15 +160,9 @@ impl Row {
             found,
             nodes,
             frames: times.len(),
-            by_frame: times
-                .iter()
-                .map(|repeats| {
-                    let totals: Vec<f64> = repeats.iter().map(|t| t[TOTAL]).collect();
-                    stats::median(&totals)
-                })
-                .collect(),
-            median: mean(&stats::median),
-            floor: mean(&|part| part.iter().copied().fold(f64::INFINITY, f64::min)),
+            by_frame: by_frame(TOTAL, stats::median),
+            median: mean(stats::median),
+            floor: mean(|part| part.iter().copied().fold(f64::INFINITY, f64::min)),
         }
     }
 }

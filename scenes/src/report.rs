@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use bdtree_measure::machine;
-pub use bdtree_measure::table::{Cell, Table, digits};
+pub use bdtree_measure::table::{Cell, Column, Table, digits};
 use serde_json::{Value, json};
 
 /// A row of a table with the names of its columns: of these one description text and JSON are made.
@@ -138,13 +138,8 @@ pub fn write(path: &Path, text: &str) -> Result<(), Box<dyn Error>> {
 /// The commit that the sources are at, with `-dirty` if they differ; `unknown` without git.
 pub fn commit() -> String {
     let git = Command::new("git")
-        .args([
-            "-C",
-            env!("CARGO_MANIFEST_DIR"),
-            "describe",
-            "--always",
-            "--dirty",
-        ])
+        .args(["describe", "--always", "--dirty"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output();
     match git {
         Ok(output) if output.status.success() => {

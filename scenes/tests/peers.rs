@@ -8,7 +8,7 @@ use bdtree_measure::leaf;
 use bdtree_measure::paper_tree::{Between, Memory, PaperTree};
 #[cfg(feature = "embree")]
 use bdtree_measure::peers::{Embree, embree};
-use bdtree_measure::peers::{LayeredPeer, PairPeer, Peer};
+use bdtree_measure::peers::{LayeredPeer, PairPeer, Peer, Target};
 use bdtree_measure::{Body, Place};
 use bdtree_runtime::narrow::{Ray, Triangle, ray_hit};
 use bdtree_runtime::{Contact, PairContact, Transform, Workspace};
@@ -25,6 +25,14 @@ impl Case {
         Self {
             deformer: Deformer::new(&body),
             body,
+        }
+    }
+
+    fn at<'a>(&'a self, q: &'a [f32], place: &'a Place) -> Target<'a> {
+        Target {
+            deformer: &self.deformer,
+            q,
+            place,
         }
     }
 
@@ -96,7 +104,7 @@ fn balls_and_rays_equal_brute_force() {
             .expect("pose");
         memory.begin_step(&pose);
         for (_, peer) in &mut peers {
-            peer.update(&case.deformer, q, &Place::IDENTITY, &mut scratch);
+            peer.update(case.at(q, &Place::IDENTITY), &mut scratch);
         }
         for [origin, direction] in shots.of(frame, 50) {
             let center = [0, 1, 2].map(|k| f64::from(0.4 * origin[k]));
@@ -139,8 +147,8 @@ fn balls_and_rays_equal_brute_force() {
 fn pairs_of<P: PairPeer>(name: &str, peers: [P; 2], case: &Case, q: [&[f32]; 2], place: &Place) {
     let [mut a, mut b] = peers;
     let mut scratch = Vec::new();
-    a.update(&case.deformer, q[0], &Place::IDENTITY, &mut scratch);
-    b.update(&case.deformer, q[1], place, &mut scratch);
+    a.update(case.at(q[0], &Place::IDENTITY), &mut scratch);
+    b.update(case.at(q[1], place), &mut scratch);
     let mut found = Vec::new();
     a.pair(&mut b, &mut found);
     let mut found: Vec<_> = found

@@ -1,11 +1,11 @@
 //! The same tree as one writes it down from the paper: a record per node, a loop over modes, triangles
 //! deformed where a leaf is reached. No layout for vector instructions, no vertex kept for the next leaf.
 
-use bdtree_runtime::narrow::closest_point;
-use bdtree_runtime::{Contact, Pose, TriangleId, VertexId};
+use bdtree_runtime::{Contact, Pose, VertexId};
 
-use super::query::{contact_within, reach_of};
+use super::query::{SKIP, reach_of};
 use super::{BallCounts, PaperTree, Step};
+use crate::leaf;
 
 /// A node's numbers (stored units).
 #[derive(Debug, Clone)]
@@ -60,7 +60,7 @@ impl PlainTree {
         stack: &mut Vec<u32>,
         found: &mut Vec<Contact>,
     ) -> BallCounts {
-        let ([x, y, z], reach) = reach_of(pose.asset(), step, center, radius);
+        let [x, y, z, reach] = reach_of(pose.asset(), step, center, radius);
         let q = pose.q();
         let mut counts = BallCounts::default();
         stack.clear();
@@ -80,7 +80,7 @@ impl PlainTree {
             let dy = moved[1] + node.center[1] - y;
             let dz = moved[2] + node.center[2] - z;
             let touch = growth + node.radius + step.slack() + reach;
-            if (dx * dx + dy * dy + dz * dz) * super::query::SKIP > touch * touch {
+            if (dx * dx + dy * dy + dz * dz) * SKIP > touch * touch {
                 continue;
             }
             if let Some([left, right]) = node.children {
@@ -93,13 +93,7 @@ impl PlainTree {
                 pose.deformed(VertexId(v))
                     .expect("the tree's vertices are the asset's")
             });
-            let closest = closest_point(center, &corners);
-            found.extend(contact_within(
-                TriangleId(node.triangle),
-                center,
-                radius,
-                &closest,
-            ));
+            leaf::ball(node.triangle, &corners, center, radius, found);
         }
         counts
     }

@@ -1,9 +1,11 @@
 //! Queries on the paper's tree: spheres where visited, triangles where reached.
 
-use bdtree_runtime::narrow::{Closest, closest_point};
-use bdtree_runtime::{Asset, Contact, Pose, TriangleId, VertexId};
+use bdtree_runtime::{Asset, Contact, Pose, VertexId};
 
 use super::PaperTree;
+use super::walk::apart;
+use crate::leaf;
+use crate::vector::length;
 
 /// Unit roundoff of f32.
 const U32: f64 = 1.0 / (1_u64 << 24) as f64;
@@ -98,50 +100,15 @@ impl Step {
 }
 
 /// A ball's center in stored units and its radius there, rounding included.
-pub(super) fn reach_of(
-    asset: &Asset<'_>,
-    step: &Step,
-    center: [f64; 3],
-    radius: f64,
-) -> ([f32; 3], f32) {
+pub(super) fn reach_of(asset: &Asset<'_>, step: &Step, center: [f64; 3], radius: f64) -> [f32; 4] {
     let (origin, unit) = (asset.origin(), asset.unit());
     let stored = [0, 1, 2].map(|k| (center[k] - origin[k]) / unit);
-    let world = norm(center) + radius + norm(origin);
+    let world = length(center) + radius + length(origin);
     let reach = radius / unit * (1.0 + 4.0 * U32)
         + FRAME * (world / unit + step.reach)
-        + 2.0 * U32 * norm(stored);
-    (
-        stored.map(|c| c as f32),
-        reach as f32 * (1.0 + 4.0 * U32 as f32),
-    )
-}
-
-/// The contact of a ball with a triangle, if they touch.
-pub(super) fn contact_within(
-    triangle: TriangleId,
-    center: [f64; 3],
-    radius: f64,
-    closest: &Closest,
-) -> Option<Contact> {
-    if closest.distance > radius {
-        return None;
-    }
-    let mut normal = [0, 1, 2].map(|k| center[k] - closest.point[k]);
-    let length = norm(normal);
-    if length > 0.0 {
-        normal = normal.map(|n| n / length);
-    }
-    Some(Contact {
-        triangle,
-        point: closest.point,
-        normal,
-        distance: closest.distance - radius,
-        barycentric: closest.barycentric,
-    })
-}
-
-fn norm(v: [f64; 3]) -> f64 {
-    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+        + 2.0 * U32 * length(stored);
+    let [x, y, z] = stored.map(|c| c as f32);
+    [x, y, z, reach as f32 * (1.0 + 4.0 * U32 as f32)]
 }
 
 impl PaperTree {
@@ -171,16 +138,13 @@ impl PaperTree {
         (vertices, stack): (&mut Vertices, &mut Vec<u32>),
         found: &mut Vec<Contact>,
     ) -> BallCounts {
-        let ([x, y, z], reach) = reach_of(pose.asset(), step, center, radius);
+        let ball = reach_of(pose.asset(), step, center, radius);
         let mut counts = BallCounts::default();
         stack.clear();
         stack.push(0);
         while let Some(node) = stack.pop() {
             counts.spheres += 1;
-            let [cx, cy, cz, r] = self.sphere(step, node as usize);
-            let (dx, dy, dz) = (cx - x, cy - y, cz - z);
-            let touch = r + reach;
-            if (dx * dx + dy * dy + dz * dz) * SKIP > touch * touch {
+            if apart(self.sphere(step, node as usize), ball) {
                 continue;
             }
             let link = self.links[node as usize];
@@ -191,8 +155,7 @@ impl PaperTree {
             };
             counts.triangles += 1;
             let corners = self.corners[id as usize].map(|v| vertices.get(pose, v));
-            let closest = closest_point(center, &corners);
-            found.extend(contact_within(TriangleId(id), center, radius, &closest));
+            leaf::ball(id, &corners, center, radius, found);
         }
         counts
     }

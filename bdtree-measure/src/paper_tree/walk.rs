@@ -30,19 +30,18 @@ pub struct Between {
 impl Between {
     /// Of the second body's place seen from the first's.
     pub fn new(first: &Place, second: &Place) -> Self {
-        let turn = matrix(undo_after(first.rotation, second.rotation));
         let apart = [0, 1, 2].map(|k| second.translation[k] - first.translation[k]);
         let back = matrix(first.rotation);
         let offset = [0, 1, 2]
             .map(|k| back[0][k] * apart[0] + back[1][k] * apart[1] + back[2][k] * apart[2]);
-        let rows = [0, 1, 2].map(|i| {
-            let [a, b, c] = turn[i];
-            [a, b, c, offset[i]].map(|x| x as f32)
-        });
+        let seen = Place {
+            rotation: undo_after(first.rotation, second.rotation),
+            translation: offset,
+        };
         // Bodies of these workloads lie within two units of their origin.
         let size = 4.0 + offset.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         Self {
-            rows,
+            rows: seen.rows(),
             extra: (2e-6 * size) as f32,
         }
     }
@@ -54,7 +53,7 @@ impl Between {
 }
 
 /// Whether spheres certainly lie apart; NaN does not.
-fn apart(a: [f32; 4], b: [f32; 4]) -> bool {
+pub(super) fn apart(a: [f32; 4], b: [f32; 4]) -> bool {
     let (dx, dy, dz) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
     let touch = a[3] + b[3];
     (dx * dx + dy * dy + dz * dz) * SKIP > touch * touch

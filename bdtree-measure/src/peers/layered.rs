@@ -3,7 +3,7 @@
 use bdtree_runtime::{Contact, PairContact};
 use std::rc::Rc;
 
-use super::{PairPeer, Peer};
+use super::{PairPeer, Peer, Target};
 use crate::Place;
 use crate::deform::Deformer;
 use crate::paper_tree::{Between, Layered, PaperTree};
@@ -28,18 +28,11 @@ impl LayeredPeer {
 }
 
 impl Peer for LayeredPeer {
-    fn update_with(
-        &mut self,
-        deformer: &Deformer,
-        q: &[f32],
-        place: &Place,
-        _scratch: &mut Vec<f32>,
-        deformed: &mut dyn FnMut(),
-    ) {
-        deformer.deform(q, &mut self.spheres.vertices);
+    fn update_with(&mut self, to: Target<'_>, _: &mut Vec<f32>, deformed: &mut dyn FnMut()) {
+        to.deformer.deform(to.q, &mut self.spheres.vertices);
         deformed();
-        self.place = *place;
-        self.spheres.refit(&self.tree, place);
+        self.place = *to.place;
+        self.spheres.refit(&self.tree, to.place);
     }
 
     fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {

@@ -24,6 +24,8 @@ pub use parry::Parry;
 #[cfg(feature = "peers")]
 pub use tinybvh::TinyBvh;
 
+use std::ops::AddAssign;
+
 use bdtree_runtime::{Contact, PairContact};
 
 use crate::Place;
@@ -39,42 +41,48 @@ pub struct Update {
     pub refit: f64,
 }
 
+impl AddAssign for Update {
+    fn add_assign(&mut self, other: Self) {
+        self.deform += other.deform;
+        self.refit += other.refit;
+    }
+}
+
+/// What a body is brought to.
+#[derive(Debug, Clone, Copy)]
+pub struct Target<'a> {
+    /// The body's.
+    pub deformer: &'a Deformer,
+    /// How it is deformed …
+    pub q: &'a [f32],
+    /// … and where it stands.
+    pub place: &'a Place,
+}
+
+impl Target<'_> {
+    /// Writes x, y, z of all vertices there to `out`.
+    fn write(&self, scratch: &mut Vec<f32>, out: &mut [f32]) {
+        self.deformer.deform_at(self.q, self.place, scratch, out);
+    }
+}
+
 /// A tree that is refitted to deformed vertices.
 pub trait Peer {
-    /// Deforms all vertices at q, moves them to `place`, calls `deformed` and refits the tree. `scratch` is
-    /// memory that bodies share.
-    fn update_with(
-        &mut self,
-        deformer: &Deformer,
-        q: &[f32],
-        place: &Place,
-        scratch: &mut Vec<f32>,
-        deformed: &mut dyn FnMut(),
-    );
+    /// Deforms and moves all vertices, calls `deformed` and refits the tree. `scratch` is memory that bodies
+    /// share.
+    fn update_with(&mut self, to: Target<'_>, scratch: &mut Vec<f32>, deformed: &mut dyn FnMut());
 
     /// [`Peer::update_with`] without any clock, for what is timed as a whole: looking at one takes as long
     /// as refitting some triangles.
-    fn update_untimed(
-        &mut self,
-        deformer: &Deformer,
-        q: &[f32],
-        place: &Place,
-        scratch: &mut Vec<f32>,
-    ) {
-        self.update_with(deformer, q, place, scratch, &mut || ());
+    fn update_untimed(&mut self, to: Target<'_>, scratch: &mut Vec<f32>) {
+        self.update_with(to, scratch, &mut || ());
     }
 
     /// [`Peer::update_with`], its parts timed.
-    fn update(
-        &mut self,
-        deformer: &Deformer,
-        q: &[f32],
-        place: &Place,
-        scratch: &mut Vec<f32>,
-    ) -> Update {
+    fn update(&mut self, to: Target<'_>, scratch: &mut Vec<f32>) -> Update {
         let start = Clock::start();
         let (mut deform, mut deformed) = (0.0, start);
-        self.update_with(deformer, q, place, scratch, &mut || {
+        self.update_with(to, scratch, &mut || {
             deform = start.seconds();
             deformed = Clock::start();
         });

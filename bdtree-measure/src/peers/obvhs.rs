@@ -1,5 +1,6 @@
 //! obvhs: a binary box tree, refitted in one sweep. It has no query for pairs: two trees are walked here.
 
+use std::ops::Range;
 use std::time::Duration;
 
 use bdtree_runtime::{Contact, PairContact};
@@ -7,15 +8,21 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ray::{Ray, RayHit};
 use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 
 use super::vertices::{Vertices, box_of};
-use super::{PairPeer, Peer};
-use crate::deform::Deformer;
+use super::{PairPeer, Peer, Target};
+use crate::Body;
 use crate::leaf;
-use crate::{Body, Place};
+
+/// A leaf's triangles, as places in the order of the leaves.
+fn places(leaf: &Bvh2Node) -> Range<usize> {
+    let first = leaf.first_index as usize;
+    first..first + leaf.prim_count as usize
+}
 
 /// A body in obvhs.
 #[derive(Clone)]
@@ -55,9 +62,7 @@ impl Obvhs {
             pairs: Vec::new(),
         }
     }
-}
 
-impl Obvhs {
     /// How many boxes a ball is tested with: both children of every inner node that it reaches, whose own
     /// box is not tested before (as obvhs walks), or the only node.
     pub fn box_tests(&self, center: [f64; 3], radius: f64) -> u64 {
@@ -84,23 +89,15 @@ impl Obvhs {
 }
 
 impl Peer for Obvhs {
-    fn update_with(
-        &mut self,
-        deformer: &Deformer,
-        q: &[f32],
-        place: &Place,
-        scratch: &mut Vec<f32>,
-        deformed: &mut dyn FnMut(),
-    ) {
-        self.vertices.update(deformer, q, place, scratch);
+    fn update_with(&mut self, to: Target<'_>, scratch: &mut Vec<f32>, deformed: &mut dyn FnMut()) {
+        to.write(scratch, &mut self.vertices.0);
         deformed();
         for node in &mut self.tree.nodes {
             if !node.is_leaf() {
                 continue;
             }
-            let first = node.first_index as usize;
             let mut around = Aabb::empty();
-            for corners in &self.corners[first..first + node.prim_count as usize] {
+            for corners in &self.corners[places(node)] {
                 for p in self.vertices.corners(*corners) {
                     around.extend(p);
                 }
@@ -113,9 +110,7 @@ impl Peer for Obvhs {
     fn ball(&mut self, center: [f64; 3], radius: f64, found: &mut Vec<Contact>) {
         let [low, high] = box_of(center, radius);
         self.tree.aabb_traverse(Aabb::new(low, high), |tree, node| {
-            let node = &tree.nodes[node as usize];
-            let first = node.first_index as usize;
-            for i in first..first + node.prim_count as usize {
+            for i in places(&tree.nodes[node as usize]) {
                 let corners = self.vertices.exact(self.corners[i]);
                 leaf::ball(tree.primitive_indices[i], &corners, center, radius, found);
             }
@@ -157,14 +152,10 @@ impl PairPeer for Obvhs {
                     .pairs
                     .extend([[i, b.first_index], [i, b.first_index + 1]]),
                 (true, true) => {
-                    let of = |node: &obvhs::bvh2::node::Bvh2Node| {
-                        let first = node.first_index as usize;
-                        first..first + node.prim_count as usize
-                    };
-                    for k in of(a) {
+                    for k in places(a) {
                         let one = self.vertices.exact(self.corners[k]);
                         let id1 = self.tree.primitive_indices[k];
-                        for l in of(b) {
+                        for l in places(b) {
                             let two = other.vertices.exact(other.corners[l]);
                             let id2 = other.tree.primitive_indices[l];
                             leaf::pair((id1, &one), (id2, &two), found);

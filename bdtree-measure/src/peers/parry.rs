@@ -7,10 +7,9 @@ use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::{TriMesh, TriMeshFlags};
 
-use super::{PairPeer, Peer};
-use crate::deform::Deformer;
+use super::{PairPeer, Peer, Target};
+use crate::Body;
 use crate::leaf;
-use crate::{Body, Place};
 
 /// A body in parry.
 #[derive(Debug, Clone)]
@@ -37,16 +36,9 @@ impl Parry {
 }
 
 impl Peer for Parry {
-    fn update_with(
-        &mut self,
-        deformer: &Deformer,
-        q: &[f32],
-        place: &Place,
-        scratch: &mut Vec<f32>,
-        deformed: &mut dyn FnMut(),
-    ) {
+    fn update_with(&mut self, to: Target<'_>, scratch: &mut Vec<f32>, deformed: &mut dyn FnMut()) {
         self.0.update_vertices(|vertices| {
-            deformer.deform_at(q, place, scratch, bytemuck::cast_slice_mut(vertices));
+            to.write(scratch, bytemuck::cast_slice_mut(vertices));
             deformed();
         });
     }

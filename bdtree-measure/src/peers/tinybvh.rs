@@ -11,11 +11,10 @@ use bdtree_runtime::Contact;
 use glam::{Vec3A, Vec4};
 use tinybvh_rs::bvh;
 
-use super::Peer;
 use super::vertices::{Vertices, box_of};
-use crate::deform::Deformer;
+use super::{Peer, Target};
+use crate::Body;
 use crate::leaf;
-use crate::{Body, Place};
 
 /// A node of 32 bytes as in tinybvh: a box with two whole numbers in the fourth lanes.
 #[derive(Debug, Clone, Copy)]
@@ -126,15 +125,8 @@ impl TinyBvh {
 }
 
 impl Peer for TinyBvh {
-    fn update_with(
-        &mut self,
-        deformer: &Deformer,
-        q: &[f32],
-        place: &Place,
-        scratch: &mut Vec<f32>,
-        deformed: &mut dyn FnMut(),
-    ) {
-        self.vertices.update(deformer, q, place, scratch);
+    fn update_with(&mut self, to: Target<'_>, scratch: &mut Vec<f32>, deformed: &mut dyn FnMut()) {
+        to.write(scratch, &mut self.vertices.0);
         deformed();
         self.refit();
     }

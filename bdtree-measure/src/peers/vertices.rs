@@ -3,12 +3,11 @@
 use bdtree_runtime::narrow::Triangle;
 use glam::{Vec3A, Vec4};
 
-use crate::deform::Deformer;
-use crate::{Body, Place};
+use crate::Body;
 
 /// x, y, z of all vertices and one number more.
 #[derive(Debug, Clone)]
-pub(super) struct Vertices(Vec<f32>);
+pub(super) struct Vertices(pub(super) Vec<f32>);
 
 impl Vertices {
     /// At rest.
@@ -16,17 +15,6 @@ impl Vertices {
         let mut flat = body.positions.as_flattened().to_vec();
         flat.push(0.0);
         Self(flat)
-    }
-
-    /// Deforms and moves all of them.
-    pub(super) fn update(
-        &mut self,
-        deformer: &Deformer,
-        q: &[f32],
-        place: &Place,
-        scratch: &mut Vec<f32>,
-    ) {
-        deformer.deform_at(q, place, scratch, &mut self.0);
     }
 
     /// One of them.

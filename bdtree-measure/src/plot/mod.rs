@@ -14,40 +14,35 @@ pub use sheet::sheet;
 /// Width and height, about those on a phone, so that text is as large there as it is here.
 const SIZE: (u32, u32) = (360, 270);
 
-/// Series; the style sheet turns them into colours that suit the page.
+/// Names of the series' colours: the style sheet turns them into colours that suit the page.
 const SERIES: [RGBColor; 7] = [
-    RGBColor(1, 1, 1),
-    RGBColor(2, 2, 2),
-    RGBColor(3, 3, 3),
-    RGBColor(4, 4, 4),
-    RGBColor(7, 7, 7),
-    RGBColor(8, 8, 8),
-    RGBColor(9, 9, 9),
+    name(1),
+    name(2),
+    name(3),
+    name(4),
+    name(7),
+    name(8),
+    name(9),
 ];
-const INK: RGBColor = RGBColor(5, 5, 5);
-const GRID: RGBColor = RGBColor(6, 6, 6);
+const INK: RGBColor = name(5);
+const GRID: RGBColor = name(6);
+
+const fn name(k: u8) -> RGBColor {
+    RGBColor(k, k, k)
+}
 
 /// The names above as CSS: attribute, value and the variable that replaces it.
 pub fn style() -> String {
-    let mut text = String::new();
-    let names = [
-        "--series-1",
-        "--series-2",
-        "--series-3",
-        "--series-4",
-        "--series-5",
-        "--series-6",
-        "--series-7",
-        "--ink",
-        "--grid",
-    ];
-    let colours = SERIES.into_iter().chain([INK, GRID]);
-    for (hex, name) in colours.map(hex).zip(names) {
-        text += &format!(
-            "svg [fill=\"{hex}\"]{{fill:var({name})}}svg [stroke=\"{hex}\"]{{stroke:var({name})}}\n"
-        );
-    }
-    text
+    let series = (1..).zip(SERIES);
+    let series = series.map(|(k, colour)| (format!("series-{k}"), colour));
+    let others = [("ink", INK), ("grid", GRID)].map(|(name, colour)| (name.to_string(), colour));
+    let rule = |(name, colour): (String, RGBColor)| {
+        let hex = hex(colour);
+        format!(
+            "svg [fill=\"{hex}\"]{{fill:var(--{name})}}svg [stroke=\"{hex}\"]{{stroke:var(--{name})}}\n"
+        )
+    };
+    series.chain(others).map(rule).collect()
 }
 
 /// As SVG writes it.
@@ -57,18 +52,18 @@ fn hex(RGBColor(r, g, b): RGBColor) -> String {
 
 /// Text with what HTML and SVG read as their own escaped.
 pub(crate) fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out += "&amp;",
-            '<' => out += "&lt;",
-            '>' => out += "&gt;",
-            '"' => out += "&quot;",
-            _ => out.push(c),
-        }
-    }
-    out
+    [
+        ('&', "&amp;"),
+        ('<', "&lt;"),
+        ('>', "&gt;"),
+        ('"', "&quot;"),
+    ]
+    .into_iter()
+    .fold(text.to_string(), |text, (c, name)| text.replace(c, name))
 }
+
+/// Of a line, in order.
+type Points = Vec<(f64, f64)>;
 
 /// One line of points.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,7 +71,7 @@ pub struct Line {
     /// For the legend.
     pub name: String,
     /// In order.
-    pub points: Vec<(f64, f64)>,
+    pub points: Points,
 }
 
 /// Lines over one pair of axes.
@@ -117,37 +112,21 @@ impl Plot {
     /// The plot as an SVG element; `None` where there is nothing to show: fewer than two points in all.
     pub fn svg(&self) -> Option<String> {
         let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
-        let all = || {
-            self.lines
-                .iter()
-                .flat_map(|line| line.points.iter())
-                .filter(finite)
-        };
+        let all = || self.lines.iter().flat_map(|l| &l.points).filter(finite);
         let x_is_log = self.x.counts_in_powers(all().map(|p| p.0));
         let y_is_log = self.y.counts_in_powers(all().map(|p| p.1));
         // Zero has no place among powers of ten: the axis says so.
         let has_place = |p: &&(f64, f64)| (!x_is_log || p.0 > 0.0) && (!y_is_log || p.1 > 0.0);
-        let left_out =
-            |of: fn(&(f64, f64)) -> f64, is_log: bool| is_log && all().any(|p| of(p) <= 0.0);
         let names = [
-            self.x.name(left_out(|p| p.0, x_is_log)),
-            self.y.name(left_out(|p| p.1, y_is_log)),
+            self.x.name(x_is_log && all().any(|p| p.0 <= 0.0)),
+            self.y.name(y_is_log && all().any(|p| p.1 <= 0.0)),
         ];
-        let lines: Vec<Line> = self
-            .lines
-            .iter()
-            .map(|line| Line {
-                name: line.name.clone(),
-                points: line
-                    .points
-                    .iter()
-                    .filter(finite)
-                    .filter(has_place)
-                    .copied()
-                    .collect(),
-            })
-            .collect();
-        let shown = || lines.iter().flat_map(|line| line.points.iter());
+        let lines = self.lines.iter().map(|line| {
+            let shown = line.points.iter().filter(finite).filter(has_place);
+            shown.copied().collect()
+        });
+        let lines: Vec<Points> = lines.collect();
+        let shown = || lines.iter().flatten();
         if shown().count() < 2 {
             return None;
         }
@@ -173,7 +152,7 @@ fn draw<'a, X, Y>(
     x: X,
     y: Y,
     [x_name, y_name]: &[String; 2],
-    lines: &[Line],
+    lines: &[Points],
 ) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>
 where
     X: AsRangedCoord<Value = f64>,
@@ -205,7 +184,7 @@ where
         .draw()?;
     for (line, colour) in lines.iter().zip(SERIES.iter().cycle()) {
         let style = colour.stroke_width(2);
-        let series = LineSeries::new(line.points.iter().copied(), style).point_size(3);
+        let series = LineSeries::new(line.iter().copied(), style).point_size(3);
         chart.draw_series(series)?;
     }
     area.present()

@@ -169,7 +169,7 @@ pub struct WholeQuery {
 }
 
 /// Queries stopped at a level (`Posed::bounded`).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct DepthRow {
     /// The level; 0 is the root's.
     pub level: usize,

@@ -5,12 +5,13 @@ use std::collections::BTreeSet;
 use crate::MeasureError;
 use crate::clock::Clock;
 use crate::stats::median;
+use crate::vector::{cross, distance, length, minus};
 use bdtree_runtime::{
     Asset, Ball, Contact, FormatError, Pose, Proxy, Query, TriangleId, Workspace,
 };
 
 use super::content::{DepthRow, WholeQuery};
-use super::sample::Sample;
+use super::sample::{HERE, Sample};
 use super::{REPETITIONS, lanes};
 
 /// Queries that look into everything, and level by level; the last one is where answers are exact.
@@ -19,21 +20,30 @@ pub(super) fn depth(
     samples: &[Sample],
     diagonal: f64,
 ) -> Result<(WholeQuery, Vec<DepthRow>), MeasureError> {
-    let mut rows: Vec<Row> = (0..asset.depth()).map(Row::new).collect();
+    let mut rows: Vec<DepthRow> = (0..asset.depth())
+        .map(|level| DepthRow {
+            level,
+            ..DepthRow::default()
+        })
+        .collect();
     let mut whole = WholeQuery::default();
+    // Area that is touched, of all samples.
+    let mut touched = 0.0;
     let mut memory = vec![0.0; asset.pose_len()];
     let mut workspace = Workspace::new();
     for sample in samples {
-        let pose = sample.pose(asset, &mut memory)?;
-        let body = Deformed::new(&pose)?;
+        let pose = asset.pose(&sample.q, HERE, &mut memory)?;
+        let areas = areas(&pose)?;
         let truth = Answer::of(pose.query(&mut workspace), sample)?;
         whole.ball_visits += truth.visits as f64;
         whole.apart_rel += f64::from(u8::from(truth.contacts.is_empty()));
         whole.ball_micros += time(&pose, &mut workspace, sample, None)?;
+        touched += area(&areas, &mut truth.triangles().iter());
         for row in &mut rows {
-            row.add(&pose, &mut workspace, &body, &truth, sample, diagonal)?;
+            add(row, &pose, &mut workspace, &areas, &truth, sample, diagonal)?;
         }
     }
+    // Sums so far.
     let count = samples.len().max(1) as f64;
     for sum in [
         &mut whole.ball_visits,
@@ -42,10 +52,21 @@ pub(super) fn depth(
     ] {
         *sum /= count;
     }
-    let finished = rows
-        .into_iter()
-        .map(|row| row.finish(samples.len(), whole.ball_micros));
-    Ok((whole.clone(), finished.collect()))
+    for row in &mut rows {
+        for sum in [
+            &mut row.ball_micros,
+            &mut row.ball_visits,
+            &mut row.false_rel,
+        ] {
+            *sum /= count;
+        }
+        row.time_rel = row.ball_micros / whole.ball_micros;
+        // Without anything touched nothing is missed or extra.
+        for area in [&mut row.missed_area_rel, &mut row.extra_area_rel] {
+            *area = if touched > 0.0 { *area / touched } else { 0.0 };
+        }
+    }
+    Ok((whole, rows))
 }
 
 /// What a query says.
@@ -72,121 +93,62 @@ impl Answer {
             .map(|c| -c.distance)
             .fold(0.0, f64::max)
     }
-}
 
-/// Areas of the deformed triangles, by place in leaf order (mesh units squared).
-struct Deformed {
-    areas: Vec<f64>,
-}
-
-impl Deformed {
-    fn new(pose: &Pose<'_>) -> Result<Self, FormatError> {
-        let area = |triangle: &bdtree_format::TriangleRecord| {
-            let [a, b, c] = pose.deformed_triangle(TriangleId(triangle.id))?;
-            let [e, f] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
-            let cross = [
-                e[1] * f[2] - e[2] * f[1],
-                e[2] * f[0] - e[0] * f[2],
-                e[0] * f[1] - e[1] * f[0],
-            ];
-            Ok(0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt())
-        };
-        let areas = pose.asset().triangles().iter().map(area);
-        Ok(Self {
-            areas: areas.collect::<Result<_, FormatError>>()?,
-        })
-    }
-
-    fn of_triangle(&self, asset: &Asset<'_>, id: TriangleId) -> f64 {
-        let slot = asset.triangle_slots().get(id.0 as usize);
-        slot.and_then(|slot| self.areas.get(*slot as usize))
-            .copied()
-            .unwrap_or(0.0)
+    fn triangles(&self) -> BTreeSet<u32> {
+        self.contacts.iter().map(|c| c.triangle.0).collect()
     }
 }
 
-/// Sums over samples.
-struct Row {
-    level: usize,
-    micros: f64,
-    visits: f64,
-    /// Areas: touched, missed, extra.
-    areas: [f64; 3],
-    penetration: f64,
-    false_count: usize,
+/// Areas of the deformed triangles, by id (mesh units squared).
+fn areas(pose: &Pose<'_>) -> Result<Vec<f64>, FormatError> {
+    let area = |id| {
+        let [a, b, c] = pose.deformed_triangle(TriangleId(id))?;
+        Ok(0.5 * length(cross(minus(b, a), minus(c, a))))
+    };
+    (0..pose.asset().triangle_count() as u32)
+        .map(area)
+        .collect()
 }
 
-impl Row {
-    fn new(level: usize) -> Self {
-        Self {
-            level,
-            micros: 0.0,
-            visits: 0.0,
-            areas: [0.0; 3],
-            penetration: 0.0,
-            false_count: 0,
-        }
+/// Of some triangles.
+fn area(areas: &[f64], ids: &mut dyn Iterator<Item = &u32>) -> f64 {
+    ids.filter_map(|id| areas.get(*id as usize)).sum()
+}
+
+/// Adds a sample to the sums of a level; areas are not yet over what is touched.
+fn add(
+    row: &mut DepthRow,
+    pose: &Pose<'_>,
+    workspace: &mut Workspace<'_>,
+    areas: &[f64],
+    truth: &Answer,
+    sample: &Sample,
+    diagonal: f64,
+) -> Result<(), MeasureError> {
+    let asset = pose.asset();
+    let mut proxies: Vec<Proxy> = Vec::new();
+    let bounded = pose.query(workspace).max_level(row.level, &mut proxies);
+    let answer = Answer::of(bounded, sample)?;
+    row.ball_micros += time(pose, workspace, sample, Some(row.level))?;
+    row.ball_visits += answer.visits as f64;
+
+    let (center, radius) = sample.ball;
+    let reached = |p: &Proxy| radius + p.radius - distance(p.center, center);
+    let spheres = proxies.iter().map(reached).fold(0.0, f64::max);
+    if truth.contacts.is_empty() {
+        row.false_rel += f64::from(u8::from(!proxies.is_empty()));
+        return Ok(());
     }
+    let error = (answer.depth().max(spheres) - truth.depth()).abs() / diagonal;
+    row.penetration_error_rel = row.penetration_error_rel.max(error);
 
-    fn add(
-        &mut self,
-        pose: &Pose<'_>,
-        workspace: &mut Workspace<'_>,
-        body: &Deformed,
-        truth: &Answer,
-        sample: &Sample,
-        diagonal: f64,
-    ) -> Result<(), MeasureError> {
-        let asset = pose.asset();
-        let mut proxies: Vec<Proxy> = Vec::new();
-        let bounded = pose.query(workspace).max_level(self.level, &mut proxies);
-        let answer = Answer::of(bounded, sample)?;
-        self.micros += time(pose, workspace, sample, Some(self.level))?;
-        self.visits += answer.visits as f64;
-
-        let (center, radius) = sample.ball;
-        let reached = |p: &Proxy| radius + p.radius - distance(p.center, center);
-        let spheres = proxies.iter().map(reached).fold(0.0, f64::max);
-        if truth.contacts.is_empty() {
-            self.false_count += usize::from(!proxies.is_empty());
-            return Ok(());
-        }
-        let error = (answer.depth().max(spheres) - truth.depth()).abs() / diagonal;
-        self.penetration = self.penetration.max(error);
-
-        let touched: BTreeSet<u32> = truth.contacts.iter().map(|c| c.triangle.0).collect();
-        let said = answer.contacts.iter().map(|c| c.triangle.0);
-        let mut covered: BTreeSet<u32> = said.collect();
-        for slot in reported(pose, self.level, &proxies)? {
-            if let Some(triangle) = asset.triangles().get(slot) {
-                covered.insert(triangle.id);
-            }
-        }
-        let area = |ids: &mut dyn Iterator<Item = &u32>| {
-            ids.map(|id| body.of_triangle(asset, TriangleId(*id)))
-                .sum::<f64>()
-        };
-        self.areas[0] += area(&mut touched.iter());
-        self.areas[1] += area(&mut touched.difference(&covered));
-        self.areas[2] += area(&mut covered.difference(&touched));
-        Ok(())
+    let (touched, mut covered) = (truth.triangles(), answer.triangles());
+    for slot in reported(pose, row.level, &proxies)? {
+        covered.extend(asset.triangles().get(slot).map(|triangle| triangle.id));
     }
-
-    fn finish(self, samples: usize, whole_micros: f64) -> DepthRow {
-        let count = samples.max(1) as f64;
-        let [touched, missed, extra] = self.areas;
-        let over = |area: f64| if touched > 0.0 { area / touched } else { 0.0 };
-        DepthRow {
-            level: self.level,
-            ball_micros: self.micros / count,
-            time_rel: self.micros / count / whole_micros,
-            ball_visits: self.visits / count,
-            missed_area_rel: over(missed),
-            extra_area_rel: over(extra),
-            penetration_error_rel: self.penetration,
-            false_rel: self.false_count as f64 / count,
-        }
-    }
+    row.missed_area_rel += area(areas, &mut touched.difference(&covered));
+    row.extra_area_rel += area(areas, &mut covered.difference(&touched));
+    Ok(())
 }
 
 /// Median of a query that stops at `level`, if there is one, µs.
@@ -246,8 +208,4 @@ fn reported(pose: &Pose<'_>, level: usize, proxies: &[Proxy]) -> Result<Vec<usiz
         }
     }
     Ok(found)
-}
-
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }

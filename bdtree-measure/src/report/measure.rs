@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use crate::MeasureError;
 use crate::machine;
+use crate::vector::distance;
 use bdtree_build::advise::samples::{SAMPLES, Samples, Source};
 use bdtree_build::advise::works::BALL_RADIUS_REL;
 use bdtree_runtime::{Asset, FormatError};
@@ -40,7 +41,7 @@ pub struct Subject<'a> {
 pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, MeasureError> {
     let mut seconds = Clockwork::new(subject.check_seconds);
     let bounds = bounds(asset);
-    let diagonal = length([0, 1, 2].map(|k| bounds[1][k] - bounds[0][k]));
+    let diagonal = distance(bounds[1], bounds[0]);
     let samples = Samples::of(asset, SAMPLES);
     let mut missing = missing(asset, &samples);
     let described = described(asset, &samples, diagonal)?;
@@ -206,10 +207,6 @@ fn bounds(asset: &Asset<'_>) -> [[f64; 3]; 2] {
         }
     }
     [low, high]
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// Times of parts.

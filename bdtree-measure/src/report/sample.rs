@@ -2,9 +2,11 @@
 
 use crate::MeasureError;
 use crate::comparison::MOST;
+use crate::leaf::unit;
+use crate::vector::{length, minus};
 use bdtree_build::advise::samples::Samples;
 use bdtree_build::advise::works::BALL_RADIUS_REL;
-use bdtree_runtime::{Asset, Pose, Transform, TriangleId};
+use bdtree_runtime::{Asset, Transform, TriangleId};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -61,9 +63,9 @@ impl Sample {
     ) -> Result<Self, MeasureError> {
         let pose = asset.pose(q, HERE, memory)?;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let extent = [0, 1, 2].map(|k| high[k] - low[k]);
+        let extent = minus(high, low);
         let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
-        let diagonal = extent.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let diagonal = length(extent);
         let count = asset.triangle_count() as u32;
         let mut points = Vec::with_capacity(POINTS);
         let mut origins = Vec::with_capacity(POINTS);
@@ -107,25 +109,6 @@ impl Sample {
         })
     }
 
-    /// Its pose where the mesh stands.
-    pub(super) fn pose<'m>(
-        &self,
-        asset: &'m Asset<'_>,
-        memory: &'m mut [f32],
-    ) -> Result<Pose<'m>, MeasureError> {
-        self.pose_at(asset, HERE, memory)
-    }
-
-    /// Its pose at a placement.
-    pub(super) fn pose_at<'m>(
-        &self,
-        asset: &'m Asset<'_>,
-        place: Transform,
-        memory: &'m mut [f32],
-    ) -> Result<Pose<'m>, MeasureError> {
-        Ok(asset.pose(&self.q, place, memory)?)
-    }
-
     /// So many balls about points of the surface, [`MOST`] at most, [`SMALL_BALL`] as large as the one.
     pub(super) fn balls(&self, amount: usize) -> impl Iterator<Item = ([f64; 3], f64)> {
         let radius = SMALL_BALL * self.ball.1;
@@ -133,14 +116,12 @@ impl Sample {
     }
 
     /// So many rays, origin and unit direction, from around the body to points of its surface.
-    pub(super) fn rays(&self, amount: usize) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
+    pub(super) fn rays(&self, amount: usize) -> impl Iterator<Item = [[f64; 3]; 2]> {
         // Past the last point, other origins meet other points.
         let shift = |i: usize| (i + i / POINTS) % POINTS;
         (0..amount).map(move |i| {
             let (from, to) = (self.origins[shift(i)], self.points[i % POINTS]);
-            let along = [0, 1, 2].map(|k| to[k] - from[k]);
-            let length = along.iter().map(|x| x * x).sum::<f64>().sqrt();
-            (from, along.map(|x| x / length))
+            [from, unit(minus(to, from))]
         })
     }
 }
@@ -228,7 +209,7 @@ mod tests {
             let balls: Vec<_> = one.balls(MOST).map(|(c, _)| bits(c)).collect();
             assert_eq!(balls.iter().collect::<BTreeSet<_>>().len(), MOST);
             assert!(two.balls(MOST).map(|(c, _)| bits(c)).eq(balls));
-            let rays: BTreeSet<_> = one.rays(MOST).map(|(o, d)| (bits(o), bits(d))).collect();
+            let rays: BTreeSet<_> = one.rays(MOST).map(|ray| ray.map(bits)).collect();
             // All aim at the middle of the one triangle here, from so many places.
             assert_eq!(rays.len(), POINTS);
         }

@@ -6,6 +6,7 @@ use bdtree_runtime::{Asset, FormatError, Transform, VertexId};
 use super::content::{Ratio, TightnessRow};
 use super::lanes;
 use crate::MeasureError;
+use crate::vector::{distance, length};
 
 /// Displacements of the farthest vertex, over the diagonal.
 const AMPLITUDES: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
@@ -40,16 +41,16 @@ pub(super) fn tightness(
             .map(|(node, lane)| Sphere::new(asset, node, lane))
             .collect::<Result<_, _>>()?;
         for amplitude in AMPLITUDES {
-            let mut sums = [Sum::default(); 3];
+            let mut ratios = [const { Vec::new() }; 3];
             for (q, reach) in directions.iter().zip(&reach) {
                 if !(*reach > 0.0) {
                     continue;
                 }
                 let scale = amplitude * diagonal / asset.unit() / reach;
                 let q = scaled(asset, q, scale);
-                measure(asset, &spheres, &q, diagonal, &mut sums)?;
+                measure(asset, &spheres, &q, diagonal, &mut ratios)?;
             }
-            if let [Some(paper), Some(smallest_ball), Some(ours)] = sums.map(Sum::ratio) {
+            if let [Some(paper), Some(smallest_ball), Some(ours)] = ratios.map(|all| ratio(&all)) {
                 rows.push(TightnessRow {
                     displacement_rel: amplitude,
                     level,
@@ -86,9 +87,9 @@ pub(super) fn farthest(asset: &Asset<'_>, q: &[f32]) -> Result<f64, FormatError>
                 by[k] += f64::from(u[k]) * f64::from(q[mode]);
             }
         }
-        most = most.max(by.iter().map(|x| x * x).sum());
+        most = most.max(length(by));
     }
-    Ok(most.sqrt())
+    Ok(most)
 }
 
 /// A sphere and what two other bounds store of it (stored units).
@@ -143,30 +144,12 @@ fn growth(field: &[[f64; 3]]) -> [f64; 2] {
     [far, smallest_ball(field).radius]
 }
 
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-struct Sum {
-    total: f64,
-    max: f64,
-    count: u32,
-}
-
-impl Sum {
-    fn add(&mut self, ratio: f64) {
-        self.total += ratio;
-        self.max = self.max.max(ratio);
-        self.count += 1;
-    }
-
-    fn ratio(self) -> Option<Ratio> {
-        (self.count > 0).then(|| Ratio {
-            mean: self.total / f64::from(self.count),
-            max: self.max,
-        })
-    }
+/// Of some ratios, if there are any.
+fn ratio(all: &[f64]) -> Option<Ratio> {
+    (!all.is_empty()).then(|| Ratio {
+        mean: all.iter().sum::<f64>() / all.len() as f64,
+        max: all.iter().copied().fold(0.0, f64::max),
+    })
 }
 
 /// Adds the ratios of some spheres at q: the paper's, the smallest balls', ours.
@@ -175,7 +158,7 @@ fn measure(
     spheres: &[Sphere],
     q: &[f32],
     diagonal: f64,
-    sums: &mut [Sum; 3],
+    ratios: &mut [Vec<f64>; 3],
 ) -> Result<(), MeasureError> {
     let mut memory = vec![0.0; asset.pose_len()];
     let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
@@ -192,8 +175,8 @@ fn measure(
         let ours = pose.node_spheres(sphere.node as u32)?;
         let [paper, ball] = sphere.bounds(q);
         let radii = [paper, ball, f64::from(ours.radius[sphere.lane])];
-        for (sum, radius) in sums.iter_mut().zip(radii) {
-            sum.add(radius / best);
+        for (all, radius) in ratios.iter_mut().zip(radii) {
+            all.push(radius / best);
         }
     }
     Ok(())

@@ -35,12 +35,12 @@ pub(super) fn tolerance(
         for _ in 0..REPETITIONS {
             for (row, times) in rows.iter_mut().zip(&mut times) {
                 let tolerance = row.tolerance_rel * diagonal;
-                let asked = ask(asset, sample, tolerance, &mut workspace)?;
+                let (modes, visits, micros) = ask(asset, sample, tolerance, &mut workspace)?;
                 if times.is_empty() {
-                    row.active_modes += share * asked.active_modes as f64;
-                    row.visits += share * asked.visits as f64;
+                    row.active_modes += share * modes as f64;
+                    row.visits += share * visits as f64;
                 }
-                times.push(asked.micros);
+                times.push(micros);
             }
         }
         for (row, times) in rows.iter_mut().zip(&times) {
@@ -50,18 +50,13 @@ pub(super) fn tolerance(
     Ok(rows.to_vec())
 }
 
-struct Asked {
-    active_modes: usize,
-    visits: u64,
-    micros: f64,
-}
-
+/// Modes left, nodes visited, and the time, µs.
 fn ask(
     asset: &Asset<'_>,
     sample: &Sample,
     tolerance: f64,
     workspace: &mut Workspace<'_>,
-) -> Result<Asked, MeasureError> {
+) -> Result<(usize, u64, f64), MeasureError> {
     let mut memory = vec![0.0; asset.pose_len()];
     let mut found: Vec<Contact> = Vec::new();
     let mut visits = 0;
@@ -73,13 +68,10 @@ fn ask(
         query.contacts(Ball::new(center, radius), &mut found)?;
         visits += query.stats().nodes_visited;
     }
-    for (origin, direction) in sample.rays(QUESTIONS) {
+    for [origin, direction] in sample.rays(QUESTIONS) {
         query.cast_ray(&Ray::new(origin, direction))?;
         visits += query.stats().nodes_visited;
     }
-    Ok(Asked {
-        micros: clock.seconds() * 1e6,
-        active_modes: pose.active_modes(),
-        visits,
-    })
+    let micros = clock.seconds() * 1e6;
+    Ok((pose.active_modes(), visits, micros))
 }

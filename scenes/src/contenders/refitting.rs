@@ -4,13 +4,13 @@ use crate::workloads::bodies::Bodies;
 use crate::workloads::curtain::Curtain;
 use crate::workloads::pile::{COUNT, Pile};
 use crate::workloads::rays::Rays;
-use bdtree_measure::clock::Clock;
 use bdtree_measure::deform::Deformer;
-use bdtree_measure::peers::{PairPeer, Peer, Update};
+use bdtree_measure::peers::{PairPeer, Peer, Target, Update};
 use bdtree_measure::place::Place;
 use bdtree_runtime::{Contact, PairContact};
 
-use bdtree_measure::turns::{Counts, Entry, Frame, Role};
+use super::frame;
+use bdtree_measure::turns::{Counts, Entry, Role};
 
 /// W1.
 pub fn ball<'a>(
@@ -22,18 +22,16 @@ pub fn ball<'a>(
 ) -> Entry<'a> {
     let mut found: Vec<Contact> = Vec::new();
     let mut scratch = Vec::new();
-    Entry::new(name, role, Counts::Same, move |frame| {
+    let place = &Place::IDENTITY;
+    Entry::new(name, role, Counts::Same, move |i| {
         found.clear();
-        let update = peer.update(deformer, work.q(frame), &Place::IDENTITY, &mut scratch);
-        let (center, radius) = work.ball(frame);
-        let start = Clock::start();
-        peer.ball(center, radius, &mut found);
-        Frame {
-            update,
-            query: start.seconds(),
-            found: found.len() as u64,
-            ..Frame::default()
-        }
+        let q = work.q(i);
+        let update = peer.update(Target { deformer, q, place }, &mut scratch);
+        let (center, radius) = work.ball(i);
+        frame(update, || {
+            peer.ball(center, radius, &mut found);
+            found.len()
+        })
     })
 }
 
@@ -41,25 +39,24 @@ pub fn ball<'a>(
 pub fn pair<'a, P: PairPeer>(
     name: &str,
     role: Role,
-    [a, b]: &'a mut [P; 2],
+    peers: &'a mut [P; 2],
     deformer: &'a Deformer,
     work: &'a Bodies,
 ) -> Entry<'a> {
     let mut found: Vec<PairContact> = Vec::new();
     let mut scratch = Vec::new();
-    Entry::new(name, role, Counts::Rounded, move |frame| {
+    Entry::new(name, role, Counts::Rounded, move |i| {
         found.clear();
-        let [qa, qb] = work.q(frame);
-        let one = a.update(deformer, qa, &Place::IDENTITY, &mut scratch);
-        let two = b.update(deformer, qb, &work.places[frame], &mut scratch);
-        let start = Clock::start();
-        a.pair(b, &mut found);
-        Frame {
-            update: sum(one, two),
-            query: start.seconds(),
-            found: found.len() as u64,
-            ..Frame::default()
+        let mut update = Update::default();
+        let places = [&Place::IDENTITY, &work.places[i]];
+        for ((peer, q), place) in peers.iter_mut().zip(work.q(i)).zip(places) {
+            update += peer.update(Target { deformer, q, place }, &mut scratch);
         }
+        let [a, b] = peers;
+        frame(update, || {
+            a.pair(b, &mut found);
+            found.len()
+        })
     })
 }
 
@@ -72,19 +69,12 @@ pub fn ray<'a>(
     (work, count): (&'a Rays, usize),
 ) -> Entry<'a> {
     let mut scratch = Vec::new();
-    Entry::new(name, role, counts, move |frame| {
-        let update = peer.update(deformer, work.q(frame), &Place::IDENTITY, &mut scratch);
-        let start = Clock::start();
-        let mut found = 0;
-        for [origin, direction] in work.of(frame, count) {
-            found += u64::from(peer.ray(origin, direction).is_some());
-        }
-        Frame {
-            update,
-            query: start.seconds(),
-            found,
-            ..Frame::default()
-        }
+    let place = &Place::IDENTITY;
+    Entry::new(name, role, counts, move |i| {
+        let q = work.q(i);
+        let update = peer.update(Target { deformer, q, place }, &mut scratch);
+        let hits = |[origin, direction]: &[[f32; 3]; 2]| peer.ray(*origin, *direction).is_some();
+        frame(update, || work.of(i, count).filter(hits).count())
     })
 }
 
@@ -103,26 +93,15 @@ pub fn pile<'a, P: PairPeer + 'a>(
         let mut update = Update::default();
         for (i, peer) in peers.iter_mut().enumerate().take(COUNT) {
             let (q, place) = (work.q(step, i), work.place(step, i));
-            update = sum(update, peer.update(deformer, q, place, &mut scratch));
+            update += peer.update(Target { deformer, q, place }, &mut scratch);
         }
-        let start = Clock::start();
-        for [i, j] in &work.pairs {
-            // Neighbours are listed with the lower number first.
-            let (low, high) = peers.split_at_mut(*j as usize);
-            low[*i as usize].pair(&mut high[0], &mut found);
-        }
-        Frame {
-            update,
-            query: start.seconds(),
-            found: found.len() as u64,
-            ..Frame::default()
-        }
+        frame(update, || {
+            for [i, j] in &work.pairs {
+                // Neighbours are listed with the lower number first.
+                let (low, high) = peers.split_at_mut(*j as usize);
+                low[*i as usize].pair(&mut high[0], &mut found);
+            }
+            found.len()
+        })
     })
-}
-
-fn sum(a: Update, b: Update) -> Update {
-    Update {
-        deform: a.deform + b.deform,
-        refit: a.refit + b.refit,
-    }
 }

@@ -21,39 +21,26 @@ impl Tested {
         self.growth / self.tests as f64
     }
 
-    /// Both together.
-    pub fn and(self, other: Self) -> Self {
-        Self {
-            tests: self.tests + other.tests,
-            growth: self.growth + other.growth,
-        }
+    fn add(&mut self, growth: f64) {
+        self.tests += 1;
+        self.growth += growth;
     }
 }
 
 /// Spheres of a binary tree that count how often they are asked for.
 #[derive(Debug)]
 pub struct Counting<'s, S> {
-    spheres: &'s mut S,
+    /// Those that are counted.
+    pub spheres: &'s mut S,
     /// So far; R is the paper's wrapped sphere.
-    pub tested: Tested,
-}
-
-impl<'s, S: Spheres> Counting<'s, S> {
-    /// From 0.
-    pub fn new(spheres: &'s mut S) -> Self {
-        Self {
-            spheres,
-            tested: Tested::default(),
-        }
-    }
+    pub tested: &'s mut Tested,
 }
 
 impl<S: Spheres> Spheres for Counting<'_, S> {
     fn sphere(&mut self, tree: &PaperTree, node: usize) -> [f32; 4] {
         let found = self.spheres.sphere(tree, node);
         let [_, _, _, rest] = tree.numbers(node)[0];
-        self.tested.tests += 1;
-        self.tested.growth += f64::from(found[3]) / f64::from(rest);
+        self.tested.add(f64::from(found[3]) / f64::from(rest));
         found
     }
 
@@ -62,45 +49,35 @@ impl<S: Spheres> Spheres for Counting<'_, S> {
     }
 }
 
-/// R'/R of the occupied lanes of a node of the product, R being its own sphere at rest.
-///
-/// # Errors
-/// Records that break the format's rules.
-pub fn lane_growths(pose: &Pose<'_>, index: u32) -> Result<Vec<f64>, Box<dyn Error>> {
-    let asset = pose.asset();
-    let node = &asset.nodes()[index as usize];
-    let rest = asset.node_rows(node)?.leading[ROW_RADIUS];
-    let spheres = pose.node_spheres(index)?;
-    let taken = (0..LANES).filter(|k| (node.inner_mask | node.leaf_mask) >> k & 1 == 1);
-    let growths = taken.map(|k| f64::from(spheres.radius[k]) / f64::from(rest[k]));
-    Ok(growths.collect())
-}
-
-/// What the product's ball query tests, a test for every occupied lane of a visited node, and the number of
-/// these nodes.
+/// Adds what the product's ball query tests, a test for every occupied lane of a visited node, R being the lane's own
+/// sphere at rest; the number of these nodes.
 ///
 /// # Errors
 /// Those of the query.
 pub fn of_ball(
     pose: &Pose<'_>,
     (center, radius): ([f64; 3], f64),
-) -> Result<(Tested, u64), Box<dyn Error>> {
+    tested: &mut Tested,
+) -> Result<u64, Box<dyn Error>> {
     // With a slot for every node what is kept is what was visited.
-    let nodes = pose.asset().node_count();
+    let asset = pose.asset();
+    let nodes = asset.node_count();
     let mut cache = StepCache::new(CacheSize { nodes, leaves: 0 });
     cache.start(pose);
     let mut workspace = Workspace::new();
     let mut found: Vec<Contact> = Vec::new();
     let mut query = pose.query(&mut workspace).cached(&mut cache);
     query.contacts(Ball::new(center, radius), &mut found)?;
-    let mut tested = Tested::default();
     for index in (0..nodes as u32).filter(|index| cache.keeps(*index)) {
-        for growth in lane_growths(pose, index)? {
-            tested.tests += 1;
-            tested.growth += growth;
+        let node = &asset.nodes()[index as usize];
+        let rest = asset.node_rows(node)?.leading[ROW_RADIUS];
+        let spheres = pose.node_spheres(index)?;
+        let taken = (0..LANES).filter(|k| (node.inner_mask | node.leaf_mask) >> k & 1 == 1);
+        for k in taken {
+            tested.add(f64::from(spheres.radius[k]) / f64::from(rest[k]));
         }
     }
-    Ok((tested, workspace.stats().nodes_visited))
+    Ok(workspace.stats().nodes_visited)
 }
 
 /// Sum and number of R'/R over all spheres above a thousandth of the largest: the product's and the paper's.

@@ -5,8 +5,8 @@ use std::rc::Rc;
 
 use bdtree_measure::Place;
 use bdtree_measure::deform::Deformer;
-use bdtree_measure::paper_tree::{BallCounts, Layered, Memory, PaperTree, PlainTree, Step};
-use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer};
+use bdtree_measure::paper_tree::{Layered, Memory, PaperTree, PlainTree, Step};
+use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer, Target};
 use bdtree_runtime::{Asset, Contact, Transform};
 use serde_json::{Value, json};
 
@@ -25,19 +25,7 @@ const LAYERED: &str = "layered, all vertices deformed and refitted";
 const REFIT: &str = "boxes (obvhs), all vertices deformed and refitted";
 
 /// What a contender tested in all frames: spheres or boxes, and R'/R where it has spheres.
-struct Tests {
-    count: u64,
-    growth: Option<f64>,
-}
-
-impl From<Tested> for Tests {
-    fn from(tested: Tested) -> Self {
-        Self {
-            count: tested.tests,
-            growth: Some(tested.mean_growth()),
-        }
-    }
-}
+type Tests = (u64, Option<f64>);
 
 pub(super) fn measure(
     arguments: &Arguments,
@@ -52,7 +40,7 @@ pub(super) fn measure(
     let mut layered = LayeredPeer::new(Rc::clone(&tree), &deformer);
     let mut boxes = Obvhs::new(&work.body);
     let frames: Vec<usize> = (0..work.balls.len()).collect();
-    let (tests, visits) = tests(asset, work, &tree, &plain, &deformer, &mut boxes)?;
+    let counted = count(asset, work, &tree, &plain, &deformer, &mut boxes)?;
     let entries = vec![
         Entry::new(OURS, Role::Ours, Counts::Same, |i| {
             ours::frame(|| ours.balls(work.q(i), [work.ball(i)].into_iter()))
@@ -68,21 +56,20 @@ pub(super) fn measure(
         with: &[],
     };
     let rows = compare(entries, &frames, rounds)?;
-    let spread = spread(asset, work, &tree)?;
     let contacts = rows.first().map_or(0, |row| row.found);
     let value = json!({
         "settings": {"triangles": arguments.triangles, "frames": frames.len(),
             "modes": asset.mode_count(), "radius_m": arguments.radius, "repeat": arguments.repeat},
         "mesh": {"vertices": asset.vertex_count(), "triangles": asset.triangle_count(),
             "pca_error_max_over_diagonal": pca_error},
-        "contacts": contacts, "nodes_visited": visits,
-        "growth_of_all_spheres": {"ours": spread[0], "paper": spread[1]},
-        "contenders": rows.iter().zip(&tests).map(|(row, tests)| contender(row, tests, &rows[0]))
+        "contacts": contacts, "nodes_visited": counted.visits,
+        "growth_of_all_spheres": {"ours": counted.spread[0], "paper": counted.spread[1]},
+        "contenders": rows.iter().zip(&counted.tests).map(|(row, tests)| contender(row, tests, &rows[0]))
             .collect::<Vec<Value>>(),
     });
     Ok(Report {
         name: "curtain",
-        tables: vec![table(asset, &rows, &tests, visits, spread)],
+        tables: vec![table(asset, &rows, &counted)],
         pictures: vec![("", picture(&rows)?)],
         value,
     })
@@ -90,84 +77,75 @@ pub(super) fn measure(
 
 fn contender(row: &Row, tests: &Tests, ours: &Row) -> Value {
     let seconds = row.median[TOTAL];
-    json!({"name": row.name, "tests": tests.count, "growth_of_tested": tests.growth,
+    json!({"name": row.name, "tests": tests.0, "growth_of_tested": tests.1,
         "times": {"total_ms": 1e3 * seconds * row.frames as f64, "ms_per_frame": 1e3 * seconds,
             "over_ours": seconds / ours.median[TOTAL],
             "deform_ms": 1e3 * row.median[0], "refit_ms": 1e3 * row.median[1],
             "query_ms": 1e3 * row.median[2], "by_frame_s": row.by_frame}})
 }
 
-/// What every contender tests, in the order of the entries, and the nodes that ours visits.
-fn tests(
+/// What is counted over all frames.
+struct Counted {
+    /// In the order of the entries.
+    tests: [Tests; 5],
+    /// Nodes that ours visits.
+    visits: u64,
+    /// Mean R'/R over all spheres above a thousandth of the largest, ours and the paper's.
+    spread: [f64; 2],
+}
+
+fn count(
     asset: &Asset<'_>,
     work: &Curtain,
     tree: &PaperTree,
     plain: &PlainTree,
     deformer: &Deformer,
     boxes: &mut Obvhs,
-) -> Result<([Tests; 5], u64), Box<dyn Error>> {
+) -> Result<Counted, Box<dyn Error>> {
     let mut memory = vec![0.0; asset.pose_len()];
     let mut refitted = Layered::new(tree, deformer.len());
     let (mut step, mut stack, mut scratch) = (Step::default(), Vec::new(), Vec::new());
-    let (mut found, mut visits, mut boxed) = (Vec::<Contact>::new(), 0, 0);
-    let mut plainly = BallCounts::default();
+    let (mut found, mut visits, mut plainly, mut boxed) = (Vec::<Contact>::new(), 0, 0, 0);
     let [mut ours, mut wrapped, mut layered] = [Tested::default(); 3];
+    let mut sums = [[0.0; 2]; 2];
     let mut lazy = Memory::new(tree, asset);
+    let place = &Place::IDENTITY;
     for frame in 0..work.balls.len() {
         let (ball, q) = (work.ball(frame), work.q(frame));
         let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
-        let (tested, nodes) = of_ball(&pose, ball)?;
-        (ours, visits) = (ours.and(tested), visits + nodes);
+        visits += of_ball(&pose, ball, &mut ours)?;
         step.prepare(&pose);
         let counts = plain.ball(&pose, &step, ball, &mut stack, &mut found);
-        plainly.spheres += counts.spheres;
+        plainly += counts.spheres;
         lazy.begin_step(&pose);
-        let mut spheres = lazy.at(&pose);
-        let mut counting = Counting::new(&mut spheres);
-        tree.walk_ball(&mut counting, ball, &mut found);
-        wrapped = wrapped.and(counting.tested);
+        let (spheres, tested) = (&mut lazy.at(&pose), &mut wrapped);
+        tree.walk_ball(&mut Counting { spheres, tested }, ball, &mut found);
         deformer.deform(q, &mut refitted.vertices);
-        refitted.refit(tree, &Place::IDENTITY);
-        let mut counting = Counting::new(&mut refitted);
-        tree.walk_ball(&mut counting, ball, &mut found);
-        layered = layered.and(counting.tested);
-        boxes.update(deformer, q, &Place::IDENTITY, &mut scratch);
+        refitted.refit(tree, place);
+        let (spheres, tested) = (&mut refitted, &mut layered);
+        tree.walk_ball(&mut Counting { spheres, tested }, ball, &mut found);
+        boxes.update(Target { deformer, q, place }, &mut scratch);
         boxed += boxes.box_tests(ball.0, ball.1);
-    }
-    let plainly = Tests {
-        count: plainly.spheres,
-        growth: Some(wrapped.mean_growth()),
-    };
-    let boxed = Tests {
-        count: boxed,
-        growth: None,
-    };
-    let all = [ours.into(), plainly, wrapped.into(), layered.into(), boxed];
-    Ok((all, visits))
-}
-
-/// Mean R'/R over all spheres above a thousandth of the largest and all frames, ours and the paper's.
-fn spread(asset: &Asset<'_>, work: &Curtain, tree: &PaperTree) -> Result<[f64; 2], Box<dyn Error>> {
-    let mut memory = vec![0.0; asset.pose_len()];
-    let mut sums = [[0.0; 2]; 2];
-    for frame in 0..work.balls.len() {
-        let pose = asset.pose(work.q(frame), Transform::IDENTITY, &mut memory)?;
-        let both = sum_growths(tree, &pose)?;
-        for (sum, [growth, count]) in sums.iter_mut().zip(both) {
+        for (sum, [growth, count]) in sums.iter_mut().zip(sum_growths(tree, &pose)?) {
             sum[0] += growth;
             sum[1] += count;
         }
     }
-    Ok(sums.map(|[growth, count]| growth / count))
+    let of = |tested: Tested| (tested.tests, Some(tested.mean_growth()));
+    let plainly = (plainly, Some(wrapped.mean_growth()));
+    Ok(Counted {
+        tests: [of(ours), plainly, of(wrapped), of(layered), (boxed, None)],
+        visits,
+        spread: sums.map(|[growth, count]| growth / count),
+    })
 }
 
-fn table(
-    asset: &Asset<'_>,
-    rows: &[Row],
-    tests: &[Tests; 5],
-    visits: u64,
-    spread: [f64; 2],
-) -> Table {
+fn table(asset: &Asset<'_>, rows: &[Row], counted: &Counted) -> Table {
+    let Counted {
+        tests,
+        visits,
+        spread,
+    } = counted;
     let frames = rows.first().map_or(0, |row| row.frames);
     let contacts = rows.first().map_or(0, |row| row.found);
     let title = format!(
@@ -179,47 +157,38 @@ fn table(
         spread[0],
         spread[1]
     );
-    let columns = [
-        "method",
-        "tests",
-        "total, ms",
-        "per frame, ms",
-        "time over ours",
-        "mean R'/R of tested",
-    ];
-    let mut table = Table::new("", title, &columns);
     let ours = rows.first().map_or(f64::NAN, |row| row.median[TOTAL]);
-    for (row, tests) in rows.iter().zip(tests) {
-        let seconds = row.median[TOTAL];
-        table.rows.push(vec![
-            row.name.as_str().into(),
-            tests.count.into(),
-            (1e3 * seconds * row.frames as f64).into(),
-            (1e3 * seconds).into(),
-            (seconds / ours).into(),
-            tests.growth.map_or(Cell::None, Cell::Number),
-        ]);
-    }
+    let both: Vec<(&Row, &Tests)> = rows.iter().zip(tests).collect();
+    let mut table = Table::of(
+        "",
+        title,
+        &both,
+        &[
+            ("method", &|(row, _)| row.name.as_str().into()),
+            ("tests", &|(_, tests)| tests.0.into()),
+            ("total, ms", &|(row, _)| {
+                (1e3 * row.median[TOTAL] * row.frames as f64).into()
+            }),
+            ("per frame, ms", &|(row, _)| {
+                (1e3 * row.median[TOTAL]).into()
+            }),
+            ("time over ours", &|(row, _)| {
+                (row.median[TOTAL] / ours).into()
+            }),
+            ("mean R'/R of tested", &|(_, tests)| {
+                tests.1.map_or(Cell::None, Cell::Number)
+            }),
+        ],
+    );
     // Table 2 of the paper: Java, 3.0 GHz Xeon, another ball and another curtain.
-    for (name, count, total, each, growth) in [
-        (
-            "paper, 2004: BD-Tree",
-            3890_u64,
-            2.4,
-            0.022,
-            Cell::Number(1.51),
-        ),
-        ("paper, 2004: layered", 2150, 5400.0, 49.0, Cell::None),
-    ] {
-        table.rows.push(vec![
-            name.into(),
-            count.into(),
-            total.into(),
-            each.into(),
-            Cell::None,
-            growth,
-        ]);
-    }
+    let papers = |name: &str, count: u64, total: f64, each: f64, growth| {
+        let cells = [name.into(), count.into(), total.into(), each.into()];
+        cells.into_iter().chain([Cell::None, growth]).collect()
+    };
+    table.rows.extend([
+        papers("paper, 2004: BD-Tree", 3890, 2.4, 0.022, Cell::Number(1.51)),
+        papers("paper, 2004: layered", 2150, 5400.0, 49.0, Cell::None),
+    ]);
     table
 }
 
@@ -232,11 +201,11 @@ fn picture(rows: &[Row]) -> Result<String, Box<dyn Error>> {
             .collect(),
     });
     let title = "Ball and curtain: time of every frame";
-    let axes = [Axis::linear("frame"), Axis::log("µs")];
+    let (frame, micros) = (Axis::linear("frame"), Axis::log("µs"));
     Ok(sheet(&[Plot::new(
         title,
-        &axes[0],
-        &axes[1],
+        &frame,
+        &micros,
         lines.collect(),
     )])?)
 }

@@ -6,6 +6,7 @@ mod step;
 mod sweep;
 
 use std::error::Error;
+use std::iter::once;
 use std::path::PathBuf;
 
 use clap::Parser;
@@ -54,18 +55,15 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
     let repeats = usize::from(arguments.repeat);
     let sizes = size::measure(&arguments.triangles, arguments.contacts, repeats)?;
     let sweeps = sweep::all(arguments.body_triangles, repeats)?;
-    let mut tables = vec![sizes.table()];
-    tables.extend(sweeps.iter().map(sweep::Sweep::table));
-    let mut charts = vec![sizes.chart()];
-    charts.extend(sweeps.iter().map(sweep::Sweep::chart));
+    let tables = sweeps.iter().map(sweep::Sweep::table);
+    let charts: Vec<_> = sweeps.iter().map(sweep::Sweep::chart).collect();
     let settings = json!({"triangles": arguments.triangles, "contacts": arguments.contacts,
         "body_triangles": arguments.body_triangles, "repeat": arguments.repeat});
-    let sweeps: Vec<_> = sweeps.iter().map(sweep::Sweep::json).collect();
-    let (sizes_chart, others) = charts.split_at(1);
+    let of_sweeps: Vec<_> = sweeps.iter().map(sweep::Sweep::json).collect();
     Ok(Report {
         name: "growth",
-        value: json!({"settings": settings, "size": sizes.json(), "sweeps": sweeps}),
-        pictures: vec![("", sheet(sizes_chart)?), ("sweeps", sheet(others)?)],
-        tables,
+        value: json!({"settings": settings, "size": sizes.json(), "sweeps": of_sweeps}),
+        pictures: vec![("", sheet(&[sizes.chart()])?), ("sweeps", sheet(&charts)?)],
+        tables: once(sizes.table()).chain(tables).collect(),
     })
 }

@@ -5,7 +5,7 @@ use std::error::Error;
 use bdtree_measure::Place;
 use bdtree_measure::clock::Clock;
 use bdtree_measure::deform::Deformer;
-use bdtree_measure::peers::{Obvhs, Peer};
+use bdtree_measure::peers::{Obvhs, Peer, Target};
 use bdtree_measure::stats;
 use bdtree_runtime::{Asset, Transform, VertexId};
 use serde_json::{Value, json};
@@ -52,10 +52,9 @@ pub(super) fn measure(
     for count in triangles {
         // A square of c² quads.
         let side = (f64::from(*count) / 2.0).sqrt().round() as usize + 1;
-        let shape = [side, side];
         let body = cloth("cloth", side, side);
         let model = baked(&body)?;
-        let cases = cases(model.asset(), shape)?;
+        let cases = cases(model.asset(), side)?;
         let mut figures = ours(*model.asset(), &cases, contacts, repeats)?;
         let deformer = Deformer::new(&body);
         let mut boxes = Obvhs::new(&body);
@@ -64,7 +63,12 @@ pub(super) fn measure(
         // The refitted tree depends on the question hardly at all: a few balls, a few times.
         for _ in 0..repeats.clamp(1, 3) {
             for case in &cases[..REFITS] {
-                let update = boxes.update(&deformer, &case.q, &Place::IDENTITY, &mut scratch);
+                let to = Target {
+                    deformer: &deformer,
+                    q: &case.q,
+                    place: &Place::IDENTITY,
+                };
+                let update = boxes.update(to, &mut scratch);
                 let start = Clock::start();
                 found.clear();
                 boxes.ball(
@@ -82,7 +86,7 @@ pub(super) fn measure(
 }
 
 /// The balls of a cloth: at the same places of the sheet, whatever its vertices.
-fn cases(asset: &Asset<'_>, [across, down]: [usize; 2]) -> Result<Vec<Case>, Box<dyn Error>> {
+fn cases(asset: &Asset<'_>, side: usize) -> Result<Vec<Case>, Box<dyn Error>> {
     let modes = asset.mode_count();
     let mut memory = vec![0.0; asset.pose_len()];
     let mut all = Vec::with_capacity(BALLS);
@@ -92,10 +96,10 @@ fn cases(asset: &Asset<'_>, [across, down]: [usize; 2]) -> Result<Vec<Case>, Box
     {
         // Places of a lattice with irrational steps (Roberts 2018), off the cloth's border.
         let share = |step: f64| 0.1 + 0.8 * (0.5 + step * i as f64).fract();
-        let column = (share(0.754_877_666) * (across - 1) as f64).round() as usize;
-        let row = (share(0.569_840_291) * (down - 1) as f64).round() as usize;
+        let [column, row] = [0.754_877_666, 0.569_840_291]
+            .map(|step| (share(step) * (side - 1) as f64).round() as usize);
         let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
-        let center = pose.deformed(VertexId((row * across + column) as u32))?;
+        let center = pose.deformed(VertexId((row * side + column) as u32))?;
         all.push(Case {
             q: q.to_vec(),
             center: center.map(|x| x as f32),
@@ -183,28 +187,22 @@ impl Sizes {
             self.exponent(|f| f.seconds),
             self.exponent(|f| f.refitted / f.seconds)
         );
-        let columns = [
-            "triangles",
-            "radius",
-            "contacts",
-            "nodes visited",
-            "µs per ball",
-            "deform + refit + query, µs",
-            "times faster",
-        ];
-        let mut table = Table::new("", title, &columns);
-        for f in &self.0 {
-            table.rows.push(vec![
-                f.triangles.into(),
-                f64::from(f.radius).into(),
-                f.contacts.into(),
-                f.nodes.into(),
-                (1e6 * f.seconds).into(),
-                (1e6 * f.refitted).into(),
-                (f.refitted / f.seconds).into(),
-            ]);
-        }
-        table
+        Table::of(
+            "",
+            title,
+            &self.0,
+            &[
+                ("triangles", &|f| f.triangles.into()),
+                ("radius", &|f| f64::from(f.radius).into()),
+                ("contacts", &|f| f.contacts.into()),
+                ("nodes visited", &|f| f.nodes.into()),
+                ("µs per ball", &|f| (1e6 * f.seconds).into()),
+                ("deform + refit + query, µs", &|f| {
+                    (1e6 * f.refitted).into()
+                }),
+                ("times faster", &|f| (f.refitted / f.seconds).into()),
+            ],
+        )
     }
 
     pub(super) fn chart(&self) -> Plot {

@@ -6,7 +6,7 @@ use std::error::Error;
 use bdtree_measure::clock::Clock;
 use bdtree_measure::comparison::{AMOUNTS, Ahead, Comparison, LEAF_SLOTS, MOST, Side, VISITS_MAX};
 use bdtree_measure::deform::Deformer;
-use bdtree_measure::peers::{Obvhs, Peer};
+use bdtree_measure::peers::{Obvhs, Peer, Target};
 use bdtree_measure::{Body, Place, stats};
 use bdtree_runtime::{Asset, Contact};
 use serde_json::{Value, json};
@@ -111,10 +111,12 @@ impl<'a> Contenders<'a> {
                 let radius = f64::from(self.radius);
                 let own = centers.iter().map(|center| (center.map(f64::from), radius));
                 let own = ours::frame(|| self.ours.balls(&step.q, own));
-                let (deformer, place) = (&self.deformer, &Place::IDENTITY);
-                let update = self
-                    .peer
-                    .update(deformer, &step.q, place, &mut self.scratch);
+                let to = Target {
+                    deformer: &self.deformer,
+                    q: &step.q,
+                    place: &Place::IDENTITY,
+                };
+                let update = self.peer.update(to, &mut self.scratch);
                 let start = Clock::start();
                 let mut theirs = 0;
                 for center in centers {

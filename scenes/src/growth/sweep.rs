@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::step::{Contenders, Crossing, Point};
 use crate::contenders::assets::baked;
-use crate::report::{Cell, Table};
+use crate::report::{Cell, Column, Table};
 use crate::workloads::bodies::blob_with;
 use bdtree_measure::plot::{Axis, Line, Plot};
 
@@ -19,18 +19,22 @@ struct Setting {
     /// Largest displacement of a vertex over the diagonal of the box.
     displacement: f64,
     radius: f32,
+    /// Each step.
+    balls: usize,
 }
 
 const USUAL: Setting = Setting {
     modes: 10,
     displacement: 0.1,
     radius: 0.05,
+    balls: 1,
 };
 
 /// A row: what varies, how it went, and where refitting would win there.
 struct Row {
     x: f64,
     point: Point,
+    /// None where balls vary: these rows are the crossing's curve themselves.
     crossing: Option<Crossing>,
 }
 
@@ -44,93 +48,69 @@ pub(super) struct Sweep {
 
 /// Modes, displacement, balls a step and radius, on a body of about this many triangles.
 pub(super) fn all(triangles: u32, repeats: usize) -> Result<Vec<Sweep>, Box<dyn Error>> {
+    const SHARES: [f64; 6] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
     let modes = [1, 2, 4, 8, 16, 32, 64].map(|modes| (modes as f64, Setting { modes, ..USUAL }));
-    let shares = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5].map(|displacement| {
+    let ways = SHARES.map(|displacement| {
         let setting = Setting {
             displacement,
             ..USUAL
         };
         (displacement, setting)
     });
-    let radii = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5]
-        .map(|radius| (f64::from(radius), Setting { radius, ..USUAL }));
+    let radii = SHARES.map(|radius| {
+        let radius = radius as f32;
+        (f64::from(radius), Setting { radius, ..USUAL })
+    });
+    let balls = AMOUNTS.map(|balls| (balls as f64, Setting { balls, ..USUAL }));
     // Faces of the icosahedron are split into n² triangles.
     let n = (f64::from(triangles) / 20.0).sqrt().round() as usize;
-    let sweep = |key, what, rows| Sweep {
-        key,
-        what,
-        triangles: 20 * n * n,
-        rows,
-    };
     let way = "farthest vertex's way over the diagonal";
-    Ok(vec![
-        sweep("modes", "modes", settings(n, &modes, repeats)?),
-        sweep("displacement", way, settings(n, &shares, repeats)?),
-        sweep(
-            "contacts",
-            "radius of the ball",
-            settings(n, &radii, repeats)?,
-        ),
-        sweep("balls", "balls a step", balls(n, repeats)?),
-    ])
-}
-
-/// One ball a step at each setting, and as many as it takes.
-fn settings(
-    n: usize,
-    settings: &[(f64, Setting)],
-    repeats: usize,
-) -> Result<Vec<Row>, Box<dyn Error>> {
-    let mut rows = Vec::new();
-    for (x, setting) in settings {
-        with_contenders(n, setting, |contenders| {
-            rows.push(Row {
+    let sweeps = [
+        ("modes", "modes", &modes[..]),
+        ("displacement", way, &ways),
+        ("contacts", "radius of the ball", &radii),
+        ("balls", "balls a step", &balls),
+    ];
+    let sweeps = sweeps.into_iter().map(|(key, what, settings)| {
+        let rows = settings.iter().map(|(x, setting)| {
+            let body = blob_with("blob", n, setting.modes, 3);
+            let model = baked(&body)?;
+            let Setting {
+                displacement,
+                radius,
+                balls,
+                ..
+            } = *setting;
+            let mut contenders = Contenders::new(*model.asset(), &body, displacement, radius);
+            let point = contenders.measure(balls, 1, repeats)?;
+            let crossing = (key != "balls").then(|| contenders.crossing(repeats));
+            Ok(Row {
                 x: *x,
-                point: contenders.measure(1, 1, repeats)?,
-                crossing: Some(contenders.crossing(repeats)?),
-            });
-            Ok(())
-        })?;
+                point,
+                crossing: crossing.transpose()?,
+            })
+        });
+        Ok(Sweep {
+            key,
+            what,
+            triangles: 20 * n * n,
+            rows: rows.collect::<Result<_, Box<dyn Error>>>()?,
+        })
+    });
+    sweeps.collect()
+}
+
+impl Row {
+    /// Ours; theirs until the tree is refitted, and their queries.
+    fn micros(&self) -> [f64; 3] {
+        self.point.seconds.map(|s| 1e6 * s)
     }
-    Ok(rows)
-}
-
-/// Balls a step at the usual setting: rows that are the crossing's curve themselves.
-fn balls(n: usize, repeats: usize) -> Result<Vec<Row>, Box<dyn Error>> {
-    let mut rows = Vec::new();
-    with_contenders(n, &USUAL, |contenders| {
-        for balls in AMOUNTS {
-            rows.push(Row {
-                x: balls as f64,
-                point: contenders.measure(balls, 1, repeats)?,
-                crossing: None,
-            });
-        }
-        Ok(())
-    })?;
-    Ok(rows)
-}
-
-fn with_contenders(
-    n: usize,
-    setting: &Setting,
-    measure: impl FnOnce(&mut Contenders<'_>) -> Result<(), Box<dyn Error>>,
-) -> Result<(), Box<dyn Error>> {
-    let body = blob_with("blob", n, setting.modes, 3);
-    let model = baked(&body)?;
-    let Setting {
-        displacement,
-        radius,
-        ..
-    } = *setting;
-    let mut contenders = Contenders::new(*model.asset(), &body, displacement, radius);
-    measure(&mut contenders)
 }
 
 impl Sweep {
     pub(super) fn json(&self) -> Value {
         let row = |row: &Row| {
-            let [ours, update, query] = row.point.seconds.map(|s| 1e6 * s);
+            let [ours, update, query] = row.micros();
             let mut times = json!({"ours_us": ours, "update_us": update, "query_us": query,
                 "speedup": row.point.times()});
             if let Some(crossing) = &row.crossing {
@@ -159,47 +139,34 @@ impl Sweep {
              StepCache; times from 0.9 to 1.1 are noise.",
             self.what, self.triangles
         );
-        let mut columns = vec![
-            self.what,
-            "contacts a step",
-            "nodes visited",
-            "ours, µs",
-            "deform + refit, µs",
-            "their queries, µs",
-            "times faster",
+        let columns: [Column<'_, Row>; 8] = [
+            (self.what, &|row| counted(row.x)),
+            ("contacts a step", &|row| row.point.contacts.into()),
+            ("nodes visited", &|row| row.point.nodes.into()),
+            ("ours, µs", &|row| row.micros()[0].into()),
+            ("deform + refit, µs", &|row| row.micros()[1].into()),
+            ("their queries, µs", &|row| row.micros()[2].into()),
+            ("times faster", &|row| row.point.times().into()),
+            ("break-even, balls a step", &|row| {
+                row.crossing
+                    .map_or(Cell::None, |crossing| crossing.text().into())
+            }),
         ];
-        if self.has_crossings() {
-            columns.push("break-even, balls a step");
-        }
-        let mut table = Table::new(self.key, title, &columns);
-        for row in &self.rows {
-            let [ours, update, query] = row.point.seconds.map(|s| 1e6 * s);
-            let mut cells: Vec<Cell> = vec![
-                counted(row.x),
-                row.point.contacts.into(),
-                row.point.nodes.into(),
-                ours.into(),
-                update.into(),
-                query.into(),
-                row.point.times().into(),
-            ];
-            cells.extend(row.crossing.map(|crossing| crossing.text().into()));
-            table.rows.push(cells);
-        }
-        table
+        let shown = if self.has_crossings() { 8 } else { 7 };
+        Table::of(self.key, title, &self.rows, &columns[..shown])
     }
 
     pub(super) fn chart(&self) -> Plot {
-        let line = |name: &str, of: &dyn Fn(&Point) -> f64| Line {
+        let line = |name: &str, of: fn([f64; 3]) -> f64| Line {
             name: name.to_string(),
-            points: self.rows.iter().map(|r| (r.x, of(&r.point))).collect(),
+            points: self.rows.iter().map(|r| (r.x, of(r.micros()))).collect(),
         };
         let lines = vec![
-            line("ours", &|p| 1e6 * p.seconds[0]),
-            line("deform + refit + query", &|p| {
-                1e6 * (p.seconds[1] + p.seconds[2])
+            line("ours", |[ours, ..]| ours),
+            line("deform + refit + query", |[_, update, query]| {
+                update + query
             }),
-            line("their queries alone", &|p| 1e6 * p.seconds[2]),
+            line("their queries alone", |[.., query]| query),
         ];
         Plot::new(
             self.what,

@@ -25,147 +25,133 @@ fn lines(
     all.collect()
 }
 
-/// y over the y of the point at which `is_whole` holds.
-fn relative(points: Points, is_whole: impl Fn(&(f64, f64)) -> bool) -> Points {
-    let whole = points
-        .iter()
-        .find(|p| is_whole(p))
-        .map_or(f64::NAN, |p| p.1);
-    points.into_iter().map(|(x, y)| (x, y / whole)).collect()
+/// How the values of a curve are shown.
+enum As {
+    Given,
+    Percent,
+    /// Over the value at this x.
+    Over(f64),
+    /// Over the value at the largest x.
+    OverLast,
 }
 
-/// In per cent.
-fn percent(points: Points) -> Points {
-    points.into_iter().map(|(x, y)| (x, 100.0 * y)).collect()
+impl As {
+    fn show(&self, points: Points) -> Points {
+        let at = |x: f64| points.iter().find(|p| p.0 == x).map_or(f64::NAN, |p| p.1);
+        let (times, over) = match self {
+            Self::Given => (1.0, 1.0),
+            Self::Percent => (100.0, 1.0),
+            Self::Over(x) => (1.0, at(*x)),
+            Self::OverLast => (1.0, at(points.iter().map(|p| p.0).fold(0.0, f64::max))),
+        };
+        let shown = points.iter().map(|(x, y)| (*x, times * y / over));
+        shown.collect()
+    }
+}
+
+/// Plots over one axis of what the objects of a list have, each with its title, axis, pointer and how it is shown.
+fn plots(
+    sources: &[Source],
+    [list, x]: [&str; 2],
+    (axis, times): (Axis, f64),
+    plots: &[(&str, Axis, &str, As)],
+) -> Plots {
+    let plots = plots.iter().map(|(title, own, y, shown)| {
+        let lines = lines(sources, |source| {
+            let points = shown.show(source.points(list, x, y)?);
+            Ok(points.into_iter().map(|(x, y)| (times * x, y)).collect())
+        });
+        Ok(Plot::new(title, &axis, own, lines?))
+    });
+    plots.collect()
 }
 
 /// What fewer modes cost and save.
 pub(super) fn modes(reports: &[Source]) -> Plots {
-    let kept = Axis::linear("modes kept");
-    Ok(vec![
-        Plot::new(
-            "Largest error of a vertex, against all modes",
-            &kept,
-            &Axis::log("% of the diagonal"),
-            lines(reports, |source| {
-                Ok(percent(source.points(
-                    "/modes",
-                    "/modes",
-                    "/error_max_rel",
-                )?))
-            })?,
-        ),
-        Plot::new(
-            "Bytes of the file",
-            &kept,
-            &Axis::linear("over those with all modes"),
-            lines(reports, |source| {
-                let points = source.points("/modes", "/modes", "/bytes")?;
-                let most = points.iter().map(|p| p.0).fold(0.0, f64::max);
-                Ok(relative(points, |p| p.0 == most))
-            })?,
-        ),
-        Plot::new(
-            "Time of balls, rays and pairs together",
-            &kept,
-            &Axis::linear("over that with all modes"),
-            lines(reports, |source| {
-                source.points("/modes", "/modes", "/time_rel")
-            })?,
-        ),
-        Plot::new(
-            "Nodes that a ball visits",
-            &kept,
-            &Axis::linear("nodes"),
-            lines(reports, |source| {
-                source.points("/modes", "/modes", "/ball_visits")
-            })?,
-        ),
-    ])
+    let error = "Largest error of a vertex, against all modes";
+    let time = "Time of balls, rays and pairs together";
+    let [bytes, all] = ["over those with all modes", "over that with all modes"].map(Axis::linear);
+    plots(
+        reports,
+        ["/modes", "/modes"],
+        (Axis::linear("modes kept"), 1.0),
+        &[
+            (
+                error,
+                Axis::log("% of the diagonal"),
+                "/error_max_rel",
+                As::Percent,
+            ),
+            ("Bytes of the file", bytes, "/bytes", As::OverLast),
+            (time, all, "/time_rel", As::Given),
+            (
+                "Nodes that a ball visits",
+                Axis::linear("nodes"),
+                "/ball_visits",
+                As::Given,
+            ),
+        ],
+    )
 }
 
 /// What leaves of other sizes cost and save.
 pub(super) fn leaves(advice: &[Source]) -> Plots {
-    let size = Axis::log("most triangles of a leaf lane");
-    let is_default = |p: &(f64, f64)| p.0 == 4.0;
-    let of = |y: &'static str| {
-        lines(advice, move |source| {
-            let points = source.points("/leaves", "/leaf_size", y)?;
-            Ok(relative(points, is_default))
-        })
-    };
-    Ok(vec![
-        Plot::new(
-            "Time of balls, rays and pairs together",
-            &size,
-            &Axis::linear("over that with leaves of 4"),
-            of("/time_rel")?,
-        ),
-        Plot::new(
-            "Bytes of the file",
-            &size,
-            &Axis::linear("over those with leaves of 4"),
-            of("/bytes")?,
-        ),
-    ])
+    let time = "Time of balls, rays and pairs together";
+    let [bytes, all] =
+        ["over those with leaves of 4", "over that with leaves of 4"].map(Axis::linear);
+    plots(
+        advice,
+        ["/leaves", "/leaf_size"],
+        (Axis::log("most triangles of a leaf lane"), 1.0),
+        &[
+            (time, all, "/time_rel", As::Over(4.0)),
+            ("Bytes of the file", bytes, "/bytes", As::Over(4.0)),
+        ],
+    )
 }
 
 /// What stopping at a level costs and saves.
 pub(super) fn depth(reports: &[Source]) -> Plots {
-    let level = Axis::linear("level at which a ball stops");
-    let of = |y: &'static str| lines(reports, move |source| source.points("/depth", "/level", y));
-    Ok(vec![
-        Plot::new(
-            "Area that is reported and not touched",
-            &level,
-            &Axis::log("over what is touched"),
-            of("/extra_area_rel")?,
-        ),
-        Plot::new(
-            "Error of the penetration depth",
-            &level,
-            &Axis::log("% of the diagonal"),
-            lines(reports, |source| {
-                Ok(percent(source.points(
-                    "/depth",
-                    "/level",
-                    "/penetration_error_rel",
-                )?))
-            })?,
-        ),
-        Plot::new(
-            "Time of a ball",
-            &level,
-            &Axis::log("µs"),
-            of("/ball_micros")?,
-        ),
-    ])
+    let [touched, diagonal, micros] =
+        ["over what is touched", "% of the diagonal", "µs"].map(Axis::log);
+    let [area, error] = [
+        "Area that is reported and not touched",
+        "Error of the penetration depth",
+    ];
+    plots(
+        reports,
+        ["/depth", "/level"],
+        (Axis::linear("level at which a ball stops"), 1.0),
+        &[
+            (area, touched, "/extra_area_rel", As::Given),
+            (error, diagonal, "/penetration_error_rel", As::Percent),
+            ("Time of a ball", micros, "/ball_micros", As::Given),
+        ],
+    )
 }
 
 /// What leaving modes out of node bounds costs and saves.
 pub(super) fn tolerance(reports: &[Source]) -> Plots {
-    let share = Axis::log("tolerance, % of the diagonal");
-    let of = |y: &'static str| {
-        lines(reports, move |source| {
-            let points = source.points("/tolerance", "/tolerance_rel", y)?;
-            let points = relative(points, |p| p.0 == 0.0);
-            Ok(points.into_iter().map(|(x, y)| (100.0 * x, y)).collect())
-        })
-    };
-    Ok(vec![
-        Plot::new(
-            "Modes left in node bounds",
-            &share,
-            &Axis::linear("over those without a tolerance"),
-            of("/active_modes")?,
-        ),
-        Plot::new(
-            "Time of 16 balls and 16 rays, the pose included",
-            &share,
-            &Axis::linear("over that without a tolerance"),
-            of("/micros")?,
-        ),
-    ])
+    let [those, that] = [
+        "over those without a tolerance",
+        "over that without a tolerance",
+    ]
+    .map(Axis::linear);
+    let time = "Time of 16 balls and 16 rays, the pose included";
+    plots(
+        reports,
+        ["/tolerance", "/tolerance_rel"],
+        (Axis::log("tolerance, % of the diagonal"), 100.0),
+        &[
+            (
+                "Modes left in node bounds",
+                those,
+                "/active_modes",
+                As::Over(0.0),
+            ),
+            (time, that, "/micros", As::Over(0.0)),
+        ],
+    )
 }
 
 /// The curve of a question in the comparison with deforming and refitting.
@@ -177,29 +163,25 @@ fn asked<'s>(source: &'s Source, question: &str) -> Result<&'s Value, Box<dyn Er
 
 /// Where deforming and refitting is faster.
 pub(super) fn refit(reports: &[Source]) -> Plots {
-    let of = |question: &'static str| {
-        lines(reports, move |source| {
+    let times = Axis::log("deform + refit over ours");
+    let plots = [
+        ("ray", "Rays", "rays per step"),
+        ("ball", "Balls of 1 % of the diagonal", "balls per step"),
+        (
+            "pair",
+            "Two instances that touch",
+            "touching pairs of triangles",
+        ),
+    ];
+    let plots = plots.map(|(question, title, amount)| {
+        let lines = lines(reports, |source| {
             let points = asked(source, question)?["points"].as_array();
             let both = |point: &Value| Some((point["amount"].as_f64()?, point["ratio"].as_f64()?));
             Ok(points.into_iter().flatten().filter_map(both).collect())
-        })
-    };
-    let times = Axis::log("deform + refit over ours");
-    Ok(vec![
-        Plot::new("Rays", &Axis::log("rays per step"), &times, of("ray")?),
-        Plot::new(
-            "Balls of 1 % of the diagonal",
-            &Axis::log("balls per step"),
-            &times,
-            of("ball")?,
-        ),
-        Plot::new(
-            "Two instances that touch",
-            &Axis::log("touching pairs of triangles"),
-            &times,
-            of("pair")?,
-        ),
-    ])
+        });
+        Ok(Plot::new(title, &Axis::log(amount), &times, lines?))
+    });
+    plots.into_iter().collect()
 }
 
 /// The break-evens of [`refit`].

@@ -9,6 +9,7 @@ use bdtree_measure::paper_tree::{Layered, PaperTree, Spheres, Step};
 use bdtree_render::tightness::growth;
 use bdtree_runtime::{Asset, Transform, VertexId};
 use nalgebra::Vector3;
+use serde::Serialize;
 
 use sphere::Sphere;
 
@@ -42,6 +43,28 @@ impl Kind {
             Self::Layered => "layered",
             Self::Paper => "paper",
             Self::Ours => "ours",
+        }
+    }
+}
+
+/// One of each kind.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ByKind<T> {
+    /// [`Kind::Layered`].
+    pub layered: T,
+    /// [`Kind::Paper`].
+    pub paper: T,
+    /// [`Kind::Ours`].
+    pub ours: T,
+}
+
+impl<T> From<[T; 3]> for ByKind<T> {
+    /// In the order of [`Kind::ALL`].
+    fn from([layered, paper, ours]: [T; 3]) -> Self {
+        Self {
+            layered,
+            paper,
+            ours,
         }
     }
 }

@@ -1,25 +1,21 @@
 //! `docs/results.md`: the paper's rows beside ours, from one run of all programs.
 
-mod goals;
-mod measured;
+mod figures;
 mod page;
 mod pile;
-mod rows;
-mod shown;
 mod updates;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::iter::once;
+use std::path::PathBuf;
 
 use bdtree_measure::machine;
 use clap::Parser;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::report::{commit, write};
+use crate::report::{Report, commit, write};
 use crate::{curtain, growth, tables};
-use measured::Measured;
-use page::{page, picture};
-use rows::{Built, SECTIONS};
+use page::{faults, page, picture};
 
 /// Runs the paper's experiments and writes docs/results.md with its pictures
 #[derive(Debug, Clone, Parser)]
@@ -35,27 +31,6 @@ pub struct Arguments {
     pub out: PathBuf,
 }
 
-/// What is wrong with the rows: tests, programs and pages that are named and not there.
-pub fn faults() -> Vec<String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let mut faults = Vec::new();
-    let rows = SECTIONS.iter().flat_map(|(_, rows)| rows.iter());
-    for (number, row) in (1..).zip(rows) {
-        if row.id != format!("P{number:02}") {
-            faults.push(format!("{} stands in the place of P{number:02}", row.id));
-        }
-        if row.shown.is_empty() != (row.built == Built::Not) {
-            faults.push(format!(
-                "{}: shown by nothing, or shown and not built",
-                row.id
-            ));
-        }
-        let own = row.shown.iter().filter_map(|shown| shown.fault(&root));
-        faults.extend(own.map(|fault| format!("{}: {fault}", row.id)));
-    }
-    faults
-}
-
 /// Runs everything and writes the page.
 ///
 /// # Errors
@@ -66,35 +41,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         return Err(faults.join("\n").into());
     }
     // As on the command line, so that defaults stand in one place.
-    let (curtain, tables, growth): (&[&str], &[&str], &[&str]) = if arguments.small {
-        (
-            &["", "--triangles", "3000", "--frames", "60", "--repeat", "3"],
-            &[
-                "",
-                "--meshes",
-                "chair",
-                "--amplitudes",
-                "0.05,0.2",
-                "--poses",
-                "1",
-                "--pair-vertices",
-                "64",
-            ],
-            &[
-                "",
-                "--triangles",
-                "2000,8000",
-                "--contacts",
-                "30",
-                "--body-triangles",
-                "1280",
-                "--repeat",
-                "1",
-            ],
-        )
+    let options = if arguments.small {
+        [
+            "--triangles 3000 --frames 60 --repeat 3",
+            "--triangles 2000,8000 --contacts 30 --body-triangles 1280 --repeat 1",
+            "--meshes chair --amplitudes 0.05,0.2 --poses 1 --pair-vertices 64",
+        ]
     } else {
-        (&[""], &[""], &[""])
+        [""; 3]
     };
+    let [curtain, growth, tables] = options.map(|own| once("").chain(own.split_whitespace()));
     let repeats = if arguments.small { 1 } else { 8 };
     // First what is timed most finely.
     let chair = tables::chair()?;
@@ -105,9 +61,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         tables::run(&tables::Arguments::parse_from(tables))?,
     ];
     let pile = pile::measure(2 * repeats)?;
+    let [of_curtain, of_growth, of_tables] = &reports;
+    let all = Report {
+        name: "results",
+        value: json!({"curtain": of_curtain.value, "growth": of_growth.value,
+            "tables": of_tables.value, "updates": updates, "pile": pile}),
+        tables: Vec::new(),
+        pictures: Vec::new(),
+    };
     // Before a tracked file is written again.
     let commit = commit();
-    for report in &reports {
+    for report in reports.iter().chain([&all]) {
         report.write(&arguments.out)?;
     }
     for report in &reports {
@@ -116,26 +80,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             write(&path, svg)?;
         }
     }
-    let [curtain, growth, tables] = &reports;
-    let measured = Measured(json!({"curtain": curtain.value, "growth": growth.value,
-        "tables": tables.value, "updates": updates, "pile": pile}));
-    let json = json!({"program": "results", "machine": machine::processor(), "commit": &commit,
-        "results": measured.0});
-    let path = arguments.out.join("results.json");
-    write(&path, &format!("{json:#}\n"))?;
-    let path = arguments.docs.join("results.md");
-    write(&path, &page(&measured, &reports, &commit))?;
-    Ok(())
+    let page = page(&figures(all.value, &commit), &reports);
+    write(&arguments.docs.join("results.md"), &page)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::{faults, rows::SECTIONS};
-
-    #[test]
-    fn every_row_names_what_is_there() {
-        assert_eq!(faults(), Vec::<String>::new());
-        let count: usize = SECTIONS.iter().map(|(_, rows)| rows.len()).sum();
-        assert_eq!(count, 61);
+/// All figures of the page: what was measured, and what follows from it.
+fn figures(mut measured: Value, commit: &str) -> Value {
+    let mut rows = figures::of_rows(&measured);
+    rows["goals"] = json!(figures::of_goals(&measured));
+    rows["built"] = page::built();
+    rows["machine"] = json!(machine::processor());
+    rows["commit"] = json!(commit);
+    if let (Some(all), Some(rows)) = (measured.as_object_mut(), rows.as_object_mut()) {
+        all.append(rows);
     }
+    measured
 }

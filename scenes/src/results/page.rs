@@ -1,16 +1,104 @@
-//! The text of `docs/results.md`.
+//! The text of `docs/results.md`: `page.txt` with the figures of a run, then what the programs print.
 
 use std::fmt::Write;
+use std::fs;
+use std::path::Path;
 
-use bdtree_measure::machine;
+use serde_json::{Value, json};
 
-use super::goals::goals;
-use super::measured::Measured;
-use super::rows::{Built, SECTIONS};
-use crate::report::Report;
+use crate::report::{Report, digits};
 
-/// The command of the page.
-const COMMAND: &str = "cargo run --release -p bdtree-scenes --bin results";
+/// The page with `{/pointer}` where a figure stands: every method, experiment and claim of the paper is a row of it.
+const PAGE: &str = include_str!("page.txt");
+
+/// How far rows are that are not wholly built, at the beginning of what shows them.
+const PART: &str = "in part: ";
+const NOT: &str = "not built yet";
+
+/// The cells of all rows: number, what the paper has, its figure, ours, and what shows it.
+pub(super) fn rows() -> impl Iterator<Item = Vec<&'static str>> {
+    let inside = PAGE.lines().filter_map(|line| {
+        let line = line.strip_prefix("| ")?.strip_suffix(" |")?;
+        line.starts_with('P').then_some(line)
+    });
+    inside.map(|line| line.split(" | ").collect())
+}
+
+/// What is wrong with the rows: tests, programs and pages that are named and not there.
+pub(super) fn faults() -> Vec<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut faults = Vec::new();
+    for (number, row) in (1..).zip(rows()) {
+        let [id, _, _, _, shown] = row[..] else {
+            faults.push(format!("{}: {} columns", row[0], row.len()));
+            continue;
+        };
+        if id != format!("P{number:02}") {
+            faults.push(format!("{id} stands in the place of P{number:02}"));
+        }
+        let shown = shown.strip_prefix(PART).unwrap_or(shown).split(", ");
+        let own = shown.filter_map(|shown| fault(shown, &root));
+        faults.extend(own.map(|fault| format!("{id}: {fault}")));
+    }
+    faults
+}
+
+/// What is wrong with what shows a row, if the repository at `root` does not have it: a link to a test in its file or to
+/// a page, or the name of a program.
+fn fault(shown: &str, root: &Path) -> Option<String> {
+    let link = shown.strip_prefix('[').and_then(|s| s.strip_suffix(')'));
+    if let Some((name, file)) = link.and_then(|link| link.split_once("](")) {
+        let Ok(text) = fs::read_to_string(root.join("docs").join(file)) else {
+            return Some(format!("{file}: cannot be read"));
+        };
+        let is_there = !name.starts_with('`') || is_test(&text, name.trim_matches('`'));
+        return (!is_there).then(|| format!("{file}: has no test {name}"));
+    }
+    let main = format!("scenes/src/bin/{}/main.rs", shown.trim_matches('`'));
+    (shown != NOT && !root.join(&main).is_file()).then(|| format!("{main}: is not there"))
+}
+
+/// Whether a function of that name stands right behind an attribute `#[test]`, other attributes between.
+fn is_test(text: &str, name: &str) -> bool {
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let head = format!("fn {name}(");
+    let Some(at) = lines.iter().position(|line| line.starts_with(&head)) else {
+        return false;
+    };
+    let above = lines[..at].iter().rev();
+    above
+        .take_while(|line| line.starts_with("#["))
+        .any(|line| *line == "#[test]")
+}
+
+/// How many rows are built how far, and which are not.
+pub(super) fn built() -> Value {
+    let all: Vec<_> = rows().collect();
+    let count = |begin: &str| all.iter().filter(|row| row[4].starts_with(begin)).count();
+    let missing = all.iter().filter(|row| row[4] == NOT);
+    let missing: Vec<&str> = missing.map(|row| row[0]).collect();
+    json!({"whole": all.len() - count(PART) - count(NOT), "part": count(PART), "not": count(NOT),
+        "missing": missing.join(", ")})
+}
+
+/// A text with what stands in `value` at each `{/pointer}`: text and whole numbers as they are, three digits of other
+/// numbers, `?` for what was not measured.
+pub(super) fn fill(text: &str, value: &Value) -> String {
+    let mut parts = text.split('{');
+    let mut filled = parts.next().unwrap_or_default().to_string();
+    for part in parts {
+        let (pointer, behind) = part.split_once('}').unwrap_or((part, ""));
+        filled += &match value.pointer(pointer) {
+            Some(Value::String(text)) => text.clone(),
+            Some(Value::Number(number)) if number.is_u64() => number.to_string(),
+            found => found
+                .and_then(Value::as_f64)
+                .map_or("?".to_string(), digits),
+        };
+        filled += behind;
+    }
+    filled
+}
 
 /// The file of a picture below `images/`.
 pub(super) fn picture(report: &Report, key: &str) -> String {
@@ -18,62 +106,43 @@ pub(super) fn picture(report: &Report, key: &str) -> String {
     format!("{}{dash}{key}.svg", report.name)
 }
 
-/// The page.
-pub(super) fn page(measured: &Measured, reports: &[Report], commit: &str) -> String {
-    let all = || SECTIONS.iter().flat_map(|(_, rows)| rows.iter());
-    let count = |built: Built| all().filter(|row| row.built == built).count();
-    let missing: Vec<&str> = all()
-        .filter(|r| r.built == Built::Not)
-        .map(|r| r.id)
-        .collect();
-    let mut text = format!(
-        "# The paper's figures and ours\n\n\
-         D. L. James and D. K. Pai, *BD-Tree: Output-Sensitive Collision Detection for Reduced Deformable \
-         Models*, SIGGRAPH 2004, row by row. Written by\n\n    {COMMAND}\n\n\
-         on {}, at commit `{}`. Counts and radii are the same in every run; times are medians, and of a machine \
-         that does other work. A program named in the last column is `cargo run --release -p bdtree-scenes --bin NAME`, \
-         with its own `--help`; a test is checked to exist when this page is written.\n\n\
-         {} rows are shown, {} in part, {} not built yet: {}.\n",
-        machine::processor(),
-        commit,
-        count(Built::Whole),
-        count(Built::Part),
-        missing.len(),
-        missing.join(", "),
-    );
-    text += &goals(measured);
-    for (section, rows) in SECTIONS {
-        let _ = write!(
-            text,
-            "\n## {section}\n\n| row | what | the paper | ours | shown by |\n|---|---|---|---|---|\n"
-        );
-        for row in rows {
-            let shown: Vec<String> = row.shown.iter().map(|s| s.markdown()).collect();
-            let shown = match row.built {
-                Built::Not => "not built yet".to_string(),
-                Built::Part => format!("in part: {}", shown.join(", ")),
-                Built::Whole => shown.join(", "),
-            };
-            let ours = (row.ours)(measured).replace('|', "\\|");
-            let what = row.what.replace('|', "\\|");
-            let _ = writeln!(
-                text,
-                "| {} | {what} | {} | {ours} | {shown} |",
-                row.id, row.paper
-            );
-        }
-    }
+/// The page of all figures.
+pub(super) fn page(figures: &Value, reports: &[Report]) -> String {
+    let mut text = fill(PAGE, figures);
     for report in reports {
-        let _ = write!(
-            text,
-            "\n## What `{}` prints\n\n{}",
-            report.name,
-            report.markdown()
-        );
+        let (name, printed) = (report.name, report.markdown());
+        let _ = write!(text, "\n## What `{name}` prints\n\n{printed}");
         for (key, _) in &report.pictures {
             let file = picture(report, key);
-            let _ = write!(text, "\n![Curves of {}](images/{file})\n", report.name);
+            let _ = write!(text, "\n![Curves of {name}](images/{file})\n");
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{built, faults, fill, is_test, rows};
+    use serde_json::json;
+
+    #[test]
+    fn every_row_names_what_is_there() {
+        assert_eq!(faults(), Vec::<String>::new());
+        assert_eq!(rows().count(), 61);
+        assert_eq!(built()["missing"], "P36, P43, P44, P48, P49, P59");
+    }
+
+    #[test]
+    fn tests_are_told_from_other_functions() {
+        let text = "#[test]\n#[ignore]\nfn one() {}\nfn two() {}\n    #[test]\n    fn three() {}\n";
+        assert!(is_test(text, "one") && is_test(text, "three"));
+        assert!(!is_test(text, "two") && !is_test(text, "on") && !is_test(text, "four"));
+    }
+
+    #[test]
+    fn figures_stand_where_they_are_asked_for() {
+        let value = json!({"a": {"b": 0.125}, "c": [35827], "d": "so"});
+        let text = fill("{/a/b} of {/c/0}, {/d}: {/e}", &value);
+        assert_eq!(text, "0.125 of 35827, so: ?");
+    }
 }

@@ -8,7 +8,7 @@ use bdtree_format::LANES;
 use bdtree_measure::clock::Clock;
 use bdtree_measure::deform::Deformer;
 use bdtree_measure::paper_tree::{PaperTree, Step};
-use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer};
+use bdtree_measure::peers::{LayeredPeer, Obvhs, Peer, Target};
 use bdtree_measure::stats::median;
 use bdtree_measure::{Body, Place};
 use bdtree_runtime::{Asset, Transform};
@@ -45,10 +45,15 @@ pub(super) fn measure(asset: &Asset<'_>, repeats: usize) -> Result<Value, Box<dy
     let deformer = Deformer::new(&body);
     let (mut layered, mut boxes) = (LayeredPeer::new(tree, &deformer), Obvhs::new(&body));
     let mut scratch = Vec::new();
+    let to = Target {
+        deformer: &deformer,
+        q: &q,
+        place: &Place::IDENTITY,
+    };
     let mut refit = |peer: &mut dyn Peer| {
         let all: Vec<f64> = (0..repeats.max(1))
             .map(|_| {
-                let update = peer.update(&deformer, &q, &Place::IDENTITY, &mut scratch);
+                let update = peer.update(to, &mut scratch);
                 update.deform + update.refit
             })
             .collect();

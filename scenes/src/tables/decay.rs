@@ -28,22 +28,24 @@ pub(super) struct Decay {
 /// ‖ΔR‖₂ of the paper's nodes (Ū the mean) and of our spheres around the same triangles (Ū the center of the
 /// smallest ball).
 pub(super) fn measure(mesh: Mesh, trees: &Hierarchies<'_>) -> Result<Decay, Box<dyn Error>> {
-    let mut sums = vec![(0.0, 0.0); trees.depth()];
-    for (node, (level, _)) in trees.nodes().iter().enumerate() {
-        let rows = &trees.tree().numbers(node)[1..];
-        let squared: f64 = rows.iter().map(|row| f64::from(row[3]).powi(2)).sum();
-        sums[*level].0 += squared.sqrt();
-        sums[*level].1 += 1.0;
-    }
-    let mut ours = Vec::with_capacity(sums.len());
+    let mean = |norms: Vec<f64>| norms.iter().sum::<f64>() / norms.len() as f64;
+    let (mut paper, mut ours) = (Vec::new(), Vec::new());
     for level in 0..trees.depth() {
-        let norms = trees.level(level)?.growth_norms();
-        ours.push(norms.iter().sum::<f64>() / norms.len() as f64);
+        let of_level = trees.nodes().iter().enumerate();
+        let of_level = of_level.filter(|(_, (of, _))| *of == level);
+        let norms = of_level.map(|(node, _)| {
+            let rows = trees.tree().numbers(node)[1..].iter();
+            rows.map(|row| f64::from(row[3]).powi(2))
+                .sum::<f64>()
+                .sqrt()
+        });
+        paper.push(mean(norms.collect()));
+        ours.push(mean(trees.level(level)?.growth_norms()));
     }
     let over_root = |means: Vec<f64>| means.iter().map(|mean| mean / means[0]).collect();
     Ok(Decay {
         mesh,
-        paper: over_root(sums.into_iter().map(|(sum, count)| sum / count).collect()),
+        paper: over_root(paper),
         ours: over_root(ours),
     })
 }

@@ -5,10 +5,10 @@ use std::error::Error;
 
 use bdtree_runtime::{Asset, VertexId};
 use nalgebra::{Matrix3, Vector3};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::hierarchies::{Hierarchies, Kind};
-use crate::report::{Cell, Table};
+use crate::report::Table;
 
 /// ΔR is at most this times L R where Ū is the center of the smallest ball (Jung's theorem in space).
 const JUNG: f64 = 1.224_744_871_391_589;
@@ -17,68 +17,60 @@ const JUNG: f64 = 1.224_744_871_391_589;
 const ROUNDING: f64 = 1e-6;
 
 /// Over all nodes that are small enough, and all modes.
+#[derive(Serialize)]
 pub(super) struct Pairs {
-    kind: Kind,
+    spheres: &'static str,
+    /// What the theorem allows.
+    bound: f64,
     /// Nodes with two vertices or more, times modes.
-    count: u64,
-    /// Largest and mean ΔR_j / (L_j R).
+    nodes_times_modes: u64,
+    /// Largest ΔR_j / (L_j R).
     largest: f64,
-    sum: f64,
-    /// Where it is above what the theorem allows.
+    /// Mean of the same; the sum, until all are added.
+    mean: f64,
+    /// Where it is above the bound.
     violations: u64,
     /// Where L_j is above the parent's.
-    rising: u64,
-    /// Where ΔR_j > δR.
-    above_common: u64,
+    rising_constants: u64,
+    /// Share where ΔR_j > δR; their number, until all are added.
+    share_above_common: f64,
 }
 
 impl Pairs {
     fn new(kind: Kind) -> Self {
         Self {
-            kind,
-            count: 0,
+            spheres: kind.short(),
+            bound: if kind == Kind::Ours { JUNG } else { 2.0 },
+            nodes_times_modes: 0,
             largest: 0.0,
-            sum: 0.0,
+            mean: 0.0,
             violations: 0,
-            rising: 0,
-            above_common: 0,
+            rising_constants: 0,
+            share_above_common: 0.0,
         }
-    }
-
-    fn bound(&self) -> f64 {
-        if self.kind == Kind::Ours { JUNG } else { 2.0 }
     }
 
     fn add(&mut self, growth: f64, lipschitz: f64, radius: f64, common: f64) {
         let limit = lipschitz * radius;
         // Constant fields have neither.
         let ratio = if growth == 0.0 { 0.0 } else { growth / limit };
-        self.count += 1;
+        self.nodes_times_modes += 1;
         self.largest = self.largest.max(ratio);
-        self.sum += ratio;
-        self.violations += u64::from(!(ratio <= self.bound() * (1.0 + ROUNDING)));
-        self.above_common += u64::from(growth > common * (1.0 + ROUNDING));
+        self.mean += ratio;
+        self.violations += u64::from(!(ratio <= self.bound * (1.0 + ROUNDING)));
+        if growth > common * (1.0 + ROUNDING) {
+            self.share_above_common += 1.0;
+        }
     }
 
-    pub(super) fn json(&self) -> Value {
-        json!({"spheres": self.kind.short(), "bound": self.bound(), "nodes_times_modes": self.count,
-            "largest": self.largest, "mean": self.sum / self.count as f64,
-            "violations": self.violations, "rising_constants": self.rising,
-            "share_above_common": self.above_common as f64 / self.count as f64})
-    }
-
-    pub(super) fn row(&self, mesh: &str) -> Vec<Cell> {
-        vec![
-            mesh.into(),
-            self.kind.short().into(),
-            self.count.into(),
-            self.bound().into(),
-            self.largest.into(),
-            (self.sum / self.count as f64).into(),
-            self.violations.into(),
-            self.rising.into(),
-            (100.0 * self.above_common as f64 / self.count as f64).into(),
-        ]
+    /// After all are added.
+    fn finished(self) -> Self {
+        let count = self.nodes_times_modes as f64;
+        Self {
+            mean: self.mean / count,
+            share_above_common: self.share_above_common / count,
+            ..self
+        }
     }
 }
 
@@ -165,33 +157,38 @@ pub(super) fn measure(
             for (pairs, (growth, radius)) in all.iter_mut().zip(growths.into_iter().zip(radii)) {
                 pairs.add(growth, lipschitz[j], radius, common);
                 let parent = level.checked_sub(1).and_then(|level| above[level].as_ref());
-                pairs.rising += u64::from(parent.is_some_and(|parent| lipschitz[j] > parent[j]));
+                pairs.rising_constants +=
+                    u64::from(parent.is_some_and(|parent| lipschitz[j] > parent[j]));
             }
         }
         above[*level] = Some(lipschitz);
     }
-    Ok(all)
+    Ok(all.map(Pairs::finished))
 }
 
-pub(super) fn table(most: u16) -> Table {
+/// A row for each mesh and kind.
+pub(super) fn table(most: u16, rows: &[(&str, &Pairs)]) -> Table {
     let title = format!(
         "Appendix A: ΔR_j / (L_j R) over all nodes of at most {most} vertices and all modes, which may not exceed \
          2 (Ū the mean) or √(3/2) (Ū the center of the smallest ball); where L_j exceeds the parent's; and share \
          of nodes and modes where ΔR_j exceeds δR."
     );
-    Table::new(
+    Table::of(
         "appendix-a",
         title,
+        rows,
         &[
-            "mesh",
-            "spheres",
-            "nodes × modes",
-            "bound",
-            "largest",
-            "mean",
-            "above the bound",
-            "L above the parent's",
-            "ΔR_j > δR, %",
+            ("mesh", &|(mesh, _)| (*mesh).into()),
+            ("spheres", &|(_, p)| p.spheres.into()),
+            ("nodes × modes", &|(_, p)| p.nodes_times_modes.into()),
+            ("bound", &|(_, p)| p.bound.into()),
+            ("largest", &|(_, p)| p.largest.into()),
+            ("mean", &|(_, p)| p.mean.into()),
+            ("above the bound", &|(_, p)| p.violations.into()),
+            ("L above the parent's", &|(_, p)| p.rising_constants.into()),
+            ("ΔR_j > δR, %", &|(_, p)| {
+                (100.0 * p.share_above_common).into()
+            }),
         ],
     )
 }

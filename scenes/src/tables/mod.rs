@@ -20,6 +20,7 @@ use crate::hierarchies::Hierarchies;
 use crate::report::{Cell, Report, Table};
 use bdtree_measure::plot::sheet;
 
+use crossing::Crossing;
 use ratios::Ratios;
 use ways::Deformations;
 
@@ -56,13 +57,6 @@ pub struct Arguments {
     pub out: Option<PathBuf>,
 }
 
-impl Arguments {
-    /// The largest amplitude.
-    fn largest(&self) -> f64 {
-        self.amplitudes.iter().copied().fold(0.0, f64::max)
-    }
-}
-
 /// A share on the command line.
 fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -76,41 +70,42 @@ const FIGURE_LEVEL: usize = 6;
 
 /// What is shown of figure 6, of meshes and of files alike.
 struct Figure {
-    level: Table,
-    crossings: Table,
+    name: String,
+    ratios: Ratios,
+    crossings: Vec<Crossing>,
 }
 
 impl Figure {
-    fn new() -> Self {
-        Self {
-            level: ratios::figure_table(),
-            crossings: crossing::table(),
-        }
-    }
-
-    /// Measures an asset and adds its rows: the ratios, and the figures of both as JSON.
-    fn add(
-        &mut self,
+    fn new(
         name: &str,
         asset: &Asset<'_>,
         trees: &Hierarchies<'_>,
         arguments: &Arguments,
-    ) -> Result<(Ratios, Value), Box<dyn Error>> {
+    ) -> Result<Self, Box<dyn Error>> {
         let body = Body::of_asset(asset)?;
         let deformations = Deformations::new(asset, &body, arguments.poses, arguments.seed);
-        let ratios = ratios::measure(asset, trees, &deformations, &arguments.amplitudes)?;
-        let met = crossing::measure(trees, &deformations, FIGURE_LEVEL, arguments.largest())?;
-        self.level
-            .rows
-            .extend(ratios.figure_rows(name, FIGURE_LEVEL));
-        self.crossings
-            .rows
-            .extend(met.iter().map(|one| one.row(name)));
-        let value = json!({"triangles": asset.triangle_count(), "modes": asset.mode_count(),
-            "ratios": ratios.json(),
-            "crossings": met.iter().map(|one| one.json()).collect::<Vec<Value>>()});
-        Ok((ratios, value))
+        let largest = arguments.amplitudes.iter().copied().fold(0.0, f64::max);
+        Ok(Self {
+            name: name.to_string(),
+            ratios: ratios::measure(asset, trees, &deformations, &arguments.amplitudes)?,
+            crossings: crossing::measure(trees, &deformations, FIGURE_LEVEL, largest)?,
+        })
     }
+
+    /// The figures of its asset, and what else is known of that.
+    fn json(&self, asset: &Asset<'_>, mut more: Value) -> Value {
+        more["triangles"] = json!(asset.triangle_count());
+        more["modes"] = json!(asset.mode_count());
+        more["ratios"] = json!(self.ratios);
+        more["crossings"] = json!(self.crossings);
+        more
+    }
+}
+
+/// By name.
+fn ratios(figures: &[Figure]) -> Vec<(&str, &Ratios)> {
+    let all = figures.iter().map(|f| (f.name.as_str(), &f.ratios));
+    all.collect()
 }
 
 /// Measures.
@@ -118,67 +113,57 @@ impl Figure {
 /// # Errors
 /// Fixtures that cannot be made or baked, files that cannot be read.
 pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
-    let mut sizes = sizes_table();
-    let mut decays = Vec::new();
-    let mut figure = Figure::new();
-    let mut levels = ratios::level_table();
-    let mut lipschitz = lipschitz::table(arguments.pair_vertices);
-    let (mut results, mut charts) = (Vec::new(), Vec::new());
+    let (mut sizes, mut decays, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut figures, mut results, mut charts) = (Vec::new(), Vec::new(), Vec::new());
     for mesh in &arguments.meshes {
         let model = subjects::baked(*mesh)?;
         let asset = model.asset();
         let trees = Hierarchies::new(*asset);
         let name = mesh.name();
-        sizes.rows.push(sizes_row(*mesh, asset, &trees));
+        let size = Size::new(*mesh, asset, &trees);
         let decay = decay::measure(*mesh, &trees)?;
-        let (ratios, mut value) = figure.add(name, asset, &trees, arguments)?;
-        levels.rows.extend(ratios.level_rows(name));
-        let pairs = lipschitz::measure(asset, &trees, usize::from(arguments.pair_vertices))?;
-        lipschitz.rows.extend(pairs.iter().map(|p| p.row(name)));
+        let figure = Figure::new(name, asset, &trees, arguments)?;
+        let own = lipschitz::measure(asset, &trees, usize::from(arguments.pair_vertices))?;
         if *mesh == Mesh::Chair {
-            charts.push(ratios.chart());
+            charts.push(figure.ratios.chart());
         }
-        for (key, own) in [
-            ("mesh", json!(name)),
-            ("vertices", json!(asset.vertex_count())),
-            ("bytes", json!(asset.bytes().len())),
-            ("spheres", json!(trees.tree().node_count())),
-            ("levels", json!(trees.depth())),
-            ("our_nodes", json!(asset.node_count())),
-            ("our_levels", json!(asset.depth())),
-            ("decay", decay.json()),
-            ("appendix_a", pairs.iter().map(|p| p.json()).collect()),
-        ] {
-            value[key] = own;
-        }
-        results.push(value);
+        let [vertices, _, _, spheres, levels] = size.own;
+        let more = json!({"mesh": name, "vertices": vertices, "bytes": size.bytes, "spheres": spheres,
+            "levels": levels, "our_nodes": size.nodes, "our_levels": size.depth, "decay": decay.json(),
+            "appendix_a": own});
+        results.push(figure.json(asset, more));
+        pairs.extend(own.map(|pairs| (name, pairs)));
+        sizes.push(size);
         decays.push(decay);
+        figures.push(figure);
     }
     let mut of_files = Vec::new();
     for path in &arguments.files {
         let model = Model::read(path)?;
         let (asset, name) = (model.asset(), path.file_stem().unwrap_or(path.as_os_str()));
         let (name, trees) = (name.to_string_lossy(), Hierarchies::new(*asset));
-        let added = figure.add(&name, asset, &trees, arguments);
-        let (_, mut value) = added.map_err(|error| format!("{}: {error}", path.display()))?;
-        value["file"] = json!(name);
-        of_files.push(value);
+        let figure = Figure::new(&name, asset, &trees, arguments);
+        let figure = figure.map_err(|error| format!("{}: {error}", path.display()))?;
+        of_files.push(figure.json(asset, json!({"file": name})));
+        figures.push(figure);
     }
     charts.insert(0, decay::chart(&decays));
-    let picture = sheet(&charts)?;
+    let crossings = figures.iter();
+    let crossings = crossings.flat_map(|f| f.crossings.iter().map(|c| (f.name.as_str(), c)));
+    let pairs: Vec<_> = pairs.iter().map(|(name, pairs)| (*name, pairs)).collect();
     Ok(Report {
         name: "tables",
         value: json!({"settings": {"amplitudes": arguments.amplitudes, "poses": arguments.poses,
             "pair_vertices": arguments.pair_vertices, "seed": arguments.seed}, "meshes": results, "files": of_files}),
         tables: vec![
-            sizes,
+            sizes_table(&sizes),
             decay::table(&decays),
-            figure.level,
-            figure.crossings,
-            levels,
-            lipschitz,
+            ratios::figure_table(&ratios(&figures), FIGURE_LEVEL),
+            crossing::table(&crossings.collect::<Vec<_>>()),
+            ratios::level_table(&ratios(&figures[..results.len()])),
+            lipschitz::table(arguments.pair_vertices, &pairs),
         ],
-        pictures: vec![("", picture)],
+        pictures: vec![("", sheet(&charts)?)],
     })
 }
 
@@ -190,39 +175,56 @@ pub fn chair() -> Result<Model, Box<dyn Error>> {
     subjects::baked(Mesh::Chair)
 }
 
-fn sizes_table() -> Table {
-    Table::new(
-        "",
-        "Table 1: our fixtures, the paper's numbers in brackets. Spheres and levels are those of the paper's \
-         binary tree (2 F − 1); nodes of eight spheres are ours.",
-        &[
-            "mesh",
-            "vertices",
-            "faces",
-            "M",
-            "spheres",
-            "levels",
-            "our nodes",
-            "their levels",
-            "bytes",
-        ],
-    )
+/// A row of Table 1.
+struct Size {
+    mesh: Mesh,
+    /// Vertices, faces, M, spheres and levels of the paper's tree.
+    own: [usize; 5],
+    nodes: usize,
+    depth: usize,
+    bytes: usize,
 }
 
-fn sizes_row(mesh: Mesh, asset: &Asset<'_>, trees: &Hierarchies<'_>) -> Vec<Cell> {
-    let theirs = mesh.of_the_paper();
-    let own = [
-        asset.vertex_count(),
-        asset.triangle_count(),
-        asset.mode_count(),
-        trees.tree().node_count(),
-        trees.depth(),
-    ];
-    let both = own
-        .iter()
-        .zip(theirs)
-        .map(|(own, paper)| format!("{own} ({paper})").into());
-    let mut row: Vec<Cell> = std::iter::once(mesh.name().into()).chain(both).collect();
-    row.extend([asset.node_count(), asset.depth(), asset.bytes().len()].map(Cell::from));
-    row
+impl Size {
+    fn new(mesh: Mesh, asset: &Asset<'_>, trees: &Hierarchies<'_>) -> Self {
+        Self {
+            mesh,
+            own: [
+                asset.vertex_count(),
+                asset.triangle_count(),
+                asset.mode_count(),
+                trees.tree().node_count(),
+                trees.depth(),
+            ],
+            nodes: asset.node_count(),
+            depth: asset.depth(),
+            bytes: asset.bytes().len(),
+        }
+    }
+
+    /// A number, and the paper's.
+    fn both(&self, k: usize) -> Cell {
+        format!("{} ({})", self.own[k], self.mesh.of_the_paper()[k]).into()
+    }
+}
+
+fn sizes_table(rows: &[Size]) -> Table {
+    let title = "Table 1: our fixtures, the paper's numbers in brackets. Spheres and levels are those of the paper's \
+                 binary tree (2 F − 1); nodes of eight spheres are ours.";
+    Table::of(
+        "",
+        title,
+        rows,
+        &[
+            ("mesh", &|size| size.mesh.name().into()),
+            ("vertices", &|size| size.both(0)),
+            ("faces", &|size| size.both(1)),
+            ("M", &|size| size.both(2)),
+            ("spheres", &|size| size.both(3)),
+            ("levels", &|size| size.both(4)),
+            ("our nodes", &|size| size.nodes.into()),
+            ("their levels", &|size| size.depth.into()),
+            ("bytes", &|size| size.bytes.into()),
+        ],
+    )
 }

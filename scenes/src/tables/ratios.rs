@@ -5,15 +5,24 @@ use std::error::Error;
 use bdtree_fixtures::poses;
 use bdtree_render::tightness::mean_and_max;
 use bdtree_runtime::Asset;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::ways::{Deformations, Way};
-use crate::hierarchies::{Hierarchies, Kind};
+use crate::hierarchies::{ByKind, Hierarchies, Kind};
 use crate::report::{Cell, Table};
 use bdtree_measure::plot::{Axis, Line, Plot};
 
+/// How far a body is deformed, and how.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct Case {
+    #[serde(rename = "deformation")]
+    way: Way,
+    /// Way of the farthest vertex over the diagonal.
+    amplitude: f64,
+}
+
 /// Over the nodes of a level and all deformations of a case.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 struct Spread {
     mean: f64,
     max: f64,
@@ -21,19 +30,48 @@ struct Spread {
     largest: f64,
 }
 
-/// How far a body is deformed, and how.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Case {
-    way: Way,
-    /// Way of the farthest vertex over the diagonal.
-    amplitude: f64,
+/// A case on a level.
+#[derive(Serialize)]
+struct Ratio {
+    #[serde(flatten)]
+    case: Case,
+    #[serde(flatten)]
+    spreads: ByKind<Spread>,
 }
 
-/// By level, case (rest first) and kind.
+/// All cases on a level, rest first.
+#[derive(Serialize)]
+struct Level {
+    level: usize,
+    /// How many.
+    spheres: usize,
+    ratios: Vec<Ratio>,
+}
+
+/// The largest quotient of the means, and of the largest ratios, of ours and layered on any level.
+#[derive(Serialize)]
+struct Quotients {
+    mean: f64,
+    max: f64,
+}
+
+/// A case on all levels but the last, which has leaves only.
+#[derive(Serialize)]
+struct Inner {
+    #[serde(flatten)]
+    case: Case,
+    /// Mean ratios over all spheres.
+    means_of_inner_levels: ByKind<f64>,
+    most_ours_over_layered_of_inner_levels: Quotients,
+}
+
+/// Of one asset.
+#[derive(Serialize)]
 pub(super) struct Ratios {
-    cases: Vec<Case>,
-    counts: Vec<usize>,
-    levels: Vec<Vec<[Spread; 3]>>,
+    /// The least mean of layered over wrapped at rest of any.
+    least_layered_over_wrapped_of_inner_levels: f64,
+    cases: Vec<Inner>,
+    levels: Vec<Level>,
 }
 
 /// `amplitudes` are shares of the diagonal.
@@ -44,167 +82,88 @@ pub(super) fn measure(
     amplitudes: &[f64],
 ) -> Result<Ratios, Box<dyn Error>> {
     let diagonal = poses::diagonal(asset);
-    let mut cases = vec![Case {
+    let rest = Case {
         way: Way::Rest,
         amplitude: 0.0,
-    }];
-    let mut posed = vec![vec![trees.posed(&vec![0.0; asset.mode_count()])?]];
+    };
+    let mut posed = vec![(rest, vec![trees.posed(&vec![0.0; asset.mode_count()])?])];
     for way in [Way::Natural, Way::Even] {
         for amplitude in amplitudes.iter().copied() {
             let own = deformations.of(way, amplitude);
-            cases.push(Case { way, amplitude });
             let own = own.iter().map(|q| trees.posed(q));
-            posed.push(own.collect::<Result<Vec<_>, _>>()?);
+            posed.push((Case { way, amplitude }, own.collect::<Result<_, _>>()?));
         }
     }
     let mut levels = Vec::new();
     for level in 0..trees.depth() {
         let nodes = trees.level(level)?;
-        let of_level = posed.iter_mut().map(|posed| {
-            Kind::ALL.map(|kind| {
-                let found = posed
-                    .iter_mut()
-                    .flat_map(|posed| nodes.spheres(kind, posed));
-                let (mut growths, mut largest) = (Vec::new(), 0.0_f64);
-                for sphere in found {
-                    growths.push(sphere.growth);
-                    largest = largest.max(sphere.radius);
-                }
+        let ratios = posed.iter_mut().map(|(case, posed)| {
+            let spread = |kind| {
+                let found = posed.iter_mut().flat_map(|p| nodes.spheres(kind, p));
+                let both = found.map(|sphere| (sphere.growth, sphere.radius));
+                let (growths, radii): (Vec<f64>, Vec<f64>) = both.unzip();
                 let [mean, max] = mean_and_max(&growths).unwrap_or([f64::NAN; 2]);
-                Spread {
-                    mean,
-                    max,
-                    largest: largest / diagonal,
-                }
-            })
+                let largest = radii.into_iter().fold(0.0, f64::max) / diagonal;
+                Spread { mean, max, largest }
+            };
+            Ratio {
+                case: *case,
+                spreads: Kind::ALL.map(spread).into(),
+            }
         });
-        levels.push(of_level.collect());
+        levels.push(Level {
+            level,
+            ratios: ratios.collect(),
+            spheres: trees.count(level),
+        });
     }
+    let inner = &levels[..levels.len().saturating_sub(1)];
+    let least = inner
+        .iter()
+        .map(|level| level.ratios[0].spreads.layered.mean);
     Ok(Ratios {
-        cases,
-        counts: (0..trees.depth()).map(|level| trees.count(level)).collect(),
+        least_layered_over_wrapped_of_inner_levels: least.fold(f64::INFINITY, f64::min),
+        cases: (0..posed.len())
+            .map(|k| Inner::new(posed[k].0, inner, k))
+            .collect(),
         levels,
     })
 }
 
-impl Ratios {
-    /// All levels but the last, which has leaves only.
-    fn inner(&self) -> impl Iterator<Item = &Vec<[Spread; 3]>> {
-        self.levels.iter().take(self.levels.len().saturating_sub(1))
-    }
-
-    /// The least mean of layered over wrapped at rest of any inner level.
-    fn least_layered(&self) -> f64 {
-        self.inner()
-            .map(|level| level[0][0].mean)
-            .fold(f64::INFINITY, f64::min)
-    }
-
-    /// The largest quotient of the means, and of the largest ratios, of ours and layered on any inner level.
-    fn ours_over_layered(&self, case: usize) -> [f64; 2] {
-        let both = self.inner().map(|level| {
-            let [layered, _, ours] = level[case];
-            [ours.mean / layered.mean, ours.max / layered.max]
-        });
-        both.fold([0.0; 2], |[a, b], [c, d]| [f64::max(a, c), f64::max(b, d)])
-    }
-
-    /// Mean ratios over all spheres of the inner levels, by kind.
-    fn means(&self, case: usize) -> [f64; 3] {
+impl Inner {
+    fn new(case: Case, levels: &[Level], k: usize) -> Self {
         let (mut sums, mut count) = ([0.0; 3], 0.0);
-        for (level, spheres) in self.inner().zip(&self.counts) {
-            for (sum, spread) in sums.iter_mut().zip(&level[case]) {
-                *sum += spread.mean * *spheres as f64;
+        let mut most = Quotients {
+            mean: 0.0,
+            max: 0.0,
+        };
+        for level in levels {
+            let ByKind {
+                layered,
+                paper,
+                ours,
+            } = level.ratios[k].spreads;
+            for (sum, spread) in sums.iter_mut().zip([layered, paper, ours]) {
+                *sum += spread.mean * level.spheres as f64;
             }
-            count += *spheres as f64;
+            count += level.spheres as f64;
+            most.mean = most.mean.max(ours.mean / layered.mean);
+            most.max = most.max.max(ours.max / layered.max);
         }
-        sums.map(|sum| sum / count)
-    }
-
-    pub(super) fn json(&self) -> Value {
-        let spread = |s: &Spread| json!({"mean": s.mean, "max": s.max, "largest": s.largest});
-        let level = |(level, of_level): (usize, &Vec<[Spread; 3]>)| -> Value {
-            let all = self.cases.iter().zip(of_level);
-            let all = all.map(|(case, [layered, paper, ours])| {
-                json!({"deformation": case.way.name(), "amplitude": case.amplitude,
-                    "layered": spread(layered), "paper": spread(paper), "ours": spread(ours)})
-            });
-            json!({"level": level, "spheres": self.counts[level],
-                "ratios": all.collect::<Vec<Value>>()})
-        };
-        let cases = self.cases.iter().enumerate().map(|(k, case)| {
-            let [mean, max] = self.ours_over_layered(k);
-            let [layered, paper, ours] = self.means(k);
-            json!({"deformation": case.way.name(), "amplitude": case.amplitude,
-                "means_of_inner_levels": {"layered": layered, "paper": paper, "ours": ours},
-                "most_ours_over_layered_of_inner_levels": {"mean": mean, "max": max}})
-        });
-        json!({
-            "least_layered_over_wrapped_of_inner_levels": self.least_layered(),
-            "cases": cases.collect::<Vec<Value>>(),
-            "levels": self.levels.iter().enumerate().map(level).collect::<Vec<Value>>(),
-        })
-    }
-
-    /// A row per case on one level.
-    pub(super) fn figure_rows(&self, mesh: &str, level: usize) -> Vec<Vec<Cell>> {
-        let Some(of_level) = self.levels.get(level) else {
-            return Vec::new();
-        };
-        let rows = self.cases.iter().zip(of_level).enumerate();
-        rows.map(|(k, (case, spreads))| {
-            let share = format!("{} %", 100.0 * case.amplitude);
-            let mut row = vec![mesh.into(), case.way.name().into(), share.into()];
-            row.extend(spreads.iter().map(text));
-            row.extend(spreads.iter().map(|s| Cell::Number(s.largest)));
-            row.extend(self.means(k).map(Cell::Number));
-            row.push(self.ours_over_layered(k)[0].into());
-            row
-        })
-        .collect()
-    }
-
-    /// The natural case of the largest amplitude.
-    fn last_natural(&self) -> usize {
-        let natural = self.cases.iter().rposition(|case| case.way == Way::Natural);
-        natural.unwrap_or(0)
-    }
-
-    /// A row per level: at rest and at the largest natural deformation.
-    pub(super) fn level_rows(&self, mesh: &str) -> Vec<Vec<Cell>> {
-        let last = self.last_natural();
-        let rows = self.levels.iter().enumerate();
-        rows.map(|(level, of_level)| {
-            let mut row = vec![mesh.into(), level.into(), self.counts[level].into()];
-            let [layered, _, ours] = &of_level[0];
-            row.extend([text(layered), text(ours)]);
-            row.extend(of_level[last].iter().map(text));
-            row
-        })
-        .collect()
-    }
-
-    /// Means by level at rest and at the largest natural deformation.
-    pub(super) fn chart(&self) -> Plot {
-        let last = self.last_natural();
-        let line = |name: String, case: usize, kind: usize| Line {
-            name,
-            points: (0..)
-                .map(f64::from)
-                .zip(self.levels.iter().map(|level| level[case][kind].mean))
-                .collect(),
-        };
-        let share = 100.0 * self.cases[last].amplitude;
-        let mut lines = vec![
-            line("layered, at rest".to_string(), 0, 0),
-            line("ours, at rest".to_string(), 0, 2),
-        ];
-        for (k, kind) in Kind::ALL.into_iter().enumerate() {
-            lines.push(line(format!("{}, {share} %", kind.short()), last, k));
+        Self {
+            case,
+            means_of_inner_levels: sums.map(|sum| sum / count).into(),
+            most_ours_over_layered_of_inner_levels: most,
         }
-        let level = Axis::linear("level of the binary tree");
-        let title = "Chair: radius over the wrapped sphere's at rest";
-        Plot::new(title, &level, &Axis::linear("mean ratio"), lines)
+    }
+}
+
+impl Level {
+    /// At the largest natural amplitude.
+    fn deformed(&self) -> &Ratio {
+        let natural = |ratio: &&Ratio| ratio.case.way == Way::Natural;
+        let last = self.ratios.iter().rfind(natural);
+        last.unwrap_or(&self.ratios[0])
     }
 }
 
@@ -213,42 +172,102 @@ fn text(spread: &Spread) -> Cell {
     Cell::Text(format!("{:.3} / {:.3}", spread.mean, spread.max))
 }
 
-pub(super) fn figure_table() -> Table {
+/// A row per mesh and case on one level.
+pub(super) fn figure_table(all: &[(&str, &Ratios)], level: usize) -> Table {
     let title = "Figure 6: level 6, 64 spheres; radius over the undeformed wrapped sphere's, mean / largest, and the \
                  largest sphere over the diagonal. An amplitude is the way of the farthest vertex over the diagonal. \
                  Natural deformations: modes of about the same energy, or frames of the animation; even: all modes \
                  move about as far, which is rougher than bodies are. Then means over all spheres of the inner \
                  levels, and the largest quotient of ours and layered of any inner level's means. The paper's \
                  bridge: layered 1.31 / 1.77 at rest; deformed 1.31 / 1.79, BD-Tree 1.25 / 1.56.";
-    let columns = [
-        "mesh",
-        "deformation",
-        "amplitude",
-        "layered",
-        "paper's bound",
-        "ours",
-        "largest layered",
-        "largest paper's",
-        "largest ours",
-        "layered, inner levels",
-        "paper's, inner levels",
-        "ours, inner levels",
-        "ours over layered, most of any level",
-    ];
-    Table::new("figure-6", title, &columns)
+    let rows = all.iter().flat_map(|(mesh, all)| {
+        let of_level = all.levels.get(level).into_iter();
+        let spreads = of_level.flat_map(|level| &level.ratios);
+        let rows = all.cases.iter().zip(spreads);
+        rows.map(move |(case, ratio)| (*mesh, case, &ratio.spreads))
+    });
+    Table::of(
+        "figure-6",
+        title,
+        &rows.collect::<Vec<_>>(),
+        &[
+            ("mesh", &|(mesh, ..)| (*mesh).into()),
+            ("deformation", &|(_, inner, _)| inner.case.way.name().into()),
+            ("amplitude", &|(_, inner, _)| {
+                format!("{} %", 100.0 * inner.case.amplitude).into()
+            }),
+            ("layered", &|(.., s)| text(&s.layered)),
+            ("paper's bound", &|(.., s)| text(&s.paper)),
+            ("ours", &|(.., s)| text(&s.ours)),
+            ("largest layered", &|(.., s)| s.layered.largest.into()),
+            ("largest paper's", &|(.., s)| s.paper.largest.into()),
+            ("largest ours", &|(.., s)| s.ours.largest.into()),
+            ("layered, inner levels", &|(_, inner, _)| {
+                inner.means_of_inner_levels.layered.into()
+            }),
+            ("paper's, inner levels", &|(_, inner, _)| {
+                inner.means_of_inner_levels.paper.into()
+            }),
+            ("ours, inner levels", &|(_, inner, _)| {
+                inner.means_of_inner_levels.ours.into()
+            }),
+            ("ours over layered, most of any level", &|(_, inner, _)| {
+                inner.most_ours_over_layered_of_inner_levels.mean.into()
+            }),
+        ],
+    )
 }
 
-pub(super) fn level_table() -> Table {
+/// A row per mesh and level.
+pub(super) fn level_table(all: &[(&str, &Ratios)]) -> Table {
     let title = "The same on every level (figure 4): mean / largest at rest and at the largest natural amplitude.";
-    let columns = [
-        "mesh",
-        "level",
-        "spheres",
-        "layered, at rest",
-        "ours, at rest",
-        "layered, deformed",
-        "paper's bound, deformed",
-        "ours, deformed",
-    ];
-    Table::new("levels", title, &columns)
+    let rows = all.iter();
+    let rows = rows.flat_map(|(mesh, all)| all.levels.iter().map(|level| (*mesh, level)));
+    let rest = |level: &Level| level.ratios[0].spreads;
+    let deformed = |level: &Level| level.deformed().spreads;
+    Table::of(
+        "levels",
+        title,
+        &rows.collect::<Vec<_>>(),
+        &[
+            ("mesh", &|(mesh, _)| (*mesh).into()),
+            ("level", &|(_, level)| level.level.into()),
+            ("spheres", &|(_, level)| level.spheres.into()),
+            ("layered, at rest", &|(_, level)| text(&rest(level).layered)),
+            ("ours, at rest", &|(_, level)| text(&rest(level).ours)),
+            ("layered, deformed", &|(_, level)| {
+                text(&deformed(level).layered)
+            }),
+            ("paper's bound, deformed", &|(_, level)| {
+                text(&deformed(level).paper)
+            }),
+            ("ours, deformed", &|(_, level)| text(&deformed(level).ours)),
+        ],
+    )
+}
+
+impl Ratios {
+    /// Means by level at rest and at the largest natural deformation.
+    pub(super) fn chart(&self) -> Plot {
+        let line = |name: String, mean: &dyn Fn(&Level) -> f64| Line {
+            name,
+            points: (0..)
+                .map(f64::from)
+                .zip(self.levels.iter().map(mean))
+                .collect(),
+        };
+        let share = 100.0 * self.levels[0].deformed().case.amplitude;
+        let rest = |level: &Level| level.ratios[0].spreads;
+        let deformed = |level: &Level| level.deformed().spreads;
+        let lines = vec![
+            line("layered, at rest".to_string(), &|l| rest(l).layered.mean),
+            line("ours, at rest".to_string(), &|l| rest(l).ours.mean),
+            line(format!("layered, {share} %"), &|l| deformed(l).layered.mean),
+            line(format!("paper, {share} %"), &|l| deformed(l).paper.mean),
+            line(format!("ours, {share} %"), &|l| deformed(l).ours.mean),
+        ];
+        let level = Axis::linear("level of the binary tree");
+        let title = "Chair: radius over the wrapped sphere's at rest";
+        Plot::new(title, &level, &Axis::linear("mean ratio"), lines)
+    }
 }

@@ -5,11 +5,13 @@ use bdtree_measure::Body;
 use bdtree_measure::deform::Deformer;
 use bdtree_runtime::Asset;
 use rand::{Rng, RngExt};
+use serde::Serialize;
 
 use crate::workloads::scale;
 
 /// What deformations of an amplitude look like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(super) enum Way {
     /// Not at all.
     Rest,

@@ -4,10 +4,11 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use super::random::Stream;
+use bdtree_build::input::RawMesh;
 use bdtree_measure::Body;
 use bdtree_measure::place::{Place, matrix, undo_after};
 
-use super::{Shape, sequence};
+use super::{sequence, with_modes};
 
 /// Modes of every bumpy body.
 pub const MODES: usize = 10;
@@ -35,7 +36,7 @@ pub fn blob(name: &'static str, n: usize, seed: u64) -> Body {
 
 /// [`blob`] with any number of modes.
 pub fn blob_with(name: &'static str, n: usize, modes: usize, seed: u64) -> Body {
-    bumpy(n).with_modes(name, modes, 2.5, seed)
+    with_modes(&bumpy(n), name, modes, 2.5, seed)
 }
 
 /// Corners of the icosahedron's faces.
@@ -75,12 +76,9 @@ fn corners() -> [[f64; 3]; 12] {
     all
 }
 
-fn bumpy(n: usize) -> Shape {
+fn bumpy(n: usize) -> RawMesh {
     let corners = corners();
-    let mut shape = Shape {
-        positions: Vec::new(),
-        triangles: Vec::new(),
-    };
+    let mut shape = RawMesh::default();
     // Faces share the points on their edges, which differ in rounding only.
     let mut known: HashMap<[i64; 3], u32> = HashMap::new();
     for face in FACES {

@@ -1,8 +1,9 @@
 //! W1: a ball goes through a folded curtain.
 
+use bdtree_build::input::RawMesh;
 use bdtree_measure::Body;
 
-use super::{Shape, sequence};
+use super::{sequence, with_modes};
 
 /// Modes of the curtain.
 const MODES: usize = 12;
@@ -48,11 +49,12 @@ pub fn cloth(name: &'static str, across: usize, down: usize) -> Body {
             triangles.push([here, below + 1, below]);
         }
     }
-    Shape {
+    let mesh = RawMesh {
         positions,
         triangles,
-    }
-    .with_modes(name, MODES, 3.0, 1)
+        ..RawMesh::default()
+    };
+    with_modes(&mesh, name, MODES, 3.0, 1)
 }
 
 /// The workload on a cloth of this size.

@@ -12,81 +12,60 @@ pub mod rays;
 
 use std::f64::consts::TAU;
 
+use bdtree_build::input::RawMesh;
 use bdtree_measure::Body;
 use bdtree_measure::deform::Deformer;
 
 use random::Stream;
 
-/// A mesh in f64, before it is rounded.
-pub(crate) struct Shape {
-    pub(crate) positions: Vec<[f64; 3]>,
-    pub(crate) triangles: Vec<[u32; 3]>,
+/// The body with `modes` fields whose wave numbers rise from 0.8 to `highest`.
+pub(crate) fn with_modes(
+    mesh: &RawMesh,
+    name: &'static str,
+    modes: usize,
+    highest: f64,
+    seed: u64,
+) -> Body {
+    Body {
+        name,
+        positions: mesh.positions.iter().map(|p| p.map(|x| x as f32)).collect(),
+        triangles: mesh.triangles.clone(),
+        fields: fields(mesh, modes, highest, seed),
+        modes,
+    }
 }
 
-impl Shape {
-    /// The body with `modes` fields whose wave numbers rise from 0.8 to `highest`.
-    pub(crate) fn with_modes(
-        self,
-        name: &'static str,
-        modes: usize,
-        highest: f64,
-        seed: u64,
-    ) -> Body {
-        let fields = self.fields(modes, highest, seed);
-        Body {
-            name,
-            positions: self.positions.iter().map(|p| p.map(|x| x as f32)).collect(),
-            triangles: self.triangles,
-            fields,
-            modes,
-        }
+fn fields(mesh: &RawMesh, modes: usize, highest: f64, seed: u64) -> Vec<[f32; 3]> {
+    let mut stream = Stream::new(seed);
+    let diagonal = mesh.diagonal();
+    let mut all = Vec::with_capacity(modes * mesh.positions.len());
+    for j in 0..modes {
+        let steps = modes.saturating_sub(1).max(1) as f64;
+        let number = 0.8 + (highest - 0.8) * j as f64 / steps;
+        // One wave per component: wave vector, phase, height.
+        let waves: [([f64; 3], f64, f64); 3] = std::array::from_fn(|_| {
+            let along = stream.direction();
+            let vector = [number * along[0], number * along[1], number * along[2]];
+            let phase = TAU * stream.unit();
+            (vector, phase, 0.3 + 0.7 * stream.unit())
+        });
+        let at = |p: &[f64; 3]| {
+            waves.map(|(k, phase, height)| {
+                height * (k[0] * p[0] + k[1] * p[1] + k[2] * p[2] + phase).sin()
+            })
+        };
+        let longest = mesh
+            .positions
+            .iter()
+            .map(|p| {
+                let [x, y, z] = at(p);
+                (x * x + y * y + z * z).sqrt()
+            })
+            .fold(0.0, f64::max);
+        let scaled = |c: f64| (c * 0.05 * diagonal / longest) as f32;
+        all.extend(mesh.positions.iter().map(|p| at(p).map(scaled)));
     }
-
-    fn diagonal(&self) -> f64 {
-        let mut low = [f64::MAX; 3];
-        let mut high = [f64::MIN; 3];
-        for p in &self.positions {
-            for k in 0..3 {
-                low[k] = low[k].min(p[k]);
-                high[k] = high[k].max(p[k]);
-            }
-        }
-        let squares = [0, 1, 2].map(|k| (high[k] - low[k]) * (high[k] - low[k]));
-        (squares[0] + squares[1] + squares[2]).sqrt()
-    }
-
-    fn fields(&self, modes: usize, highest: f64, seed: u64) -> Vec<[f32; 3]> {
-        let mut stream = Stream::new(seed);
-        let diagonal = self.diagonal();
-        let mut all = Vec::with_capacity(modes * self.positions.len());
-        for j in 0..modes {
-            let steps = modes.saturating_sub(1).max(1) as f64;
-            let number = 0.8 + (highest - 0.8) * j as f64 / steps;
-            // One wave per component: wave vector, phase, height.
-            let waves: [([f64; 3], f64, f64); 3] = std::array::from_fn(|_| {
-                let along = stream.direction();
-                let vector = [number * along[0], number * along[1], number * along[2]];
-                let phase = TAU * stream.unit();
-                (vector, phase, 0.3 + 0.7 * stream.unit())
-            });
-            let at = |p: &[f64; 3]| {
-                waves.map(|(k, phase, height)| {
-                    height * (k[0] * p[0] + k[1] * p[1] + k[2] * p[2] + phase).sin()
-                })
-            };
-            let longest = self
-                .positions
-                .iter()
-                .map(|p| {
-                    let [x, y, z] = at(p);
-                    (x * x + y * y + z * z).sqrt()
-                })
-                .fold(0.0, f64::max);
-            let scaled = |c: f64| (c * 0.05 * diagonal / longest) as f32;
-            all.extend(self.positions.iter().map(|p| at(p).map(scaled)));
-        }
-        all
-    }
+    all
 }
 
 /// Scales q so that the farthest vertex moves by `share` of the diagonal; leaves the deformed

@@ -15,10 +15,9 @@ use std::rc::Rc;
 
 use bdtree_runtime::Contact;
 
-use super::Peer;
-use crate::deform::Deformer;
+use super::{Peer, Target};
+use crate::Body;
 use crate::leaf;
-use crate::{Body, Place};
 use scene::Scene;
 
 /// A body in Embree.
@@ -41,15 +40,8 @@ impl Embree {
 }
 
 impl Peer for Embree {
-    fn update_with(
-        &mut self,
-        deformer: &Deformer,
-        q: &[f32],
-        place: &Place,
-        scratch: &mut Vec<f32>,
-        deformed: &mut dyn FnMut(),
-    ) {
-        deformer.deform_at(q, place, scratch, self.scene.vertices_mut());
+    fn update_with(&mut self, to: Target<'_>, scratch: &mut Vec<f32>, deformed: &mut dyn FnMut()) {
+        to.write(scratch, self.scene.vertices_mut());
         deformed();
         self.scene.refit().expect("a mesh that was built refits");
     }

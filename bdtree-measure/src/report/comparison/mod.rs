@@ -8,19 +8,18 @@
 //! own test in f32, where ours rejects four at a time and measures hits in f64. So these times are of what a
 //! program gets from either, not of trees alone.
 
-mod ours;
 mod refitted;
 
 use crate::MeasureError;
 use crate::clock::Clock;
 use crate::comparison::{AMOUNTS, Comparison, LEAF_SLOTS, VISITS_MAX};
-use crate::ours::Ours;
+use crate::ours::{Answer, Ours};
 use crate::stats::median;
-use bdtree_runtime::Asset;
+use bdtree_runtime::{Asset, PairContact, Workspace};
 
 use super::REPETITIONS;
 use super::content::{Curve, CurvePoint, Refit};
-use super::sample::Sample;
+use super::sample::{HERE, Sample};
 use refitted::Contender;
 
 /// Samples that are measured, of those there are.
@@ -46,27 +45,31 @@ pub(super) fn compare(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, Me
             refit.push(update.refit * 1e6);
         }
         let cost = timed(|| {
-            std::hint::black_box(sample.pose(asset, &mut memory)?);
+            std::hint::black_box(asset.pose(&sample.q, HERE, &mut memory)?);
             Ok(Cost::default())
         })?;
         pose.push(cost.micros);
     }
-    let ball = curve("ball", "balls per step", &AMOUNTS, |amount| {
+    let balls = curve("ball", "balls per step", &AMOUNTS, |amount| {
         let ours = mean(&steps, |sample| {
-            ours::balls(asset, &mut own, sample, amount)
+            let balls: Vec<_> = sample.balls(amount).collect();
+            ours(asset, || own.balls(&sample.q, balls.iter().copied()))
         })?;
         let theirs = mean(&steps, |sample| contender.balls(sample, amount))?;
         Ok((amount as f64, ours, theirs))
     })?;
-    let ray = curve("ray", "rays per step", &AMOUNTS, |amount| {
-        let ours = mean(&steps, |sample| ours::rays(asset, &mut own, sample, amount))?;
+    let rays = curve("ray", "rays per step", &AMOUNTS, |amount| {
+        let ours = mean(&steps, |sample| {
+            let rays: Vec<_> = sample.rays(amount).collect();
+            ours(asset, || own.rays(&sample.q, rays.iter().copied()))
+        })?;
         let theirs = mean(&steps, |sample| contender.rays(sample, amount))?;
         Ok((amount as f64, ours, theirs))
     })?;
     let mut other = Contender::new(asset)?;
     let deepness: Vec<usize> = (0..steps.first().map_or(0, |s| s.places.len())).collect();
-    let pair = curve("pair", "touching pairs of triangles", &deepness, |which| {
-        let ours = mean(&steps, |sample| ours::pair(asset, sample, which))?;
+    let pairs = curve("pair", "touching pairs of triangles", &deepness, |which| {
+        let ours = mean(&steps, |sample| pair(asset, sample, which))?;
         let theirs = mean(&steps, |sample| contender.pair(&mut other, sample, which))?;
         Ok((ours.amount, ours, theirs))
     })?;
@@ -75,7 +78,41 @@ pub(super) fn compare(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, Me
         deform_micros: median(&deform),
         refit_micros: median(&refit),
         pose_micros: median(&pose),
-        curves: vec![ball, ray, pair],
+        curves: vec![balls, rays, pairs],
+    })
+}
+
+/// A step of ours.
+fn ours(
+    asset: &Asset<'_>,
+    mut ask: impl FnMut() -> Result<Answer, MeasureError>,
+) -> Result<Cost, MeasureError> {
+    timed(|| {
+        Ok(Cost {
+            visited: ask()?.nodes.visited as f64 / asset.node_count().max(1) as f64,
+            ..Cost::default()
+        })
+    })
+}
+
+/// Two instances of ours, one at a place of the sample's.
+fn pair(asset: &Asset<'_>, sample: &Sample, which: usize) -> Result<Cost, MeasureError> {
+    let mut memory = [(); 2].map(|()| vec![0.0; asset.pose_len()]);
+    let mut workspace = Workspace::new();
+    let mut found: Vec<PairContact> = Vec::new();
+    timed(|| {
+        found.clear();
+        let [a, b] = &mut memory;
+        let a = asset.pose(&sample.q, HERE, a)?;
+        let b = asset.pose(&sample.q, sample.places[which], b)?;
+        let mut query = a.against(&b, &mut workspace);
+        query.contacts(0.0, &mut found)?;
+        let visits = query.stats().nodes_visited;
+        Ok(Cost {
+            visited: visits as f64 / asset.node_count().max(1) as f64,
+            amount: found.len() as f64,
+            micros: 0.0,
+        })
     })
 }
 

@@ -4,7 +4,7 @@
 use crate::Body;
 use crate::MeasureError;
 use crate::deform::Deformer;
-use crate::peers::{Obvhs, PairPeer, Peer, Update};
+use crate::peers::{Obvhs, PairPeer, Peer, Target, Update};
 use crate::place::{Place, matrix};
 use bdtree_runtime::{Asset, Contact, PairContact, Transform};
 
@@ -33,15 +33,22 @@ impl Contender {
 
     /// Brings it up to date where the mesh stands; its parts timed.
     pub(super) fn update(&mut self, sample: &Sample) -> Update {
-        let place = &Place::IDENTITY;
-        self.tree
-            .update(&self.deformer, &sample.q, place, &mut self.scratch)
+        let to = Target {
+            deformer: &self.deformer,
+            q: &sample.q,
+            place: &Place::IDENTITY,
+        };
+        self.tree.update(to, &mut self.scratch)
     }
 
     /// The same without a clock.
     fn follow(&mut self, sample: &Sample, place: &Place) {
-        self.tree
-            .update_untimed(&self.deformer, &sample.q, place, &mut self.scratch);
+        let to = Target {
+            deformer: &self.deformer,
+            q: &sample.q,
+            place,
+        };
+        self.tree.update_untimed(to, &mut self.scratch);
     }
 
     /// A step of so many balls.
@@ -65,7 +72,7 @@ impl Contender {
     pub(super) fn rays(&mut self, sample: &Sample, amount: usize) -> Result<Cost, MeasureError> {
         let rays = sample.rays(amount);
         let rays: Vec<_> = rays
-            .map(|(origin, along)| [self.point(origin), along].map(|v| v.map(|x| x as f32)))
+            .map(|[origin, along]| [self.point(origin), along].map(|v| v.map(|x| x as f32)))
             .collect();
         timed(|| {
             self.follow(sample, &Place::IDENTITY);
