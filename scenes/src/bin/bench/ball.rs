@@ -3,7 +3,7 @@
 use bdtree_measure::MeasureError;
 use bdtree_measure::paper_tree::{BallCounts, PaperTree, PlainTree, Step, Vertices};
 use bdtree_measure::stats::quantile;
-use bdtree_scenes::contenders::spheres::{of_ball, sum_growths};
+use bdtree_scenes::contenders::spheres::{Tested, of_ball, sum_growths};
 
 use crate::prelude::*;
 
@@ -81,7 +81,8 @@ pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
             assert_eq!(found, ids(&contacts), "all find the same triangles");
         }
         let pose = asset.pose(&case.q, Transform::IDENTITY, &mut memory)?;
-        let (tested, nodes) = of_ball(&pose, case.ball)?;
+        let mut tested = Tested::default();
+        let nodes = of_ball(&pose, case.ball, &mut tested)?;
         let triangles = touched_triangles(&pose, case.ball)?;
         let spheres = theirs.spheres;
         let own = [nodes, tested.tests, triangles, spheres, spheres];
