@@ -15,7 +15,7 @@ use crate::error::QueryError;
 use crate::instance::Instance;
 use crate::math::{dot, sub};
 use crate::query::{ARGUMENT_MAX, BoundingSphere, length};
-use crate::rounding::MARGIN;
+use crate::rounding::{CELL_ROUNDING, CELL_SHARE, MARGIN};
 use crate::workspace::{Stats, Workspace};
 
 /// Memory for the grids.
@@ -212,12 +212,11 @@ impl Grids {
 
 /// Half of what a sphere and the tolerance reach over, and at least what keeps cells apart in f64.
 fn reach(sphere: &BoundingSphere, tolerance: f64) -> f64 {
-    const SHARE: f64 = 1.0 / (1_u64 << 50) as f64;
     const LEAST: f64 = f64::from_bits((1023 - 200) << 52);
     let [x, y, z] = sphere.center.map(f64::abs);
     let far = x.max(y).max(z);
     (sphere.radius + 0.5 * tolerance)
-        .max(far * SHARE)
+        .max(far * CELL_SHARE)
         .max(LEAST)
 }
 
@@ -295,7 +294,7 @@ impl Search<'_> {
         let reach = self.grids.reaches[level] + reach(&sphere, self.tolerance);
         let far = sphere.center.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         // What the comparison below grants, and the rounding of these sums.
-        let reach = reach * (1.0 + 2.0 * MARGIN) + far * f64::EPSILON;
+        let reach = reach * (1.0 + 2.0 * MARGIN) + far * CELL_ROUNDING;
         let low = self.grids.cell(sphere.center.map(|x| x - reach), level);
         let high = self.grids.cell(sphere.center.map(|x| x + reach), level);
         for z in low[2]..=high[2] {

@@ -25,10 +25,6 @@ compile_error!("the big arrays of a .bdt file are written as they lie in memory,
 /// Sections that every file has.
 const REQUIRED_SECTIONS: usize = 7;
 
-/// Largest magnitude of the length unit's exponent and of the origin (SPEC 5.2).
-const UNIT_EXPONENT_MAX: i32 = 100;
-const ORIGIN_MAX: f64 = (1_u128 << 80) as f64;
-
 /// What a file is made of.
 #[derive(Debug, Clone, Copy)]
 pub struct Parts<'a> {
@@ -49,9 +45,8 @@ pub struct Parts<'a> {
 /// The whole file.
 ///
 /// # Errors
-/// Metadata or group names that are too long, a length unit or an origin that readers refuse.
+/// Metadata or group names that are too long.
 pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
-    check_units(parts.shape)?;
     let triangles = triangle_records(parts);
     let slots = triangle_slots(&triangles);
     let (groups, names) = group_records(&parts.mesh.groups)?;
@@ -93,24 +88,6 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
     }
     write_header_block(parts, &plan, &sections, &mut file);
     Ok(file)
-}
-
-/// Units and origins in which readers compute exactly (SPEC 5.2).
-fn check_units(shape: &StoredShape) -> Result<(), BakeError> {
-    let fail = |message: String| Err(BakeError::one("encode", Place::NOWHERE, message));
-    if shape.unit_exponent.abs() > UNIT_EXPONENT_MAX {
-        return fail(format!(
-            "lengths of about 2^{} mesh units: a file holds 2^-100 to 2^100, scale the mesh",
-            shape.unit_exponent
-        ));
-    }
-    if !shape.origin.iter().all(|x| x.abs() <= ORIGIN_MAX) {
-        return fail(format!(
-            "the mesh lies around {:?}, beyond 2^80: move it towards the origin",
-            shape.origin
-        ));
-    }
-    Ok(())
 }
 
 /// Header, mode table and section table; then the checksum over all three.

@@ -3,11 +3,11 @@
 use bdtree_format::{
     LANES, ModePair, ROW_CENTER_X, ROW_RADIUS, Row, pair_count, pair_row, row_count,
 };
-use zerocopy::IntoBytes;
 
 use super::ball::smallest_ball;
 use super::grid::Grid;
 use super::round::{norm_above, norm_up, round_nearest};
+use super::set_mode_pair;
 use super::stored::StoredShape;
 use crate::vec3::{dot, norm2, sub};
 
@@ -112,9 +112,7 @@ pub(super) fn write_node(
                 }
             }
         }
-        rows[pair_row(pair)..pair_row(pair + 1)]
-            .as_mut_bytes()
-            .copy_from_slice(out.as_bytes());
+        set_mode_pair(rows, pair, &out);
     }
     [center_grid, growth_grid, cross_grid].map(Grid::exponent)
 }

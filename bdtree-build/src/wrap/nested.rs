@@ -1,13 +1,12 @@
 //! Spheres that hold those below them at every q, as an option: the paper's enlarged coarse nodes (3.4),
 //! proved instead of hoped for.
 
-use bdtree_format::{LANES, NodeRecord, ROW_CENTER_X, ROW_RADIUS, pair_row};
-use zerocopy::IntoBytes;
+use bdtree_format::{LANES, NodeRecord, ROW_CENTER_X, ROW_RADIUS};
 
 use super::grid::Grid;
 use super::round::{norm_above, round_up};
 use super::units::power;
-use super::{WrappedTree, mode_pair};
+use super::{WrappedTree, mode_pair, modes_of, set_mode_pair};
 use crate::vec3::{norm2, sub};
 
 /// What a sum in f64 may lose, with room to spare.
@@ -63,8 +62,7 @@ struct LaneMode {
 impl Lanes {
     fn of(tree: &WrappedTree, node: &NodeRecord) -> Self {
         let rows = &tree.rows[node.row_start as usize..];
-        let start = node.mode_list_start as usize;
-        let modes = &tree.mode_lists[start..start + usize::from(node.mode_count)];
+        let modes = modes_of(&tree.mode_lists, node);
         let [center_unit, growth_unit, cross_unit] =
             node.scale_exponents.map(|e| power(i32::from(e)));
         let every = |f: &dyn Fn(usize) -> [f64; 3]| std::array::from_fn(f);
@@ -152,9 +150,7 @@ impl Lanes {
                     }
                 }
             }
-            rows[pair_row(j)..pair_row(j + 1)]
-                .as_mut_bytes()
-                .copy_from_slice(out.as_bytes());
+            set_mode_pair(rows, j, &out);
         }
         record.scale_exponents[1] = growth_grid.exponent();
         record.scale_exponents[2] = cross_grid.exponent();

@@ -83,6 +83,18 @@ impl StoredShape {
 }
 
 impl StoredShape {
+    /// Upper bounds of all ‖p_i‖ and, per mode, of all ‖U_ij‖.
+    pub(super) fn norms(&self) -> (f32, Vec<f32>) {
+        let norm = |v: &[f32; 3]| vector_norm_up(v.map(f64::from));
+        let mut fields = vec![0.0f32; self.mode_count()];
+        for row in self.displacements.chunks_exact(self.mode_count().max(1)) {
+            for (largest, u) in fields.iter_mut().zip(row) {
+                *largest = largest.max(norm(u));
+            }
+        }
+        (self.positions.iter().map(norm).fold(0.0, f32::max), fields)
+    }
+
     /// p_i + Σ_j U_ij q_j of all vertices in f64; `q` has M entries.
     pub fn deform(&self, q: &[f64]) -> Vec<[f64; 3]> {
         let mut deformed: Vec<[f64; 3]> = self.positions.iter().map(|p| p.map(f64::from)).collect();
@@ -133,10 +145,10 @@ pub fn store(
     let origin = origin(low, high, diagonal);
     let relative = |p: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| p[k] - origin[k]) };
     let longest: Vec<f64> = (0..basis.mode_count())
-        .map(|j| longest(basis.field(j).iter().copied()))
+        .map(|j| largest_length(basis.field(j).iter().copied()))
         .collect();
     let unit_exponent = unit_exponent(
-        longest_position(&mesh.positions, relative),
+        largest_length(mesh.positions.iter().map(|&p| relative(p))),
         &longest,
         &farthest,
         diagonal,
@@ -199,12 +211,8 @@ pub fn store(
     Ok(shape)
 }
 
-fn longest(vectors: impl Iterator<Item = [f64; 3]>) -> f64 {
+fn largest_length(vectors: impl Iterator<Item = [f64; 3]>) -> f64 {
     vectors.map(length).fold(0.0, f64::max)
-}
-
-fn longest_position(positions: &[[f64; 3]], relative: impl Fn([f64; 3]) -> [f64; 3]) -> f64 {
-    longest(positions.iter().map(|&p| relative(p)))
 }
 
 /// Lengths are measured against the diagonal, or against one unit when there is none.
@@ -250,18 +258,7 @@ fn add_limits(
     warnings: &mut Vec<String>,
 ) -> Result<(), BakeError> {
     let mut problems = none_yet();
-    let mode_count = basis.mode_count();
-    let mut norms = vec![0.0f32; mode_count];
-    for row in shape.displacements.chunks_exact(mode_count.max(1)) {
-        for (norm, &u) in norms.iter_mut().zip(row) {
-            *norm = norm.max(vector_norm_up(u.map(f64::from)));
-        }
-    }
-    let position_norm = shape
-        .positions
-        .iter()
-        .map(|&p| vector_norm_up(p.map(f64::from)))
-        .fold(0.0, f32::max);
+    let (position_norm, norms) = shape.norms();
     let diagonal = scale(reference(shape.diagonal), -shape.unit_exponent);
     let mut reach = f64::from(position_norm);
     let mut raised = Vec::new();

@@ -13,8 +13,8 @@ use crate::math::{cross, dot, sub};
 use crate::rounding::HEIGHT_ROUNDING;
 
 /// Smallest and largest magnitude, besides 0, for which the predicates are exact: 2^∓300.
-const TINY: f64 = f64::from_bits((1023 - 300) << 52);
-const HUGE: f64 = f64::from_bits((1023 + 300) << 52);
+pub(super) const TINY: f64 = f64::from_bits((1023 - 300) << 52);
+pub(super) const HUGE: f64 = f64::from_bits((1023 + 300) << 52);
 /// 2⁻⁸⁰⁰ brings any finite number below 2³⁰⁰.
 const SCALE_DOWN: f64 = f64::from_bits((1023 - 800) << 52);
 

@@ -15,7 +15,7 @@ const FLUSH: f64 = f64::from_bits((1023 - 250) << 52);
 
 /// A ray, prepared once for many triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ray {
+pub struct PreparedRay {
     origin: [f64; 3],
     direction: [f64; 3],
     /// The coordinate of largest |direction| comes last.
@@ -35,7 +35,7 @@ pub struct RayHit {
     pub point: [f64; 3],
 }
 
-impl Ray {
+impl PreparedRay {
     /// Returns the ray from `origin` along `unit_direction`, whose length must be 1 to rounding.
     #[inline]
     pub fn new(origin: [f64; 3], unit_direction: [f64; 3]) -> Self {
@@ -96,7 +96,7 @@ impl Ray {
 /// *Edge-on* means: exactly so after the shear. Then t is the first common point, 0 if the origin
 /// is inside. A ray in the plane of the triangle in some skew direction may, by rounding, pass beside it.
 #[inline]
-pub fn ray_hit(ray: &Ray, tri: &Triangle, t_max: f64) -> Option<RayHit> {
+pub fn ray_hit(ray: &PreparedRay, tri: &Triangle, t_max: f64) -> Option<RayHit> {
     let (a, depth_a) = ray.shear(tri[0]);
     let (b, depth_b) = ray.shear(tri[1]);
     let (c, depth_c) = ray.shear(tri[2]);

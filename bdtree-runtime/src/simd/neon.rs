@@ -12,6 +12,20 @@ use core::arch::aarch64::{
 use super::quad::Array4;
 use super::{Lanes, PairSums};
 
+/// Methods that are one instruction on each of the two registers of the operands.
+macro_rules! instructions {
+    ($($name:ident($($other:ident)?) = $intrinsic:ident;)+) => {
+        $(#[inline(always)]
+        fn $name(self $(, $other: Self)?) -> Self {
+            // SAFETY: NEON is part of AArch64.
+            let low = unsafe { $intrinsic(self.0 $(, $other.0)?) };
+            // SAFETY: as above.
+            let high = unsafe { $intrinsic(self.1 $(, $other.1)?) };
+            Self(low, high)
+        })+
+    };
+}
+
 /// Eight f32 in two registers; every AArch64 target of this build has NEON.
 #[derive(Clone, Copy)]
 pub(super) struct Neon8(float32x4_t, float32x4_t);
@@ -65,58 +79,13 @@ impl Lanes for Neon8 {
         row
     }
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vaddq_f32(self.0, other.0) };
-        // SAFETY: as above.
-        let b = unsafe { vaddq_f32(self.1, other.1) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vmulq_f32(self.0, other.0) };
-        // SAFETY: as above.
-        let b = unsafe { vmulq_f32(self.1, other.1) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vsubq_f32(self.0, other.0) };
-        // SAFETY: as above.
-        let b = unsafe { vsubq_f32(self.1, other.1) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vsqrtq_f32(self.0) };
-        // SAFETY: as above.
-        let b = unsafe { vsqrtq_f32(self.1) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vmaxq_f32(self.0, other.0) };
-        // SAFETY: as above.
-        let b = unsafe { vmaxq_f32(self.1, other.1) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vminq_f32(self.0, other.0) };
-        // SAFETY: as above.
-        let b = unsafe { vminq_f32(self.1, other.1) };
-        Self(a, b)
+    instructions! {
+        add(other) = vaddq_f32;
+        sub(other) = vsubq_f32;
+        mul(other) = vmulq_f32;
+        min(other) = vminq_f32;
+        max(other) = vmaxq_f32;
+        sqrt() = vsqrtq_f32;
     }
 }
 

@@ -30,6 +30,16 @@ pub(crate) trait Quad: Copy {
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Bit k is decision k.
     fn bits(mask: Self::Mask) -> u8;
+    /// The larger of the two, `other` where one is NaN.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(self.above(other), self, other)
+    }
+    /// The smaller of the two, `self` where one is NaN.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(self.above(other), other, self)
+    }
 }
 
 /// The portable four.
