@@ -51,6 +51,14 @@ pub struct BakeSettings {
     pub threads: usize,
 }
 
+impl BakeSettings {
+    /// Most triangles in a leaf lane of this mesh.
+    pub(crate) fn leaf_size_for(&self, mesh: &RawMesh) -> usize {
+        self.leaf_size
+            .unwrap_or_else(|| default_leaf_size(mesh.triangles.len()))
+    }
+}
+
 impl Default for BakeSettings {
     fn default() -> Self {
         Self {
@@ -238,9 +246,7 @@ fn build(
 
 /// The leaf size that the settings ask for.
 fn leaf_size(mesh: &RawMesh, settings: &BakeSettings) -> Result<usize, BakeError> {
-    let leaf_size = settings
-        .leaf_size
-        .unwrap_or_else(|| default_leaf_size(mesh.triangles.len()));
+    let leaf_size = settings.leaf_size_for(mesh);
     if (1..=LEAF_TRIANGLES_MAX).contains(&leaf_size) {
         return Ok(leaf_size);
     }

@@ -63,7 +63,8 @@ mod error;
 mod force;
 #[cfg(feature = "alloc")]
 mod instance;
-mod math;
+#[doc(hidden)]
+pub mod math;
 mod matrix;
 #[cfg(feature = "alloc")]
 mod memory;

@@ -5,7 +5,7 @@ mod sections;
 use bdtree_format::{
     BASE_ALIGNMENT, DEPTH_MAX, FrameRecord, GroupRecord, Header, LEAF_TRIANGLES_MAX, MAGIC,
     MODE_COUNT_MAX, ModeRecord, NodeRecord, Row, SECTION_ALIGNMENT, SectionKind, SectionRecord,
-    TriangleRecord, VERSION_MAJOR, VertexModes, row_count,
+    TriangleRecord, UNIT_EXPONENT_MAX, VERSION_MAJOR, VertexModes, row_count,
 };
 use core::mem::{offset_of, size_of};
 use zerocopy::{FromBytes, Immutable, KnownLayout};
@@ -21,10 +21,8 @@ pub(crate) const WHOLE_HEADER: &str = "SPEC 2.1: a file starts with a whole head
 /// Most sections a table may list, so that opening is O(1).
 const SECTION_COUNT_MAX: usize = 64;
 
-/// Origins and unit exponents beyond these would leave the range in which the narrow phase's
-/// predicates are exact.
+/// Origins beyond this would leave the range in which the narrow phase's predicates are exact.
 const ORIGIN_MAX: f64 = (1_u128 << 80) as f64;
-const UNIT_EXPONENT_MAX: i32 = 100;
 
 /// The largest q_limit: its reciprocal is a normal number.
 const LIMIT_MAX: f32 = f32::from_bits((127 + 126) << 23);

@@ -63,31 +63,25 @@ impl Lanes {
     fn of(tree: &WrappedTree, node: &NodeRecord) -> Self {
         let rows = &tree.rows[node.row_start as usize..];
         let modes = modes_of(&tree.mode_lists, node);
-        let [center_unit, growth_unit, cross_unit] =
-            node.scale_exponents.map(|e| power(i32::from(e)));
-        let every = |f: &dyn Fn(usize) -> [f64; 3]| std::array::from_fn(f);
+        let [c, g, b] = node.scale_exponents.map(|e| power(e.into()));
+        let of_mode = |(j, &mode): (usize, &u16)| {
+            let pair = mode_pair(rows, j / 2);
+            let numbers: [[f64; 6]; LANES] = std::array::from_fn(|k| {
+                let [x, y, z, growth, plus, minus] = pair.numbers(j, k).map(f64::from);
+                [x * c, y * c, z * c, growth * g, plus * b, minus * b]
+            });
+            LaneMode {
+                mode,
+                center: numbers.map(|[x, y, z, ..]| [x, y, z]),
+                growth: numbers.map(|[_, _, _, growth, ..]| growth),
+                cross: numbers.map(|[.., plus, minus]| [plus, minus]),
+            }
+        };
+        let center = |k: usize| [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTER_X + axis][k]));
         Self {
-            center: every(&|k| [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTER_X + axis][k]))),
+            center: std::array::from_fn(center),
             radius: rows[ROW_RADIUS].map(f64::from),
-            modes: (0..)
-                .zip(modes)
-                .map(|(j, &mode)| {
-                    let own = mode_pair(rows, j / 2);
-                    let numbers = |k: usize| own.numbers(j, k).map(f64::from);
-                    LaneMode {
-                        mode,
-                        center: every(&|k| {
-                            let [x, y, z, ..] = numbers(k);
-                            [x, y, z].map(|n| n * center_unit)
-                        }),
-                        growth: std::array::from_fn(|k| numbers(k)[3] * growth_unit),
-                        cross: std::array::from_fn(|k| {
-                            let [.., b_plus, b_minus] = numbers(k);
-                            [b_plus * cross_unit, b_minus * cross_unit]
-                        }),
-                    }
-                })
-                .collect(),
+            modes: modes.iter().enumerate().map(of_mode).collect(),
         }
     }
 
@@ -132,13 +126,8 @@ impl Lanes {
                 own.cross[lane] = [self.radius[lane] * own.growth[lane]; 2];
             }
         }
-        let crosses = &mut self
-            .modes
-            .iter()
-            .flat_map(|m| m.cross)
-            .flatten()
-            .map(f64::abs);
-        let cross_grid = Grid::covering(largest(crosses));
+        let crosses = self.modes.iter().flat_map(|m| m.cross).flatten();
+        let cross_grid = Grid::covering(largest(&mut crosses.map(f64::abs)));
         for (j, pair) in self.modes.chunks(2).enumerate() {
             let mut out = mode_pair(rows, j);
             for (which, own) in pair.iter().enumerate() {

@@ -1,6 +1,8 @@
 //! The shape as the file stores it: origin, length unit, f32 positions and fields, limits of q
 //! (SPEC 5). Tree and bounds are made from these numbers and no others.
 
+use bdtree_format::UNIT_EXPONENT_MAX;
+
 use super::check::{check_counts, check_numbers, none_yet};
 use super::frames::{Farthest, StoredFrames, place, store_frames};
 use super::round::{round_nearest, vector_norm_up};
@@ -19,9 +21,8 @@ pub const RANGE_DIAGONALS: f64 = 0.05;
 /// Exponents of the least and the largest reach P + Σ W_j q_limit_j in stored units.
 const REACH_EXPONENTS: (i32, i32) = (-20, 60);
 
-/// What readers take (SPEC 5.2): largest coordinate of the origin, largest exponent of the unit.
+/// The largest coordinate of the origin that readers take (SPEC 5.2).
 const ORIGIN_EXPONENT_MAX: i32 = 80;
-const UNIT_EXPONENT_MAX: i32 = 100;
 
 /// Exponent of q_limit of a field that is zero.
 const ZERO_LIMIT_EXPONENT: i32 = 60;

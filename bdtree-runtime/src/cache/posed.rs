@@ -17,10 +17,7 @@ use crate::view::Asset;
 pub(crate) struct Posed<'s> {
     pub(crate) pose: &'s Pose<'s>,
     pub(super) drift: Option<(&'s Pose<'s>, Drift)>,
-    pub(super) nodes: &'s mut [NodeSlot],
-    pub(super) leaves: &'s mut [LeafSlot],
-    pub(super) step: u32,
-    pub(super) epoch: u32,
+    kept: Kept<'s>,
     pub(crate) limit: Option<DepthLimit<'s>>,
 }
 
@@ -37,10 +34,7 @@ impl<'s> Posed<'s> {
         Self {
             pose,
             drift,
-            nodes: kept.nodes,
-            leaves: kept.leaves,
-            step: kept.step,
-            epoch: kept.epoch,
+            kept,
             limit,
         }
     }
@@ -62,10 +56,7 @@ impl<'s> Posed<'s> {
         Posed {
             pose: self.pose,
             drift: self.drift,
-            nodes: self.nodes,
-            leaves: self.leaves,
-            step: self.step,
-            epoch: self.epoch,
+            kept: self.kept,
             // Spelled out, since nothing that borrows a sink may be shortened as a whole.
             limit: self.limit.map(|limit| DepthLimit {
                 level: limit.level,
@@ -84,8 +75,8 @@ impl<'s> Posed<'s> {
         's: 't,
     {
         let mut posed = self.shorter();
-        if posed.nodes.len() < N.min(asset.node_count()) {
-            posed.nodes = spare.insert([NodeSlot::EMPTY; N]);
+        if posed.kept.nodes.len() < N.min(asset.node_count()) {
+            posed.kept.nodes = spare.insert([NodeSlot::EMPTY; N]);
         }
         posed
     }
@@ -96,9 +87,9 @@ impl<'s> Posed<'s> {
         's: 't,
     {
         let mut posed = self.shorter();
-        if posed.nodes.is_empty() && posed.leaves.is_empty() {
-            posed.nodes = own.nodes.insert([NodeSlot::EMPTY; 32]);
-            posed.leaves = own.leaves.insert([LeafSlot::EMPTY; 16]);
+        if posed.kept.nodes.is_empty() && posed.kept.leaves.is_empty() {
+            posed.kept.nodes = own.nodes.insert([NodeSlot::EMPTY; 32]);
+            posed.kept.leaves = own.leaves.insert([LeafSlot::EMPTY; 16]);
         }
         posed
     }
@@ -110,10 +101,7 @@ impl Posed<'_> {
         Posed {
             pose: self.pose,
             drift: self.drift,
-            nodes: self.nodes,
-            leaves: self.leaves,
-            step: self.step,
-            epoch: self.epoch,
+            kept: self.kept.again(),
             limit: match &mut self.limit {
                 Some(limit) => Some(DepthLimit {
                     level: limit.level,
@@ -137,21 +125,27 @@ impl Posed<'_> {
     /// Whether leaves are kept.
     #[inline(always)]
     pub(crate) fn keeps_leaves(&self) -> bool {
-        !self.leaves.is_empty()
+        !self.kept.leaves.is_empty()
     }
 
     /// Whether node `index` is kept.
     #[inline(always)]
     pub(crate) fn keeps_node(&self, index: u32) -> bool {
-        let slot = self.nodes.get(place(index as usize, self.nodes.len()));
-        slot.is_some_and(|slot| slot.tag == tag(self.epoch, index))
+        let slot = self
+            .kept
+            .nodes
+            .get(place(index as usize, self.kept.nodes.len()));
+        slot.is_some_and(|slot| slot.tag == tag(self.kept.epoch, index))
     }
 
     /// Whether the triangles from `start` on are kept.
     #[inline(always)]
     pub(crate) fn keeps_leaf(&self, start: u32) -> bool {
-        let slot = self.leaves.get(leaf_place(start, self.leaves.len()));
-        slot.is_some_and(|slot| slot.tag == tag(self.step, start))
+        let slot = self
+            .kept
+            .leaves
+            .get(leaf_place(start, self.kept.leaves.len()));
+        slot.is_some_and(|slot| slot.tag == tag(self.kept.step, start))
     }
 
     /// Asks for a node's record and the beginning of its rows; reading on is the processor's own habit.
@@ -207,9 +201,9 @@ impl Posed<'_> {
         pose: &Pose<'_>,
         out: &mut WideSpheres<L>,
     ) -> Result<bool, FormatError> {
-        let tag = tag(self.epoch, index);
-        let place = place(index as usize, self.nodes.len());
-        if let Some(slot) = self.nodes.get(place)
+        let tag = tag(self.kept.epoch, index);
+        let place = place(index as usize, self.kept.nodes.len());
+        if let Some(slot) = self.kept.nodes.get(place)
             && slot.tag == tag
         {
             *out = WideSpheres::load(&slot.spheres);
@@ -222,7 +216,7 @@ impl Posed<'_> {
         let Some(spheres) = evaluate::<L>(&rows, modes, &pose.bound()) else {
             return Err(asset.unknown_mode(node.mode_list_start));
         };
-        if let Some(slot) = self.nodes.get_mut(place) {
+        if let Some(slot) = self.kept.nodes.get_mut(place) {
             slot.tag = tag;
             slot.spheres = spheres.store();
         }
@@ -239,10 +233,10 @@ impl Posed<'_> {
         records: &[TriangleRecord],
         spare: &'l mut LeafChunk,
     ) -> Result<&'l LeafChunk, FormatError> {
-        let tag = tag(self.step, start);
+        let tag = tag(self.kept.step, start);
         let len = records.len().min(CHUNK) as u32;
-        let place = leaf_place(start, self.leaves.len());
-        let Some(slot) = self.leaves.get_mut(place) else {
+        let place = leaf_place(start, self.kept.leaves.len());
+        let Some(slot) = self.kept.leaves.get_mut(place) else {
             deform(asset, self.pose, records, spare)?;
             return Ok(spare);
         };

@@ -113,6 +113,17 @@ pub(super) fn turn(axis: usize, a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> i8 {
     sign(orient2d(flat(a), flat(b), flat(c)))
 }
 
+/// Returns whether `p` is in the closed triangle, seen along `axis`.
+#[inline]
+pub(super) fn encloses(axis: usize, [a, b, c]: Triangle, p: [f64; 3]) -> bool {
+    let turns = [
+        turn(axis, a, b, p),
+        turn(axis, b, c, p),
+        turn(axis, c, a, p),
+    ];
+    !turns.contains(&1) || !turns.contains(&-1)
+}
+
 /// Returns the first axis whose coordinate plane shows `a, b, c` with an area, none if collinear.
 #[inline]
 pub(super) fn open_axis(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Option<usize> {

@@ -5,7 +5,7 @@
 //! Deviation: those signs are exact here, so that no tie breaks two ways, and edge functions keep
 //! full relative precision, so that grazing hits are as accurate as frontal ones.
 
-use super::exact::{above, det2, open_axis, tame, turn};
+use super::exact::{above, det2, encloses, open_axis, tame};
 use super::point_triangle::closest_weights;
 use super::{Triangle, combine};
 use crate::math::sub;
@@ -148,12 +148,7 @@ fn starts_on(p: [f64; 3], tri: &Triangle) -> bool {
     let Some(axis) = open_axis(a, b, c) else {
         return false;
     };
-    let turns = [
-        turn(axis, a, b, p),
-        turn(axis, b, c, p),
-        turn(axis, c, a, p),
-    ];
-    above(a, b, c, p) == 0 && (!turns.contains(&1) || !turns.contains(&-1))
+    above(a, b, c, p) == 0 && encloses(axis, [a, b, c], p)
 }
 
 /// Returns the weights of the first point with depth ≥ 0 of a triangle seen as a line or a point.

@@ -2,16 +2,14 @@
 
 use bdtree_format::{
     FrameRecord, GroupRecord, Header, LAYOUT_1, LAYOUT_2, NodeRecord, Row, SECTION_ALIGNMENT,
-    SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord, TriangleRecord, VertexModes,
+    SECTION_LAYOUTS, SECTION_ORDER, SECTIONS_ALWAYS, SectionKind, SectionRecord, TriangleRecord,
+    VertexModes,
 };
 use core::mem::{offset_of, size_of};
 use zerocopy::FromBytes;
 
 use super::{header_at, section_table_start};
 use crate::error::{Check, FormatError};
-
-/// The sections that every file has are the first ones of [`SECTION_ORDER`].
-const SECTIONS_ALWAYS: usize = 7;
 
 /// Byte ranges of the known sections; `None` where an optional one is absent.
 pub(super) type Located = [Option<(usize, usize)>; SECTION_ORDER.len()];

@@ -88,29 +88,18 @@ impl<const VNNI: bool> PairSums for Whole8<VNNI> {
     }
 
     #[inline(always)]
-    fn factor([a, b]: [i16; 2]) -> __m256i {
+    fn factors([a, b]: [i16; 2]) -> [__m256i; 4] {
         let both = u32::from(a as u16) | (u32::from(b as u16) << 16);
         // SAFETY: needs AVX; see `Avx8`.
-        unsafe { _mm256_set1_epi32(both as i32) }
-    }
-
-    #[inline(always)]
-    fn magnitude(n: __m256i) -> __m256i {
+        let n = unsafe { _mm256_set1_epi32(both as i32) };
         // SAFETY: needs AVX2; see `Avx8`.
-        unsafe { _mm256_abs_epi16(n) }
-    }
-
-    #[inline(always)]
-    fn positive(n: __m256i) -> __m256i {
-        // SAFETY: needs AVX2; see `Avx8`.
-        unsafe { _mm256_max_epi16(n, Self::zero().0) }
-    }
-
-    #[inline(always)]
-    fn positive_of_opposite(n: __m256i) -> __m256i {
+        let magnitude = unsafe { _mm256_abs_epi16(n) };
+        // SAFETY: as above.
+        let positive = unsafe { _mm256_max_epi16(n, Self::zero().0) };
         // max(−n, 0) = max(n, 0) − n.
-        // SAFETY: needs AVX2; see `Avx8`.
-        unsafe { _mm256_sub_epi16(Self::positive(n), n) }
+        // SAFETY: as above.
+        let negative = unsafe { _mm256_sub_epi16(positive, n) };
+        [n, magnitude, positive, negative]
     }
 
     #[inline(always)]

@@ -82,13 +82,8 @@ pub(crate) trait PairSums: Copy {
     type Factor: Copy;
 
     fn zero() -> Self;
-    fn factor(n: [i16; 2]) -> Self::Factor;
-    /// |n|.
-    fn magnitude(n: Self::Factor) -> Self::Factor;
-    /// max(n, 0).
-    fn positive(n: Self::Factor) -> Self::Factor;
-    /// max(−n, 0).
-    fn positive_of_opposite(n: Self::Factor) -> Self::Factor;
+    /// Of each n that, |n|, max(n, 0) and max(−n, 0).
+    fn factors(n: [i16; 2]) -> [Self::Factor; 4];
     /// Adds in each lane both products.
     fn add_products(self, row: &PairRow, n: Self::Factor) -> Self;
     fn add(self, other: Self) -> Self;

@@ -103,33 +103,22 @@ impl PairSums for Whole8 {
     }
 
     #[inline(always)]
-    fn factor([a, b]: [i16; 2]) -> int16x8_t {
+    fn factors([a, b]: [i16; 2]) -> [int16x8_t; 4] {
         let both = u32::from(a as u16) | (u32::from(b as u16) << 16);
         // SAFETY: NEON is part of AArch64.
         let both = unsafe { vdupq_n_s32(both as i32) };
         // SAFETY: as above.
-        unsafe { vreinterpretq_s16_s32(both) }
-    }
-
-    #[inline(always)]
-    fn magnitude(n: int16x8_t) -> int16x8_t {
-        // SAFETY: NEON is part of AArch64.
-        unsafe { vabsq_s16(n) }
-    }
-
-    #[inline(always)]
-    fn positive(n: int16x8_t) -> int16x8_t {
-        // SAFETY: NEON is part of AArch64.
+        let n = unsafe { vreinterpretq_s16_s32(both) };
+        // SAFETY: as above.
+        let magnitude = unsafe { vabsq_s16(n) };
+        // SAFETY: as above.
         let zero = unsafe { vdupq_n_s16(0) };
         // SAFETY: as above.
-        unsafe { vmaxq_s16(n, zero) }
-    }
-
-    #[inline(always)]
-    fn positive_of_opposite(n: int16x8_t) -> int16x8_t {
+        let positive = unsafe { vmaxq_s16(n, zero) };
         // max(−n, 0) = max(n, 0) − n.
-        // SAFETY: NEON is part of AArch64.
-        unsafe { vsubq_s16(Self::positive(n), n) }
+        // SAFETY: as above.
+        let negative = unsafe { vsubq_s16(positive, n) };
+        [n, magnitude, positive, negative]
     }
 
     #[inline(always)]

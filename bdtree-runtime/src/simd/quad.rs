@@ -42,6 +42,17 @@ pub(crate) trait Quad: Copy {
     }
 }
 
+/// Methods that are one operator on each number of the operands.
+macro_rules! operators {
+    ($($name:ident = $operator:tt;)+) => {
+        $(#[inline(always)]
+        fn $name(self, other: Self) -> Self {
+            self.zip(other, |a, b| a $operator b)
+        })+
+    };
+}
+pub(super) use operators;
+
 /// The portable four.
 #[derive(Clone, Copy)]
 pub(crate) struct Array4([f64; 4]);
@@ -89,24 +100,11 @@ impl Quad for Array4 {
         self.0
     }
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
-
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        self.zip(other, |a, b| a / b)
+    operators! {
+        add = +;
+        sub = -;
+        mul = *;
+        div = /;
     }
 
     #[inline(always)]

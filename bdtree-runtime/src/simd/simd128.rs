@@ -105,25 +105,12 @@ impl PairSums for Whole8 {
     }
 
     #[inline(always)]
-    fn factor([a, b]: [i16; 2]) -> v128 {
+    fn factors([a, b]: [i16; 2]) -> [v128; 4] {
         let both = u32::from(a as u16) | (u32::from(b as u16) << 16);
-        i32x4_splat(both as i32)
-    }
-
-    #[inline(always)]
-    fn magnitude(n: v128) -> v128 {
-        i16x8_abs(n)
-    }
-
-    #[inline(always)]
-    fn positive(n: v128) -> v128 {
-        i16x8_max(n, i16x8_splat(0))
-    }
-
-    #[inline(always)]
-    fn positive_of_opposite(n: v128) -> v128 {
+        let n = i32x4_splat(both as i32);
+        let positive = i16x8_max(n, i16x8_splat(0));
         // max(−n, 0) = max(n, 0) − n.
-        i16x8_sub(Self::positive(n), n)
+        [n, i16x8_abs(n), positive, i16x8_sub(positive, n)]
     }
 
     #[inline(always)]

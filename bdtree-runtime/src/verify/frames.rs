@@ -1,34 +1,29 @@
 //! The animation: times in order, rotations that are rotations, q that can be posed (SPEC 7.5).
 
-use bdtree_format::{FrameRecord, SectionKind};
+use bdtree_format::{FrameRecord, ROTATION_TOLERANCE, SectionKind, TIME_UNKNOWN, TRANSLATION_MAX};
 use core::mem::{offset_of, size_of};
 use core::ops::ControlFlow;
 
 use super::{FINITE, Report, is_stored};
 use crate::view::Asset;
 
-/// Squared lengths of quaternions may differ from 1 by this.
-const ROTATION_TOLERANCE: f64 = 1.0 / (1_u64 << 20) as f64;
-
-/// Placements beyond this are refused.
-const TRANSLATION_MAX: f64 = (1_u128 << 80) as f64;
-
-/// The time of frames whose source does not say.
-const UNKNOWN: f64 = -1.0;
-
 impl Asset<'_> {
     pub(super) fn frame_numbers(&self, report: Report<'_>) -> ControlFlow<()> {
         let Some(first) = self.frames.first() else {
             return ControlFlow::Continue(());
         };
-        let known = first.time_s.get() != UNKNOWN;
-        let mut before = if known { 0.0 } else { UNKNOWN };
+        let known = first.time_s.get() != TIME_UNKNOWN;
+        let mut before = if known { 0.0 } else { TIME_UNKNOWN };
         for (k, frame) in self.frames.iter().enumerate() {
             let start = k * size_of::<FrameRecord>();
             let at = |offset: usize| self.at(SectionKind::FRAMES, start + offset);
             let time = frame.time_s.get();
             let in_order = time >= before && time.is_finite();
-            let ok = if known { in_order } else { time == UNKNOWN };
+            let ok = if known {
+                in_order
+            } else {
+                time == TIME_UNKNOWN
+            };
             at(offset_of!(FrameRecord, time_s))
                 .rule("SPEC 7.5: times are -1 in every frame, or finite, not negative and not descending")
                 .tell(report, ok, before, time)?;

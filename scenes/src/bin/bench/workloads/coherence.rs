@@ -238,7 +238,7 @@ fn pairs(
     for _ in 0..arguments.repeat.max(1) {
         for k in 0..2 {
             let mut tally = Tally::ZERO;
-            let mut slots = vec![0; 16 * FRONT_SLOTS];
+            let mut slots = vec![0; PairFront::SLOT_BYTES * FRONT_SLOTS];
             let mut front = PairFront::in_bytes(&mut slots);
             let mut motions = [Motion::new(&a[0]), Motion::new(&b[0])];
             let start = Instant::now();
