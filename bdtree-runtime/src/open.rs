@@ -3,9 +3,9 @@
 mod sections;
 
 use bdtree_format::{
-    BASE_ALIGNMENT, DEPTH_MAX, FrameRecord, GroupRecord, Header, LEAF_TRIANGLES_MAX, MAGIC,
-    MODE_COUNT_MAX, ModeRecord, NodeRecord, Row, SECTION_ALIGNMENT, SectionKind, SectionRecord,
-    TriangleRecord, UNIT_EXPONENT_MAX, VERSION_MAJOR, VertexModes, row_count,
+    BASE_ALIGNMENT, DEPTH_MAX, Header, LEAF_TRIANGLES_MAX, MAGIC, MODE_COUNT_MAX, ModeRecord,
+    NodeRecord, Row, SECTION_ALIGNMENT, SectionKind, SectionRecord, UNIT_EXPONENT_MAX,
+    VERSION_MAJOR, row_count,
 };
 use core::mem::{offset_of, size_of};
 use zerocopy::{FromBytes, Immutable, KnownLayout};
@@ -58,7 +58,6 @@ impl<'a> Asset<'a> {
         let found = locate_sections(bytes, header, sections)?;
         let slice = |kind: SectionKind| section_bytes(bytes, &found, kind);
 
-        let positions = view(SectionKind::POSITIONS, slice)?;
         let nodes = view::<NodeRecord>(SectionKind::NODES, slice)?;
         let rows = view::<Row>(SectionKind::ROWS, slice)?;
         let row_stride = row_count(modes.len());
@@ -70,15 +69,15 @@ impl<'a> Asset<'a> {
             sections,
             nodes,
             rows,
-            mode_lists: view::<u16>(SectionKind::MODE_LISTS, slice)?,
-            triangles: view::<TriangleRecord>(SectionKind::TRIANGLES, slice)?,
-            triangle_slots: view::<u32>(SectionKind::TRIANGLE_SLOTS, slice)?,
-            positions,
-            displacements: view::<[f32; 3]>(SectionKind::DISPLACEMENTS, slice)?,
-            vertex_modes: view::<VertexModes>(SectionKind::VERTEX_MODES, slice)?,
-            frames: view::<FrameRecord>(SectionKind::FRAMES, slice)?,
-            frame_q: view::<f32>(SectionKind::FRAME_Q, slice)?,
-            groups: view::<GroupRecord>(SectionKind::GROUPS, slice)?,
+            mode_lists: view(SectionKind::MODE_LISTS, slice)?,
+            triangles: view(SectionKind::TRIANGLES, slice)?,
+            triangle_slots: view(SectionKind::TRIANGLE_SLOTS, slice)?,
+            positions: view(SectionKind::POSITIONS, slice)?,
+            displacements: view(SectionKind::DISPLACEMENTS, slice)?,
+            vertex_modes: view(SectionKind::VERTEX_MODES, slice)?,
+            frames: view(SectionKind::FRAMES, slice)?,
+            frame_q: view(SectionKind::FRAME_Q, slice)?,
+            groups: view(SectionKind::GROUPS, slice)?,
             group_names: slice(SectionKind::GROUP_NAMES).1,
             metadata: slice(SectionKind::METADATA).1,
             unit: power_of_two(header.unit_exponent.get()),
@@ -273,19 +272,12 @@ fn check_mode(mode: &ModeRecord, at: usize) -> Result<(), FormatError> {
     let mantissa = limit.to_bits() & ((1 << (f32::MANTISSA_DIGITS - 1)) - 1);
     let is_limit = is_positive(limit) && mantissa == 0 && limit <= LIMIT_MAX;
     let is_range = is_positive(range) && range <= limit;
+    let (is_scale, is_norm) = (is_positive(scale), norm == 0.0 || is_positive(norm));
     for (offset, ok, x) in [
         (offset_of!(ModeRecord, q_limit), is_limit, limit),
         (offset_of!(ModeRecord, q_range), is_range, range),
-        (
-            offset_of!(ModeRecord, step_scale),
-            is_positive(scale),
-            scale,
-        ),
-        (
-            offset_of!(ModeRecord, field_norm_max),
-            norm == 0.0 || is_positive(norm),
-            norm,
-        ),
+        (offset_of!(ModeRecord, step_scale), is_scale, scale),
+        (offset_of!(ModeRecord, field_norm_max), is_norm, norm),
     ] {
         header_at(at + offset)
             .rule(

@@ -159,7 +159,7 @@ pub(crate) const CHECKED_STEP: f64 = 1.0 / (1_u64 << 41) as f64;
 
 // Single triangles and spheres, in f64.
 
-/// `WorldFour::near`: 10⁻¹² of the span of two boxes, for their gap and for the distance it is compared with: 2⁻⁴⁸ at most.
+/// `WorldFour`: 10⁻¹² of the span of two boxes, for their gap and for the distance of the triangles, which is off by 2⁻⁴⁸ of it.
 pub(crate) const BOXES_APART: f64 = 1e-12;
 
 /// `triangle_distance`: 4v of the largest difference of coordinates, what a computed gap of triangles that touch may well be.

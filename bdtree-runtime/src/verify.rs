@@ -138,11 +138,8 @@ impl<'a> Asset<'a> {
             let gap = self.bytes.get(end..start).unwrap_or_default();
             if let Some(i) = gap.iter().position(|b| *b != 0) {
                 let place = Check::at(section.kind, (end + i) as u64);
-                report(
-                    place
-                        .rule("SPEC 3.3: padding is zero")
-                        .broken(0_u32, gap[i]),
-                )?;
+                let rule = place.rule("SPEC 3.3: padding is zero");
+                report(rule.broken(0_u32, gap[i]))?;
             }
             end = start.saturating_add(section.length.get() as usize);
         }
@@ -151,23 +148,28 @@ impl<'a> Asset<'a> {
 
     /// Every f32 is finite and not subnormal; rest positions and displacements obey P and W_j.
     fn numbers(&self, report: Report<'_>) -> ControlFlow<()> {
-        let sections = [
-            (SectionKind::POSITIONS, self.positions.as_flattened()),
-            (
-                SectionKind::DISPLACEMENTS,
-                self.displacements.as_flattened(),
-            ),
-        ];
-        for (section, numbers) in sections {
+        for (section, vectors) in [
+            (SectionKind::POSITIONS, self.positions),
+            (SectionKind::DISPLACEMENTS, self.displacements),
+        ] {
+            let numbers = vectors.as_flattened();
             if let Some(i) = numbers.iter().position(|x| !is_stored(*x)) {
                 let place = self.at(section, size_of::<f32>() * i).rule(FINITE);
                 report(place.broken("a normal number or zero", numbers[i]))?;
             }
         }
         self.row_numbers(report)?;
+        let mut at_most = |section, index: usize, x: [f32; 3], limit: f64| {
+            let n = norm(x.map(f64::from));
+            if n * (1.0 - CHECKED_NORM) > limit {
+                let place = self.at(section, size_of::<[f32; 3]>() * index);
+                return report(place.rule(NORMS).broken(limit, n));
+            }
+            ControlFlow::Continue(())
+        };
         let p = f64::from(self.header.position_norm_max.get());
         for (i, x) in self.positions.iter().enumerate() {
-            self.norm_at_most(SectionKind::POSITIONS, i, *x, p, report)?;
+            at_most(SectionKind::POSITIONS, i, *x, p)?;
         }
         for i in 0..self.positions.len() as u32 {
             let Ok(own) = self.displacements(VertexId(i)) else {
@@ -179,7 +181,7 @@ impl<'a> Asset<'a> {
                     continue; // reported with its list
                 };
                 let w = f64::from(record.field_norm_max.get());
-                self.norm_at_most(SectionKind::DISPLACEMENTS, first + k, u, w, report)?;
+                at_most(SectionKind::DISPLACEMENTS, first + k, u, w)?;
             }
         }
         ControlFlow::Continue(())
@@ -197,22 +199,6 @@ impl<'a> Asset<'a> {
                     return report(place.broken("a normal number or zero", row[lane]));
                 }
             }
-        }
-        ControlFlow::Continue(())
-    }
-
-    fn norm_at_most(
-        &self,
-        section: SectionKind,
-        index: usize,
-        x: [f32; 3],
-        limit: f64,
-        report: Report<'_>,
-    ) -> ControlFlow<()> {
-        let n = norm(x.map(f64::from));
-        if n * (1.0 - CHECKED_NORM) > limit {
-            let place = self.at(section, size_of::<[f32; 3]>() * index);
-            report(place.rule(NORMS).broken(limit, n))?;
         }
         ControlFlow::Continue(())
     }
@@ -250,13 +236,9 @@ impl<'a> Asset<'a> {
             at.rule("SPEC 6.3: a node's children stand behind it")
                 .tell(report, next_child >= behind, behind, next_child)?;
             let (inner, leaves) = (node.inner_mask, node.leaf_mask);
+            let ok = inner & leaves == 0 && inner | leaves != 0;
             at.rule("SPEC 6.2: a lane is empty, inner or leaf, and a node has one at least")
-                .tell(
-                    report,
-                    inner & leaves == 0 && inner | leaves != 0,
-                    inner,
-                    leaves,
-                )?;
+                .tell(report, ok, inner, leaves)?;
             for (lane, count) in node.leaf_counts.iter().enumerate() {
                 let leaf = leaves & (1 << lane) != 0;
                 let ok = leaf == (*count > 0) && u32::from(*count) <= leaf_max;
@@ -265,12 +247,9 @@ impl<'a> Asset<'a> {
                 )
                 .tell(report, ok, leaf_max, *count)?;
             }
-            at.rule("SPEC 6.1: a node has at most all modes").tell(
-                report,
-                usize::from(node.mode_count) <= m,
-                m,
-                node.mode_count,
-            )?;
+            let count = usize::from(node.mode_count);
+            at.rule("SPEC 6.1: a node has at most all modes")
+                .tell(report, count <= m, m, count)?;
             match self.node_rows(node) {
                 Ok(rows) => self.empty_lanes(node, &rows, report)?,
                 Err(error) => report(error)?,
@@ -279,37 +258,21 @@ impl<'a> Asset<'a> {
             next_slot += node.leaf_counts.iter().map(|c| u64::from(*c)).sum::<u64>();
             next_row += row_count(usize::from(node.mode_count)) as u64;
         }
-        let totals = [
-            (
-                SectionKind::NODES,
-                next_child,
-                self.nodes.len(),
-                "SPEC 6.3: every node but the root is a child",
-            ),
-            (
-                SectionKind::TRIANGLES,
-                next_slot,
-                self.triangles.len(),
-                "SPEC 6.3: every triangle is in one leaf lane",
-            ),
-            (
-                SectionKind::ROWS,
-                next_row,
-                self.rows.len(),
-                "SPEC 6.3: every row is a node's",
-            ),
-            (
-                SectionKind::NODES,
-                level + 1,
-                self.depth(),
-                "SPEC 6.4: the header's depth is the number of node levels",
-            ),
-        ];
-        for (section, expected, found, rule) in totals {
-            let place = self.at(section, 0).rule(rule);
-            place.tell(report, expected == found as u64, expected, found)?;
-        }
-        ControlFlow::Continue(())
+        let (nodes, triangles) = (self.nodes.len() as u64, self.triangles.len() as u64);
+        let (rows, depth) = (self.rows.len() as u64, self.depth() as u64);
+        let of_nodes = self.at(SectionKind::NODES, 0);
+        of_nodes
+            .rule("SPEC 6.3: every node but the root is a child")
+            .tell(report, next_child == nodes, next_child, nodes)?;
+        self.at(SectionKind::TRIANGLES, 0)
+            .rule("SPEC 6.3: every triangle is in one leaf lane")
+            .tell(report, next_slot == triangles, next_slot, triangles)?;
+        self.at(SectionKind::ROWS, 0)
+            .rule("SPEC 6.3: every row is a node's")
+            .tell(report, next_row == rows, next_row, rows)?;
+        of_nodes
+            .rule("SPEC 6.4: the header's depth is the number of node levels")
+            .tell(report, level + 1 == depth, level + 1, depth)
     }
 
     fn empty_lanes(

@@ -157,7 +157,7 @@ fn norms(
     rows: &[Row],
     lists: &[u16],
 ) -> (f32, Vec<f32>) {
-    let (mut position, mut fields) = shape.norms();
+    let (mut position, mut fields) = (shape.position_norm, shape.field_norms.clone());
     for node in nodes {
         let rows = &rows[node.row_start as usize..];
         for lane in 0..LANES {

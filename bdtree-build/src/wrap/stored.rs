@@ -58,6 +58,10 @@ pub struct StoredShape {
     pub positions: Vec<[f32; 3]>,
     /// Displacements, vertex-major: `displacements[i * M + j]` is U_ij.
     pub displacements: Vec<[f32; 3]>,
+    /// An upper bound of all ‖p_i‖.
+    pub position_norm: f32,
+    /// Per mode, an upper bound of all ‖U_ij‖.
+    pub field_norms: Vec<f32>,
     /// One per mode.
     pub limits: Vec<ModeLimits>,
     /// The animation, if there is one; each q is within its limit.
@@ -80,20 +84,6 @@ impl StoredShape {
     #[inline]
     pub(super) fn displacement(&self, vertex: u32, mode: u16) -> [f64; 3] {
         self.displacements[vertex as usize * self.limits.len() + usize::from(mode)].map(f64::from)
-    }
-}
-
-impl StoredShape {
-    /// Upper bounds of all ‖p_i‖ and, per mode, of all ‖U_ij‖.
-    pub(super) fn norms(&self) -> (f32, Vec<f32>) {
-        let norm = |v: &[f32; 3]| vector_norm_up(v.map(f64::from));
-        let mut fields = vec![0.0f32; self.mode_count()];
-        for row in self.displacements.chunks_exact(self.mode_count().max(1)) {
-            for (largest, u) in fields.iter_mut().zip(row) {
-                *largest = largest.max(norm(u));
-            }
-        }
-        (self.positions.iter().map(norm).fold(0.0, f32::max), fields)
     }
 
     /// p_i + Σ_j U_ij q_j of all vertices in f64; `q` has M entries.
@@ -199,17 +189,36 @@ pub fn store(
         }
     }
     problems.into_result(Place::NOWHERE)?;
+    let (position_norm, field_norms) = largest_norms(&positions, &displacements, mode_count);
     let mut shape = StoredShape {
         origin,
         unit_exponent,
         diagonal,
         positions,
         displacements,
+        position_norm,
+        field_norms,
         limits: Vec::with_capacity(mode_count),
         frames,
     };
     add_limits(&mut shape, basis, &longest, &farthest, warnings)?;
     Ok(shape)
+}
+
+/// Upper bounds of all ‖p_i‖ and, per mode, of all ‖U_ij‖.
+fn largest_norms(
+    positions: &[[f32; 3]],
+    displacements: &[[f32; 3]],
+    mode_count: usize,
+) -> (f32, Vec<f32>) {
+    let norm = |v: &[f32; 3]| vector_norm_up(v.map(f64::from));
+    let mut fields = vec![0.0f32; mode_count];
+    for row in displacements.chunks_exact(mode_count.max(1)) {
+        for (largest, u) in fields.iter_mut().zip(row) {
+            *largest = largest.max(norm(u));
+        }
+    }
+    (positions.iter().map(norm).fold(0.0, f32::max), fields)
 }
 
 fn largest_length(vectors: impl Iterator<Item = [f64; 3]>) -> f64 {
@@ -259,18 +268,18 @@ fn add_limits(
     warnings: &mut Vec<String>,
 ) -> Result<(), BakeError> {
     let mut problems = none_yet();
-    let (position_norm, norms) = shape.norms();
+    let position_norm = f64::from(shape.position_norm);
     let diagonal = scale(reference(shape.diagonal), -shape.unit_exponent);
-    let mut reach = f64::from(position_norm);
+    let mut reach = position_norm;
     let mut raised = Vec::new();
     for (j, mode) in basis.modes.iter().enumerate() {
-        let norm = f64::from(norms[j]);
+        let norm = f64::from(shape.field_norms[j]);
         if norm == 0.0 && longest[j] > 0.0 {
             warnings.push(format!(
                 "mode {j}: the field is below what f32 holds, stored as zero"
             ));
         }
-        if norm * f64::from(position_norm) > power(PRODUCT_EXPONENT_MAX) {
+        if norm * position_norm > power(PRODUCT_EXPONENT_MAX) {
             let message = "displacements per unit of q are too large: scale the field down";
             problems.add(|| (Part::Mode(j), message.to_string()));
             continue;

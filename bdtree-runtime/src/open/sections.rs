@@ -87,27 +87,18 @@ pub(super) fn locate_sections(
             .broken(SECTION_ORDER[rank], "no such section"));
     }
     let present = |kind| rank(kind).is_some_and(|rank| located[rank].is_some());
-    for (one, other, rule) in [
-        (
-            present(SectionKind::GROUPS),
-            present(SectionKind::GROUP_NAMES),
-            "SPEC 4.2: GRPS and GNAM are both there or both absent",
-        ),
-        (
-            present(SectionKind::VERTEX_MODES),
-            lists_modes,
-            "SPEC 4.2: VMOD is there exactly when DISP has layout 2",
-        ),
-        (
-            present(SectionKind::FRAMES),
-            present(SectionKind::FRAME_Q),
-            "SPEC 4.2: FRMS and FRMQ are both there or both absent",
-        ),
-    ] {
-        table
-            .rule(rule)
-            .holds(one == other, "both or none", "one of them")?;
-    }
+    let groups = present(SectionKind::GROUPS) == present(SectionKind::GROUP_NAMES);
+    table
+        .rule("SPEC 4.2: GRPS and GNAM are both there or both absent")
+        .holds(groups, "both or none", "one of them")?;
+    let modes = present(SectionKind::VERTEX_MODES) == lists_modes;
+    table
+        .rule("SPEC 4.2: VMOD is there exactly when DISP has layout 2")
+        .holds(modes, "both or none", "one of them")?;
+    let frames = present(SectionKind::FRAMES) == present(SectionKind::FRAME_Q);
+    table
+        .rule("SPEC 4.2: FRMS and FRMQ are both there or both absent")
+        .holds(frames, "both or none", "one of them")?;
     check_animation(header, sections)?;
     header_at(offset_of!(Header, file_bytes))
         .rule("SPEC 3.4: the file ends with its last section")

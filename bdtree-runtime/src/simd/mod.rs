@@ -19,6 +19,8 @@ pub(crate) mod quad;
 mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod simd128;
+#[cfg(target_arch = "x86_64")]
+mod sse;
 #[cfg(test)]
 mod tests;
 

@@ -19,7 +19,7 @@ pub(super) struct Leaves {
 }
 
 /// A leaf lane.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Leaf {
     pub(super) triangles: Vec<u32>,
     pub(super) ball: Ball,
@@ -46,10 +46,7 @@ impl Leaf {
         Self {
             triangles: triangles.to_vec(),
             ball,
-            rests: Vec::new(),
-            changed: 0,
-            changes: 0,
-            refused: Vec::new(),
+            ..Self::default()
         }
     }
 
