@@ -84,8 +84,6 @@ mod quantized_q;
 mod query;
 #[cfg(test)]
 mod reference;
-#[cfg(test)]
-mod retained_bounds;
 mod rounding;
 mod shape;
 mod simd;
