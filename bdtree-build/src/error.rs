@@ -160,6 +160,17 @@ pub struct Problem {
     pub message: String,
 }
 
+impl Problem {
+    fn new(stage: &'static str, place: impl Into<Place>, message: impl Into<String>) -> Self {
+        let (place, message) = (place.into(), message.into());
+        Self {
+            stage,
+            place,
+            message,
+        }
+    }
+}
+
 impl fmt::Display for Problem {
     /// Two parts of one line, whatever a file's names hold: control characters escaped, long text cut.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -203,13 +214,8 @@ pub struct BakeError {
 impl BakeError {
     /// A failure with a single problem.
     pub fn one(stage: &'static str, place: impl Into<Place>, message: impl Into<String>) -> Self {
-        Self {
-            problems: vec![Problem {
-                stage,
-                place: place.into(),
-                message: message.into(),
-            }],
-        }
+        let problems = vec![Problem::new(stage, place, message)];
+        Self { problems }
     }
 
     /// The same, with the name of the mesh's file where a place is one in the mesh.
@@ -222,9 +228,7 @@ impl BakeError {
         }
         self
     }
-}
 
-impl BakeError {
     /// The problems of an earlier failure, if there was one, and then these.
     pub(crate) fn after(self, earlier: Result<(), BakeError>) -> Self {
         let mut problems = earlier.map_or_else(|error| error.problems, |()| Vec::new());
@@ -269,11 +273,7 @@ impl Problems {
         self.count += 1;
         if !self.is_full() {
             let (place, message) = say();
-            self.listed.push(Problem {
-                stage: self.stage,
-                place: place.into(),
-                message: message.into(),
-            });
+            self.listed.push(Problem::new(self.stage, place, message));
         }
     }
 
@@ -318,11 +318,8 @@ impl Problems {
     pub(crate) fn into_error(mut self, place: impl Into<Place>) -> BakeError {
         let more = self.count - self.listed.len();
         if more > 0 {
-            self.listed.push(Problem {
-                stage: self.stage,
-                place: place.into(),
-                message: (self.more)(more),
-            });
+            let message = (self.more)(more);
+            self.listed.push(Problem::new(self.stage, place, message));
         }
         BakeError {
             problems: self.listed,

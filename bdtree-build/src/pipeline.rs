@@ -51,6 +51,14 @@ pub struct BakeSettings {
     pub threads: usize,
 }
 
+impl BakeSettings {
+    /// Most triangles in a leaf lane of this mesh.
+    pub(crate) fn leaf_size_for(&self, mesh: &RawMesh) -> usize {
+        self.leaf_size
+            .unwrap_or_else(|| default_leaf_size(mesh.triangles.len()))
+    }
+}
+
 impl Default for BakeSettings {
     fn default() -> Self {
         Self {
@@ -238,9 +246,7 @@ fn build(
 
 /// The leaf size that the settings ask for.
 fn leaf_size(mesh: &RawMesh, settings: &BakeSettings) -> Result<usize, BakeError> {
-    let leaf_size = settings
-        .leaf_size
-        .unwrap_or_else(|| default_leaf_size(mesh.triangles.len()));
+    let leaf_size = settings.leaf_size_for(mesh);
     if (1..=LEAF_TRIANGLES_MAX).contains(&leaf_size) {
         return Ok(leaf_size);
     }
@@ -252,23 +258,15 @@ fn leaf_size(mesh: &RawMesh, settings: &BakeSettings) -> Result<usize, BakeError
 /// no such file is written.
 fn measure_visits(bytes: &[u8]) -> Result<Visits, BakeError> {
     // Allocators align large blocks, so the copy is for small files.
-    let copy = if (bytes.as_ptr() as usize).is_multiple_of(BASE_ALIGNMENT) {
-        None
-    } else {
-        Model::from_bytes(bytes).ok()
-    };
+    let misaligned = !(bytes.as_ptr() as usize).is_multiple_of(BASE_ALIGNMENT);
+    let copy = misaligned.then(|| Model::from_bytes(bytes).ok()).flatten();
     let aligned = copy.as_ref().map_or(bytes, |copy| copy.asset().bytes());
-    let asset = Asset::open(aligned).map_err(|error| {
-        let message = format!("the file that was made cannot be opened: {error}");
+    let fail = |what: String| {
+        let message = format!("the file that was made cannot be {what}");
         BakeError::one("encode", Place::NOWHERE, message)
-    })?;
-    visits::visits(&asset).ok_or_else(|| {
-        BakeError::one(
-            "encode",
-            Place::NOWHERE,
-            "the file that was made cannot be queried",
-        )
-    })
+    };
+    let asset = Asset::open(aligned).map_err(|error| fail(format!("opened: {error}")))?;
+    visits::visits(&asset).ok_or_else(|| fail("queried".to_string()))
 }
 
 fn metadata(
@@ -277,11 +275,7 @@ fn metadata(
     provenance: &Provenance,
     warnings: &[String],
 ) -> Metadata {
-    let mut kept: Vec<String> = warnings
-        .iter()
-        .take(METADATA_WARNINGS_MAX)
-        .cloned()
-        .collect();
+    let mut kept = warnings[..warnings.len().min(METADATA_WARNINGS_MAX)].to_vec();
     if kept.len() < warnings.len() {
         kept.push(format!("and {} more", warnings.len() - kept.len()));
     }

@@ -11,9 +11,9 @@ use serde::Serialize;
 use crate::basis::elastic::ElasticReport;
 use crate::basis::volume::VolumeReport;
 use crate::basis::{Basis, BasisError};
-use crate::tree::{LaneKind, Tree};
+use crate::tree::{LaneKind, Met, Tree};
 use crate::wrap::ball::smallest_ball;
-use crate::wrap::{StoredShape, WrappedTree, mode_pair};
+use crate::wrap::{StoredShape, WrappedTree, mode_pair, modes_of};
 use random::Random;
 pub use visits::Visits;
 
@@ -99,8 +99,7 @@ pub(crate) fn tightness(
         .collect();
     let deformed = shape.deform(&q);
     let diagonal = f64::from(wrapped.position_norm_max);
-    let mut last_seen = vec![0u32; deformed.len()];
-    let mut stamp = 0;
+    let mut met = Met::default();
     let mut points = Vec::new();
     let mut levels = Vec::new();
     for level in 0..tree.depth {
@@ -118,17 +117,10 @@ pub(crate) fn tightness(
         Random::new().keep(SAMPLES_MAX, &mut lanes);
         let (mut sum, mut max, mut count) = (0.0, 0.0f64, 0usize);
         for (i, k) in lanes {
-            stamp += 1;
+            let corners = tree.corners_below(tree.nodes[i].lanes[k], triangles);
+            let vertices = met.once(deformed.len(), corners);
             points.clear();
-            for &triangle in tree.triangles_below(tree.nodes[i].lanes[k]) {
-                for corner in triangles[triangle as usize] {
-                    let seen = &mut last_seen[corner as usize];
-                    if *seen != stamp {
-                        *seen = stamp;
-                        points.push(deformed[corner as usize]);
-                    }
-                }
-            }
+            points.extend(vertices.map(|vertex| deformed[vertex as usize]));
             let best = smallest_ball(&points).radius;
             let ratio = radius_at(wrapped, shape, i, k, &q) / best;
             if best > POINT_SIZE_REL * diagonal && ratio.is_finite() {
@@ -156,8 +148,7 @@ fn radius_at(
     let node = &wrapped.nodes[node];
     let rows = &wrapped.rows[node.row_start as usize..];
     let [_, growth_unit, cross_unit] = node.scale_exponents.map(|e| 2.0_f64.powi(e.into()));
-    let start = node.mode_list_start as usize;
-    let modes = &wrapped.mode_lists[start..start + usize::from(node.mode_count)];
+    let modes = modes_of(&wrapped.mode_lists, node);
     let (mut cross, mut growth) = (0.0, 0.0);
     for (k, &mode) in modes.iter().enumerate() {
         let mode = usize::from(mode);

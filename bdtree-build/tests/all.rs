@@ -3,6 +3,7 @@
 
 mod advise;
 mod advise_library;
+mod bake_fields;
 mod command;
 mod elastic_beam;
 mod elastic_corpus;

@@ -1,6 +1,6 @@
 //! The frames of an asset's animation (SPEC 7.5): q, time, and the rigid motion of each.
 
-use bdtree_format::FrameRecord;
+use bdtree_format::{FrameRecord, TIME_UNKNOWN};
 
 use crate::math::{clamp, sqrt};
 use crate::transform::Transform;
@@ -24,7 +24,7 @@ impl<'a> AnimationFrame<'a> {
     /// When the source shows the frame, in seconds from 0; `None` when it does not say.
     pub fn time_s(&self) -> Option<f64> {
         let time = self.record.time_s.get();
-        (time != UNTIMED).then_some(time)
+        (time != TIME_UNKNOWN).then_some(time)
     }
 
     /// The rigid motion that a writer took out of the frame and that puts the mesh back:
@@ -81,7 +81,7 @@ impl<'a> Asset<'a> {
         if self
             .frames
             .first()
-            .is_some_and(|first| time(first) == UNTIMED)
+            .is_some_and(|first| time(first) == TIME_UNKNOWN)
         {
             return Err(SampleError::NoTimes);
         }
@@ -109,9 +109,6 @@ impl<'a> Asset<'a> {
         Ok(a.transform().towards(&b.transform(), share))
     }
 }
-
-/// Time of a frame for which the source does not say one (SPEC 7.5).
-const UNTIMED: f64 = -1.0;
 
 impl Transform {
     /// Between this placement, at a share of 0, and another, at 1: translation and scale linearly, rotations along

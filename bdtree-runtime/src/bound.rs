@@ -258,10 +258,7 @@ impl<V: Lanes> Sums<V> {
 
     #[inline(always)]
     fn add_pair(&mut self, pair: &ModePair, n: [i16; 2]) {
-        let n = V::Sums::factor(n);
-        let magnitude = V::Sums::magnitude(n);
-        let positive = V::Sums::positive(n);
-        let negative = V::Sums::positive_of_opposite(n);
+        let [n, magnitude, positive, negative] = V::Sums::factors(n);
         for k in 0..3 {
             self.center[k] = self.center[k].add_products(&pair.center[k], n);
         }

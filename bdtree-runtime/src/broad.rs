@@ -15,7 +15,7 @@ use crate::error::QueryError;
 use crate::instance::Instance;
 use crate::math::{dot, sub};
 use crate::query::{ARGUMENT_MAX, BoundingSphere, length};
-use crate::rounding::MARGIN;
+use crate::rounding::{CELL_ROUNDING, CELL_SHARE, MARGIN};
 use crate::workspace::{Stats, Workspace};
 
 /// Memory for the grids.
@@ -82,7 +82,7 @@ pub fn pairs(
     out: &mut impl Sink<[usize; 2]>,
 ) -> Result<Coverage, QueryError> {
     let slots = workspace.memory.slots(grid_slots(spheres.len()))?;
-    let (coverage, stats) = search(spheres, prediction, slots, out)?;
+    let (coverage, stats) = search(spheres, prediction, slots, |pair| out.push(pair))?;
     workspace.stats = stats;
     Ok(coverage)
 }
@@ -105,35 +105,22 @@ pub fn instance_pairs(
     for (sphere, instance) in spheres.iter_mut().zip(instances) {
         *sphere = instance.bounding_sphere()?;
     }
-    let mut meeting = Meeting { instances, out };
-    let (coverage, stats) = search(spheres, prediction, slots, &mut meeting)?;
-    workspace.stats = stats;
-    Ok(coverage)
-}
-
-/// Hands on the pairs whose groups meet.
-#[cfg(feature = "alloc")]
-struct Meeting<'s, S> {
-    instances: &'s [Instance],
-    out: &'s mut S,
-}
-
-#[cfg(feature = "alloc")]
-impl<S: Sink<[usize; 2]>> Sink<[usize; 2]> for Meeting<'_, S> {
-    fn push(&mut self, [i, j]: [usize; 2]) -> ControlFlow<()> {
-        if self.instances[i].may_meet(&self.instances[j]) {
-            self.out.push([i, j])
+    let (coverage, stats) = search(spheres, prediction, slots, |[i, j]| {
+        if instances[i].may_meet(&instances[j]) {
+            out.push([i, j])
         } else {
             ControlFlow::Continue(())
         }
-    }
+    })?;
+    workspace.stats = stats;
+    Ok(coverage)
 }
 
 fn search(
     spheres: &[BoundingSphere],
     tolerance: f64,
     slots: &mut [GridSlot],
-    sink: &mut impl Sink<[usize; 2]>,
+    mut found: impl FnMut([usize; 2]) -> ControlFlow<()>,
 ) -> Result<(Coverage, Stats), QueryError> {
     let what = "prediction: negative, not finite or beyond 2^100";
     let tolerance = length(tolerance, what)?;
@@ -148,7 +135,7 @@ fn search(
         slots,
         stats: Stats::default(),
     };
-    let coverage = Coverage::of(search.run(sink).is_break());
+    let coverage = Coverage::of(search.run(&mut found).is_break());
     Ok((coverage, search.stats))
 }
 
@@ -212,12 +199,11 @@ impl Grids {
 
 /// Half of what a sphere and the tolerance reach over, and at least what keeps cells apart in f64.
 fn reach(sphere: &BoundingSphere, tolerance: f64) -> f64 {
-    const SHARE: f64 = 1.0 / (1_u64 << 50) as f64;
     const LEAST: f64 = f64::from_bits((1023 - 200) << 52);
     let [x, y, z] = sphere.center.map(f64::abs);
     let far = x.max(y).max(z);
     (sphere.radius + 0.5 * tolerance)
-        .max(far * SHARE)
+        .max(far * CELL_SHARE)
         .max(LEAST)
 }
 
@@ -256,7 +242,7 @@ struct Search<'s> {
 
 impl Search<'_> {
     /// The largest first: every sphere looks at those before it of its own size and at all larger.
-    fn run(&mut self, sink: &mut impl Sink<[usize; 2]>) -> ControlFlow<()> {
+    fn run(&mut self, found: &mut impl FnMut([usize; 2]) -> ControlFlow<()>) -> ControlFlow<()> {
         for level in 0..LEVELS {
             if self.grids.reaches[level] == 0.0 {
                 continue;
@@ -267,7 +253,7 @@ impl Search<'_> {
                 }
                 for other in 0..=level {
                     if self.grids.reaches[other] > 0.0 {
-                        self.look(i, other, sink)?;
+                        self.look(i, other, found)?;
                     }
                 }
                 let own = hash(self.grids.cell(self.spheres[i].center, level), level);
@@ -289,19 +275,19 @@ impl Search<'_> {
         &mut self,
         i: usize,
         level: usize,
-        sink: &mut impl Sink<[usize; 2]>,
+        found: &mut impl FnMut([usize; 2]) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let sphere = self.spheres[i];
         let reach = self.grids.reaches[level] + reach(&sphere, self.tolerance);
         let far = sphere.center.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         // What the comparison below grants, and the rounding of these sums.
-        let reach = reach * (1.0 + 2.0 * MARGIN) + far * f64::EPSILON;
+        let reach = reach * (1.0 + 2.0 * MARGIN) + far * CELL_ROUNDING;
         let low = self.grids.cell(sphere.center.map(|x| x - reach), level);
         let high = self.grids.cell(sphere.center.map(|x| x + reach), level);
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 for x in low[0]..=high[0] {
-                    self.compare(i, [x, y, z], level, sink)?;
+                    self.compare(i, [x, y, z], level, found)?;
                 }
             }
         }
@@ -314,7 +300,7 @@ impl Search<'_> {
         i: usize,
         cell: [i64; 3],
         level: usize,
-        sink: &mut impl Sink<[usize; 2]>,
+        found: &mut impl FnMut([usize; 2]) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let sphere = &self.spheres[i];
         let wanted = hash(cell, level);
@@ -328,7 +314,7 @@ impl Search<'_> {
                     && self.grids.cell(other.center, level) == cell
                 {
                     let j = j as usize;
-                    sink.push([i.min(j), i.max(j)])?;
+                    found([i.min(j), i.max(j)])?;
                 }
             }
             j = slot.next;

@@ -15,17 +15,22 @@ impl Pose<'_> {
     /// When there is no such vertex.
     #[inline]
     pub fn deformed(&self, vertex: VertexId) -> Result<[f64; 3], FormatError> {
-        self.asset.deformed(self, vertex)
+        Ok(self.placement.world(self.deformed_stored(vertex)?))
     }
 
-    /// The deformed position of a vertex, relative to the origin (stored units), by the leaf arithmetic
-    /// (SPEC 5.5).
+    /// The deformed position of a vertex, relative to the origin (stored units), by the leaf arithmetic (SPEC 5.5):
+    /// `p'_i = p_i + (((U_i1 q_1) + U_i2 q_2) + …)` (paper, eq. 1) over the modes that are stored for it, f32,
+    /// products and sums rounded separately, modes in order, p last. The same bits on every processor.
     ///
     /// # Errors
     /// When there is no such vertex.
     #[inline]
     pub fn deformed_stored(&self, vertex: VertexId) -> Result<[f32; 3], FormatError> {
-        self.asset.deformed_stored(self, vertex)
+        if self.asset.lists_modes() {
+            self.asset.deformed_listed(self.q, vertex)
+        } else {
+            self.asset.deformed_in::<false>(self.q, vertex)
+        }
     }
 
     /// The deformed corners of a triangle in the world.
@@ -39,33 +44,13 @@ impl Pose<'_> {
 }
 
 impl Asset<'_> {
-    /// The deformed position of a vertex, relative to the origin (stored units):
-    /// `p'_i = p_i + (((U_i1 q_1) + U_i2 q_2) + …)` (paper, eq. 1) over the modes that are stored
-    /// for it, f32, products and sums rounded separately, modes in order, p last. The same bits on
-    /// every processor.
-    ///
-    /// # Errors
-    /// When there is no such vertex.
-    #[inline]
-    pub(crate) fn deformed_stored(
-        &self,
-        pose: &Pose<'_>,
-        vertex: VertexId,
-    ) -> Result<[f32; 3], FormatError> {
-        if self.lists_modes() {
-            self.deformed_listed(pose.q, vertex)
-        } else {
-            self.deformed_in::<false>(pose.q, vertex)
-        }
-    }
-
     /// Not inlined: beside it the loop over all modes would be compiled worse.
     #[inline(never)]
     fn deformed_listed(&self, q: &[f32], vertex: VertexId) -> Result<[f32; 3], FormatError> {
         self.deformed_in::<true>(q, vertex)
     }
 
-    /// [`Asset::deformed_stored`] for the layout of displacements that the asset has: `LISTED` is
+    /// [`Pose::deformed_stored`] for the layout of displacements that the asset has: `LISTED` is
     /// [`Asset::lists_modes`], which traversals ask once, since in one piece of code each layout
     /// slows down the other.
     #[inline(always)]
@@ -111,21 +96,8 @@ impl Asset<'_> {
         Ok([p[0] + sum[0], p[1] + sum[1], p[2] + sum[2]])
     }
 
-    /// The deformed position of a vertex in the world: f64 from the stored position on.
-    ///
-    /// # Errors
-    /// When there is no such vertex.
-    #[inline]
-    pub(crate) fn deformed(
-        &self,
-        pose: &Pose<'_>,
-        vertex: VertexId,
-    ) -> Result<[f64; 3], FormatError> {
-        Ok(pose.placement.world(self.deformed_stored(pose, vertex)?))
-    }
-
     /// Puts the deformed corners of four triangles into `corners`: of each corner, of each coordinate,
-    /// that of the four (stored units). To the bit as [`Asset::deformed_stored`] says.
+    /// that of the four (stored units). To the bit as [`Pose::deformed_stored`] says.
     ///
     /// A corner that several of them share is deformed once for each: side by side that takes less time
     /// than finding out.
@@ -146,31 +118,11 @@ impl Asset<'_> {
         };
         match fields {
             Some(fields) => *corners = L::moved(&fields),
-            None => self.deform_singly(pose, &vertices, corners)?,
+            None => deform_singly(pose, &vertices, corners)?,
         }
         Ok(())
     }
 
-    #[inline(never)]
-    fn deform_singly(
-        &self,
-        pose: &Pose<'_>,
-        vertices: &[[u32; 4]; 3],
-        corners: &mut [[[f32; 4]; 3]; 3],
-    ) -> Result<(), FormatError> {
-        for (vertices, corner) in vertices.iter().zip(corners) {
-            for k in 0..4 {
-                let point = self.deformed_stored(pose, VertexId(vertices[k]))?;
-                for axis in 0..3 {
-                    corner[axis][k] = point[axis];
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-impl Asset<'_> {
     /// Asks for the numbers of triangles' vertices: their addresses follow no pattern, and all of them
     /// together take hardly longer than one. A shared corner is asked for each time.
     pub(crate) fn prefetch_vertices(&self, records: &[TriangleRecord]) {
@@ -238,4 +190,21 @@ impl Asset<'_> {
             prefetch_from(self.displacements, i.wrapping_mul(m), m);
         }
     }
+}
+
+#[inline(never)]
+fn deform_singly(
+    pose: &Pose<'_>,
+    vertices: &[[u32; 4]; 3],
+    corners: &mut [[[f32; 4]; 3]; 3],
+) -> Result<(), FormatError> {
+    for (vertices, corner) in vertices.iter().zip(corners) {
+        for k in 0..4 {
+            let point = pose.deformed_stored(VertexId(vertices[k]))?;
+            for axis in 0..3 {
+                corner[axis][k] = point[axis];
+            }
+        }
+    }
+    Ok(())
 }

@@ -31,6 +31,31 @@ impl fmt::Display for Datum {
     }
 }
 
+/// What a rule compares, as the datum of its kind.
+macro_rules! datum_from {
+    ($($variant:ident: $($type:ty),+;)+) => {
+        $($(impl From<$type> for Datum {
+            fn from(x: $type) -> Self {
+                Self::$variant(x.into())
+            }
+        })+)+
+    };
+}
+
+datum_from! {
+    Text: &'static str;
+    Integer: u8, u16, u32, u64;
+    Signed: i8, i32;
+    Real: f32, f64;
+    Kind: SectionKind;
+}
+
+impl From<usize> for Datum {
+    fn from(x: usize) -> Self {
+        Self::Integer(x as u64)
+    }
+}
+
 /// The pseudo-section under which errors of the header block are reported.
 pub const HEADER_SECTION: SectionKind = SectionKind(*b"HEAD");
 
@@ -60,6 +85,57 @@ impl fmt::Display for FormatError {
 }
 
 impl core::error::Error for FormatError {}
+
+/// A place in a file, and the rule that is checked there.
+#[derive(Clone, Copy)]
+pub(crate) struct Check {
+    section: SectionKind,
+    byte: u64,
+    rule: &'static str,
+}
+
+impl Check {
+    /// The place of a byte of the file, in a section's records or in the header block.
+    pub(crate) fn at(section: SectionKind, byte: u64) -> Self {
+        let rule = "";
+        Self {
+            section,
+            byte,
+            rule,
+        }
+    }
+
+    /// Number and words of the rule in `SPEC.md`.
+    pub(crate) fn rule(self, rule: &'static str) -> Self {
+        Self { rule, ..self }
+    }
+
+    /// The error of bytes that break the rule.
+    #[cold]
+    pub(crate) fn broken(self, expected: impl Into<Datum>, found: impl Into<Datum>) -> FormatError {
+        FormatError {
+            section: self.section,
+            byte: self.byte,
+            rule: self.rule,
+            expected: expected.into(),
+            found: found.into(),
+        }
+    }
+
+    /// [`Check::broken`] unless `ok`.
+    pub(crate) fn holds(
+        self,
+        ok: bool,
+        expected: impl Into<Datum>,
+        found: impl Into<Datum>,
+    ) -> Result<(), FormatError> {
+        if ok {
+            Ok(())
+        } else {
+            Err(self.broken(expected, found))
+        }
+    }
+}
 
 /// Why a pose or a placement is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -63,7 +63,8 @@ mod error;
 mod force;
 #[cfg(feature = "alloc")]
 mod instance;
-mod math;
+#[doc(hidden)]
+pub mod math;
 mod matrix;
 #[cfg(feature = "alloc")]
 mod memory;
@@ -83,8 +84,6 @@ mod quantized_q;
 mod query;
 #[cfg(test)]
 mod reference;
-#[cfg(test)]
-mod retained_bounds;
 mod rounding;
 mod shape;
 mod simd;

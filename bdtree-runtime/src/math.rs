@@ -5,37 +5,37 @@
 
 /// Returns `a + b`.
 #[inline(always)]
-pub(crate) fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// Returns `a − b`.
 #[inline(always)]
-pub(crate) fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// Returns `k a`.
 #[inline(always)]
-pub(crate) fn scale(a: [f64; 3], k: f64) -> [f64; 3] {
+pub fn scale(a: [f64; 3], k: f64) -> [f64; 3] {
     [a[0] * k, a[1] * k, a[2] * k]
 }
 
 /// Returns `a + k b`.
 #[inline(always)]
-pub(crate) fn add_scaled(a: [f64; 3], k: f64, b: [f64; 3]) -> [f64; 3] {
+pub fn add_scaled(a: [f64; 3], k: f64, b: [f64; 3]) -> [f64; 3] {
     add(a, scale(b, k))
 }
 
 /// Returns the dot product, summed from the left.
 #[inline(always)]
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Returns the cross product.
 #[inline(always)]
-pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -45,22 +45,20 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 /// Returns the Euclidean length; 0 for vectors shorter than about 2⁻⁵³⁷.
 #[inline(always)]
-#[allow(dead_code)] // the queries'
-pub(crate) fn norm(a: [f64; 3]) -> f64 {
+pub fn norm(a: [f64; 3]) -> f64 {
     sqrt(dot(a, a))
 }
 
 /// Returns the sum of magnitudes: not below the Euclidean length and at most √3 times it, without a root.
 /// For error bounds.
 #[inline(always)]
-#[allow(dead_code)] // the queries'
-pub(crate) fn length_bound(a: [f64; 3]) -> f64 {
+pub fn length_bound(a: [f64; 3]) -> f64 {
     a[0].abs() + a[1].abs() + a[2].abs()
 }
 
 /// Returns `x` moved into `[low, high]`, and `low` for NaN: unlike `f64::clamp` it cannot panic.
 #[inline(always)]
-pub(crate) fn clamp(x: f64, low: f64, high: f64) -> f64 {
+pub fn clamp(x: f64, low: f64, high: f64) -> f64 {
     if x > high {
         high
     } else if x > low {
@@ -73,29 +71,27 @@ pub(crate) fn clamp(x: f64, low: f64, high: f64) -> f64 {
 /// Returns the correctly rounded square root.
 #[cfg(feature = "std")]
 #[inline(always)]
-pub(crate) fn sqrt(x: f64) -> f64 {
+pub fn sqrt(x: f64) -> f64 {
     x.sqrt()
 }
 
 /// Returns the correctly rounded square root.
 #[cfg(not(feature = "std"))]
 #[inline(always)]
-pub(crate) fn sqrt(x: f64) -> f64 {
+pub fn sqrt(x: f64) -> f64 {
     libm::sqrt(x)
 }
 
 /// Returns the correctly rounded square root.
 #[cfg(feature = "std")]
 #[inline(always)]
-#[allow(dead_code)] // the node kernel's
-pub(crate) fn sqrt_f32(x: f32) -> f32 {
+pub fn sqrt_f32(x: f32) -> f32 {
     x.sqrt()
 }
 
 /// Returns the correctly rounded square root.
 #[cfg(not(feature = "std"))]
 #[inline(always)]
-#[allow(dead_code)] // the node kernel's
-pub(crate) fn sqrt_f32(x: f32) -> f32 {
+pub fn sqrt_f32(x: f32) -> f32 {
     libm::sqrtf(x)
 }

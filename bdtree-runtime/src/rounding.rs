@@ -156,3 +156,17 @@ pub(crate) const CHECKED_PRODUCT: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// 2⁻⁴¹: share of δR² by which a vertex's norm may exceed it.
 pub(crate) const CHECKED_STEP: f64 = 1.0 / (1_u64 << 41) as f64;
+
+// Single triangles and spheres, in f64.
+
+/// `WorldFour`: 10⁻¹² of the span of two boxes, for their gap and for the distance of the triangles, which is off by 2⁻⁴⁸ of it.
+pub(crate) const BOXES_APART: f64 = 1e-12;
+
+/// `triangle_distance`: 4v of the largest difference of coordinates, what a computed gap of triangles that touch may well be.
+pub(crate) const TOUCHING_GAP: f64 = 2.0 * f64::EPSILON;
+
+/// The broad phase: 2⁻⁵⁰ of the farthest coordinate is the least reach of a sphere, so that cells stay apart in f64.
+pub(crate) const CELL_SHARE: f64 = 1.0 / (1_u64 << 50) as f64;
+
+/// The broad phase: 2v of the farthest coordinate, for the corners of the cells that a sphere looks into.
+pub(crate) const CELL_ROUNDING: f64 = f64::EPSILON;

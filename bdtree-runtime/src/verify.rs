@@ -13,17 +13,41 @@ mod vertex_modes;
 use bdtree_format::{
     GroupRecord, LANES, NodeRecord, PairRow, Row, SectionKind, TriangleRecord, pair_row, row_count,
 };
-use core::mem::size_of;
+use core::mem::{offset_of, size_of};
 use core::ops::ControlFlow;
 
 use crate::contact::VertexId;
-use crate::error::{Datum, FormatError};
+use crate::error::{Check, Datum, FormatError};
 use crate::math::norm;
 use crate::rounding::CHECKED_NORM;
 use crate::view::{Asset, NodeRows};
 
 /// Takes each broken rule; `Break` ends the check.
 type Report<'r> = &'r mut dyn FnMut(FormatError) -> ControlFlow<()>;
+
+impl Check {
+    /// Reports the rule unless `ok`.
+    fn tell(
+        self,
+        report: Report<'_>,
+        ok: bool,
+        expected: impl Into<Datum>,
+        found: impl Into<Datum>,
+    ) -> ControlFlow<()> {
+        if ok {
+            return ControlFlow::Continue(());
+        }
+        report(self.broken(expected, found))
+    }
+}
+
+const FINITE: &str = "SPEC 5.1: numbers are finite and not subnormal";
+const NORMS: &str = "SPEC 5.3: no norm is above position_norm_max or field_norm_max";
+
+/// Whether the format has such a number (SPEC 5.1).
+fn is_stored(x: f32) -> bool {
+    x.is_normal() || x == 0.0
+}
 
 /// Least exponent of a unit that 16-bit rows count: the unit is a normal number (SPEC 6.1).
 const EXPONENT_MIN: i8 = -126;
@@ -99,15 +123,10 @@ impl<'a> Asset<'a> {
             let start = section.offset.get() as usize;
             let end = start.saturating_add(section.length.get() as usize);
             let crc = crc32fast::hash(self.bytes.get(start..end).unwrap_or_default());
-            if crc != section.crc.get() {
-                report(FormatError {
-                    section: section.kind,
-                    byte: section.offset.get(),
-                    rule: "SPEC 4.1: a section's bytes have its checksum",
-                    expected: Datum::Integer(u64::from(section.crc.get())),
-                    found: Datum::Integer(u64::from(crc)),
-                })?;
-            }
+            let stored = section.crc.get();
+            Check::at(section.kind, section.offset.get())
+                .rule("SPEC 4.1: a section's bytes have its checksum")
+                .tell(report, crc == stored, stored, crc)?;
         }
         ControlFlow::Continue(())
     }
@@ -118,13 +137,9 @@ impl<'a> Asset<'a> {
             let start = section.offset.get() as usize;
             let gap = self.bytes.get(end..start).unwrap_or_default();
             if let Some(i) = gap.iter().position(|b| *b != 0) {
-                report(FormatError {
-                    section: section.kind,
-                    byte: (end + i) as u64,
-                    rule: "SPEC 3.3: padding is zero",
-                    expected: Datum::Integer(0),
-                    found: Datum::Integer(u64::from(gap[i])),
-                })?;
+                let place = Check::at(section.kind, (end + i) as u64);
+                let rule = place.rule("SPEC 3.3: padding is zero");
+                report(rule.broken(0_u32, gap[i]))?;
             }
             end = start.saturating_add(section.length.get() as usize);
         }
@@ -133,28 +148,28 @@ impl<'a> Asset<'a> {
 
     /// Every f32 is finite and not subnormal; rest positions and displacements obey P and W_j.
     fn numbers(&self, report: Report<'_>) -> ControlFlow<()> {
-        let sections = [
-            (SectionKind::POSITIONS, self.positions.as_flattened()),
-            (
-                SectionKind::DISPLACEMENTS,
-                self.displacements.as_flattened(),
-            ),
-        ];
-        for (section, numbers) in sections {
-            if let Some(i) = numbers.iter().position(|x| !(x.is_normal() || *x == 0.0)) {
-                report(FormatError {
-                    section,
-                    byte: self.section_offset(section) + 4 * i as u64,
-                    rule: "SPEC 5.1: numbers are finite and not subnormal",
-                    expected: Datum::Text("a normal number or zero"),
-                    found: Datum::Real(f64::from(numbers[i])),
-                })?;
+        for (section, vectors) in [
+            (SectionKind::POSITIONS, self.positions),
+            (SectionKind::DISPLACEMENTS, self.displacements),
+        ] {
+            let numbers = vectors.as_flattened();
+            if let Some(i) = numbers.iter().position(|x| !is_stored(*x)) {
+                let place = self.at(section, size_of::<f32>() * i).rule(FINITE);
+                report(place.broken("a normal number or zero", numbers[i]))?;
             }
         }
         self.row_numbers(report)?;
+        let mut at_most = |section, index: usize, x: [f32; 3], limit: f64| {
+            let n = norm(x.map(f64::from));
+            if n * (1.0 - CHECKED_NORM) > limit {
+                let place = self.at(section, size_of::<[f32; 3]>() * index);
+                return report(place.rule(NORMS).broken(limit, n));
+            }
+            ControlFlow::Continue(())
+        };
         let p = f64::from(self.header.position_norm_max.get());
         for (i, x) in self.positions.iter().enumerate() {
-            self.norm_at_most(SectionKind::POSITIONS, i, *x, p, report)?;
+            at_most(SectionKind::POSITIONS, i, *x, p)?;
         }
         for i in 0..self.positions.len() as u32 {
             let Ok(own) = self.displacements(VertexId(i)) else {
@@ -166,7 +181,7 @@ impl<'a> Asset<'a> {
                     continue; // reported with its list
                 };
                 let w = f64::from(record.field_norm_max.get());
-                self.norm_at_most(SectionKind::DISPLACEMENTS, first + k, u, w, report)?;
+                at_most(SectionKind::DISPLACEMENTS, first + k, u, w)?;
             }
         }
         ControlFlow::Continue(())
@@ -179,38 +194,11 @@ impl<'a> Asset<'a> {
                 continue; // reported with the node
             };
             for (r, row) in plain_rows(&rows) {
-                let bad = |x: &f32| !(x.is_normal() || *x == 0.0);
-                if let Some(lane) = row.iter().position(bad) {
-                    return report(FormatError {
-                        section: SectionKind::ROWS,
-                        byte: self.row_byte(node, r, lane),
-                        rule: "SPEC 5.1: numbers are finite and not subnormal",
-                        expected: Datum::Text("a normal number or zero"),
-                        found: Datum::Real(f64::from(row[lane])),
-                    });
+                if let Some(lane) = row.iter().position(|x| !is_stored(*x)) {
+                    let place = self.row_place(node, r, lane).rule(FINITE);
+                    return report(place.broken("a normal number or zero", row[lane]));
                 }
             }
-        }
-        ControlFlow::Continue(())
-    }
-
-    fn norm_at_most(
-        &self,
-        section: SectionKind,
-        index: usize,
-        x: [f32; 3],
-        limit: f64,
-        report: Report<'_>,
-    ) -> ControlFlow<()> {
-        let n = norm(x.map(f64::from));
-        if n * (1.0 - CHECKED_NORM) > limit {
-            report(FormatError {
-                section,
-                byte: self.section_offset(section) + 12 * index as u64,
-                rule: "SPEC 5.3: no norm is above position_norm_max or field_norm_max",
-                expected: Datum::Real(limit),
-                found: Datum::Real(n),
-            })?;
         }
         ControlFlow::Continue(())
     }
@@ -223,80 +211,45 @@ impl<'a> Asset<'a> {
         let mut level_end = 1_u64;
         let mut level = 0_u64;
         let m = self.modes.len();
+        let leaf_max = self.header.leaf_triangles_max.get();
         for (i, node) in self.nodes.iter().enumerate() {
-            let at = self.section_offset(SectionKind::NODES) + (i * size_of::<NodeRecord>()) as u64;
-            let mut broken = |rule: &'static str, expected: Datum, found: Datum| {
-                report(FormatError {
-                    section: SectionKind::NODES,
-                    byte: at,
-                    rule,
-                    expected,
-                    found,
-                })
-            };
+            let at = self.at(SectionKind::NODES, i * size_of::<NodeRecord>());
             if let Some(e) = node.scale_exponents.iter().find(|e| **e < EXPONENT_MIN) {
-                broken(
-                    "SPEC 6.1: exponents of units are at least -126",
-                    Datum::Signed(EXPONENT_MIN.into()),
-                    Datum::Signed((*e).into()),
-                )?;
+                let rule = at.rule("SPEC 6.1: exponents of units are at least -126");
+                report(rule.broken(EXPONENT_MIN, *e))?;
             }
-            let mut rule = |ok: bool, rule: &'static str, expected: u64, found: u64| {
-                if ok {
-                    return ControlFlow::Continue(());
-                }
-                broken(rule, Datum::Integer(expected), Datum::Integer(found))
-            };
             if i as u64 == level_end {
                 level += 1;
                 level_end = next_child;
             }
-            rule(
-                u64::from(node.level) == level,
-                "SPEC 6.4: a node's level is its distance from the root",
-                level,
-                u64::from(node.level),
-            )?;
+            at.rule("SPEC 6.4: a node's level is its distance from the root")
+                .tell(report, level == node.level.into(), level, node.level)?;
             for (expected, found) in [
                 (next_child, node.first_child),
                 (next_slot, node.first_slot),
                 (next_row, node.row_start),
             ] {
-                rule(
-                    expected == u64::from(found),
-                    "SPEC 6.3: first_child, first_slot and row_start are running counts",
-                    expected,
-                    u64::from(found),
-                )?;
+                at.rule("SPEC 6.3: first_child, first_slot and row_start are running counts")
+                    .tell(report, expected == found.into(), expected, found)?;
             }
-            rule(
-                next_child > i as u64,
-                "SPEC 6.3: a node's children stand behind it",
-                i as u64 + 1,
-                next_child,
-            )?;
-            rule(
-                node.inner_mask & node.leaf_mask == 0 && node.inner_mask | node.leaf_mask != 0,
-                "SPEC 6.2: a lane is empty, inner or leaf, and a node has one at least",
-                u64::from(node.inner_mask),
-                u64::from(node.leaf_mask),
-            )?;
-            let leaf_max = self.header.leaf_triangles_max.get();
+            let behind = i as u64 + 1;
+            at.rule("SPEC 6.3: a node's children stand behind it")
+                .tell(report, next_child >= behind, behind, next_child)?;
+            let (inner, leaves) = (node.inner_mask, node.leaf_mask);
+            let ok = inner & leaves == 0 && inner | leaves != 0;
+            at.rule("SPEC 6.2: a lane is empty, inner or leaf, and a node has one at least")
+                .tell(report, ok, inner, leaves)?;
             for (lane, count) in node.leaf_counts.iter().enumerate() {
-                let leaf = node.leaf_mask & (1 << lane) != 0;
-                rule(
-                    leaf == (*count > 0) && u32::from(*count) <= leaf_max,
+                let leaf = leaves & (1 << lane) != 0;
+                let ok = leaf == (*count > 0) && u32::from(*count) <= leaf_max;
+                at.rule(
                     "SPEC 6.2: leaf lanes, and no others, hold 1 to leaf_triangles_max triangles",
-                    u64::from(leaf_max),
-                    u64::from(*count),
-                )?;
+                )
+                .tell(report, ok, leaf_max, *count)?;
             }
-            rule(
-                usize::from(node.mode_count) <= m,
-                "SPEC 6.1: a node has at most all modes",
-                m as u64,
-                u64::from(node.mode_count),
-            )?;
+            let count = usize::from(node.mode_count);
+            at.rule("SPEC 6.1: a node has at most all modes")
+                .tell(report, count <= m, m, count)?;
             match self.node_rows(node) {
                 Ok(rows) => self.empty_lanes(node, &rows, report)?,
                 Err(error) => report(error)?,
@@ -305,44 +258,21 @@ impl<'a> Asset<'a> {
             next_slot += node.leaf_counts.iter().map(|c| u64::from(*c)).sum::<u64>();
             next_row += row_count(usize::from(node.mode_count)) as u64;
         }
-        let totals = [
-            (
-                SectionKind::NODES,
-                next_child,
-                self.nodes.len(),
-                "SPEC 6.3: every node but the root is a child",
-            ),
-            (
-                SectionKind::TRIANGLES,
-                next_slot,
-                self.triangles.len(),
-                "SPEC 6.3: every triangle is in one leaf lane",
-            ),
-            (
-                SectionKind::ROWS,
-                next_row,
-                self.rows.len(),
-                "SPEC 6.3: every row is a node's",
-            ),
-            (
-                SectionKind::NODES,
-                level + 1,
-                self.depth(),
-                "SPEC 6.4: the header's depth is the number of node levels",
-            ),
-        ];
-        for (section, expected, found, rule) in totals {
-            if expected != found as u64 {
-                report(FormatError {
-                    section,
-                    byte: self.section_offset(section),
-                    rule,
-                    expected: Datum::Integer(expected),
-                    found: Datum::Integer(found as u64),
-                })?;
-            }
-        }
-        ControlFlow::Continue(())
+        let (nodes, triangles) = (self.nodes.len() as u64, self.triangles.len() as u64);
+        let (rows, depth) = (self.rows.len() as u64, self.depth() as u64);
+        let of_nodes = self.at(SectionKind::NODES, 0);
+        of_nodes
+            .rule("SPEC 6.3: every node but the root is a child")
+            .tell(report, next_child == nodes, next_child, nodes)?;
+        self.at(SectionKind::TRIANGLES, 0)
+            .rule("SPEC 6.3: every triangle is in one leaf lane")
+            .tell(report, next_slot == triangles, next_slot, triangles)?;
+        self.at(SectionKind::ROWS, 0)
+            .rule("SPEC 6.3: every row is a node's")
+            .tell(report, next_row == rows, next_row, rows)?;
+        of_nodes
+            .rule("SPEC 6.4: the header's depth is the number of node levels")
+            .tell(report, level + 1 == depth, level + 1, depth)
     }
 
     fn empty_lanes(
@@ -352,23 +282,23 @@ impl<'a> Asset<'a> {
         report: Report<'_>,
     ) -> ControlFlow<()> {
         let used = node.inner_mask | node.leaf_mask;
+        let rule = "SPEC 6.5: rows are zero in empty lanes and where a pair has no second mode";
         for (r, row) in plain_rows(rows) {
-            for (lane, x) in row.iter().enumerate() {
-                if used & (1 << lane) == 0 && *x != 0.0 {
-                    report(self.not_zero(self.row_byte(node, r, lane), f64::from(*x)))?;
+            for lane in (0..LANES).filter(|lane| used & (1 << lane) == 0) {
+                if row[lane] != 0.0 {
+                    let place = self.row_place(node, r, lane).rule(rule);
+                    report(place.broken(0_u32, row[lane]))?;
                 }
             }
         }
         for k in 0..2 * rows.pairs.len() {
             // The last pair's second place is nobody's where the modes are odd in number.
             let of_mode = k < usize::from(node.mode_count);
-            for lane in 0..LANES {
-                if of_mode && used & (1 << lane) != 0 {
-                    continue;
-                }
+            for lane in (0..LANES).filter(|lane| !of_mode || used & (1 << lane) == 0) {
                 for (which, n) in rows.numbers(k, lane).into_iter().enumerate() {
                     if n != 0 {
-                        report(self.not_zero(self.mode_byte(node, k, which, lane), n.into()))?;
+                        let place = self.mode_place(node, k, which, lane).rule(rule);
+                        report(place.broken(0_u32, f64::from(n)))?;
                     }
                 }
             }
@@ -376,54 +306,48 @@ impl<'a> Asset<'a> {
         ControlFlow::Continue(())
     }
 
-    fn not_zero(&self, byte: u64, found: f64) -> FormatError {
-        FormatError {
-            section: SectionKind::ROWS,
-            byte,
-            rule: "SPEC 6.5: rows are zero in empty lanes and where a pair has no second mode",
-            expected: Datum::Integer(0),
-            found: Datum::Real(found),
-        }
-    }
-
     /// Where a number of a node's f32 row stands in the file.
-    fn row_byte(&self, node: &NodeRecord, row: usize, lane: usize) -> u64 {
-        let row = u64::from(node.row_start) + row as u64;
-        self.section_offset(SectionKind::ROWS) + row * size_of::<Row>() as u64 + 4 * lane as u64
+    fn row_place(&self, node: &NodeRecord, row: usize, lane: usize) -> Check {
+        let row = node.row_start as usize + row;
+        self.at(
+            SectionKind::ROWS,
+            row * size_of::<Row>() + size_of::<f32>() * lane,
+        )
     }
 
     /// Where a number of a node's k-th active mode stands in the file: `which` counts Ū_x, Ū_y,
     /// Ū_z, ΔR, b⁺ and b⁻.
-    fn mode_byte(&self, node: &NodeRecord, k: usize, which: usize, lane: usize) -> u64 {
-        let place = size_of::<PairRow>() * which + 4 * lane + 2 * (k % 2);
-        self.row_byte(node, pair_row(k / 2), 0) + place as u64
+    fn mode_place(&self, node: &NodeRecord, k: usize, which: usize, lane: usize) -> Check {
+        let row = node.row_start as usize + pair_row(k / 2);
+        let place = size_of::<PairRow>() * which + size_of::<[i16; 2]>() * lane;
+        let second = size_of::<i16>() * (k % 2);
+        self.at(SectionKind::ROWS, row * size_of::<Row>() + place + second)
     }
 
     /// Corners are vertices, and slots are the inverse of the triangles' ids.
     fn triangle_order(&self, report: Report<'_>) -> ControlFlow<()> {
+        let count = self.positions.len();
         for (slot, triangle) in self.triangles.iter().enumerate() {
-            let at = self.section_offset(SectionKind::TRIANGLES)
-                + (slot * size_of::<TriangleRecord>()) as u64;
-            let count = self.positions.len() as u64;
-            if let Some(v) = triangle.corners.iter().find(|v| u64::from(**v) >= count) {
-                report(FormatError {
-                    section: SectionKind::TRIANGLES,
-                    byte: at,
-                    rule: "SPEC 7.1: corners are vertex indices",
-                    expected: Datum::Integer(count),
-                    found: Datum::Integer(u64::from(*v)),
-                })?;
+            let start = slot * size_of::<TriangleRecord>();
+            let outside = |v: &&u32| **v as usize >= count;
+            if let Some(v) = triangle.corners.iter().find(outside) {
+                let rule = "SPEC 7.1: corners are vertex indices";
+                report(
+                    self.at(SectionKind::TRIANGLES, start)
+                        .rule(rule)
+                        .broken(count, *v),
+                )?;
             }
             let back = self.triangle_slots.get(triangle.id as usize);
             if back.map(|s| *s as usize) != Some(slot) {
-                report(FormatError {
-                    section: SectionKind::TRIANGLES,
-                    byte: at + 12,
-                    rule: "SPEC 7.2: SLOT gives each triangle id its place in TRIS",
-                    expected: Datum::Integer(slot as u64),
-                    found: back
-                        .map_or(Datum::Text("no such id"), |s| Datum::Integer(u64::from(*s))),
-                })?;
+                let found = back.map_or(Datum::Text("no such id"), |s| (*s).into());
+                let id = start + offset_of!(TriangleRecord, id);
+                let rule = "SPEC 7.2: SLOT gives each triangle id its place in TRIS";
+                report(
+                    self.at(SectionKind::TRIANGLES, id)
+                        .rule(rule)
+                        .broken(slot, found),
+                )?;
             }
         }
         ControlFlow::Continue(())
@@ -432,33 +356,20 @@ impl<'a> Asset<'a> {
     fn group_ranges(&self, report: Report<'_>) -> ControlFlow<()> {
         let mut first_before = 0;
         for (i, group) in self.groups.iter().enumerate() {
-            let byte =
-                self.section_offset(SectionKind::GROUPS) + (i * size_of::<GroupRecord>()) as u64;
-            if group.first_triangle < first_before {
-                report(FormatError {
-                    section: SectionKind::GROUPS,
-                    byte,
-                    rule: "SPEC 7.4: groups stand in the order of their triangles",
-                    expected: Datum::Integer(u64::from(first_before)),
-                    found: Datum::Integer(u64::from(group.first_triangle)),
-                })?;
-            }
-            first_before = group.first_triangle;
-            let end = u64::from(group.first_triangle) + u64::from(group.triangle_count);
+            let at = self.at(SectionKind::GROUPS, i * size_of::<GroupRecord>());
+            let first = group.first_triangle;
+            at.rule("SPEC 7.4: groups stand in the order of their triangles")
+                .tell(report, first >= first_before, first_before, first)?;
+            first_before = first;
+            let end = u64::from(first) + u64::from(group.triangle_count);
             let start = group.name_start as usize;
             let name = self
                 .group_names
                 .get(start..start.saturating_add(group.name_bytes as usize));
             let named = name.is_some_and(|n| core::str::from_utf8(n).is_ok());
-            if end > self.triangles.len() as u64 || !named {
-                report(FormatError {
-                    section: SectionKind::GROUPS,
-                    byte,
-                    rule: "SPEC 7.4: a group's triangles exist and its name is UTF-8 in GNAM",
-                    expected: Datum::Integer(self.triangles.len() as u64),
-                    found: Datum::Integer(end),
-                })?;
-            }
+            let count = self.triangles.len();
+            at.rule("SPEC 7.4: a group's triangles exist and its name is UTF-8 in GNAM")
+                .tell(report, end <= count as u64 && named, count, end)?;
         }
         ControlFlow::Continue(())
     }

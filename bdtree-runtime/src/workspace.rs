@@ -194,6 +194,9 @@ impl Default for Workspace<'static> {
 }
 
 impl<'m> Workspace<'m> {
+    /// Bytes that a budgeted query takes for a node that it has still to visit.
+    pub const QUEUE_ENTRY_BYTES: usize = size_of::<SearchEntry>();
+
     /// A workspace in these bytes, at any address; what they hold does not matter.
     /// [`Workspace::bytes_for`] tells how many.
     pub fn in_bytes(memory: &'m mut [u8]) -> Self {

@@ -33,7 +33,7 @@ struct Speed {
 fn walk(asset: &Asset<'_>, slots: usize, gap: f64, speed: Speed, steps: usize, seed: u64) -> Tally {
     let mut rng = poses::rng(seed);
     let size = poses::diagonal(asset) * asset.unit();
-    let mut bytes = vec![0xff; 16 * slots + 7];
+    let mut bytes = vec![0xff; PairFront::SLOT_BYTES * slots + 7];
     let mut front = PairFront::in_bytes(&mut bytes);
     let mut workspace = Workspace::new();
     let mut q = [0, 1].map(|_| poses::random_q(asset, 0.1, &mut rng));

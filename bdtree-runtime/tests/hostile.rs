@@ -159,11 +159,13 @@ fn nothing_public_is_left_out() {
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).expect("the sources") {
             let path = entry.expect("an entry").path();
+            // Arithmetic on what others give it.
+            let arithmetic = ["narrow", "simd", "math.rs"];
+            if arithmetic.iter().any(|own| path.ends_with(own)) {
+                continue;
+            }
             if path.is_dir() {
-                // Arithmetic on what others give it.
-                if !["narrow", "simd"].iter().any(|own| path.ends_with(own)) {
-                    folders.push(path);
-                }
+                folders.push(path);
                 continue;
             }
             let text = std::fs::read_to_string(&path).expect("a source");

@@ -127,7 +127,7 @@ fn survives_everything() {
         triangles_intersect(&a, &b);
         bdtree_runtime::narrow::triangle_distance(&a, &b);
         bdtree_runtime::narrow::closest_point(a[0], &b);
-        let ray = bdtree_runtime::narrow::Ray::new(a[0], a[1]);
+        let ray = bdtree_runtime::narrow::PreparedRay::new(a[0], a[1]);
         bdtree_runtime::narrow::ray_hit(&ray, &b, 1e300);
     }
 }

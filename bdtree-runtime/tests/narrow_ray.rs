@@ -1,7 +1,7 @@
 //! Rays: no leaks through closed meshes, certified points, edge-on and zero-area triangles.
 
 use crate::narrow_oracle::*;
-use bdtree_runtime::narrow::{Ray, RayHit, ray_hit};
+use bdtree_runtime::narrow::{PreparedRay, RayHit, ray_hit};
 use num_traits::{Signed, ToPrimitive};
 use rand::RngExt;
 use rand_pcg::Pcg64;
@@ -15,7 +15,7 @@ fn toward(from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
     unit([0, 1, 2].map(|k| to[k] - from[k]))
 }
 
-fn first_hit(ray: &Ray, mesh: &[Triangle]) -> Option<(usize, RayHit)> {
+fn first_hit(ray: &PreparedRay, mesh: &[Triangle]) -> Option<(usize, RayHit)> {
     let mut best: Option<(usize, RayHit)> = None;
     for (i, tri) in mesh.iter().enumerate() {
         if let Some(h) = ray_hit(ray, tri, f64::MAX)
@@ -28,7 +28,7 @@ fn first_hit(ray: &Ray, mesh: &[Triangle]) -> Option<(usize, RayHit)> {
 }
 
 /// |origin + t direction − Σ w corner| in exact arithmetic, in units of u L; asserts τ = 128 u L.
-fn check_hit(ray: &Ray, tri: &Triangle, hit: &RayHit) -> f64 {
+fn check_hit(ray: &PreparedRay, tri: &Triangle, hit: &RayHit) -> f64 {
     let w = hit.barycentric;
     assert!(w.iter().all(|&x| (0.0..=1.0).contains(&x)), "{w:?}");
     assert!((w[0] + w[1] + w[2] - 1.0).abs() <= 4.0 * U, "{w:?}");
@@ -102,7 +102,7 @@ fn closed_meshes_never_leak() {
                     (target.map(|x| offset + 3.0 * (x - offset)), [offset; 3]),
                     (outside, inside),
                 ] {
-                    let ray = Ray::new(from, toward(from, to));
+                    let ray = PreparedRay::new(from, toward(from, to));
                     let (i, hit) = first_hit(&ray, &mesh)
                         .unwrap_or_else(|| panic!("leak: {from:?} to {to:?} at {target:?}"));
                     if rays % 8 == 0 {
@@ -138,11 +138,11 @@ fn axis_rays_through_a_grid_box_never_leak() {
                     o[axis] = -5.0 * back;
                     let mut d = [0.0; 3];
                     d[axis] = back;
-                    let (_, hit) = first_hit(&Ray::new(o, d), &mesh).expect("hit");
+                    let (_, hit) = first_hit(&PreparedRay::new(o, d), &mesh).expect("hit");
                     assert_eq!(hit.t, 3.0);
                     assert_eq!(hit.point[axis], -2.0 * back);
                     // From a point of the surface: at once.
-                    let (_, hit) = first_hit(&Ray::new(hit.point, d), &mesh).expect("hit");
+                    let (_, hit) = first_hit(&PreparedRay::new(hit.point, d), &mesh).expect("hit");
                     assert_eq!(hit.t, 0.0);
                 }
             }
@@ -169,7 +169,7 @@ fn every_hit_is_certified_and_clear_hits_are_found() {
         }
         let gap = largest_difference(&[from], &[target]);
         let to = [0, 1, 2].map(|k| (target[k] - from[k]) / gap);
-        let ray = Ray::new(from, unit(to));
+        let ray = PreparedRay::new(from, unit(to));
         if let Some(hit) = ray_hit(&ray, &tri, f64::MAX) {
             worst = worst.max(check_hit(&ray, &tri, &hit));
             hits += 1;
@@ -193,7 +193,7 @@ fn agrees_with_exact_hits_away_from_the_rim() {
     for _ in 0..6_000 {
         let tri = [(); 3].map(|()| random_point(&mut r));
         let (from, d) = (random_point(&mut r), unit(random_point(&mut r)));
-        let ray = Ray::new(from, d);
+        let ray = PreparedRay::new(from, d);
         // Exact barycentric coordinates and t of the line by Cramer's rule.
         let [a, b, c] = tri.map(exact_point);
         let (o, d) = (exact_point(from), exact_point(d));
@@ -222,7 +222,7 @@ fn agrees_with_exact_hits_away_from_the_rim() {
 fn edge_on_triangles_are_closed_sets() {
     let tri = [[1.0, -1.0, 0.0], [3.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
     let x = [1.0, 0.0, 0.0];
-    let at = |o: [f64; 3]| ray_hit(&Ray::new(o, x), &tri, f64::MAX);
+    let at = |o: [f64; 3]| ray_hit(&PreparedRay::new(o, x), &tri, f64::MAX);
     // Enters at the side x = 1.
     let hit = at([0.0, 0.25, 0.0]).expect("hit");
     assert_eq!((hit.t, hit.point), (1.0, [1.0, 0.25, 0.0]));
@@ -245,7 +245,7 @@ fn a_ray_that_starts_on_a_triangle_hits_at_once() {
         let tri = [(); 3].map(|()| grid_point(&mut r, 1000).map(|x| x + 1e6));
         // Exactly in the plane and well inside.
         let from = mix(mix(tri[0], tri[1], 0.5), tri[2], 0.25);
-        let ray = Ray::new(from, unit(random_point(&mut r)));
+        let ray = PreparedRay::new(from, unit(random_point(&mut r)));
         let hit = ray_hit(&ray, &tri, 0.0).unwrap_or_else(|| panic!("{tri:?} {ray:?}"));
         assert_eq!(hit.t, 0.0);
     }
@@ -264,7 +264,7 @@ fn zero_area_is_missed() {
         let from = grid_point(&mut r, 7);
         let target = mix(tri[0], tri[2], r.random_range(0.0..1.0));
         if from != target {
-            let ray = Ray::new(from, toward(from, target));
+            let ray = PreparedRay::new(from, toward(from, target));
             assert_eq!(ray_hit(&ray, &tri, f64::MAX), None);
         }
     }

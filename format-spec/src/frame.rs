@@ -3,6 +3,15 @@
 use zerocopy::little_endian::F64;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
+/// The time of frames whose source does not say.
+pub const TIME_UNKNOWN: f64 = -1.0;
+
+/// Squared lengths of quaternions may differ from 1 by this: 2⁻²⁰.
+pub const ROTATION_TOLERANCE: f64 = 1.0 / (1_u64 << 20) as f64;
+
+/// Largest component of a translation: 2⁸⁰.
+pub const TRANSLATION_MAX: f64 = (1_u128 << 80) as f64;
+
 /// When a frame is shown, and the rigid motion that playback puts back, 64 bytes. Its q stand in
 /// [`crate::SectionKind::FRAME_Q`].
 #[derive(

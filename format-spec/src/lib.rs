@@ -22,7 +22,7 @@ mod section;
 mod triangle;
 mod vertex;
 
-pub use frame::FrameRecord;
+pub use frame::{FrameRecord, ROTATION_TOLERANCE, TIME_UNKNOWN, TRANSLATION_MAX};
 pub use header::{Header, MAGIC, VERSION_MAJOR, VERSION_MINOR};
 #[cfg(feature = "metadata")]
 pub use metadata::{ErrorMetadata, Metadata, MetadataError, ModeMetadata};
@@ -31,7 +31,7 @@ pub use node::{
     LANES, ModePair, NodeRecord, PairRow, ROW_CENTER_X, ROW_CENTER_Y, ROW_CENTER_Z, ROW_RADIUS,
     ROWS_FIXED, ROWS_LEADING, ROWS_PER_PAIR, Row, pair_count, pair_row, row_count,
 };
-pub use section::{SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord};
+pub use section::{SECTION_LAYOUTS, SECTION_ORDER, SECTIONS_ALWAYS, SectionKind, SectionRecord};
 pub use triangle::{GroupRecord, TriangleRecord, group_kind};
 pub use vertex::VertexModes;
 
@@ -40,6 +40,10 @@ pub const SECTION_ALIGNMENT: usize = 64;
 
 /// Alignment that the first byte of a file needs in memory (SPEC 3).
 pub const BASE_ALIGNMENT: usize = 4;
+
+/// Largest magnitude of the length unit's exponent (SPEC 5.2): beyond it predicates would leave the range in which
+/// they are exact.
+pub const UNIT_EXPONENT_MAX: i32 = 100;
 
 /// Most modes that the rounding constants are proved for (SPEC 5).
 pub const MODE_COUNT_MAX: usize = 512;

@@ -78,6 +78,9 @@ pub const SECTION_ORDER: [SectionKind; 13] = [
     SectionKind::METADATA,
 ];
 
+/// The sections that every file has are so many of the first ones of [`SECTION_ORDER`].
+pub const SECTIONS_ALWAYS: usize = 7;
+
 /// The layouts of the sections in [`SECTION_ORDER`].
 pub const SECTION_LAYOUTS: [&[u32]; SECTION_ORDER.len()] = [
     &[LAYOUT_2],

@@ -10,7 +10,7 @@ use bdtree_measure::paper_tree::{Between, Memory, PaperTree};
 use bdtree_measure::peers::{Embree, embree};
 use bdtree_measure::peers::{LayeredPeer, PairPeer, Peer, Target};
 use bdtree_measure::{Body, Place};
-use bdtree_runtime::narrow::{Ray, Triangle, ray_hit};
+use bdtree_runtime::narrow::{PreparedRay, Triangle, ray_hit};
 use bdtree_runtime::{Contact, PairContact, Transform, Workspace};
 use bdtree_scenes::workloads::{bodies, rays, sequence};
 
@@ -116,7 +116,7 @@ fn balls_and_rays_equal_brute_force() {
             let mut found = Vec::new();
             tree.walk_ball(&mut memory.at(&pose), (center, 0.3), &mut found);
             assert_eq!(ids(&found), ids(&expected), "the paper's tree");
-            let ray = Ray::new(origin.map(f64::from), leaf::unit(direction.map(f64::from)));
+            let ray = PreparedRay::new(origin.map(f64::from), leaf::unit(direction.map(f64::from)));
             let hit = triangles
                 .iter()
                 .filter_map(|t| ray_hit(&ray, t, f64::INFINITY))

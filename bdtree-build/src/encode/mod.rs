@@ -1,14 +1,12 @@
-//! The file's bytes: offsets are planned first, then everything is written once. The same input
+//! The file's bytes: sections behind the room of the header block, which is filled in at the end. The same input
 //! gives the same bytes.
-
-mod plan;
 
 use std::borrow::Cow;
 
 use bdtree_format::{
-    GroupRecord, Header, LAYOUT_1, LAYOUT_2, MAGIC, Metadata, ModeRecord, SECTION_LAYOUTS,
-    SECTION_ORDER, SectionKind, SectionRecord, TriangleRecord, VERSION_MAJOR, VERSION_MINOR,
-    group_kind,
+    GroupRecord, Header, LAYOUT_1, LAYOUT_2, MAGIC, Metadata, ModeRecord, SECTION_ALIGNMENT,
+    SECTION_LAYOUTS, SECTION_ORDER, SECTIONS_ALWAYS, SectionKind, SectionRecord, TriangleRecord,
+    VERSION_MAJOR, VERSION_MINOR, group_kind,
 };
 use zerocopy::IntoBytes;
 
@@ -17,17 +15,9 @@ use crate::error::{BakeError, Part, Place};
 use crate::input::{GroupKind, RawGroup, RawMesh};
 use crate::tree::Tree;
 use crate::wrap::{StoredShape, WrappedTree};
-use plan::Plan;
 
 #[cfg(target_endian = "big")]
 compile_error!("the big arrays of a .bdt file are written as they lie in memory, little-endian");
-
-/// Sections that every file has.
-const REQUIRED_SECTIONS: usize = 7;
-
-/// Largest magnitude of the length unit's exponent and of the origin (SPEC 5.2).
-const UNIT_EXPONENT_MAX: i32 = 100;
-const ORIGIN_MAX: f64 = (1_u128 << 80) as f64;
 
 /// What a file is made of.
 #[derive(Debug, Clone, Copy)]
@@ -49,9 +39,8 @@ pub struct Parts<'a> {
 /// The whole file.
 ///
 /// # Errors
-/// Metadata or group names that are too long, a length unit or an origin that readers refuse.
+/// Metadata or group names that are too long.
 pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
-    check_units(parts.shape)?;
     let triangles = triangle_records(parts);
     let slots = triangle_slots(&triangles);
     let (groups, names) = group_records(&parts.mesh.groups)?;
@@ -85,47 +74,58 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
         sections.push((kind, bytes));
     }
 
-    let lengths: Vec<usize> = sections.iter().map(|(_, bytes)| bytes.len()).collect();
-    let plan = Plan::new(parts.shape.mode_count(), &lengths);
-    let mut file = vec![0u8; plan.file_bytes];
-    for ((_, bytes), &offset) in sections.iter().zip(&plan.offsets) {
-        file[offset..offset + bytes.len()].copy_from_slice(bytes);
+    let header_bytes = (size_of::<Header>()
+        + parts.shape.mode_count() * size_of::<ModeRecord>()
+        + sections.len() * size_of::<SectionRecord>())
+    .next_multiple_of(SECTION_ALIGNMENT);
+    let room = |(_, bytes): &(SectionKind, &[u8])| bytes.len().next_multiple_of(SECTION_ALIGNMENT);
+    let mut file = Vec::with_capacity(header_bytes + sections.iter().map(room).sum::<usize>());
+    file.resize(header_bytes, 0);
+    let mut records = Vec::with_capacity(sections.len());
+    for (kind, bytes) in sections {
+        file.resize(file.len().next_multiple_of(SECTION_ALIGNMENT), 0);
+        records.push(section_record(parts, kind, file.len(), bytes));
+        file.extend_from_slice(bytes);
     }
-    write_header_block(parts, &plan, &sections, &mut file);
+    write_header_block(parts, header_bytes, &records, &mut file);
     Ok(file)
 }
 
-/// Units and origins in which readers compute exactly (SPEC 5.2).
-fn check_units(shape: &StoredShape) -> Result<(), BakeError> {
-    let fail = |message: String| Err(BakeError::one("encode", Place::NOWHERE, message));
-    if shape.unit_exponent.abs() > UNIT_EXPONENT_MAX {
-        return fail(format!(
-            "lengths of about 2^{} mesh units: a file holds 2^-100 to 2^100, scale the mesh",
-            shape.unit_exponent
-        ));
+/// The record of a section with these bytes.
+fn section_record(parts: &Parts, kind: SectionKind, offset: usize, bytes: &[u8]) -> SectionRecord {
+    let place = SECTION_ORDER.iter().position(|k| *k == kind);
+    let layout = match kind {
+        SectionKind::DISPLACEMENTS if has_lists(parts) => LAYOUT_2,
+        SectionKind::DISPLACEMENTS => LAYOUT_1,
+        _ => place
+            .and_then(|p| SECTION_LAYOUTS[p].last().copied())
+            .unwrap_or(0),
+    };
+    let is_required =
+        place.is_some_and(|p| p < SECTIONS_ALWAYS) || kind == SectionKind::VERTEX_MODES;
+    SectionRecord {
+        kind,
+        layout: layout.into(),
+        offset: (offset as u64).into(),
+        length: (bytes.len() as u64).into(),
+        crc: crc32fast::hash(bytes).into(),
+        required: u32::from(is_required).into(),
     }
-    if !shape.origin.iter().all(|x| x.abs() <= ORIGIN_MAX) {
-        return fail(format!(
-            "the mesh lies around {:?}, beyond 2^80: move it towards the origin",
-            shape.origin
-        ));
-    }
-    Ok(())
 }
 
 /// Header, mode table and section table; then the checksum over all three.
 fn write_header_block(
     parts: &Parts,
-    plan: &Plan,
-    sections: &[(SectionKind, &[u8])],
+    header_bytes: usize,
+    sections: &[SectionRecord],
     file: &mut [u8],
 ) {
     let mut header = Header {
         magic: MAGIC,
         version_major: VERSION_MAJOR.into(),
         version_minor: VERSION_MINOR.into(),
-        header_bytes: (plan.header_bytes as u32).into(),
-        file_bytes: (plan.file_bytes as u64).into(),
+        header_bytes: (header_bytes as u32).into(),
+        file_bytes: (file.len() as u64).into(),
         header_crc: 0.into(),
         features_required: 0.into(),
         features_optional: 0.into(),
@@ -141,12 +141,7 @@ fn write_header_block(
         leaf_triangles_max: leaf_triangles_max(parts).into(),
         reserved: [0; 32],
     };
-    let mut block = vec![0u8; plan.header_bytes];
-    let mut end = size_of::<Header>();
-    let mut append = |bytes: &[u8], block: &mut [u8]| {
-        block[end..end + bytes.len()].copy_from_slice(bytes);
-        end += bytes.len();
-    };
+    let mut block = header.as_bytes().to_vec();
     for (j, mode) in parts.basis.modes.iter().enumerate() {
         let limits = parts.shape.limits[j];
         let record = ModeRecord {
@@ -157,33 +152,13 @@ fn write_header_block(
             omega_rad_s: mode.omega_rad_s.unwrap_or(-1.0).into(),
             modal_mass_kg: mode.modal_mass_kg.unwrap_or(-1.0).into(),
         };
-        append(record.as_bytes(), &mut block);
+        block.extend_from_slice(record.as_bytes());
     }
-    for ((kind, bytes), &offset) in sections.iter().zip(&plan.offsets) {
-        let place = SECTION_ORDER.iter().position(|k| k == kind);
-        let layout = match *kind {
-            SectionKind::DISPLACEMENTS if has_lists(parts) => LAYOUT_2,
-            SectionKind::DISPLACEMENTS => LAYOUT_1,
-            _ => place
-                .and_then(|p| SECTION_LAYOUTS[p].last().copied())
-                .unwrap_or(0),
-        };
-        let is_required =
-            place.is_some_and(|p| p < REQUIRED_SECTIONS) || *kind == SectionKind::VERTEX_MODES;
-        let record = SectionRecord {
-            kind: *kind,
-            layout: layout.into(),
-            offset: (offset as u64).into(),
-            length: (bytes.len() as u64).into(),
-            crc: crc32fast::hash(bytes).into(),
-            required: u32::from(is_required).into(),
-        };
-        append(record.as_bytes(), &mut block);
-    }
-    block[..size_of::<Header>()].copy_from_slice(header.as_bytes());
+    block.extend_from_slice(sections.as_bytes());
+    block.resize(header_bytes, 0);
     header.header_crc = crc32fast::hash(&block).into();
     block[..size_of::<Header>()].copy_from_slice(header.as_bytes());
-    file[..block.len()].copy_from_slice(&block);
+    file[..header_bytes].copy_from_slice(&block);
 }
 
 /// Whether displacements are those of the vertices' mode lists only (layout 2).

@@ -29,9 +29,7 @@ pub(super) fn moving(
     moving.set("poisson", options.poisson);
     moving.set("density", options.density_kg_m3);
     moving.set("scale", options.scale_m);
-    if let Some(thickness) = options.thickness {
-        moving.set("thickness", thickness);
-    }
+    moving.set_some("thickness", options.thickness);
     set_fixes(&mut moving, &options.fixes);
     moving.elastic = Some(report);
     Ok(moving)

@@ -50,9 +50,7 @@ pub(super) fn moving(
     if let Modes::Auto { max_error_rel } = frames.options.modes {
         moving.set("max-error-rel", max_error_rel);
     }
-    if let Some(fps) = frames.fps {
-        moving.set("fps", fps);
-    }
+    moving.set_some("fps", frames.fps);
     Ok(moving)
 }
 

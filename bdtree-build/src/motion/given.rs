@@ -27,11 +27,7 @@ pub(super) fn moving(mesh: RawMesh, given: &Given) -> Result<Moving, BakeError> 
     moving.basis = kept.basis;
     moving.provenance.error = Some(kept.error);
     moving.set("basis", name(path));
-    if let Some(layout) = given.layout {
-        moving.set("basis-layout", layout);
-    }
-    if let Some(frequencies) = frequencies {
-        moving.set("frequencies", name(frequencies));
-    }
+    moving.set_some("basis-layout", given.layout);
+    moving.set_some("frequencies", frequencies.map(name));
     Ok(moving)
 }

@@ -15,7 +15,7 @@ use crate::error::BakeError;
 use crate::input::sequence::FrameSequence;
 use crate::input::volume::RawVolume;
 use crate::input::{RawMesh, RawModel, read_model};
-use crate::pipeline::{Provenance, default_leaf_size};
+use crate::pipeline::Provenance;
 use crate::progress::Progress;
 use crate::recipe::{Frames, Motion, Recipe, Source, Volume};
 
@@ -136,6 +136,13 @@ impl Moving {
         self.provenance.set(name, value);
     }
 
+    /// Notes a setting that has a value.
+    fn set_some(&mut self, name: &str, value: Option<impl ToString>) {
+        if let Some(value) = value {
+            self.set(name, value);
+        }
+    }
+
     /// Gives fields without a range of their own the one that is asked for.
     fn set_ranges(&mut self, range_rel: Option<f64>) {
         if let Some(share) = range_rel {
@@ -154,10 +161,7 @@ impl Moving {
             }
         }
         let settings = &recipe.settings;
-        let leaf_size = settings
-            .leaf_size
-            .unwrap_or_else(|| default_leaf_size(self.mesh.triangles.len()));
-        self.set("leaf-size", leaf_size);
+        self.set("leaf-size", settings.leaf_size_for(&self.mesh));
         self.set("split", settings.split);
         if settings.nested {
             self.set("nested", true);

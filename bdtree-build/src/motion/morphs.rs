@@ -22,9 +22,7 @@ pub(super) fn moving(
     }
     moving.provenance.error = Some(morph.error);
     moving.provenance.warnings = warnings;
-    if let Some(clip) = &morphs.clip {
-        moving.set("clip", &clip.name);
-    }
+    moving.set_some("clip", morphs.clip.as_ref().map(|clip| &clip.name));
     Ok(moving)
 }
 

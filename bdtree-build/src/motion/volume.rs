@@ -54,16 +54,9 @@ pub(super) fn moving(
         moving.set("modes", options.mode_count);
         moving.set("mass", options.mass);
         moving.set("scale", options.scale_m);
-        let material = [
-            ("young", options.young_pa),
-            ("poisson", options.poisson),
-            ("density", options.density_kg_m3),
-        ];
-        for (name, value) in material {
-            if let Some(value) = value {
-                moving.set(name, value);
-            }
-        }
+        moving.set_some("young", options.young_pa);
+        moving.set_some("poisson", options.poisson);
+        moving.set_some("density", options.density_kg_m3);
         set_fixes(&mut moving, &options.fixes);
         moving.volume = Some(report);
     }

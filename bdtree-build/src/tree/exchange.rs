@@ -116,8 +116,7 @@ fn measure<'t>(
         }
     });
     let mut nodes = vec![Node::default(); tree.nodes.len()];
-    let mut leaves: Vec<Leaves> = Vec::new();
-    leaves.resize_with(tree.nodes.len(), Leaves::default);
+    let mut leaves: Vec<Leaves> = tree.nodes.iter().map(|_| Leaves::default()).collect();
     // The first nodes hold the most.
     let jobs = tree.nodes.iter().zip(&mut nodes).zip(&mut leaves);
     parallel::for_each(
@@ -138,8 +137,8 @@ fn measure<'t>(
         },
     );
     for (node, record) in (0..).zip(&tree.nodes) {
-        for child in (record.first_child as usize..).take(inner_count(record)) {
-            nodes[child].above = node;
+        for child in children(record) {
+            nodes[child as usize].above = node;
         }
     }
     let scene = Scene {
@@ -153,10 +152,9 @@ fn measure<'t>(
     (scene, leaves)
 }
 
-/// How many children a node has.
-fn inner_count(node: &TreeNode) -> usize {
-    let lanes = node.lanes.iter();
-    lanes.filter(|lane| lane.kind == LaneKind::Inner).count()
+/// A node's children.
+fn children(node: &TreeNode) -> impl Iterator<Item = u32> {
+    (node.first_child..).take(node.lanes_of(LaneKind::Inner).count())
 }
 
 /// The same nodes over other leaves, given in the order of nodes and lanes; empty lanes go.

@@ -81,6 +81,13 @@ pub struct TreeNode {
     pub level: u8,
 }
 
+impl TreeNode {
+    /// Its lanes of a kind, ascending.
+    pub(crate) fn lanes_of(&self, kind: LaneKind) -> impl Iterator<Item = usize> {
+        (0..LANES).filter(move |&k| self.lanes[k].kind == kind)
+    }
+}
+
 /// Nodes breadth first, and the triangles they hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tree {
@@ -99,6 +106,16 @@ impl Tree {
         self.order
             .get(start..start + lane.count as usize)
             .unwrap_or_default()
+    }
+
+    /// The corners of the triangles below a lane, `corners` being those of all.
+    pub(crate) fn corners_below(
+        &self,
+        lane: Lane,
+        corners: &[[u32; 3]],
+    ) -> impl Iterator<Item = u32> {
+        let below = self.triangles_below(lane).iter();
+        below.flat_map(|&triangle| corners[triangle as usize])
     }
 
     /// Triangle ids in the file's order: leaf lanes in node order.
@@ -151,5 +168,27 @@ fn sort_leaves(tree: &mut Tree) {
             let start = lane.start as usize;
             tree.order[start..start + lane.count as usize].sort_unstable();
         }
+    }
+}
+
+/// Which vertices of a mesh have been met among those of a set, for one set after the other.
+#[derive(Debug, Default)]
+pub(crate) struct Met {
+    /// Per vertex, the last set that it was met in.
+    sets: Vec<u32>,
+    set: u32,
+}
+
+impl Met {
+    /// The vertices of a set, each once, in the order of first use; all are below `vertex_count`.
+    pub(crate) fn once(
+        &mut self,
+        vertex_count: usize,
+        vertices: impl Iterator<Item = u32>,
+    ) -> impl Iterator<Item = u32> {
+        self.sets.resize(vertex_count, 0);
+        self.set += 1;
+        let Self { sets, set } = self;
+        vertices.filter(|&vertex| std::mem::replace(&mut sets[vertex as usize], *set) != *set)
     }
 }

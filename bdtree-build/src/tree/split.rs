@@ -149,6 +149,35 @@ impl Best {
             };
         }
     }
+
+    /// Offers the cuts between neighbouring parts of `count` items along an axis: of each its size and box.
+    /// `weights` are what the costs of both sides of a cut count, if the first may have so many items.
+    fn offer_all<'b>(
+        &mut self,
+        axis: usize,
+        parts: impl DoubleEndedIterator<Item = (usize, &'b Bounds)> + Clone,
+        count: usize,
+        right_costs: &mut Vec<f64>,
+        weights: impl Fn(usize) -> Option<[f64; 2]>,
+    ) {
+        // Of the last part, the last two and so on.
+        right_costs.clear();
+        let mut bounds = Bounds::EMPTY;
+        right_costs.extend(parts.clone().rev().map(|(_, part)| {
+            bounds.add(part);
+            bounds.cost()
+        }));
+        bounds = Bounds::EMPTY;
+        let mut left = 0;
+        for ((size, part), right_cost) in parts.zip(right_costs.iter().rev().skip(1)) {
+            bounds.add(part);
+            left += size;
+            if let Some([first, second]) = weights(left) {
+                let cost = bounds.cost() * first + right_cost * second;
+                self.offer(cost, Cut { axis, left }, count);
+            }
+        }
+    }
 }
 
 impl Splitter {
@@ -238,29 +267,19 @@ impl Splitter {
     /// The cheapest allowed cut on all axes.
     fn sweep(&self, items: &mut [Item], lanes: Option<usize>) -> Cut {
         let count = items.len();
-        let weight = |count: usize| match lanes {
-            Some(_) => count as f64,
-            None => self.leaves(count),
-        };
         let mut best = Best::new(count);
-        let mut right_cost = vec![0.0; count];
         let mut sorter = Sorter::default();
+        let mut right_costs = Vec::with_capacity(count);
         for axis in 0..3 {
             sorter.sort(items, axis);
-            let mut bounds = Bounds::EMPTY;
-            for (i, item) in items.iter().enumerate().rev() {
-                bounds.add(&item.bounds);
-                right_cost[i] = bounds.cost();
-            }
-            bounds = Bounds::EMPTY;
-            for left in 1..count {
-                bounds.add(&items[left - 1].bounds);
-                if !self.may_cut(left, count, lanes) {
-                    continue;
-                }
-                let cost = bounds.cost() * weight(left) + right_cost[left] * weight(count - left);
-                best.offer(cost, Cut { axis, left }, count);
-            }
+            let parts = items.iter().map(|item| (1, &item.bounds));
+            best.offer_all(axis, parts, count, &mut right_costs, |left| {
+                let right = count - left;
+                self.may_cut(left, count, lanes).then(|| match lanes {
+                    Some(_) => [left as f64, right as f64],
+                    None => [self.leaves(left), self.leaves(right)],
+                })
+            });
         }
         best.cut
     }
@@ -269,13 +288,11 @@ impl Splitter {
     fn bin(&self, items: &[Item]) -> Cut {
         let count = items.len();
         let mut best = Best::new(count);
+        let mut right_costs = Vec::with_capacity(BINS);
         for axis in 0..3 {
-            let (low, high) = items
-                .iter()
-                .map(|item| item.key(axis))
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), k| {
-                    (l.min(k), h.max(k))
-                });
+            let keys = items.iter().map(|item| item.key(axis));
+            let low = keys.clone().fold(f64::INFINITY, f64::min);
+            let high = keys.fold(f64::NEG_INFINITY, f64::max);
             let scale = BINS as f64 / (high - low);
             if !scale.is_finite() {
                 continue;
@@ -286,24 +303,11 @@ impl Splitter {
                 bins[bin].0 += 1;
                 bins[bin].1.add(&item.bounds);
             }
-            let mut right_cost = [0.0; BINS];
-            let mut bounds = Bounds::EMPTY;
-            for (i, bin) in bins.iter().enumerate().rev() {
-                bounds.add(&bin.1);
-                right_cost[i] = bounds.cost();
-            }
-            bounds = Bounds::EMPTY;
-            let mut left = 0;
-            for i in 1..BINS {
-                bounds.add(&bins[i - 1].1);
-                left += bins[i - 1].0;
-                if left == 0 || left == count {
-                    continue;
-                }
-                let cost =
-                    bounds.cost() * self.leaves(left) + right_cost[i] * self.leaves(count - left);
-                best.offer(cost, Cut { axis, left }, count);
-            }
+            let parts = bins.iter().map(|(size, bounds)| (*size, bounds));
+            best.offer_all(axis, parts, count, &mut right_costs, |left| {
+                let right = count - left;
+                (left > 0 && right > 0).then(|| [self.leaves(left), self.leaves(right)])
+            });
         }
         let cut = best.cut;
         let step = self.node_size();
@@ -316,14 +320,10 @@ impl Splitter {
 fn quinlan(items: &[Item], bounds: &Bounds) -> Cut {
     let axis = longest_axis(bounds);
     let middle = f64::from(bounds.low[axis]) + f64::from(bounds.high[axis]);
-    let left = items.iter().filter(|item| item.key(axis) < middle).count();
-    if left == 0 || left == items.len() {
-        // All keys are on one side: halves keep the tree flat.
-        return Cut {
-            axis,
-            left: items.len() / 2,
-        };
-    }
+    let below = items.iter().filter(|item| item.key(axis) < middle).count();
+    // With all keys on one side, halves keep the tree flat.
+    let one_side = below == 0 || below == items.len();
+    let left = if one_side { items.len() / 2 } else { below };
     Cut { axis, left }
 }
 
@@ -366,12 +366,8 @@ impl Sorter {
 /// A number that orders as `f64::total_cmp` does.
 fn order_bits(x: f64) -> u64 {
     let bits = x.to_bits();
-    let flipped = if x.is_sign_negative() {
-        u64::MAX
-    } else {
-        1 << 63
-    };
-    bits ^ flipped
+    // All bits of negative numbers are turned round, of others the sign.
+    bits ^ ((bits as i64 >> 63) as u64 | 1 << 63)
 }
 
 fn compare(a: &Item, b: &Item, axis: usize) -> std::cmp::Ordering {

@@ -66,22 +66,16 @@ pub(super) fn check_numbers(mesh: &RawMesh, basis: &Basis) -> Result<(), BakeErr
     }
     for (j, mode) in basis.modes.iter().enumerate() {
         // As `Asset::open` asks of the mode table.
-        if let Some(omega) = mode.omega_rad_s
-            && !(omega >= 0.0 && omega.is_finite())
-        {
-            let message = format!("angular frequency {omega} rad/s is not a number of at least 0");
-            problems.add(|| (Part::Mode(j), message));
-        }
-        if let Some(mass) = mode.modal_mass_kg
-            && !(mass > 0.0 && mass.is_finite())
-        {
-            let message = format!("modal mass {mass} kg is not a positive number");
-            problems.add(|| (Part::Mode(j), message));
-        }
-        if let Some(weight) = mode.default_q
-            && !weight.is_finite()
-        {
-            let message = format!("default weight {weight} is not finite");
+        let (omega, mass) = (mode.omega_rad_s, mode.modal_mass_kg);
+        let omega = omega.filter(|x| !(*x >= 0.0 && x.is_finite()));
+        let mass = mass.filter(|x| !(*x > 0.0 && x.is_finite()));
+        let weight = mode.default_q.filter(|x| !x.is_finite());
+        let refused = [
+            omega.map(|x| format!("angular frequency {x} rad/s is not a number of at least 0")),
+            mass.map(|x| format!("modal mass {x} kg is not a positive number")),
+            weight.map(|x| format!("default weight {x} is not finite")),
+        ];
+        for message in refused.into_iter().flatten() {
             problems.add(|| (Part::Mode(j), message));
         }
         for (i, u) in basis.field(j).iter().enumerate() {

@@ -1,20 +1,11 @@
 //! The animation as the file stores it (SPEC 7.5).
 
-use bdtree_format::FrameRecord;
+use bdtree_format::{FrameRecord, ROTATION_TOLERANCE, TIME_UNKNOWN, TRANSLATION_MAX};
 
 use super::check::none_yet;
 use super::round::round_nearest;
 use crate::basis::{Basis, RigidMotion};
 use crate::error::{BakeError, Part, Place};
-
-/// Squared lengths of quaternions may differ from 1 by this.
-const ROTATION_TOLERANCE: f64 = 1.0 / (1_u64 << 20) as f64;
-
-/// The farthest placement that readers take.
-const TRANSLATION_MAX: f64 = (1_u128 << 80) as f64;
-
-/// The time of frames whose source does not say.
-const TIME_UNKNOWN: f64 = -1.0;
 
 /// Times, motions and q as stored.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,28 +54,28 @@ pub(super) fn store_frames(basis: &Basis) -> Result<Option<StoredFrames>, BakeEr
     };
     let (t, m) = (animation.frame_count, basis.mode_count());
     let mut problems = none_yet();
-    let mut whole = |ok: bool, message: String| {
+    let times = animation.times_s.as_deref();
+    let (q, motions) = (animation.q.len(), animation.motions.len());
+    let time_count = times.map_or(t, <[f64]>::len);
+    for (ok, message) in [
+        (t > 0, "it has no frames".to_string()),
+        (
+            t.checked_mul(m) == Some(q),
+            format!("{q} numbers q for {t} frames of {m} modes"),
+        ),
+        (
+            time_count == t,
+            format!("{time_count} times for {t} frames"),
+        ),
+        (
+            motions == 0 || motions == t,
+            format!("{motions} rigid motions for {t} frames"),
+        ),
+    ] {
         if !ok {
             problems.add(|| (Part::The("animation"), message));
         }
-    };
-    let times = animation.times_s.as_deref();
-    whole(t > 0, "it has no frames".to_string());
-    whole(
-        t.checked_mul(m) == Some(animation.q.len()),
-        format!(
-            "{} numbers q for {t} frames of {m} modes",
-            animation.q.len()
-        ),
-    );
-    whole(
-        times.is_none_or(|times| times.len() == t),
-        format!("{} times for {t} frames", times.map_or(0, <[f64]>::len)),
-    );
-    whole(
-        animation.motions.is_empty() || animation.motions.len() == t,
-        format!("{} rigid motions for {t} frames", animation.motions.len()),
-    );
+    }
     problems.into_result(Place::NOWHERE)?;
 
     let mut problems = none_yet();
@@ -97,14 +88,18 @@ pub(super) fn store_frames(basis: &Basis) -> Result<Option<StoredFrames>, BakeEr
         }
         let time = times.map_or(TIME_UNKNOWN, |times| times[k]);
         if times.is_some() {
-            if !(time >= 0.0 && time.is_finite()) {
-                let message = format!("time {time} s is not a number from 0 on");
-                problems.add(|| (Part::Frame(k), message));
+            let wrong = if !(time >= 0.0 && time.is_finite()) {
+                Some(format!("time {time} s is not a number from 0 on"))
             } else if time < before {
-                let message = format!("time {time} s lies before {before} s of an earlier frame");
-                problems.add(|| (Part::Frame(k), message));
+                Some(format!(
+                    "time {time} s lies before {before} s of an earlier frame"
+                ))
             } else {
                 before = time;
+                None
+            };
+            if let Some(message) = wrong {
+                problems.add(|| (Part::Frame(k), message));
             }
         }
         records.push(FrameRecord {

@@ -3,11 +3,11 @@
 use bdtree_format::{
     LANES, ModePair, ROW_CENTER_X, ROW_RADIUS, Row, pair_count, pair_row, row_count,
 };
-use zerocopy::IntoBytes;
 
 use super::ball::smallest_ball;
 use super::grid::Grid;
 use super::round::{norm_above, norm_up, round_nearest};
+use super::set_mode_pair;
 use super::stored::StoredShape;
 use crate::vec3::{dot, norm2, sub};
 
@@ -22,6 +22,13 @@ struct ModeBound {
     center: [f64; 3],
     growth: f64,
     cross: [f64; 2],
+}
+
+/// The modes that act on a node, and the shape whose they are.
+#[derive(Clone, Copy)]
+struct Fields<'s> {
+    shape: &'s StoredShape,
+    modes: &'s [u16],
 }
 
 /// Memory of one lane, used again from node to node.
@@ -63,6 +70,7 @@ pub(super) fn write_node(
     rows: &mut [Row],
 ) -> [i8; 3] {
     debug_assert!(rows.len() == row_count(modes.len()));
+    let fields = Fields { shape, modes };
     let Scratch { lanes, points } = scratch;
     let mut used: Vec<(usize, &mut Lane)> = lanes
         .iter_mut()
@@ -83,18 +91,18 @@ pub(super) fn write_node(
                 .map(|&i| step_bounds[i as usize][which])
                 .fold(0.0, f32::max);
         }
-        lane.set_centers(shape, modes, points);
+        lane.set_centers(fields, points);
     }
 
     let centers = used.iter().flat_map(|(_, lane)| &lane.centers);
     let center_grid = Grid::covering(largest(centers.flatten().flatten().copied()));
     for (_, lane) in &mut used {
-        lane.choose_bounds(shape, modes, center_grid, points);
+        lane.choose_bounds(fields, center_grid, points);
     }
     let bounds = used.iter().flat_map(|(_, lane)| &lane.bounds);
     let growth_grid = Grid::covering(largest(bounds.map(|b| b.growth)));
     for (_, lane) in &mut used {
-        lane.round_growths(shape, modes, growth_grid, points);
+        lane.round_growths(fields, growth_grid, points);
     }
     let bounds = used.iter().flat_map(|(_, lane)| &lane.bounds);
     let cross_grid = Grid::covering(largest(bounds.flat_map(|b| b.cross)));
@@ -112,9 +120,7 @@ pub(super) fn write_node(
                 }
             }
         }
-        rows[pair_row(pair)..pair_row(pair + 1)]
-            .as_mut_bytes()
-            .copy_from_slice(out.as_bytes());
+        set_mode_pair(rows, pair, &out);
     }
     [center_grid, growth_grid, cross_grid].map(Grid::exponent)
 }
@@ -143,26 +149,20 @@ impl Lane {
     }
 
     /// The two candidates of each mode's Ū, before they are rounded.
-    fn set_centers(&mut self, shape: &StoredShape, modes: &[u16], points: &mut Vec<[f64; 3]>) {
+    fn set_centers(&mut self, fields: Fields<'_>, points: &mut Vec<[f64; 3]>) {
         self.centers.clear();
-        for &mode in modes {
-            self.load_field(shape, mode, points);
+        for &mode in fields.modes {
+            self.load_field(fields.shape, mode, points);
             self.centers
                 .push([smallest_ball(points).center, mean(points)]);
         }
     }
 
     /// Takes for each mode the better of its two candidates, rounded.
-    fn choose_bounds(
-        &mut self,
-        shape: &StoredShape,
-        modes: &[u16],
-        grid: Grid,
-        points: &mut Vec<[f64; 3]>,
-    ) {
+    fn choose_bounds(&mut self, fields: Fields<'_>, grid: Grid, points: &mut Vec<[f64; 3]>) {
         self.candidates.clear();
-        for (k, &mode) in modes.iter().enumerate() {
-            self.load_field(shape, mode, points);
+        for (k, &mode) in fields.modes.iter().enumerate() {
+            self.load_field(fields.shape, mode, points);
             let bounds = self.centers[k].map(|center| {
                 let center = center.map(|x| grid.value(grid.nearest(x)));
                 let growth = growth_about(points, center);
@@ -171,7 +171,7 @@ impl Lane {
             self.candidates.push(bounds);
         }
         let chosen = choose(&self.candidates, self.radius, |k| {
-            let limits = shape.limits[usize::from(modes[k])];
+            let limits = fields.shape.limits[usize::from(fields.modes[k])];
             f64::from(limits.q_range) / f64::from(limits.q_limit)
         });
         self.bounds.clear();
@@ -181,15 +181,9 @@ impl Lane {
     }
 
     /// Rounds ΔR up, which makes b± smaller.
-    fn round_growths(
-        &mut self,
-        shape: &StoredShape,
-        modes: &[u16],
-        grid: Grid,
-        points: &mut Vec<[f64; 3]>,
-    ) {
-        for (k, &mode) in modes.iter().enumerate() {
-            self.load_field(shape, mode, points);
+    fn round_growths(&mut self, fields: Fields<'_>, grid: Grid, points: &mut Vec<[f64; 3]>) {
+        for (k, &mode) in fields.modes.iter().enumerate() {
+            self.load_field(fields.shape, mode, points);
             let ModeBound { center, growth, .. } = self.bounds[k];
             let growth = grid.value(grid.up(growth));
             self.bounds[k] = self.bound_mode(points, center, growth);

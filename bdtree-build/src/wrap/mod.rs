@@ -23,7 +23,7 @@ pub use stored::{ModeLimits, RANGE_DIAGONALS, StoredShape, store};
 
 use crate::error::{BakeError, Place};
 use crate::parallel;
-use crate::tree::{LaneKind, Tree};
+use crate::tree::{LaneKind, Met, Tree};
 use lane::Scratch;
 use round::vector_norm_up;
 use units::power;
@@ -60,18 +60,55 @@ pub fn wrap(
     threads: usize,
 ) -> Result<WrappedTree, BakeError> {
     let lists = modes::mode_lists(tree, triangles, shape);
+    let (mut nodes, row_total) = node_records(tree, &lists.of_node)?;
+    let step_bounds = growth::step_bounds(shape, threads);
+    let mut rows = vec![[0.0; LANES]; row_total];
+    let mut rest = rows.as_mut_slice();
+    let mut jobs = Vec::with_capacity(nodes.len());
+    for (node, record) in tree.nodes.iter().zip(&mut nodes) {
+        let (own, behind) = rest.split_at_mut(row_count(usize::from(record.mode_count)));
+        rest = behind;
+        jobs.push((node, record, own));
+    }
+    let mut memory = parallel::states(threads, <(Scratch, Met)>::default);
+    // The root comes first, which has most vertices.
+    let jobs = jobs.into_iter();
+    parallel::for_each(jobs, &mut memory, |(scratch, met), (node, record, own)| {
+        for (lane, below) in node.lanes.iter().zip(&mut scratch.lanes) {
+            let corners = tree.corners_below(*lane, triangles);
+            below.vertices.clear();
+            below
+                .vertices
+                .extend(met.once(shape.positions.len(), corners));
+        }
+        let modes = modes_of(&lists.modes, record);
+        record.scale_exponents = lane::write_node(shape, modes, &step_bounds, scratch, own);
+    });
+    let (mut position_norm_max, field_norms_max) = norms(shape, &nodes, &rows, &lists.modes);
+    if position_norm_max == 0.0 && field_norms_max.iter().all(|&w| w == 0.0) {
+        position_norm_max = REACH_MIN; // a single point that never moves
+    }
+    Ok(WrappedTree {
+        nodes,
+        rows,
+        mode_lists: lists.modes,
+        vertex_modes: lists.of_vertex,
+        position_norm_max,
+        field_norms_max,
+    })
+}
+
+/// The nodes but for the exponents of their rows' units, and the number of all rows; `lists` are start and
+/// length of each node's mode list.
+fn node_records(tree: &Tree, lists: &[(u32, u16)]) -> Result<(Vec<NodeRecord>, usize), BakeError> {
     let mut nodes = Vec::with_capacity(tree.nodes.len());
     let mut row_total = 0usize;
-    for (node, &(mode_list_start, mode_count)) in tree.nodes.iter().zip(&lists.of_node) {
+    for (node, &(mode_list_start, mode_count)) in tree.nodes.iter().zip(lists) {
         let Ok(row_start) = u32::try_from(row_total) else {
             let message = "more than 2^32 rows: fewer modes or more triangles per leaf are needed";
             return Err(BakeError::one("wrap", Place::NOWHERE, message));
         };
-        let mask = |kind: LaneKind| {
-            (0..LANES)
-                .filter(|&k| node.lanes[k].kind == kind)
-                .fold(0u8, |mask, k| mask | 1 << k)
-        };
+        let mask = |kind: LaneKind| node.lanes_of(kind).fold(0, |mask, k| mask | 1 << k);
         nodes.push(NodeRecord {
             first_child: node.first_child,
             first_slot: node.first_slot,
@@ -89,80 +126,13 @@ pub fn wrap(
         });
         row_total += row_count(usize::from(mode_count));
     }
-    let step_bounds = growth::step_bounds(shape, threads);
-    let mut rows = vec![[0.0; LANES]; row_total];
-    wrap_nodes(
-        tree,
-        triangles,
-        shape,
-        &mut nodes,
-        &lists.modes,
-        &step_bounds,
-        threads,
-        &mut rows,
-    );
-    let (mut position_norm_max, field_norms_max) = norms(shape, &nodes, &rows, &lists.modes);
-    if position_norm_max == 0.0 && field_norms_max.iter().all(|&w| w == 0.0) {
-        position_norm_max = REACH_MIN; // a single point that never moves
-    }
-    Ok(WrappedTree {
-        nodes,
-        rows,
-        mode_lists: lists.modes,
-        vertex_modes: lists.of_vertex,
-        position_norm_max,
-        field_norms_max,
-    })
+    Ok((nodes, row_total))
 }
 
-/// Fills the rows of all nodes and the exponents of their units, node by node on `threads` threads.
-#[expect(clippy::too_many_arguments, reason = "one call, all of them borrowed")]
-fn wrap_nodes(
-    tree: &Tree,
-    triangles: &[[u32; 3]],
-    shape: &StoredShape,
-    nodes: &mut [NodeRecord],
-    lists: &[u16],
-    step_bounds: &[[f32; 2]],
-    threads: usize,
-    rows: &mut [Row],
-) {
-    let mut rest = rows;
-    let mut jobs = Vec::with_capacity(nodes.len());
-    for (node, record) in tree.nodes.iter().zip(nodes) {
-        let (own, behind) = rest.split_at_mut(row_count(usize::from(record.mode_count)));
-        rest = behind;
-        jobs.push((node, record, own));
-    }
-    let memory = || (Scratch::default(), vec![0u32; shape.positions.len()], 0u32);
-    let mut memory = parallel::states(threads, memory);
-    // The root comes first, which has most vertices.
-    let jobs = jobs.into_iter();
-    parallel::for_each(
-        jobs,
-        &mut memory,
-        |(scratch, last_seen, stamp), (node, record, own)| {
-            let start = record.mode_list_start as usize;
-            let modes = &lists[start..start + usize::from(record.mode_count)];
-            for (lane, below) in node.lanes.iter().zip(&mut scratch.lanes) {
-                below.vertices.clear();
-                if lane.kind == LaneKind::Empty {
-                    continue;
-                }
-                *stamp += 1;
-                for &triangle in tree.triangles_below(*lane) {
-                    for corner in triangles[triangle as usize] {
-                        let seen = &mut last_seen[corner as usize];
-                        if *seen != *stamp {
-                            *seen = *stamp;
-                            below.vertices.push(corner);
-                        }
-                    }
-                }
-            }
-            record.scale_exponents = lane::write_node(shape, modes, step_bounds, scratch, own);
-        },
-    );
+/// The modes that act on a node.
+pub(crate) fn modes_of<'l>(lists: &'l [u16], node: &NodeRecord) -> &'l [u16] {
+    let start = node.mode_list_start as usize;
+    &lists[start..start + usize::from(node.mode_count)]
 }
 
 /// The k-th pair of a node's active modes as `rows`, the node's, hold it.
@@ -173,6 +143,13 @@ pub(crate) fn mode_pair(rows: &[Row], k: usize) -> ModePair {
     out
 }
 
+/// Writes [`mode_pair`].
+fn set_mode_pair(rows: &mut [Row], k: usize, pair: &ModePair) {
+    rows[pair_row(k)..pair_row(k + 1)]
+        .as_mut_bytes()
+        .copy_from_slice(pair.as_bytes());
+}
+
 /// P and W_j over vertices and lanes.
 fn norms(
     shape: &StoredShape,
@@ -180,28 +157,15 @@ fn norms(
     rows: &[Row],
     lists: &[u16],
 ) -> (f32, Vec<f32>) {
-    let mode_count = shape.mode_count();
-    let mut position = shape
-        .positions
-        .iter()
-        .map(|&p| vector_norm_up(p.map(f64::from)))
-        .fold(0.0, f32::max);
-    let mut fields = vec![0.0f32; mode_count];
-    for row in shape.displacements.chunks_exact(mode_count.max(1)) {
-        for (norm, &u) in fields.iter_mut().zip(row) {
-            *norm = norm.max(vector_norm_up(u.map(f64::from)));
-        }
-    }
+    let (mut position, mut fields) = (shape.position_norm, shape.field_norms.clone());
     for node in nodes {
         let rows = &rows[node.row_start as usize..];
-        let start = node.mode_list_start as usize;
-        let modes = &lists[start..start + usize::from(node.mode_count)];
         for lane in 0..LANES {
             let center = [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTER_X + axis][lane]));
             position = position.max(vector_norm_up(center));
         }
         let unit = power(i32::from(node.scale_exponents[0]));
-        for (k, &mode) in modes.iter().enumerate() {
+        for (k, &mode) in modes_of(lists, node).iter().enumerate() {
             let mode = usize::from(mode);
             let per_q = unit / f64::from(shape.limits[mode].q_limit);
             let pair = mode_pair(rows, k / 2);

@@ -134,10 +134,8 @@ fn node_masks(tree: &Tree, triangles: &[[u32; 3]], vertex_masks: &[u64], words: 
                     child += 1;
                 }
                 LaneKind::Leaf => {
-                    for &triangle in tree.triangles_below(lane) {
-                        for corner in triangles[triangle as usize] {
-                            merge(&mut mask, vertex_masks, corner as usize);
-                        }
+                    for corner in tree.corners_below(lane, triangles) {
+                        merge(&mut mask, vertex_masks, corner as usize);
                     }
                 }
             }

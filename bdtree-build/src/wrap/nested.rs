@@ -1,13 +1,12 @@
 //! Spheres that hold those below them at every q, as an option: the paper's enlarged coarse nodes (3.4),
 //! proved instead of hoped for.
 
-use bdtree_format::{LANES, NodeRecord, ROW_CENTER_X, ROW_RADIUS, pair_row};
-use zerocopy::IntoBytes;
+use bdtree_format::{LANES, NodeRecord, ROW_CENTER_X, ROW_RADIUS};
 
 use super::grid::Grid;
 use super::round::{norm_above, round_up};
 use super::units::power;
-use super::{WrappedTree, mode_pair};
+use super::{WrappedTree, mode_pair, modes_of, set_mode_pair};
 use crate::vec3::{norm2, sub};
 
 /// What a sum in f64 may lose, with room to spare.
@@ -63,33 +62,26 @@ struct LaneMode {
 impl Lanes {
     fn of(tree: &WrappedTree, node: &NodeRecord) -> Self {
         let rows = &tree.rows[node.row_start as usize..];
-        let start = node.mode_list_start as usize;
-        let modes = &tree.mode_lists[start..start + usize::from(node.mode_count)];
-        let [center_unit, growth_unit, cross_unit] =
-            node.scale_exponents.map(|e| power(i32::from(e)));
-        let every = |f: &dyn Fn(usize) -> [f64; 3]| std::array::from_fn(f);
+        let modes = modes_of(&tree.mode_lists, node);
+        let [c, g, b] = node.scale_exponents.map(|e| power(e.into()));
+        let of_mode = |(j, &mode): (usize, &u16)| {
+            let pair = mode_pair(rows, j / 2);
+            let numbers: [[f64; 6]; LANES] = std::array::from_fn(|k| {
+                let [x, y, z, growth, plus, minus] = pair.numbers(j, k).map(f64::from);
+                [x * c, y * c, z * c, growth * g, plus * b, minus * b]
+            });
+            LaneMode {
+                mode,
+                center: numbers.map(|[x, y, z, ..]| [x, y, z]),
+                growth: numbers.map(|[_, _, _, growth, ..]| growth),
+                cross: numbers.map(|[.., plus, minus]| [plus, minus]),
+            }
+        };
+        let center = |k: usize| [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTER_X + axis][k]));
         Self {
-            center: every(&|k| [0, 1, 2].map(|axis| f64::from(rows[ROW_CENTER_X + axis][k]))),
+            center: std::array::from_fn(center),
             radius: rows[ROW_RADIUS].map(f64::from),
-            modes: (0..)
-                .zip(modes)
-                .map(|(j, &mode)| {
-                    let own = mode_pair(rows, j / 2);
-                    let numbers = |k: usize| own.numbers(j, k).map(f64::from);
-                    LaneMode {
-                        mode,
-                        center: every(&|k| {
-                            let [x, y, z, ..] = numbers(k);
-                            [x, y, z].map(|n| n * center_unit)
-                        }),
-                        growth: std::array::from_fn(|k| numbers(k)[3] * growth_unit),
-                        cross: std::array::from_fn(|k| {
-                            let [.., b_plus, b_minus] = numbers(k);
-                            [b_plus * cross_unit, b_minus * cross_unit]
-                        }),
-                    }
-                })
-                .collect(),
+            modes: modes.iter().enumerate().map(of_mode).collect(),
         }
     }
 
@@ -134,13 +126,8 @@ impl Lanes {
                 own.cross[lane] = [self.radius[lane] * own.growth[lane]; 2];
             }
         }
-        let crosses = &mut self
-            .modes
-            .iter()
-            .flat_map(|m| m.cross)
-            .flatten()
-            .map(f64::abs);
-        let cross_grid = Grid::covering(largest(crosses));
+        let crosses = self.modes.iter().flat_map(|m| m.cross).flatten();
+        let cross_grid = Grid::covering(largest(&mut crosses.map(f64::abs)));
         for (j, pair) in self.modes.chunks(2).enumerate() {
             let mut out = mode_pair(rows, j);
             for (which, own) in pair.iter().enumerate() {
@@ -152,9 +139,7 @@ impl Lanes {
                     }
                 }
             }
-            rows[pair_row(j)..pair_row(j + 1)]
-                .as_mut_bytes()
-                .copy_from_slice(out.as_bytes());
+            set_mode_pair(rows, j, &out);
         }
         record.scale_exponents[1] = growth_grid.exponent();
         record.scale_exponents[2] = cross_grid.exponent();

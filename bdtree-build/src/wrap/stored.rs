@@ -1,6 +1,8 @@
 //! The shape as the file stores it: origin, length unit, f32 positions and fields, limits of q
 //! (SPEC 5). Tree and bounds are made from these numbers and no others.
 
+use bdtree_format::UNIT_EXPONENT_MAX;
+
 use super::check::{check_counts, check_numbers, none_yet};
 use super::frames::{Farthest, StoredFrames, place, store_frames};
 use super::round::{round_nearest, vector_norm_up};
@@ -19,9 +21,8 @@ pub const RANGE_DIAGONALS: f64 = 0.05;
 /// Exponents of the least and the largest reach P + Σ W_j q_limit_j in stored units.
 const REACH_EXPONENTS: (i32, i32) = (-20, 60);
 
-/// What readers take (SPEC 5.2): largest coordinate of the origin, largest exponent of the unit.
+/// The largest coordinate of the origin that readers take (SPEC 5.2).
 const ORIGIN_EXPONENT_MAX: i32 = 80;
-const UNIT_EXPONENT_MAX: i32 = 100;
 
 /// Exponent of q_limit of a field that is zero.
 const ZERO_LIMIT_EXPONENT: i32 = 60;
@@ -57,6 +58,10 @@ pub struct StoredShape {
     pub positions: Vec<[f32; 3]>,
     /// Displacements, vertex-major: `displacements[i * M + j]` is U_ij.
     pub displacements: Vec<[f32; 3]>,
+    /// An upper bound of all ‖p_i‖.
+    pub position_norm: f32,
+    /// Per mode, an upper bound of all ‖U_ij‖.
+    pub field_norms: Vec<f32>,
     /// One per mode.
     pub limits: Vec<ModeLimits>,
     /// The animation, if there is one; each q is within its limit.
@@ -80,9 +85,7 @@ impl StoredShape {
     pub(super) fn displacement(&self, vertex: u32, mode: u16) -> [f64; 3] {
         self.displacements[vertex as usize * self.limits.len() + usize::from(mode)].map(f64::from)
     }
-}
 
-impl StoredShape {
     /// p_i + Σ_j U_ij q_j of all vertices in f64; `q` has M entries.
     pub fn deform(&self, q: &[f64]) -> Vec<[f64; 3]> {
         let mut deformed: Vec<[f64; 3]> = self.positions.iter().map(|p| p.map(f64::from)).collect();
@@ -133,10 +136,10 @@ pub fn store(
     let origin = origin(low, high, diagonal);
     let relative = |p: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| p[k] - origin[k]) };
     let longest: Vec<f64> = (0..basis.mode_count())
-        .map(|j| longest(basis.field(j).iter().copied()))
+        .map(|j| largest_length(basis.field(j).iter().copied()))
         .collect();
     let unit_exponent = unit_exponent(
-        longest_position(&mesh.positions, relative),
+        largest_length(mesh.positions.iter().map(|&p| relative(p))),
         &longest,
         &farthest,
         diagonal,
@@ -186,12 +189,15 @@ pub fn store(
         }
     }
     problems.into_result(Place::NOWHERE)?;
+    let (position_norm, field_norms) = largest_norms(&positions, &displacements, mode_count);
     let mut shape = StoredShape {
         origin,
         unit_exponent,
         diagonal,
         positions,
         displacements,
+        position_norm,
+        field_norms,
         limits: Vec::with_capacity(mode_count),
         frames,
     };
@@ -199,12 +205,24 @@ pub fn store(
     Ok(shape)
 }
 
-fn longest(vectors: impl Iterator<Item = [f64; 3]>) -> f64 {
-    vectors.map(length).fold(0.0, f64::max)
+/// Upper bounds of all ‖p_i‖ and, per mode, of all ‖U_ij‖.
+fn largest_norms(
+    positions: &[[f32; 3]],
+    displacements: &[[f32; 3]],
+    mode_count: usize,
+) -> (f32, Vec<f32>) {
+    let norm = |v: &[f32; 3]| vector_norm_up(v.map(f64::from));
+    let mut fields = vec![0.0f32; mode_count];
+    for row in displacements.chunks_exact(mode_count.max(1)) {
+        for (largest, u) in fields.iter_mut().zip(row) {
+            *largest = largest.max(norm(u));
+        }
+    }
+    (positions.iter().map(norm).fold(0.0, f32::max), fields)
 }
 
-fn longest_position(positions: &[[f64; 3]], relative: impl Fn([f64; 3]) -> [f64; 3]) -> f64 {
-    longest(positions.iter().map(|&p| relative(p)))
+fn largest_length(vectors: impl Iterator<Item = [f64; 3]>) -> f64 {
+    vectors.map(length).fold(0.0, f64::max)
 }
 
 /// Lengths are measured against the diagonal, or against one unit when there is none.
@@ -250,29 +268,18 @@ fn add_limits(
     warnings: &mut Vec<String>,
 ) -> Result<(), BakeError> {
     let mut problems = none_yet();
-    let mode_count = basis.mode_count();
-    let mut norms = vec![0.0f32; mode_count];
-    for row in shape.displacements.chunks_exact(mode_count.max(1)) {
-        for (norm, &u) in norms.iter_mut().zip(row) {
-            *norm = norm.max(vector_norm_up(u.map(f64::from)));
-        }
-    }
-    let position_norm = shape
-        .positions
-        .iter()
-        .map(|&p| vector_norm_up(p.map(f64::from)))
-        .fold(0.0, f32::max);
+    let position_norm = f64::from(shape.position_norm);
     let diagonal = scale(reference(shape.diagonal), -shape.unit_exponent);
-    let mut reach = f64::from(position_norm);
+    let mut reach = position_norm;
     let mut raised = Vec::new();
     for (j, mode) in basis.modes.iter().enumerate() {
-        let norm = f64::from(norms[j]);
+        let norm = f64::from(shape.field_norms[j]);
         if norm == 0.0 && longest[j] > 0.0 {
             warnings.push(format!(
                 "mode {j}: the field is below what f32 holds, stored as zero"
             ));
         }
-        if norm * f64::from(position_norm) > power(PRODUCT_EXPONENT_MAX) {
+        if norm * position_norm > power(PRODUCT_EXPONENT_MAX) {
             let message = "displacements per unit of q are too large: scale the field down";
             problems.add(|| (Part::Mode(j), message.to_string()));
             continue;

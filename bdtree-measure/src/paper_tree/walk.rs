@@ -1,7 +1,7 @@
 //! Walks over the paper's binary tree for whatever spheres its nodes have at the moment: computed from
 //! q when first visited, or refitted beforehand.
 
-use bdtree_runtime::narrow::{Ray, Triangle, ray_hit};
+use bdtree_runtime::narrow::{PreparedRay, Triangle, ray_hit};
 use bdtree_runtime::{Contact, PairContact};
 
 use super::PaperTree;
@@ -96,7 +96,7 @@ impl PaperTree {
         origin: [f32; 3],
         direction: [f32; 3],
     ) -> Option<f64> {
-        let ray = Ray::new(origin.map(f64::from), leaf::unit(direction.map(f64::from)));
+        let ray = PreparedRay::new(origin.map(f64::from), leaf::unit(direction.map(f64::from)));
         // Where a sphere is entered (or the ray is nearest to one around its origin), if it is met.
         let enter = |[cx, cy, cz, r]: [f32; 4]| {
             let c = [cx - origin[0], cy - origin[1], cz - origin[2]];

@@ -8,6 +8,8 @@
 mod posed;
 mod slots;
 mod step;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use posed::{OwnCache, Posed, deform};
 pub(crate) use slots::{CHUNK, LeafChunk};

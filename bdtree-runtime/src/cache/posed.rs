@@ -17,7 +17,7 @@ use crate::view::Asset;
 pub(crate) struct Posed<'s> {
     pub(crate) pose: &'s Pose<'s>,
     pub(super) drift: Option<(&'s Pose<'s>, Drift)>,
-    pub(super) kept: Kept<'s>,
+    kept: Kept<'s>,
     pub(crate) limit: Option<DepthLimit<'s>>,
 }
 

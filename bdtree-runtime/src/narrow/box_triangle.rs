@@ -160,22 +160,20 @@ struct Face {
 }
 
 fn nearest_face(y: [f64; 3], half: [f64; 3]) -> Face {
-    let mut best = Face {
-        axis: 0,
-        positive: true,
-        depth: f64::INFINITY,
-    };
-    for axis in 0..3 {
-        let depth = half[axis] - y[axis].abs();
-        if depth < best.depth {
-            best = Face {
-                axis,
-                positive: y[axis] >= 0.0,
-                depth,
-            };
+    let depth = |axis: usize| half[axis] - y[axis].abs();
+    let nearer = |best, axis| {
+        if depth(axis) < depth(best) {
+            axis
+        } else {
+            best
         }
+    };
+    let axis = (1..3).fold(0, nearer);
+    Face {
+        axis,
+        positive: y[axis] >= 0.0,
+        depth: depth(axis),
     }
-    best
 }
 
 /// Returns the weights of the point that is deepest in the box, and the face nearest to it.

@@ -13,8 +13,8 @@ use crate::math::{cross, dot, sub};
 use crate::rounding::HEIGHT_ROUNDING;
 
 /// Smallest and largest magnitude, besides 0, for which the predicates are exact: 2^∓300.
-const TINY: f64 = f64::from_bits((1023 - 300) << 52);
-const HUGE: f64 = f64::from_bits((1023 + 300) << 52);
+pub(super) const TINY: f64 = f64::from_bits((1023 - 300) << 52);
+pub(super) const HUGE: f64 = f64::from_bits((1023 + 300) << 52);
 /// 2⁻⁸⁰⁰ brings any finite number below 2³⁰⁰.
 const SCALE_DOWN: f64 = f64::from_bits((1023 - 800) << 52);
 
@@ -111,6 +111,17 @@ pub(super) fn turn(axis: usize, a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> i8 {
         y: p[(axis + 2) % 3],
     };
     sign(orient2d(flat(a), flat(b), flat(c)))
+}
+
+/// Returns whether `p` is in the closed triangle, seen along `axis`.
+#[inline]
+pub(super) fn encloses(axis: usize, [a, b, c]: Triangle, p: [f64; 3]) -> bool {
+    let turns = [
+        turn(axis, a, b, p),
+        turn(axis, b, c, p),
+        turn(axis, c, a, p),
+    ];
+    !turns.contains(&1) || !turns.contains(&-1)
 }
 
 /// Returns the first axis whose coordinate plane shows `a, b, c` with an area, none if collinear.

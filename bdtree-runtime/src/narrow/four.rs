@@ -39,7 +39,7 @@ pub(crate) fn closest_four<Q: Quad>(p: [f64; 3], tri: &[Quad3<Q>; 3]) -> Closest
     let g = sub3([zero; 3], sides[2]);
     let n = cross3(e, g);
     let nn = dot3(n, n);
-    let longest = larger(larger(lengths[0], lengths[1]), lengths[2]);
+    let longest = lengths[0].max(lengths[1]).max(lengths[2]);
     let rr = dot3(r[0], r[0]);
     let large = Q::splat(LARGE);
     let mut fair = nn.mul(Q::splat(64.0)).at_least(longest.mul(longest));
@@ -51,7 +51,7 @@ pub(crate) fn closest_four<Q: Quad>(p: [f64; 3], tri: &[Quad3<Q>; 3]) -> Closest
     let s = dot3(cross3(g, r[0]), n).div(nn);
     let t = dot3(cross3(r[0], e), n).div(nn);
     let w = one.sub(t).sub(s);
-    let shortest = smaller(smaller(lengths[0], lengths[1]), lengths[2]);
+    let shortest = lengths[0].min(lengths[1]).min(lengths[2]);
     let margin = Q::splat(MARGIN).mul(one.add(rr.div(shortest)));
     let near = [margin.at_least(t), margin.at_least(w), margin.at_least(s)];
 
@@ -102,16 +102,6 @@ fn combine<Q: Quad>(tri: &[Quad3<Q>; 3], [w0, w1, w2]: Quad3<Q>) -> Quad3<Q> {
     let w_j = Q::select(first, w2, Q::select(second, w0, w1));
     let offset = add3([Q::splat(0.0); 3], scale3(sub3(i, base), w_i));
     add3(base, add3(offset, scale3(sub3(j, base), w_j)))
-}
-
-#[inline(always)]
-fn larger<Q: Quad>(a: Q, b: Q) -> Q {
-    Q::select(a.above(b), a, b)
-}
-
-#[inline(always)]
-fn smaller<Q: Quad>(a: Q, b: Q) -> Q {
-    Q::select(b.above(a), a, b)
 }
 
 /// [`crate::math::clamp`] into `[0, 1]`.

@@ -6,7 +6,7 @@
 //! Geometric Predicates", 1997).
 
 use super::Triangle;
-use crate::rounding::{HEIGHT_FLUSHED, HEIGHT_ROUNDING};
+use crate::rounding::{BOXES_APART, HEIGHT_FLUSHED, HEIGHT_ROUNDING};
 use crate::simd::{Quad, Quad3, cross3, dot3, sub3};
 
 /// Largest sum of a triangle's coordinates, in magnitude, that is filtered: 2¹⁰⁰.
@@ -48,8 +48,8 @@ impl WorldFour {
         let [a, b, c] = corners;
         let mut sum = Q::splat(0.0);
         for k in 0..3 {
-            self.low[k] = lower(lower(a[k], b[k]), c[k]).store();
-            self.high[k] = higher(higher(a[k], b[k]), c[k]).store();
+            self.low[k] = a[k].min(b[k]).min(c[k]).store();
+            self.high[k] = a[k].max(b[k]).max(c[k]).store();
             let ([p, q, r, s], [t, u, v, w]) = (self.low[k], self.high[k]);
             self.all[0][k] = p.min(q).min(r.min(s));
             self.all[1][k] = t.max(u).max(v.max(w));
@@ -148,9 +148,9 @@ impl WorldFour {
             let low1: Q = one(&self.low, axis, k);
             let high1: Q = one(&self.high, axis, k);
             let (low2, high2) = (Q::load(&others.low[axis]), Q::load(&others.high[axis]));
-            let gap = higher(low2.sub(high1), low1.sub(high2));
-            let span = higher(high1, high2).sub(lower(low1, low2));
-            let reach = Q::splat(tolerance).add(span.mul(Q::splat(1e-12)));
+            let gap = low2.sub(high1).max(low1.sub(high2));
+            let span = high1.max(high2).sub(low1.min(low2));
+            let reach = Q::splat(tolerance).add(span.mul(Q::splat(BOXES_APART)));
             near = Q::both(near, reach.at_least(gap));
         }
         Q::bits(near) | !others.fair
@@ -198,14 +198,4 @@ fn store3<Q: Quad>([x, y, z]: Quad3<Q>) -> Rows {
 #[inline(always)]
 fn abs3<Q: Quad>([x, y, z]: Quad3<Q>) -> Quad3<Q> {
     [x.abs(), y.abs(), z.abs()]
-}
-
-#[inline(always)]
-fn lower<Q: Quad>(a: Q, b: Q) -> Q {
-    Q::select(a.above(b), b, a)
-}
-
-#[inline(always)]
-fn higher<Q: Quad>(a: Q, b: Q) -> Q {
-    Q::select(a.above(b), a, b)
 }

@@ -2,7 +2,7 @@
 
 use super::Triangle;
 use super::clip::Polygon;
-use super::exact::plane_side;
+use super::exact::{HUGE, TINY, plane_side};
 use crate::math::dot;
 use crate::rounding::MARGIN;
 
@@ -27,9 +27,6 @@ pub struct Frustum {
     len: usize,
 }
 
-/// Smaller and larger magnitudes leave the range in which products are exact: 2^∓300.
-const TINY: f64 = f64::from_bits((1023 - 300) << 52);
-const HUGE: f64 = f64::from_bits((1023 + 300) << 52);
 /// 2^±300: steps that no normal can take across the range between the two.
 const SCALE_UP: f64 = HUGE;
 const SCALE_DOWN: f64 = TINY;

@@ -38,7 +38,7 @@ pub mod triangle_triangle;
 pub use box_triangle::{BoxContact, OrientedBox};
 pub use frustum_triangle::{Frustum, FrustumState};
 pub use point_triangle::{Closest, closest_point};
-pub use ray_triangle::{Ray, RayHit, ray_hit};
+pub use ray_triangle::{PreparedRay, RayHit, ray_hit};
 pub use segment_triangle::{SegmentDistance, segment_triangle_distance};
 pub(crate) use triangle_distance::nearest_points;
 pub use triangle_distance::{PairDistance, triangle_distance};

@@ -5,7 +5,7 @@
 //! Deviation: those signs are exact here, so that no tie breaks two ways, and edge functions keep
 //! full relative precision, so that grazing hits are as accurate as frontal ones.
 
-use super::exact::{above, det2, open_axis, tame, turn};
+use super::exact::{above, det2, encloses, open_axis, tame};
 use super::point_triangle::closest_weights;
 use super::{Triangle, combine};
 use crate::math::sub;
@@ -15,7 +15,7 @@ const FLUSH: f64 = f64::from_bits((1023 - 250) << 52);
 
 /// A ray, prepared once for many triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ray {
+pub struct PreparedRay {
     origin: [f64; 3],
     direction: [f64; 3],
     /// The coordinate of largest |direction| comes last.
@@ -35,7 +35,7 @@ pub struct RayHit {
     pub point: [f64; 3],
 }
 
-impl Ray {
+impl PreparedRay {
     /// Returns the ray from `origin` along `unit_direction`, whose length must be 1 to rounding.
     #[inline]
     pub fn new(origin: [f64; 3], unit_direction: [f64; 3]) -> Self {
@@ -96,7 +96,7 @@ impl Ray {
 /// *Edge-on* means: exactly so after the shear. Then t is the first common point, 0 if the origin
 /// is inside. A ray in the plane of the triangle in some skew direction may, by rounding, pass beside it.
 #[inline]
-pub fn ray_hit(ray: &Ray, tri: &Triangle, t_max: f64) -> Option<RayHit> {
+pub fn ray_hit(ray: &PreparedRay, tri: &Triangle, t_max: f64) -> Option<RayHit> {
     let (a, depth_a) = ray.shear(tri[0]);
     let (b, depth_b) = ray.shear(tri[1]);
     let (c, depth_c) = ray.shear(tri[2]);
@@ -148,12 +148,7 @@ fn starts_on(p: [f64; 3], tri: &Triangle) -> bool {
     let Some(axis) = open_axis(a, b, c) else {
         return false;
     };
-    let turns = [
-        turn(axis, a, b, p),
-        turn(axis, b, c, p),
-        turn(axis, c, a, p),
-    ];
-    above(a, b, c, p) == 0 && (!turns.contains(&1) || !turns.contains(&-1))
+    above(a, b, c, p) == 0 && encloses(axis, [a, b, c], p)
 }
 
 /// Returns the weights of the first point with depth ≥ 0 of a triangle seen as a line or a point.

@@ -9,7 +9,7 @@ use super::point_triangle::closest_weights;
 use super::triangle_triangle::triangles_intersect;
 use super::{Triangle, combine};
 use crate::math::{add_scaled, clamp, cross, dot, sqrt, sub};
-use crate::rounding::NORMAL_EQUATIONS;
+use crate::rounding::{NORMAL_EQUATIONS, TOUCHING_GAP};
 
 /// The nearest points of two triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,20 +94,17 @@ pub(super) fn distance_of<const CORNERS: usize>(
     }
     let [barycentric1, barycentric2] = best.weights;
     let point1 = combine(a, barycentric1);
-    if touching {
-        return PairDistance {
-            distance: 0.0,
-            point1,
-            point2: point1,
-            barycentric1,
-            barycentric2,
-        };
-    }
-    PairDistance {
+    let (distance, point2) = if touching {
+        (0.0, point1)
+    } else {
         // Rounding may find 0 for triangles that do not touch; 0 is the word for touching.
-        distance: sqrt(best.squared).max(f64::MIN_POSITIVE),
+        let apart = sqrt(best.squared).max(f64::MIN_POSITIVE);
+        (apart, combine(b, barycentric2))
+    };
+    PairDistance {
+        distance,
         point1,
-        point2: combine(b, barycentric2),
+        point2,
         barycentric1,
         barycentric2,
     }
@@ -121,7 +118,7 @@ fn rounding_squared(a: &Triangle, b: &Triangle) -> f64 {
             largest = sub(*p, *q).iter().fold(largest, |m, x| m.max(x.abs()));
         }
     }
-    let gap = 2.0 * f64::EPSILON * largest;
+    let gap = TOUCHING_GAP * largest;
     gap * gap
 }
 
@@ -183,10 +180,8 @@ fn clearly_outside(w: [f64; 3], e: [f64; 3], g: [f64; 3]) -> bool {
     let det = ee * gg - eg * eg;
     let (s, t) = (eg * wg - gg * we, eg * we - ee * wg);
     // |s| ≤ 2 gg |e||w| in parts, each wrong by some u; 2 |e||w| ≤ ee + ww.
-    let (lost_s, lost_t) = (
-        NORMAL_EQUATIONS * gg * (ee + ww),
-        NORMAL_EQUATIONS * ee * (gg + ww),
-    );
+    let lost_s = NORMAL_EQUATIONS * gg * (ee + ww);
+    let lost_t = NORMAL_EQUATIONS * ee * (gg + ww);
     s < -lost_s || s - det > lost_s || t < -lost_t || t - det > lost_t
 }
 

@@ -5,7 +5,7 @@
 //! segments and triangles, seen along an axis that does not lie in their common plane.
 
 use super::Triangle;
-use super::exact::{above, open_axis, sides, tame, turn};
+use super::exact::{above, encloses, open_axis, sides, tame, turn};
 
 /// Returns whether the closed triangles share a point; exact, so symmetric and independent of corner order.
 ///
@@ -150,7 +150,11 @@ fn planar_intersect(a: &[[f64; 3]], b: &[[f64; 3]]) -> bool {
     let edge = |s: &[[f64; 3]], i: usize| (s[i], s[(i + 1) % s.len()]);
     let crossing =
         (0..edges(a)).any(|i| (0..edges(b)).any(|j| segments_meet(axis, edge(a, i), edge(b, j))));
-    crossing || contains(axis, a, b[0]) || contains(axis, b, a[0])
+    let contains = |set: &[[f64; 3]], p: [f64; 3]| {
+        let corners: Result<Triangle, _> = set.try_into();
+        corners.is_ok_and(|corners| encloses(axis, corners, p))
+    };
+    crossing || contains(a, b[0]) || contains(b, a[0])
 }
 
 /// Returns an axis along which the common plane (line) of the points can be projected without folding.
@@ -181,15 +185,4 @@ fn segments_meet(axis: usize, (p, q): ([f64; 3], [f64; 3]), (r, s): ([f64; 3], [
             .all(|k| p[k].max(q[k]) >= r[k].min(s[k]) && r[k].max(s[k]) >= p[k].min(q[k]));
     }
     across_pq[0] * across_pq[1] <= 0 && across_rs[0] * across_rs[1] <= 0
-}
-
-/// Returns whether the set is a triangle and contains `p` in the plane without `axis`.
-fn contains(axis: usize, set: &[[f64; 3]], p: [f64; 3]) -> bool {
-    let &[a, b, c] = set else { return false };
-    let turns = [
-        turn(axis, a, b, p),
-        turn(axis, b, c, p),
-        turn(axis, c, a, p),
-    ];
-    !turns.contains(&1) || !turns.contains(&-1)
 }

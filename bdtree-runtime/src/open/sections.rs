@@ -1,18 +1,15 @@
 //! The section table: order, places and lengths of sections, and their bytes as records.
 
 use bdtree_format::{
-    FrameRecord, GroupRecord, Header, LAYOUT_1, LAYOUT_2, ModeRecord, NodeRecord, Row,
-    SECTION_ALIGNMENT, SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord, TriangleRecord,
+    FrameRecord, GroupRecord, Header, LAYOUT_1, LAYOUT_2, NodeRecord, Row, SECTION_ALIGNMENT,
+    SECTION_LAYOUTS, SECTION_ORDER, SECTIONS_ALWAYS, SectionKind, SectionRecord, TriangleRecord,
     VertexModes,
 };
 use core::mem::{offset_of, size_of};
 use zerocopy::FromBytes;
 
-use super::header_error;
-use crate::error::{Datum, FormatError};
-
-/// The sections that every file has are the first ones of [`SECTION_ORDER`].
-const SECTIONS_ALWAYS: usize = 7;
+use super::{header_at, section_table_start};
+use crate::error::{Check, FormatError};
 
 /// Byte ranges of the known sections; `None` where an optional one is absent.
 pub(super) type Located = [Option<(usize, usize)>; SECTION_ORDER.len()];
@@ -27,221 +24,146 @@ pub(super) fn locate_sections(
     let mut next_rank = 0;
     let mut lists_modes = false;
     let mut end = u64::from(header.header_bytes.get());
-    let table = size_of::<Header>() + header.mode_count.get() as usize * size_of::<ModeRecord>();
+    let table = section_table_start(header);
     for (i, section) in sections.iter().enumerate() {
         let at = table + i * size_of::<SectionRecord>();
-        let expected_offset = end.next_multiple_of(SECTION_ALIGNMENT as u64);
-        let offset = section.offset.get();
-        if offset != expected_offset {
-            return Err(header_error(
-                at + offset_of!(SectionRecord, offset),
-                "SPEC 3.3: a section starts at the next multiple of 64 behind its predecessor",
-                expected_offset,
-                offset,
-            ));
-        }
-        let length = section.length.get();
+        let record = header_at(at);
+        let length_field = header_at(at + offset_of!(SectionRecord, length));
+        let required_field = header_at(at + offset_of!(SectionRecord, required));
+        let (offset, length) = (section.offset.get(), section.length.get());
+        let expected = end.next_multiple_of(SECTION_ALIGNMENT as u64);
+        header_at(at + offset_of!(SectionRecord, offset))
+            .rule("SPEC 3.3: a section starts at the next multiple of 64 behind its predecessor")
+            .holds(offset == expected, expected, offset)?;
         end = offset.saturating_add(length);
-        if end > bytes.len() as u64 {
-            return Err(header_error(
-                at + offset_of!(SectionRecord, length),
-                "SPEC 4.1: a section lies inside the file",
-                bytes.len() as u64 - offset.min(bytes.len() as u64),
-                length,
-            ));
-        }
+        let room = (bytes.len() as u64).saturating_sub(offset);
+        length_field
+            .rule("SPEC 4.1: a section lies inside the file")
+            .holds(end <= bytes.len() as u64, room, length)?;
         let required = section.required.get();
-        if required > 1 {
-            return Err(header_error(
-                at + offset_of!(SectionRecord, required),
-                "SPEC 4.1: a section is required (1) or not (0)",
-                1_u32,
-                required,
-            ));
-        }
-        if sections[..i].iter().any(|s| s.kind == section.kind) {
-            return Err(header_error(
-                at,
-                "SPEC 4.4: no kind of section stands twice",
-                "another kind",
-                Datum::Kind(section.kind),
-            ));
-        }
-        let Some(rank) = SECTION_ORDER.iter().position(|k| *k == section.kind) else {
-            if required != 0 {
-                return Err(header_error(
-                    at,
-                    "SPEC 4.4: unknown required sections are refused",
+        required_field
+            .rule("SPEC 4.1: a section is required (1) or not (0)")
+            .holds(required <= 1, 1_u32, required)?;
+        let again = sections[..i].iter().any(|s| s.kind == section.kind);
+        record
+            .rule("SPEC 4.4: no kind of section stands twice")
+            .holds(!again, "another kind", section.kind)?;
+        let Some(rank) = rank(section.kind) else {
+            record
+                .rule("SPEC 4.4: unknown required sections are refused")
+                .holds(
+                    required == 0,
                     "a section kind of this version",
-                    Datum::Kind(section.kind),
-                ));
-            }
+                    section.kind,
+                )?;
             continue;
         };
-        if rank < next_rank {
-            return Err(header_error(
-                at,
-                "SPEC 4.2: known sections stand in the order of the table",
-                Datum::Kind(SECTION_ORDER[next_rank.min(SECTION_ORDER.len() - 1)]),
-                Datum::Kind(section.kind),
-            ));
-        }
+        let next = SECTION_ORDER[next_rank.min(SECTION_ORDER.len() - 1)];
+        record
+            .rule("SPEC 4.2: known sections stand in the order of the table")
+            .holds(rank >= next_rank, next, section.kind)?;
         next_rank = rank + 1;
         let needed = u32::from(rank < SECTIONS_ALWAYS || section.kind == SectionKind::VERTEX_MODES);
-        if required != needed {
-            return Err(header_error(
-                at + offset_of!(SectionRecord, required),
-                "SPEC 4.2: sections that queries need are required, the others are not",
-                needed,
-                required,
-            ));
-        }
+        required_field
+            .rule("SPEC 4.2: sections that queries need are required, the others are not")
+            .holds(required == needed, needed, required)?;
         let (layouts, layout) = (SECTION_LAYOUTS[rank], section.layout.get());
-        if !layouts.contains(&layout) {
-            return Err(FormatError {
-                section: section.kind,
-                ..header_error(
-                    at + offset_of!(SectionRecord, layout),
-                    "SPEC 4.4: unknown layouts are refused",
-                    layouts.last().copied().unwrap_or(LAYOUT_1),
-                    layout,
-                )
-            });
-        }
+        let newest = layouts.last().copied().unwrap_or(LAYOUT_1);
+        Check::at(
+            section.kind,
+            (at + offset_of!(SectionRecord, layout)) as u64,
+        )
+        .rule("SPEC 4.4: unknown layouts are refused")
+        .holds(layouts.contains(&layout), newest, layout)?;
         lists_modes |= section.kind == SectionKind::DISPLACEMENTS && layout == LAYOUT_2;
-        check_length(header, section, at)?;
+        check_length(header, section, length_field)?;
         located[rank] = Some((offset as usize, end as usize));
     }
+    let table = header_at(table);
     if let Some(rank) = located[..SECTIONS_ALWAYS].iter().position(Option::is_none) {
-        return Err(header_error(
-            table,
-            "SPEC 4.2: NODE, ROWS, LIST, TRIS, SLOT, VERT and DISP are always there",
-            Datum::Kind(SECTION_ORDER[rank]),
-            "no such section",
-        ));
+        let rule = "SPEC 4.2: NODE, ROWS, LIST, TRIS, SLOT, VERT and DISP are always there";
+        return Err(table
+            .rule(rule)
+            .broken(SECTION_ORDER[rank], "no such section"));
     }
-    let present = |kind| {
-        let rank = SECTION_ORDER.iter().position(|k| *k == kind);
-        rank.is_some_and(|rank| located[rank].is_some())
-    };
-    if present(SectionKind::GROUPS) != present(SectionKind::GROUP_NAMES) {
-        return Err(header_error(
-            table,
-            "SPEC 4.2: GRPS and GNAM are both there or both absent",
-            "both or none",
-            "one of them",
-        ));
-    }
-    if present(SectionKind::VERTEX_MODES) != lists_modes {
-        return Err(header_error(
-            table,
-            "SPEC 4.2: VMOD is there exactly when DISP has layout 2",
-            "both or none",
-            "one of them",
-        ));
-    }
-    check_animation(header, sections, table)?;
-    if end != bytes.len() as u64 {
-        return Err(header_error(
-            offset_of!(Header, file_bytes),
-            "SPEC 3.4: the file ends with its last section",
-            end,
-            bytes.len(),
-        ));
-    }
+    let present = |kind| rank(kind).is_some_and(|rank| located[rank].is_some());
+    let groups = present(SectionKind::GROUPS) == present(SectionKind::GROUP_NAMES);
+    table
+        .rule("SPEC 4.2: GRPS and GNAM are both there or both absent")
+        .holds(groups, "both or none", "one of them")?;
+    let modes = present(SectionKind::VERTEX_MODES) == lists_modes;
+    table
+        .rule("SPEC 4.2: VMOD is there exactly when DISP has layout 2")
+        .holds(modes, "both or none", "one of them")?;
+    let frames = present(SectionKind::FRAMES) == present(SectionKind::FRAME_Q);
+    table
+        .rule("SPEC 4.2: FRMS and FRMQ are both there or both absent")
+        .holds(frames, "both or none", "one of them")?;
+    check_animation(header, sections)?;
+    header_at(offset_of!(Header, file_bytes))
+        .rule("SPEC 3.4: the file ends with its last section")
+        .holds(end == bytes.len() as u64, end, bytes.len())?;
     Ok(located)
 }
 
+/// The place of a known kind in [`SECTION_ORDER`].
+fn rank(kind: SectionKind) -> Option<usize> {
+    SECTION_ORDER.iter().position(|k| *k == kind)
+}
+
 /// Lengths follow from the counts, or are whole multiples where the count is not in the header.
-fn check_length(header: &Header, section: &SectionRecord, at: usize) -> Result<(), FormatError> {
-    let count = |n: u32, size: usize| Some(u64::from(n) * size as u64);
-    let (n, f, m) = (
-        header.vertex_count.get(),
-        header.triangle_count.get(),
-        header.mode_count.get(),
-    );
-    let (exact, multiple) = match section.kind {
-        SectionKind::NODES => (count(header.node_count.get(), size_of::<NodeRecord>()), 1),
+fn check_length(header: &Header, section: &SectionRecord, field: Check) -> Result<(), FormatError> {
+    let (n, f) = (header.vertex_count.get(), header.triangle_count.get());
+    let m = header.mode_count.get() as usize;
+    let (count, size) = match section.kind {
+        SectionKind::NODES => (Some(header.node_count.get()), size_of::<NodeRecord>()),
         SectionKind::ROWS => (None, size_of::<Row>()),
         SectionKind::MODE_LISTS => (None, 2),
-        SectionKind::TRIANGLES => (count(f, size_of::<TriangleRecord>()), 1),
-        SectionKind::TRIANGLE_SLOTS => (count(f, 4), 1),
-        SectionKind::POSITIONS => (count(n, 12), 1),
+        SectionKind::TRIANGLES => (Some(f), size_of::<TriangleRecord>()),
+        SectionKind::TRIANGLE_SLOTS => (Some(f), 4),
+        SectionKind::POSITIONS => (Some(n), 12),
         SectionKind::DISPLACEMENTS if section.layout.get() == LAYOUT_2 => (None, 12),
-        SectionKind::DISPLACEMENTS => (count(n, 12 * m as usize), 1),
-        // One ends the last vertex's.
-        SectionKind::VERTEX_MODES => {
-            let record = size_of::<VertexModes>();
-            (count(n, record).map(|bytes| bytes + record as u64), 1)
-        }
+        SectionKind::DISPLACEMENTS => (Some(n), 12 * m),
+        SectionKind::VERTEX_MODES => (Some(n), size_of::<VertexModes>()),
         SectionKind::FRAMES => (None, size_of::<FrameRecord>()),
         SectionKind::GROUPS => (None, size_of::<GroupRecord>()),
         _ => (None, 1),
     };
-    let length = section.length.get();
-    let at = at + offset_of!(SectionRecord, length);
-    match exact {
-        Some(expected) if expected != length => Err(header_error(
-            at,
-            "SPEC 4.3: a section's length is its count times its element size",
-            expected,
-            length,
-        )),
-        None if !length.is_multiple_of(multiple as u64) => Err(FormatError {
-            section: section.kind,
-            byte: section.offset.get(),
-            rule: "SPEC 4.3: a section's length is a multiple of its element size",
-            expected: Datum::Integer(multiple as u64),
-            found: Datum::Integer(length),
-        }),
-        _ => Ok(()),
-    }
+    let (length, size) = (section.length.get(), size as u64);
+    let Some(count) = count else {
+        return Check::at(section.kind, section.offset.get())
+            .rule("SPEC 4.3: a section's length is a multiple of its element size")
+            .holds(length.is_multiple_of(size), size, length);
+    };
+    // One more record ends the last vertex's modes.
+    let ends = u64::from(section.kind == SectionKind::VERTEX_MODES);
+    let expected = (u64::from(count) + ends) * size;
+    field
+        .rule("SPEC 4.3: a section's length is its count times its element size")
+        .holds(length == expected, expected, length)
 }
 
-/// Both sections or none; at least one frame, and q for each frame and mode.
-fn check_animation(
-    header: &Header,
-    sections: &[SectionRecord],
-    table: usize,
-) -> Result<(), FormatError> {
+/// At least one frame, and q for each frame and mode, where there are any.
+fn check_animation(header: &Header, sections: &[SectionRecord]) -> Result<(), FormatError> {
     let find = |kind| {
-        let (i, section) = sections.iter().enumerate().find(|(_, s)| s.kind == kind)?;
-        let at = table + i * size_of::<SectionRecord>() + offset_of!(SectionRecord, length);
-        Some((at, section.length.get()))
+        let i = sections.iter().position(|s| s.kind == kind)?;
+        let at = section_table_start(header) + i * size_of::<SectionRecord>();
+        let field = header_at(at + offset_of!(SectionRecord, length));
+        Some((field, sections[i].length.get()))
     };
-    let (frames, q) = match (find(SectionKind::FRAMES), find(SectionKind::FRAME_Q)) {
-        (None, None) => return Ok(()),
-        (Some(frames), Some(q)) => (frames, q),
-        _ => {
-            return Err(header_error(
-                table,
-                "SPEC 4.2: FRMS and FRMQ are both there or both absent",
-                "both or none",
-                "one of them",
-            ));
-        }
+    let (Some((field, length)), Some((field_q, found))) =
+        (find(SectionKind::FRAMES), find(SectionKind::FRAME_Q))
+    else {
+        return Ok(());
     };
-    let (at, length) = frames;
-    if length == 0 {
-        return Err(header_error(
-            at,
-            "SPEC 7.5: an animation has at least one frame",
-            size_of::<FrameRecord>(),
-            0_u32,
-        ));
-    }
-    let (at, found) = q;
+    field
+        .rule("SPEC 7.5: an animation has at least one frame")
+        .holds(length != 0, size_of::<FrameRecord>(), 0_u32)?;
     let numbers = (length / size_of::<FrameRecord>() as u64) * 4;
     let expected = numbers.saturating_mul(u64::from(header.mode_count.get()));
-    if found != expected {
-        return Err(header_error(
-            at,
-            "SPEC 4.3: FRMQ holds one number per frame and mode",
-            expected,
-            found,
-        ));
-    }
-    Ok(())
+    field_q
+        .rule("SPEC 4.3: FRMQ holds one number per frame and mode")
+        .holds(found == expected, expected, found)
 }
 
 /// Offset and bytes of a section; empty when it is absent.
@@ -250,13 +172,10 @@ pub(super) fn section_bytes<'a>(
     located: &Located,
     kind: SectionKind,
 ) -> (usize, &'a [u8]) {
-    SECTION_ORDER
-        .iter()
-        .position(|k| *k == kind)
-        .and_then(|rank| located[rank])
-        .map_or((0, &[]), |(start, end)| {
-            (start, bytes.get(start..end).unwrap_or_default())
-        })
+    match rank(kind).and_then(|rank| located[rank]) {
+        Some((start, end)) => (start, bytes.get(start..end).unwrap_or_default()),
+        None => (0, &[]),
+    }
 }
 
 /// A section as a slice of records.
@@ -271,11 +190,9 @@ where
     if bytes.is_empty() {
         return Ok(&[]); // an absent section has no address, so no alignment either
     }
-    <[T]>::ref_from_bytes(bytes).map_err(|_| FormatError {
-        section: kind,
-        byte: offset as u64,
-        rule: "SPEC 4.3: a section holds whole, aligned elements",
-        expected: Datum::Integer(size_of::<T>() as u64),
-        found: Datum::Integer(bytes.len() as u64),
+    <[T]>::ref_from_bytes(bytes).map_err(|_| {
+        Check::at(kind, offset as u64)
+            .rule("SPEC 4.3: a section holds whole, aligned elements")
+            .broken(size_of::<T>(), bytes.len())
     })
 }

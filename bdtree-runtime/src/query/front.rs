@@ -91,7 +91,10 @@ impl Default for PairFront<'static> {
 }
 
 impl<'m> PairFront<'m> {
-    /// A front in these bytes, at any address: 16 for each pair of leaves that is near, say four for each
+    /// Bytes that a front takes for a pair of leaves.
+    pub const SLOT_BYTES: usize = size_of::<FrontSlot>();
+
+    /// A front in these bytes, at any address: [`PairFront::SLOT_BYTES`] for each pair of leaves that is near, say four for each
     /// pair of triangles that touch; more is not used, with fewer the front is not kept.
     pub fn in_bytes(memory: &'m mut [u8]) -> Self {
         Self {

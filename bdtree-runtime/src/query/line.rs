@@ -20,7 +20,7 @@ use crate::simd::{Lanes, Quad};
 /// serves from there.
 pub(super) struct Line {
     /// The ray as asked: what triangles are tested with.
-    ray: narrow::Ray,
+    ray: narrow::PreparedRay,
     max_distance: f64,
     near: [f32; 3],
     along: [f32; 3],
@@ -71,7 +71,7 @@ impl Line {
         let window = 4.0 * reach;
         let (t_min, t_max) = (-shift.min(window), (t_max - shift).min(window));
         Ok(Some(Self {
-            ray: narrow::Ray::new(origin, direction),
+            ray: narrow::PreparedRay::new(origin, direction),
             max_distance,
             near: [near[0] as f32, near[1] as f32, near[2] as f32],
             along: [along[0] as f32, along[1] as f32, along[2] as f32],

@@ -10,7 +10,19 @@ use core::arch::x86_64::{
 
 use super::Quad;
 
-/// Four f64 in a register, used only inside `run_avx2` and `run_avx512` of the modules beside: so wherever
+/// Methods that are one instruction on the register of each operand. For types that say where they exist.
+macro_rules! instructions {
+    ($($name:ident($($other:ident)?) = $intrinsic:ident;)+) => {
+        $(#[inline(always)]
+        fn $name(self $(, $other: Self)?) -> Self {
+            // SAFETY: needs AVX or AVX2; the type exists only where the processor has both.
+            Self(unsafe { $intrinsic(self.0 $(, $other.0)?) })
+        })+
+    };
+}
+pub(super) use instructions;
+
+/// Four f64 in a register, used only inside `run_avx2` and `run_avx512` of the module beside: so wherever
 /// one exists, the processor has AVX2.
 #[derive(Clone, Copy)]
 pub(super) struct Avx4(__m256d);
@@ -46,34 +58,12 @@ impl Quad for Avx4 {
         out
     }
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        // SAFETY: needs AVX; see `Avx4`.
-        Self(unsafe { _mm256_add_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        // SAFETY: needs AVX; see `Avx4`.
-        Self(unsafe { _mm256_sub_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        // SAFETY: needs AVX; see `Avx4`.
-        Self(unsafe { _mm256_mul_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        // SAFETY: needs AVX; see `Avx4`.
-        Self(unsafe { _mm256_div_pd(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: needs AVX; see `Avx4`.
-        Self(unsafe { _mm256_sqrt_pd(self.0) })
+    instructions! {
+        add(other) = _mm256_add_pd;
+        sub(other) = _mm256_sub_pd;
+        mul(other) = _mm256_mul_pd;
+        div(other) = _mm256_div_pd;
+        sqrt() = _mm256_sqrt_pd;
     }
 
     #[inline(always)]

@@ -8,11 +8,9 @@
 use bdtree_format::{LANES, PairRow, Row};
 
 #[cfg(target_arch = "x86_64")]
-mod avx2;
-#[cfg(target_arch = "x86_64")]
 mod avx4;
 #[cfg(target_arch = "x86_64")]
-mod avx512;
+mod avx8;
 mod fields;
 #[cfg(target_arch = "aarch64")]
 mod neon;
@@ -21,6 +19,8 @@ pub(crate) mod quad;
 mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod simd128;
+#[cfg(target_arch = "x86_64")]
+mod sse;
 #[cfg(test)]
 mod tests;
 
@@ -84,13 +84,8 @@ pub(crate) trait PairSums: Copy {
     type Factor: Copy;
 
     fn zero() -> Self;
-    fn factor(n: [i16; 2]) -> Self::Factor;
-    /// |n|.
-    fn magnitude(n: Self::Factor) -> Self::Factor;
-    /// max(n, 0).
-    fn positive(n: Self::Factor) -> Self::Factor;
-    /// max(−n, 0).
-    fn positive_of_opposite(n: Self::Factor) -> Self::Factor;
+    /// Of each n that, |n|, max(n, 0) and max(−n, 0).
+    fn factors(n: [i16; 2]) -> [Self::Factor; 4];
     /// Adds in each lane both products.
     fn add_products(self, row: &PairRow, n: Self::Factor) -> Self;
     fn add(self, other: Self) -> Self;
@@ -113,6 +108,16 @@ pub(crate) fn mask_of(decide: impl Fn(usize) -> bool) -> u8 {
     }
     mask
 }
+
+/// Whether the processor has an instruction set. Without feature `std` only what the build targets counts.
+#[cfg(all(target_arch = "x86_64", not(feature = "std")))]
+macro_rules! has {
+    ($feature:tt) => {
+        cfg!(target_feature = $feature)
+    };
+}
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+use std::arch::is_x86_feature_detected as has;
 
 /// An instruction set that node bounds are evaluated with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -144,39 +149,21 @@ impl Kernel {
     pub fn is_available(self) -> bool {
         match self {
             Self::Scalar => true,
-            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            #[cfg(target_arch = "x86_64")]
             Self::Avx2 => {
-                std::arch::is_x86_feature_detected!("avx2")
-                    && std::arch::is_x86_feature_detected!("fma")
-                    && std::arch::is_x86_feature_detected!("bmi1")
-                    && std::arch::is_x86_feature_detected!("bmi2")
-                    && std::arch::is_x86_feature_detected!("lzcnt")
-                    && std::arch::is_x86_feature_detected!("popcnt")
+                has!("avx2")
+                    && has!("fma")
+                    && has!("bmi1")
+                    && has!("bmi2")
+                    && has!("lzcnt")
+                    && has!("popcnt")
             }
-            #[cfg(all(target_arch = "x86_64", not(feature = "std")))]
-            Self::Avx2 => cfg!(all(
-                target_feature = "avx2",
-                target_feature = "fma",
-                target_feature = "bmi1",
-                target_feature = "bmi2",
-                target_feature = "lzcnt",
-                target_feature = "popcnt"
-            )),
-            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            #[cfg(target_arch = "x86_64")]
             Self::Avx512 => {
                 Self::Avx2.is_available()
-                    && std::arch::is_x86_feature_detected!("avx512f")
-                    && std::arch::is_x86_feature_detected!("avx512vl")
-                    && std::arch::is_x86_feature_detected!("avx512vnni")
-            }
-            #[cfg(all(target_arch = "x86_64", not(feature = "std")))]
-            Self::Avx512 => {
-                Self::Avx2.is_available()
-                    && cfg!(all(
-                        target_feature = "avx512f",
-                        target_feature = "avx512vl",
-                        target_feature = "avx512vnni"
-                    ))
+                    && has!("avx512f")
+                    && has!("avx512vl")
+                    && has!("avx512vnni")
             }
             #[cfg(not(target_arch = "x86_64"))]
             Self::Avx2 | Self::Avx512 => false,
@@ -199,11 +186,11 @@ impl Kernel {
     pub(crate) fn run<W: Work>(self, work: W) -> W::Output {
         match self {
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => avx2::run(work),
+            Self::Avx2 => avx8::run::<false, W>(work),
             #[cfg(target_arch = "aarch64")]
             Self::Neon => run_portable::<neon::Neon8, W>(work),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => avx512::run(work),
+            Self::Avx512 => avx8::run::<true, W>(work),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Self::Simd128 => run_portable::<simd128::Simd8, W>(work),
             _ => run_portable::<scalar::Array8, W>(work),

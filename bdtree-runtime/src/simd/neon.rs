@@ -12,6 +12,20 @@ use core::arch::aarch64::{
 use super::quad::Array4;
 use super::{Lanes, PairSums};
 
+/// Methods that are one instruction on each of the two registers of the operands.
+macro_rules! instructions {
+    ($($name:ident($($other:ident)?) = $intrinsic:ident;)+) => {
+        $(#[inline(always)]
+        fn $name(self $(, $other: Self)?) -> Self {
+            // SAFETY: NEON is part of AArch64.
+            let low = unsafe { $intrinsic(self.0 $(, $other.0)?) };
+            // SAFETY: as above.
+            let high = unsafe { $intrinsic(self.1 $(, $other.1)?) };
+            Self(low, high)
+        })+
+    };
+}
+
 /// Eight f32 in two registers; every AArch64 target of this build has NEON.
 #[derive(Clone, Copy)]
 pub(super) struct Neon8(float32x4_t, float32x4_t);
@@ -65,58 +79,13 @@ impl Lanes for Neon8 {
         row
     }
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vaddq_f32(self.0, other.0) };
-        // SAFETY: as above.
-        let b = unsafe { vaddq_f32(self.1, other.1) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vmulq_f32(self.0, other.0) };
-        // SAFETY: as above.
-        let b = unsafe { vmulq_f32(self.1, other.1) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vsubq_f32(self.0, other.0) };
-        // SAFETY: as above.
-        let b = unsafe { vsubq_f32(self.1, other.1) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vsqrtq_f32(self.0) };
-        // SAFETY: as above.
-        let b = unsafe { vsqrtq_f32(self.1) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vmaxq_f32(self.0, other.0) };
-        // SAFETY: as above.
-        let b = unsafe { vmaxq_f32(self.1, other.1) };
-        Self(a, b)
-    }
-
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        // SAFETY: NEON is part of AArch64.
-        let a = unsafe { vminq_f32(self.0, other.0) };
-        // SAFETY: as above.
-        let b = unsafe { vminq_f32(self.1, other.1) };
-        Self(a, b)
+    instructions! {
+        add(other) = vaddq_f32;
+        sub(other) = vsubq_f32;
+        mul(other) = vmulq_f32;
+        min(other) = vminq_f32;
+        max(other) = vmaxq_f32;
+        sqrt() = vsqrtq_f32;
     }
 }
 
@@ -134,33 +103,22 @@ impl PairSums for Whole8 {
     }
 
     #[inline(always)]
-    fn factor([a, b]: [i16; 2]) -> int16x8_t {
+    fn factors([a, b]: [i16; 2]) -> [int16x8_t; 4] {
         let both = u32::from(a as u16) | (u32::from(b as u16) << 16);
         // SAFETY: NEON is part of AArch64.
         let both = unsafe { vdupq_n_s32(both as i32) };
         // SAFETY: as above.
-        unsafe { vreinterpretq_s16_s32(both) }
-    }
-
-    #[inline(always)]
-    fn magnitude(n: int16x8_t) -> int16x8_t {
-        // SAFETY: NEON is part of AArch64.
-        unsafe { vabsq_s16(n) }
-    }
-
-    #[inline(always)]
-    fn positive(n: int16x8_t) -> int16x8_t {
-        // SAFETY: NEON is part of AArch64.
+        let n = unsafe { vreinterpretq_s16_s32(both) };
+        // SAFETY: as above.
+        let magnitude = unsafe { vabsq_s16(n) };
+        // SAFETY: as above.
         let zero = unsafe { vdupq_n_s16(0) };
         // SAFETY: as above.
-        unsafe { vmaxq_s16(n, zero) }
-    }
-
-    #[inline(always)]
-    fn positive_of_opposite(n: int16x8_t) -> int16x8_t {
+        let positive = unsafe { vmaxq_s16(n, zero) };
         // max(−n, 0) = max(n, 0) − n.
-        // SAFETY: NEON is part of AArch64.
-        unsafe { vsubq_s16(Self::positive(n), n) }
+        // SAFETY: as above.
+        let negative = unsafe { vsubq_s16(positive, n) };
+        [n, magnitude, positive, negative]
     }
 
     #[inline(always)]

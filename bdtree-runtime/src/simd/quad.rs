@@ -30,7 +30,28 @@ pub(crate) trait Quad: Copy {
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Bit k is decision k.
     fn bits(mask: Self::Mask) -> u8;
+    /// The larger of the two, `other` where one is NaN.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(self.above(other), self, other)
+    }
+    /// The smaller of the two, `self` where one is NaN.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(self.above(other), other, self)
+    }
 }
+
+/// Methods that are one operator on each number of the operands.
+macro_rules! operators {
+    ($($name:ident = $operator:tt;)+) => {
+        $(#[inline(always)]
+        fn $name(self, other: Self) -> Self {
+            self.zip(other, |a, b| a $operator b)
+        })+
+    };
+}
+pub(super) use operators;
 
 /// The portable four.
 #[derive(Clone, Copy)]
@@ -79,24 +100,11 @@ impl Quad for Array4 {
         self.0
     }
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
-
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        self.zip(other, |a, b| a / b)
+    operators! {
+        add = +;
+        sub = -;
+        mul = *;
+        div = /;
     }
 
     #[inline(always)]

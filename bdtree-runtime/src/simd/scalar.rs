@@ -3,7 +3,7 @@
 
 use bdtree_format::{LANES, PairRow, Row};
 
-use super::quad::Array4;
+use super::quad::{Array4, operators};
 use super::{Lanes, PairSums};
 use crate::math::sqrt_f32;
 
@@ -49,24 +49,10 @@ impl Lanes for Array8 {
         self.0
     }
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a < b { a } else { b })
+    operators! {
+        add = +;
+        sub = -;
+        mul = *;
     }
 
     #[inline(always)]
@@ -87,23 +73,11 @@ impl PairSums for Whole8 {
     }
 
     #[inline(always)]
-    fn factor(n: [i16; 2]) -> [i16; 2] {
-        n
-    }
-
-    #[inline(always)]
-    fn magnitude([a, b]: [i16; 2]) -> [i16; 2] {
-        [a.wrapping_abs(), b.wrapping_abs()]
-    }
-
-    #[inline(always)]
-    fn positive([a, b]: [i16; 2]) -> [i16; 2] {
-        [a.max(0), b.max(0)]
-    }
-
-    #[inline(always)]
-    fn positive_of_opposite([a, b]: [i16; 2]) -> [i16; 2] {
-        [a.wrapping_neg().max(0), b.wrapping_neg().max(0)]
+    fn factors(n: [i16; 2]) -> [[i16; 2]; 4] {
+        let magnitude = n.map(i16::wrapping_abs);
+        let positive = n.map(|n| n.max(0));
+        let negative = n.map(|n| n.wrapping_neg().max(0));
+        [n, magnitude, positive, negative]
     }
 
     #[inline(always)]

@@ -9,19 +9,41 @@ use core::arch::wasm32::{
     i32x4_bitmask, i32x4_dot_i16x8, i32x4_shuffle, i32x4_splat, i64x2_bitmask, v128, v128_and,
     v128_bitselect, v128_load, v128_or, v128_store,
 };
+use zerocopy::{FromBytes, IntoBytes};
 
 use super::{Lanes, PairSums, Quad};
 
-/// Two times the 16 bytes of half a row.
+/// The two halves of 32 bytes.
 #[inline(always)]
-fn halves<T>(row: &[T; 8]) -> [v128; 2] {
-    const { assert!(size_of::<T>() == 4) };
-    let start: *const v128 = row.as_ptr().cast();
-    // SAFETY: `row` is 32 readable bytes; these are the first 16, and any alignment will do.
+fn halves<T: IntoBytes, const N: usize>(numbers: &[T; N]) -> [v128; 2] {
+    const { assert!(size_of::<[T; N]>() == 32) };
+    let start: *const v128 = numbers.as_ptr().cast();
+    // SAFETY: `numbers` is 32 readable bytes; these are the first 16, and any alignment will do.
     let low = unsafe { v128_load(start) };
     // SAFETY: the other 16 of the same 32.
     let high = unsafe { v128_load(start.wrapping_add(1)) };
     [low, high]
+}
+
+/// Writes [`halves`].
+#[inline(always)]
+fn join<T: FromBytes, const N: usize>([low, high]: [v128; 2], numbers: &mut [T; N]) {
+    const { assert!(size_of::<[T; N]>() == 32) };
+    let start: *mut v128 = numbers.as_mut_ptr().cast();
+    // SAFETY: `numbers` is 32 writable bytes; these are the first 16, and any alignment will do.
+    unsafe { v128_store(start, low) };
+    // SAFETY: the other 16 of the same 32.
+    unsafe { v128_store(start.wrapping_add(1), high) };
+}
+
+/// Methods that are one instruction on each of the two registers of the operands.
+macro_rules! instructions {
+    ($($name:ident($($other:ident)?) = $intrinsic:ident;)+) => {
+        $(#[inline(always)]
+        fn $name(self $(, $other: Self)?) -> Self {
+            Self($intrinsic(self.0 $(, $other.0)?), $intrinsic(self.1 $(, $other.1)?))
+        })+
+    };
 }
 
 /// Eight f32.
@@ -51,32 +73,15 @@ impl Lanes for Simd8 {
     #[inline(always)]
     fn store(self) -> Row {
         let mut row = [0.0_f32; 8];
-        let start: *mut v128 = row.as_mut_ptr().cast();
-        // SAFETY: `row` is 32 writable bytes; these are the first 16, and any alignment will do.
-        unsafe { v128_store(start, self.0) };
-        // SAFETY: the other 16 of the same 32.
-        unsafe { v128_store(start.wrapping_add(1), self.1) };
+        join([self.0, self.1], &mut row);
         row
     }
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self(f32x4_add(self.0, other.0), f32x4_add(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self(f32x4_sub(self.0, other.0), f32x4_sub(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self(f32x4_mul(self.0, other.0), f32x4_mul(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(f32x4_sqrt(self.0), f32x4_sqrt(self.1))
+    instructions! {
+        add(other) = f32x4_add;
+        sub(other) = f32x4_sub;
+        mul(other) = f32x4_mul;
+        sqrt() = f32x4_sqrt;
     }
 
     #[inline(always)]
@@ -100,25 +105,12 @@ impl PairSums for Whole8 {
     }
 
     #[inline(always)]
-    fn factor([a, b]: [i16; 2]) -> v128 {
+    fn factors([a, b]: [i16; 2]) -> [v128; 4] {
         let both = u32::from(a as u16) | (u32::from(b as u16) << 16);
-        i32x4_splat(both as i32)
-    }
-
-    #[inline(always)]
-    fn magnitude(n: v128) -> v128 {
-        i16x8_abs(n)
-    }
-
-    #[inline(always)]
-    fn positive(n: v128) -> v128 {
-        i16x8_max(n, i16x8_splat(0))
-    }
-
-    #[inline(always)]
-    fn positive_of_opposite(n: v128) -> v128 {
+        let n = i32x4_splat(both as i32);
+        let positive = i16x8_max(n, i16x8_splat(0));
         // max(−n, 0) = max(n, 0) − n.
-        i16x8_sub(Self::positive(n), n)
+        [n, i16x8_abs(n), positive, i16x8_sub(positive, n)]
     }
 
     #[inline(always)]
@@ -127,9 +119,8 @@ impl PairSums for Whole8 {
         self.add(Self(i32x4_dot_i16x8(low, n), i32x4_dot_i16x8(high, n)))
     }
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self(i32x4_add(self.0, other.0), i32x4_add(self.1, other.1))
+    instructions! {
+        add(other) = i32x4_add;
     }
 }
 
@@ -147,11 +138,8 @@ impl Quad for Simd4 {
 
     #[inline(always)]
     fn load(x: &[f64; 4]) -> Self {
-        let start: *const v128 = x.as_ptr().cast();
-        // SAFETY: `x` is 32 readable bytes; these are the first 16, and any alignment will do.
-        let low = unsafe { v128_load(start) };
-        // SAFETY: the other 16 of the same 32.
-        Self(low, unsafe { v128_load(start.wrapping_add(1)) })
+        let [low, high] = halves(x);
+        Self(low, high)
     }
 
     #[inline(always)]
@@ -165,42 +153,17 @@ impl Quad for Simd4 {
     #[inline(always)]
     fn store(self) -> [f64; 4] {
         let mut out = [0.0_f64; 4];
-        let start: *mut v128 = out.as_mut_ptr().cast();
-        // SAFETY: `out` is 32 writable bytes; these are the first 16, and any alignment will do.
-        unsafe { v128_store(start, self.0) };
-        // SAFETY: the other 16 of the same 32.
-        unsafe { v128_store(start.wrapping_add(1), self.1) };
+        join([self.0, self.1], &mut out);
         out
     }
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self(f64x2_add(self.0, other.0), f64x2_add(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self(f64x2_sub(self.0, other.0), f64x2_sub(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self(f64x2_mul(self.0, other.0), f64x2_mul(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        Self(f64x2_div(self.0, other.0), f64x2_div(self.1, other.1))
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Self(f64x2_sqrt(self.0), f64x2_sqrt(self.1))
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(f64x2_abs(self.0), f64x2_abs(self.1))
+    instructions! {
+        add(other) = f64x2_add;
+        sub(other) = f64x2_sub;
+        mul(other) = f64x2_mul;
+        div(other) = f64x2_div;
+        sqrt() = f64x2_sqrt;
+        abs() = f64x2_abs;
     }
 
     #[inline(always)]

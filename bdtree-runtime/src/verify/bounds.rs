@@ -3,10 +3,10 @@
 use bdtree_format::{LANES, NodeRecord, ROW_CENTER_X, ROW_RADIUS, SectionKind, pair_row};
 use core::ops::ControlFlow;
 
-use super::Report;
 use super::spectral::at_most_square;
+use super::{NORMS, Report};
 use crate::contact::VertexId;
-use crate::error::{Datum, FormatError};
+use crate::error::Check;
 use crate::math::{dot, norm, sqrt, sub};
 use crate::rounding::{CHECKED_NORM, CHECKED_PRODUCT, CHECKED_RADIUS, CHECKED_SQUARE};
 use crate::view::{Asset, NodeRows};
@@ -29,11 +29,8 @@ impl Asset<'_> {
                 };
                 check.norms(report)?;
                 if node.leaf_mask & bit != 0 {
-                    let before: usize = node.leaf_counts[..lane]
-                        .iter()
-                        .map(|c| usize::from(*c))
-                        .sum();
-                    let start = node.first_slot as usize + before;
+                    let before = node.leaf_counts[..lane].iter().map(|c| usize::from(*c));
+                    let start = node.first_slot as usize + before.sum::<usize>();
                     let count = usize::from(node.leaf_counts[lane]);
                     check.triangles(start..start + count, report)?;
                 } else if node.inner_mask & bit != 0 {
@@ -83,8 +80,6 @@ struct LaneMode {
     cross: [f64; 2],
 }
 
-const NOT_NEGATIVE: &str = "SPEC 6.5: R, delta R and the step bounds are not negative";
-
 /// Places of a mode's rows among its six.
 const GROWTH: usize = 3;
 const CROSS: usize = 4;
@@ -111,69 +106,40 @@ impl LaneCheck<'_, '_> {
         }
     }
 
-    /// The error of an f32 row whose value is not at least `needed`.
-    fn too_small(&self, row: usize, found: f64, needed: f64, rule: &'static str) -> FormatError {
-        let byte = self.asset.row_byte(self.node, row, self.lane);
-        self.broken(byte, found, needed, rule)
+    /// The place of an f32 row's number.
+    fn row(&self, row: usize) -> Check {
+        self.asset.row_place(self.node, row, self.lane)
     }
 
-    /// The error of number `which` of the k-th active mode, which is not at least `needed`.
-    fn mode_too_small(
-        &self,
-        (k, which): (usize, usize),
-        found: f64,
-        needed: f64,
-        rule: &'static str,
-    ) -> FormatError {
-        let byte = self.asset.mode_byte(self.node, k, which, self.lane);
-        self.broken(byte, found, needed, rule)
-    }
-
-    fn broken(&self, byte: u64, found: f64, needed: f64, rule: &'static str) -> FormatError {
-        FormatError {
-            section: SectionKind::ROWS,
-            byte,
-            rule,
-            expected: Datum::Real(needed),
-            found: Datum::Real(found),
-        }
+    /// The place of number `which` of the k-th active mode.
+    fn number(&self, k: usize, which: usize) -> Check {
+        self.asset.mode_place(self.node, k, which, self.lane)
     }
 
     /// Centers obey P and W_j; radii are not negative.
     fn norms(&self, report: Report<'_>) -> ControlFlow<()> {
-        let mut check = |byte: u64, n: f64, limit: f64| {
-            if n * (1.0 - CHECKED_NORM) > limit {
-                let rule = "SPEC 5.3: no norm is above position_norm_max or field_norm_max";
-                return report(self.broken(byte, n, limit, rule));
-            }
-            ControlFlow::Continue(())
+        let mut check = |place: Check, n: f64, limit: f64| {
+            let ok = n * (1.0 - CHECKED_NORM) <= limit;
+            place.rule(NORMS).tell(report, ok, limit, n)
         };
         let p = f64::from(self.asset.header.position_norm_max.get());
-        let byte = self.asset.row_byte(self.node, ROW_CENTER_X, self.lane);
-        check(byte, norm(self.center()), p)?;
+        check(self.row(ROW_CENTER_X), norm(self.center()), p)?;
         for (k, mode) in self.modes.iter().enumerate() {
             let LaneMode { limit, center, .. } = self.mode(k);
             let w = self.asset.modes[usize::from(*mode)].field_norm_max.get();
-            let byte = self.asset.mode_byte(self.node, k, 0, self.lane);
-            check(byte, norm(center) / limit, f64::from(w))?;
+            check(self.number(k, 0), norm(center) / limit, f64::from(w))?;
         }
+        let mut not_negative = |place: Check, found: f64| {
+            place
+                .rule("SPEC 6.5: R, delta R and the step bounds are not negative")
+                .tell(report, found >= 0.0, 0.0, found)
+        };
         for k in 0..self.modes.len() {
-            let growth = self.mode(k).growth;
-            if growth < 0.0 {
-                report(self.mode_too_small((k, GROWTH), growth, 0.0, NOT_NEGATIVE))?;
-            }
+            not_negative(self.number(k, GROWTH), self.mode(k).growth)?;
         }
-        let steps = pair_row(self.rows.pairs.len());
-        let [step, scaled] = self.rows.steps;
-        for (row, values) in [
-            (ROW_RADIUS, &self.rows.leading[ROW_RADIUS]),
-            (steps, step),
-            (steps + 1, scaled),
-        ] {
-            let found = f64::from(values[self.lane]);
-            if found < 0.0 {
-                report(self.too_small(row, found, 0.0, NOT_NEGATIVE))?;
-            }
+        not_negative(self.row(ROW_RADIUS), self.radius())?;
+        for (row, values) in (pair_row(self.rows.pairs.len())..).zip(self.rows.steps) {
+            not_negative(self.row(row), values[self.lane].into())?;
         }
         ControlFlow::Continue(())
     }
@@ -200,7 +166,7 @@ impl LaneCheck<'_, '_> {
         );
         if dot(x, x) > radius * radius * (1.0 + CHECKED_RADIUS) {
             let rule = "SPEC 6.6: R reaches every vertex below the lane";
-            report(self.too_small(ROW_RADIUS, radius, norm(x), rule))?;
+            report(self.row(ROW_RADIUS).rule(rule).broken(norm(x), radius))?;
         }
         // Gram matrices U Uᵀ of the vertex's 3 × M block, plain and with scaled steps.
         let mut gram = [[0.0; 3]; 3];
@@ -227,13 +193,9 @@ impl LaneCheck<'_, '_> {
                 k += 1;
             } else if u != [0.0; 3] {
                 let index = asset.first_displacement(vertex) + entry;
-                report(FormatError {
-                    section: SectionKind::DISPLACEMENTS,
-                    byte: asset.section_offset(SectionKind::DISPLACEMENTS) + 12 * index as u64,
-                    rule: "SPEC 6.7: a mode that a node leaves out moves no vertex below it",
-                    expected: Datum::Real(0.0),
-                    found: Datum::Real(norm(u)),
-                })?;
+                let place = asset.at(SectionKind::DISPLACEMENTS, size_of::<[f32; 3]>() * index);
+                let rule = "SPEC 6.7: a mode that a node leaves out moves no vertex below it";
+                report(place.rule(rule).broken(0.0, norm(u)))?;
             }
         }
         for k in k..self.modes.len() {
@@ -244,13 +206,9 @@ impl LaneCheck<'_, '_> {
         for (row, values, gram) in [(behind, step, gram), (behind + 1, scaled, gram_scaled)] {
             let found = f64::from(values[self.lane]);
             if !at_most_square(&gram, found) {
-                report(FormatError {
-                    section: SectionKind::ROWS,
-                    byte: asset.row_byte(self.node, row, self.lane),
-                    rule: "SPEC 6.6: delta-R (plain, scaled) reaches every vertex's 3 x M norm",
-                    expected: Datum::Text("at least the spectral norm"),
-                    found: Datum::Real(found),
-                })?;
+                let rule = "SPEC 6.6: delta-R (plain, scaled) reaches every vertex's 3 x M norm";
+                let place = self.row(row).rule(rule);
+                report(place.broken("at least the spectral norm", found))?;
             }
         }
         ControlFlow::Continue(())
@@ -277,7 +235,7 @@ impl LaneCheck<'_, '_> {
         let w = sub(u.map(|x| x * limit), center);
         if dot(w, w) > growth * growth * (1.0 + CHECKED_RADIUS) {
             let rule = "SPEC 6.6: delta R reaches every displacement below the lane";
-            report(self.mode_too_small((k, GROWTH), growth, norm(w), rule))?;
+            report(self.number(k, GROWTH).rule(rule).broken(norm(w), growth))?;
         }
         let e = (growth * growth - dot(w, w)).max(0.0) + CHECKED_SQUARE * growth * growth;
         let saved = sqrt(d * e) + CHECKED_PRODUCT * radius * growth;
@@ -285,8 +243,8 @@ impl LaneCheck<'_, '_> {
         for (which, along) in [along, -along].into_iter().enumerate() {
             if cross[which] < along - saved {
                 let rule = "SPEC 6.6: b+ and b- hold for every vertex below the lane";
-                let place = (k, CROSS + which);
-                report(self.mode_too_small(place, cross[which], along - saved, rule))?;
+                let place = self.number(k, CROSS + which).rule(rule);
+                report(place.broken(along - saved, cross[which]))?;
             }
         }
         ControlFlow::Continue(())

@@ -4,7 +4,6 @@ use bdtree_format::SectionKind;
 use core::ops::ControlFlow;
 
 use super::Report;
-use crate::error::{Datum, FormatError};
 use crate::metadata::Reader;
 use crate::view::Asset;
 
@@ -20,13 +19,9 @@ impl Asset<'_> {
         let mut reader = Reader::new(self.metadata);
         let counts = (self.modes.len() as u64, self.positions.len() as u64);
         if let Err((expected, found)) = reader.record(counts) {
-            report(FormatError {
-                section: SectionKind::METADATA,
-                byte: self.section_offset(SectionKind::METADATA) + reader.at as u64,
-                rule: "SPEC 8: metadata is the record of layout 2",
-                expected: Datum::Text(expected),
-                found,
-            })?;
+            let rule = "SPEC 8: metadata is the record of layout 2";
+            let place = self.at(SectionKind::METADATA, reader.at);
+            report(place.rule(rule).broken(expected, found))?;
         }
         ControlFlow::Continue(())
     }

@@ -6,17 +6,17 @@ use core::mem::{offset_of, size_of};
 use core::ops::ControlFlow;
 
 use super::Report;
-use crate::error::{Datum, FormatError};
+use crate::error::Check;
 use crate::view::Asset;
 
 impl Asset<'_> {
     pub(super) fn mode_lists(&self, report: Report<'_>) -> ControlFlow<()> {
         self.list_order(report)?;
         for (i, node) in self.nodes.iter().enumerate() {
-            let byte = self.section_offset(SectionKind::NODES)
-                + (i * size_of::<NodeRecord>() + offset_of!(NodeRecord, mode_list_start)) as u64;
+            let start = offset_of!(NodeRecord, mode_list_start);
+            let at = self.at(SectionKind::NODES, i * size_of::<NodeRecord>() + start);
             let (start, count) = (node.mode_list_start, usize::from(node.mode_count));
-            self.whole_list(SectionKind::NODES, byte, start, count, report)?;
+            self.whole_list(at, start, count, report)?;
         }
         self.lists_used(report)
     }
@@ -34,16 +34,11 @@ impl Asset<'_> {
 
     /// Modes of the asset; lists in strictly descending order, compared as words are.
     fn list_order(&self, report: Report<'_>) -> ControlFlow<()> {
-        let offset = self.section_offset(SectionKind::MODE_LISTS);
+        let at = |i: usize| self.at(SectionKind::MODE_LISTS, size_of::<u16>() * i);
         let m = self.modes.len();
         if let Some(i) = self.mode_lists.iter().position(|j| usize::from(*j) >= m) {
-            report(FormatError {
-                section: SectionKind::MODE_LISTS,
-                byte: offset + 2 * i as u64,
-                rule: "SPEC 6.7: mode lists hold indices below the mode count",
-                expected: Datum::Integer(m as u64),
-                found: Datum::Integer(self.mode_lists[i].into()),
-            })?;
+            let rule = "SPEC 6.7: mode lists hold indices below the mode count";
+            report(at(i).rule(rule).broken(m, self.mode_lists[i]))?;
         }
         let mut before: &[u16] = &[];
         let mut rest = self.mode_lists;
@@ -51,13 +46,11 @@ impl Asset<'_> {
             let ascending = rest.windows(2).take_while(|w| w[0] < w[1]).count();
             let (list, behind) = rest.split_at(ascending + 1);
             if !before.is_empty() && before <= list {
-                report(FormatError {
-                    section: SectionKind::MODE_LISTS,
-                    byte: offset + 2 * (self.mode_lists.len() - rest.len()) as u64,
-                    rule: "SPEC 6.7: mode lists stand in descending order, each once",
-                    expected: Datum::Text("a list below the one before"),
-                    found: Datum::Text("one that is not"),
-                })?;
+                report(
+                    at(self.mode_lists.len() - rest.len())
+                        .rule("SPEC 6.7: mode lists stand in descending order, each once")
+                        .broken("a list below the one before", "one that is not"),
+                )?;
             }
             (before, rest) = (list, behind);
         }
@@ -67,42 +60,29 @@ impl Asset<'_> {
     /// The list of a node or vertex is one of LIST, neither part of one nor parts of several.
     pub(super) fn whole_list(
         &self,
-        section: SectionKind,
-        byte: u64,
+        at: Check,
         start: u32,
         count: usize,
         report: Report<'_>,
     ) -> ControlFlow<()> {
         let first = start as usize;
         let end = first.saturating_add(count);
-        let mut broken = |rule: &'static str, expected: u64, found: u64| {
-            report(FormatError {
-                section,
-                byte,
-                rule,
-                expected: Datum::Integer(expected),
-                found: Datum::Integer(found),
-            })
-        };
         if count == 0 {
-            if start != 0 {
-                broken("SPEC 6.7: an empty mode list starts at 0", 0, start.into())?;
-            }
-            return ControlFlow::Continue(());
+            return at.rule("SPEC 6.7: an empty mode list starts at 0").tell(
+                report,
+                start == 0,
+                0_u32,
+                start,
+            );
         }
         let Some(list) = self.mode_lists.get(first..end) else {
-            let len = self.mode_lists.len() as u64;
-            return broken("SPEC 6.7: mode lists lie inside LIST", len, end as u64);
+            let rule = at.rule("SPEC 6.7: mode lists lie inside LIST");
+            return report(rule.broken(self.mode_lists.len(), end));
         };
         let ascends = list.windows(2).all(|w| w[0] < w[1]);
-        if !(ascends && self.is_list_border(first) && self.is_list_border(end)) {
-            broken(
-                "SPEC 6.7: nodes and vertices use whole mode lists",
-                count as u64,
-                start.into(),
-            )?;
-        }
-        ControlFlow::Continue(())
+        let whole = ascends && self.is_list_border(first) && self.is_list_border(end);
+        at.rule("SPEC 6.7: nodes and vertices use whole mode lists")
+            .tell(report, whole, count, start)
     }
 
     /// Every list is some node's or vertex's. Without memory for all of LIST: one pass over nodes
@@ -131,13 +111,11 @@ impl Asset<'_> {
             let end = (window + WINDOW).min(self.mode_lists.len());
             let is_used = |at: &usize| used[(at - window) / 64] >> ((at - window) % 64) & 1 == 1;
             if let Some(at) = (window..end).find(|at| self.is_list_border(*at) && !is_used(at)) {
-                return report(FormatError {
-                    section: SectionKind::MODE_LISTS,
-                    byte: self.section_offset(SectionKind::MODE_LISTS) + 2 * at as u64,
-                    rule: "SPEC 6.7: every mode list is a node's or a vertex's",
-                    expected: Datum::Text("a list that is used"),
-                    found: Datum::Text("one that is not"),
-                });
+                return report(
+                    self.at(SectionKind::MODE_LISTS, size_of::<u16>() * at)
+                        .rule("SPEC 6.7: every mode list is a node's or a vertex's")
+                        .broken("a list that is used", "one that is not"),
+                );
             }
         }
         ControlFlow::Continue(())

@@ -4,7 +4,7 @@
 use bdtree_format::{SectionKind, VertexModes};
 
 use crate::contact::VertexId;
-use crate::error::{Datum, FormatError};
+use crate::error::FormatError;
 use crate::view::Asset;
 
 /// How the modes move a vertex: U_ij (stored units per unit of q).
@@ -144,12 +144,8 @@ impl<'a> Asset<'a> {
     /// The error for entries of a vertex that are none.
     #[cold]
     pub(crate) fn broken_entries(&self, vertex: usize, start: usize, end: usize) -> FormatError {
-        FormatError {
-            section: SectionKind::VERTEX_MODES,
-            byte: self.section_offset(SectionKind::VERTEX_MODES) + 8 * vertex as u64,
-            rule: "SPEC 7.6: first entries ascend to the end of DISP, at most M at a time",
-            expected: Datum::Integer(start as u64),
-            found: Datum::Integer(end as u64),
-        }
+        self.at(SectionKind::VERTEX_MODES, size_of::<VertexModes>() * vertex)
+            .rule("SPEC 7.6: first entries ascend to the end of DISP, at most M at a time")
+            .broken(start, end)
     }
 }

@@ -12,7 +12,7 @@ use bdtree_format::{
 use zerocopy::{FromBytes, IntoBytes};
 
 use crate::contact::{TriangleId, VertexId};
-use crate::error::{Datum, FormatError};
+use crate::error::{Check, FormatError};
 use crate::simd::Kernel;
 
 /// An opened `.bdt` file: borrowed, read-only, shareable between threads and instances.
@@ -325,6 +325,14 @@ impl<'a> Asset<'a> {
             .map_or(0, |s| s.offset.get())
     }
 
+    /// The place of a byte of a section, for error messages.
+    pub(crate) fn at(&self, kind: SectionKind, offset: usize) -> Check {
+        Check::at(
+            kind,
+            self.section_offset(kind).saturating_add(offset as u64),
+        )
+    }
+
     /// The error for an index beyond a section's end.
     #[cold]
     pub(crate) fn out_of_range(
@@ -332,26 +340,20 @@ impl<'a> Asset<'a> {
         kind: SectionKind,
         index: usize,
         len: usize,
-        element_bytes: u64,
+        element_bytes: usize,
     ) -> FormatError {
-        FormatError {
-            section: kind,
-            byte: self
-                .section_offset(kind)
-                .saturating_add((index as u64).saturating_mul(element_bytes)),
-            rule: match kind {
-                SectionKind::NODES => "SPEC 6.8: a child is a node of the file",
-                SectionKind::ROWS => "SPEC 6.3: a node's rows lie inside ROWS",
-                SectionKind::MODE_LISTS => "SPEC 6.7: mode lists lie inside LIST",
-                SectionKind::TRIANGLES => "SPEC 6.3: slots lie inside TRIS",
-                SectionKind::TRIANGLE_SLOTS => "SPEC 7.2: a triangle id is below F",
-                SectionKind::POSITIONS | SectionKind::VERTEX_MODES => {
-                    "SPEC 7.1: a corner is a vertex of the file"
-                }
-                _ => "SPEC 7.3: a displacement is one of a vertex and a mode of the file",
-            },
-            expected: Datum::Integer(len as u64),
-            found: Datum::Integer(index as u64),
-        }
+        let rule = match kind {
+            SectionKind::NODES => "SPEC 6.8: a child is a node of the file",
+            SectionKind::ROWS => "SPEC 6.3: a node's rows lie inside ROWS",
+            SectionKind::MODE_LISTS => "SPEC 6.7: mode lists lie inside LIST",
+            SectionKind::TRIANGLES => "SPEC 6.3: slots lie inside TRIS",
+            SectionKind::TRIANGLE_SLOTS => "SPEC 7.2: a triangle id is below F",
+            SectionKind::POSITIONS | SectionKind::VERTEX_MODES => {
+                "SPEC 7.1: a corner is a vertex of the file"
+            }
+            _ => "SPEC 7.3: a displacement is one of a vertex and a mode of the file",
+        };
+        let place = self.at(kind, index.saturating_mul(element_bytes));
+        place.rule(rule).broken(len, index)
     }
 }

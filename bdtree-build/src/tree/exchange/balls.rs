@@ -1,5 +1,6 @@
 //! Balls around triangles.
 
+use crate::tree::Met;
 use crate::vec3::{norm2, sub};
 use crate::wrap::ball::smallest_ball;
 
@@ -54,9 +55,8 @@ pub(super) struct Mesh<'t> {
 pub(super) struct Vertices {
     ids: Vec<u32>,
     points: Vec<[f64; 3]>,
-    /// Per vertex of the mesh, the last set that it was seen in; empty until a large set comes.
-    seen: Vec<u32>,
-    sets: u32,
+    /// Empty until a large set comes.
+    met: Met,
 }
 
 /// Up to this many triangles their vertices are compared with each other.
@@ -77,12 +77,7 @@ impl Mesh<'_> {
         if triangles.is_empty() {
             return Ball::EMPTY;
         }
-        let Vertices {
-            ids,
-            points,
-            seen,
-            sets,
-        } = vertices;
+        let Vertices { ids, points, met } = vertices;
         points.clear();
         let corners = triangles.iter().flat_map(|&t| self.corners[t as usize]);
         if triangles.len() <= COMPARED_MAX {
@@ -94,15 +89,8 @@ impl Mesh<'_> {
                 }
             }
         } else {
-            seen.resize(self.positions.len(), 0);
-            *sets += 1;
-            for vertex in corners {
-                let last = &mut seen[vertex as usize];
-                if *last != *sets {
-                    *last = *sets;
-                    points.push(self.position(vertex));
-                }
-            }
+            let vertices = met.once(self.positions.len(), corners);
+            points.extend(vertices.map(|vertex| self.position(vertex)));
         }
         let ball = smallest_ball(points);
         Ball {

@@ -2,7 +2,7 @@
 
 use super::balls::{Ball, Vertices};
 use super::leaf::{Leaf, Leaves, Place, Rest};
-use super::{Scene, inner_count};
+use super::{Scene, children};
 use crate::vec3::{norm2, sub};
 
 /// Nearest leaves that one deals with.
@@ -45,11 +45,9 @@ pub(super) struct Dealer<'s> {
 
 impl<'s> Dealer<'s> {
     pub(super) fn new(scene: &'s Scene<'s>) -> Self {
-        let mut leaves = Vec::new();
-        leaves.resize_with(scene.nodes.len(), Leaves::default);
         Self {
             scene,
-            leaves,
+            leaves: scene.nodes.iter().map(|_| Leaves::default()).collect(),
             vertices: Vertices::default(),
             triangles: Vec::new(),
             stack: Vec::new(),
@@ -89,8 +87,9 @@ impl<'s> Dealer<'s> {
             match self.best_trade(own, other) {
                 Some(trade) => self.exchange(own, other, trade, pass),
                 None => {
-                    let changes = self.leaf(other).changes();
-                    self.leaf_mut(own).refuse(other, changes);
+                    // It stays so: what a trade may do depends besides on the number of lanes, which only falls.
+                    let changes = self.leaf(other).changes;
+                    self.leaf_mut(own).refused.push((other, changes));
                 }
             }
         }
@@ -118,7 +117,7 @@ impl<'s> Dealer<'s> {
         let mut looked_at = 0;
         while let Some(node) = self.stack.pop() {
             let record = &self.scene.tree.nodes[node as usize];
-            for child in (record.first_child..).take(inner_count(record)) {
+            for child in children(record) {
                 if ball.meets(&self.scene.nodes[child as usize].ball) {
                     self.stack.push(child);
                 }

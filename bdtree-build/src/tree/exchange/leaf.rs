@@ -19,7 +19,7 @@ pub(super) struct Leaves {
 }
 
 /// A leaf lane.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Leaf {
     pub(super) triangles: Vec<u32>,
     pub(super) ball: Ball,
@@ -29,9 +29,9 @@ pub(super) struct Leaf {
     /// The pass in which it changed last, counted from 1; 0 for none.
     pub(super) changed: usize,
     /// How often it changed.
-    changes: u32,
+    pub(super) changes: u32,
     /// Leaves with which nothing is gained, with their `changes` when that was found, since this one changed.
-    refused: Vec<(Place, u32)>,
+    pub(super) refused: Vec<(Place, u32)>,
 }
 
 /// Some triangles of a leaf: their ball and what it costs.
@@ -46,10 +46,7 @@ impl Leaf {
         Self {
             triangles: triangles.to_vec(),
             ball,
-            rests: Vec::new(),
-            changed: 0,
-            changes: 0,
-            refused: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -71,17 +68,6 @@ impl Leaf {
             after.remove(out);
         }
         after.extend(entering);
-    }
-
-    /// How often it changed.
-    pub(super) fn changes(&self) -> u32 {
-        self.changes
-    }
-
-    /// Remembers that nothing is gained with a leaf as both are. It stays so: what a trade may do depends
-    /// besides on the number of lanes, which only falls.
-    pub(super) fn refuse(&mut self, other: Place, changes: u32) {
-        self.refused.push((other, changes));
     }
 
     pub(super) fn has_refused(&self, place: Place, other: &Self) -> bool {

@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::balls::Ball;
-use super::{LaneKind, Scene, inner_count};
+use super::{LaneKind, Scene, children};
 use crate::parallel;
 
 /// Nodes that deal one after the other.
@@ -36,11 +36,8 @@ pub(super) fn waves(scene: &Scene<'_>, threads: usize) -> Vec<Vec<Task>> {
     let count = scene.nodes.len();
     let everything: Arc<[u32]> = (0..count as u32).collect();
     if threads <= 1 {
-        let nodes = 0..count as u32;
-        return vec![vec![Task {
-            nodes,
-            region: everything,
-        }]];
+        let (nodes, region) = (0..count as u32, everything);
+        return vec![vec![Task { nodes, region }]];
     }
     let mut regions: Vec<Option<Arc<[u32]>>> = vec![None; count.div_ceil(NODES)];
     let jobs = regions.iter_mut().enumerate();
@@ -85,11 +82,11 @@ fn find_region(
     let mut region = Vec::new();
     let mut stack = Vec::new();
     let mut looked_at = 0;
-    let leaf_count = |node: usize| {
-        let lanes = scene.tree.nodes[node].lanes.iter();
-        lanes.filter(|lane| lane.kind == LaneKind::Leaf).count()
+    let has_leaves = |node: usize| {
+        let record = &scene.tree.nodes[node];
+        record.lanes_of(LaneKind::Leaf).next().is_some()
     };
-    for node in nodes.filter(|&node| leaf_count(node) > 0) {
+    for node in nodes.filter(|&node| has_leaves(node)) {
         let own = scene.nodes[node].ball;
         let reach = Ball {
             square: own.square * REACH_SQUARE,
@@ -102,11 +99,11 @@ fn find_region(
                 return None;
             }
             let record = &scene.tree.nodes[node as usize];
-            if leaf_count(node as usize) > 0 && seen[node as usize] != mark {
+            if has_leaves(node as usize) && seen[node as usize] != mark {
                 seen[node as usize] = mark;
                 region.push(node);
             }
-            for child in (record.first_child..).take(inner_count(record)) {
+            for child in children(record) {
                 if reach.meets(&scene.nodes[child as usize].ball) {
                     stack.push(child);
                 }

@@ -191,7 +191,7 @@ impl Run<'_> {
             let mut workspace = Workspace::new();
             let mut found: Vec<TrianglePair> = Vec::new();
             Entry::new(name, Role::Ours, Counts::Same, move |_| {
-                let mut slots = vec![0; 16 * FRONT_SLOTS];
+                let mut slots = vec![0; PairFront::SLOT_BYTES * FRONT_SLOTS];
                 let mut front = PairFront::in_bytes(&mut slots);
                 let mut motions = [Motion::new(&a[0]), Motion::new(&b[0])];
                 frame(|| {

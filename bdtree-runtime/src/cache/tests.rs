@@ -21,10 +21,10 @@ use crate::{Kernel, Pose, Transform, VertexId};
 
 /// Of the golden files: all modes, few modes per vertex, frames, a single triangle per lane.
 const FILES: [&[u8]; 4] = [
-    crate::include_bdt!("../../fixtures/golden/sphere.bdt"),
-    crate::include_bdt!("../../fixtures/golden/sparse.bdt"),
-    crate::include_bdt!("../../fixtures/golden/animated.bdt"),
-    crate::include_bdt!("../../fixtures/golden/tetrahedron.bdt"),
+    crate::include_bdt!("../../../fixtures/golden/sphere.bdt"),
+    crate::include_bdt!("../../../fixtures/golden/sparse.bdt"),
+    crate::include_bdt!("../../../fixtures/golden/animated.bdt"),
+    crate::include_bdt!("../../../fixtures/golden/tetrahedron.bdt"),
 ];
 
 /// Rounds per file and test.

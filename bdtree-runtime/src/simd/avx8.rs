@@ -1,0 +1,146 @@
+//! Eight f32 with AVX2 and FMA: a row is one register. Beside them AVX-512 VNNI, in registers of 256 bits: one
+//! instruction multiplies pairs and adds them to a sum.
+#![allow(unsafe_code)] // intrinsics; every block has its proof
+
+use bdtree_format::{PairRow, Row};
+use core::arch::x86_64::{
+    __m256, __m256i, _CMP_GT_OQ, _mm256_abs_epi16, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps,
+    _mm256_cvtepi32_ps, _mm256_dpwssd_epi32, _mm256_loadu_ps, _mm256_loadu_si256,
+    _mm256_madd_epi16, _mm256_max_epi16, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
+    _mm256_mul_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_si256, _mm256_sqrt_ps,
+    _mm256_storeu_ps, _mm256_sub_epi16, _mm256_sub_ps,
+};
+
+use super::avx4::{Avx4, instructions};
+use super::{Fields, Kernel, Lanes, PairSums, Work};
+
+/// Eight f32 in a register. Only [`run_avx2`] and [`run_avx512`] use it: so wherever one exists, the processor has
+/// AVX2 and FMA, and, with `VNNI`, AVX-512 with VL and VNNI.
+#[derive(Clone, Copy)]
+struct Avx8<const VNNI: bool>(__m256);
+
+impl<const VNNI: bool> Lanes for Avx8<VNNI> {
+    type Quad = Avx4;
+    type Sums = Whole8<VNNI>;
+
+    instructions! {
+        add(other) = _mm256_add_ps;
+        sub(other) = _mm256_sub_ps;
+        mul(other) = _mm256_mul_ps;
+        min(other) = _mm256_min_ps;
+        max(other) = _mm256_max_ps;
+        sqrt() = _mm256_sqrt_ps;
+    }
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        // SAFETY: needs AVX; see `Avx8`.
+        Self(unsafe { _mm256_set1_ps(x) })
+    }
+
+    #[inline(always)]
+    fn load(row: &Row) -> Self {
+        // SAFETY: needs AVX, see `Avx8`; a `Row` is eight readable f32, any alignment will do.
+        Self(unsafe { _mm256_loadu_ps(row.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn round(sums: Whole8<VNNI>) -> Self {
+        // SAFETY: needs AVX; see `Avx8`.
+        Self(unsafe { _mm256_cvtepi32_ps(sums.0) })
+    }
+
+    #[inline(always)]
+    fn store(self) -> Row {
+        let mut row = [0.0; 8];
+        // SAFETY: needs AVX, see `Avx8`; `row` is eight writable f32, any alignment will do.
+        unsafe { _mm256_storeu_ps(row.as_mut_ptr(), self.0) };
+        row
+    }
+
+    #[inline(always)]
+    fn above(self, other: Self) -> u8 {
+        // SAFETY: needs AVX; see `Avx8`.
+        let above = unsafe { _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, other.0) };
+        // SAFETY: needs AVX; see `Avx8`.
+        let mask = unsafe { _mm256_movemask_ps(above) };
+        // One bit per lane.
+        mask as u8
+    }
+
+    #[inline(always)]
+    fn moved(fields: &Fields<'_>) -> [[[f32; 4]; 3]; 3] {
+        fields.moved_with_sse()
+    }
+}
+
+/// Eight sums in a register. As [`Avx8`].
+#[derive(Clone, Copy)]
+struct Whole8<const VNNI: bool>(__m256i);
+
+impl<const VNNI: bool> PairSums for Whole8<VNNI> {
+    type Factor = __m256i;
+
+    #[inline(always)]
+    fn zero() -> Self {
+        // SAFETY: needs AVX; see `Avx8`.
+        Self(unsafe { _mm256_setzero_si256() })
+    }
+
+    #[inline(always)]
+    fn factors([a, b]: [i16; 2]) -> [__m256i; 4] {
+        let both = u32::from(a as u16) | (u32::from(b as u16) << 16);
+        // SAFETY: needs AVX; see `Avx8`.
+        let n = unsafe { _mm256_set1_epi32(both as i32) };
+        // SAFETY: needs AVX2; see `Avx8`.
+        let magnitude = unsafe { _mm256_abs_epi16(n) };
+        // SAFETY: as above.
+        let positive = unsafe { _mm256_max_epi16(n, Self::zero().0) };
+        // max(−n, 0) = max(n, 0) − n.
+        // SAFETY: as above.
+        let negative = unsafe { _mm256_sub_epi16(positive, n) };
+        [n, magnitude, positive, negative]
+    }
+
+    #[inline(always)]
+    fn add_products(self, row: &PairRow, n: __m256i) -> Self {
+        // SAFETY: needs AVX, see `Avx8`; `row` is 32 readable bytes, any alignment will do.
+        let row = unsafe { _mm256_loadu_si256(row.as_ptr().cast()) };
+        if VNNI {
+            // SAFETY: needs AVX-512 VNNI and VL; see `Avx8`.
+            return Self(unsafe { _mm256_dpwssd_epi32(self.0, row, n) });
+        }
+        // SAFETY: needs AVX2; see `Avx8`.
+        self.add(Self(unsafe { _mm256_madd_epi16(row, n) }))
+    }
+
+    instructions! {
+        add(other) = _mm256_add_epi32;
+    }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn run_avx2<W: Work>(work: W) -> W::Output {
+    work.run::<Avx8<false>>()
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512vnni")]
+#[inline(never)]
+fn run_avx512<W: Work>(work: W) -> W::Output {
+    work.run::<Avx8<true>>()
+}
+
+/// [`Work::run`] with AVX2, or with AVX-512.
+#[inline]
+pub(super) fn run<const VNNI: bool, W: Work>(work: W) -> W::Output {
+    if VNNI {
+        debug_assert!(Kernel::Avx512.is_available());
+        // SAFETY: `Kernel::Avx512` reaches an asset only through `Kernel::best` and
+        // `Asset::with_kernel`, which ask `Kernel::is_available` first.
+        return unsafe { run_avx512(work) };
+    }
+    debug_assert!(Kernel::Avx2.is_available());
+    // SAFETY: so does `Kernel::Avx2`.
+    unsafe { run_avx2(work) }
+}
