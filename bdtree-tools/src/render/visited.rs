@@ -63,7 +63,7 @@ pub(super) fn shown<'a>(
             is_file,
         });
     }
-    let queries = counted(scene.queries.len(), "query").replace("querys", "queries");
+    let queries = counted(scene.queries.len(), "query");
     Ok(Frame {
         about: vec![format!(
             "{queries}: visited {count} of {}",
