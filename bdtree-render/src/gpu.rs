@@ -133,7 +133,7 @@ impl Gpu {
 }
 
 /// Text of several lines as one.
-fn one_line(text: &str) -> String {
+pub fn one_line(text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().collect();
     words.join(" ")
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use bdtree_render::one_line;
 use bdtree_tools::{ToolError, write_whole};
 use wgpu::{Instance, InstanceDescriptor};
 use winit::application::ApplicationHandler;
@@ -71,11 +72,7 @@ impl Viewer<'_> {
 
     fn open(&mut self, events: &ActiveEventLoop) -> Result<Stage, ToolError> {
         let name = self.app.file().path().file_name().unwrap_or_default();
-        let name: String = name
-            .to_string_lossy()
-            .chars()
-            .filter(|c| !c.is_control())
-            .collect();
+        let name = name.to_string_lossy().replace(char::is_control, "");
         let [width, height] = self.size;
         let attributes = Window::default_attributes()
             .with_title(format!("{name} – bdtree"))
@@ -157,9 +154,7 @@ fn problem(place: impl std::fmt::Display, message: impl std::fmt::Display) -> To
 
 /// An error of winit without the place in its source: `os error at /…/mod.rs:765: no display`.
 fn reason(error: &impl std::fmt::Display) -> String {
-    let text = error.to_string();
-    let words: Vec<&str> = text.split_whitespace().collect();
-    let text = words.join(" ");
+    let text = one_line(&error.to_string());
     let of_os = text.strip_prefix("os error at ");
     let cause = of_os.and_then(|rest| rest.split_once(".rs:")?.1.split_once(": "));
     cause.map_or(text.clone(), |(_, cause)| cause.to_string())
@@ -180,8 +175,7 @@ fn contained<T>(f: impl FnOnce() -> Result<T, ToolError>) -> Result<T, ToolError
     panic::set_hook(before);
     result.unwrap_or_else(|_| {
         let heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
-        let words: Vec<&str> = heard.split_whitespace().collect();
-        Err(problem("window", words.join(" ")))
+        Err(problem("window", one_line(&heard)))
     })
 }
 

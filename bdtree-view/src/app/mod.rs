@@ -1,11 +1,10 @@
 //! The viewer without its window: what is shown, and what is known of it.
 
-mod place;
 mod playback;
 mod probe;
 mod view;
 
-pub use place::Place;
+pub use bdtree_render::Place;
 pub use playback::Playback;
 pub use probe::{Answer, Asker, Probe};
 pub use view::{Grab, View};
