@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bdtree_format::{
-    ErrorMetadata, LANES, Metadata, ModeRecord, ROW_RADIUS, SectionKind, SectionRecord,
-};
+use bdtree_format::{ErrorMetadata, Metadata, ModeRecord, ROW_RADIUS, SectionKind, SectionRecord};
 use bdtree_runtime::{Asset, Datum, FormatError};
 use serde::Serialize;
 
@@ -224,9 +222,7 @@ fn levels(asset: &Asset<'_>) -> Result<Vec<Level>, FormatError> {
             });
         };
         let row = asset.node_rows(node)?.leading[ROW_RADIUS];
-        let used = node.inner_mask | node.leaf_mask;
-        let lanes = (0..LANES).filter(|lane| used & (1 << lane) != 0);
-        radii.extend(lanes.map(|lane| f64::from(row[lane])));
+        radii.extend(node.lanes().map(|lane| f64::from(row[lane])));
     }
     let level = |(level, radii): (usize, Vec<f64>)| {
         let mean = radii.iter().sum::<f64>() / radii.len() as f64;

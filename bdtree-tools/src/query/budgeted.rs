@@ -51,6 +51,10 @@ impl Solver<'_> {
 }
 
 fn told<T>(answer: Budgeted<T>, line: impl FnOnce(T) -> Answer) -> (Answer, Certificate) {
-    let certificate = Certificate::from(&answer);
+    let certificate = Certificate {
+        complete: answer.complete,
+        at_least: answer.at_least,
+        unseen: None,
+    };
     (line(answer.found), certificate)
 }

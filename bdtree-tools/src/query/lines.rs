@@ -1,8 +1,8 @@
 //! What a query answers, as JSON lines.
 
 use bdtree_runtime::{
-    Budgeted, Contact, ContactManifold, ContactPoint, FrustumState, PairContact, PointProjection,
-    Proxy, RayIntersection,
+    Contact, ContactManifold, ContactPoint, FrustumState, PairContact, PointProjection, Proxy,
+    RayIntersection,
 };
 use serde::Serialize;
 
@@ -223,16 +223,6 @@ impl From<FrustumState> for Answer {
             FrustumState::Outside => "outside",
         };
         Self::State { state }
-    }
-}
-
-impl<T> From<&Budgeted<T>> for Certificate {
-    fn from(answer: &Budgeted<T>) -> Self {
-        Self {
-            complete: answer.complete,
-            at_least: answer.at_least,
-            unseen: None,
-        }
     }
 }
 

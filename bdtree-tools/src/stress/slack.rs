@@ -1,6 +1,6 @@
 //! The rounding slack: how much larger spheres are than their formula says.
 
-use bdtree_format::{LANES, ROW_RADIUS};
+use bdtree_format::ROW_RADIUS;
 use bdtree_runtime::{Asset, FormatError, Transform};
 use rand::RngExt;
 
@@ -30,10 +30,7 @@ pub fn rounding_slack(asset: &Asset<'_>, seed: u64) -> Result<f64, FormatError> 
         for (i, node) in (0..).zip(asset.nodes()) {
             let spheres = pose.node_spheres(i)?;
             let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
-            for lane in 0..LANES {
-                if (node.inner_mask | node.leaf_mask) & (1 << lane) == 0 {
-                    continue;
-                }
+            for lane in node.lanes() {
                 let rest = f64::from(rows.leading[ROW_RADIUS][lane]);
                 let (mut growth, mut cross) = (0.0, 0.0);
                 for (k, mode) in modes.iter().enumerate() {

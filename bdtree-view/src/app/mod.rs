@@ -222,7 +222,7 @@ impl Spheres {
 
 /// A posture that the asset refuses.
 fn refused(file: &AssetFile, error: PoseError) -> ToolError {
-    ToolError::Input(vec![format!("{}: {error}", file.path().display())])
+    ToolError::input(file.path().display(), error)
 }
 
 /// The deformed vertices of triangles (world).
