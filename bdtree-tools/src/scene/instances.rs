@@ -88,13 +88,16 @@ fn read_instance(fields: &Fields<'_>, name: &str, assets: &mut Assets) -> Option
     })
 }
 
+/// A frame's number and its rigid motion.
+type Moment = (u64, Transform);
+
 /// q as the scene writes it, or that of a frame of the asset's animation with its number and rigid motion. The
 /// asset is the one with this index and path.
 fn read_shown(
     fields: &Fields<'_>,
     asset: Option<(usize, &str)>,
     assets: &Assets,
-) -> Option<(Vec<f32>, Option<(u64, Transform)>)> {
+) -> Option<(Vec<f32>, Option<Moment>)> {
     /// Frame numbers beyond this may have been others in the JSON's text: 2^53.
     const FRAME_MAX: f64 = (1_u64 << 53) as f64;
     if let Some(at) = fields.optional("frame") {
