@@ -3,13 +3,12 @@
 use bdtree_runtime::{Asset, AssetId};
 use zerocopy::IntoBytes;
 
-use crate::buffers::filled;
 use crate::device::checked;
 use crate::error::GpuError;
-use crate::layouts::Layouts;
 use crate::normal_fields::NormalFields;
 use crate::ranges::{BoundRange, FieldSet};
-use crate::ring::{Ring, triangles};
+use crate::skinner::Skinner;
+use crate::vertex_triangles::{VertexTriangles, triangles};
 
 /// Where the normals of a deformed mesh come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +35,7 @@ pub struct GpuAsset {
     /// Of [`Normals::Fields`].
     pub(crate) tangents: Vec<BoundRange>,
     /// Of [`Normals::Exact`], and of the vertices that [`Normals::Fields`] marks.
-    pub(crate) rings: Vec<BoundRange>,
+    pub(crate) exact: Vec<BoundRange>,
     indices: wgpu::Buffer,
     vertex_count: u32,
     triangle_count: u32,
@@ -46,43 +45,41 @@ pub struct GpuAsset {
 
 impl GpuAsset {
     pub(crate) fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        layouts: &Layouts,
+        skinner: &Skinner,
         asset: &Asset<'_>,
         normals: Normals,
     ) -> Result<Self, GpuError> {
         asset.check_mesh()?;
         let set = field_set(asset);
         let triangles = triangles(asset)?;
-        let exact = match normals {
-            Normals::Exact => Some(Ring::new(asset.vertex_count(), &triangles)?),
-            _ => None,
-        };
         let fields = match normals {
             Normals::Fields => Some(NormalFields::new(asset)?),
             _ => None,
         };
-        checked(device, || {
+        let of_all = match normals {
+            Normals::Exact => Some(VertexTriangles::new(asset.vertex_count(), &triangles)?),
+            _ => None,
+        };
+        checked(&skinner.device, || {
             let usage = wgpu::BufferUsages::INDEX
                 | wgpu::BufferUsages::STORAGE
                 | wgpu::BufferUsages::COPY_SRC;
-            let indices = triangles.as_bytes();
-            let ring = exact
-                .as_ref()
-                .or(fields.as_ref().map(NormalFields::marked_ring));
-            let tangents = fields.as_ref().map(|fields| {
-                let what = "normal fields";
-                fields.set().upload(device, queue, layouts, what)
-            });
-            let rings = ring.map(|ring| ring.upload(device, queue, layouts, set.mode_count));
+            let indices = skinner.filled("triangles", usage, &[triangles.as_bytes()])?;
+            let (mut tangents, mut exact) = (Vec::new(), Vec::new());
+            if let Some(fields) = &fields {
+                tangents = fields.set().upload(skinner, "normal fields")?;
+            }
+            let marked = fields.as_ref().map(NormalFields::marked_triangles);
+            if let Some(around) = of_all.as_ref().or(marked) {
+                exact = around.upload(skinner, set.mode_count)?;
+            }
             Ok(Self {
                 asset: asset.id(),
                 listed: set.listed(),
-                points: set.upload(device, queue, layouts, "displacements")?,
-                tangents: tangents.transpose()?.unwrap_or_default(),
-                rings: rings.transpose()?.unwrap_or_default(),
-                indices: filled(device, queue, "triangles", usage, &[indices])?,
+                points: set.upload(skinner, "displacements")?,
+                tangents,
+                exact,
+                indices,
                 vertex_count: asset.vertex_count() as u32,
                 triangle_count: asset.triangle_count() as u32,
                 mode_count: set.mode_count,
@@ -115,7 +112,7 @@ impl GpuAsset {
     /// Into how many ranges of vertices the device's limits split the largest of its buffers: a dispatch
     /// each.
     pub fn range_count(&self) -> usize {
-        let others = self.tangents.len().max(self.rings.len());
+        let others = self.tangents.len().max(self.exact.len());
         self.points.len().max(others)
     }
 

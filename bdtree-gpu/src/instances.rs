@@ -24,15 +24,15 @@ const FAR: f64 = (1_u128 << 120) as f64;
 #[derive(Debug)]
 pub struct Instances {
     pub(crate) group: wgpu::BindGroup,
-    buffer: wgpu::Buffer,
-    queue: wgpu::Queue,
+    pub(crate) buffer: wgpu::Buffer,
+    pub(crate) queue: wgpu::Queue,
     pub(crate) asset: AssetId,
-    mode_count: usize,
-    capacity: u32,
-    count: u32,
-    origin: [f64; 3],
+    pub(crate) mode_count: usize,
+    pub(crate) capacity: u32,
+    pub(crate) count: u32,
+    pub(crate) origin: [f64; 3],
     /// A row with the count, then blocks: of each matrix entry and mode the numbers of eight instances.
-    rows: Vec<[f32; BLOCK]>,
+    pub(crate) rows: Vec<[f32; BLOCK]>,
 }
 
 impl Instances {
@@ -40,27 +40,6 @@ impl Instances {
     pub(crate) fn bytes(mode_count: usize, capacity: u32) -> u64 {
         let blocks = (capacity as usize).div_ceil(BLOCK) as u64;
         32 * (1 + blocks * (MATRIX_ROWS + mode_count) as u64)
-    }
-
-    pub(crate) fn new(
-        asset: AssetId,
-        mode_count: usize,
-        capacity: u32,
-        buffer: wgpu::Buffer,
-        group: wgpu::BindGroup,
-        queue: wgpu::Queue,
-    ) -> Self {
-        Self {
-            group,
-            buffer,
-            queue,
-            asset,
-            mode_count,
-            capacity,
-            count: 0,
-            origin: [0.0; 3],
-            rows: vec![[0.0; BLOCK]],
-        }
     }
 
     /// Forgets all instances. Those that follow are placed relative to `origin` (world units).

@@ -60,21 +60,3 @@ pub(crate) fn layout(
         entries: &entries,
     })
 }
-
-/// A bind group of whole buffers at bindings 0, 1, 2, ….
-pub(crate) fn bind(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    buffers: &[&wgpu::Buffer],
-) -> wgpu::BindGroup {
-    let mut entries = Vec::new();
-    for (binding, buffer) in (0..).zip(buffers) {
-        let resource = buffer.as_entire_binding();
-        entries.push(wgpu::BindGroupEntry { binding, resource });
-    }
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("bdtree"),
-        layout,
-        entries: &entries,
-    })
-}

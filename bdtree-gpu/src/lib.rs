@@ -42,13 +42,13 @@ mod layouts;
 mod normal_fields;
 mod output;
 mod ranges;
-mod ring;
 mod samples;
 mod shader;
 mod skinner;
 mod tangents;
 pub mod twin;
 mod vertex;
+mod vertex_triangles;
 
 pub use asset::{GpuAsset, Normals};
 pub use device::{request_device, wait};

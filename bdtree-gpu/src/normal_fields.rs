@@ -12,9 +12,9 @@ use bdtree_runtime::{Asset, VertexId};
 
 use crate::error::GpuError;
 use crate::ranges::FieldSet;
-use crate::ring::{Ring, triangles};
 use crate::samples::Samples;
 use crate::tangents::{Around, wide};
+use crate::vertex_triangles::{VertexTriangles, triangles};
 
 /// Two tangents per vertex at rest, and how each mode moves them.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ pub struct NormalFields {
     records: Vec<VertexModes>,
     lists: Vec<u16>,
     /// Of the vertices at which the fields are too far off.
-    marked: Ring,
+    marked: VertexTriangles,
 }
 
 impl NormalFields {
@@ -43,7 +43,7 @@ impl NormalFields {
     pub fn new(asset: &Asset<'_>) -> Result<Self, GpuError> {
         let (vertex_count, mode_count) = (asset.vertex_count(), asset.mode_count());
         asset.check_mesh()?;
-        let ring = Ring::new(vertex_count, &triangles(asset)?)?;
+        let around_all = VertexTriangles::new(vertex_count, &triangles(asset)?)?;
         let listed = !asset.vertex_modes().is_empty();
         let amplitudes = amplitudes(asset);
         let samples = Samples::new(asset)?;
@@ -54,36 +54,29 @@ impl NormalFields {
             fields: Vec::new(),
             records: Vec::new(),
             lists: Vec::new(),
-            marked: ring.of(Vec::new()),
+            marked: around_all.of(Vec::new()),
         };
         let all: Vec<u16> = (0..mode_count as u16).collect();
         let mut known = BTreeMap::new();
         let mut around = Around::default();
         for vertex in 0..vertex_count {
             let modes = match listed {
-                true => acting(asset, &ring, vertex)?,
+                true => acting(asset, around_all.around(vertex), vertex)?,
                 false => all.clone(),
             };
-            around.gather(asset, ring.around(vertex), vertex, &modes)?;
+            around.gather(asset, around_all.around(vertex), vertex, &modes)?;
             let amplitudes: Vec<f64> = modes.iter().map(|j| amplitudes[usize::from(*j)]).collect();
             let tangents = around.tangents(&amplitudes);
             if samples.off(&around, &tangents, &modes) {
                 marked.push(vertex as u32);
             }
             if listed {
-                let first_entry = made.fields.len() / 2;
-                let end = made.lists.len();
-                made.records.push(VertexModes {
-                    first_entry: u32::try_from(first_entry).map_err(|_| too_large(first_entry))?,
-                    mode_list_start: match known.get(&modes) {
-                        Some(start) => *start,
-                        None => end as u32,
-                    },
+                let end = made.lists.len() as u32;
+                let start = *known.entry(modes).or_insert_with_key(|modes| {
+                    made.lists.extend(modes);
+                    end
                 });
-                if !modes.is_empty() && !known.contains_key(&modes) {
-                    made.lists.extend(&modes);
-                    known.insert(modes, end as u32);
-                }
+                made.records.push(made.next_record(start)?);
             }
             made.rest.extend(tangents.rest);
             for side in 0..2 {
@@ -92,14 +85,24 @@ impl NormalFields {
             }
         }
         if listed {
-            let first_entry = made.fields.len() / 2;
-            made.records.push(VertexModes {
-                first_entry: u32::try_from(first_entry).map_err(|_| too_large(first_entry))?,
-                mode_list_start: 0,
-            });
+            made.records.push(made.next_record(0)?);
         }
-        made.marked = ring.of(marked);
+        made.marked = around_all.of(marked);
         Ok(made)
+    }
+
+    /// Of a vertex whose fields come next.
+    fn next_record(&self, mode_list_start: u32) -> Result<VertexModes, GpuError> {
+        let entries = self.fields.len() / 2;
+        let too_large = |_| GpuError::AssetTooLarge {
+            what: "normal fields",
+            bytes: 24 * entries as u64,
+            limit: 24 * u64::from(u32::MAX),
+        };
+        Ok(VertexModes {
+            first_entry: u32::try_from(entries).map_err(too_large)?,
+            mode_list_start,
+        })
     }
 
     /// Bytes of all numbers on the device.
@@ -119,7 +122,7 @@ impl NormalFields {
         &self.marked.vertices
     }
 
-    pub(crate) fn marked_ring(&self) -> &Ring {
+    pub(crate) fn marked_triangles(&self) -> &VertexTriangles {
         &self.marked
     }
 
@@ -153,14 +156,6 @@ impl NormalFields {
     }
 }
 
-fn too_large(entries: usize) -> GpuError {
-    GpuError::AssetTooLarge {
-        what: "normal fields",
-        bytes: 24 * entries as u64,
-        limit: 24 * u64::from(u32::MAX),
-    }
-}
-
 /// For each mode the q that moves a vertex by a tenth of the mesh's extent: what counts as large.
 fn amplitudes(asset: &Asset<'_>) -> Vec<f64> {
     let extent = f64::from(asset.header().position_norm_max.get());
@@ -172,10 +167,9 @@ fn amplitudes(asset: &Asset<'_>) -> Vec<f64> {
 }
 
 /// The modes that move a vertex or one of its triangles' others.
-fn acting(asset: &Asset<'_>, ring: &Ring, vertex: usize) -> Result<Vec<u16>, GpuError> {
+fn acting(asset: &Asset<'_>, triangles: &[[u32; 2]], vertex: usize) -> Result<Vec<u16>, GpuError> {
     let mut modes = Vec::new();
-    let others = ring.around(vertex).as_flattened();
-    for v in others.iter().chain(&[vertex as u32]) {
+    for v in triangles.as_flattened().iter().chain(&[vertex as u32]) {
         let of_one = asset.displacements(VertexId(*v))?;
         modes.extend(of_one.iter().map(|(mode, _)| mode as u16)); // there are at most 2^16
     }

@@ -5,11 +5,10 @@ use std::ops::Range;
 use bdtree_format::VertexModes;
 use zerocopy::IntoBytes;
 
-use crate::buffers::filled;
 use crate::device::largest_binding;
 use crate::error::GpuError;
-use crate::layouts::{Layouts, bind};
-use crate::ring::Ring;
+use crate::skinner::Skinner;
+use crate::vertex_triangles::VertexTriangles;
 
 /// Points or normals at rest and their fields, as a file stores them: of all modes, vertex-major, or
 /// of those that each vertex lists (SPEC 7.3, 7.6).
@@ -77,127 +76,110 @@ impl<'a> FieldSet<'a> {
 
     pub(crate) fn upload(
         &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        layouts: &Layouts,
+        skinner: &Skinner,
         what: &'static str,
     ) -> Result<Vec<BoundRange>, GpuError> {
         let total = self.rest.len() / self.sides;
-        let ranges = split(total, largest_binding(device), what, |r| self.bytes(r))?;
-        let storage = wgpu::BufferUsages::STORAGE;
-        let make = |range: Range<usize>| {
-            let entries = self.entries(&range);
-            let records = match self.listed() {
-                true => &self.records[range.start..=range.end],
-                false => &[],
-            };
-            let numbers = Numbers {
-                count: range.len(),
-                first: range.start,
+        let bytes = |range: &Range<usize>| self.bytes(range);
+        upload(skinner, what, total, bytes, |range| {
+            let entries = self.entries(range);
+            let rest = &self.rest[self.sides * range.start..self.sides * range.end];
+            let mut numbers = Numbers {
                 total,
                 mode_count: self.mode_count,
-                entry_base: if self.listed() {
-                    entries.start / self.sides
-                } else {
-                    0
-                },
-                list_base: 2 * records.len(),
+                ..Numbers::default()
             };
-            let rest = &self.rest[self.sides * range.start..self.sides * range.end];
-            let fields = &self.fields[entries];
-            let lists: [&[u8]; 2] = match self.listed() {
-                true => [records.as_bytes(), self.lists.as_bytes()],
-                false => [&[], &[]],
-            };
-            let buffers = [
-                numbers.upload(device, queue)?,
-                filled(device, queue, what, storage, &[rest.as_bytes()])?,
-                filled(device, queue, what, storage, &[fields.as_bytes()])?,
-                filled(device, queue, what, storage, &lists)?,
-            ];
-            Ok(BoundRange {
-                count: range.len() as u32,
-                group: bind(device, &layouts.fields, &buffers.each_ref()),
-                buffers,
-            })
-        };
-        ranges.into_iter().map(make).collect()
+            let mut lists: [&[u8]; 2] = [&[], &[]];
+            if self.listed() {
+                let records = &self.records[range.start..=range.end];
+                numbers.entry_base = entries.start / self.sides;
+                numbers.list_base = 2 * records.len();
+                lists = [records.as_bytes(), self.lists.as_bytes()];
+            }
+            let fields = self.fields[entries].as_bytes();
+            (numbers, [[rest.as_bytes(), &[]], [fields, &[]], lists])
+        })
     }
 }
 
-impl Ring {
+impl VertexTriangles {
     pub(crate) fn upload(
         &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        layouts: &Layouts,
+        skinner: &Skinner,
         mode_count: usize,
     ) -> Result<Vec<BoundRange>, GpuError> {
-        let what = "triangles around vertices";
         let entries = |range: &Range<usize>| {
             self.starts[range.start] as usize..self.starts[range.end] as usize
         };
         let bytes =
             |range: &Range<usize>| (8 * entries(range).len()).max(4 * (range.len() + 1)) as u64;
-        let ranges = split(self.starts.len() - 1, largest_binding(device), what, bytes)?;
-        let storage = wgpu::BufferUsages::STORAGE;
-        let make = |range: Range<usize>| {
-            let entries = entries(&range);
+        let what = "triangles around vertices";
+        upload(skinner, what, self.starts.len() - 1, bytes, |range| {
+            let entries = entries(range);
             let numbers = Numbers {
-                count: range.len(),
-                first: range.start,
                 total: self.vertex_count,
                 mode_count,
                 entry_base: entries.start,
                 list_base: 0,
             };
-            let starts = &self.starts[range.start..=range.end];
-            let corners = &self.corners[entries];
+            let starts = self.starts[range.start..=range.end].as_bytes();
+            let corners = self.corners[entries].as_bytes();
             // Empty where of all.
             let vertices = self.vertices.get(range.clone()).unwrap_or_default();
-            let buffers = [
-                numbers.upload(device, queue)?,
-                filled(device, queue, what, storage, &[starts.as_bytes()])?,
-                filled(device, queue, what, storage, &[corners.as_bytes()])?,
-                filled(device, queue, what, storage, &[vertices.as_bytes()])?,
-            ];
-            Ok(BoundRange {
-                count: range.len() as u32,
-                group: bind(device, &layouts.fields, &buffers.each_ref()),
-                buffers,
-            })
-        };
-        ranges.into_iter().map(make).collect()
+            let vertices = vertices.as_bytes();
+            (numbers, [[starts, &[]], [corners, &[]], [vertices, &[]]])
+        })
     }
 }
 
-/// `Params` of the shaders.
-struct Numbers {
+/// Ranges of `count` vertices whose buffers, the largest of `bytes`, can be bound; `content` are a range's
+/// numbers and the bytes of its three buffers.
+fn upload<'d>(
+    skinner: &Skinner,
+    what: &'static str,
     count: usize,
-    first: usize,
-    total: usize,
-    mode_count: usize,
-    entry_base: usize,
-    list_base: usize,
-}
-
-impl Numbers {
-    fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<wgpu::Buffer, GpuError> {
+    bytes: impl Fn(&Range<usize>) -> u64,
+    content: impl Fn(&Range<usize>) -> (Numbers, [[&'d [u8]; 2]; 3]),
+) -> Result<Vec<BoundRange>, GpuError> {
+    let ranges = split(count, largest_binding(&skinner.device), what, bytes)?;
+    let make = |range: Range<usize>| {
+        let (numbers, [a, b, c]) = content(&range);
         let words = [
-            self.count,
-            self.first,
-            self.total,
-            self.mode_count,
-            self.entry_base,
-            self.list_base,
+            range.len(),
+            range.start,
+            numbers.total,
+            numbers.mode_count,
+            numbers.entry_base,
+            numbers.list_base,
             0,
             0,
         ];
         // All are numbers of things that a file counts in u32.
         let words = words.map(|x| x as u32);
-        let usage = wgpu::BufferUsages::UNIFORM;
-        filled(device, queue, "parameters", usage, &[words.as_bytes()])
-    }
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        let storage = wgpu::BufferUsages::STORAGE;
+        let buffers = [
+            skinner.filled("parameters", uniform, &[words.as_bytes()])?,
+            skinner.filled(what, storage, &a)?,
+            skinner.filled(what, storage, &b)?,
+            skinner.filled(what, storage, &c)?,
+        ];
+        Ok(BoundRange {
+            count: range.len() as u32,
+            group: skinner.bind(&skinner.layouts.fields, &buffers.each_ref()),
+            buffers,
+        })
+    };
+    ranges.into_iter().map(make).collect()
+}
+
+/// `Params` of the shaders, but for the range.
+#[derive(Default)]
+struct Numbers {
+    total: usize,
+    mode_count: usize,
+    entry_base: usize,
+    list_base: usize,
 }
 
 /// Ranges of `0 .. count`, as few as keep `bytes` of each within `limit`.

@@ -7,8 +7,8 @@ use bdtree_runtime::Asset;
 use crate::asset::{GpuAsset, Normals};
 use crate::device::{checked, largest_binding, scoped};
 use crate::error::GpuError;
-use crate::instances::{CAPACITY_MAX, Instances};
-use crate::layouts::{Layouts, bind};
+use crate::instances::{BLOCK, CAPACITY_MAX, Instances};
+use crate::layouts::Layouts;
 use crate::output::{Output, bytes};
 use crate::ranges::BoundRange;
 use crate::shader::{Pass, Variant};
@@ -21,9 +21,9 @@ const WIDE_FROM: u32 = 3;
 /// first needed.
 #[derive(Debug)]
 pub struct Skinner {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
-    layouts: Layouts,
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) layouts: Layouts,
     pipelines: [OnceLock<wgpu::ComputePipeline>; Variant::COUNT],
 }
 
@@ -49,7 +49,7 @@ impl Skinner {
     /// # Errors
     /// Records that break the format's rules; more than the device allows; what it refuses.
     pub fn upload(&self, asset: &Asset<'_>, normals: Normals) -> Result<GpuAsset, GpuError> {
-        GpuAsset::new(&self.device, &self.queue, &self.layouts, asset, normals)
+        GpuAsset::new(self, asset, normals)
     }
 
     /// Room for so many instances of an asset.
@@ -71,14 +71,17 @@ impl Skinner {
         checked(&self.device, || {
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
             let buffer = self.buffer("instances", size, usage);
-            Ok(Instances::new(
-                asset.asset,
-                asset.mode_count(),
+            Ok(Instances {
+                group: self.bind(&self.layouts.instances, &[&buffer]),
+                buffer,
+                queue: self.queue.clone(),
+                asset: asset.asset,
+                mode_count: asset.mode_count(),
                 capacity,
-                buffer.clone(),
-                bind(&self.device, &self.layouts.instances, &[&buffer]),
-                self.queue.clone(),
-            ))
+                count: 0,
+                origin: [0.0; 3],
+                rows: vec![[0.0; BLOCK]],
+            })
         })
     }
 
@@ -92,14 +95,14 @@ impl Skinner {
             wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_SRC;
         checked(&self.device, || {
             let positions = self.buffer("positions", size, usage);
-            let mut groups = Vec::from([bind(&self.device, &self.layouts.output, &[&positions])]);
+            let mut groups = vec![self.bind(&self.layouts.output, &[&positions])];
             let normals = match asset.normals() {
                 Normals::None => None,
                 Normals::Fields | Normals::Exact => {
                     let normals = self.buffer("normals", size, usage);
-                    groups.push(bind(&self.device, &self.layouts.output, &[&normals]));
+                    groups.push(self.bind(&self.layouts.output, &[&normals]));
                     let both = [&positions, &normals];
-                    groups.push(bind(&self.device, &self.layouts.exact_output, &both));
+                    groups.push(self.bind(&self.layouts.exact_output, &both));
                     Some(normals)
                 }
             };
@@ -170,25 +173,17 @@ impl Skinner {
                 Normals::None => Ok(()),
                 Normals::Fields => {
                     run(Pass::Normals, asset.listed, &asset.tangents, 1)?;
-                    run(Pass::Exact, true, &asset.rings, 2)
+                    run(Pass::Exact, true, &asset.exact, 2)
                 }
-                Normals::Exact => run(Pass::Exact, false, &asset.rings, 2),
+                Normals::Exact => run(Pass::Exact, false, &asset.exact, 2),
             }
         })
     }
 
-    pub(crate) fn device(&self) -> &wgpu::Device {
-        &self.device
-    }
-
     /// So many workgroups as a grid that the device allows; the shaders count them through.
     fn workgroups(&self, count: u64) -> [u32; 2] {
-        let limit = u64::from(
-            self.device
-                .limits()
-                .max_compute_workgroups_per_dimension
-                .max(1),
-        );
+        let most = self.device.limits().max_compute_workgroups_per_dimension;
+        let limit = u64::from(most.max(1));
         let y = count.div_ceil(limit);
         // An output that fits a binding has fewer than 2^28 workgroups, which two dimensions hold.
         [count.div_ceil(y.max(1)) as u32, y as u32]
@@ -227,14 +222,5 @@ impl Skinner {
             )
         })?;
         Ok(place.get_or_init(|| made))
-    }
-
-    fn buffer(&self, label: &'static str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size: size.max(16),
-            usage,
-            mapped_at_creation: false,
-        })
     }
 }

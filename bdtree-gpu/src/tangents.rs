@@ -2,7 +2,7 @@
 //! normal (docs/decisions/normal-fields.md).
 
 use bdtree_runtime::{Asset, VertexId};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::error::GpuError;
 
@@ -13,7 +13,7 @@ const SECOND_ORDER_MODES: usize = 24;
 const OWN_SQUARE: f64 = 4.0;
 /// Weight of the gradient that the edges show: what second-order terms leave open, it decides.
 const GRADIENT: f64 = 0.03;
-/// Regularisation of the gradient across a flat ring, of the trace of the edges' matrix.
+/// Regularisation of the gradient across flat triangles, of the trace of the edges' matrix.
 const ACROSS: f64 = 1e-3;
 
 /// The triangles around one vertex: both edges of each, at rest and per mode.
@@ -45,7 +45,7 @@ impl Around {
     pub(crate) fn gather(
         &mut self,
         asset: &Asset<'_>,
-        ring: &[[u32; 2]],
+        triangles: &[[u32; 2]],
         vertex: usize,
         modes: &[u16],
     ) -> Result<(), GpuError> {
@@ -53,12 +53,12 @@ impl Around {
         let own = at(vertex as u32);
         self.rest.clear();
         self.rest
-            .extend(ring.iter().map(|others| others.map(|v| at(v) - own)));
+            .extend(triangles.iter().map(|others| others.map(|v| at(v) - own)));
         self.moved.clear();
         let fields = |v: u32| asset.displacements(VertexId(v));
         let own = fields(vertex as u32)?;
-        let mut of_others = Vec::with_capacity(ring.len());
-        for [b, c] in ring {
+        let mut of_others = Vec::with_capacity(triangles.len());
+        for [b, c] in triangles {
             of_others.push([fields(*b)?, fields(*c)?]);
         }
         for mode in modes {
@@ -145,11 +145,8 @@ impl Around {
         }
         let moved = first.iter().zip(&open).zip(amplitudes);
         let moved = moved.map(|(([c1, c2, trace], [a1, b1, a2]), amplitude)| {
-            let per = if *amplitude > 0.0 {
-                1.0 / amplitude
-            } else {
-                0.0
-            };
+            let acts = *amplitude > 0.0;
+            let per = if acts { 1.0 / amplitude } else { 0.0 };
             let combine = |a: f64, b: f64, c: f64| finite((a * t1 + b * t2 + c * n) * per);
             [combine(*a1, *b1, *c1), combine(*a2, trace - a1, *c2)]
         });
@@ -167,17 +164,15 @@ impl Around {
             if square > 0.0 { 1.0 / square } else { 0.0 }
         };
         let edges = self.rest.as_flattened();
-        let mut matrix = [DVec3::ZERO; 3];
+        let mut matrix = DMat3::ZERO;
         for e in edges {
-            for (row, x) in matrix.iter_mut().zip(e.to_array()) {
-                *row += weight(*e) * x * *e;
-            }
+            let scaled = weight(*e) * *e;
+            matrix += DMat3::from_cols(scaled * e.x, scaled * e.y, scaled * e.z);
         }
-        let ridge = ACROSS * (matrix[0][0] + matrix[1][1] + matrix[2][2]);
-        for k in 0..3 {
-            matrix[k][k] += ridge;
-        }
-        let solved = tangents.map(|t| solve_3(&matrix, t));
+        let trace = matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z;
+        let ridge = DMat3::from_diagonal(DVec3::splat(ACROSS * trace));
+        let inverse = (matrix + ridge).inverse();
+        let solved = tangents.map(|t| inverse * t);
         let one = |(j, amplitude): (usize, &f64)| {
             // G t = Σ w de (e · M⁻¹ t), since M is symmetric.
             let images = solved.map(|s| {
@@ -281,15 +276,6 @@ fn cholesky_solve(a: &mut [f64], b: &mut [f64]) -> bool {
         b[i] /= a[i * n + i];
     }
     true
-}
-
-/// The inverse of a symmetric positive 3 × 3 matrix times a vector.
-fn solve_3(matrix: &[DVec3; 3], v: DVec3) -> DVec3 {
-    let [a, b, c] = *matrix;
-    let rows = [b.cross(c), c.cross(a), a.cross(b)];
-    let determinant = a.dot(rows[0]);
-    // The columns of the inverse, for which a symmetric matrix has the rows.
-    DVec3::from_array(rows.map(|row| row.dot(v))) / determinant
 }
 
 /// In f32, zero where it is not finite: a needle whose gradient f32 cannot hold has none.

@@ -9,7 +9,7 @@ use crate::error::GpuError;
 use crate::instances::Instances;
 use crate::normal_fields::NormalFields;
 use crate::ranges::FieldSet;
-use crate::ring::{Ring, triangles};
+use crate::vertex_triangles::{VertexTriangles, triangles};
 
 /// Positions of all vertices of an instance, as `skin.wgsl` and `vertex.wgsl` compute them.
 ///
@@ -47,10 +47,10 @@ pub fn normals(
     if positions.len() < asset.vertex_count() {
         return Err(GpuError::Mismatch("the positions were"));
     }
-    let ring = fields.marked_ring();
-    for (place, vertex) in ring.vertices.iter().enumerate() {
+    let marked = fields.marked_triangles();
+    for (place, vertex) in marked.vertices.iter().enumerate() {
         let vertex = *vertex as usize;
-        all[vertex] = exact(positions, positions[vertex], ring.around(place));
+        all[vertex] = exact(positions, positions[vertex], marked.around(place));
     }
     Ok(all)
 }
@@ -89,8 +89,8 @@ pub fn exact_normals(asset: &Asset<'_>, positions: &[[f32; 3]]) -> Result<Vec<[f
     if positions.len() < n {
         return Err(GpuError::Mismatch("the positions were"));
     }
-    let ring = Ring::new(n, &triangles(asset)?)?;
-    let one = |vertex: usize| exact(positions, positions[vertex], ring.around(vertex));
+    let of_all = VertexTriangles::new(n, &triangles(asset)?)?;
+    let one = |vertex: usize| exact(positions, positions[vertex], of_all.around(vertex));
     Ok((0..n).map(one).collect())
 }
 

@@ -4,7 +4,7 @@ use crate::asset::{GpuAsset, Normals};
 use crate::device::checked;
 use crate::error::GpuError;
 use crate::instances::Instances;
-use crate::layouts::{Access, bind, layout};
+use crate::layouts::{Access, layout};
 use crate::skinner::Skinner;
 
 /// WGSL that defines `bdtree_vertex(vertex: u32, instance: u32) -> BdtreeVertex`, with fields
@@ -83,18 +83,10 @@ impl Skinner {
                 ));
             }
         };
-        let buffers = [
-            numbers,
-            rest,
-            fields,
-            lists,
-            tangents,
-            tangent_fields,
-            tangent_lists,
-            instances.buffer(),
-        ];
-        let device = self.device();
-        checked(device, || Ok(bind(device, layout, &buffers)))
+        let positions = [numbers, rest, fields, lists];
+        let normals = [tangents, tangent_fields, tangent_lists];
+        let buffers = [&positions[..], &normals, &[instances.buffer()]].concat();
+        checked(&self.device, || Ok(self.bind(layout, &buffers)))
     }
 }
 

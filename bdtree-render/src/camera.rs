@@ -1,5 +1,7 @@
 //! Where the picture is taken from.
 
+use glam::Vec3;
+
 /// A box along the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Box3 {
@@ -45,7 +47,7 @@ impl Box3 {
         if self.low[0] > self.high[0] {
             return 0.0;
         }
-        0.5 * length(sub(self.high, self.low))
+        0.5 * Vec3::from(self.high).distance(self.low.into())
     }
 }
 
@@ -53,11 +55,11 @@ impl Box3 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// Where it stands.
-    pub eye: [f32; 3],
+    pub eye: Vec3,
     /// What it looks at: the middle of the picture.
-    pub target: [f32; 3],
+    pub target: Vec3,
     /// What is up in the picture, not along the line of sight.
-    pub up: [f32; 3],
+    pub up: Vec3,
     /// Angle from the lower to the upper edge.
     pub fov_y_rad: f32,
 }
@@ -89,53 +91,45 @@ impl Camera {
             .flat_map(|(c, r)| [c.map(|x| x - r), c.map(|x| x + r)]);
         let bounds = Box3::around(ends);
         let mut camera = Self {
-            eye: [0.0, 0.0, 1.0],
-            target: bounds.middle(),
-            up: [0.0, 1.0, 0.0],
+            eye: Vec3::Z,
+            target: bounds.middle().into(),
+            up: Vec3::Y,
             fov_y_rad: FOV_Y_RAD,
         };
         let elevation = elevation_deg.clamp(-ELEVATION_MAX_DEG, ELEVATION_MAX_DEG);
-        let (a, e) = (azimuth_deg.to_radians(), elevation.to_radians());
-        let back = [a.sin() * e.cos(), e.sin(), a.cos() * e.cos()];
-        camera.eye = add(camera.target, back);
+        let back = toward(azimuth_deg.to_radians(), elevation.to_radians());
+        camera.eye = camera.target + back;
         let [right, up, _] = camera.axes();
         let slope_y = (0.5 * FOV_Y_RAD).tan();
         let slope_x = slope_y * aspect.max(1e-3);
         let mut distance = 1e-3 * bounds.half_diagonal();
         for (center, radius) in balls {
-            let p = sub(*center, camera.target);
+            let p = Vec3::from(*center) - camera.target;
             // From how far away the ball is within the planes through the picture's edges.
             for (axis, slope) in [(right, slope_x), (up, slope_y)] {
-                let aside = dot(p, axis).abs() + radius * (1.0 + slope * slope).sqrt();
+                let aside = p.dot(axis).abs() + radius * (1.0 + slope * slope).sqrt();
                 // What is not a number is not larger.
-                distance = distance.max(dot(p, back) + aside / slope);
+                distance = distance.max(p.dot(back) + aside / slope);
             }
         }
         if !(distance > 0.0 && distance.is_finite()) {
             distance = 1.0;
         }
-        camera.eye = add(camera.target, scale(back, distance));
+        camera.eye = camera.target + back * distance;
         camera
     }
 
     /// The camera turned around its target, by angles as of [`Camera::around`].
     #[must_use]
     pub fn orbited(&self, azimuth_deg: f32, elevation_deg: f32) -> Self {
-        let away = sub(self.eye, self.target);
-        let distance = length(away);
-        let azimuth = away[0].atan2(away[2]) + azimuth_deg.to_radians();
+        let away = self.eye - self.target;
+        let distance = away.length();
+        let azimuth = away.x.atan2(away.z) + azimuth_deg.to_radians();
         let most = ELEVATION_MAX_DEG.to_radians();
-        let elevation = (away[1] / distance.max(f32::MIN_POSITIVE))
-            .clamp(-1.0, 1.0)
-            .asin();
-        let elevation = (elevation + elevation_deg.to_radians()).clamp(-most, most);
-        let back = [
-            azimuth.sin() * elevation.cos(),
-            elevation.sin(),
-            azimuth.cos() * elevation.cos(),
-        ];
+        let sine = (away.y / distance.max(f32::MIN_POSITIVE)).clamp(-1.0, 1.0);
+        let elevation = (sine.asin() + elevation_deg.to_radians()).clamp(-most, most);
         Self {
-            eye: add(self.target, scale(back, distance)),
+            eye: self.target + toward(azimuth, elevation) * distance,
             ..*self
         }
     }
@@ -143,9 +137,8 @@ impl Camera {
     /// The camera at `factor` times the distance from its target.
     #[must_use]
     pub fn at_distance(&self, factor: f32) -> Self {
-        let away = sub(self.eye, self.target);
         Self {
-            eye: add(self.target, scale(away, factor)),
+            eye: self.target + (self.eye - self.target) * factor,
             ..*self
         }
     }
@@ -155,10 +148,10 @@ impl Camera {
     pub fn moved(&self, right: f32, up: f32) -> Self {
         let [x, y, _] = self.axes();
         let height = 2.0 * self.distance() * (0.5 * self.fov_y_rad).tan();
-        let by = add(scale(x, right * height), scale(y, up * height));
+        let by = x * (right * height) + y * (up * height);
         Self {
-            eye: add(self.eye, by),
-            target: add(self.target, by),
+            eye: self.eye + by,
+            target: self.target + by,
             ..*self
         }
     }
@@ -166,29 +159,29 @@ impl Camera {
     /// Where a point is in a picture of `size` pixels, from the upper left corner; `None` behind the camera.
     pub fn project(&self, point: [f32; 3], size: [u32; 2]) -> Option<[f32; 2]> {
         let [right, up, forward] = self.axes();
-        let d = sub(point, self.eye);
-        let depth = dot(d, forward);
+        let d = Vec3::from(point) - self.eye;
+        let depth = d.dot(forward);
         if !(depth > 0.0) {
             return None;
         }
         let [width, height] = size.map(|n| n as f32);
         let per_slope = 0.5 * height / (0.5 * self.fov_y_rad).tan();
         Some([
-            0.5 * width + dot(d, right) / depth * per_slope,
-            0.5 * height - dot(d, up) / depth * per_slope,
+            0.5 * width + d.dot(right) / depth * per_slope,
+            0.5 * height - d.dot(up) / depth * per_slope,
         ])
     }
 
     /// From eye to target.
     pub fn distance(&self) -> f32 {
-        length(sub(self.eye, self.target))
+        (self.eye - self.target).length()
     }
 
     /// Right, up and forward of the picture, unit.
-    pub fn axes(&self) -> [[f32; 3]; 3] {
-        let forward = unit(sub(self.target, self.eye), [0.0, 0.0, -1.0]);
-        let right = unit(cross(forward, self.up), [1.0, 0.0, 0.0]);
-        [right, cross(right, forward), forward]
+    pub fn axes(&self) -> [Vec3; 3] {
+        let forward = unit(self.target - self.eye, Vec3::NEG_Z);
+        let right = unit(forward.cross(self.up), Vec3::X);
+        [right, right.cross(forward), forward]
     }
 
     /// The distance before which nothing is seen.
@@ -197,41 +190,19 @@ impl Camera {
     }
 }
 
-fn unit(v: [f32; 3], otherwise: [f32; 3]) -> [f32; 3] {
-    let n = length(v);
+/// The direction at an azimuth around y and an elevation above the ground, both in radians.
+fn toward(azimuth: f32, elevation: f32) -> Vec3 {
+    let (a, e) = (azimuth, elevation);
+    Vec3::new(a.sin() * e.cos(), e.sin(), a.cos() * e.cos())
+}
+
+fn unit(v: Vec3, otherwise: Vec3) -> Vec3 {
+    let n = v.length();
     if n > 0.0 && n.is_finite() {
-        scale(v, 1.0 / n)
+        v * (1.0 / n)
     } else {
         otherwise
     }
-}
-
-pub(crate) fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-pub(crate) fn sub(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(crate) fn scale(a: [f32; 3], s: f32) -> [f32; 3] {
-    a.map(|x| x * s)
-}
-
-pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-pub(crate) fn length(a: [f32; 3]) -> f32 {
-    dot(a, a).sqrt()
 }
 
 #[cfg(test)]
@@ -277,8 +248,8 @@ mod tests {
             for i in 0..64 * 64 {
                 let (a, b) = ((i / 64) as f32 * 0.0982, (i % 64) as f32 * 0.0491 - 1.571);
                 let ray = [a.cos() * b.cos(), b.sin(), a.sin() * b.cos()];
-                let p = add(center, scale(ray, radius));
-                let [x, y] = camera.project(p, size).expect("in front");
+                let p = Vec3::from(center) + Vec3::from(ray) * radius;
+                let [x, y] = camera.project(p.into(), size).expect("in front");
                 for (x, n) in [(x, size[0]), (y, size[1])] {
                     nearest_edge = nearest_edge.min(x).min(n as f32 - x);
                 }
@@ -295,7 +266,7 @@ mod tests {
         assert_eq!(camera.target, same.target);
         let turned = camera.orbited(30.0, -10.0);
         let there = Camera::around(&bounds, 1.0, 40.0, 10.0);
-        let toward = |c: &Camera| scale(sub(c.eye, c.target), 1.0 / c.distance());
+        let toward = |c: &Camera| (c.eye - c.target) / c.distance();
         for k in 0..3 {
             assert!((toward(&turned)[k] - toward(&there)[k]).abs() < 1e-5);
         }

@@ -18,31 +18,20 @@ pub struct Gpu {
     pub device: Device,
     /// Where work goes.
     pub queue: Queue,
-    failure: Failure,
+    failure: Arc<Mutex<Failure>>,
 }
 
 /// What went wrong.
-#[derive(Debug, Clone, Default)]
-struct Failure(Arc<Mutex<Noted>>);
-
 #[derive(Debug, Default)]
-struct Noted {
+struct Failure {
     /// The first thing since it was last asked for.
     first: Option<String>,
     /// Stays, as a lost device does; what fails on it afterwards says less.
     lost: Option<String>,
 }
 
-impl Failure {
-    fn noted(&self) -> MutexGuard<'_, Noted> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn take(&self) -> Option<String> {
-        let mut noted = self.noted();
-        let first = noted.first.take();
-        noted.lost.clone().or(first)
-    }
+fn noted(failure: &Mutex<Failure>) -> MutexGuard<'_, Failure> {
+    failure.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Gpu {
@@ -69,14 +58,14 @@ impl Gpu {
             GpuError::NoAdapter(why) => RenderError::NoAdapter(why),
             error => error.into(),
         })?;
-        let failure = Failure::default();
-        let noted = failure.clone();
+        let failure = Arc::<Mutex<Failure>>::default();
+        let here = failure.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            noted.noted().first.get_or_insert(error.to_string());
+            noted(&here).first.get_or_insert(error.to_string());
         }));
-        let noted = failure.clone();
+        let here = failure.clone();
         device.set_device_lost_callback(move |_, text| {
-            noted.noted().lost.get_or_insert(format!("lost: {text}"));
+            noted(&here).lost.get_or_insert(format!("lost: {text}"));
         });
         Ok(Self {
             instance,
@@ -94,7 +83,9 @@ impl Gpu {
     pub fn check(&self) -> Result<(), RenderError> {
         // wgpu tells of a loss only where it is asked how far the device is.
         let _ = self.device.poll(wgpu::PollType::Poll);
-        match self.failure.take() {
+        let mut failure = noted(&self.failure);
+        let first = failure.first.take();
+        match failure.lost.clone().or(first) {
             Some(text) => Err(RenderError::Device(one_line(&text))),
             None => Ok(()),
         }
@@ -133,7 +124,7 @@ impl Gpu {
 }
 
 /// Text of several lines as one.
-fn one_line(text: &str) -> String {
+pub fn one_line(text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().collect();
     words.join(" ")
 }

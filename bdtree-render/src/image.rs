@@ -1,5 +1,6 @@
 //! Pictures in memory, and as PNG.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 /// A picture: rows from the top, four bytes per pixel (red, green, blue, opacity; sRGB).
@@ -104,27 +105,18 @@ impl Image {
         let mut encoder = png::Encoder::new(out, width, height);
         // Opaque pictures need no fourth byte.
         let is_opaque = self.pixels().iter().all(|p| p[3] == 255);
-        encoder.set_color(if is_opaque {
-            png::ColorType::Rgb
+        let (kind, bytes) = if is_opaque {
+            let rgb = self.pixels().iter().flat_map(|[r, g, b, _]| [*r, *g, *b]);
+            (png::ColorType::Rgb, Cow::Owned(rgb.collect()))
         } else {
-            png::ColorType::Rgba
-        });
+            (png::ColorType::Rgba, Cow::Borrowed(&self.pixels[..]))
+        };
+        encoder.set_color(kind);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         encoder.set_compression(png::Compression::High);
         let mut writer = encoder.write_header().map_err(io::Error::other)?;
-        if is_opaque {
-            let rgb: Vec<u8> = self
-                .pixels()
-                .iter()
-                .flat_map(|[r, g, b, _]| [*r, *g, *b])
-                .collect();
-            writer.write_image_data(&rgb).map_err(io::Error::other)?;
-        } else {
-            writer
-                .write_image_data(&self.pixels)
-                .map_err(io::Error::other)?;
-        }
+        writer.write_image_data(&bytes).map_err(io::Error::other)?;
         writer.finish().map_err(io::Error::other)
     }
 }

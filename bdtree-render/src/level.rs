@@ -1,8 +1,6 @@
 //! Spheres of a tree at q, where they are in the world.
 
-use std::ops::Range;
-
-use bdtree_format::{LANES, NodeRecord, ROW_RADIUS, SectionKind};
+use bdtree_format::{NodeRecord, ROW_RADIUS, SectionKind};
 use bdtree_runtime::{Asset, Datum, FormatError, Pose};
 
 /// The sphere of a node's lane.
@@ -65,11 +63,11 @@ impl NodeSphere {
                 continue; // `node_spheres` has said so
             };
             let rest = asset.node_rows(node)?.leading[ROW_RADIUS];
-            for lane in lanes(node) {
+            for lane in node.lanes() {
                 found.push(Self {
                     node: index,
                     lane,
-                    child: child(node, lane),
+                    child: node.child(lane),
                     center: map.point([0, 1, 2].map(|k| spheres.center[k][lane])),
                     radius: f64::from(spheres.radius[lane]) * map.scale(),
                     rest_radius: f64::from(rest[lane]) * map.scale(),
@@ -78,26 +76,6 @@ impl NodeSphere {
         }
         Ok(found)
     }
-}
-
-/// The lanes of a node that hold anything.
-fn lanes(node: &NodeRecord) -> impl Iterator<Item = usize> + use<> {
-    let used = node.inner_mask | node.leaf_mask;
-    (0..LANES).filter(move |lane| used >> lane & 1 != 0)
-}
-
-/// The node that an inner lane leads to.
-fn child(node: &NodeRecord, lane: usize) -> Option<u32> {
-    let bit = 1_u8 << lane;
-    let before = (node.inner_mask & (bit - 1)).count_ones();
-    (node.inner_mask & !node.leaf_mask & bit != 0).then(|| node.first_child.saturating_add(before))
-}
-
-/// The triangle slots of a leaf lane.
-fn slots(node: &NodeRecord, lane: usize) -> Range<usize> {
-    let counts = node.leaf_counts.map(usize::from);
-    let start = node.first_slot as usize + counts[..lane].iter().sum::<usize>();
-    start..start + counts[lane]
 }
 
 /// The vertices of the triangles below a lane, each once, ascending.
@@ -115,12 +93,15 @@ pub fn below(asset: &Asset<'_>, node: u32, lane: usize) -> Result<Vec<u32>, Form
         let (Some(node), true) = (node, visits <= asset.node_count()) else {
             return Err(bad_child(asset, index));
         };
-        for lane in lanes(node).filter(|lane| only.is_none_or(|only| only == *lane)) {
-            if let Some(child) = child(node, lane) {
+        for lane in node
+            .lanes()
+            .filter(|lane| only.is_none_or(|only| only == *lane))
+        {
+            if let Some(child) = node.child(lane) {
                 open.push((child, None));
                 continue;
             }
-            let Some(records) = asset.triangles().get(slots(node, lane)) else {
+            let Some(records) = asset.triangles().get(node.slots(lane)) else {
                 return Err(bad_child(asset, index));
             };
             vertices.extend(records.iter().flat_map(|record| record.corners));

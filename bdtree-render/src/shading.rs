@@ -1,6 +1,6 @@
 //! What a mesh is shaded by: normals, and where it is smooth.
 
-use crate::camera::{add, cross, dot, length, scale, sub};
+use glam::Vec3;
 
 /// Cosines of the angles (40 and 25 degrees) between a vertex's normal and that of its triangle which is
 /// farthest from it: from the one on it is a crease, up to the other it is smooth. A cube's edges have 45
@@ -11,26 +11,37 @@ const SMOOTH: f32 = 0.906;
 /// A unit normal per vertex: the sum of its triangles' normals, each as long as its area. Vertices
 /// without a triangle of any area get 0; corners that are no vertex are left out.
 pub fn normals(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
-    let mut sums = vec![[0.0_f32; 3]; positions.len()];
-    for corners in triangles {
-        let at = corners.map(|v| positions.get(v as usize));
-        let [Some(a), Some(b), Some(c)] = at else {
-            continue;
-        };
-        let normal = cross(sub(*b, *a), sub(*c, *a));
+    let mut sums = vec![Vec3::ZERO; positions.len()];
+    for (corners, normal) in triangle_normals(positions, triangles) {
         for v in corners {
-            sums[*v as usize] = add(sums[*v as usize], normal);
+            sums[v as usize] += normal;
         }
     }
-    for sum in &mut sums {
-        let n = length(*sum);
-        *sum = if n > 0.0 && n.is_finite() {
-            scale(*sum, 1.0 / n)
+    let unit = |sum: Vec3| {
+        let n = sum.length();
+        let is_sound = n > 0.0 && n.is_finite();
+        let unit = if is_sound {
+            sum * (1.0 / n)
         } else {
-            [0.0; 3]
+            Vec3::ZERO
         };
-    }
-    sums
+        unit.to_array()
+    };
+    sums.into_iter().map(unit).collect()
+}
+
+/// Triangles whose corners are vertices, and their normals, twice as long as their areas.
+fn triangle_normals(
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+) -> impl Iterator<Item = ([u32; 3], Vec3)> {
+    let at = |v: u32| positions.get(v as usize).map(|p| Vec3::from(*p));
+    triangles.iter().filter_map(move |corners| {
+        let [Some(a), Some(b), Some(c)] = corners.map(at) else {
+            return None;
+        };
+        Some((*corners, (b - a).cross(c - a)))
+    })
 }
 
 /// How smooth a mesh is at each vertex, 0 (a crease: each triangle is shaded by its own normal) to 1 (by
@@ -38,16 +49,11 @@ pub fn normals(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> 
 pub fn smoothness(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<f32> {
     let means = normals(positions, triangles);
     let mut least = vec![1.0_f32; positions.len()];
-    for corners in triangles {
-        let at = corners.map(|v| positions.get(v as usize));
-        let [Some(a), Some(b), Some(c)] = at else {
-            continue;
-        };
-        let normal = cross(sub(*b, *a), sub(*c, *a));
-        let n = length(normal);
+    for (corners, normal) in triangle_normals(positions, triangles) {
+        let n = normal.length();
         if n > 0.0 && n.is_finite() {
             for v in corners.map(|v| v as usize) {
-                least[v] = least[v].min(dot(normal, means[v]) / n);
+                least[v] = least[v].min(normal.dot(means[v].into()) / n);
             }
         }
     }

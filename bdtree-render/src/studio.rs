@@ -1,15 +1,13 @@
 //! Pictures in memory.
 
 use bdtree_runtime::Asset;
-use wgpu::{
-    CommandEncoderDescriptor, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
-};
+use wgpu::{TextureFormat, TextureUsages};
 
 use crate::camera::Camera;
 use crate::error::RenderError;
 use crate::gpu::Gpu;
 use crate::image::Image;
-use crate::renderer::{Mesh, Renderer, Scene, allows_picture, extent};
+use crate::renderer::{Mesh, Renderer, Scene, allows_picture, texture};
 use crate::skinned::SkinnedMesh;
 
 /// Samples per pixel.
@@ -73,17 +71,9 @@ impl Studio {
     ) -> Result<Image, RenderError> {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         allows_picture(device, size)?;
-        let texture = device.create_texture(&TextureDescriptor {
-            label: Some("picture"),
-            size: extent(size),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format: FORMAT,
-            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
+        let texture = texture(device, "picture", size, 1, FORMAT, usage);
+        let mut encoder = device.create_command_encoder(&Default::default());
         let view = texture.create_view(&Default::default());
         self.renderer
             .draw(device, queue, &mut encoder, &view, size, camera, scene)?;

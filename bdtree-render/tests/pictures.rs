@@ -8,9 +8,9 @@ const SIZE: [u32; 2] = [240, 160];
 /// Looks along −z at a box of [−1, 1]³ so that one unit at z = 0 is about `scale` pixels.
 fn camera() -> Camera {
     Camera {
-        eye: [0.0, 0.0, 10.0],
-        target: [0.0; 3],
-        up: [0.0, 1.0, 0.0],
+        eye: [0.0, 0.0, 10.0].into(),
+        target: [0.0; 3].into(),
+        up: [0.0, 1.0, 0.0].into(),
         fov_y_rad: 0.4,
     }
 }
@@ -303,6 +303,7 @@ fn numbers_that_are_none_draw_nothing() {
     assert!(
         Camera::around(&bounds, 1.5, 0.0, 0.0)
             .eye
+            .to_array()
             .iter()
             .all(|x| x.is_finite())
     );

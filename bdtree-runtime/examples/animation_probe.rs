@@ -1,35 +1,42 @@
-//! A stored animation plays while a probe moves through it: the nearest point, and contact.
-use bdtree_runtime::{Ball, Instance, Model, Workspace, include_bdt};
+//! A stored animation plays under a ball that stands still: how near the mesh comes, and when it touches.
+use bdtree_runtime::{Ball, Contact, Instance, Model, Workspace, include_bdt};
+
+/// Frames per second at which the game looks; the animation's own frames are none of its business.
+const LOOKS_PER_S: f64 = 50.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let model = Model::from_static(include_bdt!("../../fixtures/golden/animated.bdt"))?;
+    // A sheet of 1.6 by 1 mesh units whose waves are up to 0.2 high, in the repository's root:
+    // bdtree-build fixtures/wave/wave_00.obj --animation fixtures/wave.mdd --modes 2 -o bdtree-runtime/examples/wave.bdt
+    let model = Model::from_static(include_bdt!("wave.bdt"))?;
     let asset = model.asset();
-    let duration = asset
-        .duration_s()
-        .ok_or("the asset has no timed animation")?;
-    let mut body = Instance::new(&model)?;
+    let duration_s = asset.duration_s().ok_or("no timed animation")?;
+    let ball = Ball::new([0.3, 0.5, 0.25], 0.18);
+    println!(
+        "A ball of radius {} hangs over a sheet that waves for {duration_s:.2} s.",
+        ball.radius
+    );
+    println!("Lengths are mesh units.");
+
+    let mut sheet = Instance::new(&model)?;
     let mut workspace = Workspace::new();
     let mut q = vec![0.0; asset.mode_count()];
-    for step in 0..=12 {
-        let time = f64::from(step) * 0.25;
-        // The rigid motion that the bake took out of the frames comes back with q.
-        let motion = asset.sample(time % duration, &mut q)?;
-        body.set_pose(&q, motion)?;
-        // The probe circles the body, now closer, now farther away.
-        let (sphere, angle) = (body.bounding_sphere()?, 0.7 * f64::from(step));
-        let [x, y, z] = sphere.center;
-        let away = sphere.radius * (0.7 + 0.3 * angle.sin());
-        let probe = [x + away * angle.cos(), y, z + away * angle.sin()];
-        let mut query = body.query(&mut workspace);
-        let nearest = query.project_point(probe, f64::INFINITY)?;
-        let touches = query.intersects(Ball::new(probe, 0.25))?;
-        if let Some(nearest) = nearest {
-            println!(
-                "{time:4.2} s: {:.3} from triangle {}{}",
-                nearest.distance,
-                nearest.triangle.0,
-                if touches { ", touching" } else { "" }
-            );
+    let mut contacts: Vec<Contact> = Vec::new();
+    for look in 0..=10 {
+        let time_s = f64::from(look) / LOOKS_PER_S;
+        // The rigid motion that the bake took out of the frames, if it did, comes back with q.
+        let motion = asset.sample(time_s.min(duration_s), &mut q)?;
+        sheet.set_pose(&q, motion)?;
+        let mut query = sheet.query(&mut workspace);
+        let nearest = query.project_point(ball.center, f64::INFINITY)?;
+        let gap = nearest.map_or(f64::INFINITY, |nearest| nearest.distance - ball.radius);
+        contacts.clear();
+        query.contacts(ball, &mut contacts)?;
+        match contacts.len() {
+            0 => println!("At {time_s:.2} s the sheet is {gap:.3} away from the ball."),
+            n => println!(
+                "At {time_s:.2} s it is {:.3} deep in the ball, with {n} triangles.",
+                -gap
+            ),
         }
     }
     Ok(())

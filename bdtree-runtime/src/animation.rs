@@ -69,10 +69,6 @@ impl<'a> Asset<'a> {
     /// No animation, one whose frames have no times, a time that is NaN, `q` of another length than the asset
     /// has modes.
     pub fn sample(&self, time_s: f64, q: &mut [f32]) -> Result<Transform, SampleError> {
-        let (found, expected) = (q.len(), self.mode_count());
-        if found != expected {
-            return Err(SampleError::ModeCount { expected, found });
-        }
         if time_s.is_nan() {
             return Err(SampleError::Time);
         }
@@ -92,15 +88,34 @@ impl<'a> Asset<'a> {
                 .get(after)
                 .is_some_and(|record| time(record) > time_s),
         ));
-        let (Some(a), Some(b)) = (self.frame(before), self.frame(after)) else {
-            return Err(SampleError::NoFrames);
-        };
-        let span = time(b.record) - time(a.record);
+        let time = |frame: usize| self.frames.get(frame).map_or(0.0, time);
+        let span = time(after) - time(before);
         // Equal times, and those of damaged files that fall, stay at the first.
         let share = if span > 0.0 {
-            clamp((time_s - time(a.record)) / span, 0.0, 1.0)
+            clamp((time_s - time(before)) / span, 0.0, 1.0)
         } else {
             0.0
+        };
+        self.sample_between([before, after], share, q)
+    }
+
+    /// The pose of the animation between two of its frames, at 0 the first's and at 1 the second's, whatever
+    /// their times: what [`Asset::sample`] returns between them.
+    ///
+    /// # Errors
+    /// A frame that is not there, `q` of another length than the asset has modes.
+    pub fn sample_between(
+        &self,
+        frames: [usize; 2],
+        share: f64,
+        q: &mut [f32],
+    ) -> Result<Transform, SampleError> {
+        let (found, expected) = (q.len(), self.mode_count());
+        if found != expected {
+            return Err(SampleError::ModeCount { expected, found });
+        }
+        let [Some(a), Some(b)] = frames.map(|frame| self.frame(frame)) else {
+            return Err(SampleError::NoFrames);
         };
         for (q, (a, b)) in q.iter_mut().zip(a.q.iter().zip(b.q)) {
             // Exact where the two are equal, and never beyond them.

@@ -55,7 +55,7 @@ pub struct VerifyArguments {
     pub file: PathBuf,
     /// Print one JSON object: ok, errors [{section, byte, rule, expected, found}]; with --stress
     /// also stress {cases, seed, poses, vertices, kernels, violations, unbounded, tightest,
-    /// certainty_rel}
+    /// rounding_slack_rel}
     #[arg(long)]
     pub json: bool,
     /// Try the bounds as well: deformed vertices against the spheres above them, in exact

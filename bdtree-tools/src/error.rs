@@ -42,7 +42,7 @@ pub enum ToolError {
 
 impl ToolError {
     /// One problem with its place.
-    pub(crate) fn input(place: impl std::fmt::Display, message: impl std::fmt::Display) -> Self {
+    pub fn input(place: impl std::fmt::Display, message: impl std::fmt::Display) -> Self {
         Self::Input(vec![format!("{place}: {message}")])
     }
 }

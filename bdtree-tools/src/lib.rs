@@ -32,7 +32,7 @@ pub mod view;
 
 pub use asset_file::AssetFile;
 pub use error::ToolError;
-pub use output::write_whole;
+pub use output::{check_target, printable, write_whole};
 pub use parse::parse;
 pub use posture::posture;
 

@@ -2,9 +2,11 @@
 //! read back equal.
 
 use std::fmt;
-use std::fs::{self, OpenOptions, Permissions};
+use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+
+use serde::Serialize;
 
 use crate::error::ToolError;
 
@@ -52,6 +54,36 @@ impl Write for QuietPipe<'_> {
     }
 }
 
+/// One JSON value on a line of its own.
+pub(crate) fn write_json(out: &mut dyn Write, value: &impl Serialize) -> Result<(), ToolError> {
+    serde_json::to_writer(&mut *out, value).map_err(|e| ToolError::Stdout(e.into()))?;
+    writeln!(out).map_err(ToolError::Stdout)
+}
+
+/// Checks that a file may be written there: its extension is one of `known`, which people are told as `told`, and
+/// it is not the input.
+///
+/// # Errors
+/// What is wrong.
+pub fn check_target(
+    path: &Path,
+    input: &Path,
+    known: &[&str],
+    told: &str,
+) -> Result<(), ToolError> {
+    let extension = path.extension().unwrap_or_default();
+    if !known.iter().any(|e| extension.eq_ignore_ascii_case(e)) {
+        let message = format!("unknown extension: {told} can be written");
+        return Err(ToolError::input(path.display(), message));
+    }
+    let both = (path.canonicalize(), input.canonicalize());
+    if matches!(both, (Ok(to), Ok(from)) if to == from) {
+        let message = "is the input: it would be overwritten";
+        return Err(ToolError::input(path.display(), message));
+    }
+    Ok(())
+}
+
 /// Writes a file through a temporary one beside it, renamed when complete: a failed or killed
 /// run leaves no half file (a killed one the temporary file, `.bdtree-*.tmp`). Links are followed; a
 /// device or a pipe is written to and stays what it is.
@@ -63,12 +95,11 @@ pub fn write_whole(
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), ToolError> {
     let attempt = || {
-        if fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        let Some((mut file, target)) = temporary(path)? else {
             let mut writer = BufWriter::new(OpenOptions::new().write(true).open(path)?);
             content(&mut writer)?;
             return writer.flush();
-        }
-        let (mut file, target) = temporary(path)?;
+        };
         let mut writer = BufWriter::new(file.as_file_mut());
         content(&mut writer)?;
         writer.flush()?;
@@ -86,16 +117,16 @@ pub fn write_whole(
 /// [`ToolError::Write`].
 #[cfg(feature = "report")]
 pub(crate) fn check_writable(path: &Path) -> Result<(), ToolError> {
-    if fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
-        return Ok(());
-    }
-    temporary(path)
-        .map(drop)
-        .map_err(|error| write_error(path, &error))
+    let begun = temporary(path).map(drop);
+    begun.map_err(|error| write_error(path, &error))
 }
 
-/// A temporary file beside what `path` names, links followed; and that.
-fn temporary(path: &Path) -> io::Result<(tempfile::NamedTempFile, PathBuf)> {
+/// A temporary file beside what `path` names, links followed, and that; `None` where it is a device or a pipe,
+/// which is written to as it is.
+fn temporary(path: &Path) -> io::Result<Option<(tempfile::NamedTempFile, PathBuf)>> {
+    if fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        return Ok(None);
+    }
     let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
     let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -103,41 +134,22 @@ fn temporary(path: &Path) -> io::Result<(tempfile::NamedTempFile, PathBuf)> {
     };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".bdtree-").suffix(".tmp");
-    let permissions = permissions();
-    if let Some(permissions) = permissions {
-        builder.permissions(permissions);
-    }
+    // Those of a file that a program creates, before the user's mask; temporary files have fewer.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let file = builder.tempfile_in(folder)?;
-    Ok((file, target))
+    Ok(Some((file, target)))
 }
 
 fn write_error(path: &Path, error: &io::Error) -> ToolError {
+    // Without the name of the temporary file, which says nothing to anyone. (`tempfile` puts it behind the
+    // system's text, and hides the system's error number.)
+    let text = error.to_string();
+    let cause = text.split(" at path ").next().unwrap_or_default();
     ToolError::Write {
         path: path.to_path_buf(),
-        cause: cause(error),
+        cause: cause.to_string(),
     }
-}
-
-/// An error without the name of the temporary file, which says nothing to anyone. (`tempfile` puts
-/// it behind the system's text, and hides the system's error number.)
-fn cause(error: &io::Error) -> String {
-    let text = error.to_string();
-    match text.split_once(" at path ") {
-        Some((cause, _)) => cause.to_string(),
-        None => text,
-    }
-}
-
-/// Those of a file that a program creates, before the user's mask; temporary files have fewer.
-#[cfg(unix)]
-fn permissions() -> Option<Permissions> {
-    use std::os::unix::fs::PermissionsExt;
-    Some(Permissions::from_mode(0o666))
-}
-
-#[cfg(not(unix))]
-fn permissions() -> Option<Permissions> {
-    None
 }
 
 /// Characters at the start and at the end of long text that are shown.
@@ -172,46 +184,38 @@ impl fmt::Display for Shortest {
     }
 }
 
-/// Rows of cells as text with aligned columns: the first row is the heading, the first column
-/// is text and the others numbers.
-pub(crate) fn table(rows: &[Vec<String>]) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+/// A title, and below it rows of cells with aligned columns: the first row is the heading (commas between
+/// its cells), the first column is text and the others numbers.
+pub(crate) fn table<const N: usize>(
+    title: &str,
+    heading: &str,
+    rows: impl Iterator<Item = [String; N]>,
+) -> String {
+    let heading = heading.split(',').map(str::to_string).collect();
+    let rows: Vec<Vec<String>> = std::iter::once(heading)
+        .chain(rows.map(Vec::from))
+        .collect();
     let width = |c: usize| {
         rows.iter()
-            .filter_map(|row| row.get(c))
-            .map(|cell| cell.chars().count())
+            .map(|row| row[c].chars().count())
             .max()
             .unwrap_or(0)
     };
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let mut text = String::new();
-    for row in rows {
-        let cells: Vec<String> = row
-            .iter()
-            .enumerate()
-            .map(|(c, cell)| match c {
-                0 => format!("{cell:<0$}", widths[c]),
-                _ => format!("{cell:>0$}", widths[c]),
-            })
-            .collect();
-        text.push_str("  ");
-        text.push_str(cells.join("  ").trim_end());
-        text.push('\n');
-    }
-    text
+    let widths: Vec<usize> = (0..N).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).enumerate();
+        let cells = cells.map(|(c, (cell, width))| match c {
+            0 => format!("{cell:<width$}"),
+            _ => format!("{cell:>width$}"),
+        });
+        format!("  {}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    format!("{title}\n{}", rows.iter().map(line).collect::<String>())
 }
 
 /// Text for a terminal: control characters of names in files are replaced.
-pub(crate) fn printable(text: &str) -> String {
-    text.chars()
-        .map(|c| {
-            if c.is_control() {
-                char::REPLACEMENT_CHARACTER
-            } else {
-                c
-            }
-        })
-        .collect()
+pub fn printable(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
 }
 
 #[cfg(test)]

@@ -26,9 +26,9 @@ pub fn posture(
     }
     let q = q.map(|q| q.0.as_slice());
     let q = checked_q(q, asset, &name).map_err(|problems| {
-        let line = |problem: QProblem| match problem.mode {
-            Some(mode) => format!("--q: q[{mode}]: {}", problem.message),
-            None => format!("--q: {}", problem.message),
+        let line = |(mode, message): QProblem| match mode {
+            Some(mode) => format!("--q: q[{mode}]: {message}"),
+            None => format!("--q: {message}"),
         };
         ToolError::Input(problems.into_iter().map(line).collect())
     })?;

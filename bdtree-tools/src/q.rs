@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use bdtree_format::ModeRecord;
 use bdtree_runtime::Asset;
 
 /// Numbers separated by commas; the empty text is none.
@@ -19,23 +20,16 @@ impl FromStr for QText {
             .enumerate()
             .map(|(j, number)| {
                 let number = number.trim();
-                number
-                    .parse()
-                    .map_err(|_| format!("q[{j}]: \"{number}\" is not a number"))
+                let wrong = |_| format!("q[{j}]: \"{number}\" is not a number");
+                number.parse().map_err(wrong)
             })
             .collect::<Result<_, _>>()
             .map(Self)
     }
 }
 
-/// A problem with q: of one entry, or of the whole.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct QProblem {
-    /// Which entry.
-    pub(crate) mode: Option<usize>,
-    /// What is wrong.
-    pub(crate) message: String,
-}
+/// What is wrong with q, of one entry or of the whole.
+pub(crate) type QProblem = (Option<usize>, String);
 
 /// q as the runtime takes it: rounded to f32, as many as the asset has modes, finite and within
 /// the asset's limits. Absent: zeros.
@@ -52,45 +46,34 @@ pub(crate) fn checked_q(
         return Ok(vec![0.0; modes.len()]);
     };
     if q.len() != modes.len() {
-        return Err(vec![QProblem {
-            mode: None,
-            message: format!(
-                "q has {}, asset {asset_name} has {}",
-                counted(q.len(), "number"),
-                counted(modes.len(), "mode")
-            ),
-        }]);
+        let (found, expected) = (counted(q.len(), "number"), counted(modes.len(), "mode"));
+        let message = format!("q has {found}, asset {asset_name} has {expected}");
+        return Err(vec![(None, message)]);
     }
-    let problems: Vec<QProblem> = q
-        .iter()
-        .zip(modes)
-        .enumerate()
-        .filter_map(|(j, (x, mode))| {
-            let limit = mode.q_limit.get();
-            let message = if !x.is_finite() {
-                "not a finite number".to_string()
-            } else if !((*x as f32).abs() <= limit) {
-                format!("{x} is over the asset's limit of {limit}")
-            } else {
-                return None;
-            };
-            Some(QProblem {
-                mode: Some(j),
-                message,
-            })
-        })
-        .collect();
-    if problems.is_empty() {
-        Ok(q.iter().map(|x| *x as f32).collect())
-    } else {
-        Err(problems)
+    let wrong = |(j, (x, mode)): (usize, (&f64, &ModeRecord))| {
+        let limit = mode.q_limit.get();
+        let message = match x.is_finite() {
+            true if (*x as f32).abs() <= limit => return None,
+            true => format!("{x} is over the asset's limit of {limit}"),
+            false => "not a finite number".to_string(),
+        };
+        Some((Some(j), message))
+    };
+    let problems: Vec<QProblem> = q.iter().zip(modes).enumerate().filter_map(wrong).collect();
+    if !problems.is_empty() {
+        return Err(problems);
     }
+    Ok(q.iter().map(|x| *x as f32).collect())
 }
 
 /// `1 number`, `2 numbers`.
 pub(crate) fn counted(n: usize, what: &str) -> String {
-    let plural = if n == 1 { "" } else { "s" };
-    format!("{n} {what}{plural}")
+    match (n, what) {
+        (1, _) => format!("1 {what}"),
+        (_, "vertex") => format!("{n} vertices"),
+        (_, "query") => format!("{n} queries"),
+        _ => format!("{n} {what}s"),
+    }
 }
 
 #[cfg(test)]

@@ -1,10 +1,7 @@
 //! `bdtree report`: what each choice costs and buys for an asset, measured on the asset itself by
 //! [`bdtree_measure::report`].
 
-use std::ffi::OsStr;
 use std::io::Write;
-use std::ops::ControlFlow;
-use std::path::PathBuf;
 use std::time::Instant;
 
 use bdtree_measure::report::content::{Content, Margin};
@@ -14,7 +11,8 @@ use bdtree_runtime::{Asset, FormatError};
 pub use crate::cli::ReportArguments as Arguments;
 use crate::error::ToolError;
 use crate::info::Info;
-use crate::output::{check_writable, printable, write_whole};
+use crate::output::{check_target, check_writable, printable, write_json, write_whole};
+use crate::verify::broken_rules;
 use crate::{AssetFile, DONE, stress};
 
 /// Writes the report on a file.
@@ -22,14 +20,15 @@ use crate::{AssetFile, DONE, stress};
 /// # Errors
 /// A file that cannot be read or breaks the format's rules, an output that cannot be written.
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
-    let target = target(arguments)?;
+    let beside = arguments.file.with_extension("html");
+    // With `--json` alone there is no page.
+    let beside = (!arguments.json).then_some(beside);
+    let target = arguments.output.clone().or(beside);
+    if let Some(path) = &target {
+        check_target(path, &arguments.file, &["html", "htm"], ".html")?;
+    }
     let file = AssetFile::map(&arguments.file)?;
     if let Some(path) = &target {
-        let both = (path.canonicalize(), arguments.file.canonicalize());
-        if matches!(both, (Ok(to), Ok(from)) if to == from) {
-            let message = "is the input: it would be overwritten";
-            return Err(ToolError::input(path.display(), message));
-        }
         check_writable(path)?;
     }
     let content = content(&file, !arguments.no_verify)?;
@@ -38,8 +37,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
         write_whole(path, |w| w.write_all(page.as_bytes()))?;
     }
     if arguments.json {
-        serde_json::to_writer(&mut *out, &content).map_err(|e| ToolError::Stdout(e.into()))?;
-        writeln!(out).map_err(ToolError::Stdout)?;
+        write_json(out, &content)?;
         return Ok(DONE);
     }
     let advice = content.advice.iter().map(|a| &a.text);
@@ -52,36 +50,17 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     Ok(DONE)
 }
 
-/// Where the page goes: beside the file unless told otherwise; with `--json` alone there is none.
-fn target(arguments: &Arguments) -> Result<Option<PathBuf>, ToolError> {
-    match &arguments.output {
-        Some(path) => {
-            let is_html =
-                |e: &OsStr| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm");
-            if !path.extension().is_some_and(is_html) {
-                let message = "unknown extension: .html can be written";
-                return Err(ToolError::input(path.display(), message));
-            }
-            Ok(Some(path.clone()))
-        }
-        None if arguments.json => Ok(None),
-        None => Ok(Some(arguments.file.with_extension("html"))),
-    }
-}
-
 /// Checks a file and measures it; `verify`: checksums and records are checked too, which measuring follows.
 fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
     let start = Instant::now();
     let asset = file.checked_asset(verify)?;
-    let mut broken = None;
-    if verify {
-        asset.verify(&mut |error| {
-            broken = Some(error);
-            ControlFlow::Break(())
-        });
-    }
-    if let Some(error) = broken {
-        return Err(file.error(error));
+    let broken = if verify {
+        broken_rules(asset, 1)
+    } else {
+        Vec::new()
+    };
+    if let Some(error) = broken.first() {
+        return Err(file.error(*error));
     }
     let info = Info::of(file)?;
     let name = file.path().file_name().unwrap_or(file.path().as_os_str());
@@ -98,14 +77,12 @@ fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
 fn margin(asset: &Asset<'_>, cases: u64) -> Result<Margin, FormatError> {
     let options = stress::Options { cases, seed: 0 };
     let report = stress::run(asset, options, &|_| ())?;
-    let certainty = stress::certainty(asset, options.seed)?;
-    let tightest = report.tightest.as_ref();
+    let slack_rel = stress::rounding_slack(asset, options.seed)?;
+    let least = report.tightest.map(|tight| tight.margin_slacks);
     Ok(Margin {
         cases: report.cases,
         violations: report.violations.len(),
-        least: tightest
-            .map(stress::Tight::margin)
-            .filter(|margin| margin.is_finite()),
-        certainty_rel: Some(certainty).filter(|c| c.is_finite()),
+        least: least.filter(|margin| margin.is_finite()),
+        rounding_slack_rel: Some(slack_rel).filter(|c| c.is_finite()),
     })
 }

@@ -10,7 +10,8 @@ use serde_json::Value;
 
 pub use crate::cli::VerifyArguments as Arguments;
 use crate::error::ToolError;
-use crate::stress::{self, Stressed, Summary};
+use crate::output::write_json;
+use crate::stress::{self, Summary};
 use crate::{AssetFile, BAD_INPUT, DONE};
 
 /// Most broken rules that are listed.
@@ -70,10 +71,9 @@ pub fn broken_rules(asset: &Asset<'_>, limit: usize) -> Vec<FormatError> {
     let mut errors = Vec::new();
     asset.verify(&mut |error| {
         errors.push(error);
-        if errors.len() < limit {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
+        match errors.len() < limit {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
         }
     });
     errors
@@ -97,9 +97,9 @@ pub fn run(
             let stopped = errors.len() >= ERRORS_MAX;
             // Bounds that break a rule need not be tried.
             if arguments.stress && errors.is_empty() {
-                let stressed = stressed(&file, arguments)?;
-                errors.extend(&stressed.errors);
-                tried = Some(stressed.summary);
+                let summary;
+                (errors, summary) = stressed(&file, arguments)?;
+                tried = Some(summary);
             }
             for error in &errors {
                 let _ = writeln!(err, "{path}: {error}");
@@ -121,21 +121,23 @@ pub fn run(
             errors: errors.iter().map(BrokenRule::from).collect(),
             stress: tried,
         };
-        serde_json::to_writer(&mut *out, &report).map_err(|e| ToolError::Stdout(e.into()))?;
-        writeln!(out).map_err(ToolError::Stdout)?;
+        write_json(out, &report)?;
     } else {
         if ok {
             writeln!(out, "{path}: ok").map_err(ToolError::Stdout)?;
         }
         if let Some(tried) = tried {
-            writeln!(out, "{path}: {}", tried).map_err(ToolError::Stdout)?;
+            writeln!(out, "{path}: {tried}").map_err(ToolError::Stdout)?;
         }
     }
     Ok(if ok { DONE } else { BAD_INPUT })
 }
 
 /// Tries the bounds of a sound file.
-fn stressed(file: &AssetFile, arguments: &Arguments) -> Result<Stressed, ToolError> {
+fn stressed(
+    file: &AssetFile,
+    arguments: &Arguments,
+) -> Result<(Vec<FormatError>, Summary), ToolError> {
     let format = |error| file.error(error);
     let asset = file.asset();
     let options = stress::Options {
@@ -146,6 +148,7 @@ fn stressed(file: &AssetFile, arguments: &Arguments) -> Result<Stressed, ToolErr
     let bar = ProgressBar::new(options.cases);
     let report = stress::run(asset, options, &|cases| bar.inc(cases)).map_err(format)?;
     bar.finish_and_clear();
-    let certainty = stress::certainty(asset, options.seed).map_err(format)?;
-    Ok(Stressed::of(asset, options, &report, certainty))
+    let slack_rel = stress::rounding_slack(asset, options.seed).map_err(format)?;
+    let errors = report.errors(asset);
+    Ok((errors, report.summary(asset, options, slack_rel)))
 }

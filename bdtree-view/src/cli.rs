@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use bdtree_tools::deform::QText;
-use bdtree_tools::render::options::PictureSize;
+use bdtree_tools::render::options::{PictureSize, numbers};
 use clap::Parser;
 
 /// Opens a window on a .bdt file: sliders for q, its animation, spheres of its tree coloured by
@@ -58,12 +58,7 @@ impl FromStr for ProbeText {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text.split(',').map(|number| {
-            let number = number.trim();
-            let value = number.parse::<f64>().ok().filter(|x| x.is_finite());
-            value.ok_or_else(|| format!("\"{number}\" is not a number"))
-        });
-        let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
+        let numbers: Vec<f64> = numbers(text)?;
         match *numbers {
             [x, y, z, radius] if radius >= 0.0 => Ok(Self {
                 center: [x, y, z],

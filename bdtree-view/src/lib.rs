@@ -21,7 +21,8 @@ pub use panel::WIDTH as PANEL_WIDTH;
 use std::ffi::OsString;
 use std::io::Write;
 
-use bdtree_tools::{AssetFile, BAD_INPUT, DONE, ToolError, parse, posture};
+use bdtree_tools::render::check_level;
+use bdtree_tools::{AssetFile, BAD_INPUT, DONE, ToolError, check_target, parse, posture};
 
 use app::{App, Probe};
 
@@ -47,29 +48,14 @@ pub fn run(
 
 fn open(arguments: &Arguments) -> Result<(), ToolError> {
     if let Some(path) = &arguments.screenshot {
-        let problem = |what: &str| ToolError::Input(vec![format!("{}: {what}", path.display())]);
-        if !path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-        {
-            return Err(problem("unknown extension: .png can be written"));
-        }
-        let both = (path.canonicalize(), arguments.file.canonicalize());
-        if matches!(both, (Ok(to), Ok(from)) if to == from) {
-            return Err(problem("is the input: it would be overwritten"));
-        }
+        check_target(path, &arguments.file, &["png"], ".png")?;
     }
     let file = AssetFile::map(&arguments.file)?;
-    let asset = file.checked_asset(!arguments.no_verify)?;
+    file.checked_asset(!arguments.no_verify)?;
     let frame = arguments.frame.or(arguments.play.then_some(0));
     let posture = posture(&file, arguments.q.as_ref(), frame)?;
-    if let Some(level) = arguments.spheres
-        && level >= asset.depth()
-    {
-        let (levels, path) = (asset.depth(), file.path().display());
-        return Err(ToolError::Input(vec![format!(
-            "--spheres: {level} is out of range: asset {path} has {levels} levels, numbered from 0"
-        )]));
+    if let Some(level) = arguments.spheres {
+        check_level(&file, level)?;
     }
     let mut app = App::new(&file, posture)?;
     app.view.level = arguments.spheres;

@@ -2,10 +2,7 @@
 
 use bdtree_gpu::GpuError;
 use bdtree_render::{Gpu, RenderError, Renderer, Scene, SkinnedMesh};
-use wgpu::{
-    CommandEncoder, Extent3d, Texture, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages,
-};
+use wgpu::{CommandEncoder, Texture, TextureFormat, TextureUsages};
 
 use crate::app::{App, View};
 use crate::shapes::Shapes;
@@ -132,19 +129,7 @@ pub(crate) fn allows(gpu: &Gpu, size: [u32; 2]) -> Result<(), RenderError> {
     Ok(())
 }
 
-fn texture(gpu: &Gpu, [width, height]: [u32; 2]) -> Texture {
-    gpu.device.create_texture(&TextureDescriptor {
-        label: Some("scene"),
-        size: Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format: FORMAT,
-        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    })
+fn texture(gpu: &Gpu, size: [u32; 2]) -> Texture {
+    let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+    bdtree_render::texture(&gpu.device, "scene", size, 1, FORMAT, usage)
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use bdtree_render::one_line;
 use bdtree_tools::{ToolError, write_whole};
 use wgpu::{Instance, InstanceDescriptor};
 use winit::application::ApplicationHandler;
@@ -31,7 +32,8 @@ pub(crate) fn run(
     screenshot: Option<&Path>,
 ) -> Result<(), ToolError> {
     contained(|| {
-        let events = EventLoop::new().map_err(|error| problem("no window", reason(&error)))?;
+        let events =
+            EventLoop::new().map_err(|error| ToolError::input("no window", reason(&error)))?;
         events.set_control_flow(ControlFlow::Wait);
         let mut viewer = Viewer {
             app,
@@ -43,7 +45,7 @@ pub(crate) fn run(
         let result = events.run_app(&mut viewer);
         match viewer.failure {
             Some(failure) => Err(failure),
-            None => result.map_err(|error| problem("window", reason(&error))),
+            None => result.map_err(|error| ToolError::input("window", reason(&error))),
         }
     })
 }
@@ -71,23 +73,19 @@ impl Viewer<'_> {
 
     fn open(&mut self, events: &ActiveEventLoop) -> Result<Stage, ToolError> {
         let name = self.app.file().path().file_name().unwrap_or_default();
-        let name: String = name
-            .to_string_lossy()
-            .chars()
-            .filter(|c| !c.is_control())
-            .collect();
+        let name = name.to_string_lossy().replace(char::is_control, "");
         let [width, height] = self.size;
         let attributes = Window::default_attributes()
             .with_title(format!("{name} – bdtree"))
             .with_inner_size(PhysicalSize::new(width, height));
         let window = events
             .create_window(attributes)
-            .map_err(|e| problem("no window", reason(&e)))?;
+            .map_err(|e| ToolError::input("no window", reason(&e)))?;
         let display = Box::new(events.owned_display_handle());
         let instance = Instance::new(InstanceDescriptor::new_with_display_handle(display));
         let is_read = self.screenshot.is_some();
         let stage = Stage::new(instance, Arc::new(window), &self.app, is_read);
-        stage.map_err(|error| problem(self.app.file().path().display(), error))
+        stage.map_err(|error| ToolError::input(self.app.file().path().display(), error))
     }
 
     fn redraw(&mut self, events: &ActiveEventLoop) -> Result<(), ToolError> {
@@ -97,7 +95,7 @@ impl Viewer<'_> {
         let copies = self.screenshot.is_some() && stage.frame_count() >= SETTLED;
         let path = self.app.file().path();
         let after = stage.frame(&mut self.app, copies);
-        let after = after.map_err(|error| problem(path.display(), error))?;
+        let after = after.map_err(|error| ToolError::input(path.display(), error))?;
         if let (Some(copy), Some(path)) = (after.copy, &self.screenshot) {
             write_whole(path, |w| copy.write_png(w))?;
             events.exit();
@@ -134,7 +132,7 @@ impl ApplicationHandler for Viewer<'_> {
             WindowEvent::CloseRequested => events.exit(),
             WindowEvent::Destroyed => {
                 let path = self.app.file().path();
-                let result = Err(problem(path.display(), "the window was destroyed"));
+                let result = Err(ToolError::input(path.display(), "the window was destroyed"));
                 self.end_if::<()>(events, result);
             }
             WindowEvent::RedrawRequested => {
@@ -144,22 +142,18 @@ impl ApplicationHandler for Viewer<'_> {
             event => {
                 let Some(stage) = &mut self.stage else { return };
                 let path = self.app.file().path();
-                let result = stage.event(&event).map_err(|e| problem(path.display(), e));
+                let result = stage
+                    .event(&event)
+                    .map_err(|e| ToolError::input(path.display(), e));
                 self.end_if(events, result);
             }
         }
     }
 }
 
-fn problem(place: impl std::fmt::Display, message: impl std::fmt::Display) -> ToolError {
-    ToolError::Input(vec![format!("{place}: {message}")])
-}
-
 /// An error of winit without the place in its source: `os error at /…/mod.rs:765: no display`.
 fn reason(error: &impl std::fmt::Display) -> String {
-    let text = error.to_string();
-    let words: Vec<&str> = text.split_whitespace().collect();
-    let text = words.join(" ");
+    let text = one_line(&error.to_string());
     let of_os = text.strip_prefix("os error at ");
     let cause = of_os.and_then(|rest| rest.split_once(".rs:")?.1.split_once(": "));
     cause.map_or(text.clone(), |(_, cause)| cause.to_string())
@@ -180,8 +174,7 @@ fn contained<T>(f: impl FnOnce() -> Result<T, ToolError>) -> Result<T, ToolError
     panic::set_hook(before);
     result.unwrap_or_else(|_| {
         let heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
-        let words: Vec<&str> = heard.split_whitespace().collect();
-        Err(problem("window", words.join(" ")))
+        Err(ToolError::input("window", one_line(&heard)))
     })
 }
 

@@ -1,5 +1,7 @@
 //! Eight-wide nodes and their rows (SPEC 6).
 
+use core::ops::Range;
+
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// Child spheres of a node, stored side by side.
@@ -73,6 +75,29 @@ pub struct NodeRecord {
     pub level: u8,
     /// Binary exponents of the units in which the node's [`ModePair`]s count: Ū's, ΔR's and b±'s.
     pub scale_exponents: [i8; 3],
+}
+
+impl NodeRecord {
+    /// The lanes that hold anything.
+    pub fn lanes(&self) -> impl Iterator<Item = usize> + use<> {
+        let used = self.inner_mask | self.leaf_mask;
+        (0..LANES).filter(move |lane| used >> lane & 1 != 0)
+    }
+
+    /// The node that an inner lane leads to; in a file that nobody has verified there may be no such node.
+    pub fn child(&self, lane: usize) -> Option<u32> {
+        let bit = 1_u8 << lane;
+        let before = (self.inner_mask & (bit - 1)).count_ones();
+        (self.inner_mask & !self.leaf_mask & bit != 0)
+            .then(|| self.first_child.saturating_add(before))
+    }
+
+    /// The triangle slots of a leaf lane; as with [`NodeRecord::child`].
+    pub fn slots(&self, lane: usize) -> Range<usize> {
+        let counts = self.leaf_counts.map(usize::from);
+        let start = self.first_slot as usize + counts[..lane].iter().sum::<usize>();
+        start..start + counts[lane]
+    }
 }
 
 const _: () = assert!(size_of::<NodeRecord>() == 32);

@@ -77,10 +77,10 @@ fn vertices_stay_in_every_sphere_above_them() {
         let report = stress::run(asset, options, &no_progress).expect("a sound file");
         assert_eq!(report.cases, options.cases);
         sound(&report, name);
-        let tightest = report.tightest.as_ref().expect("a vertex").margin();
-        let certainty = stress::certainty(asset, seed).expect("a sound file");
+        let tightest = report.tightest.as_ref().expect("a vertex").margin_slacks;
+        let slack = stress::rounding_slack(asset, seed).expect("a sound file");
         println!(
-            "{name}: {} cases, {} q, {} vertices, {tightest:.4} slacks left, certainty {certainty:.1e}",
+            "{name}: {} cases, {} q, {} vertices, {tightest:.4} slacks left, rounding slack {slack:.1e}",
             report.cases, report.poses, report.vertices
         );
         tried += report.cases;
@@ -98,10 +98,10 @@ fn hard_q_by_hand() {
     }
 }
 
-/// What certainty costs where people use it: below a thousandth of the mean radius. Also with few and
+/// The rounding slack where people use it: below a thousandth of the mean radius. Also with few and
 /// with many modes, of sheets and of bodies: with one part of q̃, just before there are two, and with two.
 #[test]
-fn certainty_costs_little() {
+fn the_rounding_slack_is_small() {
     let mut checked = assets();
     for file in ["chair", "curtain", "torus"] {
         let mesh = read_mesh(&models::path(file)).expect("a fixture");
@@ -113,7 +113,7 @@ fn certainty_costs_little() {
     }
     for (name, model) in checked {
         let asset = model.asset();
-        let cost = stress::certainty(asset, 1).expect("a sound file");
+        let cost = stress::rounding_slack(asset, 1).expect("a sound file");
         println!("{name}, {} modes: {cost:.1e}", asset.mode_count());
         assert!(cost > 0.0 && cost < 1e-3, "{name}: {cost}");
     }
@@ -166,7 +166,7 @@ fn a_radius_that_is_too_small_is_found() {
     let report = stress::run(asset, options, &no_progress).expect("run");
     let tight = report.violations.first().expect("a vertex outside");
     assert_eq!((tight.node as usize, tight.lane), (node, lane));
-    assert!(tight.margin() < 0.0 && report.tightest.expect("one").margin() < 0.0);
+    assert!(tight.margin_slacks < 0.0 && report.tightest.expect("one").margin_slacks < 0.0);
 }
 
 /// Numbers that are none, where files should have some: a vertex lies in nothing, a sphere holds nothing.
@@ -189,7 +189,7 @@ fn what_is_not_a_number_is_found() {
         let report = stress::at(asset, &[0.01, -0.02, 0.0]).expect("a sound tree");
         assert_eq!(!report.violations.is_empty(), in_positions);
         assert_eq!(report.unbounded > 0, !in_positions);
-        let tightest = report.tightest.expect("a vertex").margin();
+        let tightest = report.tightest.expect("a vertex").margin_slacks;
         assert_eq!(tightest == f64::NEG_INFINITY, in_positions);
     }
 }

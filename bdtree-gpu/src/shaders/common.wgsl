@@ -19,6 +19,24 @@ const MATRIX_ROWS = 12u;
 // Fields on their way in, points on their way out: both are read and written in whole runs of memory.
 var<workgroup> staged: array<f32, 1600>;
 
+// What a workgroup does: 64 vertices from `first` on in its range, and a block of LANES instances.
+struct Work {
+    first: u32,
+    block: u32,
+}
+
+fn work_of(group: vec3<u32>, groups: vec3<u32>) -> Work {
+    let linear = group.x + group.y * groups.x;
+    let tiles = (params.count + 63u) / 64u;
+    return Work(64u * (linear % tiles), linear / tiles);
+}
+
+fn stage_all(t: u32, done: array<Lanes, 3>) {
+    stage(t, 0u, done[0]);
+    stage(t, 1u, done[1]);
+    stage(t, 2u, done[2]);
+}
+
 // What to multiply a vector with, one after the other, to make its length 1: two factors, so that no
 // length over- or underflows. Zeros for the zero vector, and for what is subnormal, above 2^125 or no number.
 fn unit_factors(x: Part, y: Part, z: Part) -> array<Part, 2> {

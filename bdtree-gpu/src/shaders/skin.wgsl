@@ -10,18 +10,15 @@ fn main(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) t: u32,
 ) {
-    let linear = group.x + group.y * groups.x;
-    let tiles = (params.count + 63u) / 64u;
-    let first = 64u * (linear % tiles);
-    let block = linear / tiles;
+    let work = work_of(group, groups);
+    let first = work.first;
+    let block = work.block;
     if (block * LANES >= instance_count()) {
         return;
     }
     let done = finish(block, local(t, first, block));
     workgroupBarrier();
-    stage(t, 0u, done[0]);
-    stage(t, 1u, done[1]);
-    stage(t, 2u, done[2]);
+    stage_all(t, done);
     workgroupBarrier();
     write_staged(t, block, first);
 }

@@ -241,7 +241,7 @@ pub struct Margin {
     /// rounding: above 0 it is inside, 1 where that addition was not touched.
     pub least: Option<f64>,
     /// What rounding adds to radii, over the mean radius at ± `q_range`; null where that says nothing.
-    pub certainty_rel: Option<f64>,
+    pub rounding_slack_rel: Option<f64>,
 }
 
 /// Times beside deform + refit.

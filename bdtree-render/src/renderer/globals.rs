@@ -1,13 +1,11 @@
 //! What all shaders share: the camera and the light.
 
-use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, Buffer, BufferDescriptor,
-    BufferUsages, Device, Queue,
-};
+use glam::{Mat4, Vec3, Vec4};
+use wgpu::{BindGroup, BindGroupLayout, Buffer, Device, Queue};
 use zerocopy::{Immutable, IntoBytes};
 
-use super::pipelines::uniform_layout;
-use crate::camera::{Camera, add, dot, length, scale};
+use super::pipelines::{uniform, uniform_layout};
+use crate::camera::Camera;
 
 /// The shader's `Globals`.
 #[derive(IntoBytes, Immutable)]
@@ -23,40 +21,20 @@ struct Record {
 #[derive(Debug)]
 pub(super) struct Globals {
     buffer: Buffer,
-    layout: BindGroupLayout,
-    group: BindGroup,
+    pub(super) layout: BindGroupLayout,
+    pub(super) group: BindGroup,
 }
 
 impl Globals {
     pub(super) fn new(device: &Device) -> Self {
-        let buffer = device.create_buffer(&BufferDescriptor {
-            label: Some("camera"),
-            size: size_of::<Record>() as u64,
-            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
         let layout = uniform_layout(device, "camera");
-        let group = device.create_bind_group(&BindGroupDescriptor {
-            label: Some("camera"),
-            layout: &layout,
-            entries: &[BindGroupEntry {
-                binding: 0,
-                resource: buffer.as_entire_binding(),
-            }],
-        });
+        let size = size_of::<Record>() as u64;
+        let (buffer, group) = uniform(device, &layout, "camera", size);
         Self {
             buffer,
             layout,
             group,
         }
-    }
-
-    pub(super) fn layout(&self) -> &BindGroupLayout {
-        &self.layout
-    }
-
-    pub(super) fn group(&self) -> &BindGroup {
-        &self.group
     }
 
     /// `encode`: the target takes colours as they are, so the shader makes them sRGB.
@@ -66,30 +44,23 @@ impl Globals {
         let slope = (0.5 * camera.fov_y_rad).tan();
         let aspect = size[0].max(1) as f32 / size[1].max(1) as f32;
         // Rows of view and projection together: x / slope, y / slope, near and depth.
-        let row = |axis: [f32; 3], by: f32| {
-            let [x, y, z] = scale(axis, by);
-            [x, y, z, -by * dot(axis, camera.eye)]
-        };
-        let rows = [
+        let row = |axis: Vec3, by: f32| (axis * by).extend(-by * axis.dot(camera.eye));
+        let rows = Mat4::from_cols(
             row(right, 1.0 / (slope * aspect)),
             row(up, 1.0 / slope),
-            [0.0, 0.0, 0.0, near],
+            Vec4::new(0.0, 0.0, 0.0, near),
             row(forward, 1.0),
-        ];
-        let columns = [0, 1, 2, 3].map(|k| [rows[0][k], rows[1][k], rows[2][k], rows[3][k]]);
-        // From above, left and before.
-        let light = add(
-            add(scale(right, -0.45), scale(up, 0.75)),
-            scale(forward, -0.6),
         );
-        let light = scale(light, 1.0 / length(light));
-        let with = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
+        // From above, left and before.
+        let light = right * -0.45 + up * 0.75 + forward * -0.6;
+        let light = light * (1.0 / light.length());
+        let encode = f32::from(u8::from(encode));
         let record = Record {
-            view_projection: columns,
-            eye: with(camera.eye, near),
-            forward: with(forward, f32::from(u8::from(encode))),
-            light: with(light, 0.0),
-            up: with(up, 0.0),
+            view_projection: rows.transpose().to_cols_array_2d(),
+            eye: camera.eye.extend(near).to_array(),
+            forward: forward.extend(encode).to_array(),
+            light: light.extend(0.0).to_array(),
+            up: up.extend(0.0).to_array(),
         };
         queue.write_buffer(&self.buffer, 0, record.as_bytes());
     }

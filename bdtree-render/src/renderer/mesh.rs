@@ -1,11 +1,12 @@
 //! A mesh in memory of the device.
 
 use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, Buffer, BufferDescriptor,
-    BufferUsages, Device, IndexFormat, Queue, RenderPass, RenderPipeline,
+    BindGroup, BindGroupLayout, Buffer, BufferDescriptor, BufferUsages, Device, IndexFormat, Queue,
+    RenderPass, RenderPipeline,
 };
 use zerocopy::IntoBytes;
 
+use super::pipelines::uniform;
 use crate::error::RenderError;
 use crate::gpu::Gpu;
 use crate::shading;
@@ -39,31 +40,11 @@ impl Mesh {
         let bytes = 12 * rest.len() as u64;
         let positions = buffer(device, "positions of vertices", bytes)?;
         let normals = buffer(device, "normals of vertices", bytes)?;
+        let corners = triangles.as_bytes();
+        let indices = filled(device, "corners of triangles", corners, BufferUsages::INDEX)?;
         let smoothness = shading::smoothness(rest, triangles);
-        let smoothness = filled(
-            device,
-            "smoothness of vertices",
-            smoothness.as_bytes(),
-            BufferUsages::VERTEX,
-        )?;
-        let corners = triangles.as_flattened();
-        let indices = filled(
-            device,
-            "corners of triangles",
-            corners.as_bytes(),
-            BufferUsages::INDEX,
-        )?;
-        let (look, group) = look(device, layout);
-        Ok(Self {
-            positions,
-            normals,
-            smoothness,
-            indices,
-            index_count: corners.len() as u32,
-            look,
-            group,
-            colour: COLOUR,
-        })
+        let buffers = [&positions, &normals, &indices];
+        Self::of_buffers(device, layout, buffers, &smoothness, triangles.len() as u32)
     }
 
     /// A mesh whose positions, normals (three f32 per vertex, packed) and corners (u32) are kept by others,
@@ -75,13 +56,9 @@ impl Mesh {
         smoothness: &[f32],
         triangle_count: u32,
     ) -> Result<Self, RenderError> {
-        let smoothness = filled(
-            device,
-            "smoothness of vertices",
-            smoothness.as_bytes(),
-            BufferUsages::VERTEX,
-        )?;
-        let (look, group) = look(device, layout);
+        let what = "smoothness of vertices";
+        let smoothness = filled(device, what, smoothness.as_bytes(), BufferUsages::VERTEX)?;
+        let (look, group) = uniform(device, layout, "colour", 16);
         Ok(Self {
             positions: positions.clone(),
             normals: normals.clone(),
@@ -124,25 +101,6 @@ impl Mesh {
         pass.set_index_buffer(self.indices.slice(..), IndexFormat::Uint32);
         pass.draw_indexed(0..self.index_count, 0, 0..1);
     }
-}
-
-/// The buffer of a colour and the group that shaders see it in.
-fn look(device: &Device, layout: &BindGroupLayout) -> (Buffer, BindGroup) {
-    let look = device.create_buffer(&BufferDescriptor {
-        label: Some("colour"),
-        size: 16,
-        usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let group = device.create_bind_group(&BindGroupDescriptor {
-        label: Some("colour"),
-        layout,
-        entries: &[BindGroupEntry {
-            binding: 0,
-            resource: look.as_entire_binding(),
-        }],
-    });
-    (look, group)
 }
 
 /// A vertex buffer that is written later.

@@ -12,6 +12,7 @@ mod targets;
 
 pub use mesh::Mesh;
 pub use shapes::{Line, Sphere};
+pub use targets::texture;
 pub(crate) use targets::{allows_picture, extent};
 
 use wgpu::{
@@ -59,7 +60,7 @@ impl Renderer {
     pub fn new(device: &Device, format: TextureFormat, samples: u32) -> Self {
         let globals = Globals::new(device);
         Self {
-            pipelines: Pipelines::new(device, globals.layout(), format, samples),
+            pipelines: Pipelines::new(device, &globals.layout, format, samples),
             globals,
             format,
             samples,
@@ -155,7 +156,7 @@ impl Renderer {
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        pass.set_bind_group(0, self.globals.group(), &[]);
+        pass.set_bind_group(0, &self.globals.group, &[]);
         for mesh in scene.meshes {
             mesh.draw(queue, &mut pass, &self.pipelines.mesh);
         }
@@ -227,29 +228,25 @@ impl Growing {
         items: &[T],
     ) -> Result<(), RenderError> {
         let bytes = items.as_bytes();
-        if bytes.is_empty() {
+        let needed = bytes.len() as u64;
+        if needed == 0 {
             return Ok(());
         }
-        let needed = bytes.len() as u64;
-        if self
-            .buffer
-            .as_ref()
-            .is_none_or(|buffer| buffer.size() < needed)
-        {
-            Gpu::allows_buffer(device, self.what, needed)?;
-            let size = needed
-                .next_power_of_two()
-                .min(device.limits().max_buffer_size);
-            self.buffer = Some(device.create_buffer(&BufferDescriptor {
-                label: Some(self.what),
-                size,
-                usage: BufferUsages::VERTEX | BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }));
-        }
-        if let Some(buffer) = &self.buffer {
-            queue.write_buffer(buffer, 0, bytes);
-        }
+        let fits = |buffer: &Buffer| buffer.size() >= needed;
+        let buffer = match self.buffer.take().filter(fits) {
+            Some(buffer) => buffer,
+            None => {
+                Gpu::allows_buffer(device, self.what, needed)?;
+                let most = device.limits().max_buffer_size;
+                device.create_buffer(&BufferDescriptor {
+                    label: Some(self.what),
+                    size: needed.next_power_of_two().min(most),
+                    usage: BufferUsages::VERTEX | BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                })
+            }
+        };
+        queue.write_buffer(self.buffer.insert(buffer), 0, bytes);
         Ok(())
     }
 }

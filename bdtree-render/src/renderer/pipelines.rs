@@ -1,8 +1,9 @@
 //! The pipelines: one each for meshes, opaque and translucent spheres, and lines.
 
 use wgpu::{
-    BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BlendState,
-    BufferBindingType, ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, Device,
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
+    BindGroupLayoutEntry, BindingType, BlendState, Buffer, BufferBindingType, BufferDescriptor,
+    BufferUsages, ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, Device,
     FragmentState, MultisampleState, PipelineLayoutDescriptor, PrimitiveState, PrimitiveTopology,
     RenderPipeline, RenderPipelineDescriptor, ShaderModule, ShaderStages, TextureFormat,
     VertexBufferLayout, VertexState, VertexStepMode, vertex_attr_array,
@@ -164,4 +165,28 @@ pub(super) fn uniform_layout(device: &Device, label: &str) -> BindGroupLayout {
             count: None,
         }],
     })
+}
+
+/// A uniform buffer of so many bytes and the group that shaders see it in.
+pub(super) fn uniform(
+    device: &Device,
+    layout: &BindGroupLayout,
+    label: &str,
+    size: u64,
+) -> (Buffer, BindGroup) {
+    let buffer = device.create_buffer(&BufferDescriptor {
+        label: Some(label),
+        size,
+        usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let group = device.create_bind_group(&BindGroupDescriptor {
+        label: Some(label),
+        layout,
+        entries: &[BindGroupEntry {
+            binding: 0,
+            resource: buffer.as_entire_binding(),
+        }],
+    });
+    (buffer, group)
 }

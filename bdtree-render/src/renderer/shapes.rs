@@ -2,7 +2,7 @@
 
 use zerocopy::{Immutable, IntoBytes};
 
-use crate::camera::{Camera, length, sub};
+use crate::camera::Camera;
 
 /// A sphere to draw.
 #[derive(Debug, Clone, Copy, PartialEq, IntoBytes, Immutable)]
@@ -47,7 +47,7 @@ pub(super) fn sphere_instances(spheres: &[Sphere], camera: &Camera) -> (Vec<Sphe
     let mut keyed: Vec<(f32, Sphere)> = translucent
         .into_iter()
         .filter(|sphere| sphere.colour[3] > 0)
-        .map(|s| (length(sub(s.center, camera.eye)) - s.radius, s))
+        .map(|s| (camera.eye.distance(s.center.into()) - s.radius, s))
         .collect();
     keyed.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.extend(keyed.into_iter().map(|(_, sphere)| sphere));
@@ -55,12 +55,9 @@ pub(super) fn sphere_instances(spheres: &[Sphere], camera: &Camera) -> (Vec<Sphe
 }
 
 pub(super) fn line_ends(lines: &[Line]) -> Vec<LineEnd> {
-    let end = |line: &Line, k: usize| LineEnd {
-        position: line.ends[k],
-        colour: line.colour,
+    let ends = |line: &Line| {
+        let colour = line.colour;
+        line.ends.map(|position| LineEnd { position, colour })
     };
-    lines
-        .iter()
-        .flat_map(|line| [end(line, 0), end(line, 1)])
-        .collect()
+    lines.iter().flat_map(ends).collect()
 }

@@ -1,7 +1,7 @@
 //! Textures that drawing needs beside its target: depth, and samples.
 
 use wgpu::{
-    Device, Extent3d, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
+    Device, Extent3d, Texture, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages,
     TextureView,
 };
 
@@ -25,16 +25,8 @@ impl Targets {
     ) -> Result<Self, RenderError> {
         allows_picture(device, size)?;
         let texture = |label, format| {
-            let texture = device.create_texture(&TextureDescriptor {
-                label: Some(label),
-                size: extent(size),
-                mip_level_count: 1,
-                sample_count: samples,
-                dimension: TextureDimension::D2,
-                format,
-                usage: TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            });
+            let usage = TextureUsages::RENDER_ATTACHMENT;
+            let texture = texture(device, label, size, samples, format, usage);
             texture.create_view(&Default::default())
         };
         Ok(Self {
@@ -43,6 +35,27 @@ impl Targets {
             samples: (samples > 1).then(|| texture("samples", format)),
         })
     }
+}
+
+/// A texture of `size` pixels.
+pub fn texture(
+    device: &Device,
+    label: &str,
+    size: [u32; 2],
+    sample_count: u32,
+    format: TextureFormat,
+    usage: TextureUsages,
+) -> Texture {
+    device.create_texture(&TextureDescriptor {
+        label: Some(label),
+        size: extent(size),
+        mip_level_count: 1,
+        sample_count,
+        dimension: TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
 }
 
 pub(crate) fn extent([width, height]: [u32; 2]) -> Extent3d {

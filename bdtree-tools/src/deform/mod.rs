@@ -3,14 +3,14 @@
 mod npy;
 mod obj;
 
-use std::ffi::OsStr;
 use std::io::Write;
+use std::path::PathBuf;
 
 use bdtree_runtime::{Pose, TriangleId, VertexId};
 
 pub use crate::cli::DeformArguments as Arguments;
 use crate::error::ToolError;
-use crate::output::write_whole;
+use crate::output::{check_target, write_whole};
 use crate::posture::posture;
 pub use crate::q::QText;
 use crate::{AssetFile, DONE};
@@ -22,23 +22,8 @@ use crate::{AssetFile, DONE};
 /// A file that cannot be read or breaks the format's rules, q or a frame that does not fit it, an
 /// output that cannot be written.
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
-    let target = match &arguments.output {
-        None => None,
-        Some(path) => Some(match path.extension().and_then(OsStr::to_str) {
-            Some(e) if e.eq_ignore_ascii_case("obj") => (path, false),
-            Some(e) if e.eq_ignore_ascii_case("npy") => (path, true),
-            _ => {
-                let message = "unknown extension: .obj or .npy can be written";
-                return Err(ToolError::input(path.display(), message));
-            }
-        }),
-    };
-    if let Some((path, _)) = target {
-        let both = (path.canonicalize(), arguments.file.canonicalize());
-        if matches!(both, (Ok(to), Ok(from)) if to == from) {
-            let message = "is the input: it would be overwritten";
-            return Err(ToolError::input(path.display(), message));
-        }
+    if let Some(path) = &arguments.output {
+        check_target(path, &arguments.file, &["obj", "npy"], ".obj or .npy")?;
     }
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;
@@ -53,16 +38,18 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
         .pose(&q, transform, &mut memory)
         .map_err(|error| ToolError::input(option, error))?;
     let positions = deformed(&file, &pose)?;
-    match target {
-        None => {
-            let triangles = triangles(&file)?;
-            obj::write(asset, &positions, &triangles, out).map_err(ToolError::Stdout)?;
-        }
-        Some((path, true)) => write_whole(path, |w| npy::write(&positions, w))?,
-        Some((path, false)) => {
-            let triangles = triangles(&file)?;
-            write_whole(path, |w| obj::write(asset, &positions, &triangles, w))?;
-        }
+    let is_npy = |path: &&PathBuf| {
+        path.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
+    };
+    if let Some(path) = arguments.output.as_ref().filter(is_npy) {
+        write_whole(path, |w| npy::write(&positions, w))?;
+        return Ok(DONE);
+    }
+    let triangles = triangles(&file)?;
+    match &arguments.output {
+        None => obj::write(asset, &positions, &triangles, out).map_err(ToolError::Stdout)?,
+        Some(path) => write_whole(path, |w| obj::write(asset, &positions, &triangles, w))?,
     }
     Ok(DONE)
 }

@@ -6,7 +6,7 @@ use std::fmt;
 const EXAMPLES_MAX: usize = 5;
 
 /// One kind of difference.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Difference {
     /// What differs, such as `section VERT: rest positions`.
     pub what: String,
@@ -23,6 +23,8 @@ pub struct Difference {
 /// Everything that differs between two files.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Findings {
+    /// Numbers may differ by this over their scale; 0: their bits are equal.
+    pub(super) tolerance_rel: f64,
     /// By kind, in file order.
     pub differences: Vec<Difference>,
     /// Largest difference over its scale among the numbers that count as equal.
@@ -38,14 +40,13 @@ impl Findings {
     }
 
     /// Compares one thing.
-    pub(super) fn compare<T: PartialEq + fmt::Debug>(&mut self, what: &str, a: T, b: T) {
+    pub(super) fn compare<T: PartialEq + fmt::Debug>(&mut self, what: &str, [a, b]: [T; 2]) {
         if a != b {
             self.differences.push(Difference {
                 what: what.to_string(),
                 count: 1,
-                compared: 0,
-                largest_rel: None,
                 examples: vec![format!("{a:?} and {b:?}")],
+                ..Difference::default()
             });
         }
     }
@@ -55,15 +56,12 @@ impl Findings {
         &mut self,
         what: &str,
         element: &str,
-        a: &[T],
-        b: &[T],
+        [a, b]: [&[T]; 2],
     ) -> bool {
         let mut difference = Difference {
             what: what.to_string(),
-            count: 0,
             compared: a.len().min(b.len()) as u64,
-            largest_rel: None,
-            examples: Vec::new(),
+            ..Difference::default()
         };
         for (i, (a, b)) in a.iter().zip(b).enumerate() {
             if a != b {
@@ -73,6 +71,19 @@ impl Findings {
         let same = difference.count == 0;
         self.add(difference);
         same
+    }
+
+    /// Numbers to be compared, whose differences are measured against `scale`.
+    pub(super) fn numbers(&self, what: impl Into<String>, scale: f64) -> Numbers {
+        Numbers {
+            tolerance_rel: self.tolerance_rel,
+            scale,
+            largest_tolerated: 0.0,
+            difference: Difference {
+                what: what.into(),
+                ..Difference::default()
+            },
+        }
     }
 
     /// Adds a kind if it was met.
@@ -115,7 +126,6 @@ impl fmt::Display for Difference {
 /// Compares numbers of one quantity.
 #[derive(Debug)]
 pub(super) struct Numbers {
-    /// |a − b| over the scale may be this; 0: the bits are equal.
     tolerance_rel: f64,
     scale: f64,
     largest_tolerated: f64,
@@ -123,22 +133,6 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    /// Numbers whose differences are measured against `scale`.
-    pub(super) fn new(what: String, tolerance_rel: f64, scale: f64) -> Self {
-        Self {
-            tolerance_rel,
-            scale,
-            largest_tolerated: 0.0,
-            difference: Difference {
-                what,
-                count: 0,
-                compared: 0,
-                largest_rel: None,
-                examples: Vec::new(),
-            },
-        }
-    }
-
     /// Compares two numbers at a place.
     pub(super) fn compare(&mut self, a: f64, b: f64, place: impl FnOnce() -> String) {
         self.compare_rounded(a, b, 0.0, place);

@@ -2,12 +2,12 @@
 
 use bdtree_runtime::{AnimationFrame, Asset};
 
-use super::findings::{Findings, Numbers, largest};
+use super::findings::{Findings, largest};
 use super::numbers::mesh_size;
 
 /// Compares two animations of as many frames and modes. An unknown time equals only an unknown
 /// one.
-pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, tolerance_rel: f64, findings: &mut Findings) {
+pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
     let frames: Vec<(AnimationFrame<'_>, AnimationFrame<'_>)> = (0..a.frame_count())
         .filter_map(|k| Some((a.frame(k)?, b.frame(k)?)))
         .collect();
@@ -16,10 +16,10 @@ pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, tolerance_rel: f64, findings
             frames.iter().map(|(x, y)| (values(x), values(y))).collect();
         let scale = largest(pairs.iter().flat_map(|(x, y)| x.iter().chain(y)).copied());
         let scale = scale.max(size);
-        let mut numbers = Numbers::new(what.to_string(), tolerance_rel, scale);
+        let mut numbers = findings.numbers(what, scale);
         for (k, (x, y)) in pairs.iter().enumerate() {
             if x.len() != y.len() {
-                findings.compare(&format!("{what}: known or not, frame {k}"), x, y);
+                findings.compare(&format!("{what}: known or not, frame {k}"), [x, y]);
             }
             for (i, (x, y)) in x.iter().zip(y).enumerate() {
                 numbers.compare(*x, *y, || format!("frame {k} [{i}]"));
@@ -40,12 +40,7 @@ pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, tolerance_rel: f64, findings
     });
     for j in 0..a.mode_count() {
         quantity(&format!("section FRMQ: q of mode {j}"), 0.0, &|frame| {
-            frame
-                .q()
-                .get(j)
-                .map(|q| f64::from(*q))
-                .into_iter()
-                .collect()
+            vec![f64::from(frame.q()[j])]
         });
     }
 }

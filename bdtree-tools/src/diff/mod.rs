@@ -48,11 +48,14 @@ pub fn compare(
     let (a, b) = (file_a.asset(), file_b.asset());
     let metadata_a = info::metadata(file_a)?;
     let metadata_b = info::metadata(file_b)?;
-    let mut findings = Findings::default();
+    let mut findings = Findings {
+        tolerance_rel,
+        ..Findings::default()
+    };
     let comparable = structure::compare(a, b, &mut findings);
-    numbers::compare_header(a, b, tolerance_rel, &mut findings);
+    numbers::compare_header(a, b, &mut findings);
     if comparable.modes {
-        numbers::compare_modes(a, b, tolerance_rel, &mut findings);
+        numbers::compare_modes(a, b, &mut findings);
     }
     if comparable.rows {
         for file in [file_a, file_b] {
@@ -63,17 +66,17 @@ pub fn compare(
                 inside.map_err(|error| file.error(error))?;
             }
         }
-        numbers::compare_rows(a, b, tolerance_rel, &mut findings)
-            .map_err(|error| file_a.error(error))?;
+        let rows = numbers::compare_rows(a, b, &mut findings);
+        rows.map_err(|error| file_a.error(error))?;
     }
     if comparable.vertices {
-        numbers::compare_positions(a, b, tolerance_rel, &mut findings);
+        numbers::compare_positions(a, b, &mut findings);
     }
     if comparable.modes {
-        numbers::compare_displacements([file_a, file_b], tolerance_rel, &mut findings)?;
+        numbers::compare_displacements([file_a, file_b], &mut findings)?;
     }
     if comparable.frames {
-        frames::compare(a, b, tolerance_rel, &mut findings);
+        frames::compare(a, b, &mut findings);
     }
     for (what, compared) in [
         ("rest positions", comparable.vertices),
@@ -86,12 +89,10 @@ pub fn compare(
             findings.notes.push(note);
         }
     }
-    metadata::compare(
-        metadata_a.as_ref(),
-        metadata_b.as_ref(),
-        tolerance_rel,
-        &mut findings,
-    );
+    // The section tables differ where only one has metadata.
+    if let (Some(a), Some(b)) = (&metadata_a, &metadata_b) {
+        metadata::compare(a, b, &mut findings);
+    }
     Ok(findings)
 }
 
@@ -102,14 +103,12 @@ fn print(findings: &Findings, out: &mut dyn Write) -> std::io::Result<()> {
     for difference in &findings.differences {
         writeln!(out, "{difference}")?;
     }
-    if findings.is_same() {
-        match findings.tolerated_rel {
-            0.0 => writeln!(out, "same")?,
-            rel => writeln!(
-                out,
-                "same: numbers differ by at most {rel:e} of their scale"
-            )?,
-        }
+    match findings.tolerated_rel {
+        _ if !findings.is_same() => Ok(()),
+        0.0 => writeln!(out, "same"),
+        rel => writeln!(
+            out,
+            "same: numbers differ by at most {rel:e} of their scale"
+        ),
     }
-    Ok(())
 }

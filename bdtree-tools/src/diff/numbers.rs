@@ -18,15 +18,10 @@ use crate::AssetFile;
 use crate::error::ToolError;
 
 /// Compares the header's real numbers.
-pub(super) fn compare_header(
-    a: &Asset<'_>,
-    b: &Asset<'_>,
-    tolerance_rel: f64,
-    findings: &mut Findings,
-) {
+pub(super) fn compare_header(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
     let sizes = [mesh_size(a), mesh_size(b)];
     let scale = largest(a.origin().into_iter().chain(b.origin()).chain(sizes));
-    let mut numbers = Numbers::new("header: origin".to_string(), tolerance_rel, scale);
+    let mut numbers = findings.numbers("header: origin", scale);
     for (axis, (x, y)) in a.origin().into_iter().zip(b.origin()).enumerate() {
         numbers.compare(x, y, || format!("[{axis}]"));
     }
@@ -34,8 +29,7 @@ pub(super) fn compare_header(
 
     let norm = |header: &Header| f64::from(header.position_norm_max.get());
     let (x, y) = (norm(a.header()), norm(b.header()));
-    let what = "header: position_norm_max".to_string();
-    let mut numbers = Numbers::new(what, tolerance_rel, largest([x, y]));
+    let mut numbers = findings.numbers("header: position_norm_max", largest([x, y]));
     numbers.compare(x, y, || "stored units".to_string());
     numbers.finish(findings);
 }
@@ -46,12 +40,7 @@ pub(super) fn mesh_size(asset: &Asset<'_>) -> f64 {
 }
 
 /// Compares the mode tables. An unknown frequency or mass (−1) equals only an unknown one.
-pub(super) fn compare_modes(
-    a: &Asset<'_>,
-    b: &Asset<'_>,
-    tolerance_rel: f64,
-    findings: &mut Findings,
-) {
+pub(super) fn compare_modes(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
     type Column = (&'static str, fn(&ModeRecord) -> f64);
     let columns: [Column; 6] = [
         ("q_limit", |m| m.q_limit.get().into()),
@@ -64,13 +53,13 @@ pub(super) fn compare_modes(
     for (name, value) in columns {
         let scale = largest(a.modes().iter().chain(b.modes()).map(value));
         let what = format!("mode table: {name}");
-        let mut numbers = Numbers::new(what.clone(), tolerance_rel, scale);
+        let mut numbers = findings.numbers(&what, scale);
         for (j, (x, y)) in a.modes().iter().zip(b.modes()).enumerate() {
             let (x, y) = (value(x), value(y));
             if (x == -1.0) == (y == -1.0) {
                 numbers.compare(x, y, || format!("mode {j}"));
             } else {
-                findings.compare(&format!("{what}: known or not, mode {j}"), x, y);
+                findings.compare(&format!("{what}: known or not, mode {j}"), [x, y]);
             }
         }
         numbers.finish(findings);
@@ -78,24 +67,21 @@ pub(super) fn compare_modes(
 }
 
 /// Compares rest positions.
-pub(super) fn compare_positions(
-    a: &Asset<'_>,
-    b: &Asset<'_>,
-    tolerance_rel: f64,
-    findings: &mut Findings,
-) {
+pub(super) fn compare_positions(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
     let all = |asset: &Asset<'_>| largest(asset.positions().as_flattened().iter().map(widen));
     let scale = largest([all(a), all(b)]);
-    let what = "section VERT: rest positions".to_string();
-    let mut numbers = Numbers::new(what, tolerance_rel, scale);
+    let mut numbers = findings.numbers("section VERT: rest positions", scale);
     for (i, (x, y)) in a.positions().iter().zip(b.positions()).enumerate() {
-        for axis in 0..3 {
-            numbers.compare(x[axis].into(), y[axis].into(), || {
-                format!("vertex {i} [{axis}]")
-            });
-        }
+        compare_vectors(&mut numbers, i, *x, *y);
     }
     numbers.finish(findings);
+}
+
+fn compare_vectors(numbers: &mut Numbers, vertex: usize, x: [f32; 3], y: [f32; 3]) {
+    for axis in 0..3 {
+        let place = || format!("vertex {vertex} [{axis}]");
+        numbers.compare(x[axis].into(), y[axis].into(), place);
+    }
 }
 
 /// Compares displacements, each mode against its own scale. What one file stores and the other
@@ -105,7 +91,6 @@ pub(super) fn compare_positions(
 /// Displacements or mode lists outside their sections, in the file that is named.
 pub(super) fn compare_displacements(
     files: [&AssetFile; 2],
-    tolerance_rel: f64,
     findings: &mut Findings,
 ) -> Result<(), ToolError> {
     let first = files[0].asset();
@@ -130,7 +115,7 @@ pub(super) fn compare_displacements(
         .enumerate()
         .map(|(j, scale)| {
             let what = format!("section DISP: displacements of mode {j}");
-            Numbers::new(what, tolerance_rel, scale)
+            findings.numbers(what, scale)
         })
         .collect();
     for vertex in vertices() {
@@ -140,12 +125,7 @@ pub(super) fn compare_displacements(
             let Some(numbers) = modes.get_mut(mode) else {
                 continue;
             };
-            let (x, y) = (a.of(mode), b.of(mode));
-            for axis in 0..3 {
-                numbers.compare(x[axis].into(), y[axis].into(), || {
-                    format!("vertex {} [{axis}]", vertex.0)
-                });
-            }
+            compare_vectors(numbers, vertex.0 as usize, a.of(mode), b.of(mode));
         }
     }
     for numbers in modes {
@@ -161,7 +141,6 @@ pub(super) fn compare_displacements(
 pub(super) fn compare_rows(
     a: &Asset<'_>,
     b: &Asset<'_>,
-    tolerance_rel: f64,
     findings: &mut Findings,
 ) -> Result<(), FormatError> {
     let m = a.mode_count();
@@ -182,7 +161,7 @@ pub(super) fn compare_rows(
     let mut quantities: Vec<Numbers> = scales
         .into_iter()
         .enumerate()
-        .map(|(k, scale)| Numbers::new(quantity_name(k, m), tolerance_rel, scale))
+        .map(|(k, scale)| findings.numbers(quantity_name(k, m), scale))
         .collect();
     for (i, (node_a, node_b)) in a.nodes().iter().zip(b.nodes()).enumerate() {
         let modes = a.node_modes(node_a)?;

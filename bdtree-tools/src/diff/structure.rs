@@ -1,6 +1,6 @@
 //! What two files must share exactly: counts, sections, tree, triangles, groups.
 
-use bdtree_format::{NodeRecord, SECTION_ORDER, SectionKind};
+use bdtree_format::{Header, NodeRecord, SECTION_ORDER, SectionRecord};
 use bdtree_runtime::Asset;
 
 use super::findings::Findings;
@@ -20,132 +20,88 @@ pub(super) struct Comparable {
 
 /// Compares everything but numbers and metadata.
 pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) -> Comparable {
-    let (ha, hb) = (a.header(), b.header());
-    let mut count = |what: &str, x: u32, y: u32| {
-        findings.compare(&format!("header: {what}"), x, y);
+    let both = [a, b];
+    let mut count = |what: &str, of: &dyn Fn(&Header) -> i64| {
+        let [x, y] = both.map(|asset| of(asset.header()));
+        findings.compare(&format!("header: {what}"), [x, y]);
         x == y
     };
-    let version = |h: &bdtree_format::Header| {
-        u32::from(h.version_major.get()) << 16 | u32::from(h.version_minor.get())
-    };
-    count("version", version(ha), version(hb));
-    count(
-        "features_optional",
-        ha.features_optional.get(),
-        hb.features_optional.get(),
-    );
-    let vertices = count("vertex_count", ha.vertex_count.get(), hb.vertex_count.get());
-    let triangles = count(
-        "triangle_count",
-        ha.triangle_count.get(),
-        hb.triangle_count.get(),
-    );
-    let modes = count("mode_count", ha.mode_count.get(), hb.mode_count.get());
-    let nodes = count("node_count", ha.node_count.get(), hb.node_count.get());
-    count("depth", ha.depth.get(), hb.depth.get());
-    count(
-        "leaf_triangles_max",
-        ha.leaf_triangles_max.get(),
-        hb.leaf_triangles_max.get(),
-    );
-    let (unit_a, unit_b) = (ha.unit_exponent.get(), hb.unit_exponent.get());
-    findings.compare("header: unit_exponent", unit_a, unit_b);
+    count("version", &|h| {
+        i64::from(h.version_major.get()) << 16 | i64::from(h.version_minor.get())
+    });
+    count("features_optional", &|h| h.features_optional.get().into());
+    let vertices = count("vertex_count", &|h| h.vertex_count.get().into());
+    let triangles = count("triangle_count", &|h| h.triangle_count.get().into());
+    let modes = count("mode_count", &|h| h.mode_count.get().into());
+    let nodes = count("node_count", &|h| h.node_count.get().into());
+    count("depth", &|h| h.depth.get().into());
+    count("leaf_triangles_max", &|h| h.leaf_triangles_max.get().into());
+    let units = count("unit_exponent", &|h| h.unit_exponent.get().into());
 
     sections(a, b, findings);
-    let mut rows = vertices && modes && nodes && unit_a == unit_b;
+    let vertices_and_units = vertices && units;
+    let mut rows = vertices_and_units && modes && nodes;
     if nodes {
         // What the rows count belongs to their numbers.
-        let linked = |asset: &Asset<'_>| -> Vec<NodeRecord> {
+        let linked = both.map(|asset| {
             let plain = |node: &NodeRecord| NodeRecord {
                 scale_exponents: [0; 3],
                 ..*node
             };
-            asset.nodes().iter().map(plain).collect()
-        };
-        rows &= findings.compare_records("section NODE: nodes", "node", &linked(a), &linked(b));
-        rows &= mode_lists(a, b, findings);
+            asset.nodes().iter().map(plain).collect::<Vec<_>>()
+        });
+        let linked = linked.each_ref().map(Vec::as_slice);
+        rows &= findings.compare_records("section NODE: nodes", "node", linked);
+        let lists = both.map(|asset| asset.mode_list_entries());
+        let lengths = lists.map(<[u16]>::len);
+        findings.compare("section LIST: length", lengths);
+        rows &= findings.compare_records("section LIST: mode lists", "entry", lists);
+        rows &= lengths[0] == lengths[1];
     }
     if vertices {
-        findings.compare_records(
-            "section VMOD: modes of vertices",
-            "vertex",
-            a.vertex_modes(),
-            b.vertex_modes(),
-        );
+        let modes = both.map(|asset| asset.vertex_modes());
+        findings.compare_records("section VMOD: modes of vertices", "vertex", modes);
     }
     if triangles {
-        findings.compare_records(
-            "section TRIS: triangles in leaf order",
-            "slot",
-            a.triangles(),
-            b.triangles(),
-        );
-        findings.compare_records(
-            "section SLOT: triangle slots",
-            "triangle",
-            a.triangle_slots(),
-            b.triangle_slots(),
-        );
+        let in_order = both.map(|asset| asset.triangles());
+        findings.compare_records("section TRIS: triangles in leaf order", "slot", in_order);
+        let slots = both.map(|asset| asset.triangle_slots());
+        findings.compare_records("section SLOT: triangle slots", "triangle", slots);
     }
-    let (groups_a, groups_b): (Vec<_>, Vec<_>) = (a.groups().collect(), b.groups().collect());
-    findings.compare(
-        "section GRPS: number of groups",
-        groups_a.len(),
-        groups_b.len(),
-    );
-    findings.compare_records("section GRPS: groups", "group", &groups_a, &groups_b);
-    let (frames_a, frames_b) = (a.frame_count(), b.frame_count());
-    findings.compare("section FRMS: number of frames", frames_a, frames_b);
+    let groups = both.map(|asset| asset.groups().collect::<Vec<_>>());
+    let groups = groups.each_ref().map(Vec::as_slice);
+    findings.compare("section GRPS: number of groups", groups.map(<[_]>::len));
+    findings.compare_records("section GRPS: groups", "group", groups);
+    let frames = both.map(Asset::frame_count);
+    findings.compare("section FRMS: number of frames", frames);
     Comparable {
-        vertices: vertices && unit_a == unit_b,
-        modes: vertices && modes && unit_a == unit_b,
+        vertices: vertices_and_units,
+        modes: vertices_and_units && modes,
         rows,
-        frames: modes && frames_a == frames_b,
+        frames: modes && frames[0] == frames[1],
     }
 }
 
 /// Kinds, layouts and flags; the bytes of sections that this version does not know.
 fn sections(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
-    let table = |asset: &Asset<'_>| -> Vec<(String, u32, u32)> {
-        let sections = asset.sections().iter();
-        sections
-            .map(|s| (s.kind.to_string(), s.layout.get(), s.required.get()))
-            .collect()
-    };
-    let (table_a, table_b) = (table(a), table(b));
-    findings.compare("section table (kind, layout, required)", &table_a, &table_b);
-    if table_a != table_b {
+    let tables = [a, b].map(|asset| {
+        let row = |s: &SectionRecord| (s.kind.to_string(), s.layout.get(), s.required.get());
+        asset.sections().iter().map(row).collect::<Vec<_>>()
+    });
+    findings.compare("section table (kind, layout, required)", tables.each_ref());
+    if tables[0] != tables[1] {
         return;
     }
     for (x, y) in a.sections().iter().zip(b.sections()) {
         if !SECTION_ORDER.contains(&x.kind) {
-            let bytes = |asset: &Asset<'_>, s: &bdtree_format::SectionRecord| {
+            let bytes = [(a, x), (b, y)].map(|(asset, s)| {
                 let start = s.offset.get() as usize;
                 let end = start.saturating_add(s.length.get() as usize);
-                asset.bytes().get(start..end).unwrap_or_default().to_vec()
-            };
-            let what = format!("section {}: length", x.kind);
-            findings.compare(&what, x.length.get(), y.length.get());
-            let what = format!("section {}: bytes", x.kind);
-            findings.compare_records(&what, "byte", &bytes(a, x), &bytes(b, y));
+                asset.bytes().get(start..end).unwrap_or_default()
+            });
+            let lengths = [x, y].map(|s| s.length.get());
+            findings.compare(&format!("section {}: length", x.kind), lengths);
+            findings.compare_records(&format!("section {}: bytes", x.kind), "byte", bytes);
         }
     }
-}
-
-/// The mode-list section, found as bytes: nodes only see their part of it.
-fn mode_lists(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) -> bool {
-    let list = |asset: &Asset<'_>| -> Vec<u16> {
-        let sections = asset.sections();
-        let Some(s) = sections.iter().find(|s| s.kind == SectionKind::MODE_LISTS) else {
-            return Vec::new();
-        };
-        let start = s.offset.get() as usize;
-        let end = start.saturating_add(s.length.get() as usize);
-        let bytes = asset.bytes().get(start..end).unwrap_or_default();
-        let pairs = bytes.chunks_exact(2);
-        pairs.map(|x| u16::from_le_bytes([x[0], x[1]])).collect()
-    };
-    let (a, b) = (list(a), list(b));
-    findings.compare("section LIST: length", a.len(), b.len());
-    findings.compare_records("section LIST: mode lists", "entry", &a, &b) && a.len() == b.len()
 }

@@ -3,13 +3,14 @@
 mod report;
 mod text;
 
-pub use report::{BasisError, Group, Info, Level, Mode, Section, Source};
-pub(crate) use report::{hexadecimal, metadata};
+pub use report::{Group, Info, Level, Mode, Section, Source};
+pub(crate) use report::{hexadecimal, metadata, section_start};
 
 use std::io::Write;
 
 pub use crate::cli::InfoArguments as Arguments;
 use crate::error::ToolError;
+use crate::output::write_json;
 use crate::{AssetFile, DONE};
 
 /// Prints what a file holds, as text or as one JSON object.
@@ -20,11 +21,11 @@ use crate::{AssetFile, DONE};
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
     let file = AssetFile::map(&arguments.file)?;
     let info = Info::of(&file)?;
-    let text = if arguments.json {
-        serde_json::to_string(&info).map_err(|e| ToolError::Stdout(e.into()))? + "\n"
+    if arguments.json {
+        write_json(out, &info)?;
     } else {
-        text::text(&arguments.file, &info)
-    };
-    out.write_all(text.as_bytes()).map_err(ToolError::Stdout)?;
+        let text = text::text(&arguments.file, &info);
+        out.write_all(text.as_bytes()).map_err(ToolError::Stdout)?;
+    }
     Ok(DONE)
 }

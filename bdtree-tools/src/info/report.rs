@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bdtree_format::{Metadata, NodeRecord, ROW_RADIUS, SectionKind};
+use bdtree_format::{ErrorMetadata, Metadata, ModeRecord, ROW_RADIUS, SectionKind, SectionRecord};
 use bdtree_runtime::{Asset, Datum, FormatError};
 use serde::Serialize;
 
@@ -57,7 +57,7 @@ pub struct Info {
     /// Where the basis came from.
     pub basis: Option<String>,
     /// Error of the basis against its source over the bounding box's diagonal.
-    pub basis_error_rel: Option<BasisError>,
+    pub basis_error_rel: Option<ErrorMetadata>,
     /// Settings of the bake.
     pub settings: Option<BTreeMap<String, String>>,
     /// What was odd about the source.
@@ -112,19 +112,6 @@ pub struct Level {
     pub radius_max: Option<f64>,
 }
 
-/// Error of a basis.
-#[derive(Debug, Serialize)]
-pub struct BasisError {
-    /// Largest.
-    pub max: f64,
-    /// Root mean square.
-    pub rms: f64,
-    /// The source's frame that has the largest.
-    pub frame: Option<u64>,
-    /// The vertex that has the largest.
-    pub vertex: Option<u64>,
-}
-
 /// A run of triangles under one name.
 #[derive(Debug, Serialize)]
 pub struct Group {
@@ -150,12 +137,28 @@ impl Info {
         let header = asset.header();
         let known = |x: f64| (x != -1.0).then_some(x);
         let described = |j: usize| metadata?.modes.get(j);
+        let mode = |(j, mode): (usize, &ModeRecord)| Mode {
+            name: described(j).and_then(|m| m.name.clone()),
+            frequency_hz: known(mode.omega_rad_s.get()).map(|omega| omega / TAU),
+            modal_mass_kg: known(mode.modal_mass_kg.get()),
+            default_q: described(j).and_then(|m| m.default_q),
+        };
+        let mode_info: Vec<Mode> = asset.modes().iter().enumerate().map(mode).collect();
+        let frequencies = mode_info.iter().filter_map(|mode| mode.frequency_hz);
+        let section = |section: &SectionRecord| Section {
+            kind: section.kind.to_string(),
+            offset: section.offset.get(),
+            bytes: section.length.get(),
+        };
+        let group = |group: bdtree_runtime::Group<'_>| Group {
+            kind: format!("{:?}", group.kind).to_lowercase(),
+            name: group.name.to_string(),
+            first_triangle: group.first_triangle.0,
+            triangles: group.triangle_count,
+        };
+        let (major, minor) = (header.version_major.get(), header.version_minor.get());
         Ok(Self {
-            version: format!(
-                "{}.{}",
-                header.version_major.get(),
-                header.version_minor.get()
-            ),
+            version: format!("{major}.{minor}"),
             bytes: header.file_bytes.get(),
             vertices: asset.vertex_count(),
             triangles: asset.triangle_count(),
@@ -169,58 +172,20 @@ impl Info {
                 name: metadata.map(|m| m.source_name.clone()),
                 hash: metadata.map(|m| hexadecimal(&m.source_hash)),
             },
-            mode_info: asset
-                .modes()
-                .iter()
-                .enumerate()
-                .map(|(j, mode)| Mode {
-                    name: described(j).and_then(|m| m.name.clone()),
-                    frequency_hz: known(mode.omega_rad_s.get()).map(|omega| omega / TAU),
-                    modal_mass_kg: known(mode.modal_mass_kg.get()),
-                    default_q: described(j).and_then(|m| m.default_q),
-                })
-                .collect(),
             frames: Some(asset.frame_count()).filter(|count| *count > 0),
             duration_s: duration_s(asset),
-            highest_frequency_hz: asset
-                .modes()
-                .iter()
-                .filter_map(|mode| known(mode.omega_rad_s.get()))
-                .reduce(f64::max)
-                .map(|omega| omega / TAU),
-            sections: asset
-                .sections()
-                .iter()
-                .map(|section| Section {
-                    kind: section.kind.to_string(),
-                    offset: section.offset.get(),
-                    bytes: section.length.get(),
-                })
-                .collect(),
+            highest_frequency_hz: frequencies.reduce(f64::max),
+            mode_info,
+            sections: asset.sections().iter().map(section).collect(),
             levels: levels(asset).map_err(|error| file.error(error))?,
             unit: asset.unit(),
             leaf_triangles_max: header.leaf_triangles_max.get(),
             builder: metadata.map(|m| m.builder.clone()),
             basis: metadata.map(|m| m.basis.clone()),
-            basis_error_rel: metadata
-                .and_then(|m| m.basis_error_rel)
-                .map(|error| BasisError {
-                    max: error.max,
-                    rms: error.rms,
-                    frame: error.frame,
-                    vertex: error.vertex,
-                }),
+            basis_error_rel: metadata.and_then(|m| m.basis_error_rel),
             settings: metadata.map(|m| m.settings.clone()),
             warnings: metadata.map(|m| m.warnings.clone()),
-            groups: asset
-                .groups()
-                .map(|group| Group {
-                    kind: format!("{:?}", group.kind).to_lowercase(),
-                    name: group.name.to_string(),
-                    first_triangle: group.first_triangle.0,
-                    triangles: group.triangle_count,
-                })
-                .collect(),
+            groups: asset.groups().map(group).collect(),
         })
     }
 }
@@ -245,41 +210,35 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
 
 /// Counts and radii of the lanes that are not empty, by the level of their node.
 fn levels(asset: &Asset<'_>) -> Result<Vec<Level>, FormatError> {
-    let mut sums = vec![(0_u64, 0.0_f64, 0.0_f64); asset.depth()];
+    let mut radii = vec![Vec::new(); asset.depth()];
     for (i, node) in asset.nodes().iter().enumerate() {
-        let Some((count, sum, max)) = sums.get_mut(usize::from(node.level)) else {
-            return Err(level_error(asset, i, node));
+        let Some(radii) = radii.get_mut(usize::from(node.level)) else {
+            return Err(FormatError {
+                section: SectionKind::NODES,
+                byte: section_start(asset, SectionKind::NODES) + (i * size_of_val(node)) as u64,
+                rule: "SPEC 6.6: a node's level is below the header's depth",
+                expected: Datum::Integer(asset.depth() as u64),
+                found: Datum::Integer(u64::from(node.level)),
+            });
         };
-        let rows = asset.node_rows(node)?.leading;
-        let used = node.inner_mask | node.leaf_mask;
-        for (k, radius) in rows[ROW_RADIUS].iter().enumerate() {
-            if used & (1 << k) != 0 {
-                *count += 1;
-                *sum += f64::from(*radius);
-                *max = max.max(f64::from(*radius));
-            }
-        }
+        let row = asset.node_rows(node)?.leading[ROW_RADIUS];
+        radii.extend(node.lanes().map(|lane| f64::from(row[lane])));
     }
-    let level = |(level, (spheres, sum, max)): (usize, (u64, f64, f64))| Level {
-        level,
-        spheres,
-        radius_mean: (spheres > 0).then(|| sum / spheres as f64 * asset.unit()),
-        radius_max: (spheres > 0).then(|| max * asset.unit()),
+    let level = |(level, radii): (usize, Vec<f64>)| {
+        let mean = radii.iter().sum::<f64>() / radii.len() as f64;
+        let max = radii.iter().copied().reduce(f64::max);
+        Level {
+            level,
+            spheres: radii.len() as u64,
+            radius_mean: max.map(|_| mean * asset.unit()),
+            radius_max: max.map(|max| max * asset.unit()),
+        }
     };
-    Ok(sums.into_iter().enumerate().map(level).collect())
+    Ok(radii.into_iter().enumerate().map(level).collect())
 }
 
-fn level_error(asset: &Asset<'_>, index: usize, node: &NodeRecord) -> FormatError {
-    let section = asset
-        .sections()
-        .iter()
-        .find(|s| s.kind == SectionKind::NODES);
-    let at = section.map_or(0, |s| s.offset.get()) + (index * size_of::<NodeRecord>()) as u64;
-    FormatError {
-        section: SectionKind::NODES,
-        byte: at,
-        rule: "SPEC 6.6: a node's level is below the header's depth",
-        expected: Datum::Integer(asset.depth() as u64),
-        found: Datum::Integer(u64::from(node.level)),
-    }
+/// Where a section begins; 0 if there is none.
+pub(crate) fn section_start(asset: &Asset<'_>, kind: SectionKind) -> u64 {
+    let section = asset.sections().iter().find(|s| s.kind == kind);
+    section.map_or(0, |s| s.offset.get())
 }

@@ -1,33 +1,10 @@
 //! Queries within a number of node visits.
 
 use bdtree_runtime::{Budgeted, Contact, QueryError, Shape};
-use serde::Serialize;
 
-use super::{Answer, Solver};
+use super::Solver;
+use super::lines::{Answer, Certificate};
 use crate::scene::Query;
-
-/// What a query left out.
-#[derive(Debug, Serialize)]
-pub struct Certificate {
-    /// Nothing was left out.
-    pub complete: bool,
-    /// Nothing that was left out is nearer (ball: has a smaller `dist`); null: nothing is there at
-    /// all.
-    pub at_least: f64,
-    /// ball: at most so many triangles were not looked at.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub unseen: Option<u64>,
-}
-
-impl<T> From<&Budgeted<T>> for Certificate {
-    fn from(answer: &Budgeted<T>) -> Self {
-        Self {
-            complete: answer.complete,
-            at_least: answer.at_least,
-            unseen: None,
-        }
-    }
-}
 
 impl Solver<'_> {
     /// The answer and what was left out; `None` for kinds that have no such form.
@@ -36,7 +13,7 @@ impl Solver<'_> {
         query: &Query,
         max_visits: u64,
     ) -> Result<Option<(Answer, Certificate)>, QueryError> {
-        let solved = match *query {
+        Ok(Some(match *query {
             Query::Contacts {
                 instance,
                 shape: Shape::Ball(ball),
@@ -58,22 +35,26 @@ impl Solver<'_> {
             } => {
                 let mut query = self.whole(instance).max_visits(max_visits);
                 let answer = query.project_point(point, max_distance)?;
-                let certificate = Certificate::from(&answer);
-                (Answer::Nearest(answer.found.into()), certificate)
+                told(answer, |hit| Answer::Nearest(hit.into()))
             }
             Query::Ray { instance, ref ray } => {
                 let answer = self.whole(instance).max_visits(max_visits).cast_ray(ray)?;
-                let certificate = Certificate::from(&answer);
-                (Answer::Nearest(answer.found.into()), certificate)
+                told(answer, |hit| Answer::Nearest(hit.into()))
             }
             Query::Distance { a, b, max_distance } => {
                 let mut query = self.whole_pair([a, b])?.max_visits(max_visits);
-                let answer = query.closest_points(max_distance)?;
-                let certificate = Certificate::from(&answer);
-                (Answer::distance(answer.found), certificate)
+                told(query.closest_points(max_distance)?, Answer::distance)
             }
             _ => return Ok(None),
-        };
-        Ok(Some(solved))
+        }))
     }
+}
+
+fn told<T>(answer: Budgeted<T>, line: impl FnOnce(T) -> Answer) -> (Answer, Certificate) {
+    let certificate = Certificate {
+        complete: answer.complete,
+        at_least: answer.at_least,
+        unseen: None,
+    };
+    (line(answer.found), certificate)
 }

@@ -1,110 +1,95 @@
 //! What a query answers, as JSON lines.
 
-use super::{Certificate, RegionLine};
-use bdtree_runtime::{Contact, FrustumState, PairContact, PointProjection, Proxy, RayIntersection};
+use bdtree_runtime::{
+    Contact, ContactManifold, ContactPoint, FrustumState, PairContact, PointProjection, Proxy,
+    RayIntersection,
+};
 use serde::Serialize;
 
 /// One line.
 #[derive(Debug, Serialize)]
-pub struct Line {
+pub(crate) struct Line {
     /// Index of the query in the scene.
-    pub query: usize,
+    pub(super) query: usize,
     /// The query's kind.
-    pub kind: &'static str,
+    pub(super) kind: &'static str,
     /// What it found.
     #[serde(flatten)]
-    pub answer: Answer,
+    pub(super) answer: Answer,
     /// What stands for the part of the answer below the scene's `max_depth`, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub proxies: Option<Vec<ProxyLine>>,
+    pub(super) proxies: Option<Vec<ProxyLine>>,
     /// What it left out, where visits are limited.
     #[serde(flatten)]
-    pub certificate: Option<Certificate>,
+    pub(super) certificate: Option<Certificate>,
     /// Node bounds evaluated, when asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub nodes_visited: Option<u64>,
+    pub(super) nodes_visited: Option<u64>,
 }
 
 /// The part of a line that its kind decides.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
-pub enum Answer {
-    /// ball, plane, capsule, box
+pub(super) enum Answer {
+    /// ball, plane, capsule, box: ids, ascending, and contacts in the same order.
     Contacts {
-        /// Ids, ascending.
         triangles: Vec<u32>,
-        /// In the same order.
         contacts: Vec<ContactLine>,
     },
     /// closest, ray
     Nearest(NearestLine),
-    /// rays, mode first
-    First {
-        /// One per ray.
-        hits: Vec<NearestLine>,
-    },
-    /// rays, mode all
-    All {
-        /// One list per ray, by distance, then id.
-        hits: Vec<Vec<NearestLine>>,
-    },
-    /// rays, mode any
-    Any {
-        /// One per ray.
-        hits: Vec<bool>,
-    },
-    /// frustum
-    State {
-        /// inside, intersects or outside
-        state: &'static str,
-    },
-    /// pair
+    /// rays: one entry per ray.
+    Rays { hits: Vec<Hits> },
+    /// frustum: inside, intersects or outside.
+    State { state: &'static str },
+    /// pair: ids in a and b, ascending, and where they touch, when asked for.
     Pairs {
-        /// Ids in a and b, ascending.
         triangles: Vec<[u32; 2]>,
-        /// Where they touch, when asked for.
         #[serde(skip_serializing_if = "Option::is_none")]
         contacts: Option<Vec<RegionLine>>,
     },
     /// distance: all null when there is nothing within the limit.
     Distance {
-        /// 0 when they touch.
         distance: Option<f64>,
-        /// The point of a.
         point1: Option<[f64; 3]>,
-        /// The point of b.
         point2: Option<[f64; 3]>,
-        /// Ids in a and b.
         triangles: Option<[u32; 2]>,
     },
 }
 
+/// What a ray of many meets, by what was asked for.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum Hits {
+    First(NearestLine),
+    /// By distance, then id.
+    All(Vec<NearestLine>),
+    Any(bool),
+}
+
+/// What a query left out.
+#[derive(Debug, Serialize)]
+pub(super) struct Certificate {
+    /// Nothing was left out.
+    pub(super) complete: bool,
+    /// Nothing that was left out is nearer (ball: has a smaller `dist`); null: nothing is there at
+    /// all.
+    pub(super) at_least: f64,
+    /// ball: at most so many triangles were not looked at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) unseen: Option<u64>,
+}
+
 /// One sphere.
 #[derive(Debug, Serialize)]
-pub struct ProxyLine {
+pub(super) struct ProxyLine {
     center: [f64; 3],
     radius: f64,
 }
 
-impl ProxyLine {
-    /// Whether all numbers are finite, as [`Answer::is_finite`].
-    pub fn is_finite(&self) -> bool {
-        self.center.iter().all(|x| x.is_finite()) && self.radius.is_finite()
-    }
-}
-
-impl From<&Proxy> for ProxyLine {
-    fn from(proxy: &Proxy) -> Self {
-        Self {
-            center: proxy.center,
-            radius: proxy.radius,
-        }
-    }
-}
-
 /// The nearest point, or a hit of a ray; all null when there is nothing.
 #[derive(Debug, Serialize)]
-pub struct NearestLine {
+pub(super) struct NearestLine {
     triangle: Option<u32>,
     point: Option<[f64; 3]>,
     /// From the given point or origin.
@@ -114,7 +99,7 @@ pub struct NearestLine {
 
 /// One contact.
 #[derive(Debug, Serialize)]
-pub struct ContactLine {
+pub(super) struct ContactLine {
     triangle: u32,
     point: [f64; 3],
     normal: [f64; 3],
@@ -122,9 +107,40 @@ pub struct ContactLine {
     barycentric: [f64; 3],
 }
 
+/// A region of contact of a pair.
+#[derive(Debug, Serialize)]
+pub(super) struct RegionLine {
+    triangles: [u32; 2],
+    normal: [f64; 3],
+    area: f64,
+    depth: f64,
+    points: Vec<PointLine>,
+}
+
+/// One of its points.
+#[derive(Debug, Serialize)]
+struct PointLine {
+    point1: [f64; 3],
+    point2: [f64; 3],
+    dist: f64,
+    area: f64,
+    triangle1: u32,
+    barycentric1: [f64; 3],
+    triangle2: u32,
+    barycentric2: [f64; 3],
+}
+
+impl Line {
+    /// Whether all numbers are finite, which only bytes that were not checked can prevent.
+    pub(super) fn is_finite(&self) -> bool {
+        let mut proxies = self.proxies.iter().flatten();
+        proxies.all(|p| finite(&[p.center], &[p.radius])) && self.answer.is_finite()
+    }
+}
+
 impl Answer {
     /// Contacts in any order.
-    pub fn contacts(mut contacts: Vec<Contact>) -> Self {
+    pub(super) fn contacts(mut contacts: Vec<Contact>) -> Self {
         contacts.sort_unstable_by_key(|c| c.triangle);
         Self::Contacts {
             triangles: contacts.iter().map(|c| c.triangle.0).collect(),
@@ -133,20 +149,19 @@ impl Answer {
     }
 
     /// Pairs in any order.
-    pub fn pairs(pairs: &[PairContact], contacts: Option<Vec<RegionLine>>) -> Self {
-        let mut triangles: Vec<[u32; 2]> = pairs
-            .iter()
-            .map(|p| [p.triangle1.0, p.triangle2.0])
-            .collect();
+    pub(super) fn pairs(pairs: &[PairContact], regions: Option<Vec<ContactManifold>>) -> Self {
+        let ids = |p: &PairContact| [p.triangle1.0, p.triangle2.0];
+        let mut triangles: Vec<[u32; 2]> = pairs.iter().map(ids).collect();
         triangles.sort_unstable();
+        let lines = |regions: Vec<_>| regions.iter().map(RegionLine::from).collect();
         Self::Pairs {
             triangles,
-            contacts,
+            contacts: regions.map(lines),
         }
     }
 
     /// The nearest pair, if there is one.
-    pub fn distance(hit: Option<PairContact>) -> Self {
+    pub(super) fn distance(hit: Option<PairContact>) -> Self {
         Self::Distance {
             distance: hit.map(|h| h.distance),
             point1: hit.map(|h| h.point1),
@@ -155,27 +170,49 @@ impl Answer {
         }
     }
 
-    /// Whether all numbers are finite, which only bytes that were not checked can prevent.
-    pub fn is_finite(&self) -> bool {
-        let finite = |x: &f64| x.is_finite();
+    fn is_finite(&self) -> bool {
         match self {
-            Self::Contacts { contacts, .. } => contacts.iter().all(|c| {
-                let vectors = [c.point, c.normal, c.barycentric];
-                vectors.iter().flatten().all(finite) && c.dist.is_finite()
-            }),
+            Self::Contacts { contacts, .. } => contacts
+                .iter()
+                .all(|c| finite(&[c.point, c.normal, c.barycentric], &[c.dist])),
             Self::Nearest(nearest) => nearest.is_finite(),
-            Self::First { hits } => hits.iter().all(NearestLine::is_finite),
-            Self::All { hits } => hits.iter().flatten().all(NearestLine::is_finite),
-            Self::Any { .. } | Self::State { .. } => true,
-            Self::Pairs { contacts, .. } => contacts.iter().flatten().all(RegionLine::is_finite),
+            Self::Rays { hits } => hits.iter().all(|hits| match hits {
+                Hits::First(hit) => hit.is_finite(),
+                Hits::All(hits) => hits.iter().all(NearestLine::is_finite),
+                Hits::Any(_) => true,
+            }),
+            Self::State { .. } => true,
+            Self::Pairs { contacts, .. } => contacts.iter().flatten().all(|region| {
+                let is_finite = |p: &PointLine| {
+                    let vectors = [p.point1, p.point2, p.barycentric1, p.barycentric2];
+                    finite(&vectors, &[p.dist, p.area])
+                };
+                finite(&[region.normal], &[region.area, region.depth])
+                    && region.points.iter().all(is_finite)
+            }),
             Self::Distance {
                 distance,
                 point1,
                 point2,
                 ..
-            } => distance.iter().all(finite) && point1.iter().chain(point2).flatten().all(finite),
+            } => finite([point1, point2].into_iter().flatten(), distance),
         }
     }
+}
+
+impl NearestLine {
+    fn is_finite(&self) -> bool {
+        let vectors = [&self.point, &self.barycentric];
+        finite(vectors.into_iter().flatten(), &self.distance)
+    }
+}
+
+fn finite<'n>(
+    vectors: impl IntoIterator<Item = &'n [f64; 3]>,
+    numbers: impl IntoIterator<Item = &'n f64>,
+) -> bool {
+    let mut all = vectors.into_iter().flatten().chain(numbers);
+    all.all(|x| x.is_finite())
 }
 
 impl From<FrustumState> for Answer {
@@ -189,11 +226,12 @@ impl From<FrustumState> for Answer {
     }
 }
 
-impl NearestLine {
-    fn is_finite(&self) -> bool {
-        let vectors = [self.point, self.barycentric];
-        let numbers = vectors.iter().flatten().flatten().chain(&self.distance);
-        numbers.into_iter().all(|x| x.is_finite())
+impl From<&Proxy> for ProxyLine {
+    fn from(proxy: &Proxy) -> Self {
+        Self {
+            center: proxy.center,
+            radius: proxy.radius,
+        }
     }
 }
 
@@ -205,6 +243,33 @@ impl From<&Contact> for ContactLine {
             normal: contact.normal,
             dist: contact.distance,
             barycentric: contact.barycentric,
+        }
+    }
+}
+
+impl From<&ContactManifold> for RegionLine {
+    fn from(region: &ContactManifold) -> Self {
+        Self {
+            triangles: region.triangles.map(|id| id.0),
+            normal: region.normal1,
+            area: region.area,
+            depth: region.depth,
+            points: region.points().iter().map(PointLine::from).collect(),
+        }
+    }
+}
+
+impl From<&ContactPoint> for PointLine {
+    fn from(point: &ContactPoint) -> Self {
+        Self {
+            point1: point.point1,
+            point2: point.point2,
+            dist: point.distance,
+            area: point.area,
+            triangle1: point.triangle1.0,
+            barycentric1: point.barycentric1,
+            triangle2: point.triangle2.0,
+            barycentric2: point.barycentric2,
         }
     }
 }

@@ -1,24 +1,21 @@
-//! `bdtree query`: a scene's questions answered, one JSON line each.
+//! `bdtree query`: a scene's queries answered, one JSON line each.
 
 mod budgeted;
-mod contacts;
 mod lines;
-mod rays;
-
-pub use budgeted::Certificate;
-pub use contacts::{PointLine, RegionLine};
-pub use lines::{Answer, ContactLine, Line, NearestLine, ProxyLine};
 
 use std::io::Write;
 
 use bdtree_runtime::{
-    CacheSize, Instance, PairContact, PairQuery, Proxy, Query as SingleQuery, QueryError, Workspace,
+    CacheSize, Instance, PairContact, PairQuery, Proxy, Query as SingleQuery, QueryError, Ray,
+    RayIntersection, Workspace,
 };
 
 use crate::DONE;
 pub use crate::cli::QueryArguments as Arguments;
 use crate::error::ToolError;
-use crate::scene::{Query, Scene};
+use crate::output::write_json;
+use crate::scene::{Query, RaysMode, Scene};
+use lines::{Answer, Hits, Line, ProxyLine};
 
 /// Nodes that rays of an instance share, at most.
 const NODES_MAX: usize = 1 << 16;
@@ -32,8 +29,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     let mut bodies = scene.bodies(|index| kept(&scene, index))?;
     solve_all(&scene, &mut bodies, |mut line, nodes_visited| {
         line.nodes_visited = arguments.stats.then_some(nodes_visited);
-        serde_json::to_writer(&mut *out, &line).map_err(|e| ToolError::Stdout(e.into()))?;
-        writeln!(out).map_err(ToolError::Stdout)
+        write_json(out, &line)
     })?;
     Ok(DONE)
 }
@@ -78,20 +74,18 @@ pub(crate) fn solve_all(
             Some((answer, certificate)) => (answer, Some(certificate)),
             None => (solver.solve(query).map_err(corrupt)?, None),
         };
-        let proxies = scene.options.max_depth.map(|_| solver.take_proxies());
-        let is_finite = proxies.iter().flatten().all(ProxyLine::is_finite);
-        if !answer.is_finite() || !is_finite {
-            let message = "the answer is not finite: corrupt asset, run bdtree verify";
-            return Err(ToolError::input(place(), message));
-        }
         let line = Line {
             query: i,
             kind: query.kind(),
             answer,
-            proxies,
+            proxies: scene.options.max_depth.map(|_| solver.take_proxies()),
             certificate,
             nodes_visited: None,
         };
+        if !line.is_finite() {
+            let message = "the answer is not finite: corrupt asset, run bdtree verify";
+            return Err(ToolError::input(place(), message));
+        }
         take(line, solver.workspace.stats().nodes_visited)?;
     }
     Ok(())
@@ -160,7 +154,7 @@ impl Solver<'_> {
                 instance,
                 mode,
                 ref rays,
-            } => rays::solve(&mut self.limited(instance), mode, rays)?,
+            } => cast(&mut self.limited(instance), mode, rays)?,
             // The root's sphere decides most of them, and spheres at a level decide nothing.
             Query::Frustum {
                 instance,
@@ -172,21 +166,18 @@ impl Solver<'_> {
                 tolerance,
                 contacts,
             } => {
-                let same = QueryError::Argument("b: the same instance as a");
-                let [a, b] = self.bodies.get_disjoint_mut([a, b]).map_err(|_| same)?;
+                let [a, b] = two(self.bodies, [a, b])?;
                 let mut both = a.against(b, &mut self.workspace);
                 if let Some(level) = self.max_depth {
-                    let [proxies_a, proxies_b] = &mut self.proxies;
-                    both = both
-                        .max_level1(level, proxies_a)
-                        .max_level2(level, proxies_b);
+                    let [of_a, of_b] = &mut self.proxies;
+                    both = both.max_level1(level, of_a).max_level2(level, of_b);
                 }
                 let mut pairs: Vec<PairContact> = Vec::new();
                 both.contacts(tolerance, &mut pairs)?;
-                let regions = match contacts {
-                    true => Some(contacts::regions(&mut both, &mut pairs)?),
-                    false => None,
-                };
+                let mut regions = contacts.then(Vec::new);
+                if let Some(regions) = &mut regions {
+                    both.condense(&mut pairs, regions)?;
+                }
                 Answer::pairs(&pairs, regions)
             }
             Query::Distance { a, b, max_distance } => {
@@ -209,13 +200,54 @@ impl Solver<'_> {
         }
     }
 
-    /// Two instances, which the scene has made sure are different, looked into all the way.
+    /// Two instances, looked into all the way.
     fn whole_pair(
         &mut self,
-        [a, b]: [usize; 2],
+        pair: [usize; 2],
     ) -> Result<PairQuery<'_, 'static, 'static>, QueryError> {
-        let same = QueryError::Argument("b: the same instance as a");
-        let [a, b] = self.bodies.get_disjoint_mut([a, b]).map_err(|_| same)?;
+        let [a, b] = two(self.bodies, pair)?;
         Ok(a.against(b, &mut self.workspace))
     }
+}
+
+/// Two instances, which the scene has made sure are different.
+fn two(bodies: &mut [Instance], pair: [usize; 2]) -> Result<[&mut Instance; 2], QueryError> {
+    let same = |_| QueryError::Argument("b: the same instance as a");
+    bodies.get_disjoint_mut(pair).map_err(same)
+}
+
+/// What many rays meet.
+fn cast(
+    query: &mut SingleQuery<'_, '_>,
+    mode: RaysMode,
+    rays: &[Ray],
+) -> Result<Answer, QueryError> {
+    let hits = match mode {
+        RaysMode::First => {
+            let mut hits = vec![None; rays.len()];
+            query.cast_rays(rays, &mut hits)?;
+            hits.into_iter()
+                .map(|hit| Hits::First(hit.into()))
+                .collect()
+        }
+        RaysMode::Any => {
+            let mut hits = vec![false; rays.len()];
+            query.intersects_rays(rays, &mut hits)?;
+            hits.into_iter().map(Hits::Any).collect()
+        }
+        RaysMode::All => {
+            let mut found: Vec<(usize, RayIntersection)> = Vec::new();
+            query.cast_rays_all(rays, &mut found)?;
+            found.sort_by(|(i, a), (j, b)| {
+                let by_distance = a.distance.total_cmp(&b.distance);
+                i.cmp(j).then(by_distance).then(a.triangle.cmp(&b.triangle))
+            });
+            let mut hits: Vec<Vec<_>> = rays.iter().map(|_| Vec::new()).collect();
+            for (i, hit) in found {
+                hits[i].push(Some(hit).into());
+            }
+            hits.into_iter().map(Hits::All).collect()
+        }
+    };
+    Ok(Answer::Rays { hits })
 }

@@ -54,10 +54,8 @@ impl<'a> Body<'a> {
             instance.set_pose(q, transform)?;
             Ok(instance)
         });
-        Self::new(
-            file,
-            posed.map_err(|error| ToolError::input(file.path().display(), error))?,
-        )
+        let refused = |error| ToolError::input(file.path().display(), error);
+        Self::new(file, posed.map_err(refused)?)
     }
 
     /// The asset.

@@ -4,11 +4,10 @@ mod arguments;
 mod body;
 pub mod options;
 mod picture;
-mod questions;
+mod queries;
 mod report;
 mod visited;
 
-use std::ffi::OsStr;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -16,7 +15,7 @@ use bdtree_render::{Level, Studio};
 
 use crate::error::ToolError;
 use crate::frames::frame_of;
-use crate::output::write_whole;
+use crate::output::{check_target, write_json, write_whole};
 use crate::posture::posture;
 use crate::q::counted;
 use crate::scene::Scene;
@@ -32,22 +31,26 @@ pub use report::{Growth, Report, SphereLine};
 /// A file that cannot be read or breaks the format's rules, q, a frame, a level or a scene that does not
 /// fit it, no graphics adapter or one that it is too large for, an output that cannot be written.
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
-    check_output(arguments)?;
+    let output = &arguments.output;
+    check_target(output, &arguments.file, &["png"], ".png")?;
+    let range = arguments.frames;
+    if range.is_some_and(|range| options::numbered(output, range.first).is_none()) {
+        let message = "has no place for the frame's number: write it as %d or %04d";
+        return Err(ToolError::input(output.display(), message));
+    }
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;
-    if let Some(range) = arguments.frames {
+    if let Some(range) = range {
         // Before paths are made for all of them.
         let name = file.path().display().to_string();
         frame_of(asset, &name, range.last).map_err(|e| ToolError::input("--frames", e))?;
     }
-    let targets = targets(arguments)?;
-    if let Some(level) = arguments.spheres
-        && level >= asset.depth()
-    {
-        let (levels, path) = (counted(asset.depth(), "level"), file.path().display());
-        let message =
-            format!("{level} is out of range: asset {path} has {levels}, numbered from 0");
-        return Err(ToolError::input("--spheres", message));
+    let targets = targets(arguments);
+    for (_, path) in &targets {
+        check_target(path, &arguments.file, &["png"], ".png")?;
+    }
+    if let Some(level) = arguments.spheres {
+        check_level(&file, level)?;
     }
     match &arguments.query {
         Some(path) => {
@@ -56,51 +59,39 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
                 let posture = posture(&file, arguments.q.as_ref(), arguments.frame)?;
                 visited::put(&mut scene, &file, &posture)?;
             }
-            paint(
-                arguments,
-                &targets,
-                |_| visited::shown(arguments, &file, &scene),
-                out,
-            )?;
+            let make = |_| visited::shown(arguments, &file, &scene);
+            paint(arguments, &targets, make, out)?;
         }
         None => {
-            let frame_of = |number| shown(arguments, &file, number);
-            paint(arguments, &targets, frame_of, out)?;
+            let make = |number| shown(arguments, &file, number);
+            paint(arguments, &targets, make, out)?;
         }
     }
     Ok(DONE)
 }
 
-fn check_output(arguments: &Arguments) -> Result<(), ToolError> {
-    let path = &arguments.output;
-    let is_png = |e: &str| e.eq_ignore_ascii_case("png");
-    if !path.extension().and_then(OsStr::to_str).is_some_and(is_png) {
-        let message = "unknown extension: .png can be written";
-        return Err(ToolError::input(path.display(), message));
+/// Checks that the tree has a level.
+///
+/// # Errors
+/// It has not; `--spheres` asked for it.
+pub fn check_level(file: &AssetFile, level: usize) -> Result<(), ToolError> {
+    let depth = file.asset().depth();
+    if level < depth {
+        return Ok(());
     }
-    match arguments.frames {
-        Some(range) if options::numbered(path, range.first).is_none() => {
-            Err(ToolError::input(path.display(), NO_PLACE))
-        }
-        _ => Ok(()),
-    }
+    let (levels, path) = (counted(depth, "level"), file.path().display());
+    let message = format!("{level} is out of range: asset {path} has {levels}, numbered from 0");
+    Err(ToolError::input("--spheres", message))
 }
 
-const NO_PLACE: &str = "has no place for the frame's number: write it as %d or %04d";
-
 /// The frame of each picture, if it is one of a sequence, and its file.
-fn targets(arguments: &Arguments) -> Result<Vec<(Option<u64>, PathBuf)>, ToolError> {
+fn targets(arguments: &Arguments) -> Vec<(Option<u64>, PathBuf)> {
     let path = &arguments.output;
     let Some(range) = arguments.frames else {
-        return Ok(vec![(None, path.clone())]);
+        return vec![(None, path.clone())];
     };
-    let frames = (range.first..=range.last).map(|frame| {
-        let path = options::numbered(path, frame);
-        path.map(|path| (Some(frame), path))
-    });
-    frames
-        .collect::<Option<_>>()
-        .ok_or_else(|| ToolError::input(path.display(), NO_PLACE))
+    let target = |frame| Some((Some(frame), options::numbered(path, frame)?));
+    (range.first..=range.last).filter_map(target).collect()
 }
 
 /// The asset alone, at q or a frame.
@@ -127,7 +118,7 @@ fn shown<'a>(
             spheres,
             is_file: true,
         }],
-        questions: Vec::new(),
+        queries: Vec::new(),
         nodes_visited: None,
     })
 }
@@ -152,13 +143,6 @@ fn paint<'a>(
     make: impl Fn(Option<u64>) -> Result<Frame<'a>, ToolError>,
     out: &mut dyn Write,
 ) -> Result<(), ToolError> {
-    for (_, path) in targets {
-        let both = (path.canonicalize(), arguments.file.canonicalize());
-        if matches!(both, (Ok(to), Ok(from)) if to == from) {
-            let message = "is the input: it would be overwritten";
-            return Err(ToolError::input(path.display(), message));
-        }
-    }
     // Of a sequence one frame at a time: all of them may be too many for memory.
     let mut bounds = Bounds::default();
     let mut last = None;
@@ -181,8 +165,7 @@ fn paint<'a>(
         write_whole(path, |w| image.write_png(w))?;
         if arguments.json {
             let report = Report::of(arguments, path, &frame, &growths, &painter);
-            serde_json::to_writer(&mut *out, &report).map_err(|e| ToolError::Stdout(e.into()))?;
-            writeln!(out).map_err(ToolError::Stdout)?;
+            write_json(out, &report)?;
         }
     }
     Ok(())

@@ -69,6 +69,19 @@ impl FromStr for PictureSize {
     }
 }
 
+/// Finite numbers with commas between them.
+///
+/// # Errors
+/// The first that is none.
+pub fn numbers<T: FromStr + Copy + Into<f64>>(text: &str) -> Result<Vec<T>, String> {
+    let number = |number: &str| {
+        let number = number.trim();
+        let value = number.parse().ok().filter(|x: &T| (*x).into().is_finite());
+        value.ok_or_else(|| format!("\"{number}\" is not a number"))
+    };
+    text.split(',').map(number).collect()
+}
+
 /// `AZIMUTH,ELEVATION[,ZOOM]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
@@ -84,12 +97,7 @@ impl FromStr for View {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text.split(',').map(|number| {
-            let number = number.trim();
-            let value = number.parse::<f32>().ok().filter(|x| x.is_finite());
-            value.ok_or_else(|| format!("\"{number}\" is not a number"))
-        });
-        let numbers: Vec<f32> = numbers.collect::<Result<_, _>>()?;
+        let numbers: Vec<f32> = numbers(text)?;
         let (azimuth_deg, elevation_deg, zoom) = match *numbers {
             [azimuth, elevation] => (azimuth, elevation, 1.0),
             [azimuth, elevation, zoom] => (azimuth, elevation, zoom),

@@ -7,14 +7,13 @@ use std::path::Path;
 
 use bdtree_render::tightness::{colour, growths, mean_and_max};
 use bdtree_render::{
-    Box3, Camera, Image, Legend, Line, RenderError, Scene, SkinnedMesh, Sphere, Studio,
+    Camera, Image, Legend, Line, Place, RenderError, Scene, SkinnedMesh, Sphere, Studio,
 };
-use bdtree_runtime::Transform;
 
 use super::arguments::Arguments;
 use super::body::{Content, around};
 use super::options::AgainstChoice;
-use super::questions::Shape;
+use super::queries::Shape;
 use crate::error::ToolError;
 use crate::output::printable;
 use crate::q::counted;
@@ -25,15 +24,16 @@ pub(super) struct Frame<'a> {
     /// Of the animation.
     pub(super) number: Option<u64>,
     pub(super) content: Vec<Content<'a>>,
-    /// What queries ask about.
-    pub(super) questions: Vec<Shape>,
+    /// What queries are about.
+    pub(super) queries: Vec<Shape>,
     pub(super) nodes_visited: Option<u64>,
 }
 
 /// What frames take up.
+#[derive(Default)]
 pub(super) struct Bounds {
-    /// Box of bodies.
-    bodies: [[f64; 3]; 2],
+    /// Corners of the boxes of bodies.
+    bodies: Vec<[f64; 3]>,
     /// Centers and radii of all that is to be seen; where it is too much, corners of its box.
     balls: Vec<([f64; 3], f64)>,
 }
@@ -42,24 +42,12 @@ pub(super) struct Bounds {
 const BALLS_MAX: usize = 1 << 20;
 const NOWHERE: [[f64; 3]; 2] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
 
-impl Default for Bounds {
-    fn default() -> Self {
-        Self {
-            bodies: NOWHERE,
-            balls: Vec::new(),
-        }
-    }
-}
-
 impl Bounds {
     /// Makes them hold a frame.
     pub(super) fn hold(&mut self, frame: &Frame<'_>) {
         for content in &frame.content {
             let body = &content.body;
-            self.bodies = body
-                .bounds
-                .into_iter()
-                .fold(self.bodies, |all, corner| around(all, corner, 0.0));
+            self.bodies.extend(body.bounds);
             // Vertices outside are not of any triangle.
             let [low, high] = body.bounds;
             let is_seen = |p: &&[f64; 3]| (0..3).all(|k| low[k] <= p[k] && p[k] <= high[k]);
@@ -68,7 +56,7 @@ impl Bounds {
             self.balls
                 .extend(content.spheres.iter().map(|s| (s.center, s.radius)));
         }
-        for shape in &frame.questions {
+        for shape in &frame.queries {
             match shape {
                 Shape::Ball { center, radius } => self.balls.push((*center, *radius)),
                 Shape::Line(ends) => self.balls.extend(ends.map(|end| (end, 0.0))),
@@ -90,8 +78,8 @@ impl Bounds {
 /// Bodies that only stand beside.
 const BESIDE: [u8; 3] = [150, 160, 176];
 const WHITE: [u8; 4] = [255; 4];
-/// What is asked about.
-const QUESTION: [u8; 3] = [60, 60, 70];
+/// What queries are about.
+const QUERY: [u8; 3] = [60, 60, 70];
 /// Room around everything.
 const MARGIN: f64 = 1.04;
 
@@ -101,9 +89,7 @@ pub(super) struct Painter<'a> {
     studio: Studio,
     /// One for every body of a frame.
     meshes: Vec<SkinnedMesh>,
-    middle: [f64; 3],
-    /// World units.
-    size: f64,
+    place: Place,
     camera: Camera,
     /// Rows above and below what is shown, for the legend.
     room: [u32; 2],
@@ -117,64 +103,43 @@ impl<'a> Painter<'a> {
         bounds: &Bounds,
         frame: &Frame<'_>,
     ) -> Result<Self, ToolError> {
-        let [low, high] = bounds.bodies;
-        let middle = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
-        let extent = (0..3).map(|k| (0.5 * high[k] - 0.5 * low[k]).powi(2));
-        let size = extent.sum::<f64>().sqrt();
-        // A single point has no size: any will do.
-        let size = if size > 0.0 && size.is_finite() {
-            size
-        } else {
-            1.0
-        };
-        let mut painter = Self {
-            arguments,
-            studio,
-            meshes: Vec::new(),
-            middle,
-            size,
-            camera: Camera::around(&Box3::EMPTY, 1.0, 0.0, 0.0),
-            room: [0; 2],
-        };
+        let place = Place::around(bounds.bodies.iter().copied());
+        let mut room = [0; 2];
         if !arguments.no_legend {
             let has_spheres = frame.content.iter().any(|c| !c.spheres.is_empty());
             let lines = 1 + frame.about.len() + usize::from(has_spheres);
-            painter.room = Legend::room(lines, has_spheres, arguments.size.0);
+            room = Legend::room(lines, has_spheres, arguments.size.0);
         }
-        let [width, height] = painter.inner_size();
+        let [width, height] = inner_size(arguments, room);
         let view = arguments.view;
-        let balls = bounds.balls.iter();
-        let balls = balls.map(|(c, r)| (painter.shown(*c), (r / size) as f32));
-        let balls: Vec<_> = balls.collect();
+        let ball = |(c, r): &([f64; 3], f64)| (place.shown(*c), place.shown_length(*r));
+        let balls: Vec<_> = bounds.balls.iter().map(ball).collect();
         let aspect = width as f32 / height as f32;
         let camera = Camera::around_balls(&balls, aspect, view.azimuth_deg, view.elevation_deg);
-        painter.camera = camera.at_distance(MARGIN as f32 / view.zoom);
+        let mut meshes = Vec::new();
         for content in &frame.content {
-            let place = || content.body.file.path().display();
-            let mesh = painter.studio.skinned(content.body.asset());
-            let mut mesh = mesh.map_err(|error| ToolError::input(place(), error))?;
+            let path = content.body.file.path().display();
+            let mesh = studio.skinned(content.body.asset());
+            let mut mesh = mesh.map_err(|error| ToolError::input(path, error))?;
             if !content.is_file {
                 mesh.mesh_mut().set_colour(BESIDE);
             }
-            painter.meshes.push(mesh);
+            meshes.push(mesh);
         }
-        Ok(painter)
-    }
-
-    /// World coordinates as they are drawn.
-    fn shown(&self, x: [f64; 3]) -> [f32; 3] {
-        [0, 1, 2].map(|k| ((x[k] - self.middle[k]) / self.size) as f32)
-    }
-
-    /// What the legend leaves of a picture.
-    fn inner_size(&self) -> [u32; 2] {
-        let [width, height] = self.arguments.size.0;
-        [width, height - self.room[0] - self.room[1]]
+        Ok(Self {
+            arguments,
+            studio,
+            meshes,
+            place,
+            camera: camera.at_distance(MARGIN as f32 / view.zoom),
+            room,
+        })
     }
 
     /// Where a point of the world is in the pictures.
     pub(super) fn pixel(&self, x: [f64; 3]) -> Option<[f32; 2]> {
-        let [x, y] = self.camera.project(self.shown(x), self.inner_size())?;
+        let size = inner_size(self.arguments, self.room);
+        let [x, y] = self.camera.project(self.place.shown(x), size)?;
         Some([x, y + self.room[0] as f32])
     }
 
@@ -183,7 +148,7 @@ impl<'a> Painter<'a> {
         for (content, mesh) in frame.content.iter().zip(&mut self.meshes) {
             let body = &content.body;
             let gpu = self.studio.gpu();
-            let transform = about(body.instance.placement(), self.middle, self.size);
+            let transform = self.place.shown_transform(body.instance.placement());
             mesh.pose(gpu, body.asset(), body.instance.q(), transform)
                 .map_err(|error| ToolError::input(body.file.path().display(), error))?;
         }
@@ -202,14 +167,14 @@ impl<'a> Painter<'a> {
             all_growths.extend(growths);
         }
         let mut lines = Vec::new();
-        let [r, g, b] = QUESTION;
-        for shape in &frame.questions {
+        let [r, g, b] = QUERY;
+        for shape in &frame.queries {
             match shape {
                 Shape::Ball { center, radius } => {
                     spheres.push(self.sphere(*center, *radius, [r, g, b, 110]));
                 }
                 Shape::Line(ends) | Shape::Ray(ends) => lines.push(Line {
-                    ends: ends.map(|end| self.shown(end)),
+                    ends: ends.map(|end| self.place.shown(end)),
                     colour: [r, g, b, 255],
                 }),
             }
@@ -221,10 +186,9 @@ impl<'a> Painter<'a> {
             spheres: &spheres,
             lines: &lines,
         };
-        let shown = self
-            .studio
-            .picture(self.inner_size(), &self.camera, &scene)
-            .map_err(|error| graphics(&error))?;
+        let size = inner_size(self.arguments, self.room);
+        let shown = self.studio.picture(size, &self.camera, &scene);
+        let shown = shown.map_err(|error| graphics(&error))?;
         if self.arguments.no_legend {
             return Ok((shown, all_growths));
         }
@@ -236,8 +200,8 @@ impl<'a> Painter<'a> {
 
     fn sphere(&self, center: [f64; 3], radius: f64, colour: [u8; 4]) -> Sphere {
         Sphere {
-            center: self.shown(center),
-            radius: (radius / self.size) as f32,
+            center: self.place.shown(center),
+            radius: self.place.shown_length(radius),
             colour,
         }
     }
@@ -269,13 +233,10 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// A placement as it is drawn: less `middle`, over `size`.
-fn about(transform: Transform, middle: [f64; 3], size: f64) -> Transform {
-    Transform {
-        translation: [0, 1, 2].map(|k| (transform.translation[k] - middle[k]) / size),
-        scale: transform.scale / size,
-        ..transform
-    }
+/// What the legend leaves of a picture.
+fn inner_size(arguments: &Arguments, [above, below]: [u32; 2]) -> [u32; 2] {
+    let [width, height] = arguments.size.0;
+    [width, height - above - below]
 }
 
 /// The file's name.

@@ -4,14 +4,13 @@
 //! that are in it afterwards are those that were visited. A frustum that the root's sphere alone decides
 //! visits nothing else and is not in it.
 
-use bdtree_format::NodeRecord;
 use bdtree_render::NodeSphere;
 use bdtree_runtime::{CacheSize, Transform};
 
 use super::arguments::Arguments;
 use super::body::{Body, Content};
 use super::picture::Frame;
-use super::questions::shapes;
+use super::queries::shapes;
 use crate::AssetFile;
 use crate::error::ToolError;
 use crate::q::counted;
@@ -27,21 +26,15 @@ pub(super) fn shown<'a>(
     file: &AssetFile,
     scene: &'a Scene,
 ) -> Result<Frame<'a>, ToolError> {
-    let own = file.path().canonicalize().ok();
-    let is_file: Vec<bool> = scene
-        .instances
-        .iter()
-        .map(|instance| scene.files[instance.file].path().canonicalize().ok() == own)
-        .collect();
+    let is_file = are_of(scene, file);
     if !is_file.contains(&true) {
         let message = format!("no instance of {}", file.path().display());
         return Err(ToolError::input(&scene.source, message));
     }
-    let mut bodies = scene.bodies(|index| CacheSize {
-        nodes: scene.files[scene.instances[index].file]
-            .asset()
-            .node_count(),
-        leaves: 0,
+    let mut bodies = scene.bodies(|index| {
+        let file = &scene.files[scene.instances[index].file];
+        let nodes = file.asset().node_count();
+        CacheSize { nodes, leaves: 0 }
     })?;
     solve_all(scene, &mut bodies, |_, _| Ok(()))?;
     let mut content = Vec::with_capacity(bodies.len());
@@ -63,14 +56,12 @@ pub(super) fn shown<'a>(
             is_file,
         });
     }
-    let queries = counted(scene.queries.len(), "query").replace("querys", "queries");
+    let queries = counted(scene.queries.len(), "query");
+    let nodes = counted(nodes, "node");
     Ok(Frame {
-        about: vec![format!(
-            "{queries}: visited {count} of {}",
-            counted(nodes, "node")
-        )],
+        about: vec![format!("{queries}: visited {count} of {nodes}")],
         number: None,
-        questions: shapes(scene, &content),
+        queries: shapes(scene, &content),
         content,
         nodes_visited: Some(count),
     })
@@ -85,15 +76,23 @@ pub(super) fn put(
     file: &AssetFile,
     (q, motion): &(Vec<f32>, Transform),
 ) -> Result<(), ToolError> {
-    let own = file.path().canonicalize().ok();
-    for instance in &mut scene.instances {
-        if scene.files[instance.file].path().canonicalize().ok() == own {
+    let is_file = are_of(scene, file);
+    for (instance, is_file) in scene.instances.iter_mut().zip(is_file) {
+        if is_file {
             instance.q.clone_from(q);
             let place = instance.transform.after(*motion);
             instance.transform = place.map_err(|e| ToolError::input("--frame", e.to_string()))?;
         }
     }
     Ok(())
+}
+
+/// Which instances are of a file.
+fn are_of(scene: &Scene, file: &AssetFile) -> Vec<bool> {
+    let own = file.path().canonicalize().ok();
+    let is_own = |file: &AssetFile| file.path().canonicalize().ok() == own;
+    let instances = scene.instances.iter();
+    instances.map(|i| is_own(&scene.files[i.file])).collect()
 }
 
 /// The spheres of visited nodes that lead to no visited node, or those of a level.
@@ -104,11 +103,7 @@ fn drawn(
 ) -> Result<Vec<NodeSphere>, ToolError> {
     let spheres = body.spheres(|pose| NodeSphere::of_nodes(pose, visited.iter().copied()))?;
     let nodes = body.asset().nodes();
-    let level = |node: u32| {
-        nodes
-            .get(node as usize)
-            .map(|n: &NodeRecord| usize::from(n.level))
-    };
+    let level = |node: u32| Some(usize::from(nodes.get(node as usize)?.level));
     let is_drawn = |sphere: &NodeSphere| match arguments.spheres {
         Some(wanted) => level(sphere.node) == Some(wanted),
         None => sphere

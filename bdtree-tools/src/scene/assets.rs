@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use super::fields::Problems;
+use super::fields::At;
 use crate::asset_file::AssetFile;
 
 /// The assets that instances name, each opened once.
@@ -38,13 +38,8 @@ impl Assets {
     }
 
     /// Index of the asset with this path, opened and checked when it is met first; what is wrong
-    /// with a file is told once.
-    pub(super) fn open(
-        &mut self,
-        path: &str,
-        place: &str,
-        problems: &mut Problems,
-    ) -> Option<usize> {
+    /// with a file is told once, at the first place that names it.
+    pub(super) fn open(&mut self, path: &str, at: &At<'_>) -> Option<usize> {
         let path = self.folder.join(path);
         let key = path.canonicalize().unwrap_or_else(|_| path.clone());
         if let Some(known) = self.known.get(&key) {
@@ -54,16 +49,11 @@ impl Assets {
             file.checked_asset(self.verify)?;
             Ok(file)
         });
-        let index = match opened {
-            Ok(file) => {
-                self.files.push(file);
-                Some(self.files.len() - 1)
-            }
-            Err(error) => {
-                problems.add(place, error);
-                None
-            }
-        };
+        let file = opened.map_err(|error| at.fail::<()>(error)).ok();
+        let index = file.map(|file| {
+            self.files.push(file);
+            self.files.len() - 1
+        });
         self.known.insert(key, index);
         index
     }

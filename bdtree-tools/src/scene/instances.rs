@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use bdtree_runtime::Transform;
 
 use super::assets::Assets;
-use super::fields::{At, Fields, Problems};
-use super::shown::read_shown;
+use super::fields::{At, Fields};
+use crate::frames::frame_of;
+use crate::q::checked_q;
 
 /// A deformed asset and where it stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,169 +24,124 @@ pub struct Placed {
     pub transform: Transform,
 }
 
-/// The names that queries may use.
+/// The names that queries may use: each leads to a place in the list, or to `None` where the instance
+/// has problems.
 #[derive(Debug, Default)]
-pub(super) struct Names {
-    /// Place in the list by name, for instances without problems.
-    index: BTreeMap<String, Option<usize>>,
-}
+pub(super) struct Names(pub(super) BTreeMap<String, Option<usize>>);
 
 impl Names {
-    /// Names of sound instances, in order.
-    #[cfg(test)]
-    pub(super) fn of(names: &[&str]) -> Self {
-        let entry = |(i, name): (usize, &&str)| (name.to_string(), Some(i));
-        Self {
-            index: names.iter().enumerate().map(entry).collect(),
-        }
-    }
-
-    /// The instance that a field names.
-    pub(super) fn instance(
-        &self,
-        fields: &Fields<'_>,
-        key: &str,
-        problems: &mut Problems,
-    ) -> Found {
-        let Some(name) = fields.text(key, problems) else {
-            return Found::No;
+    /// The instance that a field names. `None`: the problem is noted now; `Some(None)`: those of the
+    /// instance were before.
+    pub(super) fn instance(&self, fields: &Fields<'_>, key: &str) -> Option<Option<usize>> {
+        let name = fields.get(key, At::text)?;
+        let unknown = || {
+            let message = format_args!("unknown instance {name:?}");
+            fields.at(key).fail(message)
         };
-        match self.index.get(name) {
-            Some(Some(index)) => Found::Sound(*index),
-            Some(None) => Found::Broken,
-            None => {
-                problems.add(
-                    &fields.place(key),
-                    format_args!("unknown instance {name:?}"),
-                );
-                Found::No
-            }
-        }
-    }
-}
-
-/// What a name leads to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Found {
-    /// An instance, by its index.
-    Sound(usize),
-    /// An instance whose problems are already noted.
-    Broken,
-    /// Nothing; the problem is noted.
-    No,
-}
-
-impl Found {
-    /// The index, if the instance is sound.
-    pub(super) fn index(self) -> Option<usize> {
-        match self {
-            Self::Sound(index) => Some(index),
-            Self::Broken | Self::No => None,
-        }
+        self.0.get(name).copied().or_else(unknown)
     }
 }
 
 /// Reads the instances and opens their assets.
-pub(super) fn read_instances(
-    at: &At<'_>,
-    assets: &mut Assets,
-    problems: &mut Problems,
-) -> (Vec<Placed>, Names) {
+pub(super) fn read_instances(at: &At<'_>, assets: &mut Assets) -> (Vec<Placed>, Names) {
     let mut instances = Vec::new();
     let mut names = Names::default();
-    for item in at.items(problems).unwrap_or_default() {
-        let known = [
-            "name",
-            "asset",
-            "q",
-            "frame",
-            "rotation",
-            "translation",
-            "scale",
-        ];
-        let Some(fields) = item.fields(&known, problems) else {
+    for item in at.items().unwrap_or_default() {
+        let known = "name, asset, q, frame, rotation, translation, scale";
+        let Some(fields) = item.fields(known) else {
             continue;
         };
-        let name = fields.text("name", problems);
-        let duplicate = name.is_some_and(|name| names.index.contains_key(name));
-        if let Some(name) = name
-            && duplicate
-        {
-            problems.add(
-                &fields.place("name"),
-                format_args!("a second instance {name:?}"),
-            );
-        }
-        let instance = read_instance(&fields, name.unwrap_or_default(), assets, problems);
-        if let Some(name) = name
-            && !duplicate
-        {
+        // Only the first of a name is the one that queries mean.
+        let own_name = fields.get("name", At::text).filter(|name| {
+            let is_new = !names.0.contains_key(*name);
+            let message = format_args!("a second instance {name:?}");
+            fields.at("name").ensure(is_new, message).is_some()
+        });
+        let instance = read_instance(&fields, own_name.unwrap_or_default(), assets);
+        if let Some(name) = own_name {
             let index = instance.as_ref().map(|_| instances.len());
-            names.index.insert(name.to_string(), index);
+            names.0.insert(name.to_string(), index);
         }
         instances.extend(instance);
     }
     (instances, names)
 }
 
-fn read_instance(
-    fields: &Fields<'_>,
-    name: &str,
-    assets: &mut Assets,
-    problems: &mut Problems,
-) -> Option<Placed> {
-    let path = fields.text("asset", problems);
-    let asset = path.and_then(|path| assets.open(path, &fields.place("asset"), problems));
-    let shown = read_shown(fields, asset.zip(path), assets, problems);
-    let place = read_transform(fields, problems);
-    let (asset, shown, mut transform) = (asset?, shown?, place?);
-    if let Some((_, motion)) = shown.frame {
-        match transform.after(motion) {
-            Ok(both) => transform = both,
-            Err(error) => {
-                problems.add(&fields.place("frame"), error);
-                return None;
-            }
-        }
+fn read_instance(fields: &Fields<'_>, name: &str, assets: &mut Assets) -> Option<Placed> {
+    let path = fields.get("asset", At::text);
+    let file = path.and_then(|path| assets.open(path, &fields.at("asset")));
+    let shown = read_shown(fields, file.zip(path), assets);
+    let place = read_transform(fields);
+    let (file, (q, frame), mut transform) = (file?, shown?, place?);
+    if let Some((_, motion)) = frame {
+        transform = match transform.after(motion) {
+            Ok(both) => both,
+            Err(error) => return fields.at("frame").fail(error),
+        };
     }
     Some(Placed {
         name: name.to_string(),
-        file: asset,
-        q: shown.q,
-        frame: shown.frame.map(|(number, _)| number),
+        file,
+        q,
+        frame: frame.map(|(number, _)| number),
         transform,
     })
 }
 
+/// A frame's number and its rigid motion.
+type Moment = (u64, Transform);
+
+/// q as the scene writes it, or that of a frame of the asset's animation with its number and rigid motion. The
+/// asset is the one with this index and path.
+fn read_shown(
+    fields: &Fields<'_>,
+    asset: Option<(usize, &str)>,
+    assets: &Assets,
+) -> Option<(Vec<f32>, Option<Moment>)> {
+    /// Frame numbers beyond this may have been others in the JSON's text: 2^53.
+    const FRAME_MAX: f64 = (1_u64 << 53) as f64;
+    if let Some(at) = fields.optional("frame") {
+        let has_q = fields.optional("q").is_some();
+        at.ensure(!has_q, "an instance has either q or a frame")?;
+        let number = at.whole(FRAME_MAX, "not a whole number from 0 on")? as u64;
+        let (index, path) = asset?;
+        return match frame_of(assets.file(index).asset(), path, number) {
+            Ok(frame) => Some((frame.q().to_vec(), Some((number, frame.transform())))),
+            Err(message) => at.fail(message),
+        };
+    }
+    let q = fields.get_or("q", None, |at| at.all(At::number).map(Some))?;
+    let (index, path) = asset?;
+    let checked = checked_q(q.as_deref(), assets.file(index).asset(), path);
+    let told = |problems: Vec<(Option<usize>, String)>| {
+        let at = fields.at("q");
+        for (mode, message) in problems {
+            let place = mode.map_or(at.clone(), |mode| at.item(mode, at.json));
+            place.fail::<()>(message);
+        }
+    };
+    Some((checked.map_err(told).ok()?, None))
+}
+
 /// The placement, by the rules of [`Transform`].
-fn read_transform(fields: &Fields<'_>, problems: &mut Problems) -> Option<Transform> {
+fn read_transform(fields: &Fields<'_>) -> Option<Transform> {
     const TRANSLATION_MAX: f64 = (1_u128 << 80) as f64;
     const SCALE_MAX: f64 = (1_u64 << 60) as f64;
-    let before = problems.count();
-    let mut transform = Transform::IDENTITY;
-    if fields.optional("rotation").is_some()
-        && let Some(rotation) = fields.quaternion("rotation", problems)
-    {
-        transform.rotation = rotation;
-    }
-    if fields.optional("translation").is_some()
-        && let Some(translation) = fields.array::<3>("translation", problems)
-    {
-        transform.translation = translation;
-        if let Some(axis) = translation.iter().position(|x| x.abs() > TRANSLATION_MAX) {
-            let place = format!("{}[{axis}]", fields.place("translation"));
-            problems.add(&place, "beyond 2^80");
-        }
-    }
-    if let Some(at) = fields.optional("scale")
-        && let Some(scale) = at.number(problems)
-    {
-        transform.scale = scale;
-        if scale <= 0.0 {
-            problems.add(&at.place, "not positive");
-        } else if !(1.0 / SCALE_MAX..=SCALE_MAX).contains(&scale) {
-            problems.add(&at.place, "not within 2^-60 to 2^60");
-        }
-    }
-    (problems.count() == before).then_some(transform)
+    let none = Transform::IDENTITY;
+    let rotation = fields.get_or("rotation", none.rotation, At::quaternion);
+    let translation = fields.get_or("translation", none.translation, |at| {
+        at.ensure_all(at.array()?, |x| x.abs() <= TRANSLATION_MAX, "beyond 2^80")
+    });
+    let scale = fields.get_or("scale", none.scale, |at| {
+        let scale = at.number()?;
+        at.ensure(scale > 0.0, "not positive")?;
+        let is_within = (1.0 / SCALE_MAX..=SCALE_MAX).contains(&scale);
+        at.ensure(is_within, "not within 2^-60 to 2^60")?;
+        Some(scale)
+    });
+    Some(Transform {
+        rotation: rotation?,
+        translation: translation?,
+        scale: scale?,
+    })
 }

@@ -5,16 +5,12 @@
 
 mod assets;
 mod fields;
-mod frustum;
 mod instances;
 mod json;
 mod queries;
-mod rays;
-mod shown;
 
 pub use instances::Placed;
-pub use queries::Query;
-pub use rays::RaysMode;
+pub use queries::{Query, RaysMode};
 
 use std::fs;
 use std::io::Read;
@@ -55,23 +51,24 @@ pub struct Options {
 }
 
 impl Options {
-    fn read(at: &At<'_>, problems: &mut Problems) -> Self {
-        let Some(fields) = at.fields(&["max_depth", "max_visits"], problems) else {
-            return Self::default();
-        };
-        let max_depth = match fields.optional("max_depth") {
-            Some(level) if *level.json != Json::Null => level.level(problems),
-            _ => None,
-        };
-        let max_visits = fields.count("max_visits", problems);
-        if max_depth.is_some() && max_visits.is_some() {
-            let message = "max_depth and max_visits exclude each other";
-            problems.add(&at.place, message);
-        }
-        Self {
+    fn read(at: &At<'_>) -> Option<Self> {
+        /// Above, f64 does not hold all whole numbers.
+        const COUNT_MAX: f64 = (1_u64 << 53) as f64;
+        let fields = at.fields("max_depth, max_visits")?;
+        let max_depth = fields.nullable("max_depth").and_then(|at| {
+            let level = at.whole(f64::INFINITY, "not a whole number of at least 0")?;
+            Some(level as usize) // saturates: deeper than any tree is no limit
+        });
+        let max_visits = fields.nullable("max_visits").and_then(|at| {
+            let count = at.whole(COUNT_MAX, "not a whole number from 0 to 2^53")?;
+            Some(count as u64)
+        });
+        let both = max_depth.is_some() && max_visits.is_some();
+        at.ensure(!both, "max_depth and max_visits exclude each other");
+        Some(Self {
             max_depth,
             max_visits,
-        }
+        })
     }
 }
 
@@ -106,11 +103,11 @@ impl Scene {
         verify: bool,
     ) -> Result<Self, ToolError> {
         let json = Json::parse(text).map_err(|error| ToolError::input(source, error))?;
-        let mut problems = Problems::new(source);
+        let problems = Problems::new(source);
         let mut assets = Assets::new(folder, verify);
-        let (instances, queries, options) =
-            read_scene(&json, &mut assets, &mut problems).unwrap_or_default();
-        if !problems.is_empty() {
+        let read = read_scene(&json, &mut assets, &problems);
+        let (instances, queries, options) = read.unwrap_or_default();
+        if problems.count() > 0 {
             return Err(ToolError::Input(problems.into_lines()));
         }
         Ok(Self {
@@ -153,20 +150,24 @@ impl Scene {
 fn read_scene(
     json: &Json,
     assets: &mut Assets,
-    problems: &mut Problems,
+    problems: &Problems,
 ) -> Option<(Vec<Placed>, Vec<Query>, Options)> {
-    let known = ["instances", "options", "queries"];
-    let root = At::root(json).fields(&known, problems)?;
-    let instances = root.required("instances", problems);
-    let (instances, names) = match &instances {
-        Some(at) => read_instances(at, assets, problems),
-        None => Default::default(),
+    let place = String::new();
+    let root = At {
+        json,
+        place,
+        problems,
     };
-    let options = root.optional("options");
-    let options = options.map_or_else(Options::default, |at| Options::read(&at, problems));
-    let queries = root.required("queries", problems);
-    let queries = queries.map_or(Vec::new(), |at| read_queries(&at, &names, problems));
-    Some((instances, queries, options))
+    let root = root.fields("instances, options, queries")?;
+    let instances = root.get("instances", |at| Some(read_instances(at, assets)));
+    let (instances, names) = instances.unwrap_or_default();
+    let options = root.optional("options").and_then(|at| Options::read(&at));
+    let queries = root.get("queries", |at| Some(read_queries(at, &names)));
+    Some((
+        instances,
+        queries.unwrap_or_default(),
+        options.unwrap_or_default(),
+    ))
 }
 
 #[cfg(test)]

@@ -1,13 +1,23 @@
 //! The scene's queries: kinds and arguments.
 
+use bdtree_runtime::narrow::frustum_triangle::FRUSTUM_PLANES_MAX;
 use bdtree_runtime::{Ball, Capsule, Cuboid, Frustum, HalfSpace, Ray, Shape, Transform};
 
-use super::fields::{At, Fields, Problems};
-use super::frustum::read_frustum;
-use super::instances::{Found, Names};
-use super::rays::{RaysMode, read_rays};
+use super::fields::{At, Fields};
+use super::instances::Names;
 
-/// A question; instances by their index. Arguments are in the ranges that [`bdtree_runtime::Query`] and
+/// Which hits of a ray are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RaysMode {
+    /// The first one.
+    First,
+    /// All.
+    All,
+    /// Whether there is one.
+    Any,
+}
+
+/// A query; instances by their index. Arguments are in the ranges that [`bdtree_runtime::Query`] and
 /// [`bdtree_runtime::PairQuery`] take. World units.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -106,22 +116,29 @@ impl Query {
     }
 }
 
-/// Kinds that are answered.
-const KINDS: [&str; 10] = [
-    "ball", "closest", "ray", "plane", "frustum", "pair", "distance", "capsule", "box", "rays",
+/// Kinds that are answered, and their fields.
+const KINDS: [(&str, &str); 10] = [
+    ("ball", "instance, center, radius"),
+    ("closest", "instance, point, max_distance"),
+    ("ray", "instance, origin, direction, max_distance"),
+    ("plane", "instance, normal, offset"),
+    ("frustum", "instance, planes"),
+    ("pair", "a, b, tolerance, contacts"),
+    ("distance", "a, b, max_distance"),
+    ("capsule", "instance, point1, point2, radius"),
+    ("box", "instance, center, rotation, half_extents"),
+    ("rays", "instance, origins, directions, mode, max_distance"),
 ];
 
 /// Reads the queries; shorter than the list when there are problems.
-pub(super) fn read_queries(at: &At<'_>, names: &Names, problems: &mut Problems) -> Vec<Query> {
-    let items = at.items(problems).unwrap_or_default();
-    items
-        .iter()
-        .filter_map(|item| read_query(item, names, problems))
-        .collect()
+pub(super) fn read_queries(at: &At<'_>, names: &Names) -> Vec<Query> {
+    let items = at.items().unwrap_or_default();
+    let read = |item: &At<'_>| read_query(item, names);
+    items.iter().filter_map(read).collect()
 }
 
-fn read_query(item: &At<'_>, names: &Names, problems: &mut Problems) -> Option<Query> {
-    let object = item.entries(problems)?;
+fn read_query(item: &At<'_>, names: &Names) -> Option<Query> {
+    let object = item.entries()?;
     let mut entries = object.iter();
     let (Some((kind, json)), None) = (entries.next(), entries.next()) else {
         let found: Vec<&str> = object.keys().map(String::as_str).collect();
@@ -130,132 +147,99 @@ fn read_query(item: &At<'_>, names: &Names, problems: &mut Problems) -> Option<Q
         } else {
             found.join(", ")
         };
-        problems.add(
-            &item.place,
-            format_args!("expected one query kind, found {found}"),
-        );
-        return None;
+        return item.fail(format_args!("expected one query kind, found {found}"));
     };
     let at = item.entry(kind, json);
+    let Some((_, known)) = KINDS.iter().find(|(name, _)| name == kind) else {
+        let known = KINDS.map(|(name, _)| name).join(", ");
+        return at.fail(format_args!("unknown query kind (known: {known})"));
+    };
+    let fields = at.fields(known)?;
+    // All fields are read before any of them is missed: every problem is told.
+    if matches!(kind.as_str(), "pair" | "distance") {
+        return read_pair(kind, &fields, names);
+    }
+    let instance = names.instance(&fields, "instance").flatten();
+    let touched = |shape: Shape| {
+        let instance = instance?;
+        Some(Query::Contacts { instance, shape })
+    };
     match kind.as_str() {
         "ball" => {
-            let fields = at.fields(&["instance", "center", "radius"], problems)?;
-            let instance = names.instance(&fields, "instance", problems);
-            let center = fields.point("center", problems);
-            let radius = fields.length("radius", problems);
-            Some(Query::Contacts {
-                instance: instance.index()?,
-                shape: Ball::new(center?, radius?).into(),
-            })
+            let center = fields.get("center", At::point);
+            let radius = fields.get("radius", At::length);
+            touched(Ball::new(center?, radius?).into())
+        }
+        "plane" => {
+            let normal = fields.get("normal", At::direction);
+            let offset = fields.get("offset", At::offset);
+            touched(HalfSpace::new(normal?, offset?).into())
+        }
+        "capsule" => {
+            let point1 = fields.get("point1", At::point);
+            let point2 = fields.get("point2", At::point);
+            let radius = fields.get("radius", At::length);
+            touched(Capsule::new(point1?, point2?, radius?).into())
+        }
+        "box" => {
+            let center = fields.get("center", At::point);
+            let unturned = Transform::IDENTITY.rotation;
+            let rotation = fields.get_or("rotation", unturned, At::quaternion);
+            let half_extents = fields.get("half_extents", At::lengths);
+            let cuboid = Cuboid::new(center?, half_extents?).rotated(rotation?);
+            touched(cuboid.into())
         }
         "closest" => {
-            let fields = at.fields(&["instance", "point", "max_distance"], problems)?;
-            let instance = names.instance(&fields, "instance", problems);
-            let point = fields.point("point", problems);
-            let max_distance = fields.limit("max_distance", problems);
+            let point = fields.get("point", At::point);
+            let max_distance = fields.limit("max_distance");
             Some(Query::Closest {
-                instance: instance.index()?,
+                instance: instance?,
                 point: point?,
                 max_distance: max_distance?,
             })
         }
         "ray" => {
-            let known = ["instance", "origin", "direction", "max_distance"];
-            let fields = at.fields(&known, problems)?;
-            let instance = names.instance(&fields, "instance", problems);
-            let origin = fields.point("origin", problems);
-            let direction = fields.direction("direction", problems);
-            let max_distance = fields.limit("max_distance", problems);
+            let origin = fields.get("origin", At::point);
+            let direction = fields.get("direction", At::direction);
+            let max_distance = fields.limit("max_distance");
             Some(Query::Ray {
-                instance: instance.index()?,
+                instance: instance?,
                 ray: Ray::new(origin?, direction?).with_max_distance(max_distance?),
             })
         }
-        "rays" => {
-            let known = ["instance", "origins", "directions", "mode", "max_distance"];
-            let fields = at.fields(&known, problems)?;
-            let instance = names.instance(&fields, "instance", problems);
-            let (mode, rays) = read_rays(&fields, problems)?;
+        "frustum" => {
+            let frustum = fields.get("planes", read_frustum);
+            Some(Query::Frustum {
+                instance: instance?,
+                frustum: Box::new(frustum?),
+            })
+        }
+        _ => {
+            let (mode, rays) = read_rays(&fields)?;
             Some(Query::Rays {
-                instance: instance.index()?,
+                instance: instance?,
                 mode,
                 rays,
             })
         }
-        "plane" => {
-            let fields = at.fields(&["instance", "normal", "offset"], problems)?;
-            let instance = names.instance(&fields, "instance", problems);
-            let normal = fields.direction("normal", problems);
-            let offset = fields.offset("offset", problems);
-            Some(Query::Contacts {
-                instance: instance.index()?,
-                shape: HalfSpace::new(normal?, offset?).into(),
-            })
-        }
-        "frustum" => {
-            let fields = at.fields(&["instance", "planes"], problems)?;
-            let instance = names.instance(&fields, "instance", problems);
-            let frustum = read_frustum(&fields, problems);
-            Some(Query::Frustum {
-                instance: instance.index()?,
-                frustum: Box::new(frustum?),
-            })
-        }
-        "capsule" => {
-            let fields = at.fields(&["instance", "point1", "point2", "radius"], problems)?;
-            let instance = names.instance(&fields, "instance", problems);
-            let point1 = fields.point("point1", problems);
-            let point2 = fields.point("point2", problems);
-            let radius = fields.length("radius", problems);
-            Some(Query::Contacts {
-                instance: instance.index()?,
-                shape: Capsule::new(point1?, point2?, radius?).into(),
-            })
-        }
-        "box" => {
-            let known = ["instance", "center", "rotation", "half_extents"];
-            let fields = at.fields(&known, problems)?;
-            let instance = names.instance(&fields, "instance", problems);
-            let center = fields.point("center", problems);
-            let rotation = match fields.optional("rotation") {
-                None => Some(Transform::IDENTITY.rotation),
-                Some(_) => fields.quaternion("rotation", problems),
-            };
-            let half_extents = fields.lengths("half_extents", problems);
-            let cuboid = Cuboid::new(center?, half_extents?).rotated(rotation?);
-            Some(Query::Contacts {
-                instance: instance.index()?,
-                shape: cuboid.into(),
-            })
-        }
-        "pair" => read_pair(
-            &at.fields(&["a", "b", "tolerance", "contacts"], problems)?,
-            names,
-            problems,
-        ),
-        "distance" => read_distance(
-            &at.fields(&["a", "b", "max_distance"], problems)?,
-            names,
-            problems,
-        ),
-        _ => {
-            problems.add(
-                &at.place,
-                format_args!("unknown query kind (known: {})", KINDS.join(", ")),
-            );
-            None
-        }
     }
 }
 
-/// An absent tolerance is 0, and contacts are not wanted.
-fn read_pair(fields: &Fields<'_>, names: &Names, problems: &mut Problems) -> Option<Query> {
-    let two = read_two(fields, names, problems);
-    let tolerance = match fields.optional("tolerance") {
-        None => Some(0.0),
-        Some(_) => fields.length("tolerance", problems),
-    };
-    let contacts = fields.flag("contacts", problems);
+/// Of two different instances; an absent tolerance is 0, and contacts are not wanted.
+fn read_pair(kind: &str, fields: &Fields<'_>, names: &Names) -> Option<Query> {
+    let a = names.instance(fields, "a");
+    let b = names.instance(fields, "b");
+    // A name that leads nowhere has its own problem.
+    let same = a.is_some() && fields.at("a").json == fields.at("b").json;
+    let differ = fields.at("b").ensure(!same, "the same instance as a");
+    let two = differ.and(a.flatten().zip(b.flatten()));
+    if kind == "distance" {
+        let max_distance = fields.limit("max_distance");
+        let ((a, b), max_distance) = (two?, max_distance?);
+        return Some(Query::Distance { a, b, max_distance });
+    }
+    let tolerance = fields.get_or("tolerance", 0.0, At::length);
+    let contacts = fields.get_or("contacts", false, At::flag);
     let ((a, b), tolerance, contacts) = (two?, tolerance?, contacts?);
     Some(Query::Pair {
         a,
@@ -265,24 +249,40 @@ fn read_pair(fields: &Fields<'_>, names: &Names, problems: &mut Problems) -> Opt
     })
 }
 
-fn read_distance(fields: &Fields<'_>, names: &Names, problems: &mut Problems) -> Option<Query> {
-    let two = read_two(fields, names, problems);
-    let max_distance = fields.limit("max_distance", problems);
-    let ((a, b), max_distance) = (two?, max_distance?);
-    Some(Query::Distance { a, b, max_distance })
+/// The rays and what is asked of them; an absent mode is `first`.
+fn read_rays(fields: &Fields<'_>) -> Option<(RaysMode, Vec<Ray>)> {
+    let origins = fields.get("origins", |at| at.all(At::point));
+    let directions = fields.get("directions", |at| at.all(At::direction));
+    let mode = fields.get_or("mode", RaysMode::First, |at| match at.text()? {
+        "first" => Some(RaysMode::First),
+        "all" => Some(RaysMode::All),
+        "any" => Some(RaysMode::Any),
+        mode => at.fail(format_args!(
+            "unknown mode {mode:?} (known: first, all, any)"
+        )),
+    });
+    let max_distance = fields.limit("max_distance");
+    let (origins, directions) = (origins?, directions?);
+    let (expected, found) = (origins.len(), directions.len());
+    let message = format_args!("expected {expected}, one for each of origins, found {found}");
+    fields.at("directions").ensure(expected == found, message)?;
+    let max_distance = max_distance?;
+    let rays = origins.into_iter().zip(directions);
+    let ray = |(origin, direction)| Ray::new(origin, direction).with_max_distance(max_distance);
+    Some((mode?, rays.map(ray).collect()))
 }
 
-/// Two different instances.
-fn read_two(fields: &Fields<'_>, names: &Names, problems: &mut Problems) -> Option<(usize, usize)> {
-    let a = names.instance(fields, "a", problems);
-    let b = names.instance(fields, "b", problems);
-    let same = match (fields.optional("a"), fields.optional("b")) {
-        (Some(x), Some(y)) => x.json == y.json && a != Found::No,
-        _ => false,
-    };
-    if same {
-        problems.add(&fields.place("b"), "the same instance as a");
-    }
-    let (a, b) = (a.index()?, b.index()?);
-    (!same).then_some((a, b))
+/// Planes `[n_x, n_y, n_z, d]`, from 1 to [`FRUSTUM_PLANES_MAX`].
+fn read_frustum(at: &At<'_>) -> Option<Frustum> {
+    let found = at.items()?.len();
+    let message = format_args!("expected 1 to {FRUSTUM_PLANES_MAX} planes, found {found}");
+    at.ensure((1..=FRUSTUM_PLANES_MAX).contains(&found), message)?;
+    let planes = at.all(|item| {
+        let plane: [f64; 4] = item.array()?;
+        item.ensure(plane[..3] != [0.0; 3], "zero vector")?;
+        let is_near = Frustum::new(&[plane]).is_some();
+        item.ensure(is_near, "farther than 2^100 from the origin")?;
+        Some(plane)
+    });
+    Frustum::new(&planes?)
 }

@@ -6,12 +6,15 @@ use super::*;
 /// The problems of a list of queries with two sound instances, a and b.
 fn problems_of_queries(queries: &str) -> Vec<String> {
     let json = Json::parse(queries.as_bytes()).expect("JSON");
-    let mut problems = Problems::new("s");
+    let problems = Problems::new("s");
     let at = At {
         json: &json,
         place: "queries".to_string(),
+        problems: &problems,
     };
-    read_queries(&at, &Names::of(&["a", "b"]), &mut problems);
+    let names = [("a", 0), ("b", 1)].map(|(name, index)| (name.to_string(), Some(index)));
+    read_queries(&at, &Names(names.into()));
+    drop(at);
     problems.into_lines()
 }
 

@@ -1,6 +1,6 @@
 //! The vertices below every lane.
 
-use bdtree_format::{LANES, NodeRecord};
+use bdtree_format::LANES;
 use bdtree_runtime::Asset;
 
 /// The vertices of the triangles below each lane, each once, ascending.
@@ -18,16 +18,16 @@ impl Below {
         let mut lists = vec![Vec::new(); LANES * nodes.len()];
         for (i, node) in nodes.iter().enumerate().rev() {
             for lane in 0..LANES {
-                let mut list = if node.leaf_mask & (1 << lane) != 0 {
-                    let leaf = leaf_triangles(node, lane);
-                    asset.triangles()[leaf]
-                        .iter()
-                        .flat_map(|triangle| triangle.corners)
-                        .collect()
-                } else if let Some(child) = child(node, lane) {
-                    lists[LANES * child..LANES * (child + 1)].concat()
-                } else {
-                    Vec::new()
+                let mut list = match node.child(lane) {
+                    Some(child) => lists[LANES * child as usize..][..LANES].concat(),
+                    // Nothing where the lane is empty.
+                    None => {
+                        let triangles = asset.triangles().get(node.slots(lane)).unwrap_or_default();
+                        triangles
+                            .iter()
+                            .flat_map(|triangle| triangle.corners)
+                            .collect()
+                    }
                 };
                 list.sort_unstable();
                 list.dedup();
@@ -49,18 +49,4 @@ impl Below {
         let at = LANES * node + lane;
         &self.vertices[self.starts[at]..self.starts[at + 1]]
     }
-}
-
-/// The triangle slots of a leaf lane.
-fn leaf_triangles(node: &NodeRecord, lane: usize) -> std::ops::Range<usize> {
-    let counts = node.leaf_counts.map(usize::from);
-    let start = node.first_slot as usize + counts[..lane].iter().sum::<usize>();
-    start..start + counts[lane]
-}
-
-/// The node that an inner lane leads to.
-fn child(node: &NodeRecord, lane: usize) -> Option<usize> {
-    let bit = 1_u8 << lane;
-    let before = (node.inner_mask & (bit - 1)).count_ones();
-    (node.inner_mask & bit != 0).then_some((node.first_child + before) as usize)
 }

@@ -8,17 +8,15 @@
 //! turn.
 
 mod below;
-mod certainty;
 mod exact;
 mod poses;
 mod report;
 mod search;
-mod summary;
+mod slack;
 mod trial;
 
-pub use report::{Report, Tight};
-pub(crate) use summary::Stressed;
-pub use summary::{Summary, Tightest};
+pub use report::{Report, Summary, Tight};
+pub use slack::rounding_slack;
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::thread;
@@ -50,14 +48,6 @@ pub struct Options {
 pub fn kernels() -> Vec<Kernel> {
     let all = Kernel::ALL.into_iter();
     all.filter(|kernel| kernel.is_available()).collect()
-}
-
-/// What certainty costs, as a share of the mean radius at q within ± `q_range`.
-///
-/// # Errors
-/// As [`run`].
-pub fn certainty(asset: &Asset<'_>, seed: u64) -> Result<f64, FormatError> {
-    certainty::certainty(asset, seed)
 }
 
 /// All nodes at one q, with every kernel; q must be within the limits.
@@ -117,8 +107,7 @@ pub fn run(
             advance(report.cases);
             violations.fetch_add(report.violations.len(), Ordering::Relaxed);
             // Only what may be the tightest of all is remembered.
-            let margin = report.tightest.as_ref().map(Tight::margin);
-            match margin {
+            match report.tightest.as_ref().map(|tight| tight.margin_slacks) {
                 Some(margin) if margin < least => least = margin,
                 _ => report.tightest = None,
             }

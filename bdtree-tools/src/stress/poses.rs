@@ -30,17 +30,48 @@ impl<'a> HardPoses<'a> {
 
     /// q of kind `k` (modulo [`KINDS`]).
     pub(super) fn kind(&mut self, k: u64) -> Vec<f32> {
-        let m = self.asset.mode_count();
         let mut q = match k % KINDS {
-            0 => self.spread(),
-            1 => self.one_mode(),
-            2 => self.alternating(),
-            3 => self.near_limits(),
-            4 => self.tiny(),
-            5 => self.equal_reach(),
-            6 => self.one_large(),
+            // All modes at random within one size.
+            0 => {
+                let size = self.power(-6.0..1.5);
+                self.each(|own, j| size * own.range(j) * own.rng.random_range(-1.0..1.0))
+            }
+            1 => self.with_one(vec![0.0; self.asset.mode_count()], -6.0..2.0),
+            // Of alternating sign.
+            2 => {
+                let size = self.sign() * self.power(-4.0..1.5);
+                let sign = |j: usize| if j.is_multiple_of(2) { size } else { -size };
+                self.each(|own, j| sign(j) * own.range(j))
+            }
+            // At the limit, just below it, or 0.
+            3 => self.each(|own, j| {
+                let limit = own.asset.modes()[j].q_limit.get();
+                let below = f32::from_bits(limit.to_bits() - own.rng.random_range(0..3));
+                [below, -below, 0.0][own.rng.random_range(0..3)]
+            }),
+            // Subnormal numbers, the least normal one, and others that hardly move anything.
+            4 => {
+                let subnormal = f32::from_bits(1);
+                let sizes = [0.0, subnormal, f32::MIN_POSITIVE, 1e-36, 1e-30, 1e-20];
+                self.each(|own, _| own.sign() * sizes[own.rng.random_range(0..sizes.len())])
+            }
+            // Every mode moves its farthest vertex equally far.
+            5 => {
+                let largest = self.asset.header().position_norm_max.get();
+                let size = largest * self.power(-5.0..1.5);
+                self.each(|own, j| {
+                    let reach = own.asset.modes()[j].field_norm_max.get();
+                    own.sign() * size / reach.max(f32::MIN_POSITIVE)
+                })
+            }
+            // One mode beside others that are far smaller.
+            6 => {
+                let small = self.power(-30.0..-3.0);
+                let q = self.each(|own, j| own.sign() * small * own.range(j));
+                self.with_one(q, -1.0..1.0)
+            }
             7 => self.cancelling(),
-            _ => vec![0.0; m],
+            _ => vec![0.0; self.asset.mode_count()],
         };
         self.clamp(&mut q);
         q
@@ -62,15 +93,14 @@ impl<'a> HardPoses<'a> {
         self.asset.modes()[j].q_range.get()
     }
 
-    fn modes(&self) -> std::ops::Range<usize> {
-        0..self.asset.mode_count()
+    fn each(&mut self, of: impl Fn(&mut Self, usize) -> f32) -> Vec<f32> {
+        (0..self.asset.mode_count()).map(|j| of(self, j)).collect()
     }
 
     fn sign(&mut self) -> f32 {
-        if self.rng.random_range(0..2) == 0 {
-            1.0
-        } else {
-            -1.0
+        match self.rng.random_range(0..2) {
+            0 => 1.0,
+            _ => -1.0,
         }
     }
 
@@ -79,77 +109,11 @@ impl<'a> HardPoses<'a> {
         10.0_f32.powf(self.rng.random_range(exponents))
     }
 
-    /// All modes at random within one size.
-    fn spread(&mut self) -> Vec<f32> {
-        let size = self.power(-6.0..1.5);
-        self.modes()
-            .map(|j| size * self.range(j) * self.rng.random_range(-1.0..1.0))
-            .collect()
-    }
-
-    fn one_mode(&mut self) -> Vec<f32> {
-        let mut q = vec![0.0; self.asset.mode_count()];
+    /// `q` with a mode at random of another size, over its range.
+    fn with_one(&mut self, mut q: Vec<f32>, exponents: std::ops::Range<f32>) -> Vec<f32> {
         if !q.is_empty() {
             let j = self.rng.random_range(0..q.len());
-            q[j] = self.sign() * self.power(-6.0..2.0) * self.range(j);
-        }
-        q
-    }
-
-    fn alternating(&mut self) -> Vec<f32> {
-        let size = self.sign() * self.power(-4.0..1.5);
-        let sign = |j: usize| if j.is_multiple_of(2) { size } else { -size };
-        self.modes().map(|j| sign(j) * self.range(j)).collect()
-    }
-
-    /// At the limit, just below it, or 0.
-    fn near_limits(&mut self) -> Vec<f32> {
-        self.modes()
-            .map(|j| {
-                let limit = self.asset.modes()[j].q_limit.get();
-                let below = f32::from_bits(limit.to_bits() - self.rng.random_range(0..3));
-                [below, -below, 0.0][self.rng.random_range(0..3)]
-            })
-            .collect()
-    }
-
-    /// Subnormal numbers, the least normal one, and others that hardly move anything.
-    fn tiny(&mut self) -> Vec<f32> {
-        let sizes = [
-            0.0,
-            f32::from_bits(1),
-            f32::MIN_POSITIVE,
-            1e-36,
-            1e-30,
-            1e-20,
-        ];
-        self.modes()
-            .map(|_| self.sign() * sizes[self.rng.random_range(0..sizes.len())])
-            .collect()
-    }
-
-    /// Every mode moves its farthest vertex equally far.
-    fn equal_reach(&mut self) -> Vec<f32> {
-        let largest = self.asset.header().position_norm_max.get();
-        let size = largest * self.power(-5.0..1.5);
-        self.modes()
-            .map(|j| {
-                let reach = self.asset.modes()[j].field_norm_max.get();
-                self.sign() * size / reach.max(f32::MIN_POSITIVE)
-            })
-            .collect()
-    }
-
-    /// One mode beside others that are far smaller.
-    fn one_large(&mut self) -> Vec<f32> {
-        let small = self.power(-30.0..-3.0);
-        let mut q: Vec<f32> = self
-            .modes()
-            .map(|j| self.sign() * small * self.range(j))
-            .collect();
-        if !q.is_empty() {
-            let j = self.rng.random_range(0..q.len());
-            q[j] = self.sign() * self.power(-1.0..1.0) * self.range(j);
+            q[j] = self.sign() * self.power(exponents) * self.range(j);
         }
         q
     }

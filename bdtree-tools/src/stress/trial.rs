@@ -2,7 +2,7 @@
 
 use bdtree_format::LANES;
 use bdtree_runtime::bound::Spheres;
-use bdtree_runtime::{Asset, FormatError, Kernel, Transform, VertexId};
+use bdtree_runtime::{Asset, FormatError, Kernel, Pose, Transform, VertexId};
 
 use super::below::Below;
 use super::exact::{certainly_within, squared_distance, within};
@@ -54,53 +54,34 @@ impl<'t, 'a> Trial<'t, 'a> {
         for (i, vertex) in (0..).zip(&mut self.vertices) {
             *vertex = pose.deformed_stored(VertexId(i))?;
         }
-        let slack = pose.slack() / self.asset.unit();
         report.poses += 1;
         for node in nodes {
             let spheres = pose.node_spheres(node as u32)?;
             report.cases += 1;
             for lane in 0..LANES {
                 let below = self.below.lane(node, lane);
-                if below.is_empty() {
+                let at = (node as u32, lane);
+                let Some(sphere) = Sphere::tried(&pose, q, &spheres, at, below, report) else {
                     continue;
-                }
-                let (center, radius) = sphere(&spheres, lane);
-                if radius.is_nan() {
-                    report.unbounded += 1; // every test reads it as "visit"
-                    continue;
-                }
-                report.vertices += below.len() as u64;
+                };
                 let (mut farthest, mut square) = (below[0], -1.0);
                 for &v in below {
-                    let found = squared_distance(self.vertices[v as usize], center);
+                    let found = squared_distance(self.vertices[v as usize], sphere.center);
                     // Not ">": what is not a number lies outside, farther than anything else.
                     if !(found <= square) {
                         farthest = v;
                         square = if found.is_nan() { f64::INFINITY } else { found };
                     }
                 }
-                let tight = || Tight {
-                    kernel: self.asset.kernel(),
-                    node: node as u32,
-                    lane,
-                    vertex: farthest,
-                    q: q.to_vec(),
-                    radius: f64::from(radius),
-                    distance: square.sqrt(),
-                    slack,
-                };
-                report.margin((f64::from(radius) - square.sqrt()) / slack, tight);
-                if certainly_within(square, radius) {
+                report.margin(sphere.margin(square), || sphere.tight(farthest, square));
+                if certainly_within(square, sphere.radius) {
                     continue;
                 }
                 for &v in below {
                     let vertex = self.vertices[v as usize];
-                    if !within(vertex, center, radius) {
-                        report.violation(Tight {
-                            vertex: v,
-                            distance: squared_distance(vertex, center).sqrt(),
-                            ..tight()
-                        });
+                    if !within(vertex, sphere.center, sphere.radius) {
+                        let square = squared_distance(vertex, sphere.center);
+                        report.violation(sphere.tight(v, square));
                     }
                 }
             }
@@ -116,37 +97,27 @@ impl<'t, 'a> Trial<'t, 'a> {
         target: &Target,
         report: &mut Report,
     ) -> Result<f64, FormatError> {
+        let watched = &target.watched;
+        let mut least = f64::INFINITY;
         let Ok(pose) = self.asset.pose(q, Transform::IDENTITY, &mut self.memory) else {
-            return Ok(f64::INFINITY); // as above
+            return Ok(least); // as above
         };
         let spheres = pose.node_spheres(target.node)?;
-        let (center, radius) = sphere(&spheres, target.lane);
-        let slack = pose.slack() / self.asset.unit();
         report.poses += 1;
         report.cases += 1;
-        if radius.is_nan() {
-            report.unbounded += 1;
-            return Ok(f64::INFINITY);
-        }
-        report.vertices += target.watched.len() as u64;
-        let mut least = f64::INFINITY;
-        for &v in &target.watched {
+        let at = (target.node, target.lane);
+        let Some(sphere) = Sphere::tried(&pose, q, &spheres, at, watched, report) else {
+            return Ok(least);
+        };
+        for &v in watched {
             let vertex = pose.deformed_stored(VertexId(v))?;
-            let square = squared_distance(vertex, center);
-            let margin = (f64::from(radius) - square.sqrt()) / slack;
-            let tight = || Tight {
-                kernel: self.asset.kernel(),
-                node: target.node,
-                lane: target.lane,
-                vertex: v,
-                q: q.to_vec(),
-                radius: f64::from(radius),
-                distance: square.sqrt(),
-                slack,
-            };
-            if !certainly_within(square, radius) && !within(vertex, center, radius) {
+            let square = squared_distance(vertex, sphere.center);
+            let tight = || sphere.tight(v, square);
+            let is_certain = certainly_within(square, sphere.radius);
+            if !is_certain && !within(vertex, sphere.center, sphere.radius) {
                 report.violation(tight());
             }
+            let margin = sphere.margin(square);
             report.margin(margin, tight);
             least = least.min(margin);
         }
@@ -154,7 +125,68 @@ impl<'t, 'a> Trial<'t, 'a> {
     }
 }
 
-fn sphere(spheres: &Spheres, lane: usize) -> ([f32; 3], f32) {
-    let [x, y, z] = &spheres.center;
-    ([x[lane], y[lane], z[lane]], spheres.radius[lane])
+/// A lane's sphere at a q, in stored units.
+struct Sphere<'q> {
+    kernel: Kernel,
+    q: &'q [f32],
+    node: u32,
+    lane: usize,
+    center: [f32; 3],
+    radius: f32,
+    slack: f64,
+}
+
+impl<'q> Sphere<'q> {
+    /// A sphere that some vertices are held against, if there are any and it has a radius; counted in `report`.
+    fn tried(
+        pose: &Pose<'_>,
+        q: &'q [f32],
+        spheres: &Spheres,
+        (node, lane): (u32, usize),
+        vertices: &[u32],
+        report: &mut Report,
+    ) -> Option<Self> {
+        let radius = spheres.radius[lane];
+        if vertices.is_empty() {
+            return None;
+        }
+        if radius.is_nan() {
+            report.unbounded += 1; // every test reads it as "visit"
+            return None;
+        }
+        report.vertices += vertices.len() as u64;
+        Some(Self {
+            kernel: pose.asset().kernel(),
+            q,
+            node,
+            lane,
+            center: [0, 1, 2].map(|k| spheres.center[k][lane]),
+            radius,
+            slack: pose.slack() / pose.asset().unit(),
+        })
+    }
+
+    /// How far a vertex at this squared distance is inside, in slacks. What is not a number is as bad as can be.
+    fn margin(&self, square: f64) -> f64 {
+        let margin = (f64::from(self.radius) - square.sqrt()) / self.slack;
+        if margin.is_nan() {
+            f64::NEG_INFINITY
+        } else {
+            margin
+        }
+    }
+
+    fn tight(&self, vertex: u32, square: f64) -> Tight {
+        Tight {
+            margin_slacks: self.margin(square),
+            kernel: format!("{:?}", self.kernel),
+            node: self.node,
+            lane: self.lane,
+            vertex,
+            radius: f64::from(self.radius),
+            distance: square.sqrt(),
+            slack: self.slack,
+            q: self.q.to_vec(),
+        }
+    }
 }

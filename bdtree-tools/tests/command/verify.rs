@@ -124,7 +124,7 @@ fn a_stress_run_tells_what_it_tried() {
                 .unwrap()
                 .contains(&json!("Scalar"))
         );
-        let cost = stress["certainty_rel"].as_f64().unwrap();
+        let cost = stress["rounding_slack_rel"].as_f64().unwrap();
         assert!(cost > 0.0 && cost < 1e-3, "{cost}");
         let tightest = &stress["tightest"];
         let number = |name: &str| tightest[name].as_f64().unwrap();

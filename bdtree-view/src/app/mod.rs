@@ -1,11 +1,10 @@
 //! The viewer without its window: what is shown, and what is known of it.
 
-mod place;
 mod playback;
 mod probe;
 mod view;
 
-pub use place::Place;
+pub use bdtree_render::Place;
 pub use playback::Playback;
 pub use probe::{Answer, Asker, Probe};
 pub use view::{Grab, View};
@@ -223,7 +222,7 @@ impl Spheres {
 
 /// A posture that the asset refuses.
 fn refused(file: &AssetFile, error: PoseError) -> ToolError {
-    ToolError::Input(vec![format!("{}: {error}", file.path().display())])
+    ToolError::input(file.path().display(), error)
 }
 
 /// The deformed vertices of triangles (world).

@@ -1,7 +1,7 @@
 //! The file's animation in time.
 //!
-//! Between two frames q and translation are blended evenly and rotations along the shorter arc. Every
-//! frame's q is within the limits, so what lies between is too.
+//! What lies between two frames is the runtime's ([`Asset::sample_between`]); here is when each is shown, also
+//! where the file does not say. Every frame's q is within the limits, so what lies between is too.
 
 use bdtree_runtime::{Asset, Transform};
 
@@ -102,41 +102,10 @@ impl Playback {
     /// q and the rigid motion of the moment; `None` where there is no frame.
     pub fn posture(&self, asset: &Asset<'_>) -> Option<(Vec<f32>, Transform)> {
         let (frame, share) = self.position();
-        let from = asset.frame(frame)?;
-        let Some(to) = asset.frame(frame + 1).filter(|_| share > 0.0) else {
-            return Some((from.q().to_vec(), from.transform()));
-        };
-        let q = from.q().iter().zip(to.q());
-        let q = q.map(|(a, b)| blend(f64::from(*a), f64::from(*b), share) as f32);
-        Some((
-            q.collect(),
-            between(from.transform(), to.transform(), share),
-        ))
-    }
-}
-
-/// (1 − s) a + s b, which neither overflows nor leaves the interval.
-fn blend(a: f64, b: f64, share: f64) -> f64 {
-    ((1.0 - share) * a + share * b).clamp(a.min(b), a.max(b))
-}
-
-/// A placement between two others. The quaternion is of unit length again.
-fn between(from: Transform, to: Transform, share: f64) -> Transform {
-    let dot: f64 = from
-        .rotation
-        .iter()
-        .zip(to.rotation)
-        .map(|(a, b)| a * b)
-        .sum();
-    // q and −q are the same rotation: the nearer one.
-    let sign = if dot < 0.0 { -1.0 } else { 1.0 };
-    let mixed =
-        [0, 1, 2, 3].map(|k| (1.0 - share) * from.rotation[k] + share * sign * to.rotation[k]);
-    let norm = mixed.iter().map(|c| c * c).sum::<f64>().sqrt();
-    Transform {
-        rotation: mixed.map(|c| c / norm),
-        translation: [0, 1, 2].map(|k| blend(from.translation[k], to.translation[k], share)),
-        scale: blend(from.scale, to.scale, share),
+        let next = (frame + 1).min(self.frame_count().saturating_sub(1));
+        let mut q = vec![0.0; asset.mode_count()];
+        let transform = asset.sample_between([frame, next], share, &mut q).ok()?;
+        Some((q, transform))
     }
 }
 
@@ -182,25 +151,5 @@ mod tests {
             assert!(!playback.advance(1.0), "nothing moves");
             assert_eq!(playback.position().1, 0.0);
         }
-    }
-
-    #[test]
-    fn rotations_take_the_shorter_way_and_stay_rotations() {
-        let half = 0.5_f64.sqrt();
-        let turned = Transform {
-            rotation: [0.0, -half, 0.0, -half],
-            translation: [2.0, 0.0, 0.0],
-            scale: 1.0,
-        };
-        let middle = between(Transform::IDENTITY, turned, 0.5);
-        let eighth = std::f64::consts::FRAC_PI_8;
-        let expected = [0.0, eighth.sin(), 0.0, eighth.cos()];
-        for k in 0..4 {
-            assert!(
-                (middle.rotation[k] - expected[k]).abs() < 1e-12,
-                "{middle:?}"
-            );
-        }
-        assert_eq!(middle.translation, [1.0, 0.0, 0.0]);
     }
 }

@@ -1,9 +1,8 @@
 //! What is to be seen, as numbers: two equal ones look the same.
 
-use bdtree_render::{Box3, Camera};
+use bdtree_render::{Box3, Camera, Place};
 use bdtree_runtime::Transform;
 
-use super::place::Place;
 use super::probe::Probe;
 
 /// How far around the box the camera of the beginning stands, and from where.

@@ -9,6 +9,7 @@ mod style;
 
 pub(crate) use style::dress;
 
+use bdtree_tools::printable;
 use egui::{CollapsingHeader, Grid, RichText, ScrollArea, Ui};
 
 use crate::app::App;
@@ -38,17 +39,7 @@ pub(crate) struct Wish {
 pub(crate) fn show(ui: &mut Ui, app: &mut App<'_>, status: &Status) -> Wish {
     let mut wish = Wish::default();
     let name = app.file().path().file_name().unwrap_or_default();
-    let name: String = name
-        .to_string_lossy()
-        .chars()
-        .map(|c| {
-            if c.is_control() {
-                char::REPLACEMENT_CHARACTER
-            } else {
-                c
-            }
-        })
-        .collect();
+    let name = printable(&name.to_string_lossy());
     ui.add(egui::Label::new(RichText::new(name).size(17.0).strong()).truncate());
     facts(ui, app);
     ui.add_space(2.0);

@@ -90,8 +90,8 @@ impl Page {
                 number(least)
             );
         }
-        if let Some(certainty) = margin.certainty_rel {
-            text += &format!(" Rounding adds {} to the mean radius.", percent(certainty));
+        if let Some(slack) = margin.rounding_slack_rel {
+            text += &format!(" Rounding adds {} to the mean radius.", percent(slack));
         }
         self.text(&text);
     }

@@ -23,19 +23,12 @@ impl Place {
         let middle = [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]);
         let half = (0..3).map(|k| (0.5 * high[k] - 0.5 * low[k]).powi(2));
         let size = half.sum::<f64>().sqrt();
-        let is_finite = |x: &f64| x.is_finite();
+        let is_placed = middle.iter().all(|x| x.is_finite());
+        let has_size = size > 0.0 && size.is_finite();
         Self {
-            middle: if middle.iter().all(is_finite) {
-                middle
-            } else {
-                [0.0; 3]
-            },
+            middle: if is_placed { middle } else { [0.0; 3] },
             // A single point has no size: any will do.
-            size: if size > 0.0 && size.is_finite() {
-                size
-            } else {
-                1.0
-            },
+            size: if has_size { size } else { 1.0 },
         }
     }
 

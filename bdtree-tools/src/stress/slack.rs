@@ -1,6 +1,6 @@
-//! What certainty costs: how much larger spheres are than their formula says.
+//! The rounding slack: how much larger spheres are than their formula says.
 
-use bdtree_format::{LANES, ROW_RADIUS};
+use bdtree_format::ROW_RADIUS;
 use bdtree_runtime::{Asset, FormatError, Transform};
 use rand::RngExt;
 
@@ -12,7 +12,10 @@ const POSES: u64 = 8;
 /// The mean of what radii have beyond `√(R² + 2 Σ b_j |q_j| + s²)` (docs/guarantees.md; formed in
 /// f64 at the given q), over the mean radius: slack, what rounding q to whole numbers adds, and
 /// the guard under the root. All spheres, at q spread evenly over ± `q_range`.
-pub(super) fn certainty(asset: &Asset<'_>, seed: u64) -> Result<f64, FormatError> {
+///
+/// # Errors
+/// As [`run`](super::run).
+pub fn rounding_slack(asset: &Asset<'_>, seed: u64) -> Result<f64, FormatError> {
     let mut poses = HardPoses::new(*asset, seed, u64::MAX);
     let mut memory = vec![0.0; asset.pose_len()];
     let (mut total, mut added) = (0.0, 0.0);
@@ -27,10 +30,7 @@ pub(super) fn certainty(asset: &Asset<'_>, seed: u64) -> Result<f64, FormatError
         for (i, node) in (0..).zip(asset.nodes()) {
             let spheres = pose.node_spheres(i)?;
             let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
-            for lane in 0..LANES {
-                if (node.inner_mask | node.leaf_mask) & (1 << lane) == 0 {
-                    continue;
-                }
+            for lane in node.lanes() {
                 let rest = f64::from(rows.leading[ROW_RADIUS][lane]);
                 let (mut growth, mut cross) = (0.0, 0.0);
                 for (k, mode) in modes.iter().enumerate() {

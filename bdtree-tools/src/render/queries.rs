@@ -1,6 +1,7 @@
-//! What queries ask about, as shapes to draw.
+//! What queries are about, as shapes to draw.
 
 use bdtree_runtime::{Ball, Capsule, Cuboid, Ray, Shape as Touched};
+use glam::{DQuat, DVec3};
 
 use super::body::Content;
 use crate::scene::{Query, Scene};
@@ -56,57 +57,26 @@ pub(super) fn shapes(scene: &Scene, content: &[Content<'_>]) -> Vec<Shape> {
 
 /// The diagonal of a body's box.
 fn size(content: &Content<'_>) -> f64 {
-    let [low, high] = content.body.bounds;
-    (0..3)
-        .map(|k| (high[k] - low[k]).powi(2))
-        .sum::<f64>()
-        .sqrt()
+    let [low, high] = content.body.bounds.map(DVec3::from);
+    low.distance(high)
 }
 
 /// A ray as far as it goes, or to where it has passed the body.
 fn line(ray: &Ray, content: &Content<'_>) -> Shape {
-    let Ray {
-        origin,
-        direction,
-        max_distance,
-    } = *ray;
-    let [low, high] = content.body.bounds;
-    let to_middle = (0..3).map(|k| (0.5 * (low[k] + high[k]) - origin[k]).powi(2));
-    let far = to_middle.sum::<f64>().sqrt() + size(content);
-    let n = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let length = max_distance.min(far) / n;
-    Shape::Ray([origin, [0, 1, 2].map(|k| origin[k] + length * direction[k])])
+    let (origin, direction) = (DVec3::from(ray.origin), DVec3::from(ray.direction));
+    let [low, high] = content.body.bounds.map(DVec3::from);
+    let far = origin.distance(low.midpoint(high)) + size(content);
+    let length = ray.max_distance.min(far) / direction.length();
+    Shape::Ray([ray.origin, (origin + length * direction).into()])
 }
 
 /// The twelve edges of a box.
 fn edges(cuboid: Cuboid) -> impl Iterator<Item = Shape> {
-    let Cuboid {
-        center,
-        rotation: [x, y, z, w],
-        half_extents: half,
-    } = cuboid;
-    let n = x * x + y * y + z * z + w * w;
-    let s = 2.0 / n;
-    let rows = [
-        [
-            1.0 - s * (y * y + z * z),
-            s * (x * y - z * w),
-            s * (x * z + y * w),
-        ],
-        [
-            s * (x * y + z * w),
-            1.0 - s * (x * x + z * z),
-            s * (y * z - x * w),
-        ],
-        [
-            s * (x * z - y * w),
-            s * (y * z + x * w),
-            1.0 - s * (x * x + y * y),
-        ],
-    ];
+    let turn = DQuat::from_array(cuboid.rotation).normalize();
+    let half = DVec3::from(cuboid.half_extents);
     let corner = move |i: usize| {
-        let local = [0, 1, 2].map(|k| if i >> k & 1 == 0 { -half[k] } else { half[k] });
-        [0, 1, 2].map(|i| center[i] + (0..3).map(|k| rows[i][k] * local[k]).sum::<f64>())
+        let sign = DVec3::from([0, 1, 2].map(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 }));
+        (DVec3::from(cuboid.center) + turn * (sign * half)).to_array()
     };
     (0..8_usize).flat_map(move |i| {
         let others = (0..3).map(move |k| i | 1 << k).filter(move |j| *j != i);

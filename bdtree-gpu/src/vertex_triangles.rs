@@ -13,7 +13,7 @@ pub(crate) fn triangles(asset: &Asset<'_>) -> Result<Vec<[u32; 3]>, GpuError> {
 /// Of each vertex the triangles that have it as a corner, by id; those that have a corner twice are
 /// left out, as they have no area.
 #[derive(Debug)]
-pub(crate) struct Ring {
+pub(crate) struct VertexTriangles {
     /// Of the mesh.
     pub(crate) vertex_count: usize,
     /// Which vertices these are of; empty where of all, in their order.
@@ -24,7 +24,7 @@ pub(crate) struct Ring {
     pub(crate) corners: Vec<[u32; 2]>,
 }
 
-impl Ring {
+impl VertexTriangles {
     pub(crate) fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Result<Self, GpuError> {
         let bytes = 24 * triangles.len() as u64;
         let limit = 8 * u64::from(u32::MAX / 2);
@@ -59,7 +59,7 @@ impl Ring {
         })
     }
 
-    /// Those of some vertices, of the ring of all.
+    /// Those of some vertices, of those of all.
     pub(crate) fn of(&self, vertices: Vec<u32>) -> Self {
         let mut starts = vec![0];
         let mut corners = Vec::new();
