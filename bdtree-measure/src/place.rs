@@ -1,6 +1,7 @@
 //! Where a body stands: a rotation and a translation, as quaternion and as matrix.
 
 use bdtree_runtime::Transform;
+pub use bdtree_runtime::math::rotation_matrix as matrix;
 
 /// A rigid placement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -9,27 +10,6 @@ pub struct Place {
     pub rotation: [f64; 4],
     /// Translation, each number an f32.
     pub translation: [f64; 3],
-}
-
-/// Rows of the matrix of a unit quaternion.
-pub fn matrix([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
-    [
-        [
-            1.0 - 2.0 * (y * y + z * z),
-            2.0 * (x * y - z * w),
-            2.0 * (x * z + y * w),
-        ],
-        [
-            2.0 * (x * y + z * w),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z - x * w),
-        ],
-        [
-            2.0 * (x * z - y * w),
-            2.0 * (y * z + x * w),
-            1.0 - 2.0 * (x * x + y * y),
-        ],
-    ]
 }
 
 impl Place {

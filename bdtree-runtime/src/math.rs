@@ -95,3 +95,24 @@ pub fn sqrt_f32(x: f32) -> f32 {
 pub fn sqrt_f32(x: f32) -> f32 {
     libm::sqrtf(x)
 }
+
+/// Returns the rows of the matrix of a unit quaternion (x, y, z, w).
+pub fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
+    [
+        [
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y - w * z),
+            2.0 * (x * z + w * y),
+        ],
+        [
+            2.0 * (x * y + w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z - w * x),
+        ],
+        [
+            2.0 * (x * z - w * y),
+            2.0 * (y * z + w * x),
+            1.0 - 2.0 * (x * x + y * y),
+        ],
+    ]
+}

@@ -36,7 +36,7 @@ impl Transform {
 
     /// The placement as a matrix of four columns; the quaternion is taken as it is.
     pub fn to_columns(&self) -> [[f64; 4]; 4] {
-        let rows = crate::transform::rotation_matrix(self.rotation);
+        let rows = crate::math::rotation_matrix(self.rotation);
         let axis = |k: usize| {
             let [x, y, z] = [rows[0][k], rows[1][k], rows[2][k]];
             [x * self.scale, y * self.scale, z * self.scale, 0.0]

@@ -1,9 +1,10 @@
 //! World ↔ stored coordinates of one placed asset, in f64, with a bound of the error.
 
+use crate::math::rotation_matrix;
 use crate::math::{add, dot, length_bound, norm, scale, sqrt, sub};
 use crate::rounding::MAPS;
 use crate::simd::{Quad, Quad3, add3, dot3, scale3, splat3};
-use crate::transform::{Transform, rotation_matrix};
+use crate::transform::Transform;
 use crate::view::Asset;
 
 /// The placement of one asset.

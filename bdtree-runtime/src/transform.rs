@@ -1,7 +1,7 @@
 //! Where an instance stands in the world.
 
 use crate::error::PoseError;
-use crate::math::{add, dot, scale, sqrt};
+use crate::math::{add, dot, rotation_matrix, scale, sqrt};
 
 /// Where an instance stands: `x = rotation · (scale · x_mesh) + translation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,25 +74,4 @@ impl Default for Transform {
     fn default() -> Self {
         Self::IDENTITY
     }
-}
-
-/// The matrix of a unit quaternion (x, y, z, w).
-pub(crate) fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
-    [
-        [
-            1.0 - 2.0 * (y * y + z * z),
-            2.0 * (x * y - w * z),
-            2.0 * (x * z + w * y),
-        ],
-        [
-            2.0 * (x * y + w * z),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z - w * x),
-        ],
-        [
-            2.0 * (x * z - w * y),
-            2.0 * (y * z + w * x),
-            1.0 - 2.0 * (x * x + y * y),
-        ],
-    ]
 }

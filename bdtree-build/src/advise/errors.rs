@@ -5,6 +5,7 @@
 
 use serde::Serialize;
 
+use crate::basis::tally::Tally;
 use crate::basis::{Basis, BasisError};
 use crate::vec3::{norm, norm2};
 
@@ -124,37 +125,4 @@ fn in_ranges(basis: &Basis, size: f64) -> Vec<BasisError> {
         .iter()
         .map(|tally| tally.error(n.max(1), size))
         .collect()
-}
-
-/// Squared distances so far.
-#[derive(Debug, Clone, Copy, Default)]
-struct Tally {
-    largest: f64,
-    frame: Option<usize>,
-    vertex: usize,
-    sum: f64,
-}
-
-impl Tally {
-    /// Of equal distances the first frame's, then the first vertex's, stays.
-    fn add(&mut self, square: f64, frame: Option<usize>, vertex: usize) {
-        self.sum += square;
-        if square > self.largest {
-            *self = Self {
-                largest: square,
-                frame,
-                vertex,
-                ..*self
-            };
-        }
-    }
-
-    fn error(&self, count: usize, size: f64) -> BasisError {
-        BasisError {
-            max_rel: self.largest.sqrt() / size,
-            rms_rel: (self.sum / count as f64).sqrt() / size,
-            frame: self.frame,
-            vertex: self.vertex,
-        }
-    }
 }

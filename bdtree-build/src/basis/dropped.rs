@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::cmp::Reverse;
 
+use super::tally::Tally;
 use super::{Animation, Basis, BasisError};
 use crate::error::{BakeError, Place};
 use crate::input::RawMesh;
@@ -162,7 +163,11 @@ impl<'a> Source<'a> {
         // The bake stores again and says what is odd.
         let stored = wrap::store(self.mesh, &basis, &mut Vec::new())?;
         self.add_rounding(&stored, &basis, &fields, &mut off);
-        let error = self.error(&off);
+        let mut tally = Tally::default();
+        for (vertex, off) in off.iter().enumerate() {
+            tally.add(off * off, None, vertex);
+        }
+        let error = tally.error(off.len().max(1), self.diagonal);
         Ok(Kept {
             basis,
             fields,
@@ -182,22 +187,6 @@ impl<'a> Source<'a> {
                 let s = back(stored.displacements[i * fields.len() + j]);
                 *off += self.ranges[old] * norm(std::array::from_fn(|k| u[k] - s[k]));
             }
-        }
-    }
-
-    fn error(&self, off: &[f64]) -> BasisError {
-        let mut vertex = 0;
-        for (i, x) in off.iter().enumerate() {
-            if *x > off[vertex] {
-                vertex = i;
-            }
-        }
-        let square: f64 = off.iter().map(|x| x * x).sum();
-        BasisError {
-            max_rel: off.get(vertex).map_or(0.0, |x| x / self.diagonal),
-            rms_rel: (square / off.len().max(1) as f64).sqrt() / self.diagonal,
-            frame: None,
-            vertex,
         }
     }
 }

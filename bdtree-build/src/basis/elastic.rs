@@ -75,9 +75,9 @@ impl Default for ElasticOptions {
     }
 }
 
-/// A piece of the surface, named by its triangles.
+/// A surface component, named by its triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct PieceId {
+pub struct SurfaceComponentId {
     /// Lowest triangle id.
     pub first_triangle: u32,
     /// Number of triangles.
@@ -107,7 +107,7 @@ pub struct ElasticReport {
     /// Whether inertia counts proved that no mode was missed.
     pub inertia_checked: bool,
     /// Surface components that move in none of the modes.
-    pub pieces_without_mode: Vec<PieceId>,
+    pub pieces_without_mode: Vec<SurfaceComponentId>,
     /// Stage name and seconds.
     #[serde(skip)]
     pub stages: Vec<(&'static str, f64)>,
@@ -193,38 +193,50 @@ pub fn elastic_basis(
 }
 
 fn check_options(options: &ElasticOptions) -> Result<(), BakeError> {
-    let mut problems = Problems::new("basis");
-    let mut positive = |name: &'static str, value: f64| {
-        if !(value.is_finite() && value > 0.0) {
-            let message = format!("{value} is not a positive number");
-            problems.add(|| (Place::option(name), message));
-        }
-    };
-    positive("--young", options.young_pa);
-    positive("--density", options.density_kg_m3);
-    positive("--scale", options.scale_m);
-    positive("--thickness", options.thickness.unwrap_or(1.0));
+    let mut problems = check_values(
+        &[
+            ("--young", Some(options.young_pa)),
+            ("--density", Some(options.density_kg_m3)),
+            ("--scale", Some(options.scale_m)),
+            ("--thickness", options.thickness),
+        ],
+        Some(options.poisson),
+        &options.fixes,
+    );
     let mut add = |name, message: String| problems.add(|| (Place::option(name), message));
-    if !(options.poisson > -1.0 && options.poisson < 0.5) {
-        let message = format!("{} is not between -1 and 0.5", options.poisson);
-        add("--poisson", message);
-    }
     if options.mode_count == 0 {
         add("--modes", "no elastic mode is asked for".to_owned());
     }
-    if let Some(r) = options
-        .resolution
-        .filter(|r| !(1..=RESOLUTION_MAX).contains(r))
+    if let Some(r) = options.resolution
+        && !(1..=RESOLUTION_MAX).contains(&r)
     {
         let message = format!("{r} is not between 1 and {RESOLUTION_MAX}");
         add("--resolution", message);
     }
-    for fix in &options.fixes {
-        if fix.axes == [false; 3] {
-            add("--fix", "no axis is named".to_owned());
+    problems.into_result(Place::NOWHERE)
+}
+
+/// What is wrong with options that surfaces and volumes have: numbers that must be positive, Poisson's ratio, fixes.
+pub(super) fn check_values(
+    positive: &[(&'static str, Option<f64>)],
+    poisson: Option<f64>,
+    fixes: &[Fix],
+) -> Problems {
+    let mut problems = Problems::new("basis");
+    for (name, value) in positive {
+        if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
+            let message = format!("{value} is not a positive number");
+            problems.add(|| (Place::option(name), message));
         }
     }
-    problems.into_result(Place::NOWHERE)
+    if let Some(value) = poisson.filter(|v| !(*v > -1.0 && *v < 0.5)) {
+        let message = format!("{value} is not between -1 and 0.5");
+        problems.add(|| (Place::option("--poisson"), message));
+    }
+    for _ in fixes.iter().filter(|fix| fix.axes == [false; 3]) {
+        problems.add(|| (Place::option("--fix"), "no axis is named"));
+    }
+    problems
 }
 
 fn check_mesh(mesh: &RawMesh) -> Result<(), BakeError> {
@@ -383,7 +395,7 @@ fn list_silent_pieces(
         body_moves[body as usize] |= moving[component];
     }
     for component in subject.surface.list.iter().filter(|p| !body_moves[p.body]) {
-        report.pieces_without_mode.push(PieceId {
+        report.pieces_without_mode.push(SurfaceComponentId {
             first_triangle: component.triangles[0].0,
             triangle_count: component.triangles.len() as u32,
         });

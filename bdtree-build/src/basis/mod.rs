@@ -8,6 +8,7 @@ pub mod given;
 pub mod modal;
 pub mod morph;
 pub mod pca;
+pub(crate) mod tally;
 pub mod volume;
 
 pub use animation::{Animation, RigidMotion};

@@ -117,7 +117,7 @@ pub struct VolumeReport {
     pub nodes: usize,
     /// Unknowns that are not held.
     pub dofs: usize,
-    /// Parts that vibrate on their own: they share no node.
+    /// Components: they share no node, so each vibrates on its own.
     pub components: usize,
     /// Memory that the solution was predicted to take.
     pub predicted_bytes: u64,

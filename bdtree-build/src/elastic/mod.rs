@@ -9,6 +9,18 @@
 //! * `constraint`: what `--fix` holds, of a lattice or by nodes;
 //! * `solve`: motions without strain, the factorisation, the lowest modes.
 //!
+//! One word for each notion:
+//!
+//! | word | what it is |
+//! |---|---|
+//! | surface component | triangles connected through shared positions (users read: piece) |
+//! | body | a surface component that is solid or a sheet, with the cavities inside it: what keeps its own motion in a shared cell |
+//! | fragment | what one cell cuts out of a triangle |
+//! | filling | a body's share of a fine cell |
+//! | cell part | what is connected inside one cell: two walls with a gap between them are two parts |
+//! | component | cell parts, or given elements, that are connected: vibrates on its own |
+//! | block | elements of a component that are connected through faces, hence stiff in themselves; blocks meet at joints |
+//!
 //! See docs/elastic.md for surfaces and the numbers, docs/volumes.md for volumes. Inside, lengths are cells or
 //! elements, Young's modulus and density are 1; `basis::elastic` and `basis::volume` bring units.
 

@@ -9,8 +9,8 @@
 use super::clip::Polygon;
 use super::exact::{above, tame, turn};
 use super::{Triangle, combine};
+use crate::math::rotation_matrix;
 use crate::math::{dot, scale, sqrt, sub};
-use crate::transform::rotation_matrix;
 
 /// An oriented box: the points `center + Σ y_k axis_k` with `|y_k| ≤ half_extents[k]`.
 #[derive(Clone, Copy, Debug, PartialEq)]

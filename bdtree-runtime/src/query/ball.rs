@@ -80,10 +80,6 @@ impl Visitor for Ball<'_> {
         spheres.within(self.stored, self.reach, SKIP)
     }
 
-    fn wanted(&self, _key: f32) -> bool {
-        true
-    }
-
     #[inline(always)]
     fn misses_four<Q: Quad>(&self, corners: &[[[f32; 4]; 3]; 3]) -> u8 {
         beyond_four::<Q>(corners, self.stored, f64::from(self.reach))

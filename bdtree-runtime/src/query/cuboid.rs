@@ -146,10 +146,6 @@ impl Visitor for Cuboid<'_> {
         self.near.within(&spheres)
     }
 
-    fn wanted(&self, _key: f32) -> bool {
-        true
-    }
-
     #[inline(always)]
     fn misses(&self, corners: &[[f32; 3]; 3]) -> bool {
         self.near.misses(corners)

@@ -289,13 +289,7 @@ impl PairVisitor for Collecting<'_> {
         self.found += leaves.len();
     }
 
-    fn triangles(
-        &mut self,
-        a: TriangleId,
-        corners_a: &Triangle,
-        b: TriangleId,
-        corners_b: &Triangle,
-    ) -> ControlFlow<()> {
-        self.visitor.triangles(a, corners_a, b, corners_b)
+    fn triangles(&mut self, ids: [TriangleId; 2], corners: [&Triangle; 2]) -> ControlFlow<()> {
+        self.visitor.triangles(ids, corners)
     }
 }

@@ -116,10 +116,6 @@ impl Visitor for Culling<'_> {
         !known
     }
 
-    fn wanted(&self, _key: f32) -> bool {
-        true
-    }
-
     fn triangle(&mut self, _id: TriangleId, corners: &Triangle) -> ControlFlow<()> {
         match self.frustum.triangle(corners) {
             FrustumState::Inside => self.inside = true,

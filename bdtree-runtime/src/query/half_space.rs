@@ -98,10 +98,6 @@ impl Visitor for HalfSpace<'_> {
         !height.above(spheres.radius.add(L::splat(self.stored.extra)))
     }
 
-    fn wanted(&self, _key: f32) -> bool {
-        true
-    }
-
     fn triangle(&mut self, id: TriangleId, corners: &Triangle) -> ControlFlow<()> {
         let heights = corners.map(|x| dot(self.normal, x) - self.offset);
         let deepest = (1..3).fold(0, |d, i| if heights[i] < heights[d] { i } else { d });

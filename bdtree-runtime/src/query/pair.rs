@@ -72,10 +72,8 @@ impl PairVisitor for Contacts<'_> {
 
     fn triangles(
         &mut self,
-        triangle1: TriangleId,
-        corners1: &Triangle,
-        triangle2: TriangleId,
-        corners2: &Triangle,
+        [triangle1, triangle2]: [TriangleId; 2],
+        [corners1, corners2]: [&Triangle; 2],
     ) -> ControlFlow<()> {
         let touching = triangles_intersect(corners1, corners2);
         if !touching && self.tolerance == 0.0 {
@@ -113,10 +111,8 @@ impl PairVisitor for Ids<'_> {
 
     fn triangles(
         &mut self,
-        triangle1: TriangleId,
-        corners1: &Triangle,
-        triangle2: TriangleId,
-        corners2: &Triangle,
+        [triangle1, triangle2]: [TriangleId; 2],
+        [corners1, corners2]: [&Triangle; 2],
     ) -> ControlFlow<()> {
         let meet = if self.tolerance == 0.0 {
             triangles_intersect(corners1, corners2)

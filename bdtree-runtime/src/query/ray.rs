@@ -145,11 +145,6 @@ impl Visitor for All<'_> {
     }
 
     #[inline(always)]
-    fn wanted(&self, _key: f32) -> bool {
-        true
-    }
-
-    #[inline(always)]
     fn misses_four<Q: Quad>(&self, corners: &[[[f32; 4]; 3]; 3]) -> u8 {
         self.line.misses::<Q>(corners)
     }

@@ -119,8 +119,8 @@ fn test_fours<L: Lanes>(
         while left != 0 {
             let j = left.trailing_zeros() as usize & (CHUNK - 1);
             left &= left - 1;
-            let (id_a, id_b) = (TriangleId(a.ids[i]), TriangleId(b.ids[j]));
-            visitor.triangles(id_a, &corners_a, id_b, &b.world.triangle(j))?;
+            let ids = [TriangleId(a.ids[i]), TriangleId(b.ids[j])];
+            visitor.triangles(ids, [&corners_a, &b.world.triangle(j)])?;
         }
     }
     ControlFlow::Continue(())

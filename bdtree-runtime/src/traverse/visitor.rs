@@ -20,7 +20,10 @@ pub(crate) trait Visitor {
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8;
 
     /// Whether a subtree with this lower bound may still hold an answer.
-    fn wanted(&self, key: f32) -> bool;
+    #[inline(always)]
+    fn wanted(&self, _key: f32) -> bool {
+        true
+    }
 
     /// Whether a triangle with these corners (stored units) certainly is no answer: a cheap test
     /// that spares the exact one.
@@ -62,13 +65,7 @@ pub(crate) trait PairVisitor {
     fn meet(&mut self, _leaves: &[FrontSlot]) {}
 
     /// Takes the world corners of two triangles that may be an answer; `Break` ends the traversal.
-    fn triangles(
-        &mut self,
-        a: TriangleId,
-        corners_a: &Triangle,
-        b: TriangleId,
-        corners_b: &Triangle,
-    ) -> ControlFlow<()>;
+    fn triangles(&mut self, ids: [TriangleId; 2], corners: [&Triangle; 2]) -> ControlFlow<()>;
 }
 
 /// Triangles that wait for being tested together.

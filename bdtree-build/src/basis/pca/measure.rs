@@ -3,8 +3,10 @@
 use super::motion::Motion;
 use super::snapshots::Snapshots;
 use crate::basis::BasisError;
+use crate::basis::tally::Tally;
 use crate::error::BakeError;
 use crate::progress::Progress;
+use crate::vec3::{norm2, sub};
 use crate::wrap::StoredShape;
 use crate::wrap::round::round_nearest;
 
@@ -27,7 +29,7 @@ pub(super) fn errors(
     let mode_count = shape.mode_count();
     let frames = snapshots.sequence.frame_count();
     let q: Vec<f32> = q.iter().map(|&x| round_nearest(x)).collect();
-    let mut tally = vec![Tally::default(); (mode_count + 1).saturating_sub(from)];
+    let mut tally = vec![Tally::of_frames(); (mode_count + 1).saturating_sub(from)];
     let mut values = Vec::new();
     let mut tile = Tile::new(shape);
     progress.stage("error", Some(snapshots.chunks().count() as u64));
@@ -54,28 +56,13 @@ pub(super) fn errors(
         }
         progress.advance(1);
     }
-    let count = (frames * snapshots.sequence.vertex_count()) as f64;
+    let count = frames * snapshots.sequence.vertex_count();
     let size = if shape.diagonal > 0.0 {
         shape.diagonal
     } else {
         1.0
     };
-    let result = tally.iter().map(|tally| BasisError {
-        max_rel: tally.largest.sqrt() / size,
-        rms_rel: (tally.sum / count).sqrt() / size,
-        frame: Some(tally.frame),
-        vertex: tally.vertex,
-    });
-    Ok(result.collect())
-}
-
-/// Squared distances so far.
-#[derive(Debug, Clone, Default)]
-struct Tally {
-    largest: f64,
-    frame: usize,
-    vertex: usize,
-    sum: f64,
+    Ok(tally.iter().map(|tally| tally.error(count, size)).collect())
 }
 
 /// A few vertices, mode after mode, so that they are evaluated side by side.
@@ -139,17 +126,7 @@ impl Tile {
             if let Some(motion) = motion {
                 at = motion.apply(at);
             }
-            let d: [f64; 3] = std::array::from_fn(|k| at[k] - x[k]);
-            let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-            tally.sum += square;
-            let vertex = self.first + i;
-            // Of equal distances the first frame, then the first vertex: chunks must not matter.
-            if square > tally.largest
-                || (square == tally.largest && (t, vertex) < (tally.frame, tally.vertex))
-            {
-                tally.largest = square;
-                (tally.frame, tally.vertex) = (t, vertex);
-            }
+            tally.add(norm2(sub(at, *x)), Some(t), self.first + i);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What is asked and given, checked and brought to common units.
 
 use super::VolumeOptions;
-use crate::basis::elastic::ElasticOptions;
+use crate::basis::elastic::{ElasticOptions, check_values};
 use crate::elastic::element::NodeLists;
 use crate::elastic::element::material::Material;
 use crate::elastic::volume::Model;
@@ -28,26 +28,14 @@ pub(super) struct Units {
 }
 
 pub(super) fn options(options: &VolumeOptions) -> Result<(), BakeError> {
-    let mut found = Problems::new("basis");
-    for (name, value) in [
+    let positive = [
         ("--young", options.young_pa),
         ("--density", options.density_kg_m3),
         ("--scale", Some(options.scale_m)),
-    ] {
-        if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
-            let message = format!("{value} is not a positive number");
-            found.add(|| (Place::option(name), message));
-        }
-    }
-    if let Some(value) = options.poisson.filter(|v| !(*v > -1.0 && *v < 0.5)) {
-        let message = format!("{value} is not between -1 and 0.5");
-        found.add(|| (Place::option("--poisson"), message));
-    }
+    ];
+    let mut found = check_values(&positive, options.poisson, &options.fixes);
     if options.mode_count == 0 {
         found.add(|| (Place::option("--modes"), "no mode is asked for"));
-    }
-    if options.fixes.iter().any(|fix| fix.axes == [false; 3]) {
-        found.add(|| (Place::option("--fix"), "no axis is named"));
     }
     found.into_result(Place::NOWHERE)
 }

@@ -19,7 +19,7 @@ pub(super) fn joints_error(volume: &RawVolume, node: u32, blocks: TooManyBlocks)
     BakeError::one("basis", place, message)
 }
 
-/// Parts that bend at joints.
+/// Components that bend at joints.
 pub(super) fn joints(components: &[Component], warnings: &mut Vec<String>) {
     for component in components.iter().filter(|p| p.blocks.further > 0) {
         let joint = component.blocks.joints.first();
@@ -33,7 +33,7 @@ pub(super) fn joints(components: &[Component], warnings: &mut Vec<String>) {
     }
 }
 
-/// Parts that move in none of the modes.
+/// Components that move in none of the modes.
 pub(super) fn silent(components: &[Component], solution: &Solution, warnings: &mut Vec<String>) {
     let mut moving = vec![false; components.len()];
     for mode in &solution.modes {
@@ -47,7 +47,7 @@ pub(super) fn silent(components: &[Component], solution: &Solution, warnings: &m
     warnings.extend(silent_warning(nodes, components.len(), "parts", solution));
 }
 
-/// That parts of a body move in none of the modes, the first few named; `None` without such parts.
+/// That components move in none of the modes, the first few named; `None` without such components.
 pub(crate) fn silent_warning(
     silent: impl ExactSizeIterator<Item = String>,
     count: usize,

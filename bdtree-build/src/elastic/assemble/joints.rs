@@ -1,4 +1,4 @@
-//! Parts of a component that hang together by single nodes or edges: joints that nothing stiffens.
+//! Blocks of a component that meet at single nodes or edges only: joints that nothing stiffens.
 
 use std::collections::HashMap;
 

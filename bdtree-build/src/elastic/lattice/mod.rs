@@ -1,4 +1,4 @@
-//! The lattice of filled cells: which hang together, and which spline functions act on them.
+//! The lattice of filled cells: which are connected, and which spline functions act on them.
 
 pub(crate) mod fill;
 pub(crate) mod grid;
@@ -34,10 +34,10 @@ pub(crate) struct Component {
 /// Fine cells per cell along each axis: they tell what in a cell hangs together.
 const FINE: usize = 2;
 
-/// What hangs together in one cell. Two walls with a gap between them are two parts, each with
+/// What is connected inside one cell. Two walls with a gap between them are two parts, each with
 /// functions of its own.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Part {
+pub(crate) struct CellPart {
     /// The cell.
     pub cell: [usize; 3],
     /// Its component.
@@ -58,7 +58,7 @@ pub(crate) struct Lattice {
     /// Per filling: its part.
     part_of: Vec<u32>,
     /// Sorted by cell.
-    pub parts: Vec<Part>,
+    pub parts: Vec<CellPart>,
     /// In the order of their first parts.
     pub components: Vec<Component>,
 }
@@ -259,7 +259,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Two parts that hang together: the lower one, the upper one, and the axis between them.
+/// Two parts that are connected: the lower one, the upper one, and the axis between them.
 type Link = (u32, u32, u8);
 
 /// Finds parts and components. Fine cells hang together where one body reaches through the face
@@ -334,7 +334,7 @@ fn connect(grid: Grid, fine: Grid, fillings: Fillings) -> Lattice {
             let root = sets.find(n);
             if root == n {
                 lattice.part_of[n] = lattice.parts.len() as u32;
-                lattice.parts.push(Part {
+                lattice.parts.push(CellPart {
                     cell: cells[n],
                     component: 0,
                     place: 0,

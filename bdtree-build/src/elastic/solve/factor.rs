@@ -1,7 +1,7 @@
 //! The few calls to faer's sparse Cholesky, all of them sequential so that bytes repeat.
 
 use crate::elastic::assemble::system::Pattern;
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::perm::PermRef;
@@ -76,11 +76,10 @@ impl Symbolic {
         values: &[f64],
     ) -> Result<Factor<'_>, FactorError> {
         let mut factor = zeros(self.inner.len_val())?;
-        let scratch = self
-            .inner
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| FactorError::Memory)?;
-        self.inner
+        let inner = &self.inner;
+        let mut memory =
+            buffer(inner.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()))?;
+        inner
             .factorize_numeric_llt(
                 &mut factor,
                 SparseColMatRef::new(pattern.view(), values),
@@ -104,11 +103,10 @@ impl Symbolic {
         values: &[f64],
     ) -> Result<usize, FactorError> {
         let mut factor = zeros(self.inner.len_val())?;
-        let scratch = self
-            .inner
-            .factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| FactorError::Memory)?;
-        self.inner
+        let inner = &self.inner;
+        let mut memory =
+            buffer(inner.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default()))?;
+        inner
             .factorize_numeric_ldlt(
                 &mut factor,
                 SparseColMatRef::new(pattern.view(), values),
@@ -148,11 +146,9 @@ pub(crate) struct Factor<'a> {
 impl Factor<'_> {
     /// Replaces each column of `rhs` with the solution.
     pub(crate) fn solve(&self, rhs: MatMut<'_, f64>) -> Result<(), FactorError> {
-        let scratch = self
-            .symbolic
-            .solve_in_place_scratch::<f64>(rhs.ncols(), Par::Seq);
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| FactorError::Memory)?;
-        LltRef::new(self.symbolic, &self.values).solve_in_place_with_conj(
+        let symbolic = self.symbolic;
+        let mut memory = buffer(symbolic.solve_in_place_scratch::<f64>(rhs.ncols(), Par::Seq))?;
+        LltRef::new(symbolic, &self.values).solve_in_place_with_conj(
             Conj::No,
             rhs,
             Par::Seq,
@@ -160,6 +156,10 @@ impl Factor<'_> {
         );
         Ok(())
     }
+}
+
+fn buffer(needed: StackReq) -> Result<MemBuffer, FactorError> {
+    MemBuffer::try_new(needed).map_err(|_| FactorError::Memory)
 }
 
 fn zeros(n: usize) -> Result<Vec<f64>, FactorError> {

@@ -1,6 +1,6 @@
 //! Connected components of the surface, and whether each one bounds a solid or is a sheet.
 //!
-//! A surface component is a set of triangles that hang together by equal positions, so that seams split for
+//! A surface component is a set of triangles connected through shared positions, so that seams split for
 //! texture coordinates do not tear it. Its directed edges tell whether it is closed: the edges of
 //! a closed surface cancel in pairs, whatever non-manifold detail it has. Small holes are closed
 //! by a cone over each boundary loop, which closes any surface exactly; wide openings make the

@@ -12,7 +12,7 @@ use crate::elastic::element::{ElementMatrices, NodeLists};
 use crate::elastic::element::{hexahedron, tetrahedron};
 use crate::vec3::{norm, sub};
 
-/// Elements that hang together by nodes: their own vibrating body.
+/// Elements connected through nodes: they vibrate on their own.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Component {
     /// Nodes of the mesh, ascending.

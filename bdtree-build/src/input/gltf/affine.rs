@@ -1,5 +1,7 @@
 //! Placements of nodes: x ↦ L x + t in f64.
 
+use bdtree_runtime::math::rotation_matrix;
+
 use super::document::ExactNode;
 
 /// Rotations whose length is off by more are said so.
@@ -78,7 +80,7 @@ impl Affine {
             if (length - 1.0).abs() > UNIT_TOLERANCE {
                 odd = Some(format!("rotation of length {length} brought to length 1"));
             }
-            linear = rotation(q.map(|x| x / length));
+            linear = rotation_matrix(q.map(|x| x / length));
         }
         if let Some(scale) = node.scale {
             linear = linear.map(|row| std::array::from_fn(|k| row[k] * scale[k]));
@@ -90,27 +92,6 @@ impl Affine {
         };
         Ok((affine, odd))
     }
-}
-
-/// The matrix of a unit quaternion x, y, z, w.
-fn rotation([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
-    [
-        [
-            1.0 - 2.0 * (y * y + z * z),
-            2.0 * (x * y - z * w),
-            2.0 * (x * z + y * w),
-        ],
-        [
-            2.0 * (x * y + z * w),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z - x * w),
-        ],
-        [
-            2.0 * (x * z - y * w),
-            2.0 * (y * z + x * w),
-            1.0 - 2.0 * (x * x + y * y),
-        ],
-    ]
 }
 
 #[cfg(test)]
