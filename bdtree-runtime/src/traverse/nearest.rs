@@ -4,10 +4,9 @@ use bdtree_format::{LANES, Row};
 use core::ops::ControlFlow;
 
 use super::leaves::Leaves;
-use super::visit::{NO_NODE, TOGETHER, Visit};
+use super::visit::{NO_NODE, TOGETHER, look};
 use super::visitor::{Visitor, Walk};
 use super::{StackEntry, Subtree, lane_subtree};
-use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::depth::Depth;
 use crate::error::QueryError;
@@ -78,32 +77,19 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor, D: Depth>(
         let mut found = [(&NO_NODE, 0); TOGETHER];
         // The farther one first, so that what lies below the nearer is popped next.
         for k in TOGETHER - together..TOGETHER {
-            let index = entries[k];
-            let node = asset.node(index)?;
-            if !posed.keeps_node(index) {
-                asset.prefetch_triangles(node);
+            let met = look::<L, V, D>(
+                posed,
+                entries[k],
+                &mut keys[k],
+                &mut leaves,
+                visitor,
+                depth,
+                &mut walk,
+            )?;
+            match met {
+                ControlFlow::Continue(met) => found[k] = met,
+                ControlFlow::Break(()) => return Ok(walk),
             }
-            let mut spheres = WideSpheres::<L>::empty();
-            let evaluated = posed.spheres(asset, index, &mut spheres)?;
-            walk.nodes_updated += u64::from(evaluated);
-            let mut mask =
-                visitor.lanes(spheres, &mut keys[k]) & (node.inner_mask | node.leaf_mask);
-            if D::LIMITED {
-                let at = Visit {
-                    node,
-                    spheres: spheres.store(),
-                    keys: keys[k],
-                    mask,
-                };
-                match at.settle::<L, V, D>(asset, posed, &mut leaves, visitor, depth)? {
-                    ControlFlow::Continue(left) => mask = left,
-                    ControlFlow::Break(()) => {
-                        walk.stopped = true;
-                        return Ok(walk);
-                    }
-                }
-            }
-            found[k] = (node, mask);
         }
         for k in TOGETHER - together..TOGETHER {
             let (node, mut mask) = found[k];

@@ -5,10 +5,9 @@ use core::ops::ControlFlow;
 
 use super::leaves::Leaves;
 use super::nearest::nearest_first;
-use super::visit::{NO_NODE, TOGETHER, Visit};
+use super::visit::{NO_NODE, TOGETHER, look};
 use super::visitor::{Visitor, Walk};
 use super::{StackEntry, lane_subtree};
-use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::depth::{Depth, Unlimited};
 use crate::error::QueryError;
@@ -97,31 +96,19 @@ fn in_lane_order<L: Lanes, V: Visitor, D: Depth>(
         }
         let mut found = [(&NO_NODE, 0); TOGETHER];
         for k in 0..together {
-            let index = entries[k].at.start;
-            let node = asset.node(index)?;
-            if !posed.keeps_node(index) {
-                asset.prefetch_triangles(node);
+            let met = look::<L, V, D>(
+                posed,
+                entries[k].at.start,
+                &mut keys,
+                &mut leaves,
+                visitor,
+                depth,
+                &mut walk,
+            )?;
+            match met {
+                ControlFlow::Continue(met) => found[k] = met,
+                ControlFlow::Break(()) => return Ok(walk),
             }
-            let mut spheres = WideSpheres::<L>::empty();
-            let evaluated = posed.spheres(asset, index, &mut spheres)?;
-            walk.nodes_updated += u64::from(evaluated);
-            let mut mask = visitor.lanes(spheres, &mut keys) & (node.inner_mask | node.leaf_mask);
-            if D::LIMITED {
-                let at = Visit {
-                    node,
-                    spheres: spheres.store(),
-                    keys,
-                    mask,
-                };
-                match at.settle::<L, V, D>(asset, posed, &mut leaves, visitor, depth)? {
-                    ControlFlow::Continue(left) => mask = left,
-                    ControlFlow::Break(()) => {
-                        walk.stopped = true;
-                        return Ok(walk);
-                    }
-                }
-            }
-            found[k] = (node, mask);
         }
         for k in 0..together {
             let (node, mask) = found[k];

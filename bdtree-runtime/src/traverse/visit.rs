@@ -5,8 +5,8 @@ use core::ops::ControlFlow;
 
 use super::lane_subtree;
 use super::leaves::Leaves;
-use super::visitor::Visitor;
-use crate::bound::Spheres;
+use super::visitor::{Visitor, Walk};
+use crate::bound::{Spheres, WideSpheres};
 use crate::cache::Posed;
 use crate::depth::Depth;
 use crate::error::QueryError;
@@ -31,13 +31,54 @@ pub(super) const NO_NODE: NodeRecord = NodeRecord {
     scale_exponents: [0; 3],
 };
 
+/// Looks at node `index`: asks for its triangles, tests its lanes, and settles what ends there in a limited walk. The
+/// node and the lanes that are left.
+#[inline(always)]
+pub(super) fn look<'s, L: Lanes, V: Visitor, D: Depth>(
+    posed: &mut Posed<'s>,
+    index: u32,
+    keys: &mut Row,
+    leaves: &mut Leaves,
+    visitor: &mut V,
+    depth: &mut D,
+    walk: &mut Walk,
+) -> Result<ControlFlow<(), (&'s NodeRecord, u8)>, QueryError> {
+    let asset = posed.pose.asset;
+    let node = asset.node(index)?;
+    if !posed.keeps_node(index) {
+        asset.prefetch_triangles(node);
+    }
+    let mut spheres = WideSpheres::<L>::empty();
+    let evaluated = posed.spheres(asset, index, &mut spheres)?;
+    walk.nodes_updated += u64::from(evaluated);
+    let mask = visitor.lanes(spheres, keys) & (node.inner_mask | node.leaf_mask);
+    if !D::LIMITED {
+        return Ok(ControlFlow::Continue((node, mask)));
+    }
+    let visit = Visit {
+        node,
+        spheres: spheres.store(),
+        keys: *keys,
+        mask,
+    };
+    Ok(
+        match visit.settle::<L, V, D>(asset, posed, leaves, visitor, depth)? {
+            ControlFlow::Continue(left) => ControlFlow::Continue((node, left)),
+            ControlFlow::Break(()) => {
+                walk.stopped = true;
+                ControlFlow::Break(())
+            }
+        },
+    )
+}
+
 /// A node as a limited walk finds it.
-pub(super) struct Visit<'a> {
-    pub(super) node: &'a NodeRecord,
-    pub(super) spheres: Spheres,
+struct Visit<'a> {
+    node: &'a NodeRecord,
+    spheres: Spheres,
     /// The visitor's keys of the lanes, and those that it wants.
-    pub(super) keys: Row,
-    pub(super) mask: u8,
+    keys: Row,
+    mask: u8,
 }
 
 impl Visit<'_> {
@@ -45,7 +86,7 @@ impl Visit<'_> {
     /// they answer is known before anything below is visited, and no sphere is reported that it rules out. The lanes
     /// that are left.
     #[inline(always)]
-    pub(super) fn settle<L: Lanes, V: Visitor, D: Depth>(
+    fn settle<L: Lanes, V: Visitor, D: Depth>(
         self,
         asset: &Asset<'_>,
         posed: &mut Posed<'_>,
