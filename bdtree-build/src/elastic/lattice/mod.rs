@@ -454,3 +454,54 @@ fn number_nodes(lattice: &mut Lattice, links: &[Link]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elastic::surface::components::find_components;
+
+    /// Parts, components and nodes do not depend on whether moments are summed: of a solid, and of sheets thinner
+    /// and thicker than a fine cell.
+    #[test]
+    fn an_outline_is_the_lattice_without_moments() {
+        let solid = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let mesh = RawMesh {
+            positions: vec![
+                [0.1, 0.2, 0.3],
+                [5.3, 0.7, 1.1],
+                [1.3, 4.9, 0.4],
+                [2.2, 1.7, 6.1],
+                [0.0, 0.0, 7.0],
+                [6.0, 0.3, 7.2],
+                [5.8, 6.1, 6.7],
+            ],
+            triangles: [&solid[..], &[[4, 5, 6]]].concat(),
+            ..RawMesh::default()
+        };
+        for thickness in [0.05, 1.0] {
+            let surface = find_components(&mesh.positions, &mesh.triangles);
+            let subject = Subject::new(&mesh, surface, thickness);
+            for resolution in [5.0, 9.3] {
+                let [outline, lattice] = [
+                    subject.outline(resolution, 10_000).expect("few cells"),
+                    subject.lattice(resolution, 10_000).expect("few cells"),
+                ];
+                assert!(lattice.parts.len() > 20, "{}", lattice.parts.len());
+                let parts = |lattice: &Lattice| -> Vec<_> {
+                    let parts = lattice.parts.iter();
+                    parts.map(|p| (p.cell, p.component, p.place)).collect()
+                };
+                assert_eq!(parts(&outline), parts(&lattice));
+                assert_eq!(outline.part_of, lattice.part_of);
+                let fillings = |lattice: &Lattice| -> Vec<_> {
+                    let fillings = lattice.fillings.iter();
+                    fillings.map(|f| (f.key, f.body, f.faces)).collect()
+                };
+                assert_eq!(fillings(&outline), fillings(&lattice));
+                for (a, b) in outline.components.iter().zip(&lattice.components) {
+                    assert_eq!((&a.nodes, &a.cells), (&b.nodes, &b.cells));
+                }
+            }
+        }
+    }
+}
