@@ -40,7 +40,7 @@ impl Source {
         let mesh = read_mesh(mesh).expect("a mesh");
         let sequence = FrameSequence::open(path, Some(&mesh), None, &Silent).expect("a sequence");
         Self {
-            name: sequence.name().to_string(),
+            name: sequence.name.to_string(),
             mesh,
             frames: read_cache(path),
             sequence,
@@ -55,8 +55,12 @@ impl Source {
                 .positions
         };
         Self {
-            name: format!("{}/*.obj", sequence.name()),
-            mesh: sequence.first_mesh().expect("frames are meshes").clone(),
+            name: format!("{}/*.obj", sequence.name),
+            mesh: sequence
+                .first_mesh
+                .as_ref()
+                .expect("frames are meshes")
+                .clone(),
             frames: (0..sequence.frame_count()).map(frame).collect(),
             sequence,
         }

@@ -21,7 +21,7 @@ fn check(name: &str, mesh: Option<&Path>, path: &Path, align: bool, about: About
     let sequence = FrameSequence::open(path, input.as_ref(), None, &Silent)
         .unwrap_or_else(|e| panic!("{name}: {e}"));
     let mesh = input
-        .or_else(|| sequence.first_mesh().cloned())
+        .or_else(|| sequence.first_mesh.clone())
         .expect("a mesh");
     let options = PcaOptions {
         modes: Modes::Auto {

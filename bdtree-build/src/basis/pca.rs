@@ -155,7 +155,7 @@ pub fn pca_basis(
     let Some(point) = curve.iter().find(|point| point.modes == modes) else {
         return Err(BakeError::one(
             "basis",
-            Place::file(sequence.name()),
+            Place::file(&sequence.name),
             "no error was measured",
         ));
     };
@@ -184,7 +184,7 @@ fn check(mesh: &RawMesh, sequence: &FrameSequence, options: &PcaOptions) -> Resu
     let (vertices, found) = (mesh.positions.len(), sequence.vertex_count());
     if vertices != found {
         let message = format!("{found} vertices per frame, the mesh has {vertices}");
-        return fail(Place::file(sequence.name()), message);
+        return fail(Place::file(&sequence.name), message);
     }
     Ok(())
 }

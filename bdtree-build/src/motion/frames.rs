@@ -15,7 +15,7 @@ pub(super) fn read<'r>(frames: &'r Frames, progress: &dyn Progress) -> Result<Re
     let path = frames.path.as_path();
     let surface = frames.surface.as_deref().map(read_mesh).transpose()?;
     let sequence = FrameSequence::open(path, surface.as_ref(), frames.fps, progress)?;
-    let Some(mesh) = surface.or_else(|| sequence.first_mesh().cloned()) else {
+    let Some(mesh) = surface.or_else(|| sequence.first_mesh.clone()) else {
         let message = "has no faces: name the mesh whose vertices it moves (INPUT)";
         return Err(BakeError::one("input", path, message));
     };
@@ -34,7 +34,7 @@ pub(super) fn moving(
         modes,
         ..frames.options.clone()
     };
-    let mut warnings = sequence.warnings().to_vec();
+    let mut warnings = sequence.warnings.to_vec();
     let pca = pca_basis(mesh, sequence, &options, progress, &mut warnings)?;
     let mut moving = Moving::new(pca.mesh, pca.basis, "pca");
     moving.provenance.error = Some(pca.error);
@@ -44,7 +44,7 @@ pub(super) fn moving(
         moving.errors_of_first = Some(errors.collect());
     }
     moving.set("animation", name(&frames.path));
-    moving.set("animation-sha256", hexadecimal(sequence.hash()));
+    moving.set("animation-sha256", hexadecimal(sequence.hash));
     moving.set("about", options.about);
     moving.set("align", options.align);
     if let Modes::Auto { max_error_rel } = frames.options.modes {

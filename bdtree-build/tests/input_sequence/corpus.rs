@@ -17,7 +17,7 @@ fn corpus_folders_agree_with_their_caches() {
             return;
         };
         let frames = open(&folder, None);
-        let cache = open(&folder.join(cache), frames.first_mesh());
+        let cache = open(&folder.join(cache), frames.first_mesh.as_ref());
         let n = frames.vertex_count();
         assert_eq!(frames.frame_count(), cache.frame_count().div_ceil(step));
         let (frames, cache) = (all(&frames, n), all(&cache, n));

@@ -17,12 +17,12 @@ fn every_format_has_the_same_frames() {
         "the fixture should tell the precisions apart"
     );
     let folder = open(&fixture_folder("wave"), None);
-    let first = folder.first_mesh().expect("frames are meshes");
+    let first = folder.first_mesh.as_ref().expect("frames are meshes");
     assert_eq!(
         (&first.positions, &first.triangles),
         (&mesh.positions, &mesh.triangles)
     );
-    assert_eq!((first.name.as_str(), first.hash), ("wave", folder.hash()));
+    assert_eq!((first.name.as_str(), first.hash), ("wave", folder.hash));
     let sequences = [
         (folder, &expected),
         (open(&models::path("wave.npy"), Some(&mesh)), &expected),
@@ -32,14 +32,9 @@ fn every_format_has_the_same_frames() {
     for (sequence, expected) in &sequences {
         assert_eq!(sequence.frame_count(), FRAMES);
         assert_eq!(sequence.vertex_count(), VERTICES);
-        assert!(sequence.warnings().is_empty(), "{:?}", sequence.warnings());
+        assert!(sequence.warnings.is_empty(), "{:?}", sequence.warnings);
         for step in [1, 7, VERTICES, 1000] {
-            assert_eq!(
-                &&all(sequence, step),
-                expected,
-                "{} {step}",
-                sequence.name()
-            );
+            assert_eq!(&&all(sequence, step), expected, "{} {step}", sequence.name);
         }
         assert!(sequence.read(50..55, &mut [0.0; 90]).is_err());
         assert!(sequence.read(50..54, &mut [0.0; 71]).is_err());
@@ -105,7 +100,7 @@ fn the_hash_is_of_the_bytes() {
         let path = models::path(name);
         let bytes = fs::read(&path).expect("readable");
         let expected: [u8; 32] = Sha256::digest(bytes).into();
-        assert_eq!(open(&path, Some(&mesh)).hash(), expected, "{name}");
+        assert_eq!(open(&path, Some(&mesh)).hash, expected, "{name}");
     }
     let mut hash = Sha256::new();
     for t in 0..FRAMES {
@@ -116,7 +111,7 @@ fn the_hash_is_of_the_bytes() {
         hash.update(Sha256::digest(bytes));
     }
     let expected: [u8; 32] = hash.finalize().into();
-    assert_eq!(open(&fixture_folder("wave"), None).hash(), expected);
+    assert_eq!(open(&fixture_folder("wave"), None).hash, expected);
 }
 
 #[test]
@@ -156,7 +151,7 @@ fn folders_are_taken_in_byte_order() {
         .map(|t| expected[t * VERTICES..][..VERTICES].to_vec())
         .concat();
     assert_eq!(all(&sequence, 5), wanted);
-    let warnings = sequence.warnings().join("\n");
+    let warnings = sequence.warnings.join("\n");
     for text in [
         "3 entries that are no OBJ frames are left out: .hidden, f.mtl, sub.obj",
         "f_10.OBJ before f_2.obj; numbers with leading zeros keep the order of counting",

@@ -49,10 +49,10 @@ fn frames_with_other_vertices_or_faces_are_named() {
 fn the_input_must_fit() {
     let mut mesh = wave_mesh();
     let folder = fixture_folder("wave");
-    assert!(open(&folder, Some(&mesh)).first_mesh().is_none());
+    assert!(open(&folder, Some(&mesh)).first_mesh.is_none());
     mesh.triangles.swap(0, 1);
     let sequence = open(&folder, Some(&mesh));
-    let warning = sequence.warnings().join("\n");
+    let warning = sequence.warnings.join("\n");
     assert!(
         warning.contains("wave_00.obj: triangle 0 has the corners 1 2 11, but 1 11 10")
             && warning.ends_with("in wave_00.obj; the faces of wave_00.obj are used"),

@@ -14,10 +14,7 @@ fn times_come_from_the_file_or_the_rate() {
     let mesh = wave_mesh();
     let with = |path: &Path, fps| {
         let sequence = FrameSequence::open(path, Some(&mesh), fps, &Silent).expect("valid");
-        (
-            sequence.times_s().map(<[f64]>::to_vec),
-            sequence.warnings().join("\n"),
-        )
+        (sequence.times_s.clone(), sequence.warnings.join("\n"))
     };
     let at = |fps: f64| Some((0..FRAMES).map(|t| t as f64 / fps).collect::<Vec<_>>());
     for name in ["wave.pc2", "wave.npy"] {

@@ -35,7 +35,8 @@ impl<F: Frontier> Work for NearestTwo<'_, F> {
             pairs,
         } = self;
         let [posed_a, posed_b] = posed;
-        let (mut a, mut b) = (LeafSide::new(posed_a), LeafSide::new(posed_b));
+        let mut a = LeafSide::new(posed_a);
+        let mut b = LeafSide::new(posed_b);
         // A sound pair of trees has at most one entry for each pair of a node or leaf lane of one
         // and a node or leaf lane of the other, and a node has eight lanes.
         let subtrees = |asset: &Asset<'_>| (1 + LANES as u64) * asset.node_count() as u64;

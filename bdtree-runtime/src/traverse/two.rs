@@ -133,9 +133,10 @@ fn kept_leaves(
     visitor: &mut dyn PairVisitor,
 ) -> Result<Walk, QueryError> {
     let mut tests_left = tests_max(two.assets());
-    // One by one: each is large, and moving it out of an array is a copy.
+    // One by one: each is large, and moving it out of an array or a pair is a copy.
     let [posed_a, posed_b] = two.posed;
-    let (mut a, mut b) = (Side::new(posed_a), Side::new(posed_b));
+    let mut a = Side::new(posed_a);
+    let mut b = Side::new(posed_b);
     let mut walk = Walk::default();
     for pairs in kept.chunks(QUEUE) {
         for pair in pairs {
@@ -169,9 +170,10 @@ fn walk_two<L: Lanes, D: Depth>(work: TwoWalk<'_, '_, D>) -> Result<Walk, QueryE
     let mut visits = 0;
     let mut nodes_visited = 0;
     let mut tests_left = tests_max([asset_a, asset_b]);
-    // One by one: each is large, and moving it out of an array is a copy.
+    // One by one: each is large, and moving it out of an array or a pair is a copy.
     let [posed_a, posed_b] = two.posed;
-    let (mut a, mut b) = (Side::new(posed_a), Side::new(posed_b));
+    let mut a = Side::new(posed_a);
+    let mut b = Side::new(posed_b);
     let mut queue = LeafQueue::EMPTY;
     let first = PairStackEntry {
         a: 0,

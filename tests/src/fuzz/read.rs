@@ -117,7 +117,7 @@ impl Desk {
                 let folder = path.parent().unwrap_or(path);
                 let input = (rng.random_range(0..2) == 0).then_some(&self.wave);
                 let sequence = FrameSequence::open(folder, input, fps, &Silent)?;
-                let mesh = input.or(sequence.first_mesh()).cloned();
+                let mesh = input.or(sequence.first_mesh.as_ref()).cloned();
                 Ok(Thing::Sequence(
                     Box::new(sequence),
                     mesh.unwrap_or_default(),

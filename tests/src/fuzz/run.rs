@@ -193,7 +193,7 @@ impl<'s> Campaign<'s> {
 fn warnings(thing: &Thing) -> &[String] {
     match thing {
         Thing::Model(model) => &model.mesh.warnings,
-        Thing::Sequence(sequence, _) => sequence.warnings(),
+        Thing::Sequence(sequence, _) => &sequence.warnings,
         Thing::Volume(volume) => &volume.warnings,
         Thing::Basis(..) | Thing::Scene(..) | Thing::Used => &[],
     }

@@ -67,7 +67,7 @@ fn unreachable(reduction: &Reduction<'_>, max_error_rel: f64, curve: &[CurvePoin
     let Some(CurvePoint { modes, error }) = best else {
         return BakeError::one(
             "basis",
-            Place::file(sequence.name()),
+            Place::file(&sequence.name),
             "no error was measured",
         );
     };

@@ -68,7 +68,7 @@ impl<'a> Reduction<'a> {
         }
         let spectrum = tsqr.finish().ok_or_else(|| {
             let message = "the singular value decomposition does not converge";
-            BakeError::one("basis", Place::file(sequence.name()), message)
+            BakeError::one("basis", Place::file(&sequence.name), message)
         })?;
         // Refuses what cannot be stored before the rest of the work.
         let rigid = Basis {
@@ -102,7 +102,7 @@ impl<'a> Reduction<'a> {
     /// Says so if fewer than `wanted` modes exist, or none.
     pub(super) fn warn(&self, wanted: usize, warnings: &mut Vec<String>) {
         let sequence = self.sequence();
-        let (name, frames) = (sequence.name(), sequence.frame_count());
+        let (name, frames) = (&sequence.name, sequence.frame_count());
         let Rank { modes, floor } = self.rank;
         let next = self.spectrum.values.get(modes).copied().unwrap_or(0.0);
         if modes == 0 {
@@ -147,7 +147,7 @@ impl<'a> Reduction<'a> {
             fields: fields.fields,
             animation: Some(Animation {
                 frame_count: frames,
-                times_s: sequence.times_s().map(<[f64]>::to_vec),
+                times_s: sequence.times_s.clone(),
                 q,
                 motions: self.motions.clone(),
             }),
@@ -208,7 +208,7 @@ fn check_memory(
     );
     Err(BakeError::one(
         "basis",
-        Place::file(sequence.name()),
+        Place::file(&sequence.name),
         message,
     ))
 }

@@ -24,11 +24,18 @@ const SUPPORTED: &str = "an animation is a folder of OBJ frames, a .pc2, .mdd or
 /// T frames of the same N vertices, in the source's own coordinates and order.
 #[derive(Debug)]
 pub struct FrameSequence {
-    name: String,
-    hash: [u8; 32],
-    times_s: Option<Vec<f64>>,
-    first_mesh: Option<RawMesh>,
-    warnings: Vec<String>,
+    /// File or folder name without the folder it lies in.
+    pub name: String,
+    /// SHA-256 of the file; of a folder: of the names, each followed by a zero byte and the
+    /// SHA-256 of the frame's file.
+    pub hash: [u8; 32],
+    /// Seconds of each frame, ascending; `None` where neither the source nor `fps` tells.
+    pub times_s: Option<Vec<f64>>,
+    /// The first frame as a mesh, named and hashed like the sequence; `None` for files and where
+    /// there was an INPUT.
+    pub first_mesh: Option<RawMesh>,
+    /// What was odd but kept, each with its place.
+    pub warnings: Vec<String>,
     places: Places,
     data: FrameData,
 }
@@ -47,7 +54,7 @@ impl FrameSequence {
     /// names, a `.pc2`, `.mdd` or `.npy` file of shape (T, N, 3).
     ///
     /// `input` is the mesh that the frames deform; without one, a folder's first frame is
-    /// ([`Self::first_mesh`]). `fps`: frames per second, for times; MDD files have times of their
+    /// ([`FrameSequence::first_mesh`]). `fps`: frames per second, for times; MDD files have times of their
     /// own, which `fps` overrides. The frames of a folder go to a temporary file without a name,
     /// 24 bytes per vertex.
     ///
@@ -87,17 +94,6 @@ impl FrameSequence {
         Ok(sequence)
     }
 
-    /// File or folder name without the folder it lies in.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// SHA-256 of the file; of a folder: of the names, each followed by a zero byte and the
-    /// SHA-256 of the frame's file.
-    pub fn hash(&self) -> [u8; 32] {
-        self.hash
-    }
-
     /// Number of frames T, 1 or more.
     pub fn frame_count(&self) -> usize {
         self.data.frame_count
@@ -106,22 +102,6 @@ impl FrameSequence {
     /// Number of vertices N, 1 or more.
     pub fn vertex_count(&self) -> usize {
         self.data.vertex_count
-    }
-
-    /// Seconds of each frame, ascending; `None` where neither the source nor `fps` tells.
-    pub fn times_s(&self) -> Option<&[f64]> {
-        self.times_s.as_deref()
-    }
-
-    /// The first frame as a mesh, named and hashed like the sequence; `None` for files and where
-    /// there was an INPUT.
-    pub fn first_mesh(&self) -> Option<&RawMesh> {
-        self.first_mesh.as_ref()
-    }
-
-    /// What was odd but kept, each with its place.
-    pub fn warnings(&self) -> &[String] {
-        &self.warnings
     }
 
     /// Where `frame` comes from: `frames/cow_003.obj` or `cow.pc2: frame 3`.

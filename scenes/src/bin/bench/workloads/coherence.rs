@@ -1,10 +1,7 @@
-//! Steps that change little: spheres that follow a pose (P18) and fronts of pairs that stay close
-//! (P58), beside asking anew.
+//! Steps that change little: fronts of pairs that stay close (P58), beside asking anew.
 
-use bdtree_measure::{MeasureError, Place};
-use bdtree_runtime::{
-    Ball, CacheSize, Motion, PairFront, Query, StepCache, TrianglePair, VertexId, studies,
-};
+use bdtree_measure::Place;
+use bdtree_runtime::{Motion, PairFront, TrianglePair, VertexId};
 use bdtree_scenes::contenders::assets::baked;
 use bdtree_scenes::workloads::bodies::{Bodies, MODES, bodies};
 use nalgebra::Vector3;
@@ -19,9 +16,6 @@ pub(crate) struct Arguments {
     /// Steps from one frame of W2 to the next, run by run
     #[arg(long, value_delimiter = ',', default_value = "1,10,100,1000")]
     speeds: Vec<usize>,
-    /// Balls asked for at each step
-    #[arg(long, default_value_t = 8)]
-    balls: usize,
 }
 
 /// Pairs of leaves that a front has room for, 16 bytes each.
@@ -30,27 +24,21 @@ const FRONT_SLOTS: usize = 4096;
 pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
     let work = bodies();
     let model = baked(&work.body)?;
-    let (mut followed, mut fronts) = (Vec::new(), Vec::new());
-    let runs = arguments.speeds.iter().map(|speed| Run {
-        asset: *model.asset(),
-        work: &work,
-        steps: arguments.steps,
-        per_frame: *speed,
-        rounds,
-    });
-    for run in runs.clone() {
-        followed.extend(run.balls(arguments.balls)?);
-    }
+    let mut fronts = Vec::new();
     for (place, apart) in [("touching", 0.0), ("0.15 apart", 0.15), ("0.5 apart", 0.5)] {
-        for run in runs.clone() {
+        for speed in &arguments.speeds {
+            let run = Run {
+                asset: *model.asset(),
+                work: &work,
+                steps: arguments.steps,
+                per_frame: *speed,
+                rounds,
+            };
             fronts.extend(run.pairs(place, apart)?);
         }
     }
-    let title = "Balls (radius 0.05) on W2's body; the motion is the largest in a step";
-    Ok(vec![
-        table("balls", title, &followed),
-        table("pairs", "W2's two bodies, per step", &fronts),
-    ])
+    let title = "W2's two bodies, per step; the motion is the largest in a step";
+    Ok(vec![table("pairs", title, &fronts)])
 }
 
 /// q of one of the two bodies after so many steps, frames joined by straight lines.
@@ -80,20 +68,6 @@ fn motion(poses: &[Pose<'_>]) -> Result<f64> {
     Ok(100.0 * sum / (some.len() - 1) as f64 / (high - low).norm())
 }
 
-/// Mean radius of leaf lanes (world).
-fn leaf_radius(pose: &Pose<'_>) -> Result<f64> {
-    let asset = pose.asset();
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (index, node) in (0..).zip(asset.nodes()) {
-        let spheres = pose.node_spheres(index)?;
-        for lane in (0..8).filter(|lane| node.leaf_mask & 1 << lane != 0) {
-            sum += f64::from(spheres.radius[lane]);
-            count += 1.0;
-        }
-    }
-    Ok(sum / count * asset.unit())
-}
-
 /// So many steps, which are so many a frame of W2.
 struct Run<'a> {
     asset: Asset<'a>,
@@ -118,61 +92,6 @@ impl Run<'_> {
             Ok(self.asset.pose(&q, place, memory)?)
         };
         memory.chunks_exact_mut(len).enumerate().map(pose).collect()
-    }
-
-    /// Balls that are asked anew at each step, or whose spheres follow.
-    fn balls(&self, count: usize) -> Result<Vec<Row>> {
-        let (asset, mut memory) = (&self.asset, Vec::new());
-        let poses = self.poses(0, Transform::IDENTITY, &mut memory)?;
-        let apart = asset.vertex_count() / count;
-        let centers = (0..count).map(|i| poses[0].deformed(VertexId((i * apart) as u32)));
-        let centers: Vec<[f64; 3]> = centers.collect::<Result<_, _>>()?;
-        let limit = 0.1 * leaf_radius(&poses[0])?;
-        let (poses, centers) = (&poses, &centers);
-        let run = |name: &str, nodes: usize, follows: bool| {
-            let mut cache = StepCache::new(CacheSize { nodes, leaves: 0 });
-            let mut workspace = Workspace::new();
-            let mut found: Vec<Contact> = Vec::new();
-            let mut steps = move || {
-                let mut answer = Answer::default();
-                let mut ask = |query: &mut Query<'_, '_>| -> Result<(), MeasureError> {
-                    for center in centers {
-                        found.clear();
-                        query.contacts(Ball::new(*center, 0.05), &mut found)?;
-                        answer.nodes.add(query.stats());
-                        answer.found += found.len() as u64;
-                    }
-                    Ok(())
-                };
-                let mut reference = 0;
-                for (step, pose) in poses.iter().enumerate() {
-                    if follows && step > reference {
-                        let reference = &poses[reference];
-                        studies::next_step(&mut cache, reference);
-                        let query = pose.query(&mut workspace);
-                        let mut query = studies::follow(query, &mut cache, reference);
-                        if studies::growth(&mut query)? <= limit {
-                            ask(&mut query)?;
-                            continue;
-                        }
-                    }
-                    reference = step;
-                    cache.start(pose);
-                    ask(&mut pose.query(&mut workspace).cached(&mut cache))?;
-                }
-                Ok(answer)
-            };
-            Entry::new(name, Role::Ours, Counts::Same, move |_| frame(&mut steps))
-        };
-        let all = asset.node_count();
-        let entries = vec![
-            run("anew, nothing kept", 0, false),
-            run("anew, kept for the step", all, false),
-            run("followed", all, true),
-        ];
-        let about = row! {"motion, %" => motion(poses)?};
-        let measured = compare(entries, 1, self.rounds)?;
-        Ok(rows(&about, &measured, self.steps, "µs per step"))
     }
 
     /// Two bodies so far apart, from the root and with a front.
