@@ -15,8 +15,8 @@ const WIDTH: usize = 16;
 #[derive(Debug, Clone)]
 pub struct Deformer {
     arch: Arch,
-    /// Numbers of all vertices: 3 N.
-    count: usize,
+    /// Numbers of all vertices.
+    pub count: usize,
     modes: usize,
     rest: Vec<[f32; WIDTH]>,
     /// Block after block, in it mode after mode.
@@ -47,17 +47,7 @@ impl Deformer {
         }
     }
 
-    /// Numbers of all vertices.
-    pub fn len(&self) -> usize {
-        self.count
-    }
-
-    /// Whether there are no vertices.
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    /// Writes x, y, z of all vertices at q to `out`, which holds [`Deformer::len`] numbers or more.
+    /// Writes x, y, z of all vertices at q to `out`, which holds [`Deformer::count`] numbers or more.
     pub fn deform(&self, q: &[f32], out: &mut [f32]) {
         self.arch.dispatch(|| self.blocks(q, out));
     }

@@ -16,7 +16,8 @@ pub struct Ours<'a> {
     workspace: Workspace<'static>,
     /// For steps of [`CACHED`] queries and more.
     cache: Option<StepCache<'static>>,
-    found: Vec<Contact>,
+    /// Contacts of the last ball.
+    pub found: Vec<Contact>,
 }
 
 /// What a step's queries found.
@@ -47,11 +48,6 @@ impl<'a> Ours<'a> {
             cache: Some(StepCache::new(CacheSize { nodes, leaves })),
             ..Self::new(asset)
         }
-    }
-
-    /// Contacts of the last ball.
-    pub fn found(&self) -> &[Contact] {
-        &self.found
     }
 
     /// A pose and so many queries, each of which adds what it found to the step's.

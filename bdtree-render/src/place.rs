@@ -6,8 +6,10 @@ use bdtree_runtime::Transform;
 /// wherever it stands and however large it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    middle: [f64; 3],
-    size: f64,
+    /// Its middle (world).
+    pub middle: [f64; 3],
+    /// World units per drawn unit: half the diagonal of the object's box.
+    pub size: f64,
 }
 
 impl Place {
@@ -30,16 +32,6 @@ impl Place {
             // A single point has no size: any will do.
             size: if has_size { size } else { 1.0 },
         }
-    }
-
-    /// Its middle (world).
-    pub fn middle(&self) -> [f64; 3] {
-        self.middle
-    }
-
-    /// World units per drawn unit: half the diagonal of the object's box.
-    pub fn size(&self) -> f64 {
-        self.size
     }
 
     /// A point as it is drawn.

@@ -15,7 +15,8 @@ pub struct SkinnedMesh {
     asset: GpuAsset,
     instances: Instances,
     output: Output,
-    mesh: Mesh,
+    /// What to draw.
+    pub mesh: Mesh,
 }
 
 impl SkinnedMesh {
@@ -65,11 +66,6 @@ impl SkinnedMesh {
             .record(&mut encoder, &self.asset, &self.instances, &self.output)?;
         gpu.queue.submit([encoder.finish()]);
         gpu.check()
-    }
-
-    /// What to draw.
-    pub fn mesh(&self) -> &Mesh {
-        &self.mesh
     }
 
     /// The same, to give it a colour.

@@ -19,7 +19,8 @@ const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
 /// A device without a window, and a renderer on it.
 #[derive(Debug)]
 pub struct Studio {
-    gpu: Gpu,
+    /// The device.
+    pub gpu: Gpu,
     renderer: Renderer,
 }
 
@@ -33,11 +34,6 @@ impl Studio {
         let renderer = Renderer::new(&gpu.device, FORMAT, SAMPLES);
         gpu.check()?;
         Ok(Self { gpu, renderer })
-    }
-
-    /// The device.
-    pub fn gpu(&self) -> &Gpu {
-        &self.gpu
     }
 
     /// A mesh for this studio's pictures: see [`Mesh`].

@@ -98,11 +98,7 @@ fn what_is_near_hides_what_is_far_and_glass_does_not() {
     ];
     let mut mesh = studio.mesh(&corners, &triangles).expect("a mesh");
     mesh.set_colour([0, 200, 0]);
-    mesh.write(
-        &studio.gpu().queue,
-        &corners,
-        &normals(&corners, &triangles),
-    );
+    mesh.write(&studio.gpu.queue, &corners, &normals(&corners, &triangles));
     let spheres = |alpha| {
         [
             sphere([-0.6, 0.0, 1.0], 0.3, [255, 0, 0, alpha]),
@@ -155,11 +151,7 @@ fn both_sides_of_a_triangle_are_lit_and_a_turned_one_is_darker() {
     let mut studio = Studio::open().expect("a graphics adapter");
     let mut shade = |corners: [[f32; 3]; 3], triangle: [u32; 3]| {
         let mesh = studio.mesh(&corners, &[triangle]).expect("a mesh");
-        mesh.write(
-            &studio.gpu().queue,
-            &corners,
-            &normals(&corners, &[triangle]),
-        );
+        mesh.write(&studio.gpu.queue, &corners, &normals(&corners, &[triangle]));
         seen(&picture(&mut studio, &[&mesh], &[], &[]), [0.0, 0.0, 0.0])
     };
     let facing = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -188,7 +180,7 @@ fn the_sides_of_a_cube_are_flat_and_a_bend_is_smooth() {
         let triangles = [[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]];
         let mesh = studio.mesh(&corners, &triangles).expect("a mesh");
         let normals = normals(&corners, &triangles);
-        mesh.write(&studio.gpu().queue, &corners, &normals);
+        mesh.write(&studio.gpu.queue, &corners, &normals);
         let image = picture(&mut studio, &[&mesh], &[], &[]);
         [-0.9, -0.5, -0.1, 0.1, 0.5, 0.9].map(|x| i32::from(seen(&image, corner(x, 0.1))[1]))
     };
@@ -247,7 +239,7 @@ fn pictures_and_meshes_beyond_the_device_are_refused() {
             "{error}"
         );
     }
-    let limit = studio.gpu().device.limits().max_buffer_size;
+    let limit = studio.gpu.device.limits().max_buffer_size;
     let error = studio
         .mesh(&vec![[0.0; 3]; (limit / 12) as usize + 1], &[])
         .expect_err("too large");
@@ -267,7 +259,7 @@ fn a_lost_device_is_an_error() {
     let mut studio = Studio::open().expect("a graphics adapter");
     let triangle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = studio.mesh(&triangle, &[[0, 1, 2]]).expect("a mesh");
-    studio.gpu().device.destroy();
+    studio.gpu.device.destroy();
     let scene = Scene {
         background: WHITE,
         meshes: &[&mesh],
@@ -292,11 +284,7 @@ fn numbers_that_are_none_draw_nothing() {
         sphere([0.0, 0.0, 9.0], 2.0, [9, 9, 9, 255]),
     ];
     let mesh = studio.mesh(&[[0.0; 3]; 3], &[[0, 1, 2]]).expect("a mesh");
-    mesh.write(
-        &studio.gpu().queue,
-        &[[f32::NAN; 3]; 3],
-        &[[f32::NAN; 3]; 3],
-    );
+    mesh.write(&studio.gpu.queue, &[[f32::NAN; 3]; 3], &[[f32::NAN; 3]; 3]);
     let image = picture(&mut studio, &[&mesh], &spheres, &[]);
     assert!(image.pixels().iter().all(|p| *p == WHITE));
     let bounds = Box3::around([[f32::NAN; 3]]);

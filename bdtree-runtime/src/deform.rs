@@ -136,15 +136,11 @@ impl Asset<'_> {
             2 => self.prefetch_fields::<2>(records),
             3 => self.prefetch_fields::<3>(records),
             4 => self.prefetch_fields::<4>(records),
-            _ => {
-                for i in records.iter().flat_map(|record| record.corners) {
-                    self.prefetch_vertex::<false>(i);
-                }
-            }
+            _ => self.prefetch_fields::<0>(records),
         }
     }
 
-    /// Vertices whose displacements fill so many lines.
+    /// Vertices whose displacements fill so many lines; 0: any number.
     #[inline(always)]
     fn prefetch_fields<const LINES: usize>(&self, records: &[TriangleRecord]) {
         let fields = self.displacements.as_ptr();
@@ -153,8 +149,12 @@ impl Asset<'_> {
                 let i = vertex as usize;
                 if let Some(p) = self.positions.get(i) {
                     prefetch(p);
-                    let own = fields.wrapping_add(i.wrapping_mul(self.modes.len()));
-                    prefetch_lines::<LINES, _>(own);
+                    let (m, first) = (self.modes.len(), i.wrapping_mul(self.modes.len()));
+                    if LINES == 0 {
+                        prefetch_from(self.displacements, first, m);
+                    } else {
+                        prefetch_lines::<LINES, _>(fields.wrapping_add(first));
+                    }
                 }
             }
         }
@@ -163,21 +163,12 @@ impl Asset<'_> {
     /// Not inlined: see [`Asset::deformed_in`].
     #[inline(never)]
     fn prefetch_listed_vertices(&self, records: &[TriangleRecord]) {
-        for record in records {
-            for vertex in record.corners {
-                self.prefetch_vertex::<true>(vertex);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn prefetch_vertex<const LISTED: bool>(&self, vertex: u32) {
-        let i = vertex as usize;
-        let Some(p) = self.positions.get(i) else {
-            return; // the visit says so
-        };
-        prefetch(p);
-        if LISTED {
+        for i in records.iter().flat_map(|record| record.corners) {
+            let i = i as usize;
+            let Some(p) = self.positions.get(i) else {
+                continue; // the visit says so
+            };
+            prefetch(p);
             let records = self.vertex_modes_of(i);
             let entries =
                 records.map(|[own, next]| own.first_entry as usize..next.first_entry as usize);
@@ -185,9 +176,6 @@ impl Asset<'_> {
                 // No more than a vertex can have, whatever the file says.
                 prefetch_from(fields, 0, fields.len().min(self.modes.len()));
             }
-        } else {
-            let m = self.modes.len();
-            prefetch_from(self.displacements, i.wrapping_mul(m), m);
         }
     }
 }

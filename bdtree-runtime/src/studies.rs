@@ -49,7 +49,7 @@ pub fn follow<'q, 'm>(
     cache: &'q mut StepCache<'_>,
     reference: &'q Pose<'q>,
 ) -> Query<'q, 'm> {
-    query.side().follow(cache, reference);
+    query.side.follow(cache, reference);
     query
 }
 
@@ -59,5 +59,5 @@ pub fn follow<'q, 'm>(
 /// # Errors
 /// A corrupt asset.
 pub fn growth(query: &mut Query<'_, '_>) -> Result<f64, QueryError> {
-    query.side().growth()
+    query.side.growth()
 }

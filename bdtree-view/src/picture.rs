@@ -17,7 +17,8 @@ pub(crate) const BACKGROUND: [u8; 4] = [252, 252, 253, 255];
 pub(crate) struct Picture {
     renderer: Renderer,
     mesh: SkinnedMesh,
-    texture: Texture,
+    /// What to show; another one after [`Picture::draw`] with another size.
+    pub(crate) texture: Texture,
     drawn: Option<(View, [u32; 2])>,
     /// Why the mesh is not where it should be.
     pub problem: Option<String>,
@@ -38,11 +39,6 @@ impl Picture {
             drawn: None,
             problem: None,
         })
-    }
-
-    /// What to show; another one after [`Picture::draw`] with another size.
-    pub(crate) fn texture(&self) -> &Texture {
-        &self.texture
     }
 
     /// Makes the picture show what `app` does, at `size` pixels, and returns whether its texture is
@@ -76,7 +72,7 @@ impl Picture {
             self.texture = texture(gpu, size);
         }
         let shapes = Shapes::of(app);
-        let meshes = [self.mesh.mesh()];
+        let meshes = [&self.mesh.mesh];
         let view = self.texture.create_view(&Default::default());
         self.renderer.draw(
             &gpu.device,
@@ -97,7 +93,7 @@ impl Picture {
     }
 
     fn pose(&mut self, gpu: &Gpu, app: &App<'_>) -> Result<(), RenderError> {
-        let transform = app.place().shown_transform(app.view.transform);
+        let transform = app.place.shown_transform(app.view.transform);
         let posed = self.mesh.pose(gpu, app.asset(), &app.view.q, transform);
         self.problem = match posed {
             Ok(()) => None,

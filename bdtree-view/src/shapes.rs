@@ -32,8 +32,8 @@ impl Shapes {
         let sphere = |s: &NodeSphere, growth: f64, opacity: u8| {
             let [r, g, b] = colour(growth);
             Sphere {
-                center: app.place().shown(s.center),
-                radius: app.place().shown_length(s.radius),
+                center: app.place.shown(s.center),
+                radius: app.place.shown_length(s.radius),
                 colour: [r, g, b, opacity],
             }
         };
@@ -46,8 +46,8 @@ impl Shapes {
         if !view.has_probe {
             return shapes;
         }
-        let center = app.place().shown(view.probe.center);
-        let radius = app.place().shown_length(view.probe.radius);
+        let center = app.place.shown(view.probe.center);
+        let radius = app.place.shown_length(view.probe.radius);
         shapes.spheres.push(Sphere {
             center,
             radius,
@@ -66,7 +66,7 @@ impl Shapes {
 
     fn contacts(&mut self, app: &App<'_>, answer: &Answer, radius: f32) {
         for contact in &answer.contacts {
-            let point = app.place().shown(contact.point);
+            let point = app.place.shown(contact.point);
             let tip = [0, 1, 2].map(|k| point[k] + NORMAL * radius * contact.normal[k] as f32);
             self.spheres.push(Sphere {
                 center: point,

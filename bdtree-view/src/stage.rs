@@ -68,7 +68,7 @@ impl Stage {
         let options = RendererOptions::default();
         let mut painter = egui_wgpu::Renderer::new(&gpu.device, screen.format(), options);
         let picture = Picture::new(&gpu, app)?;
-        let view = picture.texture().create_view(&Default::default());
+        let view = picture.texture.create_view(&Default::default());
         let picture_id = painter.register_native_texture(&gpu.device, &view, FilterMode::Nearest);
         gpu.check()?;
         let status = Status {
@@ -142,7 +142,7 @@ impl Stage {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let mut encoder = device.create_command_encoder(&Default::default());
         if self.picture.draw(&self.gpu, &mut encoder, app, size)? {
-            let view = self.picture.texture().create_view(&Default::default());
+            let view = self.picture.texture.create_view(&Default::default());
             let filter = FilterMode::Nearest;
             let id = self.picture_id;
             self.painter
@@ -270,7 +270,7 @@ fn show_picture(
         let aspect = area.width().max(1.0) / area.height().max(1.0);
         app.fit(aspect).map_err(|error| error.to_string())?;
     }
-    let place = *app.place();
+    let place = app.place;
     let pixels = |v: egui::Vec2| [v.x * per_point, v.y * per_point];
     if response.drag_started()
         && let Some(at) = ui.input(|input| input.pointer.press_origin())

@@ -72,7 +72,7 @@ impl Viewer<'_> {
     }
 
     fn open(&mut self, events: &ActiveEventLoop) -> Result<Stage, ToolError> {
-        let name = self.app.file().path().file_name().unwrap_or_default();
+        let name = self.app.file.path().file_name().unwrap_or_default();
         let name = name.to_string_lossy().replace(char::is_control, "");
         let [width, height] = self.size;
         let attributes = Window::default_attributes()
@@ -85,7 +85,7 @@ impl Viewer<'_> {
         let instance = Instance::new(InstanceDescriptor::new_with_display_handle(display));
         let is_read = self.screenshot.is_some();
         let stage = Stage::new(instance, Arc::new(window), &self.app, is_read);
-        stage.map_err(|error| ToolError::input(self.app.file().path().display(), error))
+        stage.map_err(|error| ToolError::input(self.app.file.path().display(), error))
     }
 
     fn redraw(&mut self, events: &ActiveEventLoop) -> Result<(), ToolError> {
@@ -93,7 +93,7 @@ impl Viewer<'_> {
             return Ok(());
         };
         let copies = self.screenshot.is_some() && stage.frame_count() >= SETTLED;
-        let path = self.app.file().path();
+        let path = self.app.file.path();
         let after = stage.frame(&mut self.app, copies);
         let after = after.map_err(|error| ToolError::input(path.display(), error))?;
         if let (Some(copy), Some(path)) = (after.copy, &self.screenshot) {
@@ -131,7 +131,7 @@ impl ApplicationHandler for Viewer<'_> {
         match event {
             WindowEvent::CloseRequested => events.exit(),
             WindowEvent::Destroyed => {
-                let path = self.app.file().path();
+                let path = self.app.file.path();
                 let result = Err(ToolError::input(path.display(), "the window was destroyed"));
                 self.end_if::<()>(events, result);
             }
@@ -141,7 +141,7 @@ impl ApplicationHandler for Viewer<'_> {
             }
             event => {
                 let Some(stage) = &mut self.stage else { return };
-                let path = self.app.file().path();
+                let path = self.app.file.path();
                 let result = stage
                     .event(&event)
                     .map_err(|e| ToolError::input(path.display(), e));

@@ -93,7 +93,7 @@ fn one_leaf_per_triangle() {
         assert_eq!(leaves, (0..count as u32).collect::<Vec<_>>());
         // Median splits: as shallow as a binary tree can be.
         assert_eq!(
-            tree.depth(),
+            tree.depth,
             count.next_power_of_two().trailing_zeros() as usize + 1
         );
     }
@@ -122,7 +122,7 @@ fn spheres_hold_their_vertices() {
             .collect();
         for (i, (_, triangles)) in nodes.iter().enumerate() {
             let [x, y, z, r] = tree.sphere(&step, i).map(f64::from);
-            for v in triangles.iter().flat_map(|t| tree.corners()[*t as usize]) {
+            for v in triangles.iter().flat_map(|t| tree.corners[*t as usize]) {
                 let p = vertices[v as usize].map(f64::from);
                 let distance =
                     ((p[0] - x).powi(2) + (p[1] - y).powi(2) + (p[2] - z).powi(2)).sqrt();
@@ -162,7 +162,7 @@ fn growth_decays_by_level() {
     let model = bake::baked(&mesh, &basis);
     let asset = model.asset();
     let tree = PaperTree::build(asset);
-    let mut levels = vec![(0.0, 0.0); tree.depth()];
+    let mut levels = vec![(0.0, 0.0); tree.depth];
     for (i, (level, _)) in tree.nodes().iter().enumerate() {
         let squared: f64 = tree.numbers(i)[1..]
             .iter()

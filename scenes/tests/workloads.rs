@@ -130,7 +130,7 @@ fn deformation_is_the_products() {
         let asset = model.asset();
         assert_eq!((asset.origin(), asset.unit()), ([0.0; 3], 1.0));
         let deformer = Deformer::new(&body);
-        let mut out = vec![0.0; deformer.len()];
+        let mut out = vec![0.0; deformer.count];
         let mut memory = vec![0.0; asset.pose_len()];
         for q in sequence(5, body.modes, 0.8, 77).chunks_exact(body.modes) {
             deformer.deform(q, &mut out);

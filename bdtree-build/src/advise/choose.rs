@@ -146,7 +146,7 @@ pub fn advise(
             .filter(|_| subset.is_none())
             .and_then(|fewer| subject.errors.bound_rel(fewer)),
         over: subject.errors.over,
-        samples: (bench.samples().source(), bench.samples().len()),
+        samples: (bench.samples.source, bench.samples.count),
         frames: subject
             .basis
             .animation

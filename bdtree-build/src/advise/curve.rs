@@ -56,7 +56,8 @@ pub struct Bench<'s> {
     subject: &'s Subject,
     file: Model,
     nodes: usize,
-    samples: Samples,
+    /// The q at which it is measured.
+    pub samples: Samples,
     works: Works,
     rounds: usize,
 }
@@ -96,11 +97,6 @@ impl<'s> Bench<'s> {
             rounds,
             file,
         })
-    }
-
-    /// The q at which it is measured.
-    pub fn samples(&self) -> &Samples {
-        &self.samples
     }
 
     /// The asset as it is and with each of `settings`, all measured in turn.

@@ -27,13 +27,18 @@ pub enum Source {
 /// Reduced coordinates that stand for what an asset does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
-    source: Source,
-    mode_count: usize,
+    /// Where they come from.
+    pub source: Source,
+    /// Number of modes M.
+    pub mode_count: usize,
     /// `q[s * M + j]` is q_j of sample s.
     q: Vec<f32>,
     frames: Vec<usize>,
-    count: usize,
-    still: Vec<usize>,
+    /// Number of samples: at least 1.
+    pub count: usize,
+    /// Modes that move nothing: zero fields, and ranges so small that f32 rounds them off. What they would do
+    /// beyond their ranges the samples do not show.
+    pub still: Vec<usize>,
 }
 
 impl Samples {
@@ -84,26 +89,6 @@ impl Samples {
         samples
     }
 
-    /// Where they come from.
-    pub fn source(&self) -> Source {
-        self.source
-    }
-
-    /// Number of samples: at least 1.
-    pub fn len(&self) -> usize {
-        self.count
-    }
-
-    /// Never: there is at least one.
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    /// Number of modes M.
-    pub fn mode_count(&self) -> usize {
-        self.mode_count
-    }
-
     /// q of a sample: M numbers.
     ///
     /// # Panics
@@ -115,12 +100,6 @@ impl Samples {
     /// The frame of a sample, from 0, where it is one.
     pub fn frame(&self, sample: usize) -> Option<usize> {
         self.frames.get(sample).copied()
-    }
-
-    /// Modes that move nothing: zero fields, and ranges so small that f32 rounds them off. What they would do
-    /// beyond their ranges the samples do not show.
-    pub fn still(&self) -> &[usize] {
-        &self.still
     }
 
     /// The same samples of an asset that has only the modes `modes` (each below M) of this one.

@@ -40,8 +40,8 @@ pub struct Works {
     balls: Vec<[[f64; 3]; BALLS]>,
     /// Per sample.
     rays: Vec<[Ray; RAYS]>,
-    /// Where the second instance stands; the first stands at the identity.
-    beside: Transform,
+    /// Where the second instance of the pair stands; the first stands at the identity.
+    pub beside: Transform,
 }
 
 /// One kind of question, asked at every sample.
@@ -106,16 +106,6 @@ impl Works {
         questions::make(asset, samples)
     }
 
-    /// Radius of the balls (mesh units).
-    pub fn ball_radius(&self) -> f64 {
-        self.radius
-    }
-
-    /// Where the second instance of the pair stands; the first stands at the identity.
-    pub fn beside(&self) -> Transform {
-        self.beside
-    }
-
     /// The sample whose q the second instance of the pair has at `sample` of `count`.
     pub fn partner(sample: usize, count: usize) -> usize {
         (sample + count / 2) % count.max(1)
@@ -142,11 +132,11 @@ impl Works {
     ) -> Result<Vec<Measured>, WorksError> {
         let mut memories: Vec<[Vec<f32>; 2]> = contenders
             .iter()
-            .map(|c| [(); 2].map(|()| vec![0.0; c.asset.pose_len().max(1) * c.samples.len()]))
+            .map(|c| [(); 2].map(|()| vec![0.0; c.asset.pose_len().max(1) * c.samples.count]))
             .collect();
         let mut asked = Vec::with_capacity(contenders.len());
         for (contender, [here, there]) in contenders.iter().zip(&mut memories) {
-            let found = contender.samples.len();
+            let found = contender.samples.count;
             if found != self.balls.len() {
                 let expected = self.balls.len();
                 return Err(WorksError::Samples { expected, found });

@@ -49,19 +49,15 @@ pub struct PaperTree {
     /// Per node `[c, R]` and then `[Ū_j, ΔR_j]` for every mode.
     numbers: Vec<[f32; 4]>,
     /// Corners by triangle id.
-    corners: Vec<[u32; 3]>,
-    depth: usize,
+    pub corners: Vec<[u32; 3]>,
+    /// Number of levels.
+    pub depth: usize,
 }
 
 impl PaperTree {
     /// Number of nodes: 2F − 1.
     pub fn node_count(&self) -> usize {
         self.links.len()
-    }
-
-    /// Number of levels.
-    pub fn depth(&self) -> usize {
-        self.depth
     }
 
     /// Bytes of one node.
@@ -95,10 +91,5 @@ impl PaperTree {
             }
         }
         all
-    }
-
-    /// Corners by triangle id.
-    pub fn corners(&self) -> &[[u32; 3]] {
-        &self.corners
     }
 }

@@ -79,7 +79,7 @@ impl PlainTree {
             let dx = moved[0] + node.center[0] - x;
             let dy = moved[1] + node.center[1] - y;
             let dz = moved[2] + node.center[2] - z;
-            let touch = growth + node.radius + step.slack() + reach;
+            let touch = growth + node.radius + step.slack + reach;
             if (dx * dx + dy * dy + dz * dz) * SKIP > touch * touch {
                 continue;
             }

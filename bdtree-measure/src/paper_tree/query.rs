@@ -66,18 +66,13 @@ impl Vertices {
 pub struct Step {
     /// `[q, q, q, |q|]` per mode.
     q: Vec<[f32; 4]>,
-    /// Rounding of centers, radii and vertices (stored units), added to every radius.
-    slack: f32,
+    /// Rounding of centers, radii and vertices (stored units).
+    pub(super) slack: f32,
     /// P + S(q).
     reach: f64,
 }
 
 impl Step {
-    /// Rounding of centers, radii and vertices (stored units).
-    pub(super) fn slack(&self) -> f32 {
-        self.slack
-    }
-
     /// Prepares q, as the pose holds it.
     pub fn prepare(&mut self, pose: &Pose<'_>) {
         let asset = pose.asset();

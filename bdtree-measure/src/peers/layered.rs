@@ -20,7 +20,7 @@ impl LayeredPeer {
     /// On the paper's tree of a body.
     pub fn new(tree: Rc<PaperTree>, deformer: &Deformer) -> Self {
         Self {
-            spheres: Layered::new(&tree, deformer.len()),
+            spheres: Layered::new(&tree, deformer.count),
             tree,
             place: Place::IDENTITY,
         }

@@ -83,7 +83,7 @@ pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, Meas
     };
     content.samples.of_parts.depth = few.len();
     seconds.lap("depth");
-    if samples.source() != Source::Rest {
+    if samples.source != Source::Rest {
         let found = modes::modes(asset, diagonal)?;
         content.modes = found.rows;
         content.modes_over = Some(found.over);
@@ -91,8 +91,8 @@ pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, Meas
         seconds.lap("modes");
         content.tolerance = tolerance::tolerance(asset, &asked, diagonal)?;
         seconds.lap("tolerance");
-        let step = samples.len().div_ceil(DIRECTIONS).max(1);
-        let directions: Vec<Vec<f32>> = (0..samples.len())
+        let step = samples.count.div_ceil(DIRECTIONS).max(1);
+        let directions: Vec<Vec<f32>> = (0..samples.count)
             .step_by(step)
             .map(|k| samples.q(k).to_vec())
             .collect();
@@ -140,20 +140,20 @@ fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
              refitting and margins."
                 .to_string(),
         );
-    } else if samples.source() == Source::Rest {
+    } else if samples.source == Source::Rest {
         missing.push(
             "No mode moves anything within its q_range, and there is no animation: nothing to say of modes, \
              tolerance, tightness, refitting and margins."
                 .to_string(),
         );
-    } else if !samples.still().is_empty() {
-        let numbers: Vec<String> = samples.still().iter().map(usize::to_string).collect();
+    } else if !samples.still.is_empty() {
+        let numbers: Vec<String> = samples.still.iter().map(usize::to_string).collect();
         missing.push(format!(
             "Modes {} move nothing within their q_range: what they do beyond it is not in this report.",
             numbers.join(", ")
         ));
     }
-    if samples.source() == Source::Ranges {
+    if samples.source == Source::Ranges {
         let none = match asset.frame_count() {
             0 => "The asset has no animation",
             _ => "The asset's animation moves nothing",
@@ -172,12 +172,12 @@ fn described(
     diagonal: f64,
 ) -> Result<content::Samples, MeasureError> {
     let mut most = 0.0_f64;
-    for k in 0..samples.len() {
+    for k in 0..samples.count {
         let far = tightness::farthest(asset, samples.q(k))?;
         most = most.max(far * asset.unit());
     }
-    let count = samples.len();
-    let source = match samples.source() {
+    let count = samples.count;
+    let source = match samples.source {
         Source::Frames => format!("{count} frames of the animation"),
         Source::Ranges => format!("{count} mixtures of all modes within ± q_range"),
         Source::Rest => "the rest pose".to_string(),

@@ -49,7 +49,7 @@ impl Sample {
         bounds: [[f64; 3]; 2],
     ) -> Result<Vec<Self>, MeasureError> {
         let mut memory = vec![0.0; asset.pose_len()];
-        (0..samples.len())
+        (0..samples.count)
             .map(|k| Self::new(asset, samples.q(k), k as u64, bounds, &mut memory))
             .collect()
     }

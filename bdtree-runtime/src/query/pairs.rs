@@ -260,7 +260,7 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
     /// them; how many there are.
     fn collect(&mut self, tolerance: f64) -> Result<usize, QueryError> {
         let [side1, side2] = &self.sides;
-        let (asset1, asset2) = (side1.pose().asset, side2.pose().asset);
+        let (asset1, asset2) = (side1.pose.asset, side2.pose.asset);
         let stack = asset1.pair_stack_len(asset2);
         let single = asset1.stack_len().max(asset2.stack_len());
         let behind = (size_of::<PairStackEntry>() * stack).max(size_of::<StackEntry>() * single);
@@ -296,7 +296,7 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
     /// One walk and its counts.
     fn walk(&mut self, visitor: &mut dyn PairVisitor) -> Result<Coverage, QueryError> {
         let [side1, side2] = &self.sides;
-        let len = side1.pose().asset.pair_stack_len(side2.pose().asset);
+        let len = side1.pose.asset.pair_stack_len(side2.pose.asset);
         let stack = self.workspace.memory.slots(len)?;
         let walk = walk_sides(&mut self.sides, &mut self.front, stack, visitor)?;
         self.workspace.stats = Stats::of(&walk);
@@ -305,7 +305,7 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
 
     fn distance_stack_len(&self) -> usize {
         let [side1, side2] = &self.sides;
-        side1.pose().asset.distance_stack_len(side2.pose().asset)
+        side1.pose.asset.distance_stack_len(side2.pose.asset)
     }
 }
 

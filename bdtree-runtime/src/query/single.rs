@@ -34,14 +34,14 @@ use crate::workspace::{Stats, Workspace};
 /// ```
 #[derive(Debug)]
 pub struct Query<'q, 'm> {
-    pub(super) side: Side<'q>,
+    pub(crate) side: Side<'q>,
     pub(super) workspace: &'q mut Workspace<'m>,
 }
 
 /// A pose and how it is looked at.
 #[derive(Debug)]
 pub(crate) struct Side<'q> {
-    pose: Pose<'q>,
+    pub(super) pose: Pose<'q>,
     /// What a step keeps.
     kept: Kept<'q>,
     /// Whether that is of another pose, which the next question says.
@@ -103,10 +103,6 @@ impl<'q> Side<'q> {
             return Err(QueryError::Argument(what));
         }
         self.posed()
-    }
-
-    pub(super) fn pose(&self) -> &Pose<'q> {
-        &self.pose
     }
 }
 
@@ -173,11 +169,7 @@ impl<'q, 'm> Query<'q, 'm> {
 
     /// The pose.
     pub fn pose(&self) -> &Pose<'q> {
-        self.side.pose()
-    }
-
-    pub(crate) fn side(&mut self) -> &mut Side<'q> {
-        &mut self.side
+        &self.side.pose
     }
 
     /// What the last question visited.

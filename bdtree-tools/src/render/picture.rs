@@ -147,7 +147,7 @@ impl<'a> Painter<'a> {
     pub(super) fn paint(&mut self, frame: &Frame<'_>) -> Result<(Image, Vec<f64>), ToolError> {
         for (content, mesh) in frame.content.iter().zip(&mut self.meshes) {
             let body = &content.body;
-            let gpu = self.studio.gpu();
+            let gpu = &self.studio.gpu;
             let transform = self.place.shown_transform(body.instance.placement());
             mesh.pose(gpu, body.asset(), body.instance.q(), transform)
                 .map_err(|error| ToolError::input(body.file.path().display(), error))?;
@@ -179,7 +179,7 @@ impl<'a> Painter<'a> {
                 }),
             }
         }
-        let meshes: Vec<_> = self.meshes.iter().map(SkinnedMesh::mesh).collect();
+        let meshes: Vec<_> = self.meshes.iter().map(|own| &own.mesh).collect();
         let scene = Scene {
             background: WHITE,
             meshes: &meshes,

@@ -41,12 +41,14 @@ pub struct Spheres {
 
 /// The state of the viewer.
 pub struct App<'a> {
-    file: &'a AssetFile,
+    /// The file.
+    pub file: &'a AssetFile,
     /// As the view wants it to be, from the last [`App::refresh`] or [`App::fit`] on.
     body: Instance,
     /// What the file holds.
     pub info: Info,
-    place: Place,
+    /// Where things are drawn.
+    pub place: Place,
     /// What is shown.
     pub view: View,
     /// The animation.
@@ -78,9 +80,9 @@ impl<'a> App<'a> {
         let posed = body.set_pose(&q, transform);
         posed.map_err(|error| refused(file, error))?;
         let place = Place::around(positions(file, &body.pose())?);
-        let mut center = place.middle();
+        let mut center = place.middle;
         // Beside the middle, where of most objects the surface is.
-        center[1] += 0.5 * place.size();
+        center[1] += 0.5 * place.size;
         Ok(Self {
             file,
             body,
@@ -95,7 +97,7 @@ impl<'a> App<'a> {
                 has_probe: false,
                 probe: Probe {
                     center,
-                    radius: PROBE_SIZE * place.size(),
+                    radius: PROBE_SIZE * place.size,
                 },
                 has_ends: true,
                 camera: None,
@@ -110,19 +112,9 @@ impl<'a> App<'a> {
         })
     }
 
-    /// The file.
-    pub fn file(&self) -> &'a AssetFile {
-        self.file
-    }
-
     /// Its view.
     pub fn asset(&self) -> &'a Asset<'a> {
         self.file.asset()
-    }
-
-    /// Where things are drawn.
-    pub fn place(&self) -> &Place {
-        &self.place
     }
 
     /// The largest |q_j| of a slider.

@@ -13,13 +13,14 @@ pub(super) const FRAMES_PER_S: f64 = 30.0;
 pub struct Playback {
     /// When each frame is shown, in seconds, ascending from 0.
     times_s: Vec<f64>,
-    /// Whether the file says so.
-    is_timed: bool,
+    /// Whether the file says when frames are shown.
+    pub is_timed: bool,
     /// Whether time goes on.
     pub is_playing: bool,
     /// 1: as fast as the file says.
     pub speed: f64,
-    time_s: f64,
+    /// Seconds since the first frame.
+    pub time_s: f64,
 }
 
 impl Playback {
@@ -55,19 +56,9 @@ impl Playback {
         self.times_s.len()
     }
 
-    /// Whether the file says when frames are shown.
-    pub fn is_timed(&self) -> bool {
-        self.is_timed
-    }
-
     /// When the last frame is shown, in seconds.
     pub fn duration_s(&self) -> f64 {
         self.times_s.last().copied().unwrap_or(0.0)
-    }
-
-    /// Seconds since the first frame.
-    pub fn time_s(&self) -> f64 {
-        self.time_s
     }
 
     /// The frame that is shown and how far it is to the next one, 0 to 1.
@@ -132,7 +123,7 @@ mod tests {
         );
         playback.speed = -1.0;
         playback.advance(0.5);
-        assert_eq!(playback.time_s(), 1.75, "backwards");
+        assert_eq!(playback.time_s, 1.75, "backwards");
         playback.go_to(7);
         assert_eq!(playback.position(), (2, 0.0));
     }
@@ -141,7 +132,7 @@ mod tests {
     fn odd_times_are_not_taken() {
         for times in [None, Some(vec![0.0, f64::NAN]), Some(vec![1.0, 0.5])] {
             let playback = Playback::of_times(times, 2);
-            assert!(!playback.is_timed());
+            assert!(!playback.is_timed);
             assert_eq!(playback.duration_s(), 1.0 / FRAMES_PER_S);
         }
         for times in [vec![], vec![3.0], vec![1.0, 1.0]] {

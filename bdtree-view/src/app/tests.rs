@@ -145,7 +145,7 @@ fn the_mouse_moves_what_it_holds_as_far_as_it_goes() {
     let size = [900, 600];
     with_file("sphere.bdt", |mut app| {
         app.fit(1.5).unwrap();
-        let place = *app.place();
+        let place = app.place;
         let seen = |app: &App<'_>| {
             let center = place.shown(app.view.probe.center);
             app.view.camera.unwrap().project(center, size).unwrap()

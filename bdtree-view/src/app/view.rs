@@ -95,7 +95,7 @@ impl View {
                 let per_pixel = 2.0 * depth * (0.5 * camera.fov_y_rad).tan() / height;
                 for k in 0..3 {
                     let by = f64::from(per_pixel * (right * x[k] - down * y[k]));
-                    self.probe.center[k] += by * place.size();
+                    self.probe.center[k] += by * place.size;
                 }
             }
         }

@@ -38,7 +38,7 @@ pub(crate) struct Wish {
 /// Shows all controls.
 pub(crate) fn show(ui: &mut Ui, app: &mut App<'_>, status: &Status) -> Wish {
     let mut wish = Wish::default();
-    let name = app.file().path().file_name().unwrap_or_default();
+    let name = app.file.path().file_name().unwrap_or_default();
     let name = printable(&name.to_string_lossy());
     ui.add(egui::Label::new(RichText::new(name).size(17.0).strong()).truncate());
     facts(ui, app);

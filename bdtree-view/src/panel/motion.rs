@@ -38,9 +38,9 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
     });
     let time = format!(
         "{:.3} s of {:.3} s{}",
-        app.playback.time_s(),
+        app.playback.time_s,
         app.playback.duration_s(),
-        if app.playback.is_timed() {
+        if app.playback.is_timed {
             ""
         } else {
             ", 30 frames a second assumed"

@@ -6,7 +6,7 @@ use super::{grouped, style};
 use crate::app::App;
 
 pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
-    let size = app.place().size();
+    let size = app.place.size;
     let view = &mut app.view;
     ui.horizontal(|ui| {
         ui.checkbox(&mut view.has_probe, "ball");

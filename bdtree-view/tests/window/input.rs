@@ -98,7 +98,7 @@ const OF_PICTURE: [u32; 2] = [SIZE[0] - EDGE, SIZE[1]];
 /// Where the probe's center is on the screen.
 fn probe_of(app: &App<'_>) -> [f32; 2] {
     let camera = app.view.camera.expect("a camera");
-    let center = app.place().shown(app.view.probe.center);
+    let center = app.place.shown(app.view.probe.center);
     let [x, y] = camera.project(center, OF_PICTURE).expect("in front");
     [x + EDGE as f32, y]
 }
@@ -116,7 +116,7 @@ fn the_probe_is_dragged_and_says_what_it_touches() {
     let numbers = [x[0], x[1], radius[2], radius[3]];
     let contacts = [CONTROLS[0], radius[3], CONTROLS[2] - 4, radius[3] + 66];
     with_app("sphere.bdt", text.parse().ok(), |mut app| {
-        let place = *app.place();
+        let place = app.place;
         let from = probe_of(&app).map(|x| x.round() as u32);
         let to = [from[0] - 70, from[1] + 20];
         app.view

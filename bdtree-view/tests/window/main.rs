@@ -135,13 +135,13 @@ fn spheres(display: &Display, q: &[f32], options: &[&str]) -> (Picture, Vec<Disc
     let pose = pose.expect("a pose");
     let level = Level::of(&pose, 0).expect("spheres");
     let seen = level.spheres.iter().map(|sphere| {
-        let center = app.place().shown(sphere.center);
+        let center = app.place.shown(sphere.center);
         let [x, y] = camera.project(center, size).expect("in front");
         let away = (0..3)
             .map(|k| (center[k] - camera.eye[k]).powi(2))
             .sum::<f32>()
             .sqrt();
-        let radius = app.place().shown_length(sphere.radius);
+        let radius = app.place.shown_length(sphere.radius);
         let slope = radius / (away * away - radius * radius).sqrt();
         let pixels = 0.5 * size[1] as f32 / (0.5 * camera.fov_y_rad).tan() * slope;
         ([x + EDGE as f32, y], pixels)

@@ -103,7 +103,7 @@ fn count(
     boxes: &mut Obvhs,
 ) -> Result<Counted, Box<dyn Error>> {
     let mut memory = vec![0.0; asset.pose_len()];
-    let mut refitted = Layered::new(tree, deformer.len());
+    let mut refitted = Layered::new(tree, deformer.count);
     let (mut step, mut stack, mut scratch) = (Step::default(), Vec::new(), Vec::new());
     let (mut found, mut visits, mut plainly, mut boxed) = (Vec::<Contact>::new(), 0, 0, 0);
     let [mut ours, mut wrapped, mut layered] = [Tested::default(); 3];

@@ -64,7 +64,7 @@ impl<'a> Contenders<'a> {
     /// On a body whose farthest vertex moves by a share of its diagonal, with balls of a radius.
     pub(super) fn new(asset: Asset<'a>, body: &Body, displacement: f64, radius: f32) -> Self {
         let deformer = Deformer::new(body);
-        let mut out = vec![0.0; deformer.len()];
+        let mut out = vec![0.0; deformer.count];
         let mut stream = Stream::new(17);
         let all = sequence(STEPS, body.modes, 0.8, 8);
         let steps = all.chunks_exact(body.modes).map(|q| {

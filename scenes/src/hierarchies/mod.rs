@@ -83,9 +83,10 @@ pub struct Found {
 /// The paper's tree of an asset, with its levels.
 pub struct Hierarchies<'a> {
     asset: Asset<'a>,
-    tree: PaperTree,
-    /// Level and triangles of every node.
-    nodes: Vec<(usize, Vec<u32>)>,
+    /// The binary tree.
+    pub tree: PaperTree,
+    /// Level and triangles of every node, in storage order.
+    pub nodes: Vec<(usize, Vec<u32>)>,
 }
 
 /// What depends on q alone.
@@ -110,19 +111,9 @@ impl<'a> Hierarchies<'a> {
         Self { asset, tree, nodes }
     }
 
-    /// The binary tree.
-    pub fn tree(&self) -> &PaperTree {
-        &self.tree
-    }
-
-    /// Level and triangles of every node, in storage order.
-    pub fn nodes(&self) -> &[(usize, Vec<u32>)] {
-        &self.nodes
-    }
-
     /// Number of levels.
     pub fn depth(&self) -> usize {
-        self.tree.depth()
+        self.tree.depth
     }
 
     /// Number of nodes of a level.
@@ -169,7 +160,7 @@ impl<'a> Hierarchies<'a> {
 
     /// The vertices of some triangles, each once, ascending.
     pub fn vertices(&self, triangles: &[u32]) -> Vec<u32> {
-        let corners = self.tree.corners();
+        let corners = &self.tree.corners;
         let mut vertices: Vec<u32> = triangles
             .iter()
             .flat_map(|t| corners[*t as usize])

@@ -18,7 +18,8 @@ struct Mode {
 #[derive(Debug, Clone)]
 pub struct Sphere {
     center: Vector3<f64>,
-    radius: f64,
+    /// R.
+    pub radius: f64,
     modes: Vec<Mode>,
 }
 
@@ -49,11 +50,6 @@ impl Sphere {
         }
         let square = self.radius * self.radius + 2.0 * cross + sum * sum;
         (center.into(), square.max(0.0).sqrt())
-    }
-
-    /// R.
-    pub fn radius(&self) -> f64 {
-        self.radius
     }
 
     /// ΔR_j.

@@ -31,10 +31,10 @@ pub(super) fn measure(mesh: Mesh, trees: &Hierarchies<'_>) -> Result<Decay, Box<
     let mean = |norms: Vec<f64>| norms.iter().sum::<f64>() / norms.len() as f64;
     let (mut paper, mut ours) = (Vec::new(), Vec::new());
     for level in 0..trees.depth() {
-        let of_level = trees.nodes().iter().enumerate();
+        let of_level = trees.nodes.iter().enumerate();
         let of_level = of_level.filter(|(_, (of, _))| *of == level);
         let norms = of_level.map(|(node, _)| {
-            let rows = trees.tree().numbers(node)[1..].iter();
+            let rows = trees.tree.numbers(node)[1..].iter();
             rows.map(|row| f64::from(row[3]).powi(2))
                 .sum::<f64>()
                 .sqrt()

@@ -138,7 +138,7 @@ pub(super) fn measure(
     let mut all = [Kind::Paper, Kind::Ours].map(Pairs::new);
     // L_j of the last node of each level: in preorder a node's parent is the last of the level above.
     let mut above: Vec<Option<Vec<f64>>> = vec![None; trees.depth()];
-    for (node, (level, triangles)) in trees.nodes().iter().enumerate() {
+    for (node, (level, triangles)) in trees.nodes.iter().enumerate() {
         let vertices = trees.vertices(triangles);
         if !(2..=most).contains(&vertices.len()) {
             above[*level] = None;
@@ -149,11 +149,11 @@ pub(super) fn measure(
             .iter()
             .map(|v| points.norms[*v as usize])
             .fold(0.0, f64::max);
-        let numbers = trees.tree().numbers(node);
+        let numbers = trees.tree.numbers(node);
         let ours = trees.ours(triangles)?;
         for j in 0..points.modes {
             let growths = [f64::from(numbers[1 + j][3]), ours.growth_of(j)];
-            let radii = [f64::from(numbers[0][3]), ours.radius()];
+            let radii = [f64::from(numbers[0][3]), ours.radius];
             for (pairs, (growth, radius)) in all.iter_mut().zip(growths.into_iter().zip(radii)) {
                 pairs.add(growth, lipschitz[j], radius, common);
                 let parent = level.checked_sub(1).and_then(|level| above[level].as_ref());

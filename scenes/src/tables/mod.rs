@@ -193,7 +193,7 @@ impl Size {
                 asset.vertex_count(),
                 asset.triangle_count(),
                 asset.mode_count(),
-                trees.tree().node_count(),
+                trees.tree.node_count(),
                 trees.depth(),
             ],
             nodes: asset.node_count(),

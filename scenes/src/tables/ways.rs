@@ -80,7 +80,7 @@ impl<'a, 'b> Deformations<'a, 'b> {
     /// deformations, longer or shorter.
     pub(super) fn of(&self, way: Way, amplitude: f64) -> Vec<Vec<f32>> {
         let mut rng = poses::rng(self.seed);
-        let mut out = vec![0.0; self.deformer.len()];
+        let mut out = vec![0.0; self.deformer.count];
         let one = |_| {
             let mut q = Vec::new();
             // An animation may show the rest pose, too.

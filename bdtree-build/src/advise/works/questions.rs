@@ -19,7 +19,7 @@ pub(super) fn make(asset: &Asset<'_>, samples: &Samples) -> Result<Works, WorksE
     let space = Space::of(asset);
     let mut random = Random::new();
     let (mut balls, mut rays) = (Vec::new(), Vec::new());
-    let mut memory = vec![0.0; asset.pose_len().max(1) * samples.len()];
+    let mut memory = vec![0.0; asset.pose_len().max(1) * samples.count];
     let contender = Contender { asset, samples };
     for pose in poses(&contender, Transform::IDENTITY, &mut memory)? {
         let mut centers = [[0.0; 3]; BALLS];
@@ -140,7 +140,7 @@ fn surface_point(pose: &Pose<'_>, random: &mut Random) -> Result<[f64; 3], Works
 }
 
 fn beside(contender: Contender<'_>, space: &Space) -> Result<Transform, WorksError> {
-    let (asset, count) = (contender.asset, contender.samples.len());
+    let (asset, count) = (contender.asset, contender.samples.count);
     let mut memory = [(); 2].map(|()| vec![0.0; asset.pose_len().max(1) * count]);
     let mut workspace = Workspace::new();
     let [here, there] = &mut memory;

@@ -21,17 +21,8 @@ use crate::progress::Progress;
 /// Bytes of a .npy file in which its header must end.
 const NPY_HEADER_MAX: u64 = 1 << 20;
 
-/// What a header says.
-struct Header {
-    number: Number,
-    order: Order,
-    frame_count: usize,
-    vertex_count: usize,
-    /// Bytes before the coordinates.
-    offset: u64,
-    times_s: Option<Vec<f64>>,
-    warnings: Vec<String>,
-}
+/// What a header says: where the coordinates are, the frames' seconds, and what is odd.
+type Header = (FrameData, Option<Vec<f64>>, Vec<String>);
 
 /// The sequence in the file at `path`, by its extension.
 pub(super) fn open(
@@ -45,7 +36,7 @@ pub(super) fn open(
     let extension = path
         .extension()
         .map(|extension| extension.to_string_lossy().to_lowercase());
-    type ReadHeader = fn(&mut File, u64, Option<f64>) -> Result<Header, String>;
+    type ReadHeader = fn(File, u64, Option<f64>) -> Result<Header, String>;
     let read_header: ReadHeader = match extension.as_deref() {
         Some("pc2") => pc2,
         Some("mdd") => mdd,
@@ -53,26 +44,18 @@ pub(super) fn open(
         Some(other) => return Err(fail(format!(".{other} is no animation: {SUPPORTED}"))),
         None => return Err(fail(format!("no file extension: {SUPPORTED}"))),
     };
-    let mut file = File::open(path).map_err(|e| load::unreadable(&place, &e))?;
+    let file = File::open(path).map_err(|e| load::unreadable(&place, &e))?;
     let file_bytes = match file.metadata() {
         Ok(meta) if meta.is_file() => meta.len(),
         Ok(_) => return Err(fail("is not a plain file".to_string())),
         Err(error) => return Err(load::unreadable(&place, &error)),
     };
-    let header = read_header(&mut file, file_bytes, fps).map_err(fail)?;
-    check_vertex_count(&place, input, header.vertex_count)?;
+    let (data, times_s, warnings) = read_header(file, file_bytes, fps).map_err(fail)?;
+    check_vertex_count(&place, input, data.vertex_count)?;
     if input.is_none() {
         let message = "holds positions but no faces: name the mesh they belong to as INPUT";
         return Err(fail(message.to_string()));
     }
-    let data = FrameData {
-        file: Mutex::new(file),
-        offset: header.offset,
-        number: header.number,
-        order: header.order,
-        frame_count: header.frame_count,
-        vertex_count: header.vertex_count,
-    };
     let mut hash = Sha256::new();
     let mut problems = Problems::new("input");
     let places = Places::File(place.clone());
@@ -83,9 +66,9 @@ pub(super) fn open(
     Ok(FrameSequence {
         name: String::new(), // with the path
         hash: hash.finalize().into(),
-        times_s: header.times_s,
+        times_s,
         first_mesh: None,
-        warnings: header.warnings.into_iter().map(warn).collect(),
+        warnings: warnings.into_iter().map(warn).collect(),
         places,
         data,
     })
@@ -135,18 +118,18 @@ fn check_some(frames: usize, vertices: usize) -> Result<(), String> {
     Ok(())
 }
 
-fn pc2(file: &mut File, file_bytes: u64, fps: Option<f64>) -> Result<Header, String> {
-    if &take::<12>(file)? != b"POINTCACHE2\0" {
+fn pc2(mut file: File, file_bytes: u64, fps: Option<f64>) -> Result<Header, String> {
+    if &take::<12>(&mut file)? != b"POINTCACHE2\0" {
         return Err("is not a PC2 file (it does not begin with POINTCACHE2)".to_string());
     }
-    let version = i32::from_le_bytes(take(file)?);
+    let version = i32::from_le_bytes(take(&mut file)?);
     if version != 1 {
         return Err(format!("PC2 version {version}; version 1 is read"));
     }
-    let vertex_count = count("points", i32::from_le_bytes(take(file)?))?;
-    let start = f64::from(f32::from_le_bytes(take(file)?));
-    let step = f64::from(f32::from_le_bytes(take(file)?));
-    let frame_count = count("frames", i32::from_le_bytes(take(file)?))?;
+    let vertex_count = count("points", i32::from_le_bytes(take(&mut file)?))?;
+    let start = f64::from(f32::from_le_bytes(take(&mut file)?));
+    let step = f64::from(f32::from_le_bytes(take(&mut file)?));
+    let frame_count = count("frames", i32::from_le_bytes(take(&mut file)?))?;
     check_size(frame_count, vertex_count, 32, file_bytes)?;
     let mut warnings = Vec::new();
     let times_s = match fps {
@@ -163,25 +146,25 @@ fn pc2(file: &mut File, file_bytes: u64, fps: Option<f64>) -> Result<Header, Str
         ),
         None => None,
     };
-    Ok(Header {
+    let data = FrameData {
+        file: Mutex::new(file),
+        offset: 32,
         number: Number::F4Le,
         order: Order::FrameMajor,
         frame_count,
         vertex_count,
-        offset: 32,
-        times_s,
-        warnings,
-    })
+    };
+    Ok((data, times_s, warnings))
 }
 
-fn mdd(file: &mut File, file_bytes: u64, fps: Option<f64>) -> Result<Header, String> {
-    let frame_count = count("frames", i32::from_be_bytes(take(file)?))?;
-    let vertex_count = count("points", i32::from_be_bytes(take(file)?))?;
+fn mdd(mut file: File, file_bytes: u64, fps: Option<f64>) -> Result<Header, String> {
+    let frame_count = count("frames", i32::from_be_bytes(take(&mut file)?))?;
+    let vertex_count = count("points", i32::from_be_bytes(take(&mut file)?))?;
     let offset = 8 + 4 * frame_count as u64;
     check_size(frame_count, vertex_count, offset, file_bytes)?;
     let mut times = Vec::with_capacity(frame_count);
     for _ in 0..frame_count {
-        times.push(f64::from(f32::from_be_bytes(take(file)?)));
+        times.push(f64::from(f32::from_be_bytes(take(&mut file)?)));
     }
     let mut warnings = Vec::new();
     let times_s = match fps {
@@ -194,20 +177,21 @@ fn mdd(file: &mut File, file_bytes: u64, fps: Option<f64>) -> Result<Header, Str
             None => Some(times),
         },
     };
-    Ok(Header {
+    let data = FrameData {
+        file: Mutex::new(file),
+        offset,
         number: Number::F4Be,
         order: Order::FrameMajor,
         frame_count,
         vertex_count,
-        offset,
-        times_s,
-        warnings,
-    })
+    };
+    Ok((data, times_s, warnings))
 }
 
-fn npy(file: &mut File, file_bytes: u64, fps: Option<f64>) -> Result<Header, String> {
+fn npy(mut file: File, file_bytes: u64, fps: Option<f64>) -> Result<Header, String> {
     let mut bytes = Vec::new();
-    file.take(NPY_HEADER_MAX)
+    (&mut file)
+        .take(NPY_HEADER_MAX)
         .read_to_end(&mut bytes)
         .map_err(|e| format!("cannot be read: {e}"))?;
     let header = npy::Header::parse(&bytes)?;
@@ -220,7 +204,9 @@ fn npy(file: &mut File, file_bytes: u64, fps: Option<f64>) -> Result<Header, Str
     let offset = header.data_offset as u64;
     header.check_size(file_bytes.saturating_sub(offset))?;
     check_some(frame_count, vertex_count)?;
-    Ok(Header {
+    let data = FrameData {
+        file: Mutex::new(file),
+        offset,
         number: header.number,
         order: if header.fortran {
             Order::FrameMinor
@@ -229,10 +215,9 @@ fn npy(file: &mut File, file_bytes: u64, fps: Option<f64>) -> Result<Header, Str
         },
         frame_count,
         vertex_count,
-        offset,
-        times_s: fps.map(|fps| even_times(frame_count, fps)),
-        warnings: Vec::new(),
-    })
+    };
+    let times_s = fps.map(|fps| even_times(frame_count, fps));
+    Ok((data, times_s, Vec::new()))
 }
 
 /// Seconds of frames at a steady rate, from 0.

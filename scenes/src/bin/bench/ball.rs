@@ -73,7 +73,7 @@ pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
     let mut memory = vec![0.0; asset.pose_len()];
     for case in &cases {
         case.ask(&mut product)?;
-        let found = ids(product.found());
+        let found = ids(&product.found);
         touching += usize::from(!found.is_empty());
         let mut theirs = BallCounts::default();
         for paper in &mut papers {
@@ -125,7 +125,7 @@ pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
     let node_bytes = [32.0 + 32.0 * 4.0 + 16.0 * 5.0 * m, tree.node_bytes() as f64];
     let growths = growths(&asset, &tree, &cases)?;
     let near_ns = near_ns(&asset, &tree, &cases[0])?;
-    let depths = [asset.depth(), tree.depth()];
+    let depths = [asset.depth(), tree.depth];
     let bandwidths = [256 << 10, 16 << 20].map(machine::read_bandwidth);
     let of = |k: usize| {
         let [nodes, spheres, triangles] = [0, 1, 2].map(|i| work[3 * k + i] as f64 / balls);

@@ -121,8 +121,8 @@ impl<'a> Stage<'a> {
             ..Transform::IDENTITY
         };
         self.mesh
-            .pose(self.studio.gpu(), &self.asset, cell.q, transform)?;
-        let meshes = [self.mesh.mesh()];
+            .pose(&self.studio.gpu, &self.asset, cell.q, transform)?;
+        let meshes = [&self.mesh.mesh];
         let scene = Scene {
             background: WHITE,
             meshes: if cell.spheres.is_none() { &meshes } else { &[] },
