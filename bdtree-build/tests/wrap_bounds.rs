@@ -63,7 +63,7 @@ fn translation_fields_hardly_grow_anything() {
 }
 
 /// P22 (appendix A, eqs. 12–15): ΔR_j ≤ 2 L_j R with L_j the Lipschitz constant of the field over
-/// the lane's vertices; by Jung's theorem 1.22 L_j R for a ball-centerd Ū_j.
+/// the lane's vertices; by Jung's theorem 1.22 L_j R for a ball-centered Ū_j.
 #[test]
 fn growth_is_bounded_by_the_smoothness_of_the_field() {
     let mesh = grid(24);

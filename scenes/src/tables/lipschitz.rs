@@ -128,7 +128,7 @@ impl Points {
     }
 }
 
-/// The paper's spheres (mean Ū) and ours (ball-centerd Ū) of all nodes of at most `most` vertices.
+/// The paper's spheres (mean Ū) and ours (ball-centered Ū) of all nodes of at most `most` vertices.
 pub(super) fn measure(
     asset: &Asset<'_>,
     trees: &Hierarchies<'_>,

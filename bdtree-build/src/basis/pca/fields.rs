@@ -98,7 +98,7 @@ fn project(
     progress.stage("fields", Some(snapshots.chunks().count() as u64));
     for vertices in snapshots.chunks() {
         let rows = 3 * vertices.len();
-        snapshots.read_centerd(&vertices, rest, &mut values)?;
+        snapshots.read_centered(&vertices, rest, &mut values)?;
         let x = MatRef::from_column_major_slice(&values, rows, frames);
         let all = MatMut::from_column_major_slice_mut(fields.as_flattened_mut(), 3 * n, count);
         let mut u = all.subrows_mut(3 * vertices.start, rows);

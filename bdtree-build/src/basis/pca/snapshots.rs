@@ -60,7 +60,7 @@ impl<'a> Snapshots<'a> {
     }
 
     /// The rows of `vertices`, aligned, minus their rest positions.
-    pub(super) fn read_centerd(
+    pub(super) fn read_centered(
         &self,
         vertices: &Range<usize>,
         rest: &[[f64; 3]],

@@ -15,7 +15,7 @@
 use crate::elastic::element::ElementMatrices;
 use crate::elastic::element::moments::{Moments, POWERS, full_cell};
 
-/// Functions that act in a cell: number `a + 3b + 9c` is centerd `a − 1`, `b − 1`, `c − 1` cells
+/// Functions that act in a cell: number `a + 3b + 9c` is centered `a − 1`, `b − 1`, `c − 1` cells
 /// from it.
 pub(crate) const FUNCTIONS: usize = 27;
 /// Pairs of one axis' three functions.

@@ -23,7 +23,7 @@ use crate::vec3::{add, cross, norm, scale, sub};
 /// A connected set of cells: its own vibrating body.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Component {
-    /// Cell in whose middle each node's function is centerd; also cells around the lattice.
+    /// Cell in whose middle each node's function is centered; also cells around the lattice.
     pub nodes: Vec<[i32; 3]>,
     /// Per cell: its nodes, those of the 3 × 3 × 3 cells around it, x fastest, then y, then z.
     pub cells: Vec<[u32; FUNCTIONS]>,
@@ -205,7 +205,7 @@ impl<'a> Subject<'a> {
         self.sizes[0][0] + self.sizes[1][0]
     }
 
-    /// The grid with this many cells along the longest side, centerd on the material's box so
+    /// The grid with this many cells along the longest side, centered on the material's box so
     /// that symmetric bodies meet symmetric cells, and a box with whole ratios fits exactly.
     pub(crate) fn grid(&self, resolution: f64) -> Grid {
         let extent: [f64; 3] = std::array::from_fn(|a| self.max[a] - self.min[a]);

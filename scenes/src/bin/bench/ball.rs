@@ -20,7 +20,7 @@ pub(crate) struct Arguments {
     /// Largest displacement over the diagonal of the box; each q reaches half of it or more
     #[arg(long, default_value_t = 0.1)]
     displacement: f64,
-    /// Balls are centerd up to this many radii from a vertex (half of them up to half of it)
+    /// Balls are centered up to this many radii from a vertex (half of them up to half of it)
     #[arg(long, default_value_t = 2.0)]
     spread: f64,
 }

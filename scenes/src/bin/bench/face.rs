@@ -19,7 +19,7 @@ pub(crate) struct Arguments {
     /// Radius over the diagonal of the box
     #[arg(long, default_value_t = 0.005)]
     radius: f64,
-    /// Balls are centerd up to this many radii from a vertex
+    /// Balls are centered up to this many radii from a vertex
     #[arg(long, default_value_t = 1.0)]
     spread: f64,
     /// Seed of waves, weights and positions
