@@ -201,7 +201,6 @@ fn check_options(options: &ElasticOptions) -> Result<(), BakeError> {
             ("--thickness", options.thickness),
         ],
         Some(options.poisson),
-        &options.fixes,
     );
     let mut add = |name, message: String| problems.add(|| (Place::option(name), message));
     if options.mode_count == 0 {
@@ -213,14 +212,14 @@ fn check_options(options: &ElasticOptions) -> Result<(), BakeError> {
         let message = format!("{r} is not between 1 and {RESOLUTION_MAX}");
         add("--resolution", message);
     }
+    check_axes(&options.fixes, &mut problems);
     problems.into_result(Place::NOWHERE)
 }
 
-/// What is wrong with options that surfaces and volumes have: numbers that must be positive, Poisson's ratio, fixes.
+/// What is wrong with options that surfaces and volumes have: numbers that must be positive, Poisson's ratio.
 pub(super) fn check_values(
     positive: &[(&'static str, Option<f64>)],
     poisson: Option<f64>,
-    fixes: &[Fix],
 ) -> Problems {
     let mut problems = Problems::new("basis");
     for (name, value) in positive {
@@ -233,10 +232,14 @@ pub(super) fn check_values(
         let message = format!("{value} is not between -1 and 0.5");
         problems.add(|| (Place::option("--poisson"), message));
     }
+    problems
+}
+
+/// Adds the fixes that hold no axis.
+pub(super) fn check_axes(fixes: &[Fix], problems: &mut Problems) {
     for _ in fixes.iter().filter(|fix| fix.axes == [false; 3]) {
         problems.add(|| (Place::option("--fix"), "no axis is named"));
     }
-    problems
 }
 
 fn check_mesh(mesh: &RawMesh) -> Result<(), BakeError> {

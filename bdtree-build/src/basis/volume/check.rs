@@ -1,7 +1,7 @@
 //! What is asked and given, checked and brought to common units.
 
 use super::VolumeOptions;
-use crate::basis::elastic::{ElasticOptions, check_values};
+use crate::basis::elastic::{ElasticOptions, check_axes, check_values};
 use crate::elastic::element::NodeLists;
 use crate::elastic::element::material::Material;
 use crate::elastic::volume::Model;
@@ -33,10 +33,11 @@ pub(super) fn options(options: &VolumeOptions) -> Result<(), BakeError> {
         ("--density", options.density_kg_m3),
         ("--scale", Some(options.scale_m)),
     ];
-    let mut found = check_values(&positive, options.poisson, &options.fixes);
+    let mut found = check_values(&positive, options.poisson);
     if options.mode_count == 0 {
         found.add(|| (Place::option("--modes"), "no mode is asked for"));
     }
+    check_axes(&options.fixes, &mut found);
     found.into_result(Place::NOWHERE)
 }
 
