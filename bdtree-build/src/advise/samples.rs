@@ -92,7 +92,7 @@ impl Samples {
     /// q of a sample: M numbers.
     ///
     /// # Panics
-    /// When `sample` is not below [`Samples::len`].
+    /// When `sample` is not below [`Samples::count`].
     pub fn q(&self, sample: usize) -> &[f32] {
         &self.q[sample * self.mode_count..(sample + 1) * self.mode_count]
     }
