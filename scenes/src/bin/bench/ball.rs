@@ -84,12 +84,9 @@ pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
         let mut tested = Tested::default();
         let nodes = of_ball(&pose, case.ball, &mut tested)?;
         let triangles = touched_triangles(&pose, case.ball)?;
-        let spheres = theirs.spheres;
-        let own = [nodes, tested.tests, triangles, spheres, spheres];
-        for (sum, own) in work
-            .iter_mut()
-            .zip(own.into_iter().chain([theirs.triangles]))
-        {
+        let (spheres, of_paper) = (theirs.spheres, theirs.triangles);
+        let own = [nodes, tested.tests, triangles, spheres, spheres, of_paper];
+        for (sum, own) in work.iter_mut().zip(own) {
             *sum += own;
         }
     }
