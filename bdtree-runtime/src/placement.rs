@@ -103,11 +103,13 @@ impl Placement {
     }
 
     /// World units per stored unit.
+    #[inline]
     pub(crate) fn world_per_stored(&self) -> f64 {
         self.scale * self.unit
     }
 
     /// A world point in stored coordinates, within [`Placement::error`].
+    #[inline(always)] // every query begins with it
     pub(crate) fn point_to_stored(&self, x: [f64; 3]) -> [f64; 3] {
         let rotated = self.inverse_rotate(sub(x, self.translation));
         scale(
@@ -117,9 +119,10 @@ impl Placement {
     }
 
     /// A world direction in stored axes; its length is kept.
+    #[inline(always)] // every query begins with it
     pub(crate) fn inverse_rotate(&self, v: [f64; 3]) -> [f64; 3] {
-        let r = &self.rotation;
-        [0, 1, 2].map(|i| r[0][i] * v[0] + r[1][i] * v[1] + r[2][i] * v[2])
+        let [x, y, z] = self.rotation;
+        add(add(scale(x, v[0]), scale(y, v[1])), scale(z, v[2]))
     }
 
     /// A stored direction in world axes; its length is kept.
@@ -135,6 +138,7 @@ impl Placement {
     /// Bound, in stored units, of all f64 errors between a world point of norm `x_norm`, its
     /// stored coordinates, the world corners of vertices within `reach` of the stored origin and
     /// distances between them.
+    #[inline]
     pub(crate) fn error(&self, x_norm: f64, reach: f64) -> f64 {
         let world =
             x_norm + length_bound(self.translation) + self.scale * length_bound(self.origin);

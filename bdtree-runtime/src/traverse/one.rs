@@ -28,13 +28,13 @@ pub(crate) fn one<V: Visitor>(
     }
     match posed.take_limit(asset) {
         None => asset.kernel.run(OneWalk {
-            posed,
+            posed: &mut posed,
             stack,
             visitor,
             depth: Unlimited,
         }),
         Some(depth) => asset.kernel.run(OneWalk {
-            posed,
+            posed: &mut posed,
             stack,
             visitor,
             depth,
@@ -45,7 +45,7 @@ pub(crate) fn one<V: Visitor>(
 /// A walk and who it is for: node bounds and the visitor's test of them are one piece of code,
 /// leaves another.
 struct OneWalk<'w, 's, V, D> {
-    posed: Posed<'s>,
+    posed: &'w mut Posed<'s>,
     stack: &'w mut [StackEntry],
     visitor: &'w mut V,
     depth: D,
@@ -57,15 +57,15 @@ impl<V: Visitor, D: Depth> Work for OneWalk<'_, '_, V, D> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let Self {
-            mut posed,
+            posed,
             stack,
             visitor,
             mut depth,
         } = self;
         if V::ORDERED {
-            nearest_first::<L, V, D>(&mut posed, stack, visitor, &mut depth)
+            nearest_first::<L, V, D>(posed, stack, visitor, &mut depth)
         } else {
-            in_lane_order::<L, V, D>(&mut posed, stack, visitor, &mut depth)
+            in_lane_order::<L, V, D>(posed, stack, visitor, &mut depth)
         }
     }
 }
