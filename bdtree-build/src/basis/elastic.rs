@@ -56,6 +56,8 @@ pub struct ElasticOptions {
     /// Up to this many unknowns per component an inertia count proves that no mode was missed.
     /// Default 70 000.
     pub verify_dof_max: usize,
+    /// Threads to work with; the modes do not depend on it. Default 1.
+    pub threads: usize,
 }
 
 impl Default for ElasticOptions {
@@ -71,6 +73,7 @@ impl Default for ElasticOptions {
             fixes: Vec::new(),
             memory_limit_bytes: 4 << 30,
             verify_dof_max: 70_000,
+            threads: 1,
         }
     }
 }
@@ -160,6 +163,7 @@ pub fn elastic_basis(
         wanted: options.mode_count,
         bytes: options.memory_limit_bytes,
         verify_dof_max: options.verify_dof_max,
+        threads: options.threads,
     };
     let sizes: Vec<usize> = lattice.components.iter().map(|c| c.nodes.len()).collect();
     let system = |c: usize| System::of_lattice(&lattice.components[c], &element, &constraints[c]);
@@ -294,7 +298,9 @@ fn read_subject<'a>(
             surface.list.len()
         ));
     }
-    Ok(Subject::new(mesh, surface, thickness))
+    let mut subject = Subject::new(mesh, surface, thickness);
+    subject.threads = options.threads;
+    Ok(subject)
 }
 
 /// Folds between walls much thinner than a cell are too stiff: docs/elastic.md.

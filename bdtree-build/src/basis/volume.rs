@@ -57,6 +57,8 @@ pub struct VolumeOptions {
     /// Up to this many unknowns per component an inertia count proves that no mode was missed.
     /// Default 70 000.
     pub verify_dof_max: usize,
+    /// Threads to work with; the modes do not depend on it. Default 1.
+    pub threads: usize,
 }
 
 impl Default for VolumeOptions {
@@ -72,6 +74,7 @@ impl Default for VolumeOptions {
             fixes: Vec::new(),
             memory_limit_bytes: elastic.memory_limit_bytes,
             verify_dof_max: elastic.verify_dof_max,
+            threads: elastic.threads,
         }
     }
 }
@@ -179,6 +182,7 @@ pub fn volume_modes(
         wanted: options.mode_count,
         bytes: options.memory_limit_bytes,
         verify_dof_max: options.verify_dof_max,
+        threads: options.threads,
     };
     let sizes: Vec<usize> = components.iter().map(|p| p.nodes.len()).collect();
     let system = |c: usize| model.system(&components[c], &held);

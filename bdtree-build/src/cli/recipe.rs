@@ -30,17 +30,22 @@ pub(super) fn of(arguments: &Arguments) -> Result<Recipe, BakeError> {
             motion: motion(arguments),
         }
     };
-    let threads = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     Ok(Recipe {
         source,
         settings: BakeSettings {
             leaf_size: arguments.leaf_size.map(usize::from),
             split: arguments.split,
             nested: arguments.nested,
-            threads: arguments.threads.map_or_else(threads, usize::from),
+            threads: threads(arguments),
         },
         stated: arguments.stated(),
     })
+}
+
+/// As many as asked for, or as the machine runs at once.
+fn threads(arguments: &Arguments) -> usize {
+    let all = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    arguments.threads.map_or_else(all, usize::from)
 }
 
 /// What moves a surface.
@@ -83,6 +88,7 @@ fn elastic(arguments: &Arguments, mode_count: usize) -> Elastic {
             thickness: arguments.thickness,
             fixes: arguments.fix.clone(),
             memory_limit_bytes: memory_limit_bytes(arguments),
+            threads: threads(arguments),
             ..default
         },
         range_rel: arguments.range_rel,
@@ -112,6 +118,7 @@ fn volume(
             mass: arguments.mass.unwrap_or(default.mass),
             fixes: arguments.fix.clone(),
             memory_limit_bytes: memory_limit_bytes(arguments),
+            threads: threads(arguments),
             ..default
         },
         range_rel: arguments.range_rel,

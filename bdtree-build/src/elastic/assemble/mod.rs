@@ -65,6 +65,7 @@ impl System {
             mass: vec![0.0; rows.len()],
             starts,
             rows,
+            threads: 1,
         };
         for (e, nodes) in elements.iter().enumerate() {
             let own = matrices(e).ok_or(e)?;

@@ -4,9 +4,10 @@ use faer::{Mat, MatRef};
 
 use crate::elastic::assemble::constraint::Constraint;
 use crate::elastic::assemble::joints::Blocks;
+use crate::parallel;
 
-/// Columns that a product takes at once.
-const COLUMNS: usize = 8;
+/// Columns that a thread takes at once: half of a block of the iteration's.
+const COLUMNS: usize = 4;
 /// A node's three unknowns in these columns.
 type NodeColumns = [[f64; COLUMNS]; 3];
 
@@ -32,6 +33,8 @@ pub(crate) struct System {
     pub(super) rows: Vec<u32>,
     pub(super) stiffness: Vec<[f64; 9]>,
     pub(super) mass: Vec<f64>,
+    /// Threads that products are computed with; they do not depend on it.
+    pub threads: usize,
 }
 
 /// The lower triangle of a symmetric sparse pattern, by columns, rows ascending.
@@ -154,32 +157,40 @@ impl System {
         }
     }
 
-    /// Runs `add(entry, input, output, row, column)` over the lower triangle, for so many columns of
-    /// x at once that the matrix is read once for a block.
+    /// Runs `add(entry, input, output, row, column)` over the lower triangle, for several columns of x at once, so
+    /// that the matrix is read less often. Threads take columns, whose sums keep their order.
     fn apply(
         &self,
         x: MatRef<'_, f64>,
-        add: impl Fn(usize, &[NodeColumns], &mut [NodeColumns], usize, usize),
+        add: impl Fn(usize, &[NodeColumns], &mut [NodeColumns], usize, usize) + Sync,
     ) -> Mat<f64> {
-        let mut result = Mat::zeros(x.nrows(), x.ncols());
-        let mut input = vec![[[0.0; COLUMNS]; 3]; self.nodes.len()];
-        let mut output = input.clone();
-        for first in (0..x.ncols()).step_by(COLUMNS) {
-            let count = COLUMNS.min(x.ncols() - first);
+        let zero = || vec![[[0.0; COLUMNS]; 3]; self.nodes.len()];
+        let starts = (0..x.ncols()).step_by(COLUMNS);
+        let mut parts: Vec<_> = starts.map(|first| (first, Vec::new())).collect();
+        let mut inputs = parallel::states(self.threads, zero);
+        parallel::for_each(parts.iter_mut(), &mut inputs, |input, (first, output)| {
             for (i, values) in input.as_flattened_mut().iter_mut().enumerate() {
                 for (c, v) in values.iter_mut().enumerate() {
-                    *v = if c < count { x[(i, first + c)] } else { 0.0 };
+                    let column = *first + c;
+                    *v = if column < x.ncols() {
+                        x[(i, column)]
+                    } else {
+                        0.0
+                    };
                 }
             }
-            output.fill([[0.0; COLUMNS]; 3]);
+            *output = zero();
             for node in 0..self.nodes.len() {
                 for at in self.starts[node]..self.starts[node + 1] {
-                    add(at, &input, &mut output, self.rows[at] as usize, node);
+                    add(at, input, output, self.rows[at] as usize, node);
                 }
             }
+        });
+        let mut result = Mat::zeros(x.nrows(), x.ncols());
+        for (first, output) in parts {
             for (i, values) in output.as_flattened().iter().enumerate() {
-                for (c, &v) in values[..count].iter().enumerate() {
-                    result[(i, first + c)] = v;
+                for (column, &v) in (first..x.ncols()).zip(values) {
+                    result[(i, column)] = v;
                 }
             }
         }

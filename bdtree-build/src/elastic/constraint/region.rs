@@ -1,6 +1,7 @@
 //! Which points `--fix` holds.
 
 use crate::elastic::assemble::constraint::Constraint;
+use crate::elastic::lattice::grid::Slab;
 use crate::elastic::lattice::locate::anchor;
 use crate::elastic::lattice::slice::{Rules, for_each_fragment};
 use crate::elastic::lattice::{Lattice, Subject};
@@ -79,7 +80,7 @@ pub(crate) fn constrain(
             if apart {
                 continue;
             }
-            for_each_fragment(triangle, grid.dims, &mut |_, polygon| {
+            for_each_fragment(triangle, grid.dims, &Slab::ALL, &mut |_, polygon| {
                 let mut polygon = *polygon;
                 if matches!(region, Region::Box { .. }) {
                     for a in 0..3 {

@@ -6,30 +6,83 @@
 //! thickness, which carry its bending stiffness.
 
 use crate::elastic::element::moments::{LINE, Moments, POWERS, powers};
+use std::sync::atomic::AtomicUsize;
+
 use crate::elastic::lattice::grid::Grid;
 use crate::elastic::lattice::slice::Rules;
 use crate::elastic::lattice::table::{
     Filling, Fillings, SHARE_MIN, Shadow, Sums, Table, TooManyCells,
 };
 use crate::elastic::surface::components::{Kind, SurfaceComponent};
+use crate::parallel;
 use crate::vec3::{add, cross, norm, scale, sub};
 
-/// Moments of every body in every cell it fills, sorted by cell, then body.
+/// Slabs per thread, so that threads end at about the same time.
+const SLABS_PER_THREAD: usize = 4;
+/// Sheets are cut in the slabs' neighbours too: of thinner slabs that would be much of the work.
+const SLAB_MIN: usize = 8;
+
+/// What is integrated over: corners by triangle id, and the thickness of sheets (mesh units).
+pub(crate) struct Material<'m> {
+    pub surface: &'m [SurfaceComponent],
+    pub corners: &'m (dyn Fn(u32) -> [[f64; 3]; 3] + Sync),
+    pub thickness: f64,
+}
+
+/// Moments of every body in every cell it fills, sorted by cell, then body: the same for any number of threads.
 ///
-/// `corners` gives a triangle's positions by id; sheets take `thickness` (mesh units). Without `ALL`, of a cell's
-/// moments only the first is meant, its filled share: what is filled and hangs together is the same to the last
-/// bit, in a fraction of the time.
+/// Without `ALL`, of a cell's moments only the first is meant, its filled share: what is filled and hangs together
+/// is the same to the last bit, in a fraction of the time.
 pub(crate) fn fill<const ALL: bool>(
     grid: &Grid,
-    surface: &[SurfaceComponent],
-    corners: &dyn Fn(u32) -> [[f64; 3]; 3],
-    thickness: f64,
+    material: &Material<'_>,
     limit: usize,
+    threads: usize,
 ) -> Result<Fillings, TooManyCells> {
+    let surface = material.surface;
     let several = surface.iter().any(|p| p.body != surface[0].body);
     // Sums take a kilobyte and more; cells that no surface meets, which have none, take little.
-    let mut table = Table::new(several, limit / 4);
+    let room = AtomicUsize::new(limit / 4);
     let rules = Rules::new();
+    // Each cell's sums are those of one slab, which adds its triangles up in their order.
+    let count = if threads > 1 {
+        SLABS_PER_THREAD * threads
+    } else {
+        1
+    };
+    let slabs = grid.slabs(count, SLAB_MIN).into_iter();
+    let mut parts: Vec<_> = slabs
+        .map(|slab| (Table::new(slab, several, &room), Ok(())))
+        .collect();
+    let mut states = parallel::states(threads, || ());
+    parallel::for_each(parts.iter_mut(), &mut states, |(), (table, outcome)| {
+        *outcome = add_all::<ALL>(table, &rules, grid, material);
+    });
+    let (mut sums, mut touches) = (Vec::new(), Vec::new());
+    for (table, outcome) in parts {
+        outcome?;
+        sums.extend(table.sums);
+        touches.extend(table.touches);
+    }
+    let mut list = sweep(grid, sums, limit)?;
+    list.sort_unstable_by_key(|f| (f.key, f.body));
+    touches.sort_unstable();
+    touches.dedup();
+    Ok(Fillings { list, touches })
+}
+
+/// Adds all triangles to a table.
+fn add_all<const ALL: bool>(
+    table: &mut Table<'_>,
+    rules: &Rules,
+    grid: &Grid,
+    material: &Material<'_>,
+) -> Result<(), TooManyCells> {
+    let Material {
+        surface,
+        corners,
+        thickness,
+    } = *material;
     for component in surface {
         let body = component.body as u32;
         for &(id, reverse) in &component.triangles {
@@ -41,27 +94,22 @@ pub(crate) fn fill<const ALL: bool>(
                     } else {
                         component.sign
                     };
-                    add_solid::<ALL>(&mut table, &rules, grid, body, triangle, sign)?;
+                    add_solid::<ALL>(table, rules, grid, body, triangle, sign)?;
                 }
                 Kind::Sheet => {
-                    add_sheet::<ALL>(&mut table, &rules, grid, body, triangle, (thickness, 1.0))?;
+                    add_sheet::<ALL>(table, rules, grid, body, triangle, (thickness, 1.0))?;
                 }
                 // It is there twice.
                 Kind::Paper => {
-                    add_sheet::<ALL>(&mut table, &rules, grid, body, triangle, (thickness, 0.5))?;
+                    add_sheet::<ALL>(table, rules, grid, body, triangle, (thickness, 0.5))?;
                 }
             }
         }
         for &cap in &component.caps {
-            add_solid::<ALL>(&mut table, &rules, grid, body, cap, component.sign)?;
+            add_solid::<ALL>(table, rules, grid, body, cap, component.sign)?;
         }
     }
-    let mut list = sweep(grid, table.sums, limit)?;
-    list.sort_unstable_by_key(|f| (f.key, f.body));
-    let mut touches = table.touches;
-    touches.sort_unstable();
-    touches.dedup();
-    Ok(Fillings { list, touches })
+    Ok(())
 }
 
 fn add_solid<const ALL: bool>(
@@ -72,7 +120,11 @@ fn add_solid<const ALL: bool>(
     triangle: [[f64; 3]; 3],
     sign: f64,
 ) -> Result<(), TooManyCells> {
-    table.add_fragments(grid, body, triangle, &mut |sums, cell, polygon| {
+    let own = table.slab;
+    table.add_fragments(grid, body, triangle, &own, &mut |sums, cell, polygon| {
+        let Some(sums) = sums else {
+            return;
+        };
         rules.integrate(polygon, &mut |p, vector| {
             let [x, y, z]: [f64; 3] = std::array::from_fn(|a| 2.0 * (p[a] - cell[a] as f64) - 1.0);
             sums.flux[0] += sign * vector[1];
@@ -144,25 +196,32 @@ fn add_layer<const ALL: bool>(
     body: u32,
     (layer, depth, next): ([[f64; 3]; 3], f64, [f64; 3]),
 ) -> Result<(), TooManyCells> {
-    // Cells whose lower face lies between this layer and the next, with the face's axis.
+    // Cells whose lower face lies between this layer and the next, with the face's axis: fragments in the next slabs'
+    // cells know of some too.
     let mut between = Vec::new();
-    table.add_fragments(grid, body, layer, &mut |sums, cell, polygon| {
+    let around = table.slab.widened();
+    table.add_fragments(grid, body, layer, &around, &mut |sums, cell, polygon| {
         let corners = polygon.corners();
-        for (i, &p) in corners.iter().enumerate() {
-            let q = corners[(i + 1) % corners.len()];
-            for (a, crossed) in sums.crossed.iter_mut().enumerate() {
-                let plane = cell[a] as f64;
-                // Cutting puts corners exactly into the plane.
-                if p[a] == plane && q[a] == plane {
-                    *crossed += norm(sub(q, p)) * depth;
-                }
-            }
+        let edges = || (0..corners.len()).map(|i| (corners[i], corners[(i + 1) % corners.len()]));
+        for (p, q) in edges() {
             let other = grid.cell_of(add(scale(add(p, q), 0.5), next));
             let mut differing = (0..3).filter(|&a| other[a] != cell[a]);
             if let (Some(axis), None) = (differing.next(), differing.next()) {
                 let mut upper = cell;
                 upper[axis] = cell[axis].max(other[axis]);
                 between.push((upper, axis));
+            }
+        }
+        let Some(sums) = sums else {
+            return;
+        };
+        for (p, q) in edges() {
+            for (a, crossed) in sums.crossed.iter_mut().enumerate() {
+                let plane = cell[a] as f64;
+                // Cutting puts corners exactly into the plane.
+                if p[a] == plane && q[a] == plane {
+                    *crossed += norm(sub(q, p)) * depth;
+                }
             }
         }
         rules.integrate(polygon, &mut |p, vector| {
@@ -175,6 +234,7 @@ fn add_layer<const ALL: bool>(
             }
         });
     })?;
+    between.retain(|(upper, _)| table.slab.contains(*upper));
     for (upper, axis) in between {
         table.entry(grid.key(upper), body)?.crossed[axis] += 1.0;
     }
@@ -271,6 +331,22 @@ mod tests {
     use crate::elastic::element::moments::full_cell;
     use crate::elastic::surface::components::find_components;
 
+    /// What fills a small lattice.
+    fn filled(
+        grid: &Grid,
+        surface: &[SurfaceComponent],
+        corners: &(dyn Fn(u32) -> [[f64; 3]; 3] + Sync),
+        thickness: f64,
+    ) -> Vec<Filling> {
+        let material = Material {
+            surface,
+            corners,
+            thickness,
+        };
+        let filled = fill::<true>(grid, &material, 1000, 1);
+        filled.unwrap_or_default().list
+    }
+
     /// A tetrahedron's volume and first moments, whichever way the cells cut it.
     #[test]
     fn moments_of_a_tetrahedron_are_exact() {
@@ -288,9 +364,7 @@ mod tests {
         };
         let surface = find_components(&p, &triangles).list;
         let corners = |id: u32| triangles[id as usize].map(|v| p[v as usize]);
-        let cells = fill::<true>(&grid, &surface, &corners, 0.1, 1000)
-            .unwrap_or_default()
-            .list;
+        let cells = filled(&grid, &surface, &corners, 0.1);
         let (mut volume, mut first) = (0.0, [0.0; 3]);
         for f in &cells {
             let moments = f.moments.as_deref().copied().unwrap_or(full_cell());
@@ -327,9 +401,7 @@ mod tests {
                 cell_size: 1.0,
                 dims: [4, 4, 4],
             };
-            let cells = fill::<true>(&grid, &surface, &corners, thickness, 1000)
-                .unwrap_or_default()
-                .list;
+            let cells = filled(&grid, &surface, &corners, thickness);
             let volume: f64 = cells
                 .iter()
                 .map(|f| f.moments.as_ref().map_or(1.0, |m| m[0]))
@@ -378,9 +450,7 @@ mod tests {
                 cell_size: 1.0,
                 dims: [4; 3],
             };
-            let cells = fill::<true>(&grid, &surface, &corners, 0.1, 1000)
-                .unwrap_or_default()
-                .list;
+            let cells = filled(&grid, &surface, &corners, 0.1);
             assert_eq!(cells.len(), 64);
             for f in cells {
                 let want = [0.0, 1.0, 0.0, 1.0][grid.cell(f.key)[axis]];

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use crate::elastic::disjoint_sets::DisjointSets;
 use crate::elastic::element::moments::{Moments, add_eighth, full_cell};
 use crate::elastic::element::spline::FUNCTIONS;
-use crate::elastic::lattice::fill::fill;
+use crate::elastic::lattice::fill::{Material, fill};
 use crate::elastic::lattice::grid::Grid;
 use crate::elastic::lattice::table::{Filling, Fillings, SHARE_MIN, TooManyCells};
 use crate::elastic::surface::components::{Kind, SurfaceComponents};
@@ -137,6 +137,8 @@ pub(crate) struct Subject<'a> {
     pub surface: SurfaceComponents,
     /// Thickness of sheets (mesh units).
     pub thickness: f64,
+    /// Threads to work with; lattices do not depend on it.
+    pub threads: usize,
     min: [f64; 3],
     max: [f64; 3],
     /// Of solids and of sheets: number, edge lengths and areas of the triangles.
@@ -180,6 +182,7 @@ impl<'a> Subject<'a> {
             mesh,
             surface,
             thickness,
+            threads: 1,
             min,
             max,
             sizes,
@@ -254,7 +257,12 @@ impl<'a> Subject<'a> {
         let mesh = self.mesh;
         let corners = |id: u32| mesh.triangles[id as usize].map(|v| mesh.positions[v as usize]);
         let limit = limit.saturating_mul(FINE.pow(3));
-        let fillings = fill::<ALL>(&fine, &self.surface.list, &corners, self.thickness, limit)?;
+        let material = Material {
+            surface: &self.surface.list,
+            corners: &corners,
+            thickness: self.thickness,
+        };
+        let fillings = fill::<ALL>(&fine, &material, limit, self.threads)?;
         Ok(connect(grid, fine, fillings))
     }
 }
@@ -460,12 +468,10 @@ mod tests {
     use super::*;
     use crate::elastic::surface::components::find_components;
 
-    /// Parts, components and nodes do not depend on whether moments are summed: of a solid, and of sheets thinner
-    /// and thicker than a fine cell.
-    #[test]
-    fn an_outline_is_the_lattice_without_moments() {
+    /// A solid and a tilted sheet.
+    fn mesh() -> RawMesh {
         let solid = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-        let mesh = RawMesh {
+        RawMesh {
             positions: vec![
                 [0.1, 0.2, 0.3],
                 [5.3, 0.7, 1.1],
@@ -477,10 +483,54 @@ mod tests {
             ],
             triangles: [&solid[..], &[[4, 5, 6]]].concat(),
             ..RawMesh::default()
-        };
+        }
+    }
+
+    fn subject(mesh: &RawMesh, thickness: f64) -> Subject<'_> {
+        let surface = find_components(&mesh.positions, &mesh.triangles);
+        Subject::new(mesh, surface, thickness)
+    }
+
+    /// Threads take slabs, and each adds up in a cell what one thread would, in its order.
+    #[test]
+    fn threads_do_not_change_a_bit() {
+        let mesh = mesh();
         for thickness in [0.05, 1.0] {
-            let surface = find_components(&mesh.positions, &mesh.triangles);
-            let subject = Subject::new(&mesh, surface, thickness);
+            let [one, several] = [1, 3].map(|threads| {
+                let mut subject = subject(&mesh, thickness);
+                subject.threads = threads;
+                subject.lattice(24.3, 100_000).expect("few cells")
+            });
+            assert!(one.parts.len() > 500, "{}", one.parts.len());
+            let bits = |lattice: &Lattice| -> Vec<_> {
+                let bits = |x: &[f64]| x.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                let fillings = lattice.fillings.iter();
+                fillings
+                    .map(|f| {
+                        (
+                            f.key,
+                            f.body,
+                            bits(&f.faces),
+                            f.moments.as_ref().map(|m| bits(&**m)),
+                        )
+                    })
+                    .collect()
+            };
+            assert_eq!(bits(&one), bits(&several));
+            for (a, b) in one.components.iter().zip(&several.components) {
+                assert_eq!((&a.nodes, &a.cells), (&b.nodes, &b.cells));
+                assert_eq!(a.moments, b.moments);
+            }
+        }
+    }
+
+    /// Parts, components and nodes do not depend on whether moments are summed: of a solid, and of sheets thinner
+    /// and thicker than a fine cell.
+    #[test]
+    fn an_outline_is_the_lattice_without_moments() {
+        let mesh = mesh();
+        for thickness in [0.05, 1.0] {
+            let subject = subject(&mesh, thickness);
             for resolution in [5.0, 9.3] {
                 let [outline, lattice] = [
                     subject.outline(resolution, 10_000).expect("few cells"),

@@ -1,5 +1,6 @@
 //! Cutting triangles along the planes of the lattice, and integrating over the fragments.
 
+use crate::elastic::lattice::grid::Slab;
 use crate::vec3::{add, cross, norm, scale, sub};
 
 /// A convex fragment: a triangle cut by six planes has at most nine corners.
@@ -62,27 +63,25 @@ impl Polygon {
 }
 
 /// Calls `visit(cell, fragment)` for the fragments of a triangle in lattice coordinates (cell
-/// size 1); every point of it falls into exactly one fragment. A part that lies in a lattice
-/// plane goes to the upper cell, and what lies outside the lattice to the nearest cell.
+/// size 1) that lie in a slab; every point of it falls into exactly one fragment, to the same bits whatever the
+/// slabs. A part that lies in a lattice plane goes to the upper cell, and what lies outside the lattice to the
+/// nearest cell.
 pub(crate) fn for_each_fragment(
     triangle: [[f64; 3]; 3],
     dims: [usize; 3],
+    within: &Slab,
     visit: &mut impl FnMut([usize; 3], &Polygon),
 ) {
-    slabs(&Polygon::new(triangle), 0, dims, [0; 3], visit);
+    let polygon = Polygon::new(triangle);
+    // Most triangles are small: those of other slabs are told by their ends.
+    let (first, last) = places(&polygon, within.axis, dims);
+    if first < within.end && last >= within.first {
+        cut(&polygon, 0, dims, within, [0; 3], visit);
+    }
 }
 
-fn slabs(
-    polygon: &Polygon,
-    axis: usize,
-    dims: [usize; 3],
-    mut cell: [usize; 3],
-    visit: &mut impl FnMut([usize; 3], &Polygon),
-) {
-    if axis == 3 {
-        visit(cell, polygon);
-        return;
-    }
+/// The first and the last cell on an axis that a polygon has a part in.
+fn places(polygon: &Polygon, axis: usize, dims: [usize; 3]) -> (usize, usize) {
     let last = dims[axis].saturating_sub(1);
     let index = |x: f64| (x.floor().max(0.0) as usize).min(last);
     let (lo, hi) = polygon.range(axis);
@@ -91,27 +90,46 @@ fn slabs(
     if end > first && hi == end as f64 {
         end -= 1; // it only touches the upper slab
     }
-    if first == end {
-        cell[axis] = first;
-        slabs(polygon, axis + 1, dims, cell, visit);
+    (first, end)
+}
+
+fn cut(
+    polygon: &Polygon,
+    axis: usize,
+    dims: [usize; 3],
+    within: &Slab,
+    mut cell: [usize; 3],
+    visit: &mut impl FnMut([usize; 3], &Polygon),
+) {
+    if axis == 3 {
+        visit(cell, polygon);
         return;
     }
-    let mut rest = *polygon;
-    for i in first..=end {
+    let (first, last) = places(polygon, axis, dims);
+    let (mut rest, mut cut_off);
+    rest = polygon;
+    for i in first..last {
+        if axis == within.axis && i >= within.end {
+            return;
+        }
+        // Other slabs' parts are cut off too: so each part's corners are the same whoever asks.
+        let at = (i + 1) as f64;
         cell[axis] = i;
-        if i == end {
-            slabs(&rest, axis + 1, dims, cell, visit);
-        } else {
-            let at = (i + 1) as f64;
+        if within.meets(axis, i) {
             let part = rest.clip(axis, at, -1.0);
             if part.count >= 3 {
-                slabs(&part, axis + 1, dims, cell, visit);
-            }
-            rest = rest.clip(axis, at, 1.0);
-            if rest.count < 3 {
-                return;
+                cut(&part, axis + 1, dims, within, cell, visit);
             }
         }
+        cut_off = rest.clip(axis, at, 1.0);
+        rest = &cut_off;
+        if rest.count < 3 {
+            return;
+        }
+    }
+    cell[axis] = last;
+    if within.meets(axis, last) {
+        cut(rest, axis + 1, dims, within, cell, visit);
     }
 }
 
@@ -224,7 +242,7 @@ mod tests {
                     .sum()
             };
             let mut total = 0.0;
-            for_each_fragment(triangle, [8; 3], &mut |cell, polygon| {
+            for_each_fragment(triangle, [8; 3], &Slab::ALL, &mut |cell, polygon| {
                 total += area(polygon.corners());
                 for p in polygon.corners() {
                     for a in 0..3 {

@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::elastic::element::moments::{Moments, POWERS};
-use crate::elastic::lattice::grid::Grid;
+use crate::elastic::lattice::grid::{Grid, Slab};
 use crate::elastic::lattice::slice::{Polygon, for_each_fragment};
 
 /// Moments in η and ζ of what lies between a surface and the lower end of its row.
@@ -79,47 +80,57 @@ pub(crate) struct Fillings {
 /// How near a face a body must come to touch the next cell, in cells.
 const NEAR: f64 = 0.25;
 
-/// What the fragments add up to, per cell and body.
-pub(crate) struct Table {
+/// What the fragments add up to, per cell and body, in one slab of the lattice.
+pub(crate) struct Table<'c> {
+    /// Whose cells it holds.
+    pub slab: Slab,
     /// Whether touches are wanted.
     several: bool,
     pub touches: Vec<Touch>,
     index: HashMap<(u64, u32), usize, BuildHasherDefault<KeyHasher>>,
     pub sums: Vec<Sums>,
     last: usize,
-    limit: usize,
+    /// How many more there may be, in the tables of all slabs.
+    room: &'c AtomicUsize,
 }
 
-impl Table {
+impl<'c> Table<'c> {
     /// No cells yet; `several` bodies may touch.
-    pub(crate) fn new(several: bool, limit: usize) -> Self {
+    pub(crate) fn new(slab: Slab, several: bool, room: &'c AtomicUsize) -> Self {
         Self {
+            slab,
             several,
             touches: Vec::new(),
             index: HashMap::default(),
             sums: Vec::new(),
             last: 0,
-            limit,
+            room,
         }
     }
 
-    /// Calls `add(sums, cell, fragment)` for the fragments of a triangle of `body` (mesh units).
+    /// Calls `add(sums, cell, fragment)` for the fragments of a triangle of `body` (mesh units) in slab `within`; there
+    /// are no sums of cells that are another table's.
     pub(crate) fn add_fragments(
         &mut self,
         grid: &Grid,
         body: u32,
         triangle: [[f64; 3]; 3],
-        add: &mut impl FnMut(&mut Sums, [usize; 3], &Polygon),
+        within: &Slab,
+        add: &mut impl FnMut(Option<&mut Sums>, [usize; 3], &Polygon),
     ) -> Result<(), TooManyCells> {
         let mut outcome = Ok(());
         let local = triangle.map(|p| grid.local(p));
-        for_each_fragment(local, grid.dims, &mut |cell, polygon| {
+        for_each_fragment(local, grid.dims, within, &mut |cell, polygon| {
             if outcome.is_err() {
+                return;
+            }
+            if !self.slab.contains(cell) {
+                add(None, cell, polygon);
                 return;
             }
             match self.entry(grid.key(cell), body) {
                 Ok(sums) => {
-                    add(sums, cell, polygon);
+                    add(Some(sums), cell, polygon);
                     self.note_touches(grid, body, cell, polygon);
                 }
                 Err(error) => outcome = Err(error),
@@ -157,7 +168,9 @@ impl Table {
             let next = self.sums.len();
             self.last = *self.index.entry((key, body)).or_insert(next);
             if self.last == next {
-                if next >= self.limit {
+                let one_less = |room: usize| room.checked_sub(1);
+                let (set, get) = (Ordering::Relaxed, Ordering::Relaxed);
+                if self.room.fetch_update(set, get, one_less).is_err() {
                     return Err(TooManyCells);
                 }
                 self.sums.push(Sums {

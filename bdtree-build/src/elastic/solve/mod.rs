@@ -70,6 +70,8 @@ pub(crate) struct Limits {
     pub bytes: u64,
     /// Components up to this many unknowns get an inertia count.
     pub verify_dof_max: usize,
+    /// Threads to work with; the modes do not depend on it.
+    pub threads: usize,
 }
 
 /// Solves component after component, the largest first: once enough modes are known, an inertia
@@ -90,7 +92,8 @@ pub(crate) fn solve(
         ..Solution::default()
     };
     for c in order {
-        let system = system(c).map_err(|element| SolveError::Element(c, element))?;
+        let mut system = system(c).map_err(|element| SolveError::Element(c, element))?;
+        system.threads = limits.threads;
         let found = solve_component(c, &system, limits, &mut solution)?;
         for (j, &value) in found.values.iter().enumerate().take(limits.wanted) {
             let vector = (0..system.size())

@@ -71,6 +71,7 @@ fn check(model: &Model, held: &[[bool; 3]], still: usize) {
         wanted: 12,
         bytes: 1 << 30,
         verify_dof_max: 70_000,
+        threads: 2,
     };
     let sizes: Vec<usize> = components.iter().map(|p| p.nodes.len()).collect();
     let system = |c: usize| model.system(&components[c], held);

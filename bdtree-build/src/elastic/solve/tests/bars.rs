@@ -58,6 +58,7 @@ fn solve_bars(nodes: &[[f64; 3]], bars: &NodeLists, wanted: usize) -> Solution {
         wanted,
         bytes: 1 << 30,
         verify_dof_max: 70_000,
+        threads: 2,
     };
     solve(&[nodes.len()], system, limits, &Silent).expect("modes")
 }

@@ -102,7 +102,7 @@ pub(crate) fn tables(works: &[Work]) -> Vec<Table> {
     let contenders = rows(|work| work.contenders().collect());
     let ratios = rows(|work| work.ratios().collect());
     let over_rigid = rows(|work| work.over_rigid().collect());
-    vec![
+    let mut tables = vec![
         table(
             "contenders",
             "µs and counts per frame; found in all",
@@ -110,5 +110,8 @@ pub(crate) fn tables(works: &[Work]) -> Vec<Table> {
         ),
         table("ratios", "The fastest of the others to ours", &ratios),
         table("over_rigid", "Ours to the body without modes", &over_rigid),
-    ]
+    ];
+    // The product alone is compared with nothing.
+    tables.retain(|table| !table.rows.is_empty());
+    tables
 }
