@@ -162,6 +162,10 @@ pub(crate) const CHECKED_STEP: f64 = 1.0 / (1_u64 << 41) as f64;
 /// `WorldFour`: 10⁻¹² of the span of two boxes, for their gap and for the distance of the triangles, which is off by 2⁻⁴⁸ of it.
 pub(crate) const BOXES_APART: f64 = 1e-12;
 
+/// `closest_point`: 2⁻⁸⁸ of the longest side's square, below which a squared distance may be a touch that rounding
+/// hides: candidates lose 2⁻⁴⁷ of that side where the point is on the triangle.
+pub(crate) const TOUCH: f64 = f64::from_bits((1023 - 88) << 52);
+
 /// `triangle_distance`: 4v of the largest difference of coordinates, what a computed gap of triangles that touch may well be.
 pub(crate) const TOUCHING_GAP: f64 = 2.0 * f64::EPSILON;
 

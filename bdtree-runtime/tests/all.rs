@@ -30,6 +30,7 @@ mod narrow_oracle;
 mod narrow_ray;
 mod narrow_shapes;
 mod normals;
+mod on_vertices;
 mod pairs;
 mod queries;
 mod refusals;

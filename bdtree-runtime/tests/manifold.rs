@@ -4,7 +4,7 @@ use bdtree_build::input::RawMesh;
 use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::{
     ContactManifold, Coverage, Model, PairContact, Pose, QueryError, SliceSink, Transform,
-    Workspace,
+    TriangleId, Workspace,
 };
 use rand::seq::SliceRandom;
 
@@ -140,12 +140,25 @@ fn regions(a: &Pose<'_>, b: &Pose<'_>, pairs: &mut [PairContact]) -> Vec<Contact
             "shares make the whole"
         );
         for point in region.points() {
-            for weights in [point.barycentric1, point.barycentric2] {
-                assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            }
+            is_at(a, point.triangle1, point.barycentric1, point.point1);
+            is_at(b, point.triangle2, point.barycentric2, point.point2);
         }
     }
     regions
+}
+
+/// A triangle and weights give the point: forces on q go where it is.
+fn is_at(pose: &Pose<'_>, triangle: TriangleId, weights: [f64; 3], point: [f64; 3]) {
+    assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    let corners = pose.deformed_triangle(triangle).expect("a triangle");
+    for axis in 0..3 {
+        let x: f64 = (0..3).map(|k| weights[k] * corners[k][axis]).sum();
+        let far = (x - point[axis]).abs();
+        assert!(
+            far < 1e-9,
+            "{triangle:?} {weights:?}: {far:e} from {point:?}"
+        );
+    }
 }
 
 fn between(
@@ -299,6 +312,30 @@ fn faces_that_only_touch_have_depth_0() {
     for region in &found {
         assert_eq!((region.depth, region.points()[0].distance), (0.0, 0.125));
         near(region.normal1[2], -1.0, 1e-12);
+    }
+}
+
+/// A box that rests on a larger one, their faces in one plane or a rounding apart: points are where their triangles
+/// and weights say ([`is_at`]), although rays along the normal begin inside neither.
+#[test]
+fn a_box_that_rests_on_another() {
+    let below = boxes(&[([-1.0, -1.0, -1.0], [1.0, 1.0, 0.0])]);
+    for (side, sink) in [
+        (0.3, 0.0),
+        (0.3, 1e-16),
+        (0.3, 1e-9),
+        (1.0, 0.0),
+        (1.0, 1e-3),
+    ] {
+        for shift in [0.0, 0.1, 1.0 / 3.0] {
+            let above = boxes(&[([-side, -side, 0.0], [side, side, 0.5])]);
+            let at = place([shift, 0.5 * shift, -sink]);
+            let found = between(&above, at, &below, Transform::IDENTITY, 0.0);
+            assert!(!found.is_empty());
+            for region in &found {
+                assert!(region.depth <= sink + 1e-6, "{}", region.depth);
+            }
+        }
     }
 }
 

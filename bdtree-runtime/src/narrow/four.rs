@@ -1,7 +1,7 @@
 //! The nearest points of four triangles at once: the steps of [`super::closest_point`], in the
 //! same order, four numbers side by side, so that the bits are the same.
 
-use crate::rounding::MARGIN;
+use crate::rounding::{MARGIN, TOUCH};
 use crate::simd::{Quad, Quad3, add3, cross3, dot3, scale3, select3, splat3, sub3};
 
 use super::point_triangle::{LARGE, SMALL};
@@ -13,7 +13,7 @@ pub(crate) struct ClosestFour<Q: Quad> {
     /// Weights of the corners.
     pub(crate) barycentric: Quad3<Q>,
     pub(crate) distance: Q,
-    /// The triangles that are fair: of the others nothing here is meant.
+    /// The triangles that are fair and do not seem to touch: of the others nothing here is meant.
     pub(crate) fair: u8,
 }
 
@@ -82,6 +82,8 @@ pub(crate) fn closest_four<Q: Quad>(p: [f64; 3], tri: &[Quad3<Q>; 3]) -> Closest
         on_edge[next] = s;
         weights = select3(better, on_edge, weights);
     }
+    // `touching_or` is for one triangle.
+    fair = Q::both(fair, squared.above(longest.mul(Q::splat(TOUCH))));
     ClosestFour {
         point: combine(tri, weights),
         barycentric: weights,

@@ -6,9 +6,10 @@
 //! triangle has one, and the best point of each edge.
 
 use super::plane_minimum::plane_minimum;
+use super::triangle_triangle::triangles_intersect;
 use super::{Triangle, combine};
 use crate::math::{add_scaled, clamp, cross, dot, sqrt, sub};
-use crate::rounding::MARGIN;
+use crate::rounding::{MARGIN, TOUCH};
 
 /// The nearest point of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +18,8 @@ pub struct Closest {
     pub point: [f64; 3],
     /// Weights of the corners, none negative, sum 1 within 2 u.
     pub barycentric: [f64; 3],
-    /// Its distance, computed from differences of coordinates, not from `point`.
+    /// Its distance, computed from differences of coordinates, not from `point`; 0 if and only if the triangle
+    /// holds the given point.
     pub distance: f64,
 }
 
@@ -26,7 +28,8 @@ pub struct Closest {
 /// With u = 2⁻⁵³, L the largest `|corner − p|` of any coordinate: `distance` ≥ exact distance − 32 u L
 /// (each candidate lies on the triangle, only its evaluation rounds: 7 u L per coordinate), and, tested
 /// and not proven, ≤ exact distance + 64 u L, slivers, needles and zero-area triangles included. Sound up to 2¹⁰⁰; differences below 2⁻⁵³⁷
-/// count as 0. Ties go to the foot in the plane, then to the edges 01, 12, 20.
+/// count as 0. Whether the point lies on the triangle is decided exactly. Ties go to the foot in the plane, then to
+/// the edges 01, 12, 20.
 #[inline]
 pub fn closest_point(p: [f64; 3], tri: &Triangle) -> Closest {
     let (barycentric, squared) = closest_weights(p, tri);
@@ -40,6 +43,34 @@ pub fn closest_point(p: [f64; 3], tri: &Triangle) -> Closest {
 /// Returns the weights of the nearest point and its squared distance.
 #[inline(always)]
 pub(super) fn closest_weights(p: [f64; 3], tri: &Triangle) -> ([f64; 3], f64) {
+    let (best, longest) = nearest_candidate(p, tri);
+    if best.1 <= TOUCH * longest {
+        return touching_or(best, p, tri);
+    }
+    best
+}
+
+/// What `best` becomes where it may be 0: a touch that rounding hides would be missed by limits, which are inclusive.
+#[cold]
+#[inline(never)]
+fn touching_or(best: ([f64; 3], f64), p: [f64; 3], tri: &Triangle) -> ([f64; 3], f64) {
+    for k in 0..3 {
+        if tri[k] == p {
+            let mut weights = [0.0; 3];
+            weights[k] = 1.0;
+            return (weights, 0.0);
+        }
+    }
+    if triangles_intersect(&[p; 3], tri) {
+        return (best.0, 0.0);
+    }
+    // Off the triangle by less than the candidates round: more than 0 all the same.
+    (best.0, best.1.max(f64::MIN_POSITIVE))
+}
+
+/// Returns the weights of the nearest candidate with its squared distance, and the square of the longest side.
+#[inline(always)]
+fn nearest_candidate(p: [f64; 3], tri: &Triangle) -> (([f64; 3], f64), f64) {
     // Relative to p: what is large is only the distance itself.
     let r = [sub(tri[0], p), sub(tri[1], p), sub(tri[2], p)];
     let sides = [
@@ -52,6 +83,7 @@ pub(super) fn closest_weights(p: [f64; 3], tri: &Triangle) -> ([f64; 3], f64) {
         dot(sides[1], sides[1]),
         dot(sides[2], sides[2]),
     ];
+    let longest = lengths[0].max(lengths[1]).max(lengths[2]);
     let mut best = ([1.0, 0.0, 0.0], f64::INFINITY);
 
     let near = if let Some(foot) = foot_of_fair_triangle(r[0], sides, lengths) {
@@ -76,7 +108,7 @@ pub(super) fn closest_weights(p: [f64; 3], tri: &Triangle) -> ([f64; 3], f64) {
             best.0[j] = t;
             best.1 = dot(q, q);
             if m.trusted && t == m.t && s == m.s {
-                return best;
+                return (best, longest);
             }
         }
         [true; 3]
@@ -94,7 +126,7 @@ pub(super) fn closest_weights(p: [f64; 3], tri: &Triangle) -> ([f64; 3], f64) {
             best.1 = squared;
         }
     }
-    best
+    (best, longest)
 }
 
 /// Squares between these are normal numbers with room for products.

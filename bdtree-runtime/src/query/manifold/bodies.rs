@@ -1,14 +1,14 @@
 //! One region's normal, area and depths.
 
-use super::super::{ray, unit};
+use super::super::{project, ray, unit};
 use super::contour::Contour;
 use super::least::least_translation;
 use super::{ContactManifold, ContactPoint};
 use crate::cache::Posed;
-use crate::contact::{PairContact, RayIntersection};
+use crate::contact::{PairContact, RayIntersection, TriangleId};
 use crate::error::QueryError;
 use crate::math::{add_scaled, dot, norm, scale, sub};
-use crate::narrow::{Triangle, area_vector, closest_point};
+use crate::narrow::{Triangle, area_vector};
 use crate::shape::Ray;
 use crate::traverse::StackEntry;
 
@@ -33,26 +33,24 @@ impl Bodies<'_, '_> {
             return self.single(pairs);
         };
         contour.begin_moments(normal);
-        let (mut first, mut corners) = (None, None);
+        let mut first = None;
         for pair in pairs.clone().filter(|p| p.distance == 0.0) {
             let (a, b) = self.triangles(pair)?;
             contour.measure(&a, &b);
-            if first.is_none() {
-                (first, corners) = (Some(*pair), Some((a, b)));
-            }
+            first = first.or(Some(*pair));
         }
-        let (Some(place), Some(first), Some(corners)) = (contour.place(), first, corners) else {
+        let (Some(place), Some(first)) = (contour.place(), first) else {
             return self.single(pairs);
         };
         let share = place.area / 4.0;
-        let middle = self.probe(place.center, normal, place.size, 0.0, &first, &corners)?;
+        let middle = self.probe(place.center, normal, place.size, 0.0)?;
         let mut points = [middle; 4];
         for (k, point) in points.iter_mut().enumerate() {
             let [u, v] = place.spread;
             let u = scale(u, if k & 1 == 0 { -1.0 } else { 1.0 });
             let v = scale(v, if k & 2 == 0 { -1.0 } else { 1.0 });
             let at = add_scaled(add_scaled(place.center, 1.0, u), 1.0, v);
-            *point = self.probe(at, normal, place.size, share, &first, &corners)?;
+            *point = self.probe(at, normal, place.size, share)?;
         }
         Ok(Some(ContactManifold {
             normal1: normal,
@@ -128,54 +126,78 @@ impl Bodies<'_, '_> {
     }
 
     /// Where the line through `at` along the normal leaves both bodies, the first forwards and the
-    /// second backwards. `size` is the region's.
+    /// second backwards. `size` is the region's. On a body that the line does not leave, the point nearest to `at`
+    /// stands for it and adds nothing to the depth.
     fn probe(
         &mut self,
         at: [f64; 3],
         normal: [f64; 3],
         size: f64,
         area: f64,
-        first: &PairContact,
-        (corners1, corners2): &(Triangle, Triangle),
     ) -> Result<ContactPoint, QueryError> {
         // Begun a little before, since the contour may lie in one of the surfaces.
         let back = size / (1 << 20) as f64;
         let against = scale(normal, -1.0);
-        let hit1 = leaving(
-            &mut self.posed1,
-            add_scaled(at, -back, normal),
-            normal,
-            self.stack,
-        )?;
-        let hit2 = leaving(
-            &mut self.posed2,
-            add_scaled(at, back, normal),
-            against,
-            self.stack,
-        )?;
-        let (reach1, reach2) = (
-            hit1.map_or(0.0, |h| h.distance - back),
-            hit2.map_or(0.0, |h| h.distance - back),
-        );
-        let mut point = ContactPoint {
-            point1: add_scaled(at, reach1, normal),
-            point2: add_scaled(at, -reach2, normal),
+        let mut side =
+            |posed: &mut Posed<'_>, along: [f64; 3]| -> Result<(f64, Place), QueryError> {
+                let from = add_scaled(at, -back, along);
+                match leaving(posed, from, along, self.stack)? {
+                    Some(hit) => Ok((hit.distance - back, Place::of(&hit, at, along, back))),
+                    None => Ok((0.0, Place::nearest(posed, at, self.stack)?)),
+                }
+            };
+        let (reach1, place1) = side(&mut self.posed1, normal)?;
+        let (reach2, place2) = side(&mut self.posed2, against)?;
+        Ok(ContactPoint {
+            point1: place1.point,
+            point2: place2.point,
             distance: -(reach1 + reach2).max(0.0),
             area,
-            triangle1: first.triangle1,
-            barycentric1: [0.0; 3],
-            triangle2: first.triangle2,
-            barycentric2: [0.0; 3],
-        };
-        match hit1 {
-            Some(hit) => (point.triangle1, point.barycentric1) = (hit.triangle, hit.barycentric),
-            None => point.barycentric1 = closest_point(point.point1, corners1).barycentric,
+            triangle1: place1.triangle,
+            barycentric1: place1.barycentric,
+            triangle2: place2.triangle,
+            barycentric2: place2.barycentric,
+        })
+    }
+}
+
+/// A point of a body.
+struct Place {
+    point: [f64; 3],
+    triangle: TriangleId,
+    barycentric: [f64; 3],
+}
+
+impl Place {
+    /// Where a ray that was begun `back` before `at` leaves it.
+    fn of(hit: &RayIntersection, at: [f64; 3], along: [f64; 3], back: f64) -> Self {
+        Self {
+            point: add_scaled(at, hit.distance - back, along),
+            triangle: hit.triangle,
+            barycentric: hit.barycentric,
         }
-        match hit2 {
-            Some(hit) => (point.triangle2, point.barycentric2) = (hit.triangle, hit.barycentric),
-            None => point.barycentric2 = closest_point(point.point2, corners2).barycentric,
-        }
-        Ok(point)
+    }
+
+    /// The point nearest to `at`, which is there where the body has a triangle.
+    fn nearest(
+        posed: &mut Posed<'_>,
+        at: [f64; 3],
+        stack: &mut [StackEntry],
+    ) -> Result<Self, QueryError> {
+        let (found, _) = project::project(posed.again(), at, f64::INFINITY, stack)?;
+        Ok(match found {
+            Some(nearest) => Self {
+                point: nearest.point,
+                triangle: nearest.triangle,
+                barycentric: nearest.barycentric,
+            },
+            // Pairs of a body without triangles there are none.
+            None => Self {
+                point: at,
+                triangle: TriangleId(u32::MAX),
+                barycentric: [0.0; 3],
+            },
+        })
     }
 }
 
