@@ -52,6 +52,11 @@ fn open(arguments: &Arguments) -> Result<(), ToolError> {
     }
     let file = AssetFile::map(&arguments.file)?;
     file.checked_asset(!arguments.no_verify)?;
+    if arguments.play && file.asset().frame_count() == 0 {
+        let name = arguments.file.display();
+        let message = format!("asset {name} has no animation");
+        return Err(ToolError::input("--play", message));
+    }
     let frame = arguments.frame.or(arguments.play.then_some(0));
     let posture = posture(&file, arguments.q.as_ref(), frame)?;
     if let Some(level) = arguments.spheres {

@@ -143,6 +143,12 @@ impl<'a> App<'a> {
         }
     }
 
+    /// Whether what is shown is the animation's moment, and not q of the sliders or of the command line.
+    pub fn shows_moment(&self) -> bool {
+        let moment = self.playback.posture(self.asset());
+        moment.is_some_and(|(q, at)| (&q, at) == (&self.view.q, self.view.transform))
+    }
+
     /// Lets time pass.
     pub fn advance(&mut self, dt_s: f64) {
         if self.playback.advance(dt_s) {

@@ -212,3 +212,18 @@ fn all_of_the_mesh_is_seen() {
         assert!(seen.high[0] - seen.low[0] > 320.0 || seen.high[1] - seen.low[1] > 400.0);
     });
 }
+
+/// Where q is set by hand, no frame is named.
+#[test]
+fn a_frame_is_shown_until_q_is_set() {
+    with_file("animated.bdt", |mut app| {
+        app.playback.go_to(2);
+        app.show_moment();
+        assert!(app.shows_moment());
+        app.view.q[0] += 0.01;
+        assert!(!app.shows_moment());
+        app.show_moment();
+        app.zero();
+        assert!(!app.shows_moment());
+    });
+}

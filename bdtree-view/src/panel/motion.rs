@@ -34,8 +34,16 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
             app.playback.go_to(chosen);
             app.show_moment();
         }
-        ui.label(format!("{:.1} / {}", frame as f64 + share, count - 1));
+        ui.label(match app.shows_moment() {
+            true => format!("{:.1} / {}", frame as f64 + share, count - 1),
+            false => format!("– / {}", count - 1),
+        });
     });
+    if !app.shows_moment() {
+        let hint = "what is shown is q as set, not a frame";
+        ui.label(RichText::new(hint).small().weak());
+        return;
+    }
     let time = format!(
         "{:.3} s of {:.3} s{}",
         app.playback.time_s,

@@ -43,6 +43,14 @@ fn bad_files_and_options_are_named() {
         "{line}"
     );
     let line = failed(
+        &run(display.viewer().arg(file("sphere.bdt")).arg("--play")),
+        1,
+    );
+    assert!(
+        line.starts_with("--play: ") && line.ends_with("has no animation"),
+        "{line}"
+    );
+    let line = failed(
         &run(display.viewer().arg(file("sphere.bdt")).args(["--q", "1"])),
         1,
     );
