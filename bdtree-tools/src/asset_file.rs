@@ -1,5 +1,6 @@
 //! Opening `.bdt` files with errors that name them.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use bdtree_runtime::{Asset, FormatError, LoadError, Model};
@@ -62,6 +63,19 @@ impl AssetFile {
                 .map_err(|error| self.error(error))?;
         }
         Ok(asset)
+    }
+
+    /// Checks every rule of the format, as `bdtree verify` does.
+    ///
+    /// # Errors
+    /// The first rule that the file breaks.
+    pub fn verify(&self) -> Result<(), ToolError> {
+        let mut first = Ok(());
+        self.asset().verify(&mut |error| {
+            first = Err(error);
+            ControlFlow::Break(())
+        });
+        first.map_err(|error| self.error(error))
     }
 
     /// An error of the format with the file's name.

@@ -373,7 +373,7 @@ fn broken_frames_are_an_error_not_a_panic() {
         assert_eq!((ran.code, ran.out.as_str()), (1, ""), "{kind}");
         assert!(ran.err.starts_with("--frame: "), "{}", ran.err);
         assert_eq!(folder.run(&["info", "bad.bdt", "--json"]).code, 0);
-        assert_eq!(folder.run(&["diff", "moving.bdt", "bad.bdt"]).code, 1);
+        assert_eq!(folder.run(&["diff", "moving.bdt", "bad.bdt"]).code, 2);
         let ran = folder.run(&["verify", "bad.bdt"]);
         assert_eq!(ran.code, 1);
         assert!(
