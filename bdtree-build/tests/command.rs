@@ -257,6 +257,37 @@ fn usage_errors_exit_with_2() {
     refused(&["a.obj", "--fix", "w:0,0,0,1,1,1"], 2, &["--fix"]);
 }
 
+/// Negative numbers are numbers: what refuses them is the option, which names its range.
+#[test]
+fn negative_values_are_refused_by_their_option() {
+    for (option, value, why) in [
+        ("--modes", "-1", "0 to 512"),
+        ("--young", "-5", "positive number"),
+        ("--density", "-1e3", "positive number"),
+        ("--scale", "-0.5", "positive number"),
+        ("--thickness", "-1", "positive number"),
+        ("--range-rel", "-1", "positive number"),
+        ("--resolution", "-4", "1..=1024"),
+        ("--leaf-size", "-1", "1..=255"),
+        ("--memory-limit", "-1", "--memory-limit"),
+        ("--threads", "-2", "--threads"),
+    ] {
+        for words in [
+            vec!["a.obj", option, value],
+            vec!["a.obj", &format!("{option}={value}")],
+        ] {
+            let output = run(&words, std::path::Path::new("."));
+            let message = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{words:?}: {message}");
+            assert!(
+                message.contains(why) && message.contains(option),
+                "{words:?}: {message}"
+            );
+            assert!(!message.contains("unexpected"), "{words:?}: {message}");
+        }
+    }
+}
+
 /// Nothing that the bake reads, and nothing that is no `.bdt` file, is overwritten.
 #[test]
 fn inputs_and_other_files_are_kept() {

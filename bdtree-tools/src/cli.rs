@@ -28,8 +28,14 @@ pub(crate) enum Command {
     Query(QueryArguments),
     #[cfg(feature = "report")]
     Report(ReportArguments),
+    /// Not in this bdtree: cargo install --path bdtree-tools --features report
+    #[cfg(not(feature = "report"))]
+    Report(LeftOut),
     #[cfg(feature = "render")]
     Render(RenderArguments),
+    /// Not in this bdtree: cargo install --path bdtree-tools --features render
+    #[cfg(not(feature = "render"))]
+    Render(LeftOut),
     View(ViewArguments),
 }
 
@@ -78,7 +84,9 @@ pub struct VerifyArguments {
 /// and sphere centers against the mesh's size, each mode's field against that mode's largest
 /// displacement, and so on. The version of the builder is shown but does not count.
 ///
-/// Exit code 0 when they are the same, 1 when they differ, 2 when one cannot be read.
+/// Both files are verified first.
+///
+/// Exit code 0 when they are the same, 1 when they differ, 2 when one cannot be read or is damaged.
 #[derive(Debug, Args)]
 pub struct DiffArguments {
     /// A .bdt file
@@ -172,6 +180,15 @@ pub struct ViewArguments {
         value_name = "FILE"
     )]
     pub arguments: Vec<OsString>,
+}
+
+/// A subcommand that was not compiled: whatever follows.
+#[cfg(not(all(feature = "render", feature = "report")))]
+#[derive(Debug, Args)]
+#[command(disable_help_flag = true)]
+pub(crate) struct LeftOut {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    arguments: Vec<OsString>,
 }
 
 /// A tolerance from 0 on.

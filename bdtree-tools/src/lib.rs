@@ -72,8 +72,12 @@ pub fn run(
         Command::Query(arguments) => query::run(&arguments, out),
         #[cfg(feature = "report")]
         Command::Report(arguments) => report::run(&arguments, out),
+        #[cfg(not(feature = "report"))]
+        Command::Report(_) => Err(left_out("report")),
         #[cfg(feature = "render")]
         Command::Render(arguments) => render::run(&arguments, out),
+        #[cfg(not(feature = "render"))]
+        Command::Render(_) => Err(left_out("render")),
         Command::View(arguments) => view::run(&arguments),
     };
     // What was answered before an error stays answered.
@@ -89,4 +93,13 @@ pub fn run(
             }
         }
     }
+}
+
+/// Why a subcommand does nothing.
+#[cfg(not(all(feature = "render", feature = "report")))]
+fn left_out(feature: &str) -> ToolError {
+    ToolError::Usage(format!(
+        "bdtree {feature}: this bdtree was compiled without it; get it with\n    \
+         cargo install --path bdtree-tools --features render,report"
+    ))
 }

@@ -25,7 +25,17 @@ pub(super) fn print_warnings(warnings: &[String]) {
     }
     let more = warnings.len().saturating_sub(WARNINGS_SHOWN);
     if more > 0 {
-        eprintln!("bdtree-build: {more} more warnings (--json shows all)");
+        let more = counted(more, "more warning");
+        eprintln!("bdtree-build: {more} (--json shows all)");
+    }
+}
+
+/// `1 node`, `2 nodes`.
+fn counted(n: usize, what: &str) -> String {
+    match (n, what) {
+        (1, _) => format!("1 {what}"),
+        (_, "vertex") => format!("{n} vertices"),
+        _ => format!("{n} {what}s"),
     }
 }
 
@@ -64,27 +74,34 @@ pub(super) fn to_stdout(
 fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Result<()> {
     writeln!(
         out,
-        "{}: {} vertices, {} triangles, {} modes; {} nodes in {} levels; {} bytes",
+        "{}: {}, {}, {}; {} in {}; {} bytes",
         output.display(),
-        r.vertices,
-        r.triangles,
-        r.modes,
-        r.nodes,
-        r.depth,
+        counted(r.vertices, "vertex"),
+        counted(r.triangles, "triangle"),
+        counted(r.modes, "mode"),
+        counted(r.nodes, "node"),
+        counted(r.depth, "level"),
         r.bytes
     )?;
     if let Some(e) = &r.elastic {
         writeln!(
             out,
-            "elastic: {} cells of {:.4} ({} along the longest side), {} unknowns, {:.4} kg",
-            e.cells, e.cell_size, e.resolution, e.dofs, e.mass_kg
+            "elastic: {} of {:.4} ({} along the longest side), {}, {:.4} kg",
+            counted(e.cells, "cell"),
+            e.cell_size,
+            e.resolution,
+            counted(e.dofs, "unknown"),
+            e.mass_kg
         )?;
     }
     if let Some(v) = &r.volume {
         writeln!(
             out,
-            "volume: {} elements on {} nodes, {} unknowns, {:.4} kg",
-            v.elements, v.nodes, v.dofs, v.mass_kg
+            "volume: {} on {}, {}, {:.4} kg",
+            counted(v.elements, "element"),
+            counted(v.nodes, "node"),
+            counted(v.dofs, "unknown"),
+            v.mass_kg
         )?;
     }
     if let Some(hz) = &r.frequencies_hz {
@@ -97,7 +114,7 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
         )?;
     }
     if let Some(frames) = r.frames {
-        writeln!(out, "animation: {frames} frames")?;
+        writeln!(out, "animation: {}", counted(frames, "frame"))?;
     }
     if let Some(e) = &r.basis_error_rel {
         let frame = e.frame.map_or(String::new(), |t| format!(" in frame {t}"));

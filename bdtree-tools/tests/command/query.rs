@@ -448,3 +448,16 @@ fn paths_are_relative_to_the_scene() {
     folder.write("scenes/t.json", scene("a.bdt"));
     assert_eq!(folder.run(&["query", "scenes/t.json"]).code, 1);
 }
+
+/// The page's scene is answered, query by query.
+#[test]
+fn the_readme_s_scene_is_answered() {
+    let page = include_str!("../../README.md");
+    let (_, rest) = page.split_once("```json\n").expect("a scene");
+    let (scene, _) = rest.split_once("```").expect("its end");
+    let folder = Folder::new();
+    folder.write("scene.json", scene);
+    let ran = folder.run(&["query", "scene.json"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    assert_eq!(ran.out.lines().count(), 10, "{}", ran.out);
+}

@@ -78,6 +78,11 @@ fn mistakes_of_usage_are_2() {
         let ran = folder.run(arguments);
         assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{arguments:?}");
         assert!(!ran.err.is_empty(), "{arguments:?}");
+        assert!(
+            !ran.err.contains("unexpected argument '-"),
+            "{arguments:?}: {}",
+            ran.err
+        );
     }
 }
 
