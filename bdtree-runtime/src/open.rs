@@ -39,16 +39,8 @@ impl<'a> Asset<'a> {
     /// files and bytes of any address.
     ///
     /// # Errors
-    /// The first rule of the format that header or tables break, with its place. Hosts whose
-    /// numbers are big-endian are refused.
+    /// The first rule of the format that header or tables break, with its place.
     pub fn open(bytes: &'a [u8]) -> Result<Self, FormatError> {
-        header_at(0)
-            .rule("SPEC 3.1: files are read on little-endian hosts only")
-            .holds(
-                cfg!(target_endian = "little"),
-                "a little-endian host",
-                "a big-endian host",
-            )?;
         let header = fixed_header(bytes)?;
         let block = header_block(bytes, header)?;
         check_file(bytes, header)?;

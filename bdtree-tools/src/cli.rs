@@ -64,8 +64,8 @@ pub struct VerifyArguments {
     /// rounding_slack_rel}
     #[arg(long)]
     pub json: bool,
-    /// Try the bounds as well: deformed vertices against the spheres above them, in exact
-    /// arithmetic, at q that is made to break them; prints how close it came
+    /// Attack the bounds with worst-case q as well: tests deformed vertices against the spheres above them
+    /// in exact arithmetic and prints the smallest margin
     #[arg(long)]
     pub stress: bool,
     /// Cases to try: nodes at a q

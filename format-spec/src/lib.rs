@@ -5,12 +5,17 @@
 //!
 //! All multi-byte values are little-endian. Header, mode and section records use unaligned
 //! little-endian types; the big arrays (nodes, rows, triangles, vertices) are native `u32`,
-//! `u16` and `f32` viewed in place, so a reader refuses big-endian hosts.
+//! `u16` and `f32` viewed in place, so nothing here compiles for big-endian targets.
 #![no_std]
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "metadata")]
 extern crate std;
+
+#[cfg(target_endian = "big")]
+compile_error!(
+    "a .bdt file's arrays are viewed as they lie, little-endian: big-endian targets are not supported"
+);
 
 mod frame;
 mod header;

@@ -15,13 +15,24 @@ use crate::wrap::{self, StoredShape};
 pub enum Keep {
     /// All.
     All,
-    /// The first so many.
+    /// The first so many; all where there are fewer, since none are lost.
     First(usize),
     /// As few as keep the error, over the box diagonal, at most at this.
     Auto {
         /// Largest distance over the box diagonal, 0 or more.
         max_error_rel: f64,
     },
+}
+
+impl Keep {
+    /// What to say where more fields are asked for than there are.
+    pub(crate) fn warning(self, source: &str, found: usize) -> Option<String> {
+        let Self::First(wanted) = self else {
+            return None;
+        };
+        (wanted > found)
+            .then(|| format!("{source}: {found} of {wanted} modes: it has no more fields"))
+    }
 }
 
 /// A basis with some fields left out.
@@ -45,8 +56,8 @@ pub struct Kept {
 /// error allows; zero fields cost nothing and go.
 ///
 /// # Errors
-/// More fields asked for than there are, an error limit that is no number of at least 0 or that
-/// all fields together do not keep, and what [`wrap::store`] refuses.
+/// An error limit that is no number of at least 0 or that all fields together do not keep, and what
+/// [`wrap::store`] refuses.
 pub fn keep_fields(mesh: &RawMesh, basis: Basis, keep: Keep) -> Result<Kept, BakeError> {
     let count = basis.mode_count();
     let fail = |message| Err(BakeError::one("basis", Place::file(&mesh.name), message));
@@ -60,9 +71,6 @@ pub fn keep_fields(mesh: &RawMesh, basis: Basis, keep: Keep) -> Result<Kept, Bak
     let source = Source::new(mesh, &basis);
     match keep {
         Keep::All => source.keep(Cow::Owned(basis), &vec![true; count]),
-        Keep::First(wanted) if wanted > count => fail(format!(
-            "{wanted} modes asked for, but there are {count} fields"
-        )),
         Keep::First(wanted) => {
             let is_kept: Vec<bool> = (0..count).map(|j| j < wanted).collect();
             source.keep(Cow::Owned(basis), &is_kept)

@@ -65,6 +65,7 @@ pub fn morph_basis(
             motions: Vec::new(),
         });
     }
+    warnings.extend(keep.warning(&mesh.name, count));
     let Kept {
         basis,
         fields,

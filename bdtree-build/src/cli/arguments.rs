@@ -155,9 +155,9 @@ pub(crate) struct Arguments {
     #[arg(long)]
     pub(crate) quiet: bool,
 
-    /// Writes no file: tells in words how many of the modes (--modes: of how many, at most) keep the error at
-    /// --max-error-rel [default here: 0.01], what that saves, which leaf size is fastest, and on the last line the
-    /// command to use. Times are measured on this machine.
+    /// Recommends a mode count (at most --modes) that keeps the error within --max-error-rel [default here: 0.01],
+    /// and the fastest leaf size, with what both save. Times are measured on this machine. Writes no file; the last
+    /// line is the command to use.
     #[arg(long, conflicts_with = "quiet")]
     pub(crate) advise: bool,
 }

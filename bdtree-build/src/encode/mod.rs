@@ -16,9 +16,6 @@ use crate::input::{GroupKind, RawGroup, RawMesh};
 use crate::tree::Tree;
 use crate::wrap::{StoredShape, WrappedTree};
 
-#[cfg(target_endian = "big")]
-compile_error!("the big arrays of a .bdt file are written as they lie in memory, little-endian");
-
 /// What a file is made of.
 #[derive(Debug, Clone, Copy)]
 pub struct Parts<'a> {

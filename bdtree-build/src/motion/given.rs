@@ -1,7 +1,7 @@
 //! Fields made elsewhere.
 
 use super::{Moving, name};
-use crate::basis::dropped::{Keep, keep_fields};
+use crate::basis::dropped::keep_fields;
 use crate::basis::given::given_basis;
 use crate::error::BakeError;
 use crate::input::RawMesh;
@@ -12,15 +12,10 @@ pub(super) fn moving(mesh: RawMesh, given: &Given) -> Result<Moving, BakeError> 
     let path = given.path.as_path();
     let frequencies = given.frequencies.as_deref();
     let read = given_basis(path, given.layout, frequencies, mesh.positions.len())?;
-    let found = read.basis.mode_count();
-    if let Keep::First(count) = given.keep
-        && count > found
-    {
-        let message = format!("--modes {count}, but the array holds {found} fields");
-        return Err(BakeError::one("basis", path, message));
-    }
+    let too_few = given.keep.warning(&name(path), read.basis.mode_count());
     let mut moving = Moving::new(mesh, read.basis, "given");
     moving.provenance.warnings = read.warnings;
+    moving.provenance.warnings.extend(too_few);
     // Before fields are left out: ranges say which matter least.
     moving.set_ranges(given.range_rel);
     let kept = keep_fields(&moving.mesh, moving.basis, given.keep)?;

@@ -99,7 +99,7 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
     (
         "/meshes/0/primitives/0/indices",
         "null",
-        "meshes[0].primitives[0]: 26 corners are no whole number of triangles",
+        "meshes[0].primitives[0]: corner count is not a multiple of 3: 26",
     ),
     (
         "/meshes/0/primitives/0/indices",
@@ -185,7 +185,7 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
     (
         "/accessors/1/count",
         "142",
-        "meshes[0].primitives[0]: 142 corners are no whole number of triangles",
+        "meshes[0].primitives[0]: corner count is not a multiple of 3: 142",
     ),
     (
         "/accessors/1/count",

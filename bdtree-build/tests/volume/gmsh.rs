@@ -179,7 +179,7 @@ fn every_mistake_is_named_with_its_line() {
     );
     assert_eq!(
         with("$Nodes\n5", "$Nodes\n4"),
-        "m.msh:18: `500` where $EndNodes is due"
+        "m.msh:18: expected $EndNodes, found `500`"
     );
     assert_eq!(
         with("$Nodes\n5", "$Nodes\n6"),
@@ -187,7 +187,7 @@ fn every_mistake_is_named_with_its_line() {
     );
     assert_eq!(
         with("$Elements\n3", "$Elements\n2"),
-        "m.msh:24: `7` where $EndElements is due"
+        "m.msh:24: expected $EndElements, found `7`"
     );
     assert_eq!(
         with("$EndElements\n", ""),

@@ -31,11 +31,11 @@ fn numbering_begins_at_0_or_1() {
     assert!(text.starts_with(expected), "{text}");
     let gap = CORNERS.replace("\n4 0", "\n7 0");
     let text = error(&format!("{gap}{ELEMENTS}"));
-    assert_eq!(text, "m.veg:6: vertex 7 where 4 is due");
+    assert_eq!(text, "m.veg:6: expected vertex 4, found 7");
     let gap = ELEMENTS.replace("\n2 2", "\n3 2");
     assert_eq!(
         error(&format!("{CORNERS}{gap}")),
-        "m.veg:12: element 3 where 2 is due"
+        "m.veg:12: expected element 2, found 3"
     );
 }
 

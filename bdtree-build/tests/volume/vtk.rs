@@ -138,7 +138,7 @@ fn what_is_no_unstructured_grid_is_named() {
     );
     starts(
         &HEAD.replace("ASCII", "HEX"),
-        "m.vtk:3: `HEX` where ASCII or BINARY is due",
+        "m.vtk:3: expected ASCII or BINARY, found `HEX`",
     );
     let polydata = HEAD.replace("UNSTRUCTURED_GRID", "POLYDATA");
     starts(
@@ -228,5 +228,5 @@ fn offsets_must_ascend_to_the_end() {
     let swapped = text
         .replace("OFFSETS", "OFFSETS ")
         .replace("CONNECTIVITY", "CONNECT");
-    assert!(error(&swapped).contains("`CONNECT` where CONNECTIVITY is due"));
+    assert!(error(&swapped).contains("expected CONNECTIVITY, found `CONNECT`"));
 }

@@ -178,9 +178,14 @@ impl std::fmt::Display for Summary {
         if let Some(t) = &self.tightest {
             write!(
                 f,
-                "tightest: {:.3} of the {:.2e} mesh units that rounding is given are left (node {}, \
-                 lane {}, vertex {}, {}); ",
-                t.margin_slacks, t.slack, t.node, t.lane, t.vertex, t.kernel
+                "smallest margin: {:.1} % of the rounding allowance of {:.2e} mesh units (node {}, lane {}, \
+                 vertex {}, {}); ",
+                100.0 * t.margin_slacks,
+                t.slack,
+                t.node,
+                t.lane,
+                t.vertex,
+                t.kernel
             )?;
         }
         let percent = 100.0 * self.rounding_slack_rel;

@@ -30,7 +30,7 @@ pub(super) fn triangles(mode: Mode, corners: &[u32]) -> Result<Vec<[u32; 3]>, St
             .map(|w| [w[0], w[1], corners[0]])
             .collect(),
         _ if !count.is_multiple_of(3) => {
-            return Err(format!("{count} corners are no whole number of triangles"));
+            return Err(format!("corner count is not a multiple of 3: {count}"));
         }
         _ => corners
             .chunks_exact(3)

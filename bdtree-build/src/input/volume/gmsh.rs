@@ -104,7 +104,10 @@ impl Reader<'_> {
             let position = self.source.position();
             let word = self.source.field().unwrap_or_default();
             let Some(name) = word.strip_prefix(b"$") else {
-                return Err((position, format!("`{}` where a section is due", show(word))));
+                return Err((
+                    position,
+                    format!("expected a section, found `{}`", show(word)),
+                ));
             };
             self.source.skip_line();
             let version = self.format.version;
@@ -182,7 +185,7 @@ impl Reader<'_> {
         } else if found {
             Err((
                 position,
-                format!("`{}` where $End{name} is due", show(word)),
+                format!("expected $End{name}, found `{}`", show(word)),
             ))
         } else {
             Err((position, format!("the file ends before $End{name}")))

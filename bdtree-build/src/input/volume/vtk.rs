@@ -93,7 +93,7 @@ impl Reader<'_> {
             b"ASCII" => None,
             b"BINARY" => Some(ByteOrder::Big),
             _ => {
-                let message = format!("`{}` where ASCII or BINARY is due", show(format));
+                let message = format!("expected ASCII or BINARY, found `{}`", show(format));
                 return Err((self.source.position(), message));
             }
         };

@@ -34,7 +34,10 @@ impl Numbers {
             );
         } else if number != expected {
             self.is_broken = true;
-            notes.problem(position, format!("{what} {number} where {expected} is due"));
+            notes.problem(
+                position,
+                format!("expected {what} {expected}, found {number}"),
+            );
         }
     }
 

@@ -15,7 +15,7 @@ pub(super) fn integers(
     if !word.eq_ignore_ascii_case(name) {
         return Err((
             position,
-            format!("`{}` where {} is due", show(word), show(name)),
+            format!("expected {}, found `{}`", show(name), show(word)),
         ));
     }
     let at = |message| (position, message);

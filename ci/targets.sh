@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# What must compile, and what must not: the library for WebAssembly, everything with the oldest Rust that Cargo.toml
+# promises, and nothing for big-endian targets. Installs the targets and the tool chain that it needs.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+export CARGO_TARGET_DIR=$PWD/target/targets
+
+big=s390x-unknown-linux-gnu
+rustup --quiet target add wasm32-unknown-unknown $big
+cargo check --locked --target wasm32-unknown-unknown -p bdtree-runtime --features mint
+if output=$(cargo check --locked --target $big -p bdtree-format 2>&1); then
+    echo "bdtree-format compiles for $big, whose numbers are the other way round" >&2
+    exit 1
+elif ! grep -q 'big-endian targets are not supported' <<<"$output"; then
+    echo "bdtree-format failed for another reason:" >&2
+    echo "$output" >&2
+    exit 1
+fi
+
+promised=$(grep -Po '^rust-version = "\K[^"]+' Cargo.toml)
+if rustc --version | grep -q "^rustc $promised\."; then
+    echo "Rust $promised is the tool chain of all other steps"
+else
+    rustup --quiet toolchain install "$promised" --profile minimal
+    cargo "+$promised" check --locked --workspace
+fi
