@@ -128,7 +128,8 @@ pub fn bake(recipe: &Recipe, progress: &dyn Progress) -> Result<Baked, BakeError
     let named = |error: BakeError| error.in_file(recipe.source.main_file());
     let mut stages = Stages::new(progress);
 
-    // All files first: what is wrong with one is told before minutes of work.
+    // All files first: what is wrong with one is told before minutes of work. `motion` asks for what moves; meshes
+    // are read by `input` (OBJ by `input/obj`, GLB and glTF by `input/gltf`).
     stages.begin("input");
     let read = motion::read(&recipe.source, progress).map_err(named)?;
 

@@ -32,7 +32,7 @@ pub struct Contact {
     pub triangle: TriangleId,
     /// The triangle's point.
     pub point: [f64; 3],
-    /// Unit normal, from the triangle towards the primitive.
+    /// Unit normal, from the triangle towards the primitive; of a half-space, the plane's own.
     pub normal: [f64; 3],
     /// Signed distance: negative is penetration depth.
     pub distance: f64,
@@ -140,9 +140,9 @@ pub struct RayIntersection {
 /// Whether the sink had room for everything that a query found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coverage {
-    /// It had.
+    /// Everything that was found is in the sink.
     Complete,
-    /// It had not: what it took is part of the answer.
+    /// The sink filled up: what it took is part of the answer.
     Truncated,
 }
 

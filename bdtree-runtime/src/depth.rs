@@ -1,5 +1,6 @@
 //! How deep a walk looks: to the triangles, or down to a level whose spheres stand for what lies below
-//! them (the paper's contact proxies, 3.4).
+//! them (the paper's contact proxies, 3.4). `Query::max_level` sets the level; `traverse/visit.rs` and `traverse/two.rs`
+//! end there.
 //!
 //! One walk serves both: the limit is a type, so that where there is none nothing is left of it.
 
@@ -47,6 +48,49 @@ impl Depth for Unlimited {
 pub(crate) struct DepthLimit<'s> {
     pub(crate) level: usize,
     pub(crate) sink: &'s mut (dyn Sink<Proxy> + 's),
+}
+
+/// A level, and the caller's sink for its spheres.
+pub(crate) struct Proxies<'s> {
+    level: usize,
+    sink: &'s mut (dyn Sink<Proxy> + 's),
+    /// Whether it had no room for one since the last walk began: then a walk that found nothing has proved nothing.
+    pub(crate) is_full: bool,
+}
+
+impl<'s> Proxies<'s> {
+    pub(crate) fn new(level: usize, sink: &'s mut (dyn Sink<Proxy> + 's)) -> Self {
+        let is_full = false;
+        Self {
+            level,
+            sink,
+            is_full,
+        }
+    }
+
+    /// For one walk.
+    pub(crate) fn limit(&mut self) -> DepthLimit<'_> {
+        self.is_full = false;
+        DepthLimit {
+            level: self.level,
+            sink: self,
+        }
+    }
+}
+
+impl Sink<Proxy> for Proxies<'_> {
+    fn push(&mut self, proxy: Proxy) -> ControlFlow<()> {
+        let flow = self.sink.push(proxy);
+        self.is_full |= flow.is_break();
+        flow
+    }
+}
+
+impl fmt::Debug for Proxies<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut out = f.debug_struct("Proxies");
+        out.field("level", &self.level).finish_non_exhaustive()
+    }
 }
 
 impl<'s> DepthLimit<'s> {

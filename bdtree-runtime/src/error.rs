@@ -148,7 +148,7 @@ pub enum PoseError {
         /// Length of q.
         found: usize,
     },
-    /// The caller's memory is shorter than q.
+    /// The caller's memory is shorter than [`Asset::pose_len`](crate::Asset::pose_len).
     Memory {
         /// Numbers needed.
         needed: usize,
@@ -224,8 +224,8 @@ pub enum QueryError {
     /// The motion does not stand at this pose, or a pose has none where a front needs it:
     /// [`Motion`](crate::Motion).
     Motion,
-    /// An argument is NaN, infinite, beyond 2^100, a zero vector, or negative where a length is
-    /// meant. The text names it.
+    /// An argument is NaN, infinite, beyond 2^100, a zero vector, or negative where a length is meant; an option
+    /// does not go with the question or another option; a slice for answers is too short. The text names it.
     Argument(&'static str),
     /// The bytes of a workspace or cache are too few:
     /// [`Workspace::bytes_for`](crate::Workspace::bytes_for).
@@ -235,6 +235,9 @@ pub enum QueryError {
         /// Bytes given.
         found: usize,
     },
+    /// The sink of proxies has no room, and the answer could not say what it leaves out:
+    /// [`Query::max_level`](crate::Query::max_level).
+    Proxies,
     /// The asset's bytes break a rule that only the deep check reads; run `verify`.
     Corrupt(FormatError),
 }
@@ -243,13 +246,18 @@ impl fmt::Display for QueryError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Cache => f.write_str("the cache was not started with this pose"),
-            Self::Motion => f.write_str("the motion does not stand at this pose"),
+            Self::Motion => {
+                f.write_str("the pose has no motion, or its motion does not stand at it")
+            }
             Self::Argument(what) => f.write_str(what),
             Self::Memory { needed, found } => {
                 write!(
                     f,
                     "the query needs {needed} bytes of memory, it has {found}"
                 )
+            }
+            Self::Proxies => {
+                f.write_str("the sink of proxies has no room: the answer would be incomplete")
             }
             Self::Corrupt(error) => write!(f, "corrupt asset: {error}"),
         }

@@ -77,8 +77,8 @@ impl Model {
         Self::open(bytes).map_err(|error| LoadError::format(path, error))
     }
 
-    /// Reads a whole file into memory: a copy that nobody else can change. Of one that does not begin as a
-    /// `.bdt` file, whatever its size, the beginning alone.
+    /// Reads a whole file into memory: a copy that nobody else can change. If the file does not start with a
+    /// `.bdt` header, only its first bytes are read.
     ///
     /// # Errors
     /// When it cannot be opened or read, is no plain file (a pipe would be waited for, and a device may have no

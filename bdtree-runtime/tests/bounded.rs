@@ -337,6 +337,38 @@ fn one_side_may_be_bounded_and_a_full_sink_is_said() {
         assert_eq!(coverage == Coverage::Truncated, is_short);
         assert_eq!(*sink.items(), all[..sink.items().len()]);
     }
+    // A full sink is no hit: what cannot say that its answer is incomplete is refused, and a hit counts.
+    let mut full = SliceSink::new(&mut []);
+    let mut query = a.against(&b, &mut workspace).max_level2(0, &mut full);
+    assert_eq!(query.intersects(), Err(QueryError::Proxies));
+    let at = a.deformed(VertexId(0)).expect("vertex");
+    let ray = Ray::new(at.map(|x| 3.0 * x), at.map(|x| -x));
+    let mut full = SliceSink::new(&mut []);
+    let mut query = a.query(&mut workspace).max_level(0, &mut full);
+    assert_eq!(
+        query.intersects(Ball::new(at, 0.1)),
+        Err(QueryError::Proxies)
+    );
+    assert_eq!(query.intersects_ray(&ray), Err(QueryError::Proxies));
+    assert_eq!(query.cast_ray(&ray), Err(QueryError::Proxies));
+    assert_eq!(
+        query.cast_rays(&[ray], &mut [None]),
+        Err(QueryError::Proxies)
+    );
+    assert_eq!(
+        query.intersects_rays(&[ray], &mut [false]),
+        Err(QueryError::Proxies)
+    );
+    assert_eq!(query.project_point(at, 1.0), Err(QueryError::Proxies));
+    // Far from everything no sphere is reported, and at the last level none is needed.
+    let far = Ball::new([1e3; 3], 0.1);
+    assert_eq!(query.intersects(far), Ok(false));
+    let mut full = SliceSink::new(&mut []);
+    let mut query = a
+        .query(&mut workspace)
+        .max_level(asset.depth() - 1, &mut full);
+    assert_eq!(query.intersects(Ball::new(at, 0.1)), Ok(true));
+    assert_eq!(query.intersects_ray(&ray), Ok(true));
     // The same of one tree, and its refusals.
     let mut sink = SliceSink::new(&mut []);
     let mut none: Vec<Contact> = Vec::new();

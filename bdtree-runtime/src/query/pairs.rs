@@ -7,10 +7,10 @@ use super::distance::closest_points;
 use super::front::PairFront;
 use super::manifold::{ContactManifold, ManifoldSlot, manifolds};
 use super::pair::{Contacts, Ids, tolerance, walk};
-use super::single::{BUDGET_AND_LEVEL, Full, Query, Side};
+use super::single::{BUDGET_AND_LEVEL, First, Query, Side};
 use crate::cache::{Posed, StepCache};
 use crate::contact::{Coverage, PairContact, Proxy, Sink, SliceSink, TrianglePair};
-use crate::depth::DepthLimit;
+use crate::depth::Proxies;
 use crate::error::QueryError;
 use crate::pose::Pose;
 use crate::traverse::{PairStackEntry, PairVisitor, SearchEntry, StackEntry, Walk};
@@ -95,19 +95,13 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
     /// triangles there gives the sphere around them. Between what lies in such two, no two
     /// points are farther apart than 2 R₁ + 2 R₂ plus the prediction.
     pub fn max_level1(mut self, level: usize, proxies: &'q mut dyn Sink<Proxy>) -> Self {
-        self.sides[0].limit = Some(DepthLimit {
-            level,
-            sink: proxies,
-        });
+        self.sides[0].limit = Some(Proxies::new(level, proxies));
         self
     }
 
     /// The second mesh not looked into below `level`, as [`PairQuery::max_level1`].
     pub fn max_level2(mut self, level: usize, proxies: &'q mut dyn Sink<Proxy>) -> Self {
-        self.sides[1].limit = Some(DepthLimit {
-            level,
-            sink: proxies,
-        });
+        self.sides[1].limit = Some(Proxies::new(level, proxies));
         self
     }
 
@@ -176,7 +170,12 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
     /// # Errors
     /// Those of [`PairQuery::contacts`].
     pub fn intersects(&mut self) -> Result<bool, QueryError> {
-        Ok(self.triangle_pairs(0.0, &mut Full)? == Coverage::Truncated)
+        let mut first = First::default();
+        self.triangle_pairs(0.0, &mut first)?;
+        if !first.is_found && self.sides.iter().any(Side::is_cut) {
+            return Err(QueryError::Proxies);
+        }
+        Ok(first.is_found)
     }
 
     /// The nearest two triangles, one of each mesh, and where they are nearest, if that is within `max_distance`

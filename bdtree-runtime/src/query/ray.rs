@@ -49,7 +49,7 @@ pub(super) fn any(
     };
     let mut visitor = First::<true>::new(line);
     let walk = one(posed, stack, &mut visitor)?;
-    Ok((walk.stopped, walk)) // stopped by a hit
+    Ok((visitor.is_met, walk))
 }
 
 /// Reports every triangle that the ray meets from distance 0 to `max_distance`, each once, in no
@@ -76,6 +76,8 @@ pub(super) struct First<const ANY: bool> {
     /// Parameter of the best hit, rounded up.
     pub(super) bound: f32,
     pub(super) best: Option<RayIntersection>,
+    /// With `ANY`: whether it has found one.
+    is_met: bool,
 }
 
 impl<const ANY: bool> First<ANY> {
@@ -84,6 +86,7 @@ impl<const ANY: bool> First<ANY> {
             line,
             bound: f32::INFINITY,
             best: None,
+            is_met: false,
         }
     }
 }
@@ -117,6 +120,7 @@ impl<const ANY: bool> Visitor for First<ANY> {
             return ControlFlow::Continue(());
         };
         if ANY {
+            self.is_met = true;
             return ControlFlow::Break(());
         }
         let better = match &self.best {

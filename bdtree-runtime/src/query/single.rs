@@ -6,7 +6,7 @@ use super::budget::{Budget, Budgeted, BudgetedContacts, queue_len};
 use super::{ball, capsule, cuboid, frustum, half_space, project, ray, rays};
 use crate::cache::{Kept, Posed, StepCache};
 use crate::contact::{Contact, Coverage, PointProjection, Proxy, RayIntersection, Sink};
-use crate::depth::DepthLimit;
+use crate::depth::Proxies;
 use crate::epoch::Drift;
 use crate::error::QueryError;
 use crate::pose::Pose;
@@ -48,7 +48,7 @@ pub(crate) struct Side<'q> {
     is_stale: bool,
     /// The pose at which nodes are evaluated, if it is another one.
     drift: Option<(&'q Pose<'q>, Drift)>,
-    pub(super) limit: Option<DepthLimit<'q>>,
+    pub(super) limit: Option<Proxies<'q>>,
 }
 
 impl<'q> Side<'q> {
@@ -93,8 +93,13 @@ impl<'q> Side<'q> {
         if self.is_stale {
             return Err(QueryError::Cache);
         }
-        let limit = self.limit.as_mut().map(DepthLimit::again);
+        let limit = self.limit.as_mut().map(Proxies::limit);
         Ok(Posed::new(&self.pose, self.drift, self.kept.again(), limit))
+    }
+
+    /// Whether the last walk ended because there was no room for a proxy.
+    pub(super) fn is_cut(&self) -> bool {
+        self.limit.as_ref().is_some_and(|proxies| proxies.is_full)
     }
 
     /// What it is, for one walk that has no levels to end at.
@@ -140,7 +145,7 @@ impl<'q, 'm> Query<'q, 'm> {
         self
     }
 
-    /// Not looked into below `level` (0 is the root's): a query tests the triangles that
+    /// Stops descending at `level` (0 is the root's): a query tests the triangles that
     /// hang on nodes down to there exactly, as always, and gives `proxies` the spheres of what else its
     /// tests do not rule out. So every triangle of the full answer is reported or lies in a reported
     /// sphere. From level [`Asset::depth`](crate::Asset::depth) − 1 on the answer is the full one.
@@ -149,13 +154,13 @@ impl<'q, 'm> Query<'q, 'm> {
     /// the asset was baked with nested spheres), so the set depends on the tree; it is the same on every
     /// processor and with every [`Kernel`](crate::Kernel).
     ///
+    /// Where `proxies` has no room the walk ends: answers with a [`Coverage`] say so, others become
+    /// [`QueryError::Proxies`] unless what was found settles them.
+    ///
     /// Queries for the nearest thing prune by what they have found so far; [`Query::frustum_state`] and
     /// [`Query::max_visits`] refuse a level.
     pub fn max_level(mut self, level: usize, proxies: &'q mut dyn Sink<Proxy>) -> Self {
-        self.side.limit = Some(DepthLimit {
-            level,
-            sink: proxies,
-        });
+        self.side.limit = Some(Proxies::new(level, proxies));
         self
     }
 
@@ -223,8 +228,9 @@ impl<'q, 'm> Query<'q, 'm> {
     /// # Errors
     /// Those of [`Query::contacts`].
     pub fn intersects(&mut self, shape: impl Into<Shape>) -> Result<bool, QueryError> {
-        let coverage = self.walk_shape(&shape.into(), &mut Full)?;
-        Ok(coverage == Coverage::Truncated)
+        let mut first = First::default();
+        self.walk_shape(&shape.into(), &mut first)?;
+        self.settled(first.is_found, first.is_found)
     }
 
     /// The point of the mesh nearest to `point`, if it is within `max_distance` (which may be infinite).
@@ -238,7 +244,9 @@ impl<'q, 'm> Query<'q, 'm> {
         max_distance: f64,
     ) -> Result<Option<PointProjection>, QueryError> {
         let Vec3(point) = point.into();
-        self.walk(|posed, stack| project::project(posed, point, max_distance, stack))
+        let found =
+            self.walk(|posed, stack| project::project(posed, point, max_distance, stack))?;
+        self.settled(found, false)
     }
 
     /// Where the ray first meets the mesh. Triangles of zero area are missed; rays through edges and vertices
@@ -248,7 +256,8 @@ impl<'q, 'm> Query<'q, 'm> {
     /// An origin that is not finite or beyond 2^100, a direction that is zero or not finite, a negative or NaN
     /// distance, too little memory, a corrupt asset.
     pub fn cast_ray(&mut self, ray: &Ray) -> Result<Option<RayIntersection>, QueryError> {
-        self.walk(|posed, stack| ray::first(posed, ray, stack))
+        let hit = self.walk(|posed, stack| ray::first(posed, ray, stack))?;
+        self.settled(hit, false)
     }
 
     /// Whether [`Query::cast_ray`] finds anything, in less time.
@@ -256,7 +265,8 @@ impl<'q, 'm> Query<'q, 'm> {
     /// # Errors
     /// Those of [`Query::cast_ray`].
     pub fn intersects_ray(&mut self, ray: &Ray) -> Result<bool, QueryError> {
-        self.walk(|posed, stack| ray::any(posed, ray, stack))
+        let is_met = self.walk(|posed, stack| ray::any(posed, ray, stack))?;
+        self.settled(is_met, is_met)
     }
 
     /// Reports every triangle that the ray meets, in no order that means anything.
@@ -283,7 +293,8 @@ impl<'q, 'm> Query<'q, 'm> {
         rays: &[Ray],
         hits: &mut [Option<RayIntersection>],
     ) -> Result<(), QueryError> {
-        self.walk(|posed, stack| Ok(((), rays::first(posed, rays, stack, hits)?)))
+        self.walk(|posed, stack| Ok(((), rays::first(posed, rays, stack, hits)?)))?;
+        self.settled((), false)
     }
 
     /// [`Query::intersects_ray`] for each of `rays`: `hits[i]` becomes that of ray i.
@@ -291,7 +302,8 @@ impl<'q, 'm> Query<'q, 'm> {
     /// # Errors
     /// Those of [`Query::cast_rays`].
     pub fn intersects_rays(&mut self, rays: &[Ray], hits: &mut [bool]) -> Result<(), QueryError> {
-        self.walk(|posed, stack| Ok(((), rays::any(posed, rays, stack, hits)?)))
+        self.walk(|posed, stack| Ok(((), rays::any(posed, rays, stack, hits)?)))?;
+        self.settled((), false)
     }
 
     /// [`Query::cast_ray_all`] for each of `rays`: every hit with the number of its ray, ray after ray.
@@ -323,6 +335,16 @@ impl<'q, 'm> Query<'q, 'm> {
         self.walk(|posed, stack| frustum::state(posed, frustum, stack))
     }
 
+    /// An answer that does not tell its coverage: an error where proxies without room cut it short, unless it is
+    /// right all the same.
+    #[inline(always)]
+    fn settled<T>(&self, answer: T, is_right: bool) -> Result<T, QueryError> {
+        if self.side.is_cut() && !is_right {
+            return Err(QueryError::Proxies);
+        }
+        Ok(answer)
+    }
+
     /// One walk and its counts.
     #[inline(always)]
     fn walk<T>(
@@ -339,10 +361,14 @@ impl<'q, 'm> Query<'q, 'm> {
 }
 
 /// A sink that has no room: the query ends with the first thing that it finds.
-pub(super) struct Full;
+#[derive(Default)]
+pub(super) struct First {
+    pub(super) is_found: bool,
+}
 
-impl<T> Sink<T> for Full {
+impl<T> Sink<T> for First {
     fn push(&mut self, _item: T) -> ControlFlow<()> {
+        self.is_found = true;
         ControlFlow::Break(())
     }
 }
