@@ -1,6 +1,6 @@
 //! What the figures say to do, in words.
 
-use super::content::{Advice, Content, DepthRow, ToleranceRow};
+use super::content::{Advice, Content, DepthRow};
 use super::words;
 
 /// An error of penetration that contact proxies may have, over the diagonal.
@@ -18,7 +18,6 @@ pub(super) fn advice(content: &Content) -> Vec<Advice> {
             text,
         }));
     };
-    say("tolerance", tolerance(content));
     say("depth", depth(content));
     if let Some(refit) = &content.refit {
         for curve in &refit.curves {
@@ -27,35 +26,6 @@ pub(super) fn advice(content: &Content) -> Vec<Advice> {
     }
     say("sections", sections(content));
     all
-}
-
-/// The fastest tolerance against none.
-fn tolerance(content: &Content) -> Option<String> {
-    let none = content.tolerance.iter().find(|r| r.tolerance_rel == 0.0)?;
-    // What leaves no mode out changes nothing: a difference in time is noise.
-    let leaves_out = |r: &&ToleranceRow| r.active_modes <= none.active_modes - 0.5;
-    let best = content
-        .tolerance
-        .iter()
-        .filter(leaves_out)
-        .chain([none])
-        .min_by(|a, b| a.micros.total_cmp(&b.micros))?;
-    let saved = 1.0 - best.micros / none.micros;
-    if saved < WORTH {
-        return Some(format!(
-            "Leave Pose::with_tolerance at 0: no tolerance up to {} of the diagonal saves {} or more of the time.",
-            percent(content.tolerance.last()?.tolerance_rel),
-            percent(WORTH)
-        ));
-    }
-    Some(format!(
-        "Pose::with_tolerance with {} of the diagonal ({:.3e} mesh units) keeps {:.1} modes in node bounds and \
-         saves {} of the time, with the same answers.",
-        percent(best.tolerance_rel),
-        best.tolerance_rel * content.asset.diagonal,
-        best.active_modes,
-        percent(saved)
-    ))
 }
 
 /// The first level that is near enough and faster than looking into everything.

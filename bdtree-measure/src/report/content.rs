@@ -27,8 +27,6 @@ pub struct Content {
     pub depth_whole: WholeQuery,
     /// Queries stopped at a level, from the root's down.
     pub depth: Vec<DepthRow>,
-    /// Modes left out of node bounds. Empty without modes.
-    pub tolerance: Vec<ToleranceRow>,
     /// R'/R_opt per amplitude and level. Empty without modes.
     pub tightness: Vec<TightnessRow>,
     /// How close a vertex came to leaving a sphere; null where nothing was tried.
@@ -100,8 +98,6 @@ pub struct Parts {
     pub modes: usize,
     /// Of `depth`.
     pub depth: usize,
-    /// Of `tolerance`.
-    pub tolerance: usize,
     /// Of `tightness`.
     pub tightness: usize,
     /// Of `refit`.
@@ -113,14 +109,14 @@ pub struct Parts {
 pub struct Balls {
     /// Of `modes` and `depth`.
     pub large_rel: f64,
-    /// Of `tolerance` and `refit`.
+    /// Of `refit`.
     pub small_rel: f64,
 }
 
 /// A sentence of advice.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Advice {
-    /// What it is about: `modes`, `leaf size`, `depth`, `tolerance`, `refit`, `sections`.
+    /// What it is about: `modes`, `leaf size`, `depth`, `refit`, `sections`.
     pub topic: String,
     /// What to do and what it brings.
     pub text: String,
@@ -189,19 +185,6 @@ pub struct DepthRow {
     pub penetration_error_rel: f64,
     /// Samples whose answer has spheres though nothing touches, over all samples.
     pub false_rel: f64,
-}
-
-/// A tolerance of node bounds (`Pose::with_tolerance`).
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ToleranceRow {
-    /// Over the diagonal.
-    pub tolerance_rel: f64,
-    /// Modes that node bounds have left, mean over samples.
-    pub active_modes: f64,
-    /// Nodes visited by the standard questions of a sample, mean.
-    pub visits: f64,
-    /// Their time, µs, the pose included.
-    pub micros: f64,
 }
 
 /// R'/R_opt of a level; R_opt is the radius of the smallest ball of the deformed vertices.

@@ -11,7 +11,7 @@ use bdtree_runtime::{Asset, FormatError};
 
 use super::content::{self, Content, Facts, Machine, Margin, Parts, Seconds};
 use super::sample::{SMALL_BALL, Sample};
-use super::{REPETITIONS, advice, comparison, depth, modes, sections, tightness, tolerance};
+use super::{REPETITIONS, advice, comparison, depth, modes, sections, tightness};
 
 /// Meshes of more triangles get fewer samples of what looks at all vertices.
 const LARGE_TRIANGLES: usize = 100_000;
@@ -73,7 +73,6 @@ pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, Meas
         modes_over: None,
         depth_whole,
         depth,
-        tolerance: Vec::new(),
         tightness: Vec::new(),
         margin: None,
         refit: None,
@@ -89,8 +88,6 @@ pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, Meas
         content.modes_over = Some(found.over);
         content.advice.extend(found.advice);
         seconds.lap("modes");
-        content.tolerance = tolerance::tolerance(asset, &asked, diagonal)?;
-        seconds.lap("tolerance");
         let step = samples.count.div_ceil(DIRECTIONS).max(1);
         let directions: Vec<Vec<f32>> = (0..samples.count)
             .step_by(step)
@@ -101,7 +98,6 @@ pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, Meas
         content.samples.of_parts = Parts {
             modes: found.samples,
             depth: few.len(),
-            tolerance: asked.len(),
             tightness: directions.len(),
             refit: comparison::steps(&asked).count(),
         };
@@ -136,14 +132,14 @@ fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
     let mut missing = Vec::new();
     if asset.mode_count() == 0 {
         missing.push(
-            "The asset is rigid: it has no modes, so there is nothing to say of modes, tolerance, tightness, \
+            "The asset is rigid: it has no modes, so there is nothing to say of modes, tightness, \
              refitting and margins."
                 .to_string(),
         );
     } else if samples.source == Source::Rest {
         missing.push(
             "No mode moves anything within its q_range, and there is no animation: nothing to say of modes, \
-             tolerance, tightness, refitting and margins."
+             tightness, refitting and margins."
                 .to_string(),
         );
     } else if !samples.still.is_empty() {

@@ -15,7 +15,6 @@ mod sample;
 mod sections;
 mod text;
 mod tightness;
-mod tolerance;
 mod words;
 
 pub use measure::{Subject, measure};

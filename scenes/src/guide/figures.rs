@@ -130,30 +130,6 @@ pub(super) fn depth(reports: &[Source]) -> Plots {
     )
 }
 
-/// What leaving modes out of node bounds costs and saves.
-pub(super) fn tolerance(reports: &[Source]) -> Plots {
-    let [those, that] = [
-        "over those without a tolerance",
-        "over that without a tolerance",
-    ]
-    .map(Axis::linear);
-    let time = "Time of 16 balls and 16 rays, the pose included";
-    plots(
-        reports,
-        ["/tolerance", "/tolerance_rel"],
-        (Axis::log("tolerance, % of the diagonal"), 100.0),
-        &[
-            (
-                "Modes left in node bounds",
-                those,
-                "/active_modes",
-                As::Over(0.0),
-            ),
-            (time, that, "/micros", As::Over(0.0)),
-        ],
-    )
-}
-
 /// The curve of a question in the comparison with deforming and refitting.
 fn asked<'s>(source: &'s Source, question: &str) -> Result<&'s Value, Box<dyn Error>> {
     let mut all = source.list("/refit/curves")?.iter();

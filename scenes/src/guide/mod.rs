@@ -82,7 +82,6 @@ pub fn run(arguments: &Arguments) -> Result<Report, Box<dyn Error>> {
         ("modes", figures::modes(&reports)?),
         ("leaves", figures::leaves(&advice)?),
         ("depth", figures::depth(&reports)?),
-        ("tolerance", figures::tolerance(&reports)?),
         ("refit", figures::refit(&reports)?),
     ];
     let mut pictures = Vec::new();

@@ -22,7 +22,6 @@ fn report() -> Value {
     json!({"asset": {"triangles": 12},
         "modes": pair("modes", &["error_max_rel", "bytes", "time_rel", "ball_visits"]),
         "depth": pair("level", &["extra_area_rel", "penetration_error_rel", "ball_micros"]),
-        "tolerance": pair("tolerance_rel", &["active_modes", "micros"]),
         "refit": {"curves": [curve("ray", Some(16.0)), curve("ball", None), curve("pair", None)]}})
 }
 
@@ -56,7 +55,7 @@ fn with(report: &Value, advice: &Value) -> Result<crate::report::Report, String>
 #[test]
 fn figures_are_those_of_the_files() {
     let made = with(&report(), &advice()).expect("a guide");
-    assert_eq!(made.pictures.len(), 5);
+    assert_eq!(made.pictures.len(), 4);
     let points = |pointer: &str| made.value.pointer(pointer).cloned();
     let first = |key: &str, chart: usize| points(&format!("/times/{key}/{chart}/curves/0/points"));
     assert_eq!(first("modes", 0), Some(json!([[0.0, 200.0], [1.0, 300.0]])));
@@ -65,10 +64,6 @@ fn figures_are_those_of_the_files() {
         Some(json!([[0.0, 2.0 / 3.0], [1.0, 1.0]]))
     );
     assert_eq!(first("leaves", 0), Some(json!([[2.0, 1.5], [4.0, 1.0]])));
-    assert_eq!(
-        first("tolerance", 1),
-        Some(json!([[0.0, 1.0], [100.0, 1.5]]))
-    );
     assert_eq!(first("refit", 0), Some(json!([[1.0, 8.0], [64.0, 0.5]])));
     assert_eq!(
         points("/times/refit/0/curves/0/asset"),

@@ -19,7 +19,6 @@ pub fn page(content: &Content) -> String {
     page.refit(content);
     page.tightness(content);
     page.depth(content);
-    page.tolerance(content);
     page.bytes(content);
     page.margin(content);
     page.foot(content);

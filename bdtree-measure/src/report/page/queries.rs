@@ -1,6 +1,6 @@
-//! What stopping at a level and leaving modes out of bounds bring.
+//! What stopping at a level brings.
 
-use super::super::content::{Content, DepthRow, ToleranceRow};
+use super::super::content::{Content, DepthRow};
 use super::super::text::{number, percent};
 use super::{Page, line};
 use crate::plot::{Axis, Plot};
@@ -56,39 +56,6 @@ impl Page {
                     percent(r.penetration_error_rel)
                 }),
                 ("answers though nothing touches", &|r| percent(r.false_rel)),
-            ],
-        );
-        self.close();
-    }
-
-    pub(super) fn tolerance(&mut self, content: &Content) {
-        let rows = &content.tolerance;
-        if rows.is_empty() {
-            return;
-        }
-        self.heading("Modes left out of node bounds");
-        self.soft(&format!(
-            "Pose::with_tolerance: modes that move no vertex by more than the tolerance together are left out of \
-             spheres, which grow by it. Answers stay the same. Means over {} samples of 16 balls of {} of the diagonal \
-             and 16 rays each.",
-            content.samples.of_parts.tolerance,
-            percent(content.samples.balls.small_rel),
-        ));
-        self.open();
-        self.plot(&Plot {
-            title: "Time of 16 balls and 16 rays".to_string(),
-            x: Axis::log("tolerance / diagonal"),
-            y: Axis::linear("µs"),
-            lines: vec![line("time", rows, |r| (r.tolerance_rel, r.micros))],
-        });
-        self.table::<ToleranceRow>(
-            rows,
-            0,
-            &[
-                ("tolerance / diagonal", &|r| percent(r.tolerance_rel)),
-                ("modes left", &|r| number(r.active_modes)),
-                ("visits", &|r| number(r.visits)),
-                ("µs", &|r| number(r.micros)),
             ],
         );
         self.close();

@@ -8,7 +8,6 @@ mod bake;
 mod ball;
 mod broad;
 mod depth;
-mod face;
 mod hard_cases;
 mod kernel;
 mod open;
@@ -73,8 +72,6 @@ enum Command {
     Bake(scene::Scene),
     /// Steps that change little: spheres that follow a pose, fronts of pairs
     Coherence(workloads::coherence::Arguments),
-    /// Local blend shapes of a face beside dense modes: bytes and time of a ball query
-    Face(face::Arguments),
     /// Hard rigid meshes: rays that slip through, distances that are off (feature `peers` for others)
     HardCases(hard_cases::Arguments),
     /// The node kernel alone, beside the machine's limit
@@ -96,7 +93,6 @@ fn main() -> Result<()> {
         Command::Coherence(arguments) => {
             ("coherence", workloads::coherence::run(arguments, rounds(9)))
         }
-        Command::Face(arguments) => ("face", face::run(arguments, rounds(51))),
         Command::HardCases(arguments) => ("hard-cases", hard_cases::run(arguments)),
         Command::Kernel(arguments) => ("kernel", kernel::run(arguments, rounds(31))),
         Command::Open(arguments) => ("open", open::run(arguments, rounds(200))),
