@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docs/unsafe.md lists every file with `unsafe` and how often the word stands in its code, no others.
+"""docs/design/unsafe.md lists every file with `unsafe` and how often the word stands in its code, no others.
 
 A new unsafe block, function, trait or attribute fails here until the page says why it is sound.
 """
@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 
-PAGE = pathlib.Path("docs/unsafe.md")
+PAGE = pathlib.Path("docs/design/unsafe.md")
 # The row of a file: | `path` | count | proof |
 ROW = re.compile(r"^\| `([^`]+\.rs)` \| (\d+) \| \S.*\|$")
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The plots of docs/guide.md: bakes four assets of different kinds, measures each with `bdtree report` and
+# The plots of docs/guide/settings.md: bakes four assets of different kinds, measures each with `bdtree report` and
 # `bdtree-build --advise`, and draws docs/images/guide-*.svg. Real meshes come from the folder BDTREE_CORPUS.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -25,7 +25,7 @@ use crate::wrap;
 const LARGE_MESH_TRIANGLES: usize = 1 << 19;
 
 /// Most triangles in a leaf lane unless told otherwise: 4, and 8 for more than 2¹⁹ triangles
-/// (docs/decisions/tree-split-and-leaf-size.md).
+/// (docs/design/decisions/tree-split-and-leaf-size.md).
 pub fn default_leaf_size(triangle_count: usize) -> usize {
     if triangle_count > LARGE_MESH_TRIANGLES {
         8

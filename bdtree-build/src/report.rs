@@ -137,7 +137,7 @@ pub(crate) fn tightness(
     levels
 }
 
-/// R'(q) of one lane in f64, for q ≥ 0 (docs/guarantees.md).
+/// R'(q) of one lane in f64, for q ≥ 0 (docs/design/guarantees.md).
 fn radius_at(
     wrapped: &WrappedTree,
     shape: &StoredShape,

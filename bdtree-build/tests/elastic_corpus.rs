@@ -80,7 +80,7 @@ fn a_bridge_has_ten_modes_by_default() {
 }
 
 /// At half the cells the first ten frequencies are still near those of the whole (the same claim
-/// for the default and twice as many cells takes minutes: docs/elastic.md has the numbers).
+/// for the default and twice as many cells takes minutes: docs/reference/elastic.md has the numbers).
 fn coarse_is_near_fine(name: &str, coarse: u32, tolerance: f64) {
     let Some(folder) = corpus() else { return };
     let mesh = read(folder.join("meshes").join(name));

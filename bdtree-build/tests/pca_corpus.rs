@@ -1,5 +1,5 @@
 //! The animations of the corpus and of the fixtures: errors against modes, checked by a second
-//! reading of the source. `--nocapture` prints the table of docs/animation.md.
+//! reading of the source. `--nocapture` prints the table of docs/reference/animation.md.
 
 use std::path::Path;
 

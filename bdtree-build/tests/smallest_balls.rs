@@ -2,7 +2,7 @@
 //! circumsphere of at most four points that holds all, exactly.
 //!
 //! `cargo test -p bdtree-build --test all -- --nocapture smallest_balls::` prints the errors of
-//! docs/hard-cases.md.
+//! docs/design/hard-cases.md.
 
 use bdtree_build::wrap::ball::smallest_ball;
 use bdtree_fixtures::oracle::exact::root;

@@ -1,5 +1,5 @@
 //! How many nodes and triangles queries visit: the figures behind
-//! docs/decisions/tree-split-and-leaf-size.md. Run by hand:
+//! docs/design/decisions/tree-split-and-leaf-size.md. Run by hand:
 //! `cargo test --release -p bdtree-build --test all -- --ignored --nocapture tree_visits::`
 
 use crate::tree_support::*;

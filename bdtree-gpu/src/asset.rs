@@ -18,7 +18,7 @@ pub enum Normals {
     None,
     /// Two tangents per vertex that move with q like positions do ([`NormalFields`]): near the exact ones
     /// where the triangles around a vertex deform alike. Vertices where they are not are found at upload, and
-    /// compute passes do as `Exact` does there (figures: docs/skinning.md). Computed here, 24 bytes per vertex and
+    /// compute passes do as `Exact` does there (figures: docs/reference/gpu-deformation.md). Computed here, 24 bytes per vertex and
     /// mode.
     Fields,
     /// The triangles around each vertex as deformed, weighted by area: what a mesh's normals are

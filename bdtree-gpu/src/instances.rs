@@ -75,7 +75,7 @@ impl Instances {
     }
 
     /// Adds an instance of a pose. Returns how far any of its vertices on the device may be from
-    /// [`Pose::deformed`] less the origin (world units; docs/skinning.md derives it).
+    /// [`Pose::deformed`] less the origin (world units; docs/reference/gpu-deformation.md derives it).
     ///
     /// # Errors
     /// A pose of another asset; no room; farther from the origin than f32 numbers reach.

@@ -3,7 +3,7 @@
 //!
 //! Everything is made on the caller's device. Results are near [`Pose::deformed`](bdtree_runtime::Pose::deformed), by a bound
 //! that each instance states, but not to the bit: queries go on using their own arithmetic.
-//! How an engine uses it, layouts, limits and errors: `docs/skinning.md`.
+//! How an engine uses it, layouts, limits and errors: `docs/reference/gpu-deformation.md`.
 //!
 //! Features are wgpu's backends: `vulkan` (default), `metal`, `dx12`, `webgpu`. Types of wgpu stand in this crate's
 //! API and in no other's of the library, so that its majors change nothing else.

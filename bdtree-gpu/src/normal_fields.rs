@@ -3,7 +3,7 @@
 //! `n' ∥ (t₁ + T₁ q) × (t₂ + T₂ q)`. The normal weighted by area is a sum of cross products of edges,
 //! each of them linear in q, so it is quadratic in q. T is chosen so that the terms of first order
 //! are met exactly and those of second order as well as six numbers per mode can
-//! (docs/decisions/normal-fields.md).
+//! (docs/design/decisions/normal-fields.md).
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
 //! The two tangents of one vertex and how modes move them, so that their cross product follows the
-//! normal (docs/decisions/normal-fields.md).
+//! normal (docs/design/decisions/normal-fields.md).
 
 use bdtree_runtime::{Asset, VertexId};
 use glam::{DMat3, DVec3};

@@ -1,5 +1,5 @@
 //! What the shaders compute, on the processor: the same operations in the same order. A device may round and
-//! fuse otherwise, so results agree within bounds (docs/skinning.md), not to the bit.
+//! fuse otherwise, so results agree within bounds (docs/reference/gpu-deformation.md), not to the bit.
 
 use bdtree_runtime::Asset;
 use glam::Vec3;

@@ -220,7 +220,7 @@ fn apart(gpu: &Gpu, asset: &Asset<'_>, fields: &NormalFields) -> [Vec<f64>; 2] {
     angles
 }
 
-/// The project's goal, a degree at a displacement of a tenth, on all elastic fixtures of docs/skinning.md.
+/// The project's goal, a degree at a displacement of a tenth, on all elastic fixtures of docs/reference/gpu-deformation.md.
 #[test]
 fn normals_of_fields_are_near_exact_ones() {
     let gpu = Gpu::new();

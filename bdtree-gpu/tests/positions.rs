@@ -88,7 +88,7 @@ fn check(assets: Vec<(String, Model)>) {
         "{}: the processor has the same bits: {twins_equal}",
         gpu.driver
     );
-    // As docs/skinning.md says; other drivers may round and fuse otherwise.
+    // As docs/reference/gpu-deformation.md says; other drivers may round and fuse otherwise.
     assert!(twins_equal || !gpu.driver.contains("Mesa 22.3"));
 }
 

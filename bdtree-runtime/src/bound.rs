@@ -9,7 +9,7 @@
 //!
 //! which is never above the paper's R + s. Rows and q are whole numbers here, so the sums over modes
 //! are exact: for two modes six instructions that multiply and add pairs, eight lanes at once.
-//! Deviation from the paper: b± (docs/guarantees.md, the bound in exact arithmetic), because R + s grows under local rotations
+//! Deviation from the paper: b± (docs/design/guarantees.md, the bound in exact arithmetic), because R + s grows under local rotations
 //! and for bodies that shrink.
 
 use bdtree_format::{ModePair, ROW_CENTER_X, ROW_CENTER_Y, ROW_CENTER_Z, ROW_RADIUS, Row};

@@ -35,7 +35,7 @@
 //! lengths are world.
 //!
 //! *The promise*: for every finite q inside the asset's limits a query returns exactly what
-//! testing every deformed triangle with the same leaf arithmetic returns. `docs/guarantees.md`
+//! testing every deformed triangle with the same leaf arithmetic returns. `docs/design/guarantees.md`
 //! derives the constants; they are named here as there.
 //!
 //! *What the compiler checks, and what it cannot*: a pose carries its asset, so the two are never of different

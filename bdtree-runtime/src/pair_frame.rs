@@ -23,7 +23,7 @@ pub(crate) struct PairMap {
     /// Errors of f64 on both sides (stored units of the first).
     pub(crate) exact: f64,
     /// Error of s·R rounded to f32 and applied in f32; what the offset adds is 16u of its length
-    /// (docs/guarantees.md, `PairFrame`).
+    /// (docs/design/guarantees.md, `PairFrame`).
     pub(crate) turned: f64,
 }
 
@@ -100,7 +100,7 @@ impl PairFrame {
     }
 
     /// More than what rounding takes from the difference of two heights along a direction that is not
-    /// longer than 1 (docs/guarantees.md, planes between meshes).
+    /// longer than 1 (docs/design/guarantees.md, planes between meshes).
     pub(crate) fn height_margin(&self) -> f32 {
         self.reach * HEIGHT_MARGIN
     }

@@ -41,7 +41,7 @@ impl Placement {
     }
 
     /// The leaf arithmetic's second half: `x = t + s·(Q·(origin + p'))`, every operation rounded
-    /// once, in f64 (docs/guarantees.md; SPEC 5.5).
+    /// once, in f64 (docs/design/guarantees.md; SPEC 5.5).
     #[inline(always)]
     pub(crate) fn world(&self, p: [f32; 3]) -> [f64; 3] {
         let p = [f64::from(p[0]), f64::from(p[1]), f64::from(p[2])];

@@ -46,7 +46,7 @@ pub struct Pose<'p> {
     /// q̃, for node bounds.
     quantized: QuantizedQ<'p>,
     /// Added to every radius: covers the f32 evaluation of centers, radii and vertices, and what q̃
-    /// differs from q (docs/guarantees.md, slack; stored units).
+    /// differs from q (docs/design/guarantees.md, slack; stored units).
     pub(crate) slack: f32,
     /// B = P + S: no deformed vertex and no lane center is farther from the origin
     /// (stored units, before rounding).

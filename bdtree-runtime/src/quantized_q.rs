@@ -1,4 +1,4 @@
-//! q in whole numbers: what node bounds take of a pose (docs/guarantees.md, shares).
+//! q in whole numbers: what node bounds take of a pose (docs/design/guarantees.md, shares).
 //!
 //! A node's sums over modes are exact, because both its rows and q are whole numbers. So bounds are
 //! those of another pose q̃ that is close to q, and what the two differ by is added to every radius.

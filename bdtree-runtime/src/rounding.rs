@@ -1,7 +1,7 @@
 //! Every allowance for rounding: what a test of nodes or triangles gives away, so that it never rules out
 //! what the leaf arithmetic reports.
 //!
-//! In the order of `docs/guarantees.md`, whose section of the same name derives each. u = 2⁻²⁴ (f32), v = 2⁻⁵³ (f64).
+//! In the order of `docs/design/guarantees.md`, whose section of the same name derives each. u = 2⁻²⁴ (f32), v = 2⁻⁵³ (f64).
 //! Ranges in which predicates are exact are not allowances; they stand with the predicates.
 
 /// u, the unit roundoff of f32: 2⁻²⁴.

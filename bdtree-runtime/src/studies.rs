@@ -1,7 +1,7 @@
 //! What was built, measured, and found not worth using; its mathematics stays tested.
 //!
 //! * *Temporal updates* (paper, eqs. 8–11): spheres of an earlier pose, grown by δR ‖q − q₀‖. They save 5 % of a
-//!   query's time at best and are looser than spheres evaluated anew (docs/decisions/keeping-a-step.md).
+//!   query's time at best and are looser than spheres evaluated anew (docs/design/decisions/keeping-a-step.md).
 //! * *Poses within a tolerance*: node bounds that leave out the modes that matter least. Each visit costs less,
 //!   and there are more of them; no asset was found where that pays.
 

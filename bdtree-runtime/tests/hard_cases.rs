@@ -1,4 +1,4 @@
-//! The list of docs/hard-cases.md: every query equals brute force on all of them, at every q, in every
+//! The list of docs/design/hard-cases.md: every query equals brute force on all of them, at every q, in every
 //! place, with every kernel, with subnormals kept and flushed; what is no asset is refused in words.
 //!
 //! `BDTREE_HARD_ROUNDS=20 cargo test -p bdtree-runtime --test all hard_cases::` asks more random questions of each

@@ -2,7 +2,7 @@
 //! bound by level, and that the second-order bound is exact there but for rounding.
 //!
 //! `cargo test -p bdtree-runtime --test all -- --nocapture shrink_to_point::` prints the table of
-//! docs/hard-cases.md.
+//! docs/design/hard-cases.md.
 
 use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_fixtures::{bake, lanes, models};

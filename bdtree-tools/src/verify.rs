@@ -36,7 +36,7 @@ pub struct BrokenRule {
     pub section: String,
     /// Offset from the start of the file.
     pub byte: u64,
-    /// Number and words of the rule in `SPEC.md`, or of the promise in `docs/guarantees.md`.
+    /// Number and words of the rule in `SPEC.md`, or of the promise in `docs/design/guarantees.md`.
     pub rule: String,
     /// What the rule asks for: text or number.
     pub expected: Value,

@@ -48,7 +48,7 @@ fn layered_spheres_are_larger_than_wrapped_ones() {
 
 /// P10, on figure 6's level: where the paper's bound was at best as tight as the layered hierarchy. The
 /// curtain is bent more than others are by modes that reach as far: beyond some 8 % of its diagonal the layered
-/// spheres are the smaller ones (docs/decisions/large-deformations.md).
+/// spheres are the smaller ones (docs/design/decisions/large-deformations.md).
 #[test]
 fn ours_is_tighter_than_layered_up_to_the_stated_amplitudes() {
     for (name, up_to) in [("chair", 0.2), ("fish", 0.2), ("curtain", 0.05)] {

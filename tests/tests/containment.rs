@@ -2,7 +2,7 @@
 //! ordinary and adversarial q: the property that makes a query miss nothing.
 //!
 //! `BDTREE_STRESS_CASES=100000000 cargo test --release -p bdtree-tests --test all -- --nocapture containment::`
-//! tries more (docs/guarantees.md).
+//! tries more (docs/design/guarantees.md).
 
 use std::mem::size_of;
 

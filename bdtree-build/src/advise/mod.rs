@@ -4,7 +4,7 @@
 //! [`samples`] says at which q an asset is judged, [`works`] what is asked of it there; both take an opened
 //! asset and serve everything that measures one. A [`Subject`] can be baked again with fewer modes: from a bake's
 //! own mesh and fields or from those in a file. [`errors`] says what that costs, [`curve`] what it saves,
-//! [`advise`] chooses, [`words`] tells. docs/advice.md has method, limits and how right it is.
+//! [`advise`] chooses, [`words`] tells. docs/reference/advice.md has method, limits and how right it is.
 
 pub mod choose;
 pub mod curve;

@@ -48,7 +48,7 @@ pub struct Kept {
 }
 
 /// `basis` with the fields that `keep` says. The error counts rounding of the stored numbers to f32
-/// too, not that of a pose's sums (docs/morph-targets.md).
+/// too, not that of a pose's sums (docs/reference/morph-targets.md).
 ///
 /// A field's reach is its range times its longest displacement; its range is
 /// [`BasisMode::q_range`](super::BasisMode), else what moves its farthest vertex by 5 % of the

@@ -121,7 +121,7 @@ const THIN_SHARE: f64 = 0.25;
 
 /// The K lowest elastic modes of a surface mesh, ascending in frequency, each with ω and modal mass.
 ///
-/// Time grows with the cells (see docs/elastic.md), hardly with the triangles.
+/// Time grows with the cells (see docs/reference/elastic.md), hardly with the triangles.
 ///
 /// # Errors
 /// Bad options (all of them at once), a mesh without area, a fix that holds nothing or everything,
@@ -303,7 +303,7 @@ fn read_subject<'a>(
     Ok(subject)
 }
 
-/// Folds between walls much thinner than a cell are too stiff: docs/elastic.md.
+/// Folds between walls much thinner than a cell are too stiff: docs/reference/elastic.md.
 fn warn_thin(subject: &Subject<'_>, lattice: &Lattice, warnings: &mut Vec<String>) {
     let least = THIN_SHARE * lattice.grid.cell_size;
     let thin = subject.surface.list.iter().filter(|p| match p.kind {

@@ -4,7 +4,7 @@
 //! taken out (`--align`). With p the mean of the frames, U their M leading left singular vectors
 //! and q_t = Uᵀ(x_t − p), no other M fields leave less squared error. The frames are read in
 //! chunks of vertices, several times; memory follows the chunk, the square of the number of frames
-//! and the modes that are kept. docs/animation.md has accuracy, times and limits.
+//! and the modes that are kept. docs/reference/animation.md has accuracy, times and limits.
 
 mod align;
 mod choose;

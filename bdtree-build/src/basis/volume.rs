@@ -136,7 +136,7 @@ pub struct VolumeReport {
 }
 
 /// The K lowest vibration modes of a volume mesh: linear tetrahedra, hexahedra with incompatible
-/// modes, and held nodes that do not move at all (docs/volumes.md).
+/// modes, and held nodes that do not move at all (docs/reference/volumes.md).
 ///
 /// # Errors
 /// Bad options (all of them at once), elements that are turned inside out or flat, materials that

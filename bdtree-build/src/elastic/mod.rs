@@ -21,7 +21,7 @@
 //! | component | cell parts, or given elements, that are connected: vibrates on its own |
 //! | block | elements of a component that are connected through faces, hence stiff in themselves; blocks meet at joints |
 //!
-//! See docs/elastic.md for surfaces and the numbers, docs/volumes.md for volumes. Inside, lengths are cells or
+//! See docs/reference/elastic.md for surfaces and the numbers, docs/reference/volumes.md for volumes. Inside, lengths are cells or
 //! elements, Young's modulus and density are 1; `basis::elastic` and `basis::volume` bring units.
 
 pub(crate) mod assemble;

@@ -1,6 +1,6 @@
 //! Volume meshes made elsewhere: tetrahedra and hexahedra, with their materials.
 //!
-//! [`read_volume`] is the door; [`surface()`] is what such a mesh shows. docs/volumes.md says what is
+//! [`read_volume`] is the door; [`surface()`] is what such a mesh shows. docs/reference/volumes.md says what is
 //! read and how.
 
 mod check;

@@ -2,7 +2,7 @@
 //!
 //! Cuts by planes leave patches with corners, and the ball around one is larger than around a rounder
 //! patch of the same area. Starting from them, neighbouring leaves give each other triangles wherever
-//! that lowers the expected visits of the two (docs/decisions/leaf-exchange.md). The nodes above stay
+//! that lowers the expected visits of the two (docs/design/decisions/leaf-exchange.md). The nodes above stay
 //! as they are and their balls hold what enters them; some leaves become empty.
 
 mod balls;

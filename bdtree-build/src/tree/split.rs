@@ -8,7 +8,7 @@ use super::Split;
 const SWEEP_MAX: usize = 1024;
 
 /// Leaf lanes of the lowest nodes that the count of triangles fills: one of eight is left for cuts
-/// that follow the shape (docs/decisions/tree-split-and-leaf-size.md).
+/// that follow the shape (docs/design/decisions/tree-split-and-leaf-size.md).
 const LANES_MEANT: usize = LANES - 1;
 
 /// Diameter of a typical query over the diagonal of everything.

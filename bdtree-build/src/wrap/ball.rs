@@ -5,7 +5,7 @@
 //! with the small problem solved by enumeration instead of a pivot rule). Candidates of the small
 //! problem are compared by the farthest of its at most five points, so degenerate supports
 //! (collinear, coplanar, cospherical, repeated points) need no tolerance: their circumspheres
-//! are either good or lose. Why not a library: docs/decisions/smallest-balls.md.
+//! are either good or lose. Why not a library: docs/design/decisions/smallest-balls.md.
 
 use crate::vec3::{add, cross, dot, norm2, scale, sub};
 

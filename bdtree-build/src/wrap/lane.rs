@@ -1,4 +1,4 @@
-//! The bounds of a node's lanes from the vertices below them (docs/guarantees.md).
+//! The bounds of a node's lanes from the vertices below them (docs/design/guarantees.md).
 
 use bdtree_format::{
     LANES, ModePair, ROW_CENTER_X, ROW_RADIUS, Row, pair_count, pair_row, row_count,

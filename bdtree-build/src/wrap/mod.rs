@@ -1,5 +1,5 @@
 //! Bounds of every lane around the vertices below it: the wrapped spheres of the paper (eqs. 2–7,
-//! 11), centered on smallest balls, with the second-order terms of docs/guarantees.md.
+//! 11), centered on smallest balls, with the second-order terms of docs/design/guarantees.md.
 
 pub mod ball;
 mod check;

@@ -1,7 +1,7 @@
 //! Frequencies against theory and published tests: NAFEMS, plates, beams, bars, shafts.
 //!
 //! `cargo test --release -p bdtree-build --test volume_references -- --ignored --nocapture` prints
-//! the table of docs/volumes.md.
+//! the table of docs/reference/volumes.md.
 
 mod cases;
 #[path = "../volume_support/mod.rs"]
@@ -192,7 +192,7 @@ fn volumes_meet_their_references() {
 }
 
 #[test]
-#[ignore = "a minute: the whole table of docs/volumes.md"]
+#[ignore = "a minute: the whole table of docs/reference/volumes.md"]
 fn table() {
     println!("| test | elements; unknowns | Hz | reference | error in % |\n|---|---|---|---|---|");
     for case in [plates(), lines(), cube()].into_iter().flatten() {
@@ -200,7 +200,7 @@ fn table() {
     }
 }
 
-/// Time and memory of docs/volumes.md: three bodies of 10 000 nodes each.
+/// Time and memory of docs/reference/volumes.md: three bodies of 10 000 nodes each.
 #[test]
 #[ignore = "seconds to time, in the release profile"]
 fn ten_thousand_nodes() {

@@ -79,7 +79,7 @@ impl Pose<'_> {
         for lane in (0..LANES).filter(|k| (root.inner_mask | root.leaf_mask) & (1 << k) != 0) {
             let center = spheres.center.map(|row| row[lane]);
             let radius = f64::from(spheres.radius[lane]);
-            // A lane's center lies within twice the reach (docs/guarantees.md).
+            // A lane's center lies within twice the reach (docs/design/guarantees.md).
             let part = self.world_sphere(center, radius, 2.0 * self.reach);
             // Anything but a smaller radius, NaN of a corrupt file included, says no more than the whole.
             let part = if part.radius < all.radius { part } else { all }.aabb();

@@ -61,7 +61,7 @@ impl Line {
         let shift = clamp(-dot(from, along), 0.0, t_max);
         let near = add_scaled(from, shift, along);
         let error = frame.error(length_bound(origin), pose.reach + length_bound(from));
-        // 32u B: rounding of origin, direction and parameter to f32 (docs/guarantees.md, rays).
+        // 32u B: rounding of origin, direction and parameter to f32 (docs/design/guarantees.md, rays).
         let extra = error + RAY * pose.reach;
         let reach = pose.reach + f64::from(pose.slack) + extra;
         let far = reach * RAY_REACH;
@@ -162,7 +162,7 @@ impl Line {
 }
 
 /// The shear of [`narrow::ray_hit`] in stored units, without its exactness: four triangles at once
-/// by the signs of their edge functions, with a margin (docs/guarantees.md, rays).
+/// by the signs of their edge functions, with a margin (docs/design/guarantees.md, rays).
 struct Sieve {
     /// The coordinate of largest |direction| comes last.
     axes: [usize; 3],

@@ -1,4 +1,4 @@
-//! Tests: the update of docs/node-update.md, in plain f64, beside the eight-lane kernel.
+//! Tests: the update of docs/design/node-update.md, in plain f64, beside the eight-lane kernel.
 
 mod update;
 
@@ -22,7 +22,7 @@ const FILES: [&[u8]; 4] = [
 
 #[test]
 fn the_page_shows_the_update_that_is_tested() {
-    let page = include_str!("../../../docs/node-update.md");
+    let page = include_str!("../../../docs/design/node-update.md");
     assert!(page.contains(include_str!("update.rs")));
     assert!(include_str!("update.rs").lines().count() <= 50);
 }

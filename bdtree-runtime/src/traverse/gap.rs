@@ -30,7 +30,7 @@ impl Gap {
         let map = PairMap::new(a, b);
         let (apart, reach) = (norm(map.offset), map.reach_a + map.reach_b);
         let far = apart > FAR * reach;
-        // What rounding may take from a gap (docs/guarantees.md, nearest pairs).
+        // What rounding may take from a gap (docs/design/guarantees.md, nearest pairs).
         let lost = if far {
             GAP_LOST * reach + GAP_FAR_LOST * apart
         } else {

@@ -15,7 +15,7 @@ use crate::view::Asset;
 
 /// Bytes of rows that near caches hold, more or less. Of larger assets all lanes that a node leads to are asked for
 /// ahead, of smaller ones the nearest alone: few of the others are visited before a hit ends the walk
-/// (docs/benchmarks.md, rays).
+/// (docs/measured/benchmarks.md, rays).
 const NEAR_BYTES: usize = 8 << 20;
 
 /// Visits nodes and leaves in the order of their keys, as far as the stack shows it, until the

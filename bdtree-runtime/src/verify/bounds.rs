@@ -153,7 +153,7 @@ impl LaneCheck<'_, '_> {
         ControlFlow::Continue(())
     }
 
-    /// docs/guarantees.md, the bound, with the stored centers, radii and growths.
+    /// docs/design/guarantees.md, the bound, with the stored centers, radii and growths.
     fn vertex(&self, vertex: u32, report: Report<'_>) -> ControlFlow<()> {
         let asset = self.asset;
         let Ok(own) = asset.displacements(VertexId(vertex)) else {

@@ -9,7 +9,7 @@ use super::poses::HardPoses;
 /// q that are tried.
 const POSES: u64 = 8;
 
-/// The mean of what radii have beyond `√(R² + 2 Σ b_j |q_j| + s²)` (docs/guarantees.md; formed in
+/// The mean of what radii have beyond `√(R² + 2 Σ b_j |q_j| + s²)` (docs/design/guarantees.md; formed in
 /// f64 at the given q), over the mean radius: slack, what rounding q to whole numbers adds, and
 /// the guard under the root. All spheres, at q spread evenly over ± `q_range`.
 ///

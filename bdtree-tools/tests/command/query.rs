@@ -452,7 +452,7 @@ fn paths_are_relative_to_the_scene() {
 /// The page's scene is answered, query by query.
 #[test]
 fn the_readme_s_scene_is_answered() {
-    let page = include_str!("../../README.md");
+    let page = include_str!("../../../docs/reference/bdtree.md");
     let (_, rest) = page.split_once("```json\n").expect("a scene");
     let (scene, _) = rest.split_once("```").expect("its end");
     let folder = Folder::new();

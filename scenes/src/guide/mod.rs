@@ -1,4 +1,4 @@
-//! The plots and tables of docs/guide.md, from what `bdtree report --json` and `bdtree-build --advise --json`
+//! The plots and tables of docs/guide/settings.md, from what `bdtree report --json` and `bdtree-build --advise --json`
 //! printed about several assets.
 
 mod figures;
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use crate::report::Report;
 use bdtree_measure::plot::sheet;
 
-/// Plots and tables of docs/guide.md, from reports and advice in JSON; an asset is called as its files are, up to the
+/// Plots and tables of docs/guide/settings.md, from reports and advice in JSON; an asset is called as its files are, up to the
 /// first dot
 #[derive(Debug, Clone, Parser)]
 pub struct Arguments {

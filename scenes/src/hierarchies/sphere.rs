@@ -1,4 +1,4 @@
-//! The product's ball of some vertices, in exact numbers: the formulas of docs/guarantees.md in f64, without slack.
+//! The product's ball of some vertices, in exact numbers: the formulas of docs/design/guarantees.md in f64, without slack.
 
 use bdtree_build::wrap::ball::smallest_ball;
 use nalgebra::Vector3;

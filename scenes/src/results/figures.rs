@@ -1,4 +1,4 @@
-//! Figures of `docs/results.md` that no program prints as they stand there: rows that go through all meshes or work
+//! Figures of `docs/measured/results.md` that no program prints as they stand there: rows that go through all meshes or work
 //! something out, and whether the goals that the project set itself are reached.
 
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! `docs/results.md`: the paper's rows beside ours, from one run of all programs.
+//! `docs/measured/results.md`: the paper's rows beside ours, from one run of all programs.
 
 mod figures;
 mod page;
@@ -17,7 +17,7 @@ use crate::report::{Report, commit, write};
 use crate::{curtain, growth, tables};
 use page::{faults, page, picture};
 
-/// Runs the paper's experiments and writes docs/results.md with its pictures
+/// Runs the paper's experiments and writes docs/measured/results.md with its pictures
 #[derive(Debug, Clone, Parser)]
 pub struct Arguments {
     /// Small meshes and few repetitions: to try it out

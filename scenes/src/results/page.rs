@@ -1,4 +1,4 @@
-//! The text of `docs/results.md`: `page.txt` with the figures of a run, then what the programs print.
+//! The text of `docs/measured/results.md`: `page.txt` with the figures of a run, then what the programs print.
 
 use std::fmt::Write;
 use std::fs;

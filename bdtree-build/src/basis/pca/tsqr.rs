@@ -3,7 +3,7 @@
 //! QR of the triangle so far on top of the next rows (Demmel, Grigori, Hoemmen, Langou,
 //! "Communication-optimal parallel and sequential QR and LU factorizations", 2012), then the SVD of
 //! the last triangle. Unlike a Gram matrix it does not square the condition number, and it is fast
-//! enough for all sizes (docs/animation.md).
+//! enough for all sizes (docs/reference/animation.md).
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};

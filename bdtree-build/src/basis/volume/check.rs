@@ -208,7 +208,7 @@ fn warn_locking(volume: &RawVolume, materials: &[RawMaterial], warnings: &mut Ve
     if worst > LOCKING_POISSON {
         warnings.push(format!(
             "linear tetrahedra with a Poisson's ratio of {worst} are too stiff: their frequencies \
-             come out too high (docs/volumes.md); hexahedra, finer tetrahedra or a lower ratio help"
+             come out too high (docs/reference/volumes.md); hexahedra, finer tetrahedra or a lower ratio help"
         ));
     }
 }

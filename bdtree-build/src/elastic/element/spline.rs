@@ -5,7 +5,7 @@
 //! displacement *and* have continuous gradients, so walls bend freely however they lie to the
 //! lattice, also where they are a fraction of a cell thick: the error of the curvature is of
 //! second order in the cell size. (Trilinear cubes with incompatible modes, which do as well
-//! along the axes, come out a third too stiff there: docs/decisions/elastic-element.md.)
+//! along the axes, come out a third too stiff there: docs/design/decisions/elastic-element.md.)
 //! K. Höllig, "Finite Element Methods with B-Splines" (2003); D. Schillinger, E. Rank, "An
 //! unfitted hp-adaptive finite element method based on hierarchical B-splines" (2011);
 //! J. Parvizian, A. Düster, E. Rank, "Finite cell method" (2007).

@@ -1,6 +1,6 @@
 //! glTF 2.0, `.gltf` and `.glb`: meshes where the scene's nodes put them, and their morph targets.
 //!
-//! What is read and what is not, ids, names, clips and errors: `docs/morph-targets.md`. The `gltf`
+//! What is read and what is not, ids, names, clips and errors: `docs/reference/morph-targets.md`. The `gltf`
 //! crate reads and validates the document; buffers and accessors are read here, checked first.
 //!
 //! Flow: container → document → nodes → plan → mesh → model → clip.

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: positions, faces and groups; everything else is skipped and counted.
 //!
 //! Our own reader, because a basis made elsewhere refers to the file's `v` lines in order; why not
-//! a crate, and every decision on odd input: `docs/decisions/obj-reader.md`.
+//! a crate, and every decision on odd input: `docs/design/decisions/obj-reader.md`.
 
 mod face;
 mod finish;

@@ -1,7 +1,7 @@
 //! Ours beside deforming all vertices and refitting a tree of boxes, over how much is asked per step: where
 //! the second becomes faster (the paper's section 6: "for large M or when most spheres are queried").
 //!
-//! The contender is obvhs, the fastest library of docs/benchmarks.md that Rust programs can refit; it gets
+//! The contender is obvhs, the fastest library of docs/measured/benchmarks.md that Rust programs can refit; it gets
 //! the same deformed vertices and finds the same contacts. What the two do at leaves differs: for balls and
 //! pairs the contender tests triangle by triangle with the product's public scalar functions
 //! ([`crate::leaf`]), where ours rejects and tests four triangles at a time; for rays it uses its

@@ -1,6 +1,6 @@
 //! Skinning on a GPU, held against what the device copies; and normals from fields beside exact ones.
 //!
-//! Method and figures: `docs/skinning.md`.
+//! Method and figures: `docs/reference/gpu-deformation.md`.
 
 mod normals;
 mod skin;

@@ -1,7 +1,7 @@
 //! Side-by-side benchmarks: the product beside the paper's plain tree, in one run.
 //!
 //! Machines that measure are shared, so contenders take turns within a run and what counts are
-//! medians of ratios; `docs/benchmarks.md` holds the method and the figures. Every command gives tables,
+//! medians of ratios; `docs/measured/benchmarks.md` holds the method and the figures. Every command gives tables,
 //! which are printed as text or as JSON.
 
 mod bake;
@@ -49,7 +49,7 @@ use prelude::Result;
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// How often everyone's turn comes [default: what docs/benchmarks.md was measured with]
+    /// How often everyone's turn comes [default: what docs/measured/benchmarks.md was measured with]
     #[arg(long, global = true, visible_aliases = ["repeat", "repetitions"], value_parser = clap::value_parser!(u32).range(1..))]
     rounds: Option<u32>,
     /// JSON instead of text, or beside it in this file

@@ -1,4 +1,4 @@
-//! Plots and tables of docs/guide.md: see [`bdtree_scenes::guide`].
+//! Plots and tables of docs/guide/settings.md: see [`bdtree_scenes::guide`].
 //!
 //!     BDTREE_CORPUS=FOLDER scripts/guide.sh
 
