@@ -1,6 +1,7 @@
 //! What can be wrong with a bake: every problem with its stage and place, not only the first.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
 
@@ -34,6 +35,8 @@ pub enum Part {
     Axis(usize),
     /// A triangle of the mesh.
     Triangle(usize),
+    /// A face of the file, which becomes one triangle or more.
+    Face(usize),
     /// A group of the mesh.
     Group(String),
     /// A field of the basis.
@@ -82,6 +85,16 @@ impl Place {
     pub fn at(mut self, part: Part) -> Self {
         self.parts.push(part);
         self
+    }
+
+    /// The place in the file: `line 12`, `mode 1, vertex 3`.
+    fn inside(&self) -> String {
+        let part = |part: &Part| match part {
+            Part::Line(line) => format!("line {line}"),
+            other => other.to_string(),
+        };
+        let parts: Vec<String> = self.parts.iter().map(part).collect();
+        parts.join(", ")
     }
 
     /// Whether it is a part of the mesh, its fields or its frames, in no file in particular.
@@ -134,6 +147,7 @@ impl fmt::Display for Part {
             Self::Vertex(vertex) => write!(f, "vertex {vertex}"),
             Self::Axis(axis) => f.write_str(["x", "y", "z"].get(*axis).unwrap_or(&"?")),
             Self::Triangle(triangle) => write!(f, "triangle {triangle}"),
+            Self::Face(face) => write!(f, "face {face}"),
             Self::Group(name) => write!(f, "group {name:?}"),
             Self::Mode(mode) => write!(f, "mode {mode}"),
             Self::Frame(frame) => write!(f, "frame {frame}"),
@@ -322,9 +336,57 @@ impl Problems {
             self.listed.push(Problem::new(self.stage, place, message));
         }
         BakeError {
-            problems: self.listed,
+            problems: grouped(self.listed),
         }
     }
+}
+
+/// Problems of one kind that are listed one by one; of more, the first stands for all.
+const SIMILAR_MAX: usize = 10;
+
+/// Places that are named where one problem stands for many.
+const SIMILAR_SHOWN: usize = 10;
+
+/// Problems that differ in their place and in numbers and quotes alone, as one with the other places behind it: a
+/// hundred lines that say the same hide the one that does not.
+fn grouped(problems: Vec<Problem>) -> Vec<Problem> {
+    let mut groups: Vec<Vec<Problem>> = Vec::new();
+    let mut known = HashMap::new();
+    for problem in problems {
+        let key = (problem.place.file.clone(), pattern(&problem.message));
+        let group = *known.entry(key).or_insert(groups.len());
+        if group == groups.len() {
+            groups.push(Vec::new());
+        }
+        groups[group].push(problem);
+    }
+    let one_by_one = |group: &Vec<Problem>| {
+        group.len() <= SIMILAR_MAX || group.iter().any(|problem| problem.place.parts.is_empty())
+    };
+    let join = |mut group: Vec<Problem>| {
+        if one_by_one(&group) {
+            return group;
+        }
+        let others = group.split_off(1);
+        let shown = others.iter().take(SIMILAR_SHOWN);
+        let shown: Vec<String> = shown.map(|problem| problem.place.inside()).collect();
+        let more = if shown.len() < others.len() {
+            ", …"
+        } else {
+            ""
+        };
+        let (count, shown) = (others.len(), shown.join(", "));
+        group[0].message += &format!(" (and {count} problems like it, at {shown}{more})");
+        group
+    };
+    groups.into_iter().flat_map(join).collect()
+}
+
+/// A message without its numbers and quotes.
+fn pattern(message: &str) -> String {
+    let unquoted = message.split('`').step_by(2);
+    let is_kept = |c: &char| !c.is_ascii_digit();
+    unquoted.flat_map(str::chars).filter(is_kept).collect()
 }
 
 impl fmt::Display for BakeError {
@@ -344,6 +406,33 @@ impl std::error::Error for BakeError {}
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn problems_of_one_kind_are_told_once() {
+        let mut problems = Problems::new("input");
+        let at = |line| Place::file("a.obj").at(Part::Line(line));
+        for line in 5..20 {
+            problems.add(|| {
+                (
+                    at(line),
+                    format!("corner 1 `{line}x`: is not a vertex index"),
+                )
+            });
+        }
+        problems.add(|| (at(30), "a face needs 3 corners or more, found 2"));
+        problems.add(|| (at(31), "a face needs 3 corners or more, found 1"));
+        let text = problems.into_error(Place::file("a.obj")).to_string();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(
+            lines,
+            [
+                "a.obj:5: corner 1 `5x`: is not a vertex index (and 14 problems like it, at line 6, line 7, line 8, \
+                 line 9, line 10, line 11, line 12, line 13, line 14, line 15, …)",
+                "a.obj:30: a face needs 3 corners or more, found 2",
+                "a.obj:31: a face needs 3 corners or more, found 1",
+            ]
+        );
+    }
 
     #[test]
     fn problems_are_one_line_whatever_names_hold() {

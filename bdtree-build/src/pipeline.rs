@@ -131,7 +131,7 @@ pub fn bake(recipe: &Recipe, progress: &dyn Progress) -> Result<Baked, BakeError
     // All files first: what is wrong with one is told before minutes of work. `motion` asks for what moves; meshes
     // are read by `input` (OBJ by `input/obj`, GLB and glTF by `input/gltf`).
     stages.begin("input");
-    let read = motion::read(&recipe.source, progress).map_err(named)?;
+    let read = motion::read(recipe, progress).map_err(named)?;
 
     // Section 2: a shape is p' = p + U q, with fields U that are known before the tree is built. Whatever made them
     // (vibrations, frames, morph targets), nothing below asks where they came from.
@@ -145,6 +145,7 @@ pub fn bake(recipe: &Recipe, progress: &dyn Progress) -> Result<Baked, BakeError
         stages,
     )
     .map_err(named)?;
+    baked.report.scale_m = recipe.source.scale_m().filter(|_| moving.is_body());
     baked.report.elastic = moving.elastic;
     baked.report.volume = moving.volume;
     Ok(baked)
@@ -233,12 +234,14 @@ fn build(
         nodes: wrapped.nodes.len(),
         depth: tree.depth,
         bytes: bytes.len(),
+        bounds: mesh.bounds(),
         warnings,
         stages: stages.end(),
         frequencies_hz: report::frequencies_hz(basis),
         basis_error_rel: provenance.error,
         tightness,
         visits,
+        scale_m: None,
         elastic: None,
         volume: None,
     };

@@ -7,6 +7,7 @@ use crate::basis::elastic::{ElasticOptions, Fix, FixRegion};
 use crate::basis::given::Layout;
 use crate::basis::pca::PcaOptions;
 use crate::basis::volume::VolumeOptions;
+use crate::input::BadFaces;
 use crate::pipeline::BakeSettings;
 
 /// A whole bake, for [`bake`](crate::bake).
@@ -16,6 +17,8 @@ pub struct Recipe {
     pub source: Source,
     /// How the file is made of them.
     pub settings: BakeSettings,
+    /// What becomes of faces of the mesh file that cannot be read; frames and volumes are always read whole.
+    pub bad_faces: BadFaces,
     /// Options that a user gave, whether or not the source turns out to use them: those that it does not become
     /// warnings.
     pub stated: Vec<Stated>,
@@ -33,7 +36,7 @@ pub struct Stated {
 /// A mesh and what moves it. Paths are read when the recipe is baked.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
-    /// A mesh file: `.obj`, `.obj.gz`, `.gltf` or `.glb`.
+    /// A mesh file: `.obj`, `.ply`, `.stl`, `.gltf` or `.glb`.
     Surface {
         /// The file.
         path: PathBuf,
@@ -138,6 +141,7 @@ impl Recipe {
         Self {
             source,
             settings: BakeSettings::default(),
+            bad_faces: BadFaces::Refuse,
             stated: Vec::new(),
         }
     }
@@ -159,6 +163,20 @@ impl Source {
             Self::Surface { path, .. } => path,
             Self::Volume(volume) => volume.surface.as_ref().unwrap_or(&volume.path),
             Self::Frames(frames) => frames.surface.as_ref().unwrap_or(&frames.path),
+        }
+    }
+
+    /// Meters per mesh unit, of sources that may have vibration modes.
+    pub(crate) fn scale_m(&self) -> Option<f64> {
+        match self {
+            Self::Surface { motion, .. } => match motion {
+                Motion::Elastic(elastic) | Motion::MorphsElseElastic(_, elastic) => {
+                    Some(elastic.options.scale_m)
+                }
+                Motion::Rigid | Motion::Morphs(_) | Motion::Given(_) => None,
+            },
+            Self::Volume(volume) => Some(volume.options.scale_m),
+            Self::Frames(_) => None,
         }
     }
 

@@ -41,6 +41,8 @@ pub struct BakeReport {
     pub depth: usize,
     /// Length of the file.
     pub bytes: usize,
+    /// Least and largest coordinates of the rest positions (mesh units).
+    pub bounds: [[f64; 3]; 2],
     /// What was odd but kept.
     pub warnings: Vec<String>,
     /// Seconds per stage.
@@ -53,6 +55,8 @@ pub struct BakeReport {
     pub tightness: Vec<LevelTightness>,
     /// Nodes that small queries visit.
     pub visits: Visits,
+    /// Meters per mesh unit, where masses and frequencies depend on it.
+    pub scale_m: Option<f64>,
     /// How elastic modes were found, if those are the fields.
     pub elastic: Option<ElasticReport>,
     /// How the modes of a volume were found, if those are the fields.

@@ -13,6 +13,7 @@ mod elastic_symmetric;
 mod encode;
 mod encode_frames;
 mod hostile_sizes;
+mod input_formats;
 mod input_given;
 mod input_obj;
 mod messy;

@@ -486,3 +486,113 @@ fn a_full_disk_keeps_the_old_file() {
     assert_eq!(std::fs::read(&target).expect("old file"), b"old");
     assert_eq!(std::fs::read_dir(folder.path()).expect("folder").count(), 1);
 }
+
+/// A folder can hold nothing but frames.
+#[test]
+fn a_folder_as_input_holds_frames() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::os::unix::fs::symlink(fixture("wave"), folder.path().join("wave")).expect("link");
+    let json = baked(&["wave", "--fps", "30"], folder.path());
+    assert_eq!(json["frames"], 6);
+    let given = folder.path().join("given.bdt");
+    let option = baked(
+        &["--animation", "wave", "--fps", "30", "-o", "given.bdt"],
+        folder.path(),
+    );
+    assert_eq!(option["frames"], 6);
+    let bytes = |path: PathBuf| std::fs::read(path).expect("a file");
+    assert_eq!(bytes(folder.path().join("wave.bdt")), bytes(given));
+    let cube = fixture("cube.obj").display().to_string();
+    for option in [&["--align"][..], &["--fps", "30"], &["--about", "input"]] {
+        let arguments = [&[cube.as_str()], option].concat();
+        refused(
+            &arguments,
+            2,
+            &[option[0], "needs frames: give --animation"],
+        );
+    }
+}
+
+#[test]
+fn bad_faces_are_grouped_or_skipped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut mesh =
+        String::from_utf8(std::fs::read(fixture("cube.obj")).expect("a fixture")).expect("a text");
+    for _ in 0..201 {
+        mesh += "\nf 1 2";
+    }
+    std::fs::write(folder.path().join("many.obj"), mesh).expect("written");
+    let ran = run(&["many.obj", "--modes", "0"], folder.path());
+    let told = text(&ran.stderr);
+    assert_eq!(
+        (ran.status.code(), told.lines().count()),
+        (Some(1), 2),
+        "{told}"
+    );
+    assert!(
+        told.contains("found 2 (and 99 problems like it, at line "),
+        "{told}"
+    );
+    assert!(told.contains("101 more problems"), "{told}");
+    let json = baked(
+        &["many.obj", "--modes", "0", "--skip-bad-faces"],
+        folder.path(),
+    );
+    let warnings = json["warnings"].as_array().expect("a list");
+    assert_eq!(warnings.len(), 6);
+    assert_eq!(
+        warnings[5],
+        "many.obj: skipped 201 bad faces: triangle ids count the others"
+    );
+}
+
+#[test]
+fn unknown_groups_are_told_which_there_are() {
+    let refuse = |name: &str, parts: &[&str]| {
+        let mesh = fixture(name).display().to_string();
+        let fix = ["--fix", "xyz:sofa", "--resolution", "4", "-o", "out.bdt"];
+        refused(&[&[mesh.as_str()], &fix[..]].concat(), 1, parts);
+    };
+    refuse("cube.obj", &["--fix sofa: ", "the mesh has no groups"]);
+    refuse("groups_unused.obj", &["--fix sofa: ", "its groups are \""]);
+}
+
+/// The summary says how large the mesh is, and warns where its unit is probably not the meter.
+#[test]
+fn sizes_are_told_and_doubted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cube = std::fs::read_to_string(fixture("cube.obj")).expect("a fixture");
+    let large: String = cube
+        .lines()
+        .map(|line| match line.strip_prefix("v ") {
+            Some(position) => {
+                let grown = position.split_whitespace().map(|x| format!("{x}e3"));
+                format!("v {}\n", grown.collect::<Vec<_>>().join(" "))
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    std::fs::write(folder.path().join("large.obj"), large).expect("written");
+    let bake = |options: &[&str]| {
+        let arguments = [&["large.obj", "--modes", "2", "--resolution", "4"], options].concat();
+        let ran = run(&arguments, folder.path());
+        assert!(ran.status.success(), "{}", text(&ran.stderr));
+        (text(&ran.stdout), text(&ran.stderr))
+    };
+    let (summary, warnings) = bake(&[]);
+    assert!(summary.contains("1 mesh unit = 1 m (--scale)"), "{summary}");
+    assert!(
+        summary.contains("size: ") && summary.contains("bounds: spheres are "),
+        "{summary}"
+    );
+    assert!(
+        warnings.contains("give --scale (meters per mesh unit) if that is wrong"),
+        "{warnings}"
+    );
+    let (summary, warnings) = bake(&["--scale", "0.001"]);
+    assert!(
+        summary.contains("1 mesh unit = 0.001 m (--scale)"),
+        "{summary}"
+    );
+    assert_eq!(warnings, "");
+}

@@ -4,12 +4,12 @@ use std::io::Write;
 use std::path::Path;
 
 use bdtree_build::error::{Part, Place};
-use bdtree_build::input::{GroupKind, RawMesh, obj, read_mesh};
+use bdtree_build::input::{BadFaces, GroupKind, RawMesh, obj, read_mesh};
 use flate2::{Compression, write::GzEncoder};
 use sha2::{Digest, Sha256};
 
 fn parse(text: &str) -> Result<RawMesh, String> {
-    obj::parse(text.as_bytes(), "m.obj").map_err(|e| e.to_string())
+    obj::parse(text.as_bytes(), "m.obj", BadFaces::Refuse).map_err(|e| e.to_string())
 }
 
 const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
@@ -89,11 +89,17 @@ fn oddities_are_listed_then_counted() {
 
 #[test]
 fn problems_beyond_a_hundred_are_counted() {
-    let error = obj::parse("v 1\n".repeat(250).as_bytes(), "m.obj").unwrap_err();
-    assert_eq!(error.problems.len(), 101);
-    let line = Place::file("m.obj").at(Part::Line(100));
-    assert_eq!(error.problems[99].place, line);
-    assert_eq!(error.problems[100].to_string(), "m.obj: 151 more problems");
+    let error = obj::parse("v 1\n".repeat(250).as_bytes(), "m.obj", BadFaces::Refuse).unwrap_err();
+    // The hundred that are listed are alike: the first stands for them.
+    assert_eq!(error.problems.len(), 2);
+    let line = Place::file("m.obj").at(Part::Line(1));
+    assert_eq!(error.problems[0].place, line);
+    assert!(
+        error.problems[0]
+            .message
+            .contains("(and 99 problems like it, at line 2, line 3, ")
+    );
+    assert_eq!(error.problems[1].to_string(), "m.obj: 151 more problems");
 }
 
 #[test]
@@ -102,20 +108,20 @@ fn text_cut_or_damaged_anywhere_never_panics() {
         format!("\u{feff}{CORNERS}# c\\\no n\ng a b\nvt 0 0\nf 1/1 2//1 \\\r\n -1\nl 1 2\nf 1 2 3");
     let bytes = text.as_bytes();
     for end in 0..=bytes.len() {
-        let _ = obj::parse(&bytes[..end], "m.obj");
+        let _ = obj::parse(&bytes[..end], "m.obj", BadFaces::Refuse);
         for value in [0, b'\\', b'\n', b'-', b'/', 0xff] {
             let mut damaged = bytes.to_vec();
             if let Some(byte) = damaged.get_mut(end) {
                 *byte = value;
             }
-            let _ = obj::parse(&damaged, "m.obj");
+            let _ = obj::parse(&damaged, "m.obj", BadFaces::Refuse);
         }
     }
 }
 
 #[test]
 fn binary_data_is_no_text() {
-    let error = obj::parse(b"v\x00 \x001\x00", "m.obj")
+    let error = obj::parse(b"v\x00 \x001\x00", "m.obj", BadFaces::Refuse)
         .unwrap_err()
         .to_string();
     assert_eq!(
@@ -171,8 +177,8 @@ fn paths_that_are_no_mesh_say_why() {
         std::fs::write(&path, "x").unwrap();
         path
     };
-    for later in ["a.ply", "a.stl.gz", "a.fbx"] {
-        assert!(message(&touch(later)).contains("not supported yet (read now: .obj, .obj.gz"));
+    for later in ["a.off", "a.dae.gz", "a.fbx"] {
+        assert!(message(&touch(later)).contains("not supported yet (read now: .obj, .ply, .stl"));
     }
     assert!(message(&touch("a.veg")).contains("give it as --tets"));
     assert!(message(&touch("a.pc2")).contains("given as --animation"));
@@ -203,7 +209,7 @@ fn two_million_triangles() {
         }
     }
     let start = std::time::Instant::now();
-    let mesh = obj::parse(&text, "m.obj").unwrap();
+    let mesh = obj::parse(&text, "m.obj", BadFaces::Refuse).unwrap();
     println!("{} bytes, {:?}", text.len(), start.elapsed());
     assert_eq!(mesh.triangles.len(), 2_000_000);
 }

@@ -186,3 +186,43 @@ fn stages_begin_in_order_and_are_timed() {
     );
     assert_eq!(baked.report.stages.len(), expected.len());
 }
+
+/// Steps that the stage of the modes has done, one call after the other.
+#[derive(Default)]
+struct Steps {
+    counting: std::cell::Cell<bool>,
+    total: std::cell::Cell<u64>,
+    done: std::cell::RefCell<Vec<u64>>,
+}
+
+impl Progress for Steps {
+    fn stage(&self, name: &str, steps: Option<u64>) {
+        self.counting.set(name == "modes");
+        if let (true, Some(steps)) = (self.counting.get(), steps) {
+            self.total.set(steps);
+        }
+    }
+
+    fn advance(&self, steps: u64) {
+        if self.counting.get() {
+            self.done.borrow_mut().push(steps);
+        }
+    }
+}
+
+/// The longest stage of a bake tells how far it is, from its first seconds to its end.
+#[test]
+fn solving_for_modes_tells_how_far_it_is() {
+    let steps = Steps::default();
+    let mut elastic = Elastic::default();
+    elastic.options.mode_count = 4;
+    elastic.options.resolution = Some(10);
+    let recipe = Recipe::of_surface(fixture("torus.obj"), Motion::Elastic(elastic));
+    bake(&recipe, &steps).expect("a sound recipe");
+    let done = steps.done.into_inner();
+    assert_eq!(done.iter().sum::<u64>(), steps.total.get());
+    let told = done.iter().filter(|steps| **steps > 0);
+    assert!(told.count() >= 5, "{done:?}");
+    let most = done.iter().max().copied().unwrap_or(0);
+    assert!(most <= steps.total.get() / 2, "{done:?}");
+}

@@ -82,7 +82,8 @@ pub struct VerifyArguments {
 /// Structure is counts, sections, tree, triangles, groups, names and settings. A number's
 /// difference is measured against the largest magnitude of its quantity in both files: positions
 /// and sphere centers against the mesh's size, each mode's field against that mode's largest
-/// displacement, and so on. The version of the builder is shown but does not count.
+/// displacement, and so on. The version of the builder and the names of the files that were baked do not count.
+/// Where vertices differ, the farthest is shown, at rest and by each mode at its q_range.
 ///
 /// Both files are verified first.
 ///
@@ -97,6 +98,9 @@ pub struct DiffArguments {
     /// 0: numbers are equal to the last bit
     #[arg(long, value_name = "E", default_value = "0", value_parser = tolerance)]
     pub tolerance_rel: f64,
+    /// Prints one JSON object
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Writes the deformed mesh: origin + p + U q in f64, mesh units, in the source's order.

@@ -184,6 +184,12 @@ impl fmt::Display for Shortest {
     }
 }
 
+/// At most six significant digits, for people.
+pub(crate) fn digits(x: f64) -> String {
+    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+    Shortest(rounded).to_string()
+}
+
 /// A title, and below it rows of cells with aligned columns: the first row is the heading (commas between
 /// its cells), the first column is text and the others numbers.
 pub(crate) fn table<const N: usize>(

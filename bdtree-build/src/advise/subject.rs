@@ -76,7 +76,7 @@ impl Subject {
         progress: &dyn Progress,
     ) -> Result<Self, BakeError> {
         progress.stage("input", None);
-        let read = motion::read(&recipe.source, progress)?;
+        let read = motion::read(recipe, progress)?;
         progress.stage("basis", None);
         let moving = match within {
             Some(max_error_rel) => read.moving_within(recipe, max_error_rel, progress)?,

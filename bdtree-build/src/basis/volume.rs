@@ -177,7 +177,6 @@ pub fn volume_modes(
     tell::joints(&components, warnings);
     lap(&mut report, "elements");
 
-    progress.stage("modes", Some(components.len() as u64));
     let limits = Limits {
         wanted: options.mode_count,
         bytes: options.memory_limit_bytes,

@@ -27,12 +27,18 @@ const BODY: &str = "Elastic modes";
 #[derive(Debug, Parser)]
 #[command(name = "bdtree-build", version)]
 pub(crate) struct Arguments {
-    /// The mesh: .obj, .obj.gz, .gltf or .glb. --tets and a folder of frames can do without.
+    /// The mesh: .obj, .ply, .stl (also .gz), .gltf or .glb; or a folder of .obj frames, as with
+    /// --animation. --tets and --animation with a folder need no INPUT.
     pub(crate) input: Option<PathBuf>,
 
     /// Output file [default: INPUT, else --tets or --animation, with .bdt, beside it].
     #[arg(short, long, value_name = "OUT.bdt")]
     pub(crate) output: Option<PathBuf>,
+
+    /// Leaves out faces of INPUT (.obj, .ply) that cannot be read, with a warning, instead of
+    /// refusing the file. Triangle ids count the faces that remain.
+    #[arg(long, requires = "input")]
+    pub(crate) skip_bad_faces: bool,
 
     /// Number of modes, 0 to 512, or auto: as few as reach --max-error-rel [default: 10; with
     /// --basis and morph targets: all].
@@ -64,15 +70,15 @@ pub(crate) struct Arguments {
     pub(crate) animation: Option<PathBuf>,
 
     /// What the rest positions are: mean (of the frames) or input (the positions of INPUT) [default: mean].
-    #[arg(long, value_name = "REST", requires = "animation", help_heading = PCA)]
+    #[arg(long, value_name = "REST", help_heading = PCA)]
     pub(crate) about: Option<About>,
 
     /// Takes the rigid motion out of each frame; playback puts it back.
-    #[arg(long, requires = "animation", help_heading = PCA)]
+    #[arg(long, help_heading = PCA)]
     pub(crate) align: bool,
 
     /// Frames per second, above 0, for frames without times [default: times unknown].
-    #[arg(long, value_name = "FPS", requires = "animation", help_heading = PCA)]
+    #[arg(long, value_name = "FPS", help_heading = PCA)]
     pub(crate) fps: Option<f64>,
 
     /// Which of a glTF file's animations gives the weights over time, by name [default: the first
@@ -186,6 +192,17 @@ impl Arguments {
         .collect()
     }
 
+    /// The frames and the mesh that they move: `--animation` and INPUT, or INPUT alone where it is a folder, which can
+    /// hold nothing else.
+    pub(crate) fn frames(&self) -> Option<(PathBuf, Option<PathBuf>)> {
+        if let Some(frames) = &self.animation {
+            return Some((frames.clone(), self.input.clone()));
+        }
+        let other = self.basis.is_some() || self.tets.is_some();
+        let folder = self.input.as_deref().filter(|path| !other && path.is_dir());
+        folder.map(|folder| (folder.to_path_buf(), None))
+    }
+
     /// The error that `--advise` allows, over the box diagonal.
     pub(crate) fn goal(&self) -> f64 {
         self.max_error_rel.unwrap_or(GOAL)
@@ -213,10 +230,20 @@ impl Arguments {
         self.check_modes()?;
         if self.input.is_none() && self.tets.is_none() && self.animation.is_none() {
             let text =
-                "no INPUT: name a mesh (.obj, .obj.gz, .gltf, .glb); --help shows all options";
+                "no INPUT: name a mesh (.obj, .ply, .stl, .gltf, .glb); --help shows all options";
             return Err(text.to_string());
         }
-        Ok(())
+        let of_frames = [
+            (self.about.is_some(), "--about"),
+            (self.align, "--align"),
+            (self.fps.is_some(), "--fps"),
+        ];
+        match of_frames.into_iter().find(|(is_given, _)| *is_given) {
+            Some((_, option)) if self.frames().is_none() => Err(format!(
+                "{option} needs frames: give --animation, or a folder of frames as INPUT"
+            )),
+            _ => Ok(()),
+        }
     }
 
     fn check_numbers(&self) -> Result<(), String> {

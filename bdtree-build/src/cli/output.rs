@@ -4,7 +4,7 @@ use std::io::{ErrorKind, StdoutLock, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use bdtree_build::report::BakeReport;
+use bdtree_build::report::{BakeReport, LevelTightness};
 use serde::Serialize;
 
 /// Warnings shown to people; `--json` and the file's metadata have all.
@@ -71,6 +71,28 @@ pub(super) fn to_stdout(
     }
 }
 
+/// At most four significant digits.
+fn digits(x: f64) -> String {
+    let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
+    match rounded.abs() {
+        0.0 | 1e-4..1e7 => rounded.to_string(),
+        _ => format!("{rounded:e}"),
+    }
+}
+
+/// What the tightness of all levels means for queries.
+fn verdict(levels: &[LevelTightness]) -> String {
+    let mean = levels.iter().map(|level| level.mean).sum::<f64>() / levels.len() as f64;
+    let meaning = match mean {
+        m if m <= 1.5 => "tight",
+        m if m <= 3.0 => "fair",
+        _ => "loose: queries visit many nodes; use fewer modes or a smaller --range-rel",
+    };
+    format!(
+        "bounds: spheres are {mean:.2} times as large as the smallest possible ones at q_range, {meaning}"
+    )
+}
+
 fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Result<()> {
     writeln!(
         out,
@@ -83,34 +105,48 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
         counted(r.depth, "level"),
         r.bytes
     )?;
+    let size = [0, 1, 2].map(|k| r.bounds[1][k] - r.bounds[0][k]);
+    let diagonal = size.iter().map(|x| x * x).sum::<f64>().sqrt();
+    writeln!(
+        out,
+        "size: {} x {} x {} mesh units, diagonal {}{}",
+        digits(size[0]),
+        digits(size[1]),
+        digits(size[2]),
+        digits(diagonal),
+        r.scale_m.map_or(String::new(), |scale| format!(
+            "; 1 mesh unit = {scale} m (--scale)"
+        ))
+    )?;
     if let Some(e) = &r.elastic {
         writeln!(
             out,
-            "elastic: {} of {:.4} ({} along the longest side), {}, {:.4} kg",
+            "elastic: {} of {} ({} along the longest side), {}, {} kg",
             counted(e.cells, "cell"),
-            e.cell_size,
+            digits(e.cell_size),
             e.resolution,
             counted(e.dofs, "unknown"),
-            e.mass_kg
+            digits(e.mass_kg)
         )?;
     }
     if let Some(v) = &r.volume {
         writeln!(
             out,
-            "volume: {} on {}, {}, {:.4} kg",
+            "volume: {} on {}, {}, {} kg",
             counted(v.elements, "element"),
             counted(v.nodes, "node"),
             counted(v.dofs, "unknown"),
-            v.mass_kg
+            digits(v.mass_kg)
         )?;
     }
     if let Some(hz) = &r.frequencies_hz {
-        let text: Vec<String> = hz.iter().map(|f| format!("{f:.4}")).collect();
+        let text: Vec<String> = hz.iter().map(|f| digits(*f)).collect();
         writeln!(out, "frequencies (Hz): {}", text.join(" "))?;
         let end = hz.iter().fold(0.0, |m: f64, f| m.max(*f));
         writeln!(
             out,
-            "the basis ends at {end:.4} Hz: faster motion is left out"
+            "the basis ends at {} Hz: faster motion is left out",
+            digits(end)
         )?;
     }
     if let Some(frames) = r.frames {
@@ -131,6 +167,7 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
             .map(|t| format!("{:.3}", t.mean))
             .collect();
         writeln!(out, "tightness R'/R_opt per level: {}", text.join(" "))?;
+        writeln!(out, "{}", verdict(&r.tightness))?;
     }
     let mut stages: Vec<(&String, &f64)> = r.stages.iter().collect();
     stages.sort_by(|a, b| b.1.total_cmp(a.1));

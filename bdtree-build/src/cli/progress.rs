@@ -31,7 +31,7 @@ impl Bar {
 impl Progress for Bar {
     fn stage(&self, name: &str, steps: Option<u64>) {
         let template = match steps {
-            Some(_) => "{elapsed:>4} {msg:<12} {bar:32} {pos}/{len}",
+            Some(_) => "{elapsed:>4} {msg:<12} {bar:32} {percent:>3} %, {eta} left",
             None => "{elapsed:>4} {msg:<12} {spinner}",
         };
         if let Ok(style) = ProgressStyle::with_template(template) {

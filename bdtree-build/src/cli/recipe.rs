@@ -7,6 +7,7 @@ use bdtree_build::basis::elastic::ElasticOptions;
 use bdtree_build::basis::pca::{self, About, PcaOptions};
 use bdtree_build::basis::volume::VolumeOptions;
 use bdtree_build::error::{BakeError, Part};
+use bdtree_build::input::BadFaces;
 use bdtree_build::pipeline::BakeSettings;
 use bdtree_build::recipe::{Elastic, Frames, Given, Morphs, Motion, Recipe, Source, Volume};
 
@@ -19,7 +20,7 @@ const MODES_DEFAULT: usize = 10;
 /// The recipe of arguments that [`Arguments::check`] passed.
 pub(super) fn of(arguments: &Arguments) -> Result<Recipe, BakeError> {
     let surface = arguments.input.clone();
-    let source = if let Some(path) = arguments.animation.clone() {
+    let source = if let Some((path, surface)) = arguments.frames() {
         frames(arguments, path, surface)
     } else if let Some(path) = arguments.tets.clone() {
         volume(arguments, path, surface)?
@@ -37,6 +38,10 @@ pub(super) fn of(arguments: &Arguments) -> Result<Recipe, BakeError> {
             split: arguments.split,
             nested: arguments.nested,
             threads: threads(arguments),
+        },
+        bad_faces: match arguments.skip_bad_faces {
+            true => BadFaces::Skip,
+            false => BadFaces::Refuse,
         },
         stated: arguments.stated(),
     })

@@ -9,14 +9,14 @@ use flate2::bufread::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
 use super::read_file::read_file;
-use super::{RawMesh, RawModel, gltf, obj};
+use super::{BadFaces, RawMesh, RawModel, gltf, obj, ply, stl};
 use crate::error::{BakeError, Place};
 
 /// What every refusal of a format ends with.
-const SUPPORTED: &str = "read now: .obj, .obj.gz, .gltf, .glb";
+const SUPPORTED: &str = "read now: .obj, .ply, .stl, each also as .gz, .gltf, .glb";
 
 /// Extensions of formats that are known but not read yet.
-const LATER: [&str; 6] = ["ply", "stl", "off", "abc", "fbx", "dae"];
+const LATER: [&str; 4] = ["off", "abc", "fbx", "dae"];
 
 /// Extensions of what is read, but not as the mesh.
 const VOLUMES: [&str; 3] = ["veg", "vtk", "msh"];
@@ -26,29 +26,37 @@ const SEQUENCES: [&str; 3] = ["pc2", "mdd", "npy"];
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Obj,
+    Ply,
+    Stl,
     Gltf,
 }
 
-/// The mesh at `path`, chosen by extension (any case): `.obj`, `.obj.gz`, `.gltf` or `.glb`.
+/// The mesh at `path`, chosen by extension (any case): `.obj`, `.ply`, `.stl`, each of them also compressed
+/// (`.obj.gz`), `.gltf` or `.glb`.
 ///
-/// Compression is recognised by content, so a compressed `.obj` and a plain `.obj.gz` are read
+/// Compression is recognized by content, so a compressed `.obj` and a plain `.obj.gz` are read
 /// too. The whole file is held in memory while it is read. Of a glTF file this is the mesh with all
 /// weights at 0; [`gltf::read_gltf`] has the morph targets too.
 ///
 /// # Errors
 /// A path that cannot be read, a format that is not read, damaged compression, and every problem
-/// of the OBJ text (see [`obj::parse`]) or the glTF file (see [`gltf::read_gltf`]), each with the
-/// path as given and the line or the JSON path.
+/// of the file (see [`obj::parse`], [`ply::parse`], [`stl::parse`], [`gltf::read_gltf`]), each with the
+/// path as given and the line, the face or the JSON path.
 pub fn read_mesh(path: &Path) -> Result<RawMesh, BakeError> {
-    read_model(path, None).map(|model| model.mesh)
+    read_model(path, None, BadFaces::Refuse).map(|model| model.mesh)
 }
 
 /// The mesh at `path`, as [`read_mesh`] reads it, with its morph targets if it has some; `clip`
-/// names the animation that gives their weights over time.
+/// names the animation that gives their weights over time, `bad_faces` says whether faces that cannot be read are
+/// left out.
 ///
 /// # Errors
 /// Those of [`read_mesh`]; an animation of another name.
-pub fn read_model(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError> {
+pub fn read_model(
+    path: &Path,
+    clip: Option<&str>,
+    bad_faces: BadFaces,
+) -> Result<RawModel, BakeError> {
     let place = path.display().to_string();
     let meta = fs::metadata(path).map_err(|e| unreadable(&place, &e))?;
     if meta.is_dir() {
@@ -58,12 +66,17 @@ pub fn read_model(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError
             format!("is a folder, not a mesh file ({SUPPORTED})"),
         ));
     }
-    if format(path, &place)? == Format::Gltf {
+    let format = format(path, &place)?;
+    if format == Format::Gltf {
         return gltf::read_gltf(path, clip);
     }
     let bytes = read_file(path).map_err(|e| unreadable(&place, &e))?;
     let text = decompress(&bytes, &place)?;
-    let mut mesh = obj::parse(&text, &place)?;
+    let mut mesh = match format {
+        Format::Ply => ply::parse(&text, &place, bad_faces),
+        Format::Stl => stl::parse(&text, &place),
+        Format::Obj | Format::Gltf => obj::parse(&text, &place, bad_faces),
+    }?;
     mesh.hash = Sha256::digest(&bytes).into();
     mesh.name = path
         .file_name()
@@ -97,7 +110,7 @@ pub(super) fn unreadable(place: &str, error: &std::io::Error) -> BakeError {
     )
 }
 
-/// What the extension says; only OBJ text is read compressed.
+/// What the extension says; glTF is not read compressed.
 fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
     let name = path
         .file_name()
@@ -113,6 +126,8 @@ fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
     };
     let message = match extension {
         "obj" => return Ok(Format::Obj),
+        "ply" => return Ok(Format::Ply),
+        "stl" => return Ok(Format::Stl),
         "gltf" | "glb" if inner == name => return Ok(Format::Gltf),
         known if LATER.contains(&known) => {
             format!(".{known} files are not supported yet ({SUPPORTED})")

@@ -7,10 +7,13 @@
 pub mod gltf;
 pub mod npy;
 pub mod obj;
+pub mod ply;
 pub mod sequence;
+pub mod stl;
 pub mod volume;
 
 mod degenerate;
+mod faces;
 mod load;
 mod morphs;
 mod number;
@@ -20,6 +23,16 @@ use crate::vec3::{bounds, diagonal};
 pub(crate) use load::forget_folder;
 pub use load::{read_mesh, read_model};
 pub use morphs::{RawClip, RawModel, RawMorphs, RawTarget};
+
+/// What becomes of faces that cannot be read: too few corners, a corner that is no vertex.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum BadFaces {
+    /// Each is an error.
+    #[default]
+    Refuse,
+    /// They are left out with a warning, and triangle ids count the others (OBJ and PLY).
+    Skip,
+}
 
 /// A triangle mesh in the source's own coordinates and order.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -39,9 +52,14 @@ pub struct RawMesh {
 }
 
 impl RawMesh {
+    /// Least and largest coordinates of all vertices (mesh units).
+    pub fn bounds(&self) -> [[f64; 3]; 2] {
+        bounds(self.positions.iter().copied()).into()
+    }
+
     /// Diagonal of the box around all vertices (mesh units).
     pub fn diagonal(&self) -> f64 {
-        diagonal(bounds(self.positions.iter().copied()))
+        diagonal(self.bounds().into())
     }
 }
 

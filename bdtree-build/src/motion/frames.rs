@@ -6,14 +6,19 @@ use super::{Moving, Read, hexadecimal, name};
 use crate::basis::pca::{Modes, PcaOptions, pca_basis};
 use crate::error::BakeError;
 use crate::input::sequence::FrameSequence;
-use crate::input::{RawMesh, read_mesh};
+use crate::input::{BadFaces, RawMesh, read_model};
 use crate::progress::Progress;
 use crate::recipe::Frames;
 
 /// The frames, and the mesh that they move.
-pub(super) fn read<'r>(frames: &'r Frames, progress: &dyn Progress) -> Result<Read<'r>, BakeError> {
+pub(super) fn read<'r>(
+    frames: &'r Frames,
+    bad_faces: BadFaces,
+    progress: &dyn Progress,
+) -> Result<Read<'r>, BakeError> {
     let path = frames.path.as_path();
-    let surface = frames.surface.as_deref().map(read_mesh).transpose()?;
+    let read = |path| read_model(path, None, bad_faces).map(|model| model.mesh);
+    let surface = frames.surface.as_deref().map(read).transpose()?;
     let sequence = FrameSequence::open(path, surface.as_ref(), frames.fps, progress)?;
     let Some(mesh) = surface.or_else(|| sequence.first_mesh.clone()) else {
         let message = "has no faces: name the mesh whose vertices it moves (INPUT)";

@@ -38,14 +38,16 @@ pub(crate) enum Read<'r> {
     Frames(Box<FrameSequence>, RawMesh, &'r Frames),
 }
 
-/// The files of `source`, read.
-pub(crate) fn read<'r>(source: &'r Source, progress: &dyn Progress) -> Result<Read<'r>, BakeError> {
-    match source {
+/// The files of `recipe`, read.
+pub(crate) fn read<'r>(recipe: &'r Recipe, progress: &dyn Progress) -> Result<Read<'r>, BakeError> {
+    let bad_faces = recipe.bad_faces;
+    match &recipe.source {
         Source::Surface { path, clip, motion } => {
-            Ok(Read::Surface(read_model(path, clip.as_deref())?, motion))
+            let model = read_model(path, clip.as_deref(), bad_faces)?;
+            Ok(Read::Surface(model, motion))
         }
-        Source::Volume(volume) => volume::read(volume),
-        Source::Frames(frames) => frames::read(frames, progress),
+        Source::Volume(volume) => volume::read(volume, bad_faces),
+        Source::Frames(frames) => frames::read(frames, bad_faces, progress),
     }
 }
 
@@ -129,6 +131,11 @@ impl Moving {
             elastic: None,
             volume: None,
         }
+    }
+
+    /// True if the fields are the vibration modes of a body.
+    pub(crate) fn is_body(&self) -> bool {
+        self.elastic.is_some() || self.volume.is_some()
     }
 
     /// Notes a setting for the metadata.

@@ -7,15 +7,15 @@ use crate::basis::modal::modal_basis;
 use crate::basis::volume::volume_modes;
 use crate::error::BakeError;
 use crate::input::volume::{RawVolume, read_volume, surface};
-use crate::input::{RawMesh, read_mesh};
+use crate::input::{BadFaces, RawMesh, read_model};
 use crate::progress::Progress;
 use crate::recipe::Volume;
 
 /// The volume, and the mesh that it moves.
-pub(super) fn read(volume: &Volume) -> Result<Read<'_>, BakeError> {
+pub(super) fn read(volume: &Volume, bad_faces: BadFaces) -> Result<Read<'_>, BakeError> {
     let raw = read_volume(&volume.path)?;
     let mesh = match &volume.surface {
-        Some(path) => read_mesh(path)?,
+        Some(path) => read_model(path, None, bad_faces)?.mesh,
         None => surface(&raw),
     };
     Ok(Read::Volume(raw, mesh, volume))

@@ -161,7 +161,8 @@ fn what_is_odd_but_kept_is_said() {
         ),
         (
             ("/nodes/1/skin", json!(0)),
-            "m: ignored the skins of 1 mesh nodes: they are read at rest, where the nodes stand",
+            "m: 1 mesh node is skinned, and bones are not read: the mesh is baked in its bind pose. To bake its motion, \
+             export the frames of an animation (a folder of .obj files, .pc2 or .mdd) and give them as --animation",
         ),
         (
             ("/extensionsUsed", json!(["EXT_mesh_gpu_instancing"])),

@@ -2,11 +2,15 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
+use super::effects::Effect;
+
 /// Places that are listed per kind.
 const EXAMPLES_MAX: usize = 5;
 
 /// One kind of difference.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Difference {
     /// What differs, such as `section VERT: rest positions`.
     pub what: String,
@@ -21,7 +25,7 @@ pub struct Difference {
 }
 
 /// Everything that differs between two files.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Findings {
     /// Numbers may differ by this over their scale; 0: their bits are equal.
     pub(super) tolerance_rel: f64,
@@ -29,6 +33,8 @@ pub struct Findings {
     pub differences: Vec<Difference>,
     /// Largest difference over its scale among the numbers that count as equal.
     pub tolerated_rel: f64,
+    /// What the differences do to the mesh.
+    pub effects: Vec<Effect>,
     /// What differs but does not count, and what could not be compared.
     pub notes: Vec<String>,
 }

@@ -2,23 +2,28 @@
 //!
 //! Structure (counts, sections, tree, triangles, groups, frames, names, settings) is compared exactly,
 //! numbers within a tolerance relative to a scale. File length, offsets and checksums follow from
-//! the rest and are not compared; the builder's version does not count, so that a new builder
-//! that bakes the same is seen to do so.
+//! the rest and are not compared. The builder's version and the names of the files that were baked do not count, so
+//! that a new builder that bakes the same, and a renamed source, are seen to do so.
 
+mod effects;
 mod findings;
 mod frames;
 mod metadata;
 mod numbers;
 mod structure;
 
+pub use effects::Effect;
 pub use findings::{Difference, Findings};
 
 use std::io::Write;
+
+use serde::Serialize;
 
 use crate::AssetFile;
 pub use crate::cli::DiffArguments as Arguments;
 use crate::error::ToolError;
 use crate::info;
+use crate::output::write_json;
 
 /// Exit code: nothing that counts differs.
 pub const SAME: u8 = 0;
@@ -37,7 +42,17 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     a.verify()?;
     b.verify()?;
     let findings = compare(&a, &b, arguments.tolerance_rel)?;
-    print(&findings, out).map_err(ToolError::Stdout)?;
+    if arguments.json {
+        write_json(
+            out,
+            &Json {
+                same: findings.is_same(),
+                findings: &findings,
+            },
+        )?;
+    } else {
+        print(&findings, out).map_err(ToolError::Stdout)?;
+    }
     Ok(if findings.is_same() { SAME } else { DIFFER })
 }
 
@@ -86,6 +101,9 @@ pub fn compare(
             findings.notes.push(note);
         }
     }
+    if comparable.vertices && !findings.is_same() {
+        findings.effects = effects::effects([file_a, file_b], comparable.modes)?;
+    }
     // The section tables differ where only one has metadata.
     if let (Some(a), Some(b)) = (&metadata_a, &metadata_b) {
         metadata::compare(a, b, &mut findings);
@@ -93,9 +111,30 @@ pub fn compare(
     Ok(findings)
 }
 
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Json<'f> {
+    same: bool,
+    #[serde(flatten)]
+    findings: &'f Findings,
+}
+
 fn print(findings: &Findings, out: &mut dyn Write) -> std::io::Result<()> {
     for note in &findings.notes {
         writeln!(out, "{note}")?;
+    }
+    for effect in &findings.effects {
+        let at = effect
+            .q
+            .map_or(String::new(), |q| format!(", at q = {q} (its q_range)"));
+        writeln!(
+            out,
+            "{}: vertex {} lies farthest apart, by {:.3e} mesh units ({:.3} % of the diagonal){at}",
+            effect.what,
+            effect.vertex,
+            effect.distance,
+            100.0 * effect.distance_rel
+        )?;
     }
     for difference in &findings.differences {
         writeln!(out, "{difference}")?;

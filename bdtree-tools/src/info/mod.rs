@@ -3,8 +3,8 @@
 mod report;
 mod text;
 
-pub use report::{Group, Info, Level, Mode, Section, Source};
-pub(crate) use report::{hexadecimal, metadata, section_start};
+pub use report::{Bounds, Group, Info, Level, Mode, Section, Source};
+pub(crate) use report::{bounds, hexadecimal, metadata, mode_name, section_start};
 
 use std::io::Write;
 

@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::AssetFile;
 use crate::error::ToolError;
 use crate::frames::duration_s;
+use crate::output::printable;
 
 /// What a file holds. Lengths are mesh units; unknown values are null.
 #[derive(Debug, Serialize)]
@@ -30,6 +31,10 @@ pub struct Info {
     pub depth: usize,
     /// What stored positions are relative to.
     pub origin: [f64; 3],
+    /// The box around the rest positions of all triangles; null without triangles.
+    pub bounds: Option<Bounds>,
+    /// Meters per mesh unit that masses and frequencies were computed with; null without.
+    pub scale_m: Option<f64>,
     /// Hard limit of |q_j| per mode.
     pub q_limit: Vec<f32>,
     /// Typical largest |q_j| per mode.
@@ -64,6 +69,27 @@ pub struct Info {
     pub warnings: Option<Vec<String>>,
     /// The source's groups.
     pub groups: Vec<Group>,
+}
+
+/// A box with sides along the axes (mesh units).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bounds {
+    /// Least coordinates.
+    pub min: [f64; 3],
+    /// Largest coordinates.
+    pub max: [f64; 3],
+}
+
+impl Bounds {
+    /// Lengths of the sides.
+    pub fn size(&self) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.max[k] - self.min[k])
+    }
+
+    /// Length of the diagonal.
+    pub fn diagonal(&self) -> f64 {
+        self.size().iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
 }
 
 /// The file that was baked.
@@ -166,6 +192,8 @@ impl Info {
             nodes: asset.node_count(),
             depth: asset.depth(),
             origin: asset.origin(),
+            bounds: bounds(asset),
+            scale_m: metadata.and_then(|m| m.settings.get("scale")?.parse().ok()),
             q_limit: asset.modes().iter().map(|m| m.q_limit.get()).collect(),
             q_range: asset.modes().iter().map(|m| m.q_range.get()).collect(),
             source: Source {
@@ -188,6 +216,31 @@ impl Info {
             groups: asset.groups().map(group).collect(),
         })
     }
+}
+
+/// The box around the rest positions of all triangles.
+pub(crate) fn bounds(asset: &Asset<'_>) -> Option<Bounds> {
+    let corners = asset
+        .triangles()
+        .iter()
+        .flat_map(|triangle| triangle.corners);
+    let positions = corners.filter_map(|vertex| asset.positions().get(vertex.get() as usize));
+    let (origin, unit) = (asset.origin(), asset.unit());
+    let world = positions.map(|p| [0, 1, 2].map(|k| origin[k] + unit * f64::from(p[k])));
+    let point = |p| Bounds { min: p, max: p };
+    world.map(point).reduce(|a, b| Bounds {
+        min: [0, 1, 2].map(|k| a.min[k].min(b.min[k])),
+        max: [0, 1, 2].map(|k| a.max[k].max(b.max[k])),
+    })
+}
+
+/// `mode 3`, with its name where it has one.
+pub(crate) fn mode_name(file: &AssetFile, mode: usize) -> Result<String, ToolError> {
+    let metadata = metadata(file)?;
+    let name = metadata.and_then(|m| m.modes.into_iter().nth(mode)?.name);
+    Ok(name.map_or(format!("mode {mode}"), |name| {
+        format!("mode {mode} ({})", printable(&name))
+    }))
 }
 
 /// The metadata section, if there is one.

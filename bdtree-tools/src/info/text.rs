@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::report::Info;
-use crate::output::{Shortest, printable, table};
+use crate::output::{digits, printable, table};
 use crate::q::counted;
 
 /// The facts as aligned lines.
@@ -23,6 +23,16 @@ pub(super) fn text(path: &Path, info: &Info) -> String {
         ("mesh", format!("{vertices}, {triangles}")),
         ("basis", format!("{basis}, {}", counted(info.modes, "mode"))),
     ];
+    if let Some(bounds) = &info.bounds {
+        let size = bounds.size().map(digits).join(" x ");
+        let diagonal = digits(bounds.diagonal());
+        let corners = [bounds.min, bounds.max].map(|p| p.map(digits).join(" "));
+        facts.push(("size", format!("{size} mesh units, diagonal {diagonal}")));
+        facts.push(("box", corners.join(" to ")));
+    }
+    if let Some(scale) = info.scale_m {
+        facts.push(("scale", format!("1 mesh unit = {} m", digits(scale))));
+    }
     if let Some(error) = &info.basis_error_rel {
         let places = [("frame", error.frame), ("vertex", error.vertex)];
         let place = places.map(|(what, place)| Some(format!("{what} {}", place?)));
@@ -30,16 +40,16 @@ pub(super) fn text(path: &Path, info: &Info) -> String {
             place if place.is_empty() => String::new(),
             place => format!(" ({})", place.join(", ")),
         };
-        let (max, rms) = (Shortest(error.max), Shortest(error.rms));
+        let (max, rms) = (digits(error.max), digits(error.rms));
         let error = format!("largest {max}{place}, rms {rms}, over the diagonal");
         facts.push(("basis error", error));
     }
     if let Some(highest) = info.highest_frequency_hz {
-        facts.push(("basis ends", format!("at {} Hz", Shortest(highest))));
+        facts.push(("basis ends", format!("at {} Hz", digits(highest))));
     }
     if let Some(frames) = info.frames {
         let time = match info.duration_s {
-            Some(seconds) => format!("{} s", Shortest(seconds)),
+            Some(seconds) => format!("{} s", digits(seconds)),
             None => "times unknown".to_string(),
         };
         let frames = counted(frames, "frame");
@@ -47,7 +57,7 @@ pub(super) fn text(path: &Path, info: &Info) -> String {
     }
     let (nodes, levels) = (counted(info.nodes, "node"), counted(info.depth, "level"));
     let in_leaf = counted(info.leaf_triangles_max as usize, "triangle");
-    let origin = info.origin.map(|x| Shortest(x).to_string()).join(" ");
+    let origin = info.origin.map(digits).join(" ");
     let groups = ["object", "group", "material"].map(|kind| {
         let of_kind = info.groups.iter().filter(|g| g.kind == kind);
         counted(of_kind.count(), kind)
@@ -59,7 +69,7 @@ pub(super) fn text(path: &Path, info: &Info) -> String {
             format!("{nodes}, {levels}, at most {in_leaf} a leaf lane"),
         ),
         ("origin", origin),
-        ("unit", format!("{} mesh units", Shortest(info.unit))),
+        ("stored unit", format!("{} mesh units", digits(info.unit))),
         ("source", known(&info.source.name)),
         ("sha-256", known(&info.source.hash)),
         ("builder", known(&info.builder)),
@@ -85,7 +95,7 @@ fn lines(facts: impl IntoIterator<Item = (&'static str, String)>) -> String {
 fn tables(info: &Info) -> String {
     let mut text = String::new();
     if info.modes > 0 {
-        let optional = |x: Option<f64>| x.map_or("-".to_string(), |x| Shortest(x).to_string());
+        let optional = |x: Option<f64>| x.map_or("-".to_string(), digits);
         let heading = "mode,name,frequency [Hz],modal mass [kg],default q,q_range,q_limit";
         let modes = info.mode_info.iter().enumerate().map(|(j, mode)| {
             [
@@ -94,8 +104,8 @@ fn tables(info: &Info) -> String {
                 optional(mode.frequency_hz),
                 optional(mode.modal_mass_kg),
                 optional(mode.default_q),
-                info.q_range[j].to_string(),
-                info.q_limit[j].to_string(),
+                digits(info.q_range[j].into()),
+                digits(info.q_limit[j].into()),
             ]
         });
         text += &table("modes", heading, modes);
@@ -103,7 +113,7 @@ fn tables(info: &Info) -> String {
     let sections = info.sections.iter();
     let sections = sections.map(|s| [s.kind.clone(), s.offset.to_string(), s.bytes.to_string()]);
     text += &table("sections", "kind,offset,bytes", sections);
-    let radius = |x: Option<f64>| x.map_or("-".to_string(), |x| format!("{x:.6e}"));
+    let radius = |x: Option<f64>| x.map_or("-".to_string(), digits);
     let levels = info.levels.iter().map(|level| {
         [
             level.level.to_string(),

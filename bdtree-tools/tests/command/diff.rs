@@ -100,9 +100,6 @@ fn structure_is_compared_exactly() {
     let mut other = mesh.clone();
     other.groups[1].name = "upper".to_string();
     folder.write("group.bdt", baked(&other, &basis(&mesh)));
-    let mut other = mesh.clone();
-    other.name = "boule.obj".to_string();
-    folder.write("source.bdt", baked(&other, &basis(&mesh)));
     let mut named = basis(&mesh);
     named.modes[1].name = Some("twist".to_string());
     named.modes[1].modal_mass_kg = Some(2.0);
@@ -135,10 +132,6 @@ fn structure_is_compared_exactly() {
             ],
         ),
         (
-            "source.bdt",
-            &["section META: source_name differs\n    \"ball.obj\" and \"boule.obj\"\n"],
-        ),
-        (
             "mode.bdt",
             &[
                 "section META: modes differs",
@@ -156,6 +149,69 @@ fn structure_is_compared_exactly() {
             assert!(ran.out.contains(text), "{file}: {text}: {}", ran.out);
         }
     }
+}
+
+/// The name of what was baked is told, and counts neither by itself nor in warnings.
+#[test]
+fn a_renamed_source_is_the_same() {
+    let folder = Folder::new();
+    let mut mesh = ball_mesh();
+    mesh.warnings = vec![format!("{}:7: triangle 3 has zero area", mesh.name)];
+    folder.write("first.bdt", baked(&mesh, &basis(&mesh)));
+    mesh.name = "boule.obj".to_string();
+    mesh.warnings = vec!["boule.obj:7: triangle 3 has zero area".to_string()];
+    folder.write("renamed.bdt", baked(&mesh, &basis(&mesh)));
+    let ran = folder.run(&["diff", "first.bdt", "renamed.bdt"]);
+    let text = "name of the source (does not count): \"ball.obj\" and \"boule.obj\"\nsame\n";
+    assert_eq!((ran.code, ran.out.as_str()), (0, text));
+    mesh.warnings = vec!["boule.obj:8: triangle 3 has zero area".to_string()];
+    folder.write("other.bdt", baked(&mesh, &basis(&mesh)));
+    assert_eq!(folder.run(&["diff", "first.bdt", "other.bdt"]).code, 1);
+}
+
+/// How far the farthest vertex lies apart, against what was changed.
+#[test]
+fn effects_are_distances_of_vertices() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    let mut changed = mesh.clone();
+    changed.positions[17][1] += 0.25;
+    let mut fields = basis(&mesh);
+    fields.fields[mesh.positions.len() + 40][2] += 0.5; // mode 1, whose q_range is 2
+    folder.write("b.bdt", baked(&changed, &fields));
+    let json: serde_json::Value = {
+        let ran = folder.run(&["diff", "a.bdt", "b.bdt", "--json"]);
+        assert_eq!((ran.code, ran.err.as_str()), (1, ""));
+        serde_json::from_str(&ran.out).expect("one JSON object")
+    };
+    assert_eq!(json["same"], false);
+    let effects = json["effects"].as_array().expect("a list");
+    let diagonal = mesh.diagonal();
+    for (effect, (what, vertex, distance)) in effects
+        .iter()
+        .zip([("rest positions", 17, 0.25), ("mode 1", 40, 1.0)])
+    {
+        assert_eq!(
+            (effect["what"].as_str(), effect["vertex"].as_u64()),
+            (Some(what), Some(vertex))
+        );
+        let found = effect["distance"].as_f64().expect("a number");
+        assert!((found - distance).abs() < 1e-6, "{effect}");
+        let relative = effect["distance_rel"].as_f64().expect("a number");
+        assert!((relative - distance / diagonal).abs() < 1e-6, "{effect}");
+    }
+    assert_eq!(effects.len(), 2);
+    let ran = folder.run(&["diff", "a.bdt", "b.bdt"]);
+    for text in [
+        "rest positions: vertex 17 lies farthest apart, by 2.500e-1 mesh units (",
+        "mode 1: vertex 40 lies farthest apart, by 1.000e0 mesh units (",
+        "% of the diagonal), at q = 2 (its q_range)\n",
+    ] {
+        assert!(ran.out.contains(text), "{text}: {}", ran.out);
+    }
+    let json = folder.json(&["diff", "a.bdt", "a.bdt", "--json"]);
+    assert_eq!(json["same"], true);
+    assert_eq!(json["effects"], serde_json::json!([]));
 }
 
 #[test]

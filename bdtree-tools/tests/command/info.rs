@@ -47,6 +47,14 @@ fn json_has_every_field() {
     assert_eq!(last["kind"], "META");
     let end = last["offset"].as_u64().unwrap() + last["bytes"].as_u64().unwrap();
     assert_eq!(end, bytes.len() as u64);
+    let [low, high] = mesh.bounds();
+    for (name, corner) in [("min", low), ("max", high)] {
+        for (k, expected) in corner.into_iter().enumerate() {
+            let found = info["bounds"][name][k].as_f64().expect("a number");
+            assert!((found - expected).abs() < 1e-6, "{name} {k}: {found}");
+        }
+    }
+    assert_eq!(info.get("scale_m"), Some(&Value::Null));
     assert_eq!(info["warnings"], json!(["odd"]));
     assert_eq!(info["settings"], json!({"modes": "3"}));
     assert_eq!(
@@ -94,10 +102,20 @@ fn text_names_the_facts() {
         "stretch",
         "setting      modes = 3",
         "warning      odd",
+        "mesh units, diagonal ",
         "NODE",
         &"ab".repeat(32),
     ] {
         assert!(ran.out.contains(text), "{text}: {}", ran.out);
+    }
+    let long = ran
+        .out
+        .split_whitespace()
+        .filter(|word| word.parse::<f64>().is_ok());
+    for word in long {
+        let digits = word.split('e').next().unwrap_or_default();
+        let digits = digits.trim_start_matches(['-', '0', '.']);
+        assert!(!digits.contains('.') || digits.len() <= 8, "{word}");
     }
 }
 

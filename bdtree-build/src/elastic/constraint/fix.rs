@@ -8,6 +8,7 @@ use crate::elastic::constraint::node_list::read_list;
 use crate::elastic::constraint::region::{Region, constrain};
 use crate::elastic::lattice::{Lattice, Subject};
 use crate::error::{BakeError, Part, Place};
+use crate::input::RawGroup;
 
 /// Holds part of the body along some axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,6 +129,27 @@ impl FromStr for Fix {
     }
 }
 
+/// Names that are listed where a group is not found.
+const NAMES_SHOWN: usize = 20;
+
+/// Why a group was not found, with the names that there are.
+fn no_such_group(groups: &[RawGroup]) -> String {
+    let mut names: Vec<&str> = groups.iter().map(|group| group.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    if names.is_empty() {
+        return "the mesh has no groups; name a box or a @FILE of vertices".to_string();
+    }
+    let shown = names.iter().take(NAMES_SHOWN);
+    let shown: Vec<String> = shown.map(|name| format!("{name:?}")).collect();
+    let more = match names.len() - shown.len() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let shown = shown.join(", ");
+    format!("the mesh has no group of this name; its groups are {shown}{more}")
+}
+
 /// Per component, the points that the fixes hold together.
 ///
 /// # Errors
@@ -157,7 +179,7 @@ pub(crate) fn constrain_all(
                         return Err(BakeError::one(
                             "basis",
                             fix.region.place(),
-                            "the mesh has no group of this name",
+                            no_such_group(&subject.mesh.groups),
                         ));
                     }
                     Region::Triangles(&ranges)

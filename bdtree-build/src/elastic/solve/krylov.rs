@@ -71,11 +71,18 @@ impl Inverse<'_> {
     }
 }
 
-/// The lowest `wanted` modes (fewer if the body has fewer).
-pub(crate) fn lowest_modes(inverse: &Inverse<'_>, wanted: usize) -> Result<Modes, FactorError> {
+/// The lowest `wanted` modes (fewer if the body has fewer); `reach` is told what share of the iteration is over, by
+/// guess.
+pub(crate) fn lowest_modes(
+    inverse: &Inverse<'_>,
+    wanted: usize,
+    reach: &mut dyn FnMut(f64),
+) -> Result<Modes, FactorError> {
     let system = inverse.system;
     let free = system.free_count().saturating_sub(inverse.rigid.ncols());
     let wanted = wanted.min(free);
+    // 14 modes were found in 88 to 104 dimensions, 34 in 136.
+    let dimension_typical = (72 + 2 * wanted) as f64;
     let dimension_max = free.min(40 * BLOCK + 6 * wanted);
     let mut basis: Vec<Mat<f64>> = Vec::new();
     let mut size = 0;
@@ -131,6 +138,7 @@ pub(crate) fn lowest_modes(inverse: &Inverse<'_>, wanted: usize) -> Result<Modes
         size += added.ncols();
         block = inverse.apply(system.apply_mass(added.as_ref()))?;
         basis.push(added);
+        reach((size as f64 / dimension_typical).min(1.0));
         fresh = false;
     }
     Err(FactorError::Pivot)

@@ -16,6 +16,14 @@ use crate::elastic::solve::krylov::{Inverse, Modes, RESIDUAL_MAX, lowest_modes};
 use crate::elastic::solve::rigid::{rigid_motions, support};
 use crate::progress::Progress;
 
+/// Steps of the stage in which modes are solved for.
+const STEPS: u64 = 1000;
+
+/// Shares of a component's time that are over when its stiffness is factored and when the iteration has converged;
+/// the rest is the inertia count. Measured on solids of 9000 to 56 000 unknowns, where both factors take about a sixth.
+const FACTORED: f64 = 0.17;
+const ITERATED: f64 = 0.83;
+
 /// More modes than asked for are found, so that a cluster at the end is met whole.
 const EXTRA: usize = 4;
 
@@ -91,10 +99,21 @@ pub(crate) fn solve(
         checked: true,
         ..Solution::default()
     };
+    let work = |c: usize| (sizes[c] as f64).powf(1.5);
+    let total: f64 = (0..sizes.len()).map(work).sum();
+    progress.stage("modes", Some(STEPS));
+    let mut done = Done {
+        progress,
+        told: 0,
+        begin: 0.0,
+        share: 0.0,
+    };
     for c in order {
+        done.begin += done.share;
+        done.share = work(c) / total;
         let mut system = system(c).map_err(|element| SolveError::Element(c, element))?;
         system.threads = limits.threads;
-        let found = solve_component(c, &system, limits, &mut solution)?;
+        let found = solve_component(c, &system, limits, &mut solution, &mut done)?;
         for (j, &value) in found.values.iter().enumerate().take(limits.wanted) {
             let vector = (0..system.size())
                 .map(|i| found.vectors[(3 * system.place[i / 3] as usize + i % 3, j)])
@@ -107,12 +126,31 @@ pub(crate) fn solve(
         }
         sort(&mut solution.modes);
         solution.modes.truncate(limits.wanted);
-        progress.advance(1);
+        done.reach(1.0);
     }
     if solution.residual.is_nan() || solution.residual > RESIDUAL_MAX {
         return Err(SolveError::Residual(solution.residual));
     }
     Ok(solution)
+}
+
+/// How much of the stage is over, told in whole steps.
+struct Done<'a> {
+    progress: &'a dyn Progress,
+    told: u64,
+    /// Where the component begins, and its share of the whole.
+    begin: f64,
+    share: f64,
+}
+
+impl Done<'_> {
+    /// So much of the component is over.
+    fn reach(&mut self, fraction: f64) {
+        let whole = self.begin + self.share * fraction;
+        let steps = (STEPS as f64 * whole.min(1.0)) as u64;
+        self.progress.advance(steps.saturating_sub(self.told));
+        self.told = self.told.max(steps);
+    }
 }
 
 /// By value; within a cluster by component, for rounding must not order equal bodies.
@@ -129,6 +167,7 @@ fn solve_component(
     system: &System,
     limits: Limits,
     solution: &mut Solution,
+    done: &mut Done<'_>,
 ) -> Result<Modes, SolveError> {
     let none = Modes {
         values: Vec::new(),
@@ -174,6 +213,8 @@ fn solve_component(
             let values = system.values(0.0, &pins);
             let factor = symbolic.factorize(&pattern, &values).map_err(fail)?;
             drop(values);
+            done.reach(FACTORED);
+            let mut rounds = |share| done.reach(FACTORED + (ITERATED - FACTORED) * share);
             let rigid_mass = system.apply_mass(rigid.as_ref());
             let inverse = Inverse {
                 system,
@@ -182,7 +223,7 @@ fn solve_component(
                 rigid: rigid.as_ref(),
                 rigid_mass: rigid_mass.as_ref(),
             };
-            lowest_modes(&inverse, wanted + more).map_err(fail)?
+            lowest_modes(&inverse, wanted + more, &mut rounds).map_err(fail)?
         };
         if system.size() > limits.verify_dof_max && counted.is_none() {
             solution.checked = false;

@@ -95,8 +95,14 @@ pub(super) fn instances(document: &Document, notes: &mut Notes) -> Vec<Instance>
         stack.extend(children.map(|child| (child.value(), Parent::Node(index), world)));
     }
     if skinned > 0 {
+        let nodes = if skinned == 1 {
+            "1 mesh node is"
+        } else {
+            &format!("{skinned} mesh nodes are")
+        };
         let message = format!(
-            "ignored the skins of {skinned} mesh nodes: they are read at rest, where the nodes stand"
+            "{nodes} skinned, and bones are not read: the mesh is baked in its bind pose. To bake its motion, export \
+             the frames of an animation (a folder of .obj files, .pc2 or .mdd) and give them as --animation"
         );
         notes.warn("", message);
     }

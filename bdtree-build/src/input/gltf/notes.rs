@@ -4,9 +4,7 @@ use std::fmt::Display;
 
 use crate::error::{BakeError, Part, Place, Problems, one_line};
 use crate::input::degenerate::Oddity;
-
-/// Most odd triangles of one kind that are listed one by one.
-const ODDITY_CAP: u64 = 5;
+use crate::input::faces::LISTED_MAX;
 
 /// The notes on one file. Places are JSON paths (`meshes[0].primitives[1]`), empty for the file as
 /// a whole.
@@ -55,7 +53,7 @@ impl Notes {
     pub(super) fn oddity(&mut self, kind: Oddity, at: impl Display, triangle: usize) {
         let count = &mut self.oddities[kind as usize];
         *count += 1;
-        if *count <= ODDITY_CAP {
+        if *count <= LISTED_MAX {
             self.warn(at, format!("triangle {triangle} {}", kind.one()));
         }
     }
@@ -88,8 +86,8 @@ impl Notes {
         }
         for kind in Oddity::ALL {
             let count = self.oddities[kind as usize];
-            if count > ODDITY_CAP {
-                self.warn("", format!("{} more {}", count - ODDITY_CAP, kind.many()));
+            if count > LISTED_MAX {
+                self.warn("", format!("{} more {}", count - LISTED_MAX, kind.many()));
             }
         }
         if let Some(skipped) = self.skipped() {

@@ -9,7 +9,7 @@ mod lines;
 mod notes;
 pub(super) mod tokens;
 
-use super::{GroupKind, RawGroup, RawMesh};
+use super::{BadFaces, GroupKind, RawGroup, RawMesh};
 use crate::error::BakeError;
 use face::{Corner, Deferred};
 use lines::Lines;
@@ -27,10 +27,14 @@ use tokens::Tokens;
 /// All of: a vertex without three finite numbers, a face with fewer than three corners or an index
 /// that is no index, 0 or out of range, text that is not UTF-8-compatible (UTF-16, binary), a file
 /// that is empty or has no vertices or no faces, more than `u32::MAX` vertices or triangles. The
-/// first 100 are listed, in line order, then how many more there are.
-pub fn parse(text: &[u8], place: &str) -> Result<RawMesh, BakeError> {
+/// first 100 are listed, in line order, then how many more there are. With [`BadFaces::Skip`] faces are no errors.
+pub fn parse(text: &[u8], place: &str, bad_faces: BadFaces) -> Result<RawMesh, BakeError> {
     let text = lines::check_encoding(text, place)?;
     let mut reader = Reader::new(place, u32::MAX);
+    if bad_faces == BadFaces::Skip {
+        // Which faces are bad must be known when they are met: ids count those that are not.
+        reader.skip_beyond = Some(vertex_count(text));
+    }
     let mut lines = Lines::new(text);
     while let Some((number, line)) = lines.next_line() {
         reader.statement(number, line);
@@ -39,6 +43,16 @@ pub fn parse(text: &[u8], place: &str) -> Result<RawMesh, BakeError> {
         }
     }
     reader.finish()
+}
+
+/// Number of `v` statements.
+fn vertex_count(text: &[u8]) -> usize {
+    let mut lines = Lines::new(text);
+    let mut count = 0;
+    while let Some((_, line)) = lines.next_line() {
+        count += usize::from(Tokens::new(line).next() == Some(b"v"));
+    }
+    count
 }
 
 /// What is known so far while the lines go by.
@@ -57,6 +71,8 @@ struct Reader<'a> {
     limit: u32,
     /// A limit was passed: nothing more can be read.
     full: bool,
+    /// Bad faces are skipped; this is the number of vertices in the whole file.
+    skip_beyond: Option<usize>,
     vertex_statements: u64,
     face_statements: u64,
 }
@@ -73,6 +89,7 @@ impl<'a> Reader<'a> {
             deferred: Vec::new(),
             limit,
             full: false,
+            skip_beyond: None,
             vertex_statements: 0,
             face_statements: 0,
         }
@@ -130,7 +147,8 @@ impl<'a> Reader<'a> {
         corners.clear();
         let mut later = false;
         for (i, token) in tokens.enumerate() {
-            match face::corner(token, known, self.limit) {
+            let corner = face::corner(token, known, self.limit);
+            match corner.and_then(|corner| self.within(corner)) {
                 Ok(Corner { index, is_later }) => {
                     corners.push(index);
                     later |= is_later;
@@ -138,7 +156,7 @@ impl<'a> Reader<'a> {
                 Err(message) => {
                     let token = tokens::show(token);
                     let message = format!("corner {} `{token}`: {message}", i + 1);
-                    self.notes.problem(line, message);
+                    self.bad_face(line, message);
                     self.corners = corners;
                     return;
                 }
@@ -146,7 +164,7 @@ impl<'a> Reader<'a> {
         }
         if corners.len() < 3 {
             let message = format!("a face needs 3 corners or more, found {}", corners.len());
-            self.notes.problem(line, message);
+            self.bad_face(line, message);
         } else if corners.len() - 2 > self.limit as usize - self.triangles.len() {
             self.full = true;
             let message = format!("more than {} triangles", self.limit);
@@ -167,6 +185,25 @@ impl<'a> Reader<'a> {
             }
         }
         self.corners = corners;
+    }
+
+    /// The corner, unless bad faces are skipped and the file never has its vertex.
+    fn within(&self, corner: Corner) -> Result<Corner, String> {
+        match self.skip_beyond {
+            Some(count) if corner.index as usize >= count => {
+                Err(format!("out of range: the file has {count} vertices"))
+            }
+            _ => Ok(corner),
+        }
+    }
+
+    /// A face that cannot be read.
+    fn bad_face(&mut self, line: u64, message: String) {
+        if self.skip_beyond.is_some() {
+            self.notes.skipped_face(line, &message);
+        } else {
+            self.notes.problem(line, message);
+        }
     }
 
     /// A statement that names the faces from here on.

@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use super::tokens;
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::degenerate::Oddity;
+use crate::input::faces::{LISTED_MAX, skipped_in_all};
 
-/// Most warnings of one kind that are listed one by one.
-const WARNING_CAP: usize = 5;
 /// Most different unknown keywords that are listed.
 const KEYWORD_CAP: usize = 16;
 
@@ -16,6 +15,7 @@ pub(super) struct Notes<'a> {
     place: &'a str,
     problems: Problems,
     oddities: [(Vec<String>, u64); 2],
+    skipped_faces: (Vec<String>, u64),
     keywords: BTreeMap<String, u64>,
     other_keywords: u64,
     /// `p` statements.
@@ -32,6 +32,7 @@ impl<'a> Notes<'a> {
             place,
             problems: Problems::new("input"),
             oddities: Default::default(),
+            skipped_faces: Default::default(),
             keywords: BTreeMap::new(),
             other_keywords: 0,
             points: 0,
@@ -53,12 +54,21 @@ impl<'a> Notes<'a> {
     pub(super) fn oddity(&mut self, kind: Oddity, line: u64, triangle: usize) {
         let (listed, count) = &mut self.oddities[kind as usize];
         *count += 1;
-        if listed.len() < WARNING_CAP {
+        if *count <= LISTED_MAX {
             let place = self.place;
             listed.push(format!(
                 "{place}:{line}: triangle {triangle} {}",
                 kind.one()
             ));
+        }
+    }
+
+    /// A face that is left out.
+    pub(super) fn skipped_face(&mut self, line: u64, message: &str) {
+        let (listed, count) = &mut self.skipped_faces;
+        *count += 1;
+        if *count <= LISTED_MAX {
+            listed.push(format!("{}:{line}: skipped: {message}", self.place));
         }
     }
 
@@ -103,6 +113,9 @@ impl<'a> Notes<'a> {
                 warnings.push(format!("{place}: {more} more {}", kind.many()));
             }
         }
+        let (listed, count) = std::mem::take(&mut self.skipped_faces);
+        warnings.extend(listed);
+        warnings.extend(skipped_in_all(self.place, count));
         if let Some(skipped) = skipped {
             warnings.push(format!("{}: ignored {skipped}", self.place));
         }

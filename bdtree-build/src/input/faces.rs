@@ -1,0 +1,115 @@
+//! Faces of files that list corners by number: fans of triangles, and what is wrong with the others.
+
+use super::degenerate::Oddity;
+use super::{BadFaces, RawMesh};
+use crate::error::{BakeError, Part, Place, Problems};
+
+/// Most odd or skipped faces of one kind that are listed one by one.
+pub(super) const LISTED_MAX: u64 = 5;
+
+/// Triangles of the faces read so far.
+pub(super) struct Faces<'a> {
+    place: &'a str,
+    bad: BadFaces,
+    triangles: Vec<[u32; 3]>,
+    problems: Problems,
+    warnings: Vec<String>,
+    oddities: [u64; 2],
+    skipped: u64,
+}
+
+impl<'a> Faces<'a> {
+    /// None yet; `place` is the file's name in problems and warnings.
+    pub(super) fn new(place: &'a str, bad: BadFaces) -> Self {
+        Self {
+            place,
+            bad,
+            triangles: Vec::new(),
+            problems: Problems::new("input"),
+            warnings: Vec::new(),
+            oddities: [0; 2],
+            skipped: 0,
+        }
+    }
+
+    /// Face number `face` of the file, from 0: a fan around its first corner.
+    pub(super) fn add(&mut self, face: usize, corners: &[i64], positions: &[[f64; 3]]) {
+        let known = positions.len();
+        let outside = corners
+            .iter()
+            .find(|&&c| usize::try_from(c).is_ok_and(|c| c < known).eq(&false));
+        let wrong = if corners.len() < 3 {
+            format!("a face needs 3 corners or more, found {}", corners.len())
+        } else if let Some(corner) = outside {
+            format!("vertex {corner} is out of range: the file has {known}, numbered from 0")
+        } else if self.triangles.len() + corners.len() > u32::MAX as usize {
+            format!("more than {} triangles", u32::MAX)
+        } else {
+            return self.fan(face, corners, positions);
+        };
+        let place = Place::file(self.place).at(Part::Face(face));
+        match self.bad {
+            BadFaces::Refuse => self.problems.add(|| (place, wrong)),
+            BadFaces::Skip => {
+                self.skipped += 1;
+                if self.skipped <= LISTED_MAX {
+                    self.warnings.push(format!("{place}: skipped: {wrong}"));
+                }
+            }
+        }
+    }
+
+    fn fan(&mut self, face: usize, corners: &[i64], positions: &[[f64; 3]]) {
+        // No truncation: below the number of positions, which is limited to u32.
+        let corner = |c: i64| c as u32;
+        for pair in corners[1..].windows(2) {
+            let triangle = [corner(corners[0]), corner(pair[0]), corner(pair[1])];
+            if let Some(oddity) = Oddity::of(triangle, positions) {
+                let count = &mut self.oddities[oddity as usize];
+                *count += 1;
+                if *count <= LISTED_MAX {
+                    let (place, id) = (self.place, self.triangles.len());
+                    let what = oddity.one();
+                    self.warnings
+                        .push(format!("{place}: face {face}: triangle {id} {what}"));
+                }
+            }
+            self.triangles.push(triangle);
+        }
+    }
+
+    /// The mesh, if nothing is wrong; name and hash are left empty.
+    pub(super) fn finish(mut self, positions: Vec<[f64; 3]>) -> Result<RawMesh, BakeError> {
+        let file = || Place::file(self.place);
+        if self.triangles.is_empty() && self.problems.is_empty() {
+            self.problems.add(|| (file(), "no faces"));
+        }
+        self.problems.into_result(file())?;
+        for kind in Oddity::ALL {
+            let more = self.oddities[kind as usize].saturating_sub(LISTED_MAX);
+            if more > 0 {
+                self.warnings
+                    .push(format!("{}: {more} more {}", self.place, kind.many()));
+            }
+        }
+        self.warnings
+            .extend(skipped_in_all(self.place, self.skipped));
+        Ok(RawMesh {
+            positions,
+            triangles: self.triangles,
+            warnings: self.warnings,
+            ..RawMesh::default()
+        })
+    }
+}
+
+/// How many faces were skipped and what that does to ids; `None` for none.
+pub(super) fn skipped_in_all(place: &str, skipped: u64) -> Option<String> {
+    let faces = if skipped == 1 {
+        "bad face"
+    } else {
+        "bad faces"
+    };
+    (skipped > 0)
+        .then(|| format!("{place}: skipped {skipped} {faces}: triangle ids count the others"))
+}
