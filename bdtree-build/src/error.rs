@@ -371,11 +371,11 @@ fn grouped(problems: Vec<Problem>) -> Vec<Problem> {
         let shown = others.iter().take(SIMILAR_SHOWN);
         let shown: Vec<String> = shown.map(|problem| problem.place.inside()).collect();
         let more = if shown.len() < others.len() {
-            ", …"
+            "; …"
         } else {
             ""
         };
-        let (count, shown) = (others.len(), shown.join(", "));
+        let (count, shown) = (others.len(), shown.join("; "));
         group[0].message += &format!(" (and {count} problems like it, at {shown}{more})");
         group
     };
@@ -426,8 +426,8 @@ mod tests {
         assert_eq!(
             lines,
             [
-                "a.obj:5: corner 1 `5x`: is not a vertex index (and 14 problems like it, at line 6, line 7, line 8, \
-                 line 9, line 10, line 11, line 12, line 13, line 14, line 15, …)",
+                "a.obj:5: corner 1 `5x`: is not a vertex index (and 14 problems like it, at line 6; line 7; line 8; \
+                 line 9; line 10; line 11; line 12; line 13; line 14; line 15; …)",
                 "a.obj:30: a face needs 3 corners or more, found 2",
                 "a.obj:31: a face needs 3 corners or more, found 1",
             ]

@@ -262,8 +262,14 @@ fn problems_beyond_the_first_hundred_are_counted() {
     let modes = |volume: &RawVolume, options: &VolumeOptions| {
         let error = volume_modes(volume, options, &Silent, &mut Vec::new()).err();
         let error = error.expect("should be refused");
-        assert_eq!(error.problems.len(), 101);
-        error.problems[100].to_string()
+        // The hundred are alike: the first stands for them.
+        assert_eq!(error.problems.len(), 2);
+        assert!(
+            error.problems[0]
+                .message
+                .contains("and 99 problems like it")
+        );
+        error.problems[1].to_string()
     };
     let options = VolumeOptions::default();
     assert_eq!(modes(&volume, &options), "v.veg: 150 more problems");

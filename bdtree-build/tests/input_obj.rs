@@ -97,7 +97,7 @@ fn problems_beyond_a_hundred_are_counted() {
     assert!(
         error.problems[0]
             .message
-            .contains("(and 99 problems like it, at line 2, line 3, ")
+            .contains("(and 99 problems like it, at line 2; line 3; ")
     );
     assert_eq!(error.problems[1].to_string(), "m.obj: 151 more problems");
 }

@@ -158,7 +158,11 @@ fn bad_input_is_told_with_its_place() {
     let error = run(&broken, &options).expect_err("an error");
     // Three of the material; those of the elements are alike and told once.
     assert_eq!(error.problems.len(), 3 + 1, "{error}");
-    assert!(error.to_string().contains("(and 31 problems like it, at element 2, "));
+    assert!(
+        error
+            .to_string()
+            .contains("(and 31 problems like it, at element 2; ")
+    );
     assert!(error.to_string().contains("material foam"));
     // The same materials are fine once the options say what they are.
     broken.material_of = vec![0; 32];

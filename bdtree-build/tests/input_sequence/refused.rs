@@ -96,10 +96,11 @@ fn numbers_that_are_no_coordinates_are_listed() {
     fs::write(&path, npy_with("<f8", true, &shape, bytes)).expect("writable");
     let text = refusal(&path, Some(&mesh));
     let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines.len(), 101);
-    assert_eq!(lines[0], "a.npy: frame 0, vertex 0, x: inf is not finite");
-    assert_eq!(lines[7], "a.npy: frame 1, vertex 1, x: inf is not finite");
-    assert_eq!(lines[100], "a.npy: 101 more problems");
+    assert_eq!(lines.len(), 2);
+    let first = "a.npy: frame 0, vertex 0, x: inf is not finite (and 99 problems like it, at frame 1, vertex 0, x; ";
+    assert!(lines[0].starts_with(first), "{}", lines[0]);
+    assert!(lines[0].contains("frame 1, vertex 1, x; "), "{}", lines[0]);
+    assert_eq!(lines[1], "a.npy: 101 more problems");
     values[..200].fill(0.0);
     let bytes = values.iter().flat_map(|x| x.to_le_bytes());
     fs::write(&path, npy_with("<f8", false, &shape, bytes)).expect("writable");

@@ -224,7 +224,7 @@ pub(crate) fn bounds(asset: &Asset<'_>) -> Option<Bounds> {
         .triangles()
         .iter()
         .flat_map(|triangle| triangle.corners);
-    let positions = corners.filter_map(|vertex| asset.positions().get(vertex.get() as usize));
+    let positions = corners.filter_map(|vertex| asset.positions().get(vertex as usize));
     let (origin, unit) = (asset.origin(), asset.unit());
     let world = positions.map(|p| [0, 1, 2].map(|k| origin[k] + unit * f64::from(p[k])));
     let point = |p| Bounds { min: p, max: p };

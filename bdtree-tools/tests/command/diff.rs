@@ -1,6 +1,6 @@
 //! `diff`: same, differ, unreadable; structure exactly, numbers within a tolerance.
 
-use crate::support::{Folder, baked, ball_mesh, basis};
+use crate::support::{Folder, baked, ball_mesh, basis, bounds};
 
 #[test]
 fn equal_files_are_the_same() {
@@ -186,7 +186,9 @@ fn effects_are_distances_of_vertices() {
     };
     assert_eq!(json["same"], false);
     let effects = json["effects"].as_array().expect("a list");
-    let diagonal = mesh.diagonal();
+    let [low, high] = bounds(&mesh);
+    let squares = [0, 1, 2].map(|k| (high[k] - low[k]).powi(2));
+    let diagonal = squares.iter().sum::<f64>().sqrt();
     for (effect, (what, vertex, distance)) in effects
         .iter()
         .zip([("rest positions", 17, 0.25), ("mode 1", 40, 1.0)])

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use bdtree_build::basis::BasisError;
 
-use crate::support::{Folder, animated, baked_with_error, ball_mesh};
+use crate::support::{Folder, animated, baked_with_error, ball_mesh, bounds};
 
 #[test]
 fn json_has_every_field() {
@@ -47,7 +47,7 @@ fn json_has_every_field() {
     assert_eq!(last["kind"], "META");
     let end = last["offset"].as_u64().unwrap() + last["bytes"].as_u64().unwrap();
     assert_eq!(end, bytes.len() as u64);
-    let [low, high] = mesh.bounds();
+    let [low, high] = bounds(&mesh);
     for (name, corner) in [("min", low), ("max", high)] {
         for (k, expected) in corner.into_iter().enumerate() {
             let found = info["bounds"][name][k].as_f64().expect("a number");

@@ -241,3 +241,16 @@ pub(crate) fn animated(mesh: &RawMesh) -> Basis {
     });
     basis
 }
+
+/// The box around the corners of all triangles.
+pub(crate) fn bounds(mesh: &RawMesh) -> [[f64; 3]; 2] {
+    let corners = mesh.triangles.iter().flatten();
+    let positions = corners.map(|&corner| mesh.positions[corner as usize]);
+    positions.fold(
+        [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]],
+        |[low, high], p| {
+            let pick = |q: [f64; 3], by: fn(f64, f64) -> f64| [0, 1, 2].map(|k| by(q[k], p[k]));
+            [pick(low, f64::min), pick(high, f64::max)]
+        },
+    )
+}
