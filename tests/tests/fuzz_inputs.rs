@@ -60,6 +60,8 @@ formats! {
     vtk: Vtk,
     msh: Msh,
     scene: Scene,
+    ply: Ply,
+    stl: Stl,
 }
 
 /// The checks above can fail: memory is counted, and cases repeat.

@@ -190,7 +190,7 @@ fn vertices(elements: &[Element], place: &str) -> Result<Vec<[f64; 3]>, BakeErro
     Ok(elements.iter().map(|element| element.position).collect())
 }
 
-/// The crate's error on one line, at its line where it knows it.
+/// The crate's error, at its line where it knows it, without the text of the line, which may be anything.
 fn error(error: &ParseError, place: &str) -> BakeError {
     let file = Place::file(place);
     let at = match error.line() {
@@ -202,10 +202,6 @@ fn error(error: &ParseError, place: &str) -> BakeError {
         Some((line, rest)) if line.starts_with("Line ") => rest,
         _ => &text,
     };
-    let words: Vec<&str> = text.split_whitespace().collect();
-    BakeError::one(
-        "input",
-        at,
-        format!("is not read as PLY: {}", words.join(" ")),
-    )
+    let reason = text.lines().next().unwrap_or_default();
+    BakeError::one("input", at, format!("is not read as PLY: {reason}"))
 }

@@ -58,11 +58,15 @@ pub enum Format {
     Msh,
     /// A scene of `bdtree query`.
     Scene,
+    /// A mesh as text or binary.
+    Ply,
+    /// A mesh as text or binary.
+    Stl,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 15] = [
+    pub const ALL: [Format; 17] = [
         Format::Obj,
         Format::ObjGz,
         Format::Frames,
@@ -78,6 +82,8 @@ impl Format {
         Format::Vtk,
         Format::Msh,
         Format::Scene,
+        Format::Ply,
+        Format::Stl,
     ];
 
     fn name(self) -> &'static str {
@@ -97,6 +103,8 @@ impl Format {
             Self::Vtk => "vtk",
             Self::Msh => "msh",
             Self::Scene => "scene",
+            Self::Ply => "ply",
+            Self::Stl => "stl",
         }
     }
 }

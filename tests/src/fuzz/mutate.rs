@@ -109,6 +109,33 @@ const MSH: [&str; 22] = [
     "9223372036854775807",
 ];
 
+/// Words of PLY headers and lines.
+const PLY: [&str; 12] = [
+    "element vertex 18446744073709551615",
+    "element face 4294967296",
+    "element nothing 9999999999",
+    "property list uint int vertex_indices",
+    "property list double float vertex_index",
+    "property double x",
+    "property uchar z",
+    "format binary_big_endian 1.0",
+    "format ascii 1.0",
+    "end_header",
+    "4294967295 0 1 2",
+    "3 0 -1 2",
+];
+
+/// Words of STL text.
+const STL: [&str; 7] = [
+    "solid",
+    "solid a\nendsolid",
+    "facet normal 0 0 0",
+    "outer loop",
+    "vertex 1e39 nan -0",
+    "endfacet",
+    "endsolid",
+];
+
 /// The generator of a case: the same numbers on every machine.
 pub(super) fn rng(case: Case) -> Pcg64Mcg {
     let seed = case.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -152,6 +179,8 @@ pub(super) fn file(case: Case, seeds: &Seeds, rng: &mut Pcg64Mcg) -> (Vec<u8>, u
         Format::Frequencies | Format::List => text(&mut bytes, &["1", "0", "4 5"], rng),
         Format::Vtk => half_binary(&mut bytes, &VTK, rng),
         Format::Msh => half_binary(&mut bytes, &MSH, rng),
+        Format::Ply => half_binary(&mut bytes, &PLY, rng),
+        Format::Stl => half_binary(&mut bytes, &STL, rng),
         Format::Pc2 => fields(
             &mut bytes,
             &[12, 16, 16, 20, 24, 28, 28],

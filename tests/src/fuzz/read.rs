@@ -11,7 +11,7 @@ use bdtree_build::basis::volume::{VolumeOptions, volume_modes};
 use bdtree_build::error::BakeError;
 use bdtree_build::input::sequence::FrameSequence;
 use bdtree_build::input::volume::{RawVolume, read_volume};
-use bdtree_build::input::{RawMesh, RawModel, read_mesh, read_model};
+use bdtree_build::input::{BadFaces, RawMesh, RawModel, read_mesh, read_model};
 use bdtree_build::progress::Silent;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -108,10 +108,13 @@ impl Desk {
     ) -> Result<Thing, Failed> {
         let fps = [None, Some(24.0)][rng.random_range(0..2)];
         match format {
-            Format::Obj | Format::ObjGz => Ok(Thing::Model(read_model(path, None)?)),
+            Format::Obj | Format::ObjGz | Format::Ply | Format::Stl => {
+                let bad_faces = [BadFaces::Refuse, BadFaces::Skip][rng.random_range(0..2)];
+                Ok(Thing::Model(read_model(path, None, bad_faces)?))
+            }
             Format::Glb | Format::Gltf => {
                 let clip = [None, None, Some("talk"), Some("nothing")][rng.random_range(0..4)];
-                Ok(Thing::Model(read_model(path, clip)?))
+                Ok(Thing::Model(read_model(path, clip, BadFaces::Refuse)?))
             }
             Format::Frames => {
                 let folder = path.parent().unwrap_or(path);

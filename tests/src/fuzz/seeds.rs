@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use super::{Format, scenes};
+use bdtree_build::input::{RawMesh, read_mesh};
 use bdtree_fixtures::models::gltf::unpack;
 use bdtree_fixtures::models::volume::{self, Volume, hex_block, tet_block};
 use bdtree_fixtures::models::{self, fields};
@@ -119,7 +120,73 @@ fn of_fixtures(format: Format) -> Vec<Vec<u8>> {
         Format::Vtk => volumes(".vtk", with("vtk")),
         Format::Msh => volumes(".msh", with("msh")),
         Format::Scene => scenes::seeds(),
+        Format::Ply => vec![ply(false), ply(true)],
+        Format::Stl => vec![stl(false), stl(true)],
     }
+}
+
+/// A small mesh as PLY, as text or binary.
+fn ply(is_binary: bool) -> Vec<u8> {
+    let mesh = small_mesh();
+    let encoding = if is_binary {
+        "binary_little_endian"
+    } else {
+        "ascii"
+    };
+    let mut bytes = format!(
+        "ply\nformat {encoding} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        mesh.positions.len(),
+        mesh.triangles.len()
+    )
+    .into_bytes();
+    for p in &mesh.positions {
+        match is_binary {
+            true => bytes.extend(p.iter().flat_map(|x| (*x as f32).to_le_bytes())),
+            false => bytes.extend(format!("{} {} {}\n", p[0], p[1], p[2]).bytes()),
+        }
+    }
+    for t in &mesh.triangles {
+        match is_binary {
+            true => {
+                bytes.push(3);
+                bytes.extend(t.iter().flat_map(|corner| corner.to_le_bytes()));
+            }
+            false => bytes.extend(format!("3 {} {} {}\n", t[0], t[1], t[2]).bytes()),
+        }
+    }
+    bytes
+}
+
+/// A small mesh as STL, as text or binary.
+fn stl(is_binary: bool) -> Vec<u8> {
+    let mesh = small_mesh();
+    let corners = |t: &[u32; 3]| t.map(|corner| mesh.positions[corner as usize]);
+    if !is_binary {
+        let mut text = "solid wave\n".to_string();
+        for t in &mesh.triangles {
+            text += "facet normal 0 0 1\nouter loop\n";
+            for [x, y, z] in corners(t) {
+                text += &format!("vertex {x} {y} {z}\n");
+            }
+            text += "endloop\nendfacet\n";
+        }
+        return (text + "endsolid wave\n").into_bytes();
+    }
+    let mut bytes = vec![0; 80];
+    bytes.extend((mesh.triangles.len() as u32).to_le_bytes());
+    for t in &mesh.triangles {
+        bytes.extend([0; 12]);
+        let corners = corners(t);
+        let numbers = corners.as_flattened().iter();
+        bytes.extend(numbers.flat_map(|x| (*x as f32).to_le_bytes()));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+fn small_mesh() -> RawMesh {
+    read_mesh(&models::folder().join("cube.obj")).expect("a fixture")
 }
 
 /// A GLB file as text, its buffer inside.
