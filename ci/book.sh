@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Builds the book of docs/ into target/book, after checking that all links of all pages lead somewhere and that every
+# page is a chapter. Installs mdBook, by source, into target/tools.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+python3 ci/check_links.py
+version=0.5.4
+book=target/tools/bin/mdbook
+if [[ $($book --version 2>/dev/null) != "mdbook v$version" ]]; then
+    cargo install --quiet --locked "mdbook@$version" --no-default-features --features search --root target/tools
+fi
+$book build
