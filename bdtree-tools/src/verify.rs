@@ -4,7 +4,7 @@ use std::io::Write;
 use std::ops::ControlFlow;
 
 use bdtree_runtime::{Asset, Datum, FormatError, LoadError};
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -146,6 +146,11 @@ fn stressed(
     };
     // Drawn on a terminal only.
     let bar = ProgressBar::new(options.cases);
+    if let Ok(style) =
+        ProgressStyle::with_template("{elapsed:>4} cases {bar:32} {percent:>3} %, {eta} left")
+    {
+        bar.set_style(style);
+    }
     let report = stress::run(asset, options, &|cases| bar.inc(cases)).map_err(format)?;
     bar.finish_and_clear();
     let slack_rel = stress::rounding_slack(asset, options.seed).map_err(format)?;

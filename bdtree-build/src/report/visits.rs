@@ -66,8 +66,15 @@ pub(crate) fn visits(asset: &Asset<'_>) -> Option<Visits> {
 /// A warning with its figures when bounds hardly exclude anything (the paper, section 6: bases
 /// that are not reduced, or not smooth).
 pub(crate) fn warning(visits: Visits, nodes: usize, modes: usize) -> Option<String> {
-    let share = visits.range / nodes as f64;
-    (nodes >= NODES_MIN && share > USELESS_SHARE).then(|| {
+    let is_useless = |visits: f64| nodes >= NODES_MIN && visits / nodes as f64 > USELESS_SHARE;
+    if is_useless(visits.rest) {
+        return Some(format!(
+            "a point on the surface visits {:.0} of {nodes} nodes even at rest: the triangles are long and thin, and \
+             spheres around them overlap; queries are slow unless the mesh is divided more evenly",
+            visits.rest
+        ));
+    }
+    is_useless(visits.range).then(|| {
         format!(
             "at q_range a point on the surface visits {:.0} of {nodes} nodes ({:.0} at rest): \
              bounds with these {modes} modes exclude little, and updating every vertex may be \

@@ -23,7 +23,7 @@ use crate::AssetFile;
 pub use crate::cli::DiffArguments as Arguments;
 use crate::error::ToolError;
 use crate::info;
-use crate::output::write_json;
+use crate::output::{digits, write_json};
 
 /// Exit code: nothing that counts differs.
 pub const SAME: u8 = 0;
@@ -124,16 +124,16 @@ fn print(findings: &Findings, out: &mut dyn Write) -> std::io::Result<()> {
         writeln!(out, "{note}")?;
     }
     for effect in &findings.effects {
-        let at = effect
-            .q
-            .map_or(String::new(), |q| format!(", at q = {q} (its q_range)"));
+        let at = effect.q.map_or(String::new(), |q| {
+            format!(", at q = {} (its q_range)", digits(q.into()))
+        });
         writeln!(
             out,
-            "{}: vertex {} lies farthest apart, by {:.3e} mesh units ({:.3} % of the diagonal){at}",
+            "{}: vertex {} lies farthest apart, by {} mesh units ({} % of the diagonal){at}",
             effect.what,
             effect.vertex,
-            effect.distance,
-            100.0 * effect.distance_rel
+            digits(effect.distance),
+            digits(100.0 * effect.distance_rel)
         )?;
     }
     for difference in &findings.differences {

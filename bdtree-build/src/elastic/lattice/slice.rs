@@ -160,36 +160,54 @@ type Rule = Vec<([f64; 2], f64)>;
 /// The integrands are polynomials of degree 13. Where a rule's degree is less, the remainder
 /// shrinks with that power of the extent: at the extents given here it stays below 4e-9 of the
 /// fragment's area (C(13, 2n) h²ⁿ / 2²ⁿ⁻¹ with h the extent in cells).
-pub(crate) struct Rules([(f64, Rule); 5]);
+pub(crate) struct Rules {
+    whole: [(f64, Rule); 5],
+    /// The same with fewer points across the shortest edge of a triangle, for half extents of that edge up to the
+    /// one given: fans of faces with thousands of corners are slivers. Across, the integrands are polynomials of
+    /// degree 13 as well.
+    slivers: [(f64, [Rule; 5]); 2],
+}
 
 impl Rules {
     /// Gauss-Legendre points on a square folded into the triangle (Duffy 1982).
     pub(crate) fn new() -> Self {
-        fn folded<const N: usize>() -> Rule {
-            let line = gauss_legendre::<N>();
-            let mut rule = Vec::with_capacity(N * N);
-            for (u, wu) in line {
-                for (v, wv) in line {
+        /// `N` points from the first corner to the opposite edge, `M` along that edge.
+        fn folded<const N: usize, const M: usize>() -> Rule {
+            let mut rule = Vec::with_capacity(N * M);
+            for (u, wu) in gauss_legendre::<N>() {
+                for (v, wv) in gauss_legendre::<M>() {
                     rule.push(([u * (1.0 - v), u * v], 2.0 * wu * wv * u));
                 }
             }
             rule
         }
-        Self([
-            (0.025, folded::<4>()),
-            (0.075, folded::<5>()),
-            (0.125, folded::<6>()),
-            (0.25, folded::<7>()),
-            (f64::INFINITY, folded::<8>()),
-        ])
+        fn sliver<const M: usize>() -> [Rule; 5] {
+            [
+                folded::<4, M>(),
+                folded::<5, M>(),
+                folded::<6, M>(),
+                folded::<7, M>(),
+                folded::<8, M>(),
+            ]
+        }
+        Self {
+            whole: [
+                (0.025, folded::<4, 4>()),
+                (0.075, folded::<5, 5>()),
+                (0.125, folded::<6, 6>()),
+                (0.25, folded::<7, 7>()),
+                (f64::INFINITY, folded::<8, 8>()),
+            ],
+            slivers: [(5e-4, sliver::<2>()), (5e-3, sliver::<3>())],
+        }
     }
 
     /// Calls `visit(point, area vector)` for the quadrature points of a fragment.
     pub(crate) fn integrate(&self, polygon: &Polygon, visit: &mut impl FnMut([f64; 3], [f64; 3])) {
-        let rule = self.fitting(polygon);
+        let along = self.along(polygon);
         let points = polygon.corners();
         for i in 1..points.len().saturating_sub(1) {
-            let (a, b, c) = (points[0], points[i], points[i + 1]);
+            let (rule, [a, b, c]) = self.fitting(along, [points[0], points[i], points[i + 1]]);
             let (ab, ac) = (sub(b, a), sub(c, a));
             let vector = scale(cross(ab, ac), 0.5);
             if norm(vector) == 0.0 {
@@ -203,7 +221,7 @@ impl Rules {
 
     /// Calls `visit` with sixteen points of every triangle of a fragment.
     pub(crate) fn for_each_point(&self, polygon: &Polygon, visit: &mut impl FnMut([f64; 3])) {
-        let [(_, coarsest), ..] = &self.0;
+        let [(_, coarsest), ..] = &self.whole;
         let points = polygon.corners();
         for i in 1..points.len().saturating_sub(1) {
             let (a, b, c) = (points[0], points[i], points[i + 1]);
@@ -213,15 +231,34 @@ impl Rules {
         }
     }
 
-    /// The rule for a fragment of this size.
-    fn fitting(&self, polygon: &Polygon) -> &Rule {
+    /// Which rules are for a fragment of this size.
+    fn along(&self, polygon: &Polygon) -> usize {
         let half = (0..3).fold(0.0f64, |most, a| {
             let (lo, hi) = polygon.range(a);
             most.max(0.5 * (hi - lo))
         });
-        let [.., (_, last)] = &self.0;
-        let fitting = self.0.iter().find(|(most, _)| half <= *most);
-        fitting.map_or(last, |(_, rule)| rule)
+        let fitting = self.whole.iter().position(|(most, _)| half <= *most);
+        fitting.unwrap_or(self.whole.len() - 1)
+    }
+
+    /// The rule for a triangle of a fragment, and the triangle with its shortest edge opposite to the first corner
+    /// where that is a sliver's.
+    fn fitting(&self, along: usize, [a, b, c]: [[f64; 3]; 3]) -> (&Rule, [[f64; 3]; 3]) {
+        let turned = [[a, b, c], [b, c, a], [c, a, b]];
+        let half = |t: &[[f64; 3]; 3]| {
+            let edge = sub(t[2], t[1]);
+            edge.iter().fold(0.0f64, |most, x| most.max(0.5 * x.abs()))
+        };
+        let halves = [0, 1, 2].map(|k| half(&turned[k]));
+        let shortest = (0..3).fold(0, |best, k| if halves[k] < halves[best] { k } else { best });
+        let sliver = self
+            .slivers
+            .iter()
+            .find(|(most, _)| halves[shortest] <= *most);
+        match sliver {
+            Some((_, rules)) => (&rules[along], turned[shortest]),
+            None => (&self.whole[along].1, turned[0]),
+        }
     }
 }
 
@@ -255,6 +292,35 @@ mod tests {
         }
     }
 
+    /// Slivers with any of their edges the short one, beside the finest rule.
+    #[test]
+    fn slivers_are_integrated_as_precisely() {
+        let rules = Rules::new();
+        let finest = Rules {
+            whole: std::array::from_fn(|_| (f64::INFINITY, rules.whole[4].1.clone())),
+            slivers: std::array::from_fn(|k| (-1.0, rules.slivers[k].1.clone())),
+        };
+        for width in [1e-2, 9.9e-3, 3e-3, 9.9e-4, 1e-5] {
+            let (a, b) = ([0.98, 0.99, 1.0], [0.1, 0.05, 0.2]);
+            let c = [b[0] + 0.7 * width, b[1] - width, b[2] + 0.4 * width];
+            for triangle in [[a, b, c], [b, c, a], [c, a, b], [b, a, c]] {
+                let sum = |rules: &Rules| {
+                    let mut sum = 0.0;
+                    let f = |p: [f64; 3]| {
+                        let [x, y, z] = p.map(|c| 2.0 * c - 1.0);
+                        x.powi(5) * y.powi(4) * z.powi(4)
+                    };
+                    let polygon = Polygon::new(triangle);
+                    rules.integrate(&polygon, &mut |p, vector| sum += f(p) * norm(vector));
+                    sum
+                };
+                let area = 0.5 * norm(cross(sub(b, a), sub(c, a)));
+                let (found, want) = (sum(&rules), sum(&finest));
+                assert!((found - want).abs() < 4e-9 * area, "{width} {found} {want}");
+            }
+        }
+    }
+
     #[test]
     fn rules_integrate_the_highest_powers() {
         let rules = Rules::new();
@@ -280,9 +346,10 @@ mod tests {
                     })
                     .collect();
             }
-            let only_last = Rules(std::array::from_fn(|_| {
-                (f64::INFINITY, rules.0[4].1.clone())
-            }));
+            let only_last = Rules {
+                whole: std::array::from_fn(|_| (f64::INFINITY, rules.whole[4].1.clone())),
+                slivers: std::array::from_fn(|k| (-1.0, rules.slivers[k].1.clone())),
+            };
             let mut want = 0.0;
             for t in fine {
                 only_last.integrate(&Polygon::new(t), &mut |p, v| want += f(p) * norm(v));
