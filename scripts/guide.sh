@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 corpus=${BDTREE_CORPUS:?the folder of the test data}
 out=target/guide
 mkdir -p "$out"
-cargo build --release --locked -p bdtree-build -p bdtree-tools -p bdtree-scenes --bins
+cargo build --release --locked -p bdtree-build -p bdtree-tools -p bdtree-scenes --bins --features bdtree-tools/report
 bin=target/release
 
 measure() {
