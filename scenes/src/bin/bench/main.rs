@@ -11,6 +11,7 @@ mod depth;
 mod hard_cases;
 mod kernel;
 mod open;
+mod record;
 mod scene;
 mod turns;
 mod workloads;
@@ -28,7 +29,7 @@ mod prelude {
     pub(crate) use bdtree_runtime::{Asset, Contact, Model, Pose, Transform, Workspace};
     pub(crate) use bdtree_scenes::report::{Row, Table, table};
     pub(crate) use bdtree_scenes::row;
-    pub(crate) use clap::Args;
+    pub(crate) use clap::{Args, Parser};
     pub(crate) use rand::RngExt;
 
     pub(crate) use crate::scene::{Case, Scene, cases};
@@ -40,9 +41,9 @@ mod prelude {
 use std::path::{Path, PathBuf};
 
 use bdtree_scenes::report::{Report, write};
-use clap::{Parser, Subcommand};
+use clap::Subcommand;
 
-use prelude::Result;
+use prelude::{Parser, Result, Table};
 
 #[derive(Parser)]
 #[command(about = "Side-by-side benchmarks of BD-Trees")]
@@ -78,12 +79,32 @@ enum Command {
     Kernel(kernel::Arguments),
     /// Opening a large file by mapping it
     Open(open::Arguments),
+    /// All benchmarks with their defaults into one CSV file
+    Record(record::Arguments),
     /// W1 to W4: the product beside libraries that deform and refit (feature `peers`)
     Workloads(workloads::Arguments),
 }
 
 fn main() -> Result<()> {
     let cli = Cli::parse();
+    if let Command::Record(arguments) = &cli.command {
+        return record::run(arguments);
+    }
+    let (name, tables) = measure(&cli)?;
+    let report = Report::of_tables(name, tables);
+    if cli.json.as_deref() != Some(Path::new(STDOUT)) {
+        report.show(None)?;
+    }
+    match cli.json {
+        Some(path) if path == Path::new(STDOUT) => println!("{:#}", report.json()),
+        Some(path) => write(&path, &format!("{:#}\n", report.json()))?,
+        None => {}
+    }
+    Ok(())
+}
+
+/// The tables of a benchmark.
+fn measure(cli: &Cli) -> Result<(&'static str, Vec<Table>)> {
     let rounds = |default: usize| cli.rounds.map_or(default, |rounds| rounds as usize);
     let (name, tables) = match &cli.command {
         Command::Ball(arguments) => ("ball", ball::run(arguments, rounds(31))),
@@ -96,16 +117,8 @@ fn main() -> Result<()> {
         Command::HardCases(arguments) => ("hard-cases", hard_cases::run(arguments)),
         Command::Kernel(arguments) => ("kernel", kernel::run(arguments, rounds(31))),
         Command::Open(arguments) => ("open", open::run(arguments, rounds(200))),
+        Command::Record(_) => return Err("a record is no benchmark".into()),
         Command::Workloads(arguments) => ("workloads", workloads::run(arguments, rounds(15))),
     };
-    let report = Report::of_tables(name, tables?);
-    if cli.json.as_deref() != Some(Path::new(STDOUT)) {
-        report.show(None)?;
-    }
-    match cli.json {
-        Some(path) if path == Path::new(STDOUT) => println!("{:#}", report.json()),
-        Some(path) => write(&path, &format!("{:#}\n", report.json()))?,
-        None => {}
-    }
-    Ok(())
+    Ok((name, tables?))
 }
