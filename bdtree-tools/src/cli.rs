@@ -147,7 +147,7 @@ pub struct QueryArguments {
     pub no_verify: bool,
 }
 
-/// Measures what each choice costs and buys for an asset, and gives advice: modes, depth, tolerance,
+/// Measures what each choice costs and buys for an asset, and gives advice: modes, depth,
 /// tightness, times beside deform + refit, bytes.
 ///
 /// A page of its own (plots inside, nothing fetched) or JSON with all its figures. Counts and errors are
@@ -161,7 +161,7 @@ pub struct ReportArguments {
     /// Where the page goes: .html [default: beside FILE, with .html; with --json none]
     #[arg(short, long, value_name = "FILE.html")]
     pub output: Option<PathBuf>,
-    /// Print one JSON object: file, asset, machine, samples, missing, advice, modes, depth, tolerance,
+    /// Print one JSON object: file, asset, machine, samples, missing, advice, modes, depth,
     /// tightness, margin, refit, sections, unneeded, seconds (lengths in mesh units, unknown values null)
     #[arg(long)]
     pub json: bool,

@@ -95,8 +95,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "MASS", help_heading = VOLUME)]
     pub(crate) mass: Option<MassMatrix>,
 
-    /// Lattice cells along the longest side, 1 to 1024 [default: as many as a fixed budget of
-    /// lattice nodes allows].
+    /// Lattice cells along the longest side, 1 to 1024 [default: as many as fixed budgets of lattice
+    /// nodes, factorization and integration allow, at most 256].
     #[arg(long, value_name = "CELLS", value_parser = clap::value_parser!(u32).range(1..=i64::from(RESOLUTION_MAX)), help_heading = BODY)]
     pub(crate) resolution: Option<u32>,
 
@@ -112,7 +112,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "KG_M3", help_heading = BODY)]
     pub(crate) density: Option<f64>,
 
-    /// Metres per mesh unit, above 0 [default: 1].
+    /// Meters per mesh unit, above 0 [default: 1].
     #[arg(long, value_name = "M", help_heading = BODY)]
     pub(crate) scale: Option<f64>,
 
