@@ -122,7 +122,17 @@ pub use vector::{Quat, Vec3};
 pub use view::{Asset, Displacements, Group, GroupKind, NodeRows};
 pub use workspace::{Stats, Workspace};
 
-/// The README's query, compiled with the tests.
+/// The programs of the README and of the guide, compiled with the tests.
 #[cfg(all(doctest, feature = "mmap"))]
-#[doc = include_str!("../../README.md")]
-struct Readme;
+mod pages {
+    #[doc = include_str!("../../README.md")]
+    struct Readme;
+    #[doc = include_str!("../../docs/guide/tutorial.md")]
+    struct Tutorial;
+    #[doc = include_str!("../../docs/guide/bake-an-animation.md")]
+    struct BakeAnAnimation;
+    #[doc = include_str!("../../docs/guide/pick-with-a-ray.md")]
+    struct PickWithARay;
+    #[doc = include_str!("../../docs/guide/pairs-in-contact.md")]
+    struct PairsInContact;
+}
