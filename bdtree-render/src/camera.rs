@@ -1,6 +1,6 @@
 //! Where the picture is taken from.
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// A box along the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,10 +58,44 @@ pub struct Camera {
     pub eye: Vec3,
     /// What it looks at: the middle of the picture.
     pub target: Vec3,
-    /// What is up in the picture, not along the line of sight.
+    /// What is up in the picture, unit, not along the line of sight.
     pub up: Vec3,
     /// Angle from the lower to the upper edge.
     pub fov_y_rad: f32,
+}
+
+/// From which side a picture is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewDirection {
+    /// Degrees around the up axis. With y up, 0 looks from +z and 90 from +x.
+    pub azimuth_deg: f32,
+    /// Degrees above the ground, −90 to 90.
+    pub elevation_deg: f32,
+    /// The direction that points up in the picture, unit. The world is turned the shortest way until it is y, and
+    /// −y about z: with z up, 0 looks from −y and 90 from +x.
+    pub up: Vec3,
+}
+
+impl ViewDirection {
+    /// With y up.
+    pub fn new(azimuth_deg: f32, elevation_deg: f32) -> Self {
+        Self {
+            azimuth_deg,
+            elevation_deg,
+            up: Vec3::Y,
+        }
+    }
+
+    /// From what is seen to the eye, unit.
+    fn back(&self) -> Vec3 {
+        let a = self.azimuth_deg.to_radians();
+        let e = self
+            .elevation_deg
+            .clamp(-ELEVATION_MAX_DEG, ELEVATION_MAX_DEG);
+        let e = e.to_radians();
+        let with_y_up = Vec3::new(a.sin() * e.cos(), e.sin(), a.cos() * e.cos());
+        Quat::from_rotation_arc(Vec3::Y, self.up) * with_y_up
+    }
 }
 
 /// Field of view that [`Camera::around`] takes: far enough away that spheres look round.
@@ -71,21 +105,16 @@ const FOV_Y_RAD: f32 = 0.5;
 const ELEVATION_MAX_DEG: f32 = 89.9;
 
 impl Camera {
-    /// A camera that sees all of a box in a picture of `aspect` (width over height), from `azimuth`
-    /// degrees around y (0: from +z, 90: from +x) and `elevation` degrees above.
-    pub fn around(bounds: &Box3, aspect: f32, azimuth_deg: f32, elevation_deg: f32) -> Self {
+    /// A camera that sees all of a box in a picture of `aspect` (width over height), from a
+    /// direction.
+    pub fn around(bounds: &Box3, aspect: f32, direction: ViewDirection) -> Self {
         let corner = |i: usize| [0, 1, 2].map(|k| [bounds.low, bounds.high][i >> k & 1][k]);
         let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| (corner(i), 0.0));
-        Self::around_balls(&corners, aspect, azimuth_deg, elevation_deg)
+        Self::around_balls(&corners, aspect, direction)
     }
 
     /// [`Camera::around`] for balls, centers and radii given: it comes as near as they allow.
-    pub fn around_balls(
-        balls: &[([f32; 3], f32)],
-        aspect: f32,
-        azimuth_deg: f32,
-        elevation_deg: f32,
-    ) -> Self {
+    pub fn around_balls(balls: &[([f32; 3], f32)], aspect: f32, direction: ViewDirection) -> Self {
         let ends = balls
             .iter()
             .flat_map(|(c, r)| [c.map(|x| x - r), c.map(|x| x + r)]);
@@ -93,11 +122,10 @@ impl Camera {
         let mut camera = Self {
             eye: Vec3::Z,
             target: bounds.middle().into(),
-            up: Vec3::Y,
+            up: direction.up,
             fov_y_rad: FOV_Y_RAD,
         };
-        let elevation = elevation_deg.clamp(-ELEVATION_MAX_DEG, ELEVATION_MAX_DEG);
-        let back = toward(azimuth_deg.to_radians(), elevation.to_radians());
+        let back = direction.back();
         camera.eye = camera.target + back;
         let [right, up, _] = camera.axes();
         let slope_y = (0.5 * FOV_Y_RAD).tan();
@@ -119,17 +147,20 @@ impl Camera {
         camera
     }
 
-    /// The camera turned around its target, by angles as of [`Camera::around`].
+    /// The camera turned around its target, by degrees around its up axis and above the ground.
     #[must_use]
     pub fn orbited(&self, azimuth_deg: f32, elevation_deg: f32) -> Self {
         let away = self.eye - self.target;
         let distance = away.length();
-        let azimuth = away.x.atan2(away.z) + azimuth_deg.to_radians();
+        let height = away.dot(self.up);
+        let flat = unit(away - self.up * height, Vec3::Z);
+        let flat = Quat::from_axis_angle(self.up, azimuth_deg.to_radians()) * flat;
         let most = ELEVATION_MAX_DEG.to_radians();
-        let sine = (away.y / distance.max(f32::MIN_POSITIVE)).clamp(-1.0, 1.0);
+        let sine = (height / distance.max(f32::MIN_POSITIVE)).clamp(-1.0, 1.0);
         let elevation = (sine.asin() + elevation_deg.to_radians()).clamp(-most, most);
+        let back = flat * elevation.cos() + self.up * elevation.sin();
         Self {
-            eye: self.target + toward(azimuth, elevation) * distance,
+            eye: self.target + back * distance,
             ..*self
         }
     }
@@ -190,12 +221,6 @@ impl Camera {
     }
 }
 
-/// The direction at an azimuth around y and an elevation above the ground, both in radians.
-fn toward(azimuth: f32, elevation: f32) -> Vec3 {
-    let (a, e) = (azimuth, elevation);
-    Vec3::new(a.sin() * e.cos(), e.sin(), a.cos() * e.cos())
-}
-
 fn unit(v: Vec3, otherwise: Vec3) -> Vec3 {
     let n = v.length();
     if n > 0.0 && n.is_finite() {
@@ -218,7 +243,8 @@ mod tests {
         for (azimuth, elevation) in [(0.0, 0.0), (35.0, 20.0), (-120.0, 80.0), (200.0, -90.0)] {
             for size in [[400, 300], [300, 900]] {
                 let aspect = size[0] as f32 / size[1] as f32;
-                let camera = Camera::around(&bounds, aspect, azimuth, elevation);
+                let direction = ViewDirection::new(azimuth, elevation);
+                let camera = Camera::around(&bounds, aspect, direction);
                 let mut nearest_edge = f32::INFINITY;
                 for corner in 0..8 {
                     let p = [0, 1, 2].map(|k| [bounds.low, bounds.high][corner >> k & 1][k]);
@@ -241,7 +267,7 @@ mod tests {
             ([0.0, 4.0, 0.0], 0.1),
         ];
         let size = [400, 300];
-        let camera = Camera::around_balls(&balls, 4.0 / 3.0, 25.0, 10.0);
+        let camera = Camera::around_balls(&balls, 4.0 / 3.0, ViewDirection::new(25.0, 10.0));
         // Points of each ball where it is seen widest: nothing beyond the edge, something at it.
         let mut nearest_edge = f32::INFINITY;
         for (center, radius) in balls {
@@ -261,11 +287,11 @@ mod tests {
     #[test]
     fn turning_moving_and_zooming_do_what_they_say() {
         let bounds = Box3::around([[-1.0; 3], [1.0; 3]]);
-        let camera = Camera::around(&bounds, 1.0, 10.0, 20.0);
-        let same = Camera::around(&bounds, 1.0, 0.0, 0.0);
+        let camera = Camera::around(&bounds, 1.0, ViewDirection::new(10.0, 20.0));
+        let same = Camera::around(&bounds, 1.0, ViewDirection::new(0.0, 0.0));
         assert_eq!(camera.target, same.target);
         let turned = camera.orbited(30.0, -10.0);
-        let there = Camera::around(&bounds, 1.0, 40.0, 10.0);
+        let there = Camera::around(&bounds, 1.0, ViewDirection::new(40.0, 10.0));
         let toward = |c: &Camera| (c.eye - c.target) / c.distance();
         for k in 0..3 {
             assert!((toward(&turned)[k] - toward(&there)[k]).abs() < 1e-5);
@@ -278,5 +304,41 @@ mod tests {
             .expect("in front");
         assert!((before[0] - after[0] - 10.0).abs() < 1e-2);
         assert!((after[1] - before[1] - 20.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn the_up_axis_is_up_and_orbits_turn_about_it() {
+        let bounds = Box3::around([[-1.0; 3], [1.0; 3]]);
+        // From the front: what points up, right and to the eye.
+        let fronts = [
+            [Vec3::Y, Vec3::X, Vec3::Z],
+            [Vec3::NEG_Y, Vec3::NEG_X, Vec3::Z],
+            [Vec3::Z, Vec3::X, Vec3::NEG_Y],
+            [Vec3::NEG_Z, Vec3::X, Vec3::Y],
+            [Vec3::X, Vec3::NEG_Y, Vec3::Z],
+            [Vec3::NEG_X, Vec3::Y, Vec3::Z],
+        ];
+        let is_near = |a: Vec3, b: Vec3| a.distance(b) < 1e-5;
+        for [up, right, eye] in fronts {
+            let from = |azimuth_deg, elevation_deg| {
+                let direction = ViewDirection {
+                    azimuth_deg,
+                    elevation_deg,
+                    up,
+                };
+                Camera::around(&bounds, 1.0, direction)
+            };
+            let front = from(0.0, 0.0);
+            let [x, y, forward] = front.axes();
+            assert!(
+                is_near(x, right) && is_near(y, up) && is_near(forward, -eye),
+                "{up}"
+            );
+            let side = from(90.0, 0.0);
+            assert!(is_near(side.axes()[2], -right), "{up}");
+            let turned = front.orbited(40.0, 25.0).axes();
+            let there = from(40.0, 25.0).axes();
+            assert!((0..3).all(|k| is_near(turned[k], there[k])), "{up}");
+        }
     }
 }

@@ -24,7 +24,7 @@ mod studio;
 mod text;
 pub mod tightness;
 
-pub use camera::{Box3, Camera};
+pub use camera::{Box3, Camera, ViewDirection};
 pub use error::RenderError;
 pub use gpu::{Gpu, one_line};
 pub use image::Image;

@@ -1,6 +1,8 @@
 //! Pictures by their content: what is where, what hides what, what is refused.
 
-use bdtree_render::{Box3, Camera, Image, Line, Mesh, RenderError, Scene, Sphere, Studio, normals};
+use bdtree_render::{
+    Box3, Camera, Image, Line, Mesh, RenderError, Scene, Sphere, Studio, ViewDirection, normals,
+};
 
 const WHITE: [u8; 4] = [255; 4];
 const SIZE: [u32; 2] = [240, 160];
@@ -289,7 +291,7 @@ fn numbers_that_are_none_draw_nothing() {
     assert!(image.pixels().iter().all(|p| *p == WHITE));
     let bounds = Box3::around([[f32::NAN; 3]]);
     assert!(
-        Camera::around(&bounds, 1.5, 0.0, 0.0)
+        Camera::around(&bounds, 1.5, ViewDirection::new(0.0, 0.0))
             .eye
             .to_array()
             .iter()

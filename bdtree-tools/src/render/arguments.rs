@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::options::{AgainstChoice, FrameRange, PictureSize, View};
+use super::options::{AgainstChoice, FrameRange, PictureSize, UpAxis, View};
 use crate::q::QText;
 
 /// Draws pictures: the deformed mesh, spheres of its tree, what queries visit.
@@ -48,8 +48,9 @@ pub struct Arguments {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x960")]
     pub size: PictureSize,
-    /// Where it is seen from, in degrees: around y (0: from +z, 90: from +x), from above (-90 to 90);
-    /// and how near, 1 being where all of it just fits
+    /// Where it is seen from, in degrees: around the up axis (with y up, 0 is from +z and 90 from +x; with
+    /// z up, 0 is from -y and 90 from +x), from above (-90 to 90); and how near, 1 being where all of
+    /// it just fits
     #[arg(
         long,
         value_name = "AZIMUTH,ELEVATION[,ZOOM]",
@@ -57,6 +58,15 @@ pub struct Arguments {
         allow_hyphen_values = true
     )]
     pub view: View,
+    /// The axis of the mesh that points up in the picture
+    #[arg(
+        long,
+        value_enum,
+        value_name = "AXIS",
+        default_value = "y",
+        allow_hyphen_values = true
+    )]
+    pub up: UpAxis,
     /// No text and no scale of colours
     #[arg(long)]
     pub no_legend: bool,

@@ -24,6 +24,40 @@ impl From<AgainstChoice> for Against {
     }
 }
 
+/// Which axis points up in the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum UpAxis {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    Z,
+    /// x, downward
+    #[value(name = "-x")]
+    MinusX,
+    /// y, downward
+    #[value(name = "-y")]
+    MinusY,
+    /// z, downward
+    #[value(name = "-z")]
+    MinusZ,
+}
+
+impl UpAxis {
+    /// The direction, unit.
+    pub fn direction(self) -> [f32; 3] {
+        match self {
+            Self::X => [1.0, 0.0, 0.0],
+            Self::Y => [0.0, 1.0, 0.0],
+            Self::Z => [0.0, 0.0, 1.0],
+            Self::MinusX => [-1.0, 0.0, 0.0],
+            Self::MinusY => [0.0, -1.0, 0.0],
+            Self::MinusZ => [0.0, 0.0, -1.0],
+        }
+    }
+}
+
 /// `A..B`, both included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameRange {
@@ -85,7 +119,7 @@ pub fn numbers<T: FromStr + Copy + Into<f64>>(text: &str) -> Result<Vec<T>, Stri
 /// `AZIMUTH,ELEVATION[,ZOOM]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// Degrees around y.
+    /// Degrees around the up axis.
     pub azimuth_deg: f32,
     /// Degrees from above, −90 to 90.
     pub elevation_deg: f32,

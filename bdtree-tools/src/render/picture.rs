@@ -8,6 +8,7 @@ use std::path::Path;
 use bdtree_render::tightness::{colour, growths, mean_and_max};
 use bdtree_render::{
     Camera, Image, Legend, Line, Place, RenderError, Scene, SkinnedMesh, Sphere, Studio,
+    ViewDirection,
 };
 
 use super::arguments::Arguments;
@@ -115,7 +116,12 @@ impl<'a> Painter<'a> {
         let ball = |(c, r): &([f64; 3], f64)| (place.shown(*c), place.shown_length(*r));
         let balls: Vec<_> = bounds.balls.iter().map(ball).collect();
         let aspect = width as f32 / height as f32;
-        let camera = Camera::around_balls(&balls, aspect, view.azimuth_deg, view.elevation_deg);
+        let direction = ViewDirection {
+            azimuth_deg: view.azimuth_deg,
+            elevation_deg: view.elevation_deg,
+            up: arguments.up.direction().into(),
+        };
+        let camera = Camera::around_balls(&balls, aspect, direction);
         let mut meshes = Vec::new();
         for content in &frame.content {
             let path = content.body.file.path().display();

@@ -46,6 +46,41 @@ fn a_mesh_stands_in_the_middle_and_the_legend_in_its_corner() {
 }
 
 #[test]
+fn the_up_axis_points_up() {
+    let folder = Folder::new();
+    let expected = folder.picture(&["rigid.bdt", "--no-legend"]);
+    // The same body as programs write it that take z, −y or −x for up.
+    type Turn = fn([f64; 3]) -> [f64; 3];
+    let turns: [(&str, Turn); 3] = [
+        ("z", |[x, y, z]| [x, -z, y]),
+        ("-y", |[x, y, z]| [-x, -y, z]),
+        ("-x", |[x, y, z]| [-y, x, z]),
+    ];
+    for (axis, turn) in turns {
+        let mut mesh = ball_mesh();
+        for p in &mut mesh.positions {
+            *p = turn(*p);
+        }
+        let rigid = bdtree_build::basis::Basis {
+            vertex_count: mesh.positions.len(),
+            ..Default::default()
+        };
+        folder.write("turned.bdt", baked(&mesh, &rigid));
+        let differing = |found: &Picture| {
+            let pairs = found.pixels.iter().zip(&expected.pixels);
+            let differ = pairs.filter(|(a, b)| (0..3).any(|k| a[k].abs_diff(b[k]) > 8));
+            differ.count() as f64 / expected.pixels.len() as f64
+        };
+        let up = folder.picture(&["turned.bdt", "--no-legend", "--up", axis]);
+        assert!(differing(&up) < 0.002, "{axis}: {}", differing(&up));
+        let not_up = folder.picture(&["turned.bdt", "--no-legend"]);
+        assert!(differing(&not_up) > 0.01, "{axis}: {}", differing(&not_up));
+    }
+    let ran = folder.run(&["render", "a.bdt", "-o", "none.png", "--up", "w"]);
+    assert_eq!(ran.code, 2, "{}", ran.err);
+}
+
+#[test]
 fn spheres_of_a_level_hold_the_mesh_and_wear_their_growth() {
     let folder = Folder::new();
     let draw = |q: &str, more: &[&str]| {

@@ -1,6 +1,6 @@
 //! What is to be seen, as numbers: two equal ones look the same.
 
-use bdtree_render::{Box3, Camera, Place};
+use bdtree_render::{Box3, Camera, Place, ViewDirection};
 use bdtree_runtime::Transform;
 
 use super::probe::Probe;
@@ -53,7 +53,8 @@ pub enum Grab {
 impl View {
     /// A camera that sees a box (drawn units) in a picture of `aspect`.
     pub fn camera_around(bounds: &Box3, aspect: f32) -> Camera {
-        Camera::around(bounds, aspect, AZIMUTH_DEG, ELEVATION_DEG).at_distance(MARGIN)
+        let direction = ViewDirection::new(AZIMUTH_DEG, ELEVATION_DEG);
+        Camera::around(bounds, aspect, direction).at_distance(MARGIN)
     }
 
     /// What a drag takes that begins at a pixel of a picture of `size`.

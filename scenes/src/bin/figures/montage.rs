@@ -6,7 +6,7 @@ use std::path::Path;
 use bdtree_build::file::write_atomically;
 use bdtree_render::tightness::colour;
 use bdtree_render::{
-    Box3, Camera, Image, Scene, SkinnedMesh, Sphere, Studio, TextSize, draw_scale,
+    Box3, Camera, Image, Scene, SkinnedMesh, Sphere, Studio, TextSize, ViewDirection, draw_scale,
 };
 use bdtree_runtime::{Asset, Transform, VertexId};
 
@@ -106,7 +106,7 @@ impl<'a> Stage<'a> {
             balls = vec![(self.bounds.middle(), self.bounds.half_diagonal())];
         }
         let [azimuth, elevation] = self.view;
-        Camera::around_balls(&balls, 1.0, azimuth, elevation).at_distance(ROOM)
+        Camera::around_balls(&balls, 1.0, ViewDirection::new(azimuth, elevation)).at_distance(ROOM)
     }
 
     fn picture(&mut self, cell: &Cell<'_>, camera: &Camera) -> Result<Image, Box<dyn Error>> {
