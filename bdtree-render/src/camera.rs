@@ -96,57 +96,25 @@ impl ViewDirection {
         let with_y_up = Vec3::new(a.sin() * e.cos(), e.sin(), a.cos() * e.cos());
         Quat::from_rotation_arc(Vec3::Y, self.up) * with_y_up
     }
+
+    /// The camera that looks at `target` from there, a unit away.
+    pub fn camera(&self, target: Vec3) -> Camera {
+        Camera {
+            eye: target + self.back(),
+            target,
+            up: self.up,
+            fov_y_rad: FOV_Y_RAD,
+        }
+    }
 }
 
-/// Field of view that [`Camera::around`] takes: far enough away that spheres look round.
-const FOV_Y_RAD: f32 = 0.5;
+/// Field of view of pictures: from far enough away that spheres look round.
+pub(crate) const FOV_Y_RAD: f32 = 0.5;
 
 /// The steepest look down or up.
 const ELEVATION_MAX_DEG: f32 = 89.9;
 
 impl Camera {
-    /// A camera that sees all of a box in a picture of `aspect` (width over height), from a
-    /// direction.
-    pub fn around(bounds: &Box3, aspect: f32, direction: ViewDirection) -> Self {
-        let corner = |i: usize| [0, 1, 2].map(|k| [bounds.low, bounds.high][i >> k & 1][k]);
-        let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| (corner(i), 0.0));
-        Self::around_balls(&corners, aspect, direction)
-    }
-
-    /// [`Camera::around`] for balls, centers and radii given: it comes as near as they allow.
-    pub fn around_balls(balls: &[([f32; 3], f32)], aspect: f32, direction: ViewDirection) -> Self {
-        let ends = balls
-            .iter()
-            .flat_map(|(c, r)| [c.map(|x| x - r), c.map(|x| x + r)]);
-        let bounds = Box3::around(ends);
-        let mut camera = Self {
-            eye: Vec3::Z,
-            target: bounds.middle().into(),
-            up: direction.up,
-            fov_y_rad: FOV_Y_RAD,
-        };
-        let back = direction.back();
-        camera.eye = camera.target + back;
-        let [right, up, _] = camera.axes();
-        let slope_y = (0.5 * FOV_Y_RAD).tan();
-        let slope_x = slope_y * aspect.max(1e-3);
-        let mut distance = 1e-3 * bounds.half_diagonal();
-        for (center, radius) in balls {
-            let p = Vec3::from(*center) - camera.target;
-            // From how far away the ball is within the planes through the picture's edges.
-            for (axis, slope) in [(right, slope_x), (up, slope_y)] {
-                let aside = p.dot(axis).abs() + radius * (1.0 + slope * slope).sqrt();
-                // What is not a number is not larger.
-                distance = distance.max(p.dot(back) + aside / slope);
-            }
-        }
-        if !(distance > 0.0 && distance.is_finite()) {
-            distance = 1.0;
-        }
-        camera.eye = camera.target + back * distance;
-        camera
-    }
-
     /// The camera turned around its target, by degrees around its up axis and above the ground.
     #[must_use]
     pub fn orbited(&self, azimuth_deg: f32, elevation_deg: f32) -> Self {
@@ -235,63 +203,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_box_is_seen_whole_and_fills_the_picture() {
-        let bounds = Box3 {
-            low: [-3.0, 10.0, -1.0],
-            high: [5.0, 11.0, 7.0],
-        };
-        for (azimuth, elevation) in [(0.0, 0.0), (35.0, 20.0), (-120.0, 80.0), (200.0, -90.0)] {
-            for size in [[400, 300], [300, 900]] {
-                let aspect = size[0] as f32 / size[1] as f32;
-                let direction = ViewDirection::new(azimuth, elevation);
-                let camera = Camera::around(&bounds, aspect, direction);
-                let mut nearest_edge = f32::INFINITY;
-                for corner in 0..8 {
-                    let p = [0, 1, 2].map(|k| [bounds.low, bounds.high][corner >> k & 1][k]);
-                    let [x, y] = camera.project(p, size).expect("in front");
-                    for (x, n) in [(x, size[0]), (y, size[1])] {
-                        assert!(x > -0.1 && x < n as f32 + 0.1, "{azimuth} {elevation} {x}");
-                        nearest_edge = nearest_edge.min(x).min(n as f32 - x);
-                    }
-                }
-                assert!(nearest_edge < 0.5, "{nearest_edge} pixels are left");
-            }
-        }
-    }
-
-    #[test]
-    fn balls_are_seen_whole_and_fill_the_picture() {
-        let balls = [
-            ([1.0, 2.0, 3.0], 0.5),
-            ([-1.0, 2.5, 2.0], 1.0),
-            ([0.0, 4.0, 0.0], 0.1),
-        ];
-        let size = [400, 300];
-        let camera = Camera::around_balls(&balls, 4.0 / 3.0, ViewDirection::new(25.0, 10.0));
-        // Points of each ball where it is seen widest: nothing beyond the edge, something at it.
-        let mut nearest_edge = f32::INFINITY;
-        for (center, radius) in balls {
-            for i in 0..64 * 64 {
-                let (a, b) = ((i / 64) as f32 * 0.0982, (i % 64) as f32 * 0.0491 - 1.571);
-                let ray = [a.cos() * b.cos(), b.sin(), a.sin() * b.cos()];
-                let p = Vec3::from(center) + Vec3::from(ray) * radius;
-                let [x, y] = camera.project(p.into(), size).expect("in front");
-                for (x, n) in [(x, size[0]), (y, size[1])] {
-                    nearest_edge = nearest_edge.min(x).min(n as f32 - x);
-                }
-            }
-        }
-        assert!(nearest_edge > -0.05 && nearest_edge < 1.0, "{nearest_edge}");
-    }
-
-    #[test]
     fn turning_moving_and_zooming_do_what_they_say() {
-        let bounds = Box3::around([[-1.0; 3], [1.0; 3]]);
-        let camera = Camera::around(&bounds, 1.0, ViewDirection::new(10.0, 20.0));
-        let same = Camera::around(&bounds, 1.0, ViewDirection::new(0.0, 0.0));
-        assert_eq!(camera.target, same.target);
+        let from = |azimuth, elevation| {
+            let camera = ViewDirection::new(azimuth, elevation).camera(Vec3::ZERO);
+            camera.at_distance(3.0)
+        };
+        let camera = from(10.0, 20.0);
         let turned = camera.orbited(30.0, -10.0);
-        let there = Camera::around(&bounds, 1.0, ViewDirection::new(40.0, 10.0));
+        let there = from(40.0, 10.0);
         let toward = |c: &Camera| (c.eye - c.target) / c.distance();
         for k in 0..3 {
             assert!((toward(&turned)[k] - toward(&there)[k]).abs() < 1e-5);
@@ -308,7 +227,6 @@ mod tests {
 
     #[test]
     fn the_up_axis_is_up_and_orbits_turn_about_it() {
-        let bounds = Box3::around([[-1.0; 3], [1.0; 3]]);
         // From the front: what points up, right and to the eye.
         let fronts = [
             [Vec3::Y, Vec3::X, Vec3::Z],
@@ -326,7 +244,7 @@ mod tests {
                     elevation_deg,
                     up,
                 };
-                Camera::around(&bounds, 1.0, direction)
+                direction.camera(Vec3::ZERO)
             };
             let front = from(0.0, 0.0);
             let [x, y, forward] = front.axes();

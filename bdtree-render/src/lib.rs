@@ -11,6 +11,7 @@
 
 mod camera;
 mod error;
+mod framing;
 mod gpu;
 mod image;
 mod legend;
@@ -26,6 +27,7 @@ pub mod tightness;
 
 pub use camera::{Box3, Camera, ViewDirection};
 pub use error::RenderError;
+pub use framing::Framing;
 pub use gpu::{Gpu, one_line};
 pub use image::Image;
 pub use legend::{Legend, draw_scale};

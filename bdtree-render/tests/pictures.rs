@@ -1,8 +1,6 @@
 //! Pictures by their content: what is where, what hides what, what is refused.
 
-use bdtree_render::{
-    Box3, Camera, Image, Line, Mesh, RenderError, Scene, Sphere, Studio, ViewDirection, normals,
-};
+use bdtree_render::{Camera, Image, Line, Mesh, RenderError, Scene, Sphere, Studio, normals};
 
 const WHITE: [u8; 4] = [255; 4];
 const SIZE: [u32; 2] = [240, 160];
@@ -289,12 +287,4 @@ fn numbers_that_are_none_draw_nothing() {
     mesh.write(&studio.gpu.queue, &[[f32::NAN; 3]; 3], &[[f32::NAN; 3]; 3]);
     let image = picture(&mut studio, &[&mesh], &spheres, &[]);
     assert!(image.pixels().iter().all(|p| *p == WHITE));
-    let bounds = Box3::around([[f32::NAN; 3]]);
-    assert!(
-        Camera::around(&bounds, 1.5, ViewDirection::new(0.0, 0.0))
-            .eye
-            .to_array()
-            .iter()
-            .all(|x| x.is_finite())
-    );
 }

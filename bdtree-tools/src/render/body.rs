@@ -33,7 +33,10 @@ impl<'a> Body<'a> {
         let triangles = file.asset().triangles().iter();
         for v in triangles.flat_map(|record| record.corners) {
             if let Some(p) = positions.get(v as usize) {
-                bounds = around(bounds, *p, 0.0);
+                for k in 0..3 {
+                    bounds[0][k] = bounds[0][k].min(p[k]);
+                    bounds[1][k] = bounds[1][k].max(p[k]);
+                }
             }
         }
         Ok(Self {
@@ -73,17 +76,4 @@ impl<'a> Body<'a> {
         spheres.retain(|s| s.radius.is_finite() && s.center.iter().all(|x| x.is_finite()));
         Ok(spheres)
     }
-}
-
-/// A box that holds another one and a ball.
-pub(super) fn around(
-    [mut low, mut high]: [[f64; 3]; 2],
-    center: [f64; 3],
-    radius: f64,
-) -> [[f64; 3]; 2] {
-    for k in 0..3 {
-        low[k] = low[k].min(center[k] - radius);
-        high[k] = high[k].max(center[k] + radius);
-    }
-    [low, high]
 }

@@ -111,7 +111,7 @@ fn shown<'a>(
         None => Vec::new(),
     };
     Ok(Frame {
-        about: vec![posture_text(&q, number, time_s)],
+        about: posture_text(&q, number, time_s),
         number,
         content: vec![Content {
             body,
@@ -144,7 +144,7 @@ fn paint<'a>(
     out: &mut dyn Write,
 ) -> Result<(), ToolError> {
     // Of a sequence one frame at a time: all of them may be too many for memory.
-    let mut bounds = Bounds::default();
+    let mut bounds = Bounds::new(arguments);
     let mut last = None;
     for (number, _) in targets {
         let frame = make(*number)?;

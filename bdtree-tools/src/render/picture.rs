@@ -7,12 +7,12 @@ use std::path::Path;
 
 use bdtree_render::tightness::{colour, growths, mean_and_max};
 use bdtree_render::{
-    Camera, Image, Legend, Line, Place, RenderError, Scene, SkinnedMesh, Sphere, Studio,
+    Camera, Framing, Image, Legend, Line, Place, RenderError, Scene, SkinnedMesh, Sphere, Studio,
     ViewDirection,
 };
 
 use super::arguments::Arguments;
-use super::body::{Content, around};
+use super::body::Content;
 use super::options::AgainstChoice;
 use super::queries::Shape;
 use crate::error::ToolError;
@@ -21,7 +21,8 @@ use crate::q::counted;
 
 /// One picture's worth.
 pub(super) struct Frame<'a> {
-    pub(super) about: Vec<String>,
+    /// In a line of the legend.
+    pub(super) about: String,
     /// Of the animation.
     pub(super) number: Option<u64>,
     pub(super) content: Vec<Content<'a>>,
@@ -31,47 +32,49 @@ pub(super) struct Frame<'a> {
 }
 
 /// What frames take up.
-#[derive(Default)]
 pub(super) struct Bounds {
     /// Corners of the boxes of bodies.
     bodies: Vec<[f64; 3]>,
-    /// Centers and radii of all that is to be seen; where it is too much, corners of its box.
-    balls: Vec<([f64; 3], f64)>,
+    /// All that is to be seen.
+    framing: Framing,
 }
 
-/// Balls that are kept.
-const BALLS_MAX: usize = 1 << 20;
-const NOWHERE: [[f64; 3]; 2] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-
 impl Bounds {
+    /// Of no frame yet, for pictures as asked.
+    pub(super) fn new(arguments: &Arguments) -> Self {
+        let direction = ViewDirection {
+            azimuth_deg: arguments.view.azimuth_deg,
+            elevation_deg: arguments.view.elevation_deg,
+            up: arguments.up.direction().into(),
+        };
+        let [width, height] = inner_size(arguments);
+        Self {
+            bodies: Vec::new(),
+            framing: Framing::new(direction, width as f32 / height as f32),
+        }
+    }
+
     /// Makes them hold a frame.
     pub(super) fn hold(&mut self, frame: &Frame<'_>) {
+        let framing = &mut self.framing;
         for content in &frame.content {
             let body = &content.body;
             self.bodies.extend(body.bounds);
             // Vertices outside are not of any triangle.
             let [low, high] = body.bounds;
             let is_seen = |p: &&[f64; 3]| (0..3).all(|k| low[k] <= p[k] && p[k] <= high[k]);
-            self.balls
-                .extend(body.positions.iter().filter(is_seen).map(|p| (*p, 0.0)));
-            self.balls
-                .extend(content.spheres.iter().map(|s| (s.center, s.radius)));
+            let seen = body.positions.iter().filter(is_seen);
+            seen.for_each(|p| framing.hold(*p, 0.0));
+            let spheres = content.spheres.iter();
+            spheres.for_each(|s| framing.hold(s.center, s.radius));
         }
         for shape in &frame.queries {
             match shape {
-                Shape::Ball { center, radius } => self.balls.push((*center, *radius)),
-                Shape::Line(ends) => self.balls.extend(ends.map(|end| (end, 0.0))),
+                Shape::Ball { center, radius } => framing.hold(*center, *radius),
+                Shape::Line(ends) => ends.iter().for_each(|end| framing.hold(*end, 0.0)),
                 // They come from anywhere: the picture shows them where they are near.
                 Shape::Ray(_) => {}
             }
-        }
-        if self.balls.len() > BALLS_MAX {
-            let all = self
-                .balls
-                .iter()
-                .fold(NOWHERE, |all, (c, r)| around(all, *c, *r));
-            let corner = |i: usize| [0, 1, 2].map(|k| all[i >> k & 1][k]);
-            self.balls = (0..8).map(|i| (corner(i), 0.0)).collect();
         }
     }
 }
@@ -81,8 +84,6 @@ const BESIDE: [u8; 3] = [150, 160, 176];
 const WHITE: [u8; 4] = [255; 4];
 /// What queries are about.
 const QUERY: [u8; 3] = [60, 60, 70];
-/// Room around everything.
-const MARGIN: f64 = 1.04;
 
 /// What all pictures share: device, camera, meshes.
 pub(super) struct Painter<'a> {
@@ -92,8 +93,6 @@ pub(super) struct Painter<'a> {
     meshes: Vec<SkinnedMesh>,
     place: Place,
     camera: Camera,
-    /// Rows above and below what is shown, for the legend.
-    room: [u32; 2],
 }
 
 impl<'a> Painter<'a> {
@@ -105,23 +104,6 @@ impl<'a> Painter<'a> {
         frame: &Frame<'_>,
     ) -> Result<Self, ToolError> {
         let place = Place::around(bounds.bodies.iter().copied());
-        let mut room = [0; 2];
-        if !arguments.no_legend {
-            let has_spheres = frame.content.iter().any(|c| !c.spheres.is_empty());
-            let lines = 1 + frame.about.len() + usize::from(has_spheres);
-            room = Legend::room(lines, has_spheres, arguments.size.0);
-        }
-        let [width, height] = inner_size(arguments, room);
-        let view = arguments.view;
-        let ball = |(c, r): &([f64; 3], f64)| (place.shown(*c), place.shown_length(*r));
-        let balls: Vec<_> = bounds.balls.iter().map(ball).collect();
-        let aspect = width as f32 / height as f32;
-        let direction = ViewDirection {
-            azimuth_deg: view.azimuth_deg,
-            elevation_deg: view.elevation_deg,
-            up: arguments.up.direction().into(),
-        };
-        let camera = Camera::around_balls(&balls, aspect, direction);
         let mut meshes = Vec::new();
         for content in &frame.content {
             let path = content.body.file.path().display();
@@ -136,17 +118,19 @@ impl<'a> Painter<'a> {
             arguments,
             studio,
             meshes,
+            camera: bounds
+                .framing
+                .camera(&place)
+                .at_distance(1.0 / arguments.view.zoom),
             place,
-            camera: camera.at_distance(MARGIN as f32 / view.zoom),
-            room,
         })
     }
 
     /// Where a point of the world is in the pictures.
     pub(super) fn pixel(&self, x: [f64; 3]) -> Option<[f32; 2]> {
-        let size = inner_size(self.arguments, self.room);
+        let size = inner_size(self.arguments);
         let [x, y] = self.camera.project(self.place.shown(x), size)?;
-        Some([x, y + self.room[0] as f32])
+        Some([x, y + legend_room(self.arguments)[0] as f32])
     }
 
     /// The picture, and the growth of its spheres, body by body.
@@ -192,14 +176,15 @@ impl<'a> Painter<'a> {
             spheres: &spheres,
             lines: &lines,
         };
-        let size = inner_size(self.arguments, self.room);
+        let size = inner_size(self.arguments);
         let shown = self.studio.picture(size, &self.camera, &scene);
         let shown = shown.map_err(|error| graphics(&error))?;
         if self.arguments.no_legend {
             return Ok((shown, all_growths));
         }
         let mut image = Image::filled(self.arguments.size.0, WHITE);
-        image.paste([0, i64::from(self.room[0])], &shown);
+        let [above, _] = legend_room(self.arguments);
+        image.paste([0, i64::from(above)], &shown);
         self.legend(frame, &all_growths).draw(&mut image);
         Ok((image, all_growths))
     }
@@ -214,7 +199,7 @@ impl<'a> Painter<'a> {
 
     fn legend(&self, frame: &Frame<'_>, growths: &[f64]) -> Legend {
         let mut lines = vec![title(&self.arguments.file)];
-        lines.extend(frame.about.iter().map(|line| printable(line)));
+        lines.push(printable(&frame.about));
         let (ratio, meaning) = match self.arguments.against {
             AgainstChoice::Rest => ("R'/R", "R'/R: radius over the wrapped sphere's at rest"),
             AgainstChoice::Deformed => (
@@ -239,8 +224,18 @@ impl<'a> Painter<'a> {
     }
 }
 
+/// Rows above and below what is shown, for the legend: the title, a line on what is shown, and one on spheres.
+fn legend_room(arguments: &Arguments) -> [u32; 2] {
+    if arguments.no_legend {
+        return [0; 2];
+    }
+    let has_spheres = arguments.spheres.is_some() || arguments.query.is_some();
+    Legend::room(2 + usize::from(has_spheres), has_spheres, arguments.size.0)
+}
+
 /// What the legend leaves of a picture.
-fn inner_size(arguments: &Arguments, [above, below]: [u32; 2]) -> [u32; 2] {
+fn inner_size(arguments: &Arguments) -> [u32; 2] {
+    let [above, below] = legend_room(arguments);
     let [width, height] = arguments.size.0;
     [width, height - above - below]
 }

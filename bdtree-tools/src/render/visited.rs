@@ -59,7 +59,7 @@ pub(super) fn shown<'a>(
     let queries = counted(scene.queries.len(), "query");
     let nodes = counted(nodes, "node");
     Ok(Frame {
-        about: vec![format!("{queries}: visited {count} of {nodes}")],
+        about: format!("{queries}: visited {count} of {nodes}"),
         number: None,
         queries: shapes(scene, &content),
         content,

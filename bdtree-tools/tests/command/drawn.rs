@@ -39,6 +39,17 @@ impl Picture {
         count as f64 / self.pixels.len() as f64
     }
 
+    /// The box around all that is drawn: left, top, and right and bottom beyond it.
+    pub(crate) fn drawn_box(&self) -> [f64; 4] {
+        let drawn = self.pixels.iter().enumerate().filter(|(_, p)| **p != WHITE);
+        let places = drawn.map(|(i, _)| [i % self.size[0], i / self.size[0]]);
+        let nothing = [usize::MAX, usize::MAX, 0, 0];
+        let all = places.fold(nothing, |[a, b, c, d], [x, y]| {
+            [a.min(x), b.min(y), c.max(x + 1), d.max(y + 1)]
+        });
+        all.map(|n| n as f64)
+    }
+
     /// Part of the pixels that are drawn on.
     pub(crate) fn covered(&self) -> f64 {
         self.share(|p| p != WHITE)

@@ -46,6 +46,42 @@ fn a_mesh_stands_in_the_middle_and_the_legend_in_its_corner() {
 }
 
 #[test]
+fn what_is_drawn_fills_the_picture_and_is_whole() {
+    let folder = Folder::new();
+    let query = json!({"ball": {"instance": "r", "center": [11, -1, 0], "radius": 0.4}});
+    let scene = json!({
+        "instances": [{"name": "r", "asset": "rigid.bdt"}],
+        "queries": [query],
+    });
+    folder.write("scene.json", scene.to_string());
+    let contents = [
+        &["rigid.bdt"][..],
+        &["a.bdt", "--q=1.5,1,-2", "--spheres", "1"],
+        &["rigid.bdt", "--query", "scene.json"],
+    ];
+    let views = ["--view=0,0", "--view=30,20", "--view=90,-50", "--view=0,90"];
+    for content in contents {
+        for view in views {
+            for (size, width, height) in [
+                ("320x240", 320.0, 240.0),
+                ("120x300", 120.0, 300.0),
+                ("400x100", 400.0, 100.0),
+            ] {
+                let fixed = [view, "--up", "z", "--no-legend", "-o", "out.png"];
+                folder.render_at(size, &[content, &fixed].concat());
+                let picture = Picture::read(&folder.path("out.png"));
+                let [left, top, right, bottom] = picture.drawn_box();
+                let (fill_x, fill_y) = ((right - left) / width, (bottom - top) / height);
+                let is_full = fill_x >= 0.85 || fill_y >= 0.85;
+                assert!(is_full, "{content:?} {view} {size}: {fill_x} {fill_y}");
+                let is_whole = left > 0.0 && top > 0.0 && right < width && bottom < height;
+                assert!(is_whole, "{content:?} {view} {size}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_up_axis_points_up() {
     let folder = Folder::new();
     let expected = folder.picture(&["rigid.bdt", "--no-legend"]);

@@ -10,7 +10,7 @@ pub use probe::{Answer, Asker, Probe};
 pub use view::{Grab, View};
 
 use bdtree_render::tightness::{growth, mean_and_max};
-use bdtree_render::{Box3, Level, NodeSphere};
+use bdtree_render::{Level, NodeSphere};
 use bdtree_runtime::{Asset, CacheSize, Instance, Pose, PoseError, Transform};
 use bdtree_tools::deform::deformed;
 use bdtree_tools::info::Info;
@@ -164,9 +164,11 @@ impl<'a> App<'a> {
         let View { q, transform, .. } = &self.view;
         let posed = self.body.set_pose(q, *transform);
         posed.map_err(|error| refused(self.file, error))?;
-        let positions = positions(self.file, &self.body.pose())?;
-        let bounds = Box3::around(positions.map(|p| self.place.shown(p)));
-        self.view.camera = Some(View::camera_around(&bounds, aspect));
+        let mut framing = View::framing(aspect);
+        for p in positions(self.file, &self.body.pose())? {
+            framing.hold(p, 0.0);
+        }
+        self.view.camera = Some(framing.camera(&self.place));
         Ok(())
     }
 

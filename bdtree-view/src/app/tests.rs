@@ -209,7 +209,7 @@ fn all_of_the_mesh_is_seen() {
         assert!(
             seen.low[0] > 0.0 && seen.low[1] > 0.0 && seen.high[0] < 800.0 && seen.high[1] < 1000.0
         );
-        assert!(seen.high[0] - seen.low[0] > 320.0 || seen.high[1] - seen.low[1] > 400.0);
+        assert!(seen.high[0] - seen.low[0] > 760.0 || seen.high[1] - seen.low[1] > 950.0);
     });
 }
 

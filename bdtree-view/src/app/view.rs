@@ -1,12 +1,11 @@
 //! What is to be seen, as numbers: two equal ones look the same.
 
-use bdtree_render::{Box3, Camera, Place, ViewDirection};
+use bdtree_render::{Camera, Framing, Place, ViewDirection};
 use bdtree_runtime::Transform;
 
 use super::probe::Probe;
 
-/// How far around the box the camera of the beginning stands, and from where.
-const MARGIN: f32 = 1.08;
+/// From where the camera of the beginning looks.
 const AZIMUTH_DEG: f32 = 30.0;
 const ELEVATION_DEG: f32 = 20.0;
 
@@ -51,10 +50,9 @@ pub enum Grab {
 }
 
 impl View {
-    /// A camera that sees a box (drawn units) in a picture of `aspect`.
-    pub fn camera_around(bounds: &Box3, aspect: f32) -> Camera {
-        let direction = ViewDirection::new(AZIMUTH_DEG, ELEVATION_DEG);
-        Camera::around(bounds, aspect, direction).at_distance(MARGIN)
+    /// What the camera of the beginning is to see, in a picture of `aspect`.
+    pub fn framing(aspect: f32) -> Framing {
+        Framing::new(ViewDirection::new(AZIMUTH_DEG, ELEVATION_DEG), aspect)
     }
 
     /// What a drag takes that begins at a pixel of a picture of `size`.

@@ -6,7 +6,8 @@ use std::path::Path;
 use bdtree_build::file::write_atomically;
 use bdtree_render::tightness::colour;
 use bdtree_render::{
-    Box3, Camera, Image, Scene, SkinnedMesh, Sphere, Studio, TextSize, ViewDirection, draw_scale,
+    Box3, Camera, Framing, Image, Place, Scene, SkinnedMesh, Sphere, Studio, TextSize,
+    ViewDirection, draw_scale,
 };
 use bdtree_runtime::{Asset, Transform, VertexId};
 
@@ -44,8 +45,6 @@ const WHITE: [u8; 4] = [255; 4];
 const DARK: [u8; 3] = [20, 24, 32];
 const GREY: [u8; 3] = [80, 86, 96];
 const TEXT: TextSize = TextSize::Small;
-/// Beside what is largest in a figure.
-const ROOM: f32 = 1.03;
 
 impl<'a> Stage<'a> {
     /// For an asset at these q, seen from `view` (degrees around y and from above).
@@ -106,7 +105,15 @@ impl<'a> Stage<'a> {
             balls = vec![(self.bounds.middle(), self.bounds.half_diagonal())];
         }
         let [azimuth, elevation] = self.view;
-        Camera::around_balls(&balls, 1.0, ViewDirection::new(azimuth, elevation)).at_distance(ROOM)
+        let mut framing = Framing::new(ViewDirection::new(azimuth, elevation), 1.0);
+        for (center, radius) in balls {
+            framing.hold(center.map(f64::from), f64::from(radius));
+        }
+        // They are in drawn units as they are.
+        framing.camera(&Place {
+            middle: [0.0; 3],
+            size: 1.0,
+        })
     }
 
     fn picture(&mut self, cell: &Cell<'_>, camera: &Camera) -> Result<Image, Box<dyn Error>> {
