@@ -2,15 +2,15 @@
 
 use crate::image::Image;
 use crate::text::TextSize;
-use crate::tightness::{self, GROWTH_RED};
+use crate::tightness::{GROWTH_RED, Scale};
 
 /// Text in the upper left corner, and the scale of tightness in the lower left one.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Legend {
     /// Lines of text; the first is the title.
     pub lines: Vec<String>,
-    /// What the scale of colours means, `None`: no scale.
-    pub scale: Option<String>,
+    /// The scale of colors and what it means, `None`: no scale.
+    pub scale: Option<(Scale, String)>,
 }
 
 /// Titles, and all other text.
@@ -52,7 +52,7 @@ impl Legend {
             clear(image, [margin, y], [size.width(&line), size.line()]);
             image.text([margin, y], &line, size, colour);
         }
-        if let Some(meaning) = &self.scale {
+        if let Some((scale, meaning)) = &self.scale {
             let bar = [
                 (i64::from(width) * 2 / 5).min(24 * size.line()),
                 bar_height(size),
@@ -62,7 +62,7 @@ impl Legend {
             let meaning = shortened(meaning, room);
             let width = size.width(&meaning).max(bar[0] + size.width("44+"));
             clear(image, corner, [width, below]);
-            draw_scale(image, corner, bar, &meaning, size);
+            draw_scale(image, corner, bar, (*scale, &meaning), size);
         }
     }
 }
@@ -81,20 +81,20 @@ fn clear(image: &mut Image, [x, y]: [i64; 2], [width, height]: [i64; 2]) {
     image.fill([x - 4, y - 2], [width + 8, height + 4], [255; 3], 190);
 }
 
-/// Draws the scale of tightness, upper left corner given: what it means, below that a bar of the given
+/// Draws a scale of tightness, upper left corner given: what it means, below that a bar of the given
 /// width and height, and numbers.
 pub fn draw_scale(
     image: &mut Image,
     [x, y]: [i64; 2],
     [width, height]: [i64; 2],
-    meaning: &str,
+    (scale, meaning): (Scale, &str),
     size: TextSize,
 ) {
     image.text([x, y], meaning, size, GREY);
     let top = y + size.line() + size.line() / 4;
     for i in 0..width {
         let share = (i as f64 + 0.5) / width as f64;
-        let colour = tightness::colour(1.0 + share * (GROWTH_RED - 1.0));
+        let colour = scale.colour(1.0 + share * (GROWTH_RED - 1.0));
         image.fill([x + i, top], [1, height], colour, 255);
     }
     let numbers = ["1.00", "1.11", "1.22", "1.33", "1.44+"];

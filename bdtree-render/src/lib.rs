@@ -3,7 +3,7 @@
 //! [`Gpu`] is a device for pictures in memory or for a window. A [`Renderer`] draws what a [`Scene`]
 //! holds ([`Mesh`]es, deformed on the device as [`SkinnedMesh`], [`Sphere`]s, [`Line`]s) as a [`Camera`] sees it into any texture view;
 //! [`Studio`] is all of that for pictures without a window, as [`Image`]s. [`Level`] finds the spheres
-//! of a tree at q, [`tightness`] colours them with the paper's scale, [`Legend`] says what they mean.
+//! of a tree at q, [`tightness`] colors them by their growth, [`Legend`] says what they mean.
 //!
 //! Everything is right-handed, y up unless a camera says otherwise, f32, relative to a point of the
 //! caller's choice near the object. Colours are sRGB.

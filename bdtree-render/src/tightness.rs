@@ -62,33 +62,80 @@ pub fn mean_and_max(growths: &[f64]) -> Option<[f64; 2]> {
     Some([finite().sum::<f64>() / count as f64, max])
 }
 
-/// The colour of a growth: dark blue at 1 and below, over blue, cyan, yellow and red, to dark red from
-/// [`GROWTH_RED`] on, evenly in the radius.
-pub fn colour(growth: f64) -> [u8; 3] {
-    // Not a number counts as beyond all.
-    let share = if growth.is_nan() {
-        1.0
-    } else {
-        (growth - 1.0) / (GROWTH_RED - 1.0)
-    };
-    at(share.clamp(0.0, 1.0))
+/// Colors for growth, evenly in the radius from 1 to [`GROWTH_RED`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Scale {
+    /// The paper's: dark blue, over blue, cyan, yellow and red, to dark red.
+    #[default]
+    Paper,
+    /// Viridis: dark purple, over blue and green, to yellow. Its lightness alone tells growths apart, so it can be
+    /// read without telling red from green.
+    Viridis,
 }
 
-/// The colour at a part of the scale.
-fn at(share: f64) -> [u8; 3] {
+impl Scale {
+    /// The color of a growth: the first of the scale at 1 and below, the last from [`GROWTH_RED`] on.
+    pub fn colour(self, growth: f64) -> [u8; 3] {
+        // Not a number counts as beyond all.
+        let share = if growth.is_nan() {
+            1.0
+        } else {
+            (growth - 1.0) / (GROWTH_RED - 1.0)
+        };
+        let share = share.clamp(0.0, 1.0);
+        match self {
+            Self::Paper => paper(share),
+            Self::Viridis => viridis(share),
+        }
+    }
+}
+
+/// The paper's color at a part of the scale.
+fn paper(share: f64) -> [u8; 3] {
     const STOPS: [(f64, [f64; 3]); 6] = [
-        (0.0, [0.0, 0.0, 0.53]),
-        (0.125, [0.0, 0.1, 1.0]),
-        (0.375, [0.0, 0.95, 1.0]),
-        (0.625, [1.0, 0.95, 0.0]),
-        (0.875, [1.0, 0.05, 0.0]),
-        (1.0, [0.5, 0.0, 0.0]),
+        (0.0, [0.0, 0.0, 135.0]),
+        (0.125, [0.0, 25.5, 255.0]),
+        (0.375, [0.0, 242.25, 255.0]),
+        (0.625, [255.0, 242.25, 0.0]),
+        (0.875, [255.0, 12.75, 0.0]),
+        (1.0, [127.5, 0.0, 0.0]),
     ];
     let k = STOPS.iter().rposition(|(s, _)| *s <= share).unwrap_or(0);
     let k = k.min(STOPS.len() - 2);
     let ((from, a), (to, b)) = (STOPS[k], STOPS[k + 1]);
-    let t = (share - from) / (to - from);
-    [0, 1, 2].map(|i| (255.0 * (a[i] + t * (b[i] - a[i]))).round() as u8)
+    between(a, b, (share - from) / (to - from))
+}
+
+/// Viridis at a part of the scale: every 17th of the 256 colors that matplotlib publishes (S. van der Walt and N.
+/// Smith, 2015, `_cm_listed.py`, CC0), and what lies between them; at most 7 of 255 beside the others.
+fn viridis(share: f64) -> [u8; 3] {
+    const STOPS: [[u8; 3]; 16] = [
+        [68, 1, 84],
+        [72, 26, 108],
+        [71, 47, 125],
+        [65, 68, 135],
+        [57, 86, 140],
+        [49, 104, 142],
+        [42, 120, 142],
+        [35, 136, 142],
+        [31, 152, 139],
+        [34, 168, 132],
+        [53, 183, 121],
+        [84, 197, 104],
+        [122, 209, 81],
+        [165, 219, 54],
+        [210, 226, 27],
+        [253, 231, 37],
+    ];
+    let at = share * (STOPS.len() - 1) as f64;
+    let k = (at as usize).min(STOPS.len() - 2);
+    let [a, b] = [STOPS[k], STOPS[k + 1]].map(|stop| stop.map(f64::from));
+    between(a, b, at - k as f64)
+}
+
+/// From one color to another.
+fn between(a: [f64; 3], b: [f64; 3], part: f64) -> [u8; 3] {
+    [0, 1, 2].map(|i| (a[i] + part * (b[i] - a[i])).round() as u8)
 }
 
 #[cfg(test)]
@@ -96,7 +143,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_scale_begins_dark_blue_and_ends_dark_red() {
+    fn the_paper_s_scale_begins_dark_blue_and_ends_dark_red() {
+        let colour = |growth| Scale::Paper.colour(growth);
         for growth in [0.0, 0.9, 1.0] {
             assert_eq!(colour(growth), [0, 0, 135]);
         }
@@ -109,6 +157,32 @@ mod tests {
             "the middle is light: {r} {g} {b}"
         );
         assert!(GROWTH_RED.powi(3) > 2.98 && GROWTH_RED.powi(3) < 3.0);
+    }
+
+    #[test]
+    fn viridis_is_the_published_table_and_becomes_lighter_throughout() {
+        let at = |share: f64| Scale::Viridis.colour(1.0 + share * (GROWTH_RED - 1.0));
+        // Of the 256 published colors, those between ours too: numbers 0, 42, 77, 128, 201 and 255.
+        for (number, published) in [
+            (0.0, [68, 1, 84]),
+            (42.0, [68, 57, 131]),
+            (77.0, [52, 96, 141]),
+            (128.0, [33, 145, 140]),
+            (201.0, [115, 208, 86]),
+            (255.0, [253, 231, 37]),
+        ] {
+            let found = at(number / 255.0);
+            let differ = (0..3).map(|k| found[k].abs_diff(published[k])).max();
+            assert!(differ <= Some(3), "{number}: {found:?} {published:?}");
+        }
+        let lightness = |[r, g, b]: [u8; 3]| {
+            let of = |c: u8| (f64::from(c) / 255.0).powf(2.2);
+            0.2126 * of(r) + 0.7152 * of(g) + 0.0722 * of(b)
+        };
+        let all: Vec<f64> = (0..=100)
+            .map(|k| lightness(at(f64::from(k) / 100.0)))
+            .collect();
+        assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What is drawn beside the mesh: spheres and lines, in drawn units.
 
-use bdtree_render::tightness::{colour, growth};
+use bdtree_render::tightness::growth;
 use bdtree_render::{Line, NodeSphere, Sphere};
 
 use crate::app::{Answer, App};
@@ -30,7 +30,7 @@ impl Shapes {
         let mut shapes = Self::default();
         let view = &app.view;
         let sphere = |s: &NodeSphere, growth: f64, opacity: u8| {
-            let [r, g, b] = colour(growth);
+            let [r, g, b] = view.scale.colour(growth);
             Sphere {
                 center: app.place.shown(s.center),
                 radius: app.place.shown_length(s.radius),

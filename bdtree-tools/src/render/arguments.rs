@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::options::{AgainstChoice, FrameRange, PictureSize, UpAxis, View};
+use super::options::{AgainstChoice, FrameRange, PictureSize, ScaleChoice, UpAxis, View};
 use crate::q::QText;
 
 /// Draws pictures: the deformed mesh, spheres of its tree, what queries visit.
 ///
-/// Spheres are coloured by tightness with the scale of the paper: their radius over that of the
-/// wrapped sphere at rest, dark blue for no growth, dark red from 1.44 (three times the volume) on.
+/// Spheres are colored by tightness: their radius over that of the wrapped sphere at rest. With the scale of the
+/// paper, dark blue is no growth and dark red is 1.44 (three times the volume) or more; with viridis,
+/// dark purple and yellow are.
 /// Needs Vulkan: a graphics card's, or Mesa's in software.
 ///
 /// The file's checksums are checked first; it must not change meanwhile.
@@ -38,10 +39,13 @@ pub struct Arguments {
     /// --spheres: those of visited nodes of that level)
     #[arg(long, value_name = "SCENE.json", conflicts_with = "frames")]
     pub query: Option<PathBuf>,
-    /// What a sphere's radius is divided by for its colour: that of the wrapped sphere at rest, as in
+    /// What a sphere's radius is divided by for its color: that of the wrapped sphere at rest, as in
     /// the paper, or that of the smallest ball around the deformed vertices it holds
     #[arg(long, value_enum, default_value = "rest", value_name = "WHAT")]
     pub against: AgainstChoice,
+    /// The scale of colors: the paper's, or viridis, which color-blind readers can read too
+    #[arg(long, value_enum, default_value = "paper", value_name = "SCALE")]
+    pub scale: ScaleChoice,
     /// How opaque spheres are, 0 to 1
     #[arg(long, value_name = "A", default_value = "0.35", value_parser = share)]
     pub opacity: f64,
@@ -67,7 +71,7 @@ pub struct Arguments {
         allow_hyphen_values = true
     )]
     pub up: UpAxis,
-    /// No text and no scale of colours
+    /// No text and no scale of colors
     #[arg(long)]
     pub no_legend: bool,
     /// Print one JSON object per picture: output, frame, q, level, nodes_visited, growth {mean, max},

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use bdtree_render::tightness::Against;
+use bdtree_render::tightness::{Against, Scale};
 use clap::ValueEnum;
 
 /// What radii are divided by.
@@ -20,6 +20,24 @@ impl From<AgainstChoice> for Against {
         match choice {
             AgainstChoice::Rest => Self::Rest,
             AgainstChoice::Deformed => Self::Deformed,
+        }
+    }
+}
+
+/// The colors of tightness.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ScaleChoice {
+    /// The paper's: dark blue to dark red.
+    Paper,
+    /// Viridis: dark purple to yellow.
+    Viridis,
+}
+
+impl From<ScaleChoice> for Scale {
+    fn from(choice: ScaleChoice) -> Self {
+        match choice {
+            ScaleChoice::Paper => Self::Paper,
+            ScaleChoice::Viridis => Self::Viridis,
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use bdtree_render::tightness::{colour, growths, mean_and_max};
+use bdtree_render::tightness::{Scale, growths, mean_and_max};
 use bdtree_render::{
     Camera, Framing, Image, Legend, Line, Place, RenderError, Scene, SkinnedMesh, Sphere, Studio,
     ViewDirection,
@@ -144,6 +144,7 @@ impl<'a> Painter<'a> {
         }
         let mut all_growths = Vec::new();
         let mut spheres = Vec::new();
+        let scale = Scale::from(self.arguments.scale);
         let opacity = (255.0 * self.arguments.opacity).round() as u8;
         for content in &frame.content {
             let body = &content.body;
@@ -151,7 +152,7 @@ impl<'a> Painter<'a> {
             let growths = growths(body.asset(), &content.spheres, &body.positions, against)
                 .map_err(|error| body.file.error(error))?;
             for (sphere, growth) in content.spheres.iter().zip(&growths) {
-                let [r, g, b] = colour(*growth);
+                let [r, g, b] = scale.colour(*growth);
                 spheres.push(self.sphere(sphere.center, sphere.radius, [r, g, b, opacity]));
             }
             all_growths.extend(growths);
@@ -219,7 +220,8 @@ impl<'a> Painter<'a> {
         }
         Legend {
             lines,
-            scale: (!growths.is_empty()).then(|| meaning.to_string()),
+            scale: (!growths.is_empty())
+                .then(|| (self.arguments.scale.into(), meaning.to_string())),
         }
     }
 }

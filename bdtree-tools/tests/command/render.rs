@@ -46,6 +46,36 @@ fn a_mesh_stands_in_the_middle_and_the_legend_in_its_corner() {
 }
 
 #[test]
+fn the_scale_colors_spheres_and_legend() {
+    let folder = Folder::new();
+    let bent = ["a.bdt", "--q=1.5,1,-2", "--spheres", "1", "--opacity", "1"];
+    let draw = |more: &[&str]| folder.picture(&[&bent[..], more].concat());
+    let default = draw(&[]);
+    let paper = draw(&["--scale", "paper"]);
+    assert!(default.pixels == paper.pixels);
+    let viridis = draw(&["--scale", "viridis"]);
+    // Only the paper's scale has red, in spheres and legend; only viridis has its purple and its green.
+    let is_red = |[r, g, b]: [u8; 3]| r > 110 && g < 70 && b < 70;
+    let is_purple = |[r, g, b]: [u8; 3]| r.abs_diff(70) < 4 && g < 40 && (80..130).contains(&b);
+    let is_green =
+        |[r, g, b]: [u8; 3]| g > r.saturating_add(40) && g > b.saturating_add(20) && b > 60;
+    assert!(paper.share(is_red) > 0.002 && viridis.share(is_red) == 0.0);
+    assert!(paper.share(is_purple) == 0.0 && viridis.share(is_purple) > 0.0);
+    assert!(
+        viridis.share(is_green) > 0.002,
+        "{}",
+        viridis.share(is_green)
+    );
+    let plain = draw(&["--scale", "viridis", "--no-legend"]);
+    assert!(
+        plain.share(is_purple) < viridis.share(is_purple),
+        "the legend's bar is viridis too"
+    );
+    let ran = folder.run(&["render", "a.bdt", "-o", "none.png", "--scale", "jet"]);
+    assert_eq!(ran.code, 2, "{}", ran.err);
+}
+
+#[test]
 fn what_is_drawn_fills_the_picture_and_is_whole() {
     let folder = Folder::new();
     let query = json!({"ball": {"instance": "r", "center": [11, -1, 0], "radius": 0.4}});

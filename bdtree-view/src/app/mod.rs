@@ -9,7 +9,7 @@ pub use playback::Playback;
 pub use probe::{Answer, Asker, Probe};
 pub use view::{Grab, View};
 
-use bdtree_render::tightness::{growth, mean_and_max};
+use bdtree_render::tightness::{Scale, growth, mean_and_max};
 use bdtree_render::{Level, NodeSphere};
 use bdtree_runtime::{Asset, CacheSize, Instance, Pose, PoseError, Transform};
 use bdtree_tools::deform::deformed;
@@ -93,6 +93,7 @@ impl<'a> App<'a> {
                 transform,
                 has_mesh: true,
                 level: None,
+                scale: Scale::Paper,
                 opacity: 0.35,
                 has_probe: false,
                 probe: Probe {

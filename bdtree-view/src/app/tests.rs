@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use bdtree_fixtures::golden;
-use bdtree_render::{Box3, tightness};
+use bdtree_render::Box3;
 use bdtree_runtime::{TriangleId, narrow};
 
 use super::*;
@@ -133,7 +133,8 @@ fn growth_is_none_at_rest_and_found_anew_when_q_changes() {
         assert!(app.refresh());
         let [_, max] = app.spheres.clone().expect("spheres").mean_and_max.unwrap();
         assert!(max > 1.05, "{max}");
-        assert_ne!(tightness::colour(max), tightness::colour(1.0));
+        let scale = app.view.scale;
+        assert_ne!(scale.colour(max), scale.colour(1.0));
         app.view.level = None;
         assert!(app.refresh());
         assert!(app.spheres.clone().expect("none").spheres.is_empty());

@@ -1,5 +1,6 @@
 //! What is to be seen, as numbers: two equal ones look the same.
 
+use bdtree_render::tightness::Scale;
 use bdtree_render::{Camera, Framing, Place, ViewDirection};
 use bdtree_runtime::Transform;
 
@@ -26,6 +27,8 @@ pub struct View {
     pub has_mesh: bool,
     /// The level whose spheres are drawn.
     pub level: Option<usize>,
+    /// The colors of their growth.
+    pub scale: Scale,
     /// Opacity of spheres, 0 to 1.
     pub opacity: f32,
     /// Whether there is a probe.

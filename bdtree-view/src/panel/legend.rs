@@ -1,6 +1,6 @@
 //! The scale of tightness.
 
-use bdtree_render::tightness::{GROWTH_RED, colour};
+use bdtree_render::tightness::{GROWTH_RED, Scale};
 use egui::{Align2, Color32, FontId, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 /// Points.
@@ -9,7 +9,7 @@ const NUMBERS: f32 = 17.0;
 /// Rectangles that the bar is made of.
 const STEPS: usize = 110;
 
-pub(super) fn show(ui: &mut Ui) {
+pub(super) fn show(ui: &mut Ui, scale: Scale) {
     ui.label(
         RichText::new("R'/R: radius over the wrapped sphere's at rest")
             .small()
@@ -23,7 +23,7 @@ pub(super) fn show(ui: &mut Ui) {
     let at = |share: f64| left + (right - left) * share as f32;
     for step in 0..STEPS {
         let share = |k: f64| (step as f64 + k) / STEPS as f64;
-        let [r, g, b] = colour(1.0 + share(0.5) * (GROWTH_RED - 1.0));
+        let [r, g, b] = scale.colour(1.0 + share(0.5) * (GROWTH_RED - 1.0));
         let from = pos2(at(share(0.0)), area.top());
         let to = pos2(at(share(1.0)) + 0.5, area.top() + BAR);
         painter.rect_filled(

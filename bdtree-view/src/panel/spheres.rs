@@ -41,6 +41,6 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
     }
     let has_ends = app.view.has_probe && app.view.has_ends;
     if app.view.level.is_some() || has_ends {
-        legend::show(ui);
+        legend::show(ui, app.view.scale);
     }
 }

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::Path;
 
 use bdtree_build::file::write_atomically;
-use bdtree_render::tightness::colour;
+use bdtree_render::tightness::Scale;
 use bdtree_render::{
     Box3, Camera, Framing, Image, Place, Scene, SkinnedMesh, Sphere, Studio, TextSize,
     ViewDirection, draw_scale,
@@ -85,7 +85,7 @@ impl<'a> Stage<'a> {
         let found = cell.spheres.iter().flatten();
         found
             .map(|found| {
-                let [r, g, b] = colour(found.growth);
+                let [r, g, b] = Scale::Paper.colour(found.growth);
                 Sphere {
                     center: [0, 1, 2].map(|k| ((found.center[k] - middle[k]) / size) as f32),
                     radius: (found.radius / size) as f32,
@@ -171,7 +171,13 @@ impl<'a> Stage<'a> {
         }
         let meaning = "radius over the undeformed wrapped sphere's (BD-Tree as in the paper)";
         let corner = [margin, size[1] - margin - foot + line / 2];
-        draw_scale(&mut image, corner, [24 * line, line * 3 / 4], meaning, TEXT);
+        draw_scale(
+            &mut image,
+            corner,
+            [24 * line, line * 3 / 4],
+            (Scale::Paper, meaning),
+            TEXT,
+        );
 
         let mut png = Vec::new();
         image.write_png(&mut png)?;
