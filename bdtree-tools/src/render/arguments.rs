@@ -74,7 +74,7 @@ pub struct Arguments {
     /// No text and no scale of colors
     #[arg(long)]
     pub no_legend: bool,
-    /// Print one JSON object per picture: output, frame, q, level, nodes_visited, growth {mean, max},
+    /// Print one JSON object per picture instead of a line: output, frame, q, level, nodes_visited, growth {mean, max},
     /// spheres [{node, lane, center, radius, growth, pixel}] (world units; growth null where it is
     /// infinite)
     #[arg(long)]

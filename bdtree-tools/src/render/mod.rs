@@ -9,7 +9,7 @@ mod report;
 mod visited;
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bdtree_render::{Level, Studio};
 
@@ -136,6 +136,23 @@ fn posture_text(q: &[f32], frame: Option<u64>, time_s: Option<f64>) -> String {
     }
 }
 
+/// What has been written, in a line.
+fn summary(arguments: &Arguments, path: &Path, frame: &Frame<'_>, sphere_count: usize) -> String {
+    let [width, height] = arguments.size.0;
+    let mut parts = vec![format!("{width} x {height} pixels")];
+    parts.extend(frame.number.map(|number| format!("frame {number}")));
+    parts.extend(
+        frame
+            .nodes_visited
+            .map(|n| format!("{} visited", counted(n as usize, "node"))),
+    );
+    parts.extend(arguments.spheres.map(|level| format!("level {level}")));
+    if arguments.spheres.is_some() || arguments.query.is_some() {
+        parts.push(counted(sphere_count, "sphere"));
+    }
+    format!("wrote {}: {}", path.display(), parts.join(", "))
+}
+
 /// Draws frames, as `make` returns them, into their files.
 fn paint<'a>(
     arguments: &Arguments,
@@ -166,6 +183,9 @@ fn paint<'a>(
         if arguments.json {
             let report = Report::of(arguments, path, &frame, &growths, &painter);
             write_json(out, &report)?;
+        } else {
+            let done = summary(arguments, path, &frame, growths.len());
+            writeln!(out, "{done}").map_err(ToolError::Stdout)?;
         }
     }
     Ok(())

@@ -263,6 +263,43 @@ fn frames_are_drawn_one_by_one_by_the_same_camera() {
 }
 
 #[test]
+fn a_line_says_what_was_written() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    folder.write("moves.bdt", baked(&mesh, &animated(&mesh)));
+    let scene = json!({
+        "instances": [{"name": "a", "asset": "a.bdt"}],
+        "queries": [{"closest": {"instance": "a", "point": [10, -1, 2]}}],
+    });
+    let (_, report) = folder.asked("a.bdt", &scene, &[]);
+    let visited = &report["nodes_visited"];
+    let ends = report["spheres"].as_array().expect("a list").len();
+    let (_, level) = folder.reported(&["a.bdt", "--spheres", "1"]);
+    let of_level = level["spheres"].as_array().expect("a list").len();
+    for (arguments, expected) in [
+        (
+            &["a.bdt", "-o", "out.png"][..],
+            "wrote out.png: 320 x 240 pixels\n".to_string(),
+        ),
+        (
+            &["a.bdt", "-o", "out.png", "--spheres", "1"],
+            format!("wrote out.png: 320 x 240 pixels, level 1, {of_level} spheres\n"),
+        ),
+        (
+            &["a.bdt", "-o", "out.png", "--query", "scene.json"],
+            format!("wrote out.png: 320 x 240 pixels, {visited} nodes visited, {ends} spheres\n"),
+        ),
+        (
+            &["moves.bdt", "-o", "%d.png", "--frames", "0..1"],
+            "wrote 0.png: 320 x 240 pixels, frame 0\nwrote 1.png: 320 x 240 pixels, frame 1\n"
+                .to_string(),
+        ),
+    ] {
+        assert_eq!(folder.render(arguments), expected, "{arguments:?}");
+    }
+}
+
+#[test]
 fn visited_nodes_are_those_that_queries_count() {
     let folder = Folder::new();
     let queries = [
