@@ -131,11 +131,12 @@ fn what_is_near_hides_what_is_far_and_glass_does_not() {
     let red = Line {
         ends: [[-1.4, -0.6, 0.5], [1.4, -0.6, 0.5]],
         colour: [255, 0, 0, 255],
+        width: 2.0,
     };
     let lined = picture(&mut studio, &[&mesh], &[], &[red]);
     let at = |x: f32| {
         let [px, py] = camera().project([x, -0.6, 0.5], SIZE).expect("in front");
-        // A line is one pixel wide and may lie in the row above or below.
+        // Its middle may lie in the row above or below.
         (-1..=1).any(|d| {
             let pixel = lined
                 .pixel(px as u32, (py as i64 + d) as u32)
@@ -144,6 +145,37 @@ fn what_is_near_hides_what_is_far_and_glass_does_not() {
         })
     };
     assert!(at(-1.2) && at(0.0) && at(1.2));
+}
+
+#[test]
+fn lines_are_as_wide_as_asked_over_glass_and_cut_at_the_eye() {
+    let mut studio = Studio::open().expect("a graphics adapter");
+    let glass = sphere([0.0; 3], 1.2, [0, 0, 255, 120]);
+    let line = |ends, width| Line {
+        ends,
+        colour: [255, 0, 0, 255],
+        width,
+    };
+    let middle = [SIZE[0] / 2, SIZE[1] / 2];
+    for width in [1.0, 3.0, 8.0] {
+        let behind = line([[-1.0, 0.0, -1.5], [1.0, 0.0, -1.5]], width);
+        let image = picture(&mut studio, &[], &[], &[behind]);
+        let column = (0..SIZE[1]).map(|y| image.pixel(middle[0], y).expect("within"));
+        let red: f32 = column.map(|[_, g, ..]| 1.0 - f32::from(g) / 255.0).sum();
+        assert!((red - width).abs() < 0.3, "{width}: {red} pixels");
+        let over = picture(&mut studio, &[], &[glass], &[behind]);
+        let is_red = |y| over.pixel(middle[0], y) == Some([255, 0, 0, 255]);
+        assert!(width < 3.0 || is_red(middle[1]), "{width}");
+    }
+    // From behind the eye to the middle of the picture: from its edge to there.
+    let passing = line([[0.0, -3.0, 20.0], [0.0, 0.0, 0.0]], 4.0);
+    let image = picture(&mut studio, &[], &[], &[passing]);
+    let is_red = |y: u32| is_mostly(image.pixel(SIZE[0] / 2, y).expect("within"), 0);
+    assert!((SIZE[1] / 2 + 4..SIZE[1]).all(is_red));
+    assert!(!(0..SIZE[1] / 2 - 4).any(is_red));
+    let away = line([[0.0, -3.0, 20.0], [0.0, 3.0, 11.0]], 4.0);
+    let image = picture(&mut studio, &[], &[], &[away]);
+    assert!(image.pixels().iter().all(|p| *p == WHITE), "behind the eye");
 }
 
 #[test]

@@ -76,6 +76,7 @@ impl Shapes {
             self.lines.push(Line {
                 ends: [point, tip],
                 colour: CONTACT,
+                width: 1.5,
             });
         }
     }

@@ -10,6 +10,8 @@ struct Globals {
     light: vec4<f32>,
     // Towards the picture's upper edge.
     up: vec4<f32>,
+    // Width and height of the picture in pixels.
+    size: vec4<f32>,
 }
 
 struct Look {
@@ -168,11 +170,42 @@ struct OnLine {
     @location(0) @interpolate(flat) colour: vec4<f32>,
 }
 
+// A rectangle of `width` pixels along the line, half of that longer at both ends so that lines join.
 @vertex
-fn line_vertex(@location(0) position: vec3<f32>, @location(1) colour: vec4<f32>) -> OnLine {
+fn line_vertex(
+    @builtin(vertex_index) vertex: u32,
+    @location(0) first: vec3<f32>,
+    @location(1) last: vec3<f32>,
+    @location(2) colour: vec4<f32>,
+    @location(3) width: f32,
+) -> OnLine {
+    let near = globals.eye.w;
+    var a = globals.view_projection * vec4(first, 1.0);
+    var b = globals.view_projection * vec4(last, 1.0);
     var out: OnLine;
-    out.clip = globals.view_projection * vec4(position, 1.0);
     out.colour = colour;
+    out.clip = vec4(0.0, 0.0, 2.0, 1.0);
+    if max(a.w, b.w) <= near {
+        return out;
+    }
+    // What is behind the eye has no place in the picture.
+    if a.w < near {
+        a = mix(a, b, (near - a.w) / (b.w - a.w));
+    } else if b.w < near {
+        b = mix(b, a, (near - b.w) / (a.w - b.w));
+    }
+    let pixels = 0.5 * globals.size.xy;
+    let run = b.xy / b.w * pixels - a.xy / a.w * pixels;
+    var along = vec2(1.0, 0.0);
+    if length(run) > 0.0 {
+        along = normalize(run);
+    }
+    let aside = vec2(-along.y, along.x) * (f32(vertex & 1u) * 2.0 - 1.0);
+    let is_last = (vertex >> 1u) == 1u;
+    let beyond = along * select(-1.0, 1.0, is_last);
+    let end = select(a, b, is_last);
+    let offset = 0.5 * width * (aside + beyond) / pixels;
+    out.clip = end + vec4(offset * end.w, 0.0, 0.0);
     return out;
 }
 

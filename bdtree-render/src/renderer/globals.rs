@@ -16,6 +16,7 @@ struct Record {
     forward: [f32; 4],
     light: [f32; 4],
     up: [f32; 4],
+    size: [f32; 4],
 }
 
 #[derive(Debug)]
@@ -61,6 +62,7 @@ impl Globals {
             forward: forward.extend(encode).to_array(),
             light: light.extend(0.0).to_array(),
             up: up.extend(0.0).to_array(),
+            size: [size[0] as f32, size[1] as f32, 0.0, 0.0],
         };
         queue.write_buffer(&self.buffer, 0, record.as_bytes());
     }

@@ -2,7 +2,7 @@
 //!
 //! Spheres are exact: a square per sphere whose pixels meet it by ray, so that many are cheap to
 //! store and none has corners. Opaque ones are drawn in any order, translucent ones from far to near,
-//! by where they begin.
+//! by where they begin. Lines come last.
 
 mod globals;
 mod mesh;
@@ -27,7 +27,7 @@ use crate::error::RenderError;
 use crate::gpu::Gpu;
 use globals::Globals;
 use pipelines::Pipelines;
-use shapes::{line_ends, sphere_instances};
+use shapes::sphere_instances;
 use targets::Targets;
 
 /// What is to be seen.
@@ -39,7 +39,7 @@ pub struct Scene<'s> {
     pub meshes: &'s [&'s Mesh],
     /// Spheres, in any order.
     pub spheres: &'s [Sphere],
-    /// Lines, one pixel wide.
+    /// Lines, later ones over earlier ones. Translucent spheres do not dim them.
     pub lines: &'s [Line],
 }
 
@@ -128,7 +128,7 @@ impl Renderer {
         self.globals.write(queue, camera, size, encode);
         let (spheres, opaque) = sphere_instances(scene.spheres, camera);
         self.spheres.write(device, queue, &spheres)?;
-        self.lines.write(device, queue, &line_ends(scene.lines))?;
+        self.lines.write(device, queue, scene.lines)?;
         let (view, resolve_target) = match &targets.samples {
             Some(samples) => (samples, Some(view)),
             None => (view, None),
@@ -163,24 +163,20 @@ impl Renderer {
         let count = spheres.len() as u32;
         if let Some(buffer) = &self.spheres.buffer {
             pass.set_vertex_buffer(0, buffer.slice(..));
-            draw_spheres(&mut pass, &self.pipelines.opaque, 0..opaque);
+            draw_square_each(&mut pass, &self.pipelines.opaque, 0..opaque);
+            draw_square_each(&mut pass, &self.pipelines.translucent, opaque..count);
         }
-        if let Some(buffer) = &self.lines.buffer
-            && !scene.lines.is_empty()
-        {
-            pass.set_pipeline(&self.pipelines.lines);
+        if let Some(buffer) = &self.lines.buffer {
             pass.set_vertex_buffer(0, buffer.slice(..));
-            pass.draw(0..2 * scene.lines.len() as u32, 0..1);
-        }
-        if let Some(buffer) = &self.spheres.buffer {
-            pass.set_vertex_buffer(0, buffer.slice(..));
-            draw_spheres(&mut pass, &self.pipelines.translucent, opaque..count);
+            let count = scene.lines.len() as u32;
+            draw_square_each(&mut pass, &self.pipelines.lines, 0..count);
         }
         Ok(())
     }
 }
 
-fn draw_spheres(
+/// Four corners for each of some spheres or lines.
+fn draw_square_each(
     pass: &mut RenderPass<'_>,
     pipeline: &wgpu::RenderPipeline,
     instances: std::ops::Range<u32>,

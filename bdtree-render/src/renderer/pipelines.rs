@@ -34,7 +34,7 @@ impl Pipelines {
         let packed_too = vertex_attr_array![1 => Float32x3];
         let smoothness = vertex_attr_array![2 => Float32];
         let sphere = vertex_attr_array![0 => Float32x4, 1 => Unorm8x4];
-        let end = vertex_attr_array![0 => Float32x3, 1 => Unorm8x4];
+        let line = vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4, 3 => Float32];
         let buffer = |array_stride, step_mode, attributes| {
             Some(VertexBufferLayout {
                 array_stride,
@@ -49,7 +49,7 @@ impl Pipelines {
             buffer(4, vertex, &smoothness),
         ];
         let on_sphere = [buffer(20, VertexStepMode::Instance, &sphere)];
-        let on_line = [buffer(16, vertex, &end)];
+        let on_line = [buffer(32, VertexStepMode::Instance, &line)];
         let make = |kind: Kind<'_>| kind.pipeline(device, &shader, format, samples);
         let alone = [Some(globals)];
         let both = [Some(globals), Some(&look_layout)];
@@ -73,7 +73,7 @@ impl Pipelines {
             label: "line",
             layouts: &alone,
             buffers: &on_line,
-            topology: PrimitiveTopology::LineList,
+            topology: PrimitiveTopology::TriangleStrip,
             is_opaque: false,
         });
         Self {

@@ -17,20 +17,15 @@ pub struct Sphere {
 }
 
 /// A line to draw.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, IntoBytes, Immutable)]
+#[repr(C)]
 pub struct Line {
     /// From where to where.
     pub ends: [[f32; 3]; 2],
     /// Red, green, blue, opacity.
     pub colour: [u8; 4],
-}
-
-/// An end of a line.
-#[derive(Debug, Clone, Copy, IntoBytes, Immutable)]
-#[repr(C)]
-pub(super) struct LineEnd {
-    position: [f32; 3],
-    colour: [u8; 4],
+    /// In pixels.
+    pub width: f32,
 }
 
 /// The spheres that can be seen in the order in which they are drawn, and how many of them are opaque:
@@ -52,12 +47,4 @@ pub(super) fn sphere_instances(spheres: &[Sphere], camera: &Camera) -> (Vec<Sphe
     keyed.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.extend(keyed.into_iter().map(|(_, sphere)| sphere));
     (all, opaque)
-}
-
-pub(super) fn line_ends(lines: &[Line]) -> Vec<LineEnd> {
-    let ends = |line: &Line| {
-        let colour = line.colour;
-        line.ends.map(|position| LineEnd { position, colour })
-    };
-    lines.iter().flat_map(ends).collect()
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use bdtree_render::tightness::{Scale, growths, mean_and_max};
 use bdtree_render::{
     Camera, Framing, Image, Legend, Line, Place, RenderError, Scene, SkinnedMesh, Sphere, Studio,
-    ViewDirection,
+    ViewDirection, ball_outline, capsule_outline,
 };
 
 use super::arguments::Arguments;
@@ -71,7 +71,10 @@ impl Bounds {
         for shape in &frame.queries {
             match shape {
                 Shape::Ball { center, radius } => framing.hold(*center, *radius),
-                Shape::Line(ends) => ends.iter().for_each(|end| framing.hold(*end, 0.0)),
+                Shape::Capsule { ends, radius } => {
+                    ends.iter().for_each(|end| framing.hold(*end, *radius));
+                }
+                Shape::Edge(ends) => ends.iter().for_each(|end| framing.hold(*end, 0.0)),
                 // They come from anywhere: the picture shows them where they are near.
                 Shape::Ray(_) => {}
             }
@@ -82,8 +85,9 @@ impl Bounds {
 /// Bodies that only stand beside.
 const BESIDE: [u8; 3] = [150, 160, 176];
 const WHITE: [u8; 4] = [255; 4];
-/// What queries are about.
-const QUERY: [u8; 3] = [60, 60, 70];
+/// What queries are about, and its outline.
+const QUERY: [u8; 4] = [60, 60, 70, 110];
+const OUTLINE: [u8; 4] = [16, 16, 24, 255];
 
 /// What all pictures share: device, camera, meshes.
 pub(super) struct Painter<'a> {
@@ -157,19 +161,9 @@ impl<'a> Painter<'a> {
             }
             all_growths.extend(growths);
         }
-        let mut lines = Vec::new();
-        let [r, g, b] = QUERY;
-        for shape in &frame.queries {
-            match shape {
-                Shape::Ball { center, radius } => {
-                    spheres.push(self.sphere(*center, *radius, [r, g, b, 110]));
-                }
-                Shape::Line(ends) | Shape::Ray(ends) => lines.push(Line {
-                    ends: ends.map(|end| self.place.shown(end)),
-                    colour: [r, g, b, 255],
-                }),
-            }
-        }
+        let outlines: Vec<_> = frame.queries.iter().flat_map(|q| self.outline(q)).collect();
+        spheres.extend(frame.queries.iter().flat_map(|q| self.filling(q)));
+        let lines = self.in_two_tones(&outlines);
         let meshes: Vec<_> = self.meshes.iter().map(|own| &own.mesh).collect();
         let scene = Scene {
             background: WHITE,
@@ -196,6 +190,48 @@ impl<'a> Painter<'a> {
             radius: self.place.shown_length(radius),
             colour,
         }
+    }
+
+    /// A query's shape, as spheres.
+    fn filling(&self, query: &Shape) -> Vec<Sphere> {
+        let sphere = |center, radius| self.sphere(center, radius, QUERY);
+        match query {
+            Shape::Ball { center, radius } => vec![sphere(*center, *radius)],
+            Shape::Capsule { ends, radius } => ends.map(|end| sphere(end, *radius)).into(),
+            Shape::Edge(_) | Shape::Ray(_) => Vec::new(),
+        }
+    }
+
+    /// Where a query's shape ends, as lines (drawn units).
+    fn outline(&self, query: &Shape) -> Vec<[[f32; 3]; 2]> {
+        let (place, eye) = (self.place, self.camera.eye);
+        let shown = |ends: &[[f64; 3]; 2]| ends.map(|end| place.shown(end));
+        match query {
+            Shape::Ball { center, radius } => {
+                ball_outline(place.shown(*center), place.shown_length(*radius), eye)
+            }
+            Shape::Capsule { ends, radius } => {
+                capsule_outline(shown(ends), place.shown_length(*radius), eye)
+            }
+            Shape::Edge(ends) | Shape::Ray(ends) => vec![shown(ends)],
+        }
+    }
+
+    /// Dark lines over wider white ones: one of them is seen before anything.
+    fn in_two_tones(&self, lines: &[[[f32; 3]; 2]]) -> Vec<Line> {
+        let [width, height] = self.arguments.size.0;
+        let pixels = (width.min(height) as f32 / 400.0).max(1.5);
+        let tone = |colour, width| {
+            move |ends: &[[f32; 3]; 2]| Line {
+                ends: *ends,
+                colour,
+                width,
+            }
+        };
+        let below = lines.iter().map(tone(WHITE, 2.2 * pixels));
+        below
+            .chain(lines.iter().map(tone(OUTLINE, pixels)))
+            .collect()
     }
 
     fn legend(&self, frame: &Frame<'_>, growths: &[f64]) -> Legend {

@@ -16,8 +16,15 @@ pub(super) enum Shape {
         /// Its radius.
         radius: f64,
     },
-    /// A line from one point to another.
-    Line([[f64; 3]; 2]),
+    /// A capsule.
+    Capsule {
+        /// The middles of its ends.
+        ends: [[f64; 3]; 2],
+        /// Its radius.
+        radius: f64,
+    },
+    /// An edge from one point to another.
+    Edge([[f64; 3]; 2]),
     /// A ray, cut off behind the body.
     Ray([[f64; 3]; 2]),
 }
@@ -32,10 +39,10 @@ pub(super) fn shapes(scene: &Scene, content: &[Content<'_>]) -> Vec<Shape> {
                 Touched::Ball(Ball { center, radius }) => {
                     shapes.push(Shape::Ball { center, radius })
                 }
-                Touched::Capsule(Capsule { a, b, radius }) => {
-                    shapes.extend([a, b].map(|center| Shape::Ball { center, radius }));
-                    shapes.push(Shape::Line([a, b]));
-                }
+                Touched::Capsule(Capsule { a, b, radius }) => shapes.push(Shape::Capsule {
+                    ends: [a, b],
+                    radius,
+                }),
                 Touched::Cuboid(cuboid) => shapes.extend(edges(cuboid)),
                 _ => {}
             },
@@ -80,6 +87,6 @@ fn edges(cuboid: Cuboid) -> impl Iterator<Item = Shape> {
     };
     (0..8_usize).flat_map(move |i| {
         let others = (0..3).map(move |k| i | 1 << k).filter(move |j| *j != i);
-        others.map(move |j| Shape::Line([corner(i), corner(j)]))
+        others.map(move |j| Shape::Edge([corner(i), corner(j)]))
     })
 }

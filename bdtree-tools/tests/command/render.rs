@@ -407,6 +407,42 @@ fn what_is_asked_about_is_in_the_picture_and_rays_run_out_of_it() {
 }
 
 #[test]
+fn what_is_asked_about_has_an_outline_before_the_mesh() {
+    let folder = Folder::new();
+    // Before the middle of a body that fills the picture, as seen from +z.
+    for query in [
+        json!({"ball": {"instance": "r", "center": [10, -2, 1.2], "radius": 0.15}}),
+        json!({"capsule": {"instance": "r", "point1": [9.8, -2, 1.2], "point2": [10.2, -2, 1.2], "radius": 0.1}}),
+        json!({"box": {"instance": "r", "center": [10, -2, 1.2], "half_extents": [0.2, 0.1, 0.1]}}),
+        json!({"ray": {"instance": "r", "origin": [9.8, -2.1, 1.2], "direction": [1, 0.5, 0], "max_distance": 0.5}}),
+    ] {
+        let scene = json!({"instances": [{"name": "r", "asset": "rigid.bdt"}], "queries": [query]});
+        let options = ["--no-legend", "--view=0,0", "--opacity", "0"];
+        let (picture, _) = folder.asked("rigid.bdt", &scene, &options);
+        // A dark line and a white one beside it, both within the mesh, which is neither.
+        let [left, top, right, bottom] = picture.drawn_box();
+        let inner = |x: f64, y: f64| {
+            let [a, b] = [
+                (x - left) / (right - left) - 0.5,
+                (y - top) / (bottom - top) - 0.5,
+            ];
+            a.hypot(b) < 0.35
+        };
+        let count = |is: fn([u8; 3]) -> bool| {
+            let all = picture.pixels.iter().enumerate();
+            let of = all.filter(|(i, p)| {
+                let [x, y] = [i % picture.size[0], i / picture.size[0]].map(|n| n as f64);
+                inner(x, y) && is(**p)
+            });
+            of.count()
+        };
+        let dark = count(|p| p.iter().all(|c| *c < 60));
+        let light = count(|p| p.iter().all(|c| *c > 235));
+        assert!(dark > 10 && light > 5, "{query}: {dark} {light}");
+    }
+}
+
+#[test]
 fn a_scene_is_drawn_at_another_q_or_frame() {
     let folder = Folder::new();
     let mesh = ball_mesh();
