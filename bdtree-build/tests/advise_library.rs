@@ -281,3 +281,109 @@ fn a_line_and_a_triangle_are_judged_like_any_asset() {
         }
     }
 }
+
+/// Shares in a text, as they are rounded there.
+fn shares(text: &str) -> Vec<f64> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let pairs = words.windows(2).filter(|pair| pair[1].starts_with('%'));
+    pairs
+        .map(|pair| 0.01 * pair[0].parse::<f64>().expect("a number"))
+        .collect()
+}
+
+/// Every figure of the sentence about modes, beside brute force: over the frames of a file that is its own source, and
+/// of one that was made of frames which are no longer there.
+#[test]
+fn advice_about_modes_is_what_brute_force_finds() {
+    let (mesh, basis) = animated();
+    let diagonal = mesh.diagonal();
+    let frames = basis.animation.clone().expect("frames").q;
+    // The largest error of the first `kept` modes against all seven: the source.
+    let against_source = |kept: usize| {
+        let at = |q: &[f64]| {
+            (0..basis.vertex_count)
+                .map(|i| off(&basis, q, kept, i))
+                .fold(0.0, f64::max)
+        };
+        frames.chunks_exact(MODES).map(at).fold(0.0, f64::max) / diagonal
+    };
+    let few = Goal {
+        samples: 2,
+        seconds: 0.0,
+        leaf_sizes: Vec::new(),
+        ..Goal::default()
+    };
+    let sentence =
+        |basis: &Basis, own: Option<BasisError>, max_error_rel: f64| -> (usize, Vec<String>) {
+            let provenance = Provenance {
+                kind: "pca".to_string(),
+                error: own,
+                ..Provenance::default()
+            };
+            let settings = BakeSettings::default();
+            let made = bake_fields(&mesh, basis, &settings, &provenance, &Silent).expect("a file");
+            let model = Model::from_bytes(&made.bytes).expect("a file");
+            let subject = Subject::of_asset(model.asset()).expect("a subject");
+            let goal = Goal {
+                max_error_rel,
+                ..few.clone()
+            };
+            let advice = advise(&subject, &goal, &Silent).expect("advice");
+            (advice.chosen.modes.len(), advice.sentences())
+        };
+    // Numbers of the file are f32: figures may differ in the seventh digit.
+    let near =
+        |share: f64, truth: f64| share >= truth * (1.0 - 1e-6) && share <= truth * 1.11 + 1e-9;
+
+    // Its own source: what is said to be left is left, and what is needed is needed.
+    let goal = 0.5 * (against_source(4) + against_source(5));
+    let (kept, said) = sentence(&basis, None, goal);
+    assert_eq!(kept, 5);
+    assert!(
+        said[0].contains("; one mode fewer would leave "),
+        "{}",
+        said[0]
+    );
+    let [kept, asked, fewer] = shares(&said[0])[..] else {
+        panic!("{}", said[0]);
+    };
+    assert!(near(kept, against_source(5)) && near(asked, goal) && near(fewer, against_source(4)));
+
+    // Five of the seven modes are in the file: their error against the source is known, that of four is not.
+    let mut short = basis.clone();
+    short.fields.truncate(5 * basis.vertex_count);
+    short.modes.truncate(5);
+    let animation = short.animation.as_mut().expect("frames");
+    animation.q = frames
+        .chunks_exact(MODES)
+        .flat_map(|q| q[..5].to_vec())
+        .collect();
+    let own = BasisError {
+        max_rel: against_source(5),
+        rms_rel: against_source(5),
+        frame: Some(0),
+        vertex: 0,
+    };
+    let left_out = Errors::against_all(&short, diagonal, Over::Frames, None).of_first[4].max_rel;
+    let bound = left_out + own.max_rel;
+    assert!(bound > 1.01 * against_source(4), "the bound is one");
+    let goal = 0.5 * (bound + against_source(4));
+    let (kept, said) = sentence(&short, Some(own), goal);
+    assert_eq!(kept, 5, "four cannot be promised");
+    for word in ["needed", "would leave"] {
+        assert!(!said[0].contains(word), "four are enough: {}", said[0]);
+    }
+    let [kept, asked, fewer] = shares(&said[0])[..] else {
+        panic!("{}", said[0]);
+    };
+    assert!(
+        near(kept, own.max_rel) && near(asked, goal) && near(fewer, bound),
+        "{}",
+        said[0]
+    );
+    assert!(
+        said[1].contains("may find that fewer modes are enough"),
+        "{}",
+        said[1]
+    );
+}

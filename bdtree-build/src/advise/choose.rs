@@ -60,6 +60,8 @@ pub struct Advice {
     pub error_rel: f64,
     /// The error that one mode fewer would leave, where the advised modes are the first ones and are not none.
     pub error_of_fewer_rel: Option<f64>,
+    /// Whether these errors are bounds, so that less may be true.
+    pub are_bounds: bool,
     /// What the error is taken over.
     pub over: Over,
     /// Where the samples come from, and how many there are.
@@ -145,6 +147,7 @@ pub fn advise(
             .checked_sub(1)
             .filter(|_| subset.is_none())
             .and_then(|fewer| subject.errors.bound_rel(fewer)),
+        are_bounds: subject.errors.are_bounds(modes.len()),
         over: subject.errors.over,
         samples: (bench.samples.source, bench.samples.count),
         frames: subject

@@ -62,6 +62,18 @@ impl Errors {
         }
     }
 
+    /// Whether the errors of `count` modes, and of one fewer, are bounds: less may be true. An error against a source
+    /// that is no longer there is added to what is left out, and ranges add up what each of several modes can do (what
+    /// one alone can do is exact).
+    pub fn are_bounds(&self, count: usize) -> bool {
+        let own = self.own.is_some_and(|own| own.max_rel > 0.0);
+        match self.over {
+            Over::Source => false,
+            Over::Frames => own,
+            Over::Ranges => own || count < self.mode_count(),
+        }
+    }
+
     /// Number of modes M.
     pub fn mode_count(&self) -> usize {
         self.of_first.len().saturating_sub(1)

@@ -19,6 +19,7 @@ impl Advice {
     /// What is advised and why, a sentence or two each: modes, what they save, leaves, what is missing.
     pub fn sentences(&self) -> Vec<String> {
         let mut sentences = vec![self.modes()];
+        sentences.extend(self.against_source());
         sentences.extend(self.savings());
         sentences.extend(self.leaf());
         sentences.extend(self.bounds());
@@ -45,6 +46,14 @@ impl Advice {
             (false, true) => format!("The first {kept} of {}", modes(all)),
             (false, false) => format!("{kept} of {} (not the first ones)", modes(all)),
         };
+        if !self.is_met && self.are_bounds {
+            return format!(
+                "The goal of {goal} of the box diagonal cannot be promised: {} leave{} an error of at most {error}, \
+                 {over}.",
+                uncapitalised(&which),
+                if kept == 1 { "s" } else { "" }
+            );
+        }
         if !self.is_met {
             return format!(
                 "The goal of {goal} of the box diagonal is missed: {} leave{} an error of {error}, {over}; none can \
@@ -54,7 +63,7 @@ impl Advice {
             );
         }
         // Of fields that are their own source, all leave nothing but rounding.
-        let promise = if kept == all && self.over != Over::Source {
+        let promise = if kept == all && self.over != Over::Source && !self.are_bounds {
             format!(
                 "{which} {} needed to keep every vertex within {goal} of the box diagonal, {over}",
                 if kept == 1 { "is" } else { "are" }
@@ -66,11 +75,24 @@ impl Advice {
             )
         };
         match self.error_of_fewer_rel {
+            Some(fewer) if fewer > self.max_error_rel && self.are_bounds => {
+                let fewer = percent(fewer);
+                format!("{promise}; with one mode fewer only {fewer} can be promised.")
+            }
             Some(fewer) if fewer > self.max_error_rel => {
                 format!("{promise}; one mode fewer would leave {}.", percent(fewer))
             }
             _ => format!("{promise}."),
         }
+    }
+
+    /// What the errors of an animation's file rest on.
+    fn against_source(&self) -> Option<String> {
+        (self.over == Over::Frames && self.are_bounds).then(|| {
+            "The file's own error against its source is added to what fewer modes leave out, since the source is not \
+             in the file: `bdtree-build … --advise` measures both together and may find that fewer modes are enough."
+                .to_string()
+        })
     }
 
     /// Against all modes, in bytes and time.
