@@ -350,36 +350,41 @@ const SIMILAR_SHOWN: usize = 10;
 /// Problems that differ in their place and in numbers and quotes alone, as one with the other places behind it: a
 /// hundred lines that say the same hide the one that does not.
 fn grouped(problems: Vec<Problem>) -> Vec<Problem> {
-    let mut groups: Vec<Vec<Problem>> = Vec::new();
-    let mut known = HashMap::new();
-    for problem in problems {
-        let key = (problem.place.file.clone(), pattern(&problem.message));
-        let group = *known.entry(key).or_insert(groups.len());
-        if group == groups.len() {
-            groups.push(Vec::new());
-        }
-        groups[group].push(problem);
+    let key = |problem: &Problem| (problem.place.file.clone(), pattern(&problem.message));
+    let mut groups: HashMap<_, Vec<usize>> = HashMap::new();
+    for (i, problem) in problems.iter().enumerate() {
+        groups.entry(key(problem)).or_default().push(i);
     }
-    let one_by_one = |group: &Vec<Problem>| {
-        group.len() <= SIMILAR_MAX || group.iter().any(|problem| problem.place.parts.is_empty())
+    let is_large = |group: &Vec<usize>| {
+        let has_place = |&i: &usize| !problems[i].place.parts.is_empty();
+        group.len() > SIMILAR_MAX && group.iter().all(has_place)
     };
-    let join = |mut group: Vec<Problem>| {
-        if one_by_one(&group) {
-            return group;
-        }
-        let others = group.split_off(1);
+    // What becomes of the problems of large groups: the first says where the others are.
+    let mut told: HashMap<usize, Option<String>> = HashMap::new();
+    for group in groups.values().filter(|group| is_large(group)) {
+        let (first, others) = (group[0], &group[1..]);
         let shown = others.iter().take(SIMILAR_SHOWN);
-        let shown: Vec<String> = shown.map(|problem| problem.place.inside()).collect();
-        let more = if shown.len() < others.len() {
-            "; …"
-        } else {
-            ""
-        };
-        let (count, shown) = (others.len(), shown.join("; "));
-        group[0].message += &format!(" (and {count} problems like it, at {shown}{more})");
-        group
+        let mut places: Vec<String> = shown.map(|&i| problems[i].place.inside()).collect();
+        if places.len() < others.len() {
+            places.push("…".to_string());
+        }
+        let (count, places) = (others.len(), places.join("; "));
+        told.insert(
+            first,
+            Some(format!(" (and {count} problems like it, at {places})")),
+        );
+        told.extend(others.iter().map(|&i| (i, None)));
+    }
+    let problems = problems.into_iter().enumerate();
+    let tell = |(i, mut problem): (usize, Problem)| match told.get(&i) {
+        None => Some(problem),
+        Some(None) => None,
+        Some(Some(others)) => {
+            problem.message += others;
+            Some(problem)
+        }
     };
-    groups.into_iter().flat_map(join).collect()
+    problems.filter_map(tell).collect()
 }
 
 /// A message without its numbers and quotes.
