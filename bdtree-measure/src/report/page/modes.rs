@@ -15,7 +15,8 @@ impl Page {
         self.soft(&format!(
             "The first k modes of the file. Error: how far vertices are from where all modes of the file have them, over \
              {}. Bytes, visits and times: of a file baked with k modes, without groups and names; times are the least of \
-             several rounds, over {} samples. A ball has a radius of {} of the diagonal, a ray is one of 16 asked \
+             several rounds, over {} samples. Each row was timed in turns with the whole file, at another moment than the \
+             other rows: compare the column \"time / all\" between rows, not the microseconds. A ball has a radius of {} of the diagonal, a ray is one of 16 asked \
              together, a pair is the asset beside itself.",
             content.modes_over.as_deref().unwrap_or("the samples"),
             content.samples.of_parts.modes,
