@@ -48,7 +48,7 @@ pub(super) fn faults() -> Vec<String> {
 fn fault(shown: &str, root: &Path) -> Option<String> {
     let link = shown.strip_prefix('[').and_then(|s| s.strip_suffix(')'));
     if let Some((name, file)) = link.and_then(|link| link.split_once("](")) {
-        let Ok(text) = fs::read_to_string(root.join("docs").join(file)) else {
+        let Ok(text) = fs::read_to_string(root.join("docs/measured").join(file)) else {
             return Some(format!("{file}: cannot be read"));
         };
         let is_there = !name.starts_with('`') || is_test(&text, name.trim_matches('`'));
