@@ -1,13 +1,15 @@
 //! The viewer: a window on a `.bdt` file.
 //!
 //! [`app`] is its state without a window: posture, animation, level, probe, camera, and what is known of
-//! them; plain functions. `panel` shows it as controls (egui), `picture` draws it (`bdtree-render`),
+//! them; plain functions. `panel` shows it as controls (egui), `layout` has these and the picture side by side, with what mouse and
+//! keyboard do, `picture` draws it (`bdtree-render`),
 //! `window` has the window, its surface and its events (winit, wgpu). Frames are drawn when something
 //! has changed or plays, else none.
 #![forbid(unsafe_code)]
 
 pub mod app;
 mod cli;
+mod layout;
 mod panel;
 mod picture;
 mod shapes;

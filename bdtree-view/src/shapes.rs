@@ -1,16 +1,17 @@
 //! What is drawn beside the mesh: spheres and lines, in drawn units.
 
-use bdtree_render::tightness::growth;
-use bdtree_render::{Line, NodeSphere, Sphere};
+use bdtree_render::{Line, NodeSphere, Sphere, ball_outline};
 
 use crate::app::{Answer, App};
 
 /// The probe.
-const PROBE: [u8; 4] = [255, 150, 30, 120];
+pub(crate) const PROBE: [u8; 4] = [255, 150, 30, 120];
+/// Its outline.
+const RIM: [u8; 4] = [150, 80, 0, 255];
 /// Where it touches, and which way it is pushed.
-const CONTACT: [u8; 4] = [214, 20, 60, 255];
-/// Opacity of the spheres in which a query ended.
-const ENDS: u8 = 46;
+pub(crate) const CONTACT: [u8; 4] = [214, 20, 60, 255];
+/// The spheres in which its query ended: a color that no scale of growth has.
+pub(crate) const ENDS: [u8; 4] = [205, 30, 190, 46];
 /// Radius of contacts and length of their normals, over the probe's radius.
 const DOT: f32 = 0.035;
 const NORMAL: f32 = 0.25;
@@ -29,18 +30,18 @@ impl Shapes {
     pub(crate) fn of(app: &App<'_>) -> Self {
         let mut shapes = Self::default();
         let view = &app.view;
-        let sphere = |s: &NodeSphere, growth: f64, opacity: u8| {
-            let [r, g, b] = view.scale.colour(growth);
-            Sphere {
-                center: app.place.shown(s.center),
-                radius: app.place.shown_length(s.radius),
-                colour: [r, g, b, opacity],
-            }
+        let sphere = |s: &NodeSphere, colour: [u8; 4]| Sphere {
+            center: app.place.shown(s.center),
+            radius: app.place.shown_length(s.radius),
+            colour,
         };
         if let Ok(level) = &app.spheres {
             let opacity = (255.0 * view.opacity).round() as u8;
             let of_level = level.spheres.iter().zip(&level.growths);
-            let of_level = of_level.map(|(s, growth)| sphere(s, *growth, opacity));
+            let of_level = of_level.map(|(s, growth)| {
+                let [r, g, b] = view.scale.colour(*growth);
+                sphere(s, [r, g, b, opacity])
+            });
             shapes.spheres.extend(of_level);
         }
         if !view.has_probe {
@@ -53,11 +54,18 @@ impl Shapes {
             radius,
             colour: PROBE,
         });
+        if let Some(camera) = view.camera {
+            let rim = ball_outline(center, radius, camera.eye);
+            shapes.lines.extend(rim.into_iter().map(|ends| Line {
+                ends,
+                colour: RIM,
+                width: 1.5,
+            }));
+        }
         if let Some(Ok(answer)) = &app.answer {
             if view.has_ends {
                 let ends = answer.ends.iter();
-                let ends = ends.map(|s| sphere(s, growth(s.radius, s.rest_radius), ENDS));
-                shapes.spheres.extend(ends);
+                shapes.spheres.extend(ends.map(|s| sphere(s, ENDS)));
             }
             shapes.contacts(app, answer, radius);
         }
@@ -76,7 +84,7 @@ impl Shapes {
             self.lines.push(Line {
                 ends: [point, tip],
                 colour: CONTACT,
-                width: 1.5,
+                width: 1.0,
             });
         }
     }

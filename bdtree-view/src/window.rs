@@ -17,6 +17,9 @@ use winit::window::{Window, WindowId};
 use crate::app::App;
 use crate::stage::Stage;
 
+/// Width and height that all controls fit into; smaller windows are only made where they are asked for.
+const SMALLEST: [u32; 2] = [640, 480];
+
 /// Frames before a screenshot: controls need some to find their sizes.
 const SETTLED: u64 = 6;
 
@@ -77,7 +80,11 @@ impl Viewer<'_> {
         let [width, height] = self.size;
         let attributes = Window::default_attributes()
             .with_title(format!("{name} – bdtree"))
-            .with_inner_size(PhysicalSize::new(width, height));
+            .with_inner_size(PhysicalSize::new(width, height))
+            .with_min_inner_size(PhysicalSize::new(
+                width.min(SMALLEST[0]),
+                height.min(SMALLEST[1]),
+            ));
         let window = events
             .create_window(attributes)
             .map_err(|e| ToolError::input("no window", reason(&e)))?;

@@ -157,7 +157,7 @@ impl<'a> App<'a> {
         }
     }
 
-    /// Puts the camera where all of the mesh is seen in a picture of `aspect`.
+    /// Puts the camera where all of the mesh, the level's spheres and the probe are seen in a picture of `aspect`.
     ///
     /// # Errors
     /// q that the asset refuses, a corrupt asset.
@@ -168,6 +168,21 @@ impl<'a> App<'a> {
         let mut framing = View::framing(aspect);
         for p in positions(self.file, &self.body.pose())? {
             framing.hold(p, 0.0);
+        }
+        // What is known of the level may be of another q.
+        let level = self
+            .view
+            .level
+            .map(|level| Spheres::of(&self.body.pose(), level));
+        if let Some(Ok(found)) = level {
+            found
+                .spheres
+                .iter()
+                .for_each(|s| framing.hold(s.center, s.radius));
+        }
+        let Probe { center, radius } = self.view.probe;
+        if self.view.has_probe {
+            framing.hold(center, radius);
         }
         self.view.camera = Some(framing.camera(&self.place));
         Ok(())

@@ -211,6 +211,22 @@ fn all_of_the_mesh_is_seen() {
             seen.low[0] > 0.0 && seen.low[1] > 0.0 && seen.high[0] < 800.0 && seen.high[1] < 1000.0
         );
         assert!(seen.high[0] - seen.low[0] > 760.0 || seen.high[1] - seen.low[1] > 950.0);
+        // And what else is drawn: a probe far away, a level's spheres.
+        app.view.has_probe = true;
+        app.view.probe.center = [9.0, 0.0, 0.0];
+        app.fit(0.8).unwrap();
+        let probe = app.place.shown(app.view.probe.center);
+        let [x, _] = app
+            .view
+            .camera
+            .unwrap()
+            .project(probe, [800, 1000])
+            .unwrap();
+        assert!((0.0..800.0).contains(&x), "{x}");
+        app.view.has_probe = false;
+        app.view.level = Some(0);
+        app.fit(0.8).unwrap();
+        assert!(app.view.camera.unwrap().distance() > 1.05 * camera.distance());
     });
 }
 

@@ -14,8 +14,17 @@ use egui::{CollapsingHeader, Grid, RichText, ScrollArea, Ui};
 
 use crate::app::App;
 
-/// Width in points.
+/// Width in points, in windows that leave enough beside it.
 pub const WIDTH: f32 = 332.0;
+/// The least width, in small windows.
+const WIDTH_MIN: f32 = 272.0;
+/// The part of a small window that the panel takes.
+const SHARE: f32 = 0.42;
+
+/// The panel's width in a window of a width, both in points.
+pub(crate) fn width(window: f32) -> f32 {
+    (SHARE * window).clamp(WIDTH_MIN, WIDTH)
+}
 
 /// What the window knows and shows.
 #[derive(Debug, Clone, Default)]
@@ -58,7 +67,7 @@ pub(crate) fn show(ui: &mut Ui, app: &mut App<'_>, status: &Status) -> Wish {
             section(ui, "Probe", |ui| probe::show(ui, app));
             section(ui, "Camera", |ui| {
                 ui.horizontal(|ui| {
-                    wish.fit = ui.button("Show all").clicked();
+                    wish.fit = style::button(ui, "Show all").clicked();
                     ui.checkbox(&mut app.view.has_mesh, "mesh");
                 });
                 ui.label(

@@ -1,33 +1,41 @@
 //! Sliders for q.
 
-use egui::{Align, Layout, RichText, ScrollArea, Slider, SliderClamping, Ui, vec2};
+use egui::{Align, Label, Layout, RichText, ScrollArea, Slider, SliderClamping, Ui, vec2};
 
+use super::style;
 use crate::app::{App, Reach};
 
-/// Rows that are seen at once; of more, as many as are seen are made.
-const ROWS: usize = 8;
-/// Points for a mode's name and frequency.
-const LABEL: f32 = 106.0;
+/// The part of the window's height that the sliders take at most, and how many are seen at once.
+const SHARE: f32 = 0.4;
+const ROWS: [f32; 2] = [3.0, 8.0];
+/// Points of a row's first line, and beside a slider: for its number and "Zero".
+const TEXT: f32 = 14.0;
+const BESIDE: f32 = 124.0;
 /// Over `slider_end`, below that sliders to the limit count as 0.
 const SMALLEST: f64 = 1e-6;
 
 pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
     ui.horizontal(|ui| {
-        if ui.button("Zero all").clicked() {
+        if style::button(ui, "Zero all").clicked() {
             app.zero();
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.selectable_value(&mut app.reach, Reach::Limit, "limit")
-                .on_hover_text("sliders go to what the file allows (logarithmic)");
+                .on_hover_text("sliders go to q_limit, what the file allows (logarithmic)");
             ui.selectable_value(&mut app.reach, Reach::Range, "range")
-                .on_hover_text("sliders go to what is typical");
+                .on_hover_text("sliders go to q_range, what is typical");
+            ui.label(RichText::new("sliders go to").small().weak());
         });
     });
-    let height = ui.spacing().interact_size.y;
+    let spacing = ui.spacing().item_spacing.y;
+    let height = TEXT + ui.spacing().interact_size.y;
     let count = app.view.q.len();
+    let room = SHARE * ui.ctx().content_rect().height() / (height + spacing);
+    let rows = room.floor().clamp(ROWS[0], ROWS[1]);
+    // Rows that are out of sight are not made.
     ScrollArea::vertical()
         .id_salt("modes")
-        .max_height(ROWS as f32 * (height + ui.spacing().item_spacing.y))
+        .max_height(rows * (height + spacing))
         .auto_shrink([false, true])
         .show_rows(ui, height, count, |ui, rows| {
             for mode in rows {
@@ -37,21 +45,39 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
 }
 
 fn row(ui: &mut Ui, app: &mut App<'_>, mode: usize, height: f32) {
+    let size = vec2(ui.available_width(), height);
+    ui.allocate_ui_with_layout(size, Layout::top_down(Align::Min), |ui| {
+        ui.set_min_size(size);
+        ui.spacing_mut().item_spacing.y = 0.0;
+        let line = vec2(size.x, TEXT);
+        let from_right = Layout::right_to_left(Align::Center);
+        ui.allocate_ui_with_layout(line, from_right, |ui| heading(ui, app, mode));
+        controls(ui, app, mode);
+    });
+}
+
+/// Name and frequency, range and limit.
+fn heading(ui: &mut Ui, app: &App<'_>, mode: usize) {
     let (name, about) = describe(app, mode);
+    if let Some(record) = app.asset().modes().get(mode) {
+        let ends = [record.q_range.get(), record.q_limit.get()].map(|q| figures(f64::from(q)));
+        let text = format!("range ±{}  ·  limit ±{}", ends[0], ends[1]);
+        ui.label(RichText::new(text).small().weak());
+    }
+    ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+        let label = Label::new(RichText::new(name).small()).truncate();
+        ui.add(label).on_hover_text(about);
+    });
+}
+
+/// Slider, number and "Zero".
+fn controls(ui: &mut Ui, app: &mut App<'_>, mode: usize) {
     let end = f64::from(app.slider_end(mode));
     ui.horizontal(|ui| {
-        ui.allocate_ui_with_layout(
-            vec2(LABEL, height),
-            Layout::left_to_right(Align::Center),
-            |ui| {
-                ui.set_min_width(LABEL);
-                ui.add(egui::Label::new(RichText::new(name).small()).truncate())
-                    .on_hover_text(about);
-            },
-        );
         let Some(q) = app.view.q.get_mut(mode) else {
             return;
         };
+        ui.spacing_mut().slider_width = ui.available_width() - BESIDE;
         let mut slider = Slider::new(q, -end as f32..=end as f32)
             // A frame may have more than is typical: it is shown, not changed.
             .clamping(SliderClamping::Edits)
@@ -60,7 +86,7 @@ fn row(ui: &mut Ui, app: &mut App<'_>, mode: usize, height: f32) {
             slider = slider.logarithmic(true).smallest_positive(end * SMALLEST);
         }
         let is_moved = ui.add(slider).changed();
-        let is_zeroed = ui.small_button("0").on_hover_text("zero").clicked();
+        let is_zeroed = style::button(ui, RichText::new("Zero").small()).clicked();
         if is_zeroed {
             *q = 0.0;
         }

@@ -2,6 +2,7 @@
 
 use egui::{RichText, Slider, Ui};
 
+use super::style;
 use crate::app::App;
 
 pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
@@ -12,7 +13,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
         } else {
             "Play"
         };
-        if ui.button(label).on_hover_text("space").clicked() {
+        if style::button(ui, label).on_hover_text("space").clicked() {
             app.playback.is_playing = !app.playback.is_playing;
         }
         ui.add(
@@ -27,7 +28,8 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
     let (frame, share) = app.playback.position();
     let mut chosen = frame;
     ui.horizontal(|ui| {
-        ui.spacing_mut().slider_width = 200.0;
+        // What is left of it says which frame it is.
+        ui.spacing_mut().slider_width = ui.available_width() - 90.0;
         let slider = Slider::new(&mut chosen, 0..=count - 1).show_value(false);
         if ui.add(slider).changed() {
             app.playback.is_playing = false;

@@ -4,13 +4,16 @@ use egui::{DragValue, Grid, RichText, Ui};
 
 use super::{grouped, style};
 use crate::app::App;
+use crate::shapes::{CONTACT, ENDS, PROBE};
 
 pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
     let size = app.place.size;
     let view = &mut app.view;
     ui.horizontal(|ui| {
+        style::swatch(ui, PROBE);
         ui.checkbox(&mut view.has_probe, "ball");
         ui.add_enabled_ui(view.has_probe, |ui| {
+            style::swatch(ui, ENDS);
             ui.checkbox(&mut view.has_ends, "where the query ended");
         });
     });
@@ -18,7 +21,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
         return;
     }
     let decimals = decimals(size);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (k, name) in ["x ", "y ", "z "].into_iter().enumerate() {
             ui.add(length(&mut view.probe.center[k], size).prefix(name));
         }
@@ -49,9 +52,14 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
                 .num_columns(2)
                 .spacing([10.0, 1.0])
                 .show(ui, |ui| {
-                    for (name, value) in lines {
+                    for (k, (name, value)) in lines.into_iter().enumerate() {
                         ui.label(RichText::new(name).weak());
-                        ui.label(value);
+                        ui.horizontal(|ui| {
+                            ui.label(value);
+                            if k == 0 {
+                                style::swatch(ui, CONTACT);
+                            }
+                        });
                         ui.end_row();
                     }
                 });

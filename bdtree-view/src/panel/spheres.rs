@@ -1,5 +1,6 @@
 //! Levels and their tightness.
 
+use bdtree_render::tightness::Scale;
 use egui::{ComboBox, RichText, Slider, Ui};
 
 use super::{grouped, legend, style};
@@ -24,6 +25,13 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
         ui.add(Slider::new(&mut app.view.opacity, 0.0..=1.0).show_value(false));
         ui.label(RichText::new("opacity").small().weak());
     });
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("colors").small().weak());
+        let scales = [(Scale::Paper, "paper"), (Scale::Viridis, "viridis")];
+        for (scale, name) in scales {
+            ui.selectable_value(&mut app.view.scale, scale, name);
+        }
+    });
     match (&app.spheres, app.view.level) {
         (Err(problem), _) => {
             ui.colored_label(style::WRONG, problem);
@@ -39,8 +47,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
         }
         (Ok(_), None) => {}
     }
-    let has_ends = app.view.has_probe && app.view.has_ends;
-    if app.view.level.is_some() || has_ends {
+    if app.view.level.is_some() {
         legend::show(ui, app.view.scale);
     }
 }

@@ -51,7 +51,12 @@ fn patches(picture: &Picture, area: Rect, is: impl Fn([u8; 3]) -> bool) -> Vec<R
     found
 }
 
-/// Buttons and fields with numbers to drag, while the pointer is elsewhere.
+/// Buttons, while the pointer is elsewhere.
 pub(crate) fn buttons(screen: &Picture) -> Vec<Rect> {
+    patches(screen, CONTROLS, |c| c == [254; 3])
+}
+
+/// Fields with numbers to drag and lists to choose from, while the pointer is elsewhere.
+pub(crate) fn fields(screen: &Picture) -> Vec<Rect> {
     patches(screen, CONTROLS, |c| c == [226, 229, 236])
 }

@@ -6,7 +6,7 @@ use bdtree_view::ProbeText;
 use bdtree_view::app::{App, Grab, Probe};
 
 use crate::display::{Display, Picture, Running};
-use crate::find::{Rect, buttons, middle};
+use crate::find::{Rect, buttons, fields, middle};
 use crate::hands::{Hands, LEFT};
 use crate::{CONTROLS, EDGE, PICTURE, SIZE, file, screenshot};
 
@@ -105,12 +105,12 @@ fn probe_of(app: &App<'_>) -> [f32; 2] {
 
 #[test]
 fn the_probe_is_dragged_and_says_what_it_touches() {
-    let text = "1.3,0,-0.75,0.3";
+    let text = "0.7,0.8,0.6,0.2";
     let mut session = Session::start("sphere.bdt", &["--probe", text]);
     let first = session.first.clone();
     // Its four numbers, and below them contacts, the deepest and nodes visited.
-    let all = buttons(&first);
-    let [.., x, _, _, radius, _show_all] = all[..] else {
+    let all = fields(&first);
+    let [.., x, _, _, radius] = all[..] else {
         panic!("{all:?}")
     };
     let numbers = [x[0], x[1], radius[2], radius[3]];

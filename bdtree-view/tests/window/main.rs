@@ -127,6 +127,7 @@ fn spheres(display: &Display, q: &[f32], options: &[&str]) -> (Picture, Vec<Disc
     let file = AssetFile::read(&path).expect("a golden file");
     let asset = file.checked_asset(true).expect("sound");
     let mut app = App::new(&file, (q.to_vec(), Transform::IDENTITY)).expect("a state");
+    app.view.level = Some(0);
     let size = [SIZE[0] - EDGE, SIZE[1]];
     app.fit(size[0] as f32 / size[1] as f32).expect("a camera");
     let camera = app.view.camera.expect("a camera");

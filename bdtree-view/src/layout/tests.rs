@@ -1,0 +1,380 @@
+//! Mouse and keyboard on controls and picture, without a window: egui is given events as from one.
+
+use bdtree_fixtures::{bake, golden};
+use bdtree_render::Camera;
+use bdtree_runtime::Transform;
+use bdtree_tools::AssetFile;
+use egui::epaint::Shape;
+use egui::{
+    Context, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2,
+    RawInput, Rect, TouchPhase, Vec2, pos2, vec2,
+};
+
+use super::*;
+
+const WIDE: Vec2 = vec2(1000.0, 700.0);
+const SMALL: Vec2 = vec2(640.0, 480.0);
+
+/// A person before the window.
+struct Person<'a> {
+    app: App<'a>,
+    context: Context,
+    size: Vec2,
+    time_s: f64,
+    modifiers: Modifiers,
+    /// What can be read, and where.
+    texts: Vec<(String, Rect)>,
+    /// The picture's size.
+    picture: [u32; 2],
+}
+
+fn with_person(file: &AssetFile, size: Vec2, test: impl FnOnce(Person<'_>)) {
+    let asset = file.checked_asset(true).expect("sound");
+    let posture = (vec![0.0; asset.mode_count()], Transform::IDENTITY);
+    let context = Context::default();
+    panel::dress(&context);
+    let mut person = Person {
+        app: App::new(file, posture).expect("a state"),
+        context,
+        size,
+        time_s: 0.0,
+        modifiers: Modifiers::NONE,
+        texts: Vec::new(),
+        picture: [0; 2],
+    };
+    person.wait();
+    test(person);
+}
+
+fn golden_file(name: &str) -> AssetFile {
+    AssetFile::read(&golden::folder().join(name)).expect("a golden file")
+}
+
+impl Person<'_> {
+    /// A frame after some events.
+    fn frame(&mut self, mut events: Vec<Event>) {
+        events.insert(0, Event::ModifiersChanged(self.modifiers));
+        self.time_s += 1.0 / 60.0;
+        let input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
+            time: Some(self.time_s),
+            events,
+            ..RawInput::default()
+        };
+        let (app, status) = (&mut self.app, Status::default());
+        let mut size = [0; 2];
+        let mut output = self.context.run_ui(input, |ui| {
+            size = lay_out(ui, app, &status, TextureId::default()).expect("a camera");
+        });
+        // egui panics where they are dropped unused.
+        output.textures_delta.set.clear();
+        output.textures_delta.free.clear();
+        self.picture = size;
+        self.app.refresh();
+        self.texts.clear();
+        for clipped in &output.shapes {
+            read(&clipped.shape, clipped.clip_rect, &mut self.texts);
+        }
+    }
+
+    /// Until what moves by itself has come to rest.
+    fn wait(&mut self) {
+        (0..60).for_each(|_| self.frame(Vec::new()));
+    }
+
+    fn sees(&self, text: &str) -> Option<Pos2> {
+        let mut found = self.texts.iter().filter(|(of, _)| of == text);
+        found.next().map(|(_, area)| area.center())
+    }
+
+    #[track_caller]
+    fn find(&self, text: &str) -> Pos2 {
+        let all: Vec<&str> = self.texts.iter().map(|(text, _)| text.as_str()).collect();
+        self.sees(text)
+            .unwrap_or_else(|| panic!("{text} is not among {all:?}"))
+    }
+
+    fn press(&mut self, pos: Pos2, button: PointerButton, pressed: bool) {
+        let modifiers = self.modifiers;
+        self.frame(vec![Event::PointerButton {
+            pos,
+            button,
+            pressed,
+            modifiers,
+        }]);
+    }
+
+    fn drag(&mut self, button: PointerButton, from: Pos2, by: Vec2) {
+        self.frame(vec![Event::PointerMoved(from)]);
+        self.press(from, button, true);
+        for part in [0.5, 1.0] {
+            self.frame(vec![Event::PointerMoved(from + by * part)]);
+        }
+        self.press(from + by, button, false);
+        self.wait();
+    }
+
+    fn click(&mut self, at: Pos2) {
+        self.drag(PointerButton::Primary, at, Vec2::ZERO);
+    }
+
+    #[track_caller]
+    fn click_on(&mut self, text: &str) {
+        self.click(self.find(text));
+    }
+
+    fn wheel(&mut self, at: Pos2, points: f32) {
+        self.frame(vec![
+            Event::PointerMoved(at),
+            Event::MouseWheel {
+                unit: MouseWheelUnit::Point,
+                delta: vec2(0.0, points),
+                phase: TouchPhase::Move,
+                source: MouseWheelSource::Unknown,
+                modifiers: self.modifiers,
+            },
+        ]);
+        self.wait();
+    }
+
+    fn key(&mut self, key: Key) {
+        for pressed in [true, false] {
+            self.frame(vec![Event::Key {
+                key,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers: self.modifiers,
+            }]);
+        }
+    }
+
+    /// The middle of the slider below a mode's name, its number, and its "Zero".
+    #[track_caller]
+    fn slider(&self, name: &str) -> [Pos2; 3] {
+        let name = self.find(name);
+        let below = |pos: &Pos2| pos.y > name.y && pos.y < name.y + 24.0;
+        let rows = self.texts.iter().map(|(text, area)| (text, area.center()));
+        let row: Vec<_> = rows.filter(|(_, pos)| below(pos)).collect();
+        let zero = row
+            .iter()
+            .find(|(text, _)| *text == "Zero")
+            .expect("a button")
+            .1;
+        let is_number = |pos: &Pos2| {
+            pos.x > zero.x - 90.0 && pos.x < zero.x - 20.0 && (pos.y - zero.y).abs() < 6.0
+        };
+        let number = row
+            .iter()
+            .find(|(_, pos)| is_number(pos))
+            .expect("a number")
+            .1;
+        // From the panel's margin to the field with the number.
+        let middle = f32::midpoint(12.0, number.x - 37.0);
+        [pos2(middle, number.y), number, zero]
+    }
+
+    fn camera(&self) -> Camera {
+        self.app.view.camera.expect("a camera")
+    }
+
+    /// The middle of the picture.
+    fn middle(&self) -> Pos2 {
+        let [width, height] = self.picture.map(|n| n as f32);
+        pos2(self.size.x - 0.5 * width, 0.5 * height)
+    }
+}
+
+/// Texts that are not cut off.
+fn read(shape: &Shape, clip: Rect, texts: &mut Vec<(String, Rect)>) {
+    match shape {
+        Shape::Vec(shapes) => shapes.iter().for_each(|shape| read(shape, clip, texts)),
+        Shape::Text(text) => {
+            let area = text.visual_bounding_rect();
+            if clip.contains_rect(area) {
+                texts.push((text.galley.text().to_string(), area));
+            }
+        }
+        _ => {}
+    }
+}
+
+const FAR: Vec2 = vec2(400.0, 0.0);
+
+#[test]
+fn sliders_go_to_range_and_limit_and_back_to_zero() {
+    let file = golden_file("animated.bdt");
+    with_person(&file, WIDE, |mut person| {
+        let ends = person.app.asset().modes()[0];
+        person.find("range ±0.5000  ·  limit ±512");
+        let name = "field 0";
+        let [slider, ..] = person.slider(name);
+        person.app.playback.is_playing = true;
+        person.drag(PointerButton::Primary, slider, FAR);
+        assert_eq!(person.app.view.q[0], ends.q_range.get());
+        assert_eq!(person.app.view.q[1], 0.0);
+        assert!(!person.app.playback.is_playing, "q is set by hand");
+        person.drag(PointerButton::Primary, slider, -FAR);
+        assert_eq!(person.app.view.q[0], -ends.q_range.get());
+        person.click_on("limit");
+        person.drag(PointerButton::Primary, slider, FAR);
+        assert_eq!(person.app.view.q[0], ends.q_limit.get());
+        let [.., zero] = person.slider(name);
+        person.click(zero);
+        assert_eq!(person.app.view.q, [0.0, 0.0]);
+        person.app.view.q = vec![0.1, 0.2];
+        person.click_on("Zero all");
+        assert_eq!(person.app.view.q, [0.0, 0.0]);
+    });
+}
+
+#[test]
+fn every_control_is_reached_in_a_small_window() {
+    let mesh = bake::bumpy_sphere(8, 1);
+    let basis = bake::smooth_basis(&mesh, 40, 1);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("forty.bdt");
+    std::fs::write(&path, bake::baked(&mesh, &basis).asset().bytes()).expect("written");
+    let file = AssetFile::read(&path).expect("a file");
+    with_person(&file, SMALL, |mut person| {
+        let [width, height] = person.picture;
+        assert!(
+            width >= 360 && height == 480,
+            "{width} x {height} pixels of picture"
+        );
+        let name = |person: &Person<'_>, mode: usize| {
+            let info = &person.app.info.mode_info[mode];
+            info.name.clone().unwrap_or_else(|| format!("q[{mode}]"))
+        };
+        let [first, last] = [0, 39].map(|mode| name(&person, mode));
+        let [slider, ..] = person.slider(&first);
+        assert_eq!([&last, "Show all"].map(|text| person.sees(text)), [None; 2]);
+        person.wheel(slider, -5000.0);
+        let [slider, ..] = person.slider(&last);
+        assert_eq!(person.sees(&first), None);
+        person.drag(PointerButton::Primary, slider, FAR);
+        let q = &person.app.view.q;
+        assert_eq!(q[39], person.app.asset().modes()[39].q_range.get());
+        assert!(q[..39].iter().all(|q| *q == 0.0));
+        // The wheel went on to the sections below.
+        person.click_on("mesh");
+        assert!(!person.app.view.has_mesh);
+        person.find("Show all");
+        for (text, area) in &person.texts {
+            assert!(
+                area.right() <= SMALL.x - width as f32,
+                "{text} reaches into the picture"
+            );
+        }
+    });
+}
+
+#[test]
+fn the_mouse_turns_moves_and_zooms_the_camera() {
+    let file = golden_file("sphere.bdt");
+    with_person(&file, WIDE, |mut person| {
+        let first = person.camera();
+        let at = person.middle() + vec2(120.0, 80.0);
+        person.drag(PointerButton::Primary, at, vec2(90.0, 30.0));
+        let turned = person.camera();
+        assert_eq!(turned.target, first.target);
+        assert!((turned.distance() - first.distance()).abs() < 1e-4);
+        assert!(turned.eye.distance(first.eye) > 0.3);
+
+        person.drag(PointerButton::Secondary, at, vec2(0.0, 70.0));
+        let moved = person.camera();
+        let by = moved.target - turned.target;
+        assert!(
+            (moved.eye - turned.eye).distance(by) < 1e-4,
+            "eye and target go together"
+        );
+        // A tenth of the height down: the picture follows the pointer.
+        let height = 2.0 * turned.distance() * (0.5 * turned.fov_y_rad).tan();
+        assert!((by.dot(turned.axes()[1]) - 0.1 * height).abs() < 0.01 * height);
+        person.modifiers = Modifiers::SHIFT;
+        person.drag(PointerButton::Primary, at, vec2(0.0, -70.0));
+        person.modifiers = Modifiers::NONE;
+        assert!(
+            person.camera().target.distance(turned.target) < 1e-3,
+            "shift moves, too"
+        );
+
+        person.wheel(at, 200.0);
+        let near = person.camera();
+        assert!(near.distance() < 0.8 * turned.distance());
+        person.wheel(at, -400.0);
+        assert!(person.camera().distance() > near.distance());
+        // Over the controls the wheel does not zoom.
+        let before = person.camera();
+        person.wheel(pos2(100.0, 300.0), 200.0);
+        assert_eq!(person.camera(), before);
+
+        let title = person.find("Modes (3)");
+        person.wheel(title, -5000.0);
+        person.click_on("Show all");
+        assert_eq!(person.camera(), first);
+    });
+}
+
+#[test]
+fn the_space_bar_plays_and_halts() {
+    let file = golden_file("animated.bdt");
+    with_person(&file, WIDE, |mut person| {
+        for plays in [true, false, true] {
+            person.key(Key::Space);
+            assert_eq!(person.app.playback.is_playing, plays);
+        }
+        person.find("Pause");
+        person.click_on("Pause");
+        assert!(!person.app.playback.is_playing);
+        // In a field with a number it is a character.
+        let [_, number, _] = person.slider("field 0");
+        person.click(number);
+        person.key(Key::Space);
+        assert!(!person.app.playback.is_playing);
+    });
+    let file = golden_file("sphere.bdt");
+    with_person(&file, WIDE, |mut person| {
+        person.key(Key::Space);
+        assert!(!person.app.playback.is_playing, "there is no animation");
+    });
+}
+
+#[test]
+fn what_the_query_met_does_not_look_like_the_level() {
+    use bdtree_render::tightness::Scale;
+    let colours = |app: &App<'_>| {
+        let shapes = crate::shapes::Shapes::of(app);
+        shapes.spheres.iter().map(|s| s.colour).collect::<Vec<_>>()
+    };
+    let file = golden_file("sphere.bdt");
+    with_person(&file, WIDE, |mut person| {
+        person.app.view.has_probe = true;
+        person.app.view.probe.center = [0.7, 0.6, 0.1];
+        person.wait();
+        let met = colours(&person.app);
+        let [r, g, b, _] = crate::shapes::ENDS;
+        assert!(
+            met.iter().any(|[x, y, z, _]| [*x, *y, *z] == [r, g, b]),
+            "{met:?}"
+        );
+        // Far from every color of either scale.
+        for scale in [Scale::Paper, Scale::Viridis] {
+            for k in 0..=100 {
+                let of_level = scale.colour(1.0 + 0.0044 * f64::from(k));
+                let apart = (0..3).map(|i| i32::from(of_level[i].abs_diff([r, g, b][i])));
+                assert!(apart.sum::<i32>() > 150, "{scale:?} {k}: {of_level:?}");
+            }
+        }
+        // The scale is chosen in the panel, and colors the level.
+        person.app.view.has_probe = false;
+        person.app.view.level = Some(0);
+        person.click_on("viridis");
+        assert_eq!(person.app.view.scale, Scale::Viridis);
+        let level = colours(&person.app);
+        assert!(
+            level.iter().all(|[r, g, b, _]| [*r, *g, *b] == [68, 1, 84]),
+            "{level:?}"
+        );
+    });
+}
