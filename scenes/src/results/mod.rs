@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Small meshes and few repetitions: to try it out
     #[arg(long)]
     pub small: bool,
-    /// Folder for results.md and images/
+    /// Folder of the pages: results.md is written below measured/, its curves below images/
     #[arg(long, default_value = "docs")]
     pub docs: PathBuf,
     /// Folder for the programs' JSON, CSV and SVG files
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         }
     }
     let page = page(&figures(all.value, &commit), &reports);
-    write(&arguments.docs.join("results.md"), &page)
+    write(&arguments.docs.join("measured/results.md"), &page)
 }
 
 /// All figures of the page: what was measured, and what follows from it.

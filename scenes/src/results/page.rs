@@ -114,7 +114,7 @@ pub(super) fn page(figures: &Value, reports: &[Report]) -> String {
         let _ = write!(text, "\n## What `{name}` prints\n\n{printed}");
         for (key, _) in &report.pictures {
             let file = picture(report, key);
-            let _ = write!(text, "\n![Curves of {name}](images/{file})\n");
+            let _ = write!(text, "\n![Curves of {name}](../images/{file})\n");
         }
     }
     text
