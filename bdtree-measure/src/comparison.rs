@@ -29,6 +29,7 @@ pub const NOISE: [f64; 2] = [0.9, 1.1];
 #[serde(rename_all = "snake_case")]
 pub enum Side {
     /// Ours: the ratio is above the noise.
+    #[serde(rename = "bdtree")]
     Ours,
     /// Deform + refit: it is below.
     Refit,
@@ -50,6 +51,7 @@ impl Side {
 #[serde(rename_all = "snake_case")]
 pub enum Ahead {
     /// Ours is safely ahead at every amount measured.
+    #[serde(rename = "bdtree")]
     Ours,
     /// Deform + refit is.
     Refit,

@@ -25,6 +25,8 @@ pub mod table;
 pub mod turns;
 mod vector;
 
+/// Told how far a report is.
+pub use bdtree_build::progress::Progress;
 pub use body::Body;
 pub use error::MeasureError;
 pub use place::Place;

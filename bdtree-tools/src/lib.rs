@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 
 mod asset_file;
+mod bar;
 mod cli;
 pub mod deform;
 pub mod diff;
@@ -71,7 +72,7 @@ pub fn run(
         Command::Deform(arguments) => deform::run(&arguments, out),
         Command::Query(arguments) => query::run(&arguments, out),
         #[cfg(feature = "report")]
-        Command::Report(arguments) => report::run(&arguments, out),
+        Command::Report(arguments) => report::run(&arguments, out, err),
         #[cfg(not(feature = "report"))]
         Command::Report(_) => Err(left_out("report")),
         #[cfg(feature = "render")]

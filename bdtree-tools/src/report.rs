@@ -2,16 +2,20 @@
 //! [`bdtree_measure::report`].
 
 use std::io::Write;
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
+use bdtree_measure::Progress;
 use bdtree_measure::report::content::{Content, Margin};
-use bdtree_measure::report::{Subject, measure, page};
+use bdtree_measure::report::{Picture, Subject, measure, page};
+use bdtree_render::Image;
 use bdtree_runtime::{Asset, FormatError};
 
+use crate::bar::Bar;
 pub use crate::cli::ReportArguments as Arguments;
 use crate::error::ToolError;
 use crate::info::Info;
 use crate::output::{check_target, check_writable, printable, write_json, write_whole};
+use crate::render::portraits;
 use crate::verify::broken_rules;
 use crate::{AssetFile, DONE, stress};
 
@@ -19,7 +23,11 @@ use crate::{AssetFile, DONE, stress};
 ///
 /// # Errors
 /// A file that cannot be read or breaks the format's rules, an output that cannot be written.
-pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> {
+pub fn run(
+    arguments: &Arguments,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> Result<u8, ToolError> {
     let beside = arguments.file.with_extension("html");
     // With `--json` alone there is no page.
     let beside = (!arguments.json).then_some(beside);
@@ -31,9 +39,18 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     if let Some(path) = &target {
         check_writable(path)?;
     }
-    let content = content(&file, !arguments.no_verify)?;
+    let bar = Bar::new();
+    let content = content(&file, !arguments.no_verify, &bar);
+    bar.clear();
+    let content = content?;
     if let Some(path) = &target {
-        let page = page(&content);
+        // A machine without Vulkan gets the page without pictures.
+        let pictures = portraits(&file).and_then(|all| all.into_iter().map(picture).collect());
+        let pictures = pictures.unwrap_or_else(|error| {
+            let _ = writeln!(err, "the report has no pictures: {error}");
+            Vec::new()
+        });
+        let page = page(&content, &pictures);
         write_whole(path, |w| w.write_all(page.as_bytes()))?;
     }
     if arguments.json {
@@ -50,8 +67,33 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     Ok(DONE)
 }
 
+/// As a file.
+fn picture((caption, image): (String, Image)) -> Result<Picture, ToolError> {
+    let mut png = Vec::new();
+    let written = image.write_png(&mut png);
+    written.map_err(|error| ToolError::Input(vec![error.to_string()]))?;
+    Ok(Picture { caption, png })
+}
+
+/// The day, UTC, as 2026-01-31.
+fn today() -> String {
+    let mut time = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
+    time.truncate("2026-01-31".len());
+    time
+}
+
+impl Progress for Bar {
+    fn stage(&self, name: &str, steps: Option<u64>) {
+        Bar::stage(self, name, steps);
+    }
+
+    fn advance(&self, steps: u64) {
+        Bar::advance(self, steps);
+    }
+}
+
 /// Checks a file and measures it; `verify`: checksums and records are checked too, which measuring follows.
-fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
+fn content(file: &AssetFile, verify: bool, bar: &Bar) -> Result<Content, ToolError> {
     let start = Instant::now();
     let asset = file.checked_asset(verify)?;
     let broken = if verify {
@@ -67,16 +109,21 @@ fn content(file: &AssetFile, verify: bool) -> Result<Content, ToolError> {
     let subject = Subject {
         name: printable(&name.to_string_lossy()),
         basis_error_rel: info.basis_error_rel.map(|error| error.max),
+        date: today(),
         check_seconds: start.elapsed().as_secs_f64(),
         margin: &margin,
     };
-    measure(asset, &subject).map_err(|error| ToolError::input(file.path().display(), error))
+    measure(asset, &subject, bar).map_err(|error| ToolError::input(file.path().display(), error))
 }
 
 /// The tightest that a search with so many cases finds.
-fn margin(asset: &Asset<'_>, cases: u64) -> Result<Margin, FormatError> {
+fn margin(
+    asset: &Asset<'_>,
+    cases: u64,
+    tried: &(dyn Fn(u64) + Sync),
+) -> Result<Margin, FormatError> {
     let options = stress::Options { cases, seed: 0 };
-    let report = stress::run(asset, options, &|_| ())?;
+    let report = stress::run(asset, options, tried)?;
     let slack_rel = stress::rounding_slack(asset, options.seed)?;
     let least = report.tightest.map(|tight| tight.margin_slacks);
     Ok(Margin {

@@ -4,10 +4,10 @@ use std::io::Write;
 use std::ops::ControlFlow;
 
 use bdtree_runtime::{Asset, Datum, FormatError, LoadError};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::bar::Bar;
 pub use crate::cli::VerifyArguments as Arguments;
 use crate::error::ToolError;
 use crate::output::write_json;
@@ -144,15 +144,11 @@ fn stressed(
         cases: arguments.cases,
         seed: arguments.seed,
     };
-    // Drawn on a terminal only.
-    let bar = ProgressBar::new(options.cases);
-    if let Ok(style) =
-        ProgressStyle::with_template("{elapsed:>4} cases {bar:32} {percent:>3} %, {eta} left")
-    {
-        bar.set_style(style);
-    }
-    let report = stress::run(asset, options, &|cases| bar.inc(cases)).map_err(format)?;
-    bar.finish_and_clear();
+    let bar = Bar::new();
+    bar.stage("cases", Some(options.cases));
+    let report = stress::run(asset, options, &|cases| bar.advance(cases));
+    bar.clear();
+    let report = report.map_err(format)?;
     let slack_rel = stress::rounding_slack(asset, options.seed).map_err(format)?;
     let errors = report.errors(asset);
     Ok((errors, report.summary(asset, options, slack_rel)))

@@ -117,11 +117,13 @@ pub fn advise(
     leaf_sizes.sort_unstable();
     leaf_sizes.dedup();
     let settings: Vec<_> = leaf_sizes.iter().map(|&size| (&modes[..], size)).collect();
+    progress.stage("leaf sizes", Some(2 * settings.len() as u64));
     let (mut all, mut leaves) = bench.points(&settings, progress)?;
     let mut chosen = best_leaf(&leaves, default).ok_or(AdviceError::NothingMeasured)?;
     if chosen.leaf_size != default {
         // Once more, these two alone: the least of several times is partly luck.
         let two = [default, chosen.leaf_size].map(|size| (&modes[..], size));
+        progress.stage("leaf sizes", Some(2 * two.len() as u64));
         let (whole, again) = bench.points(&two, progress)?;
         chosen = best_leaf(&again, default).ok_or(AdviceError::NothingMeasured)?;
         leaves.retain(|point| again.iter().all(|new| new.leaf_size != point.leaf_size));
@@ -133,7 +135,9 @@ pub fn advise(
     let mut curve = Vec::new();
     if goal.curve_points > 0 {
         let points = goal.curve_points.min(POINTS_MAX);
-        for count in counts(mode_count, first.unwrap_or(most), points) {
+        let counts = counts(mode_count, first.unwrap_or(most), points);
+        progress.stage("fewer modes", Some(2 * counts.len() as u64));
+        for count in counts {
             let first: Vec<usize> = (0..count).collect();
             curve.extend(bench.points(&[(&first, default)], progress)?.1);
         }

@@ -10,7 +10,7 @@ use super::works::{Contender, Measured, Works};
 use crate::basis::BasisError;
 use crate::basis::dropped::select;
 use crate::pipeline::{BakeSettings, Provenance, bake_fields, default_leaf_size};
-use crate::progress::Progress;
+use crate::progress::{Progress, Silent};
 
 /// Numbers of modes that a curve has at most.
 pub const POINTS_MAX: usize = 12;
@@ -99,7 +99,7 @@ impl<'s> Bench<'s> {
         })
     }
 
-    /// The asset as it is and with each of `settings`, all measured in turn.
+    /// The asset as it is and with each of `settings`, all measured in turn. Advances by two steps for each of them.
     ///
     /// # Errors
     /// What the bakes and queries refuse.
@@ -114,9 +114,10 @@ impl<'s> Bench<'s> {
                 leaf_size: Some(leaf_size),
                 ..self.subject.settings.clone()
             };
-            files.push(baked(self.subject, Some(modes), &settings, progress)?);
+            // One stage for all of them, not those of each bake.
+            files.push(baked(self.subject, Some(modes), &settings, &Silent)?);
+            progress.advance(1);
         }
-        progress.stage("measure", None);
         let whole: Vec<usize> = (0..self.subject.basis.mode_count()).collect();
         let mut all = vec![Contestant {
             file: &self.file,
@@ -134,6 +135,7 @@ impl<'s> Bench<'s> {
                 }),
         );
         let mut points = self.compare(&all)?.into_iter();
+        progress.advance(settings.len() as u64);
         let whole = points.next().ok_or(AdviceError::NothingMeasured)?;
         Ok((whole, points.collect()))
     }

@@ -42,6 +42,7 @@ impl Progress for Bar {
             None => self.bar.unset_length(),
         }
         self.bar.set_position(0);
+        self.bar.reset_eta();
         self.bar.set_message(name.to_owned());
     }
 

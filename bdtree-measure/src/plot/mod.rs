@@ -7,6 +7,7 @@ mod sheet;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 pub use axis::Axis;
 pub use sheet::sheet;
@@ -85,6 +86,17 @@ pub struct Plot {
     pub y: Axis,
     /// One colour each.
     pub lines: Vec<Line>,
+    /// What is to be seen besides.
+    pub mark: Option<Mark>,
+}
+
+/// A dashed upright line where both ends are the same, else a shaded stretch, with words beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// The words.
+    pub name: String,
+    /// From and to, on the axis x.
+    pub ends: [f64; 2],
 }
 
 impl Plot {
@@ -95,6 +107,7 @@ impl Plot {
             x: x.clone(),
             y: y.clone(),
             lines,
+            mark: None,
         }
     }
 
@@ -132,13 +145,17 @@ impl Plot {
         }
         let x = self.x.range(shown().map(|p| p.0), x_is_log);
         let y = self.y.range(shown().map(|p| p.1), y_is_log);
+        let mark = self.mark.as_ref().map(|mark| {
+            let ends = mark.ends.map(|end| end.clamp(x.start, x.end));
+            (mark.name.as_str(), ends, [y.start, y.end])
+        });
         let mut text = String::new();
         let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
         let drawn = match (x_is_log, y_is_log) {
-            (false, false) => draw(&area, x, y, &names, &lines),
-            (true, false) => draw(&area, x.log_scale(), y, &names, &lines),
-            (false, true) => draw(&area, x, y.log_scale(), &names, &lines),
-            (true, true) => draw(&area, x.log_scale(), y.log_scale(), &names, &lines),
+            (false, false) => draw(&area, x, y, &names, &lines, mark),
+            (true, false) => draw(&area, x.log_scale(), y, &names, &lines, mark),
+            (false, true) => draw(&area, x, y.log_scale(), &names, &lines, mark),
+            (true, true) => draw(&area, x.log_scale(), y.log_scale(), &names, &lines, mark),
         };
         // Writing to a string does not fail.
         drawn.ok()?;
@@ -153,6 +170,7 @@ fn draw<'a, X, Y>(
     y: Y,
     [x_name, y_name]: &[String; 2],
     lines: &[Points],
+    mark: Option<(&str, [f64; 2], [f64; 2])>,
 ) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>
 where
     X: AsRangedCoord<Value = f64>,
@@ -182,6 +200,25 @@ where
         .x_label_formatter(&|x| short(*x))
         .y_label_formatter(&|y| short(*y))
         .draw()?;
+    if let Some((name, [from, to], [low, high])) = mark {
+        if from == to {
+            let upright = [(from, low), (from, high)];
+            let dashes = DashedLineSeries::new(upright, 5, 4, INK.stroke_width(1));
+            chart.draw_series(dashes)?;
+        } else {
+            let stretch = Rectangle::new([(from, low), (to, high)], GRID.filled());
+            chart.draw_series([stretch])?;
+        }
+        // On the side that has more room.
+        let [left, right] = [from, to].map(|x| chart.backend_coord(&(x, high)));
+        let pixels = chart.plotting_area().get_pixel_range().0;
+        let (at, side) = match left.0 - pixels.start > pixels.end - right.0 {
+            true => ((left.0 - 5, left.1 + 3), HPos::Right),
+            false => ((right.0 + 5, right.1 + 3), HPos::Left),
+        };
+        let style = font(15).pos(Pos::new(side, VPos::Top));
+        area.draw_text(name, &style, at)?;
+    }
     for (line, colour) in lines.iter().zip(SERIES.iter().cycle()) {
         let style = colour.stroke_width(2);
         let series = LineSeries::new(line.iter().copied(), style).point_size(3);
@@ -210,6 +247,7 @@ mod tests {
     #[test]
     fn what_cannot_be_shown_is_left_out_and_nothing_is_drawn_of_nothing() {
         let plot = |points: &[(f64, f64)]| Plot {
+            mark: None,
             title: String::new(),
             x: Axis::log("x"),
             y: Axis::linear("y"),
@@ -241,6 +279,7 @@ mod tests {
     fn zero_is_shown_or_said_to_be_left_out() {
         let text = |points: &[(f64, f64)]| {
             let plot = Plot {
+                mark: None,
                 title: String::new(),
                 x: Axis::linear("level"),
                 y: Axis::log("error"),

@@ -1,6 +1,8 @@
 //! What a report says, as numbers: the page is made of these and of nothing else, and `--json` prints
 //! them. Lengths are mesh units unless a name says otherwise; unknown values are null.
 
+use std::collections::BTreeMap;
+
 use crate::comparison::Comparison;
 use serde::Serialize;
 
@@ -9,6 +11,12 @@ use serde::Serialize;
 pub struct Content {
     /// The file's name.
     pub file: String,
+    /// The day of the measurements, UTC, as 2026-01-31.
+    pub date: String,
+    /// What it was made of, and how.
+    pub made: Made,
+    /// The report in a few sentences.
+    pub verdict: Vec<String>,
     /// What it holds.
     pub asset: Facts,
     /// What the times were measured with.
@@ -41,6 +49,23 @@ pub struct Content {
     pub seconds: Vec<Seconds>,
 }
 
+/// What a file was made of, as its metadata say; null where they do not.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Made {
+    /// The source's name.
+    pub source: Option<String>,
+    /// The program that baked it, with its version.
+    pub builder: Option<String>,
+    /// Where its modes come from: `elastic`, `pca`, `given`, …
+    pub basis: Option<String>,
+    /// Meters of a mesh unit.
+    pub scale_m: Option<f64>,
+    /// Options of `bdtree-build`, by name.
+    pub settings: BTreeMap<String, String>,
+    /// The command that bakes it anew as `advice` says; null where the source has no name or nothing is advised.
+    pub command: Option<String>,
+}
+
 /// What a file holds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Facts {
@@ -58,7 +83,9 @@ pub struct Facts {
     pub frames: Option<usize>,
     /// Length of the file.
     pub bytes: u64,
-    /// Diagonal of the box of the vertices at rest.
+    /// Sides of the box of the vertices at rest.
+    pub size: [f64; 3],
+    /// Its diagonal.
     pub diagonal: f64,
     /// Largest error of the basis against its source over the diagonal; null where there is no source.
     pub basis_error_rel: Option<f64>,
@@ -201,7 +228,7 @@ pub struct TightnessRow {
     /// The same with Ū_j the center of the smallest ball of the displacements.
     pub smallest_ball: Ratio,
     /// The file's.
-    pub ours: Ratio,
+    pub bdtree: Ratio,
 }
 
 /// Mean and largest.
@@ -262,7 +289,7 @@ pub struct CurvePoint {
     /// How many are asked, or how many pairs of triangles touch (0: none), per step.
     pub amount: f64,
     /// Ours, µs per step.
-    pub ours_micros: f64,
+    pub bdtree_micros: f64,
     /// Deform, refit and ask, µs per step.
     pub refit_micros: f64,
     /// The second over the first; from 0.9 to 1.1 neither is safely ahead.

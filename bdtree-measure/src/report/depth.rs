@@ -6,6 +6,7 @@ use crate::MeasureError;
 use crate::clock::Clock;
 use crate::stats::median;
 use crate::vector::{cross, distance, length, minus};
+use bdtree_build::progress::Progress;
 use bdtree_runtime::{
     Asset, Ball, Contact, FormatError, Pose, Proxy, Query, TriangleId, Workspace,
 };
@@ -19,6 +20,7 @@ pub(super) fn depth(
     asset: &Asset<'_>,
     samples: &[Sample],
     diagonal: f64,
+    progress: &dyn Progress,
 ) -> Result<(WholeQuery, Vec<DepthRow>), MeasureError> {
     let mut rows: Vec<DepthRow> = (0..asset.depth())
         .map(|level| DepthRow {
@@ -31,6 +33,7 @@ pub(super) fn depth(
     let mut touched = 0.0;
     let mut memory = vec![0.0; asset.pose_len()];
     let mut workspace = Workspace::new();
+    progress.stage("levels", Some(samples.len() as u64));
     for sample in samples {
         let pose = asset.pose(&sample.q, HERE, &mut memory)?;
         let areas = areas(&pose)?;
@@ -42,6 +45,7 @@ pub(super) fn depth(
         for row in &mut rows {
             add(row, &pose, &mut workspace, &areas, &truth, sample, diagonal)?;
         }
+        progress.advance(1);
     }
     // Sums so far.
     let count = samples.len().max(1) as f64;

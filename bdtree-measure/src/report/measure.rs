@@ -7,11 +7,12 @@ use crate::machine;
 use crate::vector::distance;
 use bdtree_build::advise::samples::{SAMPLES, Samples, Source};
 use bdtree_build::advise::works::BALL_RADIUS_REL;
+use bdtree_build::progress::Progress;
 use bdtree_runtime::{Asset, FormatError};
 
 use super::content::{self, Content, Facts, Machine, Margin, Parts, Seconds};
 use super::sample::{SMALL_BALL, Sample};
-use super::{REPETITIONS, advice, comparison, depth, modes, sections, tightness};
+use super::{REPETITIONS, advice, comparison, depth, made, modes, sections, tightness, verdict};
 
 /// Meshes of more triangles get fewer samples of what looks at all vertices.
 const LARGE_TRIANGLES: usize = 100_000;
@@ -22,23 +23,33 @@ const DIRECTIONS: usize = 8;
 /// Nodes at a q of which margins are tried; fewer for large meshes, whose nodes have many vertices.
 const MARGIN_CASES: u64 = 100_000;
 
+/// Tries so many nodes of an asset; tells how many it has tried since it last told.
+pub type Margins<'a> =
+    dyn Fn(&Asset<'_>, u64, &(dyn Fn(u64) + Sync)) -> Result<Margin, FormatError> + 'a;
+
 /// What is known of an asset besides its bytes.
 pub struct Subject<'a> {
     /// The file's name, as the report shows it.
     pub name: String,
     /// Largest error of the basis against its source over the diagonal; `None` where there is no source.
     pub basis_error_rel: Option<f64>,
+    /// The day, UTC, as 2026-01-31.
+    pub date: String,
     /// Seconds that checking the file took.
     pub check_seconds: f64,
     /// Tries so many nodes at q that are made to break their bounds.
-    pub margin: &'a dyn Fn(&Asset<'_>, u64) -> Result<Margin, FormatError>,
+    pub margin: &'a Margins<'a>,
 }
 
 /// Measures an asset whose records were checked: measuring follows every one of them.
 ///
 /// # Errors
 /// The first rule of the format that the asset breaks, a bake with fewer modes that is refused.
-pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, MeasureError> {
+pub fn measure(
+    asset: &Asset<'_>,
+    subject: &Subject<'_>,
+    progress: &(dyn Progress + Sync),
+) -> Result<Content, MeasureError> {
     let mut seconds = Clockwork::new(subject.check_seconds);
     let bounds = bounds(asset);
     let diagonal = distance(bounds[1], bounds[0]);
@@ -47,9 +58,12 @@ pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, Meas
     let described = described(asset, &samples, diagonal)?;
     let asked = Sample::all(asset, &samples, bounds)?;
     let few = few(&asked, asset);
-    let (depth_whole, depth) = depth::depth(asset, few, diagonal)?;
+    let (depth_whole, depth) = depth::depth(asset, few, diagonal, progress)?;
     let mut content = Content {
         file: subject.name.clone(),
+        date: subject.date.clone(),
+        made: made::made(asset),
+        verdict: Vec::new(),
         asset: Facts {
             vertices: asset.vertex_count(),
             triangles: asset.triangle_count(),
@@ -58,6 +72,7 @@ pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, Meas
             depth: asset.depth(),
             frames: Some(asset.frame_count()).filter(|count| *count > 0),
             bytes: asset.header().file_bytes.get(),
+            size: [0, 1, 2].map(|k| bounds[1][k] - bounds[0][k]),
             diagonal,
             basis_error_rel: subject.basis_error_rel,
         },
@@ -83,17 +98,18 @@ pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, Meas
     content.samples.of_parts.depth = few.len();
     seconds.lap("depth");
     if samples.source != Source::Rest {
-        let found = modes::modes(asset, diagonal)?;
+        let found = modes::modes(asset, diagonal, progress)?;
         content.modes = found.rows;
         content.modes_over = Some(found.over);
         content.advice.extend(found.advice);
+        content.made.command = made::command(&content.made, &found.options.unwrap_or_default());
         seconds.lap("modes");
         let step = samples.count.div_ceil(DIRECTIONS).max(1);
         let directions: Vec<Vec<f32>> = (0..samples.count)
             .step_by(step)
             .map(|k| samples.q(k).to_vec())
             .collect();
-        content.tightness = tightness::tightness(asset, &directions, diagonal)?;
+        content.tightness = tightness::tightness(asset, &directions, diagonal, progress)?;
         seconds.lap("tightness");
         content.samples.of_parts = Parts {
             modes: found.samples,
@@ -101,13 +117,17 @@ pub fn measure(asset: &Asset<'_>, subject: &Subject<'_>) -> Result<Content, Meas
             tightness: directions.len(),
             refit: comparison::steps(&asked).count(),
         };
-        content.refit = Some(comparison::compare(asset, &asked)?);
+        content.refit = Some(comparison::compare(asset, &asked, progress)?);
         seconds.lap("refit");
-        content.margin = Some((subject.margin)(asset, margin_cases(asset))?);
+        let cases = margin_cases(asset);
+        progress.stage("margins", Some(cases));
+        let told = |cases| progress.advance(cases);
+        content.margin = Some((subject.margin)(asset, cases, &told)?);
         seconds.lap("margins");
     }
     content.missing.append(&mut missing);
     content.advice.extend(advice::advice(&content));
+    content.verdict = verdict::verdict(&content);
     content.seconds = seconds.laps;
     Ok(content)
 }

@@ -8,6 +8,7 @@ mod comparison;
 pub mod content;
 mod depth;
 mod lanes;
+mod made;
 mod measure;
 mod modes;
 mod page;
@@ -15,10 +16,11 @@ mod sample;
 mod sections;
 mod text;
 mod tightness;
+mod verdict;
 mod words;
 
-pub use measure::{Subject, measure};
-pub use page::page;
+pub use measure::{Margins, Subject, measure};
+pub use page::{Picture, page};
 
 /// Repetitions of which times are medians.
 const REPETITIONS: usize = 5;

@@ -5,11 +5,12 @@ use bdtree_build::advise::curve::{POINTS_MAX, Point};
 use bdtree_build::advise::errors::Over;
 use bdtree_build::advise::subject::{Subject, kept_fields};
 use bdtree_build::advise::works::Work;
-use bdtree_build::progress::Silent;
+use bdtree_build::progress::Progress;
 use bdtree_format::Metadata;
 use bdtree_runtime::Asset;
 
 use super::content::{Advice, ModesRow};
+use super::made;
 use crate::MeasureError;
 
 /// Meshes of more triangles are baked less often, and measured at fewer samples.
@@ -23,12 +24,18 @@ pub(super) struct Modes {
     pub(super) advice: Vec<Advice>,
     /// Which q errors are taken over, in words.
     pub(super) over: String,
+    /// Options of `bdtree-build` that follow it; `None` where the file is as advised.
+    pub(super) options: Option<Vec<String>>,
     /// Samples of visits and times.
     pub(super) samples: usize,
 }
 
 /// Bakes with fewer modes and asks.
-pub(super) fn modes(asset: &Asset<'_>, diagonal: f64) -> Result<Modes, MeasureError> {
+pub(super) fn modes(
+    asset: &Asset<'_>,
+    diagonal: f64,
+    progress: &dyn Progress,
+) -> Result<Modes, MeasureError> {
     let subject = Subject::of_asset(asset)?;
     let is_large = asset.triangle_count() > LARGE_TRIANGLES;
     let mut goal = Goal {
@@ -40,7 +47,7 @@ pub(super) fn modes(asset: &Asset<'_>, diagonal: f64) -> Result<Modes, MeasureEr
     }
     let kind = Metadata::from_bytes(asset.metadata()).map_or(String::new(), |m| m.basis);
     goal.subset = kept_fields(&kind, &subject.mesh, &subject.basis, goal.max_error_rel);
-    let advice = advise(&subject, &goal, &Silent)?;
+    let advice = advise(&subject, &goal, progress)?;
     let sentences = advice.sentences().into_iter().map(|text| Advice {
         topic: "modes".to_string(),
         text,
@@ -53,6 +60,7 @@ pub(super) fn modes(asset: &Asset<'_>, diagonal: f64) -> Result<Modes, MeasureEr
     Ok(Modes {
         rows: rows.collect(),
         advice: sentences.collect(),
+        options: made::options(&advice),
         over,
         samples: advice.samples.1,
     })

@@ -2,7 +2,7 @@
 
 pub(super) use crate::plot::escaped;
 
-/// A number with four digits that count.
+/// A number with three digits that count.
 pub(super) fn number(x: f64) -> String {
     let size = x.abs();
     if x == 0.0 || !x.is_finite() {
@@ -11,7 +11,7 @@ pub(super) fn number(x: f64) -> String {
     if !(1e-3..1e6).contains(&size) {
         return format!("{x:.2e}");
     }
-    let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+    let digits = (2 - size.log10().floor() as i32).clamp(0, 6) as usize;
     let text = format!("{x:.digits$}");
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
@@ -45,7 +45,7 @@ mod tests {
     fn numbers_are_short_and_text_is_escaped() {
         assert_eq!(number(0.0), "0");
         assert_eq!(number(1234.56), "1235");
-        assert_eq!(number(0.012_345_6), "0.01235");
+        assert_eq!(number(0.012_345_6), "0.0123");
         assert_eq!(number(2.0), "2");
         assert_eq!(number(1e-7), "1.00e-7");
         assert_eq!(percent(0.125), "12.5 %");

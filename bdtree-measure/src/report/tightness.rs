@@ -1,5 +1,6 @@
 //! Radii over the smallest possible, per level and amplitude, for three bounds.
 
+use bdtree_build::progress::Progress;
 use bdtree_build::wrap::ball::smallest_ball;
 use bdtree_runtime::{Asset, FormatError, Transform, VertexId};
 
@@ -26,12 +27,14 @@ pub(super) fn tightness(
     asset: &Asset<'_>,
     directions: &[Vec<f32>],
     diagonal: f64,
+    progress: &dyn Progress,
 ) -> Result<Vec<TightnessRow>, MeasureError> {
     let reach = directions
         .iter()
         .map(|q| farthest(asset, q))
         .collect::<Result<Vec<_>, _>>()?;
     let mut rows = Vec::new();
+    progress.stage("tightness", Some((asset.depth() * AMPLITUDES.len()) as u64));
     for level in 0..asset.depth() {
         let all = lanes::of_level(asset, level);
         let step = all.len().div_ceil(SPHERES_MAX).max(1);
@@ -50,16 +53,18 @@ pub(super) fn tightness(
                 let q = scaled(asset, q, scale);
                 measure(asset, &spheres, &q, diagonal, &mut ratios)?;
             }
-            if let [Some(paper), Some(smallest_ball), Some(ours)] = ratios.map(|all| ratio(&all)) {
+            if let [Some(paper), Some(smallest_ball), Some(bdtree)] = ratios.map(|all| ratio(&all))
+            {
                 rows.push(TightnessRow {
                     displacement_rel: amplitude,
                     level,
                     spheres: spheres.len(),
                     paper,
                     smallest_ball,
-                    ours,
+                    bdtree,
                 });
             }
+            progress.advance(1);
         }
     }
     Ok(rows)

@@ -10,11 +10,11 @@ use super::text::number;
 pub(super) fn title(curve: &Curve) -> String {
     let comparison = &curve.comparison;
     let verdict = match (comparison.ahead, comparison.break_even) {
-        (Ahead::Ours, _) => "this asset is ahead at every amount tried".to_string(),
+        (Ahead::Ours, _) => "bdtree is ahead at every amount tried".to_string(),
         (Ahead::Refit, _) => "deform + refit is ahead at every amount tried".to_string(),
         (Ahead::Crosses, Some(at)) => {
             let who = match comparison.above {
-                Some(Side::Ours) => "this asset",
+                Some(Side::Ours) => "bdtree",
                 _ => "deform + refit",
             };
             format!("{who} is ahead from about {}", number(at))
@@ -34,7 +34,7 @@ pub(super) fn sentence(curve: &Curve) -> Option<String> {
         None => "as",
     };
     let mut text = format!(
-        "With {} this asset is {} {than} deform + refit",
+        "With {} bdtree is {} {than} deform + refit",
         amount(first.0, &curve.unit),
         pace(first.1)
     );
@@ -63,7 +63,7 @@ pub(super) fn sentence(curve: &Curve) -> Option<String> {
     Some(text)
 }
 
-/// How fast this asset is where deform + refit takes `ratio` times as long.
+/// How fast bdtree is where deform + refit takes `ratio` times as long.
 fn pace(ratio: f64) -> String {
     match Side::of(ratio) {
         Some(Side::Ours) => format!("{ratio:.1} times faster"),
@@ -117,7 +117,7 @@ pub(super) mod tests {
         };
         let point = |(amount, ratio): &(f64, f64)| CurvePoint {
             amount: *amount,
-            ours_micros: 1.0,
+            bdtree_micros: 1.0,
             refit_micros: *ratio,
             ratio: *ratio,
             visited_rel: 0.0,
@@ -136,30 +136,30 @@ pub(super) mod tests {
             (
                 "ball",
                 &[(1.0, 30.76), (4096.0, 1.2)][..],
-                "balls per step: this asset is ahead at every amount tried",
-                "With 1 ball per step this asset is 30.8 times faster than deform + refit, with 4096 balls per step, \
+                "balls per step: bdtree is ahead at every amount tried",
+                "With 1 ball per step bdtree is 30.8 times faster than deform + refit, with 4096 balls per step, \
                  the most that was tried, 1.2 times faster: it is ahead at every amount tried.",
             ),
             (
                 "ray",
                 &[(1.0, 0.5), (4.0, 0.1)],
                 "rays per step: deform + refit is ahead at every amount tried",
-                "With 1 ray per step this asset is 2.0 times slower than deform + refit, with 4 rays per step, \
+                "With 1 ray per step bdtree is 2.0 times slower than deform + refit, with 4 rays per step, \
                  the most that was tried, 10.0 times slower: deform and refit instead.",
             ),
             (
                 "ray",
                 &[(1.0, 12.0), (12.0, 12.0), (1200.0, 1.0 / 12.0)],
                 "rays per step: deform + refit is ahead from about 120",
-                "With 1 ray per step this asset is 12.0 times faster than deform + refit, with 1200 rays per step, \
+                "With 1 ray per step bdtree is 12.0 times faster than deform + refit, with 1200 rays per step, \
                  the most that was tried, 12.0 times slower: from about 120 rays per step on, deform and refit \
                  instead (between 12 and 1200 rays per step neither is safely ahead).",
             ),
             (
                 "ball",
                 &[(1.0, 0.5), (4.0, 2.0)],
-                "balls per step: this asset is ahead from about 2",
-                "With 1 ball per step this asset is 2.0 times slower than deform + refit, with 4 balls per step, \
+                "balls per step: bdtree is ahead from about 2",
+                "With 1 ball per step bdtree is 2.0 times slower than deform + refit, with 4 balls per step, \
                  the most that was tried, 2.0 times faster: up to about 2 balls per step, deform and refit \
                  instead (between 1 and 4 balls per step neither is safely ahead).",
             ),
@@ -168,7 +168,7 @@ pub(super) mod tests {
                 &[(0.0, 9.0), (0.0, 4.0), (1.0, 1.0), (900.0, 1.04)],
                 "touching pairs of triangles: neither is safely ahead between nothing touching and 900 touching \
                  pairs of triangles",
-                "With nothing touching this asset is 6.0 times faster than deform + refit, with 900 touching pairs \
+                "With nothing touching bdtree is 6.0 times faster than deform + refit, with 900 touching pairs \
                  of triangles, the most that was tried, about as fast: between nothing touching and 900 touching \
                  pairs of triangles neither is safely ahead.",
             ),
@@ -176,7 +176,7 @@ pub(super) mod tests {
                 "pair",
                 &[(0.0, 1.0)],
                 "touching pairs of triangles: neither is safely ahead with nothing touching",
-                "With nothing touching this asset is about as fast as deform + refit: with nothing touching neither \
+                "With nothing touching bdtree is about as fast as deform + refit: with nothing touching neither \
                  is safely ahead.",
             ),
         ] {

@@ -4,6 +4,8 @@ mod arguments;
 mod body;
 pub mod options;
 mod picture;
+#[cfg(feature = "report")]
+mod portrait;
 mod queries;
 mod report;
 mod visited;
@@ -23,6 +25,8 @@ use crate::{AssetFile, DONE};
 pub use arguments::Arguments;
 use body::{Body, Content};
 use picture::{Bounds, Frame, Painter, graphics};
+#[cfg(feature = "report")]
+pub use portrait::portraits;
 pub use report::{Growth, Report, SphereLine};
 
 /// Draws an asset, or a sequence of its frames, into PNG files.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::support::{Folder, Ran};
+use crate::support::Folder;
 
 /// A decoded picture.
 pub(crate) struct Picture {
@@ -58,15 +58,6 @@ impl Picture {
 
 pub(crate) const WHITE: [u8; 3] = [255; 3];
 
-/// What the command says, without what Mesa says about a missing desktop.
-fn own_words(ran: &Ran) -> String {
-    let lines = ran
-        .err
-        .lines()
-        .filter(|line| !line.contains("XDG_RUNTIME_DIR"));
-    lines.collect::<Vec<_>>().join("\n")
-}
-
 impl Folder {
     /// Draws a picture, which must succeed; small, so that it takes little time.
     pub(crate) fn render(&self, arguments: &[&str]) -> String {
@@ -75,11 +66,7 @@ impl Folder {
 
     pub(crate) fn render_at(&self, size: &str, arguments: &[&str]) -> String {
         let ran = self.run(&[&["render"], arguments, &["--size", size]].concat());
-        assert_eq!(
-            (ran.code, own_words(&ran).as_str()),
-            (0, ""),
-            "{arguments:?}"
-        );
+        assert_eq!((ran.code, ran.err.as_str()), (0, ""), "{arguments:?}");
         ran.out
     }
 
@@ -110,7 +97,7 @@ impl Folder {
     /// What `render` says when it refuses, with code 1 and nothing on its standard output.
     pub(crate) fn refusal(&self, arguments: &[&str]) -> String {
         let ran = self.run(&[&["render"], arguments].concat());
-        let said = own_words(&ran);
+        let said = ran.err.trim_end().to_string();
         assert_eq!(
             (ran.code, ran.out.as_str()),
             (1, ""),

@@ -15,6 +15,7 @@ use crate::clock::Clock;
 use crate::comparison::{AMOUNTS, Comparison, LEAF_SLOTS, VISITS_MAX};
 use crate::ours::{Answer, Ours};
 use crate::stats::median;
+use bdtree_build::progress::Progress;
 use bdtree_runtime::{Asset, PairContact, Workspace};
 
 use super::REPETITIONS;
@@ -32,7 +33,11 @@ pub(super) fn steps(samples: &[Sample]) -> impl Iterator<Item = &Sample> {
 }
 
 /// All curves. `samples` are used evenly.
-pub(super) fn compare(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, MeasureError> {
+pub(super) fn compare(
+    asset: &Asset<'_>,
+    samples: &[Sample],
+    progress: &dyn Progress,
+) -> Result<Refit, MeasureError> {
     let steps: Vec<&Sample> = steps(samples).collect();
     let mut own = Ours::keeping(*asset, LEAF_SLOTS);
     let mut contender = Contender::new(asset)?;
@@ -50,7 +55,13 @@ pub(super) fn compare(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, Me
         })?;
         pose.push(cost.micros);
     }
-    let balls = curve("ball", "balls per step", &AMOUNTS, |amount| {
+    let deepness: Vec<usize> = (0..steps.first().map_or(0, |s| s.places.len())).collect();
+    let all = 2 * AMOUNTS.len() + deepness.len();
+    progress.stage("refit", Some(all as u64));
+    let curve = |question, unit, amounts: &[usize], at: At<'_>| {
+        curve(question, unit, amounts, progress, at)
+    };
+    let balls = curve("ball", "balls per step", &AMOUNTS, &mut |amount| {
         let ours = mean(&steps, |sample| {
             let balls: Vec<_> = sample.balls(amount).collect();
             ours(asset, || own.balls(&sample.q, balls.iter().copied()))
@@ -58,7 +69,7 @@ pub(super) fn compare(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, Me
         let theirs = mean(&steps, |sample| contender.balls(sample, amount))?;
         Ok((amount as f64, ours, theirs))
     })?;
-    let rays = curve("ray", "rays per step", &AMOUNTS, |amount| {
+    let rays = curve("ray", "rays per step", &AMOUNTS, &mut |amount| {
         let ours = mean(&steps, |sample| {
             let rays: Vec<_> = sample.rays(amount).collect();
             ours(asset, || own.rays(&sample.q, rays.iter().copied()))
@@ -67,12 +78,16 @@ pub(super) fn compare(asset: &Asset<'_>, samples: &[Sample]) -> Result<Refit, Me
         Ok((amount as f64, ours, theirs))
     })?;
     let mut other = Contender::new(asset)?;
-    let deepness: Vec<usize> = (0..steps.first().map_or(0, |s| s.places.len())).collect();
-    let pairs = curve("pair", "touching pairs of triangles", &deepness, |which| {
-        let ours = mean(&steps, |sample| pair(asset, sample, which))?;
-        let theirs = mean(&steps, |sample| contender.pair(&mut other, sample, which))?;
-        Ok((ours.amount, ours, theirs))
-    })?;
+    let pairs = curve(
+        "pair",
+        "touching pairs of triangles",
+        &deepness,
+        &mut |which| {
+            let ours = mean(&steps, |sample| pair(asset, sample, which))?;
+            let theirs = mean(&steps, |sample| contender.pair(&mut other, sample, which))?;
+            Ok((ours.amount, ours, theirs))
+        },
+    )?;
     Ok(Refit {
         library: "obvhs 0.4 Bvh2, refit_all".to_string(),
         deform_micros: median(&deform),
@@ -145,19 +160,24 @@ fn mean(
     })
 }
 
+/// Amount, ours and theirs of one of the amounts of a curve.
+type At<'a> = &'a mut dyn FnMut(usize) -> Result<(f64, Cost, Cost), MeasureError>;
+
 /// Follows a curve; where it ends depends on counts alone, not on times.
 fn curve(
     question: &str,
     unit: &str,
     amounts: &[usize],
-    mut at: impl FnMut(usize) -> Result<(f64, Cost, Cost), MeasureError>,
+    progress: &dyn Progress,
+    at: At<'_>,
 ) -> Result<Curve, MeasureError> {
     let mut points: Vec<CurvePoint> = Vec::new();
     for amount in amounts {
         let (amount, ours, theirs) = at(*amount)?;
+        progress.advance(1);
         points.push(CurvePoint {
             amount,
-            ours_micros: ours.micros,
+            bdtree_micros: ours.micros,
             refit_micros: theirs.micros,
             ratio: theirs.micros / ours.micros,
             visited_rel: ours.visited,
@@ -166,6 +186,7 @@ fn curve(
             break;
         }
     }
+    progress.advance((amounts.len() - points.len()) as u64);
     points.sort_by(|a, b| a.amount.total_cmp(&b.amount));
     let ratios: Vec<(f64, f64)> = points.iter().map(|p| (p.amount, p.ratio)).collect();
     Ok(Curve {
@@ -216,6 +237,8 @@ fn timed(mut step: impl FnMut() -> Result<Cost, MeasureError>) -> Result<Cost, M
 mod tests {
     use std::hint::black_box;
 
+    use bdtree_build::progress::Silent;
+
     use super::{Cost, SPAN_STEPS, curve, timed};
 
     #[test]
@@ -243,7 +266,7 @@ mod tests {
 
     #[test]
     fn a_curve_ends_where_every_node_is_visited_a_hundred_times() {
-        let at = |amount: usize| {
+        let mut at = |amount: usize| {
             let cost = |micros| Cost {
                 micros,
                 visited: amount as f64,
@@ -251,7 +274,14 @@ mod tests {
             };
             Ok((amount as f64, cost(amount as f64), cost(20.0)))
         };
-        let curve = curve("ball", "balls per step", &[4, 40, 101, 400], at).expect("a curve");
+        let curve = curve(
+            "ball",
+            "balls per step",
+            &[4, 40, 101, 400],
+            &Silent,
+            &mut at,
+        );
+        let curve = curve.expect("a curve");
         let amounts: Vec<f64> = curve.points.iter().map(|p| p.amount).collect();
         assert_eq!(amounts, [4.0, 40.0, 101.0]);
         assert_eq!(curve.points[0].ratio, 5.0);

@@ -2,7 +2,20 @@
 
 use super::super::content::{Advice, Content, SectionRow, Unneeded};
 use super::super::text::{escaped, grouped, number, percent};
-use super::Page;
+use super::{Page, Picture};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+/// Sides of the box, with their unit.
+fn size(sides: [f64; 3], scale_m: Option<f64>) -> String {
+    let sides = sides.map(number).join(" × ");
+    match scale_m {
+        Some(1.0) => format!("{sides} m"),
+        Some(scale) => format!("{sides} units of {} m", number(scale)),
+        None => format!("{sides} units"),
+    }
+}
 
 impl Page {
     pub(super) fn head(&mut self, content: &Content) {
@@ -15,7 +28,7 @@ impl Page {
             ("nodes", grouped(asset.nodes as u64)),
             ("levels", asset.depth.to_string()),
             ("bytes", grouped(asset.bytes)),
-            ("diagonal", number(asset.diagonal)),
+            ("size", size(asset.size, content.made.scale_m)),
         ];
         facts.extend(asset.frames.map(|n| ("frames", n.to_string())));
         let error = asset.basis_error_rel;
@@ -23,10 +36,73 @@ impl Page {
         let of = |(name, value): &(&str, String)| format!("<span>{name} <b>{value}</b></span>");
         let facts: String = facts.iter().map(of).collect();
         self.line(&format!("<div class=\"facts\">{facts}</div>"));
+    }
+
+    pub(super) fn pictures(&mut self, pictures: &[Picture]) {
+        if pictures.is_empty() {
+            return;
+        }
+        self.open();
+        for Picture { caption, png } in pictures {
+            let (caption, data) = (escaped(caption), STANDARD.encode(png));
+            self.line(&format!(
+                "<figure class=\"photo\"><figcaption>{caption}</figcaption>\
+                 <img alt=\"{caption}\" src=\"data:image/png;base64,{data}\"></figure>"
+            ));
+        }
+        self.close();
+    }
+
+    pub(super) fn verdict(&mut self, content: &Content) {
+        if !content.verdict.is_empty() {
+            let item = |text: &String| format!("<li>{}</li>", escaped(text));
+            let items: String = content.verdict.iter().map(item).collect();
+            self.line(&format!("<ul class=\"verdict\">{items}</ul>"));
+        }
+        for missing in &content.missing {
+            self.text(missing);
+        }
+    }
+
+    /// Where the file comes from, and how it is baked as advised.
+    pub(super) fn made(&mut self, content: &Content) {
+        let made = &content.made;
+        let settings = made.settings.iter();
+        // Sums of files are in `bdtree info`.
+        let settings = settings.filter(|(name, _)| !name.ends_with("-sha256"));
+        let settings: Vec<String> = settings
+            .map(|(name, value)| format!("{name} {value}"))
+            .collect();
+        let facts = [
+            ("source", made.source.clone()),
+            ("basis", made.basis.clone()),
+            (
+                "settings",
+                (!settings.is_empty()).then(|| settings.join(", ")),
+            ),
+            ("builder", made.builder.clone()),
+            ("measured", Some(content.date.clone())),
+        ];
+        let known = facts
+            .iter()
+            .filter_map(|(name, value)| Some((name, value.as_ref()?)));
+        let items: String = known
+            .map(|(name, value)| format!("<dt>{name}</dt><dd>{}</dd>", escaped(value)))
+            .collect();
+        self.line(&format!("<dl>{items}</dl>"));
+        if let Some(command) = &made.command {
+            self.text("This command bakes it as advised below:");
+            self.line(&format!("<pre>{}</pre>", escaped(command)));
+        }
+    }
+
+    /// What was asked, and on what.
+    pub(super) fn samples(&mut self, content: &Content) {
         let samples = &content.samples;
+        self.heading("How it was measured");
         self.soft(&format!(
-            "Samples: {}, which move the farthest vertex by up to {} of the diagonal; each part says how many of them \
-             it takes. Lengths are mesh units; times are of one thread of {}, kernel {}, and medians of {} \
+            "At {}, which move the farthest vertex by up to {} of the diagonal; each part says how many of them \
+             it takes. Lengths are mesh units. Times are of one thread of {}, kernel {}, and medians of {} \
              repetitions unless a part says otherwise.",
             samples.source,
             percent(samples.displacement_max_rel),
@@ -34,9 +110,6 @@ impl Page {
             content.machine.kernel,
             content.machine.repetitions,
         ));
-        for missing in &content.missing {
-            self.text(missing);
-        }
     }
 
     pub(super) fn advice(&mut self, content: &Content) {

@@ -10,11 +10,23 @@ use super::content::Content;
 use super::text::escaped;
 use crate::plot::{self, Line, Plot};
 
-/// The page.
-pub fn page(content: &Content) -> String {
+/// A picture of the asset.
+pub struct Picture {
+    /// What it shows.
+    pub caption: String,
+    /// Its file.
+    pub png: Vec<u8>,
+}
+
+/// The page; `pictures` are of the asset.
+pub fn page(content: &Content, pictures: &[Picture]) -> String {
     let mut page = Page::default();
     page.head(content);
+    page.pictures(pictures);
+    page.verdict(content);
+    page.made(content);
     page.advice(content);
+    page.samples(content);
     page.modes(content);
     page.refit(content);
     page.tightness(content);
@@ -91,7 +103,9 @@ impl Page {
             columns.iter().enumerate().map(cell).collect()
         };
         let head = line("th", &|(head, _)| head.to_string());
-        let mut text = format!("<div class=\"table\"><table><thead><tr>{head}</tr></thead><tbody>");
+        let mut text = format!(
+            "<div class=\"table\" tabindex=\"0\"><table><thead><tr>{head}</tr></thead><tbody>"
+        );
         for row in rows {
             text += &format!("<tr>{}</tr>", line("td", &|(_, cell)| cell(row)));
         }

@@ -27,6 +27,7 @@ impl Page {
         };
         self.open();
         self.plot(&Plot {
+            mark: None,
             title: "Error over the diagonal".to_string(),
             x: Axis::linear("modes kept"),
             y: Axis::log("error / diagonal"),
@@ -36,12 +37,14 @@ impl Page {
             ],
         });
         self.plot(&Plot {
+            mark: None,
             title: "Time over that with all modes".to_string(),
             x: Axis::linear("modes kept"),
             y: Axis::linear("time / time with all"),
             lines: vec![line("time", &|r| r.time_rel)],
         });
         self.plot(&Plot {
+            mark: None,
             title: "Length of the file".to_string(),
             x: Axis::linear("modes kept"),
             y: Axis::linear("MB"),

@@ -28,12 +28,14 @@ impl Page {
         };
         self.open();
         self.plot(&Plot {
+            mark: None,
             title: "Largest error of the penetration".to_string(),
             x: Axis::linear("level"),
             y: Axis::log("error / diagonal"),
             lines: vec![line("error", &|r| r.penetration_error_rel)],
         });
         self.plot(&Plot {
+            mark: None,
             title: "Time of a ball query".to_string(),
             x: Axis::linear("level"),
             y: Axis::linear("µs"),

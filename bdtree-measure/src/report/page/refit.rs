@@ -6,7 +6,7 @@ use super::super::content::{Content, Curve, CurvePoint};
 use super::super::text::{number, percent};
 use super::super::words;
 use super::{Page, line};
-use crate::plot::{Axis, Line, Plot};
+use crate::plot::{Axis, Mark, Plot};
 
 impl Page {
     pub(super) fn refit(&mut self, content: &Content) {
@@ -27,8 +27,8 @@ impl Page {
         self.soft(&format!(
             "Both find the same contacts on the same deformed vertices. At leaves the refitted tree tests balls and \
              pairs triangle by triangle with this library's public scalar functions and rays with its own test in \
-             f32; this asset's queries reject four triangles at a time, and test balls four at a time. Ratio: \
-             deform + refit over this asset. From {} to {} it is noise; beyond, one is safely ahead.",
+             f32; bdtree rejects four triangles at a time, and tests balls four at a time. Ratio: \
+             deform + refit over bdtree. From {} to {} it is noise; beyond, one is safely ahead.",
             NOISE[0], NOISE[1]
         ));
         self.open();
@@ -41,7 +41,7 @@ impl Page {
                 0,
                 &[
                     (curve.unit.as_str(), &|p| number(p.amount)),
-                    ("ours, µs", &|p| number(p.ours_micros)),
+                    ("bdtree, µs", &|p| number(p.bdtree_micros)),
                     ("deform + refit, µs", &|p| number(p.refit_micros)),
                     ("ratio", &|p| number(p.ratio)),
                     ("visits / nodes", &|p| number(p.visited_rel)),
@@ -52,14 +52,14 @@ impl Page {
     }
 
     fn curve(&mut self, curve: &Curve) {
-        let mut lines = vec![
-            line("this asset", &curve.points, |p| (p.amount, p.ours_micros)),
+        let lines = vec![
+            line("bdtree", &curve.points, |p| (p.amount, p.bdtree_micros)),
             line("deform + refit", &curve.points, |p| {
                 (p.amount, p.refit_micros)
             }),
         ];
-        lines.extend(mark(curve));
         self.plot(&Plot {
+            mark: mark(curve),
             title: words::title(curve),
             x: Axis::log(&curve.unit),
             y: Axis::log("µs per step"),
@@ -70,29 +70,16 @@ impl Page {
 
 /// What a plot marks: where the times cross, or the stretch in which neither is safely ahead; nothing where
 /// one is everywhere.
-fn mark(curve: &Curve) -> Option<Line> {
-    let times = || {
-        let both = |p: &CurvePoint| [p.ours_micros, p.refit_micros];
-        curve.points.iter().flat_map(both)
-    };
-    let low = times().fold(f64::INFINITY, f64::min);
-    let high = times().fold(0.0, f64::max);
+fn mark(curve: &Curve) -> Option<Mark> {
     let comparison = &curve.comparison;
-    let (name, points) = match comparison.ahead {
+    let (name, ends) = match comparison.ahead {
         Ahead::Ours | Ahead::Refit => return None,
-        Ahead::Crosses => {
-            let at = comparison.break_even?;
-            ("break-even", vec![(at, low), (at, high)])
-        }
-        Ahead::Close => {
-            let (from, to) = (comparison.from?, comparison.to?);
-            let around = [(from, low), (from, high), (to, high), (to, low)];
-            ("neither safely ahead", around.to_vec())
-        }
+        Ahead::Crosses => ("break-even", [comparison.break_even?; 2]),
+        Ahead::Close => ("neither safely ahead", [comparison.from?, comparison.to?]),
     };
-    Some(Line {
+    Some(Mark {
         name: name.to_string(),
-        points,
+        ends,
     })
 }
 
@@ -107,12 +94,9 @@ mod tests {
         assert!(mark(&curve("ray", &[(1.0, 0.2)])).is_none());
         let crosses = mark(&curve("ray", &[(1.0, 10.0), (100.0, 0.1)])).expect("a mark");
         assert_eq!(crosses.name, "break-even");
-        assert!(crosses.points.iter().all(|p| p.0 == 10.0));
+        assert_eq!(crosses.ends, [10.0; 2]);
         let close = mark(&curve("ray", &[(1.0, 10.0), (4.0, 1.0), (16.0, 1.0)])).expect("a mark");
         assert_eq!(close.name, "neither safely ahead");
-        let at: Vec<f64> = close.points.iter().map(|p| p.0).collect();
-        assert_eq!(at, [1.0, 1.0, 16.0, 16.0]);
-        // From the fastest to the slowest of all times: 1 and 10 µs.
-        assert!(close.points.iter().all(|p| p.1 == 1.0 || p.1 == 10.0));
+        assert_eq!(close.ends, [1.0, 16.0]);
     }
 }

@@ -30,13 +30,14 @@ impl Page {
                 line(name, &own, |r| (r.level as f64, ratio(r).mean))
             };
             self.plot(&Plot {
+                mark: None,
                 title: format!("{} of the diagonal", percent(*amplitude)),
                 x: Axis::linear("level"),
                 y: Axis::from("R' / R_opt", 1.0),
                 lines: vec![
                     of("paper", &|r| r.paper),
                     of("smallest balls", &|r| r.smallest_ball),
-                    of("ours", &|r| r.ours),
+                    of("bdtree", &|r| r.bdtree),
                 ],
             });
         }
@@ -50,7 +51,7 @@ impl Page {
                 ("spheres", &|r| r.spheres.to_string()),
                 ("paper, mean / largest", &|r| both(&r.paper)),
                 ("smallest balls", &|r| both(&r.smallest_ball)),
-                ("ours", &|r| both(&r.ours)),
+                ("bdtree", &|r| both(&r.bdtree)),
             ],
         );
         self.close();

@@ -1,0 +1,46 @@
+//! Progress on stderr, when that is a terminal.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A bar with the stage's name and the time left, or a spinner where the number of steps is not known.
+pub(crate) struct Bar {
+    bar: ProgressBar,
+}
+
+impl Bar {
+    pub(crate) fn new() -> Self {
+        let bar = ProgressBar::new_spinner();
+        bar.enable_steady_tick(Duration::from_millis(100));
+        Self { bar }
+    }
+
+    /// Begins a stage.
+    pub(crate) fn stage(&self, name: &str, steps: Option<u64>) {
+        let template = match steps {
+            Some(_) => "{elapsed:>4} {msg:<12} {bar:32} {percent:>3} %, {eta} left",
+            None => "{elapsed:>4} {msg:<12} {spinner}",
+        };
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            self.bar.set_style(style);
+        }
+        match steps {
+            Some(steps) => self.bar.set_length(steps),
+            None => self.bar.unset_length(),
+        }
+        self.bar.set_position(0);
+        self.bar.reset_eta();
+        self.bar.set_message(name.to_owned());
+    }
+
+    /// So many steps more.
+    pub(crate) fn advance(&self, steps: u64) {
+        self.bar.inc(steps);
+    }
+
+    /// Removes what was drawn.
+    pub(crate) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}

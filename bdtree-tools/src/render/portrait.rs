@@ -1,0 +1,85 @@
+//! Pictures of an asset as it is, for the report.
+
+use bdtree_render::{Image, Studio};
+use bdtree_runtime::Transform;
+use clap::Parser;
+
+use super::Arguments;
+use super::body::{Body, Content};
+use super::picture::{Bounds, Frame, Painter, graphics};
+use crate::AssetFile;
+use crate::error::ToolError;
+use crate::info::mode_name;
+
+/// So that defaults stand in one place.
+#[derive(Parser)]
+struct Plain {
+    #[command(flatten)]
+    arguments: Arguments,
+}
+
+/// At rest, and moved: the middle frame of an animation, or one mode at its q_range. Each with what it shows.
+///
+/// # Errors
+/// No graphics adapter or one that the asset is too large for, corrupt records.
+pub fn portraits(file: &AssetFile) -> Result<Vec<(String, Image)>, ToolError> {
+    let path = file.path().as_os_str();
+    let options = ["--size", "720x540", "--no-legend"];
+    let line = ["portrait".as_ref(), path, "-o".as_ref(), "png".as_ref()];
+    let line = line.into_iter().chain(options.map(AsRef::as_ref));
+    let plain = Plain::try_parse_from(line);
+    let Plain { arguments } = plain.map_err(|error| ToolError::Input(vec![error.to_string()]))?;
+    let mut poses = vec![(
+        "At rest".to_string(),
+        vec![0.0; file.asset().mode_count()],
+        Transform::IDENTITY,
+    )];
+    poses.extend(moved(file)?);
+    let frames = poses.into_iter().map(|(about, q, placement)| {
+        Ok(Frame {
+            about,
+            number: None,
+            content: vec![Content {
+                body: Body::posed(file, &q, placement)?,
+                spheres: Vec::new(),
+                is_file: true,
+            }],
+            queries: Vec::new(),
+            nodes_visited: None,
+        })
+    });
+    let frames = frames.collect::<Result<Vec<_>, ToolError>>()?;
+    let mut bounds = Bounds::new(&arguments);
+    frames.iter().for_each(|frame| bounds.hold(frame));
+    let Some(first) = frames.first() else {
+        return Ok(Vec::new());
+    };
+    let studio = Studio::open().map_err(|error| graphics(&error))?;
+    let mut painter = Painter::new(&arguments, studio, &bounds, first)?;
+    let pictures = frames.iter().map(|frame| {
+        let (image, _) = painter.paint(frame)?;
+        Ok((frame.about.clone(), image))
+    });
+    pictures.collect()
+}
+
+/// What it is, q and placement.
+type Pose = (String, Vec<f32>, Transform);
+
+/// What the asset does, if it does anything.
+fn moved(file: &AssetFile) -> Result<Option<Pose>, ToolError> {
+    let asset = file.asset();
+    let middle = asset.frame_count() / 2;
+    if let Some(frame) = asset.frame(middle) {
+        let about = format!("Frame {middle}");
+        return Ok(Some((about, frame.q().to_vec(), frame.transform())));
+    }
+    let ranges = asset.modes().iter().map(|mode| mode.q_range.get());
+    let Some((mode, range)) = ranges.enumerate().find(|(_, range)| *range > 0.0) else {
+        return Ok(None);
+    };
+    let mut q = vec![0.0; asset.mode_count()];
+    q[mode] = range;
+    let about = format!("At q_range of {}", mode_name(file, mode)?);
+    Ok(Some((about, q, Transform::IDENTITY)))
+}
