@@ -35,7 +35,7 @@ pub use legend::{Legend, draw_scale};
 pub use level::{Level, NodeSphere, below};
 pub use outline::{ball_outline, capsule_outline};
 pub use place::Place;
-pub use renderer::{Line, Mesh, Renderer, Scene, Sphere, texture};
+pub use renderer::{Ground, Line, Mesh, Renderer, Scene, Sphere, texture};
 pub use shading::{normals, smoothness};
 pub use skinned::SkinnedMesh;
 pub use studio::Studio;

@@ -25,6 +25,7 @@ fn sphere(center: [f32; 3], radius: f32, colour: [u8; 4]) -> Sphere {
 
 fn picture(studio: &mut Studio, meshes: &[&Mesh], spheres: &[Sphere], lines: &[Line]) -> Image {
     let scene = Scene {
+        ground: None,
         background: WHITE,
         meshes,
         spheres,
@@ -257,6 +258,7 @@ fn the_same_scene_is_the_same_picture() {
 fn pictures_and_meshes_beyond_the_device_are_refused() {
     let mut studio = Studio::open().expect("a graphics adapter");
     let scene = Scene {
+        ground: None,
         background: WHITE,
         meshes: &[],
         spheres: &[],
@@ -293,6 +295,7 @@ fn a_lost_device_is_an_error() {
     let mesh = studio.mesh(&triangle, &[[0, 1, 2]]).expect("a mesh");
     studio.gpu.device.destroy();
     let scene = Scene {
+        ground: None,
         background: WHITE,
         meshes: &[&mesh],
         spheres: &[sphere([0.0; 3], 1.0, [9, 9, 9, 255])],

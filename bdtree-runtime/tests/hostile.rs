@@ -1,5 +1,5 @@
 //! Damaged files never cause a panic, a hang or an error without a place, and `verify` finds every
-//! flipped bit and every bound that is too small (docs/design/fuzzing-files.md).
+//! flipped bit and every bound that is too small (docs/design/fuzzing.md).
 
 use std::collections::BTreeSet;
 use std::mem::{offset_of, size_of};

@@ -82,6 +82,7 @@ impl Picture {
             size,
             &camera,
             &Scene {
+                ground: None,
                 background: BACKGROUND,
                 meshes: if app.view.has_mesh { &meshes } else { &[] },
                 spheres: &shapes.spheres,

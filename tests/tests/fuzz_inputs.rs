@@ -1,5 +1,5 @@
 //! A share of the mutated inputs for every reader, the same in every run; the long run is
-//! `fuzz-inputs` (docs/design/fuzzing-inputs.md).
+//! `fuzz-inputs` (docs/design/fuzzing.md).
 
 use bdtree_tests::fuzz::memory::Counting;
 use bdtree_tests::fuzz::{Campaign, Format, Seeds};

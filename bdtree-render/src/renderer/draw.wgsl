@@ -12,6 +12,10 @@ struct Globals {
     up: vec4<f32>,
     // Width and height of the picture in pixels.
     size: vec4<f32>,
+    // The upward normal of the ground, and its height along it.
+    ground: vec4<f32>,
+    // Of shadows on the ground.
+    shadow: vec4<f32>,
 }
 
 struct Look {
@@ -88,6 +92,18 @@ fn mesh_fragment(in: OnMesh) -> @location(0) vec4<f32> {
     }
     let colour = lit(linear(look.colour.rgb), normal, view);
     return vec4(encoded(colour), 1.0);
+}
+
+// The mesh pressed flat onto the ground: its shadow under a light straight above.
+@vertex
+fn shadow_vertex(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32> {
+    let above = dot(globals.ground.xyz, position) - globals.ground.w;
+    return globals.view_projection * vec4(position - above * globals.ground.xyz, 1.0);
+}
+
+@fragment
+fn shadow_fragment() -> @location(0) vec4<f32> {
+    return vec4(encoded(linear(globals.shadow.rgb)), 1.0);
 }
 
 struct OnSphere {

@@ -4,6 +4,7 @@ use glam::{Mat4, Vec3, Vec4};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, Device, Queue};
 use zerocopy::{Immutable, IntoBytes};
 
+use super::Ground;
 use super::pipelines::{uniform, uniform_layout};
 use crate::camera::Camera;
 
@@ -17,6 +18,8 @@ struct Record {
     light: [f32; 4],
     up: [f32; 4],
     size: [f32; 4],
+    ground: [f32; 4],
+    shadow: [f32; 4],
 }
 
 #[derive(Debug)]
@@ -39,7 +42,14 @@ impl Globals {
     }
 
     /// `encode`: the target takes colours as they are, so the shader makes them sRGB.
-    pub(super) fn write(&self, queue: &Queue, camera: &Camera, size: [u32; 2], encode: bool) {
+    pub(super) fn write(
+        &self,
+        queue: &Queue,
+        camera: &Camera,
+        size: [u32; 2],
+        encode: bool,
+        ground: Option<Ground>,
+    ) {
         let [right, up, forward] = camera.axes();
         let near = camera.near();
         let slope = (0.5 * camera.fov_y_rad).tan();
@@ -63,6 +73,11 @@ impl Globals {
             light: light.extend(0.0).to_array(),
             up: up.extend(0.0).to_array(),
             size: [size[0] as f32, size[1] as f32, 0.0, 0.0],
+            ground: ground.map_or([0.0; 4], |g| Vec3::from(g.up).extend(g.height).to_array()),
+            shadow: ground.map_or([0.0; 4], |g| {
+                let [r, g, b] = g.shadow.map(|c| f32::from(c) / 255.0);
+                [r, g, b, 1.0]
+            }),
         };
         queue.write_buffer(&self.buffer, 0, record.as_bytes());
     }

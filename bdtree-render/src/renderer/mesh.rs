@@ -87,6 +87,15 @@ impl Mesh {
         }
     }
 
+    pub(super) fn draw_shadow(&self, pass: &mut RenderPass<'_>, pipeline: &RenderPipeline) {
+        if self.index_count > 0 {
+            pass.set_pipeline(pipeline);
+            pass.set_vertex_buffer(0, self.positions.slice(..));
+            pass.set_index_buffer(self.indices.slice(..), IndexFormat::Uint32);
+            pass.draw_indexed(0..self.index_count, 0, 0..1);
+        }
+    }
+
     pub(super) fn draw(&self, queue: &Queue, pass: &mut RenderPass<'_>, pipeline: &RenderPipeline) {
         if self.index_count == 0 {
             return;

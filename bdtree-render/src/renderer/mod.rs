@@ -30,11 +30,24 @@ use pipelines::Pipelines;
 use shapes::sphere_instances;
 use targets::Targets;
 
+/// A plane below meshes that only their shadows show; the light is straight above it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ground {
+    /// Its normal, away from below; unit.
+    pub up: [f32; 3],
+    /// The normal's product with its points.
+    pub height: f32,
+    /// Color of shadows: red, green, blue.
+    pub shadow: [u8; 3],
+}
+
 /// What is to be seen.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'s> {
     /// Behind everything: red, green, blue, opacity.
     pub background: [u8; 4],
+    /// Where meshes throw shadows; none is seen from below it.
+    pub ground: Option<Ground>,
     /// Meshes, in any order.
     pub meshes: &'s [&'s Mesh],
     /// Spheres, in any order.
@@ -125,7 +138,8 @@ impl Renderer {
         };
         let targets = self.targets.insert(targets);
         let encode = !self.format.is_srgb();
-        self.globals.write(queue, camera, size, encode);
+        self.globals
+            .write(queue, camera, size, encode, scene.ground);
         let (spheres, opaque) = sphere_instances(scene.spheres, camera);
         self.spheres.write(device, queue, &spheres)?;
         self.lines.write(device, queue, scene.lines)?;
@@ -157,6 +171,12 @@ impl Renderer {
             multiview_mask: None,
         });
         pass.set_bind_group(0, &self.globals.group, &[]);
+        let from_above = |ground: &Ground| camera.eye.dot(ground.up.into()) > ground.height;
+        if scene.ground.as_ref().is_some_and(from_above) {
+            for mesh in scene.meshes {
+                mesh.draw_shadow(&mut pass, &self.pipelines.shadow);
+            }
+        }
         for mesh in scene.meshes {
             mesh.draw(queue, &mut pass, &self.pipelines.mesh);
         }

@@ -1,4 +1,4 @@
-//! The pipelines: one each for meshes, opaque and translucent spheres, and lines.
+//! The pipelines: one each for meshes, their shadows, opaque and translucent spheres, and lines.
 
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
@@ -15,6 +15,7 @@ pub(super) const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 #[derive(Debug)]
 pub(super) struct Pipelines {
     pub(super) mesh: RenderPipeline,
+    pub(super) shadow: RenderPipeline,
     pub(super) opaque: RenderPipeline,
     pub(super) translucent: RenderPipeline,
     pub(super) lines: RenderPipeline,
@@ -60,6 +61,14 @@ impl Pipelines {
             topology: PrimitiveTopology::TriangleList,
             is_opaque: true,
         });
+        // It hides nothing: what lies on the ground is drawn over it.
+        let shadow = make(Kind {
+            label: "shadow",
+            layouts: &alone,
+            buffers: &on_mesh[..1],
+            topology: PrimitiveTopology::TriangleList,
+            is_opaque: false,
+        });
         let of_spheres = |is_opaque| Kind {
             label: "sphere",
             layouts: &alone,
@@ -78,6 +87,7 @@ impl Pipelines {
         });
         Self {
             mesh,
+            shadow,
             opaque,
             translucent,
             lines,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use bdtree_format::{ErrorMetadata, Metadata, ModeRecord, ROW_RADIUS, SectionKind, SectionRecord};
-use bdtree_runtime::{Asset, Datum, FormatError};
+use bdtree_runtime::{Asset, Datum, FormatError, Transform};
 use serde::Serialize;
 
 use crate::AssetFile;
@@ -53,6 +53,9 @@ pub struct Info {
     pub sections: Vec<Section>,
     /// The tree's levels, from the root.
     pub levels: Vec<Level>,
+    /// By level, the mean of the radii at q_range over those at rest, sphere by sphere; null where no mode moves
+    /// anything.
+    pub growth_mean: Vec<Option<f64>>,
     /// Mesh units per stored unit.
     pub unit: f64,
     /// Most triangles in one leaf lane.
@@ -136,6 +139,9 @@ pub struct Level {
     pub radius_mean: Option<f64>,
     /// Their largest radius.
     pub radius_max: Option<f64>,
+    /// One of [`Info::growth_mean`].
+    #[serde(skip)]
+    pub growth_mean: Option<f64>,
 }
 
 /// A run of triangles under one name.
@@ -158,6 +164,7 @@ impl Info {
     /// What is read and breaks the format's rules.
     pub fn of(file: &AssetFile) -> Result<Self, ToolError> {
         let asset = file.asset();
+        let levels = levels(asset).map_err(|error| file.error(error))?;
         let metadata = metadata(file)?;
         let metadata = metadata.as_ref();
         let header = asset.header();
@@ -205,7 +212,8 @@ impl Info {
             highest_frequency_hz: frequencies.reduce(f64::max),
             mode_info,
             sections: asset.sections().iter().map(section).collect(),
-            levels: levels(asset).map_err(|error| file.error(error))?,
+            growth_mean: levels.iter().map(|level| level.growth_mean).collect(),
+            levels,
             unit: asset.unit(),
             leaf_triangles_max: header.leaf_triangles_max.get(),
             builder: metadata.map(|m| m.builder.clone()),
@@ -264,6 +272,15 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
 /// Counts and radii of the lanes that are not empty, by the level of their node.
 fn levels(asset: &Asset<'_>) -> Result<Vec<Level>, FormatError> {
     let mut radii = vec![Vec::new(); asset.depth()];
+    let mut growths = vec![Vec::new(); asset.depth()];
+    let q: Vec<f32> = asset.modes().iter().map(|m| m.q_range.get()).collect();
+    let mut memory = vec![0.0; asset.pose_len()];
+    // Of records that are not checked: without a pose there is no growth to tell.
+    let moves = q.iter().any(|q| *q > 0.0);
+    let pose = asset
+        .pose(&q, Transform::IDENTITY, &mut memory)
+        .ok()
+        .filter(|_| moves);
     for (i, node) in asset.nodes().iter().enumerate() {
         let Some(radii) = radii.get_mut(usize::from(node.level)) else {
             return Err(FormatError {
@@ -276,8 +293,14 @@ fn levels(asset: &Asset<'_>) -> Result<Vec<Level>, FormatError> {
         };
         let row = asset.node_rows(node)?.leading[ROW_RADIUS];
         radii.extend(node.lanes().map(|lane| f64::from(row[lane])));
+        if let Some(Ok(moved)) = pose.as_ref().map(|pose| pose.node_spheres(i as u32)) {
+            let growth = |lane: usize| f64::from(moved.radius[lane]) / f64::from(row[lane]);
+            let own = node.lanes().map(growth).filter(|growth| growth.is_finite());
+            growths[usize::from(node.level)].extend(own);
+        }
     }
-    let level = |(level, radii): (usize, Vec<f64>)| {
+    let level = |(level, (radii, growths)): (usize, (Vec<f64>, Vec<f64>))| {
+        let growth = growths.iter().sum::<f64>() / growths.len() as f64;
         let mean = radii.iter().sum::<f64>() / radii.len() as f64;
         let max = radii.iter().copied().reduce(f64::max);
         Level {
@@ -285,9 +308,15 @@ fn levels(asset: &Asset<'_>) -> Result<Vec<Level>, FormatError> {
             spheres: radii.len() as u64,
             radius_mean: max.map(|_| mean * asset.unit()),
             radius_max: max.map(|max| max * asset.unit()),
+            growth_mean: (!growths.is_empty()).then_some(growth),
         }
     };
-    Ok(radii.into_iter().enumerate().map(level).collect())
+    Ok(radii
+        .into_iter()
+        .zip(growths)
+        .enumerate()
+        .map(level)
+        .collect())
 }
 
 /// Where a section begins; 0 if there is none.

@@ -68,6 +68,7 @@ pub(super) fn text(path: &Path, info: &Info) -> String {
             "tree",
             format!("{nodes}, {levels}, at most {in_leaf} a leaf lane"),
         ),
+        ("bounds", bounds(info)),
         ("origin", origin),
         ("stored unit", format!("{} mesh units", digits(info.unit))),
         ("source", known(&info.source.name)),
@@ -84,6 +85,28 @@ pub(super) fn text(path: &Path, info: &Info) -> String {
     let mut text = lines(facts);
     text += &tables(info);
     text + &lines(settings.chain(warnings))
+}
+
+/// How much spheres grow with the modes, and what that means for queries.
+fn bounds(info: &Info) -> String {
+    let grown = info
+        .levels
+        .iter()
+        .filter_map(|l| Some((l.spheres as f64, l.growth_mean?)));
+    let (sum, count) = grown.fold((0.0, 0.0), |(sum, count), (n, growth)| {
+        (sum + n * growth, count + n)
+    });
+    if count == 0.0 {
+        return "spheres do not grow: no mode moves anything".to_string();
+    }
+    let mean = sum / count;
+    // The words of a bake's summary, which knows the smallest possible spheres as well.
+    let meaning = match mean {
+        m if m <= 1.5 => "tight",
+        m if m <= 3.0 => "fair",
+        _ => "loose: queries visit many nodes",
+    };
+    format!("spheres at q_range are on average {mean:.2} times as large as at rest, {meaning}")
 }
 
 fn lines(facts: impl IntoIterator<Item = (&'static str, String)>) -> String {
@@ -120,7 +143,14 @@ fn tables(info: &Info) -> String {
             level.spheres.to_string(),
             radius(level.radius_mean),
             radius(level.radius_max),
+            level
+                .growth_mean
+                .map_or("-".to_string(), |growth| format!("{growth:.3}")),
         ]
     });
-    text + &table("levels", "level,spheres,mean radius,largest radius", levels)
+    text + &table(
+        "levels",
+        "level,spheres,mean radius,largest radius,growth at q_range",
+        levels,
+    )
 }

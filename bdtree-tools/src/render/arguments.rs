@@ -71,6 +71,9 @@ pub struct Arguments {
         allow_hyphen_values = true
     )]
     pub up: UpAxis,
+    /// Draw the shadow on the ground, under a light straight above: a level plane below all that is drawn
+    #[arg(long)]
+    pub shadow: bool,
     /// No text and no scale of colors
     #[arg(long)]
     pub no_legend: bool,

@@ -176,7 +176,7 @@ fn paint<'a>(
         return Ok(()); // a range of frames is not empty
     };
     let studio = Studio::open().map_err(|error| graphics(&error))?;
-    let mut painter = Painter::new(arguments, studio, &bounds, frame)?;
+    let mut painter = Painter::new(arguments, studio, bounds, frame)?;
     for (number, path) in targets {
         let frame = match (targets.len(), last.take()) {
             (1, Some(only)) => only,

@@ -7,8 +7,8 @@ use std::path::Path;
 
 use bdtree_render::tightness::{Scale, growths, mean_and_max};
 use bdtree_render::{
-    Camera, Framing, Image, Legend, Line, Place, RenderError, Scene, SkinnedMesh, Sphere, Studio,
-    ViewDirection, ball_outline, capsule_outline,
+    Camera, Framing, Ground, Image, Legend, Line, Place, RenderError, Scene, SkinnedMesh, Sphere,
+    Studio, ViewDirection, ball_outline, capsule_outline,
 };
 
 use super::arguments::Arguments;
@@ -37,6 +37,12 @@ pub(super) struct Bounds {
     bodies: Vec<[f64; 3]>,
     /// All that is to be seen.
     framing: Framing,
+    /// The upward axis, where shadows are drawn.
+    up: Option<[f64; 3]>,
+    /// Vertices that throw shadows.
+    above: Vec<[f64; 3]>,
+    /// The lowest of them along that axis.
+    ground: f64,
 }
 
 impl Bounds {
@@ -51,6 +57,21 @@ impl Bounds {
         Self {
             bodies: Vec::new(),
             framing: Framing::new(direction, width as f32 / height as f32),
+            up: arguments
+                .shadow
+                .then(|| arguments.up.direction().map(f64::from)),
+            above: Vec::new(),
+            ground: f64::INFINITY,
+        }
+    }
+
+    /// Makes them hold the shadows, too, which lie below all frames.
+    fn hold_shadows(&mut self) {
+        let Some(up) = self.up else { return };
+        for p in std::mem::take(&mut self.above) {
+            let above = dot(up, p) - self.ground;
+            self.framing
+                .hold([0, 1, 2].map(|k| p[k] - above * up[k]), 0.0);
         }
     }
 
@@ -64,7 +85,13 @@ impl Bounds {
             let [low, high] = body.bounds;
             let is_seen = |p: &&[f64; 3]| (0..3).all(|k| low[k] <= p[k] && p[k] <= high[k]);
             let seen = body.positions.iter().filter(is_seen);
-            seen.for_each(|p| framing.hold(*p, 0.0));
+            for p in seen {
+                framing.hold(*p, 0.0);
+                if let Some(up) = self.up {
+                    self.ground = self.ground.min(dot(up, *p));
+                    self.above.push(*p);
+                }
+            }
             let spheres = content.spheres.iter();
             spheres.for_each(|s| framing.hold(s.center, s.radius));
         }
@@ -82,6 +109,12 @@ impl Bounds {
     }
 }
 
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| a[k] * b[k]).sum()
+}
+
+/// Of shadows.
+const SHADOW: [u8; 3] = [222, 225, 230];
 /// Bodies that only stand beside.
 const BESIDE: [u8; 3] = [150, 160, 176];
 const WHITE: [u8; 4] = [255; 4];
@@ -97,6 +130,7 @@ pub(super) struct Painter<'a> {
     meshes: Vec<SkinnedMesh>,
     place: Place,
     camera: Camera,
+    ground: Option<Ground>,
 }
 
 impl<'a> Painter<'a> {
@@ -104,9 +138,10 @@ impl<'a> Painter<'a> {
     pub(super) fn new(
         arguments: &'a Arguments,
         studio: Studio,
-        bounds: &Bounds,
+        mut bounds: Bounds,
         frame: &Frame<'_>,
     ) -> Result<Self, ToolError> {
+        bounds.hold_shadows();
         let place = Place::around(bounds.bodies.iter().copied());
         let mut meshes = Vec::new();
         for content in &frame.content {
@@ -127,6 +162,15 @@ impl<'a> Painter<'a> {
                 .camera(&place)
                 .at_distance(1.0 / arguments.view.zoom),
             place,
+            ground: bounds.up.filter(|_| bounds.ground.is_finite()).map(|up| {
+                let lowest = place.shown(up.map(|x| x * bounds.ground));
+                let up = up.map(|x| x as f32);
+                Ground {
+                    up,
+                    height: (0..3).map(|k| up[k] * lowest[k]).sum(),
+                    shadow: SHADOW,
+                }
+            }),
         })
     }
 
@@ -166,6 +210,7 @@ impl<'a> Painter<'a> {
         let lines = self.in_two_tones(&outlines);
         let meshes: Vec<_> = self.meshes.iter().map(|own| &own.mesh).collect();
         let scene = Scene {
+            ground: self.ground,
             background: WHITE,
             meshes: &meshes,
             spheres: &spheres,

@@ -24,7 +24,7 @@ struct Plain {
 /// No graphics adapter or one that the asset is too large for, corrupt records.
 pub fn portraits(file: &AssetFile) -> Result<Vec<(String, Image)>, ToolError> {
     let path = file.path().as_os_str();
-    let options = ["--size", "720x540", "--no-legend"];
+    let options = ["--size", "720x540", "--no-legend", "--shadow"];
     let line = ["portrait".as_ref(), path, "-o".as_ref(), "png".as_ref()];
     let line = line.into_iter().chain(options.map(AsRef::as_ref));
     let plain = Plain::try_parse_from(line);
@@ -55,7 +55,7 @@ pub fn portraits(file: &AssetFile) -> Result<Vec<(String, Image)>, ToolError> {
         return Ok(Vec::new());
     };
     let studio = Studio::open().map_err(|error| graphics(&error))?;
-    let mut painter = Painter::new(&arguments, studio, &bounds, first)?;
+    let mut painter = Painter::new(&arguments, studio, bounds, first)?;
     let pictures = frames.iter().map(|frame| {
         let (image, _) = painter.paint(frame)?;
         Ok((frame.about.clone(), image))

@@ -6,6 +6,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 
 use bdtree_build::basis::BasisError;
+use bdtree_runtime::{Model, Transform};
 
 use crate::support::{Folder, animated, baked_with_error, ball_mesh, bounds};
 
@@ -75,6 +76,44 @@ fn levels_shrink_and_cover_the_mesh() {
         assert!(level["radius_mean"].as_f64() <= level["radius_max"].as_f64());
     }
     // In mesh units: the spheres of the root are smaller than the ball, those below smaller yet.
+    // Growth is that of the runtime's own spheres.
+    let model = Model::read(folder.path("a.bdt")).expect("an asset");
+    let asset = model.asset();
+    let q: Vec<f32> = asset.modes().iter().map(|m| m.q_range.get()).collect();
+    let [mut at_rest, mut moved] = [(); 2].map(|()| vec![0.0; asset.pose_len()]);
+    let at_rest = asset
+        .pose(&[0.0; 3], Transform::IDENTITY, &mut at_rest)
+        .expect("a pose");
+    let moved = asset
+        .pose(&q, Transform::IDENTITY, &mut moved)
+        .expect("a pose");
+    for (l, found) in info["growth_mean"].as_array().unwrap().iter().enumerate() {
+        let mut growths = Vec::new();
+        for (i, node) in (0..).zip(asset.nodes()) {
+            if usize::from(node.level) == l {
+                let [a, b] =
+                    [&moved, &at_rest].map(|pose| pose.node_spheres(i).expect("a node").radius);
+                growths.extend(
+                    node.lanes()
+                        .map(|lane| f64::from(a[lane]) / f64::from(b[lane])),
+                );
+            }
+        }
+        let mean = growths.iter().sum::<f64>() / growths.len() as f64;
+        // The pose at rest adds its rounding to the stored radii.
+        let found = found.as_f64().expect("a number");
+        assert!(
+            (found / mean - 1.0).abs() < 1e-4 && found > 1.0,
+            "{found} {mean}"
+        );
+    }
+    let text = folder.run(&["info", "a.bdt"]).out;
+    assert!(
+        text.contains("bounds       spheres at q_range are on average "),
+        "{text}"
+    );
+    let text = folder.run(&["info", "rigid.bdt"]).out;
+    assert!(text.contains("bounds       spheres do not grow"), "{text}");
     let largest = |l: usize| levels[l]["radius_max"].as_f64().unwrap();
     assert!((0.2..1.3).contains(&largest(0)), "{levels:?}");
     assert!(largest(levels.len() - 1) < largest(0));

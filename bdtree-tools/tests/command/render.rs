@@ -45,6 +45,37 @@ fn a_mesh_stands_in_the_middle_and_the_legend_in_its_corner() {
     assert_eq!(files, 3, "a.bdt, rigid.bdt and the picture");
 }
 
+/// The shadow lies on the ground below the mesh, is drawn behind it, and is not seen from below.
+#[test]
+fn a_shadow_lies_below_the_mesh() {
+    let folder = Folder::new();
+    let is_shadow = |p: [u8; 3]| p == [222, 225, 230];
+    let view = ["a.bdt", "--no-legend", "--view", "0,30"];
+    let plain = folder.picture(&view);
+    assert_eq!(plain.share(is_shadow), 0.0);
+    let shaded = folder.picture(&[&view[..], &["--shadow"]].concat());
+    assert!(
+        shaded.share(is_shadow) > 0.03,
+        "{}",
+        shaded.share(is_shadow)
+    );
+    let rows = |is: &dyn Fn([u8; 3]) -> bool| {
+        let found = shaded.pixels.iter().enumerate().filter(|(_, p)| is(**p));
+        let rows: Vec<usize> = found.map(|(i, _)| i / shaded.size[0]).collect();
+        rows.iter().sum::<usize>() as f64 / rows.len() as f64
+    };
+    let mesh = |p: [u8; 3]| p != WHITE && !is_shadow(p);
+    assert!(rows(&is_shadow) > rows(&mesh) + 20.0);
+    // All of it is in the picture.
+    let [left, top, right, bottom] = shaded.drawn_box();
+    assert!(left > 0.0 && top > 0.0 && right < 320.0 && bottom < 240.0);
+    let below = ["a.bdt", "--no-legend", "--view", "0,-30", "--shadow"];
+    assert_eq!(folder.picture(&below).share(is_shadow), 0.0);
+    // With another axis up it lies elsewhere.
+    let turned = folder.picture(&[&view[..], &["--shadow", "--up", "-y"]].concat());
+    assert!(turned.share(is_shadow) > 0.03);
+}
+
 #[test]
 fn the_scale_colors_spheres_and_legend() {
     let folder = Folder::new();

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use crate::report::{Report, commit, write};
 use crate::{curtain, growth, tables};
-use page::{faults, page, picture};
+use page::{faults, file, page};
 
 /// Runs the paper's experiments and writes docs/measured/results.md with its pictures
 #[derive(Debug, Clone, Parser)]
@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Small meshes and few repetitions: to try it out
     #[arg(long)]
     pub small: bool,
-    /// Folder of the pages: results.md is written below measured/, its curves below images/
+    /// Folder of the pages: results.md and its tables (CSV) are written below measured/, its curves below images/
     #[arg(long, default_value = "docs")]
     pub docs: PathBuf,
     /// Folder for the programs' JSON, CSV and SVG files
@@ -76,8 +76,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
     for report in &reports {
         for (key, svg) in &report.pictures {
-            let path = arguments.docs.join("images").join(picture(report, key));
+            let path = arguments.docs.join("images").join(file(report, key, "svg"));
             write(&path, svg)?;
+        }
+        for table in &report.tables {
+            let path = arguments
+                .docs
+                .join("measured")
+                .join(file(report, table.key, "csv"));
+            write(&path, &table.csv())?;
         }
     }
     let page = page(&figures(all.value, &commit), &reports);

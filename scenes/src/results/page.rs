@@ -100,20 +100,24 @@ pub(super) fn fill(text: &str, value: &Value) -> String {
     filled
 }
 
-/// The file of a picture below `images/`.
-pub(super) fn picture(report: &Report, key: &str) -> String {
+/// The file of a picture below `images/`, or of a table beside the page.
+pub(super) fn file(report: &Report, key: &str, ending: &str) -> String {
     let dash = if key.is_empty() { "" } else { "-" };
-    format!("{}{dash}{key}.svg", report.name)
+    format!("{}{dash}{key}.{ending}", report.name)
 }
 
 /// The page of all figures.
 pub(super) fn page(figures: &Value, reports: &[Report]) -> String {
     let mut text = fill(PAGE, figures);
     for report in reports {
-        let (name, printed) = (report.name, report.markdown());
-        let _ = write!(text, "\n## What `{name}` prints\n\n{printed}");
+        let name = report.name;
+        let _ = write!(text, "\n## `{name}`\n\n");
+        for table in &report.tables {
+            let file = file(report, table.key, "csv");
+            let _ = writeln!(text, "* [{file}]({file}): {}", table.title);
+        }
         for (key, _) in &report.pictures {
-            let file = picture(report, key);
+            let file = file(report, key, "svg");
             let _ = write!(text, "\n![Curves of {name}](../images/{file})\n");
         }
     }

@@ -1,4 +1,4 @@
-//! Opens, verifies and queries damaged files by the million (docs/design/fuzzing-files.md).
+//! Opens, verifies and queries damaged files by the million (docs/design/fuzzing.md).
 
 use std::fs;
 use std::path::PathBuf;

@@ -1,5 +1,5 @@
 //! Mutated inputs for the readers of the builder and the tools, as many as wanted
-//! (docs/design/fuzzing-inputs.md).
+//! (docs/design/fuzzing.md).
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -4,7 +4,7 @@
 //! (`seeds`), changed in ways that know the format (`mutate`). `read` reads it as the
 //! commands do. What must hold for each: a result or an error that names the file, no panic, bounded
 //! time and memory ([`Limits`]); a share of the results goes on to a bake, `verify` and queries
-//! beside brute force (`follow`). docs/design/fuzzing-inputs.md has the promises and the commands.
+//! beside brute force (`follow`). docs/design/fuzzing.md has the promises and the commands.
 
 mod binary;
 mod container;

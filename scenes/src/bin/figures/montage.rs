@@ -131,6 +131,7 @@ impl<'a> Stage<'a> {
             .pose(&self.studio.gpu, &self.asset, cell.q, transform)?;
         let meshes = [&self.mesh.mesh];
         let scene = Scene {
+            ground: None,
             background: WHITE,
             meshes: if cell.spheres.is_none() { &meshes } else { &[] },
             spheres: &spheres,
