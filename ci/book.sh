@@ -4,6 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 python3 ci/check_links.py
+python3 ci/quote_record.py --check
 version=0.5.4
 book=target/tools/bin/mdbook
 if [[ $($book --version 2>/dev/null) != "mdbook v$version" ]]; then
