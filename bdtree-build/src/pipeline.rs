@@ -173,6 +173,7 @@ fn build(
     provenance: &Provenance,
     mut stages: Stages<'_>,
 ) -> Result<Baked, BakeError> {
+    let progress = stages.progress;
     let leaf_size = leaf_size(mesh, settings)?;
     let mut warnings: Vec<String> = (mesh.warnings.iter().chain(&provenance.warnings))
         .map(|warning| one_line(warning).into_owned())
@@ -185,7 +186,7 @@ fn build(
 
     // The hierarchy is that of the undeformed mesh: fields are smooth, so triangles that are near at rest stay so.
     stages.begin("tree");
-    let tree = tree::build(
+    let tree = tree::build_told(
         &shape.positions,
         &mesh.triangles,
         &TreeSettings {
@@ -193,12 +194,13 @@ fn build(
             leaf_size,
             threads: settings.threads,
         },
+        progress,
     );
 
     // A wrapped hierarchy: spheres around the geometry below them and not around their children's spheres, with what
     // each field adds to center and radius (section 3.2). Tighter, and each can be updated on its own.
-    stages.begin("wrap");
-    let mut wrapped = wrap::wrap(&tree, &mesh.triangles, &shape, settings.threads)?;
+    stages.begin_of("wrap", tree.nodes.len());
+    let mut wrapped = wrap::wrap_told(&tree, &mesh.triangles, &shape, settings.threads, progress)?;
     if settings.nested {
         // Looser: only for those who stop at a level and need proxies inside their ancestors.
         wrap::nest(&mut wrapped);
@@ -339,6 +341,12 @@ impl<'a> Stages<'a> {
             progress,
             begun: Vec::new(),
         }
+    }
+
+    /// Begins a stage of so many steps.
+    fn begin_of(&mut self, name: &'static str, steps: usize) {
+        self.progress.stage(name, Some(steps as u64));
+        self.begun.push((name, Instant::now()));
     }
 
     fn begin(&mut self, name: &'static str) {

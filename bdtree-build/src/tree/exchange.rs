@@ -14,11 +14,14 @@ use std::sync::{Mutex, PoisonError};
 
 use bdtree_format::LANES;
 
-use self::balls::{Ball, Mesh, Vertices};
+pub(super) use self::balls::Mesh;
+use self::balls::{Ball, Vertices};
 use self::deal::Dealer;
 use self::leaf::{Leaf, Leaves};
+use self::order::Task;
 use super::{Lane, LaneKind, Tree, TreeNode};
 use crate::parallel;
+use crate::progress::Progress;
 
 /// Larger leaves stay as they are cut: finding a trade takes the square of their size.
 const LEAF_SIZE_MAX: usize = 16;
@@ -33,16 +36,15 @@ const MEASURED: usize = 1024;
 /// typical query. The same for any number of threads, O(F log F + F `leaf_size`²).
 pub(super) fn exchange(
     tree: &Tree,
-    positions: &[[f32; 3]],
-    corners: &[[u32; 3]],
+    mesh: Mesh<'_>,
     leaf_size: usize,
     query: f64,
     threads: usize,
+    progress: &dyn Progress,
 ) -> Tree {
     if leaf_size > LEAF_SIZE_MAX {
         return tree.clone();
     }
-    let mesh = Mesh { positions, corners };
     let (scene, leaves) = measure(tree, mesh, leaf_size, query, threads);
     let leaves: Vec<Mutex<Leaves>> = leaves.into_iter().map(Mutex::new).collect();
     let held = |node: u32| {
@@ -51,9 +53,11 @@ pub(super) fn exchange(
     };
     let waves = order::waves(&scene, threads);
     let mut dealers = parallel::states(threads, || Dealer::new(&scene));
+    let tasks: usize = waves.iter().map(Vec::len).sum();
+    progress.stage("leaves", Some((PASSES * tasks) as u64));
     for pass in 1..=PASSES {
         for wave in &waves {
-            parallel::for_each(wave.iter(), &mut dealers, |dealer, task| {
+            let deal = |dealer: &mut Dealer<'_>, task: &Task| {
                 for &node in &*task.region {
                     dealer.leaves[node as usize] = std::mem::take(&mut *held(node));
                 }
@@ -63,7 +67,8 @@ pub(super) fn exchange(
                 for &node in &*task.region {
                     *held(node) = std::mem::take(&mut dealer.leaves[node as usize]);
                 }
-            });
+            };
+            parallel::for_each_told(wave.iter(), &mut dealers, deal, progress);
         }
     }
     let all = (0..leaves.len() as u32).flat_map(|node| std::mem::take(&mut *held(node)).list);

@@ -12,6 +12,7 @@ mod split;
 
 use bdtree_format::{DEPTH_MAX, LANES, LEAF_TRIANGLES_MAX};
 
+use crate::progress::{Progress, Silent};
 use crate::words::words;
 
 /// How a set of triangles is divided in two.
@@ -132,12 +133,26 @@ impl Tree {
 /// positions. At most [`DEPTH_MAX`] levels for any input of fewer than 2³² triangles; a mesh
 /// without triangles gives one empty node. O(F log² F).
 pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], settings: &TreeSettings) -> Tree {
+    build_told(positions, triangles, settings, &Silent)
+}
+
+/// [`build`] that tells `progress` how far the leaves are, which take longest.
+pub(crate) fn build_told(
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+    settings: &TreeSettings,
+    progress: &dyn Progress,
+) -> Tree {
     let leaf_size = settings.leaf_size.clamp(1, LEAF_TRIANGLES_MAX);
     let (mut tree, query) = cut(positions, triangles, settings, leaf_size);
     debug_assert!(tree.depth <= DEPTH_MAX);
     if settings.split == Split::Cost {
         let threads = settings.threads.max(1);
-        tree = exchange::exchange(&tree, positions, triangles, leaf_size, query, threads);
+        let mesh = exchange::Mesh {
+            positions,
+            corners: triangles,
+        };
+        tree = exchange::exchange(&tree, mesh, leaf_size, query, threads, progress);
     }
     sort_leaves(&mut tree);
     tree

@@ -23,7 +23,8 @@ pub use stored::{ModeLimits, RANGE_DIAGONALS, StoredShape, store};
 
 use crate::error::{BakeError, Place};
 use crate::parallel;
-use crate::tree::{LaneKind, Met, Tree};
+use crate::progress::{Progress, Silent};
+use crate::tree::{LaneKind, Met, Tree, TreeNode};
 use lane::Scratch;
 use round::vector_norm_up;
 use units::power;
@@ -48,6 +49,9 @@ pub struct WrappedTree {
     pub field_norms_max: Vec<f32>,
 }
 
+/// A node, its record and its rows.
+type Job<'j> = (&'j TreeNode, &'j mut NodeRecord, &'j mut [Row]);
+
 /// Bounds for `tree` over the triangles of `shape` (corner indices below its vertex count). The
 /// result does not depend on `threads`. O(levels · N · M).
 ///
@@ -58,6 +62,17 @@ pub fn wrap(
     triangles: &[[u32; 3]],
     shape: &StoredShape,
     threads: usize,
+) -> Result<WrappedTree, BakeError> {
+    wrap_told(tree, triangles, shape, threads, &Silent)
+}
+
+/// [`wrap`] that advances `progress` by a step for each node.
+pub(crate) fn wrap_told(
+    tree: &Tree,
+    triangles: &[[u32; 3]],
+    shape: &StoredShape,
+    threads: usize,
+    progress: &dyn Progress,
 ) -> Result<WrappedTree, BakeError> {
     let lists = modes::mode_lists(tree, triangles, shape);
     let (mut nodes, row_total) = node_records(tree, &lists.of_node)?;
@@ -73,7 +88,8 @@ pub fn wrap(
     let mut memory = parallel::states(threads, <(Scratch, Met)>::default);
     // The root comes first, which has most vertices.
     let jobs = jobs.into_iter();
-    parallel::for_each(jobs, &mut memory, |(scratch, met), (node, record, own)| {
+    let write = |(scratch, met): &mut (Scratch, Met), job: Job<'_>| {
+        let (node, record, own) = job;
         for (lane, below) in node.lanes.iter().zip(&mut scratch.lanes) {
             let corners = tree.corners_below(*lane, triangles);
             below.vertices.clear();
@@ -83,7 +99,8 @@ pub fn wrap(
         }
         let modes = modes_of(&lists.modes, record);
         record.scale_exponents = lane::write_node(shape, modes, &step_bounds, scratch, own);
-    });
+    };
+    parallel::for_each_told(jobs, &mut memory, write, progress);
     let (mut position_norm_max, field_norms_max) = norms(shape, &nodes, &rows, &lists.modes);
     if position_norm_max == 0.0 && field_norms_max.iter().all(|&w| w == 0.0) {
         position_norm_max = REACH_MIN; // a single point that never moves

@@ -45,9 +45,9 @@ impl Ball {
 
 /// The triangles.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Mesh<'t> {
-    pub(super) positions: &'t [[f32; 3]],
-    pub(super) corners: &'t [[u32; 3]],
+pub(in crate::tree) struct Mesh<'t> {
+    pub(in crate::tree) positions: &'t [[f32; 3]],
+    pub(in crate::tree) corners: &'t [[u32; 3]],
 }
 
 /// Memory for the vertices of some triangles.

@@ -1,5 +1,7 @@
 //! Trades keep the tree whole and make leaves rounder.
 
+use crate::progress::Silent;
+
 use super::super::{Split, TreeNode, TreeSettings, cut};
 use super::deal::LANES_MIN;
 use super::*;
@@ -31,8 +33,12 @@ fn both(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf_size: usize) -> [Tr
         threads: 1,
     };
     let (tree, query) = cut(positions, triangles, &settings, leaf_size);
+    let mesh = Mesh {
+        positions,
+        corners: triangles,
+    };
     let [after, in_parallel] =
-        [1, 3].map(|threads| exchange(&tree, positions, triangles, leaf_size, query, threads));
+        [1, 3].map(|threads| exchange(&tree, mesh, leaf_size, query, threads, &Silent));
     assert!(after == in_parallel);
     [tree, after]
 }
