@@ -1,6 +1,6 @@
 //! A pose as traversals see it: spheres and leaves, kept or computed now.
 
-use bdtree_format::TriangleRecord;
+use bdtree_format::{ROWS_LEADING, TriangleRecord};
 
 use super::slots::{CHUNK, LeafChunk, LeafSlot, NodeSlot, leaf_place, place, tag};
 use super::step::Kept;
@@ -156,6 +156,10 @@ impl Posed<'_> {
             let Some(rows) = asset.rows.get(start..start + asset.row_stride) else {
                 return; // as above
             };
+            if self.pose.quantized.active.is_empty() {
+                // At rest the rows of modes are not read.
+                return prefetch_from(rows, 0, ROWS_LEADING);
+            }
             match rows.first_chunk::<{ 2 * LINES }>() {
                 // Of a known number of lines each is one instruction.
                 Some(rows) => prefetch_from(rows, 0, rows.len()),
