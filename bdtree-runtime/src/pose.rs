@@ -233,6 +233,11 @@ impl<'p> Pose<'p> {
         pairs.map(in_pair).sum()
     }
 
+    /// True if no mode enters node bounds.
+    pub(crate) fn bounds_at_rest(&self) -> bool {
+        self.quantized.active.is_empty()
+    }
+
     /// By how much every sphere is larger than its formula says, in world units: rounding, modes
     /// left out, and q rounded for node bounds.
     pub fn slack(&self) -> f64 {

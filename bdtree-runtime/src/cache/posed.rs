@@ -153,13 +153,15 @@ impl Posed<'_> {
         prefetch(node);
         if asset.row_stride > 0 {
             let start = index * asset.row_stride;
-            let Some(rows) = asset.rows.get(start..start + asset.row_stride) else {
+            // At rest the rows of modes are not read.
+            let len = if self.pose.bounds_at_rest() {
+                ROWS_LEADING
+            } else {
+                asset.row_stride
+            };
+            let Some(rows) = asset.rows.get(start..start + len) else {
                 return; // as above
             };
-            if self.pose.quantized.active.is_empty() {
-                // At rest the rows of modes are not read.
-                return prefetch_from(rows, 0, ROWS_LEADING);
-            }
             match rows.first_chunk::<{ 2 * LINES }>() {
                 // Of a known number of lines each is one instruction.
                 Some(rows) => prefetch_from(rows, 0, rows.len()),
