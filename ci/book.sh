@@ -8,6 +8,7 @@ python3 ci/quote_record.py --check
 version=0.5.4
 book=target/tools/bin/mdbook
 if [[ $($book --version 2>/dev/null) != "mdbook v$version" ]]; then
-    cargo install --quiet --locked "mdbook@$version" --no-default-features --features search --root target/tools
+    # Not optimised: it builds one book, and optimising took half a minute of each run from nothing.
+    cargo install --quiet --locked --debug "mdbook@$version" --no-default-features --features search --root target/tools
 fi
 $book build

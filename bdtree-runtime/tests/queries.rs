@@ -107,11 +107,12 @@ fn check_corpus(test: &str, meshes: &[(&str, usize)]) {
 #[test]
 fn corpus_queries_equal_brute_force() {
     let meshes = [
-        ("fish.obj", 6),
-        ("spot.obj.gz", 6),
-        ("chair_office.obj", 20),
-        ("curtain.obj", 20),
-        ("teapot.obj", 10),
+        // Rounds: each asks every query; a soak (docs/measured/fuzzing.md) asks thousands.
+        ("fish.obj", 3),
+        ("spot.obj.gz", 3),
+        ("chair_office.obj", 10),
+        ("curtain.obj", 10),
+        ("teapot.obj", 5),
     ];
     check_corpus("corpus_queries_equal_brute_force", &meshes);
 }
@@ -119,7 +120,7 @@ fn corpus_queries_equal_brute_force() {
 #[test]
 fn bridge_queries_equal_brute_force() {
     let test = "bridge_queries_equal_brute_force";
-    check_corpus(test, &[("bridge.obj.gz", 6)]);
+    check_corpus(test, &[("bridge.obj.gz", 3)]);
 }
 
 #[test]
