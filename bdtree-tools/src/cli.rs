@@ -28,12 +28,12 @@ pub(crate) enum Command {
     Query(QueryArguments),
     #[cfg(feature = "report")]
     Report(ReportArguments),
-    /// Not in this bdtree: cargo install --path bdtree-tools --features report
+    /// Not in this bdtree: cargo install --locked --path bdtree-tools --features report
     #[cfg(not(feature = "report"))]
     Report(LeftOut),
     #[cfg(feature = "render")]
     Render(RenderArguments),
-    /// Not in this bdtree: cargo install --path bdtree-tools --features render
+    /// Not in this bdtree: cargo install --locked --path bdtree-tools --features render
     #[cfg(not(feature = "render"))]
     Render(LeftOut),
     View(ViewArguments),

@@ -101,6 +101,6 @@ pub fn run(
 fn left_out(feature: &str) -> ToolError {
     ToolError::Usage(format!(
         "bdtree {feature}: this bdtree was compiled without it; get it with\n    \
-         cargo install --path bdtree-tools --features render,report"
+         cargo install --locked --path bdtree-tools --features render,report"
     ))
 }

@@ -23,7 +23,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, ToolError> {
     let status = Command::new(&program).args(&arguments.arguments).status();
     let status = status.map_err(|error| match error.kind() {
         ErrorKind::NotFound => problem(
-            "not installed, neither beside bdtree nor on PATH: cargo install --path bdtree-view, \
+            "not installed, neither beside bdtree nor on PATH: cargo install --locked --path bdtree-view, \
              or cargo run --release -p bdtree-view -- FILE"
                 .to_string(),
         ),

@@ -59,7 +59,7 @@ fn without_it_one_line_says_how_to_get_it() {
     let text = String::from_utf8_lossy(&missing.stderr);
     assert!(text.starts_with("bdtree-view: not installed"), "{text}");
     assert!(
-        text.contains("cargo install --path bdtree-view") && text.lines().count() == 1,
+        text.contains("cargo install --locked --path bdtree-view") && text.lines().count() == 1,
         "{text}"
     );
     let usage = output(alone(folder.path()).arg("view"));
