@@ -119,7 +119,7 @@ pub use shape::{Ball, Capsule, Cuboid, Frustum, FrustumState, HalfSpace, Ray, Sh
 pub use simd::Kernel;
 pub use transform::Transform;
 pub use vector::{Quat, Vec3};
-pub use view::{Asset, Displacements, Group, GroupKind, NodeRows};
+pub use view::{Asset, Displacements, Group, GroupKind, NodeBones, NodeRows};
 pub use workspace::{Stats, Workspace};
 
 /// The programs of the README and of the guide, compiled with the tests.

@@ -1,6 +1,7 @@
 //! Bytes → [`Asset`]: header and tables only, so the cost does not depend on the file's size.
 
 mod sections;
+mod skin;
 
 use bdtree_format::{
     BASE_ALIGNMENT, DEPTH_MAX, Header, LEAF_TRIANGLES_MAX, MAGIC, MODE_COUNT_MAX, ModeRecord,
@@ -67,6 +68,7 @@ impl<'a> Asset<'a> {
             positions: view(SectionKind::POSITIONS, slice)?,
             displacements: view(SectionKind::DISPLACEMENTS, slice)?,
             vertex_modes: view(SectionKind::VERTEX_MODES, slice)?,
+            skin: skin::view_skin(header, slice)?,
             frames: view(SectionKind::FRAMES, slice)?,
             frame_q: view(SectionKind::FRAME_Q, slice)?,
             groups: view(SectionKind::GROUPS, slice)?,

@@ -24,6 +24,7 @@ mod metadata;
 mod mode;
 mod node;
 mod section;
+mod skin;
 mod triangle;
 mod vertex;
 
@@ -36,7 +37,16 @@ pub use node::{
     LANES, ModePair, NodeRecord, PairRow, ROW_CENTER_X, ROW_CENTER_Y, ROW_CENTER_Z, ROW_RADIUS,
     ROWS_FIXED, ROWS_LEADING, ROWS_PER_PAIR, Row, pair_count, pair_row, row_count,
 };
-pub use section::{SECTION_LAYOUTS, SECTION_ORDER, SECTIONS_ALWAYS, SectionKind, SectionRecord};
+pub use section::{
+    SECTION_LAYOUTS, SECTION_ORDER, SECTIONS_ALWAYS, SECTIONS_OF_CLIPS, SECTIONS_OF_SKINS,
+    SectionKind, SectionRecord, is_required,
+};
+pub use skin::{
+    BONE_COUNT_MAX, BONE_ROW_DEFECT, BONE_ROW_SCALE, BONE_ROW_SPREAD, BONE_ROWS_FIXED,
+    BONE_ROWS_PER_BONE, BoneRecord, ChannelRecord, ClipRecord, INFLUENCES_MAX, InfluenceRecord,
+    NO_PARENT, SKELETON_NODES_MAX, SkeletonNode, SkinRecord, WEIGHT_MAX, WEIGHT_MIN,
+    bone_row_count, channel_path, interpolation, local_kind,
+};
 pub use triangle::{GroupRecord, TriangleRecord, group_kind};
 pub use vertex::VertexModes;
 

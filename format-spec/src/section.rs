@@ -30,6 +30,34 @@ impl SectionKind {
     /// [`crate::VertexModes`] per vertex, and one that ends the last: which modes displacements of
     /// layout 2 are of. Absent in layout 1.
     pub const VERTEX_MODES: Self = Self(*b"VMOD");
+    /// One [`crate::SkinRecord`]. Of skins, like the nine that follow.
+    pub const SKIN: Self = Self(*b"SKIN");
+    /// `u32` per vertex, and one that ends the last: its first entry in [`Self::INFLUENCES`].
+    pub const INFLUENCE_STARTS: Self = Self(*b"INFS");
+    /// [`crate::InfluenceRecord`]s of all vertices, in vertex order.
+    pub const INFLUENCES: Self = Self(*b"INFL");
+    /// [`crate::BoneRecord`] per bone.
+    pub const BONES: Self = Self(*b"BONE");
+    /// `f32` per bone and mode, bone-major: the largest norm of the displacements that the bone moves.
+    pub const BONE_FIELDS: Self = Self(*b"BFLD");
+    /// `u32` per node, and one that ends the last: its first entry in [`Self::BONE_LISTS`].
+    pub const BONE_LIST_STARTS: Self = Self(*b"BLSS");
+    /// `u16` bone indices: the bones of the vertices below each node, ascending.
+    pub const BONE_LISTS: Self = Self(*b"BLST");
+    /// [`crate::Row`]s of all nodes, in node order: what the lanes have of the node's bones.
+    pub const BONE_ROWS: Self = Self(*b"BROW");
+    /// [`crate::SkeletonNode`] per node of the skeleton, parents before children.
+    pub const SKELETON: Self = Self(*b"SKEL");
+    /// `u32` per joint: its node in [`Self::SKELETON`].
+    pub const JOINTS: Self = Self(*b"JNTS");
+    /// UTF-8 text that records of the skeleton and of clips point into.
+    pub const SKELETON_NAMES: Self = Self(*b"SNAM");
+    /// [`crate::ClipRecord`] per clip. Optional.
+    pub const CLIPS: Self = Self(*b"CLIP");
+    /// [`crate::ChannelRecord`] per channel of all clips. Optional.
+    pub const CHANNELS: Self = Self(*b"CHAN");
+    /// `f32` times and values of the channels' keys. Optional.
+    pub const KEYS: Self = Self(*b"KEYS");
     /// [`crate::FrameRecord`] per frame of the animation. Optional.
     pub const FRAMES: Self = Self(*b"FRMS");
     /// `f32` per frame and mode, frame-major: q of the frames. Optional.
@@ -62,7 +90,7 @@ impl core::fmt::Display for SectionKind {
 }
 
 /// The order of sections in a file; the first seven are always there (SPEC 4).
-pub const SECTION_ORDER: [SectionKind; 13] = [
+pub const SECTION_ORDER: [SectionKind; 27] = [
     SectionKind::NODES,
     SectionKind::ROWS,
     SectionKind::MODE_LISTS,
@@ -71,6 +99,20 @@ pub const SECTION_ORDER: [SectionKind; 13] = [
     SectionKind::POSITIONS,
     SectionKind::DISPLACEMENTS,
     SectionKind::VERTEX_MODES,
+    SectionKind::SKIN,
+    SectionKind::INFLUENCE_STARTS,
+    SectionKind::INFLUENCES,
+    SectionKind::BONES,
+    SectionKind::BONE_FIELDS,
+    SectionKind::BONE_LIST_STARTS,
+    SectionKind::BONE_LISTS,
+    SectionKind::BONE_ROWS,
+    SectionKind::SKELETON,
+    SectionKind::JOINTS,
+    SectionKind::SKELETON_NAMES,
+    SectionKind::CLIPS,
+    SectionKind::CHANNELS,
+    SectionKind::KEYS,
     SectionKind::FRAMES,
     SectionKind::FRAME_Q,
     SectionKind::GROUPS,
@@ -81,6 +123,17 @@ pub const SECTION_ORDER: [SectionKind; 13] = [
 /// The sections that every file has are so many of the first ones of [`SECTION_ORDER`].
 pub const SECTIONS_ALWAYS: usize = 7;
 
+/// The sections that every file with a skin has, and no other: places in [`SECTION_ORDER`].
+pub const SECTIONS_OF_SKINS: core::ops::Range<usize> = 8..19;
+
+/// The sections that every file with clips has, and no other: places in [`SECTION_ORDER`].
+pub const SECTIONS_OF_CLIPS: core::ops::Range<usize> = 19..22;
+
+/// Whether readers that do not know the kind at this place of [`SECTION_ORDER`] must refuse the file.
+pub const fn is_required(place: usize) -> bool {
+    place < SECTIONS_OF_SKINS.end
+}
+
 /// The layouts of the sections in [`SECTION_ORDER`].
 pub const SECTION_LAYOUTS: [&[u32]; SECTION_ORDER.len()] = [
     &[LAYOUT_2],
@@ -90,6 +143,20 @@ pub const SECTION_LAYOUTS: [&[u32]; SECTION_ORDER.len()] = [
     &[LAYOUT_1],
     &[LAYOUT_1],
     &[LAYOUT_1, LAYOUT_2],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
     &[LAYOUT_1],
     &[LAYOUT_1],
     &[LAYOUT_1],

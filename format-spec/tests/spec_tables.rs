@@ -3,7 +3,8 @@
 
 use bdtree_format as fmt;
 use bdtree_format::{
-    FrameRecord, GroupRecord, Header, ModePair, ModeRecord, NodeRecord, SectionKind, SectionRecord,
+    BoneRecord, ChannelRecord, ClipRecord, FrameRecord, GroupRecord, Header, InfluenceRecord,
+    ModePair, ModeRecord, NodeRecord, SectionKind, SectionRecord, SkeletonNode, SkinRecord,
     TriangleRecord, VertexModes,
 };
 use core::mem::offset_of;
@@ -22,7 +23,7 @@ macro_rules! spec_type {
         $(impl SpecType for $rust { fn text() -> String { $text.into() } })*
     };
 }
-spec_type!(u8 => "u8", i8 => "i8", i16 => "i16", u16 => "u16", u32 => "u32", U16 => "u16", U32 => "u32", U64 => "u64",
+spec_type!(u8 => "u8", i8 => "i8", i16 => "i16", u16 => "u16", u32 => "u32", f32 => "f32", U16 => "u16", U32 => "u32", U64 => "u64",
     I32 => "i32", F32 => "f32", F64 => "f64", SectionKind => "[u8; 4]");
 
 impl<T: SpecType, const K: usize> SpecType for [T; K] {
@@ -142,6 +143,42 @@ fn vertex_table_matches_struct() {
 }
 
 #[test]
+fn skin_tables_match_structs() {
+    let all = fields!(SkinRecord: influences_max, node_bones_max, weight_defect, reserved);
+    check_record("SkinRecord", size_of::<SkinRecord>(), &all);
+    let all = fields!(InfluenceRecord: weight, bone, reserved);
+    check_record("InfluenceRecord", size_of::<InfluenceRecord>(), &all);
+    let all = fields!(BoneRecord: joint, reserved, inverse_bind, rest, low, high);
+    check_record("BoneRecord", size_of::<BoneRecord>(), &all);
+    let all = fields!(SkeletonNode: parent, name_start, name_bytes, kind, local);
+    check_record("SkeletonNode", size_of::<SkeletonNode>(), &all);
+    let all = fields!(ClipRecord: duration_s, name_start, name_bytes, first_channel, channel_count);
+    check_record("ClipRecord", size_of::<ClipRecord>(), &all);
+    let all = fields!(ChannelRecord: target, target_count, path, interpolation, key_count,
+        first_number, reserved);
+    check_record("ChannelRecord", size_of::<ChannelRecord>(), &all);
+    assert!(SPEC.contains("0 translation, 1 rotation, 2 scale, 3 modes"));
+    assert!(SPEC.contains("0 linear, 1 step, 2 cubic"));
+    assert!(SPEC.contains("0 parts, 1 matrix"));
+}
+
+#[test]
+fn bone_rows_match_constants() {
+    let rows = table_behind("### 6.10");
+    let named: Vec<(&str, &str)> = rows.iter().take(3).map(|row| (row[0], row[1])).collect();
+    let code = [
+        (fmt::BONE_ROW_SCALE.to_string(), "BONE_ROW_SCALE"),
+        (fmt::BONE_ROW_SPREAD.to_string(), "BONE_ROW_SPREAD"),
+        (fmt::BONE_ROW_DEFECT.to_string(), "BONE_ROW_DEFECT"),
+    ];
+    assert_eq!(
+        named,
+        code.each_ref().map(|(row, name)| (row.as_str(), *name))
+    );
+    assert_eq!(fmt::bone_row_count(5), 3 + 2 * 5);
+}
+
+#[test]
 fn group_table_matches_struct() {
     let all = fields!(GroupRecord: first_triangle, triangle_count, kind, name_start, name_bytes);
     check_record("GroupRecord", size_of::<GroupRecord>(), &all);
@@ -189,6 +226,35 @@ fn kinds_match_section_order() {
             "1",
             size_of::<VertexModes>(),
         ),
+        ("SKIN", K::SKIN, "1", size_of::<SkinRecord>()),
+        (
+            "INFLUENCE_STARTS",
+            K::INFLUENCE_STARTS,
+            "1",
+            size_of::<u32>(),
+        ),
+        (
+            "INFLUENCES",
+            K::INFLUENCES,
+            "1",
+            size_of::<InfluenceRecord>(),
+        ),
+        ("BONES", K::BONES, "1", size_of::<BoneRecord>()),
+        ("BONE_FIELDS", K::BONE_FIELDS, "1", size_of::<f32>()),
+        (
+            "BONE_LIST_STARTS",
+            K::BONE_LIST_STARTS,
+            "1",
+            size_of::<u32>(),
+        ),
+        ("BONE_LISTS", K::BONE_LISTS, "1", size_of::<u16>()),
+        ("BONE_ROWS", K::BONE_ROWS, "1", size_of::<fmt::Row>()),
+        ("SKELETON", K::SKELETON, "1", size_of::<SkeletonNode>()),
+        ("JOINTS", K::JOINTS, "1", size_of::<u32>()),
+        ("SKELETON_NAMES", K::SKELETON_NAMES, "1", 1),
+        ("CLIPS", K::CLIPS, "0", size_of::<ClipRecord>()),
+        ("CHANNELS", K::CHANNELS, "0", size_of::<ChannelRecord>()),
+        ("KEYS", K::KEYS, "0", size_of::<f32>()),
         ("FRAMES", K::FRAMES, "0", size_of::<FrameRecord>()),
         ("FRAME_Q", K::FRAME_Q, "0", size_of::<f32>()),
         ("GROUPS", K::GROUPS, "0", size_of::<GroupRecord>()),
@@ -249,6 +315,11 @@ fn constants_match() {
         ("ROWS_LEADING", fmt::ROWS_LEADING.to_string()),
         ("ROWS_PER_PAIR", fmt::ROWS_PER_PAIR.to_string()),
         ("ROWS_FIXED", fmt::ROWS_FIXED.to_string()),
+        ("BONE_COUNT_MAX", fmt::BONE_COUNT_MAX.to_string()),
+        ("SKELETON_NODES_MAX", fmt::SKELETON_NODES_MAX.to_string()),
+        ("INFLUENCES_MAX", fmt::INFLUENCES_MAX.to_string()),
+        ("BONE_ROWS_FIXED", fmt::BONE_ROWS_FIXED.to_string()),
+        ("BONE_ROWS_PER_BONE", fmt::BONE_ROWS_PER_BONE.to_string()),
     ];
     let spec: Vec<(&str, String)> = table_behind("### 9.4")
         .iter()

@@ -1,11 +1,13 @@
 //! The section table: order, places and lengths of sections, and their bytes as records.
 
 use bdtree_format::{
-    FrameRecord, GroupRecord, Header, LAYOUT_1, LAYOUT_2, NodeRecord, Row, SECTION_ALIGNMENT,
-    SECTION_LAYOUTS, SECTION_ORDER, SECTIONS_ALWAYS, SectionKind, SectionRecord, TriangleRecord,
-    VertexModes,
+    BoneRecord, ChannelRecord, ClipRecord, FrameRecord, GroupRecord, Header, InfluenceRecord,
+    LAYOUT_1, LAYOUT_2, NodeRecord, Row, SECTION_ALIGNMENT, SECTION_LAYOUTS, SECTION_ORDER,
+    SECTIONS_ALWAYS, SECTIONS_OF_CLIPS, SECTIONS_OF_SKINS, SectionKind, SectionRecord,
+    SkeletonNode, SkinRecord, TriangleRecord, VertexModes, is_required,
 };
 use core::mem::{offset_of, size_of};
+use core::ops::Range;
 use zerocopy::FromBytes;
 
 use super::{header_at, section_table_start};
@@ -63,7 +65,7 @@ pub(super) fn locate_sections(
             .rule("SPEC 4.2: known sections stand in the order of the table")
             .holds(rank >= next_rank, next, section.kind)?;
         next_rank = rank + 1;
-        let needed = u32::from(rank < SECTIONS_ALWAYS || section.kind == SectionKind::VERTEX_MODES);
+        let needed = u32::from(is_required(rank));
         required_field
             .rule("SPEC 4.2: sections that queries need are required, the others are not")
             .holds(required == needed, needed, required)?;
@@ -99,6 +101,28 @@ pub(super) fn locate_sections(
     table
         .rule("SPEC 4.2: FRMS and FRMQ are both there or both absent")
         .holds(frames, "both or none", "one of them")?;
+    let all_or_none = |kinds: Range<usize>| {
+        let mut there = located[kinds].iter().map(Option::is_some);
+        let first = there.next();
+        there.all(|other| Some(other) == first)
+    };
+    table
+        .rule("SPEC 4.2: SKIN, INFS, INFL, BONE, BFLD, BLSS, BLST, BROW, SKEL, JNTS and SNAM are all there or all absent")
+        .holds(all_or_none(SECTIONS_OF_SKINS), "all or none", "some of them")?;
+    table
+        .rule("SPEC 4.2: CLIP, CHAN and KEYS are all there or all absent")
+        .holds(
+            all_or_none(SECTIONS_OF_CLIPS),
+            "all or none",
+            "some of them",
+        )?;
+    let (skin, clips) = (present(SectionKind::SKIN), present(SectionKind::CLIPS));
+    table
+        .rule("SPEC 4.2: clips are those of a skin")
+        .holds(skin || !clips, "SKIN", "none")?;
+    table
+        .rule("SPEC 4.2: a file with a skin has no frames")
+        .holds(!(skin && present(SectionKind::FRAMES)), "no FRMS", "FRMS")?;
     check_animation(header, sections)?;
     header_at(offset_of!(Header, file_bytes))
         .rule("SPEC 3.4: the file ends with its last section")
@@ -115,8 +139,20 @@ fn rank(kind: SectionKind) -> Option<usize> {
 fn check_length(header: &Header, section: &SectionRecord, field: Check) -> Result<(), FormatError> {
     let (n, f) = (header.vertex_count.get(), header.triangle_count.get());
     let m = header.mode_count.get() as usize;
+    let count_of_nodes = header.node_count.get();
     let (count, size) = match section.kind {
-        SectionKind::NODES => (Some(header.node_count.get()), size_of::<NodeRecord>()),
+        SectionKind::SKIN => (Some(1), size_of::<SkinRecord>()),
+        SectionKind::INFLUENCE_STARTS => (Some(n), 4),
+        SectionKind::INFLUENCES => (None, size_of::<InfluenceRecord>()),
+        SectionKind::BONES => (None, size_of::<BoneRecord>()),
+        SectionKind::BONE_FIELDS | SectionKind::JOINTS | SectionKind::KEYS => (None, 4),
+        SectionKind::BONE_LIST_STARTS => (Some(count_of_nodes), 4),
+        SectionKind::BONE_LISTS => (None, 2),
+        SectionKind::BONE_ROWS => (None, size_of::<Row>()),
+        SectionKind::SKELETON => (None, size_of::<SkeletonNode>()),
+        SectionKind::CLIPS => (None, size_of::<ClipRecord>()),
+        SectionKind::CHANNELS => (None, size_of::<ChannelRecord>()),
+        SectionKind::NODES => (Some(count_of_nodes), size_of::<NodeRecord>()),
         SectionKind::ROWS => (None, size_of::<Row>()),
         SectionKind::MODE_LISTS => (None, 2),
         SectionKind::TRIANGLES => (Some(f), size_of::<TriangleRecord>()),
@@ -135,8 +171,11 @@ fn check_length(header: &Header, section: &SectionRecord, field: Check) -> Resul
             .rule("SPEC 4.3: a section's length is a multiple of its element size")
             .holds(length.is_multiple_of(size), size, length);
     };
-    // One more record ends the last vertex's modes.
-    let ends = u64::from(section.kind == SectionKind::VERTEX_MODES);
+    // One more record ends the last vertex's modes or influences, and the last node's bones.
+    let ends = u64::from(matches!(
+        section.kind,
+        SectionKind::VERTEX_MODES | SectionKind::INFLUENCE_STARTS | SectionKind::BONE_LIST_STARTS
+    ));
     let expected = (u64::from(count) + ends) * size;
     field
         .rule("SPEC 4.3: a section's length is its count times its element size")

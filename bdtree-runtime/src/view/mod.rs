@@ -1,8 +1,11 @@
 //! The typed view of an opened file: one accessor per section, names as in `SPEC.md`.
 
 mod displacements;
+mod skin;
 
 pub use displacements::Displacements;
+pub use skin::NodeBones;
+pub(crate) use skin::Skin;
 
 use bdtree_format::{
     FrameRecord, GroupRecord, Header, ModePair, ModeRecord, NodeRecord, ROWS_LEADING,
@@ -35,6 +38,7 @@ pub struct Asset<'a> {
     pub(crate) displacements: &'a [[f32; 3]],
     /// Empty where all modes move all vertices.
     pub(crate) vertex_modes: &'a [VertexModes],
+    pub(crate) skin: Option<Skin<'a>>,
     pub(crate) frames: &'a [FrameRecord],
     pub(crate) frame_q: &'a [f32],
     pub(crate) groups: &'a [GroupRecord],
@@ -350,6 +354,12 @@ impl<'a> Asset<'a> {
             SectionKind::TRIANGLE_SLOTS => "SPEC 7.2: a triangle id is below F",
             SectionKind::POSITIONS | SectionKind::VERTEX_MODES => {
                 "SPEC 7.1: a corner is a vertex of the file"
+            }
+            SectionKind::INFLUENCE_STARTS => {
+                "SPEC 7.7: the influences of a vertex lie inside INFL, their bones inside BONE"
+            }
+            SectionKind::BONE_LIST_STARTS => {
+                "SPEC 6.10: the bones of a node lie inside BLST, their rows inside BROW"
             }
             _ => "SPEC 7.3: a displacement is one of a vertex and a mode of the file",
         };
