@@ -152,7 +152,7 @@ impl<V: Lanes> WideSpheres<V> {
 pub(crate) struct BoundPose<'p> {
     /// q̃: q in whole numbers.
     pub(crate) quantized: QuantizedQ<'p>,
-    /// Absolute error of center, root and deformed vertices, and what q̃ is off (stored units).
+    /// Absolute error of center, root and deformed vertices before bones, and what q̃ is off (stored units).
     pub(crate) slack: f32,
 }
 

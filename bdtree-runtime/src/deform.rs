@@ -2,6 +2,7 @@
 
 use bdtree_format::{SectionKind, TriangleRecord};
 
+use crate::bones::PosedBones;
 use crate::contact::{TriangleId, VertexId};
 use crate::error::FormatError;
 use crate::pose::Pose;
@@ -20,12 +21,23 @@ impl Pose<'_> {
 
     /// The deformed position of a vertex, relative to the origin (stored units), by the leaf arithmetic (SPEC 5.5):
     /// `p'_i = p_i + (((U_i1 q_1) + U_i2 q_2) + …)` (paper, eq. 1) over the modes that are stored for it, f32,
-    /// products and sums rounded separately, modes in order, p last. The same bits on every processor.
+    /// products and sums rounded separately, modes in order, p last. The same bits on every processor. Bones then move it
+    /// by their blended matrix (SPEC 5.9): `M = Σ_b w_b T_b`, influences in order, then `M x`.
     ///
     /// # Errors
     /// When there is no such vertex.
     #[inline]
     pub fn deformed_stored(&self, vertex: VertexId) -> Result<[f32; 3], FormatError> {
+        let moved = self.before_bones(vertex)?;
+        match self.bones() {
+            Some(bones) => self.asset.carried_vertex(bones, vertex.0 as usize, moved),
+            None => Ok(moved),
+        }
+    }
+
+    /// `p_i + Σ_j U_ij q_j`: [`Pose::deformed_stored`] without bones.
+    #[inline]
+    pub(crate) fn before_bones(&self, vertex: VertexId) -> Result<[f32; 3], FormatError> {
         if self.asset.lists_modes() {
             self.asset.deformed_listed(self.q, vertex)
         } else {
@@ -118,7 +130,71 @@ impl Asset<'_> {
         };
         match fields {
             Some(fields) => *corners = L::moved(&fields),
-            None => deform_singly(pose, &vertices, corners)?,
+            // With bones already.
+            None => return deform_singly(pose, &vertices, corners),
+        }
+        match pose.bones() {
+            Some(bones) => self.carry_four(bones, &vertices, corners),
+            None => Ok(()),
+        }
+    }
+
+    /// A vertex carried by its bones, of the bits that SPEC 5.9 says.
+    #[inline(always)]
+    fn carried_vertex(
+        &self,
+        bones: &PosedBones<'_>,
+        vertex: usize,
+        [x, y, z]: [f32; 3],
+    ) -> Result<[f32; 3], FormatError> {
+        let blended = self.blended(bones, vertex)?;
+        Ok(blended.map(|[a, b, c, t]| a * x + b * y + c * z + t))
+    }
+
+    /// `M = Σ_b w_b T_b` of a vertex (SPEC 5.9).
+    #[inline(always)]
+    pub(crate) fn blended(
+        &self,
+        bones: &PosedBones<'_>,
+        vertex: usize,
+    ) -> Result<[[f32; 4]; 3], FormatError> {
+        let skin = self.skin.as_ref();
+        let Some(influences) = skin.and_then(|skin| skin.influences_of(vertex)) else {
+            return Err(self.unknown_bone(vertex));
+        };
+        // The sum starts with the first product: −0 keeps its bits.
+        let mut blended = [[-0.0_f32; 4]; 3];
+        for influence in influences {
+            let Some(map) = bones.maps.get(usize::from(influence.bone)) else {
+                return Err(self.unknown_bone(vertex));
+            };
+            for (row, own) in blended.iter_mut().zip(&map.rows) {
+                for (sum, own) in row.iter_mut().zip(own) {
+                    *sum += influence.weight * own;
+                }
+            }
+        }
+        Ok(blended)
+    }
+
+    /// [`Asset::carried_vertex`] for the corners of four triangles.
+    ///
+    /// Not inlined: beside it the loops of assets without bones would be compiled worse.
+    #[inline(never)]
+    fn carry_four(
+        &self,
+        bones: &PosedBones<'_>,
+        vertices: &[[u32; 4]; 3],
+        corners: &mut [[[f32; 4]; 3]; 3],
+    ) -> Result<(), FormatError> {
+        for (vertices, corner) in vertices.iter().zip(corners) {
+            for k in 0..4 {
+                let moved = [corner[0][k], corner[1][k], corner[2][k]];
+                let point = self.carried_vertex(bones, vertices[k] as usize, moved)?;
+                for axis in 0..3 {
+                    corner[axis][k] = point[axis];
+                }
+            }
         }
         Ok(())
     }

@@ -104,7 +104,7 @@ impl<'a> Asset<'a> {
     }
 
     /// Checks every index that deforming and drawing the whole mesh follows, which [`Asset::open`] leaves
-    /// to queries: corners of all triangles, displacements and modes of all vertices. In an asset that passes,
+    /// to queries: corners of all triangles, displacements, modes and bones of all vertices. In an asset that passes,
     /// [`Asset::triangle`] and [`Asset::displacements`] fail for none of its ids, and name no others.
     ///
     /// # Errors
@@ -121,6 +121,11 @@ impl<'a> Asset<'a> {
             let mut modes = self.displacements(vertex)?.iter().map(|(mode, _)| mode);
             if modes.any(|mode| mode >= self.mode_count()) {
                 return Err(self.unknown_mode_of(vertex));
+            }
+            let influences = self.influences(vertex)?.iter();
+            let mut bones = influences.map(|influence| usize::from(influence.bone));
+            if bones.any(|bone| bone >= self.bone_count()) {
+                return Err(self.unknown_bone(vertex.0 as usize));
             }
         }
         Ok(())

@@ -4,16 +4,17 @@ use bdtree_format::Row;
 
 use crate::math::sqrt;
 use crate::pose::Pose;
-use crate::rounding::{DRIFT, round_up};
+use crate::rounding::{DRIFT, MARGIN, round_up};
 use crate::simd::Lanes;
 
-/// What the spheres of another pose need so that they hold at this one: R'' = R' + δR ‖q − q₀‖ + slack.
+/// What the spheres of another pose need so that they hold at this one: R'' = R' + δR ‖q − q₀‖ + slack; with bones
+/// R'' = R' + σ δR ‖q − q₀‖ + max_b ‖T_b − T⁰_b‖ + slack, σ that of the other pose.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drift {
     /// ‖q − q₀‖ and, if it bounds anything, ‖S⁻¹ (q − q₀)‖, from above.
     norm: f32,
     scaled_norm: Option<f32>,
-    /// The slack at q; that at q₀ is in the radii already (stored units).
+    /// The slack at q, and how far bones move any point; the slack at q₀ is in the radii already (stored units).
     slack: f32,
 }
 
@@ -36,11 +37,19 @@ impl Drift {
             }
         }
         // q stays below its limits, so squares are finite; a scale of 0 gives infinity.
-        let scaled_norm = sqrt(scaled_square);
+        // Σ_b w_b ≤ 2 where weights are kept as stored, so both terms of bones count with it.
+        let sum = asset.skin_record();
+        let sum = 1.0 + sum.map_or(0.0, |record| f64::from(record.weight_defect));
+        let stretch = f64::from(reference.stretch) * sum;
+        let scaled_norm = sqrt(scaled_square) * stretch;
+        let slack = match reference.bones_apart(pose) * sum {
+            0.0 => pose.slack,
+            apart => round_up(f64::from(pose.slack) + apart * (1.0 + MARGIN)),
+        };
         Some(Self {
-            norm: norm_up(sqrt(square)),
+            norm: norm_up(sqrt(square) * stretch),
             scaled_norm: (scaled_norm < f64::from(f32::MAX) / 2.0).then(|| norm_up(scaled_norm)),
-            slack: pose.slack,
+            slack,
         })
     }
 

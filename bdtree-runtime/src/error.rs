@@ -169,6 +169,20 @@ pub enum PoseError {
         /// The asset's limit.
         limit: f32,
     },
+    /// Matrices for the bones of an asset that has none.
+    NoSkin,
+    /// Another number of matrices than the asset has joints, or bones.
+    MatrixCount {
+        /// Joints or bones of the asset.
+        expected: usize,
+        /// Matrices given.
+        found: usize,
+    },
+    /// A matrix of a joint or bone has an element that is not finite, or moves vertices beyond 2^60 stored units.
+    MatrixRange {
+        /// Its index.
+        index: usize,
+    },
     /// The tolerance is NaN or negative.
     Tolerance,
     /// The quaternion is not finite or its norm is off by more than 1e-3.
@@ -194,6 +208,17 @@ impl fmt::Display for PoseError {
                 write!(f, "pose memory holds {found} numbers, {needed} are needed")
             }
             Self::NotFinite { mode } => write!(f, "q[{mode}] is not a finite number"),
+            Self::NoSkin => f.write_str("matrices are given but the asset has no skin"),
+            Self::MatrixCount { expected, found } => {
+                write!(
+                    f,
+                    "{found} matrices are given but the asset needs {expected}"
+                )
+            }
+            Self::MatrixRange { index } => write!(
+                f,
+                "matrix {index} is not finite or moves vertices beyond 2^60 stored units"
+            ),
             Self::OverLimit { mode, found, limit } => {
                 write!(
                     f,

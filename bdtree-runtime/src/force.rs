@@ -8,7 +8,7 @@ use crate::pose::Pose;
 
 impl Pose<'_> {
     /// Adds the generalised force of a world force that acts on the material point `barycentric` of
-    /// a triangle: `out[j] += Σ_k w_k (∂x_k/∂q_j)·f`, which for an instance at scale 1 is `Uᵀ f`. The
+    /// a triangle: `out[j] += Σ_k w_k (∂x_k/∂q_j)·f`, which for an instance at scale 1 is `Uᵀ f` and with bones `Uᵀ Aᵀ f`, A the linear part of the blended matrix. The
     /// modal equation of an elastic asset takes it as its right-hand side.
     ///
     /// `out` holds one number per mode.
@@ -33,6 +33,18 @@ impl Pose<'_> {
         let local = self.placement.inverse_rotate(force);
         let scale = self.placement.world_per_stored();
         for (corner, weight) in corners.iter().zip(barycentric) {
+            // With bones U_ij is turned and stretched by the linear part of the blended matrix, so f is by its transpose.
+            let local = match self.bones() {
+                None => local,
+                Some(bones) => {
+                    let rows = asset.blended(bones, corner.0 as usize)?;
+                    [0, 1, 2].map(|c| {
+                        (0..3)
+                            .map(|r| f64::from(rows[r][c]) * local[r])
+                            .sum::<f64>()
+                    })
+                }
+            };
             for (mode, u) in asset.displacements(*corner)?.iter() {
                 let Some(out) = out.get_mut(mode) else {
                     return Err(asset.unknown_mode_of(*corner));

@@ -2,8 +2,10 @@
 
 use alloc::vec::Vec;
 
+use crate::bones::{BoneMatrices, BoneSource, maps_in};
 use crate::cache::{CacheSize, StepCache};
 use crate::error::{PoseError, QueryError};
+use crate::joint::JointMatrix;
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::pose::{Pose, PoseNumbers};
@@ -113,6 +115,45 @@ impl Instance {
         self.set_pose(q, self.placement)
     }
 
+    /// Moves its bones: one matrix per joint of the asset, from the joint's space to model space, *without* inverse bind
+    /// matrices. Model space is what the placement maps to the world ([`Transform::joint_in_model`] makes matrices of
+    /// world space relative to it). q and placement stay; an error leaves it as it was.
+    ///
+    /// # Errors
+    /// An asset without a skin, another number of matrices than [`Asset::joint_count`](crate::Asset::joint_count), one
+    /// with an element that is not finite or that moves vertices beyond 2⁶⁰ stored units.
+    pub fn set_joints(&mut self, joints: &[JointMatrix]) -> Result<(), PoseError> {
+        self.change(
+            None,
+            Bones::New(BoneMatrices::Joints(joints)),
+            self.placement,
+        )
+    }
+
+    /// Moves its bones: one matrix per bone of the asset, joint matrix times inverse bind matrix, as skinning shaders
+    /// take them. q and placement stay; an error leaves it as it was.
+    ///
+    /// # Errors
+    /// As for [`Instance::set_joints`], with [`Asset::bone_count`](crate::Asset::bone_count).
+    pub fn set_skinning_matrices(&mut self, matrices: &[JointMatrix]) -> Result<(), PoseError> {
+        let bones = Bones::New(BoneMatrices::Skinning(matrices));
+        self.change(None, bones, self.placement)
+    }
+
+    /// Deforms it, moves its bones and places it, which takes less time than one after the other. An error leaves it as it
+    /// was.
+    ///
+    /// # Errors
+    /// Those of [`Instance::set_q`], [`Instance::set_joints`] and [`Instance::set_placement`].
+    pub fn set_pose_with_bones(
+        &mut self,
+        q: &[f32],
+        bones: BoneMatrices<'_>,
+        at: impl Into<Transform>,
+    ) -> Result<(), PoseError> {
+        self.change(Some(q), Bones::New(bones), at.into())
+    }
+
     /// Places it. An error leaves it as it was. What the step has kept stays, since it does not depend on the
     /// placement.
     ///
@@ -132,9 +173,23 @@ impl Instance {
     /// # Errors
     /// Those of [`Instance::set_q`] and [`Instance::set_placement`].
     pub fn set_pose(&mut self, q: &[f32], at: impl Into<Transform>) -> Result<(), PoseError> {
-        let at = at.into();
+        self.change(Some(q), Bones::Same, at.into())
+    }
+
+    /// What is `None` or [`Bones::Same`] stays.
+    fn change(
+        &mut self,
+        q: Option<&[f32]>,
+        bones: Bones<'_>,
+        at: Transform,
+    ) -> Result<(), PoseError> {
         let asset = self.model.asset();
-        let pose = asset.pose(q, at, &mut self.spare)?;
+        let q = q.unwrap_or(&self.memory[..asset.mode_count()]);
+        let bones = match bones {
+            Bones::New(matrices) => BoneSource::Matrices(matrices),
+            Bones::Same => BoneSource::Maps(maps_in(asset, &self.memory)),
+        };
+        let pose = asset.pose_within(q, bones, at, 0.0, &mut self.spare)?;
         let before = Pose::again(asset, &self.numbers, &self.memory, self.motion);
         let motion = moved(self.motion, &before, &pose);
         self.cache.start(&pose);
@@ -199,6 +254,12 @@ impl Instance {
         self.collision_group & other.collision_mask != 0
             && other.collision_group & self.collision_mask != 0
     }
+}
+
+/// The bones of a step.
+enum Bones<'b> {
+    Same,
+    New(BoneMatrices<'b>),
 }
 
 /// The motion after a step.

@@ -49,9 +49,11 @@ extern crate alloc;
 extern crate std;
 
 mod animation;
+mod bones;
 pub mod bound;
 pub mod broad;
 mod cache;
+mod carried;
 mod contact;
 mod deform;
 mod depth;
@@ -63,6 +65,7 @@ mod error;
 mod force;
 #[cfg(feature = "alloc")]
 mod instance;
+mod joint;
 #[doc(hidden)]
 pub mod math;
 mod matrix;
@@ -96,6 +99,7 @@ mod view;
 mod workspace;
 
 pub use animation::{AnimationFrame, SampleError};
+pub use bones::BoneMatrices;
 pub use cache::{CacheSize, StepCache};
 pub use contact::{
     Contact, Coverage, PairContact, PointProjection, Proxy, RayIntersection, Sink, SliceSink,
@@ -105,6 +109,7 @@ pub use drawing::{AssetId, StoredToWorld};
 pub use error::{Datum, FormatError, HEADER_SECTION, PoseError, QueryError};
 #[cfg(feature = "alloc")]
 pub use instance::Instance;
+pub use joint::JointMatrix;
 #[cfg(feature = "std")]
 pub use model::LoadError;
 #[cfg(feature = "alloc")]

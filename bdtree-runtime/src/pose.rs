@@ -3,6 +3,9 @@
 use bdtree_format::{ModeRecord, ROW_RADIUS};
 use zerocopy::{FromBytes, IntoBytes};
 
+use crate::bones::{
+    BoneMap, BoneMatrices, BoneSlack, BoneSource, MAP_LEN, PosedBones, bones_apart, hashed_maps,
+};
 use crate::bound::BoundPose;
 use crate::error::{PoseError, QueryError};
 use crate::math::sqrt;
@@ -45,12 +48,19 @@ pub struct Pose<'p> {
     pub(crate) q: &'p [f32],
     /// q̃, for node bounds.
     quantized: QuantizedQ<'p>,
-    /// Added to every radius: covers the f32 evaluation of centers, radii and vertices, and what q̃
+    /// The bones, where the asset has a skin.
+    bones: Option<PosedBones<'p>>,
+    /// Added to every radius before bones: covers the f32 evaluation of centers, radii and vertices, and what q̃
     /// differs from q (docs/design/guarantees.md, slack; stored units).
+    pub(crate) inner_slack: f32,
+    /// Added to every radius, at most: the same, and with bones what they add.
     pub(crate) slack: f32,
-    /// B = P + S: no deformed vertex and no lane center is farther from the origin
-    /// (stored units, before rounding).
+    /// X = P + S: no vertex and no lane center is farther from the origin before bones (stored units, before rounding).
+    inner_reach: f64,
+    /// B: no deformed vertex and no lane center is farther from the origin; X without bones.
     pub(crate) reach: f64,
+    /// The largest σ_b; 1 without bones.
+    pub(crate) stretch: f32,
     pub(crate) placement: Placement,
     /// Tells poses of an asset apart by what node spheres depend on.
     fingerprint: u64,
@@ -62,8 +72,12 @@ pub struct Pose<'p> {
 #[cfg(feature = "alloc")]
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PoseNumbers {
+    inner_slack: f32,
     slack: f32,
+    inner_reach: f64,
     reach: f64,
+    stretch: f32,
+    bone_slack: BoneSlack,
     placement: Placement,
     fingerprint: u64,
     /// λ and ρ of q̃, and how much of the memory for m and for the list of pairs is used.
@@ -74,7 +88,7 @@ pub(crate) struct PoseNumbers {
 }
 
 impl Asset<'_> {
-    /// The asset at q and a placement. `memory` needs [`Asset::pose_len`] numbers, of any value.
+    /// The asset at q and a placement, its bones at rest. `memory` needs [`Asset::pose_len`] numbers, of any value.
     ///
     /// # Errors
     /// q of another length than the asset has modes, NaN, infinite or over the asset's hard
@@ -85,7 +99,23 @@ impl Asset<'_> {
         at: impl Into<Transform>,
         memory: &'p mut [f32],
     ) -> Result<Pose<'p>, PoseError> {
-        self.pose_within(q, at.into(), 0.0, memory)
+        let rest = BoneSource::Matrices(BoneMatrices::Rest);
+        self.pose_within(q, rest, at.into(), 0.0, memory)
+    }
+
+    /// The asset at q, with its bones where `bones` puts them, and a placement: `p' = Σ_b w_b T_b (p + U q)`.
+    ///
+    /// # Errors
+    /// Those of [`Asset::pose`]; another number of matrices than the asset has joints or bones, a matrix with an element
+    /// that is not finite or that moves vertices beyond 2⁶⁰ stored units.
+    pub fn pose_with_bones<'p>(
+        &'p self,
+        q: &[f32],
+        bones: BoneMatrices<'_>,
+        at: impl Into<Transform>,
+        memory: &'p mut [f32],
+    ) -> Result<Pose<'p>, PoseError> {
+        self.pose_within(q, BoneSource::Matrices(bones), at.into(), 0.0, memory)
     }
 
     /// A pose whose node bounds leave out modes that move no vertex by more than `tolerance` together
@@ -93,6 +123,7 @@ impl Asset<'_> {
     pub(crate) fn pose_within<'p>(
         &'p self,
         q: &[f32],
+        bones: BoneSource<'_>,
         at: Transform,
         tolerance: f64,
         memory: &'p mut [f32],
@@ -108,9 +139,9 @@ impl Asset<'_> {
             return Err(PoseError::Tolerance);
         }
         let (needed, found) = (self.pose_len(), memory.len());
-        let Some((own, memory)) = memory
+        let Some((own, memory, maps)) = memory
             .get_mut(..needed)
-            .and_then(|memory| split_mut(memory, q.len()))
+            .and_then(|memory| split_mut(memory, q.len(), self.bone_count()))
         else {
             return Err(PoseError::Memory { needed, found });
         };
@@ -129,17 +160,32 @@ impl Asset<'_> {
             given.round(tolerance / placement.world_per_stored(), coarse, memory);
         // q̃ may reach farther than q by what the two differ.
         let s = s + left_out;
-        let slack = round_up(slack(p, s, modes.len() as f64) + left_out);
-        Ok(Pose {
+        let inner_slack = round_up(slack(p, s, modes.len() as f64) + left_out);
+        let mut pose = Pose {
             asset: self,
             q: own,
             quantized,
-            slack,
+            bones: None,
+            inner_slack,
+            slack: inner_slack,
+            inner_reach: p + s,
             reach: p + s,
+            stretch: 1.0,
             placement,
-            fingerprint: fingerprint(self, slack, own),
+            fingerprint: fingerprint(self, inner_slack, own),
             motion: None,
-        })
+        };
+        if let Some(skin) = &self.skin {
+            let within = pose.inner_reach + f64::from(inner_slack);
+            let found = bones.map(self, skin, within, maps)?;
+            (pose.slack, pose.reach, pose.stretch) = (found.slack_max, found.reach, found.stretch);
+            pose.fingerprint = hashed([pose.fingerprint, hashed_maps(maps)].into_iter());
+            let slack = found.slack;
+            pose.bones = Some(PosedBones { maps, slack });
+        } else if bones.are_given() {
+            return Err(PoseError::NoSkin);
+        }
+        Ok(pose)
     }
 }
 
@@ -148,8 +194,12 @@ impl<'p> Pose<'p> {
     #[cfg(feature = "alloc")]
     pub(crate) fn numbers(&self) -> PoseNumbers {
         PoseNumbers {
+            inner_slack: self.inner_slack,
             slack: self.slack,
+            inner_reach: self.inner_reach,
             reach: self.reach,
+            stretch: self.stretch,
+            bone_slack: self.bones.map_or(BoneSlack::NONE, |bones| bones.slack),
             placement: self.placement,
             fingerprint: self.fingerprint,
             scale: self.quantized.scale,
@@ -168,7 +218,12 @@ impl<'p> Pose<'p> {
         memory: &'p [f32],
         motion: Motion,
     ) -> Self {
-        let (q, [coarse, fine, active]) = split(memory, asset.mode_count());
+        let (q, [coarse, fine, active], maps) =
+            split(memory, asset.mode_count(), asset.bone_count());
+        let bones = asset.skin.as_ref().map(|_| PosedBones {
+            maps: <[BoneMap]>::ref_from_bytes(maps.as_bytes()).unwrap_or_default(),
+            slack: numbers.bone_slack,
+        });
         let fine = fine.get(..numbers.fine_len).unwrap_or_default();
         let active = active.get(..numbers.active_len).unwrap_or_default();
         // The casts between numbers of four bytes cannot fail.
@@ -183,8 +238,12 @@ impl<'p> Pose<'p> {
                 ratio: numbers.ratio,
                 mode_count: asset.mode_count(),
             },
+            bones,
+            inner_slack: numbers.inner_slack,
             slack: numbers.slack,
+            inner_reach: numbers.inner_reach,
             reach: numbers.reach,
+            stretch: numbers.stretch,
             placement: numbers.placement,
             fingerprint: numbers.fingerprint,
             motion: Some(motion),
@@ -226,6 +285,24 @@ impl<'p> Pose<'p> {
         self.q
     }
 
+    /// The bones, where the asset has a skin.
+    #[inline(always)]
+    pub(crate) fn bones(&self) -> Option<&PosedBones<'p>> {
+        self.bones.as_ref()
+    }
+
+    /// How much farther apart the bones of another pose of the same asset put any point, at most (stored units).
+    pub(crate) fn bones_apart(&self, other: &Pose<'_>) -> f64 {
+        let (Some(own), Some(others)) = (&self.bones, &other.bones) else {
+            return 0.0;
+        };
+        bones_apart(
+            own.maps,
+            others.maps,
+            self.inner_reach + f64::from(self.inner_slack),
+        )
+    }
+
     /// Modes that node bounds take into account: all but those that are 0, or were left out.
     pub fn active_modes(&self) -> usize {
         let pairs = self.quantized.active.iter();
@@ -249,7 +326,7 @@ impl<'p> Pose<'p> {
     pub(crate) fn bound(&self) -> BoundPose<'p> {
         BoundPose {
             quantized: self.quantized,
-            slack: self.slack,
+            slack: self.inner_slack,
         }
     }
 
@@ -309,9 +386,15 @@ pub(crate) fn identity(asset: &Asset<'_>) -> (usize, u32) {
     (address, asset.header().header_crc.get())
 }
 
-/// The memory of q and that of its shares.
-fn split_mut(memory: &mut [f32], mode_count: usize) -> Option<(&mut [f32], Memory<'_>)> {
+/// The memory of q, that of its shares, and that of the bones' maps.
+fn split_mut(
+    memory: &mut [f32],
+    mode_count: usize,
+    bone_count: usize,
+) -> Option<(&mut [f32], Memory<'_>, &mut [BoneMap])> {
     let (q, rest) = memory.split_at_mut_checked(mode_count)?;
+    let shares = rest.len().checked_sub(MAP_LEN * bone_count)?;
+    let (rest, maps) = rest.split_at_mut_checked(shares)?;
     let pairs = rest.len() / 3;
     let (coarse, rest) = rest.split_at_mut_checked(pairs)?;
     let (fine, active) = rest.split_at_mut_checked(pairs)?;
@@ -320,15 +403,18 @@ fn split_mut(memory: &mut [f32], mode_count: usize) -> Option<(&mut [f32], Memor
         fine: <[[i16; 2]]>::mut_from_bytes(fine.as_mut_bytes()).ok()?,
         active: <[u32]>::mut_from_bytes(active.as_mut_bytes()).ok()?,
     };
-    Some((q, shares))
+    let maps = <[BoneMap]>::mut_from_bytes(maps.as_mut_bytes()).ok()?;
+    Some((q, shares, maps))
 }
 
 /// [`split_mut`] of memory that holds a pose.
 #[cfg(feature = "alloc")]
-fn split(memory: &[f32], mode_count: usize) -> (&[f32], [&[f32]; 3]) {
+fn split(memory: &[f32], mode_count: usize, bone_count: usize) -> (&[f32], [&[f32]; 3], &[f32]) {
     let (q, rest) = memory.split_at_checked(mode_count).unwrap_or_default();
+    let shares = rest.len().saturating_sub(MAP_LEN * bone_count);
+    let (rest, maps) = rest.split_at_checked(shares).unwrap_or_default();
     let pairs = rest.len() / 3;
     let (coarse, rest) = rest.split_at_checked(pairs).unwrap_or_default();
     let (fine, active) = rest.split_at_checked(pairs).unwrap_or_default();
-    (q, [coarse, fine, active])
+    (q, [coarse, fine, active], maps)
 }

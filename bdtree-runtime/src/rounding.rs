@@ -157,6 +157,14 @@ pub(crate) const CHECKED_PRODUCT: f64 = 1.0 / (1_u64 << 40) as f64;
 /// 2⁻⁴¹: share of δR² by which a vertex's norm may exceed it.
 pub(crate) const CHECKED_STEP: f64 = 1.0 / (1_u64 << 41) as f64;
 
+// Bones (SPEC 5.9).
+
+/// `BoneSlack`: 2⁻⁵⁰, for flushed weights, matrices and products of them.
+pub(crate) const BONES_FLUSHED: f64 = 1.0 / (1_u64 << 50) as f64;
+
+/// `carried`: 2u for each of m + 16 roundings of a radius that grows by bones.
+pub(crate) const BONES_ROUNDING: f32 = 2.0 / (1_u32 << 24) as f32;
+
 // Single triangles and spheres, in f64.
 
 /// `WorldFour`: 10⁻¹² of the span of two boxes, for their gap and for the distance of the triangles, which is off by 2⁻⁴⁸ of it.

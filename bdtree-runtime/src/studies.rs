@@ -5,6 +5,7 @@
 //! * *Poses within a tolerance*: node bounds that leave out the modes that matter least. Each visit costs less,
 //!   and there are more of them; no asset was found where that pays.
 
+use crate::bones::{BoneMatrices, BoneSource};
 use crate::cache::StepCache;
 use crate::error::{PoseError, QueryError};
 use crate::pose::Pose;
@@ -27,7 +28,8 @@ pub fn pose_within<'p>(
     tolerance: f64,
     memory: &'p mut [f32],
 ) -> Result<Pose<'p>, PoseError> {
-    asset.pose_within(q, at.into(), tolerance, memory)
+    let rest = BoneSource::Matrices(BoneMatrices::Rest);
+    asset.pose_within(q, rest, at.into(), tolerance, memory)
 }
 
 /// Lets a cache serve later poses of the asset it was started with: counts a step, in which leaves are

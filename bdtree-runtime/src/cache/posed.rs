@@ -209,9 +209,12 @@ impl Posed<'_> {
         let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
         // Spelled out: behind a function that takes `evaluate` it would not be compiled with the
         // instruction set of the caller.
-        let Some(spheres) = evaluate::<L>(&rows, modes, &pose.bound()) else {
+        let Some(mut spheres) = evaluate::<L>(&rows, modes, &pose.bound()) else {
             return Err(asset.unknown_mode(node.mode_list_start));
         };
+        if let Some(bones) = pose.bones() {
+            spheres = WideSpheres::load(&asset.carried(index, bones, spheres.store())?);
+        }
         if let Some(slot) = self.kept.nodes.get_mut(place) {
             slot.tag = tag;
             slot.spheres = spheres.store();

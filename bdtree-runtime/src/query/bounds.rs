@@ -40,6 +40,19 @@ pub struct Aabb {
     pub max: [f64; 3],
 }
 
+impl Aabb {
+    /// The sphere around it, rounding included.
+    fn bounding_sphere(&self) -> BoundingSphere {
+        let center = [0, 1, 2].map(|k| 0.5 * self.min[k] + 0.5 * self.max[k]);
+        // From the center as rounded.
+        let half = [0, 1, 2].map(|k| (self.max[k] - center[k]).max(center[k] - self.min[k]));
+        BoundingSphere {
+            center,
+            radius: norm(half) * (1.0 + MARGIN),
+        }
+    }
+}
+
 impl Pose<'_> {
     /// A sphere that holds every deformed triangle in the world, the leaf arithmetic's rounding
     /// included: what a broad phase over instances compares. One node is evaluated; the sphere
@@ -58,16 +71,29 @@ impl Pose<'_> {
         } else {
             ([0.0; 3], all)
         };
-        Ok(self.world_sphere(center, radius, self.reach))
+        let sphere = self.world_sphere(center, radius, self.reach);
+        let Some(boxed) = self.bone_box().map(|aabb| aabb.bounding_sphere()) else {
+            return Ok(sphere);
+        };
+        // NaN, of a damaged file, is not smaller.
+        Ok(if boxed.radius < sphere.radius {
+            boxed
+        } else {
+            sphere
+        })
     }
 
     /// A box that holds every deformed triangle in the world, the leaf arithmetic's rounding included: that
     /// around the spheres of the root's eight parts, so it follows q and the placement, but is not the
-    /// smallest one. One node is evaluated.
+    /// smallest one. One node is evaluated. With bones it is the box around what each bone moves, from one pass over the
+    /// bones.
     ///
     /// # Errors
     /// A corrupt asset.
     pub fn aabb(&self) -> Result<Aabb, QueryError> {
+        if let Some(aabb) = self.bone_box() {
+            return Ok(aabb);
+        }
         let root = self.asset.node(0)?;
         let spheres = self.node_spheres(0)?;
         let all = self.bounding_sphere()?;

@@ -21,6 +21,7 @@
 //! level, a number of visits, for pairs a [`PairFront`].
 
 mod ball;
+mod bone_box;
 mod bounds;
 mod budget;
 mod capsule;

@@ -198,9 +198,12 @@ impl Work for NodeSpheres<'_, '_> {
         let (asset, pose) = (self.asset, self.pose);
         let node = asset.node(self.index)?;
         let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
-        match evaluate::<L>(&rows, modes, &pose.bound()) {
-            Some(spheres) => Ok(spheres.store()),
-            None => Err(asset.unknown_mode(node.mode_list_start)),
+        let Some(spheres) = evaluate::<L>(&rows, modes, &pose.bound()) else {
+            return Err(asset.unknown_mode(node.mode_list_start));
+        };
+        match pose.bones() {
+            Some(bones) => asset.carried(self.index, bones, spheres.store()),
+            None => Ok(spheres.store()),
         }
     }
 }

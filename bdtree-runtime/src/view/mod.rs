@@ -14,6 +14,7 @@ use bdtree_format::{
 };
 use zerocopy::{FromBytes, IntoBytes};
 
+use crate::bones::MAP_LEN;
 use crate::contact::{TriangleId, VertexId};
 use crate::error::{Check, FormatError};
 use crate::simd::Kernel;
@@ -293,9 +294,10 @@ impl<'a> Asset<'a> {
         kernel.is_available().then_some(Self { kernel, ..self })
     }
 
-    /// Numbers that the `memory` of [`Asset::pose`] needs: five for every two modes.
+    /// Numbers that the `memory` of [`Asset::pose`] needs: five for every two modes and sixteen for every bone.
     pub fn pose_len(&self) -> usize {
-        self.modes.len() + 3 * pair_count(self.modes.len())
+        let m = self.modes.len();
+        m + 3 * pair_count(m) + MAP_LEN * self.bone_count()
     }
 
     /// Entries that the stack of a single-asset query needs.
