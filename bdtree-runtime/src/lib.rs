@@ -63,6 +63,7 @@ pub mod embed;
 mod epoch;
 mod error;
 mod force;
+mod hit_bones;
 #[cfg(feature = "alloc")]
 mod instance;
 mod joint;
