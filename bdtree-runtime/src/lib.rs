@@ -63,6 +63,7 @@ mod error;
 mod force;
 #[cfg(feature = "alloc")]
 mod instance;
+pub mod joint;
 #[doc(hidden)]
 pub mod math;
 mod matrix;
@@ -87,6 +88,7 @@ mod reference;
 mod rounding;
 mod shape;
 mod simd;
+pub mod skeleton;
 pub mod studies;
 mod transform;
 mod traverse;
@@ -105,6 +107,7 @@ pub use drawing::{AssetId, StoredToWorld};
 pub use error::{Datum, FormatError, HEADER_SECTION, PoseError, QueryError};
 #[cfg(feature = "alloc")]
 pub use instance::Instance;
+pub use joint::JointMatrix;
 #[cfg(feature = "std")]
 pub use model::LoadError;
 #[cfg(feature = "alloc")]
@@ -117,6 +120,9 @@ pub use query::{
 };
 pub use shape::{Ball, Capsule, Cuboid, Frustum, FrustumState, HalfSpace, Ray, Shape};
 pub use simd::Kernel;
+#[cfg(feature = "alloc")]
+pub use skeleton::SkeletonPose;
+pub use skeleton::{Clip, LocalTransform, Skeleton, SkeletonError};
 pub use transform::Transform;
 pub use vector::{Quat, Vec3};
 pub use view::{Asset, Displacements, Group, GroupKind, NodeBones, NodeRows};
