@@ -165,6 +165,9 @@ pub(crate) const BONES_FLUSHED: f64 = 1.0 / (1_u64 << 50) as f64;
 /// `carried`: 2u for each of m + 16 roundings of a radius that grows by bones.
 pub(crate) const BONES_ROUNDING: f32 = 2.0 / (1_u32 << 24) as f32;
 
+/// Sums of weights and of their distances (SPEC 6.10): relative 2⁻⁴⁰, for at most 4096 terms added in f64.
+pub(crate) const CHECKED_SUM: f64 = 1.0 / (1_u64 << 40) as f64;
+
 // Single triangles and spheres, in f64.
 
 /// `WorldFour`: 10⁻¹² of the span of two boxes, for their gap and for the distance of the triangles, which is off by 2⁻⁴⁸ of it.

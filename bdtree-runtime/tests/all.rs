@@ -37,6 +37,7 @@ mod queries;
 mod refusals;
 mod sharing;
 mod shrink_to_point;
+mod skeletons;
 mod sparse;
 mod tight;
 mod workspaces;
