@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::q::QText;
+use crate::posture::PostureArguments;
 #[cfg(feature = "render")]
 use crate::render::Arguments as RenderArguments;
 
@@ -105,22 +105,16 @@ pub struct DiffArguments {
 
 /// Writes the deformed mesh: origin + p + U q in f64, mesh units, in the source's order.
 ///
-/// A frame's rigid motion, if one was taken out, is put back: R (origin + p + U q) + t.
+/// A frame's rigid motion, if one was taken out, is put back: R (origin + p + U q) + t. With a skin the bones then
+/// carry the vertices, at rest unless --clip or --joints says otherwise.
 ///
 /// The file's checksums are checked first; it must not change meanwhile.
 #[derive(Debug, Args)]
 pub struct DeformArguments {
     /// The .bdt file
     pub file: PathBuf,
-    /// One number per mode, separated by commas, each at most the mode's q_limit in magnitude
-    /// (`info` shows it); the unit is the basis's, for elastic modes: 1 moves the farthest vertex
-    /// by one mesh unit [default: zeros]
-    #[arg(long, allow_hyphen_values = true, value_name = "Q1,Q2,…")]
-    pub q: Option<QText>,
-    /// Frame of the file's animation, counted from 0, instead of --q (`info` shows how many there
-    /// are)
-    #[arg(long, value_name = "T", conflicts_with = "q")]
-    pub frame: Option<u64>,
+    #[command(flatten)]
+    pub posture: PostureArguments,
     /// Where to: .obj, or .npy with shape (N, 3), f64 [default: OBJ on standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,

@@ -17,6 +17,7 @@ pub mod diff;
 mod error;
 mod frames;
 pub mod info;
+mod joints;
 mod output;
 mod parse;
 mod posture;
@@ -35,7 +36,7 @@ pub use asset_file::AssetFile;
 pub use error::ToolError;
 pub use output::{check_target, printable, write_whole};
 pub use parse::parse;
-pub use posture::posture;
+pub use posture::{Posture, PostureArguments, posture};
 
 use std::ffi::OsString;
 use std::io::Write;

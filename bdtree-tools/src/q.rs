@@ -71,6 +71,7 @@ pub(crate) fn counted(n: usize, what: &str) -> String {
     match (n, what) {
         (1, _) => format!("1 {what}"),
         (_, "vertex") => format!("{n} vertices"),
+        (_, "matrix") => format!("{n} matrices"),
         (_, "query") => format!("{n} queries"),
         _ => format!("{n} {what}s"),
     }

@@ -24,7 +24,9 @@ use std::ffi::OsString;
 use std::io::Write;
 
 use bdtree_tools::render::check_level;
-use bdtree_tools::{AssetFile, BAD_INPUT, DONE, ToolError, check_target, parse, posture};
+use bdtree_tools::{
+    AssetFile, BAD_INPUT, DONE, PostureArguments, ToolError, check_target, parse, posture,
+};
 
 use app::{App, Probe};
 
@@ -60,11 +62,16 @@ fn open(arguments: &Arguments) -> Result<(), ToolError> {
         return Err(ToolError::input("--play", message));
     }
     let frame = arguments.frame.or(arguments.play.then_some(0));
-    let posture = posture(&file, arguments.q.as_ref(), frame)?;
+    let asked = PostureArguments {
+        q: arguments.q.clone(),
+        frame,
+        ..PostureArguments::default()
+    };
+    let posture = posture(&file, &asked)?;
     if let Some(level) = arguments.spheres {
         check_level(&file, level)?;
     }
-    let mut app = App::new(&file, posture)?;
+    let mut app = App::new(&file, (posture.q, posture.transform))?;
     app.view.level = arguments.spheres;
     if let Some(ProbeText { center, radius }) = arguments.probe {
         app.view.has_probe = true;

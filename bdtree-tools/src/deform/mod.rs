@@ -11,6 +11,7 @@ use bdtree_runtime::{Pose, TriangleId, VertexId};
 pub use crate::cli::DeformArguments as Arguments;
 use crate::error::ToolError;
 use crate::output::{check_target, write_whole};
+pub use crate::posture::PostureArguments;
 use crate::posture::posture;
 pub use crate::q::QText;
 use crate::{AssetFile, DONE};
@@ -27,15 +28,17 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     }
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;
-    let (q, transform) = posture(&file, arguments.q.as_ref(), arguments.frame)?;
-    let option = if arguments.frame.is_some() {
-        "--frame"
-    } else {
-        "--q"
+    let asked = &arguments.posture;
+    let posture = posture(&file, asked)?;
+    let option = match (asked.frame, &asked.clip, &asked.joints) {
+        (Some(_), ..) => "--frame",
+        (_, Some(_), _) => "--clip",
+        (.., Some(_)) => "--joints",
+        _ => "--q",
     };
     let mut memory = vec![0.0; asset.pose_len()];
     let pose = asset
-        .pose(&q, transform, &mut memory)
+        .pose_with_bones(&posture.q, posture.bones(), posture.transform, &mut memory)
         .map_err(|error| ToolError::input(option, error))?;
     let positions = deformed(&file, &pose)?;
     let is_npy = |path: &&PathBuf| {

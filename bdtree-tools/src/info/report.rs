@@ -72,6 +72,32 @@ pub struct Info {
     pub warnings: Option<Vec<String>>,
     /// The source's groups.
     pub groups: Vec<Group>,
+    /// The joints, in the order of joint matrices; null without a skin.
+    pub joints: Option<Vec<Joint>>,
+    /// The clips; null without a skin.
+    pub clips: Option<Vec<ClipInfo>>,
+    /// Bones: joints with an inverse bind matrix each; null without a skin.
+    pub bones: Option<usize>,
+    /// Largest number of bones that move one vertex; null without a skin.
+    pub influences_max: Option<u32>,
+}
+
+/// A joint of the skeleton.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Joint {
+    /// The source's name.
+    pub name: String,
+    /// Index of the nearest joint above it; null for none.
+    pub parent: Option<usize>,
+}
+
+/// A clip of the skeleton.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ClipInfo {
+    /// The source's name.
+    pub name: String,
+    /// Seconds from time 0 to its last key.
+    pub duration_s: f64,
 }
 
 /// A box with sides along the axes (mesh units).
@@ -189,6 +215,7 @@ impl Info {
             first_triangle: group.first_triangle.0,
             triangles: group.triangle_count,
         };
+        let skeleton = asset.skeleton();
         let (major, minor) = (header.version_major.get(), header.version_minor.get());
         Ok(Self {
             version: format!("{major}.{minor}"),
@@ -222,6 +249,22 @@ impl Info {
             settings: metadata.map(|m| m.settings.clone()),
             warnings: metadata.map(|m| m.warnings.clone()),
             groups: asset.groups().map(group).collect(),
+            joints: skeleton.map(|skeleton| {
+                let joint = |j| Joint {
+                    name: skeleton.joint_name(j).unwrap_or_default().to_string(),
+                    parent: skeleton.joint_parent(j),
+                };
+                (0..skeleton.joint_count()).map(joint).collect()
+            }),
+            clips: skeleton.map(|skeleton| {
+                let clip = |clip: bdtree_runtime::Clip<'_>| ClipInfo {
+                    name: clip.name().to_string(),
+                    duration_s: clip.duration_s(),
+                };
+                skeleton.clips().map(clip).collect()
+            }),
+            bones: skeleton.map(|_| asset.bone_count()),
+            influences_max: asset.skin_record().map(|record| record.influences_max),
         })
     }
 }

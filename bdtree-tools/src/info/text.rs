@@ -55,6 +55,19 @@ pub(super) fn text(path: &Path, info: &Info) -> String {
         let frames = counted(frames, "frame");
         facts.push(("animation", format!("{frames}, {time}")));
     }
+    if let (Some(joints), Some(bones)) = (&info.joints, info.bones) {
+        let influences = info.influences_max.unwrap_or_default();
+        let joints = counted(joints.len(), "joint");
+        let (bones, most) = (counted(bones, "bone"), counted(influences as usize, "bone"));
+        facts.push((
+            "skin",
+            format!("{joints}, {bones}, at most {most} a vertex"),
+        ));
+    }
+    for clip in info.clips.iter().flatten() {
+        let name = printable(&clip.name);
+        facts.push(("clip", format!("{name}, {} s", digits(clip.duration_s))));
+    }
     let (nodes, levels) = (counted(info.nodes, "node"), counted(info.depth, "level"));
     let in_leaf = counted(info.leaf_triangles_max as usize, "triangle");
     let origin = info.origin.map(digits).join(" ");

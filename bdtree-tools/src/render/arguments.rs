@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::options::{AgainstChoice, FrameRange, PictureSize, ScaleChoice, UpAxis, View};
-use crate::q::QText;
+use crate::posture::PostureArguments;
 
 /// Draws pictures: the deformed mesh, spheres of its tree, what queries visit.
 ///
@@ -22,14 +22,10 @@ pub struct Arguments {
     /// Where to: .png; with --frames a name with %d or %0Nd, where the frame's number goes
     #[arg(short, long, value_name = "FILE.png")]
     pub output: PathBuf,
-    /// One number per mode, separated by commas, as of `deform` [default: zeros]
-    #[arg(long, allow_hyphen_values = true, value_name = "Q1,Q2,…")]
-    pub q: Option<QText>,
-    /// Frame of the file's animation, counted from 0, instead of --q
-    #[arg(long, value_name = "T", conflicts_with = "q")]
-    pub frame: Option<u64>,
+    #[command(flatten)]
+    pub posture: PostureArguments,
     /// Frames A to B of the file's animation, one picture each, all seen by the same camera
-    #[arg(long, value_name = "A..B", conflicts_with_all = ["q", "frame"])]
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["q", "frame", "clip", "joints"])]
     pub frames: Option<FrameRange>,
     /// Draw the spheres of a level of the tree, 0 being the root's (`info` lists the levels)
     #[arg(long, value_name = "LEVEL")]

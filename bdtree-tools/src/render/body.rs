@@ -1,11 +1,12 @@
 //! A placed, deformed asset to draw.
 
 use bdtree_render::NodeSphere;
-use bdtree_runtime::{Asset, CacheSize, FormatError, Instance, Pose, Transform};
+use bdtree_runtime::{Asset, CacheSize, FormatError, Instance, Pose};
 
 use crate::AssetFile;
 use crate::deform::deformed;
 use crate::error::ToolError;
+use crate::posture::Posture;
 
 /// A posed asset.
 pub(super) struct Body<'a> {
@@ -47,14 +48,10 @@ impl<'a> Body<'a> {
         })
     }
 
-    /// Of the file at q and a place.
-    pub(super) fn posed(
-        file: &'a AssetFile,
-        q: &[f32],
-        transform: Transform,
-    ) -> Result<Self, ToolError> {
+    /// Of the file in a posture.
+    pub(super) fn posed(file: &'a AssetFile, posture: &Posture) -> Result<Self, ToolError> {
         let posed = Instance::with_cache(file.model(), CacheSize::NONE).and_then(|mut instance| {
-            instance.set_pose(q, transform)?;
+            instance.set_pose_with_bones(&posture.q, posture.bones(), posture.transform)?;
             Ok(instance)
         });
         let refused = |error| ToolError::input(file.path().display(), error);

@@ -17,8 +17,8 @@ use bdtree_render::{Level, Studio};
 
 use crate::error::ToolError;
 use crate::frames::frame_of;
-use crate::output::{check_target, write_json, write_whole};
-use crate::posture::posture;
+use crate::output::{check_target, printable, write_json, write_whole};
+use crate::posture::{PostureArguments, posture};
 use crate::q::counted;
 use crate::scene::Scene;
 use crate::{AssetFile, DONE};
@@ -59,8 +59,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     match &arguments.query {
         Some(path) => {
             let mut scene = Scene::load(path, !arguments.no_verify)?;
-            if arguments.q.is_some() || arguments.frame.is_some() {
-                let posture = posture(&file, arguments.q.as_ref(), arguments.frame)?;
+            if arguments.posture.is_given() {
+                let posture = posture(&file, &arguments.posture)?;
                 visited::put(&mut scene, &file, &posture)?;
             }
             let make = |_| visited::shown(arguments, &file, &scene);
@@ -105,17 +105,21 @@ fn shown<'a>(
     of_sequence: Option<u64>,
 ) -> Result<Frame<'a>, ToolError> {
     // The last frame of a sequence was looked for before.
-    let number = of_sequence.or(arguments.frame);
-    let (q, transform) = posture(file, arguments.q.as_ref(), number)?;
+    let number = of_sequence.or(arguments.posture.frame);
+    let asked = PostureArguments {
+        frame: number,
+        ..arguments.posture.clone()
+    };
+    let posture = posture(file, &asked)?;
     let frame = |index: u64| file.asset().frame(usize::try_from(index).ok()?);
     let time_s = number.and_then(|index| frame(index)?.time_s());
-    let body = Body::posed(file, &q, transform)?;
+    let body = Body::posed(file, &posture)?;
     let spheres = match arguments.spheres {
         Some(level) => body.spheres(|pose| Ok(Level::of(pose, level)?.spheres))?,
         None => Vec::new(),
     };
     Ok(Frame {
-        about: posture_text(&q, number, time_s),
+        about: posture_text(&posture.q, number, time_s, &asked),
         number,
         content: vec![Content {
             body,
@@ -127,8 +131,16 @@ fn shown<'a>(
     })
 }
 
-/// q or the frame in a few words.
-fn posture_text(q: &[f32], frame: Option<u64>, time_s: Option<f64>) -> String {
+/// q, the frame or the clip in a few words.
+fn posture_text(
+    q: &[f32],
+    frame: Option<u64>,
+    time_s: Option<f64>,
+    asked: &PostureArguments,
+) -> String {
+    if let Some(clip) = &asked.clip {
+        return format!("{} at {:.3} s", printable(clip), asked.time);
+    }
     match (frame, time_s) {
         (Some(number), Some(time_s)) => format!("frame {number} ({time_s:.3} s)"),
         (Some(number), None) => format!("frame {number}"),

@@ -5,7 +5,7 @@
 //! visits nothing else and is not in it.
 
 use bdtree_render::NodeSphere;
-use bdtree_runtime::{CacheSize, Transform};
+use bdtree_runtime::CacheSize;
 
 use super::arguments::Arguments;
 use super::body::{Body, Content};
@@ -13,6 +13,7 @@ use super::picture::Frame;
 use super::queries::shapes;
 use crate::AssetFile;
 use crate::error::ToolError;
+use crate::posture::Posture;
 use crate::q::counted;
 use crate::query::solve_all;
 use crate::scene::Scene;
@@ -67,20 +68,17 @@ pub(super) fn shown<'a>(
     })
 }
 
-/// Gives the instances of the file another q, and the motion of the frame that it is from.
+/// Gives the instances of the file another q and other joints, and the motion of the frame that they are from.
 ///
 /// # Errors
 /// A placement that both together are too large for.
-pub(super) fn put(
-    scene: &mut Scene,
-    file: &AssetFile,
-    (q, motion): &(Vec<f32>, Transform),
-) -> Result<(), ToolError> {
+pub(super) fn put(scene: &mut Scene, file: &AssetFile, posture: &Posture) -> Result<(), ToolError> {
     let is_file = are_of(scene, file);
     for (instance, is_file) in scene.instances.iter_mut().zip(is_file) {
         if is_file {
-            instance.q.clone_from(q);
-            let place = instance.transform.after(*motion);
+            instance.q.clone_from(&posture.q);
+            instance.joints.clone_from(&posture.joints);
+            let place = instance.transform.after(posture.transform);
             instance.transform = place.map_err(|e| ToolError::input("--frame", e.to_string()))?;
         }
     }

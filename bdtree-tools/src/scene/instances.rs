@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use bdtree_runtime::Transform;
+use bdtree_runtime::{JointMatrix, Transform};
 
 use super::assets::Assets;
 use super::fields::{At, Fields};
 use crate::frames::frame_of;
+use crate::joints;
 use crate::q::checked_q;
 
 /// A deformed asset and where it stands.
@@ -20,6 +21,8 @@ pub struct Placed {
     pub q: Vec<f32>,
     /// The frame of the asset's animation that q is of, if it is one.
     pub frame: Option<u64>,
+    /// One matrix per joint; `None`: at rest, or no skin.
+    pub joints: Option<Vec<JointMatrix>>,
     /// Where it stands; a frame's rigid motion is part of it.
     pub transform: Transform,
 }
@@ -47,7 +50,7 @@ pub(super) fn read_instances(at: &At<'_>, assets: &mut Assets) -> (Vec<Placed>, 
     let mut instances = Vec::new();
     let mut names = Names::default();
     for item in at.items().unwrap_or_default() {
-        let known = "name, asset, q, frame, rotation, translation, scale";
+        let known = "name, asset, q, frame, joints, clip, time, rotation, translation, scale";
         let Some(fields) = item.fields(known) else {
             continue;
         };
@@ -72,7 +75,8 @@ fn read_instance(fields: &Fields<'_>, name: &str, assets: &mut Assets) -> Option
     let file = path.and_then(|path| assets.open(path, &fields.at("asset")));
     let shown = read_shown(fields, file.zip(path), assets);
     let place = read_transform(fields);
-    let (file, (q, frame), mut transform) = (file?, shown?, place?);
+    let (file, shown, mut transform) = (file?, shown?, place?);
+    let Shown { q, frame, joints } = shown;
     if let Some((_, motion)) = frame {
         transform = match transform.after(motion) {
             Ok(both) => both,
@@ -84,6 +88,7 @@ fn read_instance(fields: &Fields<'_>, name: &str, assets: &mut Assets) -> Option
         file,
         q,
         frame: frame.map(|(number, _)| number),
+        joints,
         transform,
     })
 }
@@ -91,27 +96,46 @@ fn read_instance(fields: &Fields<'_>, name: &str, assets: &mut Assets) -> Option
 /// A frame's number and its rigid motion.
 type Moment = (u64, Transform);
 
-/// q as the scene writes it, or that of a frame of the asset's animation with its number and rigid motion. The
-/// asset is the one with this index and path.
-fn read_shown(
-    fields: &Fields<'_>,
-    asset: Option<(usize, &str)>,
-    assets: &Assets,
-) -> Option<(Vec<f32>, Option<Moment>)> {
+/// How an instance is shown.
+struct Shown {
+    q: Vec<f32>,
+    frame: Option<Moment>,
+    joints: Option<Vec<JointMatrix>>,
+}
+
+/// q and joints as the scene writes them, those of a clip at a time, or q of a frame of the asset's animation with its
+/// number and rigid motion. The asset is the one with this index and path.
+fn read_shown(fields: &Fields<'_>, asset: Option<(usize, &str)>, assets: &Assets) -> Option<Shown> {
     /// Frame numbers beyond this may have been others in the JSON's text: 2^53.
     const FRAME_MAX: f64 = (1_u64 << 53) as f64;
     if let Some(at) = fields.optional("frame") {
         let has_q = fields.optional("q").is_some();
         at.ensure(!has_q, "an instance has either q or a frame")?;
+        let has_bones = ["joints", "clip"]
+            .iter()
+            .any(|key| fields.optional(key).is_some());
+        at.ensure(!has_bones, "an instance has either a frame or joints")?;
         let number = at.whole(FRAME_MAX, "not a whole number from 0 on")? as u64;
         let (index, path) = asset?;
         return match frame_of(assets.file(index).asset(), path, number) {
-            Ok(frame) => Some((frame.q().to_vec(), Some((number, frame.transform())))),
+            Ok(frame) => Some(Shown {
+                q: frame.q().to_vec(),
+                frame: Some((number, frame.transform())),
+                joints: None,
+            }),
             Err(message) => at.fail(message),
         };
     }
+    let (of_clip, joints) = read_joints(fields, asset, assets)?;
     let q = fields.get_or("q", None, |at| at.all(At::number).map(Some))?;
     let (index, path) = asset?;
+    if let (None, Some(q)) = (&q, of_clip) {
+        return Some(Shown {
+            q,
+            frame: None,
+            joints,
+        });
+    }
     let checked = checked_q(q.as_deref(), assets.file(index).asset(), path);
     let told = |problems: Vec<(Option<usize>, String)>| {
         let at = fields.at("q");
@@ -120,7 +144,44 @@ fn read_shown(
             place.fail::<()>(message);
         }
     };
-    Some((checked.map_err(told).ok()?, None))
+    Some(Shown {
+        q: checked.map_err(told).ok()?,
+        frame: None,
+        joints,
+    })
+}
+
+/// q and joints of a clip at a time, or joints as the scene writes them; neither where it says nothing of them.
+fn read_joints(
+    fields: &Fields<'_>,
+    asset: Option<(usize, &str)>,
+    assets: &Assets,
+) -> Option<(Option<Vec<f32>>, Option<Vec<JointMatrix>>)> {
+    let (clip, joints) = (fields.optional("clip"), fields.optional("joints"));
+    if let Some(at) = fields.optional("time") {
+        at.ensure(clip.is_some(), "a time is that of a clip, which is missing")?;
+    }
+    if let Some(at) = clip {
+        at.ensure(joints.is_none(), "an instance has either joints or a clip")?;
+        let (name, time) = (at.text(), fields.get_or("time", 0.0, At::number));
+        let (index, path) = asset?;
+        let played = joints::played(assets.file(index).model(), path, name?, time?);
+        return match played {
+            Ok((q, joints)) => Some((Some(q), Some(joints))),
+            Err(message) => at.fail(message),
+        };
+    }
+    let Some(at) = joints else {
+        return Some((None, None));
+    };
+    let matrices = at.all(At::array::<12>)?;
+    let (index, path) = asset?;
+    if let Err(message) = joints::check_count(assets.file(index).asset(), path, matrices.len()) {
+        return at.fail(message);
+    }
+    let rows =
+        |m: [f64; 12]| [0, 1, 2].map(|r| [m[4 * r], m[4 * r + 1], m[4 * r + 2], m[4 * r + 3]]);
+    Some((None, Some(matrices.into_iter().map(rows).collect())))
 }
 
 /// The placement, by the rules of [`Transform`].

@@ -20,6 +20,7 @@ use bdtree_runtime::{CacheSize, Instance, PoseError};
 
 use crate::asset_file::AssetFile;
 use crate::error::ToolError;
+use crate::posture::bones;
 use assets::Assets;
 use fields::{At, Problems};
 use instances::read_instances;
@@ -128,7 +129,8 @@ impl Scene {
         let bodies = self.instances.iter().enumerate().map(|(index, placed)| {
             let body = Instance::with_cache(self.files[placed.file].model(), size(index));
             let posed = body.and_then(|mut body| {
-                body.set_pose(&placed.q, placed.transform)?;
+                let bones = bones(placed.joints.as_deref());
+                body.set_pose_with_bones(&placed.q, bones, placed.transform)?;
                 Ok(body)
             });
             posed.map_err(|error| {
@@ -136,6 +138,7 @@ impl Scene {
                     PoseError::Rotation => ".rotation",
                     PoseError::Translation => ".translation",
                     PoseError::Scale => ".scale",
+                    PoseError::MatrixRange { .. } => ".joints",
                     _ if placed.frame.is_some() => ".frame",
                     _ => ".q",
                 };
