@@ -143,6 +143,8 @@ mod pages {
     struct BakeAnAnimation;
     #[doc = include_str!("../../docs/guide/pick-with-a-ray.md")]
     struct PickWithARay;
+    #[doc = include_str!("../../docs/guide/characters.md")]
+    struct Characters;
     #[doc = include_str!("../../docs/guide/pairs-in-contact.md")]
     struct PairsInContact;
 }
