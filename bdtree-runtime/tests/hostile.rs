@@ -7,10 +7,12 @@ use std::ops::ControlFlow;
 use std::sync::LazyLock;
 use std::time::Duration;
 
-use bdtree_fixtures::ask::{ask_everything, located, refused};
+use bdtree_fixtures::ask::{Answers, ask_everything, located, read_skin, refused};
 use bdtree_fixtures::compare::kernels;
 use bdtree_fixtures::hostile::{Run, Sources};
+use bdtree_fixtures::mutate::Damage;
 use bdtree_fixtures::sections::{put_together, take_apart};
+use bdtree_fixtures::skin::skinned_bar;
 use bdtree_fixtures::{mutate, poses};
 use bdtree_format::{Header, NodeRecord, SectionKind, SectionRecord};
 use bdtree_runtime::{
@@ -44,6 +46,44 @@ fn damaged_files_are_harmless() {
     assert!(summary.compared > cases / 50 && summary.broken > cases / 20);
     assert!(summary.holding > cases / 100 && summary.unclear < cases / 1000);
     assert!(summary.corrupt > cases && summary.answers > 10 * summary.corrupt);
+}
+
+/// Skins, skeletons and clips are read without a panic, whatever they hold; what passes the check is read whole.
+#[test]
+fn damaged_skins_are_harmless() {
+    let sound = Model::from_bytes(&skinned_bar()).expect("a sound file");
+    let mut answers = Answers::default();
+    read_skin(sound.asset(), &mut answers);
+    assert!(answers.given > 50 && answers.corrupt == 0);
+    let (mut opened, mut passed) = (0, 0);
+    for case in 0..4000 {
+        let mut rng = poses::rng(case);
+        let damage = [
+            Damage::Records,
+            Damage::Layout,
+            Damage::Tree,
+            Damage::Several,
+        ];
+        let bytes = damage[case as usize % 4].done_to(sound.asset(), &mut rng);
+        let model = match Model::from_bytes(&bytes) {
+            Ok(model) => model,
+            Err(error) => {
+                located(&error);
+                continue;
+            }
+        };
+        opened += 1;
+        let mut answers = Answers::default();
+        read_skin(model.asset(), &mut answers);
+        if !refused(model.asset()) {
+            passed += 1;
+            assert_eq!(answers.corrupt, 0, "case {case}: verify passed this file");
+        }
+    }
+    assert!(
+        opened > 2000 && passed > 20,
+        "{opened} opened, {passed} passed"
+    );
 }
 
 #[test]

@@ -13,8 +13,13 @@ import zlib
 # kind: required, element bytes, layouts (SPEC 4.2)
 KINDS = {b"NODE": (1, 32, 2), b"ROWS": (1, 32, 3), b"LIST": (1, 2, 1), b"TRIS": (1, 16, 1),
          b"SLOT": (1, 4, 1), b"VERT": (1, 12, 1), b"DISP": (1, 12, 1, 2), b"VMOD": (1, 8, 1),
+         b"SKIN": (1, 32, 1), b"INFS": (1, 4, 1), b"INFL": (1, 8, 1), b"BONE": (1, 176, 1),
+         b"BFLD": (1, 4, 1), b"BLSS": (1, 4, 1), b"BLST": (1, 2, 1), b"BROW": (1, 32, 1),
+         b"SKEL": (1, 64, 1), b"JNTS": (1, 4, 1), b"SNAM": (1, 1, 1),
+         b"CLIP": (0, 24, 1), b"CHAN": (0, 28, 1), b"KEYS": (0, 4, 1),
          b"FRMS": (0, 64, 1), b"FRMQ": (0, 4, 1), b"GRPS": (0, 20, 1), b"GNAM": (0, 1, 1),
          b"META": (0, 1, 2)}
+ALWAYS, OF_SKINS, OF_CLIPS = list(KINDS)[:7], list(KINDS)[8:19], list(KINDS)[19:22]
 
 
 def check(holds, rule, what):
@@ -79,10 +84,12 @@ def read_sections(data, at, count, end):
         table.append(dict(kind=name, offset=offset, bytes=length))
     check(end == len(data), "3.4", "bytes behind the last section")
     check([k for k in found if k in KINDS] == [k for k in KINDS if k in found], "4.2", "order of kinds")
-    check(all(k in found for k in KINDS if KINDS[k][0] and k != b"VMOD"), "4.2", "a section is missing")
+    check(all(k in found for k in ALWAYS), "4.2", "a section is missing")
     check((b"VMOD" in found) == (layouts[b"DISP"] == 2), "4.2", "VMOD and the layout of DISP")
-    for pair in ((b"GRPS", b"GNAM"), (b"FRMS", b"FRMQ")):
-        check((pair[0] in found) == (pair[1] in found), "4.2", "one section of a pair is missing")
+    for kinds in ((b"GRPS", b"GNAM"), (b"FRMS", b"FRMQ"), OF_SKINS, OF_CLIPS):
+        check(len({k in found for k in kinds}) == 1, "4.2", f"some sections are there: {kinds}")
+    check(b"SKIN" in found or b"CLIP" not in found, "4.2", "clips without a skin")
+    check(b"SKIN" not in found or b"FRMS" not in found, "4.2", "a skin and frames")
     return found, table
 
 
@@ -181,6 +188,132 @@ def read_frames(s, limits):
     return len(frames), times[-1] - times[0] if known else None
 
 
+def read_starts(data, end, rule, where):
+    starts = struct.unpack(f"<{len(data) // 4}I", data)
+    check(starts[0] == 0 and starts[-1] == end, rule, f"ends of {where}")
+    check(all(a <= b for a, b in zip(starts, starts[1:])), rule, where)
+    return list(zip(starts, starts[1:]))
+
+
+def read_influences(s):
+    """The bones of each vertex; checks them against what SKIN says."""
+    influences = list(struct.iter_unpack("<f2H", s[b"INFL"]))
+    most, _, defect, *reserved = struct.unpack("<2If5I", s[b"SKIN"])
+    floats(s[b"SKIN"][8:12], "SKIN")
+    check(not any(reserved) and most <= 255 and 0 <= defect <= 1, "7.7", "SKIN")
+    count, bones = len(s[b"BONE"]) // 176, []
+    for i, (start, end) in enumerate(read_starts(s[b"INFS"], len(influences), "7.7", "INFS")):
+        own = influences[start:end]
+        check(all(2.0 ** -32 <= w <= 2 and not zero for w, _, zero in own), "7.7", f"weights of vertex {i}")
+        bones.append([b for _, b, _ in own])
+        check(bones[i] == sorted(set(bones[i])) and max(bones[i], default=0) < count, "7.7", f"vertex {i}")
+        total = math.fsum(w for w, _, _ in own)
+        check(total <= 2 and abs(total - 1) <= defect + 2.0 ** -40 * total, "7.7", f"sum of vertex {i}")
+    check(most == max(map(len, bones)), "7.7", "influences_max")
+    return most, bones
+
+
+def read_bones(s, m, joint_count, bones_of):
+    """Checks bones against the vertices that they move."""
+    bones, positions = list(struct.iter_unpack("<2I12d18f", s[b"BONE"])), list(struct.iter_unpack("<3f", s[b"VERT"]))
+    fields = floats(s[b"BFLD"], "BFLD")
+    check(1 <= len(bones) <= 4096 and 1 <= joint_count <= 4096, "4.2", "bones, joints")
+    check(len(fields) == len(bones) * m, "4.3", "length of BFLD")
+    moved = [[] for _ in bones]
+    for p, own in zip(positions, bones_of):
+        for b in own:
+            moved[b].append(p)
+    for b, (joint, reserved, *numbers) in enumerate(bones):
+        floats(struct.pack("<18f", *numbers[12:]), f"bone {b}")
+        check(joint < joint_count and reserved == 0, "7.8", f"joint of bone {b}")
+        check(all(abs(x) <= 2.0 ** 80 for x in numbers[:12]), "7.8", f"inverse_bind of bone {b}")
+        low, high = numbers[24:27], numbers[27:]
+        check(moved[b] or not any(low + high), "7.8", f"box of bone {b}")
+        for p in moved[b]:
+            check(all(a <= x <= c for a, x, c in zip(low, p, high)), "7.8", f"box of bone {b}")
+
+
+def read_bone_lists(s):
+    """Checks the bones of nodes and their rows, but not what these bound."""
+    count, entries = len(s[b"BONE"]) // 176, struct.unpack(f"<{len(s[b'BLST']) // 2}H", s[b"BLST"])
+    spans = read_starts(s[b"BLSS"], len(entries), "6.10", "BLSS")
+    rows = floats(s[b"BROW"], "BROW")
+    check(len(rows) == 8 * (3 * len(spans) + 2 * len(entries)), "6.10", "length of BROW")
+    for i, (start, end) in enumerate(spans):
+        own, first = entries[start:end], 8 * (3 * i + 2 * start)
+        check(list(own) == sorted(set(own)) and max(own, default=0) < count, "6.10", f"bones of node {i}")
+        inner, leaf = s[b"NODE"][32 * i + 18:32 * i + 20]
+        for k in range(8):
+            lane = rows[first + k:first + 8 * (3 + 2 * (end - start)):8]
+            check(min(lane[:3]) >= 0, "6.10", f"lane {k} of node {i}")
+            check((inner | leaf) >> k & 1 or not any(lane), "6.10", f"empty lane {k} of node {i}")
+    longest = max(end - start for start, end in spans)
+    check(struct.unpack_from("<I", s[b"SKIN"], 4)[0] == longest, "7.7", "node_bones_max")
+
+
+def read_name(s, start, length):
+    name = s[b"SNAM"][start:start + length]
+    check(len(name) == length, "7.8", "a name outside of SNAM")
+    return name.decode("utf-8")
+
+
+def read_skeleton(s):
+    """Name and parent of each joint, and the kind of each node."""
+    nodes = list(struct.iter_unpack("<4I12f", s[b"SKEL"]))
+    joints = struct.unpack(f"<{len(s[b'JNTS']) // 4}I", s[b"JNTS"])
+    check(1 <= len(nodes) <= 16384, "4.2", "nodes of the skeleton")
+    for i, (parent, _, _, kind, *local) in enumerate(nodes):
+        floats(struct.pack("<12f", *local), f"node {i} of SKEL")
+        check(parent < i or parent == 2 ** 32 - 1, "7.8", f"parent of node {i} of SKEL")
+        check(kind < 2, "7.8", f"kind of node {i} of SKEL")
+        unit = abs(math.hypot(*local[3:7]) - 1) <= 2.0 ** -10
+        check(kind == 1 or unit and local[10:] == [0, 0], "7.8", f"parts of node {i} of SKEL")
+    names = [read_name(s, *node[1:3]) for node in nodes]
+    check(all(node < len(nodes) for node in joints) and len(set(joints)) == len(joints), "7.8", "JNTS")
+    joint_of, parents = {node: j for j, node in enumerate(joints)}, []
+    for node in joints:
+        above = nodes[node][0]
+        while above != 2 ** 32 - 1 and above not in joint_of:
+            above = nodes[above][0]
+        parents.append(joint_of.get(above))
+    return ([dict(name=names[node], parent=parent) for node, parent in zip(joints, parents)],
+            [node[3] for node in nodes])
+
+
+def read_clips(s, kinds, m):
+    """Name and seconds of each clip."""
+    keys, last = floats(s.get(b"KEYS", b""), "KEYS"), []
+    for i, (target, count, path, between, key_count, first, zero) in enumerate(
+            struct.iter_unpack("<7I", s.get(b"CHAN", b""))):
+        check(path < 4 and between < 3 and key_count >= 1 and zero == 0, "7.9", f"channel {i}")
+        if path == 3:
+            check(target + count <= m, "7.9", f"modes of channel {i}")
+        else:
+            check(count == 1 and target < len(kinds) and kinds[target] == 0, "7.9", f"node of channel {i}")
+        numbers = (3, 4, 3, count)[path] * (3 if between == 2 else 1)
+        check(first + key_count * (1 + numbers) <= len(keys), "7.9", f"keys of channel {i}")
+        times = keys[first:first + key_count]
+        check(times[0] >= 0 and all(a < b for a, b in zip(times, times[1:])), "7.9", f"times of channel {i}")
+        last.append(times[-1])
+    clips = []
+    for seconds, start, length, first, count in struct.iter_unpack("<d4I", s.get(b"CLIP", b"")):
+        check(first + count <= len(last), "7.9", "channels of a clip")
+        check(seconds == max(last[first:first + count], default=0), "7.9", "duration of a clip")
+        clips.append(dict(name=read_name(s, start, length), duration_s=seconds))
+    return clips
+
+
+def read_skin(s, m):
+    """Joints, clips and the largest number of influences."""
+    if b"SKIN" not in s:
+        return [], [], None
+    joints, kinds = read_skeleton(s)
+    most, bones_of = read_influences(s)
+    read_bones(s, m, len(joints), bones_of)
+    read_bone_lists(s)
+    return joints, read_clips(s, kinds, m), most
+
+
 def read_metadata(data, n, m):
     """Source name, source hash, error of the basis, name and default weight of each mode."""
     at = 0
@@ -223,12 +356,14 @@ def info(data):
     version, origin, unit, n, f, m, nodes, depth, sections, end, leaf_max, modes = read_header(data)
     s, table = read_sections(data, 128 + 32 * m, sections, end)
     per_vertex = dict(VMOD=n + 1) if b"VMOD" in s else dict(DISP=n * m)
-    for kind, count in dict(NODE=nodes, TRIS=f, SLOT=f, VERT=n, **per_vertex).items():
+    of_skin = dict(SKIN=1, INFS=n + 1, BLSS=nodes + 1) if b"SKIN" in s else {}
+    for kind, count in dict(NODE=nodes, TRIS=f, SLOT=f, VERT=n, **per_vertex, **of_skin).items():
         check(len(s[kind.encode()]) == count * KINDS[kind.encode()][1], "4.3", f"length of {kind}")
     check(all(len(s[k]) % KINDS[k][1] == 0 for k in s if k in KINDS), "4.3", "length of a section")
     lists, used = read_lists(s[b"LIST"], m), set()
     levels = read_tree(s, m, nodes, depth, leaf_max, f, lists, used)
     read_mesh(s, n, f, lists, used)
+    joints, clips, influences = read_skin(s, m)
     frames, duration = read_frames(s, [mode[0] for mode in modes])
     name, digest, error, described = None, None, None, [(None, None)] * m
     if b"META" in s:
@@ -242,6 +377,7 @@ def info(data):
         mode_info=[dict(name=name, frequency_hz=None if mode[4] == -1 else mode[4] / (2 * math.pi),
                         modal_mass_kg=None if mode[5] == -1 else mode[5], default_q=default)
                    for (name, default), mode in zip(described, modes)],
+        joints=joints, clips=clips, influences_max=influences,
         levels=[dict(level=i, spheres=len(r), radius_mean=sum(r) / len(r) * unit, radius_max=max(r) * unit)
                 for i, r in enumerate(levels)])
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use bdtree_fixtures::mutate;
+use bdtree_fixtures::skin::skinned_bar;
 use bdtree_format::SectionKind;
 
 fn root() -> PathBuf {
@@ -39,10 +40,61 @@ fn golden_files_are_read() {
         let output = read(&file);
         let errors = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{}: {errors}", file.display());
+        let [major, _, minor, ..] = fs::read(&file).expect("a golden file")[8..] else {
+            panic!("a version");
+        };
+        let version = format!("{{\"version\": \"{major}.{minor}\", \"bytes\": ");
+        assert!(output.stdout.starts_with(version.as_bytes()));
+    }
+}
+
+#[test]
+fn skins_are_read() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("bar.bdt");
+    let bytes = skinned_bar();
+    fs::write(&file, &bytes).expect("written");
+    let output = read(&file);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    for part in [
+        r#""joints": [{"name": "root", "parent": null}, {"name": "elbow", "parent": 0}, {"name": "tip", "parent": 1}]"#,
+        r#""clips": [{"name": "bend", "duration_s": 1.0}, {"name": "stretch", "duration_s": 2.0}]"#,
+        r#""influences_max": 3"#,
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+    // One rule of each section, broken under a checksum that fits.
+    for (kind, at, value, rule) in [
+        (SectionKind::SKIN, 0, 2_u32, "7.7"),
+        (SectionKind::INFLUENCE_STARTS, 0, 1, "7.7"),
+        (SectionKind::INFLUENCES, 0, 0, "7.7"),
+        (SectionKind::BONES, 0, 3, "7.8"),
+        (SectionKind::BONE_FIELDS, 0, 1, "5.1"),
+        (SectionKind::BONE_LIST_STARTS, 0, 1, "6.10"),
+        (SectionKind::BONE_LISTS, 0, 0, "6.10"),
+        (SectionKind::BONE_ROWS, 0, 0x8080_0000, "6.10"),
+        (SectionKind::SKELETON, 0, 0, "7.8"),
+        (SectionKind::JOINTS, 0, 2, "7.8"),
+        (SectionKind::CLIPS, 0, 1, "7.9"),
+        (SectionKind::CHANNELS, 8, 4, "7.9"),
+        (SectionKind::KEYS, 0, 0x3f80_0000, "7.9"),
+    ] {
+        let mut bytes = bytes.clone();
+        let at = mutate::section(&bytes, kind).start + at;
+        mutate::put(&mut bytes, at, &value.to_le_bytes());
+        mutate::repair(&mut bytes);
+        fs::write(&file, bytes).expect("written");
+        let output = read(&file);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success(), "{kind}");
         assert!(
-            output
-                .stdout
-                .starts_with(b"{\"version\": \"0.3\", \"bytes\": ")
+            errors.contains(&format!("(SPEC {rule})")),
+            "{kind}: {errors}"
         );
     }
 }

@@ -6,3 +6,4 @@ mod edits;
 mod open;
 mod rules;
 mod seen;
+mod skin;

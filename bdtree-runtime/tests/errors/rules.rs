@@ -6,11 +6,11 @@ use std::path::PathBuf;
 
 use bdtree_fixtures::mutate::{Damage, repair};
 use bdtree_fixtures::poses;
-use bdtree_runtime::{Asset, Transform, TriangleId, VertexId};
+use bdtree_runtime::{Asset, Model, Transform, TriangleId, VertexId};
 
 use crate::deep::list_twice;
 use crate::seen::{FILE, Seen};
-use crate::{asked, deep, open};
+use crate::{asked, deep, open, skin};
 
 /// Rules that no input reaches: they guard what earlier rules already ensure.
 const UNREACHABLE: [&str; 3] = [
@@ -54,6 +54,19 @@ fn every_rule_is_triggered() {
         repair(&mut bytes);
         seen.everything(&bytes);
     }
+    let skinned = skin::file();
+    let mut sound = Seen::default();
+    sound.skinned(&skinned);
+    assert!(sound.0.is_empty(), "{:?}", sound.0);
+    for change in skin::changes() {
+        let mut bytes = skinned.clone();
+        change(&mut bytes);
+        repair(&mut bytes);
+        seen.skinned(&bytes);
+    }
+    let model = Model::from_bytes(&skinned).expect("a sound file");
+    let unknown = model.asset().influences(VertexId(u32::MAX));
+    seen.note(&unknown.expect_err("no such vertex"));
     seen.everything(&list_twice(true));
     seen.everything(&list_twice(false));
     // Trees whose leaves share triangles, among others that are none.

@@ -6,7 +6,9 @@ use std::sync::LazyLock;
 
 use bdtree_build::input::{GroupKind, RawGroup};
 use bdtree_fixtures::bake;
-use bdtree_runtime::{Ball, Contact, FormatError, Instance, Model, QueryError, Workspace};
+use bdtree_runtime::{
+    Ball, Contact, FormatError, Instance, Model, QueryError, SkeletonError, SkeletonPose, Workspace,
+};
 
 /// Several nodes, six local modes (so the header block ends with padding), frames, groups,
 /// metadata.
@@ -43,6 +45,33 @@ impl Seen {
         );
         assert_eq!(text, expected);
         self.0.insert(error.rule.to_string());
+    }
+
+    /// Opens, verifies and plays the clips of a skin; notes everything.
+    pub(crate) fn skinned(&mut self, bytes: &[u8]) {
+        let model = match Model::from_bytes(bytes) {
+            Ok(model) => model,
+            Err(error) => return self.note(&error),
+        };
+        let asset = model.asset();
+        let sound = asset.verify(&mut |error| {
+            self.note(&error);
+            ControlFlow::Continue(())
+        });
+        let clips = asset.skeleton().map_or(0, |skeleton| skeleton.clip_count());
+        let played = SkeletonPose::new(&model)
+            .and_then(|mut pose| (0..clips).try_for_each(|clip| pose.play(clip, 0.75)));
+        match played {
+            Err(SkeletonError::Corrupt(error)) => {
+                assert!(!sound, "{error}");
+                let text = SkeletonError::from(error).to_string();
+                assert_eq!(text, error.to_string());
+                self.note(&error);
+            }
+            Err(SkeletonError::NoSkin) => assert!(asset.skeleton().is_none()),
+            Err(error) => panic!("{error}"),
+            Ok(()) => {}
+        }
     }
 
     /// Opens, verifies and asks; notes everything.
