@@ -24,7 +24,7 @@
 //! Mesh and fields that are in memory already go to [`bake_fields`]. What is wrong is a
 //! [`BakeError`]: every problem, each with its [`Place`](error::Place).
 //!
-//! Flow: [`recipe`] → [`input`] → [`basis`] (with [`elastic`] below it) → [`wrap::store`] → [`tree`] → [`wrap`](mod@wrap)
+//! Flow: [`recipe`] → [`input`] → [`basis`] (with [`elastic`] below it) → [`wrap::store`] (with [`skin::store`]) → [`tree`] → [`wrap`](mod@wrap)
 //! → [`encode`](mod@encode) → [`report`] → [`file`](mod@file).
 
 pub mod advise;
@@ -40,11 +40,12 @@ pub mod pipeline;
 pub mod progress;
 pub mod recipe;
 pub mod report;
+pub mod skin;
 pub mod tree;
 mod vec3;
 mod words;
 pub mod wrap;
 
 pub use error::BakeError;
-pub use pipeline::{BakeSettings, Baked, Provenance, bake, bake_fields};
+pub use pipeline::{BakeSettings, Baked, Provenance, bake, bake_fields, bake_skinned};
 pub use recipe::Recipe;

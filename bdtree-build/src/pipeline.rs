@@ -12,12 +12,13 @@ use crate::basis::{Basis, BasisError};
 use crate::encode::{Parts, encode};
 use crate::error::{BakeError, Part, Place, one_line};
 use crate::file::write_atomically;
-use crate::input::RawMesh;
+use crate::input::{RawMesh, RawSkin};
 use crate::motion;
 use crate::progress::Progress;
 use crate::recipe::Recipe;
 use crate::report::visits::{self, Visits};
 use crate::report::{self, BakeReport};
+use crate::skin::{self, Weights};
 use crate::tree::{self, Split, TreeSettings};
 use crate::wrap;
 
@@ -47,6 +48,8 @@ pub struct BakeSettings {
     /// Whether spheres hold those below them at every q ([`wrap::nest`]): larger bounds, for bounded
     /// depth where proxies are to lie in their ancestors' spheres.
     pub nested: bool,
+    /// What becomes of weights of bones whose sum is not 1.
+    pub weights: Weights,
     /// Threads to work with; the bytes do not depend on it.
     pub threads: usize,
 }
@@ -65,6 +68,7 @@ impl Default for BakeSettings {
             leaf_size: None,
             split: Split::default(),
             nested: false,
+            weights: Weights::default(),
             threads: 1,
         }
     }
@@ -139,7 +143,7 @@ pub fn bake(recipe: &Recipe, progress: &dyn Progress) -> Result<Baked, BakeError
     let moving = read.moving(recipe, progress).map_err(named)?;
 
     let mut baked = build(
-        (&moving.mesh, &moving.basis),
+        (&moving.mesh, &moving.basis, moving.skin.as_ref()),
         &recipe.settings,
         &moving.provenance,
         stages,
@@ -163,12 +167,30 @@ pub fn bake_fields(
     provenance: &Provenance,
     progress: &dyn Progress,
 ) -> Result<Baked, BakeError> {
-    build((mesh, basis), settings, provenance, Stages::new(progress))
+    let stages = Stages::new(progress);
+    build((mesh, basis, None), settings, provenance, stages)
+}
+
+/// The file of a mesh, its basis and what carries the vertices after the fields have moved them. Weights that the clips
+/// of the skin move are modes.
+///
+/// # Errors
+/// Those of [`bake_fields`]; what [`skin::store`] refuses; a skin and frames.
+pub fn bake_skinned(
+    mesh: &RawMesh,
+    basis: &Basis,
+    skin: &RawSkin,
+    settings: &BakeSettings,
+    provenance: &Provenance,
+    progress: &dyn Progress,
+) -> Result<Baked, BakeError> {
+    let stages = Stages::new(progress);
+    build((mesh, basis, Some(skin)), settings, provenance, stages)
 }
 
 /// Section 3.1, then the file.
 fn build(
-    (mesh, basis): (&RawMesh, &Basis),
+    (mesh, basis, skin): (&RawMesh, &Basis, Option<&RawSkin>),
     settings: &BakeSettings,
     provenance: &Provenance,
     mut stages: Stages<'_>,
@@ -183,11 +205,21 @@ fn build(
     // will read.
     stages.begin("store");
     let shape = wrap::store(mesh, basis, &mut warnings)?;
+    if skin.is_some() && shape.frames.is_some() {
+        let message = "a file with a skin has no frames: clips are what it plays";
+        return Err(BakeError::one("skin", Part::The("animation"), message));
+    }
+    let store = |skin| skin::store(mesh, skin, settings.weights, &shape, &mut warnings);
+    let stored_skin = skin.map(store).transpose()?;
 
     // The hierarchy is that of the undeformed mesh: fields are smooth, so triangles that are near at rest stay so.
     stages.begin("tree");
+    // Bones carry vertices elsewhere: with them it is that of the pose at rest.
+    let carried = stored_skin
+        .as_ref()
+        .map(|skin| skin::tree_positions(&shape, skin));
     let tree = tree::build_told(
-        &shape.positions,
+        carried.as_deref().unwrap_or(&shape.positions),
         &mesh.triangles,
         &TreeSettings {
             split: settings.split,
@@ -204,7 +236,15 @@ fn build(
     if settings.nested {
         // Looser: only for those who stop at a level and need proxies inside their ancestors.
         wrap::nest(&mut wrapped);
+        if skin.is_some() {
+            let warning =
+                "--nested: spheres hold those below them before bones carry them, not after";
+            warnings.push(warning.to_string());
+        }
     }
+    // A lane's sphere is carried as its vertices are: by the ranges of their weights.
+    let wrap_bones = |skin| wrap::wrap_bones(&tree, &mesh.triangles, skin, settings.threads);
+    let bones = stored_skin.as_ref().map(wrap_bones).transpose()?;
 
     // Everything lies in the file as queries read it, so that opening one costs nothing.
     stages.begin("encode");
@@ -216,6 +256,7 @@ fn build(
         shape: &shape,
         tree: &tree,
         wrapped: &wrapped,
+        skin: stored_skin.as_ref().zip(bones.as_ref()),
         metadata: &metadata,
     })?;
 
@@ -232,6 +273,12 @@ fn build(
         vertices: mesh.positions.len(),
         triangles: mesh.triangles.len(),
         modes: basis.mode_count(),
+        joints: stored_skin.as_ref().map(|skin| skin.joints.len()),
+        bones: stored_skin.as_ref().map(|skin| skin.bones.len()),
+        influences_max: stored_skin
+            .as_ref()
+            .map(|skin| skin.record.influences_max as usize),
+        clips: stored_skin.as_ref().map(|skin| skin.clips.len()),
         frames: shape.frames.as_ref().map(|frames| frames.records.len()),
         nodes: wrapped.nodes.len(),
         depth: tree.depth,

@@ -7,7 +7,7 @@ use crate::basis::elastic::{ElasticOptions, Fix, FixRegion};
 use crate::basis::given::Layout;
 use crate::basis::pca::PcaOptions;
 use crate::basis::volume::VolumeOptions;
-use crate::input::BadFaces;
+use crate::input::{BadFaces, SkinArrays};
 use crate::pipeline::BakeSettings;
 
 /// A whole bake, for [`bake`](crate::bake).
@@ -19,6 +19,8 @@ pub struct Recipe {
     pub settings: BakeSettings,
     /// What becomes of faces of the mesh file that cannot be read; frames and volumes are always read whole.
     pub bad_faces: BadFaces,
+    /// What carries the vertices, for sources that say nothing of it.
+    pub skin: Option<SkinArrays>,
     /// Options that a user gave, whether or not the source turns out to use them: those that it does not become
     /// warnings.
     pub stated: Vec<Stated>,
@@ -31,6 +33,11 @@ pub struct Stated {
     pub option: &'static str,
     /// The kinds of motion ([`Provenance::kind`](crate::pipeline::Provenance)) that use it.
     pub kinds: &'static [&'static str],
+}
+
+impl Stated {
+    /// The kind of sources with a skin, whatever else moves them.
+    pub const SKIN: &'static str = "skin";
 }
 
 /// A mesh and what moves it. Paths are read when the recipe is baked.
@@ -62,6 +69,9 @@ pub enum Motion {
     Morphs(Morphs),
     /// The morph targets of the surface's own file, or vibration modes where it has none.
     MorphsElseElastic(Morphs, Elastic),
+    /// What a file holds: its morph targets, nothing beside a skin without them, or vibration modes where it has
+    /// neither.
+    MorphsElseSkin(Morphs, Elastic),
     /// Fields made elsewhere.
     Given(Given),
 }
@@ -142,8 +152,16 @@ impl Recipe {
             source,
             settings: BakeSettings::default(),
             bad_faces: BadFaces::Refuse,
+            skin: None,
             stated: Vec::new(),
         }
+    }
+
+    /// Every file and folder that the bake reads by its name.
+    pub fn files(&self) -> Vec<&Path> {
+        let mut files = self.source.files();
+        files.extend(self.skin.iter().flat_map(SkinArrays::files));
+        files
     }
 
     /// The mesh at `path`, moved by `motion`, with default settings.
@@ -170,9 +188,9 @@ impl Source {
     pub(crate) fn scale_m(&self) -> Option<f64> {
         match self {
             Self::Surface { motion, .. } => match motion {
-                Motion::Elastic(elastic) | Motion::MorphsElseElastic(_, elastic) => {
-                    Some(elastic.options.scale_m)
-                }
+                Motion::Elastic(elastic)
+                | Motion::MorphsElseElastic(_, elastic)
+                | Motion::MorphsElseSkin(_, elastic) => Some(elastic.options.scale_m),
                 Motion::Rigid | Motion::Morphs(_) | Motion::Given(_) => None,
             },
             Self::Volume(volume) => Some(volume.options.scale_m),
@@ -187,7 +205,9 @@ impl Source {
             Self::Surface { path, motion, .. } => {
                 files.push(path.as_path());
                 match motion {
-                    Motion::Elastic(elastic) | Motion::MorphsElseElastic(_, elastic) => {
+                    Motion::Elastic(elastic)
+                    | Motion::MorphsElseElastic(_, elastic)
+                    | Motion::MorphsElseSkin(_, elastic) => {
                         files.extend(lists(&elastic.options.fixes));
                     }
                     Motion::Given(given) => {

@@ -33,6 +33,14 @@ pub struct BakeReport {
     pub triangles: usize,
     /// Number of modes.
     pub modes: usize,
+    /// Number of joints, if there is a skin.
+    pub joints: Option<usize>,
+    /// Number of bones, each a joint with an inverse bind matrix, if there is a skin.
+    pub bones: Option<usize>,
+    /// Most bones of a vertex, if there is a skin.
+    pub influences_max: Option<usize>,
+    /// Number of clips, if there is a skin.
+    pub clips: Option<usize>,
     /// Number of frames of the animation, if there is one.
     pub frames: Option<usize>,
     /// Number of eight-wide nodes.
@@ -64,7 +72,7 @@ pub struct BakeReport {
 }
 
 /// R'/R_opt of the lanes of one level at q = q_range; R_opt is the radius of the smallest ball
-/// of the deformed vertices.
+/// of the deformed vertices. Of a file with a skin both are those of the bind space, before bones carry them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LevelTightness {
     /// Level of the nodes.

@@ -23,6 +23,7 @@ mod pca_align;
 mod pca_corpus;
 mod pca_support;
 mod recipes;
+mod skin_arrays;
 mod smallest_balls;
 mod tree_support;
 mod tree_visits;

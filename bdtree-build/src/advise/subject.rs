@@ -91,6 +91,10 @@ impl Subject {
                         the error.";
             missing.push(text.to_string());
         }
+        if moving.skin.is_some() {
+            let text = "What is advised is measured before bones carry the vertices: the skin is left out.";
+            missing.push(text.to_string());
+        }
         let errors = match moving.errors_of_first {
             Some(errors) => Errors::measured(errors),
             None => Errors::against_all(

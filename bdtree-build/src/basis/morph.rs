@@ -12,6 +12,8 @@ use crate::input::{RawMesh, RawMorphs};
 pub struct MorphBasis {
     /// One field per target that is kept, with the clip's weights as its animation.
     pub basis: Basis,
+    /// The number of each field's target, ascending.
+    pub targets: Vec<usize>,
     /// The weight that the source gives each field where nothing is animated.
     pub default_weights: Vec<f64>,
     /// How far it is from all targets ([`Kept::error`]).
@@ -85,6 +87,7 @@ pub fn morph_basis(
             .iter()
             .map(|&j| morphs.targets[j].default_weight)
             .collect(),
+        targets: fields,
         basis,
         error,
     })

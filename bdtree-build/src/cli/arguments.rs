@@ -7,6 +7,7 @@ use bdtree_build::basis::given::Layout;
 use bdtree_build::basis::pca::About;
 use bdtree_build::basis::volume::MassMatrix;
 use bdtree_build::recipe::Stated;
+use bdtree_build::skin::Weights;
 use bdtree_build::tree::Split;
 use clap::Parser;
 
@@ -18,12 +19,14 @@ const GIVEN: &str = "Given fields";
 const PCA: &str = "Animations";
 const VOLUME: &str = "Given volumes";
 const BODY: &str = "Elastic modes";
+const SKIN: &str = "Skins";
 
 /// Bakes a mesh and a deformation basis into a memory-mappable .bdt file.
 ///
 /// The fields are the principal components of --animation, the vibration modes of --tets, the fields
 /// of --basis, or the morph targets of a glTF file; else the lowest elastic (vibration) modes of the
-/// body that the surface encloses are computed. --modes 0 bakes a rigid asset.
+/// body that the surface encloses are computed. --modes 0 bakes a rigid asset. Bones of a glTF file, or of
+/// --skin-weights, carry what the fields have moved; a glTF file with bones gets no elastic modes unless --modes asks.
 #[derive(Debug, Parser)]
 #[command(name = "bdtree-build", version)]
 pub(crate) struct Arguments {
@@ -41,7 +44,7 @@ pub(crate) struct Arguments {
     pub(crate) skip_bad_faces: bool,
 
     /// Number of modes, 0 to 512, or auto: as few as reach --max-error-rel [default: 10; with
-    /// --basis and morph targets: all].
+    /// --basis and morph targets: all; with the bones of a glTF file alone: 0].
     #[arg(long, value_name = "K|auto")]
     pub(crate) modes: Option<String>,
 
@@ -85,6 +88,23 @@ pub(crate) struct Arguments {
     /// that moves any].
     #[arg(long, value_name = "NAME", help_heading = "Morph targets")]
     pub(crate) clip: Option<String>,
+
+    /// What becomes of weights of bones whose sum is not 1: normalise (divide by it) or as-stored [default: normalise].
+    #[arg(long, value_name = "HOW", help_heading = SKIN)]
+    pub(crate) weights: Option<Weights>,
+
+    /// Weights of the bones of each vertex, for meshes without a skin of their own: .npy, f32 or f64, shape (N,I).
+    #[arg(long, value_name = "W.npy", requires_all = ["skin_joints", "inverse_bind"], help_heading = SKIN)]
+    pub(crate) skin_weights: Option<PathBuf>,
+
+    /// The joint of each of --skin-weights: .npy, whole numbers, shape (N,I).
+    #[arg(long, value_name = "J.npy", requires_all = ["skin_weights", "inverse_bind"], help_heading = SKIN)]
+    pub(crate) skin_joints: Option<PathBuf>,
+
+    /// Inverse bind matrix of each joint, from mesh coordinates to the joint's space, where it rests: .npy, f32 or f64,
+    /// shape (B,4,4) or (B,3,4).
+    #[arg(long, value_name = "B.npy", requires_all = ["skin_weights", "skin_joints"], help_heading = SKIN)]
+    pub(crate) inverse_bind: Option<PathBuf>,
 
     /// A volume mesh of tetrahedra or hexahedra whose modes move the mesh: .veg (VegaFEM), .vtk
     /// (legacy) or .msh (Gmsh). Without INPUT its surface is the mesh.
@@ -185,6 +205,7 @@ impl Arguments {
             (self.range_rel.is_some(), "--range-rel", FREE),
             (self.mass.is_some(), "--mass", &["volume"]),
             (self.clip.is_some(), "--clip", &["morph"]),
+            (self.weights.is_some(), "--weights", &[Stated::SKIN]),
         ]
         .into_iter()
         .filter(|(is_given, ..)| *is_given)

@@ -61,7 +61,7 @@ fn bake_file(
         .output
         .clone()
         .unwrap_or_else(|| default_output(recipe.source.main_file()));
-    check_output(&recipe.source, &output)?;
+    check_output(recipe, &output)?;
     let mut baked = bake(recipe, progress)?;
     progress.stage("file", None);
     let begin = Instant::now();
@@ -73,13 +73,14 @@ fn bake_file(
 
 /// Refuses an output that would overwrite what the bake reads, or what is no `.bdt` file, and one
 /// that cannot be written.
-fn check_output(source: &Source, output: &Path) -> Result<(), BakeError> {
+fn check_output(recipe: &Recipe, output: &Path) -> Result<(), BakeError> {
+    let source = &recipe.source;
     let refuse = |message: &str| Err(BakeError::one("file", output, message));
     let same = |path: &Path| {
         let both = (path.canonicalize(), output.canonicalize());
         matches!(both, (Ok(from), Ok(to)) if from == to)
     };
-    if source.files().into_iter().any(same) {
+    if recipe.files().into_iter().any(same) {
         return refuse("is an input: it would be overwritten");
     }
     let has = |extension: &str| {

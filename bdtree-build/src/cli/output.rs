@@ -149,6 +149,18 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
             digits(end)
         )?;
     }
+    if let (Some(joints), Some(bones), Some(most), Some(clips)) =
+        (r.joints, r.bones, r.influences_max, r.clips)
+    {
+        writeln!(
+            out,
+            "skin: {}, {}, at most {} of a vertex, {}",
+            counted(joints, "joint"),
+            counted(bones, "bone"),
+            counted(most, "influence"),
+            counted(clips, "clip")
+        )?;
+    }
     if let Some(frames) = r.frames {
         writeln!(out, "animation: {}", counted(frames, "frame"))?;
     }

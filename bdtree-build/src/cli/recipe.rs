@@ -7,7 +7,7 @@ use bdtree_build::basis::elastic::ElasticOptions;
 use bdtree_build::basis::pca::{self, About, PcaOptions};
 use bdtree_build::basis::volume::VolumeOptions;
 use bdtree_build::error::{BakeError, Part};
-use bdtree_build::input::BadFaces;
+use bdtree_build::input::{BadFaces, SkinArrays};
 use bdtree_build::pipeline::BakeSettings;
 use bdtree_build::recipe::{Elastic, Frames, Given, Morphs, Motion, Recipe, Source, Volume};
 
@@ -37,13 +37,24 @@ pub(super) fn of(arguments: &Arguments) -> Result<Recipe, BakeError> {
             leaf_size: arguments.leaf_size.map(usize::from),
             split: arguments.split,
             nested: arguments.nested,
+            weights: arguments.weights.unwrap_or_default(),
             threads: threads(arguments),
         },
         bad_faces: match arguments.skip_bad_faces {
             true => BadFaces::Skip,
             false => BadFaces::Refuse,
         },
+        skin: skin(arguments),
         stated: arguments.stated(),
+    })
+}
+
+/// The arrays of a skin; clap has seen to it that all are given or none.
+fn skin(arguments: &Arguments) -> Option<SkinArrays> {
+    Some(SkinArrays {
+        weights: arguments.skin_weights.clone()?,
+        joints: arguments.skin_joints.clone()?,
+        inverse_bind: arguments.inverse_bind.clone()?,
     })
 }
 
@@ -74,6 +85,9 @@ fn motion(arguments: &Arguments) -> Motion {
         memory_limit_bytes: memory_limit_bytes(arguments),
     };
     match vibration_modes(arguments) {
+        Some(mode_count) if arguments.modes() == Modes::Unsaid => {
+            Motion::MorphsElseSkin(morphs, elastic(arguments, mode_count))
+        }
         Some(mode_count) => Motion::MorphsElseElastic(morphs, elastic(arguments, mode_count)),
         // Only morph targets know how far fewer of them are from all.
         None => Motion::Morphs(morphs),
@@ -186,7 +200,7 @@ mod tests {
 
     #[test]
     fn arguments_choose_the_source() {
-        let Motion::MorphsElseElastic(morphs, elastic) = motion(&["a.glb"]) else {
+        let Motion::MorphsElseSkin(morphs, elastic) = motion(&["a.glb"]) else {
             panic!("a file without options has what it holds");
         };
         assert_eq!((morphs.keep, elastic.options.mode_count), (Keep::All, 10));

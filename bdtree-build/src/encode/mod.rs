@@ -5,16 +5,17 @@ use std::borrow::Cow;
 
 use bdtree_format::{
     GroupRecord, Header, LAYOUT_1, LAYOUT_2, MAGIC, Metadata, ModeRecord, SECTION_ALIGNMENT,
-    SECTION_LAYOUTS, SECTION_ORDER, SECTIONS_ALWAYS, SectionKind, SectionRecord, TriangleRecord,
-    VERSION_MAJOR, VERSION_MINOR, group_kind,
+    SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord, SkinRecord, TriangleRecord,
+    VERSION_MAJOR, VERSION_MINOR, group_kind, is_required,
 };
 use zerocopy::IntoBytes;
 
 use crate::basis::Basis;
 use crate::error::{BakeError, Part, Place};
 use crate::input::{GroupKind, RawGroup, RawMesh};
+use crate::skin::StoredSkin;
 use crate::tree::Tree;
-use crate::wrap::{StoredShape, WrappedTree};
+use crate::wrap::{StoredShape, WrappedBones, WrappedTree};
 
 /// What a file is made of.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +30,8 @@ pub struct Parts<'a> {
     pub tree: &'a Tree,
     /// Nodes and rows.
     pub wrapped: &'a WrappedTree,
+    /// What carries the vertices, and what nodes have of it.
+    pub skin: Option<(&'a StoredSkin, &'a WrappedBones)>,
     /// What people want to know.
     pub metadata: &'a Metadata,
 }
@@ -47,6 +50,10 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
         .map_err(|e| BakeError::one("encode", Place::NOWHERE, e.to_string()))?;
 
     let fields = displacements(parts);
+    let skin_record = parts.skin.map(|(skin, bones)| SkinRecord {
+        node_bones_max: bones.node_bones_max,
+        ..skin.record
+    });
     let mut sections: Vec<(SectionKind, &[u8])> = Vec::with_capacity(SECTION_ORDER.len());
     for kind in SECTION_ORDER {
         let bytes: &[u8] = match kind {
@@ -66,7 +73,10 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
             SectionKind::GROUPS if !groups.is_empty() => groups.as_bytes(),
             SectionKind::GROUP_NAMES if !groups.is_empty() => names.as_bytes(),
             SectionKind::METADATA => &metadata,
-            _ => continue,
+            _ => match skin_section(parts, skin_record.as_ref(), kind) {
+                Some(bytes) => bytes,
+                None => continue,
+            },
         };
         sections.push((kind, bytes));
     }
@@ -88,6 +98,33 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
     Ok(file)
 }
 
+/// The bytes of a section of the skin; `None` where the file has none.
+fn skin_section<'a>(
+    parts: &Parts<'a>,
+    record: Option<&'a SkinRecord>,
+    kind: SectionKind,
+) -> Option<&'a [u8]> {
+    let (skin, bones) = parts.skin?;
+    let has_clips = !skin.clips.is_empty();
+    Some(match kind {
+        SectionKind::SKIN => record?.as_bytes(),
+        SectionKind::INFLUENCE_STARTS => skin.starts.as_bytes(),
+        SectionKind::INFLUENCES => skin.influences.as_bytes(),
+        SectionKind::BONES => skin.bones.as_bytes(),
+        SectionKind::BONE_FIELDS => skin.bone_fields.as_bytes(),
+        SectionKind::BONE_LIST_STARTS => bones.list_starts.as_bytes(),
+        SectionKind::BONE_LISTS => bones.lists.as_bytes(),
+        SectionKind::BONE_ROWS => bones.rows.as_bytes(),
+        SectionKind::SKELETON => skin.skeleton.as_bytes(),
+        SectionKind::JOINTS => skin.joints.as_bytes(),
+        SectionKind::SKELETON_NAMES => skin.names.as_bytes(),
+        SectionKind::CLIPS if has_clips => skin.clips.as_bytes(),
+        SectionKind::CHANNELS if has_clips => skin.channels.as_bytes(),
+        SectionKind::KEYS if has_clips => skin.keys.as_bytes(),
+        _ => return None,
+    })
+}
+
 /// The record of a section with these bytes.
 fn section_record(parts: &Parts, kind: SectionKind, offset: usize, bytes: &[u8]) -> SectionRecord {
     let place = SECTION_ORDER.iter().position(|k| *k == kind);
@@ -98,15 +135,13 @@ fn section_record(parts: &Parts, kind: SectionKind, offset: usize, bytes: &[u8])
             .and_then(|p| SECTION_LAYOUTS[p].last().copied())
             .unwrap_or(0),
     };
-    let is_required =
-        place.is_some_and(|p| p < SECTIONS_ALWAYS) || kind == SectionKind::VERTEX_MODES;
     SectionRecord {
         kind,
         layout: layout.into(),
         offset: (offset as u64).into(),
         length: (bytes.len() as u64).into(),
         crc: crc32fast::hash(bytes).into(),
-        required: u32::from(is_required).into(),
+        required: u32::from(place.is_some_and(is_required)).into(),
     }
 }
 

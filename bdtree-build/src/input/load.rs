@@ -36,17 +36,17 @@ enum Format {
 ///
 /// Compression is recognized by content, so a compressed `.obj` and a plain `.obj.gz` are read
 /// too. The whole file is held in memory while it is read. Of a glTF file this is the mesh with all
-/// weights at 0; [`gltf::read_gltf`] has the morph targets too.
+/// weights at 0, in its bind pose; [`gltf::read_gltf`] has morph targets and the skin too.
 ///
 /// # Errors
 /// A path that cannot be read, a format that is not read, damaged compression, and every problem
 /// of the file (see [`obj::parse`], [`ply::parse`], [`stl::parse`], [`gltf::read_gltf`]), each with the
 /// path as given and the line, the face or the JSON path.
 pub fn read_mesh(path: &Path) -> Result<RawMesh, BakeError> {
-    read_model(path, None, BadFaces::Refuse).map(|model| model.mesh)
+    read_model(path, None, BadFaces::Refuse).map(RawModel::into_mesh)
 }
 
-/// The mesh at `path`, as [`read_mesh`] reads it, with its morph targets if it has some; `clip`
+/// The mesh at `path`, as [`read_mesh`] reads it, with its morph targets and its skin if it has some; `clip`
 /// names the animation that gives their weights over time, `bad_faces` says whether faces that cannot be read are
 /// left out.
 ///

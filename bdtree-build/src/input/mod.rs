@@ -18,11 +18,18 @@ mod load;
 mod morphs;
 mod number;
 pub(crate) mod read_file;
+mod skin;
+mod skin_arrays;
 
 use crate::vec3::{bounds, diagonal};
 pub(crate) use load::forget_folder;
 pub use load::{read_mesh, read_model};
 pub use morphs::{RawClip, RawModel, RawMorphs, RawTarget};
+pub use skin::{
+    Animated, KeyInterpolation, Local, RawBone, RawChannel, RawInfluences, RawSkeletonNode,
+    RawSkin, RawSkinClip, Rows,
+};
+pub use skin_arrays::SkinArrays;
 
 /// What becomes of faces that cannot be read: too few corners, a corner that is no vertex.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -1,14 +1,30 @@
 //! Morph targets and their weights over time, as a source has them.
 
-use super::RawMesh;
+use super::{RawMesh, RawSkin};
 
-/// A mesh with its morph targets: none for a file that has none.
+/// A mesh with its morph targets and its skin: none for a file that has none.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RawModel {
     /// The mesh with all weights at 0.
     pub mesh: RawMesh,
     /// What its weights do.
     pub morphs: RawMorphs,
+    /// What carries its vertices. Its clips move weights too: `morphs` then has none of its own.
+    pub skin: Option<RawSkin>,
+}
+
+impl RawModel {
+    /// The mesh alone, in its bind pose; a warning tells of a skin.
+    pub(crate) fn into_mesh(self) -> RawMesh {
+        let mut mesh = self.mesh;
+        if self.skin.is_some() {
+            let name = &mesh.name;
+            let warning =
+                format!("{name}: the skin is not used: the mesh is read in its bind pose");
+            mesh.warnings.push(warning);
+        }
+        mesh
+    }
 }
 
 /// Morph targets and, if the source has one, their weights over time.

@@ -1,4 +1,4 @@
-//! NumPy `.npy` arrays of floating-point numbers.
+//! NumPy `.npy` arrays of floating-point numbers, and of whole ones.
 //!
 //! Own reader: the header is one dictionary of three entries, and each size in it is checked
 //! against the file before anything is allocated. `npyz`, the oracle of the tests, is not safe
@@ -41,6 +41,84 @@ pub fn parse(bytes: &[u8], stage: &'static str, place: &str) -> Result<NpyArray,
     parse_bytes(bytes).map_err(|message| BakeError::one(stage, Place::file(place), message))
 }
 
+/// An array of whole numbers as it lies in a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NpyIntegers {
+    /// Extent per axis.
+    pub shape: Vec<usize>,
+    /// The entries in file order.
+    pub values: Vec<i64>,
+    /// Distance in `values` between neighbours along each axis.
+    pub strides: Vec<usize>,
+}
+
+impl NpyIntegers {
+    /// The entry at `index` (one number per axis); `None` outside the array.
+    pub fn get(&self, index: &[usize]) -> Option<i64> {
+        let inside = index.iter().zip(&self.shape).all(|(i, n)| i < n);
+        if index.len() != self.shape.len() || !inside {
+            return None;
+        }
+        let offset = index.iter().zip(&self.strides).map(|(i, s)| i * s).sum();
+        self.values.get::<usize>(offset).copied()
+    }
+}
+
+/// The array in `bytes`: integers of any size and endianness, C or Fortran order, any shape.
+///
+/// # Errors
+/// Anything that is no .npy file, another dtype, more or fewer bytes than the shape needs, a number beyond 63 bits.
+pub fn parse_integers(
+    bytes: &[u8],
+    stage: &'static str,
+    place: &str,
+) -> Result<NpyIntegers, BakeError> {
+    integers(bytes).map_err(|message| BakeError::one(stage, Place::file(place), message))
+}
+
+fn integers(bytes: &[u8]) -> Result<NpyIntegers, String> {
+    let (header, data) = split(bytes)?;
+    let dtype = dtype(header)?;
+    let is_big = dtype.starts_with('>');
+    let (is_signed, size) = match dtype.trim_start_matches(['<', '>', '|', '=']) {
+        "i1" => (true, 1),
+        "i2" => (true, 2),
+        "i4" => (true, 4),
+        "i8" => (true, 8),
+        "u1" => (false, 1),
+        "u2" => (false, 2),
+        "u4" => (false, 4),
+        "u8" => (false, 8),
+        _ => {
+            return Err(format!(
+                "dtype {}: needs whole numbers (i1 to u8)",
+                shown(dtype)
+            ));
+        }
+    };
+    let shape = shape(entry(header, "shape")?)?;
+    check_size(&shape, size, data.len() as u64)?;
+    let number = |bytes: &[u8]| -> Option<i64> {
+        let mut wide = [0; 8];
+        for (k, byte) in bytes.iter().enumerate() {
+            wide[if is_big { size - 1 - k } else { k }] = *byte;
+        }
+        let value = u64::from_le_bytes(wide);
+        let unused = 64 - 8 * size as u32;
+        if is_signed {
+            Some((value << unused) as i64 >> unused)
+        } else {
+            i64::try_from(value).ok()
+        }
+    };
+    let values: Option<Vec<i64>> = data.chunks_exact(size).map(number).collect();
+    Ok(NpyIntegers {
+        values: values.ok_or("a number is beyond 63 bits")?,
+        strides: strides(&shape, fortran_order(header)?),
+        shape,
+    })
+}
+
 fn parse_bytes(bytes: &[u8]) -> Result<NpyArray, String> {
     let header = Header::parse(bytes)?;
     let data = bytes.get(header.data_offset..).unwrap_or_default();
@@ -71,29 +149,8 @@ pub(crate) struct Header {
 impl Header {
     /// The header at the start of `bytes`, which may end anywhere behind it.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
-        let rest = bytes
-            .strip_prefix(b"\x93NUMPY")
-            .ok_or("is not a .npy file (no NumPy signature)")?;
-        let cut = "truncated in the header";
-        let (&[major, _minor], rest) = rest.split_first_chunk::<2>().ok_or(cut)?;
-        let (header_bytes, rest) = match major {
-            1 => {
-                let (size, rest) = rest.split_first_chunk::<2>().ok_or(cut)?;
-                (usize::from(u16::from_le_bytes(*size)), rest)
-            }
-            2 | 3 => {
-                let (size, rest) = rest.split_first_chunk::<4>().ok_or(cut)?;
-                (u32::from_le_bytes(*size) as usize, rest)
-            }
-            other => return Err(format!("unknown .npy version {other}")),
-        };
-        let (header, data) = rest.split_at_checked(header_bytes).ok_or(cut)?;
-        let header = std::str::from_utf8(header).map_err(|_| "header is not text")?;
-        let fortran = match word(entry(header, "fortran_order")?) {
-            "True" => true,
-            "False" => false,
-            _ => return Err("header: fortran_order is neither True nor False".into()),
-        };
+        let (header, data) = split(bytes)?;
+        let fortran = fortran_order(header)?;
         Ok(Self {
             number: number(header)?,
             shape: shape(entry(header, "shape")?)?,
@@ -104,32 +161,79 @@ impl Header {
 
     /// Nothing, if the shape needs exactly `found` bytes of data.
     pub(crate) fn check_size(&self, found: u64) -> Result<(), String> {
-        let shape = &self.shape;
-        let need = shape
-            .iter()
-            .try_fold(self.number.size(), |n, &extent| n.checked_mul(extent))
-            .ok_or_else(|| format!("shape {shape:?} is larger than any memory"))?
-            as u64;
-        if found == need {
-            return Ok(());
-        }
-        let odd = if found < need {
-            "truncated"
-        } else {
-            "has bytes after its data"
-        };
-        Err(format!(
-            "{odd}: shape {shape:?} needs {need} bytes of data, found {found}"
-        ))
+        check_size(&self.shape, self.number.size(), found)
     }
 }
 
-fn number(header: &str) -> Result<Number, String> {
+/// Nothing, if entries of `size` bytes in this shape need exactly `found` bytes of data.
+fn check_size(shape: &[usize], size: usize, found: u64) -> Result<(), String> {
+    let need = shape
+        .iter()
+        .try_fold(size, |n, &extent| n.checked_mul(extent))
+        .ok_or_else(|| format!("shape {shape:?} is larger than any memory"))? as u64;
+    if found == need {
+        return Ok(());
+    }
+    let odd = if found < need {
+        "truncated"
+    } else {
+        "has bytes after its data"
+    };
+    Err(format!(
+        "{odd}: shape {shape:?} needs {need} bytes of data, found {found}"
+    ))
+}
+
+/// The header's text and what stands behind it.
+fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
+    let rest = bytes
+        .strip_prefix(b"\x93NUMPY")
+        .ok_or("is not a .npy file (no NumPy signature)")?;
+    let cut = "truncated in the header";
+    let (&[major, _minor], rest) = rest.split_first_chunk::<2>().ok_or(cut)?;
+    let (header_bytes, rest) = match major {
+        1 => {
+            let (size, rest) = rest.split_first_chunk::<2>().ok_or(cut)?;
+            (usize::from(u16::from_le_bytes(*size)), rest)
+        }
+        2 | 3 => {
+            let (size, rest) = rest.split_first_chunk::<4>().ok_or(cut)?;
+            (u32::from_le_bytes(*size) as usize, rest)
+        }
+        other => return Err(format!("unknown .npy version {other}")),
+    };
+    let (header, data) = rest.split_at_checked(header_bytes).ok_or(cut)?;
+    let header = std::str::from_utf8(header).map_err(|_| "header is not text")?;
+    Ok((header, data))
+}
+
+fn fortran_order(header: &str) -> Result<bool, String> {
+    match word(entry(header, "fortran_order")?) {
+        "True" => Ok(true),
+        "False" => Ok(false),
+        _ => Err("header: fortran_order is neither True nor False".into()),
+    }
+}
+
+fn dtype(header: &str) -> Result<&str, String> {
     let descr = entry(header, "descr")?;
-    let dtype = descr
+    Ok(descr
         .strip_prefix(['\'', '"'])
         .and_then(|rest| rest.split(['\'', '"']).next())
-        .unwrap_or("a structure");
+        .unwrap_or("a structure"))
+}
+
+/// Text of a header, fit to be shown.
+fn shown(dtype: &str) -> String {
+    dtype
+        .chars()
+        .take(32)
+        .flat_map(char::escape_debug)
+        .collect()
+}
+
+fn number(header: &str) -> Result<Number, String> {
+    let dtype = dtype(header)?;
     Ok(match dtype {
         "<f4" => Number::F4Le,
         ">f4" => Number::F4Be,
@@ -148,11 +252,7 @@ fn number(header: &str) -> Result<Number, String> {
                 Some('O') => " (Python objects)",
                 _ => "",
             };
-            let shown: String = other
-                .chars()
-                .take(32)
-                .flat_map(char::escape_debug)
-                .collect();
+            let shown = shown(other);
             return Err(format!(
                 "dtype {shown}{kind}: needs float32 or float64 (f4, f8)"
             ));

@@ -6,7 +6,7 @@ use super::{Moving, Read, hexadecimal, name};
 use crate::basis::pca::{Modes, PcaOptions, pca_basis};
 use crate::error::BakeError;
 use crate::input::sequence::FrameSequence;
-use crate::input::{BadFaces, RawMesh, read_model};
+use crate::input::{BadFaces, RawMesh, RawModel, read_model};
 use crate::progress::Progress;
 use crate::recipe::Frames;
 
@@ -17,7 +17,7 @@ pub(super) fn read<'r>(
     progress: &dyn Progress,
 ) -> Result<Read<'r>, BakeError> {
     let path = frames.path.as_path();
-    let read = |path| read_model(path, None, bad_faces).map(|model| model.mesh);
+    let read = |path| read_model(path, None, bad_faces).map(RawModel::into_mesh);
     let surface = frames.surface.as_deref().map(read).transpose()?;
     let sequence = FrameSequence::open(path, surface.as_ref(), frames.fps, progress)?;
     let Some(mesh) = surface.or_else(|| sequence.first_mesh.clone()) else {

@@ -11,19 +11,21 @@ use std::path::Path;
 use crate::basis::elastic::ElasticReport;
 use crate::basis::volume::VolumeReport;
 use crate::basis::{Basis, BasisError};
-use crate::error::BakeError;
+use crate::error::{BakeError, Place};
 use crate::input::sequence::FrameSequence;
 use crate::input::volume::RawVolume;
-use crate::input::{RawMesh, RawModel, read_model};
+use crate::input::{RawMesh, RawModel, RawSkin, read_model};
 use crate::pipeline::Provenance;
 use crate::progress::Progress;
-use crate::recipe::{Frames, Motion, Recipe, Source, Volume};
+use crate::recipe::{Frames, Motion, Recipe, Source, Stated, Volume};
 
 /// A mesh with the fields that move it, and what is known of them.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Moving {
     pub(crate) mesh: RawMesh,
     pub(crate) basis: Basis,
+    /// What carries the vertices; weights that its clips move are modes.
+    pub(crate) skin: Option<RawSkin>,
     pub(crate) provenance: Provenance,
     /// How far the first 0, 1, … fields are from their source, where that was measured.
     pub(crate) errors_of_first: Option<Vec<BasisError>>,
@@ -65,7 +67,7 @@ impl Read<'_> {
                 frames::moving(&sequence, &mesh, frames, frames.options.modes, progress)
             }
         }?;
-        Ok(moving.stating(recipe))
+        Ok(moving.carried(recipe)?.stating(recipe))
     }
 
     /// The same, of frames with more components where the recipe's number leaves more than `max_error_rel`: as many
@@ -79,7 +81,7 @@ impl Read<'_> {
         match self {
             Self::Frames(sequence, mesh, frames) => {
                 let moving = frames::within(&sequence, &mesh, frames, max_error_rel, progress)?;
-                Ok(moving.stating(recipe))
+                Ok(moving.carried(recipe)?.stating(recipe))
             }
             other => other.moving(recipe, progress),
         }
@@ -88,23 +90,36 @@ impl Read<'_> {
 
 /// A surface with the fields that its motion has.
 fn surface(model: RawModel, motion: &Motion, progress: &dyn Progress) -> Result<Moving, BakeError> {
-    let RawModel { mesh, morphs } = model;
+    let RawModel {
+        mesh,
+        morphs,
+        mut skin,
+    } = model;
     let target_count = morphs.targets.len();
     let mut moving = match motion {
-        Motion::Morphs(asked) | Motion::MorphsElseElastic(asked, _) if target_count > 0 => {
-            return morphs::moving(mesh, &morphs, asked);
+        Motion::Morphs(asked)
+        | Motion::MorphsElseElastic(asked, _)
+        | Motion::MorphsElseSkin(asked, _)
+            if target_count > 0 =>
+        {
+            return morphs::moving(mesh, &morphs, skin, asked);
         }
         Motion::Rigid => Moving::rigid(mesh),
+        Motion::MorphsElseSkin(..) if skin.is_some() => Moving::rigid(mesh),
         Motion::Morphs(asked) => return Err(morphs::missing(&mesh, asked)),
-        Motion::Elastic(elastic) | Motion::MorphsElseElastic(_, elastic) => {
-            elastic::moving(mesh, elastic, progress)?
-        }
+        Motion::Elastic(elastic)
+        | Motion::MorphsElseElastic(_, elastic)
+        | Motion::MorphsElseSkin(_, elastic) => elastic::moving(mesh, elastic, progress)?,
         Motion::Given(given) => given::moving(mesh, given)?,
     };
     if target_count > 0 {
         let warning = format!("the {target_count} morph targets of the input are not used");
         moving.provenance.warnings.push(warning);
     }
+    if let Some(skin) = &mut skin {
+        skin.keep_targets(&[]);
+    }
+    moving.skin = skin;
     Ok(moving)
 }
 
@@ -123,6 +138,7 @@ impl Moving {
         Self {
             mesh,
             basis,
+            skin: None,
             provenance: Provenance {
                 kind: kind.to_string(),
                 ..Provenance::default()
@@ -158,10 +174,42 @@ impl Moving {
         }
     }
 
+    /// With the skin that the recipe gives it.
+    fn carried(mut self, recipe: &Recipe) -> Result<Self, BakeError> {
+        let Some(arrays) = &recipe.skin else {
+            return Ok(self);
+        };
+        if self.skin.is_some() {
+            let message = "the input has a skin of its own: give one or the other";
+            return Err(BakeError::one(
+                "skin",
+                Place::option("--skin-weights"),
+                message,
+            ));
+        }
+        self.skin = Some(arrays.read(self.mesh.positions.len())?);
+        for (setting, path) in ["skin-weights", "skin-joints", "inverse-bind"]
+            .iter()
+            .zip(arrays.files())
+        {
+            self.set(setting, name(path));
+        }
+        if self.basis.animation.take().is_some() {
+            let warning = "the frames are not stored: a file with a skin plays clips";
+            self.provenance.warnings.push(warning.to_string());
+        }
+        Ok(self)
+    }
+
     /// With what the recipe says of the tree in the metadata, and warnings of stated options that are of no use here.
     fn stating(mut self, recipe: &Recipe) -> Self {
         for stated in &recipe.stated {
-            if !stated.kinds.contains(&self.provenance.kind.as_str()) {
+            if stated.kinds == [Stated::SKIN] {
+                if self.skin.is_none() {
+                    let warning = format!("{} is not used: the input has no skin", stated.option);
+                    self.provenance.warnings.push(warning);
+                }
+            } else if !stated.kinds.contains(&self.provenance.kind.as_str()) {
                 let users = stated.kinds.join(" and ");
                 let warning = format!("{} is not used: only {users} modes need it", stated.option);
                 self.provenance.warnings.push(warning);
@@ -172,6 +220,9 @@ impl Moving {
         self.set("split", settings.split);
         if settings.nested {
             self.set("nested", true);
+        }
+        if self.skin.is_some() {
+            self.set("weights", settings.weights);
         }
         self
     }

@@ -4,19 +4,33 @@ use super::Moving;
 use crate::basis::dropped::Keep;
 use crate::basis::morph::morph_basis;
 use crate::error::{BakeError, Part, Place};
-use crate::input::{RawMesh, RawMorphs};
+use crate::input::{RawMesh, RawMorphs, RawSkin};
 use crate::recipe::Morphs;
 
-/// The mesh with its morph targets, and their weights over time if the file has some.
+/// The mesh with its morph targets, and their weights over time if the file has some: as frames, or in the clips of its
+/// skin.
 pub(super) fn moving(
     mesh: RawMesh,
     morphs: &RawMorphs,
+    mut skin: Option<RawSkin>,
     asked: &Morphs,
 ) -> Result<Moving, BakeError> {
     let mut warnings = Vec::new();
     let limit = asked.memory_limit_bytes;
-    let morph = morph_basis(&mesh, morphs, asked.keep, limit, &mut warnings)?;
+    let reached = skin
+        .as_ref()
+        .map(|skin| skin.largest_weights(morphs.targets.len()));
+    let mut morph = morph_basis(&mesh, morphs, asked.keep, limit, &mut warnings)?;
+    // Ranges hold what clips do, as they do with frames.
+    for (mode, &target) in morph.basis.modes.iter_mut().zip(&morph.targets) {
+        let reached = reached.as_ref().map_or(0.0, |reached| reached[target]);
+        mode.q_range = mode.q_range.map(|range| range.max(reached));
+    }
+    if let Some(skin) = &mut skin {
+        skin.keep_targets(&morph.targets);
+    }
     let mut moving = Moving::new(mesh, morph.basis, "morph");
+    moving.skin = skin;
     for (mode, weight) in moving.basis.modes.iter_mut().zip(morph.default_weights) {
         mode.default_q = Some(weight);
     }

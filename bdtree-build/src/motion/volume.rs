@@ -15,7 +15,7 @@ use crate::recipe::Volume;
 pub(super) fn read(volume: &Volume, bad_faces: BadFaces) -> Result<Read<'_>, BakeError> {
     let raw = read_volume(&volume.path)?;
     let mesh = match &volume.surface {
-        Some(path) => read_model(path, None, bad_faces)?.mesh,
+        Some(path) => read_model(path, None, bad_faces)?.into_mesh(),
         None => surface(&raw),
     };
     Ok(Read::Volume(raw, mesh, volume))

@@ -2,6 +2,7 @@
 //! 11), centered on smallest balls, with the second-order terms of docs/design/guarantees.md.
 
 pub mod ball;
+pub mod bones;
 mod check;
 pub mod frames;
 mod grid;
@@ -18,6 +19,7 @@ use bdtree_format::{
 };
 use zerocopy::IntoBytes;
 
+pub use bones::{WrappedBones, wrap_bones};
 pub use nested::nest;
 pub use stored::{ModeLimits, RANGE_DIAGONALS, StoredShape, store};
 

@@ -8,5 +8,8 @@ mod hostile;
 mod mistakes;
 mod morph;
 mod read;
+mod skin_mistakes;
+mod skin_rows;
+mod skins;
 mod support;
 mod twin;

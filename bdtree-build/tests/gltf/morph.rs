@@ -128,6 +128,7 @@ fn the_stated_error_is_what_dropped_targets_can_move() {
                 weights: (0..24).map(|i| if i == 15 { -3.0 } else { 0.5 }).collect(),
             }),
         },
+        skin: None,
     };
     let diagonal = diagonal(&model.mesh);
     let mut rng = rng(1);

@@ -44,6 +44,13 @@ pub(crate) struct File {
 /// A node's placement: columns of a 4 × 4 matrix.
 type Matrix = [[f64; 4]; 4];
 
+const IDENTITY: Matrix = [
+    [1.0, 0.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0, 0.0],
+    [0.0, 0.0, 1.0, 0.0],
+    [0.0, 0.0, 0.0, 1.0],
+];
+
 impl File {
     /// The file at `path`.
     ///
@@ -86,12 +93,6 @@ impl File {
     pub(crate) fn scene(&self) -> Twin {
         let mut twin = Twin::default();
         let scene = &self.json["scenes"][index(&self.json["scene"])];
-        const IDENTITY: Matrix = [
-            [1.0, 0.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0, 0.0],
-            [0.0, 0.0, 1.0, 0.0],
-            [0.0, 0.0, 0.0, 1.0],
-        ];
         for node in list(&scene["nodes"]) {
             self.node(index(node), &IDENTITY, &mut twin);
         }
@@ -124,6 +125,12 @@ impl File {
     fn node(&self, at: usize, outer: &Matrix, twin: &mut Twin) {
         let node = &self.json["nodes"][at];
         let world = product(outer, &placement(node));
+        // Joints say where a skinned mesh stands.
+        let own = if node["skin"].is_u64() {
+            &IDENTITY
+        } else {
+            &world
+        };
         if let Some(mesh) = node["mesh"].as_u64() {
             let mesh = &self.json["meshes"][mesh as usize];
             let count = list(&mesh["primitives"][0]["targets"]).len();
@@ -137,7 +144,7 @@ impl File {
             twin.weights
                 .extend((0..count).map(|k| weights.map_or(0.0, |w| number(&w[k]))));
             for primitive in list(&mesh["primitives"]) {
-                self.primitive(primitive, &world, first, twin);
+                self.primitive(primitive, own, first, twin);
             }
         }
         for child in list(&node["children"]) {

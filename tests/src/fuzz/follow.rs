@@ -96,7 +96,7 @@ pub(super) fn follow(thing: Thing, rng: &mut Pcg64Mcg) -> End {
 
 /// The mesh with its morph targets, smooth fields, none, or its vibration modes.
 fn of_model(model: RawModel, rng: &mut Pcg64Mcg) -> Result<(RawMesh, Basis), BakeError> {
-    let RawModel { mesh, morphs } = model;
+    let RawModel { mesh, morphs, .. } = model;
     let basis = if !morphs.targets.is_empty() {
         morph_basis(&mesh, &morphs, Keep::All, MEMORY_BYTES, &mut Vec::new())?.basis
     } else {

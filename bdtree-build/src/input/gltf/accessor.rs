@@ -26,12 +26,25 @@ pub(super) enum Purpose {
     Times,
     /// Weights of morph targets.
     Weights,
+    /// Joints of a skin.
+    Joints,
+    /// Weights of joints.
+    JointWeights,
+    /// Inverse bind matrices.
+    Matrices,
+    /// Translations and scales over time.
+    Vectors,
+    /// Rotations over time.
+    Rotations,
 }
 
 impl Purpose {
     fn kind(self) -> (Type, &'static str) {
         match self {
             Purpose::Positions { .. } | Purpose::Displacements { .. } => (Type::Vec3, "VEC3"),
+            Purpose::Vectors => (Type::Vec3, "VEC3"),
+            Purpose::Joints | Purpose::JointWeights | Purpose::Rotations => (Type::Vec4, "VEC4"),
+            Purpose::Matrices => (Type::Mat4, "MAT4"),
             Purpose::Indices | Purpose::Times | Purpose::Weights => (Type::Scalar, "SCALAR"),
         }
     }
@@ -51,8 +64,17 @@ impl Purpose {
             }
             Purpose::Indices => (!matches!(component, U8 | U16 | U32))
                 .then_some("UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT"),
-            Purpose::Times => (component != F32).then_some("FLOAT"),
-            Purpose::Weights => (component != F32 && !(small && normalized))
+            Purpose::Times | Purpose::Matrices | Purpose::Vectors => {
+                (component != F32).then_some("FLOAT")
+            }
+            Purpose::Joints => (!matches!(component, U8 | U16) || normalized)
+                .then_some("UNSIGNED_BYTE or UNSIGNED_SHORT, not normalized"),
+            Purpose::JointWeights => {
+                let is_share = normalized && matches!(component, U8 | U16);
+                let message = "FLOAT or normalized UNSIGNED_BYTE or UNSIGNED_SHORT";
+                (component != F32 && !is_share).then_some(message)
+            }
+            Purpose::Weights | Purpose::Rotations => (component != F32 && !(small && normalized))
                 .then_some("FLOAT or normalized BYTE or SHORT"),
         }
     }

@@ -1,14 +1,18 @@
 //! Placements of nodes: x ↦ L x + t in f64.
 
-use bdtree_runtime::math::rotation_matrix;
+use bdtree_runtime::math::{cross, dot, rotation_matrix};
 
 use super::document::ExactNode;
+use crate::input::{Local, Rows};
 
 /// Rotations whose length is off by more are said so.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// A matrix whose last row is off by more is none of a node.
 const LAST_ROW_TOLERANCE: f64 = 1e-5;
+
+/// A map whose linear part and its inverse have a larger product of norms loses too many digits when it is undone.
+const CONDITION_MAX: f64 = (1_u64 << 24) as f64;
 
 /// An affine map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +41,61 @@ impl Affine {
             .map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2])
     }
 
+    /// The map of [`Affine::rows`].
+    pub(super) fn of_rows(rows: &Rows) -> Self {
+        Self {
+            linear: rows.map(|[x, y, z, _]| [x, y, z]),
+            translation: rows.map(|row| row[3]),
+        }
+    }
+
+    /// Rows of L with t behind them.
+    pub(super) fn rows(&self) -> Rows {
+        std::array::from_fn(|i| {
+            let [x, y, z] = self.linear[i];
+            [x, y, z, self.translation[i]]
+        })
+    }
+
+    /// The map from sixteen numbers, column by column. The second value says that its last row is rounded.
+    ///
+    /// # Errors
+    /// A last row that is not 0, 0, 0, 1.
+    pub(super) fn of_columns(m: &[f64; 16]) -> Result<(Self, bool), String> {
+        let last = [m[3], m[7], m[11], m[15] - 1.0];
+        if !last.iter().all(|x| x.abs() <= LAST_ROW_TOLERANCE) {
+            return Err("its last row is not 0, 0, 0, 1".into());
+        }
+        let affine = Self {
+            linear: std::array::from_fn(|i| [m[i], m[4 + i], m[8 + i]]),
+            translation: [m[12], m[13], m[14]],
+        };
+        Ok((affine, last != [0.0; 4]))
+    }
+
+    /// What undoes the map; `None` where that has lost most of its digits or there is nothing.
+    pub(super) fn inverse(&self) -> Option<Self> {
+        let [a, b, c] = self.linear;
+        let cofactors = [cross(b, c), cross(c, a), cross(a, b)];
+        let determinant = dot(a, cofactors[0]);
+        // Columns of the inverse.
+        let columns = cofactors.map(|column| column.map(|x| x / determinant));
+        let linear: [[f64; 3]; 3] = std::array::from_fn(|i| columns.map(|column| column[i]));
+        let size =
+            |rows: &[[f64; 3]; 3]| rows.iter().map(|row| dot(*row, *row)).sum::<f64>().sqrt();
+        let condition = size(&self.linear) * size(&linear);
+        let turned = Self {
+            linear,
+            translation: [0.0; 3],
+        };
+        let translation = turned.vector(self.translation).map(|x| 0.0 - x);
+        let is_sound = condition <= CONDITION_MAX && translation.iter().all(|x| x.is_finite());
+        is_sound.then_some(Self {
+            linear,
+            translation,
+        })
+    }
+
     /// First `inner`, then this.
     pub(super) fn after(&self, inner: &Self) -> Self {
         let column = |k: usize| self.vector(inner.linear.map(|row| row[k]));
@@ -51,19 +110,13 @@ impl Affine {
     /// then translation. The second value says what is odd about it.
     pub(super) fn of_node(node: &ExactNode) -> Result<(Self, Option<String>), String> {
         if let Some(m) = node.matrix {
-            let last = [m[3], m[7], m[11], m[15] - 1.0];
-            if !last.iter().all(|x| x.abs() <= LAST_ROW_TOLERANCE) {
-                return Err("matrix: its last row is not 0, 0, 0, 1".into());
-            }
-            let affine = Self {
-                linear: std::array::from_fn(|i| [m[i], m[4 + i], m[8 + i]]),
-                translation: [m[12], m[13], m[14]],
-            };
+            let (affine, is_rounded) =
+                Self::of_columns(&m).map_err(|message| format!("matrix: {message}"))?;
             let parts =
                 node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
             let odd = if parts {
                 Some("matrix is used; translation, rotation and scale beside it are not")
-            } else if last != [0.0; 4] {
+            } else if is_rounded {
                 Some("matrix: its last row is taken as 0, 0, 0, 1, which it nearly is")
             } else {
                 None
@@ -91,6 +144,21 @@ impl Affine {
             translation,
         };
         Ok((affine, odd))
+    }
+}
+
+/// A node's placement as parts, which clips may animate, or as its matrix. The node is one that [`Affine::of_node`] took.
+pub(super) fn local(node: &ExactNode) -> Local {
+    if let Some(m) = node.matrix {
+        let affine = Affine::of_columns(&m).map_or(Affine::IDENTITY, |(affine, _)| affine);
+        return Local::Matrix(affine.rows());
+    }
+    let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let length = rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
+    Local::Parts {
+        translation: node.translation.unwrap_or_default(),
+        rotation: rotation.map(|x| x / length),
+        scale: node.scale.unwrap_or([1.0; 3]),
     }
 }
 

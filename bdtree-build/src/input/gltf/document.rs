@@ -15,7 +15,7 @@ use super::extensions;
 use super::notes::Notes;
 use super::quiet::contained;
 
-/// Parts of a document that say what a mesh looks like or how it is skinned.
+/// Parts of a document that say what a mesh looks like, and its skins, which are read where they are used.
 const UNREAD: [&str; 6] = [
     "cameras",
     "images",
@@ -48,6 +48,8 @@ pub(super) struct Document {
     pub(super) exact: Exact,
     /// Name of each material.
     pub(super) materials: Vec<Option<String>>,
+    /// The skins as they stand; `root` has none.
+    pub(super) skins: Vec<Value>,
 }
 
 /// What the crate's types leave out or round.
@@ -95,6 +97,7 @@ pub(super) fn parse(json: &[u8], notes: &mut Notes) -> Option<Document> {
     };
     check_version(&value, notes);
     let materials = names(&value, "materials");
+    let skins = value["skins"].as_array().cloned().unwrap_or_default();
     fill_in(&mut value, notes);
     check_size(&value, &mut String::new(), notes);
     if !notes.is_clean() {
@@ -111,6 +114,7 @@ pub(super) fn parse(json: &[u8], notes: &mut Notes) -> Option<Document> {
         root,
         exact,
         materials,
+        skins,
     })
 }
 
@@ -296,7 +300,7 @@ fn validate(root: &Root, notes: &mut Notes) {
 fn matters(at: &str, flaw: Flaw) -> bool {
     let key = at.rsplit('.').next().unwrap_or(at);
     match key {
-        // Not read: the elements were taken out.
+        // The elements were taken out.
         "camera" | "material" | "skin" | "normals" | "tangents" => false,
         // Bounds are not used.
         "min" | "max" => false,

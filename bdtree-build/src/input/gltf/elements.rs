@@ -43,7 +43,7 @@ impl Strided<'_> {
 }
 
 impl Elements<'_> {
-    /// All elements in order. W is 3 for VEC3 and 1 for SCALAR.
+    /// All elements in order. W is 1 for SCALAR, 3 for VEC3, 4 for VEC4, 16 for MAT4.
     pub(super) fn all<const W: usize>(&self) -> Vec<[f64; W]> {
         let mut all = match self.base {
             Some(base) => (0..self.count)

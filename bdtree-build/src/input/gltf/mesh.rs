@@ -7,6 +7,7 @@ use super::accessor::{Accessors, Purpose};
 use super::document::Document;
 use super::notes::Notes;
 use super::topology;
+use super::weights::{self, JointWeights};
 
 /// Vertex and displacement, by ascending vertex.
 pub(super) type Displacements = Vec<(u32, [f64; 3])>;
@@ -32,14 +33,16 @@ pub(super) struct PrimitiveData {
     /// Per morph target the displacements that are not zero; `None` where the target does not speak
     /// of positions.
     pub(super) targets: Vec<Option<Displacements>>,
+    /// The joints of its vertices, where a skin moves the mesh.
+    pub(super) joints: Option<JointWeights>,
 }
 
-/// Mesh `index`, with what is wrong in it noted.
+/// Mesh `index`, with what is wrong in it noted. `is_skinned`: a skin moves it somewhere.
 pub(super) fn read(
     document: &Document,
     accessors: &Accessors<'_>,
     quantised: bool,
-    index: usize,
+    (index, is_skinned): (usize, bool),
     notes: &mut Notes,
 ) -> MeshData {
     let mut data = MeshData::default();
@@ -66,6 +69,7 @@ pub(super) fn read(
                 let reader = Reader {
                     accessors,
                     quantised,
+                    is_skinned,
                     place: format!("meshes[{index}].primitives[{i}]"),
                     notes: &mut *notes,
                 };
@@ -80,6 +84,7 @@ pub(super) fn read(
 struct Reader<'a, 'b> {
     accessors: &'a Accessors<'b>,
     quantised: bool,
+    is_skinned: bool,
     /// JSON path of the primitive.
     place: String,
     notes: &'a mut Notes,
@@ -115,8 +120,21 @@ impl Reader<'_, '_> {
                 self.displacements(k, accessor.value(), positions.len())
             })
             .collect();
+        let joints = if self.is_skinned {
+            let count = positions.len();
+            Some(weights::read(
+                primitive,
+                count,
+                self.accessors,
+                &self.place,
+                self.notes,
+            )?)
+        } else {
+            None
+        };
         Some(PrimitiveData {
             index,
+            joints,
             positions,
             triangles,
             material: primitive.material.map(|material| material.value()),

@@ -1,9 +1,9 @@
-//! glTF 2.0, `.gltf` and `.glb`: meshes where the scene's nodes put them, and their morph targets.
+//! glTF 2.0, `.gltf` and `.glb`: meshes where the scene's nodes put them, their morph targets, and what carries them.
 //!
 //! What is read and what is not, ids, names, clips and errors: `docs/reference/morph-targets.md`. The `gltf`
 //! crate reads and validates the document; buffers and accessors are read here, checked first.
 //!
-//! Flow: container → document → nodes → plan → mesh → model → clip.
+//! Flow: container → document → nodes → plan → skeleton → mesh (with weights) → model → clip, or motions with a skin.
 
 mod accessor;
 mod affine;
@@ -16,32 +16,36 @@ mod elements;
 mod extensions;
 mod mesh;
 mod model;
+mod motions;
 mod nodes;
 mod notes;
 mod plan;
 mod quiet;
 mod samplers;
+mod skeleton;
 mod topology;
 mod uri;
+mod weights;
 
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use super::{RawModel, RawMorphs, forget_folder};
+use super::{RawModel, RawMorphs, RawSkin, Rows, forget_folder};
 use crate::error::BakeError;
 use accessor::Accessors;
 use buffers::Buffers;
 use mesh::MeshData;
 use model::Model;
 use notes::Notes;
+pub(super) use weights::add_equal;
 
 /// The mesh and the morph targets in the glTF file at `path`, binary or text.
 ///
 /// Vertices: the default scene's mesh nodes depth first, their primitives in order, each with all
-/// elements of its positions, moved by the node's world matrix at rest. Buffers are the binary
+/// elements of its positions, moved by the node's world matrix at rest unless a skin moves them. Buffers are the binary
 /// chunk, `data:` URIs or files in the document's folder. `clip` names the animation to read;
-/// `None` takes the first that moves weights. The hash is that of the file at `path` alone.
+/// `None` takes the first that moves weights. A file with a skin has all of them. The hash is that of the file at `path` alone.
 ///
 /// # Errors
 /// Every problem with its JSON path, the first 100: damaged or unsupported files, required
@@ -60,6 +64,13 @@ pub fn read_gltf(path: &Path, clip: Option<&str>) -> Result<RawModel, BakeError>
         .unwrap_or_default();
     forget_folder(path, &mut model.mesh.warnings);
     Ok(model)
+}
+
+/// What undoes an affine map; `None` where most of its digits would be lost.
+pub(super) fn inverse(rows: &Rows) -> Option<Rows> {
+    affine::Affine::of_rows(rows)
+        .inverse()
+        .map(|inverse| inverse.rows())
 }
 
 /// The model in the glTF bytes `bytes`; `name` and `hash` are left empty.
@@ -87,8 +98,9 @@ fn read(bytes: &[u8], folder: &Path, clip: Option<&str>, notes: &mut Notes) -> O
     let container = container::split(bytes, notes)?;
     let document = document::parse(&container.json, notes)?;
     let root = &document.root;
-    let instances = nodes::instances(&document, notes);
-    plan::check(root, &instances, notes);
+    let animated = skeleton::animated_nodes(&document);
+    let mut scene = nodes::scene(&document, &animated, notes);
+    plan::check(root, &scene.instances, notes);
     if !notes.is_clean() {
         return None;
     }
@@ -96,6 +108,8 @@ fn read(bytes: &[u8], folder: &Path, clip: Option<&str>, notes: &mut Notes) -> O
         list: &root.accessors,
         buffers: Buffers::new(root, container.binary.as_deref(), folder),
     };
+    let rig = skeleton::read(&document, &mut scene, &accessors, notes);
+    let instances = scene.instances;
     let quantised = root
         .extensions_used
         .iter()
@@ -103,24 +117,34 @@ fn read(bytes: &[u8], folder: &Path, clip: Option<&str>, notes: &mut Notes) -> O
     let mut meshes: Vec<MeshData> = Vec::new();
     meshes.resize_with(root.meshes.len(), MeshData::default);
     let mut is_read = vec![false; meshes.len()];
+    let mut is_skinned = vec![false; meshes.len()];
+    for instance in instances.iter().filter(|i| i.skin.is_some()) {
+        if let Some(is_skinned) = is_skinned.get_mut(instance.mesh) {
+            *is_skinned = true;
+        }
+    }
     for instance in &instances {
         if let Some(is_read) = is_read.get_mut(instance.mesh)
             && !std::mem::replace(is_read, true)
         {
             let index = instance.mesh;
-            meshes[index] = mesh::read(&document, &accessors, quantised, index, notes);
+            let which = (index, is_skinned[index]);
+            meshes[index] = mesh::read(&document, &accessors, quantised, which, notes);
         }
     }
     if !notes.is_clean() {
         return None;
     }
-    let model = Model::build(&document, &instances, &meshes, notes);
+    let model = Model::build(&document, &instances, &meshes, rig.as_ref(), notes);
     if model.mesh.triangles.is_empty() {
         let message = match notes.skipped() {
             Some(skipped) => format!("no triangles, only {skipped}"),
             None => "no triangles".to_string(),
         };
         notes.problem("", message);
+    }
+    if let Some(rig) = rig {
+        return skinned(model, rig, root, &accessors, clip, notes);
     }
     let defaults: Vec<f64> = model.targets.iter().map(|t| t.default_weight).collect();
     let clip = clip::read(
@@ -137,5 +161,38 @@ fn read(bytes: &[u8], folder: &Path, clip: Option<&str>, notes: &mut Notes) -> O
             targets: model.targets,
             clip,
         },
+        skin: None,
+    })
+}
+
+/// The model with its skin and all that its animations do.
+fn skinned(
+    model: Model,
+    rig: skeleton::Rig,
+    root: &gltf::json::Root,
+    accessors: &Accessors<'_>,
+    clip: Option<&str>,
+    notes: &mut Notes,
+) -> Option<RawModel> {
+    if clip.is_some() {
+        notes.warn(
+            "animations",
+            "--clip is not used: a file with a skin gets all of them",
+        );
+    }
+    let clips = motions::read(&root.animations, accessors, &rig, &model.nodes, notes);
+    Some(RawModel {
+        mesh: model.mesh,
+        morphs: RawMorphs {
+            targets: model.targets,
+            clip: None,
+        },
+        skin: Some(RawSkin {
+            influences: model.influences,
+            bones: rig.bones,
+            joints: rig.joints,
+            skeleton: rig.skeleton,
+            clips,
+        }),
     })
 }

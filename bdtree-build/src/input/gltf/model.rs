@@ -4,8 +4,10 @@ use super::document::Document;
 use super::mesh::{MeshData, PrimitiveData};
 use super::nodes::Instance;
 use super::notes::Notes;
+use super::skeleton::{Carriers, Rig};
+use super::weights::{Kind, add_equal};
 use crate::input::degenerate::Oddity;
-use crate::input::{GroupKind, RawGroup, RawMesh, RawTarget};
+use crate::input::{GroupKind, RawGroup, RawInfluences, RawMesh, RawTarget};
 
 /// The morph targets that one node has of its mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,18 +24,22 @@ pub(super) struct Model {
     pub(super) mesh: RawMesh,
     pub(super) targets: Vec<RawTarget>,
     pub(super) nodes: Vec<MorphNode>,
+    /// The bones of the vertices, where there are bones.
+    pub(super) influences: RawInfluences,
 }
 
 impl Model {
-    /// All instances in order; `meshes[i]` is mesh i of the file. The counts were planned, so that
-    /// 32 bits hold them.
+    /// All instances in order; `meshes[i]` is mesh i of the file, `rig` what carries them. The counts were planned,
+    /// so that 32 bits hold them.
     pub(super) fn build(
         document: &Document,
         instances: &[Instance],
         meshes: &[MeshData],
+        rig: Option<&Rig>,
         notes: &mut Notes,
     ) -> Self {
         let mut model = Self::default();
+        model.influences.starts.push(0);
         let morphing = |i: &&Instance| meshes.get(i.mesh).is_some_and(|m| m.target_count > 0);
         let several = instances.iter().filter(morphing).count() > 1;
         for instance in instances {
@@ -47,6 +53,9 @@ impl Model {
             model.group(GroupKind::Object, name.clone(), 0);
             for primitive in &data.primitives {
                 model.primitive(document, instance, primitive, notes);
+                if let Some(rig) = rig {
+                    model.carry(instance, primitive, rig, notes);
+                }
             }
             let added = model.mesh.triangles.len() - first_triangle;
             model.mesh.groups[group].triangle_count = added as u32;
@@ -98,6 +107,49 @@ impl Model {
             }
             self.mesh.triangles.push(corners);
         }
+    }
+
+    /// Adds the bones of a primitive's vertices.
+    fn carry(
+        &mut self,
+        instance: &Instance,
+        primitive: &PrimitiveData,
+        rig: &Rig,
+        notes: &mut Notes,
+    ) {
+        let at = format!(
+            "meshes[{}].primitives[{}].attributes",
+            instance.mesh, primitive.index
+        );
+        let all = &mut self.influences;
+        // No loss: the counts were planned.
+        all.places.push((all.starts.len() as u32 - 1, at.clone()));
+        let mut own = Vec::new();
+        let mut out_of_range = Kind::default();
+        for vertex in 0..primitive.positions.len() {
+            own.clear();
+            match rig.carriers(instance.node, instance.skin) {
+                Some(Carriers::One(bone)) => own.push((bone, 1.0)),
+                Some(Carriers::Skin(bones)) => {
+                    let joints = primitive.joints.as_ref().map(|joints| joints.of(vertex));
+                    for &(joint, weight) in joints.unwrap_or_default() {
+                        match bones.get(usize::from(joint)) {
+                            Some(&bone) => own.push((bone, weight)),
+                            None => out_of_range.add(vertex, || {
+                                let skin = instance.skin.unwrap_or_default();
+                                let count = bones.len();
+                                format!("joint {joint}, but skins[{skin}] has {count} joints")
+                            }),
+                        }
+                    }
+                    add_equal(&mut own);
+                }
+                None => {}
+            }
+            all.list.extend_from_slice(&own);
+            all.starts.push(all.list.len() as u32);
+        }
+        out_of_range.tell(&at, notes);
     }
 
     fn targets(

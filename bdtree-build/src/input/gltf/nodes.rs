@@ -1,5 +1,7 @@
 //! Which meshes stand where: the scene's nodes, depth first, children in order.
 
+use std::collections::HashSet;
+
 use super::affine::Affine;
 use super::document::Document;
 use super::notes::Notes;
@@ -10,8 +12,21 @@ pub(super) struct Instance {
     /// The node; `None` where there is no scene and a mesh stands for itself.
     pub(super) node: Option<usize>,
     pub(super) mesh: usize,
-    /// From the mesh's coordinates to the scene's.
+    /// From the mesh's coordinates to where its vertices are read: the scene's, unless bones carry it.
     pub(super) world: Affine,
+    /// The skin that the node names.
+    pub(super) skin: Option<usize>,
+    /// An animation moves the node or one above it.
+    pub(super) is_animated: bool,
+}
+
+/// What the scene places.
+#[derive(Debug, Default)]
+pub(super) struct Scene {
+    /// Meshes in order.
+    pub(super) instances: Vec<Instance>,
+    /// Per node of the document, whether the scene has it.
+    pub(super) is_placed: Vec<bool>,
 }
 
 impl Instance {
@@ -33,8 +48,8 @@ impl Instance {
 /// coordinates (glTF 2.0, 3.5.1: without scenes a file is a library of meshes).
 ///
 /// Notes nodes that are reached twice and placements that are none. The walk keeps its own stack:
-/// any depth will do.
-pub(super) fn instances(document: &Document, notes: &mut Notes) -> Vec<Instance> {
+/// any depth will do. `animated` are the nodes that animations move.
+pub(super) fn scene(document: &Document, animated: &HashSet<usize>, notes: &mut Notes) -> Scene {
     let root = &document.root;
     let default = root.scene.map_or(0, |scene| scene.value());
     let Some(scene) = root.scenes.get(default) else {
@@ -42,21 +57,25 @@ pub(super) fn instances(document: &Document, notes: &mut Notes) -> Vec<Instance>
             "",
             "no scene: every mesh is read in its own coordinates, no node is",
         );
-        return (0..root.meshes.len())
-            .map(|mesh| Instance {
-                node: None,
-                mesh,
-                world: Affine::IDENTITY,
-            })
-            .collect();
+        let alone = |mesh: usize| Instance {
+            node: None,
+            mesh,
+            world: Affine::IDENTITY,
+            skin: None,
+            is_animated: false,
+        };
+        return Scene {
+            instances: (0..root.meshes.len()).map(alone).collect(),
+            is_placed: vec![false; root.nodes.len()],
+        };
     };
     let mut instances = Vec::new();
-    let mut skinned = 0;
     let mut parents: Vec<Option<Parent>> = vec![None; root.nodes.len()];
-    let mut stack: Vec<(usize, Parent, Affine)> = Vec::new();
+    let mut stack: Vec<(usize, Parent, Affine, bool)> = Vec::new();
     let roots = scene.nodes.iter().rev();
-    stack.extend(roots.map(|node| (node.value(), Parent::Scene(default), Affine::IDENTITY)));
-    while let Some((index, parent, outer)) = stack.pop() {
+    let root_of = |node: usize| (node, Parent::Scene(default), Affine::IDENTITY, false);
+    stack.extend(roots.map(|node| root_of(node.value())));
+    while let Some((index, parent, outer, is_below)) = stack.pop() {
         let (Some(node), Some(known)) = (root.nodes.get(index), parents.get_mut(index)) else {
             notes.problem(parent, format!("there is no nodes[{index}]"));
             continue;
@@ -83,30 +102,24 @@ pub(super) fn instances(document: &Document, notes: &mut Notes) -> Vec<Instance>
             None => Affine::IDENTITY,
         };
         let world = outer.after(&own);
+        let is_animated = is_below || animated.contains(&index);
         if let Some(mesh) = node.mesh {
-            skinned += usize::from(node.skin.is_some());
             instances.push(Instance {
                 node: Some(index),
                 mesh: mesh.value(),
                 world,
+                skin: node.skin.as_ref().map(|skin| skin.value()),
+                is_animated,
             });
         }
         let children = node.children.iter().flatten().rev();
-        stack.extend(children.map(|child| (child.value(), Parent::Node(index), world)));
+        let below = |child: usize| (child, Parent::Node(index), world, is_animated);
+        stack.extend(children.map(|child| below(child.value())));
     }
-    if skinned > 0 {
-        let nodes = if skinned == 1 {
-            "1 mesh node is"
-        } else {
-            &format!("{skinned} mesh nodes are")
-        };
-        let message = format!(
-            "{nodes} skinned, and bones are not read: the mesh is baked in its bind pose. To bake its motion, export \
-             the frames of an animation (a folder of .obj files, .pc2 or .mdd) and give them as --animation"
-        );
-        notes.warn("", message);
+    Scene {
+        instances,
+        is_placed: parents.iter().map(Option::is_some).collect(),
     }
-    instances
 }
 
 /// What a node hangs from.

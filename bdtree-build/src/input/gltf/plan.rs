@@ -7,7 +7,7 @@ use gltf::json::{Accessor, Root};
 use super::nodes::Instance;
 use super::notes::Notes;
 
-/// Most vertices, triangles, displacements and animated weights of a model, each.
+/// Most vertices, triangles, displacements, joint weights and animated weights of a model, each.
 pub(super) const ELEMENTS_MAX: u64 = 1 << 27;
 
 /// Most primitives.
@@ -17,21 +17,29 @@ const PRIMITIVES_MAX: u64 = 1 << 20;
 const TARGETS_MAX: u64 = 1 << 16;
 
 /// What is counted, and how much of it is read.
-const LIMITS: [(&str, u64); 5] = [
+const LIMITS: [(&str, u64); 6] = [
     ("vertices", ELEMENTS_MAX),
     ("triangles", ELEMENTS_MAX),
     ("displacements of morph targets", ELEMENTS_MAX),
     ("primitives", PRIMITIVES_MAX),
     ("morph targets", TARGETS_MAX),
+    ("weights of joints", ELEMENTS_MAX),
 ];
 
 /// Counts in the order of [`LIMITS`], never too small.
-type Size = [u64; 5];
+type Size = [u64; 6];
 
 /// Notes a model that would be too large.
 pub(super) fn check(root: &Root, instances: &[Instance], notes: &mut Notes) {
     let sizes: Vec<Size> = root.meshes.iter().map(|m| mesh(root, m)).collect();
-    let placed = instances.iter().filter_map(|i| sizes.get(i.mesh).copied());
+    let placed = instances.iter().filter_map(|i| {
+        let mut size = sizes.get(i.mesh).copied()?;
+        if i.skin.is_none() {
+            // Not read.
+            size[5] = 0;
+        }
+        Some(size)
+    });
     for (count, (what, limit)) in sum(placed).into_iter().zip(LIMITS) {
         if count > limit {
             let message = format!(
@@ -50,10 +58,17 @@ fn sum(sizes: impl Iterator<Item = Size>) -> Size {
 
 fn mesh(root: &Root, mesh: &Mesh) -> Size {
     let targets = mesh.primitives.iter().flat_map(|p| &p.targets);
-    let [vertices, triangles, displacements, primitives, _] =
+    let [vertices, triangles, displacements, primitives, _, weights] =
         sum(mesh.primitives.iter().map(|p| primitive(root, p)));
     let targets = targets.map(Vec::len).max().unwrap_or(0) as u64;
-    [vertices, triangles, displacements, primitives, targets]
+    [
+        vertices,
+        triangles,
+        displacements,
+        primitives,
+        targets,
+        weights,
+    ]
 }
 
 fn primitive(root: &Root, primitive: &Primitive) -> Size {
@@ -76,5 +91,12 @@ fn primitive(root: &Root, primitive: &Primitive) -> Size {
             (Some(_), _) => a.count.0,
         })
         .fold(0, u64::saturating_add);
-    [vertices, triangles, displacements, 1, 0]
+    let joints = primitive
+        .attributes
+        .iter()
+        .filter(|(semantic, _)| matches!(semantic, Checked::Valid(Semantic::Joints(_))));
+    let weights = joints
+        .map(|(_, index)| count(index.value()).saturating_mul(4))
+        .fold(0, u64::saturating_add);
+    [vertices, triangles, displacements, 1, 0, weights]
 }

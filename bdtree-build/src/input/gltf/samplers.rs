@@ -91,13 +91,10 @@ fn curve(
         return notes.refuse(place, "interpolation is none of LINEAR, STEP, CUBICSPLINE");
     };
     let (input, output) = (format!("{place}.input"), format!("{place}.output"));
-    let times = accessors.read(sampler.input.value(), Purpose::Times, &input, notes);
+    let times = times(sampler.input.value(), accessors, &input, true, notes);
     let values = accessors.read(sampler.output.value(), Purpose::Weights, &output, notes);
     let (times, values) = times.zip(values)?;
-    let keys = times.count;
-    if keys == 0 {
-        return notes.refuse(input, "has no keys");
-    }
+    let keys = times.len();
     if Curve::value_count(interpolation, keys, width) != Some(values.count) {
         let kind = match interpolation {
             gltf::json::animation::Interpolation::CubicSpline => " of 3 values",
@@ -108,23 +105,6 @@ fn curve(
             values.count
         );
         return notes.refuse(output, message);
-    }
-    let times = times.all::<1>().into_flattened();
-    let mut equal = 0;
-    for (i, &t) in times.iter().enumerate() {
-        let before = if i == 0 { 0.0 } else { times[i - 1] };
-        if !(t.is_finite() && t >= before) {
-            let message = format!("key {i} at {t} s: times are numbers of at least 0 that ascend");
-            notes.problem(&input, message);
-        } else if i > 0 && t == before {
-            equal += 1;
-        }
-    }
-    if equal > 0 {
-        notes.warn(
-            input,
-            format!("{equal} keys have the time of the key before them: jumps"),
-        );
     }
     let values = values.all::<1>().into_flattened();
     for (i, w) in values.iter().enumerate() {
@@ -138,4 +118,37 @@ fn curve(
         width,
         values,
     })
+}
+
+/// The times of keys in accessor `index`, one at least; what is wrong with them is noted at `place`. `tells`: what is
+/// odd about them is, too.
+pub(super) fn times(
+    index: usize,
+    accessors: &Accessors<'_>,
+    place: &str,
+    tells: bool,
+    notes: &mut Notes,
+) -> Option<Vec<f64>> {
+    let times = accessors.read(index, Purpose::Times, place, notes)?;
+    if times.count == 0 {
+        return notes.refuse(place, "has no keys");
+    }
+    let times = times.all::<1>().into_flattened();
+    let mut equal = 0;
+    for (i, &t) in times.iter().enumerate() {
+        let before = if i == 0 { 0.0 } else { times[i - 1] };
+        if !(t.is_finite() && t >= before) {
+            let message = format!("key {i} at {t} s: times are numbers of at least 0 that ascend");
+            notes.problem(place, message);
+        } else if i > 0 && t == before {
+            equal += 1;
+        }
+    }
+    if equal > 0 && tells {
+        notes.warn(
+            place,
+            format!("{equal} keys have the time of the key before them: jumps"),
+        );
+    }
+    Some(times)
 }

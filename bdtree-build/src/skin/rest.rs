@@ -1,0 +1,109 @@
+//! Bones as stored: their maps at rest, the boxes of what they move, and how far fields reach there.
+
+use bdtree_format::{BoneRecord, SkeletonNode};
+
+use super::skeleton::{product, rest};
+use super::weights::Taken;
+use crate::error::{BakeError, Part};
+use crate::input::{RawSkin, Rows};
+use crate::vec3::norm2;
+use crate::wrap::StoredShape;
+use crate::wrap::round::{norm_up, round_nearest};
+
+/// Exponent of the farthest that a pose may reach (SPEC 5.9).
+const REACH_EXPONENT_MAX: i32 = 60;
+
+/// Largest magnitude of a number of an inverse bind matrix (SPEC 7.8).
+const MATRIX_MAX: f64 = (1_u128 << 80) as f64;
+
+/// The bones of a skin, without boxes.
+///
+/// # Errors
+/// Matrices that the file does not hold.
+pub(super) fn bones(
+    skin: &RawSkin,
+    skeleton: &[SkeletonNode],
+    shape: &StoredShape,
+) -> Result<Vec<BoneRecord>, BakeError> {
+    let rest = rest(skeleton);
+    let mut bones = Vec::with_capacity(skin.bones.len());
+    for bone in &skin.bones {
+        let node = skin.joints[bone.joint as usize] as usize;
+        let fail = |message: &str| {
+            let place = Part::JsonPath(format!(
+                "joint {} ({:?})",
+                bone.joint, skin.skeleton[node].name
+            ));
+            Err(BakeError::one("skin", place, message))
+        };
+        let numbers = bone.inverse_bind.as_flattened();
+        if !numbers.iter().all(|x| x.abs() <= MATRIX_MAX) {
+            return fail("a number of its inverse bind matrix is not finite or beyond 2^80");
+        }
+        let map = in_stored_units(&product(&rest[node], &bone.inverse_bind), shape);
+        let stored = map.map(|row| row.map(round_nearest));
+        let most = 2.0_f32.powi(REACH_EXPONENT_MAX);
+        if !stored.as_flattened().iter().all(|x| x.abs() <= most) {
+            return fail("its matrix at rest is not finite or beyond what bounds hold for");
+        }
+        bones.push(BoneRecord {
+            joint: bone.joint.into(),
+            reserved: 0.into(),
+            inverse_bind: bone.inverse_bind.map(|row| row.map(Into::into)),
+            rest: stored.map(|row| row.map(Into::into)),
+            low: [1.0.into(); 3],
+            high: [(-1.0).into(); 3],
+        });
+    }
+    Ok(bones)
+}
+
+/// y ↦ (M (o + 2^e y) − o) 2^−e.
+fn in_stored_units(map: &Rows, shape: &StoredShape) -> Rows {
+    let unit = 2.0_f64.powi(shape.unit_exponent);
+    let [x, y, z] = shape.origin;
+    std::array::from_fn(|i| {
+        let [a, b, c, t] = map[i];
+        let at_origin = a * x + b * y + c * z + t;
+        [a, b, c, (at_origin - shape.origin[i]) / unit]
+    })
+}
+
+/// Gives bones the boxes around the rest positions that they move.
+pub(super) fn add_boxes(bones: &mut [BoneRecord], taken: &Taken, shape: &StoredShape) {
+    let mut is_empty = vec![true; bones.len()];
+    for (p, influences) in shape.positions.iter().zip(taken.vertices()) {
+        for influence in influences {
+            let b = usize::from(influence.bone);
+            let bone = &mut bones[b];
+            if std::mem::replace(&mut is_empty[b], false) {
+                (bone.low, bone.high) = (p.map(Into::into), p.map(Into::into));
+                continue;
+            }
+            for k in 0..3 {
+                bone.low[k] = bone.low[k].get().min(p[k]).into();
+                bone.high[k] = bone.high[k].get().max(p[k]).into();
+            }
+        }
+    }
+}
+
+/// The largest norm of the displacements that each bone moves, per mode, rounded up; bone-major.
+pub(super) fn fields(bone_count: usize, taken: &Taken, shape: &StoredShape) -> Vec<f32> {
+    let m = shape.mode_count();
+    let mut largest = vec![0.0_f32; bone_count * m];
+    for (row, influences) in shape
+        .displacements
+        .chunks_exact(m.max(1))
+        .zip(taken.vertices())
+    {
+        for (j, u) in row.iter().enumerate().filter(|(_, u)| **u != [0.0; 3]) {
+            let norm = norm_up(norm2(u.map(f64::from)));
+            for influence in influences {
+                let own = &mut largest[usize::from(influence.bone) * m + j];
+                *own = own.max(norm);
+            }
+        }
+    }
+    largest
+}

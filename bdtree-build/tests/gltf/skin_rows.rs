@@ -1,0 +1,139 @@
+//! What every file with a skin holds, by brute force over the vertices below each lane (SPEC 6.10, 7.7, 7.8).
+
+use std::path::Path;
+
+use bdtree_build::pipeline::{Baked, bake};
+use bdtree_build::progress::Silent;
+use bdtree_build::recipe::{Elastic, Morphs, Motion, Recipe};
+use bdtree_fixtures::lanes;
+use bdtree_runtime::{Asset, Model, VertexId};
+
+/// u, half the spacing of f32 at 1.
+const U: f64 = 1.0 / (1 << 24) as f64;
+
+/// A file as the command bakes it without options.
+pub(crate) fn baked(path: &Path) -> Baked {
+    let motion = Motion::MorphsElseSkin(Morphs::default(), Elastic::default());
+    let recipe = Recipe::of_surface(path, motion);
+    bake(&recipe, &Silent).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// The model of a bake, whose skin was checked.
+pub(crate) fn checked(baked: &Baked) -> Model {
+    let model = Model::from_bytes(&baked.bytes).expect("opens");
+    let asset = model.asset();
+    check_bones(&asset);
+    let mut most = 0;
+    for node in 0..asset.nodes().len() {
+        most = most.max(check_node(&asset, node));
+    }
+    let record = asset.skin_record().expect("a skin");
+    assert_eq!(record.node_bones_max as usize, most);
+    model
+}
+
+/// The weight of a bone on a vertex.
+fn weight(asset: &Asset<'_>, vertex: usize, bone: u16) -> f32 {
+    let influences = asset
+        .influences(VertexId(vertex as u32))
+        .expect("in the file");
+    let found = influences.iter().find(|i| i.bone == bone);
+    found.map_or(0.0, |influence| influence.weight)
+}
+
+fn check_bones(asset: &Asset<'_>) {
+    let record = asset.skin_record().expect("a skin");
+    let (mut most, mut defect) = (0, 0.0_f64);
+    for i in 0..asset.vertex_count() {
+        let influences = asset.influences(VertexId(i as u32)).expect("in the file");
+        most = most.max(influences.len());
+        assert!(
+            influences
+                .windows(2)
+                .all(|pair| pair[0].bone < pair[1].bone)
+        );
+        let sum: f64 = influences.iter().map(|i| f64::from(i.weight)).sum();
+        defect = defect.max((sum - 1.0).abs());
+        for influence in influences {
+            assert!((2.0_f32.powi(-32)..=2.0).contains(&influence.weight));
+            let bone = &asset.bones()[usize::from(influence.bone)];
+            for k in 0..3 {
+                let x = asset.positions()[i][k];
+                assert!(bone.low[k].get() <= x && x <= bone.high[k].get());
+            }
+        }
+    }
+    assert_eq!(record.influences_max as usize, most);
+    assert!(f64::from(record.weight_defect) >= defect * (1.0 - 1e-12));
+    assert!(f64::from(record.weight_defect) <= defect * (1.0 + 1e-6) + 1e-12);
+}
+
+/// Number of bones of the node.
+fn check_node(asset: &Asset<'_>, node: usize) -> usize {
+    let own = asset
+        .node_bones(node as u32)
+        .expect("in the file")
+        .expect("a skin");
+    assert!(own.bones.windows(2).all(|pair| pair[0] < pair[1]));
+    let record = &asset.nodes()[node];
+    for lane in 0..8 {
+        let [iota, spread, defect] = [0, 1, 2].map(|row| own.fixed[row][lane]);
+        let ranges = own
+            .weights
+            .iter()
+            .map(|rows| [rows[0][lane], rows[1][lane]]);
+        if (record.inner_mask | record.leaf_mask) >> lane & 1 == 0 {
+            assert_eq!([iota, spread, defect], [0.0; 3]);
+            assert!(ranges.flatten().all(|w| w == 0.0));
+            continue;
+        }
+        let beta: Vec<f32> = ranges
+            .clone()
+            .map(|[low, high]| iota * (low + high))
+            .collect();
+        let sum: f64 = beta.iter().map(|&b| f64::from(b)).sum();
+        assert!(
+            (sum - 1.0).abs() <= (own.bones.len() + 4) as f64 * U,
+            "{sum}"
+        );
+        let vertices = lanes::vertices(asset, node, lane);
+        for (&bone, [low, high]) in own.bones.iter().zip(ranges) {
+            let weights = vertices.iter().map(|&vertex| weight(asset, vertex, bone));
+            let least = weights.clone().fold(f32::INFINITY, f32::min);
+            let largest = weights.fold(0.0, f32::max);
+            // A lane that nothing carries has a range of its own.
+            assert!(
+                least == low && (largest == high || defect == 1.0),
+                "{least} {low} {largest} {high}"
+            );
+        }
+        let (mut most, mut off) = (0.0_f64, 0.0_f64);
+        for &vertex in &vertices {
+            let all: Vec<f64> = own
+                .bones
+                .iter()
+                .map(|&b| f64::from(weight(asset, vertex, b)))
+                .collect();
+            let distances = all
+                .iter()
+                .zip(&beta)
+                .map(|(w, &b)| (w - f64::from(b)).abs());
+            most = most.max(distances.sum());
+            off = off.max((all.iter().sum::<f64>() - 1.0).abs());
+            let known = asset
+                .influences(VertexId(vertex as u32))
+                .expect("in the file");
+            assert!(known.iter().all(|i| own.bones.contains(&i.bone)));
+        }
+        let (spread, defect) = (f64::from(spread), f64::from(defect));
+        assert!(
+            spread >= most * (1.0 - 1e-12) && spread <= most * (1.0 + 1e-6),
+            "{spread} {most}"
+        );
+        assert!(
+            defect >= off - 1e-12 && defect <= off * (1.0 + 1e-6) + 1e-12,
+            "{defect} {off}"
+        );
+    }
+    own.bones.len()
+}
