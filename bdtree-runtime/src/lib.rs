@@ -66,7 +66,7 @@ mod force;
 mod hit_bones;
 #[cfg(feature = "alloc")]
 mod instance;
-mod joint;
+pub mod joint;
 #[doc(hidden)]
 pub mod math;
 mod matrix;
@@ -91,6 +91,7 @@ mod reference;
 mod rounding;
 mod shape;
 mod simd;
+pub mod skeleton;
 pub mod studies;
 mod transform;
 mod traverse;
@@ -123,6 +124,9 @@ pub use query::{
 };
 pub use shape::{Ball, Capsule, Cuboid, Frustum, FrustumState, HalfSpace, Ray, Shape};
 pub use simd::Kernel;
+#[cfg(feature = "alloc")]
+pub use skeleton::SkeletonPose;
+pub use skeleton::{Clip, LocalTransform, Skeleton, SkeletonError};
 pub use transform::Transform;
 pub use vector::{Quat, Vec3};
 pub use view::{Asset, Displacements, Group, GroupKind, NodeBones, NodeRows};

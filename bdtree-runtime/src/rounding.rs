@@ -157,6 +157,9 @@ pub(crate) const CHECKED_PRODUCT: f64 = 1.0 / (1_u64 << 40) as f64;
 /// 2⁻⁴¹: share of δR² by which a vertex's norm may exceed it.
 pub(crate) const CHECKED_STEP: f64 = 1.0 / (1_u64 << 41) as f64;
 
+/// Sums of weights and of their distances (SPEC 6.10): relative 2⁻⁴⁰, for at most 4096 terms added in f64.
+pub(crate) const CHECKED_SUM: f64 = 1.0 / (1_u64 << 40) as f64;
+
 // Bones (SPEC 5.9).
 
 /// `BoneSlack`: 2⁻⁵⁰, for flushed weights, matrices and products of them.

@@ -3,12 +3,17 @@
 //! Breadth-first order makes it possible without memory: a subtree is one contiguous range of
 //! nodes, and of triangles, per level.
 
+mod bone_rows;
 mod bounds;
 mod frames;
 mod metadata;
 mod mode_lists;
+mod skeleton;
+mod skin;
 mod spectral;
 mod vertex_modes;
+
+pub(crate) use skeleton::{CHANNELS, JOINTS, KEYS, KINDS, PARENTS, TARGETS};
 
 use bdtree_format::{
     GroupRecord, LANES, NodeRecord, PairRow, Row, SectionKind, TriangleRecord, pair_row, row_count,
@@ -109,11 +114,14 @@ impl<'a> Asset<'a> {
             self.vertex_modes_order(&mut note)?;
             self.mode_lists(&mut note)?;
             self.group_ranges(&mut note)?;
+            self.skin_order(&mut note)?;
         }
         self.frame_numbers(report)?;
+        self.skeleton_and_clips(report)?;
         self.metadata_record(report)?;
         if sound {
             self.bounds(report)?;
+            self.bone_bounds(report)?;
         }
         ControlFlow::Continue(())
     }

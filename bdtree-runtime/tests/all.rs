@@ -36,6 +36,7 @@ mod queries;
 mod refusals;
 mod sharing;
 mod shrink_to_point;
+mod skeletons;
 mod sparse;
 mod tight;
 mod workspaces;

@@ -1,7 +1,7 @@
 //! Recomputes every lane's bounds from the vertices below it, within SPEC 5.8.
 
 use bdtree_format::{LANES, NodeRecord, ROW_CENTER_X, ROW_RADIUS, SectionKind, pair_row};
-use core::ops::ControlFlow;
+use core::ops::{ControlFlow, Range};
 
 use super::spectral::at_most_square;
 use super::{NORMS, Report};
@@ -19,7 +19,6 @@ impl Asset<'_> {
                 continue; // reported before
             };
             for lane in 0..LANES {
-                let bit = 1 << lane;
                 let check = LaneCheck {
                     asset: self,
                     node,
@@ -28,26 +27,37 @@ impl Asset<'_> {
                     lane,
                 };
                 check.norms(report)?;
-                if node.leaf_mask & bit != 0 {
-                    let before = node.leaf_counts[..lane].iter().map(|c| usize::from(*c));
-                    let start = node.first_slot as usize + before.sum::<usize>();
-                    let count = usize::from(node.leaf_counts[lane]);
-                    check.triangles(start..start + count, report)?;
-                } else if node.inner_mask & bit != 0 {
-                    let before = (node.inner_mask & (bit - 1)).count_ones();
-                    let child = (node.first_child + before) as usize;
-                    self.subtree_slots(child, |slots| check.triangles(slots, report))?;
-                }
+                self.slots_below(node, lane, |slots| check.triangles(slots, report))?;
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// The triangle slots below a lane, none below an empty one. Needs a sound node order.
+    pub(super) fn slots_below(
+        &self,
+        node: &NodeRecord,
+        lane: usize,
+        mut each: impl FnMut(Range<usize>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let bit = 1 << lane;
+        if node.leaf_mask & bit != 0 {
+            let before = node.leaf_counts[..lane].iter().map(|c| usize::from(*c));
+            let start = node.first_slot as usize + before.sum::<usize>();
+            each(start..start + usize::from(node.leaf_counts[lane]))
+        } else if node.inner_mask & bit != 0 {
+            let before = (node.inner_mask & (bit - 1)).count_ones();
+            self.subtree_slots((node.first_child + before) as usize, each)
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 
     /// The triangle slots below a node: one range per level. Needs a sound node order.
     fn subtree_slots(
         &self,
         root: usize,
-        mut each: impl FnMut(core::ops::Range<usize>) -> ControlFlow<()>,
+        mut each: impl FnMut(Range<usize>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let mut level = root..root + 1;
         while let Some(nodes) = self.nodes.get(level.clone())
@@ -144,7 +154,7 @@ impl LaneCheck<'_, '_> {
         ControlFlow::Continue(())
     }
 
-    fn triangles(&self, slots: core::ops::Range<usize>, report: Report<'_>) -> ControlFlow<()> {
+    fn triangles(&self, slots: Range<usize>, report: Report<'_>) -> ControlFlow<()> {
         for triangle in self.asset.triangles.get(slots).unwrap_or_default() {
             for corner in triangle.corners {
                 self.vertex(corner, report)?;

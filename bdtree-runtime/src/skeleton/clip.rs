@@ -1,0 +1,127 @@
+//! Clips: what the source animates, by time (SPEC 7.9).
+
+use bdtree_format::{ChannelRecord, ClipRecord, SectionKind, channel_path};
+use core::mem::size_of;
+
+use super::error::{SkeletonError, same_length};
+use super::track::Track;
+use super::{LocalTransform, Skeleton};
+use crate::error::FormatError;
+use crate::verify::{CHANNELS, KEYS, TARGETS};
+
+/// An animation of the skeleton and of q.
+#[derive(Debug, Clone, Copy)]
+pub struct Clip<'a> {
+    skeleton: Skeleton<'a>,
+    record: &'a ClipRecord,
+}
+
+impl<'a> Clip<'a> {
+    pub(super) fn new(skeleton: Skeleton<'a>, record: &'a ClipRecord) -> Self {
+        Self { skeleton, record }
+    }
+
+    /// The source's name; empty when it has none.
+    pub fn name(&self) -> &'a str {
+        let (start, bytes) = (self.record.name_start.get(), self.record.name_bytes.get());
+        self.skeleton.skin.name(start, bytes)
+    }
+
+    /// Seconds from time 0 to the last key. A loop is `time % duration`.
+    pub fn duration_s(&self) -> f64 {
+        self.record.duration_s.get()
+    }
+
+    /// The pose at a time: rest where the clip animates nothing, q 0 where it does not animate the mode. Before the
+    /// first key of a channel its first value holds, after the last one the last.
+    ///
+    /// # Errors
+    /// A time that is not finite; `locals` of another length than [`Skeleton::node_count`], `q` of another than the
+    /// asset has modes; a file that breaks the format's rules.
+    pub fn sample(
+        &self,
+        time_s: f64,
+        locals: &mut [LocalTransform],
+        q: &mut [f32],
+    ) -> Result<(), SkeletonError> {
+        self.skeleton.rest(locals)?;
+        q.fill(0.0);
+        self.sample_over(time_s, locals, q)
+    }
+
+    /// The same over what is there: what the clip does not animate stays as `locals` and `q` are, which lets programs
+    /// give their own pose at rest or defaults of q, and play one clip over another.
+    ///
+    /// # Errors
+    /// Those of [`Clip::sample`]; what was written before one stays.
+    pub fn sample_over(
+        &self,
+        time_s: f64,
+        locals: &mut [LocalTransform],
+        q: &mut [f32],
+    ) -> Result<(), SkeletonError> {
+        same_length("local transforms", self.skeleton.node_count(), locals.len())?;
+        same_length("entries of q", self.skeleton.asset.mode_count(), q.len())?;
+        if !time_s.is_finite() {
+            return Err(SkeletonError::Time);
+        }
+        let first = self.record.first_channel.get() as usize;
+        for (k, channel) in (first..).zip(self.channels()?) {
+            let Some(track) = Track::new(channel, self.skeleton.skin.keys) else {
+                return Err(self.broken(k, KEYS).into());
+            };
+            play(channel, &track, time_s, locals, q).ok_or_else(|| self.broken(k, TARGETS))?;
+        }
+        Ok(())
+    }
+
+    fn channels(&self) -> Result<&'a [ChannelRecord], FormatError> {
+        let first = self.record.first_channel.get() as usize;
+        let end = first.saturating_add(self.record.channel_count.get() as usize);
+        let all = self.skeleton.skin.channels;
+        all.get(first..end).ok_or_else(|| {
+            let place = self.skeleton.asset.at(SectionKind::CLIPS, 0);
+            place.rule(CHANNELS).broken(all.len(), end)
+        })
+    }
+
+    #[cold]
+    fn broken(&self, channel: usize, rule: &'static str) -> FormatError {
+        let at = channel.saturating_mul(size_of::<ChannelRecord>());
+        let place = self.skeleton.asset.at(SectionKind::CHANNELS, at);
+        place.rule(rule).broken("what is there", "what is not")
+    }
+}
+
+/// Writes what a channel animates; `None` where there is no such thing.
+fn play(
+    channel: &ChannelRecord,
+    track: &Track<'_>,
+    time_s: f64,
+    locals: &mut [LocalTransform],
+    q: &mut [f32],
+) -> Option<()> {
+    let span = track.span(time_s);
+    let target = channel.target as usize;
+    if channel.path == channel_path::MODES {
+        let end = target.checked_add(channel.target_count as usize)?;
+        for (k, q) in q.get_mut(target..end)?.iter_mut().enumerate() {
+            *q = track.component(span, k) as f32;
+        }
+        return Some(());
+    }
+    let LocalTransform::Parts {
+        translation,
+        rotation,
+        scale,
+    } = locals.get_mut(target)?
+    else {
+        return None;
+    };
+    match channel.path {
+        channel_path::TRANSLATION => *translation = track.vector(span),
+        channel_path::ROTATION => *rotation = track.rotation(span),
+        _ => *scale = track.vector(span),
+    }
+    Some(())
+}

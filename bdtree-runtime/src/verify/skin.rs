@@ -1,0 +1,306 @@
+//! The skin: influences of vertices, bones, and the lists of nodes (SPEC 6.10, 7.7, 7.8).
+
+use bdtree_format::{
+    BONE_COUNT_MAX, BoneRecord, InfluenceRecord, LANES, Row, SectionKind, SkinRecord,
+    TRANSLATION_MAX, WEIGHT_MAX, WEIGHT_MIN,
+};
+use core::mem::{offset_of, size_of};
+use core::ops::ControlFlow;
+
+use super::{FINITE, Report, is_stored};
+use crate::contact::VertexId;
+use crate::math::norm;
+use crate::rounding::{CHECKED_NORM, CHECKED_SUM};
+use crate::view::{Asset, Skin};
+
+impl Asset<'_> {
+    /// Everything of a skin but what its rows bound.
+    pub(super) fn skin_order(&self, report: Report<'_>) -> ControlFlow<()> {
+        let Some(skin) = &self.skin else {
+            return ControlFlow::Continue(());
+        };
+        self.skin_numbers(skin, report)?;
+        self.starts(
+            (SectionKind::INFLUENCE_STARTS, skin.influence_starts),
+            skin.influences.len(),
+            "SPEC 7.7: INFS begins with 0, does not decrease and ends with the length of INFL",
+            report,
+        )?;
+        self.starts(
+            (SectionKind::BONE_LIST_STARTS, skin.list_starts),
+            skin.lists.len(),
+            "SPEC 6.10: BLSS begins with 0, does not decrease and ends with the length of BLST",
+            report,
+        )?;
+        self.vertex_influences(skin, report)?;
+        self.bone_records(skin, report)?;
+        self.node_bone_lists(skin, report)
+    }
+
+    /// The first number of each section that is none.
+    fn skin_numbers(&self, skin: &Skin<'_>, report: Report<'_>) -> ControlFlow<()> {
+        let defect = skin.record.weight_defect;
+        self.at(SectionKind::SKIN, offset_of!(SkinRecord, weight_defect))
+            .rule(FINITE)
+            .tell(report, is_stored(defect), "a normal number or zero", defect)?;
+        for (kind, numbers) in [
+            (SectionKind::BONE_FIELDS, skin.bone_fields),
+            (SectionKind::BONE_ROWS, skin.rows.as_flattened()),
+        ] {
+            if let Some(i) = numbers.iter().position(|x| !is_stored(*x)) {
+                let place = self.at(kind, size_of::<f32>() * i).rule(FINITE);
+                report(place.broken("a normal number or zero", numbers[i]))?;
+            }
+        }
+        for (b, bone) in skin.bones.iter().enumerate() {
+            let at = |offset| self.at(SectionKind::BONES, b * size_of::<BoneRecord>() + offset);
+            let (rest, low, high) = (
+                offset_of!(BoneRecord, rest),
+                offset_of!(BoneRecord, low),
+                offset_of!(BoneRecord, high),
+            );
+            for (offset, numbers) in [
+                (rest, bone.rest.as_flattened()),
+                (low, &bone.low),
+                (high, &bone.high),
+            ] {
+                if let Some(i) = numbers.iter().position(|x| !is_stored(x.get())) {
+                    let place = at(offset + size_of::<f32>() * i).rule(FINITE);
+                    report(place.broken("a normal number or zero", numbers[i].get()))?;
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Running counts from 0 to the length of what they count.
+    fn starts(
+        &self,
+        (kind, starts): (SectionKind, &[u32]),
+        length: usize,
+        rule: &'static str,
+        report: Report<'_>,
+    ) -> ControlFlow<()> {
+        let at = |i: usize| self.at(kind, size_of::<u32>() * i).rule(rule);
+        if let Some(first) = starts.first().filter(|first| **first != 0) {
+            report(at(0).broken(0_u32, *first))?;
+        }
+        for (i, pair) in starts.windows(2).enumerate() {
+            if pair[1] < pair[0] {
+                report(at(i + 1).broken(pair[0], pair[1]))?;
+            }
+        }
+        match starts.last() {
+            Some(last) if *last as usize != length => {
+                report(at(starts.len() - 1).broken(length, *last))
+            }
+            _ => ControlFlow::Continue(()),
+        }
+    }
+
+    /// Bones ascending, weights in range, and what SKIN says of them.
+    fn vertex_influences(&self, skin: &Skin<'_>, report: Report<'_>) -> ControlFlow<()> {
+        let (mut most, mut defect_max) = (0, 0.0_f64);
+        for vertex in 0..self.positions.len() {
+            let Some(own) = skin.influences_of(vertex) else {
+                continue; // reported with the starts
+            };
+            let first = skin.influence_starts[vertex] as usize;
+            let at = |k: usize, offset: usize| {
+                let start = (first + k) * size_of::<InfluenceRecord>();
+                self.at(SectionKind::INFLUENCES, start + offset)
+            };
+            let mut sum = 0.0;
+            for (k, influence) in own.iter().enumerate() {
+                let InfluenceRecord {
+                    weight,
+                    bone,
+                    reserved,
+                } = *influence;
+                at(k, offset_of!(InfluenceRecord, weight))
+                    .rule("SPEC 7.7: weights are 2^-32 to 2")
+                    .tell(
+                        report,
+                        (WEIGHT_MIN..=WEIGHT_MAX).contains(&weight),
+                        WEIGHT_MAX,
+                        weight,
+                    )?;
+                let ascends = k == 0 || own[k - 1].bone < bone;
+                let known = usize::from(bone) < skin.bones.len();
+                at(k, offset_of!(InfluenceRecord, bone))
+                    .rule("SPEC 7.7: the bones of a vertex ascend and are bones of the file")
+                    .tell(report, ascends && known, skin.bones.len(), bone)?;
+                at(k, offset_of!(InfluenceRecord, reserved))
+                    .rule("SPEC 7.7: reserved numbers are zero")
+                    .tell(report, reserved == 0, 0_u32, reserved)?;
+                sum += f64::from(weight);
+            }
+            at(0, 0)
+                .rule("SPEC 7.7: the weights of a vertex sum to 2 at most")
+                .tell(
+                    report,
+                    !(sum * (1.0 - CHECKED_SUM) > f64::from(WEIGHT_MAX)),
+                    WEIGHT_MAX,
+                    sum,
+                )?;
+            most = most.max(own.len());
+            let defect = (sum - 1.0).abs() - CHECKED_SUM * sum;
+            if defect.is_finite() {
+                defect_max = defect_max.max(defect);
+            }
+        }
+        let at = |offset| self.at(SectionKind::SKIN, offset);
+        let found = skin.record.influences_max;
+        at(offset_of!(SkinRecord, influences_max))
+            .rule("SPEC 7.7: influences_max is the largest number of influences of a vertex")
+            .tell(report, most == found as usize, most, found)?;
+        let found = f64::from(skin.record.weight_defect);
+        at(offset_of!(SkinRecord, weight_defect))
+            .rule("SPEC 7.7: weight_defect reaches the distance of every sum of weights from 1")
+            .tell(report, defect_max <= found, defect_max, found)
+    }
+
+    /// Joints, inverse bind matrices, boxes and norms of displacements.
+    fn bone_records(&self, skin: &Skin<'_>, report: Report<'_>) -> ControlFlow<()> {
+        let at = |b: usize, offset: usize| {
+            self.at(SectionKind::BONES, b * size_of::<BoneRecord>() + offset)
+        };
+        for (b, bone) in skin.bones.iter().enumerate() {
+            let (joint, count) = (bone.joint.get(), skin.joints.len());
+            at(b, offset_of!(BoneRecord, joint))
+                .rule("SPEC 7.8: a bone's joint is one of JNTS")
+                .tell(report, (joint as usize) < count, count, joint)?;
+            at(b, offset_of!(BoneRecord, reserved))
+                .rule("SPEC 7.8: reserved numbers are zero")
+                .tell(report, bone.reserved.get() == 0, 0_u32, bone.reserved.get())?;
+            for (i, x) in bone.inverse_bind.as_flattened().iter().enumerate() {
+                let start = offset_of!(BoneRecord, inverse_bind);
+                at(b, start + size_of::<f64>() * i)
+                    .rule("SPEC 7.8: numbers of an inverse bind matrix are at most 2^80")
+                    .tell(
+                        report,
+                        x.get().abs() <= TRANSLATION_MAX,
+                        TRANSLATION_MAX,
+                        x.get(),
+                    )?;
+            }
+        }
+        // Which bones move a vertex, one bit each.
+        let mut moving = [0_u64; BONE_COUNT_MAX / 64];
+        for vertex in 0..self.positions.len() {
+            for influence in skin.influences_of(vertex).unwrap_or_default() {
+                let b = usize::from(influence.bone);
+                if b < skin.bones.len() {
+                    moving[b / 64] |= 1 << (b % 64);
+                    self.moved_vertex(skin, b, vertex, report)?;
+                }
+            }
+        }
+        for (b, bone) in skin.bones.iter().enumerate() {
+            let still = moving[b / 64] >> (b % 64) & 1 == 0;
+            let empty = (bone.low.iter().chain(&bone.high)).all(|x| x.get() == 0.0);
+            at(b, offset_of!(BoneRecord, low))
+                .rule("SPEC 7.8: a bone without vertices has a box of zeros")
+                .tell(report, !still || empty, 0.0, "another")?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The box and the norms of a bone against one of its vertices.
+    fn moved_vertex(
+        &self,
+        skin: &Skin<'_>,
+        b: usize,
+        vertex: usize,
+        report: Report<'_>,
+    ) -> ControlFlow<()> {
+        let (bone, position) = (&skin.bones[b], self.positions[vertex]);
+        for (axis, x) in position.into_iter().enumerate() {
+            let (low, high) = (bone.low[axis].get(), bone.high[axis].get());
+            if x < low || x > high {
+                let offset = offset_of!(BoneRecord, low) + size_of::<f32>() * axis;
+                let place = self.at(SectionKind::BONES, b * size_of::<BoneRecord>() + offset);
+                let rule = "SPEC 7.8: low and high hold the vertices that the bone moves";
+                report(place.rule(rule).broken(x, if x < low { low } else { high }))?;
+            }
+        }
+        let Ok(own) = self.displacements(VertexId(vertex as u32)) else {
+            return ControlFlow::Continue(()); // reported with its record
+        };
+        for (mode, u) in own.iter() {
+            let index = b * self.modes.len() + mode;
+            let Some(most) = skin
+                .bone_fields
+                .get(index)
+                .filter(|_| mode < self.modes.len())
+            else {
+                continue; // reported with its list
+            };
+            let (n, most) = (norm(u.map(f64::from)), f64::from(*most));
+            if n * (1.0 - CHECKED_NORM) > most {
+                let place = self.at(SectionKind::BONE_FIELDS, size_of::<f32>() * index);
+                let rule = "SPEC 7.8: BFLD reaches every displacement of the bone's vertices";
+                report(place.rule(rule).broken(n, most))?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Bones of nodes ascend and exist; empty lanes hold zeros, others no negative bounds.
+    fn node_bone_lists(&self, skin: &Skin<'_>, report: Report<'_>) -> ControlFlow<()> {
+        let mut most = 0;
+        for (i, node) in self.nodes.iter().enumerate() {
+            let Some(own) = skin.node_bones(i) else {
+                report(self.bones_of_node(i as u32))?;
+                continue;
+            };
+            most = most.max(own.bones.len());
+            let start = skin.list_starts[i] as usize;
+            for (k, bone) in own.bones.iter().enumerate() {
+                let ascends = k == 0 || own.bones[k - 1] < *bone;
+                let known = usize::from(*bone) < skin.bones.len();
+                self.at(SectionKind::BONE_LISTS, size_of::<u16>() * (start + k))
+                    .rule("SPEC 6.10: the bones of a node ascend and are bones of the file")
+                    .tell(report, ascends && known, skin.bones.len(), *bone)?;
+            }
+            let used = node.inner_mask | node.leaf_mask;
+            let rows = own.fixed.iter().chain(own.weights.as_flattened());
+            for (r, row) in rows.enumerate() {
+                for lane in (0..LANES).filter(|lane| used & (1 << lane) == 0) {
+                    if row[lane] != 0.0 {
+                        let rule = "SPEC 6.10: bone rows are zero in empty lanes";
+                        let place = self.bone_row_place(i, start, r, lane).rule(rule);
+                        report(place.broken(0_u32, row[lane]))?;
+                    }
+                }
+            }
+            for (r, row) in own.fixed.iter().enumerate() {
+                if let Some(lane) = row.iter().position(|x| *x < 0.0) {
+                    let rule = "SPEC 6.10: iota, S and epsilon are not negative";
+                    let place = self.bone_row_place(i, start, r, lane).rule(rule);
+                    report(place.broken(0.0, row[lane]))?;
+                }
+            }
+        }
+        let found = skin.record.node_bones_max;
+        self.at(SectionKind::SKIN, offset_of!(SkinRecord, node_bones_max))
+            .rule("SPEC 7.7: node_bones_max is the largest number of bones of a node")
+            .tell(report, most == found as usize, most, found)
+    }
+
+    /// Where a number of a node's bone rows stands in the file; `list_start` is its entry in BLSS.
+    pub(super) fn bone_row_place(
+        &self,
+        node: usize,
+        list_start: usize,
+        row: usize,
+        lane: usize,
+    ) -> crate::error::Check {
+        let first =
+            bdtree_format::BONE_ROWS_FIXED * node + bdtree_format::BONE_ROWS_PER_BONE * list_start;
+        self.at(
+            SectionKind::BONE_ROWS,
+            (first + row) * size_of::<Row>() + size_of::<f32>() * lane,
+        )
+    }
+}
