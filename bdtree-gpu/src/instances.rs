@@ -112,11 +112,7 @@ impl Instances {
         q: &[f32],
         transform: Transform,
     ) -> Result<f64, GpuError> {
-        if asset.has_skin() {
-            return self.push_with_bones(asset, q, BoneMatrices::Rest, transform);
-        }
-        asset.check_q(q)?;
-        self.add(asset, &asset.stored_to_world(transform)?, q, &[])
+        self.push_with_bones(asset, q, BoneMatrices::Rest, transform)
     }
 
     /// Adds an instance without a pose, its bones where `bones` puts them. Returns what [`Instances::push`] does.
@@ -130,6 +126,10 @@ impl Instances {
         bones: BoneMatrices<'_>,
         transform: Transform,
     ) -> Result<f64, GpuError> {
+        if let (false, BoneMatrices::Rest) = (asset.has_skin(), bones) {
+            asset.check_q(q)?;
+            return self.add(asset, &asset.stored_to_world(transform)?, q, &[]);
+        }
         let mut memory = std::mem::take(&mut self.memory);
         memory.resize(asset.pose_len(), 0.0);
         let pushed = match asset.pose_with_bones(q, bones, transform, &mut memory) {
