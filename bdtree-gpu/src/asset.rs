@@ -5,6 +5,7 @@ use zerocopy::IntoBytes;
 
 use crate::device::checked;
 use crate::error::GpuError;
+use crate::influences::Influences;
 use crate::normal_fields::NormalFields;
 use crate::ranges::{BoundRange, FieldSet};
 use crate::skinner::Skinner;
@@ -19,7 +20,7 @@ pub enum Normals {
     /// Two tangents per vertex that move with q like positions do ([`NormalFields`]): near the exact ones
     /// where the triangles around a vertex deform alike. Vertices where they are not are found at upload, and
     /// compute passes do as `Exact` does there (figures: docs/reference/gpu-deformation.md). Computed here, 24 bytes per vertex and
-    /// mode.
+    /// mode. Bones carry the tangents as they carry their vertex, its weights taken for those of all around it.
     Fields,
     /// The triangles around each vertex as deformed, weighted by area: what a mesh's normals are
     /// without tricks, from the positions that were written, so in compute passes only.
@@ -40,6 +41,8 @@ pub struct GpuAsset {
     vertex_count: u32,
     triangle_count: u32,
     mode_count: usize,
+    /// Where bones carry the vertices.
+    bone_count: Option<usize>,
     normals: Normals,
 }
 
@@ -51,6 +54,7 @@ impl GpuAsset {
     ) -> Result<Self, GpuError> {
         asset.check_mesh()?;
         let set = field_set(asset);
+        let skin = Influences::of(asset);
         let triangles = triangles(asset)?;
         let fields = match normals {
             Normals::Fields => Some(NormalFields::new(asset)?),
@@ -67,7 +71,9 @@ impl GpuAsset {
             let indices = skinner.filled("triangles", usage, &[triangles.as_bytes()])?;
             let (mut tangents, mut exact) = (Vec::new(), Vec::new());
             if let Some(fields) = &fields {
-                tangents = fields.set().upload(skinner, "normal fields")?;
+                tangents = fields
+                    .set()
+                    .upload(skinner, "normal fields", skin.as_ref())?;
             }
             let marked = fields.as_ref().map(NormalFields::marked_triangles);
             if let Some(around) = of_all.as_ref().or(marked) {
@@ -76,13 +82,14 @@ impl GpuAsset {
             Ok(Self {
                 asset: asset.id(),
                 listed: set.listed(),
-                points: set.upload(skinner, "displacements")?,
+                points: set.upload(skinner, "displacements", skin.as_ref())?,
                 tangents,
                 exact,
                 indices,
                 vertex_count: asset.vertex_count() as u32,
                 triangle_count: asset.triangle_count() as u32,
                 mode_count: set.mode_count,
+                bone_count: skin.map(|skin| skin.bone_count),
                 normals,
             })
         })
@@ -107,6 +114,16 @@ impl GpuAsset {
     /// Number of modes M.
     pub fn mode_count(&self) -> usize {
         self.mode_count
+    }
+
+    /// Number of bones; 0 without a skin.
+    pub fn bone_count(&self) -> usize {
+        self.bone_count.unwrap_or(0)
+    }
+
+    /// Whether bones carry the vertices.
+    pub fn has_skin(&self) -> bool {
+        self.bone_count.is_some()
     }
 
     /// Into how many ranges of vertices the device's limits split the largest of its buffers: a dispatch

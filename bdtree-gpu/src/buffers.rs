@@ -22,8 +22,8 @@ impl Skinner {
         })
     }
 
-    /// A buffer of these runs of bytes, one behind the other. All but the last are of whole words; what
-    /// the last lacks to a word is zero.
+    /// A buffer of these runs of bytes, one behind the other. All but one are of whole words; what that one lacks to a
+    /// word is zero.
     pub(crate) fn filled(
         &self,
         label: &'static str,

@@ -1,5 +1,5 @@
-//! Deforms meshes on a GPU: `p' = p + U q` for every vertex of many instances, as vertex
-//! buffers or inside a vertex shader.
+//! Deforms meshes on a GPU: `p' = p + U q`, with a skin `p' = Σ_b w_b T_b (p + U q)`, for every vertex of many
+//! instances, as vertex buffers or inside a vertex shader.
 //!
 //! Everything is made on the caller's device. Results are near [`Pose::deformed`](bdtree_runtime::Pose::deformed), by a bound
 //! that each instance states, but not to the bit: queries go on using their own arithmetic.
@@ -34,9 +34,11 @@
 //! ```
 
 mod asset;
+mod bound;
 mod buffers;
 mod device;
 mod error;
+mod influences;
 mod instances;
 mod layouts;
 mod normal_fields;

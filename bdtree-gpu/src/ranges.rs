@@ -7,6 +7,7 @@ use zerocopy::IntoBytes;
 
 use crate::device::largest_binding;
 use crate::error::GpuError;
+use crate::influences::Influences;
 use crate::skinner::Skinner;
 use crate::vertex_triangles::VertexTriangles;
 
@@ -65,22 +66,25 @@ impl<'a> FieldSet<'a> {
     }
 
     /// The largest binding of a range.
-    fn bytes(&self, range: &Range<usize>) -> u64 {
+    fn bytes(&self, range: &Range<usize>, skin: Option<&Influences<'_>>) -> u64 {
         let fields = 12 * self.entries(range).len();
         let lists = match self.listed() {
-            true => 8 * (range.len() + 1) + 2 * self.lists.len(),
+            true => 8 * (range.len() + 1) + 4 * self.lists.len().div_ceil(2),
             false => 0,
         };
+        let lists = lists + skin.map_or(0, |skin| skin.bytes(range));
         fields.max(lists).max(12 * self.sides * range.len()) as u64
     }
 
+    /// `skin` where bones carry the vertices: its influences lie behind the lists of modes.
     pub(crate) fn upload(
         &self,
         skinner: &Skinner,
         what: &'static str,
+        skin: Option<&Influences<'_>>,
     ) -> Result<Vec<BoundRange>, GpuError> {
         let total = self.rest.len() / self.sides;
-        let bytes = |range: &Range<usize>| self.bytes(range);
+        let bytes = |range: &Range<usize>| self.bytes(range, skin);
         upload(skinner, what, total, bytes, |range| {
             let entries = self.entries(range);
             let rest = &self.rest[self.sides * range.start..self.sides * range.end];
@@ -89,15 +93,20 @@ impl<'a> FieldSet<'a> {
                 mode_count: self.mode_count,
                 ..Numbers::default()
             };
-            let mut lists: [&[u8]; 2] = [&[], &[]];
+            let mut lists: Vec<&[u8]> = Vec::new();
             if self.listed() {
                 let records = &self.records[range.start..=range.end];
                 numbers.entry_base = entries.start / self.sides;
                 numbers.list_base = 2 * records.len();
-                lists = [records.as_bytes(), self.lists.as_bytes()];
+                lists.extend([records.as_bytes(), self.lists.as_bytes()]);
+                numbers.influences = numbers.list_base + self.lists.len().div_ceil(2);
+            }
+            if let Some(skin) = skin {
+                lists.extend(skin.runs(&range));
+                numbers.bone_count = skin.bone_count;
             }
             let fields = self.fields[entries].as_bytes();
-            (numbers, [[rest.as_bytes(), &[]], [fields, &[]], lists])
+            (numbers, [vec![rest.as_bytes()], vec![fields], lists])
         })
     }
 }
@@ -120,14 +129,14 @@ impl VertexTriangles {
                 total: self.vertex_count,
                 mode_count,
                 entry_base: entries.start,
-                list_base: 0,
+                ..Numbers::default()
             };
             let starts = self.starts[range.start..=range.end].as_bytes();
             let corners = self.corners[entries].as_bytes();
             // Empty where of all.
             let vertices = self.vertices.get(range.clone()).unwrap_or_default();
             let vertices = vertices.as_bytes();
-            (numbers, [[starts, &[]], [corners, &[]], [vertices, &[]]])
+            (numbers, [vec![starts], vec![corners], vec![vertices]])
         })
     }
 }
@@ -139,7 +148,7 @@ fn upload<'d>(
     what: &'static str,
     count: usize,
     bytes: impl Fn(&Range<usize>) -> u64,
-    content: impl Fn(&Range<usize>) -> (Numbers, [[&'d [u8]; 2]; 3]),
+    content: impl Fn(&Range<usize>) -> (Numbers, [Vec<&'d [u8]>; 3]),
 ) -> Result<Vec<BoundRange>, GpuError> {
     let ranges = split(count, largest_binding(&skinner.device), what, bytes)?;
     let make = |range: Range<usize>| {
@@ -151,8 +160,8 @@ fn upload<'d>(
             numbers.mode_count,
             numbers.entry_base,
             numbers.list_base,
-            0,
-            0,
+            numbers.bone_count,
+            numbers.influences,
         ];
         // All are numbers of things that a file counts in u32.
         let words = words.map(|x| x as u32);
@@ -180,6 +189,8 @@ struct Numbers {
     mode_count: usize,
     entry_base: usize,
     list_base: usize,
+    bone_count: usize,
+    influences: usize,
 }
 
 /// Ranges of `0 .. count`, as few as keep `bytes` of each within `limit`.

@@ -15,6 +15,8 @@ pub(crate) enum Pass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Variant {
     pub(crate) pass: Pass,
+    /// Whether bones carry the vertices; exact normals do not ask.
+    pub(crate) skinned: bool,
     /// Whether vertices list their modes; of exact normals, whether there is a list of vertices.
     pub(crate) listed: bool,
     /// Whether a thread does eight instances, or one.
@@ -23,7 +25,7 @@ pub(crate) struct Variant {
 
 impl Variant {
     /// Number of variants; [`Variant::index`] is below it.
-    pub(crate) const COUNT: usize = 12;
+    pub(crate) const COUNT: usize = 24;
 
     pub(crate) fn index(self) -> usize {
         let pass = match self.pass {
@@ -31,7 +33,10 @@ impl Variant {
             Pass::Normals => 1,
             Pass::Exact => 2,
         };
-        4 * pass + 2 * usize::from(self.listed) + usize::from(self.wide)
+        8 * pass
+            + 4 * usize::from(self.skinned)
+            + 2 * usize::from(self.listed)
+            + usize::from(self.wide)
     }
 
     /// Instances of one thread.
@@ -47,6 +52,15 @@ impl Variant {
         let fields = match self.listed {
             true => include_str!("shaders/fields_listed.wgsl"),
             false => include_str!("shaders/fields_all.wgsl"),
+        };
+        let bones = match (self.skinned, self.listed) {
+            (false, _) => include_str!("shaders/no_bones.wgsl"),
+            (true, true) => include_str!("shaders/bones.wgsl"),
+            (true, false) => concat!(
+                include_str!("shaders/bones.wgsl"),
+                // `fields_all.wgsl` has none.
+                "@group(0) @binding(3) var<storage, read> lists: array<u32>;"
+            ),
         };
         let own = match self.pass {
             Pass::Points => [
@@ -72,7 +86,7 @@ impl Variant {
             ],
         };
         let mut text = String::new();
-        for part in [include_str!("shaders/common.wgsl"), lanes]
+        for part in [include_str!("shaders/common.wgsl"), lanes, bones]
             .into_iter()
             .chain(own)
         {

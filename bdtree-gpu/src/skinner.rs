@@ -7,7 +7,7 @@ use bdtree_runtime::Asset;
 use crate::asset::{GpuAsset, Normals};
 use crate::device::{checked, largest_binding, scoped};
 use crate::error::GpuError;
-use crate::instances::{BLOCK, CAPACITY_MAX, Instances};
+use crate::instances::{BLOCK, CAPACITY_MAX, Instances, RowLayout};
 use crate::layouts::Layouts;
 use crate::output::{Output, bytes};
 use crate::ranges::BoundRange;
@@ -58,9 +58,13 @@ impl Skinner {
     /// More than the device allows; what it refuses.
     pub fn instances(&self, asset: &GpuAsset, capacity: u32) -> Result<Instances, GpuError> {
         let limit = largest_binding(&self.device);
-        let size = Instances::bytes(asset.mode_count(), capacity);
+        let layout = RowLayout {
+            mode_count: asset.mode_count(),
+            bone_count: asset.bone_count(),
+        };
+        let size = layout.bytes(capacity);
         if size > limit || capacity > CAPACITY_MAX {
-            let block = Instances::bytes(asset.mode_count(), 1) - 32;
+            let block = layout.bytes(1) - 32;
             return Err(GpuError::TooManyInstances {
                 instances: u64::from(capacity),
                 fit: (8 * (limit.saturating_sub(32) / block)).min(u64::from(CAPACITY_MAX)),
@@ -76,11 +80,12 @@ impl Skinner {
                 buffer,
                 queue: self.queue.clone(),
                 asset: asset.asset,
-                mode_count: asset.mode_count(),
+                layout,
                 capacity,
                 count: 0,
                 origin: [0.0; 3],
                 rows: vec![[0.0; BLOCK]],
+                memory: Vec::new(),
             })
         })
     }
@@ -154,6 +159,7 @@ impl Skinner {
                 }
                 let variant = Variant {
                     pass: kind,
+                    skinned: asset.has_skin() && kind != Pass::Exact,
                     listed,
                     wide: instances.len() >= WIDE_FROM,
                 };

@@ -1,7 +1,7 @@
 //! What the shaders compute, on the processor: the same operations in the same order. A device may round and
 //! fuse otherwise, so results agree within bounds (docs/reference/gpu-deformation.md), not to the bit.
 
-use bdtree_runtime::Asset;
+use bdtree_runtime::{Asset, VertexId};
 use glam::Vec3;
 
 use crate::asset::field_set;
@@ -25,10 +25,14 @@ pub fn positions(
     let set = field_set(asset);
     let one = |vertex| {
         let p = moved(&set, instances, instance, vertex, 0);
+        let p = match blended(asset, instances, instance, vertex)? {
+            Some(m) => along(&m, p) + Vec3::from_array(m.map(|row| row[3])),
+            None => p,
+        };
         let offset = Vec3::from_array([3, 7, 11].map(|row| instances.row(instance, row)));
-        (turned(instances, instance, p) + offset).to_array()
+        Ok((turned(instances, instance, p) + offset).to_array())
     };
-    Ok((0..set.rest.len()).map(one).collect())
+    (0..set.rest.len()).map(one).collect()
 }
 
 /// Normals of all vertices of an instance as compute passes of [`Normals::Fields`](crate::Normals::Fields) leave
@@ -67,15 +71,21 @@ pub fn field_normals(
     instance: u32,
 ) -> Result<Vec<[f32; 3]>, GpuError> {
     check(asset, instances, instance)?;
+    if asset.has_skin() {
+        asset.check_mesh()?;
+    }
     let set = fields.set();
     if set.rest.len() != 2 * asset.vertex_count() || set.mode_count != asset.mode_count() {
         return Err(GpuError::Mismatch("the normal fields were"));
     }
     let one = |vertex| {
-        let [a, b] = [0, 1].map(|side| moved(&set, instances, instance, vertex, side));
-        normalized(turned(instances, instance, a.cross(b)))
+        let [mut a, mut b] = [0, 1].map(|side| moved(&set, instances, instance, vertex, side));
+        if let Some(m) = blended(asset, instances, instance, vertex)? {
+            [a, b] = [a, b].map(|side| Vec3::from_array(normalized(along(&m, side))));
+        }
+        Ok(normalized(turned(instances, instance, a.cross(b))))
     };
-    Ok((0..asset.vertex_count()).map(one).collect())
+    (0..asset.vertex_count()).map(one).collect()
 }
 
 /// Normals of the triangles around each vertex, weighted by area, as `exact.wgsl` computes them from
@@ -126,6 +136,33 @@ fn moved(
         sum + Vec3::from_array(u) * instances.q(instance, mode)
     });
     Vec3::from_array(set.rest[set.sides * vertex + side]) + sum
+}
+
+/// M of a vertex, if bones carry it.
+fn blended(
+    asset: &Asset<'_>,
+    instances: &Instances,
+    instance: u32,
+    vertex: usize,
+) -> Result<Option<[[f32; 4]; 3]>, GpuError> {
+    if !asset.has_skin() {
+        return Ok(None);
+    }
+    let mut m = [[0.0; 4]; 3];
+    for influence in asset.influences(VertexId(vertex as u32))? {
+        for (r, row) in m.iter_mut().enumerate() {
+            let own = instances.bone_row(instance, usize::from(influence.bone), r);
+            for (sum, own) in row.iter_mut().zip(own) {
+                *sum += influence.weight * own;
+            }
+        }
+    }
+    Ok(Some(m))
+}
+
+/// M's linear part times a vector.
+fn along(m: &[[f32; 4]; 3], v: Vec3) -> Vec3 {
+    Vec3::from_array(m.map(|[x, y, z, _]| Vec3::new(x, y, z).dot(v)))
 }
 
 fn turned(instances: &Instances, instance: u32, v: Vec3) -> Vec3 {

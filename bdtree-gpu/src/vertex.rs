@@ -27,17 +27,24 @@ pub fn vertex_source(asset: &GpuAsset, group: u32) -> Result<String, GpuError> {
     let group = format!("{group}u");
     let head = include_str!("shaders/vertex.wgsl").replace("BDTREE_GROUP", &group);
     let moved = sum("moved_by", "1u", "bdtree_fields", "bdtree_lists");
+    let (bones, spanned) = match asset.has_skin() {
+        true => (
+            include_str!("shaders/vertex_bones.wgsl"),
+            "cross(bdtree_unit(bdtree_along(a)), bdtree_unit(bdtree_along(b)))",
+        ),
+        false => (include_str!("shaders/vertex_no_bones.wgsl"), "cross(a, b)"),
+    };
     let points = include_str!("shaders/vertex_points.wgsl");
     let normals = match asset.normals() {
         Normals::None => include_str!("shaders/vertex_no_normals.wgsl").into(),
         Normals::Fields => {
             let fields = "bdtree_tangent_fields";
             sum("turned_by", "2u", fields, "bdtree_tangent_lists")
-                + include_str!("shaders/vertex_normals.wgsl")
+                + &include_str!("shaders/vertex_normals.wgsl").replace("BDTREE_SPANNED", spanned)
         }
         Normals::Exact => return Err(exact()),
     };
-    Ok(format!("{head}\n{moved}\n{points}\n{normals}\n"))
+    Ok(format!("{head}\n{moved}\n{bones}\n{points}\n{normals}\n"))
 }
 
 /// The layout of the bind group that [`vertex_source`] declares, for a pipeline layout; visible to

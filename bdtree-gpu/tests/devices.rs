@@ -77,21 +77,38 @@ impl Gpu {
         placed: &[(Vec<f32>, Transform)],
         origin: [f64; 3],
     ) -> Result<Skinned, GpuError> {
+        self.skin_each(asset, normals, placed.len(), origin, |instances, k| {
+            let (q, transform) = &placed[k];
+            instances.push_at(asset, q, *transform)
+        })
+    }
+
+    /// The same of so many instances, added by `push`.
+    ///
+    /// # Errors
+    /// Those of each step.
+    pub(crate) fn skin_each(
+        &self,
+        asset: &Asset<'_>,
+        normals: Normals,
+        count: usize,
+        origin: [f64; 3],
+        mut push: impl FnMut(&mut Instances, usize) -> Result<f64, GpuError>,
+    ) -> Result<Skinned, GpuError> {
         let skinner = Skinner::new(&self.device, &self.queue)?;
         let uploaded = skinner.upload(asset, normals)?;
-        let count = placed.len() as u32;
-        let mut instances = skinner.instances(&uploaded, count)?;
-        let output = skinner.output(&uploaded, count)?;
+        let mut instances = skinner.instances(&uploaded, count as u32)?;
+        let output = skinner.output(&uploaded, count as u32)?;
         instances.clear(origin);
         let mut errors = Vec::new();
-        for (q, transform) in placed {
-            errors.push(instances.push_at(asset, q, *transform)?);
+        for k in 0..count {
+            errors.push(push(&mut instances, k)?);
         }
         instances.write();
         let mut encoder = self.device.create_command_encoder(&Default::default());
         skinner.record(&mut encoder, &uploaded, &instances, &output)?;
         self.queue.submit([encoder.finish()]);
-        let all = asset.vertex_count() * placed.len();
+        let all = asset.vertex_count() * count;
         let read = |buffer| read_back(&self.device, &self.queue, buffer, all);
         Ok(Skinned {
             positions: read(output.positions())?,

@@ -10,35 +10,35 @@ use bdtree_runtime::{Asset, Transform, TriangleId, VertexId};
 
 use crate::devices::{self, Gpu};
 
-const U: f64 = 1.0 / (1_u64 << 24) as f64;
+pub(crate) const U: f64 = 1.0 / (1_u64 << 24) as f64;
 
-fn wide(v: [f32; 3]) -> [f64; 3] {
+pub(crate) fn wide(v: [f32; 3]) -> [f64; 3] {
     v.map(f64::from)
 }
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
         a[0] * b[1] - a[1] * b[0],
     ]
 }
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
-fn norm(a: [f64; 3]) -> f64 {
+pub(crate) fn norm(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
 }
 /// Radians.
-fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(crate) fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
     norm(cross(a, b)).atan2(dot(a, b))
 }
 
 /// Per vertex the exact area-weighted normal of f32 positions in f64, and what rounding may take from it:
 /// Σ ‖e‖ ‖f‖ over its triangles.
-fn exact(asset: &Asset<'_>, positions: &[[f32; 3]]) -> Vec<([f64; 3], f64, u32)> {
+pub(crate) fn exact(asset: &Asset<'_>, positions: &[[f32; 3]]) -> Vec<([f64; 3], f64, u32)> {
     let mut all = vec![([0.0; 3], 0.0, 0); asset.vertex_count()];
     for id in 0..asset.triangle_count() as u32 {
         let corners = asset.triangle(TriangleId(id)).expect("a triangle");
@@ -60,7 +60,7 @@ fn exact(asset: &Asset<'_>, positions: &[[f32; 3]]) -> Vec<([f64; 3], f64, u32)>
 }
 
 /// How far rounding may turn an exact normal (radians); none where it cancels: any direction, or none.
-fn exact_bound((sum, size, count): &([f64; 3], f64, u32)) -> Option<f64> {
+pub(crate) fn exact_bound((sum, size, count): &([f64; 3], f64, u32)) -> Option<f64> {
     // Edges one rounding, a component four more, the sum one per triangle: all at most 2 u, since WGSL
     // rounds to either neighbour; √3 for components.
     let lost = 2.0 * U * 1.8 * (8.0 + f64::from(*count)) * size;

@@ -28,7 +28,7 @@ fn fragment(drawn: Drawn) -> @location(0) vec4<f32> { return drawn.value; }
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// Draws and returns rows of `width` pixels.
-fn draw(
+pub(crate) fn draw(
     gpu: &Gpu,
     source: &str,
     layout: &wgpu::BindGroupLayout,

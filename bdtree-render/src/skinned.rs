@@ -1,7 +1,7 @@
 //! A mesh that the runtime deforms on the device.
 
 use bdtree_gpu::{GpuAsset, Instances, Normals, Output, Skinner};
-use bdtree_runtime::{Asset, Transform};
+use bdtree_runtime::{Asset, BoneMatrices, Transform};
 
 use crate::error::RenderError;
 use crate::gpu::Gpu;
@@ -46,8 +46,8 @@ impl SkinnedMesh {
         })
     }
 
-    /// Deforms it: from now on pictures show it at q and at a placement. Coordinates of the picture are
-    /// the placement's world.
+    /// Deforms it: from now on pictures show it at q and at a placement, its bones at rest. Coordinates of the picture
+    /// are the placement's world.
     ///
     /// # Errors
     /// q or a placement that the asset refuses, another asset, a lost device.
@@ -58,8 +58,23 @@ impl SkinnedMesh {
         q: &[f32],
         transform: Transform,
     ) -> Result<(), RenderError> {
+        self.pose_with_bones(gpu, asset, q, BoneMatrices::Rest, transform)
+    }
+
+    /// The same with bones where `bones` puts them.
+    ///
+    /// # Errors
+    /// Those of [`SkinnedMesh::pose`]; matrices that the asset refuses, or that has no skin.
+    pub fn pose_with_bones(
+        &mut self,
+        gpu: &Gpu,
+        asset: &Asset<'_>,
+        q: &[f32],
+        bones: BoneMatrices<'_>,
+        transform: Transform,
+    ) -> Result<(), RenderError> {
         self.instances.clear([0.0; 3]);
-        self.instances.push_at(asset, q, transform)?;
+        self.instances.push_with_bones(asset, q, bones, transform)?;
         self.instances.write();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         self.skinner

@@ -44,16 +44,29 @@ impl BoneSource<'_> {
     }
 }
 
-/// T_b of a pose: the map of a bone, from stored coordinates to stored coordinates (SPEC 5.9).
+/// T_b of a pose: the map of a bone, from stored coordinates to stored coordinates (SPEC 5.9). See
+/// [`Pose::bone_maps`](crate::Pose::bone_maps).
 #[derive(Debug, Clone, Copy, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
 #[repr(C)]
-pub(crate) struct BoneMap {
+pub struct BoneMap {
     /// Three rows of four.
     pub(crate) rows: [[f32; 4]; 3],
     /// σ_b, at least the spectral norm of the linear part.
     pub(crate) stretch: f32,
     /// Fills up to 64 bytes.
     pub(crate) unused: [f32; 3],
+}
+
+impl BoneMap {
+    /// Three rows of four: a point y goes to A y + t, row r being (A_r0, A_r1, A_r2, t_r). Finite, none subnormal.
+    pub fn rows(&self) -> &[[f32; 4]; 3] {
+        &self.rows
+    }
+
+    /// σ_b, at least the spectral norm of A.
+    pub fn stretch(&self) -> f32 {
+        self.stretch
+    }
 }
 
 /// f32 numbers of one [`BoneMap`].

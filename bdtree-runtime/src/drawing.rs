@@ -1,8 +1,9 @@
 //! What programs need that deform and draw whole meshes themselves, on a graphics card for instance: whole
 //! sections, the checks that queries otherwise make on the way, and the matrix of a placement.
 
-use bdtree_format::SectionKind;
+use bdtree_format::{InfluenceRecord, SectionKind};
 
+use crate::bones::BoneMap;
 use crate::contact::{TriangleId, VertexId};
 use crate::error::{FormatError, PoseError};
 use crate::placement::Placement;
@@ -48,10 +49,16 @@ impl StoredToWorld {
     }
 }
 
-impl Pose<'_> {
+impl<'p> Pose<'p> {
     /// Where the pose puts stored coordinates.
     pub fn stored_to_world(&self) -> StoredToWorld {
         StoredToWorld(self.placement)
+    }
+
+    /// Where the pose puts each bone (stored units), in the order of [`Asset::bones`]; none without a skin. A vertex's are
+    /// blended as [`Pose::deformed_stored`] says.
+    pub fn bone_maps(&self) -> &'p [BoneMap] {
+        self.bones().map_or(&[], |bones| bones.maps)
     }
 }
 
@@ -96,6 +103,13 @@ impl<'a> Asset<'a> {
     /// all modes, or where [`Asset::vertex_modes`] has records those of the modes that it lists.
     pub fn displacement_fields(&self) -> &'a [[f32; 3]] {
         self.displacements
+    }
+
+    /// The influences of all vertices, one vertex behind the other, and where each vertex's begin, with one entry more
+    /// that ends the last's. Both empty without a skin.
+    pub fn all_influences(&self) -> (&'a [u32], &'a [InfluenceRecord]) {
+        self.skin
+            .map_or((&[], &[]), |skin| (skin.influence_starts, skin.influences))
     }
 
     /// The mode lists that [`Asset::vertex_modes`] and nodes refer to, one behind the other.

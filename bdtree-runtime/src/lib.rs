@@ -101,7 +101,7 @@ mod view;
 mod workspace;
 
 pub use animation::{AnimationFrame, SampleError};
-pub use bones::BoneMatrices;
+pub use bones::{BoneMap, BoneMatrices};
 pub use cache::{CacheSize, StepCache};
 pub use contact::{
     Contact, Coverage, PairContact, PointProjection, Proxy, RayIntersection, Sink, SliceSink,

@@ -32,7 +32,7 @@ pub(crate) fn lay_out(
         .show(ui, |ui| show_picture(ui, app, wish, picture));
     let is_typing = ui.ctx().egui_wants_keyboard_input();
     if !is_typing && ui.input(|input| input.key_pressed(egui::Key::Space)) {
-        app.playback.is_playing = !app.playback.is_playing && app.playback.frame_count() > 1;
+        app.toggle();
     }
     shown.inner
 }

@@ -61,9 +61,8 @@ impl Picture {
             return Ok(false);
         }
         allows(gpu, size)?;
-        let is_posed = self.drawn.as_ref().is_some_and(|(view, _)| {
-            (&view.q, view.transform) == (&app.view.q, app.view.transform)
-        });
+        let drawn = self.drawn.as_ref();
+        let is_posed = drawn.is_some_and(|(view, _)| view.is_posed_as(&app.view));
         if !is_posed {
             self.pose(gpu, app)?;
         }
@@ -94,8 +93,11 @@ impl Picture {
     }
 
     fn pose(&mut self, gpu: &Gpu, app: &App<'_>) -> Result<(), RenderError> {
-        let transform = app.place.shown_transform(app.view.transform);
-        let posed = self.mesh.pose(gpu, app.asset(), &app.view.q, transform);
+        let view = &app.view;
+        let transform = app.place.shown_transform(view.transform);
+        let posed = self
+            .mesh
+            .pose_with_bones(gpu, app.asset(), &view.q, view.bones(), transform);
         self.problem = match posed {
             Ok(()) => None,
             // What this posture alone is to blame for.

@@ -16,12 +16,15 @@ pub(crate) const ENDS: [u8; 4] = [205, 30, 190, 46];
 const DOT: f32 = 0.035;
 const NORMAL: f32 = 0.25;
 
+/// Bones.
+const BONE: [u8; 4] = [20, 120, 70, 255];
+
 /// Spheres and lines.
 #[derive(Debug, Default)]
 pub(crate) struct Shapes {
     /// Spheres of the level, the probe, its contacts, the spheres in which its query ended.
     pub spheres: Vec<Sphere>,
-    /// Normals of contacts.
+    /// Bones, the probe's outline, normals of contacts.
     pub lines: Vec<Line>,
 }
 
@@ -44,6 +47,11 @@ impl Shapes {
             });
             shapes.spheres.extend(of_level);
         }
+        shapes.lines.extend(app.bones.iter().map(|ends| Line {
+            ends: ends.map(|x| app.place.shown(x)),
+            colour: BONE,
+            width: 2.5,
+        }));
         if !view.has_probe {
             return shapes;
         }

@@ -177,7 +177,7 @@ impl Stage {
         self.status.frame_ms = Some(1e3 * begin.elapsed().as_secs_f64());
         let delay = output.viewport_output.get(&ViewportId::ROOT);
         let delay = delay.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        let is_moving = app.playback.is_playing || found_news;
+        let is_moving = app.is_playing() || found_news;
         Ok(After {
             delay: if is_moving { Duration::ZERO } else { delay },
             copy,

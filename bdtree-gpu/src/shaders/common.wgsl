@@ -1,4 +1,4 @@
-// What all passes share. A pass is this, one of lanes_*.wgsl, and its own text.
+// What all passes share. A pass is this, one of lanes_*.wgsl, one of *bones.wgsl, and its own text.
 struct Params {
     // Vertices of this range, and the first of them.
     count: u32,
@@ -9,6 +9,9 @@ struct Params {
     // Where entries of this range begin, and mode lists (see fields_listed.wgsl) or corners.
     entry_base: u32,
     list_base: u32,
+    // Bones, and where influences begin (see bones.wgsl).
+    bone_count: u32,
+    influences: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -35,6 +38,14 @@ fn stage_all(t: u32, done: array<Lanes, 3>) {
     stage(t, 0u, done[0]);
     stage(t, 1u, done[1]);
     stage(t, 2u, done[2]);
+}
+
+fn cross_of(a: array<Lanes, 3>, b: array<Lanes, 3>) -> array<Lanes, 3> {
+    return array<Lanes, 3>(
+        sub(mul(a[1], b[2]), mul(a[2], b[1])),
+        sub(mul(a[2], b[0]), mul(a[0], b[2])),
+        sub(mul(a[0], b[1]), mul(a[1], b[0])),
+    );
 }
 
 // What to multiply a vector with, one after the other, to make its length 1: two factors, so that no

@@ -1,7 +1,7 @@
 const SIDES = 1u;
 
 fn local(t: u32, first: u32, block: u32) -> array<Lanes, 3> {
-    return moved(t, first, block, 0u);
+    return carried(t, first, block, moved(t, first, block, 0u));
 }
 
 fn finish(block: u32, x: array<Lanes, 3>) -> array<Lanes, 3> {

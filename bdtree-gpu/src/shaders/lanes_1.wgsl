@@ -10,7 +10,7 @@ fn instance_count() -> u32 { return u32(instances[0]); }
 // Row `row` of the block that `instance` is one of: its number.
 fn row_of(instance: u32, row: u32) -> Lanes {
     let block = instance / 8u;
-    return instances[8u * (1u + block * (MATRIX_ROWS + params.mode_count) + row) + instance % 8u];
+    return instances[8u * (1u + block * block_rows() + row) + instance % 8u];
 }
 
 fn splat(x: f32) -> Lanes { return x; }

@@ -9,7 +9,7 @@ fn instance_count() -> u32 { return u32(instances[0].x); }
 
 // Row `row` of block `block`: one number of eight instances.
 fn row_of(block: u32, row: u32) -> Lanes {
-    let at = 2u * (1u + block * (MATRIX_ROWS + params.mode_count) + row);
+    let at = 2u * (1u + block * block_rows() + row);
     return Lanes(instances[at], instances[at + 1u]);
 }
 

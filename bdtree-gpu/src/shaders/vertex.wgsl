@@ -6,6 +6,8 @@ struct BdtreeParams {
     mode_count: u32,
     entry_base: u32,
     list_base: u32,
+    bone_count: u32,
+    influences: u32,
 }
 
 struct BdtreeVertex {
@@ -26,7 +28,7 @@ struct BdtreeVertex {
 
 fn bdtree_row(instance: u32, row: u32) -> f32 {
     let block = instance / 8u;
-    return bdtree_instances[8u * (1u + block * (12u + bdtree_params.mode_count) + row) + instance % 8u];
+    return bdtree_instances[8u * (1u + block * bdtree_block_rows() + row) + instance % 8u];
 }
 
 fn bdtree_linear(instance: u32, v: vec3<f32>) -> vec3<f32> {
@@ -40,6 +42,7 @@ fn bdtree_linear(instance: u32, v: vec3<f32>) -> vec3<f32> {
 
 fn bdtree_vertex(vertex: u32, instance: u32) -> BdtreeVertex {
     let offset = vec3(bdtree_row(instance, 3u), bdtree_row(instance, 7u), bdtree_row(instance, 11u));
-    let p = bdtree_moved(vertex, instance);
+    bdtree_blend(vertex, instance);
+    let p = bdtree_carried(bdtree_moved(vertex, instance));
     return BdtreeVertex(bdtree_linear(instance, p) + offset, bdtree_normal(vertex, instance));
 }

@@ -4,15 +4,18 @@ fn bdtree_tangent(vertex: u32, side: u32, instance: u32) -> vec3<f32> {
     return t + bdtree_turned_by(vertex, side, instance);
 }
 
-fn bdtree_normal(vertex: u32, instance: u32) -> vec3<f32> {
-    let a = bdtree_tangent(vertex, 0u, instance);
-    let b = bdtree_tangent(vertex, 1u, instance);
-    let n = bdtree_linear(instance, cross(a, b));
-    let largest = max(max(abs(n.x), abs(n.y)), abs(n.z));
-    // As in the compute passes: scaled first, so that no square over- or underflows.
+// As in the compute passes: scaled first, so that no square over- or underflows.
+fn bdtree_unit(v: vec3<f32>) -> vec3<f32> {
+    let largest = max(max(abs(v.x), abs(v.y)), abs(v.z));
     if (largest >= 0x1p-126f && largest <= 0x1p125f) {
-        let scaled = n * (1.0 / largest);
+        let scaled = v * (1.0 / largest);
         return scaled * (1.0 / sqrt(dot(scaled, scaled)));
     }
     return vec3(0.0);
+}
+
+fn bdtree_normal(vertex: u32, instance: u32) -> vec3<f32> {
+    let a = bdtree_tangent(vertex, 0u, instance);
+    let b = bdtree_tangent(vertex, 1u, instance);
+    return bdtree_unit(bdtree_linear(instance, BDTREE_SPANNED));
 }

@@ -1,17 +1,19 @@
 //! The viewer without its window: what is shown, and what is known of it.
 
+mod clips;
 mod playback;
 mod probe;
 mod view;
 
 pub use bdtree_render::Place;
+pub use clips::{ClipName, Clips};
 pub use playback::Playback;
 pub use probe::{Answer, Asker, Probe};
 pub use view::{Grab, View};
 
 use bdtree_render::tightness::{Scale, growth, mean_and_max};
 use bdtree_render::{Level, NodeSphere};
-use bdtree_runtime::{Asset, CacheSize, Instance, Pose, PoseError, Transform};
+use bdtree_runtime::{Asset, CacheSize, Instance, Pose, PoseError, StoredToWorld, Transform};
 use bdtree_tools::deform::deformed;
 use bdtree_tools::info::Info;
 use bdtree_tools::{AssetFile, ToolError};
@@ -53,12 +55,16 @@ pub struct App<'a> {
     pub view: View,
     /// The animation.
     pub playback: Playback,
+    /// The clips of the skeleton.
+    pub clips: Clips,
     /// How far sliders go.
     pub reach: Reach,
     /// What the mouse holds.
     pub grab: Option<Grab>,
     /// Spheres of the level.
     pub spheres: Result<Spheres, String>,
+    /// Lines from joints to those above them (world), if they are shown.
+    pub bones: Vec<[[f64; 3]; 2]>,
     /// What the probe found.
     pub answer: Option<Result<Answer, String>>,
     asker: Asker,
@@ -90,8 +96,10 @@ impl<'a> App<'a> {
             place,
             view: View {
                 q,
+                joints: Vec::new(),
                 transform,
                 has_mesh: true,
+                has_bones: false,
                 level: None,
                 scale: Scale::Paper,
                 opacity: 0.35,
@@ -104,9 +112,11 @@ impl<'a> App<'a> {
                 camera: None,
             },
             playback: Playback::new(asset),
+            clips: Clips::new(asset),
             reach: Reach::Range,
             grab: None,
             spheres: Ok(Spheres::default()),
+            bones: Vec::new(),
             answer: None,
             asker: Asker::new(asset),
             known: None,
@@ -134,6 +144,7 @@ impl<'a> App<'a> {
         self.view.q.fill(0.0);
         self.view.transform = Transform::IDENTITY;
         self.playback.is_playing = false;
+        self.clips.is_playing = false;
     }
 
     /// Shows the animation's moment.
@@ -150,8 +161,40 @@ impl<'a> App<'a> {
         moment.is_some_and(|(q, at)| (&q, at) == (&self.view.q, self.view.transform))
     }
 
+    /// Shows the clip's moment: its joints, and of q what it moves; the rest of q stays as sliders have it. One that
+    /// cannot be shown changes nothing.
+    pub fn show_clip(&mut self) {
+        let mut q = self.view.q.clone();
+        self.clips.problem = match self.clips.moment(self.file.asset(), &mut q) {
+            Ok(joints) => {
+                (self.view.q, self.view.joints) = (q, joints);
+                None
+            }
+            Err(error) => Some(error.to_string()),
+        };
+    }
+
+    /// Plays or halts: the chosen clip, or else the animation.
+    pub fn toggle(&mut self) {
+        match self.clips.chosen {
+            Some(_) => self.clips.is_playing = !self.clips.is_playing,
+            None => {
+                let was_playing = self.playback.is_playing;
+                self.playback.is_playing = !was_playing && self.playback.frame_count() > 1;
+            }
+        }
+    }
+
+    /// Whether something moves by itself.
+    pub fn is_playing(&self) -> bool {
+        self.playback.is_playing || self.clips.is_playing
+    }
+
     /// Lets time pass.
     pub fn advance(&mut self, dt_s: f64) {
+        if self.clips.advance(dt_s) {
+            self.show_clip();
+        }
         if self.playback.advance(dt_s) {
             self.show_moment();
         }
@@ -163,7 +206,8 @@ impl<'a> App<'a> {
     /// q that the asset refuses, a corrupt asset.
     pub fn fit(&mut self, aspect: f32) -> Result<(), ToolError> {
         let View { q, transform, .. } = &self.view;
-        let posed = self.body.set_pose(q, *transform);
+        let bones = self.view.bones();
+        let posed = self.body.set_pose_with_bones(q, bones, *transform);
         posed.map_err(|error| refused(self.file, error))?;
         let mut framing = View::framing(aspect);
         for p in positions(self.file, &self.body.pose())? {
@@ -192,16 +236,31 @@ impl<'a> App<'a> {
     pub fn refresh(&mut self) -> bool {
         let view = &self.view;
         let known = self.known.as_ref();
-        let is_posed = known.is_some_and(|k| (&k.q, k.transform) == (&view.q, view.transform));
+        let is_posed = known.is_some_and(|k| k.is_posed_as(view));
+        let has_bones = is_posed && known.is_some_and(|k| k.has_bones == view.has_bones);
         let has_level = is_posed && known.is_some_and(|k| k.level == view.level);
         let is_asked = is_posed
             && known.is_some_and(|k| (k.has_probe, k.probe) == (view.has_probe, view.probe));
-        if has_level && is_asked {
+        if has_level && is_asked && has_bones {
             return false;
         }
-        let posed = self.body.set_pose(&view.q, view.transform);
+        let posed = self
+            .body
+            .set_pose_with_bones(&view.q, view.bones(), view.transform);
         let posed = posed.map_err(|error| error.to_string());
         let pose = self.body.pose();
+        if !has_bones {
+            let lines = match view.has_bones {
+                true => clips::bone_lines(pose.asset(), &view.joints),
+                false => Ok(Vec::new()),
+            };
+            let world = model_to_world(pose.asset(), pose.stored_to_world());
+            let lines = lines.map(|lines| lines.into_iter().map(|ends| ends.map(&world)).collect());
+            self.bones = lines.unwrap_or_else(|error| {
+                self.clips.problem = Some(error.to_string());
+                Vec::new()
+            });
+        }
         if !has_level {
             self.spheres = match view.level {
                 Some(level) => posed.clone().and_then(|()| Spheres::of(&pose, level)),
@@ -233,6 +292,17 @@ impl Spheres {
             spheres,
             growths,
         })
+    }
+}
+
+/// Where a pose puts points of model space (mesh units).
+fn model_to_world(asset: &Asset<'_>, map: StoredToWorld) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
+    let (origin, unit) = (asset.origin(), asset.unit());
+    let (linear, offset) = (map.linear(), map.offset());
+    move |p| {
+        let stored = [0, 1, 2].map(|k| (p[k] - origin[k]) / unit);
+        let along = |row: [f64; 3]| (0..3).map(|k| row[k] * stored[k]).sum::<f64>();
+        [0, 1, 2].map(|k| offset[k] + along(linear[k]))
     }
 }
 

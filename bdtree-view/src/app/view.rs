@@ -2,7 +2,7 @@
 
 use bdtree_render::tightness::Scale;
 use bdtree_render::{Camera, Framing, Place, ViewDirection};
-use bdtree_runtime::Transform;
+use bdtree_runtime::{BoneMatrices, JointMatrix, Transform};
 
 use super::probe::Probe;
 
@@ -21,10 +21,14 @@ const GRAB: f32 = 9.0;
 pub struct View {
     /// Reduced coordinates.
     pub q: Vec<f32>,
+    /// From the space of each joint to model space; none: bones are at rest.
+    pub joints: Vec<JointMatrix>,
     /// Where the mesh stands.
     pub transform: Transform,
     /// Whether the mesh is drawn.
     pub has_mesh: bool,
+    /// Whether bones are drawn.
+    pub has_bones: bool,
     /// The level whose spheres are drawn.
     pub level: Option<usize>,
     /// The colors of their growth.
@@ -53,6 +57,19 @@ pub enum Grab {
 }
 
 impl View {
+    /// Where the bones are.
+    pub fn bones(&self) -> BoneMatrices<'_> {
+        match &self.joints[..] {
+            [] => BoneMatrices::Rest,
+            joints => BoneMatrices::Joints(joints),
+        }
+    }
+
+    /// Whether the mesh is the same and in the same place.
+    pub fn is_posed_as(&self, other: &Self) -> bool {
+        (&self.q, self.transform, &self.joints) == (&other.q, other.transform, &other.joints)
+    }
+
     /// What the camera of the beginning is to see, in a picture of `aspect`.
     pub fn framing(aspect: f32) -> Framing {
         Framing::new(ViewDirection::new(AZIMUTH_DEG, ELEVATION_DEG), aspect)

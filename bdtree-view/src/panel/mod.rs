@@ -4,6 +4,7 @@ mod legend;
 mod modes;
 mod motion;
 mod probe;
+mod skeleton;
 mod spheres;
 mod style;
 
@@ -62,6 +63,9 @@ pub(crate) fn show(ui: &mut Ui, app: &mut App<'_>, status: &Status) -> Wish {
             section(ui, &format!("Modes ({count})"), |ui| modes::show(ui, app));
             if app.playback.frame_count() > 0 {
                 section(ui, "Animation", |ui| motion::show(ui, app));
+            }
+            if app.asset().has_skin() {
+                section(ui, "Skeleton", |ui| skeleton::show(ui, app));
             }
             section(ui, "Spheres", |ui| spheres::show(ui, app));
             section(ui, "Probe", |ui| probe::show(ui, app));
