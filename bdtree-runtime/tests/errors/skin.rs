@@ -149,8 +149,8 @@ fn bones() -> Vec<Change> {
         // Another bone, which moves nothing, with the box of the last one.
         parts(|parts| {
             for part in parts.iter_mut() {
-                let body = &mut part.body;
-                match part.kind() {
+                let (kind, body) = (part.kind(), &mut part.body);
+                match kind {
                     SectionKind::BONES => body.extend_from_within(2 * size_of::<BoneRecord>()..),
                     SectionKind::BONE_FIELDS => body.extend([0; 4]),
                     _ => {}
