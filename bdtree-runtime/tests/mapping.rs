@@ -72,6 +72,8 @@ fn what_cannot_be_loaded_is_said_with_its_path() {
             let text = error.to_string();
             let expected = format!("{problem}: {}: ", path.display());
             assert!(text.starts_with(&expected), "{name}: {text}");
+            let source = std::error::Error::source(&error);
+            assert!(source.is_none(), "a chain of messages would repeat it");
             let LoadError::Format { path: of, error } = &error else {
                 panic!("{name}: {error:?}");
             };

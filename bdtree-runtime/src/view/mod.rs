@@ -228,7 +228,8 @@ impl<'a> Asset<'a> {
     /// A triangle's corners as vertex ids, in the source's order.
     ///
     /// # Errors
-    /// When the id is not below [`Asset::triangle_count`] or its record lies outside the file.
+    /// If the id is not below [`Asset::triangle_count`] (`found` is the id, `expected` the count), or its record lies
+    /// outside the file.
     pub fn triangle(&self, id: TriangleId) -> Result<[VertexId; 3], FormatError> {
         let count = self.triangle_slots.len();
         let slot = *self.triangle_slots.get(id.0 as usize).ok_or_else(|| {
@@ -284,7 +285,7 @@ impl<'a> Asset<'a> {
     }
 
     /// The same asset with another kernel, for tests and measurements; `None` when this
-    /// processor lacks it. Results do not depend on it, only visits may.
+    /// processor lacks it. Results and visited nodes are the same with every kernel.
     pub fn with_kernel(self, kernel: Kernel) -> Option<Self> {
         kernel.is_available().then_some(Self { kernel, ..self })
     }
@@ -349,7 +350,7 @@ impl<'a> Asset<'a> {
             SectionKind::TRIANGLES => "SPEC 6.3: slots lie inside TRIS",
             SectionKind::TRIANGLE_SLOTS => "SPEC 7.2: a triangle id is below F",
             SectionKind::POSITIONS | SectionKind::VERTEX_MODES => {
-                "SPEC 7.1: a corner is a vertex of the file"
+                "SPEC 7.1: a vertex id is below N"
             }
             _ => "SPEC 7.3: a displacement is one of a vertex and a mode of the file",
         };
