@@ -159,7 +159,7 @@ fn syntax_errors_have_line_and_column() {
     assert!(ran.err.starts_with("stdin: "));
     let ran = folder.run(&["query", "no.json"]);
     assert_eq!((ran.code, ran.out.as_str()), (1, ""));
-    assert!(ran.err.starts_with("no.json: "));
+    assert!(ran.err.starts_with("cannot read no.json: "));
 }
 
 #[test]
