@@ -78,13 +78,46 @@ pub struct FormatError {
     pub found: Datum,
 }
 
+/// The rule of the first bytes.
+pub(crate) const MAGIC_BYTES: &str = "SPEC 9.1: the file starts with the magic bytes";
+/// The rule of the version.
+pub(crate) const ONE_VERSION: &str = "SPEC 9.1: readers know one major version";
+/// The rule of the header's checksum.
+pub(crate) const HEADER_CRC: &str = "SPEC 2.4: header_crc is the CRC-32 of the header block";
+/// The rule of the sections' checksums.
+pub(crate) const SECTION_CRC: &str = "SPEC 4.1: a section's bytes have its checksum";
+
+impl FormatError {
+    /// What is wrong, in words, without place and rule.
+    fn fault(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (expected, found) = (self.expected, self.found);
+        match (self.rule, expected, found) {
+            (MAGIC_BYTES, ..) => {
+                f.write_str("not a .bdt file, or one that was transferred as text")
+            }
+            (ONE_VERSION, ..) => write!(
+                f,
+                "format version {found} is not supported (this program reads {expected})"
+            ),
+            (HEADER_CRC, Datum::Integer(bytes), Datum::Integer(stored)) => write!(
+                f,
+                "checksum mismatch: the header says {stored:08x}, the bytes give {bytes:08x}"
+            ),
+            (SECTION_CRC, Datum::Integer(stored), Datum::Integer(bytes)) => write!(
+                f,
+                "checksum mismatch: the section table says {stored:08x}, the bytes give {bytes:08x}"
+            ),
+            _ => write!(f, "found {found}, expected {expected}"),
+        }
+    }
+}
+
 impl fmt::Display for FormatError {
+    /// The place, the fault, and behind it the rule.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "section {} at byte {}: {}: expected {}, found {}",
-            self.section, self.byte, self.rule, self.expected, self.found
-        )
+        write!(f, "section {} at byte {}: ", self.section, self.byte)?;
+        self.fault(f)?;
+        write!(f, " ({})", self.rule)
     }
 }
 

@@ -9,7 +9,7 @@ use self_cell::self_cell;
 
 use crate::error::FormatError;
 #[cfg(feature = "std")]
-use crate::error::HEADER_SECTION;
+use crate::error::{HEADER_SECTION, MAGIC_BYTES};
 use crate::memory::AlignedBytes;
 #[cfg(feature = "mmap")]
 use crate::mmap::MappedFile;
@@ -171,6 +171,10 @@ impl fmt::Display for LoadError {
         match self {
             Self::Io { path, error } => write!(f, "cannot read {}: {error}", path.display()),
             Self::Format { path, error } => {
+                let path = path.display();
+                if error.rule == MAGIC_BYTES {
+                    return write!(f, "{path}: not a .bdt file ({})", error.rule);
+                }
                 let problem = match error.section {
                     // The first eight bytes are the format's name, the next four its version.
                     HEADER_SECTION if error.byte < 8 => "not a .bdt file",
@@ -179,7 +183,7 @@ impl fmt::Display for LoadError {
                     HEADER_SECTION if error.byte < 12 => "a .bdt file of another version",
                     _ => "damaged .bdt file",
                 };
-                write!(f, "{problem}: {}: {error}", path.display())
+                write!(f, "{path}: {problem}: {error}")
             }
         }
     }
