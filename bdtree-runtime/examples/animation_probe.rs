@@ -1,8 +1,8 @@
 //! A stored animation plays under a ball that stands still: how near the mesh comes, and when it touches.
 use bdtree_runtime::{Ball, Contact, Instance, Model, Workspace, include_bdt};
 
-/// Frames per second at which the game looks; the animation's own frames are none of its business.
-const LOOKS_PER_S: f64 = 50.0;
+/// Queries per second; they need not fall on the animation's frames.
+const QUERIES_PER_S: f64 = 50.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // A sheet of 1.6 by 1 mesh units whose waves are up to 0.2 high, in the repository's root:
@@ -21,11 +21,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut workspace = Workspace::new();
     let mut q = vec![0.0; asset.mode_count()];
     let mut contacts: Vec<Contact> = Vec::new();
-    for look in 0..=10 {
-        let time_s = f64::from(look) / LOOKS_PER_S;
-        // The rigid motion that the bake took out of the frames, if it did, comes back with q.
-        let motion = asset.sample(time_s.min(duration_s), &mut q)?;
-        sheet.set_pose(&q, motion)?;
+    for step in 0..=10 {
+        let time_s = f64::from(step) / QUERIES_PER_S;
+        // Fills q and returns the placement: the rigid motion that --align took out of the frames, else the identity.
+        let placement = asset.sample(time_s.min(duration_s), &mut q)?;
+        sheet.set_pose(&q, placement)?;
         let mut query = sheet.query(&mut workspace);
         let nearest = query.project_point(ball.center, f64::INFINITY)?;
         let gap = nearest.map_or(f64::INFINITY, |nearest| nearest.distance - ball.radius);

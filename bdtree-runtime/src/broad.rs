@@ -88,7 +88,8 @@ pub fn pairs(
 }
 
 /// Reports every pair of instances whose bounding spheres are at most `prediction` apart and whose groups
-/// [meet](Instance::may_meet), as [`pairs`] does: what to ask with [`Instance::against`].
+/// [meet](Instance::may_meet), as [`pairs`] does: what to ask with [`Instance::against`]. Sinks append: clear them
+/// yourself.
 ///
 /// # Errors
 /// Those of [`pairs`]; a corrupt asset.

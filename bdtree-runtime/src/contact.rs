@@ -34,7 +34,8 @@ pub struct Contact {
     pub point: [f64; 3],
     /// Unit normal, from the triangle towards the primitive; of a half-space, the plane's own.
     pub normal: [f64; 3],
-    /// Signed distance: negative is penetration depth.
+    /// Signed distance: negative is penetration depth. To separate the two at `point`, move the mesh by
+    /// `distance · normal`, for a half-space by `-distance · normal`; or move the shape the opposite way.
     pub distance: f64,
     /// Weights of the corners that give `point`; not negative, sum 1.
     pub barycentric: [f64; 3],
@@ -175,11 +176,13 @@ impl Proxy {
     };
 }
 
-/// Takes what a query finds, in the order of the traversal (the same on every run and
-/// processor kernel that visits the same nodes; sort by id where order matters).
+/// Takes what a query finds. Sinks append: clear them yourself.
+///
+/// Items come in the order of the traversal, which is the same on every run and with every
+/// [`Kernel`](crate::Kernel); sort by id where order matters.
 pub trait Sink<T> {
-    /// Takes one item, or answers `Break` without taking it when there is no room: the query
-    /// then stops and says [`Coverage::Truncated`].
+    /// Takes one item, or returns `Break` without taking it when there is no room: the query
+    /// then stops and returns [`Coverage::Truncated`].
     fn push(&mut self, item: T) -> ControlFlow<()>;
 }
 

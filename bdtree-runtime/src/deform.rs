@@ -13,7 +13,7 @@ impl Pose<'_> {
     /// The deformed position of a vertex in the world: f64 from the stored position on.
     ///
     /// # Errors
-    /// When there is no such vertex.
+    /// If the id is not below [`Asset::vertex_count`] (`found` is the id, `expected` the count); a corrupt asset.
     #[inline]
     pub fn deformed(&self, vertex: VertexId) -> Result<[f64; 3], FormatError> {
         Ok(self.placement.world(self.deformed_stored(vertex)?))
@@ -25,7 +25,7 @@ impl Pose<'_> {
     /// by their blended matrix (SPEC 5.9): `M = Σ_b w_b T_b`, influences in order, then `M x`.
     ///
     /// # Errors
-    /// When there is no such vertex.
+    /// Those of [`Pose::deformed`].
     #[inline]
     pub fn deformed_stored(&self, vertex: VertexId) -> Result<[f32; 3], FormatError> {
         let moved = self.before_bones(vertex)?;
@@ -48,7 +48,7 @@ impl Pose<'_> {
     /// The deformed corners of a triangle in the world.
     ///
     /// # Errors
-    /// When there is no such triangle, or its corners lie outside the file.
+    /// If the id is not below [`Asset::triangle_count`] (`found` is the id, `expected` the count); a corrupt asset.
     pub fn deformed_triangle(&self, triangle: TriangleId) -> Result<[[f64; 3]; 3], FormatError> {
         let [a, b, c] = self.asset.triangle(triangle)?;
         Ok([self.deformed(a)?, self.deformed(b)?, self.deformed(c)?])

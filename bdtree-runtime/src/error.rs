@@ -60,27 +60,64 @@ impl From<usize> for Datum {
 pub const HEADER_SECTION: SectionKind = SectionKind(*b"HEAD");
 
 /// Bytes that break a rule of the format: where, which rule, what it asks and what is there.
+///
+/// Functions that take a triangle id, a vertex id or a slice return it too where that does not fit the asset, and then
+/// the file may be sound. `rule` says so: `SPEC 7.2: a triangle id is below F`, `SPEC 7.1: a vertex id is below N`, or
+/// the name of the argument.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FormatError {
     /// The section, or [`HEADER_SECTION`].
     pub section: SectionKind,
     /// Offset from the start of the file.
     pub byte: u64,
-    /// Number and words of the rule in `SPEC.md`.
+    /// Number and words of the rule in `SPEC.md`, or which argument is wrong.
     pub rule: &'static str,
-    /// What the rule asks for.
+    /// What the rule asks for. For an index: the number of elements, which it must be below.
     pub expected: Datum,
-    /// What the file holds.
+    /// What the file holds, or what was given.
     pub found: Datum,
 }
 
+/// The rule of the first bytes.
+pub(crate) const MAGIC_BYTES: &str = "SPEC 9.1: the file starts with the magic bytes";
+/// The rule of the version.
+pub(crate) const ONE_VERSION: &str = "SPEC 9.1: readers know one major version";
+/// The rule of the header's checksum.
+pub(crate) const HEADER_CRC: &str = "SPEC 2.4: header_crc is the CRC-32 of the header block";
+/// The rule of the sections' checksums.
+pub(crate) const SECTION_CRC: &str = "SPEC 4.1: a section's bytes have its checksum";
+
+impl FormatError {
+    /// What is wrong, in words, without place and rule.
+    fn fault(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (expected, found) = (self.expected, self.found);
+        match (self.rule, expected, found) {
+            (MAGIC_BYTES, ..) => {
+                f.write_str("not a .bdt file, or one that was transferred as text")
+            }
+            (ONE_VERSION, ..) => write!(
+                f,
+                "format version {found} is not supported (this program reads {expected})"
+            ),
+            (HEADER_CRC, Datum::Integer(bytes), Datum::Integer(stored)) => write!(
+                f,
+                "checksum mismatch: the header says {stored:08x}, the bytes give {bytes:08x}"
+            ),
+            (SECTION_CRC, Datum::Integer(stored), Datum::Integer(bytes)) => write!(
+                f,
+                "checksum mismatch: the section table says {stored:08x}, the bytes give {bytes:08x}"
+            ),
+            _ => write!(f, "found {found}, expected {expected}"),
+        }
+    }
+}
+
 impl fmt::Display for FormatError {
+    /// The place, the fault, and behind it the rule.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "section {} at byte {}: {}: expected {}, found {}",
-            self.section, self.byte, self.rule, self.expected, self.found
-        )
+        write!(f, "section {} at byte {}: ", self.section, self.byte)?;
+        self.fault(f)?;
+        write!(f, " ({})", self.rule)
     }
 }
 
@@ -164,7 +201,7 @@ pub enum PoseError {
     OverLimit {
         /// Its index.
         mode: usize,
-        /// |q_j|.
+        /// The entry, q_j.
         found: f32,
         /// The asset's limit.
         limit: f32,
@@ -191,7 +228,7 @@ pub enum PoseError {
     Translation,
     /// The matrix is not a rotation with one positive scale and a translation.
     Matrix,
-    /// The scale is not within 2^-60 … 2^60.
+    /// The scale is not between 2^-60 and 2^60.
     Scale,
 }
 
@@ -220,10 +257,7 @@ impl fmt::Display for PoseError {
                 "matrix {index} is not finite or moves vertices beyond 2^60 stored units"
             ),
             Self::OverLimit { mode, found, limit } => {
-                write!(
-                    f,
-                    "q[{mode}]: |{found}| is over the asset's limit of {limit}"
-                )
+                write!(f, "q[{mode}] = {found} exceeds the limit of {limit}")
             }
             Self::Tolerance => f.write_str("the pose's tolerance is NaN or negative"),
             Self::Rotation => {
@@ -233,7 +267,7 @@ impl fmt::Display for PoseError {
             Self::Matrix => f.write_str(
                 "the matrix is not a rotation with one positive scale and a translation",
             ),
-            Self::Scale => f.write_str("scale is not one positive number between 2^-60 and 2^60"),
+            Self::Scale => f.write_str("scale is not between 2^-60 and 2^60"),
         }
     }
 }
@@ -244,13 +278,13 @@ impl core::error::Error for PoseError {}
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum QueryError {
-    /// The cache was not started with this pose: [`StepCache::start`](crate::StepCache::start).
+    /// The cache was started with another pose, or not at all: call [`StepCache::start`](crate::StepCache::start) with
+    /// this one.
     Cache,
-    /// The motion does not stand at this pose, or a pose has none where a front needs it:
-    /// [`Motion`](crate::Motion).
+    /// The pose has no [`Motion`](crate::Motion), which a front needs, or the motion was last advanced to another pose.
     Motion,
-    /// An argument is NaN, infinite, beyond 2^100, a zero vector, or negative where a length is meant; an option
-    /// does not go with the question or another option; a slice for answers is too short. The text names it.
+    /// An argument is NaN, infinite, beyond 2^100, a zero vector, or a negative length; an option cannot be combined
+    /// with this query or with another option; a slice for answers is too short. The text names it.
     Argument(&'static str),
     /// The bytes of a workspace or cache are too few:
     /// [`Workspace::bytes_for`](crate::Workspace::bytes_for).
@@ -260,7 +294,7 @@ pub enum QueryError {
         /// Bytes given.
         found: usize,
     },
-    /// The sink of proxies has no room, and the answer could not say what it leaves out:
+    /// The sink of proxies was full, and the query's return type cannot say that the answer is incomplete:
     /// [`Query::max_level`](crate::Query::max_level).
     Proxies,
     /// The asset's bytes break a rule that only the deep check reads; run `verify`.
@@ -271,9 +305,9 @@ impl fmt::Display for QueryError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Cache => f.write_str("the cache was not started with this pose"),
-            Self::Motion => {
-                f.write_str("the pose has no motion, or its motion does not stand at it")
-            }
+            Self::Motion => f.write_str(
+                "the pose has no Motion, or the Motion was last advanced to another pose",
+            ),
             Self::Argument(what) => f.write_str(what),
             Self::Memory { needed, found } => {
                 write!(

@@ -6,6 +6,9 @@ use crate::contact::TriangleId;
 use crate::error::FormatError;
 use crate::pose::Pose;
 
+/// What is wrong with the caller's `out`.
+const SHORT: &str = "argument `out`: one number per mode";
+
 impl Pose<'_> {
     /// Adds the generalised force of a world force that acts on the material point `barycentric` of
     /// a triangle: `out[j] += Σ_k w_k (∂x_k/∂q_j)·f`, which for an instance at scale 1 is `Uᵀ f` and with bones `Uᵀ Aᵀ f`, A the linear part of the blended matrix. The
@@ -14,8 +17,8 @@ impl Pose<'_> {
     /// `out` holds one number per mode.
     ///
     /// # Errors
-    /// An unknown triangle, `out` shorter than the mode count (as an index beyond the displacement
-    /// section), a corrupt asset.
+    /// A triangle id that is not below [`Asset::triangle_count`](crate::Asset::triangle_count); `out` shorter than the
+    /// mode count, which is `expected`; a corrupt asset.
     pub fn add_generalized_force(
         &self,
         triangle: TriangleId,
@@ -26,8 +29,10 @@ impl Pose<'_> {
         let asset = self.asset;
         let corners = asset.triangle(triangle)?;
         let m = asset.mode_count();
+        let found = out.len();
         let Some(out) = out.get_mut(..m) else {
-            return Err(asset.out_of_range(SectionKind::DISPLACEMENTS, m, out.len(), 12));
+            let place = asset.at(SectionKind::DISPLACEMENTS, 0);
+            return Err(place.rule(SHORT).broken(m, found));
         };
         // x = t + s Q (origin + unit p'), so ∂x/∂q_j · f = s unit U_ij · (Qᵀ f).
         let local = self.placement.inverse_rotate(force);

@@ -13,14 +13,14 @@ use crate::query::{Aabb, BoundingSphere, PairQuery, Query};
 use crate::transform::Transform;
 use crate::workspace::Workspace;
 
-/// What an instance keeps during a step unless it is told otherwise: about 14 KB.
+/// The size of an instance's step cache unless another is given: 14 KB.
 const CACHE: CacheSize = CacheSize {
     nodes: 64,
     leaves: 32,
 };
 
-/// One deforming body: its model, q, placement, what a step keeps, how far it has moved, and what the program
-/// knows of it. `Send` and `Sync`; owns all its memory and allocates when it is made, not later.
+/// One deforming body: a model, q, a placement, a step cache, its accumulated motion, and user data with collision
+/// groups. `Send` and `Sync`; owns all its memory and allocates when it is made, not later.
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -48,16 +48,16 @@ pub struct Instance {
     numbers: PoseNumbers,
     motion: Motion,
     cache: StepCache<'static>,
-    /// Whatever the program wants to find it by; 0 at first.
+    /// Any number of the program's own, for example an entity id; default 0.
     pub user_data: u64,
-    /// The groups that it belongs to, a bit each; all at first.
+    /// Collision group bits; default `u32::MAX`.
     pub collision_group: u32,
-    /// The groups that it meets; all at first.
+    /// Mask of the groups it collides with; default `u32::MAX`.
     pub collision_mask: u32,
 }
 
 impl Instance {
-    /// A body at rest, q = 0, where its mesh is; it keeps a few nodes and leaves of each step.
+    /// An instance with q = 0 at the identity placement, with a step cache of 64 nodes and 32 leaves (14 KB).
     ///
     /// # Errors
     /// None for the models that `bdtree-build` writes: 0 is within all limits.
@@ -65,7 +65,7 @@ impl Instance {
         Self::with_cache(model, CACHE)
     }
 
-    /// The same with a cache of a size of your own: [`CacheSize::NONE`] for bodies that are asked once a step.
+    /// The same with a step cache of another size: [`CacheSize::NONE`] for bodies that are queried once per step.
     ///
     /// # Errors
     /// Those of [`Instance::new`].
@@ -92,7 +92,7 @@ impl Instance {
         })
     }
 
-    /// What it is an instance of.
+    /// The model.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -102,12 +102,12 @@ impl Instance {
         &self.memory[..self.model.asset().mode_count()]
     }
 
-    /// Where it stands, as it was given.
+    /// The placement, as it was given.
     pub fn placement(&self) -> Transform {
         self.placement
     }
 
-    /// Deforms it: q of the step. An error leaves it as it was.
+    /// Sets q. An error leaves the instance as it was.
     ///
     /// # Errors
     /// q of another length than the asset has modes, NaN, infinite or over the asset's hard limit.
@@ -154,8 +154,8 @@ impl Instance {
         self.change(Some(q), Bones::New(bones), at.into())
     }
 
-    /// Places it. An error leaves it as it was. What the step has kept stays, since it does not depend on the
-    /// placement.
+    /// Sets the placement. An error leaves the instance as it was. The step cache stays valid, since it does not depend
+    /// on the placement.
     ///
     /// # Errors
     /// A placement that [`Transform`] does not allow.
@@ -168,7 +168,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Deforms and places it, which takes less time than one after the other. An error leaves it as it was.
+    /// Sets q and the placement, faster than one after the other. An error leaves the instance as it was.
     ///
     /// # Errors
     /// Those of [`Instance::set_q`] and [`Instance::set_placement`].
@@ -198,21 +198,21 @@ impl Instance {
         Ok(())
     }
 
-    /// The pose, for any number of readers: queries on it keep nothing of the step.
+    /// The current pose. It can be queried from several threads at once; these queries do not use the step cache.
     #[inline]
     pub fn pose(&self) -> Pose<'_> {
         Pose::again(self.model.asset(), &self.numbers, &self.memory, self.motion)
     }
 
-    /// Questions about the body, with what the step has kept.
+    /// Starts a query that uses the step cache; needs `&mut self`.
     #[inline]
     pub fn query<'q, 'm>(&'q mut self, workspace: &'q mut Workspace<'m>) -> Query<'q, 'm> {
         let (pose, cache) = self.parts();
         Query::with_cache(pose, cache, workspace)
     }
 
-    /// Questions about this body and another, with what the step has kept of both. `get_disjoint_mut` lends
-    /// two of a slice.
+    /// Starts a query of this body and another that uses the step caches of both. `get_disjoint_mut` borrows two
+    /// instances of a slice.
     #[inline]
     pub fn against<'q, 'm, 'f>(
         &'q mut self,
@@ -222,7 +222,7 @@ impl Instance {
         PairQuery::with_caches([self.parts(), other.parts()], workspace)
     }
 
-    /// Whether queries have kept the spheres of a node: [`StepCache::keeps`].
+    /// Whether the step cache holds the spheres of a node: [`StepCache::keeps`].
     pub fn keeps(&mut self, node: u32) -> bool {
         self.cache.keeps(node)
     }
@@ -249,7 +249,7 @@ impl Instance {
         self.pose().bounding_sphere()
     }
 
-    /// Whether each of the two belongs to a group that the other meets.
+    /// True if `a.group & b.mask` and `b.group & a.mask` are both nonzero.
     pub fn may_meet(&self, other: &Self) -> bool {
         self.collision_group & other.collision_mask != 0
             && other.collision_group & self.collision_mask != 0

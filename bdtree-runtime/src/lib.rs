@@ -7,7 +7,42 @@
 //!
 //! A [`Model`] owns a `.bdt` file; an [`Instance`] is one deforming body with all the memory that it needs; a
 //! [`Workspace`] is the memory that queries work in. [`Query`] and [`PairQuery`] list everything that can be
-//! asked. `bdtree-runtime/examples` has the uses: many instances, picking, animations, forces, static memory.
+//! asked. `bdtree-runtime/examples` has the uses: many instances, picking, animations, forces, static memory; run one
+//! with `cargo run --release -p bdtree-runtime --example picking`.
+//!
+//! # Queries
+//!
+//! | asked of one mesh | answer |
+//! |---|---|
+//! | [`Query::contacts`], [`Query::intersects`] | triangles that a [`Ball`], [`Capsule`], [`Cuboid`] or [`HalfSpace`] touches |
+//! | [`Query::project_point`] | the nearest point |
+//! | [`Query::cast_ray`], [`Query::intersects_ray`], [`Query::cast_ray_all`] | what a [`Ray`] meets: first, any, all |
+//! | [`Query::cast_rays`], [`Query::intersects_rays`], [`Query::cast_rays_all`] | the same for many rays at once |
+//! | [`Query::frustum_state`] | inside, across or outside a view [`Frustum`] |
+//!
+//! | asked of two meshes | answer |
+//! |---|---|
+//! | [`PairQuery::contacts`], [`PairQuery::triangle_pairs`], [`PairQuery::intersects`] | triangles that touch or are near |
+//! | [`PairQuery::closest_points`], [`PairQuery::distance`] | the nearest two triangles |
+//! | [`PairQuery::contact_manifolds`], [`PairQuery::condense`] | regions of contact with normal, area and depth |
+//!
+//! Which of many instances may meet at all: [`broad::pairs`], and `broad::instance_pairs` with the feature `alloc`.
+//!
+//! *Options* of a query are methods that return it: a [`StepCache`] ([`Query::cached`]), a deepest level
+//! ([`Query::max_level`]), a number of visits ([`Query::max_visits`]), for pairs a [`PairFront`]
+//! ([`PairQuery::front`]).
+//!
+//! Rules that hold for all of them:
+//!
+//! * Queries take and return world coordinates and lengths. Items in stored or mesh units say so.
+//! * Meshes are surfaces, not solids: a ball wholly inside a closed mesh touches nothing.
+//! * Triangles are closed and two-sided. Those of zero area act as a segment or a point; rays miss them.
+//! * Limits are inclusive: a triangle at exactly the radius, `max_distance` or `prediction` is reported.
+//! * Coordinates are finite and at most 2^100; lengths are not negative either, and a `max_distance` may be
+//!   infinite. Directions and normals are finite, not zero, and of any length. Rotations are quaternions
+//!   (x, y, z, w) within 1e-3 of unit length. Anything else is [`QueryError::Argument`], whose text names the argument.
+//! * A [`Sink`] takes what is found: a `Vec` or a [`SliceSink`]. Sinks append: clear them yourself.
+//! * Points and vectors are `impl Into<Vec3>`, rotations `impl Into<Quat>`: [`Vec3`] lists what converts.
 //!
 //! # Features
 //!
@@ -17,7 +52,7 @@
 //! | `alloc` | what owns its memory: [`Model`], [`Instance`], [`Workspace::new`], [`StepCache::new`], [`PairFront::new`] |
 //! | `std` (default) | `alloc`; instruction sets are detected at run time; `Model::read`, `LoadError` |
 //! | `mmap` | `std`; `Model::load` maps a file, whose pages are read when queries touch them |
-//! | `mint` | points, vectors, quaternions and matrices of every library that speaks mint (glam, nalgebra, …) as arguments and back |
+//! | `mint` | conversions between [`Vec3`], [`Quat`], [`Transform`] and the types of mint, which glam, nalgebra and others convert to and from |
 //!
 //! Deforming whole meshes for drawing is `bdtree-gpu`'s.
 //!
@@ -29,18 +64,22 @@
 //!
 //! # Concepts
 //!
-//! *Mesh units* are the units of the source mesh. *Stored units* are mesh units times a power of
-//! two, relative to the asset's origin; only the tree sees them. *World* is where a pose places
-//! the mesh: `x = rotation · (scale · (origin + p')) + translation`. All public coordinates and
-//! lengths are world.
+//! *Mesh units* are the units of the source mesh. *Stored units* are mesh units divided by the asset's unit, a power
+//! of two, and relative to its origin; the tree computes in them. *World* is where a pose places the mesh:
+//! `x = rotation · (scale · (origin + unit · p')) + translation`, with p' in stored units. Queries take and return
+//! world coordinates and lengths. Items in stored or mesh units say so.
 //!
-//! *The promise*: for every finite q inside the asset's limits a query returns exactly what
-//! testing every deformed triangle with the same leaf arithmetic returns. `docs/design/guarantees.md`
-//! derives the constants; they are named here as there.
+//! *Leaf arithmetic* is the one fixed way in which a query computes the deformed vertices of a triangle
+//! ([`Pose::deformed_stored`]; SPEC 5.5) and tests the triangle ([`narrow`]).
 //!
-//! *What the compiler checks, and what it cannot*: a pose carries its asset, so the two are never of different
-//! files. A cache that was not started with the pose that is asked, and a motion that does not stand at it, are
-//! errors of the query.
+//! *Guarantee*: for every q within q_limit, a query returns what the same floating-point triangle tests return when run
+//! on every deformed triangle. `docs/design/guarantees.md` derives the constants; they are named here as there.
+//!
+//! *Poses, caches, motions*: A `Pose` borrows its asset, so they always match. A query returns `QueryError::Cache` if
+//! its cache was started with another pose, and `QueryError::Motion` if a pose has no motion.
+//!
+//! *The paper*, which comments cite by section and equation, is D. L. James and D. K. Pai, BD-Tree: Output-Sensitive
+//! Collision Detection for Reduced Deformable Models, SIGGRAPH 2004.
 #![no_std]
 
 #[cfg(feature = "alloc")]

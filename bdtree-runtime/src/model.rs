@@ -9,7 +9,7 @@ use self_cell::self_cell;
 
 use crate::error::FormatError;
 #[cfg(feature = "std")]
-use crate::error::HEADER_SECTION;
+use crate::error::{HEADER_SECTION, MAGIC_BYTES};
 use crate::memory::AlignedBytes;
 #[cfg(feature = "mmap")]
 use crate::mmap::MappedFile;
@@ -18,9 +18,9 @@ use crate::open::WHOLE_HEADER;
 use crate::view::Asset;
 
 /// A `.bdt` file that owns its bytes: opened and checked once, cheap to clone, shared between threads and
-/// instances. What an engine's component or a handle of another language holds.
+/// instances. Store it in an engine component or behind an FFI handle.
 ///
-/// [`Model::asset`] is the view on which everything else rests.
+/// [`Model::asset`] is the view that poses are made from.
 #[derive(Clone)]
 pub struct Model {
     shared: Arc<Owned>,
@@ -58,11 +58,11 @@ impl Model {
     /// Maps a file: pages are read when queries touch them. Reads header and tables;
     /// [`Asset::verify`] reads the rest.
     ///
-    /// The file must not be changed or truncated while it is mapped: bytes that change under the readers make
-    /// answers of any kind, or [`QueryError::Corrupt`](crate::QueryError::Corrupt), and to the language are a data
-    /// race; reading behind a new end is a bus error (SIGBUS), which ends the program. Replacing a file by
-    /// renaming another over it, as `bdtree-build` does, is safe: the map keeps the old one. Files that others may
-    /// change are read with [`Model::read`].
+    /// The file must not be changed or truncated while it is mapped. If the file changes, results are arbitrary or
+    /// [`QueryError::Corrupt`](crate::QueryError::Corrupt), and it is a data race (undefined behavior). If it is
+    /// truncated, reading past the new end is a bus error (SIGBUS), which ends the program. Replacing a file by
+    /// renaming another over it, as `bdtree-build` does, is safe: the map keeps the old one. Use [`Model::read`] for
+    /// files that others may change.
     ///
     /// # Errors
     /// When it cannot be opened or mapped, is no plain file, or is not a `.bdt` file.
@@ -98,10 +98,10 @@ impl Model {
         Self::open(Bytes::Copied(AlignedBytes::copy_of(bytes)))
     }
 
-    /// Bytes that live as long as the program, at a multiple of 4: of [`crate::include_bdt!`].
+    /// Opens static bytes aligned to 4, as [`include_bdt!`](crate::include_bdt) makes them.
     ///
     /// # Errors
-    /// Those of [`Model::from_bytes`]; another address.
+    /// Those of [`Model::from_bytes`]; an address that is not a multiple of 4.
     pub fn from_static(bytes: &'static [u8]) -> Result<Self, FormatError> {
         Self::open(Bytes::Embedded(bytes))
     }
@@ -113,7 +113,7 @@ impl Model {
         })
     }
 
-    /// The view of its bytes: in constant time, without a check.
+    /// The view of the bytes; takes constant time, since they were checked when the model was opened.
     #[inline]
     pub fn asset(&self) -> &Asset<'_> {
         self.shared.borrow_dependent()
@@ -130,7 +130,8 @@ impl fmt::Debug for Model {
     }
 }
 
-/// Why a file cannot be loaded. The message begins with the problem and names the file.
+/// Why a file cannot be loaded. Print with `{error}`: one line with the problem, the file and the cause. So
+/// [`source`](core::error::Error::source) does not return the cause again, but what lies behind it, if anything.
 #[cfg(feature = "std")]
 #[derive(Debug)]
 #[non_exhaustive]
@@ -170,6 +171,10 @@ impl fmt::Display for LoadError {
         match self {
             Self::Io { path, error } => write!(f, "cannot read {}: {error}", path.display()),
             Self::Format { path, error } => {
+                let path = path.display();
+                if error.rule == MAGIC_BYTES {
+                    return write!(f, "{path}: not a .bdt file ({})", error.rule);
+                }
                 let problem = match error.section {
                     // The first eight bytes are the format's name, the next four its version.
                     HEADER_SECTION if error.byte < 8 => "not a .bdt file",
@@ -178,7 +183,7 @@ impl fmt::Display for LoadError {
                     HEADER_SECTION if error.byte < 12 => "a .bdt file of another version",
                     _ => "damaged .bdt file",
                 };
-                write!(f, "{problem}: {}: {error}", path.display())
+                write!(f, "{path}: {problem}: {error}")
             }
         }
     }
@@ -186,10 +191,11 @@ impl fmt::Display for LoadError {
 
 #[cfg(feature = "std")]
 impl std::error::Error for LoadError {
+    /// The message holds the cause, so a chain of messages must not repeat it.
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
-            Self::Io { error, .. } => Some(error),
-            Self::Format { error, .. } => Some(error),
+            Self::Io { error, .. } => error.source(),
+            Self::Format { error, .. } => error.source(),
         }
     }
 }

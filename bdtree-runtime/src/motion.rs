@@ -9,20 +9,21 @@ use crate::pose::Pose;
 #[cfg(feature = "alloc")]
 use crate::pose::hashed;
 
-/// An upper bound of the way that any point of an instance has come, summed over steps: what
-/// [`PairFront`](crate::PairFront) rests on. One per instance, for as long as it lives;
+/// Upper bound on the path length of any point of the instance, world units, summed over steps. Queries with a
+/// [`PairFront`](crate::PairFront) need it. Keep one per instance for the instance's lifetime;
 /// [`Instance`](crate::Instance) keeps its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
     /// World units.
     total: f64,
-    /// Tells apart the poses that it started at and stands at.
+    /// Fingerprints of the pose that it began at and of the one that it was last advanced to.
     start: u64,
     at: u64,
 }
 
 impl Motion {
-    /// None yet, at `pose`. Motions that begin at equal poses are not told apart: give each pair its own front.
+    /// A motion of length 0 that begins at `pose`. Motions that begin at equal poses are not told apart: give each pair
+    /// its own front.
     pub fn new(pose: &Pose<'_>) -> Self {
         let at = pose.placed_fingerprint();
         Self {
@@ -32,7 +33,7 @@ impl Motion {
         }
     }
 
-    /// None yet, at `pose`, told apart from that of every other instance of the program.
+    /// A motion of length 0 that begins at `pose`, told apart from that of every other instance of the program.
     #[cfg(feature = "alloc")]
     pub(crate) fn of_instance(pose: &Pose<'_>) -> Self {
         static COUNT: AtomicUsize = AtomicUsize::new(0);
@@ -44,13 +45,13 @@ impl Motion {
         }
     }
 
-    /// Adds a step, from the pose that the motion stands at to another. A vertex comes at most
-    /// δR ‖q − q₀‖ far by deforming (paper, eq. 9; the root's δR) and what the change of the placement
-    /// does to a ball around the instance; both with their rounding. No step at all adds nothing.
+    /// Adds a step, from the pose that the motion was last advanced to (or began at) to another. A vertex moves by at
+    /// most δR ‖q − q₀‖ through the deformation (paper, eq. 9; the root's δR) plus what the change of the placement
+    /// does to a ball around the instance; rounding is included. A step to an equal pose adds nothing.
     ///
     /// # Errors
-    /// [`QueryError::Motion`] if the motion does not stand at `from`, or the poses are of different assets; a
-    /// corrupt asset.
+    /// [`QueryError::Motion`] if the motion was last advanced to another pose than `from`, or the poses are of
+    /// different assets; a corrupt asset.
     pub fn advance(&mut self, from: &Pose<'_>, to: &Pose<'_>) -> Result<(), QueryError> {
         if !self.is_at(from) {
             return Err(QueryError::Motion);
@@ -77,12 +78,12 @@ impl Motion {
         Ok(())
     }
 
-    /// The bound so far (world units).
+    /// Upper bound on the path length of any point of the instance so far, world units.
     pub fn total(&self) -> f64 {
         self.total
     }
 
-    /// Whether this is the pose where the motion stands.
+    /// Whether the motion was last advanced to this pose.
     pub(crate) fn is_at(&self, pose: &Pose<'_>) -> bool {
         self.at == pose.placed_fingerprint()
     }

@@ -11,7 +11,7 @@ use bdtree_format::{
 use core::mem::{offset_of, size_of};
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use crate::error::{Check, FormatError, HEADER_SECTION};
+use crate::error::{Check, FormatError, HEADER_CRC, HEADER_SECTION, MAGIC_BYTES, ONE_VERSION};
 use crate::simd::Kernel;
 use crate::view::Asset;
 use sections::{locate_sections, section_bytes, view};
@@ -89,7 +89,7 @@ fn power_of_two(e: i32) -> f64 {
 fn fixed_header(bytes: &[u8]) -> Result<&Header, FormatError> {
     // Before the length, since most files that are none of ours say so in their first bytes.
     if bytes.get(..MAGIC.len()).is_some_and(|first| first != MAGIC) {
-        let rule = header_at(0).rule("SPEC 9.1: the file starts with the magic bytes");
+        let rule = header_at(0).rule(MAGIC_BYTES);
         return Err(rule.broken(
             "89 42 44 54 0d 0a 1a 0a",
             "other bytes (not a .bdt file, or changed by a text-mode transfer)",
@@ -109,7 +109,7 @@ fn fixed_header(bytes: &[u8]) -> Result<&Header, FormatError> {
         )?;
     let major = header.version_major.get();
     header_at(offset_of!(Header, version_major))
-        .rule("SPEC 9.1: readers know one major version")
+        .rule(ONE_VERSION)
         .holds(major == VERSION_MAJOR, VERSION_MAJOR, major)?;
     Ok(header)
 }
@@ -141,7 +141,7 @@ fn header_block<'a>(bytes: &'a [u8], header: &Header) -> Result<&'a [u8], Format
     hasher.update(&block[at + 4..]);
     let (crc, stored) = (hasher.finalize(), header.header_crc.get());
     header_at(at)
-        .rule("SPEC 2.4: header_crc is the CRC-32 of the header block")
+        .rule(HEADER_CRC)
         .holds(crc == stored, crc, stored)?;
     Ok(block)
 }

@@ -64,7 +64,7 @@ pub struct Pose<'p> {
     pub(crate) placement: Placement,
     /// Tells poses of an asset apart by what node spheres depend on.
     fingerprint: u64,
-    /// How far the instance has moved until here, if somebody keeps count.
+    /// How far the instance has moved up to this pose, if that is counted.
     pub(crate) motion: Option<Motion>,
 }
 
@@ -250,7 +250,7 @@ impl<'p> Pose<'p> {
         }
     }
 
-    /// The same pose elsewhere; its motion, if it had one, stays behind.
+    /// Returns this deformation at another placement, without a `Motion`.
     ///
     /// # Errors
     /// A placement that [`Transform`] does not allow.
@@ -262,11 +262,11 @@ impl<'p> Pose<'p> {
         })
     }
 
-    /// The same pose with the motion of its instance until here, on which
-    /// [`PairQuery::front`](crate::PairQuery::front) rests.
+    /// The same pose with the motion of its instance up to this pose, which
+    /// [`PairQuery::front`](crate::PairQuery::front) needs.
     ///
     /// # Errors
-    /// [`QueryError::Motion`] if the motion does not stand at this pose.
+    /// [`QueryError::Motion`] if the motion was last advanced to another pose.
     pub fn moving(mut self, motion: &Motion) -> Result<Self, QueryError> {
         if !motion.is_at(&self) {
             return Err(QueryError::Motion);
@@ -374,7 +374,7 @@ pub(crate) fn checked_q(mode: usize, q: f32, record: &ModeRecord) -> Result<f32,
     }
     let limit = record.q_limit.get();
     if q.abs() > limit {
-        let found = q.abs();
+        let found = q;
         return Err(PoseError::OverLimit { mode, found, limit });
     }
     Ok(if q.abs() < f32::MIN_POSITIVE { 0.0 } else { q })

@@ -6,7 +6,12 @@
 pub use crate::narrow::{Frustum, FrustumState};
 use crate::vector::{Quat, Vec3};
 
-/// The shapes that [`Query::contacts`](crate::Query::contacts) takes; each becomes one by itself.
+/// The shapes that [`Query::contacts`](crate::Query::contacts) and [`Query::intersects`](crate::Query::intersects) take,
+/// in world coordinates and lengths; pass a [`Ball`], [`Capsule`], [`Cuboid`] or [`HalfSpace`] as it is.
+///
+/// Shapes are closed: a triangle that touches the boundary touches the shape. They are made without a check; the query
+/// refuses coordinates and lengths that are not finite or beyond 2^100, negative lengths and zero normals, with
+/// [`QueryError::Argument`](crate::QueryError::Argument), which names the field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Shape {

@@ -1,14 +1,19 @@
 //! Arguments: points, vectors and quaternions, from arrays or another library's types.
 //!
-//! Queries answer with plain arrays of `f64`. They take [`Vec3`] and [`Quat`], which arrays of `f32` or
-//! `f64` become by themselves; with the feature `mint` so do the types of every library that speaks
-//! [mint](https://docs.rs/mint), in either direction (glam, nalgebra, cgmath, ultraviolet).
+//! Queries answer with plain arrays of `f64`. They take [`Vec3`] and [`Quat`].
 
 /// Three coordinates of a point or a vector, in world units unless a function says otherwise.
+///
+/// Functions take `impl Into<Vec3>`: `[f32; 3]` and `[f64; 3]`, and with the feature `mint` also `mint::Vector3` and
+/// `mint::Point3` of `f32` or `f64`, in both directions. Types of glam, nalgebra, cgmath or ultraviolet go through mint:
+/// `mint::Vector3::from(v)`. Queries answer with `[f64; 3]`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Vec3(pub [f64; 3]);
 
 /// A quaternion (x, y, z, w); the identity is (0, 0, 0, 1).
+///
+/// Functions take `impl Into<Quat>`: `[f32; 4]` and `[f64; 4]` in this order, and with the feature `mint` also
+/// `mint::Quaternion` of `f32` or `f64`, in both directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quat(pub [f64; 4]);
 

@@ -22,7 +22,7 @@ use core::mem::{offset_of, size_of};
 use core::ops::ControlFlow;
 
 use crate::contact::VertexId;
-use crate::error::{Check, Datum, FormatError};
+use crate::error::{Check, Datum, FormatError, SECTION_CRC};
 use crate::math::norm;
 use crate::rounding::CHECKED_NORM;
 use crate::view::{Asset, NodeRows};
@@ -133,7 +133,7 @@ impl<'a> Asset<'a> {
             let crc = crc32fast::hash(self.bytes.get(start..end).unwrap_or_default());
             let stored = section.crc.get();
             Check::at(section.kind, section.offset.get())
-                .rule("SPEC 4.1: a section's bytes have its checksum")
+                .rule(SECTION_CRC)
                 .tell(report, crc == stored, stored, crc)?;
         }
         ControlFlow::Continue(())
@@ -232,12 +232,24 @@ impl<'a> Asset<'a> {
             }
             at.rule("SPEC 6.4: a node's level is its distance from the root")
                 .tell(report, level == node.level.into(), level, node.level)?;
-            for (expected, found) in [
-                (next_child, node.first_child),
-                (next_slot, node.first_slot),
-                (next_row, node.row_start),
+            for (rule, expected, found) in [
+                (
+                    "SPEC 6.3: first_child is the running count of inner lanes",
+                    next_child,
+                    node.first_child,
+                ),
+                (
+                    "SPEC 6.3: first_slot is the running count of triangles",
+                    next_slot,
+                    node.first_slot,
+                ),
+                (
+                    "SPEC 6.3: row_start is the running count of rows",
+                    next_row,
+                    node.row_start,
+                ),
             ] {
-                at.rule("SPEC 6.3: first_child, first_slot and row_start are running counts")
+                at.rule(rule)
                     .tell(report, expected == found.into(), expected, found)?;
             }
             let behind = i as u64 + 1;

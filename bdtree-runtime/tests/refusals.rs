@@ -29,6 +29,7 @@ fn every_pose_error_is_triggered() {
     let here = Transform::IDENTITY;
     let q = |x: f32| [0.0, 0.0, x, 0.0, 0.0];
     let (rotation, translation, scale) = ([0.0, 0.0, 0.0, 1.1], [f64::NAN, 0.0, 0.0], 0.0);
+    let over = format!("q[2] = {} exceeds the limit of {limit}", -limit * 2.0);
     for (found, expected, text) in [
         (
             posed(&[0.0; 4], 10, here),
@@ -60,10 +61,10 @@ fn every_pose_error_is_triggered() {
             posed(&q(-limit * 2.0), 14, here),
             PoseError::OverLimit {
                 mode: 2,
-                found: limit * 2.0,
+                found: -limit * 2.0,
                 limit,
             },
-            "is over the asset's limit of",
+            over.as_str(),
         ),
         (
             posed(&q(0.0), 14, Transform { rotation, ..here }),
@@ -85,7 +86,7 @@ fn every_pose_error_is_triggered() {
         (
             posed(&q(0.0), 14, Transform { scale, ..here }),
             PoseError::Scale,
-            "scale is not one",
+            "scale is not between 2^-60 and 2^60",
         ),
     ] {
         assert_eq!(found, expected);

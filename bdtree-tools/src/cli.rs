@@ -28,18 +28,18 @@ pub(crate) enum Command {
     Query(QueryArguments),
     #[cfg(feature = "report")]
     Report(ReportArguments),
-    /// Not in this bdtree: cargo install --locked --path bdtree-tools --features report
+    /// Not compiled into this program; install with: cargo install --locked --path bdtree-tools --features report
     #[cfg(not(feature = "report"))]
     Report(LeftOut),
     #[cfg(feature = "render")]
     Render(RenderArguments),
-    /// Not in this bdtree: cargo install --locked --path bdtree-tools --features render
+    /// Not compiled into this program; install with: cargo install --locked --path bdtree-tools --features render
     #[cfg(not(feature = "render"))]
     Render(LeftOut),
     View(ViewArguments),
 }
 
-/// Prints what a file holds: counts, modes, sections, sphere sizes per tree level.
+/// Prints what a file holds: counts, modes, sphere sizes per tree level.
 ///
 /// Reads header, tables and tree without checking checksums; `verify` checks them.
 #[derive(Debug, Args)]
@@ -49,6 +49,9 @@ pub struct InfoArguments {
     /// Print one JSON object (lengths in mesh units, unknown values null)
     #[arg(long)]
     pub json: bool,
+    /// Also list the sections with their offsets and lengths in bytes (--json always has them)
+    #[arg(long, conflicts_with = "json")]
+    pub sections: bool,
 }
 
 /// Checks every rule of the format: checksums, padding, records and every stored bound.
@@ -64,16 +67,16 @@ pub struct VerifyArguments {
     /// rounding_slack_rel}
     #[arg(long)]
     pub json: bool,
-    /// Attack the bounds with worst-case q as well: tests deformed vertices against the spheres above them
-    /// in exact arithmetic and prints the smallest margin
+    /// Also test the bounds at worst-case q: deformed vertices against the spheres above them, in exact
+    /// arithmetic; prints the smallest margin
     #[arg(long)]
     pub stress: bool,
-    /// Cases to try: nodes at a q
+    /// Number of cases; a case is one node at one q
     #[arg(long, value_name = "N", default_value = "1000000", requires = "stress",
-          value_parser = clap::value_parser!(u64).range(1..))]
+          value_parser = cases)]
     pub cases: u64,
     /// The same seed tries the same cases, on processors of the same kind
-    #[arg(long, value_name = "S", default_value = "0", requires = "stress")]
+    #[arg(long, value_name = "S", default_value = "0", requires = "stress", value_parser = whole)]
     pub seed: u64,
 }
 
@@ -98,7 +101,7 @@ pub struct DiffArguments {
     /// 0: numbers are equal to the last bit
     #[arg(long, value_name = "E", default_value = "0", value_parser = tolerance)]
     pub tolerance_rel: f64,
-    /// Prints one JSON object
+    /// Print one JSON object
     #[arg(long)]
     pub json: bool,
 }
@@ -108,14 +111,15 @@ pub struct DiffArguments {
 /// A frame's rigid motion, if one was taken out, is put back: R (origin + p + U q) + t. With a skin the bones then
 /// carry the vertices, at rest unless --clip or --joints says otherwise.
 ///
-/// The file's checksums are checked first; it must not change meanwhile.
+/// The file's checksums are checked first. Do not change the file during the run: all commands except
+/// verify map it into memory.
 #[derive(Debug, Args)]
 pub struct DeformArguments {
     /// The .bdt file
     pub file: PathBuf,
     #[command(flatten)]
     pub posture: PostureArguments,
-    /// Where to: .obj, or .npy with shape (N, 3), f64 [default: OBJ on standard output]
+    /// Output file: .obj, or .npy with shape (N, 3), f64 [default: OBJ on standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Do not check the checksums first
@@ -125,8 +129,9 @@ pub struct DeformArguments {
 
 /// Answers a scene's queries: one JSON line each, in order.
 ///
-/// The whole scene is checked before the first line is printed, and so are the checksums of its
-/// assets; they must not change meanwhile. Coordinates and lengths are world, in and out.
+/// The scene and the checksums of its assets are checked before the first line is printed. Do not change
+/// the files during the run: all commands except verify map them into memory. Coordinates and lengths
+/// are in world units, in and out.
 #[derive(Debug, Args)]
 pub struct QueryArguments {
     /// The scene as JSON, - for standard input; asset paths in it are relative to its folder
@@ -146,13 +151,14 @@ pub struct QueryArguments {
 ///
 /// A page of its own (plots inside, nothing fetched) or JSON with all its figures. Counts and errors are
 /// the same in every run, times are not; it takes a minute for 18 thousand triangles, some for half a
-/// million. The file is checked first; it must not change meanwhile.
+/// million. The file is checked first. Do not change it during the run: all commands except verify map
+/// files into memory.
 #[cfg(feature = "report")]
 #[derive(Debug, Args)]
 pub struct ReportArguments {
     /// The .bdt file
     pub file: PathBuf,
-    /// Where the page goes: .html [default: beside FILE, with .html; with --json none]
+    /// Output file: .html [default: beside FILE, with .html; with --json none]
     #[arg(short, long, value_name = "FILE.html")]
     pub output: Option<PathBuf>,
     /// Print one JSON object: file, asset, machine, samples, missing, advice, modes, depth,
@@ -189,11 +195,27 @@ pub(crate) struct LeftOut {
     arguments: Vec<OsString>,
 }
 
+/// A whole number.
+fn whole(text: &str) -> Result<u64, String> {
+    let number = text
+        .parse::<u64>()
+        .map_err(|_| "not a whole number, 0 or more");
+    Ok(number?)
+}
+
+/// A number of cases.
+fn cases(text: &str) -> Result<u64, String> {
+    match text.parse() {
+        Ok(n) if n > 0 => Ok(n),
+        _ => Err("not a whole number, 1 or more".to_string()),
+    }
+}
+
 /// A tolerance from 0 on.
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(e) if e >= 0.0 && e.is_finite() => Ok(e),
         Ok(_) => Err("must be a finite number, 0 or more".to_string()),
-        Err(error) => Err(error.to_string()),
+        Err(_) => Err("not a number".to_string()),
     }
 }

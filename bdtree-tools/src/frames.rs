@@ -4,6 +4,12 @@ use bdtree_runtime::{AnimationFrame, Asset};
 
 use crate::q::counted;
 
+/// The number of a frame as people write it.
+pub(crate) fn frame_number(text: &str) -> Result<u64, String> {
+    let number = text.trim().parse::<u64>();
+    number.map_err(|_| "not a whole number, 0 or more".to_string())
+}
+
 /// A frame, counted from 0.
 ///
 /// # Errors

@@ -3,7 +3,8 @@
 //!
 //! [`run`] is the whole command with its streams as arguments; each subcommand is one module with
 //! one public `run`. Exit codes: 0 done, 1 bad input (every problem is one line on the error
-//! stream, with its place), 2 usage; `diff` has its own (0 same, 1 differ, 2 unreadable).
+//! stream, with its place), 2 usage, which is also a subcommand that is not installed; `diff` has
+//! its own (0 same, 1 differ, 2 unreadable).
 //!
 //! Files are mapped, not read, except by `verify`, which is meant for files of others: a file
 //! must not change while it is mapped.
@@ -97,11 +98,32 @@ pub fn run(
     }
 }
 
-/// Why a subcommand does nothing.
-#[cfg(not(all(feature = "render", feature = "report")))]
+/// Why a subcommand does nothing, in the words of `bdtree --help`.
+#[cfg(any(test, not(all(feature = "render", feature = "report"))))]
 fn left_out(feature: &str) -> ToolError {
     ToolError::Usage(format!(
-        "bdtree {feature}: this bdtree was compiled without it; get it with\n    \
-         cargo install --locked --path bdtree-tools --features render,report"
+        "bdtree {feature}: not compiled into this program; install with: \
+         cargo install --locked --path bdtree-tools --features {feature}"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Help, error and README name the same command, each for its own feature.
+    #[test]
+    fn what_is_left_out_says_how_to_get_it() {
+        let (help, readme) = (include_str!("cli.rs"), include_str!("../../README.md"));
+        for feature in ["report", "render"] {
+            let install =
+                format!("cargo install --locked --path bdtree-tools --features {feature}");
+            let words = format!("ot compiled into this program; install with: {install}");
+            let error = left_out(feature);
+            assert!(matches!(error, ToolError::Usage(_)), "exit code 2");
+            assert_eq!(error.to_string(), format!("bdtree {feature}: n{words}"));
+            assert!(help.contains(&format!("/// N{words}\n")), "{feature}");
+            assert!(readme.contains(&install), "{feature}");
+        }
+    }
 }

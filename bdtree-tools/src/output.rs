@@ -74,7 +74,7 @@ pub fn check_target(
     let extension = path.extension().unwrap_or_default();
     if !known.iter().any(|e| extension.eq_ignore_ascii_case(e)) {
         let message = format!("unknown extension: {told} can be written");
-        return Err(ToolError::input(path.display(), message));
+        return Err(ToolError::Usage(format!("{}: {message}", path.display())));
     }
     let both = (path.canonicalize(), input.canonicalize());
     if matches!(both, (Ok(to), Ok(from)) if to == from) {
@@ -192,22 +192,17 @@ pub(crate) fn digits(x: f64) -> String {
 
 /// A title, and below it rows of cells with aligned columns: the first row is the heading (commas between
 /// its cells), the first column is text and the others numbers.
-pub(crate) fn table<const N: usize>(
-    title: &str,
-    heading: &str,
-    rows: impl Iterator<Item = [String; N]>,
-) -> String {
-    let heading = heading.split(',').map(str::to_string).collect();
-    let rows: Vec<Vec<String>> = std::iter::once(heading)
-        .chain(rows.map(Vec::from))
-        .collect();
+pub(crate) fn table(title: &str, heading: &str, rows: impl Iterator<Item = Vec<String>>) -> String {
+    let heading: Vec<String> = heading.split(',').map(str::to_string).collect();
+    let columns = heading.len();
+    let rows: Vec<Vec<String>> = std::iter::once(heading).chain(rows).collect();
     let width = |c: usize| {
         rows.iter()
             .map(|row| row[c].chars().count())
             .max()
             .unwrap_or(0)
     };
-    let widths: Vec<usize> = (0..N).map(width).collect();
+    let widths: Vec<usize> = (0..columns).map(width).collect();
     let line = |row: &Vec<String>| {
         let cells = row.iter().zip(&widths).enumerate();
         let cells = cells.map(|(c, (cell, width))| match c {

@@ -21,7 +21,7 @@ pub struct PostureArguments {
     pub q: Option<QText>,
     /// Frame of the file's animation, counted from 0, instead of --q (`info` shows how many there
     /// are)
-    #[arg(long, value_name = "T", conflicts_with = "q")]
+    #[arg(long, value_name = "T", conflicts_with = "q", value_parser = crate::frames::frame_number)]
     pub frame: Option<u64>,
     /// Clip of the file's skeleton (`info` lists them)
     #[arg(long, value_name = "NAME", conflicts_with_all = ["frame", "joints"])]
@@ -45,7 +45,7 @@ pub struct PostureArguments {
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(time) if time.is_finite() => Ok(time),
-        _ => Err("not a finite number".to_string()),
+        _ => Err("not a number of seconds".to_string()),
     }
 }
 

@@ -20,12 +20,26 @@ impl FromStr for QText {
             .enumerate()
             .map(|(j, number)| {
                 let number = number.trim();
-                let wrong = |_| format!("q[{j}]: \"{number}\" is not a number");
-                number.parse().map_err(wrong)
+                number.parse().map_err(|_| not_a_number(j, number))
             })
             .collect::<Result<_, _>>()
             .map(Self)
     }
+}
+
+/// The entry that is no number; what was meant, where it looks like several.
+fn not_a_number(j: usize, text: &str) -> String {
+    let is_number = |part: &str| part.parse::<f64>().is_ok();
+    let mut parts = text
+        .split(|c: char| c == ';' || c.is_whitespace())
+        .filter(|part| !part.is_empty());
+    let several = parts.clone().count() > 1 && parts.all(is_number);
+    let advice = if several {
+        "; separate numbers with commas"
+    } else {
+        ""
+    };
+    format!("q[{j}]: \"{text}\" is not a number{advice}")
 }
 
 /// What is wrong with q, of one entry or of the whole.
@@ -94,5 +108,9 @@ mod tests {
             Err("q[1]: \"x\" is not a number".to_string())
         );
         assert!("1,".parse::<QText>().is_err());
+        for text in ["0.5 0.5", "1;2;3", "1; 2"] {
+            let message = format!("q[0]: \"{text}\" is not a number; separate numbers with commas");
+            assert_eq!(text.parse::<QText>(), Err(message));
+        }
     }
 }

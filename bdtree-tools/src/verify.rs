@@ -127,7 +127,9 @@ pub fn run(
             writeln!(out, "{path}: ok").map_err(ToolError::Stdout)?;
         }
         if let Some(tried) = tried {
-            writeln!(out, "{path}: {tried}").map_err(ToolError::Stdout)?;
+            for fact in tried.to_string().lines() {
+                writeln!(out, "{path}: {fact}").map_err(ToolError::Stdout)?;
+            }
         }
     }
     Ok(if ok { DONE } else { BAD_INPUT })

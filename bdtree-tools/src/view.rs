@@ -20,13 +20,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, ToolError> {
     let beside = beside.as_deref().and_then(Path::parent);
     let program = program(beside);
     let problem = |text: String| ToolError::Input(vec![format!("{PROGRAM}: {text}")]);
+    let missing = || {
+        let text = "not installed, neither beside bdtree nor on PATH; install with: cargo install --locked --path \
+                    bdtree-view";
+        ToolError::Usage(format!("{PROGRAM}: {text}"))
+    };
     let status = Command::new(&program).args(&arguments.arguments).status();
     let status = status.map_err(|error| match error.kind() {
-        ErrorKind::NotFound => problem(
-            "not installed, neither beside bdtree nor on PATH: cargo install --locked --path bdtree-view, \
-             or cargo run --release -p bdtree-view -- FILE"
-                .to_string(),
-        ),
+        ErrorKind::NotFound => missing(),
         _ => problem(format!("cannot be started: {error}")),
     })?;
     let code = status.code().ok_or_else(|| problem(status.to_string()))?;

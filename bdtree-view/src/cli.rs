@@ -10,8 +10,8 @@ use clap::Parser;
 /// Opens a window on a .bdt file: sliders for q, its animation, spheres of its tree coloured by
 /// tightness, and a ball that shows what it touches and which nodes that visits.
 ///
-/// The file's checksums are checked first; it must not change meanwhile. Needs Vulkan: a graphics card's,
-/// or Mesa's in software.
+/// The file's checksums are checked first. Do not change the file during the run: it is mapped into memory. Needs
+/// Vulkan: a graphics card's, or Mesa's in software.
 ///
 /// Exit codes: 0 the window was closed, 1 bad input or no window (one line on standard error), 2 usage.
 #[derive(Debug, Parser)]

@@ -40,8 +40,8 @@ const PAUSE: u32 = 16;
 /// each. The margin follows the speed of the two; where they are too fast for it or the memory is
 /// too short, the walk from the root is all that is done.
 ///
-/// A pair query takes it by [`PairQuery::front`](super::PairQuery::front). A front used with another pair, or for another
-/// prediction, forgets what it has and begins anew.
+/// A pair query takes it by [`PairQuery::front`](super::PairQuery::front). Keep the order of the pair: (b, a) is another
+/// pair than (a, b). A front used with another pair, or for another prediction, forgets what it has and begins anew.
 #[derive(Debug)]
 pub struct PairFront<'m> {
     memory: Memory<'m>,

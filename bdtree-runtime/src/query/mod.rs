@@ -1,24 +1,5 @@
 //! What can be asked of a posed mesh: [`Query`] of one, [`PairQuery`] of two.
-//!
-//! Queries speak world coordinates and answer exactly what testing every triangle with the leaf arithmetic
-//! would. Triangles are closed and two-sided; those of zero area act as segment or point. Limits are
-//! inclusive.
-//!
-//! | asked of one mesh | answer |
-//! |---|---|
-//! | [`Query::contacts`], [`Query::intersects`] | triangles that a ball, capsule, cuboid or half-space touches |
-//! | [`Query::project_point`] | the nearest point |
-//! | [`Query::cast_ray`], [`Query::cast_rays`] and their kin | what rays meet: first, any, all |
-//! | [`Query::frustum_state`] | inside, across or outside a view frustum |
-//!
-//! | asked of two meshes | answer |
-//! |---|---|
-//! | [`PairQuery::contacts`], [`PairQuery::triangle_pairs`], [`PairQuery::intersects`] | triangles that touch or are near |
-//! | [`PairQuery::closest_points`], [`PairQuery::distance`] | the nearest two triangles |
-//! | [`PairQuery::contact_manifolds`] | regions of contact with normal, area and depth |
-//!
-//! What is orthogonal to the question is an option of the query: a [`StepCache`](crate::StepCache), a deepest
-//! level, a number of visits, for pairs a [`PairFront`].
+//! The crate's documentation lists all queries, options and rules for arguments, under *Queries*.
 
 mod ball;
 mod bone_box;

@@ -24,6 +24,9 @@ const PAIRS: usize = 256;
 
 /// Questions about two posed meshes; made by [`Pose::against`] or
 /// [`Instance::against`](crate::Instance::against).
+///
+/// Meshes are surfaces, not solids: a body wholly inside a closed mesh touches nothing. Sinks append: clear them
+/// yourself.
 #[derive(Debug)]
 pub struct PairQuery<'q, 'm, 'f> {
     sides: [Side<'q>; 2],
@@ -88,28 +91,30 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
         self
     }
 
-    /// The first mesh not looked into below `level`, as [`Query::max_level`].
+    /// Stops descending the first mesh at `level`, as [`Query::max_level`].
     ///
-    /// Where either side ends at its level, the k-th
-    /// sphere of one side and the k-th of the other meet (within the prediction); a side that ends in
-    /// triangles there gives the sphere around them. Between what lies in such two, no two
-    /// points are farther apart than 2 R₁ + 2 R₂ plus the prediction.
+    /// Proxies come in pairs: push k of one sink and push k of the other are spheres at most `prediction` apart. They
+    /// are pushed where either side ends at its level; a side that has reached triangles there pushes the sphere around
+    /// them. No point inside one of the two spheres is farther from a point inside the other than 2 R₁ + 2 R₂ +
+    /// `prediction`.
     pub fn max_level1(mut self, level: usize, proxies: &'q mut dyn Sink<Proxy>) -> Self {
         self.sides[0].limit = Some(Proxies::new(level, proxies));
         self
     }
 
-    /// The second mesh not looked into below `level`, as [`PairQuery::max_level1`].
+    /// Stops descending the second mesh at `level`, as [`PairQuery::max_level1`].
     pub fn max_level2(mut self, level: usize, proxies: &'q mut dyn Sink<Proxy>) -> Self {
         self.sides[1].limit = Some(Proxies::new(level, proxies));
         self
     }
 
-    /// With the pairs of leaves that earlier steps found near each other: [`PairQuery::contacts`],
-    /// [`PairQuery::triangle_pairs`] and [`PairQuery::intersects`] answer the same and visit no node until the
-    /// two have moved by a margin. Needs to know how far they move: [`Instance`](crate::Instance) keeps count, other
-    /// poses get their [`Motion`](crate::Motion) by [`Pose::moving`]; without, these questions return
-    /// [`QueryError::Motion`].
+    /// Starts from the pairs of leaves that earlier steps found near each other: [`PairQuery::contacts`],
+    /// [`PairQuery::triangle_pairs`], [`PairQuery::intersects`] and [`PairQuery::contact_manifolds`] give the same
+    /// answers and visit no node until the two have moved by a margin. `intersects` of two meshes that touch ends early
+    /// and keeps no front; use `triangle_pairs` there.
+    ///
+    /// Both poses need a [`Motion`](crate::Motion): [`Instance`](crate::Instance) has one, other poses get theirs by
+    /// [`Pose::moving`]. Without it these queries return [`QueryError::Motion`].
     pub fn front(mut self, front: &'q mut PairFront<'f>) -> Self {
         self.front = Some(front);
         self
@@ -130,7 +135,7 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
 
     /// Reports every pair of triangles, one of each mesh, whose distance is at most `prediction`, with points and
     /// normals. At 0 those that share a point: exact, coplanar overlap and touching count. The trees are walked
-    /// in the frame of the first.
+    /// in the frame of the first. The sink is appended to.
     ///
     /// # Errors
     /// A prediction that is negative, not finite or beyond 2^100, too little memory, a corrupt asset.
@@ -205,13 +210,17 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
         Ok(best.map(|best| best.distance))
     }
 
-    /// Reports the regions of contact, by their lowest ids: [`PairQuery::contacts`], condensed to a few points with
-    /// normals, depths and areas. Both surfaces
-    /// list their corners counterclockwise as seen from outside, or both clockwise.
+    /// Reports one manifold per connected region of contact, in the order of its lowest triangle pair:
+    /// [`PairQuery::contacts`], condensed to a few points with normals, depths and areas. Both surfaces must list their
+    /// corners counterclockwise as seen from outside, or both clockwise.
     ///
-    /// *Errors of depth, normal and area*: those of the meshes as surfaces, of second order in the edges'
-    /// length where the surfaces are smooth. Where the contour is far from flat, normal and area are those
-    /// of its projection. A point whose ray meets nothing counts from the contour's mean plane.
+    /// With `prediction` 0 only triangles that touch form regions. Above 0, pairs up to `prediction` apart form and
+    /// connect regions too: a region where nothing touches is one point, at its nearest pair, with depth 0 and a
+    /// positive distance; in a region with a closed contour they change nothing else.
+    ///
+    /// Depth is found by casting a ray along the normal; where it hits nothing, depth is measured from the contour's
+    /// mean plane. Where the contour is far from flat, normal and area are those of its projection. On smooth surfaces
+    /// the errors of depth, normal and area are of second order in the edges' length.
     ///
     /// # Errors
     /// Those of [`PairQuery::contacts`]; a level limit.

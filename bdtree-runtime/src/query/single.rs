@@ -136,8 +136,8 @@ impl<'q, 'm> Query<'q, 'm> {
         Self { side, workspace }
     }
 
-    /// With what a step keeps: answers stay the same, nodes and triangles that an earlier query of the step has
-    /// computed are not computed again. Where the cache was not started with this pose, questions return
+    /// Uses a step cache: answers stay the same, and nodes and triangles that an earlier query of the step has
+    /// computed are not computed again. If the cache was not started with this pose, queries return
     /// [`QueryError::Cache`].
     #[inline]
     pub fn cached(mut self, cache: &'q mut StepCache<'_>) -> Self {
@@ -145,26 +145,26 @@ impl<'q, 'm> Query<'q, 'm> {
         self
     }
 
-    /// Stops descending at `level` (0 is the root's): a query tests the triangles that
-    /// hang on nodes down to there exactly, as always, and gives `proxies` the spheres of what else its
-    /// tests do not rule out. So every triangle of the full answer is reported or lies in a reported
-    /// sphere. From level [`Asset::depth`](crate::Asset::depth) − 1 on the answer is the full one.
+    /// Stops descending at `level` (0 is the root's). Triangles of leaves down to there are tested exactly, as always.
+    /// For every subtree below `level` that its test cannot rule out, the query pushes one bounding sphere into
+    /// `proxies`. So every triangle of the full answer is reported or lies in a reported sphere. From level
+    /// [`Asset::depth`](crate::Asset::depth) − 1 on the answer is the full one.
     ///
-    /// Which spheres: those that the traversal reaches. They need not lie in their ancestors' (unless
-    /// the asset was baked with nested spheres), so the set depends on the tree; it is the same on every
-    /// processor and with every [`Kernel`](crate::Kernel).
+    /// A sphere need not lie in those of its ancestors (unless the asset was baked with nested spheres), so which
+    /// spheres the traversal reaches depends on the tree. It is the same on every processor and with every
+    /// [`Kernel`](crate::Kernel).
     ///
-    /// Where `proxies` has no room the walk ends: answers with a [`Coverage`] say so, others become
-    /// [`QueryError::Proxies`] unless what was found settles them.
+    /// If `proxies` is full, the query stops: it returns [`Coverage::Truncated`], or [`QueryError::Proxies`] if it has
+    /// no [`Coverage`] to return, unless what it has found already decides the answer.
     ///
-    /// Queries for the nearest thing prune by what they have found so far; [`Query::frustum_state`] and
-    /// [`Query::max_visits`] refuse a level.
+    /// Queries for a nearest point or first hit leave out subtrees behind the best result found so far.
+    /// [`Query::frustum_state`] and [`Query::max_visits`] refuse a level.
     pub fn max_level(mut self, level: usize, proxies: &'q mut dyn Sink<Proxy>) -> Self {
         self.side.limit = Some(Proxies::new(level, proxies));
         self
     }
 
-    /// Within a number of node visits, the most promising first: answers say what they may have missed.
+    /// Limits the number of node visits, the most promising first: answers say what they may have missed.
     pub fn max_visits(self, max_visits: u64) -> BudgetedQuery<'q, 'm> {
         BudgetedQuery {
             query: self,
@@ -182,7 +182,8 @@ impl<'q, 'm> Query<'q, 'm> {
         self.workspace.stats
     }
 
-    /// Reports every triangle that the shape touches.
+    /// Reports every triangle that the shape touches. Meshes are surfaces, not solids: a ball wholly inside a closed mesh
+    /// touches nothing. Sinks append: clear them yourself.
     ///
     /// | shape | triangles within | `point` | `normal` | `distance` |
     /// |---|---|---|---|---|
@@ -191,8 +192,8 @@ impl<'q, 'm> Query<'q, 'm> {
     /// | [`Cuboid`](crate::Cuboid) | the box | deepest in the box: farthest from the nearest face | from that face into the box | the depth, negative |
     /// | [`HalfSpace`](crate::HalfSpace) | (a vertex) below the plane | the deepest vertex, the first of equals | the plane's | height above the plane |
     ///
-    /// Where a triangle reaches the center or the segment, `normal` is the triangle's own. Moving a cuboid by
-    /// `-distance` along `normal` takes its face to the point.
+    /// Where a triangle reaches the center or the segment, `normal` is the triangle's own. What separates the two at
+    /// `point` is in [`Contact::distance`].
     ///
     /// # Errors
     /// [`QueryError::Argument`] names the shape's field that is not finite, beyond 2^100, negative or zero where
@@ -269,7 +270,7 @@ impl<'q, 'm> Query<'q, 'm> {
         self.settled(is_met, is_met)
     }
 
-    /// Reports every triangle that the ray meets, in no order that means anything.
+    /// Reports every triangle that the ray meets, unsorted.
     ///
     /// # Errors
     /// Those of [`Query::cast_ray`].
@@ -321,9 +322,9 @@ impl<'q, 'm> Query<'q, 'm> {
         })
     }
 
-    /// Where the mesh lies: inside the frustum if all of it does, outside if each triangle is, by
-    /// [`Frustum::triangle`], else across. It may say that a mesh outside is across, within rounding, and never
-    /// that one in sight is outside. [`BoundingSphere::state`](crate::BoundingSphere::state) asks the root's sphere alone.
+    /// Whether the mesh is in a frustum: `Inside` if all of it is, `Outside` if [`Frustum::triangle`] says so of every
+    /// triangle, else `Intersects`. Within rounding, a mesh outside may be called `Intersects`; a visible one is never
+    /// called `Outside`. [`BoundingSphere::state`](crate::BoundingSphere::state) tests one sphere instead.
     ///
     /// # Errors
     /// A level limit, too little memory, a corrupt asset.

@@ -233,7 +233,8 @@ impl<'a> Asset<'a> {
     /// A triangle's corners as vertex ids, in the source's order.
     ///
     /// # Errors
-    /// When the id is not below [`Asset::triangle_count`] or its record lies outside the file.
+    /// If the id is not below [`Asset::triangle_count`] (`found` is the id, `expected` the count), or its record lies
+    /// outside the file.
     pub fn triangle(&self, id: TriangleId) -> Result<[VertexId; 3], FormatError> {
         let count = self.triangle_slots.len();
         let slot = *self.triangle_slots.get(id.0 as usize).ok_or_else(|| {
@@ -289,7 +290,7 @@ impl<'a> Asset<'a> {
     }
 
     /// The same asset with another kernel, for tests and measurements; `None` when this
-    /// processor lacks it. Results do not depend on it, only visits may.
+    /// processor lacks it. Results and visited nodes are the same with every kernel.
     pub fn with_kernel(self, kernel: Kernel) -> Option<Self> {
         kernel.is_available().then_some(Self { kernel, ..self })
     }
@@ -355,7 +356,7 @@ impl<'a> Asset<'a> {
             SectionKind::TRIANGLES => "SPEC 6.3: slots lie inside TRIS",
             SectionKind::TRIANGLE_SLOTS => "SPEC 7.2: a triangle id is below F",
             SectionKind::POSITIONS | SectionKind::VERTEX_MODES => {
-                "SPEC 7.1: a corner is a vertex of the file"
+                "SPEC 7.1: a vertex id is below N"
             }
             SectionKind::INFLUENCE_STARTS => {
                 "SPEC 7.7: the influences of a vertex lie inside INFL, their bones inside BONE"

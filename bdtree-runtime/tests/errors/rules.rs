@@ -13,10 +13,11 @@ use crate::seen::{FILE, Seen};
 use crate::{asked, deep, open, skin};
 
 /// Rules that no input reaches: they guard what earlier rules already ensure.
-const UNREACHABLE: [&str; 3] = [
+const UNREACHABLE: [&str; 4] = [
     "SPEC 2.2: the mode table lies inside the header block",
     "SPEC 2.3: the section table lies inside the header block",
     "SPEC 4.3: a section holds whole, aligned elements",
+    "SPEC 7.3: a displacement is one of a vertex and a mode of the file",
 ];
 
 /// All rules that the sources cite.
@@ -102,12 +103,21 @@ fn every_rule_is_triggered() {
     let unknown = asset.triangle(TriangleId(u32::MAX));
     seen.note(&unknown.expect_err("no such triangle"));
     let unknown = pose.deformed(VertexId(u32::MAX));
-    seen.note(&unknown.expect_err("no such vertex"));
+    let unknown = unknown.expect_err("no such vertex");
+    let range = format!("expected {}, found {}", asset.vertex_count(), u32::MAX);
+    assert!(unknown.to_string().ends_with(&range), "{unknown}");
+    seen.note(&unknown);
     let unknown = pose.deformed_triangle(TriangleId(u32::MAX));
     seen.note(&unknown.expect_err("no such triangle"));
     let weights = [1.0, 0.0, 0.0];
     let short = pose.add_generalized_force(TriangleId(0), weights, [1.0; 3], &mut [0.0; 5]);
-    seen.note(&short.expect_err("too short"));
+    let short = short.expect_err("too short");
+    assert!(
+        short
+            .to_string()
+            .ends_with("argument `out`: one number per mode: expected 6, found 5"),
+        "{short}"
+    );
 
     let all = rules();
     assert!(all.len() > 60, "{}", all.len());

@@ -3,6 +3,7 @@
 use bdtree_runtime::{Asset, VertexId};
 use serde::Serialize;
 
+use super::findings::Difference;
 use crate::AssetFile;
 use crate::error::ToolError;
 use crate::info::{bounds, mode_name};
@@ -20,16 +21,24 @@ pub struct Effect {
     pub distance_rel: f64,
     /// The q at which that is; absent at rest.
     pub q: Option<f32>,
+    /// The numbers that lead to it differ within the tolerance.
+    pub tolerated: bool,
 }
 
-/// The effects that are not zero, of files with the same number of vertices; of their modes if `modes` is true.
+/// The effects that are not zero, of files with the same number of vertices; of their modes if `modes` is true. Those
+/// whose numbers are not among `differences` are tolerated.
 ///
 /// # Errors
 /// Displacements outside their section, in the file that is named.
-pub(super) fn effects(files: [&AssetFile; 2], modes: bool) -> Result<Vec<Effect>, ToolError> {
+pub(super) fn effects(
+    files: [&AssetFile; 2],
+    modes: bool,
+    differences: &[Difference],
+) -> Result<Vec<Effect>, ToolError> {
     let [a, b] = files.map(AssetFile::asset);
     let diagonal = bounds(a).map_or(0.0, |bounds| bounds.diagonal());
-    let effect = |what: String, (vertex, distance): (u32, f64), q| Effect {
+    let counts = |whats: &[String]| differences.iter().any(|d| whats.contains(&d.what));
+    let effect = |what: String, (vertex, distance): (u32, f64), q, from: &[String]| Effect {
         what,
         vertex,
         distance,
@@ -39,12 +48,14 @@ pub(super) fn effects(files: [&AssetFile; 2], modes: bool) -> Result<Vec<Effect>
             0.0
         },
         q,
+        tolerated: !counts(from),
     };
     let mut effects = Vec::new();
     let at_rest = farthest(a, |vertex| {
         Ok(apart(position(a, vertex), position(b, vertex)))
     })?;
-    effects.extend(at_rest.map(|found| effect("rest positions".to_string(), found, None)));
+    let from = ["header: origin", "section VERT: rest positions"].map(str::to_string);
+    effects.extend(at_rest.map(|found| effect("rest positions".to_string(), found, None, &from)));
     let mode_count = if modes { a.mode_count() } else { 0 };
     for mode in 0..mode_count {
         let q = a.modes()[mode].q_range.get();
@@ -61,7 +72,8 @@ pub(super) fn effects(files: [&AssetFile; 2], modes: bool) -> Result<Vec<Effect>
             Ok(apart(field(files[0], vertex)?, field(files[1], vertex)?))
         })?;
         let name = mode_name(files[0], mode)?;
-        effects.extend(moved.map(|found| effect(name, found, Some(q))));
+        let from = [format!("section DISP: displacements of mode {mode}")];
+        effects.extend(moved.map(|found| effect(name, found, Some(q), &from)));
     }
     Ok(effects)
 }

@@ -5,9 +5,13 @@ use std::fmt;
 use serde::Serialize;
 
 use super::effects::Effect;
+use super::words::{Words, differences, short, two};
 
 /// Places that are listed per kind.
 const EXAMPLES_MAX: usize = 5;
+
+/// Ends of the names of what is several things, but compared as one.
+const PLURALS: [&str; 3] = ["settings", "META: modes", "frame and vertex"];
 
 /// One kind of difference.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -46,19 +50,28 @@ impl Findings {
     }
 
     /// Compares one thing.
-    pub(super) fn compare<T: PartialEq + fmt::Debug>(&mut self, what: &str, [a, b]: [T; 2]) {
+    pub(super) fn compare<T: PartialEq + fmt::Display>(&mut self, what: &str, [a, b]: [T; 2]) {
         if a != b {
-            self.differences.push(Difference {
-                what: what.to_string(),
-                count: 1,
-                examples: vec![format!("{a:?} and {b:?}")],
-                ..Difference::default()
-            });
+            self.differ(what, vec![format!("{a} and {b}")]);
         }
     }
 
+    /// Notes that one thing differs, with its parts that do, in words.
+    pub(super) fn differ(&mut self, what: &str, mut examples: Vec<String>) {
+        if examples.len() > EXAMPLES_MAX {
+            examples.truncate(EXAMPLES_MAX);
+            examples.push("…".to_string());
+        }
+        self.differences.push(Difference {
+            what: what.to_string(),
+            count: 1,
+            examples,
+            ..Difference::default()
+        });
+    }
+
     /// Compares records of the same meaning, one by one; their number is compared elsewhere.
-    pub(super) fn compare_records<T: PartialEq + fmt::Debug>(
+    pub(super) fn compare_records<T: PartialEq + Words>(
         &mut self,
         what: &str,
         element: &str,
@@ -71,7 +84,7 @@ impl Findings {
         };
         for (i, (a, b)) in a.iter().zip(b).enumerate() {
             if a != b {
-                difference.note(|| format!("{element} {i}: {a:?} and {b:?}"));
+                difference.note(|| format!("{element} {i}: {}", differences(a, b)));
             }
         }
         let same = difference.count == 0;
@@ -113,16 +126,22 @@ impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.what)?;
         match self.compared {
+            0 if PLURALS.iter().any(|plural| self.what.ends_with(plural)) => {
+                f.write_str(" differ")?
+            }
             0 => f.write_str(" differs")?,
             n => write!(f, ": {} of {n} differ", self.count)?,
         }
         if let Some(largest) = self.largest_rel {
-            write!(f, ", at most by {largest:e} of the scale")?;
+            write!(f, ", by at most {} of the scale", short(largest))?;
+        }
+        if let (0, [only]) = (self.compared, self.examples.as_slice()) {
+            return write!(f, ": {only}");
         }
         for example in &self.examples {
             write!(f, "\n    {example}")?;
         }
-        if self.count > self.examples.len() as u64 {
+        if self.compared > 0 && self.count > self.examples.len() as u64 {
             f.write_str("\n    …")?;
         }
         Ok(())
@@ -170,7 +189,7 @@ impl Numbers {
         let largest = self.difference.largest_rel.unwrap_or(0.0);
         self.difference.largest_rel = Some(largest.max(relative));
         self.difference
-            .note(|| format!("{}: {a:?} and {b:?}", place()));
+            .note(|| format!("{}: {}", place(), two(a, b)));
     }
 
     /// Hands over what was found.

@@ -1,28 +1,41 @@
 //! The metadata: computed errors as numbers, names of files not at all, everything else exactly.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use bdtree_format::{ErrorMetadata, Metadata};
 
 use super::findings::{Findings, largest};
+use super::words::{differences, known};
 use crate::info::hexadecimal;
+use crate::output::{digits, printable};
 
 /// Everything in the metadata; the builder's version and the source's name are only noted.
 pub(super) fn compare(a: &Metadata, b: &Metadata, findings: &mut Findings) {
     if a.builder != b.builder {
-        let (a, b) = (&a.builder, &b.builder);
-        let note = format!("builder (does not count): {a:?} and {b:?}");
+        let (a, b) = (printable(&a.builder), printable(&b.builder));
+        let note = format!("builder (does not count): {a} and {b}");
         findings.notes.push(note);
     }
     let both = [a, b];
     if a.source_name != b.source_name {
-        let (a, b) = (&a.source_name, &b.source_name);
-        let note = format!("name of the source (does not count): {a:?} and {b:?}");
+        let (a, b) = (printable(&a.source_name), printable(&b.source_name));
+        let note = format!("name of the source (does not count): {a} and {b}");
         findings.notes.push(note);
     }
     let hashes = both.map(|m| hexadecimal(&m.source_hash));
     findings.compare("section META: source_hash", hashes);
-    findings.compare("section META: basis", both.map(|m| &m.basis));
-    findings.compare("section META: settings", both.map(settings));
-    findings.compare("section META: modes", both.map(|m| &m.modes));
+    findings.compare("section META: basis", both.map(|m| printable(&m.basis)));
+    let changed = changed_settings(both.map(settings));
+    if !changed.is_empty() {
+        findings.differ("section META: settings", changed);
+    }
+    // A different number of modes is told with the header.
+    if a.modes != b.modes && a.modes.len() == b.modes.len() {
+        let pairs = a.modes.iter().zip(&b.modes).enumerate();
+        let differ = pairs.filter(|(_, (a, b))| a != b);
+        let differ = differ.map(|(j, (a, b))| format!("mode {j}: {}", differences(a, b)));
+        findings.differ("section META: modes", differ.collect());
+    }
     let count = both.map(|m| m.warnings.len());
     findings.compare("section META: number of warnings", count);
     let warnings = both.map(|m| {
@@ -36,7 +49,10 @@ pub(super) fn compare(a: &Metadata, b: &Metadata, findings: &mut Findings) {
     findings.compare_records("section META: warnings", "warning", warnings);
     match (a.basis_error_rel, b.basis_error_rel) {
         (Some(a), Some(b)) => compare_errors(&a, &b, findings),
-        (a, b) => findings.compare("section META: basis_error_rel", [a, b]),
+        (a, b) => {
+            let told = [a, b].map(|error| known(error.map(|error| digits(error.max))));
+            findings.compare("section META: basis_error_rel", told);
+        }
     }
 }
 
@@ -44,10 +60,36 @@ pub(super) fn compare(a: &Metadata, b: &Metadata, findings: &mut Findings) {
 const FILE_NAMES: [&str; 4] = ["animation", "basis", "frequencies", "tets"];
 
 /// The settings without names of files.
-fn settings(metadata: &Metadata) -> Vec<(&String, &String)> {
+fn settings(metadata: &Metadata) -> BTreeMap<&str, &str> {
     let all = metadata.settings.iter();
-    all.filter(|(name, _)| !FILE_NAMES.contains(&name.as_str()))
-        .collect()
+    let all = all.map(|(name, value)| (name.as_str(), value.as_str()));
+    all.filter(|(name, _)| !FILE_NAMES.contains(name)).collect()
+}
+
+/// `setting leaf-size: 4 and 2` for each setting that is not the same in both files.
+fn changed_settings([a, b]: [BTreeMap<&str, &str>; 2]) -> Vec<String> {
+    let names: BTreeSet<&str> = a.keys().chain(b.keys()).copied().collect();
+    let values = |name: &str| [a.get(name), b.get(name)];
+    let changed = names.into_iter().filter(|name| {
+        let [a, b] = values(name);
+        a != b
+    });
+    let line = |name: &str| {
+        let told = values(name).map(|value| match value {
+            Some(value) => printable(value),
+            None => "not set".to_string(),
+        });
+        format!("setting {}: {}", printable(name), told.join(" and "))
+    };
+    changed.map(line).collect()
+}
+
+/// `frame 19, vertex 3`.
+fn place((frame, vertex): (Option<u64>, Option<u64>)) -> String {
+    let parts = [("frame", frame), ("vertex", vertex)];
+    let parts = parts.map(|(what, number)| Some(format!("{what} {}", number?)));
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    known((!parts.is_empty()).then(|| parts.join(", ")))
 }
 
 /// Where there is a tolerance, the place of the largest error does not count: rounding decides
@@ -61,10 +103,10 @@ fn compare_errors(a: &ErrorMetadata, b: &ErrorMetadata, findings: &mut Findings)
     let places = [a, b].map(|error| (error.frame, error.vertex));
     let what = format!("{what}: frame and vertex");
     if findings.tolerance_rel == 0.0 {
-        findings.compare(&what, places);
+        findings.compare(&what, places.map(place));
     } else if places[0] != places[1] {
-        let [a, b] = places;
-        let note = format!("{what} (does not count): {a:?} and {b:?}");
+        let [a, b] = places.map(place);
+        let note = format!("{what} (does not count): {a} and {b}");
         findings.notes.push(note);
     }
 }

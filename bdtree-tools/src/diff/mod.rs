@@ -11,6 +11,7 @@ mod frames;
 mod metadata;
 mod numbers;
 mod structure;
+mod words;
 
 pub use effects::Effect;
 pub use findings::{Difference, Findings};
@@ -24,11 +25,15 @@ pub use crate::cli::DiffArguments as Arguments;
 use crate::error::ToolError;
 use crate::info;
 use crate::output::{digits, write_json};
+use words::short;
 
 /// Exit code: nothing that counts differs.
 pub const SAME: u8 = 0;
 /// Exit code: something differs.
 pub const DIFFER: u8 = 1;
+
+/// How the note begins that tells what could not be compared.
+const NOT_COMPARED: &str = "not compared, since the structure differs: ";
 
 /// Compares two files and prints each kind of difference with its first places.
 ///
@@ -90,23 +95,26 @@ pub fn compare(
     if comparable.frames {
         frames::compare(a, b, &mut findings);
     }
-    for (what, compared) in [
+    let animated = a.frame_count() + b.frame_count() > 0;
+    let not_compared = [
         ("rest positions", comparable.vertices),
-        ("mode table and displacements", comparable.modes),
-        ("rows", comparable.rows),
-        ("frames", comparable.frames),
-    ] {
-        if !compared {
-            let note = format!("not compared, since the structure differs: {what}");
-            findings.notes.push(note);
-        }
-    }
+        ("ranges and displacements of modes", comparable.modes),
+        ("spheres of the tree", comparable.rows),
+        ("frames of the animation", comparable.frames || !animated),
+    ];
+    let not_compared = not_compared.iter().filter(|(_, compared)| !compared);
+    let not_compared: Vec<&str> = not_compared.map(|(what, _)| *what).collect();
     if comparable.vertices && !findings.is_same() {
-        findings.effects = effects::effects([file_a, file_b], comparable.modes)?;
+        findings.effects =
+            effects::effects([file_a, file_b], comparable.modes, &findings.differences)?;
     }
     // The section tables differ where only one has metadata.
     if let (Some(a), Some(b)) = (&metadata_a, &metadata_b) {
         metadata::compare(a, b, &mut findings);
+    }
+    if !not_compared.is_empty() {
+        let note = format!("{NOT_COMPARED}{}", not_compared.join(", "));
+        findings.notes.push(note);
     }
     Ok(findings)
 }
@@ -120,31 +128,37 @@ struct Json<'f> {
 }
 
 fn print(findings: &Findings, out: &mut dyn Write) -> std::io::Result<()> {
-    for note in &findings.notes {
+    let is_last = |note: &&String| note.starts_with(NOT_COMPARED);
+    for note in findings.notes.iter().filter(|note| !is_last(note)) {
         writeln!(out, "{note}")?;
     }
     for effect in &findings.effects {
         let at = effect.q.map_or(String::new(), |q| {
             format!(", at q = {} (its q_range)", digits(q.into()))
         });
+        let tolerated = if effect.tolerated { " (tolerated)" } else { "" };
         writeln!(
             out,
-            "{}: vertex {} lies farthest apart, by {} mesh units ({} % of the diagonal){at}",
+            "{}: vertex {} lies farthest apart, by {} mesh units ({} % of the diagonal){at}{tolerated}",
             effect.what,
             effect.vertex,
-            digits(effect.distance),
-            digits(100.0 * effect.distance_rel)
+            short(effect.distance),
+            short(100.0 * effect.distance_rel)
         )?;
     }
     for difference in &findings.differences {
         writeln!(out, "{difference}")?;
+    }
+    for note in findings.notes.iter().filter(is_last) {
+        writeln!(out, "{note}")?;
     }
     match findings.tolerated_rel {
         _ if !findings.is_same() => Ok(()),
         0.0 => writeln!(out, "same"),
         rel => writeln!(
             out,
-            "same: numbers differ by at most {rel:e} of their scale"
+            "same: numbers differ by at most {} of their scale",
+            short(rel)
         ),
     }
 }

@@ -14,8 +14,13 @@ use bdtree_format::{Header, LANES, ModeRecord, ROW_RADIUS, ROWS_LEADING};
 use bdtree_runtime::{Asset, FormatError, NodeRows, VertexId};
 
 use super::findings::{Findings, Numbers, largest};
+use super::words::known;
 use crate::AssetFile;
 use crate::error::ToolError;
+use crate::output::digits;
+
+/// Names of the components of a vector.
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Compares the header's real numbers.
 pub(super) fn compare_header(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
@@ -23,7 +28,7 @@ pub(super) fn compare_header(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findin
     let scale = largest(a.origin().into_iter().chain(b.origin()).chain(sizes));
     let mut numbers = findings.numbers("header: origin", scale);
     for (axis, (x, y)) in a.origin().into_iter().zip(b.origin()).enumerate() {
-        numbers.compare(x, y, || format!("[{axis}]"));
+        numbers.compare(x, y, || AXES[axis].to_string());
     }
     numbers.finish(findings);
 
@@ -59,7 +64,8 @@ pub(super) fn compare_modes(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Finding
             if (x == -1.0) == (y == -1.0) {
                 numbers.compare(x, y, || format!("mode {j}"));
             } else {
-                findings.compare(&format!("{what}: known or not, mode {j}"), [x, y]);
+                let told = [x, y].map(|x| known((x != -1.0).then(|| digits(x))));
+                findings.compare(&format!("{what}: known or not, mode {j}"), told);
             }
         }
         numbers.finish(findings);
@@ -78,8 +84,8 @@ pub(super) fn compare_positions(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Fin
 }
 
 fn compare_vectors(numbers: &mut Numbers, vertex: usize, x: [f32; 3], y: [f32; 3]) {
-    for axis in 0..3 {
-        let place = || format!("vertex {vertex} [{axis}]");
+    for (axis, name) in AXES.into_iter().enumerate() {
+        let place = || format!("vertex {vertex} {name}");
         numbers.compare(x[axis].into(), y[axis].into(), place);
     }
 }

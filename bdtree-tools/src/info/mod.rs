@@ -24,7 +24,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     if arguments.json {
         write_json(out, &info)?;
     } else {
-        let text = text::text(&arguments.file, &info);
+        let text = text::text(&arguments.file, &info, arguments.sections);
         out.write_all(text.as_bytes()).map_err(ToolError::Stdout)?;
     }
     Ok(DONE)

@@ -6,8 +6,8 @@ use super::report::Info;
 use crate::output::{digits, printable, table};
 use crate::q::counted;
 
-/// The facts as aligned lines.
-pub(super) fn text(path: &Path, info: &Info) -> String {
+/// The facts as aligned lines, with the table of sections where it is asked for.
+pub(super) fn text(path: &Path, info: &Info, sections: bool) -> String {
     let known = |text: &Option<String>| match text {
         Some(text) => printable(text),
         None => "unknown".to_string(),
@@ -81,9 +81,9 @@ pub(super) fn text(path: &Path, info: &Info) -> String {
             "tree",
             format!("{nodes}, {levels}, at most {in_leaf} a leaf lane"),
         ),
-        ("bounds", bounds(info)),
+        ("growth", growth(info)),
         ("origin", origin),
-        ("stored unit", format!("{} mesh units", digits(info.unit))),
+        ("stored unit", stored_unit(info.unit)),
         ("source", known(&info.source.name)),
         ("sha-256", known(&info.source.hash)),
         ("builder", known(&info.builder)),
@@ -96,12 +96,22 @@ pub(super) fn text(path: &Path, info: &Info) -> String {
     let warnings = info.warnings.iter().flatten();
     let warnings = warnings.map(|warning| ("warning", printable(warning)));
     let mut text = lines(facts);
-    text += &tables(info);
+    text += &tables(info, sections);
     text + &lines(settings.chain(warnings))
 }
 
-/// How much spheres grow with the modes, and what that means for queries.
-fn bounds(info: &Info) -> String {
+/// Mesh units per stored unit, in words.
+fn stored_unit(unit: f64) -> String {
+    let units = if unit == 1.0 {
+        "mesh unit"
+    } else {
+        "mesh units"
+    };
+    format!("{} {units}", digits(unit))
+}
+
+/// How much spheres grow with the modes.
+fn growth(info: &Info) -> String {
     let grown = info
         .levels
         .iter()
@@ -113,13 +123,7 @@ fn bounds(info: &Info) -> String {
         return "spheres do not grow: no mode moves anything".to_string();
     }
     let mean = sum / count;
-    // The words of a bake's summary, which knows the smallest possible spheres as well.
-    let meaning = match mean {
-        m if m <= 1.5 => "tight",
-        m if m <= 3.0 => "fair",
-        _ => "loose: queries visit many nodes",
-    };
-    format!("spheres at q_range are on average {mean:.2} times as large as at rest, {meaning}")
+    format!("spheres at q_range are on average {mean:.2} times as large as at rest")
 }
 
 fn lines(facts: impl IntoIterator<Item = (&'static str, String)>) -> String {
@@ -127,31 +131,49 @@ fn lines(facts: impl IntoIterator<Item = (&'static str, String)>) -> String {
     facts.into_iter().map(line).collect()
 }
 
-/// Modes, if there are any, sections and levels.
-fn tables(info: &Info) -> String {
+/// Modes, if there are any, sections, if they are asked for, and levels.
+fn tables(info: &Info, sections: bool) -> String {
     let mut text = String::new();
     if info.modes > 0 {
         let optional = |x: Option<f64>| x.map_or("-".to_string(), digits);
         let heading = "mode,name,frequency [Hz],modal mass [kg],default q,q_range,q_limit";
-        let modes = info.mode_info.iter().enumerate().map(|(j, mode)| {
-            [
-                j.to_string(),
-                mode.name.as_deref().map_or("-".to_string(), printable),
-                optional(mode.frequency_hz),
-                optional(mode.modal_mass_kg),
-                optional(mode.default_q),
-                digits(info.q_range[j].into()),
-                digits(info.q_limit[j].into()),
-            ]
+        let modes: Vec<[String; 7]> = info
+            .mode_info
+            .iter()
+            .enumerate()
+            .map(|(j, mode)| {
+                [
+                    j.to_string(),
+                    mode.name.as_deref().map_or("-".to_string(), printable),
+                    optional(mode.frequency_hz),
+                    optional(mode.modal_mass_kg),
+                    optional(mode.default_q),
+                    digits(info.q_range[j].into()),
+                    digits(info.q_limit[j].into()),
+                ]
+            })
+            .collect();
+        // A column in which nothing is known says nothing.
+        let kept: Vec<usize> = (0..7)
+            .filter(|c| modes.iter().any(|row| row[*c] != "-"))
+            .collect();
+        let headings: Vec<&str> = heading.split(',').collect();
+        let heading: Vec<&str> = kept.iter().map(|c| headings[*c]).collect();
+        let rows = modes.iter().map(|row| {
+            let cells = kept.iter().map(|c| row[*c].clone());
+            cells.collect::<Vec<_>>()
         });
-        text += &table("modes", heading, modes);
+        text += &table("modes", &heading.join(","), rows);
     }
-    let sections = info.sections.iter();
-    let sections = sections.map(|s| [s.kind.clone(), s.offset.to_string(), s.bytes.to_string()]);
-    text += &table("sections", "kind,offset,bytes", sections);
+    if sections {
+        let sections = info.sections.iter();
+        let sections =
+            sections.map(|s| vec![s.kind.clone(), s.offset.to_string(), s.bytes.to_string()]);
+        text += &table("sections", "kind,offset,bytes", sections);
+    }
     let radius = |x: Option<f64>| x.map_or("-".to_string(), digits);
     let levels = info.levels.iter().map(|level| {
-        [
+        vec![
             level.level.to_string(),
             level.spheres.to_string(),
             radius(level.radius_mean),

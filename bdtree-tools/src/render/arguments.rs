@@ -14,12 +14,13 @@ use crate::posture::PostureArguments;
 /// dark purple and yellow are.
 /// Needs Vulkan: a graphics card's, or Mesa's in software.
 ///
-/// The file's checksums are checked first; it must not change meanwhile.
+/// The file's checksums are checked first. Do not change the file during the run: all commands except verify
+/// map it into memory.
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// The .bdt file
     pub file: PathBuf,
-    /// Where to: .png; with --frames a name with %d or %0Nd, where the frame's number goes
+    /// Output file: .png; with --frames a name with %d or %0Nd, where the frame's number goes
     #[arg(short, long, value_name = "FILE.png")]
     pub output: PathBuf,
     #[command(flatten)]
@@ -28,7 +29,7 @@ pub struct Arguments {
     #[arg(long, value_name = "A..B", conflicts_with_all = ["q", "frame", "clip", "joints"])]
     pub frames: Option<FrameRange>,
     /// Draw the spheres of a level of the tree, 0 being the root's (`info` lists the levels)
-    #[arg(long, value_name = "LEVEL")]
+    #[arg(long, value_name = "LEVEL", value_parser = level)]
     pub spheres: Option<usize>,
     /// Place FILE as a scene does (its q instead of the scene's with --q or --frame), beside its other instances, and draw the spheres in which its
     /// queries end in FILE: those of visited nodes that lead to no other visited one (with
@@ -83,11 +84,17 @@ pub struct Arguments {
     pub no_verify: bool,
 }
 
+/// The number of a level.
+fn level(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>();
+    number.map_err(|_| "not a whole number, 0 or more".to_string())
+}
+
 /// A number from 0 to 1.
 fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
         Ok(_) => Err("must be a number from 0 to 1".to_string()),
-        Err(error) => Err(error.to_string()),
+        Err(_) => Err("not a number".to_string()),
     }
 }

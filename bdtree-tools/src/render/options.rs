@@ -90,7 +90,7 @@ impl FromStr for FrameRange {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let number = |text: &str| {
-            let wrong = |_| format!("\"{text}\" is not a frame's number");
+            let wrong = |_| format!("\"{text}\" is not a whole number, 0 or more");
             text.parse::<u64>().map_err(wrong)
         };
         let (first, last) = text

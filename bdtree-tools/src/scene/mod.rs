@@ -12,8 +12,9 @@ mod queries;
 pub use instances::Placed;
 pub use queries::{Query, RaysMode};
 
+use std::fmt;
 use std::fs;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 use bdtree_runtime::{CacheSize, Instance, PoseError};
@@ -85,10 +86,10 @@ impl Scene {
             std::io::stdin()
                 .lock()
                 .read_to_end(&mut text)
-                .map_err(|error| ToolError::input("stdin", error))?;
+                .map_err(|error| cannot_read("stdin", &error))?;
             return Self::parse(&text, "stdin", Path::new(""), verify);
         }
-        let text = fs::read(path).map_err(|error| ToolError::input(path.display(), error))?;
+        let text = fs::read(path).map_err(|error| cannot_read(path.display(), &error))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(&text, &path.display().to_string(), folder, verify)
     }
@@ -103,7 +104,7 @@ impl Scene {
         folder: &Path,
         verify: bool,
     ) -> Result<Self, ToolError> {
-        let json = Json::parse(text).map_err(|error| ToolError::input(source, error))?;
+        let json = Json::parse(text).map_err(|error| not_json(source, text, &error))?;
         let problems = Problems::new(source);
         let mut assets = Assets::new(folder, verify);
         let read = read_scene(&json, &mut assets, &problems);
@@ -148,6 +149,29 @@ impl Scene {
         });
         bodies.collect()
     }
+}
+
+/// The words of every file that cannot be read.
+fn cannot_read(source: impl fmt::Display, error: &io::Error) -> ToolError {
+    ToolError::Input(vec![format!("cannot read {source}: {error}")])
+}
+
+/// What is wrong with a text that is no JSON, or whose values no scene has.
+fn not_json(source: &str, text: &[u8], error: &serde_json::Error) -> ToolError {
+    // What is no text at all is another kind of file; its line and column say nothing.
+    if std::str::from_utf8(text).is_err() {
+        return ToolError::input(source, "not a JSON scene");
+    }
+    let said = error.to_string();
+    let starts = |words: &[&str]| words.iter().any(|word| said.starts_with(word));
+    let message = if error.is_data() || starts(&["number out of range", "recursion limit"]) {
+        said
+    } else if starts(&["expected value", "invalid number"]) {
+        format!("not JSON (JSON has no NaN or Infinity): {said}")
+    } else {
+        format!("not JSON: {said}")
+    };
+    ToolError::input(source, message)
 }
 
 fn read_scene(

@@ -167,19 +167,22 @@ impl std::fmt::Display for Summary {
             unbounded,
             ..
         } = self;
-        write!(
-            f,
-            "{cases} cases (nodes at one of {poses} q), {vertices} vertices held against spheres \
-             above them, {violations} outside; "
-        )?;
-        if *unbounded > 0 {
-            write!(f, "{unbounded} spheres without a radius; ")?;
+        match violations {
+            0 => writeln!(f, "all {vertices} vertices are inside their spheres")?,
+            n => writeln!(
+                f,
+                "{n} of {vertices} vertices are outside a sphere above them"
+            )?,
         }
+        if *unbounded > 0 {
+            writeln!(f, "{unbounded} spheres have no radius")?;
+        }
+        writeln!(f, "{cases} cases: a node at one of {poses} q")?;
         if let Some(t) = &self.tightest {
-            write!(
+            writeln!(
                 f,
                 "smallest margin: {:.1} % of the rounding allowance of {:.2e} mesh units (node {}, lane {}, \
-                 vertex {}, {}); ",
+                 vertex {}, {} kernel)",
                 100.0 * t.margin_slacks,
                 t.slack,
                 t.node,

@@ -114,14 +114,31 @@ fn bad_input_is_placed() {
             &["a.bdt", "--frame", "0"],
             "--frame: asset a.bdt has no animation\n",
         ),
-        (
-            &["a.bdt", "-o", "out.stl"],
-            "out.stl: unknown extension: .obj or .npy can be written\n",
-        ),
     ] {
         let ran = folder.run(&[&["deform"], arguments].concat());
         assert_eq!((ran.code, ran.out.as_str()), (1, ""), "{arguments:?}");
         assert_eq!(ran.err, text);
+    }
+    // What no file could make right.
+    for (arguments, text) in [
+        (
+            &["a.bdt", "-o", "out.stl"][..],
+            "out.stl: unknown extension: .obj or .npy can be written\n",
+        ),
+        (
+            &["a.bdt", "--q", "1;2;3"],
+            "\"1;2;3\" is not a number; separate numbers with commas",
+        ),
+        (
+            &["a.bdt", "--q", "0.5 0.5"],
+            "\"0.5 0.5\" is not a number; separate numbers with commas",
+        ),
+        (&["a.bdt", "--frame", "-1"], "not a whole number, 0 or more"),
+        (&["a.bdt", "--frame", "x"], "not a whole number, 0 or more"),
+    ] {
+        let ran = folder.run(&[&["deform"], arguments].concat());
+        assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{arguments:?}");
+        assert!(ran.err.contains(text), "{}", ran.err);
     }
     let ran = folder.run(&["deform", "a.bdt", "--q", "0,-1e30,0"]);
     assert_eq!(ran.code, 1);
@@ -140,7 +157,7 @@ fn bad_input_is_placed() {
     assert_eq!((ran.code, ran.out.as_str()), (1, ""));
     assert!(
         ran.err
-            .starts_with("damaged .bdt file: bad.bdt: section META at byte ")
+            .starts_with("bad.bdt: damaged .bdt file: section META at byte ")
     );
     assert!(ran.err.contains("SPEC 4.1"));
     let ran = folder.run(&["deform", "bad.bdt", "--no-verify"]);

@@ -204,7 +204,7 @@ fn diff_compares_frames() {
         (
             &(|a: &mut bdtree_build::basis::Animation| a.times_s = None)
                 as &dyn Fn(&mut bdtree_build::basis::Animation),
-            "section FRMS: times: known or not, frame 0 differs\n    [0.5] and []\n",
+            "section FRMS: times: known or not, frame 0 differs: 0.5 and unknown\n",
         ),
         (
             &|a| {
@@ -213,7 +213,7 @@ fn diff_compares_frames() {
                 a.motions.truncate(2);
                 a.times_s.as_mut().expect("times").truncate(2);
             },
-            "section FRMS: number of frames differs\n    3 and 2\n",
+            "section FRMS: number of frames differs: 3 and 2\n",
         ),
     ] {
         let ran = changed(change)("10");
@@ -243,17 +243,17 @@ fn diff_compares_errors() {
             error(1.0, 4),
             "0",
             1,
-            "basis_error_rel: frame and vertex differs",
+            "basis_error_rel: frame and vertex differ: vertex 3 and vertex 4",
         ),
         (
             error(1.0, 4),
             "1e-9",
             0,
-            "frame and vertex (does not count)",
+            "frame and vertex (does not count): vertex 3 and vertex 4",
         ),
         (error(1.25, 3), "0.1", 1, "basis_error_rel: 1 of 2 differ"),
         (error(1.25, 3), "0.3", 0, "same: "),
-        (None, "0.3", 1, "basis_error_rel differs"),
+        (None, "0.3", 1, "basis_error_rel differs: 1 and unknown"),
     ] {
         folder.write("b.bdt", baked_with_error(&mesh, &basis, other));
         let ran = folder.run(&["diff", "a.bdt", "b.bdt", "--tolerance-rel", tolerance]);

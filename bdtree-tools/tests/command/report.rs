@@ -404,11 +404,7 @@ fn what_is_wrong_is_told() {
     folder.write("broken.bdt", broken);
     for (arguments, expected) in [
         (&["none.bdt"][..], "cannot read none.bdt: No such file"),
-        (&["broken.bdt"], "damaged .bdt file: broken.bdt: section "),
-        (
-            &["a.bdt", "-o", "out.txt"],
-            "out.txt: unknown extension: .html can be written",
-        ),
+        (&["broken.bdt"], "broken.bdt: damaged .bdt file: section "),
         (
             &["a.bdt", "-o", "none/out.html"],
             "none/out.html: cannot write: ",
@@ -423,6 +419,9 @@ fn what_is_wrong_is_told() {
         );
         assert!(!folder.path("out.html").exists());
     }
+    let ran = folder.run(&["report", "a.bdt", "-o", "out.txt"]);
+    let text = "out.txt: unknown extension: .html can be written\n";
+    assert_eq!((ran.code, ran.err.as_str()), (2, text));
     folder.write("a.html", folder.read("a.bdt"));
     let ran = folder.run(&["report", "a.html"]);
     assert_eq!(ran.code, 1);

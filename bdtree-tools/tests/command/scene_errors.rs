@@ -102,7 +102,7 @@ fn broken_assets_are_told_once() {
     assert_eq!(lines.len(), 3, "{err}");
     assert!(lines[0].starts_with("scene.json: instances[0].asset: cannot read no.bdt: "));
     let damaged =
-        "scene.json: instances[2].asset: damaged .bdt file: bad.bdt: section META at byte ";
+        "scene.json: instances[2].asset: bad.bdt: damaged .bdt file: section META at byte ";
     assert!(lines[1].starts_with(damaged), "{err}");
     assert_eq!(lines[2], "scene.json: queries[0].ball.radius: negative");
     let only_bad = json!([instances[2]]);
@@ -130,7 +130,7 @@ fn syntax_errors_have_line_and_column() {
     for (text, place) in [
         (
             "",
-            "scene.json: EOF while parsing a value at line 1 column 0\n",
+            "scene.json: not JSON: EOF while parsing a value at line 1 column 0\n",
         ),
         ("{\n  \"a\": 1,,\n}", "line 2 column 10\n"),
         (
@@ -139,10 +139,16 @@ fn syntax_errors_have_line_and_column() {
         ),
         (
             "{\"queries\": [1e999]}",
-            "number out of range at line 1 column ",
+            "scene.json: number out of range at line 1 column ",
         ),
-        ("{\"queries\": [NaN]}", "line 1 column 14\n"),
-        ("{} x", "trailing characters at line 1 column 4\n"),
+        (
+            "{\"queries\": [NaN]}",
+            "scene.json: not JSON (JSON has no NaN or Infinity): expected value at line 1 column 14\n",
+        ),
+        (
+            "{} x",
+            "scene.json: not JSON: trailing characters at line 1 column 4\n",
+        ),
     ] {
         let err = refused(&folder, text);
         assert!(err.starts_with("scene.json: "), "{err}");
@@ -153,7 +159,7 @@ fn syntax_errors_have_line_and_column() {
     assert!(ran.err.starts_with("stdin: "));
     let ran = folder.run(&["query", "no.json"]);
     assert_eq!((ran.code, ran.out.as_str()), (1, ""));
-    assert!(ran.err.starts_with("no.json: "));
+    assert!(ran.err.starts_with("cannot read no.json: "));
 }
 
 #[test]
@@ -200,5 +206,20 @@ fn corrupt_records_are_an_error_not_a_panic() {
                 assert!(!ran.err.contains("panicked"), "{command:?}: {}", ran.err);
             }
         }
+    }
+}
+
+/// Another kind of file, and none.
+#[test]
+fn what_is_no_scene_is_named() {
+    let folder = Folder::new();
+    for (file, text) in [
+        ("a.bdt", "a.bdt: not a JSON scene\n"),
+        ("no.json", "cannot read no.json: "),
+    ] {
+        let ran = folder.run(&["query", file]);
+        assert_eq!((ran.code, ran.out.as_str()), (1, ""), "{file}");
+        assert!(ran.err.starts_with(text), "{}", ran.err);
+        assert_eq!(ran.err.lines().count(), 1, "{}", ran.err);
     }
 }

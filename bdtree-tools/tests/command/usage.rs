@@ -56,6 +56,12 @@ fn mistakes_of_usage_are_2() {
         &["diff", "a.bdt"],
         &["diff", "a.bdt", "a.bdt", "--tolerance-rel", "-1"],
         &["diff", "a.bdt", "a.bdt", "--tolerance-rel", "nan"],
+        &["diff", "a.bdt", "a.bdt", "--tolerance-rel", "x"],
+        &["verify", "a.bdt", "--stress", "--seed", "x"],
+        &["deform", "a.bdt", "--frame", "-1"],
+        &["render", "a.bdt", "-o", "a.png", "--frame", "1.5"],
+        &["render", "a.bdt", "-o", "a.png", "--spheres", "x"],
+        &["render", "a.bdt", "-o", "a.png", "--opacity", "x"],
         &["deform", "a.bdt", "--q", "1,two"],
         &["deform", "a.bdt", "--q", "0,0,0", "--frame", "1"],
         &["query"],
@@ -78,6 +84,10 @@ fn mistakes_of_usage_are_2() {
         let ran = folder.run(arguments);
         assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{arguments:?}");
         assert!(!ran.err.is_empty(), "{arguments:?}");
+        // No text of Rust's own parsers.
+        for text in ["found in string", "float literal"] {
+            assert!(!ran.err.contains(text), "{arguments:?}: {}", ran.err);
+        }
         assert!(
             !ran.err.contains("unexpected argument '-"),
             "{arguments:?}: {}",

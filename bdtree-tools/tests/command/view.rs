@@ -55,7 +55,7 @@ fn it_is_found_beside_the_command_then_on_the_path() {
 fn without_it_one_line_says_how_to_get_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let missing = output(alone(folder.path()).args(["view", "a.bdt"]));
-    assert_eq!(missing.status.code(), Some(1));
+    assert_eq!(missing.status.code(), Some(2));
     let text = String::from_utf8_lossy(&missing.stderr);
     assert!(text.starts_with("bdtree-view: not installed"), "{text}");
     assert!(
