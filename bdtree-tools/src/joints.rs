@@ -91,14 +91,17 @@ pub(crate) fn read(path: &Path) -> Result<Vec<JointMatrix>, String> {
     if file.order() != npyz::Order::C {
         return wrong("expected numbers in C order, found Fortran order");
     }
-    let numbers: Vec<f64> = match file.try_data::<f64>() {
-        Ok(data) => data.collect::<Result<_, _>>(),
+    let numbers: Result<Vec<f64>, _> = match file.try_data::<f64>() {
+        Ok(data) => data.collect(),
         Err(file) => match file.try_data::<f32>() {
-            Ok(data) => data.map(|x| x.map(f64::from)).collect::<Result<_, _>>(),
+            Ok(data) => data.map(|x| x.map(f64::from)).collect(),
             Err(_) => return wrong("expected numbers of type <f8 or <f4"),
         },
-    }
-    .or_else(|error| wrong(&error.to_string()).map(|()| Vec::new()))?;
+    };
+    let numbers = match numbers {
+        Ok(numbers) => numbers,
+        Err(error) => return wrong(&error.to_string()),
+    };
     let (rows, _) = numbers.as_chunks::<4>();
     let (matrices, _) = rows.as_chunks::<3>();
     if matrices.len() as u64 != count {

@@ -10,6 +10,7 @@ use super::picture::{Bounds, Frame, Painter, graphics};
 use crate::AssetFile;
 use crate::error::ToolError;
 use crate::info::mode_name;
+use crate::posture::Posture;
 
 /// So that defaults stand in one place.
 #[derive(Parser)]
@@ -35,12 +36,17 @@ pub fn portraits(file: &AssetFile) -> Result<Vec<(String, Image)>, ToolError> {
         Transform::IDENTITY,
     )];
     poses.extend(moved(file)?);
-    let frames = poses.into_iter().map(|(about, q, placement)| {
+    let frames = poses.into_iter().map(|(about, q, transform)| {
+        let posture = Posture {
+            q,
+            joints: None,
+            transform,
+        };
         Ok(Frame {
             about,
             number: None,
             content: vec![Content {
-                body: Body::posed(file, &q, placement)?,
+                body: Body::posed(file, &posture)?,
                 spheres: Vec::new(),
                 is_file: true,
             }],
