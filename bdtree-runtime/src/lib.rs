@@ -14,7 +14,7 @@
 //! | feature | gives |
 //! |---|---|
 //! | (none) | `no_std`, no allocation: [`Asset`] over bytes of the caller's, [`Asset::pose`], [`Workspace::in_bytes`] and every query |
-//! | `alloc` | what owns its memory: [`Model`], [`Instance`], [`Workspace::new`], [`StepCache::new`], [`PairFront::new`] |
+//! | `alloc` | what owns its memory: [`Model`], [`Instance`], [`SkeletonPose`], [`Workspace::new`], [`StepCache::new`], [`PairFront::new`] |
 //! | `std` (default) | `alloc`; instruction sets are detected at run time; `Model::read`, `LoadError` |
 //! | `mmap` | `std`; `Model::load` maps a file, whose pages are read when queries touch them |
 //! | `mint` | points, vectors, quaternions and matrices of every library that speaks mint (glam, nalgebra, …) as arguments and back |
