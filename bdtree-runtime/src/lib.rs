@@ -49,7 +49,7 @@
 //! | feature | gives |
 //! |---|---|
 //! | (none) | `no_std`, no allocation: [`Asset`] over bytes of the caller's, [`Asset::pose`], [`Workspace::in_bytes`] and every query |
-//! | `alloc` | what owns its memory: [`Model`], [`Instance`], [`Workspace::new`], [`StepCache::new`], [`PairFront::new`] |
+//! | `alloc` | what owns its memory: [`Model`], [`Instance`], [`SkeletonPose`], [`Workspace::new`], [`StepCache::new`], [`PairFront::new`] |
 //! | `std` (default) | `alloc`; instruction sets are detected at run time; `Model::read`, `LoadError` |
 //! | `mmap` | `std`; `Model::load` maps a file, whose pages are read when queries touch them |
 //! | `mint` | conversions between [`Vec3`], [`Quat`], [`Transform`] and the types of mint, which glam, nalgebra and others convert to and from |

@@ -73,8 +73,8 @@ impl<'a> Asset<'a> {
     /// vertices below it. `report` takes each broken rule and may end the check. True when no
     /// rule is broken.
     ///
-    /// Cost: a pass over the file and, per tree level, one over the triangles' corners and their
-    /// modes; per 2¹⁵ entries of the mode lists, one over the records of nodes and vertices. Bounds
+    /// Cost: a pass over the file and, per tree level, one over the triangles' corners, their
+    /// modes and bones; per 2¹⁵ entries of the mode lists, one over the records of nodes and vertices. Bounds
     /// are checked only when everything they rest on is sound.
     pub fn verify(&self, report: &mut dyn FnMut(FormatError) -> ControlFlow<()>) -> bool {
         let mut sound = true;
