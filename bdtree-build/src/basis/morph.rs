@@ -22,7 +22,7 @@ pub struct MorphBasis {
 
 /// The fields of `morphs`, those that `keep` says: p' = p + Σ weight × displacement.
 ///
-/// The range of a weight is the largest of 1, |default| and its values over the clip. Targets that
+/// The range of a weight is the largest of 1, |default| and its values over the clip, or over those of a skin. Targets that
 /// move nothing are kept with a warning (by `Auto` they are dropped).
 ///
 /// # Errors
@@ -127,7 +127,8 @@ fn check_size(mesh: &RawMesh, count: usize, keep: Keep, limit: u64) -> Result<()
 /// Typical largest |weight| of target `j`.
 fn range(morphs: &RawMorphs, j: usize) -> f64 {
     let count = morphs.targets.len();
-    let default = morphs.targets[j].default_weight.abs();
+    let target = &morphs.targets[j];
+    let default = target.default_weight.abs().max(target.largest_weight);
     let clip = morphs
         .clip
         .iter()

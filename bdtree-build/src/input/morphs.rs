@@ -43,6 +43,8 @@ pub struct RawTarget {
     pub name: Option<String>,
     /// The weight that the source gives it where nothing is animated.
     pub default_weight: f64,
+    /// The largest |weight| that clips of a skin give it; 0 without.
+    pub largest_weight: f64,
     /// Vertex and displacement (mesh units per unit of weight), by ascending vertex; vertices left
     /// out do not move.
     pub displacements: Vec<(u32, [f64; 3])>,

@@ -17,15 +17,7 @@ pub(super) fn moving(
 ) -> Result<Moving, BakeError> {
     let mut warnings = Vec::new();
     let limit = asked.memory_limit_bytes;
-    let reached = skin
-        .as_ref()
-        .map(|skin| skin.largest_weights(morphs.targets.len()));
-    let mut morph = morph_basis(&mesh, morphs, asked.keep, limit, &mut warnings)?;
-    // Ranges hold what clips do, as they do with frames.
-    for (mode, &target) in morph.basis.modes.iter_mut().zip(&morph.targets) {
-        let reached = reached.as_ref().map_or(0.0, |reached| reached[target]);
-        mode.q_range = mode.q_range.map(|range| range.max(reached));
-    }
+    let morph = morph_basis(&mesh, morphs, asked.keep, limit, &mut warnings)?;
     if let Some(skin) = &mut skin {
         skin.keep_targets(&morph.targets);
     }

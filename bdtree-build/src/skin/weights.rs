@@ -59,13 +59,14 @@ fn sum(influences: &[InfluenceRecord]) -> i128 {
 /// |Σ w − 1|, rounded up.
 pub(crate) fn defect(influences: &[InfluenceRecord]) -> f32 {
     let off = (sum(influences) - ONE).unsigned_abs();
-    // The quotient is exact; a whole number of more than 53 bits may have been rounded down.
-    let above = if off >> 53 == 0 {
-        1.0
+    let nearest = off as f64;
+    // More than 53 bits may have been rounded down; the quotient is exact.
+    let above = if (nearest as u128) < off {
+        1.0 + f64::EPSILON
     } else {
-        1.0 + f64::EPSILON * 2.0
+        1.0
     };
-    round_up(off as f64 / ONE as f64 * above)
+    round_up(nearest / ONE as f64 * above)
 }
 
 /// The influences of all vertices, as `weights` says; bones of a vertex ascend. Weights below 2⁻³² go.

@@ -161,11 +161,6 @@ fn what_is_odd_but_kept_is_said() {
             "m: nodes[2]: matrix: its last row is taken as 0, 0, 0, 1, which it nearly is",
         ),
         (
-            ("/nodes/1/skin", json!(0)),
-            "m: 1 mesh node is skinned, and bones are not read: the mesh is baked in its bind pose. To bake its motion, \
-             export the frames of an animation (a folder of .obj files, .pc2 or .mdd) and give them as --animation",
-        ),
-        (
             ("/extensionsUsed", json!(["EXT_mesh_gpu_instancing"])),
             "m: extensionsUsed: EXT_mesh_gpu_instancing is ignored",
         ),

@@ -109,6 +109,9 @@ fn read(bytes: &[u8], folder: &Path, clip: Option<&str>, notes: &mut Notes) -> O
         buffers: Buffers::new(root, container.binary.as_deref(), folder),
     };
     let rig = skeleton::read(&document, &mut scene, &accessors, notes);
+    if !notes.is_clean() {
+        return None;
+    }
     let instances = scene.instances;
     let quantised = root
         .extensions_used
@@ -181,18 +184,24 @@ fn skinned(
         );
     }
     let clips = motions::read(&root.animations, accessors, &rig, &model.nodes, notes);
+    let skin = RawSkin {
+        influences: model.influences,
+        bones: rig.bones,
+        joints: rig.joints,
+        skeleton: rig.skeleton,
+        clips,
+    };
+    let mut targets = model.targets;
+    let largest = skin.largest_weights(targets.len());
+    for (target, largest) in targets.iter_mut().zip(largest) {
+        target.largest_weight = largest;
+    }
     Some(RawModel {
         mesh: model.mesh,
         morphs: RawMorphs {
-            targets: model.targets,
+            targets,
             clip: None,
         },
-        skin: Some(RawSkin {
-            influences: model.influences,
-            bones: rig.bones,
-            joints: rig.joints,
-            skeleton: rig.skeleton,
-            clips,
-        }),
+        skin: Some(skin),
     })
 }

@@ -204,6 +204,7 @@ impl Model {
             self.targets.push(RawTarget {
                 name,
                 default_weight: weights[k],
+                largest_weight: 0.0,
                 displacements,
             });
         }
