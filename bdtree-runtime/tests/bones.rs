@@ -78,7 +78,7 @@ fn every_query_equals_brute_force_wherever_bones_stand() {
         for kind in 0..KINDS {
             let matrices = random_matrices(asset, kind, &mut rng);
             let q = poses::random_q(asset, 0.1, &mut rng);
-            let at = poses::random_transform(&mut rng);
+            let at = poses::random_transform(2.0, &mut rng);
             let kernels = Kernel::ALL.iter().filter_map(|k| asset.with_kernel(*k));
             let bones = BoneMatrices::Skinning(&matrices);
             check_pose_with_bones(kernels, &q, bones, at, kind as u64, 4);
