@@ -233,6 +233,7 @@ fn build(
         triangles: mesh.triangles.len(),
         modes: basis.mode_count(),
         frames: shape.frames.as_ref().map(|frames| frames.records.len()),
+        duration_s: duration_s(basis),
         nodes: wrapped.nodes.len(),
         depth: tree.depth,
         bytes: bytes.len(),
@@ -248,6 +249,12 @@ fn build(
         volume: None,
     };
     Ok(Baked { bytes, report })
+}
+
+/// The time of the last frame after the first, if frames have times.
+fn duration_s(basis: &Basis) -> Option<f64> {
+    let times = basis.animation.as_ref()?.times_s.as_ref()?;
+    Some(times.last()? - times.first()?)
 }
 
 /// The leaf size that the settings ask for.
