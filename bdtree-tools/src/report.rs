@@ -125,7 +125,9 @@ fn content(file: &AssetFile, verify: bool, bar: &Bar) -> Result<Content, ToolErr
 /// Where the file's source lies: its metadata have the name alone, which is looked for beside the file and in the
 /// current folder.
 fn source(file: &AssetFile) -> Option<PathBuf> {
-    let name = Metadata::from_bytes(file.asset().metadata()).ok()?.source_name;
+    let name = Metadata::from_bytes(file.asset().metadata())
+        .ok()?
+        .source_name;
     let is_name = Path::new(&name).file_name() == Some(name.as_ref()) && !name.starts_with('-');
     let folders = [file.path().with_file_name(&name), PathBuf::from(&name)];
     let mut found = folders.into_iter().filter(|path| is_name && path.is_file());

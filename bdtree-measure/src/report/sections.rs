@@ -75,11 +75,7 @@ pub(super) fn unneeded(asset: &Asset<'_>) -> Vec<Unneeded> {
             0 => "with a level limit of 0".to_string(),
             level => format!("with a level limit of {level} or less"),
         };
-        rows.push(row(
-            &limit,
-            "triangles, vertices, displacements",
-            surface,
-        ));
+        rows.push(row(&limit, "triangles, vertices, displacements", surface));
     }
     rows.push(row(
         "with a level limit above the deepest level",
@@ -91,7 +87,11 @@ pub(super) fn unneeded(asset: &Asset<'_>) -> Vec<Unneeded> {
         "animation frames",
         animation,
     ));
-    rows.push(row("where groups and names are not asked for", "groups, names, metadata", words));
+    rows.push(row(
+        "where groups and names are not asked for",
+        "groups, names, metadata",
+        words,
+    ));
     rows.retain(|row| row.bytes > 0);
     rows
 }

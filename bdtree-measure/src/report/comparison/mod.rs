@@ -133,7 +133,11 @@ fn pair(asset: &Asset<'_>, sample: &Sample, which: usize) -> Result<Cost, Measur
 
 /// A mean of counts as a count; 0 only where nothing was counted.
 fn whole(mean: f64) -> f64 {
-    if mean > 0.0 { mean.round().max(1.0) } else { 0.0 }
+    if mean > 0.0 {
+        mean.round().max(1.0)
+    } else {
+        0.0
+    }
 }
 
 /// Means over steps.
