@@ -191,6 +191,9 @@ impl fmt::Display for Problem {
         let place = self.place.to_string();
         if place.is_empty() {
             write!(f, "{}", one_line(&self.message))
+        } else if self.message.starts_with("is a folder") {
+            // A sentence: `. is a folder: name a file`, not `.: is …`.
+            write!(f, "{} {}", one_line(&place), one_line(&self.message))
         } else {
             write!(f, "{}: {}", one_line(&place), one_line(&self.message))
         }
@@ -232,11 +235,15 @@ impl BakeError {
         Self { problems }
     }
 
-    /// The same, with the name of the mesh's file where a place is one in the mesh.
+    /// The same, with the mesh's file as it is given here where a place is one in the mesh, or in this file by its name
+    /// alone.
     #[must_use]
     pub fn in_file(mut self, file: &Path) -> Self {
+        let name = file.file_name().map(|name| name.to_string_lossy());
         for problem in &mut self.problems {
-            if problem.place.is_in_mesh() {
+            let place = &problem.place;
+            let is_named = place.file.is_some() && place.file.as_deref() == name.as_deref();
+            if is_named || place.is_in_mesh() {
                 problem.place.file = Some(file.display().to_string());
             }
         }

@@ -1,7 +1,7 @@
 //! Putting a finished file in its place: all of it or nothing.
 
 use std::fs;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -70,7 +70,32 @@ fn temporary(path: &Path, target: &Path) -> Result<NamedTempFile, BakeError> {
     }
     builder
         .tempfile_in(folder)
-        .map_err(|e| failed(path, "cannot create a file in this folder", &e))
+        .map_err(|e| BakeError::one("file", path, no_file_in(&folder_of(path, folder), &e)))
+}
+
+/// The folder that is written to, as it was given where that is the same.
+fn folder_of(path: &Path, folder: &Path) -> PathBuf {
+    let given = match path.parent() {
+        Some(given) if !given.as_os_str().is_empty() => given,
+        _ => Path::new("."),
+    };
+    let is_same = fs::canonicalize(given).ok() == fs::canonicalize(folder).ok();
+    if is_same { given } else { folder }.to_path_buf()
+}
+
+/// Why a folder takes no file.
+fn no_file_in(folder: &Path, error: &std::io::Error) -> String {
+    let name = match folder.display().to_string() {
+        name if name == "." => "the current folder".to_string(),
+        name => format!("folder {name}"),
+    };
+    match error.kind() {
+        ErrorKind::NotFound => format!("{name} does not exist"),
+        ErrorKind::NotADirectory => format!("{} is not a folder", folder.display()),
+        ErrorKind::PermissionDenied => format!("{name} does not allow new files"),
+        ErrorKind::ReadOnlyFilesystem => format!("{name} is on a read-only file system"),
+        _ => format!("cannot create a file in {name}: {}", cause(error)),
+    }
 }
 
 fn failed(path: &Path, what: &str, error: &std::io::Error) -> BakeError {

@@ -32,6 +32,8 @@ pub mod basis;
 pub mod elastic;
 pub mod encode;
 pub mod error;
+#[doc(hidden)]
+pub mod figures;
 pub mod file;
 pub mod input;
 mod motion;

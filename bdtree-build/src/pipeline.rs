@@ -280,6 +280,7 @@ fn build(
             .map(|skin| skin.record.influences_max as usize),
         clips: stored_skin.as_ref().map(|skin| skin.clips.len()),
         frames: shape.frames.as_ref().map(|frames| frames.records.len()),
+        duration_s: duration_s(basis),
         nodes: wrapped.nodes.len(),
         depth: tree.depth,
         bytes: bytes.len(),
@@ -295,6 +296,12 @@ fn build(
         volume: None,
     };
     Ok(Baked { bytes, report })
+}
+
+/// The time of the last frame after the first, if frames have times.
+fn duration_s(basis: &Basis) -> Option<f64> {
+    let times = basis.animation.as_ref()?.times_s.as_ref()?;
+    Some(times.last()? - times.first()?)
 }
 
 /// The leaf size that the settings ask for.

@@ -6,7 +6,8 @@ pub(crate) mod visits;
 use std::collections::BTreeMap;
 
 use bdtree_format::ROW_RADIUS;
-use serde::Serialize;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 
 use crate::basis::elastic::ElasticReport;
 use crate::basis::volume::VolumeReport;
@@ -43,6 +44,8 @@ pub struct BakeReport {
     pub clips: Option<usize>,
     /// Number of frames of the animation, if there is one.
     pub frames: Option<usize>,
+    /// How long the animation lasts (s), if its frames have times.
+    pub duration_s: Option<f64>,
     /// Number of eight-wide nodes.
     pub nodes: usize,
     /// Number of levels.
@@ -50,6 +53,7 @@ pub struct BakeReport {
     /// Length of the file.
     pub bytes: usize,
     /// Least and largest coordinates of the rest positions (mesh units).
+    #[serde(serialize_with = "min_and_max")]
     pub bounds: [[f64; 3]; 2],
     /// What was odd but kept.
     pub warnings: Vec<String>,
@@ -69,6 +73,14 @@ pub struct BakeReport {
     pub elastic: Option<ElasticReport>,
     /// How the modes of a volume were found, if those are the fields.
     pub volume: Option<VolumeReport>,
+}
+
+/// A box as `bdtree info` has it.
+fn min_and_max<S: Serializer>([min, max]: &[[f64; 3]; 2], to: S) -> Result<S::Ok, S::Error> {
+    let mut object = to.serialize_struct("Bounds", 2)?;
+    object.serialize_field("min", min)?;
+    object.serialize_field("max", max)?;
+    object.end()
 }
 
 /// R'/R_opt of the lanes of one level at q = q_range; R_opt is the radius of the smallest ball

@@ -127,6 +127,24 @@ fn fewer_modes_are_good_enough_for_a_lax_goal() {
         last = kept;
     }
     assert_eq!(last, 0, "ten diagonals need no mode");
+    // How many modes were tried, and how many there are.
+    let arguments = [
+        "--animation",
+        &frames,
+        "--modes",
+        "2",
+        "--max-error-rel",
+        "10",
+    ];
+    let (sentences, _) = told(&arguments, folder().path());
+    assert!(
+        sentences.starts_with("The first 0 of 2 modes ("),
+        "{sentences}"
+    );
+    assert!(
+        sentences.contains(" available) keep every vertex within "),
+        "{sentences}"
+    );
 }
 
 #[test]
@@ -185,7 +203,11 @@ fn a_goal_that_cannot_be_met_is_said_to_be_missed() {
         &[&arguments[..], &["-o", "wave.bdt"]].concat(),
         folder.path(),
     );
-    assert!(sentences.contains("is missed"), "{sentences}");
+    assert!(
+        sentences.starts_with("1 mode leaves an error of ")
+            && sentences.contains(" (goal: 1.0e-7 %). Allow more with --modes."),
+        "{sentences}"
+    );
     assert_eq!(baked(&command, folder.path())["modes"], 1);
     // Without a number all that there are are taken.
     let json = advised(&["--animation", &frames, "--max-error-rel", "1e-12"]);
@@ -279,8 +301,5 @@ fn a_leaf_size_that_is_given_stays() {
     assert_eq!(json["leaf_size"], 3);
     assert_eq!(json["leaves"].as_array().map(Vec::len), Some(1));
     let command = json["command"].as_str().expect("a command");
-    assert!(
-        command.ends_with("--leaf-size 3 --json --modes 0"),
-        "{command}"
-    );
+    assert!(command.ends_with("--leaf-size 3 --modes 0"), "{command}");
 }

@@ -373,6 +373,14 @@ fn frames_become_modes_and_play() {
     assert_eq!(json["frames"], 6);
     assert!(json["basis_error_rel"]["max"].as_f64() < Some(1e-6));
     assert!(json["frequencies_hz"].is_null());
+    let duration = json["duration_s"].as_f64().expect("times");
+    assert!((duration - 5.0 / 30.0).abs() < 1e-9);
+    let bounds = &json["bounds"];
+    assert!(bounds["min"][0].as_f64() < bounds["max"][0].as_f64());
+    let bytes = std::fs::read(folder.path().join("my.frames.bdt")).expect("a file");
+    let model = bdtree_runtime::Model::from_bytes(&bytes).expect("a file");
+    let metadata = bdtree_format::Metadata::from_bytes(model.asset().metadata()).expect("metadata");
+    assert_eq!(metadata.settings["modes"], "10");
     let modes = json["modes"].as_u64();
 
     let wave = fixture("wave.pc2").display().to_string();
@@ -396,6 +404,17 @@ fn morph_targets_are_modes() {
     let folder = tempfile::tempdir().expect("a folder");
     let input = fixture("morph_nodes.glb").display().to_string();
     let all = baked(&[&input, "-o", "all.bdt"], folder.path());
+    let warnings = |more: &[&str]| {
+        let arguments = [&[input.as_str(), "-o", "all.bdt"], more].concat();
+        text(&run(&arguments, folder.path()).stderr)
+    };
+    // Warnings name the file as it was given.
+    let told = warnings(&[]);
+    let start =
+        format!("bdtree-build: warning: {input}: 2 animations move weights; \"talk\", the first");
+    assert!(told.contains(&start), "{told}");
+    let told = warnings(&["--clip", "talk"]);
+    assert!(!told.contains("animations move weights"), "{told}");
     let count = all["modes"].as_u64().expect("modes");
     assert!(count >= 2 && all["frames"].is_u64());
     let one = baked(&[&input, "-o", "one.bdt", "--modes", "1"], folder.path());
@@ -461,6 +480,72 @@ fn ranges_are_a_share_of_the_diagonal() {
     };
     // Farther out spheres grow more.
     assert!(mean("0.2") > mean("0.02"));
+}
+
+/// What the summary says of animations and rigid meshes, and of faces that are bad.
+#[test]
+fn summaries_and_refusals_say_what_to_do() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let wave = fixture("wave").display().to_string();
+    let said = |arguments: &[&str]| {
+        let ran = run(arguments, folder.path());
+        assert!(ran.status.success(), "{}", text(&ran.stderr));
+        (text(&ran.stdout), text(&ran.stderr))
+    };
+    let (summary, _) = said(&["--animation", &wave, "-o", "w.bdt", "--modes", "2"]);
+    for part in [
+        "animation: 6 frames, times unknown (give --fps)\n",
+        "error of the basis: at most ",
+        " % of the diagonal (vertex ",
+        "sphere radius over the smallest possible, per level: ",
+    ] {
+        assert!(summary.contains(part), "no `{part}` in {summary}");
+    }
+    let (summary, _) = said(&["--animation", &wave, "-o", "w.bdt", "--fps", "10"]);
+    assert!(
+        summary.contains("animation: 6 frames, 0.5 s\n"),
+        "{summary}"
+    );
+    let cube = fixture("cube.obj").display().to_string();
+    let (summary, _) = said(&[&cube, "-o", "c.bdt", "--modes", "0"]);
+    assert!(
+        summary.contains("spheres do not grow: no mode moves anything\n"),
+        "{summary}"
+    );
+    assert!(!summary.contains("smallest possible"), "{summary}");
+
+    let mut mesh = std::fs::read_to_string(fixture("cube.obj")).expect("a fixture");
+    let line = mesh.lines().count() + 1;
+    let vertices = mesh.lines().filter(|line| line.starts_with("v ")).count();
+    mesh += "f 1 2 99999999\nf 1 1 2\nf 1 2 x\n";
+    std::fs::create_dir(folder.path().join("in")).expect("a folder");
+    std::fs::write(folder.path().join("in/bad.obj"), mesh).expect("written");
+    let wrong = format!("corner 3 `99999999` is out of range: the file has {vertices} vertices");
+    let arguments = ["in/bad.obj", "-o", "b.bdt", "--modes", "0"];
+    let told = text(&run(&arguments, folder.path()).stderr);
+    let all = format!(
+        "bdtree-build: in/bad.obj:{line}: {wrong} (--skip-bad-faces leaves such faces out)\n"
+    );
+    assert!(told.contains(&all), "{told}");
+    assert_eq!(told.matches("--skip-bad-faces").count(), 1, "{told}");
+    let (_, told) = said(&[&arguments[..], &["--skip-bad-faces"]].concat());
+    let told: Vec<&str> = told.lines().collect();
+    let warning = "bdtree-build: warning: in/bad.obj";
+    assert_eq!(told[0], format!("{warning}:{line}: skipped: {wrong}"));
+    assert!(
+        told[1].starts_with(&format!("{warning}:{}: triangle ", line + 1)),
+        "{told:?}"
+    );
+    assert!(
+        told[2].starts_with(&format!("{warning}:{}: skipped: corner 3", line + 2)),
+        "{told:?}"
+    );
+    refused(&["."], 1, &["bdtree-build: "]);
+    refused(
+        &[&cube, "--modes", "0", "-o", "."],
+        1,
+        &["bdtree-build: . is a folder: name a file\n"],
+    );
 }
 
 /// A full disk: the old file stays, nothing else is left.

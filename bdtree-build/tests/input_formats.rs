@@ -141,11 +141,11 @@ fn damaged_files_name_their_place() {
     };
     says(
         text.replace("3 0 2 3", "3 0 2 6"),
-        "m.ply: face 1: vertex 6 is out of range: the file has 6",
+        "m.ply: face 1: corner 3 `6` is out of range: the file has 6 vertices, numbered from 0",
     );
     says(
         text.replace("3 0 2 3", "3 0 -2 3"),
-        "m.ply: face 1: vertex -2 is out of range",
+        "m.ply: face 1: corner 2 `-2` is out of range",
     );
     says(
         text.replace("3 0 2 3", "2 0 2"),
@@ -213,7 +213,7 @@ fn bad_faces_can_be_skipped() {
     let mesh = ply::parse(&bytes, "m.ply", BadFaces::Skip).expect("a mesh");
     assert_eq!(mesh.triangles, TRIANGLES);
     let warnings = [
-        "m.ply: face 1: skipped: vertex 9 is out of range: the file has 6, numbered from 0",
+        "m.ply: face 1: skipped: corner 2 `9` is out of range: the file has 6 vertices, numbered from 0",
         "m.ply: face 3: skipped: a face needs 3 corners or more, found 1",
         "m.ply: skipped 2 bad faces: triangle ids count the others",
     ];
@@ -234,7 +234,7 @@ fn bad_faces_can_be_skipped() {
     assert_eq!(groups, [(0, 2), (2, 2)]);
     assert_eq!(
         mesh.warnings[0],
-        "m.obj:1: skipped: corner 2 `7`: out of range: the file has 6 vertices"
+        "m.obj:1: skipped: corner 2 `7` is out of range: the file has 6 vertices"
     );
     assert_eq!(
         mesh.warnings.last().map(String::as_str),

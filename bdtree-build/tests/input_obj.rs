@@ -31,7 +31,7 @@ fn positive_indices_may_refer_ahead() {
     assert_eq!(mesh.triangles, [[0, 1, 2], [1, 1, 2], [0, 1, 2]]);
     assert_eq!(mesh.warnings, ["m.obj:2: triangle 1 repeats a corner"]);
     let error = parse(&format!("f 1 2 5\n{CORNERS}f 1 0 2")).unwrap_err();
-    let lines = "m.obj:1: vertex 5 is out of range: the file has 4\n\
+    let lines = "m.obj:1: corner 3 `5` is out of range: the file has 4 vertices\n\
                  m.obj:6: corner 2 `0`: index 0; the first vertex is 1";
     assert_eq!(error, lines);
 }
@@ -178,7 +178,9 @@ fn paths_that_are_no_mesh_say_why() {
         path
     };
     for later in ["a.off", "a.dae.gz", "a.fbx"] {
-        assert!(message(&touch(later)).contains("not supported yet (read now: .obj, .ply, .stl"));
+        assert!(
+            message(&touch(later)).contains("not supported yet. Mesh formats: .obj, .ply, .stl")
+        );
     }
     assert!(message(&touch("a.veg")).contains("give it as --tets"));
     assert!(message(&touch("a.pc2")).contains("given as --animation"));

@@ -46,7 +46,7 @@ const TABLE: &[(&str, Expected)] = &[
     ("face_in_group_name.obj", Error(&[": no faces (`f` lines)"])),
     (
         "fish_bad_faces.obj",
-        Error(&[":2842: vertex 99999999 is out of range: the file has 945"]),
+        Error(&[":2842: corner 3 `99999999` is out of range: the file has 945 vertices"]),
     ),
     (
         "fish_inf.obj",
@@ -89,7 +89,7 @@ const TABLE: &[(&str, Expected)] = &[
     (
         "malformed.obj",
         Error(&[
-            ":23: vertex 12 is out of range: the file has 8",
+            ":23: corner 4 `12` is out of range: the file has 8 vertices",
             ":28: corner 1 `0`: index 0; the first vertex is 1",
         ]),
     ),

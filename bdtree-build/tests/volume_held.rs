@@ -136,7 +136,7 @@ fn bad_input_is_told_with_its_place() {
         memory_limit_bytes: 1 << 16,
         ..steel(4)
     };
-    fails(&volume, &small, &["the limit is 0 MB"]);
+    fails(&volume, &small, &["the limit is 0 MiB (--memory-limit)"]);
     fails(&RawVolume::default(), &steel(4), &["no elements"]);
 
     let mut broken = volume.clone();

@@ -20,6 +20,9 @@ const GREY: [u8; 3] = [80, 86, 96];
 /// The part of a picture's height that is left to what it shows, at least.
 const PICTURE_MIN: f64 = 0.6;
 
+/// The width in pixels from which on a picture says what the scale means.
+const MEANING_MIN: u32 = 300;
+
 impl Legend {
     /// Rows at the top and at the bottom of a picture that a legend of so many lines fills; none where too
     /// little of the picture would be left: there it lies over what is shown.
@@ -59,7 +62,11 @@ impl Legend {
             ];
             let below = scale_height(size);
             let corner = [margin, i64::from(height) - margin - below];
-            let meaning = shortened(meaning, room);
+            // Of a few words of it nobody would know what it means.
+            let meaning = match width < MEANING_MIN {
+                true => String::new(),
+                false => shortened(meaning, room),
+            };
             let width = size.width(&meaning).max(bar[0] + size.width("44+"));
             clear(image, corner, [width, below]);
             draw_scale(image, corner, bar, (*scale, &meaning), size);
@@ -98,7 +105,8 @@ pub fn draw_scale(
         image.fill([x + i, top], [1, height], colour, 255);
     }
     let numbers = ["1.00", "1.11", "1.22", "1.33", "1.44+"];
-    for (k, number) in (0..).zip(numbers) {
+    let apart = apart(width, size);
+    for (k, number) in (0..).zip(numbers).step_by(apart) {
         let at = x + k * width / 4;
         image.fill(
             [at.min(x + width - 1), top + height],
@@ -111,6 +119,15 @@ pub fn draw_scale(
         let below = top + height + size.line() / 4;
         image.text([at - half, below], number, size, GREY);
     }
+}
+
+/// Every how many numbers of a scale of a width are written: all, or those that leave room between them; 5 where only
+/// the first fits.
+fn apart(width: i64, size: TextSize) -> usize {
+    // The first begins at its mark, the next has its middle there.
+    let needed = size.width("1.00") * 3 / 2 + size.width(" ");
+    let fits = |apart: &usize| width * *apart as i64 / 4 >= needed;
+    [1, 2, 4].into_iter().find(fits).unwrap_or(5)
 }
 
 /// Text of at most `room` characters, the middle left out.
@@ -128,7 +145,8 @@ fn shortened(text: &str, room: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Legend, shortened};
+    use super::{Legend, apart, shortened};
+    use crate::text::TextSize;
 
     #[test]
     fn a_legend_leaves_most_of_a_picture() {
@@ -140,6 +158,18 @@ mod tests {
         }
         assert_eq!(Legend::room(3, true, [64, 48]), [0; 2]);
         assert_eq!(Legend::room(2, false, [320, 240]), [12 + 2 * 18, 0]);
+    }
+
+    #[test]
+    fn numbers_of_a_scale_leave_room_between_them() {
+        let size = TextSize::Small;
+        let [number, space] = ["1.00", " "].map(|text| size.width(text));
+        for width in 20..600 {
+            let apart = apart(width, size);
+            assert!(apart > 4 || width * apart as i64 / 4 - number / 2 >= number + space);
+        }
+        let of = |width| apart(width, size);
+        assert_eq!([of(400), of(128), of(64), of(20)], [1, 2, 4, 5]);
     }
 
     #[test]

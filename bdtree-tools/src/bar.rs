@@ -1,5 +1,7 @@
-//! Progress on stderr, when that is a terminal.
+//! Progress on stderr: a bar where that is a terminal, else, if asked for, a line per stage.
 
+use std::io::{IsTerminal, Write, stderr};
+use std::sync::Mutex;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -7,17 +9,33 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// A bar with the stage's name and the time left, or a spinner where the number of steps is not known.
 pub(crate) struct Bar {
     bar: ProgressBar,
+    /// The stage whose line was written last; `None` where lines are not wanted.
+    told: Option<Mutex<String>>,
 }
 
 impl Bar {
     pub(crate) fn new() -> Self {
         let bar = ProgressBar::new_spinner();
         bar.enable_steady_tick(Duration::from_millis(100));
-        Self { bar }
+        Self { bar, told: None }
+    }
+
+    /// With a line for each stage where stderr is no terminal.
+    pub(crate) fn with_lines() -> Self {
+        Self {
+            told: (!stderr().is_terminal()).then(Mutex::default),
+            ..Self::new()
+        }
     }
 
     /// Begins a stage.
     pub(crate) fn stage(&self, name: &str, steps: Option<u64>) {
+        if let Some(mut last) = self.told.as_ref().and_then(|told| told.lock().ok())
+            && *last != name
+        {
+            name.clone_into(&mut last);
+            let _ = writeln!(stderr(), "measuring {name}");
+        }
         let template = match steps {
             Some(_) => "{elapsed:>4} {msg:<12} {bar:32} {percent:>3} %, {eta} left",
             None => "{elapsed:>4} {msg:<12} {spinner}",

@@ -2,8 +2,10 @@
 //! [`bdtree_measure::report`].
 
 use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
 
+use bdtree_format::Metadata;
 use bdtree_measure::Progress;
 use bdtree_measure::report::content::{Content, Margin};
 use bdtree_measure::report::{Picture, Subject, measure, page};
@@ -39,7 +41,7 @@ pub fn run(
     if let Some(path) = &target {
         check_writable(path)?;
     }
-    let bar = Bar::new();
+    let bar = Bar::with_lines();
     let content = content(&file, !arguments.no_verify, &bar);
     bar.clear();
     let content = content?;
@@ -106,14 +108,30 @@ fn content(file: &AssetFile, verify: bool, bar: &Bar) -> Result<Content, ToolErr
     }
     let info = Info::of(file)?;
     let name = file.path().file_name().unwrap_or(file.path().as_os_str());
+    let stem = file.path().file_stem().unwrap_or(name).to_string_lossy();
+    let advised = file.path().with_file_name(format!("{stem}-advised.bdt"));
     let subject = Subject {
         name: printable(&name.to_string_lossy()),
+        input: source(file).map(|path| printable(&path.to_string_lossy())),
+        advised: printable(&advised.to_string_lossy()),
         basis_error_rel: info.basis_error_rel.map(|error| error.max),
         date: today(),
         check_seconds: start.elapsed().as_secs_f64(),
         margin: &margin,
     };
     measure(asset, &subject, bar).map_err(|error| ToolError::input(file.path().display(), error))
+}
+
+/// Where the file's source lies: its metadata have the name alone, which is looked for beside the file and in the
+/// current folder.
+fn source(file: &AssetFile) -> Option<PathBuf> {
+    let name = Metadata::from_bytes(file.asset().metadata())
+        .ok()?
+        .source_name;
+    let is_name = Path::new(&name).file_name() == Some(name.as_ref()) && !name.starts_with('-');
+    let folders = [file.path().with_file_name(&name), PathBuf::from(&name)];
+    let mut found = folders.into_iter().filter(|path| is_name && path.is_file());
+    found.next()
 }
 
 /// The tightest that a search with so many cases finds.

@@ -68,6 +68,8 @@ pub struct Advice {
     pub samples: (Source, usize),
     /// Number of frames of the animation; 0 without.
     pub frames: usize,
+    /// Number of modes that the source has, where it is known and more may be baked than [`Advice::all`] has.
+    pub available: Option<usize>,
     /// The asset as it is, with all modes.
     pub all: Point,
     /// What is advised.
@@ -159,6 +161,7 @@ pub fn advise(
             .animation
             .as_ref()
             .map_or(0, |a| a.frame_count),
+        available: subject.modes_available.filter(|&count| count > mode_count),
         all,
         takes_first: subset.is_none(),
         chosen,
@@ -175,6 +178,7 @@ fn best_leaf(leaves: &[Point], default: usize) -> Option<Point> {
     let fastest = leaves
         .iter()
         .min_by(|a, b| a.time_rel.total_cmp(&b.time_rel))?;
-    let is_faster = fastest.measured.time_over(&default.measured) < FASTER;
+    let is_faster = fastest.measured.time_over(&default.measured) < FASTER
+        && !fastest.measured.visits_like(&default.measured);
     Some(if is_faster { fastest } else { default }.clone())
 }

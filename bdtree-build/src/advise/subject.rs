@@ -48,6 +48,8 @@ pub struct Subject {
     pub errors: Errors,
     /// What is not known, and what is assumed instead: sentences.
     pub missing: Vec<String>,
+    /// Number of modes that the source has, where that is known: no fewer than the basis.
+    pub modes_available: Option<usize>,
 }
 
 impl Subject {
@@ -111,6 +113,7 @@ impl Subject {
             provenance,
             errors,
             missing,
+            modes_available: moving.modes_available,
         })
     }
 
@@ -157,6 +160,7 @@ impl Subject {
             },
             basis,
             missing,
+            modes_available: None,
         })
     }
 }

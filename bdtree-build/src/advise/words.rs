@@ -40,17 +40,34 @@ impl Advice {
         };
         let goal = percent(self.max_error_rel);
         let error = percent(self.error_rel);
-        let which = match (kept == all, self.takes_first) {
-            (true, _) if all == 1 => "The one mode".to_string(),
-            (true, _) => format!("All {}", modes(all)),
-            (false, true) => format!("The first {kept} of {}", modes(all)),
-            (false, false) => format!("{kept} of {} (not the first ones)", modes(all)),
+        let which = match (kept == all, self.available) {
+            (true, Some(available)) => format!("{} of the {available} available", modes(all)),
+            (true, None) if all == 1 => "The one mode".to_string(),
+            (true, None) => format!("All {}", modes(all)),
+            (false, available) => {
+                let available = available.map(|count| format!("{count} available"));
+                let others = (!self.takes_first).then(|| "not the first ones".to_string());
+                let notes: Vec<String> = available.into_iter().chain(others).collect();
+                let notes = match notes.is_empty() {
+                    true => String::new(),
+                    false => format!(" ({})", notes.join(", ")),
+                };
+                let first = if self.takes_first { "The first " } else { "" };
+                format!("{first}{kept} of {}{notes}", modes(all))
+            }
         };
         if !self.is_met && self.are_bounds {
             return format!(
                 "The goal of {goal} of the box diagonal cannot be promised: {} leave{} an error of at most {error}, \
                  {over}.",
                 uncapitalised(&which),
+                if kept == 1 { "s" } else { "" }
+            );
+        }
+        if !self.is_met && (kept < all || self.available.is_some()) {
+            return format!(
+                "{} leave{} an error of {error} (goal: {goal}). Allow more with --modes.",
+                modes(kept),
                 if kept == 1 { "s" } else { "" }
             );
         }
@@ -63,7 +80,8 @@ impl Advice {
             );
         }
         // Of fields that are their own source, all leave nothing but rounding.
-        let promise = if kept == all && self.over != Over::Source && !self.are_bounds {
+        let is_all = kept == all && self.available.is_none();
+        let promise = if is_all && self.over != Over::Source && !self.are_bounds {
             format!(
                 "{which} {} needed to keep every vertex within {goal} of the box diagonal, {over}",
                 if kept == 1 { "is" } else { "are" }
@@ -77,7 +95,7 @@ impl Advice {
         match self.error_of_fewer_rel {
             Some(fewer) if fewer > self.max_error_rel && self.are_bounds => {
                 let fewer = percent(fewer);
-                format!("{promise}; with one mode fewer only {fewer} can be promised.")
+                format!("{promise}; with one mode fewer the error can reach {fewer}.")
             }
             Some(fewer) if fewer > self.max_error_rel => {
                 format!("{promise}; one mode fewer would leave {}.", percent(fewer))
@@ -113,18 +131,20 @@ impl Advice {
             format!("no bytes ({}, all modes {})", chosen.bytes, all.bytes)
         };
         let saved = 1.0 - chosen.time_rel;
-        let time = if saved > NOTICEABLE {
-            format!("{} of the time", saving(saved))
-        } else if saved < -NOTICEABLE {
-            format!("no time (it takes {} more)", percent(-saved))
-        } else {
-            format!("no time that one run can tell ({:+.1} %)", -100.0 * saved)
+        let whole = modes(all.modes.len());
+        let against = match self.available {
+            None => format!("Against all {whole} that saves {size}"),
+            Some(_) => format!("Against {whole} that saves {size}"),
         };
-        Some(format!(
-            "Against all {} that saves {size} and {time}: {}.",
-            modes(all.modes.len()),
-            times(chosen, all)
-        ))
+        if saved.abs() <= NOTICEABLE || chosen.measured.visits_like(&all.measured) {
+            return Some(format!("{against}; no measurable difference in time."));
+        }
+        let time = if saved > 0.0 {
+            format!("{} of the time", saving(saved))
+        } else {
+            format!("no time (it takes {} more)", percent(-saved))
+        };
+        Some(format!("{against} and {time}: {}.", times(chosen, all)))
     }
 
     fn leaf(&self) -> Option<String> {
@@ -142,13 +162,12 @@ impl Advice {
             .find(|point| point.leaf_size == default)?;
         if self.chosen.leaf_size == default {
             let tried = if before.is_empty() {
-                last.clone()
+                format!("size {last} is")
             } else {
-                format!("{} or {last}", before.join(", "))
+                format!("sizes {} and {last} are", before.join(", "))
             };
             return Some(format!(
-                "Leaves of at most {default} triangles, the default: with {tried} queries are not more than 5 % \
-                 faster."
+                "Keep the default leaf size of {default} triangles: {tried} not more than 5 % faster."
             ));
         }
         let saved = 1.0 - self.chosen.measured.time_over(&default_point.measured);

@@ -75,6 +75,12 @@ impl Measured {
         [("ball", self.ball), ("ray", self.ray), ("pair", self.pair)]
     }
 
+    /// Whether every kind of question visits as many nodes as `other` does.
+    pub fn visits_like(&self, other: &Self) -> bool {
+        let mut pairs = self.works().into_iter().zip(other.works());
+        pairs.all(|((_, own), (_, other))| own.nodes_visited == other.nodes_visited)
+    }
+
     /// How long this took over how long `other` took: the geometric mean over the kinds of questions, so that
     /// each counts the same however long it takes. 1 where either was not timed.
     pub fn time_over(&self, other: &Self) -> f64 {

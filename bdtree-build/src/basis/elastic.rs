@@ -24,6 +24,7 @@ use crate::elastic::solve::factor::FactorError;
 use crate::elastic::solve::{Limits, Solution, SolveError, solve};
 use crate::elastic::surface::components::{Kind, find_components};
 use crate::error::{BakeError, Part, Place, Problems};
+use crate::figures::digits;
 use crate::input::RawMesh;
 use crate::progress::Progress;
 use crate::vec3::{bounds, norm, sub};
@@ -300,7 +301,8 @@ fn read_subject<'a>(
             }
         };
         warnings.push(format!(
-            "{pieces} {thickness} thick (1 % of the diagonal); set --thickness"
+            "{pieces} {} thick (1 % of the diagonal); set --thickness",
+            digits(thickness, 3)
         ));
     }
     let mut subject = Subject::new(mesh, surface, thickness);
@@ -317,8 +319,10 @@ fn warn_size(mesh: &RawMesh, options: &ElasticOptions, mass_kg: f64, warnings: &
     let [least, most] = SIZES_M;
     if options.scale_m == ElasticOptions::default().scale_m && !(least..=most).contains(&size_m) {
         warnings.push(format!(
-            "with 1 mesh unit taken as 1 m the body is {size_m:.3} m long and weighs {mass_kg:.3e} kg; give --scale \
-             (meters per mesh unit) if that is wrong"
+            "with 1 mesh unit taken as 1 m its diagonal is {} m and its mass {} kg; give --scale (meters per mesh unit) \
+             if that is wrong",
+            digits(size_m, 3),
+            digits(mass_kg, 3)
         ));
     }
 }
@@ -332,32 +336,44 @@ fn warn_thin(subject: &Subject<'_>, lattice: &Lattice, warnings: &mut Vec<String
     });
     let count = thin.count();
     if count > 0 {
-        let pieces = match (count, subject.surface.list.len()) {
-            (1, 1) => "the body is".to_string(),
-            (1, all) => format!("1 of {all} pieces is"),
-            (_, all) => format!("{count} of {all} pieces are"),
-        };
-        warnings.push(format!(
-            "{pieces} thinner than a quarter of a cell ({:.3e} mesh units): where it folds or joins it is too stiff, \
-             and the chairs that were measured had frequencies 8 to 18 % above those of twice as many cells along each \
-             side; raise --resolution",
-            lattice.grid.cell_size
+        warnings.push(thin_warning(
+            count,
+            subject.surface.list.len(),
+            lattice.grid.cell_size,
         ));
     }
+}
+
+/// That `count` of `all` pieces are thin.
+fn thin_warning(count: usize, all: usize, cell_size: f64) -> String {
+    let (pieces, whose) = match (count, all) {
+        (1, 1) => ("The body is".to_string(), "Its"),
+        (1, _) => (format!("1 of {all} pieces is"), "Its"),
+        _ => (format!("{count} of {all} pieces are"), "Their"),
+    };
+    // 8 to 18 %: what the chairs that were measured had above twice as many cells along each side.
+    format!(
+        "{pieces} thinner than a quarter of a cell (cell size {} mesh units). {whose} folds and joints come out too \
+         stiff: frequencies may be 8 to 18 % too high. Raise --resolution.",
+        digits(cell_size, 3)
+    )
 }
 
 fn solve_error(error: SolveError, options: &ElasticOptions, resolution: u32) -> BakeError {
     let message = match error {
         SolveError::Memory(bytes) => {
-            return BakeError::one(
-                "basis",
-                Place::option("--resolution"),
-                format!(
-                    "{resolution} cells along the longest side need about {} MB, the limit is {} MB",
-                    bytes.div_ceil(1 << 20),
-                    options.memory_limit_bytes >> 20
-                ),
+            // The number of cells is only the option's where that was given.
+            let place = match options.resolution {
+                Some(_) => Place::option("--resolution"),
+                None => Place::NOWHERE,
+            };
+            let message = format!(
+                "{resolution} cells along the longest side need about {} MiB, the limit is {} MiB (--memory-limit); \
+                 fewer cells need less (--resolution)",
+                bytes.div_ceil(1 << 20),
+                options.memory_limit_bytes >> 20
             );
+            return BakeError::one("basis", place, message);
         }
         SolveError::Factor(c, FactorError::Memory) => {
             format!("component {c}: not enough memory at resolution {resolution}")
@@ -438,4 +454,43 @@ fn list_silent_pieces(
     let triangles = silent.map(|p| format!("triangle {}", p.first_triangle));
     let count = subject.surface.list.len();
     warnings.extend(silent_warning(triangles, count, "pieces", solution));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thin_pieces_are_told_with_the_size_of_a_cell() {
+        let rest = "thinner than a quarter of a cell (cell size 12.4 mesh units).";
+        let more = "folds and joints come out too stiff: frequencies may be 8 to 18 % too high. Raise --resolution.";
+        assert_eq!(
+            thin_warning(2, 3, 12.39),
+            format!("2 of 3 pieces are {rest} Their {more}")
+        );
+        assert_eq!(
+            thin_warning(1, 3, 12.39),
+            format!("1 of 3 pieces is {rest} Its {more}")
+        );
+        assert_eq!(
+            thin_warning(1, 1, 12.39),
+            format!("The body is {rest} Its {more}")
+        );
+    }
+
+    #[test]
+    fn memory_is_told_in_mebibytes_and_the_option_only_where_it_was_given() {
+        let mut options = ElasticOptions {
+            memory_limit_bytes: 200 << 20,
+            ..ElasticOptions::default()
+        };
+        let told = |options: &ElasticOptions| {
+            solve_error(SolveError::Memory(300 << 20), options, 57).to_string()
+        };
+        let text = "57 cells along the longest side need about 300 MiB, the limit is 200 MiB (--memory-limit); fewer \
+                    cells need less (--resolution)";
+        assert_eq!(told(&options), text);
+        options.resolution = Some(57);
+        assert_eq!(told(&options), format!("--resolution: {text}"));
+    }
 }

@@ -5,7 +5,7 @@ use bdtree_format::MODE_COUNT_MAX;
 use super::dropped::{Keep, Kept, keep_fields};
 use super::{Animation, Basis, BasisError, BasisMode};
 use crate::error::{BakeError, Place};
-use crate::input::{RawMesh, RawMorphs};
+use crate::input::{RawMesh, RawMorphs, RawTarget};
 
 /// A basis of morph targets.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,8 +73,16 @@ pub fn morph_basis(
         fields,
         error,
     } = keep_fields(mesh, basis, keep)?;
+    let is_zero = |j: usize| basis.field(j).iter().all(|u| *u == [0.0; 3]);
+    let moves = |target: &RawTarget| target.displacements.iter().any(|(_, u)| *u != [0.0; 3]);
+    if !fields.is_empty() && (0..fields.len()).all(is_zero) && morphs.targets.iter().any(moves) {
+        warnings.push(format!(
+            "{}: all kept targets are zero; use --modes auto --max-error-rel E",
+            mesh.name
+        ));
+    }
     for (j, mode) in basis.modes.iter().enumerate() {
-        if basis.field(j).iter().all(|u| *u == [0.0; 3]) {
+        if is_zero(j) {
             let name = mode
                 .name
                 .as_deref()
@@ -134,4 +142,37 @@ fn range(morphs: &RawMorphs, j: usize) -> f64 {
         .iter()
         .flat_map(|clip| clip.weights.iter().skip(j).step_by(count));
     clip.fold(default.max(1.0), |m, w| m.max(w.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kept_targets_that_are_all_zero_are_told() {
+        let mesh = RawMesh {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            triangles: vec![[0, 1, 2]],
+            name: "m.glb".to_string(),
+            ..RawMesh::default()
+        };
+        let target = |displacements| RawTarget {
+            displacements,
+            ..RawTarget::default()
+        };
+        let morphs = RawMorphs {
+            targets: vec![target(Vec::new()), target(vec![(1, [0.0, 0.0, 1.0])])],
+            ..RawMorphs::default()
+        };
+        let warnings = |keep| {
+            let mut warnings = Vec::new();
+            morph_basis(&mesh, &morphs, keep, 1 << 30, &mut warnings).expect("a basis");
+            warnings
+        };
+        let text = "m.glb: all kept targets are zero; use --modes auto --max-error-rel E";
+        assert_eq!(warnings(Keep::First(1))[0], text);
+        for keep in [Keep::First(0), Keep::First(2), Keep::All] {
+            assert!(warnings(keep).iter().all(|warning| warning != text));
+        }
+    }
 }

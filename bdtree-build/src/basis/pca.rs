@@ -90,6 +90,8 @@ impl Default for PcaOptions {
 pub struct Pca {
     /// The mesh with the rest positions.
     pub mesh: RawMesh,
+    /// Number of components that the frames have above rounding, and that a file holds.
+    pub available: usize,
     /// Orthonormal fields, the strongest first; `q_range` is the largest |q_j| of all frames; q per
     /// frame and motions in `animation`.
     pub basis: Basis,
@@ -161,6 +163,7 @@ pub fn pca_basis(
     };
     Ok(Pca {
         error: point.error,
+        available: reduction.rank.modes.min(MODE_COUNT_MAX),
         mesh: reduction.mesh,
         basis,
         curve,

@@ -10,7 +10,7 @@ use bdtree_build::advise::subject::kept_fields;
 use bdtree_build::advise::{Advice, AdviceError, Goal, Subject, advise};
 use bdtree_build::error::{BakeError, Place};
 use bdtree_build::progress::Progress;
-use bdtree_build::recipe::Recipe;
+use bdtree_build::recipe::{Recipe, Source};
 use serde_json::{Value, json};
 
 use super::Arguments;
@@ -63,9 +63,9 @@ pub(super) fn run(
 
 impl Advised {
     /// Sentences and the command on the last line, or one JSON object. A reader that closes the pipe is no error.
-    pub(super) fn print(&self, is_json: bool) -> ExitCode {
+    pub(super) fn print(&self, source: &Source, is_json: bool) -> ExitCode {
         if !is_json {
-            print_warnings(&self.warnings);
+            print_warnings(&self.warnings, source);
         }
         to_stdout(|out| {
             if is_json {

@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
     pub(crate) modes: Option<String>,
 
     /// Largest error that --modes auto may leave at any vertex in any frame, over the diagonal of
-    /// the box around the rest positions, above 0.
+    /// the box around the rest positions, above 0. Implies --modes auto.
     #[arg(long, value_name = "E")]
     pub(crate) max_error_rel: Option<f64>,
 
@@ -115,8 +115,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "MASS", help_heading = VOLUME)]
     pub(crate) mass: Option<MassMatrix>,
 
-    /// Lattice cells along the longest side, 1 to 1024 [default: as many as fixed budgets of lattice
-    /// nodes, factorization and integration allow, at most 256].
+    /// Lattice cells along the longest side, 1 to 1024 [default: chosen from the mesh to limit time and
+    /// memory, at most 256].
     #[arg(long, value_name = "CELLS", value_parser = clap::value_parser!(u32).range(1..=i64::from(RESOLUTION_MAX)), help_heading = BODY)]
     pub(crate) resolution: Option<u32>,
 
@@ -163,13 +163,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SPLIT", default_value_t = Split::default(), help_heading = "Tree")]
     pub(crate) split: Split,
 
-    /// Enlarges coarse spheres until they hold those below them at every q: looser bounds; only
-    /// needed where the spheres of bounded queries are to lie in their ancestors'.
+    /// Makes each sphere contain its children's spheres at every q. Bounds become looser. Needed only
+    /// if your program relies on nested spheres.
     #[arg(long, help_heading = "Tree")]
     pub(crate) nested: bool,
 
-    /// Threads for order-independent work, 1 to 256; the bytes do not depend on it [default: the
-    /// processor's].
+    /// Number of threads, 1 to 256. The output file is the same for every value [default: as many as
+    /// the processor runs at once].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub(crate) threads: Option<u16>,
 

@@ -33,12 +33,13 @@ pub(crate) fn run(arguments: &Arguments) -> ExitCode {
         if arguments.advise {
             advise::run(arguments, &recipe, &progress).map(|advised| {
                 progress.clear();
-                advised.print(arguments.json)
+                advised.print(&recipe.source, arguments.json)
             })
         } else {
             bake_file(arguments, &recipe, &progress).map(|(output, report)| {
                 progress.clear();
-                output::print(&output, &report, arguments.json, arguments.quiet)
+                let how = (arguments.json, arguments.quiet);
+                output::print(&output, &report, &recipe.source, how)
             })
         }
     });

@@ -1,14 +1,22 @@
 //! The summary that people read, or the JSON object that machines read.
 
+use std::collections::BTreeMap;
 use std::io::{ErrorKind, StdoutLock, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use bdtree_build::figures::{counted, digits};
+use bdtree_build::recipe::Source;
 use bdtree_build::report::{BakeReport, LevelTightness};
 use serde::Serialize;
 
 /// Warnings shown to people; `--json` and the file's metadata have all.
 const WARNINGS_SHOWN: usize = 10;
+
+/// The stages of a bake in their order.
+const STAGES: [&str; 8] = [
+    "input", "basis", "store", "tree", "wrap", "encode", "report", "file",
+];
 
 /// The report's fields, and where the file is.
 #[derive(Serialize)]
@@ -19,8 +27,9 @@ struct Json<'d> {
 }
 
 /// The first warnings, on stderr.
-pub(super) fn print_warnings(warnings: &[String]) {
+pub(super) fn print_warnings(warnings: &[String], source: &Source) {
     for warning in warnings.iter().take(WARNINGS_SHOWN) {
+        let warning = with_folder(warning, source);
         eprintln!("bdtree-build: warning: {warning}");
     }
     let more = warnings.len().saturating_sub(WARNINGS_SHOWN);
@@ -30,19 +39,33 @@ pub(super) fn print_warnings(warnings: &[String]) {
     }
 }
 
-/// `1 node`, `2 nodes`.
-fn counted(n: usize, what: &str) -> String {
-    match (n, what) {
-        (1, _) => format!("1 {what}"),
-        (_, "vertex") => format!("{n} vertices"),
-        _ => format!("{n} {what}s"),
+/// The warning with the file that it begins with as it was given: the report and the file's metadata have names without
+/// folders.
+fn with_folder(warning: &str, source: &Source) -> String {
+    let begins = |path: &&Path| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let rest = warning.strip_prefix(&*name);
+        !name.is_empty() && rest.is_some_and(|rest| rest.starts_with([':', '/']))
+    };
+    match source.files().into_iter().find(begins) {
+        Some(path) => {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let full = path.display().to_string();
+            format!("{}{}", full.trim_end_matches('/'), &warning[name.len()..])
+        }
+        None => warning.to_string(),
     }
 }
 
 /// Prints the summary or the object.
-pub(super) fn print(output: &Path, report: &BakeReport, json: bool, quiet: bool) -> ExitCode {
+pub(super) fn print(
+    output: &Path,
+    report: &BakeReport,
+    source: &Source,
+    (json, quiet): (bool, bool),
+) -> ExitCode {
     if !quiet && !json {
-        print_warnings(&report.warnings);
+        print_warnings(&report.warnings, source);
     }
     to_stdout(|out| {
         if json {
@@ -71,13 +94,14 @@ pub(super) fn to_stdout(
     }
 }
 
-/// At most four significant digits.
-fn digits(x: f64) -> String {
-    let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
-    match rounded.abs() {
-        0.0 | 1e-4..1e7 => rounded.to_string(),
-        _ => format!("{rounded:e}"),
-    }
+/// Four significant digits at most.
+fn short(x: f64) -> String {
+    digits(x, 4)
+}
+
+/// A share in per cent, three digits at most.
+fn percent(share: f64) -> String {
+    format!("{} %", digits(100.0 * share, 3))
 }
 
 /// What the tightness of all levels means for queries.
@@ -110,10 +134,10 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
     writeln!(
         out,
         "size: {} x {} x {} mesh units, diagonal {}{}",
-        digits(size[0]),
-        digits(size[1]),
-        digits(size[2]),
-        digits(diagonal),
+        short(size[0]),
+        short(size[1]),
+        short(size[2]),
+        short(diagonal),
         r.scale_m.map_or(String::new(), |scale| format!(
             "; 1 mesh unit = {scale} m (--scale)"
         ))
@@ -123,10 +147,10 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
             out,
             "elastic: {} of {} ({} along the longest side), {}, {} kg",
             counted(e.cells, "cell"),
-            digits(e.cell_size),
+            short(e.cell_size),
             e.resolution,
             counted(e.dofs, "unknown"),
-            digits(e.mass_kg)
+            short(e.mass_kg)
         )?;
     }
     if let Some(v) = &r.volume {
@@ -136,17 +160,17 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
             counted(v.elements, "element"),
             counted(v.nodes, "node"),
             counted(v.dofs, "unknown"),
-            digits(v.mass_kg)
+            short(v.mass_kg)
         )?;
     }
     if let Some(hz) = &r.frequencies_hz {
-        let text: Vec<String> = hz.iter().map(|f| digits(*f)).collect();
+        let text: Vec<String> = hz.iter().map(|f| short(*f)).collect();
         writeln!(out, "frequencies (Hz): {}", text.join(" "))?;
         let end = hz.iter().fold(0.0, |m: f64, f| m.max(*f));
         writeln!(
             out,
-            "the basis ends at {} Hz: faster motion is left out",
-            digits(end)
+            "highest mode: {} Hz. Motion above it is not represented.",
+            short(end)
         )?;
     }
     if let (Some(joints), Some(bones), Some(most), Some(clips)) =
@@ -162,35 +186,89 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
         )?;
     }
     if let Some(frames) = r.frames {
-        writeln!(out, "animation: {}", counted(frames, "frame"))?;
+        let times = match r.duration_s {
+            Some(seconds) => format!("{} s", short(seconds)),
+            None => "times unknown (give --fps)".to_string(),
+        };
+        writeln!(out, "animation: {}, {times}", counted(frames, "frame"))?;
     }
     if let Some(e) = &r.basis_error_rel {
         let frame = e.frame.map_or(String::new(), |t| format!(" in frame {t}"));
         writeln!(
             out,
-            "error of the basis over the box diagonal: at most {:.3e} (vertex {}{frame}), rms {:.3e}",
-            e.max_rel, e.vertex, e.rms_rel
+            "error of the basis: at most {} of the diagonal (vertex {}{frame}), rms {}",
+            percent(e.max_rel),
+            e.vertex,
+            percent(e.rms_rel)
         )?;
     }
-    if !r.tightness.is_empty() {
-        let text: Vec<String> = r
-            .tightness
-            .iter()
-            .map(|t| format!("{:.3}", t.mean))
-            .collect();
-        writeln!(out, "tightness R'/R_opt per level: {}", text.join(" "))?;
+    if r.modes == 0 {
+        writeln!(out, "spheres do not grow: no mode moves anything")?;
+    } else if !r.tightness.is_empty() {
+        let levels = r.tightness.iter();
+        let text: Vec<String> = levels.map(|t| format!("{:.2}", t.mean)).collect();
+        let text = text.join(" ");
+        writeln!(
+            out,
+            "sphere radius over the smallest possible, per level: {text}"
+        )?;
         writeln!(out, "{}", verdict(&r.tightness))?;
     }
-    let mut stages: Vec<(&String, &f64)> = r.stages.iter().collect();
-    stages.sort_by(|a, b| b.1.total_cmp(a.1));
-    let text: Vec<String> = stages
+    writeln!(out, "seconds: {}", seconds(&r.stages))
+}
+
+/// The stages in the order of the bake, those that take no hundredth of a second left out, and their sum.
+fn seconds(stages: &BTreeMap<String, f64>) -> String {
+    let place = |name: &str| STAGES.iter().position(|stage| *stage == name);
+    let mut shown: Vec<(&String, &f64)> = stages
         .iter()
-        .map(|(name, seconds)| format!("{name} {seconds:.2}"))
+        .filter(|(_, seconds)| **seconds >= 0.005)
         .collect();
-    writeln!(
-        out,
-        "seconds: {} (total {:.2})",
-        text.join(", "),
-        r.stages.values().sum::<f64>()
-    )
+    shown.sort_by_key(|(name, _)| place(name).unwrap_or(STAGES.len()));
+    let text = shown
+        .iter()
+        .map(|(name, seconds)| format!("{name} {seconds:.2}"));
+    let text: Vec<String> = text.collect();
+    let total = format!("total {:.2}", stages.values().sum::<f64>());
+    match text.is_empty() {
+        true => total,
+        false => format!("{} ({total})", text.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_come_in_the_order_of_the_bake() {
+        let stages = [
+            ("basis", 6.5),
+            ("tree", 0.25),
+            ("file", 0.001),
+            ("input", 0.1),
+        ];
+        let stages = stages.map(|(name, seconds)| (name.to_string(), seconds));
+        let text = seconds(&BTreeMap::from(stages));
+        assert_eq!(text, "input 0.10, basis 6.50, tree 0.25 (total 6.85)");
+        assert_eq!(seconds(&BTreeMap::new()), "total 0.00");
+    }
+
+    #[test]
+    fn warnings_name_files_as_they_were_given() {
+        let recipe =
+            bdtree_build::Recipe::of_surface("in/a.obj", bdtree_build::recipe::Motion::Rigid);
+        let told = |warning: &str| with_folder(warning, &recipe.source);
+        assert_eq!(told("a.obj:3: odd"), "in/a.obj:3: odd");
+        assert_eq!(told("a.obj: odd"), "in/a.obj: odd");
+        assert_eq!(told("a.objx: odd"), "a.objx: odd");
+        assert_eq!(told("1 of 2 pieces"), "1 of 2 pieces");
+    }
+
+    #[test]
+    fn shares_are_told_in_percent() {
+        assert_eq!(percent(9.168e-3), "0.917 %");
+        assert_eq!(percent(7.1e-4), "0.071 %");
+        assert_eq!(percent(2.076e-7), "2.08e-5 %");
+    }
 }

@@ -2,7 +2,8 @@
 
 use super::degenerate::Oddity;
 use super::{BadFaces, RawMesh};
-use crate::error::{BakeError, Part, Place, Problems};
+use crate::error::{BakeError, Part, Place, Problem, Problems};
+use crate::figures::counted;
 
 /// Most odd or skipped faces of one kind that are listed one by one.
 pub(super) const LISTED_MAX: u64 = 5;
@@ -37,11 +38,12 @@ impl<'a> Faces<'a> {
         let known = positions.len();
         let outside = corners
             .iter()
-            .find(|&&c| usize::try_from(c).is_ok_and(|c| c < known).eq(&false));
+            .position(|&c| !usize::try_from(c).is_ok_and(|c| c < known));
         let wrong = if corners.len() < 3 {
             format!("a face needs 3 corners or more, found {}", corners.len())
         } else if let Some(corner) = outside {
-            format!("vertex {corner} is out of range: the file has {known}, numbered from 0")
+            let text = out_of_range(corner, &corners[corner].to_string(), known);
+            format!("{text}, numbered from 0")
         } else if self.triangles.len() + corners.len() > u32::MAX as usize {
             format!("more than {} triangles", u32::MAX)
         } else {
@@ -101,6 +103,27 @@ impl<'a> Faces<'a> {
             ..RawMesh::default()
         })
     }
+}
+
+/// What is wrong with corner number `corner` of a face, from 0, of a file with `known` vertices.
+pub(super) fn out_of_range(corner: usize, token: &str, known: usize) -> String {
+    let known = counted(known, "vertex");
+    let number = corner + 1;
+    format!("corner {number} `{token}` is out of range: the file has {known}")
+}
+
+/// The failure, with the option that leaves bad faces out behind its first problem with a face.
+pub(super) fn with_option(mut error: BakeError) -> BakeError {
+    let is_face = |problem: &&mut Problem| {
+        let starts = ["corner ", "a face needs "];
+        starts
+            .iter()
+            .any(|start| problem.message.starts_with(start))
+    };
+    if let Some(problem) = error.problems.iter_mut().find(is_face) {
+        problem.message += " (--skip-bad-faces leaves such faces out)";
+    }
+    error
 }
 
 /// How many faces were skipped and what that does to ids; `None` for none.

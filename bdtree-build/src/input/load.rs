@@ -9,11 +9,11 @@ use flate2::bufread::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
 use super::read_file::read_file;
-use super::{BadFaces, RawMesh, RawModel, gltf, obj, ply, stl};
+use super::{BadFaces, RawMesh, RawModel, faces, gltf, obj, ply, stl};
 use crate::error::{BakeError, Place};
 
 /// What every refusal of a format ends with.
-const SUPPORTED: &str = "read now: .obj, .ply, .stl, each also as .gz, .gltf, .glb";
+const SUPPORTED: &str = "Mesh formats: .obj, .ply, .stl (each also as .gz), .gltf, .glb";
 
 /// Extensions of formats that are known but not read yet.
 const LATER: [&str; 4] = ["off", "abc", "fbx", "dae"];
@@ -43,7 +43,7 @@ enum Format {
 /// of the file (see [`obj::parse`], [`ply::parse`], [`stl::parse`], [`gltf::read_gltf`]), each with the
 /// path as given and the line, the face or the JSON path.
 pub fn read_mesh(path: &Path) -> Result<RawMesh, BakeError> {
-    read_model(path, None, BadFaces::Refuse).map(RawModel::into_mesh)
+    read(path, None, BadFaces::Refuse).map(RawModel::into_mesh)
 }
 
 /// The mesh at `path`, as [`read_mesh`] reads it, with its morph targets and its skin if it has some; `clip`
@@ -57,13 +57,17 @@ pub fn read_model(
     clip: Option<&str>,
     bad_faces: BadFaces,
 ) -> Result<RawModel, BakeError> {
+    read(path, clip, bad_faces).map_err(faces::with_option)
+}
+
+fn read(path: &Path, clip: Option<&str>, bad_faces: BadFaces) -> Result<RawModel, BakeError> {
     let place = path.display().to_string();
     let meta = fs::metadata(path).map_err(|e| unreadable(&place, &e))?;
     if meta.is_dir() {
         return Err(BakeError::one(
             "input",
             Place::file(place),
-            format!("is a folder, not a mesh file ({SUPPORTED})"),
+            format!("is a folder, not a mesh file. Give frames with --animation. {SUPPORTED}"),
         ));
     }
     let format = format(path, &place)?;
@@ -121,7 +125,7 @@ fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
         return Err(BakeError::one(
             "input",
             Place::file(place),
-            format!("no file extension to tell the mesh format by ({SUPPORTED})"),
+            format!("no file extension to tell the mesh format by. {SUPPORTED}"),
         ));
     };
     let message = match extension {
@@ -130,16 +134,18 @@ fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
         "stl" => return Ok(Format::Stl),
         "gltf" | "glb" if inner == name => return Ok(Format::Gltf),
         known if LATER.contains(&known) => {
-            format!(".{known} files are not supported yet ({SUPPORTED})")
+            format!(".{known} files are not supported yet. {SUPPORTED}")
         }
         volume if VOLUMES.contains(&volume) => {
-            format!("is a volume mesh, not a surface: give it as --tets ({SUPPORTED})")
+            format!("is a volume mesh, not a surface: give it as --tets. {SUPPORTED}")
         }
         sequence if SEQUENCES.contains(&sequence) => {
-            format!("is no mesh: frames are given as --animation, fields as --basis ({SUPPORTED})")
+            format!(
+                "not a mesh file. Give frames with --animation, displacement fields with --basis. {SUPPORTED}"
+            )
         }
-        "gltf" | "glb" => format!("compressed .{extension} files are not read ({SUPPORTED})"),
-        other => format!("unknown mesh format .{other} ({SUPPORTED})"),
+        "gltf" | "glb" => format!("compressed .{extension} files are not read. {SUPPORTED}"),
+        other => format!("unknown mesh format .{other}. {SUPPORTED}"),
     };
     Err(BakeError::one("input", Place::file(place), message))
 }

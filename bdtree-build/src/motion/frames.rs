@@ -42,6 +42,7 @@ pub(super) fn moving(
     let mut warnings = sequence.warnings.to_vec();
     let pca = pca_basis(mesh, sequence, &options, progress, &mut warnings)?;
     let mut moving = Moving::new(pca.mesh, pca.basis, "pca");
+    moving.modes_available = Some(pca.available);
     moving.provenance.error = Some(pca.error);
     moving.provenance.warnings = warnings;
     if options.measures_all {
@@ -52,8 +53,12 @@ pub(super) fn moving(
     moving.set("animation-sha256", hexadecimal(sequence.hash));
     moving.set("about", options.about);
     moving.set("align", options.align);
-    if let Modes::Auto { max_error_rel } = frames.options.modes {
-        moving.set("max-error-rel", max_error_rel);
+    match frames.options.modes {
+        Modes::Count(count) => moving.set("modes", count),
+        Modes::Auto { max_error_rel } => {
+            moving.set("modes", "auto");
+            moving.set("max-error-rel", max_error_rel);
+        }
     }
     moving.set_some("fps", frames.fps);
     Ok(moving)

@@ -16,6 +16,7 @@ pub(super) fn moving(mesh: RawMesh, given: &Given) -> Result<Moving, BakeError> 
     let mut moving = Moving::new(mesh, read.basis, "given");
     moving.provenance.warnings = read.warnings;
     moving.provenance.warnings.extend(too_few);
+    moving.modes_available = Some(moving.basis.mode_count());
     // Before fields are left out: ranges say which matter least.
     moving.set_ranges(given.range_rel);
     let kept = keep_fields(&moving.mesh, moving.basis, given.keep)?;

@@ -29,6 +29,8 @@ pub(crate) struct Moving {
     pub(crate) provenance: Provenance,
     /// How far the first 0, 1, … fields are from their source, where that was measured.
     pub(crate) errors_of_first: Option<Vec<BasisError>>,
+    /// Number of fields that the source has, where more may be asked for than `basis` has.
+    pub(crate) modes_available: Option<usize>,
     pub(crate) elastic: Option<ElasticReport>,
     pub(crate) volume: Option<VolumeReport>,
 }
@@ -144,6 +146,7 @@ impl Moving {
                 ..Provenance::default()
             },
             errors_of_first: None,
+            modes_available: None,
             elastic: None,
             volume: None,
         }

@@ -26,6 +26,7 @@ pub(super) fn moving(
     for (mode, weight) in moving.basis.modes.iter_mut().zip(morph.default_weights) {
         mode.default_q = Some(weight);
     }
+    moving.modes_available = Some(morphs.targets.len());
     moving.provenance.error = Some(morph.error);
     moving.provenance.warnings = warnings;
     moving.set_some("clip", morphs.clip.as_ref().map(|clip| &clip.name));

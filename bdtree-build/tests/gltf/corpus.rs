@@ -69,14 +69,17 @@ const MESSY: [(&str, Result<[usize; 2], &str>); 17] = [
         "MissingBin.gltf",
         Err("buffers[0]: uri \"BoxTextured0.bin\": cannot be read"),
     ),
-    ("NoScene.gltf", Err("scene: there is no such element")),
+    (
+        "NoScene.gltf",
+        Err("scene 0 does not exist (the file has no scenes)"),
+    ),
     (
         "RecursiveNodes.gltf",
         Err("nodes[0]: reached from scenes[0] and from nodes[1]"),
     ),
     (
         "badArray.gltf",
-        Err("meshes[0].primitives: invalid type: map, expected a sequence"),
+        Err("meshes[0].primitives: is an object, expected an array"),
     ),
     (
         "badNumber.gltf",

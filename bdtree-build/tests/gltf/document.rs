@@ -18,15 +18,11 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
         "asset.minVersion: glTF \"2.1\" is not read; 2.0 is",
     ),
     ("/asset", "null", "missing field `asset`"),
-    (
-        "/meshes",
-        "{}",
-        "meshes: invalid type: map, expected a sequence",
-    ),
+    ("/meshes", "{}", "meshes: is an object, expected an array"),
     (
         "/nodes/0/scale",
         "[2, \"x\", 2]",
-        "nodes[0].scale[1]: invalid type: string \"x\", expected f32",
+        "nodes[0].scale[1]: is the string \"x\", expected a number",
     ),
     (
         "/nodes/0/scale",
@@ -39,7 +35,11 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
         "extensionsRequired[0]: EXT_meshopt_compression is not supported",
     ),
     // Nodes.
-    ("/scene", "5", "scene: there is no such element"),
+    (
+        "/scene",
+        "5",
+        "scene 5 does not exist (the file has 1 scene)",
+    ),
     (
         "/nodes/0/children",
         "[1, 9]",
@@ -282,7 +282,7 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
     (
         "/animations/0/channels",
         "5",
-        "animations[0].channels: invalid type: integer `5`, expected a sequence",
+        "animations[0].channels: is the integer `5`, expected an array",
     ),
 ];
 

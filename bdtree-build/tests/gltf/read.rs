@@ -80,10 +80,11 @@ fn nodes_place_meshes_and_their_targets() {
     let place = "morph_nodes.glb";
     let expected = [
         format!(
-            "{place}: animations: ignored 1 channels of 1 animations that move nodes, not weights"
+            "{place}: animations: ignored 1 channel of 1 animation that moves nodes, not weights"
         ),
         format!(
-            "{place}: animations: of the animations that move weights \"talk\" is read, not \"blink\""
+            "{place}: 2 animations move weights; \"talk\", the first, is stored. Choose another with --clip NAME: \
+             \"blink\""
         ),
     ];
     assert_eq!(model.mesh.warnings, expected);

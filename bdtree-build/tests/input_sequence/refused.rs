@@ -40,7 +40,7 @@ fn frames_with_other_vertices_or_faces_are_named() {
     );
     assert_eq!(lines[1], "c.obj: 81 triangles, but 80 in a.obj");
     assert!(
-        lines[2].starts_with("d.obj:56: vertex 99 is out of range"),
+        lines[2].starts_with("d.obj:56: corner 3 `99` is out of range"),
         "{found}"
     );
 }

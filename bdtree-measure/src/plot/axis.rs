@@ -1,11 +1,12 @@
 //! What an axis shows, and which part of it.
 
-/// An axis: its text, where it begins (`None`: with the values), and whether it may count in powers of ten.
+/// An axis: its text, where it begins and ends (`None`: with the values), and whether it may count in powers of ten.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// What it shows, with the unit.
     pub text: String,
     from: Option<f64>,
+    to: Option<f64>,
     is_log: bool,
 }
 
@@ -24,7 +25,17 @@ impl Axis {
         Self {
             text: text.to_string(),
             from: Some(from),
+            to: None,
             is_log: false,
+        }
+    }
+
+    /// The same up to a number at least, where it is even.
+    #[must_use]
+    pub fn to(self, to: f64) -> Self {
+        Self {
+            to: Some(to),
+            ..self
         }
     }
 
@@ -33,13 +44,18 @@ impl Axis {
         Self {
             text: text.to_string(),
             from: None,
+            to: None,
             is_log: true,
         }
     }
 
     /// Its text, and that zero is not shown, where it is not.
     pub(super) fn name(&self, leaves_zero_out: bool) -> String {
-        let without = if leaves_zero_out { ", without 0" } else { "" };
+        let without = if leaves_zero_out {
+            " (0 not shown)"
+        } else {
+            ""
+        };
         format!("{}{without}", self.text)
     }
 
@@ -60,6 +76,7 @@ impl Axis {
             return low / 1.25..high * 1.25;
         }
         let low = low.min(self.from.unwrap_or(0.0));
+        let high = high.max(self.to.unwrap_or(high));
         let room = 0.05 * (high - low);
         let high = if room > 0.0 { high + room } else { low + 1.0 };
         low..high

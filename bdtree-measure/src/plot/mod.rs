@@ -28,6 +28,9 @@ const SERIES: [RGBColor; 7] = [
 const INK: RGBColor = name(5);
 const GRID: RGBColor = name(6);
 
+/// Lines of more points have no marks at them.
+const MARKED_MAX: usize = 40;
+
 const fn name(k: u8) -> RGBColor {
     RGBColor(k, k, k)
 }
@@ -209,19 +212,25 @@ where
             let stretch = Rectangle::new([(from, low), (to, high)], GRID.filled());
             chart.draw_series([stretch])?;
         }
-        // On the side that has more room.
+        // Inside the stretch where there is room, else on the side that has more.
         let [left, right] = [from, to].map(|x| chart.backend_coord(&(x, high)));
         let pixels = chart.plotting_area().get_pixel_range().0;
-        let (at, side) = match left.0 - pixels.start > pixels.end - right.0 {
-            true => ((left.0 - 5, left.1 + 3), HPos::Right),
-            false => ((right.0 + 5, right.1 + 3), HPos::Left),
+        let style = font(15);
+        let (width, _) = area.estimate_text_size(name, &style)?;
+        let (x, side) = if right.0 - left.0 > width as i32 + 6 {
+            (i32::midpoint(left.0, right.0), HPos::Center)
+        } else if left.0 - pixels.start > pixels.end - right.0 {
+            (left.0 - 5, HPos::Right)
+        } else {
+            (right.0 + 5, HPos::Left)
         };
-        let style = font(15).pos(Pos::new(side, VPos::Top));
-        area.draw_text(name, &style, at)?;
+        let style = style.pos(Pos::new(side, VPos::Top));
+        area.draw_text(name, &style, (x, left.1 + 3))?;
     }
     for (line, colour) in lines.iter().zip(SERIES.iter().cycle()) {
         let style = colour.stroke_width(2);
-        let series = LineSeries::new(line.iter().copied(), style).point_size(3);
+        let points = if line.len() > MARKED_MAX { 0 } else { 3 };
+        let series = LineSeries::new(line.iter().copied(), style).point_size(points);
         chart.draw_series(series)?;
     }
     area.present()
@@ -292,9 +301,9 @@ mod tests {
         };
         let marks = |text: &str| text.matches("<circle").count();
         let log = text(&[(0.0, 1.0), (1.0, 0.01), (2.0, 0.0)]);
-        assert!(log.contains("error, without 0"), "{log}");
+        assert!(log.contains("error (0 not shown)"), "{log}");
         let even = text(&[(0.0, 1.0), (1.0, 0.5), (2.0, 0.0)]);
-        assert!(!even.contains("without 0"), "{even}");
+        assert!(!even.contains("not shown"), "{even}");
         assert_eq!((marks(&log), marks(&even)), (2, 3));
     }
 

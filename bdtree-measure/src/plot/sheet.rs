@@ -42,6 +42,7 @@ pub fn sheet(plots: &[Plot]) -> Result<String, String> {
             escaped(&plot.title)
         );
         for (row, (series, name)) in (1..).zip(plot.keys()) {
+            // The middle of lower-case letters, whose feet stand on the baseline below.
             let middle = MARGIN + LINE * row + LINE / 4;
             text += &format!(
                 "<path d=\"M0 {middle}h18\" stroke=\"{}\" stroke-width=\"3\"/><text x=\"24\" y=\"{}\">{}</text>\n",

@@ -1,6 +1,7 @@
 //! What the figures say to do, in words.
 
 use super::content::{Advice, Content, DepthRow};
+use super::text::capitalised;
 use super::words;
 
 /// An error of penetration that contact proxies may have, over the diagonal.
@@ -28,15 +29,15 @@ pub(super) fn advice(content: &Content) -> Vec<Advice> {
     all
 }
 
-/// The first level that is near enough and faster than looking into everything.
+/// The first level that is near enough and faster than no limit.
 fn depth(content: &Content) -> Option<String> {
     let last = content.depth.last()?;
     let pays = |r: &&DepthRow| r.time_rel <= 1.0 - WORTH;
     let near = |r: &&DepthRow| r.penetration_error_rel <= PROXY_ERROR;
     if let Some(first) = content.depth.iter().filter(pays).find(near) {
         return Some(format!(
-            "Where spheres will do as contacts, stop at level {} of {}: depths are off by at most {} of the \
-             diagonal, and a ball query takes {} less time than one that looks into everything.",
+            "With a level limit of {} (the deepest is {}) penetration depths are off by at most {} of the diagonal, \
+             and a ball query takes {} less time than without a limit.",
             first.level,
             last.level,
             percent(first.penetration_error_rel),
@@ -45,13 +46,13 @@ fn depth(content: &Content) -> Option<String> {
     }
     let Some(fastest) = content.depth.iter().rfind(pays) else {
         return Some(format!(
-            "Do not stop queries at a level: none takes {} less time than a query that looks into everything.",
+            "Use no level limit: none saves {} of the time of a ball query.",
             percent(WORTH)
         ));
     };
     Some(format!(
-        "Do not stop queries at a level where depths count: level {}, the last that saves {} of the time or more, \
-         is off by up to {} of the diagonal.",
+        "If you need exact penetration depths, use no level limit. Level {}, the deepest that saves at least {} of \
+         the time, has depth errors up to {} of the diagonal.",
         fastest.level,
         percent(WORTH),
         percent(fastest.penetration_error_rel)
@@ -64,8 +65,8 @@ fn sections(content: &Content) -> Option<String> {
     let share = most.bytes as f64 / content.asset.bytes.max(1) as f64;
     (share >= WORTH).then(|| {
         format!(
-            "A scene that {} does without {} of the file: {}.",
-            most.scene,
+            "{}, queries never read {} of the file ({}).",
+            capitalised(&most.scene),
             percent(share),
             most.without
         )

@@ -43,7 +43,7 @@ pub struct Content {
     pub refit: Option<Refit>,
     /// Bytes by section, in file order.
     pub sections: Vec<SectionRow>,
-    /// What scenes that ask less could leave out.
+    /// What scenes that ask less never read.
     pub unneeded: Vec<Unneeded>,
     /// Seconds that each part of the report took.
     pub seconds: Vec<Seconds>,
@@ -62,6 +62,8 @@ pub struct Made {
     pub scale_m: Option<f64>,
     /// Options of `bdtree-build`, by name.
     pub settings: BTreeMap<String, String>,
+    /// It was baked as `advice` says; null where modes were not measured.
+    pub is_as_advised: Option<bool>,
     /// The command that bakes it anew as `advice` says; null where the source has no name or nothing is advised.
     pub command: Option<String>,
 }
@@ -180,7 +182,7 @@ pub struct ModesRow {
     pub time_rel: f64,
 }
 
-/// Ball queries that look into everything.
+/// Ball queries without a level limit.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct WholeQuery {
     /// Time of one, µs.
@@ -286,7 +288,7 @@ pub struct Curve {
 /// One number of questions.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CurvePoint {
-    /// How many are asked, or how many pairs of triangles touch (0: none), per step.
+    /// How many are asked, or how many pairs of triangles touch in the mean (0: none), per step.
     pub amount: f64,
     /// Ours, µs per step.
     pub bdtree_micros: f64,
@@ -311,12 +313,12 @@ pub struct SectionRow {
     pub share: f64,
 }
 
-/// What a scene that asks less could leave out.
+/// What a scene that asks less never reads.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Unneeded {
-    /// What the scene asks.
+    /// How the file is used.
     pub scene: String,
-    /// What it does not need.
+    /// What is never read then.
     pub without: String,
     /// Bytes of that.
     pub bytes: u64,

@@ -15,7 +15,7 @@ use super::content::{DepthRow, WholeQuery};
 use super::sample::{HERE, Sample};
 use super::{REPETITIONS, lanes};
 
-/// Queries that look into everything, and level by level; the last one is where answers are exact.
+/// Queries without a level limit, and level by level; the last one is where answers are exact.
 pub(super) fn depth(
     asset: &Asset<'_>,
     samples: &[Sample],

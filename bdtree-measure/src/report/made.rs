@@ -19,11 +19,12 @@ pub(super) fn made(asset: &Asset<'_>) -> Made {
         builder: known(metadata.builder),
         basis: known(metadata.basis),
         settings: metadata.settings,
+        is_as_advised: None,
         command: None,
     }
 }
 
-/// The options that follow `advice`; `None` where the file is as advised.
+/// The options that follow `advice`, names and values in turn; `None` where the file is as advised.
 pub(super) fn options(advice: &Advice) -> Option<Vec<String>> {
     let mut options = Vec::new();
     if !advice.takes_first {
@@ -43,15 +44,33 @@ pub(super) fn options(advice: &Advice) -> Option<Vec<String>> {
     (!options.is_empty()).then_some(options)
 }
 
-/// The command that bakes anew with other options. Of vibration modes of a mesh alone, whose metadata have all options;
+/// Whether a file was baked with these options already.
+pub(super) fn has(made: &Made, options: &[String]) -> bool {
+    options.chunks(2).all(|option| match option {
+        [name, value] => made.settings.get(name.trim_start_matches('-')) == Some(value),
+        _ => false,
+    })
+}
+
+/// Stands where the path of the source is not known.
+pub(super) const UNKNOWN_INPUT: &str = "INPUT";
+
+/// The command that bakes anew with other options, from `input` if it is known, into `output`. Of vibration modes of a mesh alone, whose metadata have all options;
 /// other files do not say where their input lies.
-pub(super) fn command(made: &Made, options: &[String]) -> Option<String> {
-    let source = made
-        .source
-        .as_ref()
-        .filter(|_| made.basis.as_deref() == Some("elastic"))?;
-    let mut parts = vec!["bdtree-build".to_string(), quoted(source)];
-    for (name, value) in &made.settings {
+pub(super) fn command(
+    made: &Made,
+    options: &[String],
+    input: Option<&str>,
+    output: &str,
+) -> Option<String> {
+    if made.source.is_none() || made.basis.as_deref() != Some("elastic") {
+        return None;
+    }
+    let input = input.unwrap_or(UNKNOWN_INPUT);
+    let mut parts = vec!["bdtree-build".to_string(), quoted(input)];
+    // Sums of files are no options.
+    let settings = made.settings.iter();
+    for (name, value) in settings.filter(|(name, _)| !name.ends_with("-sha256")) {
         let option = format!("--{name}");
         if options.contains(&option) {
             continue;
@@ -70,6 +89,7 @@ pub(super) fn command(made: &Made, options: &[String]) -> Option<String> {
         }
     }
     parts.extend(options.iter().cloned());
+    parts.extend(["-o".to_string(), quoted(output)]);
     Some(parts.join(" "))
 }
 
@@ -85,7 +105,7 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::content::Made;
-    use super::command;
+    use super::{command, has};
 
     #[test]
     fn commands_replace_what_is_advised() {
@@ -93,6 +113,7 @@ mod tests {
             ("fix", "lowest:0.02 group:legs"),
             ("modes", "10"),
             ("nested", "true"),
+            ("tets-sha256", "00"),
             ("young", "2e9"),
         ];
         let settings = settings.map(|(name, value)| (name.to_string(), value.to_string()));
@@ -104,12 +125,17 @@ mod tests {
         };
         let options = ["--modes", "6"].map(str::to_string);
         assert_eq!(
-            command(&made, &options).as_deref(),
+            command(&made, &options, Some("in/a chair.obj"), "out.bdt").as_deref(),
             Some(
-                "bdtree-build 'a chair.obj' --fix lowest:0.02 --fix group:legs --nested --young 2e9 --modes 6"
+                "bdtree-build 'in/a chair.obj' --fix lowest:0.02 --fix group:legs --nested --young 2e9 --modes 6 \
+                 -o out.bdt"
             )
         );
+        let command = |made: &Made| command(made, &options, None, "out.bdt");
+        assert!(command(&made).is_some_and(|text| text.starts_with("bdtree-build INPUT --fix")));
         made.basis = Some("pca".to_string());
-        assert_eq!(command(&made, &options), None);
+        assert_eq!(command(&made), None);
+        assert!(!has(&made, &options));
+        assert!(has(&made, &["--modes", "10"].map(str::to_string)));
     }
 }

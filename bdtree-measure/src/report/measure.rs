@@ -31,6 +31,10 @@ pub type Margins<'a> =
 pub struct Subject<'a> {
     /// The file's name, as the report shows it.
     pub name: String,
+    /// The path of its source, where it is known.
+    pub input: Option<String>,
+    /// Where a bake as advised goes.
+    pub advised: String,
     /// Largest error of the basis against its source over the diagonal; `None` where there is no source.
     pub basis_error_rel: Option<f64>,
     /// The day, UTC, as 2026-01-31.
@@ -102,7 +106,13 @@ pub fn measure(
         content.modes = found.rows;
         content.modes_over = Some(found.over);
         content.advice.extend(found.advice);
-        content.made.command = made::command(&content.made, &found.options.unwrap_or_default());
+        let options = found.options.unwrap_or_default();
+        let is_as_advised = made::has(&content.made, &options);
+        content.made.is_as_advised = Some(is_as_advised);
+        if !is_as_advised {
+            let (input, output) = (subject.input.as_deref(), &subject.advised);
+            content.made.command = made::command(&content.made, &options, input, output);
+        }
         seconds.lap("modes");
         let step = samples.count.div_ceil(DIRECTIONS).max(1);
         let directions: Vec<Vec<f32>> = (0..samples.count)

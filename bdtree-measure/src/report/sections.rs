@@ -1,4 +1,4 @@
-//! Bytes by section, and what scenes that ask less could leave out.
+//! Bytes by section, and what scenes that ask less never read.
 
 use bdtree_format::SectionKind;
 use bdtree_runtime::Asset;
@@ -35,7 +35,7 @@ fn purpose(kind: SectionKind) -> &'static str {
         SectionKind::POSITIONS => "vertices at rest",
         SectionKind::DISPLACEMENTS => "displacement of each vertex by each mode",
         SectionKind::VERTEX_MODES => "modes of each vertex",
-        SectionKind::FRAMES => "the animation's frames",
+        SectionKind::FRAMES => "animation frames",
         SectionKind::FRAME_Q => "q of the frames",
         SectionKind::GROUPS => "groups of the source",
         SectionKind::GROUP_NAMES => "their names",
@@ -44,7 +44,7 @@ fn purpose(kind: SectionKind) -> &'static str {
     }
 }
 
-/// What could be left out for scenes that only ask so much.
+/// What is never read by scenes that only ask so much.
 pub(super) fn unneeded(asset: &Asset<'_>) -> Vec<Unneeded> {
     let bytes = |kinds: &[SectionKind]| {
         let sections = asset.sections().iter();
@@ -71,27 +71,27 @@ pub(super) fn unneeded(asset: &Asset<'_>) -> Vec<Unneeded> {
     };
     let mut rows = Vec::new();
     if let Some(level) = first_leaf_level(asset).checked_sub(1) {
-        let where_it_stops = match level {
-            0 => "stops every query at level 0".to_string(),
-            level => format!("stops every query at level {level} or above it"),
+        let limit = match level {
+            0 => "with a level limit of 0".to_string(),
+            level => format!("with a level limit of {level} or less"),
         };
-        rows.push(row(
-            &where_it_stops,
-            "triangles, vertices and displacements: no node there holds triangles, so queries do not read them",
-            surface,
-        ));
+        rows.push(row(&limit, "triangles, vertices, displacements", surface));
     }
     rows.push(row(
-        "never looks into the deepest level",
-        "nodes of that level and their rows: never read, so never paged in",
+        "with a level limit above the deepest level",
+        "nodes of the deepest level and their rows",
         deepest_bytes(asset),
     ));
     rows.push(row(
-        "computes q itself",
-        "the animation's frames",
+        "with q from the program",
+        "animation frames",
         animation,
     ));
-    rows.push(row("knows its asset", "groups, names and metadata", words));
+    rows.push(row(
+        "where groups and names are not asked for",
+        "groups, names, metadata",
+        words,
+    ));
     rows.retain(|row| row.bytes > 0);
     rows
 }

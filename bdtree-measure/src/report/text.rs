@@ -24,6 +24,12 @@ pub(super) fn percent(x: f64) -> String {
     format!("{} %", number(100.0 * x))
 }
 
+/// With a capital at its beginning.
+pub(super) fn capitalised(text: &str) -> String {
+    let first = text.chars().take(1).flat_map(char::to_uppercase);
+    first.chain(text.chars().skip(1)).collect()
+}
+
 /// Digits in threes.
 pub(super) fn grouped(n: u64) -> String {
     let digits = n.to_string();

@@ -3,7 +3,7 @@
 use crate::comparison::{Ahead, Side};
 
 use super::content::{Content, Curve, TightnessRow};
-use super::text::{grouped, number, percent};
+use super::text::{capitalised, grouped, number, percent};
 
 /// Speed, tightness, containment.
 pub(super) fn verdict(content: &Content) -> Vec<String> {
@@ -17,8 +17,8 @@ pub(super) fn verdict(content: &Content) -> Vec<String> {
     ));
     if let Some(margin) = &content.margin {
         sentences.push(match margin.violations {
-            0 => format!("Containment: no vertex left its sphere in {} worst-case tries.", grouped(margin.cases)),
-            n => format!("Containment: {n} vertices left their spheres in {} worst-case tries: do not use this file.", grouped(margin.cases)),
+            0 => format!("Containment: no vertex left its sphere in {} adversarial tests.", grouped(margin.cases)),
+            n => format!("Containment: {n} vertices left their spheres in {} adversarial tests: do not use this file.", grouped(margin.cases)),
         });
     }
     sentences
@@ -59,14 +59,11 @@ fn speed(curve: &Curve) -> Option<String> {
         }
         Ahead::Close => format!("about as fast as deform + refit, up to the {tried} tried"),
     };
-    let unit = &curve.unit;
-    let capital = unit.chars().take(1).flat_map(char::to_uppercase);
-    let unit: String = capital.chain(unit.chars().skip(1)).collect();
-    Some(format!("{unit}: {verdict}."))
+    Some(format!("{}: {verdict}.", capitalised(&curve.unit)))
 }
 
 /// Of two ratios, the smaller first.
-fn times(least: f64, most: f64, than: &str) -> String {
+pub(super) fn times(least: f64, most: f64, than: &str) -> String {
     let [least, most] = [least, most].map(|x| format!("{x:.1}"));
     match least == most {
         true => format!("{most} times {than}"),

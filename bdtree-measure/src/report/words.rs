@@ -5,6 +5,7 @@ use crate::comparison::{Ahead, Side, merged};
 
 use super::content::Curve;
 use super::text::number;
+use super::verdict::times;
 
 /// The title of a curve's plot.
 pub(super) fn title(curve: &Curve) -> String {
@@ -24,11 +25,31 @@ pub(super) fn title(curve: &Curve) -> String {
     format!("{}: {verdict}", curve.unit)
 }
 
-/// The advice of a curve: both ends, and what to do. `None` where nothing was measured.
+/// The advice of a curve: how fast, and what to do. `None` where nothing was measured.
 pub(super) fn sentence(curve: &Curve) -> Option<String> {
     let points: Vec<(f64, f64)> = curve.points.iter().map(|p| (p.amount, p.ratio)).collect();
     let points = merged(&points);
     let (first, last) = (points.first()?, points.last()?);
+    let comparison = &curve.comparison;
+    if let Ahead::Ours | Ahead::Refit = comparison.ahead {
+        let ratios = points.iter().map(|(_, ratio)| *ratio);
+        let least = ratios.clone().fold(f64::INFINITY, f64::min);
+        let most = ratios.fold(0.0, f64::max);
+        let tried = match points.len() {
+            1 => format!("with {}", amount(first.0, &curve.unit)),
+            _ => format!("at every amount tried ({})", range(first.0, last.0, curve)),
+        };
+        return Some(match comparison.ahead {
+            Ahead::Ours => format!(
+                "bdtree is {} than deform + refit {tried}.",
+                times(least, most, "faster")
+            ),
+            _ => format!(
+                "bdtree is {} than deform + refit {tried}: deform and refit instead.",
+                times(1.0 / most, 1.0 / least, "slower")
+            ),
+        });
+    }
     let than = match Side::of(first.1) {
         Some(_) => "than",
         None => "as",
@@ -45,11 +66,8 @@ pub(super) fn sentence(curve: &Curve) -> Option<String> {
             pace(last.1)
         );
     }
-    let comparison = &curve.comparison;
     let unsure = stretch(curve);
     text += &match (comparison.ahead, comparison.above, comparison.break_even) {
-        (Ahead::Ours, ..) => ": it is ahead at every amount tried.".to_string(),
-        (Ahead::Refit, ..) => ": deform and refit instead.".to_string(),
         (Ahead::Crosses, Some(Side::Ours), Some(at)) => format!(
             ": up to about {}, deform and refit instead ({unsure} neither is safely ahead).",
             amount(at, &curve.unit)
@@ -61,6 +79,15 @@ pub(super) fn sentence(curve: &Curve) -> Option<String> {
         _ => format!(": {unsure} neither is safely ahead."),
     };
     Some(text)
+}
+
+/// From the least to the most that was tried.
+fn range(first: f64, last: f64, curve: &Curve) -> String {
+    let from = match first {
+        0.0 => "nothing touching".to_string(),
+        first => number(first),
+    };
+    format!("{from} to {}", amount(last, &curve.unit))
 }
 
 /// How fast bdtree is where deform + refit takes `ratio` times as long.
@@ -137,15 +164,15 @@ pub(super) mod tests {
                 "ball",
                 &[(1.0, 30.76), (4096.0, 1.2)][..],
                 "balls per step: bdtree is ahead at every amount tried",
-                "With 1 ball per step bdtree is 30.8 times faster than deform + refit, with 4096 balls per step, \
-                 the most that was tried, 1.2 times faster: it is ahead at every amount tried.",
+                "bdtree is 1.2 to 30.8 times faster than deform + refit at every amount tried (1 to 4096 balls per \
+                 step).",
             ),
             (
                 "ray",
                 &[(1.0, 0.5), (4.0, 0.1)],
                 "rays per step: deform + refit is ahead at every amount tried",
-                "With 1 ray per step bdtree is 2.0 times slower than deform + refit, with 4 rays per step, \
-                 the most that was tried, 10.0 times slower: deform and refit instead.",
+                "bdtree is 2.0 to 10.0 times slower than deform + refit at every amount tried (1 to 4 rays per step): \
+                 deform and refit instead.",
             ),
             (
                 "ray",

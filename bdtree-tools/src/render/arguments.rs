@@ -31,9 +31,9 @@ pub struct Arguments {
     /// Draw the spheres of a level of the tree, 0 being the root's (`info` lists the levels)
     #[arg(long, value_name = "LEVEL", value_parser = level)]
     pub spheres: Option<usize>,
-    /// Place FILE as a scene does (its q instead of the scene's with --q or --frame), beside its other instances, and draw the spheres in which its
-    /// queries end in FILE: those of visited nodes that lead to no other visited one (with
-    /// --spheres: those of visited nodes of that level)
+    /// Place FILE as a scene does (its q instead of the scene's with --q or --frame), beside its other instances, and
+    /// draw the spheres where the traversal of its queries stopped in FILE: visited nodes' spheres with no visited
+    /// child (with --spheres: those of visited nodes of that level). Planes and frusta are not drawn
     #[arg(long, value_name = "SCENE.json", conflicts_with = "frames")]
     pub query: Option<PathBuf>,
     /// What a sphere's radius is divided by for its color: that of the wrapped sphere at rest, as in
@@ -51,7 +51,7 @@ pub struct Arguments {
     pub size: PictureSize,
     /// Where it is seen from, in degrees: around the up axis (with y up, 0 is from +z and 90 from +x; with
     /// z up, 0 is from -y and 90 from +x), from above (-90 to 90); and how near, 1 being where all of
-    /// it just fits
+    /// it just fits (above 1 it fills the picture, with the text over it)
     #[arg(
         long,
         value_name = "AZIMUTH,ELEVATION[,ZOOM]",

@@ -307,9 +307,10 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// Rows above and below what is shown, for the legend: the title, a line on what is shown, and one on spheres.
+/// Rows above and below what is shown, for the legend: the title, a line on what is shown, and one on spheres. None
+/// where what is shown goes beyond the picture: it would end at them instead of at the picture's edges.
 fn legend_room(arguments: &Arguments) -> [u32; 2] {
-    if arguments.no_legend {
+    if arguments.no_legend || arguments.view.zoom > 1.0 {
         return [0; 2];
     }
     let has_spheres = arguments.spheres.is_some() || arguments.query.is_some();

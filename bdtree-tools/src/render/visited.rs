@@ -39,7 +39,7 @@ pub(super) fn shown<'a>(
     })?;
     solve_all(scene, &mut bodies, |_, _| Ok(()))?;
     let mut content = Vec::with_capacity(bodies.len());
-    let (mut count, mut nodes) = (0, 0);
+    let mut count = 0;
     for ((placed, mut instance), is_file) in scene.instances.iter().zip(bodies).zip(is_file) {
         let from = &scene.files[placed.file];
         let all = 0..from.asset().node_count() as u32;
@@ -48,7 +48,6 @@ pub(super) fn shown<'a>(
         let mut spheres = Vec::new();
         if is_file {
             count += visited.len() as u64;
-            nodes += from.asset().node_count();
             spheres = drawn(arguments, &body, &visited)?;
         }
         content.push(Content {
@@ -58,9 +57,16 @@ pub(super) fn shown<'a>(
         });
     }
     let queries = counted(scene.queries.len(), "query");
-    let nodes = counted(nodes, "node");
+    let each = counted(file.asset().node_count(), "node");
+    let visited = match content.iter().filter(|content| content.is_file).count() {
+        1 => format!("{count} of {each}"),
+        instances => format!(
+            "{} in {instances} instances of {each}",
+            counted(count as usize, "node")
+        ),
+    };
     Ok(Frame {
-        about: format!("{queries}: visited {count} of {nodes}"),
+        about: format!("{queries}: visited {visited}"),
         number: None,
         queries: shapes(scene, &content),
         content,

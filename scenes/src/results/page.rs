@@ -77,7 +77,7 @@ pub(super) fn built() -> Value {
     let count = |begin: &str| all.iter().filter(|row| row[4].starts_with(begin)).count();
     let missing = all.iter().filter(|row| row[4] == NOT);
     let missing: Vec<&str> = missing.map(|row| row[0]).collect();
-    json!({"whole": all.len() - count(PART) - count(NOT), "part": count(PART), "not": count(NOT),
+    json!({"rows": all.len(), "whole": all.len() - count(PART) - count(NOT), "part": count(PART), "not": count(NOT),
         "missing": missing.join(", ")})
 }
 

@@ -6,6 +6,7 @@ use super::CurvePoint;
 use super::reduction::Reduction;
 use crate::basis::Basis;
 use crate::error::{BakeError, Place};
+use crate::figures::{counted, digits};
 use crate::progress::Progress;
 
 /// Modes that are tried at first; twice as many each time.
@@ -71,11 +72,26 @@ fn unreachable(reduction: &Reduction<'_>, max_error_rel: f64, curve: &[CurvePoin
             "no error was measured",
         );
     };
-    let place = error.frame.map_or(Place::NOWHERE, |t| sequence.place(t));
+    let frame = match error.frame.map(|t| sequence.place(t)) {
+        // A frame that is a file of its own.
+        Some(place) if place.file.is_none() => format!(", frame {place}"),
+        Some(place) => format!(", {place}"),
+        None => String::new(),
+    };
+    let which = match reduction.rank.modes {
+        all if *modes == all => format!("all {}", counted(all, "mode")),
+        all => format!("{modes} of the {}", counted(all, "mode")),
+    };
     let message = format!(
-        "a largest error of {max_error_rel:e} of the diagonal cannot be reached: {modes} of the {} \
-         modes there are leave {:.3e} at vertex {}",
-        reduction.rank.modes, error.max_rel, error.vertex
+        "{} cannot be reached: with {which} the largest error is {} of the diagonal (vertex {}{frame})",
+        digits(max_error_rel, 4),
+        digits(error.max_rel, 4),
+        error.vertex
     );
-    BakeError::one("basis", place, message)
+    // Without a colon, as a sentence.
+    BakeError::one(
+        "basis",
+        Place::NOWHERE,
+        format!("--max-error-rel {message}"),
+    )
 }

@@ -114,9 +114,21 @@ impl<'a> Reduction<'a> {
                 ),
             });
         } else if modes < wanted {
+            let why = if modes + 1 >= frames {
+                // Their differences to the mean, or to given positions: one component fewer, or as many.
+                format!("{frames} frames have at most {modes} independent components")
+            } else {
+                format!(
+                    "the {frames} frames have {modes} independent components (singular value {modes} is {next:.3e}, \
+                     rounding {floor:.3e})"
+                )
+            };
             warnings.push(format!(
-                "{name}: {modes} of {wanted} modes: the {frames} frames differ in no more ways \
-                 (singular value {modes} is {next:.3e}, rounding {floor:.3e})"
+                "{name}: {wanted} modes were asked for, {} stored: {why}",
+                match modes {
+                    1 => "1 is".to_string(),
+                    _ => format!("{modes} are"),
+                }
             ));
         }
     }

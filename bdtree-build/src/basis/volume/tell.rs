@@ -82,7 +82,7 @@ pub(super) fn solve_error(
         SolveError::Memory(bytes) => (
             file,
             format!(
-                "its elements need about {} MB, the limit is {} MB",
+                "its elements need about {} MiB, the limit is {} MiB (--memory-limit)",
                 bytes.div_ceil(1 << 20),
                 options.memory_limit_bytes >> 20
             ),

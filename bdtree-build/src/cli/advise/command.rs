@@ -5,8 +5,10 @@ use std::ffi::{OsStr, OsString};
 use bdtree_build::advise::Advice;
 
 /// Options of the command that was given which the advised one sets anew, with whether a value follows.
-const REPLACED: [(&str, bool); 3] = [
+/// `--json` is how advice is told, not what is baked.
+const REPLACED: [(&str, bool); 4] = [
     ("--advise", false),
+    ("--json", false),
     ("--modes", true),
     ("--max-error-rel", true),
 ];
@@ -107,7 +109,7 @@ mod tests {
     fn what_was_given_stays() {
         for (given, expected) in [
             (
-                &["x", "a.obj", "--advise"][..],
+                &["x", "a.obj", "--advise", "--json"][..],
                 "bdtree-build a.obj --modes 3",
             ),
             (

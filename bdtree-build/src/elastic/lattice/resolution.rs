@@ -34,7 +34,7 @@ pub(crate) fn choose_lattice(
                 Place::option("--resolution"),
                 format!(
                     "{resolution} cells along the longest side make more than {cell_limit} cells, \
-                     which do not fit in {} MB",
+                     which do not fit in {} MiB (--memory-limit)",
                     memory_limit_bytes >> 20
                 ),
             )),

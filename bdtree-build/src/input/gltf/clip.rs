@@ -12,7 +12,11 @@ use super::model::MorphNode;
 use super::notes::Notes;
 use super::plan::ELEMENTS_MAX;
 use super::samplers::Curves;
+use crate::figures::counted;
 use crate::input::RawClip;
+
+/// Names of animations that a message lists.
+const NAMES_SHOWN: usize = 20;
 
 /// An animation with the channels that move weights of nodes that are read.
 struct Candidate<'a> {
@@ -34,7 +38,11 @@ pub(super) fn read(
 ) -> Option<RawClip> {
     let candidates = candidates(animations, nodes, notes);
     let shown = |list: &[&Candidate<'_>]| {
-        let names: Vec<String> = list.iter().map(|c| format!("{:?}", c.name)).collect();
+        let names = list.iter().take(NAMES_SHOWN);
+        let mut names: Vec<String> = names.map(|c| format!("{:?}", c.name)).collect();
+        if names.len() < list.len() {
+            names.push("…".to_string());
+        }
         names.join(", ")
     };
     let chosen = match wanted {
@@ -56,13 +64,15 @@ pub(super) fn read(
         .iter()
         .filter(|c| c.index != chosen.index)
         .collect();
-    if !others.is_empty() {
+    // Who names one knows that there are others.
+    if !others.is_empty() && wanted.is_none() {
         let message = format!(
-            "of the animations that move weights {:?} is read, not {}",
+            "{} animations move weights; {:?}, the first, is stored. Choose another with --clip NAME: {}",
+            candidates.len(),
             chosen.name,
             shown(&others)
         );
-        notes.warn("animations", message);
+        notes.warn("", message);
     }
     let mut curves = Curves::of(chosen.index, chosen.animation);
     let used = chosen
@@ -130,13 +140,14 @@ fn candidates<'a>(
         }
     }
     if moved > 0 {
-        let message =
-            format!("ignored {moved} channels of {moving} animations that move nodes, not weights");
+        let (channels, animations) = (counted(moved, "channel"), counted(moving, "animation"));
+        let verb = if moved == 1 { "moves" } else { "move" };
+        let message = format!("ignored {channels} of {animations} that {verb} nodes, not weights");
         notes.warn("animations", message);
     }
     if stray > 0 {
-        let message =
-            format!("ignored {stray} channels for weights of nodes without morph targets");
+        let channels = counted(stray, "channel");
+        let message = format!("ignored {channels} for weights of nodes without morph targets");
         notes.warn("animations", message);
     }
     candidates

@@ -14,6 +14,7 @@ use serde_json::Value;
 use super::extensions;
 use super::notes::Notes;
 use super::quiet::contained;
+use crate::figures::counted;
 
 /// Parts of a document that say what a mesh looks like, and its skins, which are read where they are used.
 const UNREAD: [&str; 6] = [
@@ -198,7 +199,8 @@ fn fill_in(value: &mut Value, notes: &mut Notes) {
             });
             if channels.len() < all {
                 let at = format!("animations[{i}]");
-                let message = format!("ignored {} channels without a node", all - channels.len());
+                let without = counted(all - channels.len(), "channel");
+                let message = format!("ignored {without} without a node");
                 notes.warn(at, message);
             }
             if all > 0 {
@@ -223,10 +225,40 @@ fn typed<T: DeserializeOwned>(value: &Value, notes: &mut Notes) -> Option<T> {
             let message = error.to_string();
             // The place in the text written here would mislead: the file's differs.
             let place = format!(" at line {} column {}", error.line(), error.column());
-            notes.refuse(at, message.strip_suffix(&place).unwrap_or(&message))
+            notes.refuse(
+                at,
+                in_words(message.strip_suffix(&place).unwrap_or(&message)),
+            )
         }
         Err(panic) => notes.refuse("JSON", format!("damaged: {panic}")),
     }
+}
+
+/// serde's words for JSON types as JSON's own: `is an object, expected an array`.
+fn in_words(message: &str) -> String {
+    let Some((found, wanted)) = message
+        .strip_prefix("invalid type: ")
+        .and_then(|rest| rest.split_once(", expected "))
+    else {
+        return message.to_string();
+    };
+    let word = |text: &str| match text {
+        "map" | "a map" => "an object".to_string(),
+        "sequence" | "a sequence" => "an array".to_string(),
+        "f32" | "f64" => "a number".to_string(),
+        other => other.to_string(),
+    };
+    let found = match found.split_once(' ') {
+        None if found == "null" => found.to_string(),
+        None => word(found),
+        // `integer `5``, `string "a"`
+        Some(_) => format!("the {found}"),
+    };
+    let wanted = match wanted.strip_prefix("struct ") {
+        Some(_) => "an object".to_string(),
+        None => word(wanted),
+    };
+    format!("is {found}, expected {wanted}")
 }
 
 /// Extends `at`, the path of `value`, to the element that is `lines` lines below where `value`
@@ -278,7 +310,19 @@ fn validate(root: &Root, notes: &mut Notes) {
     });
     for (path, flaw) in found {
         let at = path.as_str().replace(".positions", ".POSITION");
-        if matters(&at, flaw) {
+        if at == "scene"
+            && let Some(scene) = &root.scene
+        {
+            let scenes = match root.scenes.len() {
+                0 => "no scenes".to_string(),
+                count => counted(count, "scene"),
+            };
+            let message = format!(
+                "scene {} does not exist (the file has {scenes})",
+                scene.value()
+            );
+            notes.problem("", message);
+        } else if matters(&at, flaw) {
             let message = match flaw {
                 Flaw::IndexOutOfBounds => "there is no such element",
                 Flaw::Invalid => "is not a value that glTF 2.0 knows",

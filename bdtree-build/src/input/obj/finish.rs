@@ -2,6 +2,7 @@
 
 use super::{Reader, face};
 use crate::error::BakeError;
+use crate::input::faces::out_of_range;
 use crate::input::{GroupKind, RawMesh};
 
 impl Reader<'_> {
@@ -20,10 +21,14 @@ impl Reader<'_> {
         for ahead in deferred {
             let first = ahead.triangles.start;
             let triangles = &self.triangles[ahead.triangles];
-            let missing = triangles.iter().flatten().find(|&&c| c as usize >= count);
-            if let Some(&corner) = missing {
+            // A fan has the corners 0 1 2, 0 2 3, …
+            let corners = (0..)
+                .zip(triangles)
+                .flat_map(|(k, &[a, b, c])| [(0, a), (k + 1, b), (k + 2, c)]);
+            let missing = corners.into_iter().find(|&(_, c)| c as usize >= count);
+            if let Some((place, corner)) = missing {
                 let index = u64::from(corner) + 1;
-                let message = format!("vertex {index} is out of range: the file has {count}");
+                let message = out_of_range(place, &index.to_string(), count);
                 self.notes.problem(ahead.line, message);
             } else {
                 let line = ahead.line;

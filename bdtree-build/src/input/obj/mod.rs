@@ -9,6 +9,7 @@ mod lines;
 mod notes;
 pub(super) mod tokens;
 
+use super::faces::out_of_range;
 use super::{BadFaces, GroupKind, RawGroup, RawMesh};
 use crate::error::BakeError;
 use face::{Corner, Deferred};
@@ -147,20 +148,22 @@ impl<'a> Reader<'a> {
         corners.clear();
         let mut later = false;
         for (i, token) in tokens.enumerate() {
-            let corner = face::corner(token, known, self.limit);
-            match corner.and_then(|corner| self.within(corner)) {
+            let message = match face::corner(token, known, self.limit) {
+                Ok(Corner { index, .. }) if self.is_beyond(index) => out_of_range(
+                    i,
+                    &tokens::show(token),
+                    self.skip_beyond.unwrap_or_default(),
+                ),
                 Ok(Corner { index, is_later }) => {
                     corners.push(index);
                     later |= is_later;
+                    continue;
                 }
-                Err(message) => {
-                    let token = tokens::show(token);
-                    let message = format!("corner {} `{token}`: {message}", i + 1);
-                    self.bad_face(line, message);
-                    self.corners = corners;
-                    return;
-                }
-            }
+                Err(message) => format!("corner {} `{}`: {message}", i + 1, tokens::show(token)),
+            };
+            self.bad_face(line, message);
+            self.corners = corners;
+            return;
         }
         if corners.len() < 3 {
             let message = format!("a face needs 3 corners or more, found {}", corners.len());
@@ -187,14 +190,10 @@ impl<'a> Reader<'a> {
         self.corners = corners;
     }
 
-    /// The corner, unless bad faces are skipped and the file never has its vertex.
-    fn within(&self, corner: Corner) -> Result<Corner, String> {
-        match self.skip_beyond {
-            Some(count) if corner.index as usize >= count => {
-                Err(format!("out of range: the file has {count} vertices"))
-            }
-            _ => Ok(corner),
-        }
+    /// Bad faces are skipped, and the file never has this vertex.
+    fn is_beyond(&self, index: u32) -> bool {
+        self.skip_beyond
+            .is_some_and(|count| index as usize >= count)
     }
 
     /// A face that cannot be read.

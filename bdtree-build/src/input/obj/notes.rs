@@ -14,8 +14,10 @@ const KEYWORD_CAP: usize = 16;
 pub(super) struct Notes<'a> {
     place: &'a str,
     problems: Problems,
-    oddities: [(Vec<String>, u64); 2],
-    skipped_faces: (Vec<String>, u64),
+    oddities: [u64; 2],
+    skipped_faces: u64,
+    /// Odd and skipped faces, each with its line.
+    listed: Vec<(u64, String)>,
     keywords: BTreeMap<String, u64>,
     other_keywords: u64,
     /// `p` statements.
@@ -32,7 +34,8 @@ impl<'a> Notes<'a> {
             place,
             problems: Problems::new("input"),
             oddities: Default::default(),
-            skipped_faces: Default::default(),
+            skipped_faces: 0,
+            listed: Vec::new(),
             keywords: BTreeMap::new(),
             other_keywords: 0,
             points: 0,
@@ -52,23 +55,20 @@ impl<'a> Notes<'a> {
     }
 
     pub(super) fn oddity(&mut self, kind: Oddity, line: u64, triangle: usize) {
-        let (listed, count) = &mut self.oddities[kind as usize];
+        let count = &mut self.oddities[kind as usize];
         *count += 1;
         if *count <= LISTED_MAX {
-            let place = self.place;
-            listed.push(format!(
-                "{place}:{line}: triangle {triangle} {}",
-                kind.one()
-            ));
+            let text = format!("{}:{line}: triangle {triangle} {}", self.place, kind.one());
+            self.listed.push((line, text));
         }
     }
 
     /// A face that is left out.
     pub(super) fn skipped_face(&mut self, line: u64, message: &str) {
-        let (listed, count) = &mut self.skipped_faces;
-        *count += 1;
-        if *count <= LISTED_MAX {
-            listed.push(format!("{}:{line}: skipped: {message}", self.place));
+        self.skipped_faces += 1;
+        if self.skipped_faces <= LISTED_MAX {
+            let text = format!("{}:{line}: skipped: {message}", self.place);
+            self.listed.push((line, text));
         }
     }
 
@@ -103,19 +103,17 @@ impl<'a> Notes<'a> {
     pub(super) fn into_warnings(mut self) -> Result<Vec<String>, BakeError> {
         let (file, skipped) = (Place::file(self.place), self.skipped());
         self.problems.sorted().into_result(file)?;
-        let mut warnings = Vec::new();
+        // Faces that refer ahead are only looked at in the end.
+        self.listed.sort_by_key(|(line, _)| *line);
+        let mut warnings: Vec<String> = self.listed.into_iter().map(|(_, text)| text).collect();
         for kind in Oddity::ALL {
-            let (listed, count) = std::mem::take(&mut self.oddities[kind as usize]);
-            let more = count - listed.len() as u64;
-            warnings.extend(listed);
+            let more = self.oddities[kind as usize].saturating_sub(LISTED_MAX);
             if more > 0 {
                 let place = self.place;
                 warnings.push(format!("{place}: {more} more {}", kind.many()));
             }
         }
-        let (listed, count) = std::mem::take(&mut self.skipped_faces);
-        warnings.extend(listed);
-        warnings.extend(skipped_in_all(self.place, count));
+        warnings.extend(skipped_in_all(self.place, self.skipped_faces));
         if let Some(skipped) = skipped {
             warnings.push(format!("{}: ignored {skipped}", self.place));
         }

@@ -29,7 +29,10 @@ pub(super) fn open(
     if frames.paths.is_empty() {
         let message = match frames.others.len() {
             0 => "an empty folder: no .obj frames".to_string(),
-            others => format!("no .obj frames among the {others} entries of this folder"),
+            others => match others {
+                1 => "its one entry is no .obj frame".to_string(),
+                _ => format!("no .obj frames among the {others} entries of this folder"),
+            },
         };
         return Err(BakeError::one("input", path, message));
     }

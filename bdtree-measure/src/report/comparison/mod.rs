@@ -85,7 +85,7 @@ pub(super) fn compare(
         &mut |which| {
             let ours = mean(&steps, |sample| pair(asset, sample, which))?;
             let theirs = mean(&steps, |sample| contender.pair(&mut other, sample, which))?;
-            Ok((ours.amount, ours, theirs))
+            Ok((whole(ours.amount), ours, theirs))
         },
     )?;
     Ok(Refit {
@@ -129,6 +129,15 @@ fn pair(asset: &Asset<'_>, sample: &Sample, which: usize) -> Result<Cost, Measur
             micros: 0.0,
         })
     })
+}
+
+/// A mean of counts as a count; 0 only where nothing was counted.
+fn whole(mean: f64) -> f64 {
+    if mean > 0.0 {
+        mean.round().max(1.0)
+    } else {
+        0.0
+    }
 }
 
 /// Means over steps.

@@ -1,6 +1,7 @@
 //! What the file is, what to do with it, and what it is made of.
 
 use super::super::content::{Advice, Content, SectionRow, Unneeded};
+use super::super::made::UNKNOWN_INPUT;
 use super::super::text::{escaped, grouped, number, percent};
 use super::{Page, Picture};
 
@@ -90,9 +91,19 @@ impl Page {
             .map(|(name, value)| format!("<dt>{name}</dt><dd>{}</dd>", escaped(value)))
             .collect();
         self.line(&format!("<dl>{items}</dl>"));
+        if made.is_as_advised == Some(true) {
+            self.text("The file already has the advised settings.");
+        }
         if let Some(command) = &made.command {
-            self.text("This command bakes it as advised below:");
-            self.line(&format!("<pre>{}</pre>", escaped(command)));
+            self.text(match command.contains(&format!(" {UNKNOWN_INPUT} ")) {
+                true => "This command bakes it as advised below; INPUT is the path of its source:",
+                false => "This command bakes it as advised below:",
+            });
+            // Lines break between words only, not behind the hyphens of an option.
+            let words = command.split(' ');
+            let words = words.map(|word| format!("<span>{}</span>", escaped(word)));
+            let words: Vec<String> = words.collect();
+            self.line(&format!("<pre>{}</pre>", words.join(" ")));
         }
     }
 
@@ -139,8 +150,8 @@ impl Page {
             &content.unneeded,
             2,
             &[
-                ("a scene that", &|u| u.scene.clone()),
-                ("can do without", &|u| u.without.clone()),
+                ("use", &|u| u.scene.clone()),
+                ("never read", &|u| u.without.clone()),
                 ("bytes", &|u| grouped(u.bytes)),
             ],
         );
@@ -152,19 +163,23 @@ impl Page {
             return;
         };
         self.heading("Floating-point margins");
+        let left = match margin.violations {
+            0 => "no vertex left its sphere".to_string(),
+            1 => "1 vertex left its sphere".to_string(),
+            n => format!("{} vertices left their spheres", grouped(n as u64)),
+        };
         let mut text = format!(
-            "{} nodes at q made to break their bounds, decided in exact arithmetic: {} vertices outside.",
-            grouped(margin.cases),
-            margin.violations
+            "{} adversarial tests, checked in exact arithmetic: {left}.",
+            grouped(margin.cases)
         );
         if let Some(least) = margin.least {
             text += &format!(
-                " The closest was inside by {} times what a pose adds to radii for rounding (below 0 it would be outside).",
-                number(least)
+                " The smallest margin was {} of the rounding allowance (negative would mean a violation).",
+                percent(least)
             );
         }
         if let Some(slack) = margin.rounding_slack_rel {
-            text += &format!(" Rounding adds {} to the mean radius.", percent(slack));
+            text += &format!(" The allowance is {} of the mean radius.", percent(slack));
         }
         self.text(&text);
     }

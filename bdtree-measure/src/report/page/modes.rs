@@ -14,10 +14,10 @@ impl Page {
         self.heading("Modes kept");
         self.soft(&format!(
             "The first k modes of the file. Error: how far vertices are from where all modes of the file have them, over \
-             {}. Bytes, visits and times: of a file baked with k modes, without groups and names; times are the least of \
-             several rounds, over {} samples. Each row was timed in turns with the whole file, at another moment than the \
-             other rows: compare the column \"time / all\" between rows, not the microseconds. A ball has a radius of {} of the diagonal, a ray is one of 16 asked \
-             together, a pair is the asset beside itself.",
+             {}. Bytes, visits and times: of a file re-baked with k modes, without groups and names; times are the least of \
+             several rounds, over {} samples. Each row alternates with the full asset, so only \"time / all\" is comparable \
+             between rows. A ball has a radius of {} of the diagonal, a ray is one of 16 asked together, a pair is the \
+             asset beside itself.",
             content.modes_over.as_deref().unwrap_or("the samples"),
             content.samples.of_parts.modes,
             percent(content.samples.balls.large_rel),
@@ -28,7 +28,7 @@ impl Page {
         self.open();
         self.plot(&Plot {
             mark: None,
-            title: "Error over the diagonal".to_string(),
+            title: "Error / box diagonal".to_string(),
             x: Axis::linear("modes kept"),
             y: Axis::log("error / diagonal"),
             lines: vec![
@@ -38,14 +38,14 @@ impl Page {
         });
         self.plot(&Plot {
             mark: None,
-            title: "Time over that with all modes".to_string(),
+            title: "Query time relative to all modes".to_string(),
             x: Axis::linear("modes kept"),
-            y: Axis::linear("time / time with all"),
+            y: Axis::linear("time / time with all modes"),
             lines: vec![line("time", &|r| r.time_rel)],
         });
         self.plot(&Plot {
             mark: None,
-            title: "Length of the file".to_string(),
+            title: "File size".to_string(),
             x: Axis::linear("modes kept"),
             y: Axis::linear("MB"),
             lines: vec![line("bytes", &|r| r.bytes as f64 / 1e6)],

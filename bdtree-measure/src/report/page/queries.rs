@@ -14,9 +14,9 @@ impl Page {
         self.heading("Depth of traversal");
         let whole = &content.depth_whole;
         self.soft(&format!(
-            "A query with a ball of {} of the diagonal that stops at a level and reports its spheres, at {} samples; at {} \
-             of them the ball touches nothing. One that looks into everything takes {} µs and visits {} nodes. \
-             Nothing touched is missed; what is reported in excess, and how far depths are off:",
+            "Queries with a ball of {} of the diagonal that stop at a level and report its spheres, at {} samples; at {} \
+             of them the ball touches nothing. Without a level limit a query takes {} µs and visits {} nodes. \
+             With a limit it misses nothing; the table shows the excess area and the depth error.",
             percent(content.samples.balls.large_rel),
             content.samples.of_parts.depth,
             percent(whole.apart_rel),
@@ -29,7 +29,7 @@ impl Page {
         self.open();
         self.plot(&Plot {
             mark: None,
-            title: "Largest error of the penetration".to_string(),
+            title: "Largest penetration-depth error".to_string(),
             x: Axis::linear("level"),
             y: Axis::log("error / diagonal"),
             lines: vec![line("error", &|r| r.penetration_error_rel)],
@@ -40,8 +40,8 @@ impl Page {
             x: Axis::linear("level"),
             y: Axis::linear("µs"),
             lines: vec![
-                line("stopped", &|r| r.ball_micros),
-                line("looking into everything", &|_| whole.ball_micros),
+                line("with a level limit", &|r| r.ball_micros),
+                line("no level limit", &|_| whole.ball_micros),
             ],
         });
         self.table::<DepthRow>(
@@ -50,14 +50,14 @@ impl Page {
             &[
                 ("level", &|r| r.level.to_string()),
                 ("µs", &|r| number(r.ball_micros)),
-                ("over everything", &|r| number(r.time_rel)),
+                ("time / no limit", &|r| number(r.time_rel)),
                 ("visits", &|r| number(r.ball_visits)),
                 ("missed area / touched", &|r| percent(r.missed_area_rel)),
                 ("extra area / touched", &|r| percent(r.extra_area_rel)),
                 ("penetration error / diagonal", &|r| {
                     percent(r.penetration_error_rel)
                 }),
-                ("answers though nothing touches", &|r| percent(r.false_rel)),
+                ("false positives", &|r| percent(r.false_rel)),
             ],
         );
         self.close();

@@ -15,8 +15,8 @@ impl Page {
         };
         self.heading("Beside deform + refit");
         self.text(&format!(
-            "Deforming all vertices takes {} µs and refitting {} another {} µs, every step, before anything is \
-             asked. Here a step begins with a pose, {} µs. Over {} samples; balls have a radius of {} of the diagonal.",
+            "Deform + refit first deforms all vertices, {} µs, and refits {}, {} µs, in every step. bdtree only sets \
+             the pose: {} µs per step. Over {} samples; balls have a radius of {} of the diagonal.",
             number(refit.deform_micros),
             refit.library,
             number(refit.refit_micros),

@@ -20,6 +20,9 @@ impl Page {
         let mut amplitudes: Vec<f64> = rows.iter().map(|r| r.displacement_rel).collect();
         amplitudes.sort_by(f64::total_cmp);
         amplitudes.dedup();
+        // One axis for all, so that they can be compared.
+        let means = |r: &TightnessRow| [r.paper.mean, r.smallest_ball.mean, r.bdtree.mean];
+        let most = rows.iter().flat_map(means).fold(1.0, f64::max);
         self.open();
         for amplitude in &amplitudes {
             let own: Vec<&TightnessRow> = rows
@@ -33,7 +36,7 @@ impl Page {
                 mark: None,
                 title: format!("{} of the diagonal", percent(*amplitude)),
                 x: Axis::linear("level"),
-                y: Axis::from("R' / R_opt", 1.0),
+                y: Axis::from("R' / R_opt", 1.0).to(most),
                 lines: vec![
                     of("paper", &|r| r.paper),
                     of("smallest balls", &|r| r.smallest_ball),
@@ -42,8 +45,10 @@ impl Page {
             });
         }
         let both = |ratio: &Ratio| format!("{:.3} / {:.3}", ratio.mean, ratio.max);
+        let mut rows = rows.clone();
+        rows.sort_by(|a, b| a.displacement_rel.total_cmp(&b.displacement_rel));
         self.table::<TightnessRow>(
-            rows,
+            &rows,
             0,
             &[
                 ("displacement", &|r| percent(r.displacement_rel)),
