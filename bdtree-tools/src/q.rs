@@ -68,7 +68,7 @@ pub(crate) fn checked_q(
         let limit = mode.q_limit.get();
         let message = match x.is_finite() {
             true if (*x as f32).abs() <= limit => return None,
-            true => format!("{x} is over the asset's limit of {limit}"),
+            true => format!("{x} exceeds the limit of {limit}"),
             false => "not a finite number".to_string(),
         };
         Some((Some(j), message))

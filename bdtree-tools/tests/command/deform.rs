@@ -144,7 +144,7 @@ fn bad_input_is_placed() {
     assert_eq!(ran.code, 1);
     assert!(
         ran.err.starts_with(
-            "--q: q[1]: -1000000000000000000000000000000 is over the asset's limit of "
+            "--q: q[1]: -1000000000000000000000000000000 exceeds the limit of "
         ),
         "{}",
         ran.err

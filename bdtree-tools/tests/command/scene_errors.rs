@@ -71,7 +71,7 @@ fn instances_fit_their_assets() {
     assert_eq!(lines.len(), 2, "{lines:?}");
     assert!(lines[0].starts_with("scene.json: instances[0].q[1]: 1000000"));
     assert!(lines[1].starts_with("scene.json: instances[0].q[2]: -1000000"));
-    assert!(lines[1].contains(" is over the asset's limit of "));
+    assert!(lines[1].contains(" exceeds the limit of "));
 }
 
 #[test]
