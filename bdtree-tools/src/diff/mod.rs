@@ -10,6 +10,7 @@ mod findings;
 mod frames;
 mod metadata;
 mod numbers;
+mod skin;
 mod structure;
 mod words;
 
@@ -95,6 +96,7 @@ pub fn compare(
     if comparable.frames {
         frames::compare(a, b, &mut findings);
     }
+    skin::compare(a, b, &mut findings);
     let animated = a.frame_count() + b.frame_count() > 0;
     let not_compared = [
         ("rest positions", comparable.vertices),

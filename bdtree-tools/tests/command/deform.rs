@@ -143,9 +143,8 @@ fn bad_input_is_placed() {
     let ran = folder.run(&["deform", "a.bdt", "--q", "0,-1e30,0"]);
     assert_eq!(ran.code, 1);
     assert!(
-        ran.err.starts_with(
-            "--q: q[1]: -1000000000000000000000000000000 exceeds the limit of "
-        ),
+        ran.err
+            .starts_with("--q: q[1]: -1000000000000000000000000000000 exceeds the limit of "),
         "{}",
         ran.err
     );
