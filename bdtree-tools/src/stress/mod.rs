@@ -1,13 +1,14 @@
 //! Whether an asset's bounds hold, tried: every deformed vertex against the spheres above it, at q
 //! that is made to break them, decided in exact arithmetic.
 //!
-//! A *case* is a node at a q. Half of them are sweeps: hard q of nine kinds, nodes in order, all
+//! A *case* is a node at a q and, with a skin, bones of eight kinds. Half of them are sweeps: hard q of nine kinds, nodes in order, all
 //! vertices below all lanes. The other half are steps of searches that bring some vertices of one
 //! lane as close to its surface as they can, beginning with the closest of the sweep. Vertices
 //! are those of the leaf arithmetic (SPEC 5.5), spheres those of each kernel of this processor in
 //! turn.
 
 mod below;
+mod bones;
 mod exact;
 mod poses;
 mod report;
@@ -24,6 +25,7 @@ use std::thread;
 use bdtree_runtime::{Asset, FormatError, Kernel};
 
 use below::Below;
+use bones::hard_bones;
 use poses::{HardPoses, KINDS};
 use report::VIOLATIONS_MAX;
 use search::search;
@@ -162,6 +164,8 @@ impl Rounds {
         trial: &mut Trial<'_, '_>,
         poses: &mut HardPoses<'_>,
     ) -> Result<Report, FormatError> {
+        // A search begins where the sweep of its round was tightest, so a round has its bones throughout.
+        trial.set_bones(hard_bones(&trial.asset, kind, poses.rng()));
         let mut report = Report::default();
         // The last round is as short as need be, half and half.
         let left = (self.cases - 2 * self.swept * round).min(2 * self.swept);

@@ -31,6 +31,12 @@ pub fn rounding_slack(asset: &Asset<'_>, seed: u64) -> Result<f64, FormatError> 
             let spheres = pose.node_spheres(i)?;
             let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
             for lane in node.lanes() {
+                if asset.has_skin() {
+                    // What bones do to a radius is no formula of the rows alone.
+                    total += f64::from(spheres.radius[lane]);
+                    added += pose.slack() / asset.unit();
+                    continue;
+                }
                 let rest = f64::from(rows.leading[ROW_RADIUS][lane]);
                 let (mut growth, mut cross) = (0.0, 0.0);
                 for (k, mode) in modes.iter().enumerate() {

@@ -2,7 +2,9 @@
 
 use bdtree_format::LANES;
 use bdtree_runtime::bound::Spheres;
-use bdtree_runtime::{Asset, FormatError, Kernel, Pose, Transform, VertexId};
+use bdtree_runtime::{
+    Asset, BoneMatrices, FormatError, JointMatrix, Kernel, Pose, Transform, VertexId,
+};
 
 use super::below::Below;
 use super::exact::{certainly_within, squared_distance, within};
@@ -22,6 +24,8 @@ pub(super) struct Target {
 pub(super) struct Trial<'t, 'a> {
     pub(super) asset: Asset<'a>,
     pub(super) below: &'t Below,
+    /// Skinning matrices; none: bones at rest, or no skin.
+    bones: Vec<JointMatrix>,
     memory: Vec<f32>,
     vertices: Vec<[f32; 3]>,
 }
@@ -31,6 +35,7 @@ impl<'t, 'a> Trial<'t, 'a> {
         Self {
             asset,
             below,
+            bones: Vec::new(),
             memory: vec![0.0; asset.pose_len()],
             vertices: vec![[0.0; 3]; asset.vertex_count()],
         }
@@ -41,6 +46,11 @@ impl<'t, 'a> Trial<'t, 'a> {
         self.asset = self.asset.with_kernel(kernel).unwrap_or(self.asset);
     }
 
+    /// Moves the bones: one skinning matrix each; none for bones at rest.
+    pub(super) fn set_bones(&mut self, bones: Vec<JointMatrix>) {
+        self.bones = bones;
+    }
+
     /// Holds `nodes` at q against all vertices below them. q must be within the limits.
     pub(super) fn sweep(
         &mut self,
@@ -48,7 +58,12 @@ impl<'t, 'a> Trial<'t, 'a> {
         nodes: impl Iterator<Item = usize>,
         report: &mut Report,
     ) -> Result<(), FormatError> {
-        let Ok(pose) = self.asset.pose(q, Transform::IDENTITY, &mut self.memory) else {
+        let bones = match self.bones.as_slice() {
+            [] => BoneMatrices::Rest,
+            bones => BoneMatrices::Skinning(bones),
+        };
+        let here = Transform::IDENTITY;
+        let Ok(pose) = (self.asset).pose_with_bones(q, bones, here, &mut self.memory) else {
             return Ok(()); // only q beyond the limits is refused
         };
         for (i, vertex) in (0..).zip(&mut self.vertices) {
@@ -99,7 +114,12 @@ impl<'t, 'a> Trial<'t, 'a> {
     ) -> Result<f64, FormatError> {
         let watched = &target.watched;
         let mut least = f64::INFINITY;
-        let Ok(pose) = self.asset.pose(q, Transform::IDENTITY, &mut self.memory) else {
+        let bones = match self.bones.as_slice() {
+            [] => BoneMatrices::Rest,
+            bones => BoneMatrices::Skinning(bones),
+        };
+        let here = Transform::IDENTITY;
+        let Ok(pose) = (self.asset).pose_with_bones(q, bones, here, &mut self.memory) else {
             return Ok(least); // as above
         };
         let spheres = pose.node_spheres(target.node)?;
