@@ -46,7 +46,7 @@ pub(crate) fn assets() -> Vec<(String, Model)> {
             "ten modes",
             &large,
             bake::smooth_basis(&large, 10, 3),
-            40,
+            18,
             4,
             true,
         ),
