@@ -183,7 +183,7 @@ fn paths_that_are_no_mesh_say_why() {
         );
     }
     assert!(message(&touch("a.veg")).contains("give it as --tets"));
-    assert!(message(&touch("a.pc2")).contains("given as --animation"));
+    assert!(message(&touch("a.pc2")).contains("not a mesh file. Give frames with --animation"));
     assert!(message(&touch("a.glb.gz")).contains("compressed .glb files are not read"));
     assert!(message(&touch("a.txt")).contains("unknown mesh format .txt"));
     assert!(message(&touch("noextension")).contains("no file extension"));

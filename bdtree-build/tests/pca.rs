@@ -145,7 +145,8 @@ fn few_frames_and_many_frames() {
     let made = make(frames.clone(), &frames[0], Precision::Double);
     let (found, warnings) = pca_with_warnings(&made, &count(5));
     assert_eq!(found.basis.mode_count(), 1);
-    assert!(warnings[0].contains("1 of 5 modes"), "{warnings:?}");
+    let told = "5 modes were asked for, 1 is stored: 2 frames have at most 1 independent component";
+    assert!(warnings[0].ends_with(told), "{warnings:?}");
     let q = &found.basis.animation.as_ref().expect("an animation").q;
     assert!((q[0] + q[1]).abs() < 1e-14 * q[0].abs(), "{q:?}");
     assert_error_is_true(&found, &made.frames, "two frames");
@@ -227,7 +228,10 @@ fn rounding_makes_no_modes() {
             let made = make(frames.clone(), base, precision);
             let (found, warnings) = pca_with_warnings(&made, &count(12));
             assert_eq!(found.basis.mode_count(), 3, "{n} {t}: {warnings:?}");
-            assert!(warnings[0].contains("3 of 12 modes"), "{warnings:?}");
+            assert!(
+                warnings[0].contains("12 modes were asked for, 3 are stored"),
+                "{warnings:?}"
+            );
             assert!(found.error.max_rel < 5e-7, "{:?}", found.error);
         }
     }
@@ -376,7 +380,7 @@ fn auto_takes_the_fewest_modes_that_reach_the_error() {
         "{text}"
     );
     assert!(
-        text.contains(", frames.npy: frame ") && text.contains(" of the diagonal (vertex "),
+        text.contains("frames.npy: frame ") && text.contains(" of the diagonal (vertex "),
         "{text}"
     );
 }

@@ -304,4 +304,72 @@ mod tests {
         assert_eq!(time(0.012_345), "12.3 ms");
         assert_eq!(time(123.4), "123 s");
     }
+    #[test]
+    fn sentences_claim_what_was_measured() {
+        use super::super::works::Measured;
+        let point = |modes: usize, leaf_size: usize, nodes_visited: u64, time_rel: f64| {
+            let work = Work {
+                questions: 1,
+                nodes_visited,
+                seconds: time_rel,
+                ..Work::default()
+            };
+            Point {
+                modes: (0..modes).collect(),
+                leaf_size,
+                error: None,
+                bytes: 100 * (1 + modes),
+                nodes: 10,
+                measured: Measured {
+                    ball: work,
+                    ray: work,
+                    pair: work,
+                },
+                time_rel,
+            }
+        };
+        let mut advice = Advice {
+            max_error_rel: 0.01,
+            is_met: true,
+            error_rel: 0.0071,
+            error_of_fewer_rel: Some(0.26),
+            are_bounds: true,
+            over: Over::Source,
+            samples: (Source::Frames, 20),
+            frames: 20,
+            available: Some(19),
+            all: point(12, 4, 9, 1.0),
+            chosen: point(5, 4, 7, 0.5),
+            takes_first: true,
+            leaves: [2, 4, 8].map(|size| point(5, size, 7, 0.5)).to_vec(),
+            default_leaf_size: 4,
+            curve: Vec::new(),
+            missing: Vec::new(),
+        };
+        let said = advice.sentences();
+        let first = "The first 5 of 12 modes (19 available) keep every vertex within 0.71 %";
+        assert!(said[0].starts_with(first), "{said:?}");
+        let last = "; with one mode fewer the error can reach 26 %.";
+        assert!(said[0].ends_with(last), "{said:?}");
+        assert!(said[1].starts_with("Against 12 modes that saves 54 % of the bytes"));
+        assert!(said[1].contains("and 50 % of the time: "), "{said:?}");
+        let leaves = "Keep the default leaf size of 4 triangles: sizes 2 and 8 are not more than 5 % faster.";
+        assert_eq!(said[2], leaves);
+        // As many nodes, or a gain that is noise.
+        for (nodes, time_rel) in [(7, 0.5), (9, 0.98)] {
+            advice.all = point(12, 4, nodes, 1.0);
+            advice.chosen.time_rel = time_rel;
+            let said = advice.sentences();
+            assert!(said[1].ends_with("; no measurable difference in time."));
+        }
+        advice.chosen = point(12, 4, 7, 1.0);
+        let first = "12 modes of the 19 available keep every vertex within 0.71 %";
+        assert!(advice.sentences()[0].starts_with(first));
+        (advice.is_met, advice.are_bounds) = (false, false);
+        (advice.chosen, advice.error_rel) = (point(5, 4, 7, 1.0), 0.05);
+        assert_eq!(
+            advice.sentences()[0],
+            "5 modes leave an error of 5.0 % (goal: 1.0 %). Allow more with --modes."
+        );
+    }
 }

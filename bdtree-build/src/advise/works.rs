@@ -285,4 +285,16 @@ mod tests {
         assert!((ratio - 2.0).abs() < 1e-15);
         assert_eq!(took([1.0; 3]).time_over(&took([0.0; 3])), 1.0);
     }
+    #[test]
+    fn visits_are_alike_where_every_kind_has_as_many() {
+        let visited = |nodes: [u64; 3]| {
+            let [ball, ray, pair] = nodes.map(|nodes_visited| Work {
+                nodes_visited,
+                ..Work::default()
+            });
+            Measured { ball, ray, pair }
+        };
+        assert!(visited([36, 14, 804]).visits_like(&visited([36, 14, 804])));
+        assert!(!visited([36, 14, 804]).visits_like(&visited([37, 14, 804])));
+    }
 }

@@ -9,6 +9,7 @@ use super::tsqr::{Spectrum, Tsqr};
 use super::{About, PcaOptions};
 use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use crate::error::{BakeError, Place};
+use crate::figures::counted;
 use crate::input::RawMesh;
 use crate::input::sequence::FrameSequence;
 use crate::progress::Progress;
@@ -114,12 +115,13 @@ impl<'a> Reduction<'a> {
                 ),
             });
         } else if modes < wanted {
+            let components = counted(modes, "independent component");
             let why = if modes + 1 >= frames {
                 // Their differences to the mean, or to given positions: one component fewer, or as many.
-                format!("{frames} frames have at most {modes} independent components")
+                format!("{frames} frames have at most {components}")
             } else {
                 format!(
-                    "the {frames} frames have {modes} independent components (singular value {modes} is {next:.3e}, \
+                    "the {frames} frames have {components} (singular value {modes} is {next:.3e}, \
                      rounding {floor:.3e})"
                 )
             };
