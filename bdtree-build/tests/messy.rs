@@ -89,7 +89,7 @@ const TABLE: &[(&str, Expected)] = &[
     (
         "malformed.obj",
         Error(&[
-            ":23: corner 4 `12` is out of range: the file has 8 vertices",
+            ":23: corner 2 `12` is out of range: the file has 8 vertices",
             ":28: corner 1 `0`: index 0; the first vertex is 1",
         ]),
     ),

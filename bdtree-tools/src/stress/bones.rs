@@ -36,7 +36,8 @@ fn linear(kind: u64, rng: &mut Pcg64Mcg) -> [[f64; 3]; 3] {
     let largest = if kind == 1 { 0.3 } else { 3.2 };
     let mut rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for axis in 0..3 {
-        let (sin, cos) = rng.random_range(-largest..largest).sin_cos();
+        let angle: f64 = rng.random_range(-largest..largest);
+        let (sin, cos) = angle.sin_cos();
         let [i, j] = [(axis + 1) % 3, (axis + 2) % 3];
         for k in 0..3 {
             let [a, b] = [rows[i][k], rows[j][k]];
