@@ -200,7 +200,7 @@ fn other_messy_formats_are_refused_with_what_is_read() {
             .is_some_and(|e| formats.iter().any(|f| e == *f))
     }) {
         let error = read_mesh(&path).unwrap_err().to_string();
-        assert!(error.contains("frames are given as --animation"), "{error}");
+        assert!(error.contains("Give frames with --animation"), "{error}");
         let mesh = read_mesh(&bdtree_fixtures::models::path("cube_quads")).expect("a mesh");
         let error = FrameSequence::open(&path, Some(&mesh), None, &Silent).unwrap_err();
         let name = path.file_name().unwrap_or_default().to_string_lossy();

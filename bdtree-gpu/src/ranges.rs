@@ -102,7 +102,7 @@ impl<'a> FieldSet<'a> {
                 numbers.influences = numbers.list_base + self.lists.len().div_ceil(2);
             }
             if let Some(skin) = skin {
-                lists.extend(skin.runs(&range));
+                lists.extend(skin.runs(range));
                 numbers.bone_count = skin.bone_count;
             }
             let fields = self.fields[entries].as_bytes();

@@ -118,6 +118,7 @@ pub struct DeformArguments {
     /// The .bdt file
     pub file: PathBuf,
     #[command(flatten)]
+    #[allow(missing_docs)] // clap would print it
     pub posture: PostureArguments,
     /// Output file: .obj, or .npy with shape (N, 3), f64 [default: OBJ on standard output]
     #[arg(short, long, value_name = "FILE")]

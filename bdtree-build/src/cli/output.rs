@@ -229,7 +229,8 @@ fn seconds(stages: &BTreeMap<String, f64>) -> String {
         .iter()
         .map(|(name, seconds)| format!("{name} {seconds:.2}"));
     let text: Vec<String> = text.collect();
-    let total = format!("total {:.2}", stages.values().sum::<f64>());
+    // An empty sum would be −0.
+    let total = format!("total {:.2}", stages.values().fold(0.0, |a, b| a + b));
     match text.is_empty() {
         true => total,
         false => format!("{} ({total})", text.join(", ")),

@@ -22,10 +22,10 @@ pub(crate) fn baked(path: &Path) -> Baked {
 pub(crate) fn checked(baked: &Baked) -> Model {
     let model = Model::from_bytes(&baked.bytes).expect("opens");
     let asset = model.asset();
-    check_bones(&asset);
+    check_bones(asset);
     let mut most = 0;
     for node in 0..asset.nodes().len() {
-        most = most.max(check_node(&asset, node));
+        most = most.max(check_node(asset, node));
     }
     let record = asset.skin_record().expect("a skin");
     assert_eq!(record.node_bones_max as usize, most);

@@ -13,7 +13,8 @@ pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
     if !both.iter().any(|asset| asset.has_skin()) {
         return;
     }
-    let counts: [(&str, fn(&Asset<'_>) -> usize); 5] = [
+    type Count = fn(&Asset<'_>) -> usize;
+    let counts: [(&str, Count); 5] = [
         ("skin: number of joints", |asset| asset.joint_count()),
         ("skin: number of bones", |asset| asset.bone_count()),
         ("skin: number of influences", |asset| {

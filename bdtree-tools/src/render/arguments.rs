@@ -24,6 +24,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.png")]
     pub output: PathBuf,
     #[command(flatten)]
+    #[allow(missing_docs)] // clap would print it
     pub posture: PostureArguments,
     /// Frames A to B of the file's animation, one picture each, all seen by the same camera
     #[arg(long, value_name = "A..B", conflicts_with_all = ["q", "frame", "clip", "joints"])]

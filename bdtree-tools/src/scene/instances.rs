@@ -96,6 +96,9 @@ fn read_instance(fields: &Fields<'_>, name: &str, assets: &mut Assets) -> Option
 /// A frame's number and its rigid motion.
 type Moment = (u64, Transform);
 
+/// One matrix per joint, if the scene says anything of them.
+type Joints = Option<Vec<JointMatrix>>;
+
 /// How an instance is shown.
 struct Shown {
     q: Vec<f32>,
@@ -156,7 +159,7 @@ fn read_joints(
     fields: &Fields<'_>,
     asset: Option<(usize, &str)>,
     assets: &Assets,
-) -> Option<(Option<Vec<f32>>, Option<Vec<JointMatrix>>)> {
+) -> Option<(Option<Vec<f32>>, Joints)> {
     let (clip, joints) = (fields.optional("clip"), fields.optional("joints"));
     if let Some(at) = fields.optional("time") {
         at.ensure(clip.is_some(), "a time is that of a clip, which is missing")?;
