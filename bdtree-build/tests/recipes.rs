@@ -123,7 +123,8 @@ fn a_file_decides_between_morph_targets_and_vibration() {
         fixture("torus.obj"),
         Motion::Morphs(Morphs::default()),
     ));
-    assert_eq!(error.problems[0].place, Place::file("torus.obj"));
+    let place = Place::from(fixture("torus.obj").as_path());
+    assert_eq!(error.problems[0].place, place);
     assert!(error.to_string().contains("no morph targets"), "{error}");
 }
 
