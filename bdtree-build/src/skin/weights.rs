@@ -140,7 +140,9 @@ pub(super) fn take(
             ),
         };
         if count > 1 {
-            message += &format!(" (and {} vertices like it)", count - 1);
+            let others = count - 1;
+            let vertices = if others == 1 { "vertex" } else { "vertices" };
+            message += &format!(" (and {others} {vertices} like it)");
         }
         problems.extend(BakeError::one("skin", place(file, influences, vertex), message).problems);
     }

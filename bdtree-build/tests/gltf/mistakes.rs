@@ -169,11 +169,11 @@ fn what_is_odd_but_kept_is_said() {
                 "/animations/1/channels/0/target",
                 json!({"path": "pointer"}),
             ),
-            "m: animations[1]: ignored 1 channels without a node",
+            "m: animations[1]: ignored 1 channel without a node",
         ),
         (
             ("/animations/0/channels/1/target/node", json!(0)),
-            "m: animations: ignored 1 channels for weights of nodes without morph targets",
+            "m: animations: ignored 1 channel for weights of nodes without morph targets",
         ),
     ] {
         let model = read(&edited(&[edits])).expect(warning);

@@ -136,12 +136,10 @@ fn weights_that_are_none_are_told_once_for_all_vertices() {
     let none = [[1.0, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]];
     let text = baked(none, Weights::Normalise).expect_err("zeros");
     assert!(
-        text.starts_with(
-            "a.glb: meshes[0].primitives[0].attributes, vertex 1: all weights are zero"
-        ),
+        text.contains("a.glb: meshes[0].primitives[0].attributes, vertex 1: all weights are zero"),
         "{text}"
     );
-    assert!(text.ends_with("(and 1 vertices like it)"), "{text}");
+    assert!(text.ends_with("(and 1 vertex like it)"), "{text}");
     // A vertex that nothing carries.
     crate::skin_rows::checked(&baked(none, Weights::AsStored).expect("bakes"));
     crate::skin_rows::checked(&baked([[0.0; 4]; 3], Weights::AsStored).expect("bakes"));

@@ -260,5 +260,5 @@ fn nothing_is_refused_by_name() {
     let others = tempfile::tempdir().expect("a folder");
     assert!(refusal(others.path(), None).contains("an empty folder: no .obj frames"));
     fs::write(others.path().join("a.txt"), "").expect("writable");
-    assert!(refusal(others.path(), None).contains("no .obj frames among the 1 entries"));
+    assert!(refusal(others.path(), None).contains("its one entry is no .obj frame"));
 }

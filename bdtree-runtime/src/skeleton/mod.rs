@@ -3,7 +3,7 @@
 //!
 //! Everything works in the caller's memory: [`Skeleton::rest`] and [`Clip::sample`] fill local transforms,
 //! [`blend`] mixes them, [`Skeleton::model_space`] follows the hierarchy, and [`Skeleton::joints`] picks the joints.
-//! With the feature `alloc`, [`SkeletonPose`](crate::SkeletonPose) owns that memory. All of it is f64.
+//! With the feature `alloc`, [`SkeletonPose`] owns that memory. All of it is f64.
 
 mod clip;
 mod error;
