@@ -14,7 +14,7 @@ impl Pose<'_> {
     /// where they have any, their displacements.
     pub(crate) fn bone_box(&self) -> Option<Aabb> {
         let (skin, posed) = (self.asset.skin.as_ref()?, self.bones()?);
-        let linear = self.placement.linear();
+        let (linear, origin) = (self.placement.linear(), self.placement.origin_in_world());
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         let modes = self.q.len();
@@ -37,7 +37,7 @@ impl Pose<'_> {
             for axis in 0..3 {
                 let to = linear[axis];
                 let row = [dot(to, x), dot(to, y), dot(to, z)];
-                let center = dot(row, middle) + dot(to, t);
+                let center = origin[axis] + dot(row, middle) + dot(to, t);
                 let mut reach = dot(row.map(f64::abs), half);
                 if moved > 0.0 {
                     reach += norm(row) * moved;
