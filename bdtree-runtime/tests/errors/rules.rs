@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use bdtree_fixtures::mutate::{Damage, repair};
 use bdtree_fixtures::poses;
-use bdtree_runtime::{Asset, Model, Transform, TriangleId, VertexId};
+use bdtree_runtime::{Asset, Datum, Model, Transform, TriangleId, VertexId};
 
 use crate::deep::list_twice;
 use crate::seen::{FILE, Seen};
