@@ -306,7 +306,7 @@ def read_clips(s, kinds, m):
 def read_skin(s, m):
     """Joints, clips and the largest number of influences."""
     if b"SKIN" not in s:
-        return [], [], None
+        return None, None, None
     joints, kinds = read_skeleton(s)
     most, bones_of = read_influences(s)
     read_bones(s, m, len(joints), bones_of)
