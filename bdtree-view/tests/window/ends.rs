@@ -67,7 +67,10 @@ fn bad_files_and_options_are_named() {
     bytes[6000] ^= 0x40;
     std::fs::write(&damaged, bytes).expect("written");
     let line = failed(&run(display.viewer().arg(&damaged)), 1);
-    assert!(line.contains("damaged.bdt: section TRIS"), "{line}");
+    assert!(
+        line.contains("damaged.bdt: damaged .bdt file: section TRIS"),
+        "{line}"
+    );
 }
 
 #[test]
