@@ -184,7 +184,13 @@ fn nodes() -> Vec<Change> {
                     SectionKind::BONES => {
                         body.extend_from_within(2 * size_of::<BoneRecord>()..);
                         let end = body.len();
-                        body[end - 24..].fill(0); // the box
+                        // The box of a bone that moves nothing.
+                        for (at, x) in (end - 24..end)
+                            .step_by(4)
+                            .zip([1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
+                        {
+                            put(body, at, &f32::to_le_bytes(x));
+                        }
                     }
                     SectionKind::BONE_FIELDS => body.extend([0; 4]),
                     SectionKind::BONE_LISTS => put(body, 4, &[3, 0]),
