@@ -31,6 +31,7 @@ pub enum BoneMatrices<'a> {
 pub(crate) enum BoneSource<'a> {
     Matrices(BoneMatrices<'a>),
     /// Another pose of the same asset.
+    #[cfg(feature = "alloc")]
     Maps(&'a [BoneMap]),
 }
 
@@ -88,6 +89,7 @@ pub(crate) struct BoneSlack {
     pub(crate) per_bone: f32,
 }
 
+#[cfg(feature = "alloc")]
 impl BoneSlack {
     /// That of an asset without bones.
     pub(crate) const NONE: Self = Self {
@@ -127,6 +129,7 @@ impl BoneSource<'_> {
     ) -> Result<BoneReach, PoseError> {
         let matrices = match self {
             Self::Matrices(matrices) => matrices,
+            #[cfg(feature = "alloc")]
             Self::Maps(others) => {
                 for (map, other) in maps.iter_mut().zip(others) {
                     map.rows = other.rows;

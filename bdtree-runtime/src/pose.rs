@@ -3,8 +3,10 @@
 use bdtree_format::{ModeRecord, ROW_RADIUS};
 use zerocopy::{FromBytes, IntoBytes};
 
+#[cfg(feature = "alloc")]
+use crate::bones::BoneSlack;
 use crate::bones::{
-    BoneMap, BoneMatrices, BoneSlack, BoneSource, MAP_LEN, PosedBones, bones_apart, hashed_maps,
+    BoneMap, BoneMatrices, BoneSource, MAP_LEN, PosedBones, bones_apart, hashed_maps,
 };
 use crate::bound::BoundPose;
 use crate::error::{PoseError, QueryError};
