@@ -1,10 +1,10 @@
-//! Which triangles and vertices hang on a lane, found when asked for: reports look at a few of many.
+//! Which triangles and vertices hang on a lane, found when asked for: measurements look at a few of many.
 
 use bdtree_format::LANES;
 use bdtree_runtime::Asset;
 
 /// The lanes of a level that hold anything, as node and lane.
-pub(super) fn of_level(asset: &Asset<'_>, level: usize) -> Vec<(usize, usize)> {
+pub fn of_level(asset: &Asset<'_>, level: usize) -> Vec<(usize, usize)> {
     let nodes = asset.nodes().iter().enumerate();
     nodes
         .filter(|(_, node)| usize::from(node.level) == level)
@@ -13,7 +13,7 @@ pub(super) fn of_level(asset: &Asset<'_>, level: usize) -> Vec<(usize, usize)> {
 }
 
 /// The places in leaf order of the triangles below a lane.
-pub(super) fn slots(asset: &Asset<'_>, node: usize, lane: usize) -> Vec<usize> {
+pub fn slots(asset: &Asset<'_>, node: usize, lane: usize) -> Vec<usize> {
     let mut found = Vec::new();
     let mut open = vec![(node, lane)];
     while let Some((node, lane)) = open.pop() {
@@ -30,7 +30,7 @@ pub(super) fn slots(asset: &Asset<'_>, node: usize, lane: usize) -> Vec<usize> {
 }
 
 /// The vertices of the triangles below a lane, each once, ascending.
-pub(super) fn vertices(asset: &Asset<'_>, node: usize, lane: usize) -> Vec<u32> {
+pub fn vertices(asset: &Asset<'_>, node: usize, lane: usize) -> Vec<u32> {
     let triangles = asset.triangles();
     let slots = slots(asset, node, lane);
     let corners = slots.iter().filter_map(|slot| triangles.get(*slot));

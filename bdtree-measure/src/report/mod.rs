@@ -7,7 +7,7 @@ mod advice;
 mod comparison;
 pub mod content;
 mod depth;
-mod lanes;
+pub mod lanes;
 mod made;
 mod measure;
 mod modes;

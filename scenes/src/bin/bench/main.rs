@@ -7,6 +7,7 @@
 mod bake;
 mod ball;
 mod broad;
+mod characters;
 mod depth;
 mod hard_cases;
 mod kernel;
@@ -67,6 +68,8 @@ enum Command {
     Ball(ball::Arguments),
     /// Root spheres of many bodies: grid and sweep
     Broad(scene::Scene),
+    /// Characters: spheres and boxes beside the smallest ones over their clips, time of poses
+    Characters(characters::Arguments),
     /// Queries that stop at a level: time, spheres and their error
     Depth(depth::Arguments),
     /// Stage times of a bake and the largest resident set
@@ -109,6 +112,9 @@ fn measure(cli: &Cli) -> Result<(&'static str, Vec<Table>)> {
     let (name, tables) = match &cli.command {
         Command::Ball(arguments) => ("ball", ball::run(arguments, rounds(31))),
         Command::Broad(scene) => ("broad", broad::run(scene, rounds(51))),
+        Command::Characters(arguments) => {
+            ("characters", characters::run(arguments, rounds(101)))
+        }
         Command::Depth(arguments) => ("depth", depth::run(arguments, rounds(9))),
         Command::Bake(scene) => ("bake", bake::run(scene)),
         Command::Coherence(arguments) => {
