@@ -143,7 +143,7 @@ fn shown(page: &str) -> Vec<f64> {
     let parts = cells.flat_map(|cell| cell.split('/'));
     let numbers = parts.filter_map(|part| {
         let text = part.replace([' ', '\u{202f}', '%'], "");
-        text.parse().ok()
+        text.replace('\u{2212}', "-").parse().ok()
     });
     numbers.collect()
 }
@@ -267,6 +267,17 @@ fn an_animated_asset_has_every_part() {
     assert!(page.matches("<svg").count() >= 8 && page.contains("prefers-color-scheme:dark"));
     assert!(cells(&page) > 100 && !page.contains("NaN"));
     assert!(page.contains("viewport"));
+    // Tables of more columns are wider than a phone; those of numbers lie side by side, as many as plots above them.
+    let columns = |table: &str| {
+        let head = table.split("</thead>").next();
+        head.map_or(0, |head| head.matches("<th").count() - 1)
+    };
+    let tables: Vec<usize> = page.split("<table>").skip(1).map(columns).collect();
+    assert!(
+        tables.len() >= 8 && tables.iter().all(|n| *n <= 6),
+        "{tables:?}"
+    );
+    assert_eq!(page.matches("\"small table\"").count(), 8, "{tables:?}");
     // Every number of its tables is one of the figures, or a hundred times one (per cent), to the digits shown.
     let mut figures = Vec::new();
     numbers(&report, &mut figures);
