@@ -209,11 +209,11 @@ fn sliders_go_to_range_and_limit_and_back_to_zero() {
         person.find("range ±0.5000  ·  limit ±512");
         let name = "field 0";
         let [slider, ..] = person.slider(name);
-        person.app.playback.is_playing = true;
+        person.app.playback.clock.is_playing = true;
         person.drag(PointerButton::Primary, slider, FAR);
         assert_eq!(person.app.view.q[0], ends.q_range.get());
         assert_eq!(person.app.view.q[1], 0.0);
-        assert!(!person.app.playback.is_playing, "q is set by hand");
+        assert!(!person.app.playback.clock.is_playing, "q is set by hand");
         person.drag(PointerButton::Primary, slider, -FAR);
         assert_eq!(person.app.view.q[0], -ends.q_range.get());
         person.click_on("limit");
@@ -322,21 +322,24 @@ fn the_space_bar_plays_and_halts() {
     with_person(&file, WIDE, |mut person| {
         for plays in [true, false, true] {
             person.key(Key::Space);
-            assert_eq!(person.app.playback.is_playing, plays);
+            assert_eq!(person.app.playback.clock.is_playing, plays);
         }
         person.find("Pause");
         person.click_on("Pause");
-        assert!(!person.app.playback.is_playing);
+        assert!(!person.app.playback.clock.is_playing);
         // In a field with a number it is a character.
         let [_, number, _] = person.slider("field 0");
         person.click(number);
         person.key(Key::Space);
-        assert!(!person.app.playback.is_playing);
+        assert!(!person.app.playback.clock.is_playing);
     });
     let file = golden_file("sphere.bdt");
     with_person(&file, WIDE, |mut person| {
         person.key(Key::Space);
-        assert!(!person.app.playback.is_playing, "there is no animation");
+        assert!(
+            !person.app.playback.clock.is_playing,
+            "there is no animation"
+        );
     });
 }
 

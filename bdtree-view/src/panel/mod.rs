@@ -1,5 +1,6 @@
 //! The controls beside the picture.
 
+mod clock;
 mod legend;
 mod modes;
 mod motion;
