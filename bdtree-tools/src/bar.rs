@@ -1,6 +1,8 @@
 //! Progress on stderr: a bar where that is a terminal, else, if asked for, a line per stage.
 
-use std::io::{IsTerminal, Write, stderr};
+#[cfg(feature = "report")]
+use std::io::IsTerminal;
+use std::io::{Write, stderr};
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -21,6 +23,7 @@ impl Bar {
     }
 
     /// With a line for each stage where stderr is no terminal.
+    #[cfg(feature = "report")]
     pub(crate) fn with_lines() -> Self {
         Self {
             told: (!stderr().is_terminal()).then(Mutex::default),

@@ -8,6 +8,8 @@ use clap::{Args, Parser, Subcommand};
 use crate::posture::PostureArguments;
 #[cfg(feature = "render")]
 use crate::render::Arguments as RenderArguments;
+#[cfg(feature = "report")]
+use crate::render::options::UpAxis;
 
 /// Looks into, checks, compares, deforms, queries and draws .bdt files.
 ///
@@ -162,6 +164,15 @@ pub struct ReportArguments {
     /// Output file: .html [default: beside FILE, with .html; with --json none]
     #[arg(short, long, value_name = "FILE.html")]
     pub output: Option<PathBuf>,
+    /// The axis of the mesh that points up in the pictures
+    #[arg(
+        long,
+        value_enum,
+        value_name = "AXIS",
+        default_value = "y",
+        allow_hyphen_values = true
+    )]
+    pub up: UpAxis,
     /// Print one JSON object: file, asset, machine, samples, missing, advice, modes, depth,
     /// tightness, margin, refit, sections, unneeded, seconds (lengths in mesh units, unknown values null)
     #[arg(long)]

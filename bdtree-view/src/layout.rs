@@ -3,7 +3,7 @@
 use egui::{CentralPanel, Frame, Margin, Panel, Sense, TextureId, Ui};
 
 use crate::app::{App, Grab};
-use crate::panel::{self, Status, Wish};
+use crate::panel::{self, Side, Status, Wish};
 use crate::picture::BACKGROUND;
 
 /// Points of the wheel that count as one step.
@@ -19,9 +19,12 @@ pub(crate) fn lay_out(
     let frame = Frame::new()
         .fill(ui.visuals().panel_fill)
         .inner_margin(Margin::symmetric(12, 10));
-    let wish = Panel::left("controls")
+    let controls = match Side::of(ui.available_size()) {
+        Side::Left(width) => Panel::left("controls").exact_size(width),
+        Side::Below(height) => Panel::bottom("controls below").exact_size(height),
+    };
+    let wish = controls
         .resizable(false)
-        .exact_size(panel::width(ui.available_width()))
         .frame(frame)
         .show(ui, |ui| panel::show(ui, app, status))
         .inner;

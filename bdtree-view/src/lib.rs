@@ -82,6 +82,6 @@ fn open(arguments: &Arguments) -> Result<(), ToolError> {
         app.playback
             .go_to(usize::try_from(frame).unwrap_or(usize::MAX));
     }
-    app.playback.is_playing = arguments.play;
+    app.playback.clock.is_playing = arguments.play;
     window::run(app, arguments.size.0, arguments.screenshot.as_deref())
 }

@@ -18,7 +18,7 @@ use crate::app::App;
 use crate::stage::Stage;
 
 /// Width and height that all controls fit into; smaller windows are only made where they are asked for.
-const SMALLEST: [u32; 2] = [640, 480];
+const SMALLEST: [u32; 2] = [320, 480];
 
 /// Frames before a screenshot: controls need some to find their sizes.
 const SETTLED: u64 = 6;

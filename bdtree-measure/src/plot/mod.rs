@@ -28,6 +28,9 @@ const SERIES: [RGBColor; 7] = [
 const INK: RGBColor = name(5);
 const GRID: RGBColor = name(6);
 
+/// The most numbers below a plot.
+const X_LABELS: usize = 4;
+
 /// Lines of more points have no marks at them.
 const MARKED_MAX: usize = 40;
 
@@ -152,13 +155,17 @@ impl Plot {
             let ends = mark.ends.map(|end| end.clamp(x.start, x.end));
             (mark.name.as_str(), ends, [y.start, y.end])
         });
+        let powers = |x: std::ops::Range<f64>| {
+            let marks = self.x.powers(&x, X_LABELS);
+            x.log_scale().with_key_points(marks)
+        };
         let mut text = String::new();
         let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
         let drawn = match (x_is_log, y_is_log) {
             (false, false) => draw(&area, x, y, &names, &lines, mark),
-            (true, false) => draw(&area, x.log_scale(), y, &names, &lines, mark),
+            (true, false) => draw(&area, powers(x), y, &names, &lines, mark),
             (false, true) => draw(&area, x, y.log_scale(), &names, &lines, mark),
-            (true, true) => draw(&area, x.log_scale(), y.log_scale(), &names, &lines, mark),
+            (true, true) => draw(&area, powers(x), y.log_scale(), &names, &lines, mark),
         };
         // Writing to a string does not fail.
         drawn.ok()?;
@@ -193,7 +200,7 @@ where
         .configure_mesh()
         .x_desc(x_name.as_str())
         .y_desc(y_name.as_str())
-        .x_labels(4)
+        .x_labels(X_LABELS)
         .y_labels(5)
         .max_light_lines(0)
         .bold_line_style(GRID)

@@ -6,6 +6,7 @@ use clap::Parser;
 
 use super::Arguments;
 use super::body::{Body, Content};
+use super::options::UpAxis;
 use super::picture::{Bounds, Frame, Painter, graphics};
 use crate::AssetFile;
 use crate::error::ToolError;
@@ -19,17 +20,20 @@ struct Plain {
     arguments: Arguments,
 }
 
-/// At rest, and moved: the middle frame of an animation, or one mode at its q_range. Each with what it shows.
+/// At rest, and moved: the middle frame of an animation, or one mode at its q_range, with an axis of the mesh
+/// upright. Each with what it shows.
 ///
 /// # Errors
 /// No graphics adapter or one that the asset is too large for, corrupt records.
-pub fn portraits(file: &AssetFile) -> Result<Vec<(String, Image)>, ToolError> {
+pub fn portraits(file: &AssetFile, up: UpAxis) -> Result<Vec<(String, Image)>, ToolError> {
     let path = file.path().as_os_str();
     let options = ["--size", "720x540", "--no-legend", "--shadow"];
     let line = ["portrait".as_ref(), path, "-o".as_ref(), "png".as_ref()];
     let line = line.into_iter().chain(options.map(AsRef::as_ref));
     let plain = Plain::try_parse_from(line);
-    let Plain { arguments } = plain.map_err(|error| ToolError::Input(vec![error.to_string()]))?;
+    let Plain { mut arguments } =
+        plain.map_err(|error| ToolError::Input(vec![error.to_string()]))?;
+    arguments.up = up;
     let mut poses = vec![(
         "At rest".to_string(),
         vec![0.0; file.asset().mode_count()],

@@ -4,6 +4,7 @@ use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use serde_json::Value;
 
+use crate::drawn::Picture;
 use crate::support::{Folder, animated, baked, ball_mesh};
 
 impl Folder {
@@ -22,6 +23,42 @@ impl Folder {
         }
         (figures, short)
     }
+
+    /// The first picture of the page of an asset without modes.
+    fn portrait(&self, options: &[&str]) -> Picture {
+        let ran = self.run(&[&["report", "rigid.bdt", "-o", "out.html"], options].concat());
+        assert_eq!(ran.code, 0, "{options:?}: {}", ran.err);
+        let page = String::from_utf8(self.read("out.html")).expect("UTF-8");
+        let picture = page
+            .split("base64,")
+            .nth(1)
+            .and_then(|p| p.split('"').next());
+        self.write("out.png", of_base64(picture.expect("a picture")));
+        Picture::read(&self.path("out.png"))
+    }
+}
+
+/// The bytes of a text in base 64.
+fn of_base64(text: &str) -> Vec<u8> {
+    let digits = ('A'..='Z')
+        .chain('a'..='z')
+        .chain('0'..='9')
+        .chain(['+', '/']);
+    let digits: Vec<char> = digits.collect();
+    let (mut bits, mut count, mut bytes) = (0_u32, 0, Vec::new());
+    // What fills the last group up is no digit, and the bits left over are no byte.
+    for digit in text
+        .chars()
+        .filter_map(|c| digits.iter().position(|d| *d == c))
+    {
+        bits = bits << 6 | digit as u32;
+        count += 6;
+        if count >= 8 {
+            count -= 8;
+            bytes.push((bits >> count) as u8);
+        }
+    }
+    bytes
 }
 
 /// Whether there is a line for each part that was begun, and nothing else.
@@ -143,7 +180,7 @@ fn shown(page: &str) -> Vec<f64> {
     let parts = cells.flat_map(|cell| cell.split('/'));
     let numbers = parts.filter_map(|part| {
         let text = part.replace([' ', '\u{202f}', '%'], "");
-        text.parse().ok()
+        text.replace('\u{2212}', "-").parse().ok()
     });
     numbers.collect()
 }
@@ -267,6 +304,17 @@ fn an_animated_asset_has_every_part() {
     assert!(page.matches("<svg").count() >= 8 && page.contains("prefers-color-scheme:dark"));
     assert!(cells(&page) > 100 && !page.contains("NaN"));
     assert!(page.contains("viewport"));
+    // Tables of more columns are wider than a phone; those of numbers lie side by side, as many as plots above them.
+    let columns = |table: &str| {
+        let head = table.split("</thead>").next();
+        head.map_or(0, |head| head.matches("<th").count() - 1)
+    };
+    let tables: Vec<usize> = page.split("<table>").skip(1).map(columns).collect();
+    assert!(
+        tables.len() >= 8 && tables.iter().all(|n| *n <= 6),
+        "{tables:?}"
+    );
+    assert_eq!(page.matches("\"small table\"").count(), 8, "{tables:?}");
     // Every number of its tables is one of the figures, or a hundred times one (per cent), to the digits shown.
     let mut figures = Vec::new();
     numbers(&report, &mut figures);
@@ -437,6 +485,23 @@ fn what_is_wrong_is_told() {
         "{}",
         ran.err
     );
+}
+
+#[test]
+fn pictures_of_the_page_stand_as_those_of_render() {
+    let folder = Folder::new();
+    for up in ["y", "z", "-x"] {
+        let found = folder.portrait(&["--up", up]);
+        let fixed = ["--no-legend", "--shadow", "-o", "out.png", "--up", up];
+        folder.render_at("720x540", &[&["rigid.bdt"], &fixed[..]].concat());
+        let expected = Picture::read(&folder.path("out.png"));
+        assert_eq!(found.size, expected.size);
+        assert!(found.pixels == expected.pixels, "{up}");
+        let default = folder.portrait(&[]);
+        assert_eq!(found.pixels == default.pixels, up == "y", "{up}");
+    }
+    let ran = folder.run(&["report", "rigid.bdt", "--up", "w"]);
+    assert_eq!(ran.code, 2, "{}", ran.err);
 }
 
 #[test]

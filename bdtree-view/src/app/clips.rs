@@ -3,6 +3,8 @@
 use bdtree_runtime::{Asset, JointMatrix, LocalTransform, Skeleton, SkeletonError};
 use bdtree_tools::printable;
 
+use super::clock::Clock;
+
 /// A clip, as it is listed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClipName {
@@ -19,12 +21,8 @@ pub struct Clips {
     pub names: Vec<ClipName>,
     /// The one that is shown; `None`: the skeleton is at rest.
     pub chosen: Option<usize>,
-    /// Whether time goes on.
-    pub is_playing: bool,
-    /// 1: as fast as the file says.
-    pub speed: f64,
-    /// Seconds since its beginning.
-    pub time_s: f64,
+    /// Its moment.
+    pub clock: Clock,
     /// Why the moment is not shown.
     pub problem: Option<String>,
 }
@@ -43,9 +41,7 @@ impl Clips {
         Self {
             names: clips.enumerate().map(named).collect(),
             chosen: None,
-            is_playing: false,
-            speed: 1.0,
-            time_s: 0.0,
+            clock: Clock::new(),
             problem: None,
         }
     }
@@ -53,8 +49,8 @@ impl Clips {
     /// Goes to the beginning of a clip, or to rest.
     pub fn choose(&mut self, clip: Option<usize>) {
         self.chosen = clip;
-        self.time_s = 0.0;
-        self.is_playing &= clip.is_some();
+        self.clock.time_s = 0.0;
+        self.clock.is_playing &= clip.is_some();
     }
 
     /// Length of the chosen clip in seconds; 0 at rest.
@@ -67,17 +63,9 @@ impl Clips {
             .map_or(0.0, |duration| duration.max(0.0))
     }
 
-    /// Lets `dt_s` seconds pass, if it is playing: after the end comes the beginning. Returns whether another moment is
-    /// shown.
+    /// Lets `dt_s` seconds pass, if it is playing. Returns whether another moment is shown.
     pub fn advance(&mut self, dt_s: f64) -> bool {
-        let duration = self.duration_s();
-        let step = dt_s * self.speed;
-        if !self.is_playing || !(duration > 0.0) || !step.is_finite() {
-            return false;
-        }
-        let before = self.time_s;
-        self.time_s = (self.time_s + step).rem_euclid(duration);
-        self.time_s != before
+        self.clock.advance(dt_s, self.duration_s())
     }
 
     /// The joints of the moment, none at rest; and in `q` what the clip says of modes, the others as they are.
@@ -97,7 +85,7 @@ impl Clips {
         };
         let mut locals = vec![LocalTransform::IDENTITY; skeleton.node_count()];
         skeleton.rest(&mut locals)?;
-        clip.sample_over(self.time_s, &mut locals, q)?;
+        clip.sample_over(self.clock.time_s, &mut locals, q)?;
         joints(&skeleton, &locals)
     }
 }
@@ -159,9 +147,12 @@ mod tests {
         assert_eq!(clips.moment(asset, &mut q), Ok(Vec::new()), "at rest");
         assert!(!clips.advance(1.0), "nothing is chosen");
         clips.choose(Some(0));
-        clips.is_playing = true;
+        clips.clock.is_playing = true;
         assert!(clips.advance(1.25));
-        assert_eq!(clips.time_s, 0.25, "after the end comes the beginning");
+        assert_eq!(
+            clips.clock.time_s, 0.25,
+            "after the end comes the beginning"
+        );
         let joints = clips.moment(asset, &mut q).expect("a moment");
         assert_eq!((joints.len(), q), (3, [0.5]), "the clip moves the mode");
         clips.choose(Some(1));
@@ -169,7 +160,7 @@ mod tests {
         clips.moment(asset, &mut q).expect("a moment");
         assert_eq!(q, [0.75], "this one does not");
         clips.choose(None);
-        assert!(!clips.is_playing && clips.duration_s() == 0.0);
+        assert!(!clips.clock.is_playing && clips.duration_s() == 0.0);
     }
 
     #[test]

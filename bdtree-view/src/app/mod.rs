@@ -1,12 +1,14 @@
 //! The viewer without its window: what is shown, and what is known of it.
 
 mod clips;
+mod clock;
 mod playback;
 mod probe;
 mod view;
 
 pub use bdtree_render::Place;
 pub use clips::{ClipName, Clips};
+pub use clock::Clock;
 pub use playback::Playback;
 pub use probe::{Answer, Asker, Probe};
 pub use view::{Grab, View};
@@ -143,8 +145,8 @@ impl<'a> App<'a> {
     pub fn zero(&mut self) {
         self.view.q.fill(0.0);
         self.view.transform = Transform::IDENTITY;
-        self.playback.is_playing = false;
-        self.clips.is_playing = false;
+        self.playback.clock.is_playing = false;
+        self.clips.clock.is_playing = false;
     }
 
     /// Shows the animation's moment.
@@ -177,17 +179,17 @@ impl<'a> App<'a> {
     /// Plays or halts: the chosen clip, or else the animation.
     pub fn toggle(&mut self) {
         match self.clips.chosen {
-            Some(_) => self.clips.is_playing = !self.clips.is_playing,
+            Some(_) => self.clips.clock.is_playing = !self.clips.clock.is_playing,
             None => {
-                let was_playing = self.playback.is_playing;
-                self.playback.is_playing = !was_playing && self.playback.frame_count() > 1;
+                let was_playing = self.playback.clock.is_playing;
+                self.playback.clock.is_playing = !was_playing && self.playback.frame_count() > 1;
             }
         }
     }
 
     /// Whether something moves by itself.
     pub fn is_playing(&self) -> bool {
-        self.playback.is_playing || self.clips.is_playing
+        self.playback.clock.is_playing || self.clips.clock.is_playing
     }
 
     /// Lets time pass.

@@ -5,6 +5,8 @@
 
 use bdtree_runtime::{Asset, Transform};
 
+use super::clock::Clock;
+
 /// Frames per second where the file does not say when frames are shown.
 pub(super) const FRAMES_PER_S: f64 = 30.0;
 
@@ -15,12 +17,8 @@ pub struct Playback {
     times_s: Vec<f64>,
     /// Whether the file says when frames are shown.
     pub is_timed: bool,
-    /// Whether time goes on.
-    pub is_playing: bool,
-    /// 1: as fast as the file says.
-    pub speed: f64,
-    /// Seconds since the first frame.
-    pub time_s: f64,
+    /// The moment; it begins with the first frame.
+    pub clock: Clock,
 }
 
 impl Playback {
@@ -45,9 +43,7 @@ impl Playback {
         Self {
             times_s,
             is_timed,
-            is_playing: false,
-            speed: 1.0,
-            time_s: 0.0,
+            clock: Clock::new(),
         }
     }
 
@@ -63,10 +59,13 @@ impl Playback {
 
     /// The frame that is shown and how far it is to the next one, 0 to 1.
     pub fn position(&self) -> (usize, f64) {
-        let after = self.times_s.partition_point(|t| *t <= self.time_s);
+        let after = self.times_s.partition_point(|t| *t <= self.clock.time_s);
         let frame = after.saturating_sub(1);
         match (self.times_s.get(frame), self.times_s.get(frame + 1)) {
-            (Some(from), Some(to)) => (frame, ((self.time_s - from) / (to - from)).clamp(0.0, 1.0)),
+            (Some(from), Some(to)) => (
+                frame,
+                ((self.clock.time_s - from) / (to - from)).clamp(0.0, 1.0),
+            ),
             _ => (frame, 0.0),
         }
     }
@@ -74,20 +73,12 @@ impl Playback {
     /// Goes to a frame, to the last one where there are fewer.
     pub fn go_to(&mut self, frame: usize) {
         let last = self.times_s.len().saturating_sub(1);
-        self.time_s = self.times_s.get(frame.min(last)).copied().unwrap_or(0.0);
+        self.clock.time_s = self.times_s.get(frame.min(last)).copied().unwrap_or(0.0);
     }
 
-    /// Lets `dt_s` seconds pass, if it is playing: after the last frame comes the first. Returns
-    /// whether another moment is shown.
+    /// Lets `dt_s` seconds pass, if it is playing. Returns whether another moment is shown.
     pub fn advance(&mut self, dt_s: f64) -> bool {
-        let duration = self.duration_s();
-        let step = dt_s * self.speed;
-        if !self.is_playing || !(duration > 0.0) || !step.is_finite() {
-            return false;
-        }
-        let before = self.time_s;
-        self.time_s = (self.time_s + step).rem_euclid(duration);
-        self.time_s != before
+        self.clock.advance(dt_s, self.duration_s())
     }
 
     /// q and the rigid motion of the moment; `None` where there is no frame.
@@ -109,10 +100,10 @@ mod tests {
         let mut playback = Playback::of_times(Some(vec![2.0, 2.5, 4.0]), 3);
         assert_eq!(playback.duration_s(), 2.0, "from the first frame on");
         assert!(!playback.advance(1.0), "halted");
-        playback.is_playing = true;
+        playback.clock.is_playing = true;
         assert!(playback.advance(0.25));
         assert_eq!(playback.position(), (0, 0.5));
-        playback.speed = 2.0;
+        playback.clock.speed = 2.0;
         playback.advance(0.5);
         assert_eq!(playback.position(), (1, 0.5));
         playback.advance(0.5);
@@ -121,9 +112,9 @@ mod tests {
             (0, 0.5),
             "after the end comes the beginning"
         );
-        playback.speed = -1.0;
+        playback.clock.speed = -1.0;
         playback.advance(0.5);
-        assert_eq!(playback.time_s, 1.75, "backwards");
+        assert_eq!(playback.clock.time_s, 1.75, "backwards");
         playback.go_to(7);
         assert_eq!(playback.position(), (2, 0.0));
     }
@@ -138,7 +129,7 @@ mod tests {
         for times in [vec![], vec![3.0], vec![1.0, 1.0]] {
             let count = times.len();
             let mut playback = Playback::of_times(Some(times), count);
-            playback.is_playing = true;
+            playback.clock.is_playing = true;
             assert!(!playback.advance(1.0), "nothing moves");
             assert_eq!(playback.position().1, 0.0);
         }

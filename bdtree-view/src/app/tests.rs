@@ -97,14 +97,14 @@ fn moments_are_frames_and_what_lies_between() {
         let frames = [0, 1].map(|i| app.asset().frame(i).unwrap());
         let [from, to] = frames.map(|frame| frame.time_s().unwrap());
         app.playback.go_to(0);
-        app.playback.is_playing = true;
+        app.playback.clock.is_playing = true;
         app.advance(0.25 * (to - from));
         for (k, q) in app.view.q.iter().enumerate() {
             let expected = 0.75 * frames[0].q()[k] + 0.25 * frames[1].q()[k];
             assert!((q - expected).abs() < 1e-6, "{q} {expected}");
         }
         app.zero();
-        assert!(app.view.q.iter().all(|q| *q == 0.0) && !app.playback.is_playing);
+        assert!(app.view.q.iter().all(|q| *q == 0.0) && !app.playback.clock.is_playing);
     });
 }
 

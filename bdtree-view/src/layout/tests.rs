@@ -24,6 +24,8 @@ struct Person<'a> {
     modifiers: Modifiers,
     /// What can be read, and where.
     texts: Vec<(String, Rect)>,
+    /// What cannot, for its beginning or end is beyond the edge of what it is in.
+    cut: Vec<String>,
     /// The picture's size.
     picture: [u32; 2],
 }
@@ -40,6 +42,7 @@ fn with_person(file: &AssetFile, size: Vec2, test: impl FnOnce(Person<'_>)) {
         time_s: 0.0,
         modifiers: Modifiers::NONE,
         texts: Vec::new(),
+        cut: Vec::new(),
         picture: [0; 2],
     };
     person.wait();
@@ -72,8 +75,10 @@ impl Person<'_> {
         self.picture = size;
         self.app.refresh();
         self.texts.clear();
+        self.cut.clear();
         for clipped in &output.shapes {
-            read(&clipped.shape, clipped.clip_rect, &mut self.texts);
+            let clip = clipped.clip_rect;
+            read(&clipped.shape, clip, &mut self.texts, &mut self.cut);
         }
     }
 
@@ -185,14 +190,17 @@ impl Person<'_> {
     }
 }
 
-/// Texts that are not cut off.
-fn read(shape: &Shape, clip: Rect, texts: &mut Vec<(String, Rect)>) {
+/// Texts that are not cut off, and those that are at the left or right. What is cut above or below is scrolled to.
+fn read(shape: &Shape, clip: Rect, texts: &mut Vec<(String, Rect)>, cut: &mut Vec<String>) {
     match shape {
-        Shape::Vec(shapes) => shapes.iter().for_each(|shape| read(shape, clip, texts)),
+        Shape::Vec(shapes) => shapes.iter().for_each(|s| read(s, clip, texts, cut)),
         Shape::Text(text) => {
             let area = text.visual_bounding_rect();
+            let content = text.galley.text().to_string();
             if clip.contains_rect(area) {
-                texts.push((text.galley.text().to_string(), area));
+                texts.push((content, area));
+            } else if area.left() < clip.left() || area.right() > clip.right() {
+                cut.push(content);
             }
         }
         _ => {}
@@ -209,11 +217,11 @@ fn sliders_go_to_range_and_limit_and_back_to_zero() {
         person.find("range ±0.5000  ·  limit ±512");
         let name = "field 0";
         let [slider, ..] = person.slider(name);
-        person.app.playback.is_playing = true;
+        person.app.playback.clock.is_playing = true;
         person.drag(PointerButton::Primary, slider, FAR);
         assert_eq!(person.app.view.q[0], ends.q_range.get());
         assert_eq!(person.app.view.q[1], 0.0);
-        assert!(!person.app.playback.is_playing, "q is set by hand");
+        assert!(!person.app.playback.clock.is_playing, "q is set by hand");
         person.drag(PointerButton::Primary, slider, -FAR);
         assert_eq!(person.app.view.q[0], -ends.q_range.get());
         person.click_on("limit");
@@ -228,14 +236,19 @@ fn sliders_go_to_range_and_limit_and_back_to_zero() {
     });
 }
 
-#[test]
-fn every_control_is_reached_in_a_small_window() {
+/// A body of forty modes.
+fn forty_modes() -> AssetFile {
     let mesh = bake::bumpy_sphere(8, 1);
     let basis = bake::smooth_basis(&mesh, 40, 1);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("forty.bdt");
     std::fs::write(&path, bake::baked(&mesh, &basis).asset().bytes()).expect("written");
-    let file = AssetFile::read(&path).expect("a file");
+    AssetFile::read(&path).expect("a file")
+}
+
+#[test]
+fn every_control_is_reached_in_a_small_window() {
+    let file = forty_modes();
     with_person(&file, SMALL, |mut person| {
         let [width, height] = person.picture;
         assert!(
@@ -267,6 +280,51 @@ fn every_control_is_reached_in_a_small_window() {
             );
         }
     });
+}
+
+/// Above it the picture, as wide as the window and with a good part of its height; no text of it is cut off.
+#[test]
+fn in_a_narrow_window_the_controls_are_below_the_picture() {
+    let files = [forty_modes(), golden_file("animated.bdt")];
+    for (file, width) in files
+        .iter()
+        .flat_map(|f| [300.0, 400.0, 480.0].map(|w| (f, w)))
+    {
+        with_person(file, vec2(width, 640.0), |mut person| {
+            let [wide, high] = person.picture.map(|n| n as f32);
+            assert!(wide == width && high >= 300.0, "{wide} x {high} pixels");
+            let slider = person.find("range").y;
+            assert!(slider > high, "{slider} in a picture {high} high");
+            let (camera, middle) = (person.camera(), person.middle());
+            person.drag(PointerButton::Primary, middle, vec2(40.0, 0.0));
+            assert_ne!(person.camera(), camera);
+            person.app.view.level = Some(0);
+            person.app.view.has_probe = true;
+            let mut sees_probe = false;
+            for _ in 0..40 {
+                assert_eq!(person.cut, [""; 0], "{width}");
+                sees_probe |= person.sees("where the query ended").is_some();
+                if person.sees("Show all").is_some() {
+                    break;
+                }
+                person.wheel(pos2(0.5 * width, high + 120.0), -60.0);
+            }
+            assert!(sees_probe, "{width}");
+            person.click_on("Show all");
+        });
+    }
+}
+
+#[test]
+fn nothing_is_cut_off_beside_the_picture() {
+    let file = forty_modes();
+    for width in [560.0, 640.0, 1000.0] {
+        with_person(&file, vec2(width, 480.0), |person| {
+            person.find("limit");
+            assert_eq!(person.cut, [""; 0], "{width}");
+            assert!(person.picture[0] as f32 >= 0.5 * width, "{width}");
+        });
+    }
 }
 
 #[test]
@@ -322,21 +380,24 @@ fn the_space_bar_plays_and_halts() {
     with_person(&file, WIDE, |mut person| {
         for plays in [true, false, true] {
             person.key(Key::Space);
-            assert_eq!(person.app.playback.is_playing, plays);
+            assert_eq!(person.app.playback.clock.is_playing, plays);
         }
         person.find("Pause");
         person.click_on("Pause");
-        assert!(!person.app.playback.is_playing);
+        assert!(!person.app.playback.clock.is_playing);
         // In a field with a number it is a character.
         let [_, number, _] = person.slider("field 0");
         person.click(number);
         person.key(Key::Space);
-        assert!(!person.app.playback.is_playing);
+        assert!(!person.app.playback.clock.is_playing);
     });
     let file = golden_file("sphere.bdt");
     with_person(&file, WIDE, |mut person| {
         person.key(Key::Space);
-        assert!(!person.app.playback.is_playing, "there is no animation");
+        assert!(
+            !person.app.playback.clock.is_playing,
+            "there is no animation"
+        );
     });
 }
 

@@ -1,5 +1,6 @@
-//! The controls beside the picture.
+//! The controls beside the picture, or in narrow windows below it.
 
+mod clock;
 mod legend;
 mod modes;
 mod motion;
@@ -22,9 +23,32 @@ const WIDTH_MIN: f32 = 272.0;
 /// The part of a small window that the panel takes.
 const SHARE: f32 = 0.42;
 
-/// The panel's width in a window of a width, both in points.
-pub(crate) fn width(window: f32) -> f32 {
-    (SHARE * window).clamp(WIDTH_MIN, WIDTH)
+/// Points that the panel takes of a window's height below the picture, at least and at most, and its part of it between.
+const HEIGHT: [f32; 2] = [240.0, 460.0];
+const SHARE_BELOW: f32 = 0.5;
+/// What the picture above keeps of a low window.
+const SHARE_LEFT: f32 = 0.3;
+
+/// Where the panel is, with its width or height in points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Side {
+    /// Left of the picture.
+    Left(f32),
+    /// Below it, as wide as the window.
+    Below(f32),
+}
+
+impl Side {
+    /// In a window of a width and a height in points: beside the picture, unless that would leave a picture narrower
+    /// than the panel.
+    pub(crate) fn of(window: egui::Vec2) -> Self {
+        if window.x < 2.0 * WIDTH_MIN {
+            let height = (SHARE_BELOW * window.y).clamp(HEIGHT[0], HEIGHT[1]);
+            Self::Below(height.min((1.0 - SHARE_LEFT) * window.y))
+        } else {
+            Self::Left((SHARE * window.x).clamp(WIDTH_MIN, WIDTH))
+        }
+    }
 }
 
 /// What the window knows and shows.
@@ -123,6 +147,8 @@ fn facts(ui: &mut Ui, app: &App<'_>) {
     ];
     Grid::new("facts")
         .num_columns(4)
+        // Columns of egui's own least width are together wider than the panel of a small window.
+        .min_col_width(0.0)
         .spacing([10.0, 1.0])
         .show(ui, |ui| {
             for pair in cells.chunks(2) {

@@ -91,7 +91,7 @@ fn controls(ui: &mut Ui, app: &mut App<'_>, mode: usize) {
             *q = 0.0;
         }
         if is_moved || is_zeroed {
-            app.playback.is_playing = false;
+            app.playback.clock.is_playing = false;
         }
     });
 }

@@ -2,29 +2,12 @@
 
 use egui::{RichText, Slider, Ui};
 
-use super::style;
+use super::clock;
 use crate::app::App;
 
 pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
     let count = app.playback.frame_count();
-    ui.horizontal(|ui| {
-        let label = if app.playback.is_playing {
-            "Pause"
-        } else {
-            "Play"
-        };
-        if style::button(ui, label).on_hover_text("space").clicked() {
-            app.playback.is_playing = !app.playback.is_playing;
-        }
-        ui.add(
-            egui::DragValue::new(&mut app.playback.speed)
-                .range(-10.0..=10.0)
-                .speed(0.01)
-                .prefix("speed ")
-                .suffix(" ×")
-                .max_decimals(2),
-        );
-    });
+    clock::show(ui, &mut app.playback.clock, ["Play", "Pause"]);
     let (frame, share) = app.playback.position();
     let mut chosen = frame;
     ui.horizontal(|ui| {
@@ -32,7 +15,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
         ui.spacing_mut().slider_width = ui.available_width() - 90.0;
         let slider = Slider::new(&mut chosen, 0..=count - 1).show_value(false);
         if ui.add(slider).changed() {
-            app.playback.is_playing = false;
+            app.playback.clock.is_playing = false;
             app.playback.go_to(chosen);
             app.show_moment();
         }
@@ -48,7 +31,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
     }
     let time = format!(
         "{:.3} s of {:.3} s{}",
-        app.playback.time_s,
+        app.playback.clock.time_s,
         app.playback.duration_s(),
         if app.playback.is_timed {
             ""

@@ -1,8 +1,8 @@
 //! Clips and bones.
 
-use egui::{ComboBox, DragValue, RichText, Slider, Ui};
+use egui::{ComboBox, RichText, Slider, Ui};
 
-use super::style;
+use super::{clock, style};
 use crate::app::App;
 
 pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
@@ -45,33 +45,17 @@ fn choice(ui: &mut Ui, app: &mut App<'_>) {
 /// When.
 fn moment(ui: &mut Ui, app: &mut App<'_>) {
     let duration = app.clips.duration_s();
-    ui.horizontal(|ui| {
-        let label = match app.clips.is_playing {
-            true => "Pause clip",
-            false => "Play clip",
-        };
-        if style::button(ui, label).on_hover_text("space").clicked() {
-            app.clips.is_playing = !app.clips.is_playing;
-        }
-        ui.add(
-            DragValue::new(&mut app.clips.speed)
-                .range(-10.0..=10.0)
-                .speed(0.01)
-                .prefix("speed ")
-                .suffix(" ×")
-                .max_decimals(2),
-        );
-    });
+    clock::show(ui, &mut app.clips.clock, ["Play clip", "Pause clip"]);
     ui.horizontal(|ui| {
         ui.spacing_mut().slider_width = ui.available_width() - 110.0;
-        let mut time_s = app.clips.time_s;
+        let mut time_s = app.clips.clock.time_s;
         let slider = Slider::new(&mut time_s, 0.0..=duration).show_value(false);
         if ui.add(slider).changed() {
-            app.clips.is_playing = false;
-            app.clips.time_s = time_s;
+            app.clips.clock.is_playing = false;
+            app.clips.clock.time_s = time_s;
             app.show_clip();
         }
-        let text = format!("{:.3} / {duration:.3} s", app.clips.time_s);
+        let text = format!("{:.3} / {duration:.3} s", app.clips.clock.time_s);
         ui.label(RichText::new(text).small().weak());
     });
 }

@@ -76,6 +76,20 @@ fn figures_are_those_of_the_files() {
     );
 }
 
+/// However few leaf sizes there are, each is marked below both plots.
+#[test]
+fn leaf_sizes_are_marked_and_named() {
+    let tried = json!({"leaves": [{"leaf_size": 2, "time_rel": 0.9, "bytes": 330},
+        {"leaf_size": 4, "time_rel": 0.6, "bytes": 300}, {"leaf_size": 8, "time_rel": 0.7, "bytes": 280}]});
+    let made = with(&report(), &tried).expect("a guide");
+    let leaves = made.pictures.iter().find(|(key, _)| *key == "leaves");
+    let (_, svg) = leaves.expect("a picture of leaves");
+    for text in ["2", "4", "8", "most triangles of a leaf lane"] {
+        let count = svg.lines().filter(|line| *line == text).count();
+        assert_eq!(count, 2, "{text} in {svg}");
+    }
+}
+
 #[test]
 fn what_is_missing_is_named() {
     let mut lacks = report();

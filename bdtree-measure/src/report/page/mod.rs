@@ -93,24 +93,41 @@ impl Page {
     }
 
     /// A row for each of `rows`, a column for each head and what stands below it; the first `texts` columns are
-    /// text, the others numbers.
+    /// text, the others numbers. Tables of few numbers lie side by side, as plots do.
     fn table<R>(&mut self, rows: &[R], texts: usize, columns: &[Column<'_, R>]) {
         let line = |tag: &str, text: &dyn Fn(&Column<'_, R>) -> String| -> String {
             let cell = |(k, column): (usize, &Column<'_, R>)| {
                 let class = if k < texts { " class=\"text\"" } else { "" };
-                format!("<{tag}{class}>{}</{tag}>", escaped(&text(column)))
+                let mut text = text(column);
+                if tag == "td" && k >= texts {
+                    text = unbroken(&text);
+                }
+                format!("<{tag}{class}>{}</{tag}>", escaped(&text))
             };
             columns.iter().enumerate().map(cell).collect()
         };
         let head = line("th", &|(head, _)| head.to_string());
+        let class = match texts == 0 && columns.len() <= SMALL {
+            true => "small table",
+            false => "table",
+        };
         let mut text = format!(
-            "<div class=\"table\" tabindex=\"0\"><table><thead><tr>{head}</tr></thead><tbody>"
+            "<div class=\"{class}\" tabindex=\"0\"><table><thead><tr>{head}</tr></thead><tbody>"
         );
         for row in rows {
             text += &format!("<tr>{}</tr>", line("td", &|(_, cell)| cell(row)));
         }
         self.line(&(text + "</tbody></table></div>"));
     }
+}
+
+/// The most columns of numbers that fit below a plot, and on a phone.
+const SMALL: usize = 5;
+
+/// A number whose line ends neither before its unit nor in its exponent.
+fn unbroken(number: &str) -> String {
+    let number = number.replace(" %", "\u{202f}%");
+    number.replace("e-", "e\u{2212}")
 }
 
 /// The head of a column, and what a row has there.

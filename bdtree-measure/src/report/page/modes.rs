@@ -2,7 +2,7 @@
 
 use super::super::content::{Content, ModesRow};
 use super::super::text::{grouped, number, percent};
-use super::{Page, line};
+use super::{Column, Page, line};
 use crate::plot::{Axis, Plot};
 
 impl Page {
@@ -50,20 +50,38 @@ impl Page {
             y: Axis::linear("MB"),
             lines: vec![line("bytes", &|r| r.bytes as f64 / 1e6)],
         });
+        self.close();
+        // As the plots above: errors, times, and what they come from.
+        let modes: Column<'_, ModesRow> = ("modes", &|r| r.modes.to_string());
+        self.open();
         self.table::<ModesRow>(
             rows,
             0,
             &[
-                ("modes", &|r| r.modes.to_string()),
+                modes,
                 ("largest error", &|r| number(r.error_max)),
                 ("rms error", &|r| number(r.error_rms)),
                 ("largest / diagonal", &|r| percent(r.error_max_rel)),
                 ("rms / diagonal", &|r| percent(r.error_rms_rel)),
-                ("bytes", &|r| grouped(r.bytes)),
+            ],
+        );
+        self.table::<ModesRow>(
+            rows,
+            0,
+            &[
+                modes,
                 ("ball, µs", &|r| number(r.ball_micros)),
                 ("ray, µs", &|r| number(r.ray_micros)),
                 ("pair, µs", &|r| number(r.pair_micros)),
                 ("time / all", &|r| number(r.time_rel)),
+            ],
+        );
+        self.table::<ModesRow>(
+            rows,
+            0,
+            &[
+                modes,
+                ("bytes", &|r| grouped(r.bytes)),
                 ("ball, visits", &|r| number(r.ball_visits)),
                 ("ray, visits", &|r| number(r.ray_visits)),
                 ("pair, visits", &|r| number(r.pair_visits)),

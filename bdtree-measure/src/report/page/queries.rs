@@ -2,7 +2,7 @@
 
 use super::super::content::{Content, DepthRow};
 use super::super::text::{number, percent};
-use super::{Page, line};
+use super::{Column, Page, line};
 use crate::plot::{Axis, Plot};
 
 impl Page {
@@ -16,7 +16,7 @@ impl Page {
         self.soft(&format!(
             "Queries with a ball of {} of the diagonal that stop at a level and report its spheres, at {} samples; at {} \
              of them the ball touches nothing. Without a level limit a query takes {} µs and visits {} nodes. \
-             With a limit it misses nothing; the table shows the excess area and the depth error.",
+             With a limit it misses nothing; the tables show the excess area and the depth error.",
             percent(content.samples.balls.large_rel),
             content.samples.of_parts.depth,
             percent(whole.apart_rel),
@@ -44,20 +44,30 @@ impl Page {
                 line("no level limit", &|_| whole.ball_micros),
             ],
         });
+        self.close();
+        let level: Column<'_, DepthRow> = ("level", &|r| r.level.to_string());
+        self.open();
         self.table::<DepthRow>(
             rows,
             0,
             &[
-                ("level", &|r| r.level.to_string()),
-                ("µs", &|r| number(r.ball_micros)),
-                ("time / no limit", &|r| number(r.time_rel)),
-                ("visits", &|r| number(r.ball_visits)),
+                level,
                 ("missed area / touched", &|r| percent(r.missed_area_rel)),
                 ("extra area / touched", &|r| percent(r.extra_area_rel)),
-                ("penetration error / diagonal", &|r| {
+                ("depth error / diagonal", &|r| {
                     percent(r.penetration_error_rel)
                 }),
                 ("false positives", &|r| percent(r.false_rel)),
+            ],
+        );
+        self.table::<DepthRow>(
+            rows,
+            0,
+            &[
+                level,
+                ("µs", &|r| number(r.ball_micros)),
+                ("time / no limit", &|r| number(r.time_rel)),
+                ("visits", &|r| number(r.ball_visits)),
             ],
         );
         self.close();

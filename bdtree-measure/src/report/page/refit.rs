@@ -35,6 +35,8 @@ impl Page {
         for curve in &refit.curves {
             self.curve(curve);
         }
+        self.close();
+        self.open();
         for curve in &refit.curves {
             self.table::<CurvePoint>(
                 &curve.points,

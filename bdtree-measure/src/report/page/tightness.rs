@@ -51,7 +51,7 @@ impl Page {
             &rows,
             0,
             &[
-                ("displacement", &|r| percent(r.displacement_rel)),
+                ("moved by", &|r| percent(r.displacement_rel)),
                 ("level", &|r| r.level.to_string()),
                 ("spheres", &|r| r.spheres.to_string()),
                 ("paper, mean / largest", &|r| both(&r.paper)),
