@@ -33,7 +33,7 @@ struct Frame {
 pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
     let (mut bounds, mut levels, mut times) = (Vec::new(), Vec::new(), Vec::new());
     for path in &arguments.files {
-        let model = Model::open(path)?;
+        let model = Model::load(path)?;
         let stem = path.file_stem().unwrap_or_default();
         let name = stem.to_string_lossy();
         let skeleton = model.asset().skeleton();

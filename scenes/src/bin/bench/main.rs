@@ -112,9 +112,7 @@ fn measure(cli: &Cli) -> Result<(&'static str, Vec<Table>)> {
     let (name, tables) = match &cli.command {
         Command::Ball(arguments) => ("ball", ball::run(arguments, rounds(31))),
         Command::Broad(scene) => ("broad", broad::run(scene, rounds(51))),
-        Command::Characters(arguments) => {
-            ("characters", characters::run(arguments, rounds(101)))
-        }
+        Command::Characters(arguments) => ("characters", characters::run(arguments, rounds(101))),
         Command::Depth(arguments) => ("depth", depth::run(arguments, rounds(9))),
         Command::Bake(scene) => ("bake", bake::run(scene)),
         Command::Coherence(arguments) => {
