@@ -57,7 +57,7 @@ pub fn measure(
     let mut seconds = Clockwork::new(subject.check_seconds);
     let bounds = bounds(asset);
     let diagonal = distance(bounds[1], bounds[0]);
-    let samples = Samples::of(asset, SAMPLES);
+    let samples = Samples::of(asset, SAMPLES)?;
     let mut missing = missing(asset, &samples);
     let described = described(asset, &samples, diagonal)?;
     let asked = Sample::all(asset, &samples, bounds)?;
@@ -205,6 +205,7 @@ fn described(
     let count = samples.count;
     let source = match samples.source {
         Source::Frames => format!("{count} frames of the animation"),
+        Source::Clips => format!("{count} poses of clips"),
         Source::Ranges => format!("{count} mixtures of all modes within ± q_range"),
         Source::Rest => "the rest pose".to_string(),
     };

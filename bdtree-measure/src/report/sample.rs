@@ -196,7 +196,7 @@ mod tests {
             &Silent,
         );
         let model = Model::from_bytes(&baked.expect("a sound mesh").bytes).expect("a sound file");
-        let samples = Samples::of(model.asset(), SAMPLES);
+        let samples = Samples::of(model.asset(), SAMPLES).expect("samples");
         Sample::all(model.asset(), &samples, [[0.0; 3], [1.0, 1.0, 0.0]]).expect("samples")
     }
 
