@@ -36,6 +36,7 @@ impl Contender {
         let to = Target {
             deformer: &self.deformer,
             q: &sample.q,
+            bones: &[],
             place: &Place::IDENTITY,
         };
         self.tree.update(to, &mut self.scratch)
@@ -46,6 +47,7 @@ impl Contender {
         let to = Target {
             deformer: &self.deformer,
             q: &sample.q,
+            bones: &[],
             place,
         };
         self.tree.update_untimed(to, &mut self.scratch);
