@@ -6,7 +6,7 @@
 //! vertices at a time, while these are still near.
 
 use bdtree_runtime::BoneMap;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::skin::Columns;
 use crate::{Body, BodySkin, Place};
@@ -59,18 +59,28 @@ impl Deformer {
     /// pose ([`bdtree_runtime::Pose::bone_maps`]), none without a skin.
     pub fn deform(&self, q: &[f32], bones: &[BoneMap], out: &mut [f32]) {
         let out = &mut out[..self.count];
-        self.arch.dispatch(|| match &self.skin {
-            None => self.blocks(0, q, out),
-            Some(skin) => self.carried(skin, q, bones, out),
+        let deformer = self;
+        self.arch.dispatch(Deform {
+            deformer,
+            q,
+            bones,
+            out,
         });
     }
 
     #[inline(always)]
-    fn carried(&self, skin: &BodySkin, q: &[f32], bones: &[BoneMap], out: &mut [f32]) {
+    fn carried<S: Simd>(
+        &self,
+        simd: S,
+        skin: &BodySkin,
+        q: &[f32],
+        bones: &[BoneMap],
+        out: &mut [f32],
+    ) {
         let columns: Vec<Columns> = bones.iter().map(Columns::of).collect();
         for (k, out) in out.chunks_mut(CARRIED * WIDTH).enumerate() {
             self.blocks(CARRIED * k, q, out);
-            skin.carry(WIDTH * k, &columns, out.as_chunks_mut::<3>().0);
+            skin.carry(simd, WIDTH * k, &columns, out.as_chunks_mut::<3>().0);
         }
     }
 
@@ -122,7 +132,50 @@ impl Deformer {
         self.deform(q, bones, scratch);
         let rows = place.rows();
         let out = out[..self.count].as_chunks_mut::<3>().0;
-        self.arch.dispatch(|| move_all(&rows, scratch, out));
+        let from = scratch.as_slice();
+        self.arch.dispatch(MoveAll { rows, from, out });
+    }
+}
+
+/// [`Deformer::deform`]. No closure: that would have wide vectors only where the compiler happens to inline it.
+struct Deform<'a> {
+    deformer: &'a Deformer,
+    q: &'a [f32],
+    bones: &'a [BoneMap],
+    out: &'a mut [f32],
+}
+
+impl WithSimd for Deform<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            deformer,
+            q,
+            bones,
+            out,
+        } = self;
+        match &deformer.skin {
+            None => deformer.blocks(0, q, out),
+            Some(skin) => deformer.carried(simd, skin, q, bones, out),
+        }
+    }
+}
+
+/// Vertices moved to a place.
+struct MoveAll<'a> {
+    rows: [[f32; 4]; 3],
+    from: &'a [f32],
+    out: &'a mut [[f32; 3]],
+}
+
+impl WithSimd for MoveAll<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        move_all(&self.rows, self.from, self.out);
     }
 }
 

@@ -3,6 +3,8 @@
 use bdtree_build::advise::works::at_rest;
 use bdtree_format::InfluenceRecord;
 use bdtree_runtime::{Asset, BoneMap, VertexId};
+use glam::Vec4;
+use pulp::Simd;
 
 use crate::MeasureError;
 
@@ -41,24 +43,32 @@ impl BodySkin {
     /// Carries vertices, of which `first` is the first's number, by bones of [`Columns`]: influences in order, products
     /// and sums rounded separately.
     #[inline(always)]
-    pub(crate) fn carry(&self, first: usize, bones: &[Columns], vertices: &mut [[f32; 3]]) {
+    pub(crate) fn carry<S: Simd>(
+        &self,
+        simd: S,
+        first: usize,
+        bones: &[Columns],
+        vertices: &mut [[f32; 3]],
+    ) {
         for (vertex, p) in (first..).zip(vertices) {
-            let [start, end] = [0, 1].map(|k| self.starts[vertex + k] as usize);
-            // From −0, which keeps the sign of a first product that is −0.
-            let mut blended = [-0.0_f32; 16];
-            for influence in &self.influences[start..end] {
-                let Columns(own) = &bones[usize::from(influence.bone)];
-                for l in 0..16 {
-                    blended[l] += influence.weight * own[l];
+            let (start, end) = (self.starts[vertex], self.starts[vertex + 1]);
+            let influences = &self.influences[start as usize..end as usize];
+            let mut blended = Columns([0.0; 16]);
+            // Vector after vector in registers: left alone, the compiler blends number by number.
+            for (k, out) in S::as_mut_simd_f32s(&mut blended.0).0.iter_mut().enumerate() {
+                // From −0, which keeps the sign of a first product that is −0.
+                let mut sum = simd.splat_f32s(-0.0);
+                for influence in influences {
+                    let own = S::as_simd_f32s(&bones[usize::from(influence.bone)].0).0[k];
+                    sum = simd.add_f32s(sum, simd.mul_f32s(simd.splat_f32s(influence.weight), own));
                 }
+                *out = sum;
             }
             let [x, y, z] = *p;
-            let mut carried = [0.0_f32; 4];
-            for r in 0..4 {
-                carried[r] =
-                    blended[r] * x + blended[4 + r] * y + blended[8 + r] * z + blended[12 + r];
-            }
-            *p = [carried[0], carried[1], carried[2]];
+            let Columns(m) = &blended;
+            let column = |c: usize| Vec4::from_slice(&m[4 * c..]);
+            let carried = column(0) * x + column(1) * y + column(2) * z + column(3);
+            *p = carried.truncate().to_array();
         }
     }
 }
