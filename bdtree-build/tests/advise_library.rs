@@ -2,17 +2,19 @@
 
 use bdtree_build::advise::curve::Bench;
 use bdtree_build::advise::errors::{Errors, Over};
-use bdtree_build::advise::samples::{Samples, Source};
+use bdtree_build::advise::samples::{Bones, Samples, Source};
 use bdtree_build::advise::works::{Contender, Works};
 use bdtree_build::advise::{Goal, Subject, advise};
 use bdtree_build::basis::{Basis, BasisError};
 use bdtree_build::input::RawMesh;
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
+use bdtree_build::recipe::{Motion, Recipe};
 use bdtree_fixtures::bake::{
     baked, baked_with, bumpy_sphere, local_basis, rigid, smooth_basis, with_frames,
 };
-use bdtree_runtime::Model;
+use bdtree_fixtures::models;
+use bdtree_runtime::{Asset, BoneMatrices, JointMatrix, Model, SkeletonPose};
 use rand::RngExt;
 
 const MODES: usize = 7;
@@ -130,7 +132,7 @@ fn samples_are_frames_mixtures_or_the_rest_pose() {
     let (mesh, basis) = animated();
     let model = baked(&mesh, &basis);
     let asset = model.asset();
-    let samples = Samples::of(asset, 4);
+    let samples = Samples::of(asset, 4).expect("samples");
     assert_eq!((samples.source, samples.count), (Source::Frames, 4));
     for (sample, frame) in [0, 2, 5, 8].into_iter().enumerate() {
         assert_eq!(samples.frame(sample), Some(frame));
@@ -145,7 +147,7 @@ fn samples_are_frames_mixtures_or_the_rest_pose() {
         ..basis.clone()
     };
     let model = baked(&mesh, &still);
-    let samples = Samples::of(model.asset(), 24);
+    let samples = Samples::of(model.asset(), 24).expect("samples");
     assert_eq!((samples.source, samples.count), (Source::Ranges, 24));
     for sample in 0..24 {
         let within = samples.q(sample).iter().zip(asset.modes());
@@ -156,18 +158,114 @@ fn samples_are_frames_mixtures_or_the_rest_pose() {
         );
         assert!(within.into_iter().any(|(q, _)| *q != 0.0));
     }
-    assert_eq!(samples, Samples::of(model.asset(), 24));
+    assert_eq!(samples, Samples::of(model.asset(), 24).expect("samples"));
 
-    let samples = Samples::of(baked(&mesh, &rigid(&mesh)).asset(), 24);
+    let samples = Samples::of(baked(&mesh, &rigid(&mesh)).asset(), 24).expect("samples");
     assert_eq!((samples.source, samples.count), (Source::Rest, 1));
 
     // A field that moves nothing has no use at any q.
     let mut zero = smooth_basis(&mesh, 2, 2);
     zero.fields.fill([0.0; 3]);
-    let samples = Samples::of(baked(&mesh, &zero).asset(), 24);
+    let samples = Samples::of(baked(&mesh, &zero).asset(), 24).expect("samples");
     assert_eq!(
         (samples.source, samples.still.as_slice()),
         (Source::Rest, &[0, 1][..])
+    );
+}
+
+/// A fixture's targets, if it has some, and skin.
+fn skinned(name: &str) -> Recipe {
+    let motion = Motion::MorphsElseSkin(Default::default(), Default::default());
+    Recipe::of_surface(models::path(name), motion)
+}
+
+fn joints<'s>(asset: &Asset<'_>, samples: &'s Samples, sample: usize) -> &'s [JointMatrix] {
+    match samples.joints(sample) {
+        BoneMatrices::Joints(joints) if joints.len() == asset.joint_count() => joints,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn bones_are_posed_by_the_clips_or_turned() {
+    let baked = |name| bdtree_build::bake(&skinned(name), &Silent).expect("bakes");
+    let model = Model::from_bytes(&baked("skinned_tube.glb").bytes).expect("a file");
+    let samples = Samples::of(model.asset(), 6).expect("samples");
+    assert_eq!((samples.source, samples.count), (Source::Clips, 6));
+    assert_eq!(samples.bones, Some(Bones::Clips));
+    let mut pose = SkeletonPose::new(&model).expect("a skeleton");
+    let skeleton = model.asset().skeleton().expect("a skeleton");
+    // Two of each of three clips.
+    for sample in 0..6 {
+        let clip = skeleton.clip(sample / 2).expect("a clip");
+        let time_s = [0.25, 0.75][sample % 2] * clip.duration_s();
+        pose.play(sample / 2, time_s).expect("a time");
+        assert_eq!(joints(model.asset(), &samples, sample), pose.joints());
+        assert_eq!(samples.q(sample), pose.q());
+    }
+    // Fewer than clips: each its own.
+    let few = Samples::of(model.asset(), 2).expect("samples");
+    let middle = skeleton.clip(2).expect("a clip").duration_s() / 2.0;
+    pose.play(2, middle).expect("a time");
+    assert_eq!(joints(model.asset(), &few, 1), pose.joints());
+    let without = samples.select(&[]);
+    assert_eq!(
+        joints(model.asset(), &without, 5),
+        joints(model.asset(), &samples, 5)
+    );
+
+    let model = Model::from_bytes(&baked("skinned_12.glb").bytes).expect("a file");
+    let samples = Samples::of(model.asset(), 24).expect("samples");
+    assert_eq!((samples.source, samples.count), (Source::Rest, 24));
+    assert_eq!(samples.bones, Some(Bones::Turns));
+    assert_eq!(samples, Samples::of(model.asset(), 24).expect("samples"));
+    let rest = SkeletonPose::new(&model).expect("a skeleton");
+    assert_eq!(joints(model.asset(), &samples, 0), rest.joints());
+    for sample in 1..24 {
+        // About itself: a joint that hangs from nothing that is turned stays where it is.
+        let (turned, still) = (joints(model.asset(), &samples, sample)[0], rest.joints()[0]);
+        assert_eq!(turned.map(|row| row[3]), still.map(|row| row[3]));
+        let cosine: f64 = (0..3)
+            .map(|r| (0..3).map(|c| turned[r][c] * still[r][c]).sum::<f64>())
+            .sum();
+        let angle = (0.5 * (cosine - 1.0)).min(1.0).acos().to_degrees();
+        assert!(angle > 0.0 && angle <= 20.0, "{angle}");
+    }
+}
+
+#[test]
+fn advice_on_a_character_is_of_its_clips() {
+    let subject = Subject::of_recipe(&skinned("skinned_tube.glb"), None, &Silent);
+    let subject = subject.expect("a subject");
+    let bench = Bench::new(&subject, 6, 0.0, &Silent).expect("bench");
+    let (whole, points) = bench
+        .points(&[(&[], 4), (&[0], 2)], &Silent)
+        .expect("points");
+    assert_eq!(bench.samples.bones, Some(Bones::Clips));
+    // The file is the one that a bake makes: skin, skeleton and clips.
+    let baked = bdtree_build::bake(&skinned("skinned_tube.glb"), &Silent).expect("bakes");
+    let provenance = baked.bytes.len() as f64;
+    assert!((whole.bytes as f64 / provenance - 1.0).abs() < 0.02);
+    // Without its mode clips move the skeleton alone.
+    assert!(points[0].bytes < whole.bytes);
+    // Leaves change no answer.
+    let found = |k: usize| points[k].measured.works().map(|(_, work)| work.found);
+    assert_eq!(found(1), whole.measured.works().map(|(_, work)| work.found));
+    assert_ne!(found(0), found(1));
+    let goal = Goal {
+        samples: 6,
+        seconds: 0.0,
+        ..Goal::default()
+    };
+    let advice = advise(&subject, &goal, &Silent).expect("advice");
+    let words = advice.sentences().join(" ");
+    assert!(
+        words.contains("Times are those of 6 poses of the clips."),
+        "{words}"
+    );
+    assert!(
+        words.contains("Errors are those before bones carry the vertices."),
+        "{words}"
     );
 }
 
@@ -179,7 +277,7 @@ fn questions_find_the_same_whatever_the_leaves() {
         ..BakeSettings::default()
     };
     let models = [1, 4, 9].map(|size| baked_with(&mesh, &basis, &settings(size)));
-    let samples = Samples::of(models[0].asset(), 6);
+    let samples = Samples::of(models[0].asset(), 6).expect("samples");
     let works = Works::new(models[0].asset(), &samples).expect("questions");
     let measured = models.each_ref().map(|model| {
         let contender = Contender {

@@ -1,15 +1,17 @@
-//! A mesh and its modes, as contenders take them.
+//! A mesh with its modes and bones, as contenders take them.
 
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::input::RawMesh;
 use bdtree_runtime::{Asset, FormatError, TriangleId, VertexId};
 
-/// A mesh with its modes, in the numbers that all contenders get.
+use crate::{BodySkin, MeasureError};
+
+/// A mesh with its modes and bones, in the numbers that all contenders get.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// For tables and file names.
     pub name: &'static str,
-    /// Rest positions.
+    /// Rest positions, before bones.
     pub positions: Vec<[f32; 3]>,
     /// Corners.
     pub triangles: Vec<[u32; 3]>,
@@ -17,10 +19,12 @@ pub struct Body {
     pub fields: Vec<[f32; 3]>,
     /// Number of modes M.
     pub modes: usize,
+    /// What carries the vertices after the modes have moved them.
+    pub skin: Option<BodySkin>,
 }
 
 impl Body {
-    /// The mesh as the builder takes it.
+    /// The mesh as the builder takes it, without bones.
     pub fn mesh(&self) -> RawMesh {
         RawMesh {
             name: self.name.to_string(),
@@ -46,11 +50,12 @@ impl Body {
         }
     }
 
-    /// The same mesh without modes.
+    /// The same mesh without modes and bones.
     pub fn rigid(&self) -> Body {
         Body {
             fields: Vec::new(),
             modes: 0,
+            skin: None,
             ..self.clone()
         }
     }
@@ -59,7 +64,7 @@ impl Body {
     ///
     /// # Errors
     /// Records that break the format's rules.
-    pub fn of_asset(asset: &Asset<'_>) -> Result<Self, FormatError> {
+    pub fn of_asset(asset: &Asset<'_>) -> Result<Self, MeasureError> {
         let vertices = 0..asset.vertex_count() as u32;
         let modes = asset.mode_count();
         let count = asset.vertex_count();
@@ -77,6 +82,15 @@ impl Body {
             triangles: triangles.collect::<Result<_, FormatError>>()?,
             fields,
             modes,
+            skin: BodySkin::of_asset(asset)?,
         })
+    }
+
+    /// Vertices where the source shows them without an animation: trees that are refitted are built there, since the
+    /// bind spaces of several meshes may lie over each other.
+    pub fn at_rest(&self) -> &[[f32; 3]] {
+        self.skin
+            .as_ref()
+            .map_or(&self.positions, |skin| &skin.rest)
     }
 }

@@ -1,17 +1,23 @@
 //! Deforming all vertices, which every library that refits its tree has to do first.
 //!
-//! The product's leaf arithmetic (SPEC 5.5), so that all contenders see the same
+//! The product's leaf arithmetic (SPEC 5.5 and 5.9), so that all contenders see the same
 //! vertices: `p + (((U_1 q_1) + U_2 q_2) + …)` in f32, products and sums rounded separately. Sixteen
-//! coordinates at a time from one sequential stream, in the widest vectors of the processor.
+//! coordinates at a time from one sequential stream, in the widest vectors of the processor. Bones then carry sixteen
+//! vertices at a time, while these are still near.
 
-use pulp::Arch;
+use bdtree_runtime::BoneMap;
+use pulp::{Arch, Simd, WithSimd};
 
-use crate::{Body, Place};
+use crate::skin::Columns;
+use crate::{Body, BodySkin, Place};
 
 /// Coordinates of a block.
 const WIDTH: usize = 16;
 
-/// A body's positions and modes in the order in which they are read.
+/// Blocks after which bones carry their vertices: whole vertices end with them.
+const CARRIED: usize = 3;
+
+/// A body's positions, modes and bones in the order in which they are read.
 #[derive(Debug, Clone)]
 pub struct Deformer {
     arch: Arch,
@@ -21,6 +27,7 @@ pub struct Deformer {
     rest: Vec<[f32; WIDTH]>,
     /// Block after block, in it mode after mode.
     fields: Vec<[f32; WIDTH]>,
+    skin: Option<BodySkin>,
 }
 
 impl Deformer {
@@ -44,19 +51,45 @@ impl Deformer {
             modes: body.modes,
             rest,
             fields,
+            skin: body.skin.clone(),
         }
     }
 
-    /// Writes x, y, z of all vertices at q to `out`, which holds [`Deformer::count`] numbers or more.
-    pub fn deform(&self, q: &[f32], out: &mut [f32]) {
-        self.arch.dispatch(|| self.blocks(q, out));
+    /// Writes x, y, z of all vertices at q to `out`, which holds [`Deformer::count`] numbers or more. `bones`: those of a
+    /// pose ([`bdtree_runtime::Pose::bone_maps`]), none without a skin.
+    pub fn deform(&self, q: &[f32], bones: &[BoneMap], out: &mut [f32]) {
+        let out = &mut out[..self.count];
+        let deformer = self;
+        self.arch.dispatch(Deform {
+            deformer,
+            q,
+            bones,
+            out,
+        });
     }
 
     #[inline(always)]
-    fn blocks(&self, q: &[f32], out: &mut [f32]) {
-        let (whole, rest) = out[..self.count].as_chunks_mut::<WIDTH>();
-        let last = whole.len();
-        for (k, out) in whole.iter_mut().enumerate() {
+    fn carried<S: Simd>(
+        &self,
+        simd: S,
+        skin: &BodySkin,
+        q: &[f32],
+        bones: &[BoneMap],
+        out: &mut [f32],
+    ) {
+        let columns: Vec<Columns> = bones.iter().map(Columns::of).collect();
+        for (k, out) in out.chunks_mut(CARRIED * WIDTH).enumerate() {
+            self.blocks(CARRIED * k, q, out);
+            skin.carry(simd, WIDTH * k, &columns, out.as_chunks_mut::<3>().0);
+        }
+    }
+
+    /// Moves by q what `out` holds from a block on.
+    #[inline(always)]
+    fn blocks(&self, first: usize, q: &[f32], out: &mut [f32]) {
+        let (whole, rest) = out.as_chunks_mut::<WIDTH>();
+        let last = first + whole.len();
+        for (k, out) in (first..).zip(whole.iter_mut()) {
             *out = self.block(k, q);
         }
         if !rest.is_empty() {
@@ -83,16 +116,66 @@ impl Deformer {
     }
 
     /// The same, moved to a place; `scratch` holds the unmoved vertices meanwhile.
-    pub fn deform_at(&self, q: &[f32], place: &Place, scratch: &mut Vec<f32>, out: &mut [f32]) {
+    pub fn deform_at(
+        &self,
+        q: &[f32],
+        bones: &[BoneMap],
+        place: &Place,
+        scratch: &mut Vec<f32>,
+        out: &mut [f32],
+    ) {
         if *place == Place::IDENTITY {
-            self.deform(q, out);
+            self.deform(q, bones, out);
             return;
         }
         scratch.resize(self.count, 0.0);
-        self.deform(q, scratch);
+        self.deform(q, bones, scratch);
         let rows = place.rows();
         let out = out[..self.count].as_chunks_mut::<3>().0;
-        self.arch.dispatch(|| move_all(&rows, scratch, out));
+        let from = scratch.as_slice();
+        self.arch.dispatch(MoveAll { rows, from, out });
+    }
+}
+
+/// [`Deformer::deform`]. No closure: that would have wide vectors only where the compiler happens to inline it.
+struct Deform<'a> {
+    deformer: &'a Deformer,
+    q: &'a [f32],
+    bones: &'a [BoneMap],
+    out: &'a mut [f32],
+}
+
+impl WithSimd for Deform<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            deformer,
+            q,
+            bones,
+            out,
+        } = self;
+        match &deformer.skin {
+            None => deformer.blocks(0, q, out),
+            Some(skin) => deformer.carried(simd, skin, q, bones, out),
+        }
+    }
+}
+
+/// Vertices moved to a place.
+struct MoveAll<'a> {
+    rows: [[f32; 4]; 3],
+    from: &'a [f32],
+    out: &'a mut [[f32; 3]],
+}
+
+impl WithSimd for MoveAll<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        move_all(&self.rows, self.from, self.out);
     }
 }
 

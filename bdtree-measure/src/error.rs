@@ -1,7 +1,8 @@
 //! Why something could not be measured.
 
 use bdtree_build::advise::AdviceError;
-use bdtree_runtime::{FormatError, PoseError, QueryError};
+use bdtree_build::advise::works::WorksError;
+use bdtree_runtime::{FormatError, PoseError, QueryError, SkeletonError};
 
 /// Why an asset could not be measured: of a file whose rules were checked before, one that changed since, say.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +15,10 @@ pub enum MeasureError {
     Pose(#[from] PoseError),
     /// A query gave no answer.
     Query(#[from] QueryError),
+    /// A clip cannot be played.
+    Skeleton(#[from] SkeletonError),
+    /// Bones at rest are refused.
+    Works(#[from] WorksError),
     /// The asset could not be baked with fewer modes.
     Advice(#[from] AdviceError),
 }

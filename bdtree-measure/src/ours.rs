@@ -1,13 +1,33 @@
 //! The product as one of those who are compared: a pose, then queries, in memory that is kept.
 
 use bdtree_runtime::{
-    Asset, Ball, CacheSize, Contact, Query, QueryError, Ray, StepCache, Transform, Workspace,
+    Asset, Ball, BoneMatrices, CacheSize, Contact, Query, QueryError, Ray, StepCache, Transform,
+    Workspace,
 };
 
 use crate::MeasureError;
 use crate::clock::Clock;
 use crate::comparison::CACHED;
 use crate::turns::{Frame, Nodes};
+
+/// What a body is posed by.
+#[derive(Debug, Clone, Copy)]
+pub struct Posture<'a> {
+    /// One number per mode.
+    pub q: &'a [f32],
+    /// Where its bones are.
+    pub bones: BoneMatrices<'a>,
+}
+
+/// Bones at rest, or none.
+impl<'a, Q: AsRef<[f32]> + ?Sized> From<&'a Q> for Posture<'a> {
+    fn from(q: &'a Q) -> Self {
+        Self {
+            q: q.as_ref(),
+            bones: BoneMatrices::Rest,
+        }
+    }
+}
 
 /// An asset with the memory that it is asked in.
 pub struct Ours<'a> {
@@ -53,11 +73,14 @@ impl<'a> Ours<'a> {
     /// A pose and so many queries, each of which adds what it found to the step's.
     fn step<Q>(
         &mut self,
-        q: &[f32],
+        Posture { q, bones }: Posture<'_>,
         queries: impl ExactSizeIterator<Item = Q>,
         mut ask: impl FnMut(&mut Query<'_, '_>, &mut Vec<Contact>, Q) -> Result<u64, QueryError>,
     ) -> Result<Answer, MeasureError> {
-        let pose = self.asset.pose(q, Transform::IDENTITY, &mut self.memory)?;
+        let here = Transform::IDENTITY;
+        let pose = self
+            .asset
+            .pose_with_bones(q, bones, here, &mut self.memory)?;
         let mut step = pose.query(&mut self.workspace);
         if let Some(cache) = self.cache.as_mut().filter(|_| queries.len() >= CACHED) {
             cache.start(&pose);
@@ -74,13 +97,13 @@ impl<'a> Ours<'a> {
     /// A step of balls, by center and radius.
     ///
     /// # Errors
-    /// q beyond its limits, a ball that is none.
-    pub fn balls(
+    /// A posture beyond the limits, a ball that is none.
+    pub fn balls<'p>(
         &mut self,
-        q: &[f32],
+        posture: impl Into<Posture<'p>>,
         balls: impl ExactSizeIterator<Item = ([f64; 3], f64)>,
     ) -> Result<Answer, MeasureError> {
-        self.step(q, balls, |step, found, (center, radius)| {
+        self.step(posture.into(), balls, |step, found, (center, radius)| {
             found.clear();
             step.contacts(Ball::new(center, radius), found)?;
             Ok(found.len() as u64)
@@ -90,13 +113,13 @@ impl<'a> Ours<'a> {
     /// A step of rays, by origin and direction: the nearest hit of each.
     ///
     /// # Errors
-    /// q beyond its limits, a ray that is none.
-    pub fn rays(
+    /// A posture beyond the limits, a ray that is none.
+    pub fn rays<'p>(
         &mut self,
-        q: &[f32],
+        posture: impl Into<Posture<'p>>,
         rays: impl ExactSizeIterator<Item = [[f64; 3]; 2]>,
     ) -> Result<Answer, MeasureError> {
-        self.step(q, rays, |step, _, [origin, direction]| {
+        self.step(posture.into(), rays, |step, _, [origin, direction]| {
             let hit = step.cast_ray(&Ray::new(origin, direction))?;
             Ok(u64::from(hit.is_some()))
         })

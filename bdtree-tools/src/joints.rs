@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use bdtree_runtime::{Asset, JointMatrix, Model, SkeletonPose};
+use bdtree_runtime::{Asset, JointMatrix, Model, SkeletonError, SkeletonPose};
 use npyz::NpyFile;
 
 use crate::q::counted;
@@ -32,12 +32,21 @@ pub(crate) fn played(
             _ => format!("asset {asset_name} has no clip {clip:?}; its clips are {names:?}"),
         });
     };
-    let play = || {
-        let mut pose = SkeletonPose::new(model)?;
-        pose.play(index, time_s)?;
-        Ok((pose.q().to_vec(), pose.joints().to_vec()))
-    };
-    play().map_err(|error: bdtree_runtime::SkeletonError| error.to_string())
+    played_at(model, index, time_s).map_err(|error| error.to_string())
+}
+
+/// The same of a clip by its number, from 0.
+///
+/// # Errors
+/// No such clip, a time that is not finite, a file that breaks the format's rules.
+pub(crate) fn played_at(
+    model: &Model,
+    clip: usize,
+    time_s: f64,
+) -> Result<(Vec<f32>, Vec<JointMatrix>), SkeletonError> {
+    let mut pose = SkeletonPose::new(model)?;
+    pose.play(clip, time_s)?;
+    Ok((pose.q().to_vec(), pose.joints().to_vec()))
 }
 
 /// Refuses another number of matrices than the asset has joints.

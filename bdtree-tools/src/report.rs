@@ -38,11 +38,6 @@ pub fn run(
         check_target(path, &arguments.file, &["html", "htm"], ".html")?;
     }
     let file = AssetFile::map(&arguments.file)?;
-    if file.asset().has_skin() {
-        // Deform + refit beside it would have to skin, too.
-        let message = "has a skin, and reports measure none: bdtree info and verify --stress do";
-        return Err(ToolError::input(arguments.file.display(), message));
-    }
     if let Some(path) = &target {
         check_writable(path)?;
     }

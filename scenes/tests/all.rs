@@ -4,4 +4,5 @@
 mod experiments;
 mod paper_tree;
 mod peers;
+mod skins;
 mod workloads;

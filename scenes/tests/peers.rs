@@ -32,6 +32,7 @@ impl Case {
         Target {
             deformer: &self.deformer,
             q,
+            bones: &[],
             place,
         }
     }
@@ -39,7 +40,8 @@ impl Case {
     /// All triangles at q and a place, moved in f32 as the peers do.
     fn triangles(&self, q: &[f32], place: &Place) -> Vec<Triangle> {
         let mut out = vec![0.0; self.deformer.count];
-        self.deformer.deform_at(q, place, &mut Vec::new(), &mut out);
+        self.deformer
+            .deform_at(q, &[], place, &mut Vec::new(), &mut out);
         let points = out.as_chunks::<3>().0;
         let corners = |t: &[u32; 3]| t.map(|v| points[v as usize].map(f64::from));
         self.body.triangles.iter().map(corners).collect()

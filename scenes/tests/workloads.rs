@@ -133,7 +133,7 @@ fn deformation_is_the_products() {
         let mut out = vec![0.0; deformer.count];
         let mut memory = vec![0.0; asset.pose_len()];
         for q in sequence(5, body.modes, 0.8, 77).chunks_exact(body.modes) {
-            deformer.deform(q, &mut out);
+            deformer.deform(q, &[], &mut out);
             let pose = asset
                 .pose(q, Transform::IDENTITY, &mut memory)
                 .expect("pose");

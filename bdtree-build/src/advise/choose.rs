@@ -3,7 +3,7 @@
 use super::AdviceError;
 use super::curve::{Bench, POINTS_MAX, Point, counts};
 use super::errors::Over;
-use super::samples::Source;
+use super::samples::{Bones, Source};
 use super::subject::Subject;
 use crate::progress::Progress;
 
@@ -64,8 +64,10 @@ pub struct Advice {
     pub are_bounds: bool,
     /// What the error is taken over.
     pub over: Over,
-    /// Where the samples come from, and how many there are.
+    /// Where the q of samples come from, and how many there are.
     pub samples: (Source, usize),
+    /// Where their bones come from; `None` without a skin.
+    pub bones: Option<Bones>,
     /// Number of frames of the animation; 0 without.
     pub frames: usize,
     /// Number of modes that the source has, where it is known and more may be baked than [`Advice::all`] has.
@@ -156,6 +158,7 @@ pub fn advise(
         are_bounds: subject.errors.are_bounds(modes.len()),
         over: subject.errors.over,
         samples: (bench.samples.source, bench.samples.count),
+        bones: bench.samples.bones,
         frames: subject
             .basis
             .animation

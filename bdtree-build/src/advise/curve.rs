@@ -1,5 +1,7 @@
 //! An asset baked again with fewer modes or other leaves, and measured beside itself with all.
 
+use std::borrow::Cow;
+
 use bdtree_runtime::Model;
 use serde::Serialize;
 
@@ -9,7 +11,7 @@ use super::subject::Subject;
 use super::works::{Contender, Measured, Works};
 use crate::basis::BasisError;
 use crate::basis::dropped::select;
-use crate::pipeline::{BakeSettings, Provenance, bake_fields, default_leaf_size};
+use crate::pipeline::{BakeSettings, Provenance, bake_fields, bake_skinned, default_leaf_size};
 use crate::progress::{Progress, Silent};
 
 /// Numbers of modes that a curve has at most.
@@ -56,7 +58,7 @@ pub struct Bench<'s> {
     subject: &'s Subject,
     file: Model,
     nodes: usize,
-    /// The q at which it is measured.
+    /// The poses in which it is measured.
     pub samples: Samples,
     works: Works,
     rounds: usize,
@@ -76,7 +78,7 @@ impl<'s> Bench<'s> {
     ) -> Result<Self, AdviceError> {
         let (file, nodes) = baked(subject, None, &subject.settings, progress)?;
         let asset = file.asset();
-        let samples = Samples::of(asset, samples);
+        let samples = Samples::of(asset, samples)?;
         let works = Works::new(asset, &samples)?;
         let contender = Contender {
             asset,
@@ -196,9 +198,14 @@ fn baked(
     progress: &dyn Progress,
 ) -> Result<(Model, usize), AdviceError> {
     let fewer;
+    let mut skin = Cow::Borrowed(&subject.skin);
     let basis = match modes {
         Some(modes) if modes.len() < subject.basis.mode_count() => {
             fewer = select(&subject.basis, modes);
+            if let Some(skin) = skin.to_mut() {
+                // Clips move what is left.
+                skin.keep_targets(modes);
+            }
             &fewer
         }
         _ => &subject.basis,
@@ -208,7 +215,11 @@ fn baked(
         warnings: Vec::new(),
         ..subject.provenance.clone()
     };
-    let baked = bake_fields(&subject.mesh, basis, settings, &provenance, progress)?;
+    let mesh = &subject.mesh;
+    let baked = match skin.as_ref() {
+        Some(skin) => bake_skinned(mesh, basis, skin, settings, &provenance, progress)?,
+        None => bake_fields(mesh, basis, settings, &provenance, progress)?,
+    };
     Ok((Model::from_bytes(&baked.bytes)?, baked.report.nodes))
 }
 

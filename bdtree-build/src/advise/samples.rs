@@ -1,8 +1,10 @@
-//! The q at which an asset is judged.
+//! The q at which an asset is judged, and where its bones are then.
 
-use bdtree_runtime::Asset;
+use bdtree_runtime::{Asset, BoneMatrices, JointMatrix, SkeletonError};
 use serde::Serialize;
 
+pub use super::postures::Bones;
+use super::postures::postures;
 use crate::report::random::Random;
 
 /// Samples unless told otherwise.
@@ -12,28 +14,34 @@ pub const SAMPLES: usize = 24;
 /// still: f32 rounds off as much.
 const STILL: f64 = 1.0 / (1 << 24) as f64;
 
-/// Where samples come from.
+/// Where the q of samples come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
     /// Frames of the asset's animation.
     Frames,
+    /// Clips of the asset's skeleton.
+    Clips,
     /// No animation that moves anything: mixtures of all modes, each anywhere within ±`q_range`, the same in every run.
     Ranges,
-    /// No modes, or none that moves anything: the rest pose alone.
+    /// No modes, or none that moves anything: all 0.
     Rest,
 }
 
-/// Reduced coordinates that stand for what an asset does.
+/// Reduced coordinates and bones that stand for what an asset does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
-    /// Where they come from.
+    /// Where q come from.
     pub source: Source,
+    /// Where bones come from; `None` without a skin.
+    pub bones: Option<Bones>,
     /// Number of modes M.
     pub mode_count: usize,
     /// `q[s * M + j]` is q_j of sample s.
     q: Vec<f32>,
     frames: Vec<usize>,
+    /// One matrix per joint, sample after sample.
+    joints: Vec<JointMatrix>,
     /// Number of samples: at least 1.
     pub count: usize,
     /// Modes that move nothing: zero fields, and ranges so small that f32 rounds them off. What they would do
@@ -46,17 +54,46 @@ impl Samples {
     /// and the last among them; without one that moves anything mixtures within ±`q_range`; where no mode moves anything,
     /// the rest pose. Rigid motions of frames are left out: they change no answer.
     ///
+    /// Of an asset with a skin exactly `most`: as many of each clip as of any other, in the middles of equal parts of its
+    /// time; without clips, the rest pose and the joints turned by up to 20° about themselves. q is the clips' where
+    /// they move a mode, else as above.
+    ///
     /// Numbers of frames are the file's: where nobody has verified them, [`bdtree_runtime::Asset::pose`] still
     /// checks what it takes.
-    pub fn of(asset: &Asset<'_>, most: usize) -> Self {
+    ///
+    /// # Errors
+    /// A skeleton that breaks the format's rules.
+    pub fn of(asset: &Asset<'_>, most: usize) -> Result<Self, SkeletonError> {
         let most = most.max(1);
+        let mut samples = Self::of_modes(asset, most);
+        let Some(skeleton) = asset.skeleton() else {
+            return Ok(samples);
+        };
+        let found = postures(asset, &skeleton, most)?;
+        let is_still = samples.still.len() == samples.mode_count;
+        if found.q.iter().any(|q| *q != 0.0) {
+            samples.source = Source::Clips;
+            samples.q = found.q;
+        } else if is_still {
+            samples.q = found.q;
+        }
+        samples.count = most;
+        samples.bones = Some(found.bones);
+        samples.joints = found.joints;
+        Ok(samples)
+    }
+
+    /// Without bones.
+    fn of_modes(asset: &Asset<'_>, most: usize) -> Self {
         let mode_count = asset.mode_count();
         let still = still_modes(asset);
         let mut samples = Self {
             source: Source::Rest,
+            bones: None,
             mode_count,
             q: vec![0.0; mode_count],
             frames: Vec::new(),
+            joints: Vec::new(),
             count: 1,
             still,
         };
@@ -97,6 +134,18 @@ impl Samples {
         &self.q[sample * self.mode_count..(sample + 1) * self.mode_count]
     }
 
+    /// Where the bones of a sample are, as poses take them.
+    ///
+    /// # Panics
+    /// When `sample` is not below [`Samples::count`].
+    pub fn joints(&self, sample: usize) -> BoneMatrices<'_> {
+        if self.bones.is_none() {
+            return BoneMatrices::Rest;
+        }
+        let count = self.joints.len() / self.count;
+        BoneMatrices::Joints(&self.joints[sample * count..(sample + 1) * count])
+    }
+
     /// The frame of a sample, from 0, where it is one.
     pub fn frame(&self, sample: usize) -> Option<usize> {
         self.frames.get(sample).copied()
@@ -116,6 +165,7 @@ impl Samples {
             mode_count: modes.len(),
             still: self.still.iter().filter_map(place).collect(),
             frames: self.frames.clone(),
+            joints: self.joints.clone(),
             ..*self
         }
     }
@@ -135,7 +185,7 @@ fn still_modes(asset: &Asset<'_>) -> Vec<usize> {
 }
 
 /// At most `most` of `0..count`, evenly apart, the first and the last among them.
-fn evenly(count: usize, most: usize) -> Vec<usize> {
+pub(super) fn evenly(count: usize, most: usize) -> Vec<usize> {
     let chosen = most.min(count);
     let gaps = chosen.saturating_sub(1).max(1);
     let place = |i: usize| {

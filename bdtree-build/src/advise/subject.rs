@@ -9,7 +9,7 @@ use super::errors::{Errors, Over};
 use crate::basis::dropped::{Keep, keep_fields};
 use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use crate::error::BakeError;
-use crate::input::{GroupKind, RawGroup, RawMesh};
+use crate::input::{GroupKind, RawGroup, RawMesh, RawSkin};
 use crate::motion;
 use crate::pipeline::{BakeSettings, Provenance};
 use crate::progress::Progress;
@@ -40,6 +40,8 @@ pub struct Subject {
     pub mesh: RawMesh,
     /// All fields that there are. Advice is to keep the first few of them.
     pub basis: Basis,
+    /// What carries the vertices, where that is known ([`Subject::of_asset`] does not know it).
+    pub skin: Option<RawSkin>,
     /// How it is baked.
     pub settings: BakeSettings,
     /// Where the fields came from.
@@ -93,8 +95,8 @@ impl Subject {
                         the error.";
             missing.push(text.to_string());
         }
-        if moving.skin.is_some() {
-            let text = "What is advised is measured before bones carry the vertices: the skin is left out.";
+        if moving.skin.is_some() && moving.basis.mode_count() > 0 {
+            let text = "Errors are those before bones carry the vertices.";
             missing.push(text.to_string());
         }
         let errors = match moving.errors_of_first {
@@ -109,6 +111,7 @@ impl Subject {
         Ok(Self {
             mesh: moving.mesh,
             basis: moving.basis,
+            skin: moving.skin,
             settings: recipe.settings.clone(),
             provenance,
             errors,
@@ -118,7 +121,7 @@ impl Subject {
     }
 
     /// What an opened file holds: its numbers are exact, so that a bake of all modes with these settings gives the
-    /// same tree. Threads stay 1.
+    /// same tree. Threads stay 1. A skin is left out, which `missing` says.
     ///
     /// # Errors
     /// Records that break the format's rules.
@@ -136,6 +139,10 @@ impl Subject {
         };
         let basis = basis(asset, &metadata)?;
         missing.extend(assumed_ranges(&metadata.basis, &metadata.settings));
+        if asset.has_skin() {
+            let text = "What is advised is measured before bones carry the vertices: the skin is left out.";
+            missing.push(text.to_string());
+        }
         let own = metadata.basis_error_rel.map(basis_error);
         // Weights of a face are its user's; a clip is an example.
         let over = if metadata.basis == "morph" {
@@ -159,6 +166,7 @@ impl Subject {
                 ..mesh
             },
             basis,
+            skin: None,
             missing,
             modes_available: None,
         })

@@ -3,7 +3,7 @@
 use super::choose::Advice;
 use super::curve::Point;
 use super::errors::Over;
-use super::samples::Source;
+use super::samples::{Bones, Source};
 use super::works::Work;
 
 /// Savings below this are within what one run measures.
@@ -23,6 +23,7 @@ impl Advice {
         sentences.extend(self.savings());
         sentences.extend(self.leaf());
         sentences.extend(self.bounds());
+        sentences.extend(self.posed());
         sentences.extend(self.unknown());
         sentences.extend(self.missing.iter().cloned());
         sentences
@@ -31,7 +32,11 @@ impl Advice {
     fn modes(&self) -> String {
         let (kept, all) = (self.chosen.modes.len(), self.all.modes.len());
         if all == 0 {
-            return "The asset is rigid: there are no modes to choose from.".to_string();
+            let what = match self.bones {
+                Some(_) => "Bones alone move the asset",
+                None => "The asset is rigid",
+            };
+            return format!("{what}: there are no modes to choose from.");
         }
         let over = match self.over {
             Over::Source => format!("measured against all {} frames of the source", self.frames),
@@ -194,11 +199,26 @@ impl Advice {
         })
     }
 
+    /// What bones did while times were taken.
+    fn posed(&self) -> Option<String> {
+        let count = self.samples.1;
+        Some(match self.bones? {
+            Bones::Clips => format!("Times are those of {count} poses of the clips."),
+            Bones::Turns => format!(
+                "There are no clips: times are those of {count} poses whose joints are turned by up to 20°."
+            ),
+        })
+    }
+
     /// What the figures rest on where that is less than an animation.
     fn unknown(&self) -> Option<String> {
         let (source, count) = self.samples;
         let text = match source {
-            Source::Frames => return None,
+            Source::Frames | Source::Clips => return None,
+            Source::Rest if self.bones.is_some() => return None,
+            Source::Ranges if self.bones.is_some() => {
+                "No clip moves a mode: each pose has a mixture of all modes within q_range.".to_string()
+            }
             Source::Rest if self.all.modes.is_empty() => "Times are those of the rest pose.".to_string(),
             Source::Rest => "No mode moves anything within its range and no animation says more: times are those of \
                              the rest pose."
@@ -336,6 +356,7 @@ mod tests {
             are_bounds: true,
             over: Over::Source,
             samples: (Source::Frames, 20),
+            bones: None,
             frames: 20,
             available: Some(19),
             all: point(12, 4, 9, 1.0),

@@ -1,15 +1,16 @@
 //! Standard questions to an asset, the same in every run: what they find, what they visit, how long they take.
 //!
 //! At every sample: [`BALLS`] balls about points of the deformed surface, [`RAYS`] rays from outside towards
-//! others of its points, and the asset against a second instance of itself at the q of another sample, beside it
+//! others of its points, and the asset against a second instance of itself in the pose of another sample, beside it
 //! so that they touch. Only queries are timed; poses are prepared before.
 
 mod ask;
 mod questions;
 
+use std::borrow::Cow;
 use std::time::Instant;
 
-use bdtree_runtime::{Asset, FormatError, Pose, PoseError, QueryError, Ray, Transform};
+use bdtree_runtime::{Asset, FormatError, Pose, PoseError, QueryError, Ray, Transform, VertexId};
 use cpu_time::ThreadTime;
 use serde::Serialize;
 
@@ -99,7 +100,7 @@ impl Measured {
 pub struct Contender<'a> {
     /// The asset.
     pub asset: &'a Asset<'a>,
-    /// Its q.
+    /// Its poses.
     pub samples: &'a Samples,
 }
 
@@ -212,19 +213,36 @@ impl Asked<'_> {
     }
 }
 
+/// Where the vertices of an asset are in its source without an animation, relative to its origin (stored units): with a
+/// skin not its positions, since bind spaces of several meshes may lie over each other.
+///
+/// # Errors
+/// Bones at rest that no pose takes, records that break the format's rules.
+pub fn at_rest<'a>(asset: &Asset<'a>) -> Result<Cow<'a, [[f32; 3]]>, WorksError> {
+    if !asset.has_skin() {
+        return Ok(Cow::Borrowed(asset.positions()));
+    }
+    let (still, mut memory) = (vec![0.0; asset.mode_count()], vec![0.0; asset.pose_len()]);
+    let pose = asset.pose(&still, Transform::IDENTITY, &mut memory);
+    let pose = pose.map_err(WorksError::Rest)?;
+    let vertices = (0..asset.vertex_count() as u32).map(VertexId);
+    let places = vertices.map(|vertex| pose.deformed_stored(vertex));
+    Ok(Cow::Owned(places.collect::<Result<_, _>>()?))
+}
+
 /// The poses of all samples.
 fn poses<'m>(
     contender: &Contender<'m>,
     transform: Transform,
     memory: &'m mut [f32],
 ) -> Result<Vec<Pose<'m>>, WorksError> {
-    let asset = contender.asset;
+    let Contender { asset, samples } = *contender;
     memory
         .chunks_exact_mut(asset.pose_len().max(1))
         .enumerate()
         .map(|(sample, memory)| {
             asset
-                .pose(contender.samples.q(sample), transform, memory)
+                .pose_with_bones(samples.q(sample), samples.joints(sample), transform, memory)
                 .map_err(|error| WorksError::Pose { sample, error })
         })
         .collect()
@@ -238,7 +256,7 @@ fn least(times: &[f64]) -> f64 {
 /// Why questions cannot be asked.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum WorksError {
-    /// A sample's q is refused.
+    /// A sample's q or bones are refused.
     #[error("sample {sample}: {error}")]
     Pose {
         /// The sample, from 0.
@@ -246,6 +264,9 @@ pub enum WorksError {
         /// Why.
         error: PoseError,
     },
+    /// Bones at rest are refused.
+    #[error("at rest: {0}")]
+    Rest(PoseError),
     /// A query gives no answer.
     #[error(transparent)]
     Query(#[from] QueryError),

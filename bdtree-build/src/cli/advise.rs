@@ -96,7 +96,7 @@ impl Advised {
             "error_rel": advice.error_rel,
             "error_of_fewer_rel": advice.error_of_fewer_rel,
             "error_over": advice.over,
-            "samples": { "source": source, "count": count },
+            "samples": { "source": source, "count": count, "bones": advice.bones },
             "modes": advice.chosen.modes.len(),
             "leaf_size": advice.chosen.leaf_size,
             "chosen": advice.chosen,

@@ -1,5 +1,6 @@
 //! Building the paper's tree: longest axis, median, one triangle per leaf; wrapped spheres.
 
+use bdtree_build::advise::works::at_rest;
 use bdtree_runtime::{Asset, VertexId};
 
 use super::{LEAF, Link, PaperTree};
@@ -14,10 +15,12 @@ impl PaperTree {
             corners[record.id as usize] = record.corners;
         }
         let positions = asset.positions();
+        // Where bones have them at rest: bind spaces of several meshes may lie over each other.
+        let at_rest = at_rest(asset).expect("a sound asset");
         let centroids: Vec<[f32; 3]> = corners
             .iter()
             .map(|c| {
-                let [a, b, c] = c.map(|v| positions[v as usize]);
+                let [a, b, c] = c.map(|v| at_rest[v as usize]);
                 [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0)
             })
             .collect();

@@ -29,7 +29,8 @@ impl LayeredPeer {
 
 impl Peer for LayeredPeer {
     fn update_with(&mut self, to: Target<'_>, _: &mut Vec<f32>, deformed: &mut dyn FnMut()) {
-        to.deformer.deform(to.q, &mut self.spheres.vertices);
+        to.deformer
+            .deform(to.q, to.bones, &mut self.spheres.vertices);
         deformed();
         self.place = *to.place;
         self.spheres.refit(&self.tree, to.place);

@@ -26,7 +26,7 @@ pub use tinybvh::TinyBvh;
 
 use std::ops::AddAssign;
 
-use bdtree_runtime::{Contact, PairContact};
+use bdtree_runtime::{BoneMap, Contact, PairContact};
 
 use crate::Place;
 use crate::clock::Clock;
@@ -55,6 +55,8 @@ pub struct Target<'a> {
     pub deformer: &'a Deformer,
     /// How it is deformed …
     pub q: &'a [f32],
+    /// … where its bones are ([`bdtree_runtime::Pose::bone_maps`], none without a skin) …
+    pub bones: &'a [BoneMap],
     /// … and where it stands.
     pub place: &'a Place,
 }
@@ -62,7 +64,13 @@ pub struct Target<'a> {
 impl Target<'_> {
     /// Writes x, y, z of all vertices there to `out`.
     fn write(&self, scratch: &mut Vec<f32>, out: &mut [f32]) {
-        self.deformer.deform_at(self.q, self.place, scratch, out);
+        let Self {
+            deformer,
+            q,
+            bones,
+            place,
+        } = *self;
+        deformer.deform_at(q, bones, place, scratch, out);
     }
 }
 

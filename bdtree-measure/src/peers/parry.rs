@@ -21,7 +21,7 @@ impl Parry {
     /// # Panics
     /// When parry refuses the mesh.
     pub fn new(body: &Body) -> Self {
-        let vertices = body.positions.iter().map(|p| Vector::from_array(*p));
+        let vertices = body.at_rest().iter().map(|p| Vector::from_array(*p));
         let flags = TriMeshFlags::DEFORMABLE;
         let mesh = TriMesh::with_flags(vertices.collect(), body.triangles.clone(), flags);
         Self(mesh.expect("a mesh with triangles"))

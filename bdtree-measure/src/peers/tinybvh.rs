@@ -77,7 +77,7 @@ impl TinyBvh {
         let corners = body.triangles.as_flattened().iter();
         let soup: Vec<[f32; 4]> = corners
             .map(|v| {
-                let [x, y, z] = body.positions[*v as usize];
+                let [x, y, z] = body.at_rest()[*v as usize];
                 [x, y, z, 0.0]
             })
             .collect();

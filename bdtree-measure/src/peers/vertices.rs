@@ -12,7 +12,7 @@ pub(super) struct Vertices(pub(super) Vec<f32>);
 impl Vertices {
     /// At rest.
     pub(super) fn new(body: &Body) -> Self {
-        let mut flat = body.positions.as_flattened().to_vec();
+        let mut flat = body.at_rest().as_flattened().to_vec();
         flat.push(0.0);
         Self(flat)
     }

@@ -21,13 +21,13 @@ pub struct Content {
     pub asset: Facts,
     /// What the times were measured with.
     pub machine: Machine,
-    /// The q that counts and times are of.
+    /// The poses that counts and times are of.
     pub samples: Samples,
     /// What cannot be said of this asset, and why.
     pub missing: Vec<String>,
     /// What to do, each with its figures.
     pub advice: Vec<Advice>,
-    /// Fewer modes: error, bytes, time. Empty without modes.
+    /// Fewer modes: error, bytes, time. Empty without modes, and with a skin.
     pub modes: Vec<ModesRow>,
     /// The q that the errors of `modes` are taken over, in words; null without modes.
     pub modes_over: Option<String>,
@@ -35,11 +35,12 @@ pub struct Content {
     pub depth_whole: WholeQuery,
     /// Queries stopped at a level, from the root's down.
     pub depth: Vec<DepthRow>,
-    /// R'/R_opt per amplitude and level. Empty without modes.
+    /// R'/R_opt per amplitude and level; with a skin per level, in the poses of the samples. Empty where nothing moves.
     pub tightness: Vec<TightnessRow>,
     /// How close a vertex came to leaving a sphere; null where nothing was tried.
     pub margin: Option<Margin>,
-    /// Beside deforming all vertices and refitting a tree; null for a rigid asset, which needs neither.
+    /// Beside deforming all vertices, which with a skin includes carrying them by their bones, and refitting a tree; null
+    /// for a rigid asset, which needs neither.
     pub refit: Option<Refit>,
     /// Bytes by section, in file order.
     pub sections: Vec<SectionRow>,
@@ -83,6 +84,8 @@ pub struct Facts {
     pub depth: usize,
     /// Number of animation frames; null without an animation.
     pub frames: Option<usize>,
+    /// What carries the vertices; null without a skin.
+    pub skin: Option<Skin>,
     /// Length of the file.
     pub bytes: u64,
     /// Sides of the box of the vertices at rest.
@@ -91,6 +94,19 @@ pub struct Facts {
     pub diagonal: f64,
     /// Largest error of the basis against its source over the diagonal; null where there is no source.
     pub basis_error_rel: Option<f64>,
+}
+
+/// A skin.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Skin {
+    /// Number of joints.
+    pub joints: usize,
+    /// Number of bones: distinct pairs of a joint and an inverse bind matrix.
+    pub bones: usize,
+    /// Number of clips.
+    pub clips: usize,
+    /// The most bones that carry one vertex.
+    pub influences_max: usize,
 }
 
 /// What measured.
@@ -105,7 +121,7 @@ pub struct Machine {
     pub repetitions: usize,
 }
 
-/// Where the sample q come from.
+/// Where the sample poses come from.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Samples {
     /// How many.
@@ -219,16 +235,16 @@ pub struct DepthRow {
 /// R'/R_opt of a level; R_opt is the radius of the smallest ball of the deformed vertices.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TightnessRow {
-    /// How far the farthest vertex is moved, over the diagonal.
-    pub displacement_rel: f64,
+    /// How far the farthest vertex is moved, over the diagonal; null where samples are taken as they are, with a skin.
+    pub displacement_rel: Option<f64>,
     /// The level; 0 is the root's.
     pub level: usize,
     /// Spheres that were measured.
     pub spheres: usize,
-    /// The paper's bound: R + Σ ΔR_j |q_j|, Ū_j the mean (eqs. 4 to 7).
-    pub paper: Ratio,
+    /// The paper's bound: R + Σ ΔR_j |q_j|, Ū_j the mean (eqs. 4 to 7); null with a skin, since it knows no bones.
+    pub paper: Option<Ratio>,
     /// The same with Ū_j the center of the smallest ball of the displacements.
-    pub smallest_ball: Ratio,
+    pub smallest_ball: Option<Ratio>,
     /// The file's.
     pub bdtree: Ratio,
 }
@@ -261,7 +277,7 @@ pub struct Margin {
 pub struct Refit {
     /// What was refitted.
     pub library: String,
-    /// Deforming all vertices, µs.
+    /// Deforming all vertices, and carrying them by their bones, µs.
     pub deform_micros: f64,
     /// Refitting, µs.
     pub refit_micros: f64,

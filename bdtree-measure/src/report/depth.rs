@@ -35,7 +35,7 @@ pub(super) fn depth(
     let mut workspace = Workspace::new();
     progress.stage("levels", Some(samples.len() as u64));
     for sample in samples {
-        let pose = asset.pose(&sample.q, HERE, &mut memory)?;
+        let pose = sample.pose(asset, HERE, &mut memory)?;
         let areas = areas(&pose)?;
         let truth = Answer::of(pose.query(&mut workspace), sample)?;
         whole.ball_visits += truth.visits as f64;

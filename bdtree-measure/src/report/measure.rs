@@ -6,18 +6,20 @@ use crate::MeasureError;
 use crate::machine;
 use crate::vector::distance;
 use bdtree_build::advise::samples::{SAMPLES, Samples, Source};
-use bdtree_build::advise::works::BALL_RADIUS_REL;
+use bdtree_build::advise::works::{BALL_RADIUS_REL, at_rest};
 use bdtree_build::progress::Progress;
-use bdtree_runtime::{Asset, FormatError};
+use bdtree_runtime::{Asset, FormatError, VertexId};
 
 use super::content::{self, Content, Facts, Machine, Margin, Parts, Seconds};
-use super::sample::{SMALL_BALL, Sample};
-use super::{REPETITIONS, advice, comparison, depth, made, modes, sections, tightness, verdict};
+use super::sample::{HERE, SMALL_BALL, Sample};
+use super::{
+    REPETITIONS, advice, comparison, depth, made, modes, poses, sections, tightness, verdict,
+};
 
 /// Meshes of more triangles get fewer samples of what looks at all vertices.
 const LARGE_TRIANGLES: usize = 100_000;
 
-/// Directions of q that tightness is measured along.
+/// Samples that tightness is measured at.
 const DIRECTIONS: usize = 8;
 
 /// Nodes at a q of which margins are tried; fewer for large meshes, whose nodes have many vertices.
@@ -55,12 +57,12 @@ pub fn measure(
     progress: &(dyn Progress + Sync),
 ) -> Result<Content, MeasureError> {
     let mut seconds = Clockwork::new(subject.check_seconds);
-    let bounds = bounds(asset);
+    let bounds = bounds(asset)?;
     let diagonal = distance(bounds[1], bounds[0]);
-    let samples = Samples::of(asset, SAMPLES);
-    let mut missing = missing(asset, &samples);
-    let described = described(asset, &samples, diagonal)?;
+    let samples = Samples::of(asset, SAMPLES)?;
+    let mut missing = poses::missing(asset, &samples);
     let asked = Sample::all(asset, &samples, bounds)?;
+    let described = described(asset, &samples, &asked, diagonal)?;
     let few = few(&asked, asset);
     let (depth_whole, depth) = depth::depth(asset, few, diagonal, progress)?;
     let mut content = Content {
@@ -75,6 +77,7 @@ pub fn measure(
             nodes: asset.node_count(),
             depth: asset.depth(),
             frames: Some(asset.frame_count()).filter(|count| *count > 0),
+            skin: skin(asset),
             bytes: asset.header().file_bytes.get(),
             size: [0, 1, 2].map(|k| bounds[1][k] - bounds[0][k]),
             diagonal,
@@ -101,8 +104,11 @@ pub fn measure(
     };
     content.samples.of_parts.depth = few.len();
     seconds.lap("depth");
-    if samples.source != Source::Rest {
+    let moves = samples.source != Source::Rest || asset.has_skin();
+    // Baking again what a file holds would leave its skin out.
+    if moves && !asset.has_skin() {
         let found = modes::modes(asset, diagonal, progress)?;
+        content.samples.of_parts.modes = found.samples;
         content.modes = found.rows;
         content.modes_over = Some(found.over);
         content.advice.extend(found.advice);
@@ -114,19 +120,14 @@ pub fn measure(
             content.made.command = made::command(&content.made, &options, input, output);
         }
         seconds.lap("modes");
+    }
+    if moves {
         let step = samples.count.div_ceil(DIRECTIONS).max(1);
-        let directions: Vec<Vec<f32>> = (0..samples.count)
-            .step_by(step)
-            .map(|k| samples.q(k).to_vec())
-            .collect();
+        let directions: Vec<&Sample> = asked.iter().step_by(step).collect();
         content.tightness = tightness::tightness(asset, &directions, diagonal, progress)?;
         seconds.lap("tightness");
-        content.samples.of_parts = Parts {
-            modes: found.samples,
-            depth: few.len(),
-            tightness: directions.len(),
-            refit: comparison::steps(&asked).count(),
-        };
+        content.samples.of_parts.tightness = directions.len();
+        content.samples.of_parts.refit = comparison::steps(&asked).count();
         content.refit = Some(comparison::compare(asset, &asked, progress)?);
         seconds.lap("refit");
         let cases = margin_cases(asset);
@@ -157,60 +158,33 @@ fn margin_cases(asset: &Asset<'_>) -> u64 {
     MARGIN_CASES / (1 + 4 * large)
 }
 
-/// What a report cannot say of the asset.
-fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
-    let mut missing = Vec::new();
-    if asset.mode_count() == 0 {
-        missing.push(
-            "The asset is rigid: it has no modes, so there is nothing to say of modes, tightness, \
-             refitting and margins."
-                .to_string(),
-        );
-    } else if samples.source == Source::Rest {
-        missing.push(
-            "No mode moves anything within its q_range, and there is no animation: nothing to say of modes, \
-             tightness, refitting and margins."
-                .to_string(),
-        );
-    } else if !samples.still.is_empty() {
-        let numbers: Vec<String> = samples.still.iter().map(usize::to_string).collect();
-        missing.push(format!(
-            "Modes {} move nothing within their q_range: what they do beyond it is not in this report.",
-            numbers.join(", ")
-        ));
-    }
-    if samples.source == Source::Ranges {
-        let none = match asset.frame_count() {
-            0 => "The asset has no animation",
-            _ => "The asset's animation moves nothing",
-        };
-        missing.push(format!(
-            "{none}: samples are mixtures within ± q_range, which may be more or less than \
-             what a scene does."
-        ));
-    }
-    missing
+fn skin(asset: &Asset<'_>) -> Option<content::Skin> {
+    let (record, skeleton) = (asset.skin_record()?, asset.skeleton()?);
+    Some(content::Skin {
+        joints: asset.joint_count(),
+        bones: asset.bone_count(),
+        clips: skeleton.clip_count(),
+        influences_max: record.influences_max as usize,
+    })
 }
 
 fn described(
     asset: &Asset<'_>,
     samples: &Samples,
+    asked: &[Sample],
     diagonal: f64,
 ) -> Result<content::Samples, MeasureError> {
     let mut most = 0.0_f64;
-    for k in 0..samples.count {
-        let far = tightness::farthest(asset, samples.q(k))?;
+    for sample in asked {
+        let far = match asset.has_skin() {
+            true => carried_farthest(asset, sample)?,
+            false => tightness::farthest(asset, &sample.q)?,
+        };
         most = most.max(far * asset.unit());
     }
-    let count = samples.count;
-    let source = match samples.source {
-        Source::Frames => format!("{count} frames of the animation"),
-        Source::Ranges => format!("{count} mixtures of all modes within ± q_range"),
-        Source::Rest => "the rest pose".to_string(),
-    };
     Ok(content::Samples {
-        count,
-        source,
+        count: samples.count,
+        source: poses::source(asset, samples),
         displacement_max_rel: if diagonal > 0.0 { most / diagonal } else { 0.0 },
         of_parts: Parts::default(),
         balls: content::Balls {
@@ -220,19 +194,32 @@ fn described(
     })
 }
 
+/// How far fields and bones move a vertex from where it rests, at most (stored units).
+fn carried_farthest(asset: &Asset<'_>, sample: &Sample) -> Result<f64, MeasureError> {
+    let mut memory = vec![0.0; asset.pose_len()];
+    let pose = sample.pose(asset, HERE, &mut memory)?;
+    let mut most = 0.0_f64;
+    for (vertex, rest) in (0..).map(VertexId).zip(at_rest(asset)?.iter()) {
+        let [p, rest] = [pose.deformed_stored(vertex)?, *rest].map(|p| p.map(f64::from));
+        most = most.max(distance(p, rest));
+    }
+    Ok(most)
+}
+
 /// The box of the vertices that triangles use, at rest (mesh units).
-fn bounds(asset: &Asset<'_>) -> [[f64; 3]; 2] {
+fn bounds(asset: &Asset<'_>) -> Result<[[f64; 3]; 2], MeasureError> {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
     let corners = asset.triangles().iter().flat_map(|t| t.corners);
-    for p in corners.filter_map(|v| asset.positions().get(v as usize)) {
+    let at_rest = at_rest(asset)?;
+    for p in corners.filter_map(|v| at_rest.get(v as usize)) {
         for k in 0..3 {
             let x = asset.origin()[k] + asset.unit() * f64::from(p[k]);
             low[k] = low[k].min(x);
             high[k] = high[k].max(x);
         }
     }
-    [low, high]
+    Ok([low, high])
 }
 
 /// Times of parts.

@@ -12,6 +12,7 @@ mod made;
 mod measure;
 mod modes;
 mod page;
+mod poses;
 mod sample;
 mod sections;
 mod text;

@@ -1,12 +1,15 @@
-//! What is asked of an asset at one q: the same questions in every run.
+//! What is asked of an asset in one pose: the same questions in every run.
 
 use crate::MeasureError;
 use crate::comparison::MOST;
 use crate::leaf::unit;
+use crate::ours::Posture;
 use crate::vector::{length, minus};
 use bdtree_build::advise::samples::Samples;
 use bdtree_build::advise::works::BALL_RADIUS_REL;
-use bdtree_runtime::{Asset, Transform, TriangleId};
+use bdtree_runtime::{
+    Asset, BoneMap, BoneMatrices, JointMatrix, Pose, PoseError, Transform, TriangleId, VertexId,
+};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -25,9 +28,13 @@ const BALLS_STREAM: u64 = 0xba11;
 /// How far apart two instances stand, over the body's longest extent: from beside each other to deep inside.
 const APART: [f64; 8] = [1.1, 0.98, 0.9, 0.8, 0.65, 0.5, 0.3, 0.1];
 
-/// An asset at a q, and what is asked about it (world coordinates are the mesh's).
+/// A pose of an asset, and what is asked about it (world coordinates are the mesh's).
 pub(super) struct Sample {
     pub(super) q: Vec<f32>,
+    /// One matrix per joint; `None` without a skin.
+    joints: Option<Vec<JointMatrix>>,
+    /// The same as those who deform all vertices take it.
+    pub(super) maps: Vec<BoneMap>,
     /// Center and radius of the ball that levels are compared with.
     pub(super) ball: ([f64; 3], f64),
     /// Where a second instance stands, nearer each time.
@@ -42,7 +49,7 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// One for every q of `samples`; `bounds` is the box of the mesh at rest.
+    /// One for every pose of `samples`; `bounds` is the box of the mesh at rest.
     pub(super) fn all(
         asset: &Asset<'_>,
         samples: &Samples,
@@ -50,19 +57,26 @@ impl Sample {
     ) -> Result<Vec<Self>, MeasureError> {
         let mut memory = vec![0.0; asset.pose_len()];
         (0..samples.count)
-            .map(|k| Self::new(asset, samples.q(k), k as u64, bounds, &mut memory))
+            .map(|k| Self::new(asset, samples, k, bounds, &mut memory))
             .collect()
     }
 
     fn new(
         asset: &Asset<'_>,
-        q: &[f32],
-        seed: u64,
-        [low, high]: [[f64; 3]; 2],
+        samples: &Samples,
+        which: usize,
+        bounds: [[f64; 3]; 2],
         memory: &mut [f32],
     ) -> Result<Self, MeasureError> {
-        let pose = asset.pose(q, HERE, memory)?;
+        let (q, bones) = (samples.q(which), samples.joints(which));
+        let pose = asset.pose_with_bones(q, bones, HERE, memory)?;
+        let seed = which as u64;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
+        // Fields move a body about the place where it rests; bones may carry it elsewhere.
+        let [low, high] = match asset.has_skin() {
+            true => box_of(&pose)?,
+            false => bounds,
+        };
         let extent = minus(high, low);
         let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
         let diagonal = length(extent);
@@ -86,7 +100,7 @@ impl Sample {
             let far = diagonal.max(f64::MIN_POSITIVE) / size.sqrt();
             origins.push([0, 1, 2].map(|k| middle[k] + far * direction[k]));
         }
-        let radius = BALL_RADIUS_REL * diagonal;
+        let radius = BALL_RADIUS_REL * length(minus(bounds[1], bounds[0]));
         let first = points.first().copied().unwrap_or(middle);
         // Up to 1.7 radii off a point of the surface: deep inside, barely touching, or apart.
         let center = [0, 1, 2].map(|k| first[k] + radius * random.random_range(-1.0..1.0));
@@ -101,12 +115,37 @@ impl Sample {
         }
         Ok(Self {
             q: q.to_vec(),
+            joints: match bones {
+                BoneMatrices::Joints(joints) => Some(joints.to_vec()),
+                _ => None,
+            },
+            maps: pose.bone_maps().to_vec(),
             ball: (center, radius),
             places: places(middle, extent),
             points,
             origins,
             centers,
         })
+    }
+
+    /// What the asset is posed by.
+    pub(super) fn posture(&self) -> Posture<'_> {
+        let joints = self.joints.as_deref();
+        Posture {
+            q: &self.q,
+            bones: joints.map_or(BoneMatrices::Rest, BoneMatrices::Joints),
+        }
+    }
+
+    /// The asset in this pose, at a placement.
+    pub(super) fn pose<'p>(
+        &self,
+        asset: &'p Asset<'p>,
+        at: Transform,
+        memory: &'p mut [f32],
+    ) -> Result<Pose<'p>, PoseError> {
+        let Posture { q, bones } = self.posture();
+        asset.pose_with_bones(q, bones, at, memory)
     }
 
     /// So many balls about points of the surface, [`MOST`] at most, [`SMALL_BALL`] as large as the one.
@@ -124,6 +163,17 @@ impl Sample {
             [from, unit(minus(to, from))]
         })
     }
+}
+
+/// The box of the vertices that triangles use (mesh units).
+fn box_of(pose: &Pose<'_>) -> Result<[[f64; 3]; 2], MeasureError> {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for corner in pose.asset().triangles().iter().flat_map(|t| t.corners) {
+        let p = pose.deformed(VertexId(corner))?;
+        low = [0, 1, 2].map(|k| low[k].min(p[k]));
+        high = [0, 1, 2].map(|k| high[k].max(p[k]));
+    }
+    Ok([low, high])
 }
 
 /// The point of a triangle at two shares from 0 to 1: evenly spread where those are.
@@ -196,7 +246,7 @@ mod tests {
             &Silent,
         );
         let model = Model::from_bytes(&baked.expect("a sound mesh").bytes).expect("a sound file");
-        let samples = Samples::of(model.asset(), SAMPLES);
+        let samples = Samples::of(model.asset(), SAMPLES).expect("samples");
         Sample::all(model.asset(), &samples, [[0.0; 3], [1.0, 1.0, 0.0]]).expect("samples")
     }
 

@@ -35,6 +35,20 @@ fn purpose(kind: SectionKind) -> &'static str {
         SectionKind::POSITIONS => "vertices at rest",
         SectionKind::DISPLACEMENTS => "displacement of each vertex by each mode",
         SectionKind::VERTEX_MODES => "modes of each vertex",
+        SectionKind::SKIN => "what holds for the whole skin",
+        SectionKind::INFLUENCE_STARTS => "where the bones of each vertex begin",
+        SectionKind::INFLUENCES => "bones of each vertex, with weights",
+        SectionKind::BONES => "inverse bind matrices, and where bones are at rest",
+        SectionKind::BONE_FIELDS => "how far each mode moves what a bone carries",
+        SectionKind::BONE_LIST_STARTS => "where the bones of each node begin",
+        SectionKind::BONE_LISTS => "which bones act on a node",
+        SectionKind::BONE_ROWS => "what spheres have of their bones",
+        SectionKind::SKELETON => "nodes that joints hang from",
+        SectionKind::JOINTS => "which nodes are joints",
+        SectionKind::SKELETON_NAMES => "names of joints and clips",
+        SectionKind::CLIPS | SectionKind::CHANNELS | SectionKind::KEYS => {
+            "animations of the skeleton"
+        }
         SectionKind::FRAMES => "animation frames",
         SectionKind::FRAME_Q => "q of the frames",
         SectionKind::GROUPS => "groups of the source",
@@ -57,8 +71,17 @@ pub(super) fn unneeded(asset: &Asset<'_>) -> Vec<Unneeded> {
         SectionKind::POSITIONS,
         SectionKind::DISPLACEMENTS,
         SectionKind::VERTEX_MODES,
+        SectionKind::INFLUENCE_STARTS,
+        SectionKind::INFLUENCES,
     ]);
     let animation = bytes(&[SectionKind::FRAMES, SectionKind::FRAME_Q]);
+    let skeleton = bytes(&[
+        SectionKind::SKELETON,
+        SectionKind::SKELETON_NAMES,
+        SectionKind::CLIPS,
+        SectionKind::CHANNELS,
+        SectionKind::KEYS,
+    ]);
     let words = bytes(&[
         SectionKind::GROUPS,
         SectionKind::GROUP_NAMES,
@@ -86,6 +109,11 @@ pub(super) fn unneeded(asset: &Asset<'_>) -> Vec<Unneeded> {
         "with q from the program",
         "animation frames",
         animation,
+    ));
+    rows.push(row(
+        "with joints from the program",
+        "skeleton, clips",
+        skeleton,
     ));
     rows.push(row(
         "where groups and names are not asked for",

@@ -1,11 +1,13 @@
-//! Radii over the smallest possible, per level and amplitude, for three bounds.
+//! Radii over the smallest possible, per level: of fields per amplitude and for three bounds, of bones for the file's in
+//! the poses of samples, whose amplitude nobody can choose.
 
 use bdtree_build::progress::Progress;
 use bdtree_build::wrap::ball::smallest_ball;
-use bdtree_runtime::{Asset, FormatError, Transform, VertexId};
+use bdtree_runtime::{Asset, FormatError, Pose, VertexId};
 
 use super::content::{Ratio, TightnessRow};
 use super::lanes;
+use super::sample::{HERE, Sample};
 use crate::MeasureError;
 use crate::vector::{distance, length};
 
@@ -22,19 +24,23 @@ const VERTICES_MAX: usize = 20_000;
 /// A sphere whose deformed vertices fit into this part of the diagonal is a point: its ratio is rounding.
 const POINT_REL: f64 = 1e-6;
 
-/// Per amplitude and level. `directions` are q whose parts are kept while their size is changed.
+/// Per amplitude and level; the parts of each q are kept while its size is changed. With a skin per level, in the poses of
+/// the samples.
 pub(super) fn tightness(
     asset: &Asset<'_>,
-    directions: &[Vec<f32>],
+    samples: &[&Sample],
     diagonal: f64,
     progress: &dyn Progress,
 ) -> Result<Vec<TightnessRow>, MeasureError> {
-    let reach = directions
-        .iter()
-        .map(|q| farthest(asset, q))
-        .collect::<Result<Vec<_>, _>>()?;
+    let amplitudes: &[_] = match asset.has_skin() {
+        true => &[None],
+        false => &AMPLITUDES.map(Some),
+    };
+    let reach = samples.iter().map(|sample| farthest(asset, &sample.q));
+    let reach = reach.collect::<Result<Vec<_>, _>>()?;
+    let mut memory = vec![0.0; asset.pose_len()];
     let mut rows = Vec::new();
-    progress.stage("tightness", Some((asset.depth() * AMPLITUDES.len()) as u64));
+    progress.stage("tightness", Some((asset.depth() * amplitudes.len()) as u64));
     for level in 0..asset.depth() {
         let all = lanes::of_level(asset, level);
         let step = all.len().div_ceil(SPHERES_MAX).max(1);
@@ -43,20 +49,23 @@ pub(super) fn tightness(
             .step_by(step)
             .map(|(node, lane)| Sphere::new(asset, node, lane))
             .collect::<Result<_, _>>()?;
-        for amplitude in AMPLITUDES {
+        for amplitude in amplitudes {
             let mut ratios = [const { Vec::new() }; 3];
-            for (q, reach) in directions.iter().zip(&reach) {
-                if !(*reach > 0.0) {
-                    continue;
-                }
-                let scale = amplitude * diagonal / asset.unit() / reach;
-                let q = scaled(asset, q, scale);
-                measure(asset, &spheres, &q, diagonal, &mut ratios)?;
+            for (sample, reach) in samples.iter().zip(&reach) {
+                let pose = match amplitude {
+                    None => sample.pose(asset, HERE, &mut memory)?,
+                    Some(amplitude) if *reach > 0.0 => {
+                        let scale = amplitude * diagonal / asset.unit() / reach;
+                        asset.pose(&scaled(asset, &sample.q, scale), HERE, &mut memory)?
+                    }
+                    Some(_) => continue,
+                };
+                measure(&pose, &spheres, diagonal, &mut ratios)?;
             }
-            if let [Some(paper), Some(smallest_ball), Some(bdtree)] = ratios.map(|all| ratio(&all))
-            {
+            let [paper, smallest_ball, bdtree] = ratios.map(|all| ratio(&all));
+            if let Some(bdtree) = bdtree {
                 rows.push(TightnessRow {
-                    displacement_rel: amplitude,
+                    displacement_rel: *amplitude,
                     level,
                     spheres: spheres.len(),
                     paper,
@@ -82,7 +91,7 @@ fn scaled(asset: &Asset<'_>, q: &[f32], scale: f64) -> Vec<f32> {
         .collect()
 }
 
-/// How far q moves the vertex that it moves farthest (stored units).
+/// How far q moves the vertex that it moves farthest, before bones (stored units).
 pub(super) fn farthest(asset: &Asset<'_>, q: &[f32]) -> Result<f64, FormatError> {
     let mut most = 0.0_f64;
     for vertex in 0..asset.vertex_count() as u32 {
@@ -157,16 +166,14 @@ fn ratio(all: &[f64]) -> Option<Ratio> {
     })
 }
 
-/// Adds the ratios of some spheres at q: the paper's, the smallest balls', ours.
+/// Adds the ratios of some spheres in a pose: the paper's and the smallest balls', which know no bones, and ours.
 fn measure(
-    asset: &Asset<'_>,
+    pose: &Pose<'_>,
     spheres: &[Sphere],
-    q: &[f32],
     diagonal: f64,
     ratios: &mut [Vec<f64>; 3],
 ) -> Result<(), MeasureError> {
-    let mut memory = vec![0.0; asset.pose_len()];
-    let pose = asset.pose(q, Transform::IDENTITY, &mut memory)?;
+    let asset = pose.asset();
     for sphere in spheres {
         let deformed = sphere.vertices.iter().map(|v| {
             let p = pose.deformed_stored(VertexId(*v))?;
@@ -178,10 +185,15 @@ fn measure(
             continue;
         }
         let ours = pose.node_spheres(sphere.node as u32)?;
-        let [paper, ball] = sphere.bounds(q);
-        let radii = [paper, ball, f64::from(ours.radius[sphere.lane])];
-        for (all, radius) in ratios.iter_mut().zip(radii) {
-            all.push(radius / best);
+        let [paper, smallest_ball, own] = ratios.each_mut();
+        own.push(f64::from(ours.radius[sphere.lane]) / best);
+        if !asset.has_skin() {
+            for (all, radius) in [paper, smallest_ball]
+                .into_iter()
+                .zip(sphere.bounds(pose.q()))
+            {
+                all.push(radius / best);
+            }
         }
     }
     Ok(())

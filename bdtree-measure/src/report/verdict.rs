@@ -73,7 +73,8 @@ pub(super) fn times(least: f64, most: f64, than: &str) -> String {
 
 /// How large spheres are where the farthest vertex moves about as far as in the samples.
 fn tightness(rows: &[TightnessRow], moved: f64) -> Option<String> {
-    let off = |row: &&TightnessRow| (row.displacement_rel / moved).ln().abs();
+    // With a skin all rows are of the samples as they are.
+    let off = |row: &&TightnessRow| row.displacement_rel.map_or(0.0, |d| (d / moved).ln().abs());
     let nearest = rows.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
     let own = rows
         .iter()
@@ -83,11 +84,16 @@ fn tightness(rows: &[TightnessRow], moved: f64) -> Option<String> {
         sum += row.bdtree.mean * row.spheres as f64;
         count += row.spheres as f64;
     }
+    let at = match nearest.displacement_rel {
+        Some(moved) => format!(
+            "where the farthest vertex moves by {} of the diagonal",
+            percent(moved)
+        ),
+        None => "in the poses of the samples".to_string(),
+    };
     Some(format!(
-        "Sphere radii: on average {:.2} times those of the smallest balls, where the farthest vertex moves by {} of the \
-         diagonal.",
-        sum / count,
-        percent(nearest.displacement_rel)
+        "Sphere radii: on average {:.2} times those of the smallest balls, {at}.",
+        sum / count
     ))
 }
 
@@ -134,11 +140,11 @@ mod tests {
         let row = |displacement_rel, spheres, mean| {
             let ratio = Ratio { mean, max: 2.0 };
             TightnessRow {
-                displacement_rel,
+                displacement_rel: Some(displacement_rel),
                 level: 0,
                 spheres,
-                paper: ratio,
-                smallest_ball: ratio,
+                paper: Some(ratio),
+                smallest_ball: Some(ratio),
                 bdtree: ratio,
             }
         };

@@ -11,6 +11,8 @@ use super::picture::{Bounds, Frame, Painter, graphics};
 use crate::AssetFile;
 use crate::error::ToolError;
 use crate::info::mode_name;
+use crate::joints;
+use crate::output::printable;
 use crate::posture::Posture;
 
 /// So that defaults stand in one place.
@@ -20,8 +22,8 @@ struct Plain {
     arguments: Arguments,
 }
 
-/// At rest, and moved: the middle frame of an animation, or one mode at its q_range, with an axis of the mesh
-/// upright. Each with what it shows.
+/// At rest, and moved: the middle of the first clip, the middle frame of an animation, or one mode at its q_range, with
+/// an axis of the mesh upright. Each with what it shows.
 ///
 /// # Errors
 /// No graphics adapter or one that the asset is too large for, corrupt records.
@@ -34,18 +36,14 @@ pub fn portraits(file: &AssetFile, up: UpAxis) -> Result<Vec<(String, Image)>, T
     let Plain { mut arguments } =
         plain.map_err(|error| ToolError::Input(vec![error.to_string()]))?;
     arguments.up = up;
-    let mut poses = vec![(
-        "At rest".to_string(),
-        vec![0.0; file.asset().mode_count()],
-        Transform::IDENTITY,
-    )];
+    let rest = Posture {
+        q: vec![0.0; file.asset().mode_count()],
+        joints: None,
+        transform: Transform::IDENTITY,
+    };
+    let mut poses = vec![("At rest".to_string(), rest)];
     poses.extend(moved(file)?);
-    let frames = poses.into_iter().map(|(about, q, transform)| {
-        let posture = Posture {
-            q,
-            joints: None,
-            transform,
-        };
+    let frames = poses.into_iter().map(|(about, posture)| {
         Ok(Frame {
             about,
             number: None,
@@ -73,16 +71,30 @@ pub fn portraits(file: &AssetFile, up: UpAxis) -> Result<Vec<(String, Image)>, T
     pictures.collect()
 }
 
-/// What it is, q and placement.
-type Pose = (String, Vec<f32>, Transform);
-
 /// What the asset does, if it does anything.
-fn moved(file: &AssetFile) -> Result<Option<Pose>, ToolError> {
+fn moved(file: &AssetFile) -> Result<Option<(String, Posture)>, ToolError> {
     let asset = file.asset();
+    if let Some(clip) = asset.skeleton().and_then(|skeleton| skeleton.clip(0)) {
+        let time_s = 0.5 * clip.duration_s();
+        let played = joints::played_at(file.model(), 0, time_s);
+        let (q, joints) = played.map_err(|error| ToolError::input(file.path().display(), error))?;
+        let posture = Posture {
+            q,
+            joints: Some(joints),
+            transform: Transform::IDENTITY,
+        };
+        let about = format!("Clip {} at {time_s:.2} s", printable(clip.name()));
+        return Ok(Some((about, posture)));
+    }
     let middle = asset.frame_count() / 2;
     if let Some(frame) = asset.frame(middle) {
         let about = format!("Frame {middle}");
-        return Ok(Some((about, frame.q().to_vec(), frame.transform())));
+        let posture = Posture {
+            q: frame.q().to_vec(),
+            joints: None,
+            transform: frame.transform(),
+        };
+        return Ok(Some((about, posture)));
     }
     let ranges = asset.modes().iter().map(|mode| mode.q_range.get());
     let Some((mode, range)) = ranges.enumerate().find(|(_, range)| *range > 0.0) else {
@@ -91,5 +103,10 @@ fn moved(file: &AssetFile) -> Result<Option<Pose>, ToolError> {
     let mut q = vec![0.0; asset.mode_count()];
     q[mode] = range;
     let about = format!("At q_range of {}", mode_name(file, mode)?);
-    Ok(Some((about, q, Transform::IDENTITY)))
+    let posture = Posture {
+        q,
+        joints: None,
+        transform: Transform::IDENTITY,
+    };
+    Ok(Some((about, posture)))
 }

@@ -120,11 +120,19 @@ fn count(
         lazy.begin_step(&pose);
         let (spheres, tested) = (&mut lazy.at(&pose), &mut wrapped);
         tree.walk_ball(&mut Counting { spheres, tested }, ball, &mut found);
-        deformer.deform(q, &mut refitted.vertices);
+        deformer.deform(q, &[], &mut refitted.vertices);
         refitted.refit(tree, place);
         let (spheres, tested) = (&mut refitted, &mut layered);
         tree.walk_ball(&mut Counting { spheres, tested }, ball, &mut found);
-        boxes.update(Target { deformer, q, place }, &mut scratch);
+        boxes.update(
+            Target {
+                deformer,
+                q,
+                bones: &[],
+                place,
+            },
+            &mut scratch,
+        );
         boxed += boxes.box_tests(ball.0, ball.1);
         for (sum, [growth, count]) in sums.iter_mut().zip(sum_growths(tree, &pose)?) {
             sum[0] += growth;

@@ -66,6 +66,7 @@ pub(super) fn measure(
                 let to = Target {
                     deformer: &deformer,
                     q: &case.q,
+                    bones: &[],
                     place: &Place::IDENTITY,
                 };
                 let update = boxes.update(to, &mut scratch);

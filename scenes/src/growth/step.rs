@@ -114,6 +114,7 @@ impl<'a> Contenders<'a> {
                 let to = Target {
                     deformer: &self.deformer,
                     q: &step.q,
+                    bones: &[],
                     place: &Place::IDENTITY,
                 };
                 let update = self.peer.update(to, &mut self.scratch);

@@ -48,6 +48,7 @@ pub(super) fn measure(asset: &Asset<'_>, repeats: usize) -> Result<Value, Box<dy
     let to = Target {
         deformer: &deformer,
         q: &q,
+        bones: &[],
         place: &Place::IDENTITY,
     };
     let mut refit = |peer: &mut dyn Peer| {

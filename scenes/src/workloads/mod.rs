@@ -32,6 +32,7 @@ pub(crate) fn with_modes(
         triangles: mesh.triangles.clone(),
         fields: fields(mesh, modes, highest, seed),
         modes,
+        skin: None,
     }
 }
 
@@ -71,7 +72,7 @@ fn fields(mesh: &RawMesh, modes: usize, highest: f64, seed: u64) -> Vec<[f32; 3]
 /// Scales q so that the farthest vertex moves by `share` of the diagonal; leaves the deformed
 /// vertices in `out`. A q that moves nothing is left as it is, which is told by `false`.
 pub fn scale(body: &Body, deformer: &Deformer, q: &mut [f32], share: f64, out: &mut [f32]) -> bool {
-    deformer.deform(q, out);
+    deformer.deform(q, &[], out);
     let moved = out.as_chunks::<3>().0.iter().zip(&body.positions);
     let farthest = moved
         .map(|(a, b)| (0..3).map(|k| f64::from(a[k] - b[k]).powi(2)).sum::<f64>())
@@ -84,7 +85,7 @@ pub fn scale(body: &Body, deformer: &Deformer, q: &mut [f32], share: f64, out: &
     for q in q.iter_mut() {
         *q *= by as f32;
     }
-    deformer.deform(q, out);
+    deformer.deform(q, &[], out);
     true
 }
 

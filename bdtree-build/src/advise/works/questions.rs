@@ -2,7 +2,7 @@
 
 use bdtree_runtime::{Asset, Pose, Ray, Transform, VertexId, Workspace};
 
-use super::{BALL_RADIUS_REL, BALLS, Contender, RAYS, Works, WorksError, poses};
+use super::{BALL_RADIUS_REL, BALLS, Contender, RAYS, Works, WorksError, at_rest, poses};
 use crate::advise::samples::Samples;
 use crate::report::random::Random;
 use crate::vec3::{bounds, cross, diagonal, dot, norm};
@@ -16,7 +16,7 @@ const TURN_RAD: f64 = 0.2;
 const TURN_AXIS: [f64; 3] = [2.0 / 7.0, 3.0 / 7.0, 6.0 / 7.0];
 
 pub(super) fn make(asset: &Asset<'_>, samples: &Samples) -> Result<Works, WorksError> {
-    let space = Space::of(asset);
+    let space = Space::of(asset)?;
     let mut random = Random::new();
     let (mut balls, mut rays) = (Vec::new(), Vec::new());
     let mut memory = vec![0.0; asset.pose_len().max(1) * samples.count];
@@ -55,18 +55,19 @@ struct Space {
 }
 
 impl Space {
-    fn of(asset: &Asset<'_>) -> Self {
+    fn of(asset: &Asset<'_>) -> Result<Self, WorksError> {
         let (origin, unit) = (asset.origin(), asset.unit());
         let corners = asset.triangles().iter().flat_map(|t| t.corners);
+        let at_rest = at_rest(asset)?;
         // Corners that are no vertices are met again, and named, where they are deformed.
-        let positions = corners.filter_map(|corner| asset.positions().get(corner as usize));
+        let positions = corners.filter_map(|corner| at_rest.get(corner as usize));
         let place = |p: &[f32; 3]| [0, 1, 2].map(|k| origin[k] + unit * f64::from(p[k]));
         let (low, high) = bounds(positions.map(place));
-        Self {
+        Ok(Self {
             low,
             high,
             diagonal: diagonal((low, high)),
-        }
+        })
     }
 
     fn center(&self) -> [f64; 3] {

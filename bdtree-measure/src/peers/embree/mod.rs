@@ -33,7 +33,7 @@ impl Embree {
     /// What Embree refuses.
     pub fn new(device: &Rc<Device>, body: &Body) -> Result<Self, String> {
         Ok(Self {
-            scene: Scene::new(device, &body.positions, &body.triangles)?,
+            scene: Scene::new(device, body.at_rest(), &body.triangles)?,
             triangles: body.triangles.clone(),
         })
     }

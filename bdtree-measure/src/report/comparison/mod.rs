@@ -50,7 +50,7 @@ pub(super) fn compare(
             refit.push(update.refit * 1e6);
         }
         let cost = timed(|| {
-            std::hint::black_box(asset.pose(&sample.q, HERE, &mut memory)?);
+            std::hint::black_box(sample.pose(asset, HERE, &mut memory)?);
             Ok(Cost::default())
         })?;
         pose.push(cost.micros);
@@ -64,7 +64,7 @@ pub(super) fn compare(
     let balls = curve("ball", "balls per step", &AMOUNTS, &mut |amount| {
         let ours = mean(&steps, |sample| {
             let balls: Vec<_> = sample.balls(amount).collect();
-            ours(asset, || own.balls(&sample.q, balls.iter().copied()))
+            ours(asset, || own.balls(sample.posture(), balls.iter().copied()))
         })?;
         let theirs = mean(&steps, |sample| contender.balls(sample, amount))?;
         Ok((amount as f64, ours, theirs))
@@ -72,7 +72,7 @@ pub(super) fn compare(
     let rays = curve("ray", "rays per step", &AMOUNTS, &mut |amount| {
         let ours = mean(&steps, |sample| {
             let rays: Vec<_> = sample.rays(amount).collect();
-            ours(asset, || own.rays(&sample.q, rays.iter().copied()))
+            ours(asset, || own.rays(sample.posture(), rays.iter().copied()))
         })?;
         let theirs = mean(&steps, |sample| contender.rays(sample, amount))?;
         Ok((amount as f64, ours, theirs))
@@ -118,8 +118,8 @@ fn pair(asset: &Asset<'_>, sample: &Sample, which: usize) -> Result<Cost, Measur
     timed(|| {
         found.clear();
         let [a, b] = &mut memory;
-        let a = asset.pose(&sample.q, HERE, a)?;
-        let b = asset.pose(&sample.q, sample.places[which], b)?;
+        let a = sample.pose(asset, HERE, a)?;
+        let b = sample.pose(asset, sample.places[which], b)?;
         let mut query = a.against(&b, &mut workspace);
         query.contacts(0.0, &mut found)?;
         let visits = query.stats().nodes_visited;

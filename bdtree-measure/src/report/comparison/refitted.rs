@@ -1,4 +1,4 @@
-//! The contender: deforms all vertices, refits its tree and asks it. Questions and places are converted to its
+//! The contender: deforms all vertices, carries them by their bones, refits its tree and asks it. Questions and places are converted to its
 //! coordinates before its time begins.
 
 use crate::Body;
@@ -36,6 +36,7 @@ impl Contender {
         let to = Target {
             deformer: &self.deformer,
             q: &sample.q,
+            bones: &sample.maps,
             place: &Place::IDENTITY,
         };
         self.tree.update(to, &mut self.scratch)
@@ -46,6 +47,7 @@ impl Contender {
         let to = Target {
             deformer: &self.deformer,
             q: &sample.q,
+            bones: &sample.maps,
             place,
         };
         self.tree.update_untimed(to, &mut self.scratch);

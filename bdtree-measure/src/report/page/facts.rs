@@ -31,6 +31,14 @@ impl Page {
             ("bytes", grouped(asset.bytes)),
             ("size", size(asset.size, content.made.scale_m)),
         ];
+        if let Some(skin) = &asset.skin {
+            facts.extend([
+                ("joints", skin.joints.to_string()),
+                ("bones", skin.bones.to_string()),
+                ("most bones of a vertex", skin.influences_max.to_string()),
+                ("clips", skin.clips.to_string()),
+            ]);
+        }
         facts.extend(asset.frames.map(|n| ("frames", n.to_string())));
         let error = asset.basis_error_rel;
         facts.extend(error.map(|e| ("error of the basis against its source", percent(e))));

@@ -15,8 +15,12 @@ impl Page {
         };
         self.heading("Beside deform + refit");
         self.text(&format!(
-            "Deform + refit first deforms all vertices, {} µs, and refits {}, {} µs, in every step. bdtree only sets \
+            "Deform + refit first deforms all vertices{}, {} µs, and refits {}, {} µs, in every step. bdtree only sets \
              the pose: {} µs per step. Over {} samples; balls have a radius of {} of the diagonal.",
+            match content.asset.skin {
+                Some(_) => " and carries them by their bones",
+                None => "",
+            },
             number(refit.deform_micros),
             refit.library,
             number(refit.refit_micros),

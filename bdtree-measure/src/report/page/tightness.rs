@@ -7,28 +7,63 @@ use crate::plot::{Axis, Plot};
 
 impl Page {
     pub(super) fn tightness(&mut self, content: &Content) {
-        let rows = &content.tightness;
-        if rows.is_empty() {
+        if content.tightness.is_empty() {
             return;
         }
         self.heading("Tightness");
+        match content.asset.skin {
+            Some(_) => self.tightness_in_poses(content),
+            None => self.tightness_by_amplitude(content),
+        }
+    }
+
+    /// With a skin: ours alone, in the poses of samples.
+    fn tightness_in_poses(&mut self, content: &Content) {
+        let rows = &content.tightness;
+        self.soft(&format!(
+            "Radius over that of the smallest ball around the deformed vertices, per level (0 is the root's), in {} of \
+             the samples.",
+            content.samples.of_parts.tightness
+        ));
+        self.open();
+        self.plot(&Plot {
+            mark: None,
+            title: "In the poses of the samples".to_string(),
+            x: Axis::linear("level"),
+            y: Axis::from("R' / R_opt", 1.0),
+            lines: vec![
+                line("mean", rows, |r| (r.level as f64, r.bdtree.mean)),
+                line("largest", rows, |r| (r.level as f64, r.bdtree.max)),
+            ],
+        });
+        self.table::<TightnessRow>(
+            rows,
+            0,
+            &[
+                ("level", &|r| r.level.to_string()),
+                ("spheres", &|r| r.spheres.to_string()),
+                ("mean / largest", &|r| both(&r.bdtree)),
+            ],
+        );
+        self.close();
+    }
+
+    fn tightness_by_amplitude(&mut self, content: &Content) {
+        let rows = &content.tightness;
         self.soft(&format!(
             "Radius over that of the smallest ball around the deformed vertices, mean per level (0 is the root's), \
              along {} samples made longer or shorter until the farthest vertex moves by so much of the diagonal.",
             content.samples.of_parts.tightness
         ));
-        let mut amplitudes: Vec<f64> = rows.iter().map(|r| r.displacement_rel).collect();
+        let mut amplitudes: Vec<f64> = rows.iter().map(moved).collect();
         amplitudes.sort_by(f64::total_cmp);
         amplitudes.dedup();
         // One axis for all, so that they can be compared.
-        let means = |r: &TightnessRow| [r.paper.mean, r.smallest_ball.mean, r.bdtree.mean];
+        let means = |r: &TightnessRow| [paper(r), smallest_ball(r), r.bdtree].map(|r| r.mean);
         let most = rows.iter().flat_map(means).fold(1.0, f64::max);
         self.open();
         for amplitude in &amplitudes {
-            let own: Vec<&TightnessRow> = rows
-                .iter()
-                .filter(|r| r.displacement_rel == *amplitude)
-                .collect();
+            let own: Vec<&TightnessRow> = rows.iter().filter(|r| moved(r) == *amplitude).collect();
             let of = |name: &str, ratio: &dyn Fn(&TightnessRow) -> Ratio| {
                 line(name, &own, |r| (r.level as f64, ratio(r).mean))
             };
@@ -38,27 +73,48 @@ impl Page {
                 x: Axis::linear("level"),
                 y: Axis::from("R' / R_opt", 1.0).to(most),
                 lines: vec![
-                    of("paper", &|r| r.paper),
-                    of("smallest balls", &|r| r.smallest_ball),
+                    of("paper", &paper),
+                    of("smallest balls", &smallest_ball),
                     of("bdtree", &|r| r.bdtree),
                 ],
             });
         }
-        let both = |ratio: &Ratio| format!("{:.3} / {:.3}", ratio.mean, ratio.max);
         let mut rows = rows.clone();
-        rows.sort_by(|a, b| a.displacement_rel.total_cmp(&b.displacement_rel));
+        rows.sort_by(|a, b| moved(a).total_cmp(&moved(b)));
         self.table::<TightnessRow>(
             &rows,
             0,
             &[
-                ("moved by", &|r| percent(r.displacement_rel)),
+                ("moved by", &|r| percent(moved(r))),
                 ("level", &|r| r.level.to_string()),
                 ("spheres", &|r| r.spheres.to_string()),
-                ("paper, mean / largest", &|r| both(&r.paper)),
-                ("smallest balls", &|r| both(&r.smallest_ball)),
+                ("paper, mean / largest", &|r| both(&paper(r))),
+                ("smallest balls", &|r| both(&smallest_ball(r))),
                 ("bdtree", &|r| both(&r.bdtree)),
             ],
         );
         self.close();
     }
+}
+
+/// What a row has without a skin; nothing else is asked for it.
+const NONE: Ratio = Ratio {
+    mean: f64::NAN,
+    max: f64::NAN,
+};
+
+fn moved(row: &TightnessRow) -> f64 {
+    row.displacement_rel.unwrap_or(f64::NAN)
+}
+
+fn paper(row: &TightnessRow) -> Ratio {
+    row.paper.unwrap_or(NONE)
+}
+
+fn smallest_ball(row: &TightnessRow) -> Ratio {
+    row.smallest_ball.unwrap_or(NONE)
+}
+
+fn both(ratio: &Ratio) -> String {
+    format!("{:.3} / {:.3}", ratio.mean, ratio.max)
 }

@@ -1,0 +1,92 @@
+//! Where samples come from, and what a report cannot say of an asset, in words.
+
+use bdtree_build::advise::samples::{Bones, Samples, Source};
+use bdtree_runtime::Asset;
+
+/// Which poses an asset is judged in.
+pub(super) fn source(asset: &Asset<'_>, samples: &Samples) -> String {
+    let count = samples.count;
+    let clips = asset.skeleton().map_or(0, |skeleton| skeleton.clip_count());
+    let bones = match samples.bones {
+        None => {
+            return match samples.source {
+                Source::Ranges => format!("{count} mixtures of all modes within ± q_range"),
+                Source::Rest => "the rest pose".to_string(),
+                Source::Frames | Source::Clips => format!("{count} frames of the animation"),
+            };
+        }
+        Some(Bones::Turns) => format!("{count} poses with joints turned by up to 20°"),
+        Some(Bones::Clips) if clips == 1 => format!("{count} poses of the clip"),
+        Some(Bones::Clips) if clips > count => {
+            format!("{count} poses of as many of the {clips} clips")
+        }
+        Some(Bones::Clips) => format!("{count} poses of the {clips} clips"),
+    };
+    match samples.source {
+        Source::Ranges => format!("{bones}, each with a mixture of all modes within ± q_range"),
+        _ => bones,
+    }
+}
+
+/// What a report cannot say of an asset, and why.
+pub(super) fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
+    let mut missing = Vec::new();
+    if asset.has_skin() {
+        missing.extend(of_skin(asset, samples));
+    } else if asset.mode_count() == 0 {
+        missing.push(
+            "The asset is rigid: it has no modes, so there is nothing to say of modes, tightness, \
+             refitting and margins."
+                .to_string(),
+        );
+        return missing;
+    } else if samples.source == Source::Rest {
+        missing.push(
+            "No mode moves anything within its q_range, and there is no animation: nothing to say of modes, \
+             tightness, refitting and margins."
+                .to_string(),
+        );
+        return missing;
+    }
+    if !samples.still.is_empty() {
+        let numbers: Vec<String> = samples.still.iter().map(usize::to_string).collect();
+        missing.push(format!(
+            "Modes {} move nothing within their q_range: what they do beyond it is not in this report.",
+            numbers.join(", ")
+        ));
+    }
+    if samples.source == Source::Ranges {
+        let none = match (asset.has_skin(), asset.frame_count()) {
+            (true, _) => "No clip moves a mode",
+            (false, 0) => "The asset has no animation",
+            (false, _) => "The asset's animation moves nothing",
+        };
+        missing.push(format!(
+            "{none}: samples are mixtures within ± q_range, which may be more or less than \
+             what a scene does."
+        ));
+    }
+    missing
+}
+
+fn of_skin(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
+    let mut missing = vec![
+        "The paper's bound and that of smallest balls know no bones: tightness is that of bdtree alone."
+            .to_string(),
+    ];
+    if asset.mode_count() > 0 {
+        missing.push(
+            "Fewer modes are not measured, since a file does not hold all that its skin was made of: \
+             bdtree-build --advise measures them from the source, with bones."
+                .to_string(),
+        );
+    }
+    if samples.bones == Some(Bones::Turns) {
+        missing.push(
+            "The asset has no clips: its joints are turned by up to 20°, which may be more or less than what a \
+             scene does."
+                .to_string(),
+        );
+    }
+    missing
+}
