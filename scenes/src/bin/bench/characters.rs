@@ -145,7 +145,7 @@ fn tightness(asset: &Asset<'_>, frames: &[Frame]) -> Result<(Ratios, Vec<Ratios>
 /// Volumes over the exact box's, means over frames.
 struct Boxes {
     exact: f64,
-    /// Of the box around all exact boxes of what one bone moves, each as if it moved them alone: what engines that keep
+    /// Of the box around the carried corners of each bone's box at rest, displacements left out: what engines that keep
     /// a box per joint have.
     per_bone: f64,
 }
