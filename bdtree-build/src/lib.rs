@@ -29,6 +29,7 @@
 
 pub mod advise;
 pub mod basis;
+mod disjoint_sets;
 pub mod elastic;
 pub mod encode;
 pub mod error;

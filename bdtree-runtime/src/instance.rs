@@ -130,7 +130,8 @@ impl Instance {
         )
     }
 
-    /// Moves its bones: one matrix per bone of the asset, joint matrix times inverse bind matrix, as skinning shaders
+    /// Moves its bones: one matrix per bone of the asset, joint matrix times inverse bind matrix (that of
+    /// [`Asset::bones`](crate::Asset::bones), which a bake may have brought to another bind space), as skinning shaders
     /// take them. q and placement stay; an error leaves it as it was.
     ///
     /// # Errors

@@ -26,7 +26,6 @@
 
 pub(crate) mod assemble;
 pub(crate) mod constraint;
-pub(crate) mod disjoint_sets;
 pub(crate) mod element;
 pub(crate) mod lattice;
 pub(crate) mod solve;

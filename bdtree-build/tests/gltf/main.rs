@@ -11,5 +11,6 @@ mod read;
 mod skin_mistakes;
 mod skin_rows;
 mod skins;
+mod spaces;
 mod support;
 mod twin;

@@ -10,8 +10,10 @@ use bdtree_fixtures::models::math::V3;
 /// What a glTF file holds.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Twin {
-    /// World positions.
+    /// World positions; of skinned meshes, their own.
     pub positions: Vec<V3>,
+    /// What the joints do to each vertex at rest: the identity without a skin.
+    pub carried: Vec<Matrix>,
     /// Corner indices.
     pub triangles: Vec<[u32; 3]>,
     /// Per morph target of each mesh node the world displacement of every vertex.
@@ -42,9 +44,9 @@ pub(crate) struct File {
 }
 
 /// A node's placement: columns of a 4 × 4 matrix.
-type Matrix = [[f64; 4]; 4];
+pub(crate) type Matrix = [[f64; 4]; 4];
 
-const IDENTITY: Matrix = [
+pub(crate) const IDENTITY: Matrix = [
     [1.0, 0.0, 0.0, 0.0],
     [0.0, 1.0, 0.0, 0.0],
     [0.0, 0.0, 1.0, 0.0],
@@ -93,8 +95,12 @@ impl File {
     pub(crate) fn scene(&self) -> Twin {
         let mut twin = Twin::default();
         let scene = &self.json["scenes"][index(&self.json["scene"])];
+        let mut worlds = vec![IDENTITY; list(&self.json["nodes"]).len()];
         for node in list(&scene["nodes"]) {
-            self.node(index(node), &IDENTITY, &mut twin);
+            self.place(index(node), &IDENTITY, &mut worlds);
+        }
+        for node in list(&scene["nodes"]) {
+            self.node(index(node), &worlds, &mut twin);
         }
         for field in &mut twin.fields {
             field.resize(twin.positions.len(), [0.0; 3]);
@@ -122,14 +128,41 @@ impl File {
             .collect()
     }
 
-    fn node(&self, at: usize, outer: &Matrix, twin: &mut Twin) {
+    /// Where a node and all below it stand in the scene.
+    fn place(&self, at: usize, outer: &Matrix, worlds: &mut [Matrix]) {
         let node = &self.json["nodes"][at];
-        let world = product(outer, &placement(node));
+        worlds[at] = product(outer, &placement(node));
+        let world = worlds[at];
+        for child in list(&node["children"]) {
+            self.place(index(child), &world, worlds);
+        }
+    }
+
+    /// Joint matrix times inverse bind matrix of each joint of the node's skin, at rest.
+    fn joints(&self, node: &Value, worlds: &[Matrix]) -> Option<Vec<Matrix>> {
+        let skin = &self.json["skins"][node["skin"].as_u64()? as usize];
+        let binds = skin["inverseBindMatrices"]
+            .as_u64()
+            .map(|accessor| self.accessor(accessor as usize));
+        let bind = |j: usize| match &binds {
+            Some(binds) => [0, 1, 2, 3].map(|c| [0, 1, 2, 3].map(|r| binds[j][4 * c + r])),
+            None => IDENTITY,
+        };
+        let joints = list(&skin["joints"]).iter().enumerate();
+        Some(
+            joints
+                .map(|(j, joint)| product(&worlds[index(joint)], &bind(j)))
+                .collect(),
+        )
+    }
+
+    fn node(&self, at: usize, worlds: &[Matrix], twin: &mut Twin) {
+        let node = &self.json["nodes"][at];
+        let joints = self.joints(node, worlds);
         // Joints say where a skinned mesh stands.
-        let own = if node["skin"].is_u64() {
-            &IDENTITY
-        } else {
-            &world
+        let own = match joints {
+            Some(_) => &IDENTITY,
+            None => &worlds[at],
         };
         if let Some(mesh) = node["mesh"].as_u64() {
             let mesh = &self.json["meshes"][mesh as usize];
@@ -145,11 +178,34 @@ impl File {
                 .extend((0..count).map(|k| weights.map_or(0.0, |w| number(&w[k]))));
             for primitive in list(&mesh["primitives"]) {
                 self.primitive(primitive, own, first, twin);
+                let carried = match &joints {
+                    Some(joints) => self.carried(primitive, joints),
+                    None => Vec::new(),
+                };
+                twin.carried.extend(carried);
+                twin.carried.resize(twin.positions.len(), IDENTITY);
             }
         }
         for child in list(&node["children"]) {
-            self.node(index(child), &world, twin);
+            self.node(index(child), worlds, twin);
         }
+    }
+
+    /// The joints' matrices, blended for each vertex.
+    fn carried(&self, primitive: &Value, joints: &[Matrix]) -> Vec<Matrix> {
+        let attribute = |name: &str| self.accessor(index(&primitive["attributes"][name]));
+        let mut carried = Vec::new();
+        for (numbers, weights) in attribute("JOINTS_0").iter().zip(attribute("WEIGHTS_0")) {
+            let mut sum = [[0.0; 4]; 4];
+            for (joint, weight) in numbers.iter().zip(weights) {
+                let joint = &joints[*joint as usize];
+                for (sum, x) in sum.as_flattened_mut().iter_mut().zip(joint.as_flattened()) {
+                    *sum += weight * x;
+                }
+            }
+            carried.push(sum);
+        }
+        carried
     }
 
     fn primitive(&self, primitive: &Value, world: &Matrix, first: usize, twin: &mut Twin) {
@@ -199,6 +255,8 @@ impl File {
         let width = match accessor["type"].as_str() {
             Some("SCALAR") => 1,
             Some("VEC3") => 3,
+            Some("VEC4") => 4,
+            Some("MAT4") => 16,
             other => panic!("type {other:?}"),
         };
         let component = index(&accessor["componentType"]);
@@ -272,7 +330,7 @@ fn number(value: &Value) -> f64 {
 }
 
 /// Columns of a node's matrix.
-fn placement(node: &Value) -> Matrix {
+pub(crate) fn placement(node: &Value) -> Matrix {
     if node["matrix"].is_array() {
         return [0, 1, 2, 3].map(|c| [0, 1, 2, 3].map(|r| number(&node["matrix"][4 * c + r])));
     }
@@ -306,12 +364,12 @@ fn quaternion_product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     ]
 }
 
-fn product(a: &Matrix, b: &Matrix) -> Matrix {
+pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     b.map(|column| [0, 1, 2, 3].map(|row| (0..4).map(|k| a[k][row] * column[k]).sum()))
 }
 
 /// The matrix times (v, w), without its last entry.
-fn apply(matrix: &Matrix, v: &[f64], w: f64) -> V3 {
+pub(crate) fn apply(matrix: &Matrix, v: &[f64], w: f64) -> V3 {
     let v = [v[0], v[1], v[2], w];
     [0, 1, 2].map(|row| (0..4).map(|k| matrix[k][row] * v[k]).sum())
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::elastic::disjoint_sets::DisjointSets;
+use crate::disjoint_sets::DisjointSets;
 use crate::elastic::element::NodeLists;
 use crate::vec3::{cross, norm, sub};
 

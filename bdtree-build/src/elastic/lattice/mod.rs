@@ -10,7 +10,7 @@ pub(crate) mod table;
 
 use std::collections::HashMap;
 
-use crate::elastic::disjoint_sets::DisjointSets;
+use crate::disjoint_sets::DisjointSets;
 use crate::elastic::element::moments::{Moments, add_eighth, full_cell};
 use crate::elastic::element::spline::FUNCTIONS;
 use crate::elastic::lattice::fill::{Material, fill};

@@ -9,7 +9,7 @@
 
 use std::collections::HashMap;
 
-use crate::elastic::disjoint_sets::DisjointSets;
+use crate::disjoint_sets::DisjointSets;
 use crate::vec3::{add, bounds, cross, dot, norm, scale, sub};
 
 /// Holes of a solid may take up this share of the surface component's area in all …

@@ -2,11 +2,11 @@
 
 use std::borrow::Cow;
 
+use crate::disjoint_sets::DisjointSets;
 use crate::elastic::assemble::Source;
 use crate::elastic::assemble::dissection::dissect_mesh;
 use crate::elastic::assemble::joints::{Blocks, TooManyBlocks, find_blocks};
 use crate::elastic::assemble::system::System;
-use crate::elastic::disjoint_sets::DisjointSets;
 use crate::elastic::element::material::Material;
 use crate::elastic::element::{ElementMatrices, NodeLists};
 use crate::elastic::element::{hexahedron, tetrahedron};

@@ -1,6 +1,6 @@
 //! Placements of nodes: x ↦ L x + t in f64.
 
-use bdtree_runtime::math::{cross, dot, rotation_matrix};
+use bdtree_runtime::math::{cross, dot, norm, rotation_matrix, sub};
 
 use super::document::ExactNode;
 use crate::input::{Local, Rows};
@@ -26,6 +26,12 @@ pub(super) struct Affine {
 impl Affine {
     pub(super) const IDENTITY: Self = Self {
         linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        translation: [0.0; 3],
+    };
+
+    /// Puts everything at the origin.
+    pub(super) const ZERO: Self = Self {
+        linear: [[0.0; 3]; 3],
         translation: [0.0; 3],
     };
 
@@ -75,25 +81,39 @@ impl Affine {
 
     /// What undoes the map; `None` where that has lost most of its digits or there is nothing.
     pub(super) fn inverse(&self) -> Option<Self> {
+        self.inverse_within(CONDITION_MAX)
+    }
+
+    /// What undoes the map; `None` where ‖L‖ ‖L⁻¹‖ (Frobenius norms: 3 for a rotation) is above `condition_max`.
+    pub(super) fn inverse_within(&self, condition_max: f64) -> Option<Self> {
         let [a, b, c] = self.linear;
         let cofactors = [cross(b, c), cross(c, a), cross(a, b)];
         let determinant = dot(a, cofactors[0]);
         // Columns of the inverse.
         let columns = cofactors.map(|column| column.map(|x| x / determinant));
         let linear: [[f64; 3]; 3] = std::array::from_fn(|i| columns.map(|column| column[i]));
-        let size =
-            |rows: &[[f64; 3]; 3]| rows.iter().map(|row| dot(*row, *row)).sum::<f64>().sqrt();
-        let condition = size(&self.linear) * size(&linear);
+        let condition = frobenius(&self.linear) * frobenius(&linear);
         let turned = Self {
             linear,
             translation: [0.0; 3],
         };
         let translation = turned.vector(self.translation).map(|x| 0.0 - x);
-        let is_sound = condition <= CONDITION_MAX && translation.iter().all(|x| x.is_finite());
+        let is_sound = condition <= condition_max && translation.iter().all(|x| x.is_finite());
         is_sound.then_some(Self {
             linear,
             translation,
         })
+    }
+
+    /// The root mean square of the lengths to which L brings the unit vectors.
+    pub(super) fn scale(&self) -> f64 {
+        frobenius(&self.linear) / 3.0_f64.sqrt()
+    }
+
+    /// How far apart this map and `other` put a point that is no farther than `reach` from the origin, at most.
+    pub(super) fn apart(&self, other: &Self, reach: f64) -> f64 {
+        let linear: [[f64; 3]; 3] = std::array::from_fn(|i| sub(self.linear[i], other.linear[i]));
+        frobenius(&linear) * reach + norm(sub(self.translation, other.translation))
     }
 
     /// First `inner`, then this.
@@ -124,7 +144,6 @@ impl Affine {
             return Ok((affine, odd.map(str::to_string)));
         }
         let mut odd = None;
-        let mut linear = Self::IDENTITY.linear;
         if let Some(q) = node.rotation {
             let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
             if !(length > 0.0 && length.is_finite()) {
@@ -133,18 +152,30 @@ impl Affine {
             if (length - 1.0).abs() > UNIT_TOLERANCE {
                 odd = Some(format!("rotation of length {length} brought to length 1"));
             }
-            linear = rotation_matrix(q.map(|x| x / length));
         }
-        if let Some(scale) = node.scale {
-            linear = linear.map(|row| std::array::from_fn(|k| row[k] * scale[k]));
-        }
-        let translation = node.translation.unwrap_or_default();
-        let affine = Self {
-            linear,
-            translation,
-        };
-        Ok((affine, odd))
+        Ok((Self::of_local(&local(node)), odd))
     }
+
+    /// The map from a node's coordinates to its parent's.
+    pub(super) fn of_local(local: &Local) -> Self {
+        match local {
+            Local::Matrix(rows) => Self::of_rows(rows),
+            Local::Parts {
+                translation,
+                rotation,
+                scale,
+            } => Self {
+                linear: rotation_matrix(*rotation)
+                    .map(|row| std::array::from_fn(|k| row[k] * scale[k])),
+                translation: *translation,
+            },
+        }
+    }
+}
+
+/// The Frobenius norm.
+fn frobenius(rows: &[[f64; 3]; 3]) -> f64 {
+    rows.iter().map(|row| dot(*row, *row)).sum::<f64>().sqrt()
 }
 
 /// A node's placement as parts, which clips may animate, or as its matrix. The node is one that [`Affine::of_node`] took.

@@ -3,7 +3,7 @@
 //! What is read and what is not, ids, names, clips and errors: `docs/reference/morph-targets.md`. The `gltf`
 //! crate reads and validates the document; buffers and accessors are read here, checked first.
 //!
-//! Flow: container → document → nodes → plan → skeleton → mesh (with weights) → model → clip, or motions with a skin.
+//! Flow: container → document → nodes → plan → skeleton → mesh (with weights) → spaces → model → clip, or motions with a skin.
 
 mod accessor;
 mod affine;
@@ -23,6 +23,7 @@ mod plan;
 mod quiet;
 mod samplers;
 mod skeleton;
+mod spaces;
 mod topology;
 mod uri;
 mod weights;
@@ -108,11 +109,11 @@ fn read(bytes: &[u8], folder: &Path, clip: Option<&str>, notes: &mut Notes) -> O
         list: &root.accessors,
         buffers: Buffers::new(root, container.binary.as_deref(), folder),
     };
-    let rig = skeleton::read(&document, &mut scene, &accessors, notes);
+    let mut rig = skeleton::read(&document, &mut scene, &accessors, notes);
     if !notes.is_clean() {
         return None;
     }
-    let instances = scene.instances;
+    let mut instances = scene.instances;
     let quantised = root
         .extensions_used
         .iter()
@@ -137,6 +138,9 @@ fn read(bytes: &[u8], folder: &Path, clip: Option<&str>, notes: &mut Notes) -> O
     }
     if !notes.is_clean() {
         return None;
+    }
+    if let Some(rig) = &mut rig {
+        spaces::unify(rig, &mut instances, &meshes, notes);
     }
     let model = Model::build(&document, &instances, &meshes, rig.as_ref(), notes);
     if model.mesh.triangles.is_empty() {

@@ -122,6 +122,33 @@ impl Rig {
         }
     }
 
+    /// The bones of the joints of each skin, by ascending skin.
+    pub(super) fn skins(&self) -> Vec<(usize, &[u16])> {
+        let mut skins: Vec<_> = self
+            .skins
+            .iter()
+            .map(|(&skin, bones)| (skin, &bones[..]))
+            .collect();
+        skins.sort_unstable_by_key(|(skin, _)| *skin);
+        skins
+    }
+
+    /// Where each bone puts its mesh at rest: joint matrix times inverse bind matrix.
+    pub(super) fn rests(&self) -> Vec<Affine> {
+        let mut nodes: Vec<Affine> = Vec::with_capacity(self.skeleton.len());
+        for node in &self.skeleton {
+            let local = Affine::of_local(&node.local);
+            // Parents stand before their children.
+            let parent = node.parent.and_then(|parent| nodes.get(parent as usize));
+            nodes.push(parent.map_or(local, |parent| parent.after(&local)));
+        }
+        let rest = |bone: &RawBone| {
+            let node = self.joints[bone.joint as usize];
+            nodes[node as usize].after(&Affine::of_rows(&bone.inverse_bind))
+        };
+        self.bones.iter().map(rest).collect()
+    }
+
     /// The joint of a node, a new one if it has none.
     fn joint(&mut self, node: usize) -> u32 {
         let next = self.joint_of.len() as u32;
