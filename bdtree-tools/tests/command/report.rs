@@ -1,5 +1,7 @@
 //! `report`: its page and its figures, on assets of every kind.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
 use bdtree_build::progress::Silent;
@@ -36,32 +38,10 @@ impl Folder {
             .split("base64,")
             .nth(1)
             .and_then(|p| p.split('"').next());
-        self.write("out.png", of_base64(picture.expect("a picture")));
+        let picture = STANDARD.decode(picture.expect("a picture"));
+        self.write("out.png", picture.expect("base 64"));
         Picture::read(&self.path("out.png"))
     }
-}
-
-/// The bytes of a text in base 64.
-fn of_base64(text: &str) -> Vec<u8> {
-    let digits = ('A'..='Z')
-        .chain('a'..='z')
-        .chain('0'..='9')
-        .chain(['+', '/']);
-    let digits: Vec<char> = digits.collect();
-    let (mut bits, mut count, mut bytes) = (0_u32, 0, Vec::new());
-    // What fills the last group up is no digit, and the bits left over are no byte.
-    for digit in text
-        .chars()
-        .filter_map(|c| digits.iter().position(|d| *d == c))
-    {
-        bits = bits << 6 | digit as u32;
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            bytes.push((bits >> count) as u8);
-        }
-    }
-    bytes
 }
 
 /// Whether there is a line for each part that was begun, and nothing else.
