@@ -2,13 +2,13 @@
 //! and in a vertex shader.
 
 use bdtree_fixtures::poses;
-use bdtree_gpu::{GpuError, NormalFields, Normals, Skinner, twin, vertex_layout, vertex_source};
+use bdtree_gpu::{GpuError, NormalFields, Normals, Skinner, twin};
 use bdtree_runtime::{Asset, BoneMatrices, PoseError, Transform, VertexId};
 
 use crate::devices::{Gpu, Skinned};
 use crate::normals::{U, angle, cross, exact, exact_bound, norm, wide};
 use crate::skins::{Posed, assets, posed};
-use crate::vertex_shader::draw;
+use crate::vertex_shader::drawn_as_twin;
 
 /// Deforms all poses on the device.
 fn skin(gpu: &Gpu, asset: &Asset<'_>, normals: Normals, posed: &[Posed], o: [f64; 3]) -> Skinned {
@@ -271,58 +271,31 @@ fn a_vertex_shader_follows_bones() {
     let mut compared = 0;
     for (seed, (name, model)) in (0..).zip(assets()) {
         let asset = model.asset();
-        let n = asset.vertex_count();
-        let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
-        let layout = vertex_layout(&gpu.device);
         let posed = &posed(asset, seed)[..9];
         for normals in [Normals::None, Normals::Fields] {
-            let fields =
-                (normals == Normals::Fields).then(|| NormalFields::new(asset).expect("fields"));
-            let uploaded = skinner.upload(asset, normals).expect("upload");
-            let mut instances = skinner.instances(&uploaded, 9).expect("instances");
-            instances.clear(asset.origin());
-            let push = |pose: &Posed| {
-                let bones = BoneMatrices::Skinning(&pose.matrices);
-                instances.push_with_bones(asset, &pose.q, bones, pose.place)
-            };
-            let errors: Result<Vec<f64>, GpuError> = posed.iter().map(push).collect();
-            let errors = errors.expect("push");
-            instances.write();
-            let group = skinner.vertex_group(&layout, &uploaded, &instances);
-            let source = vertex_source(&uploaded, 1).expect("source");
-            let width = n.next_multiple_of(48) as u32;
-            let group = group.expect("group");
-            let pixels = draw(&gpu, &source, &layout, &group, [width, 18], n as u32);
-            for (k, pose) in posed.iter().enumerate() {
-                let kind = pose.kind;
-                let twin = twin::positions(asset, &instances, k as u32).expect("twin");
-                let normals = match &fields {
-                    Some(fields) => twin::field_normals(asset, fields, &instances, k as u32),
-                    None => Ok(vec![[0.0; 3]; n]),
-                };
-                let normals = normals.expect("twin");
-                for v in 0..n {
-                    let row = |i: usize| pixels[(2 * k + i) * width as usize + v];
-                    let [position, normal] = [row(0), row(1)];
-                    assert_eq!(position[3], 1.0, "{name}: vertex {v} was not drawn");
-                    for axis in 0..3 {
-                        let off = f64::from(position[axis]) - f64::from(twin[v][axis]);
-                        assert!(off.abs() <= 2.0 * errors[k], "{name} {kind} {v}: {off}");
-                        // On a line or in a point any direction.
-                        if ["rest", "turned", "mirrored", "huge"].contains(&kind)
-                            && norm(wide(normals[v])) > 0.5
-                        {
-                            let off = (normal[axis] - normals[v][axis]).abs();
-                            assert!(
-                                off <= 2e-3,
-                                "{name} {kind} {v}: {normal:?} {:?}",
-                                normals[v]
-                            );
-                        }
+            compared += drawn_as_twin(
+                &gpu,
+                (&name, asset),
+                normals,
+                (9, asset.origin()),
+                |instances, k| {
+                    let pose = &posed[k];
+                    let bones = BoneMatrices::Skinning(&pose.matrices);
+                    instances.push_with_bones(asset, &pose.q, bones, pose.place)
+                },
+                |k, v, found, expected| {
+                    let kind = posed[k].kind;
+                    // On a line or in a point any direction.
+                    let is_any = !["rest", "turned", "mirrored", "huge"].contains(&kind);
+                    if is_any || norm(wide(expected)) <= 0.5 {
+                        return;
                     }
-                    compared += 1;
-                }
-            }
+                    for axis in 0..3 {
+                        let off = (found[axis] - expected[axis]).abs();
+                        assert!(off <= 2e-3, "{name} {kind} {v}: {found:?} {expected:?}");
+                    }
+                },
+            );
         }
     }
     assert!(compared > 10_000, "{compared}");

@@ -2,8 +2,10 @@
 //! give.
 
 use bdtree_gpu::{
-    GpuError, NormalFields, Normals, Skinner, read_back, twin, vertex_layout, vertex_source,
+    GpuError, Instances, NormalFields, Normals, Skinner, read_back, twin, vertex_layout,
+    vertex_source,
 };
+use bdtree_runtime::Asset;
 
 use crate::devices::{Gpu, assets, placed};
 
@@ -28,7 +30,7 @@ fn fragment(drawn: Drawn) -> @location(0) vec4<f32> { return drawn.value; }
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// Draws and returns rows of `width` pixels.
-pub(crate) fn draw(
+fn draw(
     gpu: &Gpu,
     source: &str,
     layout: &wgpu::BindGroupLayout,
@@ -135,60 +137,82 @@ pub(crate) fn draw(
     read.as_flattened().as_chunks().0.to_vec()
 }
 
+/// Draws so many instances, added by `push`, and compares positions with their twin's; `check` is told instance,
+/// vertex, the normal drawn, and the twin's (zeros without normals). Returns how many vertices were compared.
+pub(crate) fn drawn_as_twin(
+    gpu: &Gpu,
+    (name, asset): (&str, &Asset<'_>),
+    normals: Normals,
+    (count, origin): (usize, [f64; 3]),
+    mut push: impl FnMut(&mut Instances, usize) -> Result<f64, GpuError>,
+    mut check: impl FnMut(usize, usize, [f32; 3], [f32; 3]),
+) -> usize {
+    let n = asset.vertex_count();
+    let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
+    let layout = vertex_layout(&gpu.device);
+    let fields = (normals == Normals::Fields).then(|| NormalFields::new(asset).expect("fields"));
+    let uploaded = skinner.upload(asset, normals).expect("upload");
+    let instances = skinner.instances(&uploaded, count as u32);
+    let mut instances = instances.expect("instances");
+    instances.clear(origin);
+    let errors = (0..count).map(|k| push(&mut instances, k).expect("push"));
+    let errors: Vec<f64> = errors.collect();
+    instances.write();
+    let group = skinner.vertex_group(&layout, &uploaded, &instances);
+    let group = group.expect("group");
+    let source = vertex_source(&uploaded, 1).expect("source");
+    let width = n.next_multiple_of(48);
+    let size = [width as u32, 2 * count as u32];
+    let pixels = draw(gpu, &source, &layout, &group, size, n as u32);
+    for (k, error) in errors.iter().enumerate() {
+        let twin = twin::positions(asset, &instances, k as u32).expect("twin");
+        // From fields alone, at marked vertices too.
+        let normals = match &fields {
+            Some(fields) => twin::field_normals(asset, fields, &instances, k as u32),
+            None => Ok(vec![[0.0; 3]; n]),
+        };
+        let normals = normals.expect("twin");
+        for v in 0..n {
+            let row = |i: usize| pixels[(2 * k + i) * width + v];
+            let [position, [x, y, z, _]] = [row(0), row(1)];
+            assert_eq!(position[3], 1.0, "{name}: vertex {v} was not drawn");
+            for axis in 0..3 {
+                let off = f64::from(position[axis]) - f64::from(twin[v][axis]);
+                assert!(off.abs() <= 2.0 * error, "{name} {k} {v}: {off}");
+            }
+            check(k, v, [x, y, z], normals[v]);
+        }
+    }
+    count * n
+}
+
 #[test]
 fn a_vertex_shader_computes_the_same() {
     let gpu = Gpu::new();
     let mut compared = 0;
     for (seed, (name, model)) in (0..).zip(assets()) {
         let asset = model.asset();
-        let n = asset.vertex_count();
-        let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
-        let layout = vertex_layout(&gpu.device);
         let placed = placed(asset, seed);
-        let count = 12.min(placed.len() as u32);
+        let all = (12.min(placed.len()), [0.5, 0.0, -1.0]);
         for normals in [Normals::None, Normals::Fields] {
-            let skinned = gpu.skin(asset, normals, &placed[..count as usize], [0.5, 0.0, -1.0]);
-            let skinned = skinned.expect("skinning");
-            let fields =
-                (normals == Normals::Fields).then(|| NormalFields::new(asset).expect("fields"));
-            let uploaded = skinner.upload(asset, normals).expect("upload");
-            let mut instances = skinner.instances(&uploaded, count).expect("instances");
-            instances.clear([0.5, 0.0, -1.0]);
-            for (q, place) in &placed[..count as usize] {
-                instances.push_at(asset, q, *place).expect("push");
-            }
-            instances.write();
-            let group = skinner
-                .vertex_group(&layout, &uploaded, &instances)
-                .expect("group");
-            let source = vertex_source(&uploaded, 1).expect("source");
-            let width = n.next_multiple_of(48) as u32;
-            let pixels = draw(&gpu, &source, &layout, &group, [width, 2 * count], n as u32);
-            for k in 0..count as usize {
-                let twin = twin::positions(asset, &instances, k as u32).expect("twin");
-                // From fields alone, at marked vertices too.
-                let normals = match &fields {
-                    Some(fields) => twin::field_normals(asset, fields, &instances, k as u32),
-                    None => Ok(vec![[0.0; 3]; n]),
-                };
-                let normals = normals.expect("twin");
-                for v in 0..n {
-                    let row = |i: usize| pixels[(2 * k + i) * width as usize + v];
-                    let [position, normal] = [row(0), row(1)];
-                    assert_eq!(position[3], 1.0, "{name}: vertex {v} was not drawn");
+            compared += drawn_as_twin(
+                &gpu,
+                (&name, asset),
+                normals,
+                all,
+                |instances, k| {
+                    let (q, place) = &placed[k];
+                    instances.push_at(asset, q, *place)
+                },
+                |k, v, found, expected| {
                     for axis in 0..3 {
-                        let off = (position[axis] - twin[v][axis]).abs();
-                        assert!(
-                            f64::from(off) <= 2.0 * skinned.errors[k],
-                            "{name} {k} {v}: {off}"
-                        );
-                        let off = (normal[axis] - normals[v][axis]).abs();
-                        assert!(off <= 1e-4, "{name} {k} {v}: {normal:?} {:?}", normals[v]);
+                        let off = (found[axis] - expected[axis]).abs();
+                        assert!(off <= 1e-4, "{name} {k} {v}: {found:?} {expected:?}");
                     }
-                    compared += 1;
-                }
-            }
+                },
+            );
         }
+        let skinner = Skinner::new(&gpu.device, &gpu.queue).expect("skinner");
         let exact = skinner.upload(asset, Normals::Exact).expect("upload");
         let refused = vertex_source(&exact, 0);
         assert!(

@@ -9,7 +9,7 @@ use crate::posture::PostureArguments;
 #[cfg(feature = "render")]
 use crate::render::Arguments as RenderArguments;
 #[cfg(feature = "report")]
-use crate::render::options::UpAxis;
+use crate::render::UprightArguments;
 
 /// Looks into, checks, compares, deforms, queries and draws .bdt files.
 ///
@@ -164,15 +164,9 @@ pub struct ReportArguments {
     /// Output file: .html [default: beside FILE, with .html; with --json none]
     #[arg(short, long, value_name = "FILE.html")]
     pub output: Option<PathBuf>,
-    /// The axis of the mesh that points up in the pictures
-    #[arg(
-        long,
-        value_enum,
-        value_name = "AXIS",
-        default_value = "y",
-        allow_hyphen_values = true
-    )]
-    pub up: UpAxis,
+    #[command(flatten)]
+    #[allow(missing_docs)] // clap would print it
+    pub upright: UprightArguments,
     /// Print one JSON object: file, asset, machine, samples, missing, advice, modes, depth,
     /// tightness, margin, refit, sections, unneeded, seconds (lengths in mesh units, unknown values null)
     #[arg(long)]

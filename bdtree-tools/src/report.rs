@@ -47,7 +47,7 @@ pub fn run(
     let content = content?;
     if let Some(path) = &target {
         // A machine without Vulkan gets the page without pictures.
-        let pictures = portraits(&file, arguments.up);
+        let pictures = portraits(&file, arguments.upright.up);
         let pictures = pictures.and_then(|all| all.into_iter().map(picture).collect());
         let pictures = pictures.unwrap_or_else(|error| {
             let _ = writeln!(err, "the report has no pictures: {error}");

@@ -29,12 +29,7 @@ impl Case {
     }
 
     fn at<'a>(&'a self, q: &'a [f32], place: &'a Place) -> Target<'a> {
-        Target {
-            deformer: &self.deformer,
-            q,
-            bones: &[],
-            place,
-        }
+        Target::without_bones(&self.deformer, q, place)
     }
 
     /// All triangles at q and a place, moved in f32 as the peers do.

@@ -61,7 +61,17 @@ pub struct Target<'a> {
     pub place: &'a Place,
 }
 
-impl Target<'_> {
+impl<'a> Target<'a> {
+    /// Of a body without bones.
+    pub fn without_bones(deformer: &'a Deformer, q: &'a [f32], place: &'a Place) -> Self {
+        Self {
+            deformer,
+            q,
+            bones: &[],
+            place,
+        }
+    }
+
     /// Writes x, y, z of all vertices there to `out`.
     fn write(&self, scratch: &mut Vec<f32>, out: &mut [f32]) {
         let Self {

@@ -1,7 +1,12 @@
-//! Which triangles and vertices hang on a lane, found when asked for: measurements look at a few of many.
+//! Which triangles and vertices hang on a lane, and how tight its sphere is, found when asked for: measurements look
+//! at a few of many.
 
+use bdtree_build::wrap::ball::smallest_ball;
 use bdtree_format::LANES;
-use bdtree_runtime::Asset;
+use bdtree_runtime::{Asset, FormatError, Pose};
+
+/// A sphere whose deformed vertices fit into this part of the whole is a point: its ratio is rounding.
+const POINT_REL: f64 = 1e-6;
 
 /// The lanes of a level that hold anything, as node and lane.
 pub fn of_level(asset: &Asset<'_>, level: usize) -> Vec<(usize, usize)> {
@@ -38,4 +43,25 @@ pub fn vertices(asset: &Asset<'_>, node: usize, lane: usize) -> Vec<u32> {
     all.sort_unstable();
     all.dedup();
     all
+}
+
+/// R'/R_opt of a lane, and R_opt: the radius of the smallest ball around the deformed vertices below it. `deformed` are
+/// these vertices or some of them (stored units), `size` is the whole's (mesh units). `None` where the sphere is a
+/// point.
+///
+/// # Errors
+/// A corrupt asset.
+pub fn tightness(
+    pose: &Pose<'_>,
+    node: usize,
+    lane: usize,
+    deformed: &[[f64; 3]],
+    size: f64,
+) -> Result<Option<[f64; 2]>, FormatError> {
+    let best = smallest_ball(deformed).radius;
+    if best * pose.asset().unit() <= POINT_REL * size {
+        return Ok(None);
+    }
+    let radius = pose.node_spheres(node as u32)?.radius[lane];
+    Ok(Some([f64::from(radius) / best, best]))
 }

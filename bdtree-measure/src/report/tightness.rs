@@ -21,9 +21,6 @@ const SPHERES_MAX: usize = 100;
 /// same ones, except ours, which is the file's: with fewer vertices R_opt could only be smaller.
 const VERTICES_MAX: usize = 20_000;
 
-/// A sphere whose deformed vertices fit into this part of the diagonal is a point: its ratio is rounding.
-const POINT_REL: f64 = 1e-6;
-
 /// Per amplitude and level; the parts of each q are kept while its size is changed. With a skin per level, in the poses of
 /// the samples.
 pub(super) fn tightness(
@@ -180,13 +177,12 @@ fn measure(
             Ok(p.map(f64::from))
         });
         let deformed = deformed.collect::<Result<Vec<_>, FormatError>>()?;
-        let best = smallest_ball(&deformed).radius;
-        if best * asset.unit() <= POINT_REL * diagonal {
+        let found = lanes::tightness(pose, sphere.node, sphere.lane, &deformed, diagonal)?;
+        let Some([ratio, best]) = found else {
             continue;
-        }
-        let ours = pose.node_spheres(sphere.node as u32)?;
+        };
         let [paper, smallest_ball, own] = ratios.each_mut();
-        own.push(f64::from(ours.radius[sphere.lane]) / best);
+        own.push(ratio);
         if !asset.has_skin() {
             for (all, radius) in [paper, smallest_ball]
                 .into_iter()

@@ -60,15 +60,9 @@ pub struct Arguments {
         allow_hyphen_values = true
     )]
     pub view: View,
-    /// The axis of the mesh that points up in the picture
-    #[arg(
-        long,
-        value_enum,
-        value_name = "AXIS",
-        default_value = "y",
-        allow_hyphen_values = true
-    )]
-    pub up: UpAxis,
+    #[command(flatten)]
+    #[allow(missing_docs)] // clap would print it
+    pub upright: UprightArguments,
     /// Draw the shadow on the ground, under a light straight above: a level plane below all that is drawn
     #[arg(long)]
     pub shadow: bool,
@@ -83,6 +77,20 @@ pub struct Arguments {
     /// Do not check the checksums first
     #[arg(long)]
     pub no_verify: bool,
+}
+
+/// Which way is up in pictures.
+#[derive(Debug, Clone, Args)]
+pub struct UprightArguments {
+    /// The axis of the mesh that points up in the picture
+    #[arg(
+        long,
+        value_enum,
+        value_name = "AXIS",
+        default_value = "y",
+        allow_hyphen_values = true
+    )]
+    pub up: UpAxis,
 }
 
 /// The number of a level.

@@ -22,7 +22,7 @@ use crate::posture::{PostureArguments, posture};
 use crate::q::counted;
 use crate::scene::Scene;
 use crate::{AssetFile, DONE};
-pub use arguments::Arguments;
+pub use arguments::{Arguments, UprightArguments};
 use body::{Body, Content};
 use picture::{Bounds, Frame, Painter, graphics};
 #[cfg(feature = "report")]

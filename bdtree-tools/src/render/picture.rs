@@ -51,7 +51,7 @@ impl Bounds {
         let direction = ViewDirection {
             azimuth_deg: arguments.view.azimuth_deg,
             elevation_deg: arguments.view.elevation_deg,
-            up: arguments.up.direction().into(),
+            up: arguments.upright.up.direction().into(),
         };
         let [width, height] = inner_size(arguments);
         Self {
@@ -59,7 +59,7 @@ impl Bounds {
             framing: Framing::new(direction, width as f32 / height as f32),
             up: arguments
                 .shadow
-                .then(|| arguments.up.direction().map(f64::from)),
+                .then(|| arguments.upright.up.direction().map(f64::from)),
             above: Vec::new(),
             ground: f64::INFINITY,
         }

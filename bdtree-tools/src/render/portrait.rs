@@ -35,7 +35,7 @@ pub fn portraits(file: &AssetFile, up: UpAxis) -> Result<Vec<(String, Image)>, T
     let plain = Plain::try_parse_from(line);
     let Plain { mut arguments } =
         plain.map_err(|error| ToolError::Input(vec![error.to_string()]))?;
-    arguments.up = up;
+    arguments.upright.up = up;
     let rest = Posture {
         q: vec![0.0; file.asset().mode_count()],
         joints: None,

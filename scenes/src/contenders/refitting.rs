@@ -26,15 +26,7 @@ pub fn ball<'a>(
     Entry::new(name, role, Counts::Same, move |i| {
         found.clear();
         let q = work.q(i);
-        let update = peer.update(
-            Target {
-                deformer,
-                q,
-                bones: &[],
-                place,
-            },
-            &mut scratch,
-        );
+        let update = peer.update(Target::without_bones(deformer, q, place), &mut scratch);
         let (center, radius) = work.ball(i);
         frame(update, || {
             peer.ball(center, radius, &mut found);
@@ -58,15 +50,7 @@ pub fn pair<'a, P: PairPeer>(
         let mut update = Update::default();
         let places = [&Place::IDENTITY, &work.places[i]];
         for ((peer, q), place) in peers.iter_mut().zip(work.q(i)).zip(places) {
-            update += peer.update(
-                Target {
-                    deformer,
-                    q,
-                    bones: &[],
-                    place,
-                },
-                &mut scratch,
-            );
+            update += peer.update(Target::without_bones(deformer, q, place), &mut scratch);
         }
         let [a, b] = peers;
         frame(update, || {
@@ -88,15 +72,7 @@ pub fn ray<'a>(
     let place = &Place::IDENTITY;
     Entry::new(name, role, counts, move |i| {
         let q = work.q(i);
-        let update = peer.update(
-            Target {
-                deformer,
-                q,
-                bones: &[],
-                place,
-            },
-            &mut scratch,
-        );
+        let update = peer.update(Target::without_bones(deformer, q, place), &mut scratch);
         let hits = |[origin, direction]: &[[f32; 3]; 2]| peer.ray(*origin, *direction).is_some();
         frame(update, || work.of(i, count).filter(hits).count())
     })
@@ -117,15 +93,7 @@ pub fn pile<'a, P: PairPeer + 'a>(
         let mut update = Update::default();
         for (i, peer) in peers.iter_mut().enumerate().take(COUNT) {
             let (q, place) = (work.q(step, i), work.place(step, i));
-            update += peer.update(
-                Target {
-                    deformer,
-                    q,
-                    bones: &[],
-                    place,
-                },
-                &mut scratch,
-            );
+            update += peer.update(Target::without_bones(deformer, q, place), &mut scratch);
         }
         frame(update, || {
             for [i, j] in &work.pairs {

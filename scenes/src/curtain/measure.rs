@@ -124,15 +124,7 @@ fn count(
         refitted.refit(tree, place);
         let (spheres, tested) = (&mut refitted, &mut layered);
         tree.walk_ball(&mut Counting { spheres, tested }, ball, &mut found);
-        boxes.update(
-            Target {
-                deformer,
-                q,
-                bones: &[],
-                place,
-            },
-            &mut scratch,
-        );
+        boxes.update(Target::without_bones(deformer, q, place), &mut scratch);
         boxed += boxes.box_tests(ball.0, ball.1);
         for (sum, [growth, count]) in sums.iter_mut().zip(sum_growths(tree, &pose)?) {
             sum[0] += growth;

@@ -63,12 +63,7 @@ pub(super) fn measure(
         // The refitted tree depends on the question hardly at all: a few balls, a few times.
         for _ in 0..repeats.clamp(1, 3) {
             for case in &cases[..REFITS] {
-                let to = Target {
-                    deformer: &deformer,
-                    q: &case.q,
-                    bones: &[],
-                    place: &Place::IDENTITY,
-                };
+                let to = Target::without_bones(&deformer, &case.q, &Place::IDENTITY);
                 let update = boxes.update(to, &mut scratch);
                 let start = Clock::start();
                 found.clear();

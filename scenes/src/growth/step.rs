@@ -111,12 +111,7 @@ impl<'a> Contenders<'a> {
                 let radius = f64::from(self.radius);
                 let own = centers.iter().map(|center| (center.map(f64::from), radius));
                 let own = ours::frame(|| self.ours.balls(&step.q, own));
-                let to = Target {
-                    deformer: &self.deformer,
-                    q: &step.q,
-                    bones: &[],
-                    place: &Place::IDENTITY,
-                };
+                let to = Target::without_bones(&self.deformer, &step.q, &Place::IDENTITY);
                 let update = self.peer.update(to, &mut self.scratch);
                 let start = Clock::start();
                 let mut theirs = 0;

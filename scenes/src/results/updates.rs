@@ -45,12 +45,7 @@ pub(super) fn measure(asset: &Asset<'_>, repeats: usize) -> Result<Value, Box<dy
     let deformer = Deformer::new(&body);
     let (mut layered, mut boxes) = (LayeredPeer::new(tree, &deformer), Obvhs::new(&body));
     let mut scratch = Vec::new();
-    let to = Target {
-        deformer: &deformer,
-        q: &q,
-        bones: &[],
-        place: &Place::IDENTITY,
-    };
+    let to = Target::without_bones(&deformer, &q, &Place::IDENTITY);
     let mut refit = |peer: &mut dyn Peer| {
         let all: Vec<f64> = (0..repeats.max(1))
             .map(|_| {

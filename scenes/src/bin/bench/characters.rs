@@ -21,9 +21,6 @@ pub(crate) struct Arguments {
     instances: usize,
 }
 
-/// A sphere whose vertices fit into this part of the whole is a point: its ratio is rounding.
-const POINT_REL: f64 = 1e-6;
-
 /// q and joints of one frame.
 struct Frame {
     q: Vec<f32>,
@@ -126,14 +123,11 @@ fn tightness(asset: &Asset<'_>, frames: &[Frame]) -> Result<(Ratios, Vec<Ratios>
         let vertices = 0..asset.vertex_count() as u32;
         let deformed = vertices.map(|v| Ok(pose.deformed_stored(VertexId(v))?.map(f64::from)));
         let deformed: Vec<[f64; 3]> = deformed.collect::<Result<_>>()?;
-        let whole = smallest_ball(&deformed).radius;
+        let whole = smallest_ball(&deformed).radius * asset.unit();
         for (level, node, lane, vertices) in &lanes_of {
             points.clear();
             points.extend(vertices.iter().map(|v| deformed[*v as usize]));
-            let best = smallest_ball(&points).radius;
-            if best > POINT_REL * whole {
-                let ours = pose.node_spheres(*node as u32)?.radius[*lane];
-                let ratio = f64::from(ours) / best;
+            if let Some([ratio, _]) = lanes::tightness(&pose, *node, *lane, &points, whole)? {
                 all.add(ratio);
                 levels[*level].add(ratio);
             }
