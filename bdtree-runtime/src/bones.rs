@@ -1,5 +1,8 @@
 //! The bones of a pose: matrices as programs have them, turned into maps between stored coordinates.
 
+#[cfg(test)]
+mod tests;
+
 use bdtree_format::BoneRecord;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
@@ -302,19 +305,26 @@ pub(crate) fn maps_in<'p>(asset: &Asset<'_>, memory: &'p [f32]) -> &'p [BoneMap]
     <[BoneMap]>::ref_from_bytes(maps.as_bytes()).unwrap_or_default()
 }
 
-/// A number that tells maps apart: four chains, so that none waits for the one before.
+/// A number that tells maps apart: a chain for each row, so that none waits for the one before.
 pub(crate) fn hashed_maps(maps: &[BoneMap]) -> u64 {
+    /// Numbers without a pattern: the fraction of π.
+    const KEYS: [u64; 3] = [
+        0x243f_6a88_85a3_08d3,
+        0x1319_8a2e_0370_7344,
+        0xa409_3822_299f_31d0,
+    ];
+    // Others than the keys: factors that start from the same number could change places.
     let mut chains = [
-        0xcbf2_9ce4_8422_2325_u64,
-        0x9e37_79b9_7f4a_7c15,
-        0x85eb_ca6b,
-        0xc2b2_ae35,
+        0x082e_fa98_ec4e_6c89,
+        0x4528_21e6_38d0_1377,
+        0xbe54_66cf_34e9_0c6c,
     ];
     for map in maps {
-        for row in &map.rows {
-            for (chain, x) in chains.iter_mut().zip(row) {
-                *chain = (*chain ^ u64::from(x.to_bits())).wrapping_mul(0x0000_0100_0000_01b3);
-            }
+        for (r, chain) in chains.iter_mut().enumerate() {
+            let [a, b, c, d] = map.rows[r].map(|x| u64::from(x.to_bits()));
+            // The whole product: each of its halves alone forgets the highest bits of words, which are signs, or the lowest.
+            let product = u128::from(*chain ^ (a | b << 32)) * u128::from(KEYS[r] ^ (c | d << 32));
+            *chain = product as u64 ^ (product >> 64) as u64;
         }
     }
     crate::pose::hashed(chains.into_iter())
