@@ -1,12 +1,15 @@
 //! The bones of a pose: matrices as programs have them, turned into maps between stored coordinates.
 
-use bdtree_format::BoneRecord;
+mod four;
+#[cfg(test)]
+mod tests;
+
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::error::PoseError;
 use crate::joint::JointMatrix;
-use crate::math::{dot, norm, sqrt};
 use crate::rounding::round_up;
+use crate::simd::Kernel;
 use crate::view::{Asset, Skin};
 
 /// Where the bones of a pose stand.
@@ -127,6 +130,7 @@ impl BoneSource<'_> {
         within: f64,
         maps: &mut [BoneMap],
     ) -> Result<BoneReach, PoseError> {
+        let kernel = asset.kernel;
         let matrices = match self {
             Self::Matrices(matrices) => matrices,
             #[cfg(feature = "alloc")]
@@ -134,7 +138,7 @@ impl BoneSource<'_> {
                 for (map, other) in maps.iter_mut().zip(others) {
                     map.rows = other.rows;
                 }
-                let found = reach(maps, within);
+                let found = kernel.run(four::Reach { maps, within });
                 return found
                     .map(|b| slack(b, skin))
                     .map_err(|index| PoseError::MatrixRange { index });
@@ -155,21 +159,29 @@ impl BoneSource<'_> {
             origin: asset.origin(),
             per_unit: 1.0 / asset.unit(),
         };
-        for (bone, (record, map)) in skin.bones.iter().zip(maps.iter_mut()).enumerate() {
-            map.rows = match matrices {
-                BoneMatrices::Rest => record.rest.map(|row| row.map(|x| x.get())),
-                BoneMatrices::Joints(joints) => {
-                    // A joint that a damaged file does not have.
-                    let joint = joints.get(record.joint.get() as usize);
-                    let joint = joint.ok_or(PoseError::MatrixRange { index: bone })?;
-                    frame.of_joint(joint, record)
+        match matrices {
+            BoneMatrices::Rest => {
+                for (record, map) in skin.bones.iter().zip(maps.iter_mut()) {
+                    map.rows = record.rest.map(|row| row.map(|x| x.get()));
                 }
-                BoneMatrices::Skinning(matrices) => matrices
-                    .get(bone)
-                    .map_or([[0.0; 4]; 3], |matrix| frame.of_skinning(matrix)),
-            };
+            }
+            BoneMatrices::Joints(joints) => {
+                let work = four::OfJoints {
+                    frame,
+                    joints,
+                    bones: skin.bones,
+                    maps: &mut *maps,
+                };
+                let made = kernel.run(work);
+                made.map_err(|bone| PoseError::MatrixRange { index: bone })?;
+            }
+            BoneMatrices::Skinning(matrices) => kernel.run(four::OfSkinning {
+                frame,
+                matrices,
+                maps: &mut *maps,
+            }),
         }
-        let found = reach(maps, within);
+        let found = kernel.run(four::Reach { maps, within });
         found.map(|b| slack(b, skin)).map_err(|bone| {
             let index = match matrices {
                 BoneMatrices::Joints(_) => skin.bones[bone].joint.get() as usize,
@@ -178,26 +190,6 @@ impl BoneSource<'_> {
             PoseError::MatrixRange { index }
         })
     }
-}
-
-/// The largest ρ_b and σ_b, with the stretch of each map set.
-///
-/// # Errors
-/// The first bone whose map is not finite or reaches too far.
-fn reach(maps: &mut [BoneMap], within: f64) -> Result<(f64, f32), usize> {
-    let (mut farthest, mut largest) = (0.0_f64, 0.0_f32);
-    for (bone, map) in maps.iter_mut().enumerate() {
-        map.stretch = stretch(&map.rows);
-        let offset = norm([0, 1, 2].map(|r| f64::from(map.rows[r][3])));
-        let rho = f64::from(map.stretch) * within + offset;
-        // NaN is not below.
-        if !(rho <= REACH_MAX) {
-            return Err(bone);
-        }
-        farthest = farthest.max(rho);
-        largest = largest.max(map.stretch);
-    }
-    Ok((farthest, largest))
 }
 
 /// The slack that goes with the largest ρ_b.
@@ -220,78 +212,17 @@ fn slack((farthest, stretch): (f64, f32), skin: &Skin<'_>) -> BoneReach {
     }
 }
 
-/// σ ≥ ‖A‖₂ of the linear part of a map, without an eigenvalue: with s² = tr(AᵀA)/3,
-/// σ² ≤ s² + √⅔ ‖AᵀA − s²I‖_F, exact for similarities and for a scale along one axis.
-fn stretch(rows: &[[f32; 4]; 3]) -> f32 {
-    let column = |c: usize| [0, 1, 2].map(|r| f64::from(rows[r][c]));
-    let [x, y, z] = [column(0), column(1), column(2)];
-    let square = [dot(x, x), dot(y, y), dot(z, z)];
-    let mixed = [dot(x, y), dot(y, z), dot(z, x)];
-    let mean = (square[0] + square[1] + square[2]) / 3.0;
-    let off = square.map(|s| s - mean);
-    let spread = dot(off, off) + 2.0 * dot(mixed, mixed);
-    /// √⅔, from above.
-    const SHARE: f64 = 0.816_496_580_928;
-    round_up(sqrt(
-        (mean + SHARE * sqrt(spread)) * (1.0 + crate::rounding::MARGIN),
-    ))
-}
-
 /// Stored coordinates beside mesh coordinates.
+#[derive(Debug, Clone, Copy)]
 struct Frame {
     origin: [f64; 3],
     per_unit: f64,
 }
 
-impl Frame {
-    /// y ↦ (J V (o + u y) − o) / u (SPEC 7.8).
-    fn of_joint(&self, joint: &JointMatrix, record: &BoneRecord) -> [[f32; 4]; 3] {
-        // V (o + u y), u left out of the linear part, since it goes again in the end.
-        let bind = record.inverse_bind.map(|row| row.map(|x| x.get()));
-        let bind = bind.map(|[x, y, z, t]| [x, y, z, dot([x, y, z], self.origin) + t]);
-        let [a, b, c] = bind;
-        self.stored(core::array::from_fn(|r| {
-            let [i, j, k, t] = joint[r];
-            let mut row: [f64; 4] = core::array::from_fn(|n| i * a[n] + j * b[n] + k * c[n]);
-            row[3] += t;
-            row
-        }))
-    }
-
-    /// y ↦ (K (o + u y) − o) / u.
-    fn of_skinning(&self, matrix: &JointMatrix) -> [[f32; 4]; 3] {
-        self.stored(matrix.map(|[x, y, z, t]| [x, y, z, dot([x, y, z], self.origin) + t]))
-    }
-
-    /// A map of y from [`Frame::origin`] on, to mesh coordinates, in f32.
-    fn stored(&self, rows: JointMatrix) -> [[f32; 4]; 3] {
-        core::array::from_fn(|r| {
-            let [x, y, z, t] = rows[r];
-            [x, y, z, (t - self.origin[r]) * self.per_unit].map(rounded)
-        })
-    }
-}
-
-/// The nearest f32, 0 where it is subnormal.
-fn rounded(x: f64) -> f32 {
-    let x = x as f32;
-    if x.abs() < f32::MIN_POSITIVE { 0.0 } else { x }
-}
-
 /// How far apart two poses' bones put the same point, at most, if no point is farther than `within` from the origin:
 /// max_b ‖A_b − A'_b‖_F X + ‖t_b − t'_b‖ (stored units, before rounding).
-pub(crate) fn bones_apart(a: &[BoneMap], b: &[BoneMap], within: f64) -> f64 {
-    let apart = |(a, b): (&BoneMap, &BoneMap)| {
-        let (mut linear, mut offset) = (0.0, 0.0);
-        for (a, b) in a.rows.iter().zip(&b.rows) {
-            let difference = |c: usize| f64::from(a[c]) - f64::from(b[c]);
-            let row = [difference(0), difference(1), difference(2)];
-            linear += dot(row, row);
-            offset += difference(3) * difference(3);
-        }
-        sqrt(linear) * within + sqrt(offset)
-    };
-    a.iter().zip(b).map(apart).fold(0.0, f64::max)
+pub(crate) fn bones_apart(kernel: Kernel, maps: [&[BoneMap]; 2], within: f64) -> f64 {
+    kernel.run(four::Apart { maps, within })
 }
 
 /// The maps in the memory of a pose of the asset.
@@ -302,19 +233,26 @@ pub(crate) fn maps_in<'p>(asset: &Asset<'_>, memory: &'p [f32]) -> &'p [BoneMap]
     <[BoneMap]>::ref_from_bytes(maps.as_bytes()).unwrap_or_default()
 }
 
-/// A number that tells maps apart: four chains, so that none waits for the one before.
+/// A number that tells maps apart: a chain for each row, so that none waits for the one before.
 pub(crate) fn hashed_maps(maps: &[BoneMap]) -> u64 {
+    /// Numbers without a pattern: the fraction of π.
+    const KEYS: [u64; 3] = [
+        0x243f_6a88_85a3_08d3,
+        0x1319_8a2e_0370_7344,
+        0xa409_3822_299f_31d0,
+    ];
+    // Others than the keys: factors that start from the same number could change places.
     let mut chains = [
-        0xcbf2_9ce4_8422_2325_u64,
-        0x9e37_79b9_7f4a_7c15,
-        0x85eb_ca6b,
-        0xc2b2_ae35,
+        0x082e_fa98_ec4e_6c89,
+        0x4528_21e6_38d0_1377,
+        0xbe54_66cf_34e9_0c6c,
     ];
     for map in maps {
-        for row in &map.rows {
-            for (chain, x) in chains.iter_mut().zip(row) {
-                *chain = (*chain ^ u64::from(x.to_bits())).wrapping_mul(0x0000_0100_0000_01b3);
-            }
+        for (r, chain) in chains.iter_mut().enumerate() {
+            let [a, b, c, d] = map.rows[r].map(|x| u64::from(x.to_bits()));
+            // The whole product: each of its halves alone forgets the highest bits of words, which are signs, or the lowest.
+            let product = u128::from(*chain ^ (a | b << 32)) * u128::from(KEYS[r] ^ (c | d << 32));
+            *chain = product as u64 ^ (product >> 64) as u64;
         }
     }
     crate::pose::hashed(chains.into_iter())

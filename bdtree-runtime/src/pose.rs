@@ -299,8 +299,8 @@ impl<'p> Pose<'p> {
             return 0.0;
         };
         bones_apart(
-            own.maps,
-            others.maps,
+            self.asset.kernel,
+            [own.maps, others.maps],
             self.inner_reach + f64::from(self.inner_slack),
         )
     }

@@ -15,6 +15,17 @@ pub(crate) fn round_up(x: f64) -> f32 {
     (up as f32).max(f32::MIN_POSITIVE)
 }
 
+/// [`round_up`], but NaN stays.
+#[inline(always)]
+pub(crate) fn round_up_or_nan(x: f64) -> f32 {
+    let up = (x * (1.0 + 4.0 * U32)) as f32;
+    if up < f32::MIN_POSITIVE {
+        f32::MIN_POSITIVE
+    } else {
+        up
+    }
+}
+
 /// An f32 above `x`, of any sign: rounding to nearest loses at most half of what is added.
 #[inline(always)]
 pub(crate) fn next_above(x: f64) -> f32 {

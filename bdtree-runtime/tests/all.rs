@@ -1,6 +1,7 @@
 //! Tests of one program: linking one is quicker than linking each. What needs a process of its own is beside it in
 //! Cargo.toml.
 
+mod bone_maps;
 mod bones;
 mod bounded;
 mod boxes;

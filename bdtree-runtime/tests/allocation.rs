@@ -6,11 +6,12 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
+use bdtree_fixtures::skin::{BoneSource, LocalSource, NodeSource, SkinSource, with_skin};
 use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::{
-    Asset, Ball, CacheSize, Capsule, Contact, Coverage, Cuboid, Frustum, FrustumState, HalfSpace,
-    Instance, Model, PairContact, PairFront, Proxy, Ray, Sink, SliceSink, StepCache, Transform,
-    TriangleId, Workspace, broad,
+    Asset, Ball, BoneMatrices, CacheSize, Capsule, Contact, Coverage, Cuboid, Frustum,
+    FrustumState, HalfSpace, Instance, Model, PairContact, PairFront, Proxy, Ray, Sink, SliceSink,
+    StepCache, Transform, TriangleId, Workspace, broad, joint,
 };
 
 thread_local! {
@@ -256,6 +257,57 @@ fn instances_allocate_nothing_after_the_first_step() {
         }
         assert!(taken > 100 && manifolds.0 > 0);
     }
+}
+
+/// A sphere with two modes and five bones, each of which moves every fifth vertex.
+fn skinned() -> Model {
+    let mesh = bake::bumpy_sphere(8, 1);
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 1));
+    let vertices = 0..mesh.positions.len();
+    let source = SkinSource {
+        influences: vertices.map(|i| vec![((i % 5) as u16, 1.0)]).collect(),
+        bones: (0..5)
+            .map(|joint| BoneSource {
+                joint,
+                inverse_bind: joint::IDENTITY,
+            })
+            .collect(),
+        nodes: (0..5)
+            .map(|k| NodeSource {
+                name: format!("joint {k}"),
+                parent: None,
+                local: LocalSource::Matrix(joint::IDENTITY.map(|row| row.map(|x| x as f32))),
+            })
+            .collect(),
+        joints: (0..5).collect(),
+        clips: Vec::new(),
+    };
+    Model::from_bytes(&with_skin(model.asset().bytes(), &source)).expect("a sound file")
+}
+
+#[test]
+fn moving_bones_allocates_nothing() {
+    let model = skinned();
+    let asset = model.asset();
+    let mut body = Instance::new(&model).expect("an instance");
+    let mut memory = vec![0.0; asset.pose_len()];
+    let (count, ()) = allocations(|| {
+        let mut joints = [joint::IDENTITY; 5];
+        for step in 0..4 {
+            joints[step][0][3] = 0.25 * step as f64;
+            body.set_joints(&joints).expect("joints");
+            body.set_skinning_matrices(&joints).expect("matrices");
+            let bones = BoneMatrices::Joints(&joints);
+            body.set_pose_with_bones(&[0.1, 0.2], bones, Transform::IDENTITY)
+                .expect("a pose");
+            body.set_q(&[0.2, 0.1]).expect("q");
+            let aabb = body.aabb().expect("a box");
+            let pose = asset.pose_with_bones(&[0.2, 0.1], bones, Transform::IDENTITY, &mut memory);
+            let pose = pose.expect("a pose");
+            assert_eq!(pose.aabb().expect("a box"), aabb);
+        }
+    });
+    assert_eq!(count, 0, "nothing is allocated");
 }
 
 #[test]

@@ -13,9 +13,25 @@ const IDENTITY: [[f64; 4]; 3] = [
     [0.0, 0.0, 1.0, 0.0],
 ];
 
+/// An inverse bind matrix unlike others, of an animated joint.
+fn bind(joint: u32) -> [[f64; 4]; 3] {
+    let (s, c) = (0.7 + f64::from(joint)).sin_cos();
+    [
+        [c, -s, 0.0, 0.3 * s],
+        [1.1 * s, 1.1 * c, 0.1, -0.2],
+        [0.0, 0.2 * c, 0.9, 0.1 * c],
+    ]
+}
+
 /// A bumpy sphere with three modes and `bones` bones, of which each vertex has up to `influences`: near ones of a ring if
 /// `smooth`, else any. Weights sum to 1, or to `sum`.
-fn creature(bones: usize, influences: usize, smooth: bool, sum: f32, seed: u64) -> Model {
+pub(crate) fn creature(
+    bones: usize,
+    influences: usize,
+    smooth: bool,
+    sum: f32,
+    seed: u64,
+) -> Model {
     let mesh = bake::bumpy_sphere(8, 3);
     let basis = bake::smooth_basis(&mesh, 3, 1);
     let plain = bake::baked(&mesh, &basis);
@@ -41,7 +57,7 @@ fn creature(bones: usize, influences: usize, smooth: bool, sum: f32, seed: u64) 
         bones: (0..bones as u32)
             .map(|joint| BoneSource {
                 joint,
-                inverse_bind: IDENTITY,
+                inverse_bind: bind(joint),
             })
             .collect(),
         nodes: (0..bones)

@@ -1,9 +1,11 @@
 //! A box around a mesh with bones: each blended vertex lies among where its bones alone would put it.
 
-use crate::math::{dot, norm};
+use crate::bones::BoneMap;
 use crate::pose::Pose;
 use crate::query::Aabb;
 use crate::rounding::MARGIN;
+use crate::simd::{Lanes, Quad, Work, dot3, splat3};
+use crate::view::Skin;
 
 impl Pose<'_> {
     /// The box in the world around the boxes of all bones, each carried by its map; `None` without bones, or where the
@@ -14,38 +16,14 @@ impl Pose<'_> {
     /// where they have any, their displacements.
     pub(crate) fn bone_box(&self) -> Option<Aabb> {
         let (skin, posed) = (self.asset.skin.as_ref()?, self.bones()?);
-        let (linear, origin) = (self.placement.linear(), self.placement.origin_in_world());
-        let mut low = [f64::INFINITY; 3];
-        let mut high = [f64::NEG_INFINITY; 3];
-        let modes = self.q.len();
-        for (bone, (record, map)) in skin.bones.iter().zip(posed.maps).enumerate() {
-            let (least, most) = (record.low.map(|x| x.get()), record.high.map(|x| x.get()));
-            if least[0] > most[0] {
-                continue; // it moves nothing
-            }
-            let middle = [0, 1, 2].map(|c| 0.5 * (f64::from(least[c]) + f64::from(most[c])));
-            let half = [0, 1, 2].map(|c| 0.5 * (f64::from(most[c]) - f64::from(least[c])));
-            let fields = skin.bone_fields.get(bone * modes..).unwrap_or_default();
-            let moved: f64 = fields
-                .iter()
-                .zip(self.q)
-                .map(|(field, q)| f64::from(*field) * f64::from(q.abs()))
-                .sum();
-            let rows = map.rows.map(|row| row.map(f64::from));
-            let column = |c: usize| [rows[0][c], rows[1][c], rows[2][c]];
-            let [x, y, z, t] = [column(0), column(1), column(2), column(3)];
-            for axis in 0..3 {
-                let to = linear[axis];
-                let row = [dot(to, x), dot(to, y), dot(to, z)];
-                let center = origin[axis] + dot(row, middle) + dot(to, t);
-                let mut reach = dot(row.map(f64::abs), half);
-                if moved > 0.0 {
-                    reach += norm(row) * moved;
-                }
-                low[axis] = low[axis].min(center - reach);
-                high[axis] = high[axis].max(center + reach);
-            }
-        }
+        let carried = Carried {
+            linear: self.placement.linear(),
+            origin: self.placement.origin_in_world(),
+            skin,
+            maps: posed.maps,
+            q: self.q,
+        };
+        let [low, high] = self.asset.kernel.run(carried);
         // Weights that do not sum to 1 move a vertex by |Σ w − 1| times what its bones reach; rounding moves it too. Of a
         // vertex without bones, at the origin, the sum is 0.
         let defect = f64::from(skin.record.weight_defect) * self.reach;
@@ -59,5 +37,69 @@ impl Pose<'_> {
         };
         let is_sound = (0..3).all(|k| aabb.min[k] <= aabb.max[k] && aabb.max[k] < f64::INFINITY);
         is_sound.then_some(aabb)
+    }
+}
+
+/// Least and largest coordinates of the carried boxes of all bones, before rounding: infinite without any.
+struct Carried<'a> {
+    /// From stored coordinates to the world.
+    linear: [[f64; 3]; 3],
+    origin: [f64; 3],
+    skin: &'a Skin<'a>,
+    maps: &'a [BoneMap],
+    q: &'a [f32],
+}
+
+impl Work for Carried<'_> {
+    type Output = [[f64; 3]; 2];
+
+    /// The axes of the world are side by side, the fourth number is not used.
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [[f64; 3]; 2] {
+        let [i, j, k] = self.linear;
+        let mut to = [L::Quad::splat(0.0); 3];
+        for c in 0..3 {
+            to[c] = L::Quad::load(&[i[c], j[c], k[c], 0.0]);
+        }
+        let [x, y, z] = self.origin;
+        let origin = L::Quad::load(&[x, y, z, 0.0]);
+        let mut low = L::Quad::splat(f64::INFINITY);
+        let mut high = L::Quad::splat(f64::NEG_INFINITY);
+        let modes = self.q.len();
+        for (bone, (record, map)) in self.skin.bones.iter().zip(self.maps).enumerate() {
+            if record.low[0].get() > record.high[0].get() {
+                continue; // it moves nothing
+            }
+            // Each column of the map in the world.
+            let mut columns = [origin; 4];
+            for (c, column) in columns.iter_mut().enumerate() {
+                let [x, y, z] = [map.rows[0][c], map.rows[1][c], map.rows[2][c]];
+                let entries = splat3([f64::from(x), f64::from(y), f64::from(z)]);
+                *column = dot3(to, entries);
+            }
+            let (mut middle, mut half) = ([0.0; 3], [0.0; 3]);
+            for c in 0..3 {
+                let least = f64::from(record.low[c].get());
+                let most = f64::from(record.high[c].get());
+                (middle[c], half[c]) = (0.5 * (least + most), 0.5 * (most - least));
+            }
+            let [x, y, z, t] = columns;
+            let center = origin.add(dot3([x, y, z], splat3(middle))).add(t);
+            let mut reach = dot3([x.abs(), y.abs(), z.abs()], splat3(half));
+            let fields = self.skin.bone_fields.get(bone * modes..);
+            let mut moved = 0.0;
+            for (field, q) in fields.unwrap_or_default().iter().zip(self.q) {
+                moved += f64::from(*field) * f64::from(q.abs());
+            }
+            if moved > 0.0 {
+                let length = dot3([x, y, z], [x, y, z]).sqrt();
+                reach = reach.add(length.mul(L::Quad::splat(moved)));
+            }
+            // NaN, of a damaged file, bounds nothing.
+            low = low.min(center.sub(reach));
+            high = center.add(reach).max(high);
+        }
+        let ([a, b, c, _], [d, e, f, _]) = (low.store(), high.store());
+        [[a, b, c], [d, e, f]]
     }
 }

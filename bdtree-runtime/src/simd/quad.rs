@@ -14,6 +14,12 @@ pub(crate) trait Quad: Copy {
     fn load(x: &[f64; 4]) -> Self;
     fn widen(x: &[f32; 4]) -> Self;
     fn store(self) -> [f64; 4];
+    /// The nearest f32.
+    #[inline(always)]
+    fn narrow(self) -> [f32; 4] {
+        let [a, b, c, d] = self.store();
+        [a as f32, b as f32, c as f32, d as f32]
+    }
     fn add(self, other: Self) -> Self;
     fn sub(self, other: Self) -> Self;
     fn mul(self, other: Self) -> Self;

@@ -1,0 +1,264 @@
+//! The arithmetic over all bones of a pose with vectors of four f64: the elements of a row side by side, or four bones.
+//!
+//! Each number comes from the same operations in the same order with every kernel, one at a time or side by side, so maps
+//! and stretches have the same bits everywhere.
+
+use bdtree_format::BoneRecord;
+
+use super::{BoneMap, Frame, REACH_MAX};
+use crate::joint::JointMatrix;
+use crate::math::dot;
+use crate::rounding::{MARGIN, round_up_or_nan};
+use crate::simd::{Lanes, Quad, Quad3, Work, dot3};
+
+/// Sets the rows of `maps` for joints: y ↦ (J V (o + u y) − o) / u (SPEC 7.8). The first bone that has no joint is an
+/// error.
+pub(super) struct OfJoints<'a> {
+    pub(super) frame: Frame,
+    pub(super) joints: &'a [JointMatrix],
+    pub(super) bones: &'a [BoneRecord],
+    pub(super) maps: &'a mut [BoneMap],
+}
+
+impl Work for OfJoints<'_> {
+    type Output = Result<(), usize>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let stored = Stored::<L::Quad>::new(&self.frame);
+        for (bone, (record, map)) in self.bones.iter().zip(self.maps).enumerate() {
+            // A joint that a damaged file does not have.
+            let Some(joint) = self.joints.get(record.joint.get() as usize) else {
+                return Err(bone);
+            };
+            // V (o + u y), u left out of the linear part, since it goes again in the end.
+            let [a, b, c] = with_origin(&inverse_bind(record), &self.frame.origin);
+            let [a, b, c] = [L::Quad::load(&a), L::Quad::load(&b), L::Quad::load(&c)];
+            for r in 0..3 {
+                let [i, j, k, t] = joint[r];
+                let [i, j, k] = [L::Quad::splat(i), L::Quad::splat(j), L::Quad::splat(k)];
+                let row = i.mul(a).add(j.mul(b)).add(k.mul(c));
+                map.rows[r] = stored.row(r, row.add(L::Quad::load(&[-0.0, -0.0, -0.0, t])));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Sets the rows of `maps` for skinning matrices, one per bone: y ↦ (K (o + u y) − o) / u.
+pub(super) struct OfSkinning<'a> {
+    pub(super) frame: Frame,
+    pub(super) matrices: &'a [JointMatrix],
+    pub(super) maps: &'a mut [BoneMap],
+}
+
+impl Work for OfSkinning<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let stored = Stored::<L::Quad>::new(&self.frame);
+        for (matrix, map) in self.matrices.iter().zip(self.maps) {
+            let rows = with_origin(matrix, &self.frame.origin);
+            for r in 0..3 {
+                map.rows[r] = stored.row(r, L::Quad::load(&rows[r]));
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn inverse_bind(record: &BoneRecord) -> JointMatrix {
+    let mut rows = [[0.0; 4]; 3];
+    for r in 0..3 {
+        for k in 0..4 {
+            rows[r][k] = record.inverse_bind[r][k].get();
+        }
+    }
+    rows
+}
+
+/// The map that moves by `origin` first.
+#[inline(always)]
+fn with_origin(matrix: &JointMatrix, origin: &[f64; 3]) -> JointMatrix {
+    let mut rows = *matrix;
+    for row in &mut rows {
+        row[3] += dot([row[0], row[1], row[2]], *origin);
+    }
+    rows
+}
+
+/// Turns rows of maps from [`Frame::origin`] on, to mesh coordinates, into those of stored coordinates.
+struct Stored<Q> {
+    /// Of each row 0, 0, 0 and the origin: taking 0 off changes no bit, nor does a factor of 1.
+    origin: [Q; 3],
+    factors: Q,
+}
+
+impl<Q: Quad> Stored<Q> {
+    #[inline(always)]
+    fn new(frame: &Frame) -> Self {
+        let [x, y, z] = frame.origin;
+        Self {
+            origin: [
+                Q::load(&[0.0, 0.0, 0.0, x]),
+                Q::load(&[0.0, 0.0, 0.0, y]),
+                Q::load(&[0.0, 0.0, 0.0, z]),
+            ],
+            factors: Q::load(&[1.0, 1.0, 1.0, frame.per_unit]),
+        }
+    }
+
+    /// In the nearest f32, 0 where they are subnormal.
+    #[inline(always)]
+    fn row(&self, r: usize, row: Q) -> [f32; 4] {
+        let mut row = row.sub(self.origin[r]).mul(self.factors).narrow();
+        for x in &mut row {
+            *x = if x.abs() < f32::MIN_POSITIVE { 0.0 } else { *x };
+        }
+        row
+    }
+}
+
+/// Sets the stretch of each map; the largest ρ_b and σ_b. The first bone whose map is not finite or reaches too far is an
+/// error.
+pub(super) struct Reach<'a> {
+    pub(super) maps: &'a mut [BoneMap],
+    pub(super) within: f64,
+}
+
+impl Work for Reach<'_> {
+    type Output = Result<(f64, f32), usize>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let maps = self.maps;
+        let (within, limit) = (L::Quad::splat(self.within), L::Quad::splat(REACH_MAX));
+        let (mut farthest, mut largest) = (L::Quad::splat(0.0), [0.0_f32; 4]);
+        let mut first = 0;
+        while let Some(four) = four_of(maps.len(), first) {
+            let [x, y, z, t] = columns::<L::Quad>(maps, four);
+            let unrounded = stretch_square([x, y, z]).sqrt().store();
+            let mut stretch = [0.0; 4];
+            for k in 0..4 {
+                stretch[k] = round_up_or_nan(unrounded[k]);
+            }
+            let offset = dot3(t, t).sqrt();
+            let rho = L::Quad::widen(&stretch).mul(within).add(offset);
+            // NaN is not below.
+            let sound = L::Quad::bits(limit.at_least(rho));
+            if sound != 0b1111 {
+                return Err(four[sound.trailing_ones() as usize]);
+            }
+            farthest = rho.max(farthest);
+            for k in 0..4 {
+                maps[four[k]].stretch = stretch[k];
+                largest[k] = if stretch[k] > largest[k] {
+                    stretch[k]
+                } else {
+                    largest[k]
+                };
+            }
+            first += 4;
+        }
+        let largest = largest.into_iter().fold(0.0, f32::max);
+        Ok((farthest.store().into_iter().fold(0.0, f64::max), largest))
+    }
+}
+
+/// The next four of `count` from `first` on, the last one again where they are fewer.
+#[inline(always)]
+fn four_of(count: usize, first: usize) -> Option<[usize; 4]> {
+    if first >= count {
+        return None;
+    }
+    let last = count - 1;
+    Some([
+        first,
+        (first + 1).min(last),
+        (first + 2).min(last),
+        (first + 3).min(last),
+    ])
+}
+
+/// The columns of the maps of four bones.
+#[inline(always)]
+fn columns<Q: Quad>(maps: &[BoneMap], four: [usize; 4]) -> [Quad3<Q>; 4] {
+    let four = [
+        &maps[four[0]],
+        &maps[four[1]],
+        &maps[four[2]],
+        &maps[four[3]],
+    ];
+    let mut columns = [[Q::splat(0.0); 3]; 4];
+    for (c, column) in columns.iter_mut().enumerate() {
+        for (r, x) in column.iter_mut().enumerate() {
+            let [i, j, k, l] = four;
+            *x = Q::widen(&[i.rows[r][c], j.rows[r][c], k.rows[r][c], l.rows[r][c]]);
+        }
+    }
+    columns
+}
+
+/// σ² ≥ ‖A‖₂² of four maps, without an eigenvalue: with s² = tr(AᵀA)/3, σ² = s² + √⅔ ‖AᵀA − s²I‖_F, exact for similarities
+/// and for a scale along one axis.
+#[inline(always)]
+fn stretch_square<Q: Quad>([x, y, z]: [Quad3<Q>; 3]) -> Q {
+    /// √⅔, from above.
+    const SHARE: f64 = 0.816_496_580_928;
+    let square = [dot3(x, x), dot3(y, y), dot3(z, z)];
+    let mixed = [dot3(x, y), dot3(y, z), dot3(z, x)];
+    // A product is off by 2⁻⁵² of what a quotient is; `MARGIN` is more.
+    let mean = square[0].add(square[1]).add(square[2]);
+    let mean = mean.mul(Q::splat(1.0 / 3.0));
+    let off = [
+        square[0].sub(mean),
+        square[1].sub(mean),
+        square[2].sub(mean),
+    ];
+    let spread = dot3(off, off).add(Q::splat(2.0).mul(dot3(mixed, mixed)));
+    mean.add(Q::splat(SHARE).mul(spread.sqrt()))
+        .mul(Q::splat(1.0 + MARGIN))
+}
+
+/// How far apart the bones of two poses put the same point, at most, if no point is farther than `within` from the origin:
+/// max_b ‖A_b − A'_b‖_F X + ‖t_b − t'_b‖ (stored units, before rounding).
+pub(super) struct Apart<'a> {
+    pub(super) maps: [&'a [BoneMap]; 2],
+    pub(super) within: f64,
+}
+
+impl Work for Apart<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f64 {
+        let [a, b] = self.maps;
+        let within = L::Quad::splat(self.within);
+        let mut farthest = L::Quad::splat(0.0);
+        let mut first = 0;
+        while let Some(four) = four_of(a.len().min(b.len()), first) {
+            let (mut linear, mut offset) = ([0.0; 4], [0.0; 4]);
+            for k in 0..4 {
+                let [x, y, z, t] = squares::<L::Quad>(&a[four[k]], &b[four[k]]);
+                (linear[k], offset[k]) = (x + y + z, t);
+            }
+            let linear = L::Quad::load(&linear).sqrt().mul(within);
+            farthest = linear.add(L::Quad::load(&offset).sqrt()).max(farthest);
+            first += 4;
+        }
+        farthest.store().into_iter().fold(0.0, f64::max)
+    }
+}
+
+/// The square of the length of each column of the difference of two maps.
+#[inline(always)]
+fn squares<Q: Quad>(a: &BoneMap, b: &BoneMap) -> [f64; 4] {
+    let mut rows = [Q::splat(0.0); 3];
+    // Spelled out: behind a closure it would not be compiled with the instruction set of the caller.
+    for r in 0..3 {
+        let row = Q::widen(&a.rows[r]).sub(Q::widen(&b.rows[r]));
+        rows[r] = row.mul(row);
+    }
+    rows[0].add(rows[1]).add(rows[2]).store()
+}
