@@ -45,8 +45,10 @@ pub struct SkinRecord {
     pub node_bones_max: u32,
     /// ε_max: at least every |Σ_b w_ib − 1|, at most 1.
     pub weight_defect: f32,
+    /// μ: of every vertex, the weights of bones whose core box does not hold it sum to at most this; at most 1.
+    pub minor_share: f32,
     /// Zero.
-    pub reserved: [u32; 5],
+    pub reserved: [u32; 4],
 }
 
 const _: () = assert!(size_of::<SkinRecord>() == 32);
@@ -65,7 +67,7 @@ pub struct InfluenceRecord {
 
 const _: () = assert!(size_of::<InfluenceRecord>() == 8);
 
-/// A bone: a joint and the map from the mesh to the joint's space, 176 bytes. Meshes that share a joint with different
+/// A bone: a joint and the map from the mesh to the joint's space, 200 bytes. Meshes that share a joint with different
 /// inverse bind matrices have a bone each.
 #[derive(
     Debug, Clone, Copy, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned,
@@ -84,9 +86,13 @@ pub struct BoneRecord {
     pub low: [F32; 3],
     /// Largest coordinates of them.
     pub high: [F32; 3],
+    /// Least coordinates of those rest positions in which the bone has a large share ([`SkinRecord::minor_share`]).
+    pub core_low: [F32; 3],
+    /// Largest coordinates of them.
+    pub core_high: [F32; 3],
 }
 
-const _: () = assert!(size_of::<BoneRecord>() == 176);
+const _: () = assert!(size_of::<BoneRecord>() == 200);
 
 /// No parent.
 pub const NO_PARENT: u32 = u32::MAX;

@@ -144,11 +144,13 @@ fn vertex_table_matches_struct() {
 
 #[test]
 fn skin_tables_match_structs() {
-    let all = fields!(SkinRecord: influences_max, node_bones_max, weight_defect, reserved);
+    let all =
+        fields!(SkinRecord: influences_max, node_bones_max, weight_defect, minor_share, reserved);
     check_record("SkinRecord", size_of::<SkinRecord>(), &all);
     let all = fields!(InfluenceRecord: weight, bone, reserved);
     check_record("InfluenceRecord", size_of::<InfluenceRecord>(), &all);
-    let all = fields!(BoneRecord: joint, reserved, inverse_bind, rest, low, high);
+    let all =
+        fields!(BoneRecord: joint, reserved, inverse_bind, rest, low, high, core_low, core_high);
     check_record("BoneRecord", size_of::<BoneRecord>(), &all);
     let all = fields!(SkeletonNode: parent, name_start, name_bytes, kind, local);
     check_record("SkeletonNode", size_of::<SkeletonNode>(), &all);

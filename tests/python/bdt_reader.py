@@ -13,7 +13,7 @@ import zlib
 # kind: required, element bytes, layouts (SPEC 4.2)
 KINDS = {b"NODE": (1, 32, 2), b"ROWS": (1, 32, 3), b"LIST": (1, 2, 1), b"TRIS": (1, 16, 1),
          b"SLOT": (1, 4, 1), b"VERT": (1, 12, 1), b"DISP": (1, 12, 1, 2), b"VMOD": (1, 8, 1),
-         b"SKIN": (1, 32, 1), b"INFS": (1, 4, 1), b"INFL": (1, 8, 1), b"BONE": (1, 176, 1),
+         b"SKIN": (1, 32, 1), b"INFS": (1, 4, 1), b"INFL": (1, 8, 1), b"BONE": (1, 200, 1),
          b"BFLD": (1, 4, 1), b"BLSS": (1, 4, 1), b"BLST": (1, 2, 1), b"BROW": (1, 32, 1),
          b"SKEL": (1, 64, 1), b"JNTS": (1, 4, 1), b"SNAM": (1, 1, 1),
          b"CLIP": (0, 24, 1), b"CHAN": (0, 28, 1), b"KEYS": (0, 4, 1),
@@ -198,44 +198,52 @@ def read_starts(data, end, rule, where):
 def read_influences(s):
     """The bones of each vertex; checks them against what SKIN says."""
     influences = list(struct.iter_unpack("<f2H", s[b"INFL"]))
-    most, _, defect, *reserved = struct.unpack("<2If5I", s[b"SKIN"])
-    floats(s[b"SKIN"][8:12], "SKIN")
-    check(not any(reserved) and most <= 255 and 0 <= defect <= 1, "7.7", "SKIN")
-    count, bones = len(s[b"BONE"]) // 176, []
+    most, _, defect, minor, *reserved = struct.unpack("<2I2f4I", s[b"SKIN"])
+    floats(s[b"SKIN"][8:16], "SKIN")
+    check(not any(reserved) and most <= 255 and 0 <= defect <= 1 and 0 <= minor <= 1, "7.7", "SKIN")
+    count, bones = len(s[b"BONE"]) // 200, []
+    weights = []
     for i, (start, end) in enumerate(read_starts(s[b"INFS"], len(influences), "7.7", "INFS")):
         own = influences[start:end]
         check(all(2.0 ** -32 <= w <= 2 and not zero for w, _, zero in own), "7.7", f"weights of vertex {i}")
         bones.append([b for _, b, _ in own])
+        weights.append([w for w, _, _ in own])
         check(bones[i] == sorted(set(bones[i])) and max(bones[i], default=0) < count, "7.7", f"vertex {i}")
         total = math.fsum(w for w, _, _ in own)
         check(total <= 2 and abs(total - 1) <= defect + 2.0 ** -40 * total, "7.7", f"sum of vertex {i}")
     check(most == max(map(len, bones)), "7.7", "influences_max")
-    return most, bones
+    return most, bones, weights, minor
 
 
-def read_bones(s, m, joint_count, bones_of):
+def read_bones(s, m, joint_count, bones_of, weights_of, minor):
     """Checks bones against the vertices that they move."""
-    bones, positions = list(struct.iter_unpack("<2I12d18f", s[b"BONE"])), list(struct.iter_unpack("<3f", s[b"VERT"]))
+    bones, positions = list(struct.iter_unpack("<2I12d24f", s[b"BONE"])), list(struct.iter_unpack("<3f", s[b"VERT"]))
     fields = floats(s[b"BFLD"], "BFLD")
     check(1 <= len(bones) <= 4096 and 1 <= joint_count <= 4096, "4.2", "bones, joints")
     check(len(fields) == len(bones) * m, "4.3", "length of BFLD")
-    moved = [[] for _ in bones]
+    moved, cores = [[] for _ in bones], []
     for p, own in zip(positions, bones_of):
         for b in own:
             moved[b].append(p)
     for b, (joint, reserved, *numbers) in enumerate(bones):
-        floats(struct.pack("<18f", *numbers[12:]), f"bone {b}")
+        floats(struct.pack("<24f", *numbers[12:]), f"bone {b}")
         check(joint < joint_count and reserved == 0, "7.8", f"joint of bone {b}")
         check(all(abs(x) <= 2.0 ** 80 for x in numbers[:12]), "7.8", f"inverse_bind of bone {b}")
-        low, high = numbers[24:27], numbers[27:]
-        check(moved[b] or not any(low + high), "7.8", f"box of bone {b}")
+        low, high, core = numbers[24:27], numbers[27:30], (numbers[30:33], numbers[33:])
+        cores.append(core)
+        inside = all(a <= c <= d <= e for a, c, d, e in zip(low, *core, high))
+        check(inside or core == ([1.0] * 3, [-1.0] * 3), "7.8", f"core box of bone {b}")
+        check(moved[b] or (low, high) == ([1.0] * 3, [-1.0] * 3), "7.8", f"box of bone {b}")
         for p in moved[b]:
             check(all(a <= x <= c for a, x, c in zip(low, p, high)), "7.8", f"box of bone {b}")
+    for i, (p, own, weights) in enumerate(zip(positions, bones_of, weights_of)):
+        outside = [w for b, w in zip(own, weights) if not all(a <= x <= c for a, x, c in zip(cores[b][0], p, cores[b][1]))]
+        check(math.fsum(outside) <= minor * (1 + 2.0 ** -40), "7.8", f"minor_share at vertex {i}")
 
 
 def read_bone_lists(s):
     """Checks the bones of nodes and their rows, but not what these bound."""
-    count, entries = len(s[b"BONE"]) // 176, struct.unpack(f"<{len(s[b'BLST']) // 2}H", s[b"BLST"])
+    count, entries = len(s[b"BONE"]) // 200, struct.unpack(f"<{len(s[b'BLST']) // 2}H", s[b"BLST"])
     spans = read_starts(s[b"BLSS"], len(entries), "6.10", "BLSS")
     rows = floats(s[b"BROW"], "BROW")
     check(len(rows) == 8 * (3 * len(spans) + 2 * len(entries)), "6.10", "length of BROW")
@@ -308,8 +316,8 @@ def read_skin(s, m):
     if b"SKIN" not in s:
         return None, None, None
     joints, kinds = read_skeleton(s)
-    most, bones_of = read_influences(s)
-    read_bones(s, m, len(joints), bones_of)
+    most, bones_of, weights_of, minor = read_influences(s)
+    read_bones(s, m, len(joints), bones_of, weights_of, minor)
     read_bone_lists(s)
     return joints, read_clips(s, kinds, m), most
 

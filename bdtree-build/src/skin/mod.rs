@@ -74,6 +74,7 @@ pub fn store(
     let skeleton = skeleton::store(skin, &mut names)?;
     let mut bones = rest::bones(skin, &skeleton, shape)?;
     rest::add_boxes(&mut bones, &taken, shape);
+    let minor_share = rest::add_cores(&mut bones, &taken, shape);
     let bone_fields = rest::fields(bones.len(), &taken, shape);
     let clips = clips::store(skin, shape, &mut names, warnings)?;
     Ok(StoredSkin {
@@ -81,7 +82,8 @@ pub fn store(
             influences_max: taken.most,
             node_bones_max: 0,
             weight_defect: taken.defect,
-            reserved: [0; 5],
+            minor_share,
+            reserved: [0; 4],
         },
         starts: taken.starts,
         influences: taken.list,

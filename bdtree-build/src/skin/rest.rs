@@ -1,6 +1,7 @@
 //! Bones as stored: their maps at rest, the boxes of what they move, and how far fields reach there.
 
 use bdtree_format::{BoneRecord, SkeletonNode};
+use zerocopy::little_endian::F32;
 
 use super::skeleton::{product, rest};
 use super::weights::Taken;
@@ -8,7 +9,7 @@ use crate::error::{BakeError, Part};
 use crate::input::{RawSkin, Rows};
 use crate::vec3::norm2;
 use crate::wrap::StoredShape;
-use crate::wrap::round::{norm_up, round_nearest};
+use crate::wrap::round::{norm_up, round_nearest, round_up};
 
 /// Exponent of the farthest that a pose may reach (SPEC 5.9).
 const REACH_EXPONENT_MAX: i32 = 60;
@@ -53,6 +54,8 @@ pub(super) fn bones(
             rest: stored.map(|row| row.map(Into::into)),
             low: [1.0.into(); 3],
             high: [(-1.0).into(); 3],
+            core_low: [1.0.into(); 3],
+            core_high: [(-1.0).into(); 3],
         });
     }
     Ok(bones)
@@ -71,20 +74,54 @@ fn in_stored_units(map: &Rows, shape: &StoredShape) -> Rows {
 
 /// Gives bones the boxes around the rest positions that they move.
 pub(super) fn add_boxes(bones: &mut [BoneRecord], taken: &Taken, shape: &StoredShape) {
-    let mut is_empty = vec![true; bones.len()];
     for (p, influences) in shape.positions.iter().zip(taken.vertices()) {
         for influence in influences {
-            let b = usize::from(influence.bone);
-            let bone = &mut bones[b];
-            if std::mem::replace(&mut is_empty[b], false) {
-                (bone.low, bone.high) = (p.map(Into::into), p.map(Into::into));
-                continue;
-            }
-            for k in 0..3 {
-                bone.low[k] = bone.low[k].get().min(p[k]).into();
-                bone.high[k] = bone.high[k].get().max(p[k]).into();
-            }
+            let bone = &mut bones[usize::from(influence.bone)];
+            hold(&mut bone.low, &mut bone.high, *p);
         }
+    }
+}
+
+/// Core boxes leave out bones whose weights on a vertex sum to no more than this. On CesiumMan, the boxes of instances
+/// are 1.82 times the exact ones instead of 2.34 times; shares from 0.1 to 0.35 do about as well.
+const MINOR_SHARE_MAX: f64 = 0.15;
+
+/// Gives bones their core boxes: around the rest positions that they move, without those of which this and lighter
+/// bones together have a minor share. Returns the largest such share (SPEC 7.8).
+pub(super) fn add_cores(bones: &mut [BoneRecord], taken: &Taken, shape: &StoredShape) -> f32 {
+    let mut largest = 0.0_f64;
+    let mut by_weight = Vec::new();
+    for (p, influences) in shape.positions.iter().zip(taken.vertices()) {
+        by_weight.clear();
+        by_weight.extend_from_slice(influences);
+        by_weight.sort_by(|a, b| a.weight.total_cmp(&b.weight));
+        let mut share = 0.0;
+        let minor = by_weight.iter().take_while(|influence| {
+            let next = share + f64::from(influence.weight);
+            let is_minor = next <= MINOR_SHARE_MAX;
+            share = if is_minor { next } else { share };
+            is_minor
+        });
+        let minor_count = minor.count();
+        for influence in &by_weight[minor_count..] {
+            let bone = &mut bones[usize::from(influence.bone)];
+            hold(&mut bone.core_low, &mut bone.core_high, *p);
+        }
+        largest = largest.max(share);
+    }
+    // Sums of f64 whose terms are at least 2⁻³²: the factor is far above their rounding.
+    round_up(largest * (1.0 + 1e-12))
+}
+
+/// Enlarges a box to hold a point; one from 1 to −1 is empty.
+fn hold(low: &mut [F32; 3], high: &mut [F32; 3], p: [f32; 3]) {
+    if low[0].get() > high[0].get() {
+        (*low, *high) = (p.map(Into::into), p.map(Into::into));
+        return;
+    }
+    for k in 0..3 {
+        low[k] = low[k].get().min(p[k]).into();
+        high[k] = high[k].get().max(p[k]).into();
     }
 }
 

@@ -232,7 +232,8 @@ fn carried_at_rest(skin: &RawSkin) -> Vec<Matrix> {
                 *sum += weight * x;
             }
         }
-        sum
+        let whole = sum[3][3];
+        sum.map(|column| column.map(|x| x / whole))
     };
     (0..skin.influences.vertex_count()).map(blended).collect()
 }
@@ -272,7 +273,8 @@ fn baked_weights_move_what_the_file_says(
         let pose = asset
             .pose(&q, Transform::IDENTITY, &mut memory)
             .expect("pose");
-        for (i, p) in twin.positions.iter().enumerate() {
+        // Without bones, those of a skin stand where they were read.
+        for (i, p) in model.mesh.positions.iter().enumerate() {
             let found = pose.deformed(VertexId(i as u32)).expect("vertex");
             for k in 0..3 {
                 let moves = (0..count).map(|j| w[j] * twin.fields[j][i][k]);

@@ -4,6 +4,7 @@ mod buffers;
 mod clips;
 mod corpus;
 mod document;
+mod frames;
 mod hostile;
 mod mistakes;
 mod morph;

@@ -63,9 +63,26 @@ fn check_bones(asset: &Asset<'_>) {
             }
         }
     }
+    check_cores(asset);
     assert_eq!(record.influences_max as usize, most);
     assert!(f64::from(record.weight_defect) >= defect * (1.0 - 1e-12));
     assert!(f64::from(record.weight_defect) <= defect * (1.0 + 1e-6) + 1e-12);
+}
+
+/// Core boxes hold vertices but for minor_share of their weights, which is the least number, and at most 0.15.
+fn check_cores(asset: &Asset<'_>) {
+    let mut largest = 0.0_f64;
+    for i in 0..asset.vertex_count() {
+        let p = asset.positions()[i];
+        let influences = asset.influences(VertexId(i as u32)).expect("in the file");
+        let outside = influences.iter().filter(|influence| {
+            let bone = &asset.bones()[usize::from(influence.bone)];
+            !(0..3).all(|k| bone.core_low[k].get() <= p[k] && p[k] <= bone.core_high[k].get())
+        });
+        largest = largest.max(outside.map(|i| f64::from(i.weight)).sum());
+    }
+    let share = f64::from(asset.skin_record().expect("a skin").minor_share);
+    assert!(largest <= share && share <= 0.150_001, "{largest} {share}");
 }
 
 /// Number of bones of the node.

@@ -201,6 +201,12 @@ fn clips_have_the_keys_of_the_file() {
     assert_eq!(wave[0].interpolation, KeyInterpolation::Linear);
     // Whole numbers are shares of 32767.
     assert_eq!(wave[1].values[3], 1.0);
+    // The mesh's default weight, which the clip does not move.
+    assert_eq!(wave[2].animated, Animated::Fields { first: 0, count: 1 });
+    assert_eq!(
+        (&wave[2].times_s[..], &wave[2].values[..]),
+        (&[0.0_f32][..], &[0.25_f32][..])
+    );
     let slide = &skin.clips[1].channels;
     assert_eq!(slide[0].interpolation, KeyInterpolation::Cubic);
     assert_eq!(slide[0].values[6..9], [0.0, 2.0, 0.0]);

@@ -128,6 +128,29 @@ impl File {
             .collect()
     }
 
+    /// The times of the first channel of an animation.
+    pub(crate) fn times(&self, animation: usize) -> Vec<f64> {
+        let animation = &self.json["animations"][animation];
+        let sampler = index(&animation["channels"][0]["sampler"]);
+        self.accessor(index(&animation["samplers"][sampler]["input"]))
+            .concat()
+    }
+
+    /// Puts the nodes and the weights where an animation has them at a time (glTF 2.0, appendix C).
+    pub(crate) fn play(&mut self, animation: usize, time: f64) {
+        let animation = self.json["animations"][animation].clone();
+        for channel in list(&animation["channels"]) {
+            let sampler = &animation["samplers"][index(&channel["sampler"])];
+            let times = self.accessor(index(&sampler["input"])).concat();
+            let values = self.accessor(index(&sampler["output"])).concat();
+            let path = channel["target"]["path"].as_str().expect("a path");
+            let kind = sampler["interpolation"].as_str().unwrap_or("LINEAR");
+            let value = interpolated(&times, &values, kind, path == "rotation", time);
+            let node = index(&channel["target"]["node"]);
+            self.json["nodes"][node][path] = value.into();
+        }
+    }
+
     /// Where a node and all below it stand in the scene.
     fn place(&self, at: usize, outer: &Matrix, worlds: &mut [Matrix]) {
         let node = &self.json["nodes"][at];
@@ -191,19 +214,29 @@ impl File {
         }
     }
 
-    /// The joints' matrices, blended for each vertex.
+    /// The joints' matrices, blended for each vertex by its weights over their sum.
     fn carried(&self, primitive: &Value, joints: &[Matrix]) -> Vec<Matrix> {
-        let attribute = |name: &str| self.accessor(index(&primitive["attributes"][name]));
+        let sets = (0..).map_while(|set| {
+            let accessor = |name: &str| {
+                let at = &primitive["attributes"][format!("{name}_{set}")];
+                Some(self.accessor(at.as_u64()? as usize))
+            };
+            Some((accessor("JOINTS")?, accessor("WEIGHTS")?))
+        });
+        let sets: Vec<_> = sets.collect();
         let mut carried = Vec::new();
-        for (numbers, weights) in attribute("JOINTS_0").iter().zip(attribute("WEIGHTS_0")) {
+        for i in 0..sets[0].0.len() {
+            let entries = sets.iter().flat_map(|(j, w)| j[i].iter().zip(&w[i]));
             let mut sum = [[0.0; 4]; 4];
-            for (joint, weight) in numbers.iter().zip(weights) {
+            for (joint, weight) in entries {
                 let joint = &joints[*joint as usize];
                 for (sum, x) in sum.as_flattened_mut().iter_mut().zip(joint.as_flattened()) {
                     *sum += weight * x;
                 }
             }
-            carried.push(sum);
+            // The matrices' last entries are 1.
+            let whole = sum[3][3];
+            carried.push(sum.map(|column| column.map(|x| x / whole)));
         }
         carried
     }
@@ -327,6 +360,47 @@ fn index(value: &Value) -> usize {
 
 fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
+}
+
+/// The value of a sampler at a time.
+fn interpolated(times: &[f64], values: &[f64], kind: &str, turns: bool, time: f64) -> Vec<f64> {
+    let cubic = kind == "CUBICSPLINE";
+    let width = values.len() / times.len();
+    let key = |k: usize| &values[k * width..(k + 1) * width];
+    // Of a spline: the tangent before, the value, the tangent after.
+    let part = |k: usize, which: usize| match cubic {
+        true => &key(k)[which * width / 3..(which + 1) * width / 3],
+        false => key(k),
+    };
+    let after = times.partition_point(|t| *t <= time);
+    if after == 0 || after == times.len() || kind == "STEP" {
+        return part(after.saturating_sub(1), 1).to_vec();
+    }
+    let (k, l) = (after - 1, after);
+    let span = times[l] - times[k];
+    let s = (time - times[k]) / span;
+    let (a, b) = (part(k, 1), part(l, 1));
+    let mixed =
+        |x: f64, y: f64| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| x * a + y * b).collect() };
+    if cubic {
+        let (out, into) = (part(k, 2), part(l, 0));
+        let (s2, s3) = (s * s, s * s * s);
+        let mut value = mixed(2.0 * s3 - 3.0 * s2 + 1.0, 3.0 * s2 - 2.0 * s3);
+        for (i, x) in value.iter_mut().enumerate() {
+            *x += span * ((s3 - 2.0 * s2 + s) * out[i] + (s3 - s2) * into[i]);
+        }
+        return value; // `placement` divides by the length
+    }
+    if turns {
+        let cosine: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+        let angle = cosine.abs().min(1.0).acos();
+        if angle > 1e-6 {
+            let [x, y] = [1.0 - s, s].map(|s| (s * angle).sin() / angle.sin());
+            return mixed(x, y * cosine.signum());
+        }
+        return mixed(1.0 - s, s * cosine.signum());
+    }
+    mixed(1.0 - s, s)
 }
 
 /// Columns of a node's matrix.

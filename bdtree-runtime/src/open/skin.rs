@@ -100,6 +100,12 @@ fn check_record(record: &SkinRecord, at: &Check) -> Result<(), FormatError> {
         defect,
     )?;
     const _: () = assert!(size_of::<SkinRecord>() == 32);
+    let share = record.minor_share;
+    at.rule("SPEC 7.7: minor_share is 0 to 1").holds(
+        (0.0..=1.0).contains(&share),
+        1.0_f32,
+        share,
+    )?;
     at.rule("SPEC 7.7: reserved numbers are zero")
-        .holds(record.reserved == [0; 5], 0_u32, 1_u32)
+        .holds(record.reserved == [0; 4], 0_u32, 1_u32)
 }

@@ -39,10 +39,20 @@ impl Asset<'_> {
 
     /// The first number of each section that is none.
     fn skin_numbers(&self, skin: &Skin<'_>, report: Report<'_>) -> ControlFlow<()> {
-        let defect = skin.record.weight_defect;
-        self.at(SectionKind::SKIN, offset_of!(SkinRecord, weight_defect))
-            .rule(FINITE)
-            .tell(report, is_stored(defect), "a normal number or zero", defect)?;
+        for (offset, x) in [
+            (
+                offset_of!(SkinRecord, weight_defect),
+                skin.record.weight_defect,
+            ),
+            (offset_of!(SkinRecord, minor_share), skin.record.minor_share),
+        ] {
+            self.at(SectionKind::SKIN, offset).rule(FINITE).tell(
+                report,
+                is_stored(x),
+                "a normal number or zero",
+                x,
+            )?;
+        }
         for (kind, numbers) in [
             (SectionKind::BONE_FIELDS, skin.bone_fields),
             (SectionKind::BONE_ROWS, skin.rows.as_flattened()),
@@ -54,15 +64,12 @@ impl Asset<'_> {
         }
         for (b, bone) in skin.bones.iter().enumerate() {
             let at = |offset| self.at(SectionKind::BONES, b * size_of::<BoneRecord>() + offset);
-            let (rest, low, high) = (
-                offset_of!(BoneRecord, rest),
-                offset_of!(BoneRecord, low),
-                offset_of!(BoneRecord, high),
-            );
             for (offset, numbers) in [
-                (rest, bone.rest.as_flattened()),
-                (low, &bone.low),
-                (high, &bone.high),
+                (offset_of!(BoneRecord, rest), bone.rest.as_flattened()),
+                (offset_of!(BoneRecord, low), &bone.low),
+                (offset_of!(BoneRecord, high), &bone.high),
+                (offset_of!(BoneRecord, core_low), &bone.core_low),
+                (offset_of!(BoneRecord, core_high), &bone.core_high),
             ] {
                 if let Some(i) = numbers.iter().position(|x| !is_stored(x.get())) {
                     let place = at(offset + size_of::<f32>() * i).rule(FINITE);
@@ -187,6 +194,7 @@ impl Asset<'_> {
         }
         // Which bones move a vertex, one bit each.
         let mut moving = [0_u64; BONE_COUNT_MAX / 64];
+        let mut minor_max = 0.0_f64;
         for vertex in 0..self.positions.len() {
             for influence in skin.influences_of(vertex).unwrap_or_default() {
                 let b = usize::from(influence.bone);
@@ -195,16 +203,52 @@ impl Asset<'_> {
                     self.moved_vertex(skin, b, vertex, report)?;
                 }
             }
+            minor_max = minor_max.max(self.minor_share(skin, vertex));
         }
+        let found = f64::from(skin.record.minor_share);
+        self.at(SectionKind::SKIN, offset_of!(SkinRecord, minor_share))
+            .rule("SPEC 7.8: core boxes hold every vertex but for minor_share of its weights")
+            .tell(
+                report,
+                minor_max * (1.0 - CHECKED_SUM) <= found,
+                minor_max,
+                found,
+            )?;
         for (b, bone) in skin.bones.iter().enumerate() {
             let still = moving[b / 64] >> (b % 64) & 1 == 0;
-            let box_of = [bone.low, bone.high].map(|row| row.map(|x| x.get()));
-            let empty = box_of == [[1.0; 3], [-1.0; 3]];
+            let whole = [bone.low, bone.high].map(|row| row.map(|x| x.get()));
+            let core = [bone.core_low, bone.core_high].map(|row| row.map(|x| x.get()));
+            let none = [[1.0; 3], [-1.0; 3]];
             at(b, offset_of!(BoneRecord, low))
                 .rule("SPEC 7.8: a bone without vertices has a box from 1 to -1")
-                .tell(report, !still || empty, -1.0, "another")?;
+                .tell(report, !still || whole == none, -1.0, "another")?;
+            let is_inside = (0..3).all(|k| {
+                whole[0][k] <= core[0][k] && core[0][k] <= core[1][k] && core[1][k] <= whole[1][k]
+            });
+            at(b, offset_of!(BoneRecord, core_low))
+                .rule("SPEC 7.8: a core box lies inside low and high, or is from 1 to -1")
+                .tell(report, core == none || is_inside, -1.0, "another")?;
         }
         ControlFlow::Continue(())
+    }
+
+    /// The sum of the weights of those bones of a vertex whose core boxes do not hold it.
+    fn minor_share(&self, skin: &Skin<'_>, vertex: usize) -> f64 {
+        let position = self.positions[vertex];
+        let holds = |bone: &BoneRecord| {
+            (0..3)
+                .all(|k| (bone.core_low[k].get()..=bone.core_high[k].get()).contains(&position[k]))
+        };
+        let influences = skin.influences_of(vertex).unwrap_or_default().iter();
+        influences
+            // A bone that does not exist is reported with the influences.
+            .filter(|i| {
+                skin.bones
+                    .get(usize::from(i.bone))
+                    .is_some_and(|b| !holds(b))
+            })
+            .map(|i| f64::from(i.weight))
+            .sum()
     }
 
     /// The box and the norms of a bone against one of its vertices.

@@ -102,6 +102,7 @@ fn opened() -> Vec<Change> {
         skin(offset_of!(SkinRecord, influences_max), 256),
         skin(offset_of!(SkinRecord, node_bones_max), 4097),
         skin(offset_of!(SkinRecord, weight_defect), 1.5_f32.to_bits()),
+        skin(offset_of!(SkinRecord, minor_share), 1.5_f32.to_bits()),
         skin(offset_of!(SkinRecord, reserved), 1),
     ]
 }
@@ -128,6 +129,8 @@ fn influences() -> Vec<Change> {
         skin(offset_of!(SkinRecord, node_bones_max), 2),
         skin(offset_of!(SkinRecord, weight_defect), 0),
         skin(offset_of!(SkinRecord, weight_defect), 1),
+        skin(offset_of!(SkinRecord, minor_share), 0),
+        skin(offset_of!(SkinRecord, minor_share), 1),
     ]
 }
 
@@ -144,6 +147,8 @@ fn bones() -> Vec<Change> {
         bone(2, offset_of!(BoneRecord, rest), f32::NAN.to_bits()),
         bone(1, offset_of!(BoneRecord, low), 1e9_f32.to_bits()),
         bone(1, offset_of!(BoneRecord, high) + 4, (-1e9_f32).to_bits()),
+        bone(1, offset_of!(BoneRecord, core_low), 1e9_f32.to_bits()),
+        bone(1, offset_of!(BoneRecord, core_high), f32::NAN.to_bits()),
         Box::new(body(SectionKind::BONE_FIELDS, 4, 0)),
         Box::new(body(SectionKind::BONE_FIELDS, 4, 1)),
         // Another bone, which moves nothing, with the box of the last one.
@@ -185,9 +190,9 @@ fn nodes() -> Vec<Change> {
                         body.extend_from_within(2 * size_of::<BoneRecord>()..);
                         let end = body.len();
                         // The box of a bone that moves nothing.
-                        for (at, x) in (end - 24..end)
+                        for (at, x) in (end - 48..end)
                             .step_by(4)
-                            .zip([1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
+                            .zip([1.0, 1.0, 1.0, -1.0, -1.0, -1.0].into_iter().cycle())
                         {
                             put(body, at, &f32::to_le_bytes(x));
                         }

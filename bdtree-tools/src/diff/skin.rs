@@ -134,7 +134,10 @@ fn bones(both: [&Asset<'_>; 2], findings: &mut Findings) {
     let rest = rest.each_ref().map(Vec::as_slice);
     compare_numbers("section BONE: maps at rest", "number", rest, 1.0, findings);
     let boxes = both.map(|asset| {
-        let corners = asset.bones().iter().flat_map(|bone| [bone.low, bone.high]);
+        let corners = asset
+            .bones()
+            .iter()
+            .flat_map(|bone| [bone.low, bone.high, bone.core_low, bone.core_high]);
         corners
             .flatten()
             .map(|x| f64::from(x.get()))

@@ -187,7 +187,8 @@ fn skinned(
             "--clip is not used: a file with a skin gets all of them",
         );
     }
-    let clips = motions::read(&root.animations, accessors, &rig, &model.nodes, notes);
+    let mut clips = motions::read(&root.animations, accessors, &rig, &model.nodes, notes);
+    motions::hold_defaults(&mut clips, &model.nodes, &model.targets);
     let skin = RawSkin {
         influences: model.influences,
         bones: rig.bones,

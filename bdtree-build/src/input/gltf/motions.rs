@@ -12,7 +12,7 @@ use super::notes::Notes;
 use super::plan::ELEMENTS_MAX;
 use super::samplers;
 use super::skeleton::Rig;
-use crate::input::{Animated, KeyInterpolation, Local, RawChannel, RawSkinClip};
+use crate::input::{Animated, KeyInterpolation, Local, RawChannel, RawSkinClip, RawTarget};
 
 /// A channel that is read.
 struct Wanted<'a> {
@@ -71,6 +71,35 @@ pub(super) fn read(
         });
     }
     clips
+}
+
+/// Gives each clip a key that holds the default weights of those nodes whose weights it does not move: players of the
+/// file start from weights of 0.
+pub(super) fn hold_defaults(clips: &mut [RawSkinClip], nodes: &[MorphNode], targets: &[RawTarget]) {
+    for node in nodes {
+        let own = targets.get(node.first..node.first + node.count);
+        let defaults = own.unwrap_or_default().iter().map(|t| t.default_weight);
+        // What f32 cannot hold is refused with the mode's own range.
+        let values: Vec<f32> = defaults.map(|weight| weight as f32).collect();
+        if values.iter().all(|weight| *weight == 0.0) {
+            continue;
+        }
+        // No loss: at most 2¹⁶ targets are read.
+        let animated = Animated::Fields {
+            first: node.first as u32,
+            count: node.count as u32,
+        };
+        for clip in &mut *clips {
+            if clip.channels.iter().all(|c| c.animated != animated) {
+                clip.channels.push(RawChannel {
+                    animated,
+                    interpolation: KeyInterpolation::Step,
+                    times_s: vec![0.0],
+                    values: values.clone(),
+                });
+            }
+        }
+    }
 }
 
 /// The channels of one animation that are read; `stray` counts the others.
