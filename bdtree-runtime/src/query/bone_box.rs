@@ -36,7 +36,7 @@ impl Pose<'_> {
         let share = f64::from(skin.record.minor_share);
         let face = |side: usize, axis: usize, outward: f64| {
             let (far, near) = (whole[side][axis], core[side][axis]);
-            // Without any core all is share. What is not farther, of a damaged file, is not used.
+            // A skin may be without any core box: then every weight is in the share.
             let x = if near.is_finite() {
                 near + share * (far - near)
             } else {

@@ -105,8 +105,12 @@ impl Display {
             if is_ready(&picture) {
                 return picture;
             }
-            let ended = viewer.0.try_wait().expect("a state");
-            assert!(ended.is_none(), "the viewer has ended: {ended:?}");
+            if let Some(status) = viewer.0.try_wait().expect("a state") {
+                let mut errors = String::new();
+                let stderr = viewer.0.stderr.as_mut().expect("piped");
+                stderr.read_to_string(&mut errors).expect("UTF-8");
+                panic!("the viewer has ended: {status}: {errors}");
+            }
             assert!(begin.elapsed() < PATIENCE, "not drawn in {PATIENCE:?}");
             std::thread::sleep(Duration::from_millis(50));
         }

@@ -79,8 +79,11 @@ pub(super) fn hold_defaults(clips: &mut [RawSkinClip], nodes: &[MorphNode], targ
     for node in nodes {
         let own = targets.get(node.first..node.first + node.count);
         let defaults = own.unwrap_or_default().iter().map(|t| t.default_weight);
-        // What f32 cannot hold is refused with the mode's own range.
-        let values: Vec<f32> = defaults.map(|weight| weight as f32).collect();
+        // Too large for f32: refused where keys are stored. Too small: files have no subnormal numbers.
+        let values: Vec<f32> = defaults
+            .map(|weight| weight as f32)
+            .map(|weight| if weight.is_subnormal() { 0.0 } else { weight })
+            .collect();
         if values.iter().all(|weight| *weight == 0.0) {
             continue;
         }
