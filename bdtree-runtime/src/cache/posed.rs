@@ -4,7 +4,7 @@ use bdtree_format::{ROWS_LEADING, TriangleRecord};
 
 use super::slots::{CHUNK, LeafChunk, LeafSlot, NodeSlot, leaf_place, place, tag};
 use super::step::Kept;
-use crate::bound::{WideSpheres, evaluate};
+use crate::bound::{WideSpheres, evaluate, evaluate_apart};
 use crate::depth::DepthLimit;
 use crate::epoch::Drift;
 use crate::error::FormatError;
@@ -209,7 +209,12 @@ impl Posed<'_> {
         let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
         // Spelled out: behind a function that takes `evaluate` it would not be compiled with the
         // instruction set of the caller.
-        let Some(mut spheres) = evaluate::<L>(&rows, modes, &pose.bound()) else {
+        let spheres = if L::IS_COMPACT {
+            evaluate_apart::<L>(&rows, modes, &pose.bound())
+        } else {
+            evaluate::<L>(&rows, modes, &pose.bound())
+        };
+        let Some(mut spheres) = spheres else {
             return Err(asset.unknown_mode(node.mode_list_start));
         };
         if let Some(bones) = pose.bones() {

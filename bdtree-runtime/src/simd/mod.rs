@@ -23,6 +23,8 @@ mod simd128;
 mod sse;
 #[cfg(test)]
 mod tests;
+#[cfg(any(test, not(target_arch = "x86_64")))]
+mod whole;
 
 pub(crate) use fields::Fields;
 pub(crate) use prefetch::{LINE, prefetch, prefetch_from, prefetch_lines};
@@ -36,6 +38,9 @@ pub(crate) trait Lanes: Copy {
     type Quad: Quad;
     /// Eight whole numbers of the same instruction set.
     type Sums: PairSums;
+    /// Whether all walks call one copy of the node kernel. Inlined into each it is faster, but without wide registers it is
+    /// most of a walk's code.
+    const IS_COMPACT: bool = false;
 
     fn splat(x: f32) -> Self;
     fn load(row: &Row) -> Self;

@@ -74,17 +74,21 @@ impl Array4 {
     }
 
     #[inline(always)]
-    fn compare(self, other: Self, f: impl Fn(f64, f64) -> bool) -> [bool; 4] {
-        let mut out = [false; 4];
+    fn compare(self, other: Self, f: impl Fn(f64, f64) -> bool) -> [u64; 4] {
+        let mut out = [0; 4];
         for k in 0..4 {
-            out[k] = f(self.0[k], other.0[k]);
+            out[k] = if f(self.0[k], other.0[k]) {
+                u64::MAX
+            } else {
+                0
+            };
         }
         out
     }
 }
 
 impl Quad for Array4 {
-    type Mask = [bool; 4];
+    type Mask = [u64; 4];
 
     #[inline(always)]
     fn splat(x: f64) -> Self {
@@ -125,41 +129,40 @@ impl Quad for Array4 {
     }
 
     #[inline(always)]
-    fn above(self, other: Self) -> [bool; 4] {
+    fn above(self, other: Self) -> [u64; 4] {
         self.compare(other, |a, b| a > b)
     }
 
     #[inline(always)]
-    fn at_least(self, other: Self) -> [bool; 4] {
+    fn at_least(self, other: Self) -> [u64; 4] {
         self.compare(other, |a, b| a >= b)
     }
 
     #[inline(always)]
-    fn both(a: [bool; 4], b: [bool; 4]) -> [bool; 4] {
+    fn both(a: [u64; 4], b: [u64; 4]) -> [u64; 4] {
         [a[0] & b[0], a[1] & b[1], a[2] & b[2], a[3] & b[3]]
     }
 
     #[inline(always)]
-    fn either(a: [bool; 4], b: [bool; 4]) -> [bool; 4] {
+    fn either(a: [u64; 4], b: [u64; 4]) -> [u64; 4] {
         [a[0] | b[0], a[1] | b[1], a[2] | b[2], a[3] | b[3]]
     }
 
     #[inline(always)]
-    fn select(mask: [bool; 4], yes: Self, no: Self) -> Self {
+    fn select(mask: [u64; 4], yes: Self, no: Self) -> Self {
         let mut out = no.0;
         for k in 0..4 {
-            if mask[k] {
-                out[k] = yes.0[k];
-            }
+            out[k] =
+                f64::from_bits((yes.0[k].to_bits() & mask[k]) | (no.0[k].to_bits() & !mask[k]));
         }
         Self(out)
     }
 
     #[inline(always)]
-    fn bits(mask: [bool; 4]) -> u8 {
+    fn bits(mask: [u64; 4]) -> u8 {
         let mut bits = 0;
         for k in 0..4 {
-            bits |= u8::from(mask[k]) << k;
+            bits |= (mask[k] as u8 & 1) << k;
         }
         bits
     }

@@ -1,10 +1,13 @@
 //! Every kernel has the bits of the portable one.
 
-use bdtree_format::{LANES, Row};
+use std::vec::Vec;
+
+use bdtree_format::{LANES, PairRow, Row};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::{Kernel, Lanes, Reference, Work};
+use super::whole::Whole8;
+use super::{Kernel, Lanes, PairSums, Reference, Work};
 
 /// All operations on two rows: numbers by their bits, masks by theirs.
 struct Operations([Row; 2]);
@@ -45,6 +48,53 @@ fn every_kernel_rounds_each_operation_once() {
                 expected,
                 "{kernel:?}: {a:?}, {b:?}"
             );
+        }
+    }
+}
+
+/// Sums of products of all rows, with each kind of factor, as f32.
+struct SumsOf<'a>(&'a [(PairRow, [i16; 2])]);
+
+impl Work for SumsOf<'_> {
+    type Output = [Row; 4];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [Row; 4] {
+        let mut sums = [L::Sums::zero(); 4];
+        for (row, n) in self.0 {
+            for (sum, factor) in sums.iter_mut().zip(L::Sums::factors(*n)) {
+                *sum = sum.add_products(row, factor);
+            }
+        }
+        sums.map(|sum| L::round(sum).store())
+    }
+}
+
+#[test]
+fn every_kernel_sums_the_same_whole_numbers() {
+    let mut random = Pcg64Mcg::seed_from_u64(2);
+    // Any length, and extremes: the least factor is not −2¹⁵, rows may hold it. Large sums wrap around.
+    for round in 0..2_000 {
+        let mut number = || match random.random_range(0..4) {
+            0 => i16::MIN,
+            1 => i16::MAX,
+            _ => random.random_range(i16::MIN..=i16::MAX),
+        };
+        let rows: Vec<(PairRow, [i16; 2])> = (0..round % 9)
+            .map(|_| {
+                let row = core::array::from_fn(|_| [number(), number()]);
+                (row, [number(), number()].map(|n| n.max(-i16::MAX)))
+            })
+            .collect();
+        let mut expected = [Whole8::zero(); 4];
+        for (row, n) in &rows {
+            for (sum, factor) in expected.iter_mut().zip(Whole8::factors(*n)) {
+                *sum = sum.add_products(row, factor);
+            }
+        }
+        let expected = expected.map(|sum| sum.store().map(|sum| sum as f32));
+        for kernel in Kernel::ALL.into_iter().filter(|k| k.is_available()) {
+            assert_eq!(kernel.run(SumsOf(&rows)), expected, "{kernel:?}: {rows:?}");
         }
     }
 }
