@@ -10,7 +10,7 @@
 
 use bdtree_format::{BONE_ROW_DEFECT, BONE_ROW_SCALE, BONE_ROW_SPREAD};
 
-use crate::bones::PosedBones;
+use crate::bones::{BoneMap, PosedBones};
 use crate::bound::{Spheres, WideSpheres};
 use crate::error::FormatError;
 use crate::rounding::BONES_ROUNDING;
@@ -80,6 +80,18 @@ fn scaled<L: Lanes>(a: Points<L>, by: L) -> Points<L> {
     [a[0].mul(by), a[1].mul(by), a[2].mul(by)]
 }
 
+/// y = A c + t. Spelled out: a closure, and so `array::map`, would not be compiled with the instruction set of the caller.
+#[inline(always)]
+fn carried_by<L: Lanes>(map: &BoneMap, [x, y, z]: Points<L>) -> Points<L> {
+    let mut carried = [x; 3];
+    for r in 0..3 {
+        let [a, b, c, t] = map.rows[r];
+        let sum = x.mul(L::splat(a)).add(y.mul(L::splat(b)));
+        carried[r] = sum.add(z.mul(L::splat(c))).add(L::splat(t));
+    }
+    carried
+}
+
 #[inline(always)]
 fn squared<L: Lanes>([x, y, z]: Points<L>) -> L {
     x.mul(x).add(y.mul(y)).add(z.mul(z))
@@ -94,28 +106,19 @@ fn carried<L: Lanes>(
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let scale = L::load(&node.fixed[BONE_ROW_SCALE]);
     let defect = L::load(&node.fixed[BONE_ROW_DEFECT]);
-    let of_bone = |bone: u16| {
-        let map = pose.maps.get(usize::from(bone))?;
-        let y = map.rows.map(|[x, y, z, t]| {
-            let [cx, cy, cz] = spheres.center;
-            let sum = cx.mul(L::splat(x)).add(cy.mul(L::splat(y)));
-            sum.add(cz.mul(L::splat(z))).add(L::splat(t))
-        });
-        Some((y, map.stretch))
-    };
-
     // c', and what the simplex shares: its corners are e + r d_b.
     let mut center = [zero; 3];
     let mut least = [zero; 3];
     let mut least_sum = zero;
     let mut stretch = zero;
     for (&bone, [low, high]) in node.bones.iter().zip(node.weights) {
-        let (y, own) = of_bone(bone)?;
+        let map = pose.maps.get(usize::from(bone))?;
+        let y = carried_by(map, spheres.center);
         let (low, high) = (L::load(low), L::load(high));
         center = add3(center, scaled(y, scale.mul(low.add(high))));
         least = add3(least, scaled(y, low));
         least_sum = least_sum.add(low);
-        stretch = stretch.max(is_there(high).mul(L::splat(own)));
+        stretch = stretch.max(is_there(high).mul(L::splat(map.stretch)));
     }
     let rest = one.sub(least_sum);
     let shift = sub3(least, scaled(center, least_sum));
@@ -125,7 +128,7 @@ fn carried<L: Lanes>(
     let mut all = zero;
     let mut kept = [(zero, zero); KEPT];
     for (k, (&bone, [low, high])) in node.bones.iter().zip(node.weights).enumerate() {
-        let (y, _) = of_bone(bone)?;
+        let y = carried_by(pose.maps.get(usize::from(bone))?, spheres.center);
         let (low, high) = (L::load(low), L::load(high));
         let there = is_there(high);
         let d = sub3(y, center);

@@ -292,7 +292,7 @@ fn clips_follow_the_targets_that_are_kept() {
 
 #[test]
 fn the_character_for_measuring_is_as_large_as_it_says() {
-    let model = read(&models::gltf::character()).expect("sound");
+    let model = read(&models::gltf::character(250, 40)).expect("sound");
     assert_eq!(model.mesh.triangles.len(), 100_000);
     let skin = model.skin.expect("a skin");
     assert_eq!(

@@ -1,6 +1,7 @@
 //! Whoever refits, on each workload.
 
 use crate::workloads::bodies::Bodies;
+use crate::workloads::characters::Character;
 use crate::workloads::curtain::Curtain;
 use crate::workloads::pile::{COUNT, Pile};
 use crate::workloads::rays::Rays;
@@ -102,6 +103,57 @@ pub fn pile<'a, P: PairPeer + 'a>(
                 low[*i as usize].pair(&mut high[0], &mut found);
             }
             found.len()
+        })
+    })
+}
+
+/// What W5 asks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ask {
+    /// The contacts of a ball.
+    Ball,
+    /// The first hit of a ray.
+    Ray,
+}
+
+impl Ask {
+    /// For tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ball => "ball",
+            Self::Ray => "ray",
+        }
+    }
+}
+
+/// W5.
+pub fn character<'a>(
+    name: &str,
+    (role, counts): (Role, Counts),
+    peer: &'a mut dyn Peer,
+    deformer: &'a Deformer,
+    (work, ask): (&'a Character, Ask),
+) -> Entry<'a> {
+    let mut found: Vec<Contact> = Vec::new();
+    let mut scratch = Vec::new();
+    Entry::new(name, role, counts, move |i| {
+        found.clear();
+        let (asked, place) = (&work.frames[i], &Place::IDENTITY);
+        let to = Target {
+            deformer,
+            q: &asked.q,
+            bones: &asked.maps,
+            place,
+        };
+        let update = peer.update(to, &mut scratch);
+        let (center, radius) = asked.stored.ball;
+        let [origin, direction] = asked.stored.ray;
+        frame(update, || match ask {
+            Ask::Ball => {
+                peer.ball(center, radius, &mut found);
+                found.len()
+            }
+            Ask::Ray => usize::from(peer.ray(origin, direction).is_some()),
         })
     })
 }

@@ -1,10 +1,11 @@
-//! The workloads W1 to W4 that contenders are compared on: deforming bodies with balls, bodies and rays.
+//! The workloads W1 to W5 that contenders are compared on: deforming bodies with balls, bodies and rays, characters.
 //!
 //! Everything is generated and deterministic. Modes are smooth vector fields of low frequency,
 //! each scaled so that q = 1 moves its farthest vertex by 5 % of the box's diagonal; coordinates
 //! over time are sines whose amplitude falls with the root of the mode's number.
 
 pub mod bodies;
+pub mod characters;
 pub mod curtain;
 pub mod pile;
 pub mod random;

@@ -84,7 +84,7 @@ enum Command {
     Open(open::Arguments),
     /// All benchmarks with their defaults into one CSV file
     Record(record::Arguments),
-    /// W1 to W4: the product beside libraries that deform and refit (feature `peers`)
+    /// W1 to W5: the product beside libraries that deform and refit (feature `peers`)
     Workloads(workloads::Arguments),
 }
 

@@ -52,9 +52,19 @@ impl Libraries {
     ///
     /// # Errors
     /// A body that one of them refuses.
-    pub(crate) fn of(&self, body: &Body, layered: LayeredPeer) -> Result<Peers> {
-        #[allow(unused_mut)]
+    pub(crate) fn and_layered(&self, body: &Body, layered: LayeredPeer) -> Result<Peers> {
         let mut all: Peers = vec![("layered", (Role::Baseline, Counts::Same), Box::new(layered))];
+        all.extend(self.of(body)?);
+        Ok(all)
+    }
+
+    /// A body in all of them.
+    ///
+    /// # Errors
+    /// A body that one of them refuses.
+    pub(crate) fn of(&self, body: &Body) -> Result<Peers> {
+        #[allow(unused_mut)]
+        let mut all = Peers::new();
         #[cfg(feature = "peers")]
         all.extend::<Peers>(vec![
             ("parry3d", PEER, Box::new(Parry::new(body))),

@@ -1,4 +1,4 @@
-//! W1 to W4: the product beside those who deform all vertices and refit, the paper's lazy tree and
+//! W1 to W5: the product beside those who deform all vertices and refit, the paper's lazy tree and
 //! the layered hierarchy, in turns on the same inputs. All contenders run all frames as often as the rounds say (the
 //! pile's half as often).
 
@@ -24,6 +24,8 @@ enum Which {
     W3,
     /// A pile of bodies
     W4,
+    /// Characters
+    W5,
 }
 
 #[derive(Args)]
@@ -54,6 +56,9 @@ const RAYS: [[(usize, [f64; 2]); 3]; 2] = [
         (1024, [2.0, 4.0]),
     ],
 ];
+
+/// W5: must and aim by size.
+const CHARACTERS: [[f64; 2]; 2] = [[10.0, 20.0], [100.0, 200.0]];
 
 pub(crate) fn run(arguments: &Arguments, repeats: usize) -> Result<Vec<Table>> {
     let rounds = Rounds {
@@ -90,6 +95,11 @@ pub(crate) fn run(arguments: &Arguments, repeats: usize) -> Result<Vec<Table>> {
     if wanted(Which::W4) {
         let repeats = repeats.div_ceil(2);
         works.push(works::pile(Rounds { repeats, ..rounds })?);
+    }
+    if wanted(Which::W5) {
+        for (size, goals) in CHARACTERS.into_iter().enumerate() {
+            works.extend(works::character(&libraries, (size, goals), rounds)?);
+        }
     }
     let mut tables = vec![table("run", "The run", &[run])];
     tables.extend(report::tables(&works));

@@ -4,19 +4,22 @@ use std::rc::Rc;
 
 use bdtree_measure::Body;
 use bdtree_measure::deform::Deformer;
+use bdtree_measure::ours::Posture;
 use bdtree_measure::paper_tree::PaperTree;
 use bdtree_measure::peers::LayeredPeer;
 #[cfg(feature = "peers")]
 use bdtree_measure::peers::{Parry, TinyBvh};
-use bdtree_scenes::workloads::{bodies, curtain, pile, rays};
+use bdtree_scenes::workloads::{bodies, characters, curtain, pile, rays};
 
 use super::libraries::Libraries;
 use super::report::Work;
 use bdtree_measure::turns::{Rounds, compare};
+use bdtree_runtime::BoneMatrices;
 use bdtree_scenes::contenders::assets::baked;
 use bdtree_scenes::contenders::ours::pair::OurPair;
 use bdtree_scenes::contenders::ours::pile::{NODES, OurPile};
-use bdtree_scenes::contenders::{paper, refitting};
+use bdtree_scenes::contenders::paper;
+use bdtree_scenes::contenders::refitting::{self, Ask};
 
 use crate::prelude::*;
 
@@ -71,7 +74,7 @@ pub(crate) fn ball(
     let cast = Cast::of(&work.body)?;
     let (asset, rigid) = (*cast.model.asset(), *cast.rigid.asset());
     let (mut ours, mut still) = (Ours::new(asset), Ours::new(rigid));
-    let mut others = libraries.of(&work.body, cast.layered())?;
+    let mut others = libraries.and_layered(&work.body, cast.layered())?;
     let mut entries = vec![
         Entry::new("ours", Role::Ours, Counts::Same, |i| {
             frame(|| ours.balls(work.q(i), [work.ball(i)].into_iter()))
@@ -127,7 +130,7 @@ pub(crate) fn ray(
     let work = rays::rays(name, n);
     let cast = Cast::of(&work.body)?;
     let (asset, rigid) = (*cast.model.asset(), *cast.rigid.asset());
-    let mut others = libraries.of(&work.body, cast.layered())?;
+    let mut others = libraries.and_layered(&work.body, cast.layered())?;
     // Random rays seldom meet a leaf twice: keeping leaves costs more than it saves.
     let (mut ours, mut still) = (Ours::keeping(asset, 0), Ours::keeping(rigid, 0));
     let mut all = Vec::new();
@@ -189,4 +192,41 @@ pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
     ]);
     let name = "W4 blob18k, 1000 bodies";
     done(name, [3.0, 6.0], entries, 0..pile::STEPS, rounds)
+}
+
+/// W5 on one character: a ball, then a ray.
+pub(crate) fn character(
+    libraries: &Libraries,
+    (size, goals): (usize, [f64; 2]),
+    rounds: Rounds<'_>,
+) -> Result<Vec<Work>> {
+    let (name, detail) = characters::SIZES[size];
+    let work = characters::character(name, detail)?;
+    let asset = *work.model.asset();
+    let deformer = Deformer::new(&work.body);
+    let posture = |i: usize| {
+        let frame: &characters::Frame = &work.frames[i];
+        Posture {
+            q: &frame.q,
+            bones: BoneMatrices::Joints(&frame.joints),
+        }
+    };
+    let (mut ours, mut others) = (Ours::new(asset), libraries.of(&work.body)?);
+    let mut all = Vec::new();
+    for ask in [Ask::Ball, Ask::Ray] {
+        let mut entries = vec![Entry::new("ours", Role::Ours, Counts::Same, |i| {
+            let question = &work.frames[i].ours;
+            frame(|| match ask {
+                Ask::Ball => ours.balls(posture(i), [question.ball].into_iter()),
+                Ask::Ray => ours.rays(posture(i), [question.ray].into_iter()),
+            })
+        })];
+        entries.extend(others.iter_mut().map(|(name, (role, counts), peer)| {
+            let kind = (*role, *counts);
+            refitting::character(name, kind, peer.as_mut(), &deformer, (&work, ask))
+        }));
+        let name = format!("W5 {name}, one {}", ask.name());
+        all.push(done(name, goals, entries, 0..characters::FRAMES, rounds)?);
+    }
+    Ok(all)
 }
