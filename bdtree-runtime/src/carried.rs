@@ -17,8 +17,8 @@ use crate::rounding::BONES_ROUNDING;
 use crate::simd::{Lanes, Work};
 use crate::view::{Asset, NodeBones};
 
-/// Bones of a node whose distances are kept, so that the knapsack is solved exactly; of more, only the two ends of
-/// its range are looked at.
+/// Bones of a node of which places and distances are kept, so that the knapsack is solved exactly; of more, only the two
+/// ends of its range are looked at.
 const KEPT: usize = 8;
 
 impl Asset<'_> {
@@ -111,9 +111,13 @@ fn carried<L: Lanes>(
     let mut least = [zero; 3];
     let mut least_sum = zero;
     let mut stretch = zero;
-    for (&bone, [low, high]) in node.bones.iter().zip(node.weights) {
+    let mut places = [[zero; 3]; KEPT];
+    for (k, (&bone, [low, high])) in node.bones.iter().zip(node.weights).enumerate() {
         let map = pose.maps.get(usize::from(bone))?;
         let y = carried_by(map, spheres.center);
+        if let Some(place) = places.get_mut(k) {
+            *place = y;
+        }
         let (low, high) = (L::load(low), L::load(high));
         center = add3(center, scaled(y, scale.mul(low.add(high))));
         least = add3(least, scaled(y, low));
@@ -128,7 +132,10 @@ fn carried<L: Lanes>(
     let mut all = zero;
     let mut kept = [(zero, zero); KEPT];
     for (k, (&bone, [low, high])) in node.bones.iter().zip(node.weights).enumerate() {
-        let y = carried_by(pose.maps.get(usize::from(bone))?, spheres.center);
+        let y = match places.get(k) {
+            Some(place) => *place,
+            None => carried_by(pose.maps.get(usize::from(bone))?, spheres.center),
+        };
         let (low, high) = (L::load(low), L::load(high));
         let there = is_there(high);
         let d = sub3(y, center);

@@ -6,7 +6,7 @@ use crate::bones::PosedBones;
 use crate::contact::{TriangleId, VertexId};
 use crate::error::FormatError;
 use crate::pose::Pose;
-use crate::simd::{Fields, LINE, Lanes, prefetch, prefetch_from, prefetch_lines};
+use crate::simd::{Fields, Four, LINE, Lanes, prefetch, prefetch_from, prefetch_lines};
 use crate::view::Asset;
 
 impl Pose<'_> {
@@ -158,20 +158,29 @@ impl Asset<'_> {
         bones: &PosedBones<'_>,
         vertex: usize,
     ) -> Result<[[f32; 4]; 3], FormatError> {
+        let [x, y, z] = self.blended_rows(bones, vertex)?;
+        Ok([x.store(), y.store(), z.store()])
+    }
+
+    #[inline(always)]
+    fn blended_rows(
+        &self,
+        bones: &PosedBones<'_>,
+        vertex: usize,
+    ) -> Result<[Four; 3], FormatError> {
         let skin = self.skin.as_ref();
         let Some(influences) = skin.and_then(|skin| skin.influences_of(vertex)) else {
             return Err(self.unknown_bone(vertex));
         };
         // The sum starts with the first product: −0 keeps its bits.
-        let mut blended = [[-0.0_f32; 4]; 3];
+        let mut blended = [Four::splat(-0.0); 3];
         for influence in influences {
             let Some(map) = bones.maps.get(usize::from(influence.bone)) else {
                 return Err(self.unknown_bone(vertex));
             };
-            for (row, own) in blended.iter_mut().zip(&map.rows) {
-                for (sum, own) in row.iter_mut().zip(own) {
-                    *sum += influence.weight * own;
-                }
+            let weight = Four::splat(influence.weight);
+            for r in 0..3 {
+                blended[r] = blended[r].add(weight.mul(Four::load(&map.rows[r])));
             }
         }
         Ok(blended)
@@ -188,12 +197,20 @@ impl Asset<'_> {
         corners: &mut [[[f32; 4]; 3]; 3],
     ) -> Result<(), FormatError> {
         for (vertices, corner) in vertices.iter().zip(corners) {
+            let mut blended = [[Four::splat(0.0); 3]; 4];
             for k in 0..4 {
-                let moved = [corner[0][k], corner[1][k], corner[2][k]];
-                let point = self.carried_vertex(bones, vertices[k] as usize, moved)?;
-                for axis in 0..3 {
-                    corner[axis][k] = point[axis];
-                }
+                blended[k] = self.blended_rows(bones, vertices[k] as usize)?;
+            }
+            let [x, y, z] = [
+                Four::load(&corner[0]),
+                Four::load(&corner[1]),
+                Four::load(&corner[2]),
+            ];
+            for r in 0..3 {
+                let [i, j, k, l] = blended;
+                let [a, b, c, t] = Four::transposed([i[r], j[r], k[r], l[r]]);
+                let sum = a.mul(x).add(b.mul(y)).add(c.mul(z));
+                corner[r] = sum.add(t).store();
             }
         }
         Ok(())

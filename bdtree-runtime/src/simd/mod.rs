@@ -12,6 +12,8 @@ mod avx4;
 #[cfg(target_arch = "x86_64")]
 mod avx8;
 mod fields;
+#[cfg(any(test, not(target_arch = "x86_64")))]
+mod four;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod prefetch;
@@ -27,10 +29,14 @@ mod tests;
 mod whole;
 
 pub(crate) use fields::Fields;
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) use four::Four;
 pub(crate) use prefetch::{LINE, prefetch, prefetch_from, prefetch_lines};
 pub(crate) use quad::{Quad, Quad3, add3, cross3, dot3, scale3, select3, splat3, sub3};
 #[cfg(test)]
 pub(crate) use scalar::Array8 as Reference;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use sse::Four;
 
 /// Eight f32 side by side; no operation rounds more or less than once.
 pub(crate) trait Lanes: Copy {

@@ -1,5 +1,6 @@
 //! What every x86-64 has, SSE2. [`Fields::moved`]: each vertex in a register of its own, of which the last number
-//! is not used, so that records of three numbers are read as they lie. [`Sums`]: what the compiler makes of the portable
+//! is not used, so that records of three numbers are read as they lie. [`Four`]: arrays are taken apart and put together
+//! again around each operation where a loop keeps several. [`Sums`]: what the compiler makes of the portable
 //! ones has three times as many instructions.
 #![allow(unsafe_code)] // intrinsics; every block has its proof
 
@@ -25,81 +26,97 @@ impl Fields<'_> {
     #[inline(always)]
     fn four(&self, vertices: [u32; 4]) -> [[f32; 4]; 3] {
         let m = self.q.len();
-        let mut sums = [splat(-0.0); 4];
+        let mut sums = [Four::splat(-0.0); 4];
         for (j, q) in self.q.iter().enumerate() {
-            let q = splat(*q);
+            let q = Four::splat(*q);
             for k in 0..4 {
                 // SAFETY: the record of mode j of a vertex and the next one lie in the slice: the vertex is
                 // not the last one, and the slice holds m records for each.
-                let u = unsafe { load(self.displacements, vertices[k] as usize * m + j) };
-                sums[k] = add(sums[k], mul(u, q));
+                let u =
+                    unsafe { Four::of_record(self.displacements, vertices[k] as usize * m + j) };
+                sums[k] = sums[k].add(u.mul(q));
             }
         }
         for k in 0..4 {
             // SAFETY: the vertex and the next one lie in the slice.
-            let rest = unsafe { load(self.positions, vertices[k] as usize) };
-            sums[k] = add(rest, sums[k]);
+            let rest = unsafe { Four::of_record(self.positions, vertices[k] as usize) };
+            sums[k] = rest.add(sums[k]);
         }
-        coordinates(sums)
+        let [x, y, z, _] = Four::transposed(sums);
+        [x.store(), y.store(), z.store()]
     }
 }
 
-/// Record `i`, and the first number of the next.
-///
-/// # Safety
-/// Both lie in `records`.
-#[inline(always)]
-unsafe fn load(records: &[[f32; 3]], i: usize) -> __m128 {
-    // SAFETY: inside the slice, says the caller.
-    let record = unsafe { records.as_ptr().add(i) };
-    // SAFETY: SSE is part of x86-64; four f32 can be read there, says the caller.
-    unsafe { _mm_loadu_ps(record.cast()) }
-}
+/// Four f32 in a register.
+#[derive(Clone, Copy)]
+pub(crate) struct Four(__m128);
 
-/// The first three numbers of each of four registers, side by side.
-#[inline(always)]
-fn coordinates([a, b, c, d]: [__m128; 4]) -> [[f32; 4]; 3] {
-    // SAFETY: SSE is part of x86-64, here and below.
-    let low_ab = unsafe { _mm_unpacklo_ps(a, b) };
-    // SAFETY: see above.
-    let low_cd = unsafe { _mm_unpacklo_ps(c, d) };
-    // SAFETY: see above.
-    let high_ab = unsafe { _mm_unpackhi_ps(a, b) };
-    // SAFETY: see above.
-    let high_cd = unsafe { _mm_unpackhi_ps(c, d) };
-    // SAFETY: see above.
-    let x = unsafe { _mm_movelh_ps(low_ab, low_cd) };
-    // SAFETY: see above.
-    let y = unsafe { _mm_movehl_ps(low_cd, low_ab) };
-    // SAFETY: see above.
-    let z = unsafe { _mm_movelh_ps(high_ab, high_cd) };
-    [store(x), store(y), store(z)]
-}
+impl Four {
+    #[inline(always)]
+    pub(crate) fn splat(x: f32) -> Self {
+        // SAFETY: SSE is part of x86-64, here and below.
+        Self(unsafe { _mm_set1_ps(x) })
+    }
 
-#[inline(always)]
-fn splat(x: f32) -> __m128 {
-    // SAFETY: SSE is part of x86-64.
-    unsafe { _mm_set1_ps(x) }
-}
+    #[inline(always)]
+    pub(crate) fn load(x: &[f32; 4]) -> Self {
+        // SAFETY: see above; `x` is four readable f32, any alignment will do.
+        Self(unsafe { _mm_loadu_ps(x.as_ptr()) })
+    }
 
-#[inline(always)]
-fn add(a: __m128, b: __m128) -> __m128 {
-    // SAFETY: SSE is part of x86-64.
-    unsafe { _mm_add_ps(a, b) }
-}
+    /// Record `i`, and the first number of the next.
+    ///
+    /// # Safety
+    /// Both lie in `records`.
+    #[inline(always)]
+    unsafe fn of_record(records: &[[f32; 3]], i: usize) -> Self {
+        // SAFETY: inside the slice, says the caller.
+        let record = unsafe { records.as_ptr().add(i) };
+        // SAFETY: see above; four f32 can be read there, says the caller.
+        Self(unsafe { _mm_loadu_ps(record.cast()) })
+    }
 
-#[inline(always)]
-fn mul(a: __m128, b: __m128) -> __m128 {
-    // SAFETY: SSE is part of x86-64.
-    unsafe { _mm_mul_ps(a, b) }
-}
+    #[inline(always)]
+    pub(crate) fn store(self) -> [f32; 4] {
+        let mut out = [0.0; 4];
+        // SAFETY: see above; `out` is four writable f32.
+        unsafe { _mm_storeu_ps(out.as_mut_ptr(), self.0) };
+        out
+    }
 
-#[inline(always)]
-fn store(x: __m128) -> [f32; 4] {
-    let mut out = [0.0; 4];
-    // SAFETY: SSE is part of x86-64; `out` is four writable f32.
-    unsafe { _mm_storeu_ps(out.as_mut_ptr(), x) };
-    out
+    #[inline(always)]
+    pub(crate) fn add(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm_add_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    pub(crate) fn mul(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm_mul_ps(self.0, other.0) })
+    }
+
+    /// Columns as rows.
+    #[inline(always)]
+    pub(crate) fn transposed([a, b, c, d]: [Self; 4]) -> [Self; 4] {
+        // SAFETY: see above.
+        let low_ab = unsafe { _mm_unpacklo_ps(a.0, b.0) };
+        // SAFETY: see above.
+        let low_cd = unsafe { _mm_unpacklo_ps(c.0, d.0) };
+        // SAFETY: see above.
+        let high_ab = unsafe { _mm_unpackhi_ps(a.0, b.0) };
+        // SAFETY: see above.
+        let high_cd = unsafe { _mm_unpackhi_ps(c.0, d.0) };
+        // SAFETY: see above.
+        let first = unsafe { _mm_movelh_ps(low_ab, low_cd) };
+        // SAFETY: see above.
+        let second = unsafe { _mm_movehl_ps(low_cd, low_ab) };
+        // SAFETY: see above.
+        let third = unsafe { _mm_movelh_ps(high_ab, high_cd) };
+        // SAFETY: see above.
+        let fourth = unsafe { _mm_movehl_ps(high_cd, high_ab) };
+        [Self(first), Self(second), Self(third), Self(fourth)]
+    }
 }
 
 /// Eight sums in two registers.

@@ -22,8 +22,8 @@ pub const FRAMES: usize = 40;
 pub const SIZES: [(&str, [usize; 2]); 2] =
     [("character5k", [50, 10]), ("character100k", [250, 40])];
 
-/// Radius of balls over the diagonal of the character's box: less than a limb's radius.
-const BALL: f64 = 0.01;
+/// Radius of balls over the diagonal of the character's box: a fingertip.
+const BALL: f64 = 0.003;
 
 /// What a frame asks, in the coordinates of one contender.
 #[derive(Debug, Clone, Copy)]
