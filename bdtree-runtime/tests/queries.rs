@@ -107,7 +107,7 @@ fn check_corpus(test: &str, meshes: &[(&str, usize)]) {
 #[test]
 fn corpus_queries_equal_brute_force() {
     let meshes = [
-        // Rounds: each asks every query; a soak (docs/measured/fuzzing.md) asks thousands.
+        // Rounds: each asks every query; a soak asks thousands.
         ("fish.obj", 3),
         ("spot.obj.gz", 3),
         ("chair_office.obj", 10),
