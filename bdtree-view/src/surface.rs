@@ -94,7 +94,12 @@ impl Screen {
                 return Ok(Some(texture));
             }
             CurrentSurfaceTexture::Occluded => return Ok(None),
-            CurrentSurfaceTexture::Timeout | CurrentSurfaceTexture::Outdated => false,
+            // A machine with much else to do may be late any number of times; a device that is gone is found here.
+            CurrentSurfaceTexture::Timeout => {
+                self.window.request_redraw();
+                return gpu.check().map(|()| None);
+            }
+            CurrentSurfaceTexture::Outdated => false,
             CurrentSurfaceTexture::Lost | CurrentSurfaceTexture::Validation => true,
         };
         gpu.check()?;

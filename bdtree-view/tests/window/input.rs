@@ -10,6 +10,9 @@ use crate::find::{Rect, buttons, fields, middle};
 use crate::hands::{Hands, LEFT};
 use crate::{CONTROLS, EDGE, PICTURE, SIZE, file, screenshot};
 
+/// The controls without the last line: what follows the time of a frame there moves with its number of digits.
+const UNTIMED: [u32; 4] = [CONTROLS[0], CONTROLS[1], CONTROLS[2], CONTROLS[3] - 50];
+
 /// A viewer that is running, and hands for it.
 struct Session {
     viewer: Running,
@@ -29,7 +32,7 @@ impl Session {
         let mut viewer = Running(viewer.args(options).spawn().expect("the viewer starts"));
         let first = display.wait_for(&mut viewer, |screen| {
             screen.difference(&settled, PICTURE) == 0.0
-                && screen.difference(&settled, CONTROLS) < 0.005
+                && screen.difference(&settled, UNTIMED) < 0.005
         });
         Self {
             viewer,
