@@ -191,10 +191,16 @@ fn columns<Q: Quad>(maps: &[BoneMap], four: [usize; 4]) -> [Quad3<Q>; 4] {
         &maps[four[3]],
     ];
     let mut columns = [[Q::splat(0.0); 3]; 4];
-    for (c, column) in columns.iter_mut().enumerate() {
-        for (r, x) in column.iter_mut().enumerate() {
-            let [i, j, k, l] = four;
-            *x = Q::widen(&[i.rows[r][c], j.rows[r][c], k.rows[r][c], l.rows[r][c]]);
+    for r in 0..3 {
+        let [i, j, k, l] = four;
+        let entries = Q::transposed([
+            Q::widen(&i.rows[r]),
+            Q::widen(&j.rows[r]),
+            Q::widen(&k.rows[r]),
+            Q::widen(&l.rows[r]),
+        ]);
+        for c in 0..4 {
+            columns[c][r] = entries[c];
         }
     }
     columns

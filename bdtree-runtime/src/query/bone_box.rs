@@ -72,10 +72,9 @@ impl Work for Carried<'_> {
     /// The axes of the world are side by side, the fourth number is not used.
     #[inline(always)]
     fn run<L: Lanes>(self) -> (Span, Span) {
-        let [i, j, k] = self.linear;
-        let mut to = [L::Quad::splat(0.0); 3];
-        for c in 0..3 {
-            to[c] = L::Quad::load(&[i[c], j[c], k[c], 0.0]);
+        let mut linear = [[L::Quad::splat(0.0); 3]; 3];
+        for r in 0..3 {
+            linear[r] = splat3(self.linear[r]);
         }
         let [x, y, z] = self.origin;
         let origin = L::Quad::load(&[x, y, z, 0.0]);
@@ -85,13 +84,18 @@ impl Work for Carried<'_> {
             if record.low[0].get() > record.high[0].get() {
                 continue; // it moves nothing
             }
-            // Each column of the map in the world.
-            let mut columns = [origin; 4];
-            for (c, column) in columns.iter_mut().enumerate() {
-                let [x, y, z] = [map.rows[0][c], map.rows[1][c], map.rows[2][c]];
-                let entries = splat3([f64::from(x), f64::from(y), f64::from(z)]);
-                *column = dot3(to, entries);
-            }
+            // Each column of the map in the world: rows first, whose four numbers lie side by side.
+            let rows = [
+                L::Quad::widen(&map.rows[0]),
+                L::Quad::widen(&map.rows[1]),
+                L::Quad::widen(&map.rows[2]),
+            ];
+            let columns = L::Quad::transposed([
+                dot3(linear[0], rows),
+                dot3(linear[1], rows),
+                dot3(linear[2], rows),
+                origin,
+            ]);
             let [x, y, z, t] = columns;
             let axes = [x, y, z];
             let center = origin.add(t);

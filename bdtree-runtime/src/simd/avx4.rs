@@ -4,8 +4,9 @@
 use core::arch::x86_64::{
     __m256d, _CMP_GE_OQ, _CMP_GT_OQ, _mm_loadu_ps, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd,
     _mm256_blendv_pd, _mm256_cmp_pd, _mm256_cvtps_pd, _mm256_div_pd, _mm256_loadu_pd,
-    _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd, _mm256_set1_pd, _mm256_sqrt_pd,
-    _mm256_storeu_pd, _mm256_sub_pd,
+    _mm256_max_pd, _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd,
+    _mm256_permute2f128_pd, _mm256_set1_pd, _mm256_sqrt_pd, _mm256_storeu_pd, _mm256_sub_pd,
+    _mm256_unpackhi_pd, _mm256_unpacklo_pd,
 };
 
 use super::Quad;
@@ -102,6 +103,40 @@ impl Quad for Avx4 {
     fn select(mask: __m256d, yes: Self, no: Self) -> Self {
         // SAFETY: needs AVX; see `Avx4`.
         Self(unsafe { _mm256_blendv_pd(no.0, yes.0, mask) })
+    }
+
+    // Of equal numbers, and where one is NaN, the instructions give the second operand.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_max_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_min_pd(other.0, self.0) })
+    }
+
+    #[inline(always)]
+    fn transposed([a, b, c, d]: [Self; 4]) -> [Self; 4] {
+        // SAFETY: needs AVX; see `Avx4`.
+        let even_ab = unsafe { _mm256_unpacklo_pd(a.0, b.0) };
+        // SAFETY: as above.
+        let odd_ab = unsafe { _mm256_unpackhi_pd(a.0, b.0) };
+        // SAFETY: as above.
+        let even_cd = unsafe { _mm256_unpacklo_pd(c.0, d.0) };
+        // SAFETY: as above.
+        let odd_cd = unsafe { _mm256_unpackhi_pd(c.0, d.0) };
+        // SAFETY: as above.
+        let first = unsafe { _mm256_permute2f128_pd::<0x20>(even_ab, even_cd) };
+        // SAFETY: as above.
+        let second = unsafe { _mm256_permute2f128_pd::<0x20>(odd_ab, odd_cd) };
+        // SAFETY: as above.
+        let third = unsafe { _mm256_permute2f128_pd::<0x31>(even_ab, even_cd) };
+        // SAFETY: as above.
+        let fourth = unsafe { _mm256_permute2f128_pd::<0x31>(odd_ab, odd_cd) };
+        [Self(first), Self(second), Self(third), Self(fourth)]
     }
 
     #[inline(always)]

@@ -36,6 +36,21 @@ pub(crate) trait Quad: Copy {
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Bit k is decision k.
     fn bits(mask: Self::Mask) -> u8;
+    /// Columns as rows.
+    #[inline(always)]
+    fn transposed(rows: [Self; 4]) -> [Self; 4] {
+        let [a, b, c, d] = [
+            rows[0].store(),
+            rows[1].store(),
+            rows[2].store(),
+            rows[3].store(),
+        ];
+        let mut columns = rows;
+        for k in 0..4 {
+            columns[k] = Self::load(&[a[k], b[k], c[k], d[k]]);
+        }
+        columns
+    }
     /// The larger of the two, `other` where one is NaN.
     #[inline(always)]
     fn max(self, other: Self) -> Self {
