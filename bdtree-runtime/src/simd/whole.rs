@@ -6,7 +6,7 @@ use super::PairSums;
 
 /// Eight sums: the reference of others, and all there is where nothing else is known of the processor.
 #[derive(Clone, Copy)]
-pub(super) struct Whole8([i32; LANES]);
+pub(crate) struct Whole8([i32; LANES]);
 
 impl Whole8 {
     #[inline(always)]
