@@ -8,7 +8,6 @@
 use gltf::json::validation::{Error as Flaw, Validate};
 use gltf::json::{Path, Root};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::extensions;
@@ -104,8 +103,9 @@ pub(super) fn parse(json: &[u8], notes: &mut Notes) -> Option<Document> {
     if !notes.is_clean() {
         return None;
     }
-    let mut root: Root = typed(&value, notes)?;
-    let exact: Exact = typed(&value, notes)?;
+    // The crate's own function: its types are then compiled once, where they stand.
+    let mut root = typed(&value, Root::from_str, notes)?;
+    let exact: Exact = typed(&value, |text| serde_json::from_str(text), notes)?;
     drop(value);
     let required = std::mem::take(&mut root.extensions_required);
     extensions::check(&required, &root.extensions_used, notes);
@@ -210,14 +210,18 @@ fn fill_in(value: &mut Value, notes: &mut Notes) {
     }
 }
 
-/// `value` as a `T`; its mistake is noted with its JSON path.
+/// `value` as a `T`, by `read`; its mistake is noted with its JSON path.
 ///
 /// The text is written again with one element per line, so that the line of serde_json's error
 /// tells the element. (serde_path_to_error does the same, but compiles every type of glTF
 /// a second time: 4 % of the program.)
-fn typed<T: DeserializeOwned>(value: &Value, notes: &mut Notes) -> Option<T> {
+fn typed<T>(
+    value: &Value,
+    read: fn(&str) -> serde_json::Result<T>,
+    notes: &mut Notes,
+) -> Option<T> {
     let text = format!("{value:#}");
-    match contained(|| serde_json::from_str(&text)) {
+    match contained(|| read(&text)) {
         Ok(Ok(typed)) => Some(typed),
         Ok(Err(error)) => {
             let mut at = String::new();
