@@ -1,8 +1,11 @@
 //! Pictures that the command has drawn.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use bdtree_build::progress::Silent;
+use bdtree_build::recipe::{Motion, Recipe};
+use bdtree_fixtures::models;
 use serde_json::Value;
 
 use crate::support::Folder;
@@ -104,6 +107,30 @@ impl Folder {
             "{arguments:?}: {said}"
         );
         said
+    }
+}
+
+/// A fixture's morph targets, if it has some, and its skin.
+pub(crate) fn character(name: &str) -> Vec<u8> {
+    let motion = Motion::MorphsElseSkin(Default::default(), Default::default());
+    baked_surface(models::path(name), motion)
+}
+
+pub(crate) fn baked_surface(path: PathBuf, motion: Motion) -> Vec<u8> {
+    let recipe = Recipe::of_surface(path, motion);
+    bdtree_build::bake(&recipe, &Silent).expect("bakes").bytes
+}
+
+/// Every vertex lies in one of the spheres of a report.
+pub(crate) fn spheres_hold(spheres: &[Value], vertices: &[[f64; 3]]) {
+    assert!(!spheres.is_empty() && !vertices.is_empty());
+    for p in vertices {
+        let holds = |sphere: &Value| {
+            let c = numbers(&sphere["center"]);
+            let square: f64 = (0..3).map(|k| (p[k] - c[k]).powi(2)).sum();
+            square.sqrt() <= sphere["radius"].as_f64().expect("a number") * (1.0 + 1e-9)
+        };
+        assert!(spheres.iter().any(holds), "{p:?}");
     }
 }
 

@@ -1,5 +1,6 @@
 //! `render`: pictures by their content, sequences, what queries visit, and what is refused.
 
+mod characters;
 mod pictures;
 mod queries;
 

@@ -1,22 +1,13 @@
 //! Files with skins, with clips and without.
 
-use bdtree_build::progress::Silent;
-use bdtree_build::recipe::{Motion, Recipe};
-use bdtree_fixtures::models;
 use serde_json::Value;
 
 use super::figures::{
     exact_levels, list, number, numbers_are_the_figures, standing_is_that_of_the_points,
     without_times,
 };
+use crate::drawn::character;
 use crate::support::Folder;
-
-/// A fixture's morph targets, if it has some, and its skin.
-fn character(name: &str) -> Vec<u8> {
-    let motion = Motion::MorphsElseSkin(Default::default(), Default::default());
-    let recipe = Recipe::of_surface(models::path(name), motion);
-    bdtree_build::bake(&recipe, &Silent).expect("bakes").bytes
-}
 
 #[test]
 fn characters_are_measured_in_the_poses_of_their_clips() {

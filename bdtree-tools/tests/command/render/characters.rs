@@ -1,0 +1,53 @@
+//! Pictures of characters in the poses of their clips.
+
+use bdtree_build::recipe::Motion;
+
+use crate::drawn::{Picture, WHITE, baked_surface, character, spheres_hold};
+use crate::support::{Folder, positions_of_npy};
+
+/// Share of the pixels that are drawn on in one of two pictures only.
+fn drawn_in_one(a: &Picture, b: &Picture) -> f64 {
+    let pairs = a.pixels.iter().zip(&b.pixels);
+    let count = pairs
+        .filter(|(a, b)| (**a == WHITE) != (**b == WHITE))
+        .count();
+    count as f64 / a.pixels.len() as f64
+}
+
+/// A pose of bones and morph targets looks like the mesh that `deform` writes for it, baked without bones.
+#[test]
+fn a_posed_character_looks_like_its_deformed_mesh() {
+    let folder = Folder::new();
+    folder.write("tube.bdt", character("skinned_tube.glb"));
+    let posed = ["tube.bdt", "--clip", "wave", "--time", "0.7"];
+    let ran = folder.run(&[&["deform"], &posed[..], &["-o", "posed.obj"]].concat());
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    folder.write(
+        "posed.bdt",
+        baked_surface(folder.path("posed.obj"), Motion::Rigid),
+    );
+    for view in ["--view=30,20", "--view=-80,5"] {
+        let plain = ["--no-legend", view];
+        let shown = folder.picture(&[&posed[..], &plain].concat());
+        assert!(shown.covered() > 0.05, "{}", shown.covered());
+        let mesh = folder.picture(&[&["posed.bdt"], &plain[..]].concat());
+        let other = drawn_in_one(&shown, &mesh);
+        assert!(other < 0.002, "{view}: {other} of the pixels");
+        let rest = folder.picture(&[&["tube.bdt"], &plain[..]].concat());
+        let other = drawn_in_one(&shown, &rest);
+        assert!(other > 0.02, "{view}: only {other} of the pixels changed");
+    }
+}
+
+/// The spheres of a level hold every vertex of the pose.
+#[test]
+fn spheres_of_a_posed_character_hold_its_vertices() {
+    let folder = Folder::new();
+    folder.write("tube.bdt", character("skinned_tube.glb"));
+    let posed = ["tube.bdt", "--clip", "wave", "--time", "0.7"];
+    let ran = folder.run(&[&["deform"], &posed[..], &["-o", "posed.npy"]].concat());
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    let vertices = positions_of_npy(&folder.read("posed.npy"));
+    let (_, report) = folder.reported(&[&posed[..], &["--spheres", "0"]].concat());
+    spheres_hold(report["spheres"].as_array().expect("a list"), &vertices);
+}
