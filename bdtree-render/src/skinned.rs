@@ -1,7 +1,7 @@
 //! A mesh that the runtime deforms on the device.
 
 use bdtree_gpu::{GpuAsset, Instances, Normals, Output, Skinner};
-use bdtree_runtime::{Asset, BoneMatrices, Transform};
+use bdtree_runtime::{Asset, BoneMatrices, Pose, Transform};
 
 use crate::error::RenderError;
 use crate::gpu::Gpu;
@@ -46,25 +46,21 @@ impl SkinnedMesh {
         })
     }
 
-    /// Deforms it: from now on pictures show it at q and at a placement, its bones at rest. Coordinates of the picture
-    /// are the placement's world.
+    /// Deforms it: from now on pictures show it in a pose, bones included. Coordinates of the picture are the world of the
+    /// pose's placement.
     ///
     /// # Errors
-    /// q or a placement that the asset refuses, another asset, a lost device.
-    pub fn pose(
-        &mut self,
-        gpu: &Gpu,
-        asset: &Asset<'_>,
-        q: &[f32],
-        transform: Transform,
-    ) -> Result<(), RenderError> {
-        self.pose_with_bones(gpu, asset, q, BoneMatrices::Rest, transform)
+    /// A pose of another asset, a lost device.
+    pub fn pose(&mut self, gpu: &Gpu, pose: &Pose<'_>) -> Result<(), RenderError> {
+        self.instances.clear([0.0; 3]);
+        self.instances.push(pose)?;
+        self.deform(gpu)
     }
 
-    /// The same with bones where `bones` puts them.
+    /// The same without a pose: q, bones and a placement.
     ///
     /// # Errors
-    /// Those of [`SkinnedMesh::pose`]; matrices that the asset refuses, or that has no skin.
+    /// Those of [`SkinnedMesh::pose`]; q, matrices or a placement that the asset refuses.
     pub fn pose_with_bones(
         &mut self,
         gpu: &Gpu,
@@ -75,6 +71,11 @@ impl SkinnedMesh {
     ) -> Result<(), RenderError> {
         self.instances.clear([0.0; 3]);
         self.instances.push_with_bones(asset, q, bones, transform)?;
+        self.deform(gpu)
+    }
+
+    /// Of the one instance.
+    fn deform(&mut self, gpu: &Gpu) -> Result<(), RenderError> {
         self.instances.write();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         self.skinner

@@ -187,8 +187,11 @@ impl<'a> Painter<'a> {
             let body = &content.body;
             let gpu = &self.studio.gpu;
             let transform = self.place.shown_transform(body.instance.placement());
-            mesh.pose(gpu, body.asset(), body.instance.q(), transform)
-                .map_err(|error| ToolError::input(body.file.path().display(), error))?;
+            let path = body.file.path().display();
+            let posed = body.instance.pose().placed(transform);
+            let pose = posed.map_err(|error| ToolError::input(&path, error))?;
+            mesh.pose(gpu, &pose)
+                .map_err(|error| ToolError::input(&path, error))?;
         }
         let mut all_growths = Vec::new();
         let mut spheres = Vec::new();

@@ -9,7 +9,7 @@ use bdtree_render::{
     Box3, Camera, Framing, Image, Place, Scene, SkinnedMesh, Sphere, Studio, TextSize,
     ViewDirection, draw_scale,
 };
-use bdtree_runtime::{Asset, Transform, VertexId};
+use bdtree_runtime::{Asset, BoneMatrices, Transform, VertexId};
 
 use bdtree_scenes::hierarchies::Found;
 
@@ -127,8 +127,9 @@ impl<'a> Stage<'a> {
             scale,
             ..Transform::IDENTITY
         };
+        let rest = BoneMatrices::Rest;
         self.mesh
-            .pose(&self.studio.gpu, &self.asset, cell.q, transform)?;
+            .pose_with_bones(&self.studio.gpu, &self.asset, cell.q, rest, transform)?;
         let meshes = [&self.mesh.mesh];
         let scene = Scene {
             ground: None,
