@@ -74,7 +74,7 @@ impl SkinnedMesh {
         self.deform(gpu)
     }
 
-    /// Of the one instance.
+    /// Deforms the one instance on the device.
     fn deform(&mut self, gpu: &Gpu) -> Result<(), RenderError> {
         self.instances.write();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());

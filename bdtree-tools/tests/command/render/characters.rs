@@ -14,21 +14,29 @@ fn drawn_in_one(a: &Picture, b: &Picture) -> f64 {
     count as f64 / a.pixels.len() as f64
 }
 
-/// A pose of bones and morph targets looks like the mesh that `deform` writes for it, baked without bones.
-#[test]
-fn a_posed_character_looks_like_its_deformed_mesh() {
+/// How `deform` and `render` are asked for a pose of bones and morph targets.
+const POSED: [&str; 5] = ["tube.bdt", "--clip", "wave", "--time", "0.7"];
+
+/// A folder with the character, and what `deform` writes for its pose.
+fn with_deformed(output: &str) -> Folder {
     let folder = Folder::new();
     folder.write("tube.bdt", character("skinned_tube.glb"));
-    let posed = ["tube.bdt", "--clip", "wave", "--time", "0.7"];
-    let ran = folder.run(&[&["deform"], &posed[..], &["-o", "posed.obj"]].concat());
+    let ran = folder.run(&[&["deform"], &POSED[..], &["-o", output]].concat());
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    folder
+}
+
+/// The pose looks like the mesh that `deform` writes for it, baked without bones.
+#[test]
+fn a_posed_character_looks_like_its_deformed_mesh() {
+    let folder = with_deformed("posed.obj");
     folder.write(
         "posed.bdt",
         baked_surface(folder.path("posed.obj"), Motion::Rigid),
     );
     for view in ["--view=30,20", "--view=-80,5"] {
         let plain = ["--no-legend", view];
-        let shown = folder.picture(&[&posed[..], &plain].concat());
+        let shown = folder.picture(&[&POSED[..], &plain].concat());
         assert!(shown.covered() > 0.05, "{}", shown.covered());
         let mesh = folder.picture(&[&["posed.bdt"], &plain[..]].concat());
         let other = drawn_in_one(&shown, &mesh);
@@ -42,12 +50,8 @@ fn a_posed_character_looks_like_its_deformed_mesh() {
 /// The spheres of a level hold every vertex of the pose.
 #[test]
 fn spheres_of_a_posed_character_hold_its_vertices() {
-    let folder = Folder::new();
-    folder.write("tube.bdt", character("skinned_tube.glb"));
-    let posed = ["tube.bdt", "--clip", "wave", "--time", "0.7"];
-    let ran = folder.run(&[&["deform"], &posed[..], &["-o", "posed.npy"]].concat());
-    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    let folder = with_deformed("posed.npy");
     let vertices = positions_of_npy(&folder.read("posed.npy"));
-    let (_, report) = folder.reported(&[&posed[..], &["--spheres", "0"]].concat());
+    let (_, report) = folder.reported(&[&POSED[..], &["--spheres", "0"]].concat());
     spheres_hold(report["spheres"].as_array().expect("a list"), &vertices);
 }
