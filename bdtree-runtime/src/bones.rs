@@ -4,6 +4,7 @@ mod four;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use four::columns;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::error::PoseError;

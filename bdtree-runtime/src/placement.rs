@@ -2,6 +2,7 @@
 
 use crate::math::rotation_matrix;
 use crate::math::{add, dot, length_bound, norm, scale, sqrt, sub};
+use crate::pose::hashed;
 use crate::rounding::MAPS;
 use crate::simd::{Quad, Quad3, add3, dot3, scale3, splat3};
 use crate::transform::Transform;
@@ -25,11 +26,13 @@ pub(crate) struct Placement {
     per_scale: f64,
     /// 1 / unit.
     per_unit: f64,
+    /// Tells placements apart.
+    fingerprint: u64,
 }
 
 impl Placement {
     pub(crate) fn new(asset: &Asset<'_>, transform: &Transform) -> Self {
-        Self {
+        let mut placement = Self {
             rotation: rotation_matrix(transform.rotation),
             translation: transform.translation,
             scale: transform.scale,
@@ -37,7 +40,15 @@ impl Placement {
             unit: asset.unit(),
             per_scale: 1.0 / transform.scale,
             per_unit: 1.0 / asset.unit(),
-        }
+            fingerprint: 0,
+        };
+        // A chain for each three numbers, so that none waits for the one before.
+        let numbers = placement.numbers();
+        let chains = numbers
+            .iter()
+            .map(|three| hashed(three.iter().map(|x| x.to_bits())));
+        placement.fingerprint = hashed(chains);
+        placement
     }
 
     /// The leaf arithmetic's second half: `x = t + s·(Q·(origin + p'))`, every operation rounded
@@ -85,15 +96,16 @@ impl Placement {
         (origin + turned) * (1.0 + MAPS) + errors
     }
 
-    /// Numbers that tell placements apart.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
-        let rotation = self.rotation;
-        let rest = [self.scale, self.unit];
-        rotation
-            .into_iter()
-            .chain([self.translation, self.origin])
-            .flatten()
-            .chain(rest)
+    /// What tells placements apart: rotation, translation, origin, scale and unit.
+    pub(crate) fn numbers(&self) -> [[f64; 3]; 6] {
+        let [a, b, c] = self.rotation;
+        let rest = [self.scale, self.unit, 0.0];
+        [a, b, c, self.translation, self.origin, rest]
+    }
+
+    /// A number that tells placements apart.
+    pub(crate) fn fingerprint(&self) -> u64 {
+        self.fingerprint
     }
 
     /// Linear part of the map from stored coordinates to the world.

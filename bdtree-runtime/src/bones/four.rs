@@ -8,8 +8,8 @@ use bdtree_format::BoneRecord;
 use super::{BoneMap, Frame, REACH_MAX};
 use crate::joint::JointMatrix;
 use crate::math::dot;
-use crate::rounding::{MARGIN, round_up_or_nan};
-use crate::simd::{Lanes, Quad, Quad3, Work, dot3};
+use crate::rounding::{MARGIN, U32, round_up_or_nan};
+use crate::simd::{Lanes, Quad, Quad3, Work, dot3, four_of};
 
 /// Sets the rows of `maps` for joints: y ↦ (J V (o + u y) − o) / u (SPEC 7.8). The first bone that has no joint is an
 /// error.
@@ -32,13 +32,22 @@ impl Work for OfJoints<'_> {
                 return Err(bone);
             };
             // V (o + u y), u left out of the linear part, since it goes again in the end.
-            let [a, b, c] = with_origin(&inverse_bind(record), &self.frame.origin);
-            let [a, b, c] = [L::Quad::load(&a), L::Quad::load(&b), L::Quad::load(&c)];
+            let mut inverse_bind = [L::Quad::splat(0.0); 3];
+            for r in 0..3 {
+                let mut row = [0.0; 4];
+                for k in 0..4 {
+                    row[k] = record.inverse_bind[r][k].get();
+                }
+                inverse_bind[r] = stored.with_origin(&row);
+            }
+            let [a, b, c] = inverse_bind;
             for r in 0..3 {
                 let [i, j, k, t] = joint[r];
                 let [i, j, k] = [L::Quad::splat(i), L::Quad::splat(j), L::Quad::splat(k)];
                 let row = i.mul(a).add(j.mul(b)).add(k.mul(c));
-                map.rows[r] = stored.row(r, row.add(L::Quad::load(&[-0.0, -0.0, -0.0, t])));
+                // Adding −0 changes no bit.
+                let row = row.add(L::Quad::splat(-0.0).with_last(t));
+                map.rows[r] = stored.row(r, row);
             }
         }
         Ok(())
@@ -59,39 +68,18 @@ impl Work for OfSkinning<'_> {
     fn run<L: Lanes>(self) {
         let stored = Stored::<L::Quad>::new(&self.frame);
         for (matrix, map) in self.matrices.iter().zip(self.maps) {
-            let rows = with_origin(matrix, &self.frame.origin);
             for r in 0..3 {
-                map.rows[r] = stored.row(r, L::Quad::load(&rows[r]));
+                map.rows[r] = stored.row(r, stored.with_origin(&matrix[r]));
             }
         }
     }
 }
 
-#[inline(always)]
-fn inverse_bind(record: &BoneRecord) -> JointMatrix {
-    let mut rows = [[0.0; 4]; 3];
-    for r in 0..3 {
-        for k in 0..4 {
-            rows[r][k] = record.inverse_bind[r][k].get();
-        }
-    }
-    rows
-}
-
-/// The map that moves by `origin` first.
-#[inline(always)]
-fn with_origin(matrix: &JointMatrix, origin: &[f64; 3]) -> JointMatrix {
-    let mut rows = *matrix;
-    for row in &mut rows {
-        row[3] += dot([row[0], row[1], row[2]], *origin);
-    }
-    rows
-}
-
-/// Turns rows of maps from [`Frame::origin`] on, to mesh coordinates, into those of stored coordinates.
+/// From mesh coordinates to stored ones.
 struct Stored<Q> {
+    origin: [f64; 3],
     /// Of each row 0, 0, 0 and the origin: taking 0 off changes no bit, nor does a factor of 1.
-    origin: [Q; 3],
+    offsets: [Q; 3],
     factors: Q,
 }
 
@@ -99,24 +87,30 @@ impl<Q: Quad> Stored<Q> {
     #[inline(always)]
     fn new(frame: &Frame) -> Self {
         let [x, y, z] = frame.origin;
+        let zero = Q::splat(0.0);
         Self {
-            origin: [
-                Q::load(&[0.0, 0.0, 0.0, x]),
-                Q::load(&[0.0, 0.0, 0.0, y]),
-                Q::load(&[0.0, 0.0, 0.0, z]),
-            ],
-            factors: Q::load(&[1.0, 1.0, 1.0, frame.per_unit]),
+            origin: frame.origin,
+            offsets: [zero.with_last(x), zero.with_last(y), zero.with_last(z)],
+            factors: Q::splat(1.0).with_last(frame.per_unit),
         }
     }
 
-    /// In the nearest f32, 0 where they are subnormal.
+    /// A row of the map that moves by the origin first. No number goes through memory that a vector then waits for.
+    #[inline(always)]
+    fn with_origin(&self, row: &[f64; 4]) -> Q {
+        let moved = row[3] + dot([row[0], row[1], row[2]], self.origin);
+        Q::load(row).with_last(moved)
+    }
+
+    /// A row of a map from [`Frame::origin`] on, to mesh coordinates, as one of stored coordinates: in the nearest f32, 0
+    /// where they are subnormal.
     #[inline(always)]
     fn row(&self, r: usize, row: Q) -> [f32; 4] {
-        let mut row = row.sub(self.origin[r]).mul(self.factors).narrow();
-        for x in &mut row {
-            *x = if x.abs() < f32::MIN_POSITIVE { 0.0 } else { *x };
-        }
-        row
+        /// Halfway from the largest subnormal number to the least normal one, to which it is rounded.
+        const NORMAL: f64 = f32::MIN_POSITIVE as f64 * (1.0 - U32);
+        let row = row.sub(self.offsets[r]).mul(self.factors);
+        // NaN is not below.
+        row.cleared(Q::splat(NORMAL).above(row.abs())).narrow()
     }
 }
 
@@ -166,24 +160,9 @@ impl Work for Reach<'_> {
     }
 }
 
-/// The next four of `count` from `first` on, the last one again where they are fewer.
-#[inline(always)]
-fn four_of(count: usize, first: usize) -> Option<[usize; 4]> {
-    if first >= count {
-        return None;
-    }
-    let last = count - 1;
-    Some([
-        first,
-        (first + 1).min(last),
-        (first + 2).min(last),
-        (first + 3).min(last),
-    ])
-}
-
 /// The columns of the maps of four bones.
 #[inline(always)]
-fn columns<Q: Quad>(maps: &[BoneMap], four: [usize; 4]) -> [Quad3<Q>; 4] {
+pub(crate) fn columns<Q: Quad>(maps: &[BoneMap], four: [usize; 4]) -> [Quad3<Q>; 4] {
     let four = [
         &maps[four[0]],
         &maps[four[1]],
@@ -244,13 +223,14 @@ impl Work for Apart<'_> {
         let mut farthest = L::Quad::splat(0.0);
         let mut first = 0;
         while let Some(four) = four_of(a.len().min(b.len()), first) {
-            let (mut linear, mut offset) = ([0.0; 4], [0.0; 4]);
-            for k in 0..4 {
-                let [x, y, z, t] = squares::<L::Quad>(&a[four[k]], &b[four[k]]);
-                (linear[k], offset[k]) = (x + y + z, t);
-            }
-            let linear = L::Quad::load(&linear).sqrt().mul(within);
-            farthest = linear.add(L::Quad::load(&offset).sqrt()).max(farthest);
+            let [x, y, z, t] = L::Quad::transposed([
+                squares(&a[four[0]], &b[four[0]]),
+                squares(&a[four[1]], &b[four[1]]),
+                squares(&a[four[2]], &b[four[2]]),
+                squares(&a[four[3]], &b[four[3]]),
+            ]);
+            let linear = x.add(y).add(z).sqrt().mul(within);
+            farthest = linear.add(t.sqrt()).max(farthest);
             first += 4;
         }
         farthest.store().into_iter().fold(0.0, f64::max)
@@ -259,12 +239,12 @@ impl Work for Apart<'_> {
 
 /// The square of the length of each column of the difference of two maps.
 #[inline(always)]
-fn squares<Q: Quad>(a: &BoneMap, b: &BoneMap) -> [f64; 4] {
+fn squares<Q: Quad>(a: &BoneMap, b: &BoneMap) -> Q {
     let mut rows = [Q::splat(0.0); 3];
     // Spelled out: behind a closure it would not be compiled with the instruction set of the caller.
     for r in 0..3 {
         let row = Q::widen(&a.rows[r]).sub(Q::widen(&b.rows[r]));
         rows[r] = row.mul(row);
     }
-    rows[0].add(rows[1]).add(rows[2]).store()
+    rows[0].add(rows[1]).add(rows[2])
 }

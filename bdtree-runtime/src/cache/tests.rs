@@ -297,7 +297,9 @@ fn proxies_in_the_world() {
 
 /// What [`Placement::world`] rounds, not rounded.
 fn exactly_in_world(frame: &Placement, stored: [f64; 3]) -> [BigRational; 3] {
-    let n: Vec<BigRational> = frame.numbers().map(exact).collect();
+    let numbers = frame.numbers();
+    let numbers = numbers.as_flattened().iter().copied();
+    let n: Vec<BigRational> = numbers.map(exact).collect();
     let (rotation, translation, origin) = (&n[..9], &n[9..12], &n[12..15]);
     let (scale, unit) = (&n[15], &n[16]);
     let mesh = [0, 1, 2].map(|k| &origin[k] + unit * exact(stored[k]));

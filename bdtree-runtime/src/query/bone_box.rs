@@ -1,12 +1,13 @@
 //! A box around a mesh with bones: each blended vertex lies among where its bones alone would put it.
 
-use zerocopy::little_endian::F32;
+use bdtree_format::BoneRecord;
 
-use crate::bones::BoneMap;
+use crate::bones::{BoneMap, columns};
+use crate::math::norm;
 use crate::pose::Pose;
 use crate::query::Aabb;
 use crate::rounding::MARGIN;
-use crate::simd::{Lanes, Quad, Work, dot3, splat3};
+use crate::simd::{Lanes, Quad, Quad3, Work, add3, dot3, four_of, scale3, splat3, sub3};
 use crate::view::Skin;
 
 impl Pose<'_> {
@@ -69,94 +70,166 @@ struct Carried<'a> {
 impl Work for Carried<'_> {
     type Output = (Span, Span);
 
-    /// The axes of the world are side by side, the fourth number is not used.
+    /// Four bones are side by side.
     #[inline(always)]
     fn run<L: Lanes>(self) -> (Span, Span) {
-        let mut linear = [[L::Quad::splat(0.0); 3]; 3];
-        for r in 0..3 {
-            linear[r] = splat3(self.linear[r]);
-        }
-        let [x, y, z] = self.origin;
-        let origin = L::Quad::load(&[x, y, z, 0.0]);
-        let (mut whole, mut core) = (Extent::<L>::new(), Extent::<L>::new());
-        let modes = self.q.len();
-        for (bone, (record, map)) in self.skin.bones.iter().zip(self.maps).enumerate() {
-            if record.low[0].get() > record.high[0].get() {
-                continue; // it moves nothing
-            }
-            // Each column of the map in the world: rows first, whose four numbers lie side by side.
-            let rows = [
-                L::Quad::widen(&map.rows[0]),
-                L::Quad::widen(&map.rows[1]),
-                L::Quad::widen(&map.rows[2]),
-            ];
-            let columns = L::Quad::transposed([
-                dot3(linear[0], rows),
-                dot3(linear[1], rows),
-                dot3(linear[2], rows),
-                origin,
+        let (mut whole, mut core) = (Extent::<L::Quad>::new(), Extent::<L::Quad>::new());
+        let bones = self.skin.bones;
+        let lengths = [
+            norm(self.linear[0]),
+            norm(self.linear[1]),
+            norm(self.linear[2]),
+        ];
+        let mut first = 0;
+        while let Some(four) = four_of(bones.len().min(self.maps.len()), first) {
+            let [x, y, z, t] = columns::<L::Quad>(self.maps, four);
+            let (whole_boxes, core_boxes) = boxes([
+                &bones[four[0]],
+                &bones[four[1]],
+                &bones[four[2]],
+                &bones[four[3]],
             ]);
-            let [x, y, z, t] = columns;
-            let axes = [x, y, z];
-            let center = origin.add(t);
-            let fields = self.skin.bone_fields.get(bone * modes..);
-            let mut moved = 0.0;
-            for (field, q) in fields.unwrap_or_default().iter().zip(self.q) {
-                moved += f64::from(*field) * f64::from(q.abs());
+            let moved = self.moved::<L::Quad>(four);
+            for k in 0..3 {
+                // Row k of the maps to the world.
+                let linear = splat3(self.linear[k]);
+                let row = [dot3(linear, x), dot3(linear, y), dot3(linear, z)];
+                let center = L::Quad::splat(self.origin[k]).add(dot3(linear, t));
+                let reach = moved.mul(L::Quad::splat(lengths[k]));
+                whole.hold(k, row, center, reach, &whole_boxes);
+                core.hold(k, row, center, reach, &core_boxes);
             }
-            let mut reach = L::Quad::splat(0.0);
-            if moved > 0.0 {
-                reach = dot3(axes, axes).sqrt().mul(L::Quad::splat(moved));
-            }
-            whole.hold(axes, center, reach, (&record.low, &record.high));
-            if record.core_low[0].get() <= record.core_high[0].get() {
-                core.hold(axes, center, reach, (&record.core_low, &record.core_high));
-            }
+            first += 4;
         }
         (whole.span(), core.span())
     }
 }
 
-/// A [`Span`] in the making.
-struct Extent<L: Lanes> {
-    low: L::Quad,
-    high: L::Quad,
+impl Carried<'_> {
+    /// How far from where four bones carry points at rest they carry them with q, at most (stored units). The largest
+    /// stretch stands for that along each axis, which would be a root for each: they are the same where bones only turn.
+    #[inline(always)]
+    fn moved<Q: Quad>(&self, four: [usize; 4]) -> Q {
+        let modes = self.q.len();
+        let mut sums = [Q::splat(0.0); 4];
+        if modes == 0 {
+            return sums[0];
+        }
+        let (mut fields, mut stretch): ([&[f32]; 4], _) = ([&[]; 4], [0.0; 4]);
+        for k in 0..4 {
+            let own = self.skin.bone_fields.get(four[k] * modes..);
+            fields[k] = own.unwrap_or_default();
+            stretch[k] = self.maps[four[k]].stretch;
+        }
+        let [a, b, c, d] = fields;
+        let (a, b) = (a.as_chunks::<4>().0, b.as_chunks::<4>().0);
+        let (c, d) = (c.as_chunks::<4>().0, d.as_chunks::<4>().0);
+        let (q, q_rest) = self.q.as_chunks::<4>();
+        for ((((a, b), c), d), q) in a.iter().zip(b).zip(c).zip(d).zip(q) {
+            let q = Q::widen(q).abs();
+            sums[0] = sums[0].add(Q::widen(a).mul(q));
+            sums[1] = sums[1].add(Q::widen(b).mul(q));
+            sums[2] = sums[2].add(Q::widen(c).mul(q));
+            sums[3] = sums[3].add(Q::widen(d).mul(q));
+        }
+        let [a, b, c, d] = Q::transposed(sums);
+        let mut moved = a.add(b).add(c).add(d);
+        for (q, mode) in q_rest.iter().zip(modes - q_rest.len()..) {
+            let mut field = [0.0; 4];
+            for k in 0..4 {
+                field[k] = fields[k].get(mode).copied().unwrap_or_default();
+            }
+            moved = moved.add(Q::widen(&field).mul(Q::splat(f64::from(q.abs()))));
+        }
+        moved.mul(Q::widen(&stretch))
+    }
 }
 
-impl<L: Lanes> Extent<L> {
+/// Boxes of four bones.
+struct Boxes<Q: Quad> {
+    middle: Quad3<Q>,
+    half: Quad3<Q>,
+    /// Those that hold nothing.
+    is_empty: Q::Mask,
+}
+
+impl<Q: Quad> Boxes<Q> {
+    #[inline(always)]
+    fn new(low: Quad3<Q>, high: Quad3<Q>) -> Self {
+        let half = Q::splat(0.5);
+        Self {
+            middle: scale3(add3(low, high), half),
+            half: scale3(sub3(high, low), half),
+            is_empty: low[0].above(high[0]),
+        }
+    }
+}
+
+/// The boxes of all rest positions that four bones move, and their core boxes.
+#[inline(always)]
+fn boxes<Q: Quad>(records: [&BoneRecord; 4]) -> (Boxes<Q>, Boxes<Q>) {
+    let mut rows = [[Q::splat(0.0); 4]; 3];
+    for k in 0..4 {
+        let [low, high] = [&records[k].low, &records[k].high];
+        let [core_low, core_high] = [&records[k].core_low, &records[k].core_high];
+        let numbers = [
+            [&low[0], &low[1], &low[2], &high[0]],
+            [&high[1], &high[2], &core_low[0], &core_low[1]],
+            [&core_low[2], &core_high[0], &core_high[1], &core_high[2]],
+        ];
+        // Spelled out: `array::map` would not be compiled with the instruction set of the caller.
+        for r in 0..3 {
+            let [a, b, c, d] = numbers[r];
+            rows[r][k] = Q::widen(&[a.get(), b.get(), c.get(), d.get()]);
+        }
+    }
+    let [a, b, c, d] = Q::transposed(rows[0]);
+    let [e, f, g, h] = Q::transposed(rows[1]);
+    let [i, j, l, m] = Q::transposed(rows[2]);
+    (
+        Boxes::new([a, b, c], [d, e, f]),
+        Boxes::new([g, h, i], [j, l, m]),
+    )
+}
+
+/// A [`Span`] in the making, of every fourth bone.
+struct Extent<Q> {
+    low: Quad3<Q>,
+    high: Quad3<Q>,
+}
+
+impl<Q: Quad> Extent<Q> {
     #[inline(always)]
     fn new() -> Self {
         Self {
-            low: L::Quad::splat(f64::INFINITY),
-            high: L::Quad::splat(f64::NEG_INFINITY),
+            low: [Q::splat(f64::INFINITY); 3],
+            high: [Q::splat(f64::NEG_INFINITY); 3],
         }
     }
 
-    /// Holds the box between two corners, carried by `axes` to about `center`, and what is within `reach` of it.
+    /// Holds along axis `k` what `row` carries of boxes to about `center`, and what is within `reach` of it.
     #[inline(always)]
-    fn hold(
-        &mut self,
-        axes: [L::Quad; 3],
-        center: L::Quad,
-        reach: L::Quad,
-        (low, high): (&[F32; 3], &[F32; 3]),
-    ) {
-        let (mut middle, mut half) = ([0.0; 3], [0.0; 3]);
-        for c in 0..3 {
-            let (least, most) = (f64::from(low[c].get()), f64::from(high[c].get()));
-            (middle[c], half[c]) = (0.5 * (least + most), 0.5 * (most - least));
-        }
-        let [x, y, z] = axes;
-        let center = center.add(dot3(axes, splat3(middle)));
-        let reach = reach.add(dot3([x.abs(), y.abs(), z.abs()], splat3(half)));
-        // NaN, of a damaged file, bounds nothing.
-        self.low = self.low.min(center.sub(reach));
-        self.high = center.add(reach).max(self.high);
+    fn hold(&mut self, k: usize, row: Quad3<Q>, center: Q, reach: Q, boxes: &Boxes<Q>) {
+        let center = center.add(dot3(row, boxes.middle));
+        let [x, y, z] = row;
+        let reach = reach.add(dot3([x.abs(), y.abs(), z.abs()], boxes.half));
+        // A box that holds nothing is on the far side of everything. NaN, of a damaged file, bounds nothing.
+        let reach = Q::select(boxes.is_empty, Q::splat(f64::NEG_INFINITY), reach);
+        self.low[k] = self.low[k].min(center.sub(reach));
+        self.high[k] = center.add(reach).max(self.high[k]);
     }
 
     #[inline(always)]
     fn span(self) -> Span {
-        let ([a, b, c, _], [d, e, f, _]) = (self.low.store(), self.high.store());
-        [[a, b, c], [d, e, f]]
+        let mut span = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for k in 0..3 {
+            for x in self.low[k].store() {
+                span[0][k] = x.min(span[0][k]);
+            }
+            for x in self.high[k].store() {
+                span[1][k] = x.max(span[1][k]);
+            }
+        }
+        span
     }
 }

@@ -2,11 +2,11 @@
 #![allow(unsafe_code)] // intrinsics; every block has its proof
 
 use core::arch::x86_64::{
-    __m256d, _CMP_GE_OQ, _CMP_GT_OQ, _mm_loadu_ps, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd,
-    _mm256_blendv_pd, _mm256_cmp_pd, _mm256_cvtps_pd, _mm256_div_pd, _mm256_loadu_pd,
-    _mm256_max_pd, _mm256_min_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd,
-    _mm256_permute2f128_pd, _mm256_set1_pd, _mm256_sqrt_pd, _mm256_storeu_pd, _mm256_sub_pd,
-    _mm256_unpackhi_pd, _mm256_unpacklo_pd,
+    __m256d, _CMP_GE_OQ, _CMP_GT_OQ, _mm_loadu_ps, _mm_storeu_ps, _mm256_add_pd, _mm256_and_pd,
+    _mm256_andnot_pd, _mm256_blend_pd, _mm256_blendv_pd, _mm256_cmp_pd, _mm256_cvtpd_ps,
+    _mm256_cvtps_pd, _mm256_div_pd, _mm256_loadu_pd, _mm256_max_pd, _mm256_min_pd,
+    _mm256_movemask_pd, _mm256_mul_pd, _mm256_or_pd, _mm256_permute2f128_pd, _mm256_set1_pd,
+    _mm256_sqrt_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm256_unpackhi_pd, _mm256_unpacklo_pd,
 };
 
 use super::Quad;
@@ -57,6 +57,30 @@ impl Quad for Avx4 {
         // SAFETY: needs AVX, see `Avx4`; `out` is four writable f64, any alignment will do.
         unsafe { _mm256_storeu_pd(out.as_mut_ptr(), self.0) };
         out
+    }
+
+    #[inline(always)]
+    fn with_last(self, x: f64) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        let x = unsafe { _mm256_set1_pd(x) };
+        // SAFETY: as above.
+        Self(unsafe { _mm256_blend_pd::<0b1000>(self.0, x) })
+    }
+
+    #[inline(always)]
+    fn narrow(self) -> [f32; 4] {
+        // SAFETY: needs AVX; see `Avx4`.
+        let x = unsafe { _mm256_cvtpd_ps(self.0) };
+        let mut out = [0.0; 4];
+        // SAFETY: SSE is part of x86-64; `out` is four writable f32, any alignment will do.
+        unsafe { _mm_storeu_ps(out.as_mut_ptr(), x) };
+        out
+    }
+
+    #[inline(always)]
+    fn cleared(self, mask: __m256d) -> Self {
+        // SAFETY: needs AVX; see `Avx4`.
+        Self(unsafe { _mm256_andnot_pd(mask, self.0) })
     }
 
     instructions! {

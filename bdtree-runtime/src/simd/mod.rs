@@ -32,7 +32,7 @@ pub(crate) use fields::Fields;
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) use four::Four;
 pub(crate) use prefetch::{LINE, prefetch, prefetch_from, prefetch_lines};
-pub(crate) use quad::{Quad, Quad3, add3, cross3, dot3, scale3, select3, splat3, sub3};
+pub(crate) use quad::{Quad, Quad3, add3, cross3, dot3, four_of, scale3, select3, splat3, sub3};
 #[cfg(test)]
 pub(crate) use scalar::Array8 as Reference;
 #[cfg(target_arch = "x86_64")]

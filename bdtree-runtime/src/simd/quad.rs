@@ -14,6 +14,12 @@ pub(crate) trait Quad: Copy {
     fn load(x: &[f64; 4]) -> Self;
     fn widen(x: &[f32; 4]) -> Self;
     fn store(self) -> [f64; 4];
+    /// The same but for the last number.
+    #[inline(always)]
+    fn with_last(self, x: f64) -> Self {
+        let [a, b, c, _] = self.store();
+        Self::load(&[a, b, c, x])
+    }
     /// The nearest f32.
     #[inline(always)]
     fn narrow(self) -> [f32; 4] {
@@ -34,6 +40,11 @@ pub(crate) trait Quad: Copy {
     fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// `yes` where the mask is set, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// 0 where the mask is set.
+    #[inline(always)]
+    fn cleared(self, mask: Self::Mask) -> Self {
+        Self::select(mask, Self::splat(0.0), self)
+    }
     /// Bit k is decision k.
     fn bits(mask: Self::Mask) -> u8;
     /// Columns as rows.
@@ -181,6 +192,21 @@ impl Quad for Array4 {
         }
         bits
     }
+}
+
+/// The next four of `count` from `first` on, the last one again where they are fewer.
+#[inline(always)]
+pub(crate) fn four_of(count: usize, first: usize) -> Option<[usize; 4]> {
+    if first >= count {
+        return None;
+    }
+    let last = count - 1;
+    Some([
+        first,
+        (first + 1).min(last),
+        (first + 2).min(last),
+        (first + 3).min(last),
+    ])
 }
 
 /// Vectors of three coordinates, four side by side, with the same steps as [`crate::math`].
