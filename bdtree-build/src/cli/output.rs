@@ -203,7 +203,12 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
         )?;
     }
     if r.modes == 0 {
-        writeln!(out, "spheres do not grow: no mode moves anything")?;
+        let still = if r.bones.is_some() {
+            "spheres grow with the bones only: there are no modes"
+        } else {
+            "spheres do not grow: no mode moves anything"
+        };
+        writeln!(out, "{still}")?;
     } else if !r.tightness.is_empty() {
         let levels = r.tightness.iter();
         let text: Vec<String> = levels.map(|t| format!("{:.2}", t.mean)).collect();

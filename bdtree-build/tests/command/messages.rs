@@ -33,6 +33,10 @@ fn summaries_and_refusals_say_what_to_do() {
         "{summary}"
     );
     assert!(!summary.contains("smallest possible"), "{summary}");
+    let tube = fixture("skinned_tube.glb").display().to_string();
+    let (summary, _) = said(&[&tube, "-o", "t.bdt"]);
+    let bones = "spheres grow with the bones only: there are no modes\n";
+    assert!(summary.contains(bones), "{summary}");
 
     let mut mesh = std::fs::read_to_string(fixture("cube.obj")).expect("a fixture");
     let line = mesh.lines().count() + 1;

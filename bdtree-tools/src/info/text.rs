@@ -120,7 +120,12 @@ fn growth(info: &Info) -> String {
         (sum + n * growth, count + n)
     });
     if count == 0.0 {
-        return "spheres do not grow: no mode moves anything".to_string();
+        let still = if info.bones.is_some() && info.modes == 0 {
+            "spheres grow with the bones only: there are no modes"
+        } else {
+            "spheres do not grow: no mode moves anything"
+        };
+        return still.to_string();
     }
     let mean = sum / count;
     format!("spheres at q_range are on average {mean:.2} times as large as at rest")

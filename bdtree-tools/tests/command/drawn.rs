@@ -1,11 +1,8 @@
 //! Pictures that the command has drawn.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use bdtree_build::progress::Silent;
-use bdtree_build::recipe::{Motion, Recipe};
-use bdtree_fixtures::models;
 use serde_json::Value;
 
 use crate::support::Folder;
@@ -108,17 +105,6 @@ impl Folder {
         );
         said
     }
-}
-
-/// A fixture's morph targets, if it has some, and its skin.
-pub(crate) fn character(name: &str) -> Vec<u8> {
-    let motion = Motion::MorphsElseSkin(Default::default(), Default::default());
-    baked_surface(models::path(name), motion)
-}
-
-pub(crate) fn baked_surface(path: PathBuf, motion: Motion) -> Vec<u8> {
-    let recipe = Recipe::of_surface(path, motion);
-    bdtree_build::bake(&recipe, &Silent).expect("bakes").bytes
 }
 
 /// Every vertex lies in one of the spheres of a report.

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use bdtree_build::basis::BasisError;
 use bdtree_runtime::{Model, Transform};
 
-use crate::support::{Folder, animated, baked_with_error, ball_mesh, bounds};
+use crate::support::{Folder, animated, baked_with_error, ball_mesh, bounds, character};
 
 #[test]
 fn json_has_every_field() {
@@ -116,6 +116,10 @@ fn levels_shrink_and_cover_the_mesh() {
     assert!(text.contains(" times as large as at rest\n"), "{text}");
     let text = folder.run(&["info", "rigid.bdt"]).out;
     let still = "growth       spheres do not grow: no mode moves anything\n";
+    assert!(text.contains(still), "{text}");
+    folder.write("tube.bdt", character("skinned_tube.glb"));
+    let text = folder.run(&["info", "tube.bdt"]).out;
+    let still = "growth       spheres grow with the bones only: there are no modes\n";
     assert!(text.contains(still), "{text}");
     let largest = |l: usize| levels[l]["radius_max"].as_f64().unwrap();
     assert!((0.2..1.3).contains(&largest(0)), "{levels:?}");

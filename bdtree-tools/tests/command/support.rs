@@ -10,6 +10,8 @@ use bdtree_build::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
+use bdtree_build::recipe::{Motion, Recipe};
+use bdtree_fixtures::models;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -262,4 +264,15 @@ pub(crate) fn bounds(mesh: &RawMesh) -> [[f64; 3]; 2] {
             [pick(low, f64::min), pick(high, f64::max)]
         },
     )
+}
+
+/// A fixture's morph targets, if it has some, and its skin.
+pub(crate) fn character(name: &str) -> Vec<u8> {
+    let motion = Motion::MorphsElseSkin(Default::default(), Default::default());
+    baked_surface(models::path(name), motion)
+}
+
+pub(crate) fn baked_surface(path: PathBuf, motion: Motion) -> Vec<u8> {
+    let recipe = Recipe::of_surface(path, motion);
+    bdtree_build::bake(&recipe, &Silent).expect("bakes").bytes
 }

@@ -2,8 +2,8 @@
 
 use bdtree_build::recipe::Motion;
 
-use crate::drawn::{Picture, WHITE, baked_surface, character, spheres_hold};
-use crate::support::{Folder, positions_of_npy};
+use crate::drawn::{Picture, WHITE, spheres_hold};
+use crate::support::{Folder, baked_surface, character, positions_of_npy};
 
 /// Share of the pixels that are drawn on in one of two pictures only.
 fn drawn_in_one(a: &Picture, b: &Picture) -> f64 {

@@ -6,8 +6,7 @@ use super::figures::{
     exact_levels, list, number, numbers_are_the_figures, standing_is_that_of_the_points,
     without_times,
 };
-use crate::drawn::character;
-use crate::support::Folder;
+use crate::support::{Folder, character};
 
 #[test]
 fn characters_are_measured_in_the_poses_of_their_clips() {
