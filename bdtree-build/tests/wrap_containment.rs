@@ -125,7 +125,7 @@ fn spheres_contain_their_vertices_on_hard_meshes() {
         for x in fields.fields.iter_mut().flatten() {
             *x *= largest.min(1e30);
         }
-        check(&mesh, &fields, 200, 15, 5);
+        check(&mesh, &fields, 200, 10, 5);
         check(&mesh, &Basis::default(), 200, 1, 6);
     }
 }

@@ -33,8 +33,8 @@ fn summaries_and_refusals_say_what_to_do() {
         "{summary}"
     );
     assert!(!summary.contains("smallest possible"), "{summary}");
-    let tube = fixture("skinned_tube.glb").display().to_string();
-    let (summary, _) = said(&[&tube, "-o", "t.bdt"]);
+    let bent = fixture("skinned_12.glb").display().to_string();
+    let (summary, _) = said(&[&bent, "-o", "b.bdt"]);
     let bones = "spheres grow with the bones only: there are no modes\n";
     assert!(summary.contains(bones), "{summary}");
 

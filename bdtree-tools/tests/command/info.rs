@@ -117,8 +117,8 @@ fn levels_shrink_and_cover_the_mesh() {
     let text = folder.run(&["info", "rigid.bdt"]).out;
     let still = "growth       spheres do not grow: no mode moves anything\n";
     assert!(text.contains(still), "{text}");
-    folder.write("tube.bdt", character("skinned_tube.glb"));
-    let text = folder.run(&["info", "tube.bdt"]).out;
+    folder.write("bent.bdt", character("skinned_12.glb"));
+    let text = folder.run(&["info", "bent.bdt"]).out;
     let still = "growth       spheres grow with the bones only: there are no modes\n";
     assert!(text.contains(still), "{text}");
     let largest = |l: usize| levels[l]["radius_max"].as_f64().unwrap();
