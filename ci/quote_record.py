@@ -34,6 +34,19 @@ def read():
     return figures
 
 
+def in_turn(benchmark, name):
+    """The rows of a table, also those of the same name: a column that comes again begins one."""
+    rows = []
+    with open(FOLDER / "record.csv", newline="") as file:
+        for line in csv.DictReader(file):
+            if (line["benchmark"], line["table"]) != (benchmark, name):
+                continue
+            if not rows or rows[-1][0] != line["row"] or line["column"] in rows[-1][1]:
+                rows.append((line["row"], {}))
+            rows[-1][1][line["column"]] = float(line["value"])
+    return rows
+
+
 def about(figures):
     known = {row: cells[""] for row, cells in figures["record", "about"].items()}
     libraries = ", ".join(f"{name} {known[name]}" for name in ("obvhs", "parry3d", "tinybvh-rs"))
@@ -100,7 +113,47 @@ def redundant(figures):
     return table(["asset", "µs per step", "to rigid", "to rigid, floors"], rows)
 
 
-BLOCKS = {"about": about, "ball": ball, "workloads": workloads, "redundant": redundant}
+def kernel(_):
+    columns = ["Avx2", "Avx512", "in the file's order", "plain read"]
+    rows = [
+        [place, *(digits(cells[column]) for column in columns)]
+        for place, cells in in_turn("kernel", "nodes")
+        if cells["modes"] == 10
+    ]
+    return table(["from", "AVX2", "AVX-512 (VNNI)", "in the file's order", "plain read"], rows)
+
+
+def kernel_modes(_):
+    of = [cells for place, cells in in_turn("kernel", "nodes") if place == "L1"]
+    heads = ["modes, from L1", *(digits(cells["modes"]) for cells in of)]
+    return table(heads, [["AVX2", *(digits(cells["Avx2"]) for cells in of)]])
+
+
+def levels(figures):
+    of = defaultdict(dict)
+    for row, cells in figures["depth", "levels"].items():
+        tree, query, level = row.split(", ")
+        if tree == "wrapped":
+            mean, most = (float(cells[c]) for c in ("error over the diagonal, mean", "most"))
+            error = f"{mean:.3f}, {most:.3f}" if mean > 0 else "0"
+            of[level][query] = [digits(float(cells["µs"])), error]
+    none = ["–", "–"]
+    rows = [
+        [level, *queries.get("ball", none), *queries.get("pair", none)]
+        for level, queries in of.items()
+    ]
+    return table(["level", "ball: µs", "error", "pair: µs", "error"], rows)
+
+
+BLOCKS = {
+    "about": about,
+    "ball": ball,
+    "workloads": workloads,
+    "redundant": redundant,
+    "kernel": kernel,
+    "kernel_modes": kernel_modes,
+    "levels": levels,
+}
 
 
 def main():

@@ -107,7 +107,8 @@ impl Instance {
         self.placement
     }
 
-    /// Sets q. An error leaves the instance as it was.
+    /// Sets q, one number per mode; placement and bones stay. Of vibration modes, `q_j = 1` moves the farthest vertex by one
+    /// mesh unit. An error leaves the instance as it was.
     ///
     /// # Errors
     /// q of another length than the asset has modes, NaN, infinite or over the asset's hard limit.
@@ -250,7 +251,7 @@ impl Instance {
         self.pose().bounding_sphere()
     }
 
-    /// True if `a.group & b.mask` and `b.group & a.mask` are both nonzero.
+    /// True if each one's `collision_group` shares a bit with the other's `collision_mask`.
     pub fn may_meet(&self, other: &Self) -> bool {
         self.collision_group & other.collision_mask != 0
             && other.collision_group & self.collision_mask != 0

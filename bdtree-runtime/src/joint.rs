@@ -71,12 +71,10 @@ pub fn to_columns(map: &JointMatrix) -> [[f64; 4]; 4] {
 }
 
 impl Transform {
-    /// The matrix of a joint in the model's space (mesh units), of one that the engine keeps in the world's: where this
-    /// placement is that of the instance, placing the result gives `world` again. For
-    /// [`Instance::set_joints`](crate::Instance::set_joints), which takes matrices of the model's space.
+    /// Converts a joint matrix from world space (world units) to model space (mesh units), for
+    /// [`Instance::set_joints`](crate::Instance::set_joints). `self` is the instance's placement.
     ///
-    /// The placement is taken as it is, its quaternion normalised; one that the instance refuses gives numbers that
-    /// it refuses, too.
+    /// The placement is not checked, and its quaternion is normalised.
     pub fn joint_in_model(&self, world: &JointMatrix) -> JointMatrix {
         let length = crate::math::sqrt(self.rotation.iter().map(|x| x * x).sum());
         let turn = rotation_matrix(self.rotation.map(|x| x / length));

@@ -87,8 +87,8 @@ impl Asset<'_> {
     /// The asset at q, with its bones where `bones` puts them, and a placement: `p' = Σ_b w_b T_b (p + U q)`.
     ///
     /// # Errors
-    /// Those of [`Asset::pose`]; another number of matrices than the asset has joints or bones, a matrix with an element
-    /// that is not finite or that moves vertices beyond 2⁶⁰ stored units.
+    /// Those of [`Asset::pose`]; matrices for an asset without a skin, another number of them than it has joints or bones,
+    /// one with an element that is not finite or that moves vertices beyond 2⁶⁰ stored units.
     pub fn pose_with_bones<'p>(
         &'p self,
         q: &[f32],

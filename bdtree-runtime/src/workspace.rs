@@ -206,8 +206,9 @@ impl<'m> Workspace<'m> {
         }
     }
 
-    /// Bytes that suffice for every query on any of these assets and between any two of them but contact
-    /// manifolds, which need [`Workspace::bytes_for_manifolds`] too. Queries with a budget take what there is.
+    /// Bytes that suffice for every query on any of these assets and between any two of them, except contact
+    /// manifolds: they need [`Workspace::bytes_for_manifolds`], which includes this number. Queries with a budget use
+    /// whatever there is.
     pub fn bytes_for(assets: &[&Asset<'_>]) -> usize {
         let mut bytes = 0;
         for (i, asset) in assets.iter().enumerate() {

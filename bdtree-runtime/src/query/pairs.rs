@@ -82,7 +82,8 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
         }
     }
 
-    /// With what a step keeps of each mesh, as [`Query::cached`].
+    /// Uses a step cache for each mesh, as [`Query::cached`] does. Where a cache was started with another pose, queries
+    /// return [`QueryError::Cache`].
     #[inline]
     pub fn cached(mut self, first: &'q mut StepCache<'_>, second: &'q mut StepCache<'_>) -> Self {
         let [side1, side2] = &mut self.sides;
@@ -215,8 +216,8 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
     /// corners counterclockwise as seen from outside, or both clockwise.
     ///
     /// With `prediction` 0 only triangles that touch form regions. Above 0, pairs up to `prediction` apart form and
-    /// connect regions too: a region where nothing touches is one point, at its nearest pair, with depth 0 and a
-    /// positive distance; in a region with a closed contour they change nothing else.
+    /// connect regions too. A region where nothing touches is one point, at its nearest pair, with depth 0 and a positive
+    /// distance. A region where the surfaces cross in a closed curve keeps its points, depth and area.
     ///
     /// Depth is found by casting a ray along the normal; where it hits nothing, depth is measured from the contour's
     /// mean plane. Where the contour is far from flat, normal and area are those of its projection. On smooth surfaces
@@ -243,8 +244,8 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
         manifolds(posed, pairs, slots, stack, out)
     }
 
-    /// [`PairQuery::contact_manifolds`] of the pairs that [`PairQuery::contacts`] has reported: all of them, in any
-    /// order; they are sorted by ids.
+    /// [`PairQuery::contact_manifolds`] of pairs that [`PairQuery::contacts`] has reported. Pass all of them, in any order:
+    /// the slice is sorted in place by ids. A level limit is ignored.
     ///
     /// # Errors
     /// Pairs of other meshes, too little memory, a corrupt asset.

@@ -92,7 +92,7 @@ impl<'a> Skeleton<'a> {
         }
     }
 
-    /// The first joint of a name.
+    /// The first joint with this name; `None` where there is none.
     pub fn joint_index(&self, name: &str) -> Option<usize> {
         (0..self.joint_count()).find(|joint| self.joint_name(*joint) == Some(name))
     }
@@ -115,7 +115,7 @@ impl<'a> Skeleton<'a> {
         records.map(move |record| Clip::new(skeleton, record))
     }
 
-    /// The first clip of a name.
+    /// The first clip with this name; `None` where there is none.
     pub fn clip_by_name(&self, name: &str) -> Option<Clip<'a>> {
         self.clips().find(|clip| clip.name() == name)
     }
