@@ -55,7 +55,7 @@ self_cell!(
 );
 
 impl Model {
-    /// Maps a file: pages are read when queries touch them. Reads header, tables and the root node;
+    /// Maps a file: pages are read when queries touch them. Reads header and tables;
     /// [`Asset::verify`] reads the rest.
     ///
     /// The file must not be changed or truncated while it is mapped. If the file changes, results are arbitrary or

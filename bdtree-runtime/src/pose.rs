@@ -1,6 +1,6 @@
 //! A pose: q and a placement, prepared once per instance and step.
 
-use bdtree_format::ModeRecord;
+use bdtree_format::{ModeRecord, ROW_RADIUS};
 use zerocopy::{FromBytes, IntoBytes};
 
 #[cfg(feature = "alloc")]
@@ -10,12 +10,33 @@ use crate::bones::{
 };
 use crate::bound::BoundPose;
 use crate::error::{PoseError, QueryError};
+use crate::math::sqrt;
 use crate::motion::Motion;
 use crate::placement::Placement;
 use crate::quantized_q::{Given, Memory, QuantizedQ};
 use crate::rounding::{COARSE, round_up, slack};
 use crate::transform::Transform;
 use crate::view::Asset;
+
+/// About the radius of spheres above leaves of four triangles (stored units): the root's spheres,
+/// each a piece of surface, cut into as many pieces as make leaves.
+fn leaf_radius(asset: &Asset<'_>) -> f64 {
+    let Some(root) = asset.nodes.first() else {
+        return 0.0;
+    };
+    let Ok(rows) = asset.node_rows(root) else {
+        return 0.0; // the first visit says so
+    };
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (lane, radius) in rows.leading[ROW_RADIUS].iter().enumerate() {
+        if (root.leaf_mask | root.inner_mask) & (1 << lane) != 0 {
+            sum += f64::from(*radius);
+            count += 1.0;
+        }
+    }
+    // sum / count · √(4 count / F)
+    2.0 * sum / sqrt(count * asset.triangle_count() as f64).max(1.0)
+}
 
 /// An asset deformed by q and placed in the world: q and placement checked, with the rounding terms that
 /// every node bound shares. Queries on it are [`Pose::query`] and [`Pose::against`].
@@ -136,7 +157,12 @@ impl Asset<'_> {
         let placement = Placement::new(self, &at.checked()?);
         let p = f64::from(self.header().position_norm_max.get());
         let given = Given { modes, q: own };
-        let coarse = COARSE * self.leaf_radius;
+        // Without modes nothing is rounded.
+        let coarse = if modes.is_empty() {
+            0.0
+        } else {
+            COARSE * leaf_radius(self)
+        };
         let (quantized, left_out) =
             given.round(tolerance / placement.world_per_stored(), coarse, memory);
         // q̃ may reach farther than q by what the two differ.

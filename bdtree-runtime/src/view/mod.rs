@@ -21,7 +21,7 @@ use crate::simd::Kernel;
 
 /// An opened `.bdt` file: borrowed, read-only, shareable between threads and instances.
 ///
-/// Opening reads header, tables and the root node only, so later records may still break the format's rules;
+/// Opening reads header and tables only, so later records may still break the format's rules;
 /// every access is checked, and a query that meets such a record answers with
 /// [`crate::QueryError::Corrupt`]. [`Asset::verify`] reads everything.
 #[derive(Debug, Clone, Copy)]
@@ -48,8 +48,6 @@ pub struct Asset<'a> {
     /// 2^unit_exponent.
     pub(crate) unit: f64,
     pub(crate) kernel: Kernel,
-    /// About the radius of spheres above leaves of four triangles (stored units).
-    pub(crate) leaf_radius: f64,
     /// Rows of each node, where all modes act on all nodes: those of node i begin at i times this. Else 0.
     pub(crate) row_stride: usize,
 }
