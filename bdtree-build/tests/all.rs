@@ -26,7 +26,6 @@ mod recipes;
 mod skin_arrays;
 mod smallest_balls;
 mod tree_support;
-mod tree_visits;
 mod visits;
 mod volume_corpus;
 mod volume_held;

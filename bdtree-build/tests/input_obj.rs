@@ -190,28 +190,3 @@ fn paths_that_are_no_mesh_say_why() {
     assert!(message(folder.path()).contains("is a folder"));
     assert!(message(&folder.path().join("missing.obj")).contains("cannot be read"));
 }
-
-/// `cargo test --release -- --ignored`: 2 M triangles in a few seconds.
-#[test]
-#[ignore = "timing, run by hand"]
-fn two_million_triangles() {
-    let mut text = Vec::new();
-    let n = 1000;
-    for i in 0..=n {
-        for j in 0..=n {
-            let (x, z) = (f64::from(i) * 0.001234, f64::from(j) * 0.001234);
-            writeln!(text, "v {x:.6} {:.6} {z:.6}", x * z).unwrap();
-        }
-    }
-    for i in 0..n {
-        for j in 0..n {
-            let a = i * (n + 1) + j + 1;
-            let (b, c, d) = (a + 1, a + n + 2, a + n + 1);
-            writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}\nf {a}/{a} {c}/{c} {d}/{d}").unwrap();
-        }
-    }
-    let start = std::time::Instant::now();
-    let mesh = obj::parse(&text, "m.obj", BadFaces::Refuse).unwrap();
-    println!("{} bytes, {:?}", text.len(), start.elapsed());
-    assert_eq!(mesh.triangles.len(), 2_000_000);
-}

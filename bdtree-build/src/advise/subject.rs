@@ -91,8 +91,7 @@ impl Subject {
             .into_iter()
             .collect();
         if matches!(provenance.kind.as_str(), "elastic" | "volume") {
-            let text = "Vibration modes have no end: what those beyond the ones computed here would add is not in \
-                        the error.";
+            let text = "The error leaves out the vibration modes above those computed here.";
             missing.push(text.to_string());
         }
         if moving.skin.is_some() && moving.basis.mode_count() > 0 {

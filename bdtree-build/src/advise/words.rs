@@ -224,7 +224,7 @@ impl Advice {
                              the rest pose."
                 .to_string(),
             Source::Ranges => format!(
-                "There is no animation that moves it: times are those of {count} mixtures of all modes within q_range."
+                "There is no animation: times are those of {count} mixtures of all modes within q_range."
             ),
         };
         Some(text)

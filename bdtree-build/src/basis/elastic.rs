@@ -354,7 +354,7 @@ fn thin_warning(count: usize, all: usize, cell_size: f64) -> String {
     // 8 to 18 %: what the chairs that were measured had above twice as many cells along each side.
     format!(
         "{pieces} thinner than a quarter of a cell (cell size {} mesh units). {whose} folds and joints come out too \
-         stiff: frequencies may be 8 to 18 % too high. Raise --resolution.",
+         stiff: frequencies may be 8 to 18 % too high at the default resolution, and more below it. Raise --resolution.",
         digits(cell_size, 3)
     )
 }
@@ -463,7 +463,7 @@ mod tests {
     #[test]
     fn thin_pieces_are_told_with_the_size_of_a_cell() {
         let rest = "thinner than a quarter of a cell (cell size 12.4 mesh units).";
-        let more = "folds and joints come out too stiff: frequencies may be 8 to 18 % too high. Raise --resolution.";
+        let more = "folds and joints come out too stiff: frequencies may be 8 to 18 % too high at the default resolution, and more below it. Raise --resolution.";
         assert_eq!(
             thin_warning(2, 3, 12.39),
             format!("2 of 3 pieces are {rest} Their {more}")

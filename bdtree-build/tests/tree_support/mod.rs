@@ -171,49 +171,6 @@ pub(crate) fn bridge(modes: usize) -> Option<(RawMesh, Basis)> {
     };
     Some((mesh, basis))
 }
-
-/// A mesh and fields on it with every triangle split in four.
-pub(crate) fn subdivide(mesh: &RawMesh, basis: &Basis) -> (RawMesh, Basis) {
-    let mut edges = std::collections::BTreeMap::new();
-    let mut fine = RawMesh {
-        positions: mesh.positions.clone(),
-        ..RawMesh::default()
-    };
-    let mut parents = Vec::new();
-    let mid =
-        |a: [f64; 3], b: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| 0.5 * (a[k] + b[k])) };
-    for t in &mesh.triangles {
-        let m: [u32; 3] = std::array::from_fn(|k| {
-            let (a, b) = (t[k].min(t[(k + 1) % 3]), t[k].max(t[(k + 1) % 3]));
-            *edges.entry((a, b)).or_insert_with(|| {
-                let new = mid(mesh.positions[a as usize], mesh.positions[b as usize]);
-                fine.positions.push(new);
-                parents.push((a as usize, b as usize));
-                fine.positions.len() as u32 - 1
-            })
-        });
-        fine.triangles.extend([
-            [t[0], m[0], m[2]],
-            [m[0], t[1], m[1]],
-            [m[2], m[1], t[2]],
-            m,
-        ]);
-    }
-    let mut fields = Vec::new();
-    for j in 0..basis.mode_count() {
-        let field = basis.field(j);
-        fields.extend_from_slice(field);
-        fields.extend(parents.iter().map(|&(a, b)| mid(field[a], field[b])));
-    }
-    let fine_basis = Basis {
-        vertex_count: fine.positions.len(),
-        fields,
-        modes: basis.modes.clone(),
-        animation: None,
-    };
-    (fine, fine_basis)
-}
-
 pub(crate) fn bake_with(mesh: &RawMesh, basis: &Basis, settings: &BakeSettings) -> Baked {
     bake_fields(mesh, basis, settings, &Provenance::default(), &Silent).unwrap()
 }

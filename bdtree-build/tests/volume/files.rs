@@ -87,8 +87,8 @@ fn fixtures_are_read_with_name_and_hash() {
 
 #[test]
 fn broken_fixtures_name_every_mistake() {
-    let folded = "is folded: its Jacobian is positive here and negative there (corners in another \
-                  order than VTK's, or the element is too distorted)";
+    let folded = "is folded: its Jacobian changes sign (corners in another order than VTK's, or the \
+                  element is too distorted)";
     for (name, text) in [
         (
             "bad_volume_index.veg",

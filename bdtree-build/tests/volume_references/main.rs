@@ -218,6 +218,9 @@ fn ten_thousand_nodes() {
         for volume in [five_tetrahedra(hexahedra.clone(), n), hexahedra] {
             let begin = std::time::Instant::now();
             let (_, report) = solve(&volume, &of(2e9, 0.3, 1000.0, 20));
+            let nodes: usize = n.iter().map(|cells| cells + 1).product();
+            assert_eq!(report.nodes, nodes);
+            assert!(report.residual_max <= 1e-6, "{}", report.residual_max);
             println!(
                 "{n:?}: {} nodes, {} elements, {:.1} s, {} MB predicted",
                 report.nodes,

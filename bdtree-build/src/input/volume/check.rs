@@ -126,8 +126,8 @@ fn turn<const N: usize>(
             }
             Sense::Flat => "has no volume",
             Sense::Folded => {
-                "is folded: its Jacobian is positive here and negative there (corners in another \
-                 order than VTK's, or the element is too distorted)"
+                "is folded: its Jacobian changes sign (corners in another order than VTK's, or the \
+                 element is too distorted)"
             }
         };
         notes.problem(position, format!("element {number} {message}"));
