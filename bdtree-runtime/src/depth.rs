@@ -1,8 +1,6 @@
 //! How deep a walk looks: to the triangles, or down to a level whose spheres stand for what lies below
 //! them (the paper's contact proxies, 3.4). `Query::max_level` sets the level; `traverse/visit.rs` and `traverse/two.rs`
 //! end there.
-//!
-//! One walk serves both: the limit is a type, so that where there is none nothing is left of it.
 
 use bdtree_format::NodeRecord;
 use core::fmt;
@@ -14,35 +12,6 @@ use crate::math::norm;
 use crate::pose::Pose;
 use crate::rounding::MARGIN;
 use crate::view::Asset;
-
-/// A walk's limit.
-pub(crate) trait Depth {
-    /// Whether nodes may end the walk: what is only done for these is compiled away elsewhere.
-    const LIMITED: bool;
-
-    /// Whether nothing below this node's lanes is visited.
-    fn ends(&self, node: &NodeRecord) -> bool;
-
-    /// Reports the sphere of a lane below which nothing is visited.
-    fn report(&mut self, pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> ControlFlow<()>;
-}
-
-/// Down to the triangles.
-pub(crate) struct Unlimited;
-
-impl Depth for Unlimited {
-    const LIMITED: bool = false;
-
-    #[inline(always)]
-    fn ends(&self, _node: &NodeRecord) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn report(&mut self, _pose: &Pose<'_>, _spheres: &Spheres, _lane: usize) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-}
 
 /// Down to a level, whose spheres a sink takes.
 pub(crate) struct DepthLimit<'s> {
@@ -113,39 +82,25 @@ impl<'s> DepthLimit<'s> {
         }
     }
 
-    /// Whether there is anything below the level.
-    pub(crate) fn cuts(&self, asset: &Asset<'_>) -> bool {
-        self.level < asset.depth().saturating_sub(1)
-    }
-}
-
-impl Depth for DepthLimit<'_> {
-    const LIMITED: bool = true;
-
+    /// Whether nothing below this node's lanes is visited.
     #[inline(always)]
-    fn ends(&self, node: &NodeRecord) -> bool {
+    pub(crate) fn ends(&self, node: &NodeRecord) -> bool {
         usize::from(node.level) >= self.level
     }
 
-    fn report(&mut self, pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> ControlFlow<()> {
+    /// Reports the sphere of a lane below which nothing is visited.
+    pub(crate) fn report(
+        &mut self,
+        pose: &Pose<'_>,
+        spheres: &Spheres,
+        lane: usize,
+    ) -> ControlFlow<()> {
         self.sink.push(proxy(pose, spheres, lane))
     }
-}
 
-/// One side of a pair, of which the other may be the limited one.
-impl Depth for Option<DepthLimit<'_>> {
-    const LIMITED: bool = true;
-
-    #[inline(always)]
-    fn ends(&self, node: &NodeRecord) -> bool {
-        self.as_ref().is_some_and(|limit| limit.ends(node))
-    }
-
-    fn report(&mut self, pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> ControlFlow<()> {
-        match self {
-            Some(limit) => limit.report(pose, spheres, lane),
-            None => ControlFlow::Continue(()),
-        }
+    /// Whether there is anything below the level.
+    pub(crate) fn cuts(&self, asset: &Asset<'_>) -> bool {
+        self.level < asset.depth().saturating_sub(1)
     }
 }
 

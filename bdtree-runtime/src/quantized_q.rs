@@ -72,6 +72,7 @@ impl<'a> Given<'a> {
     }
 
     /// How far a pair moves a vertex at most.
+    #[inline(never)] // a sort that compares in dozens of places calls it
     fn reach(self, k: u32) -> f64 {
         let modes = self.modes.chunks(2).nth(k as usize).unwrap_or_default();
         let q = self.q.chunks(2).nth(k as usize).unwrap_or_default();

@@ -30,7 +30,7 @@ pub(super) fn first(
     let Some(line) = Line::new(posed.pose, ray)? else {
         return Ok((None, Walk::default()));
     };
-    let mut visitor = First::<false>::new(line);
+    let mut visitor = First::new(line);
     let walk = one(posed, stack, &mut visitor)?;
     Ok((visitor.best, walk))
 }
@@ -47,7 +47,10 @@ pub(super) fn any(
     let Some(line) = Line::new(posed.pose, ray)? else {
         return Ok((false, Walk::default()));
     };
-    let mut visitor = First::<true>::new(line);
+    let mut visitor = First {
+        any: true,
+        ..First::new(line)
+    };
     let walk = one(posed, stack, &mut visitor)?;
     Ok((visitor.is_met, walk))
 }
@@ -70,28 +73,30 @@ pub(super) fn all(
     one(posed, stack, &mut visitor)
 }
 
-/// Looks for the first hit; with `ANY` for one that need not be the first.
-pub(super) struct First<const ANY: bool> {
+/// Looks for the first hit, or for any.
+pub(super) struct First {
     pub(super) line: Line,
     /// Parameter of the best hit, rounded up.
     pub(super) bound: f32,
     pub(super) best: Option<RayIntersection>,
-    /// With `ANY`: whether it has found one.
+    /// The first one found will do, and nothing but `is_met` is said of it.
+    any: bool,
     is_met: bool,
 }
 
-impl<const ANY: bool> First<ANY> {
+impl First {
     pub(super) fn new(line: Line) -> Self {
         Self {
             line,
             bound: f32::INFINITY,
             best: None,
+            any: false,
             is_met: false,
         }
     }
 }
 
-impl<const ANY: bool> Visitor for First<ANY> {
+impl Visitor for First {
     const ORDERED: bool = true;
 
     #[inline(always)]
@@ -119,7 +124,7 @@ impl<const ANY: bool> Visitor for First<ANY> {
         let Some(hit) = self.line.hit(corners) else {
             return ControlFlow::Continue(());
         };
-        if ANY {
+        if self.any {
             self.is_met = true;
             return ControlFlow::Break(());
         }

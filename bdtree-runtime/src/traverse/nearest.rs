@@ -8,7 +8,7 @@ use super::visit::{NO_NODE, TOGETHER, look};
 use super::visitor::{Visitor, Walk};
 use super::{StackEntry, Subtree, lane_subtree};
 use crate::cache::Posed;
-use crate::depth::Depth;
+use crate::depth::DepthLimit;
 use crate::error::QueryError;
 use crate::simd::Lanes;
 use crate::view::Asset;
@@ -21,11 +21,11 @@ const NEAR_BYTES: usize = 8 << 20;
 /// Visits nodes and leaves in the order of their keys, as far as the stack shows it, until the
 /// visitor wants no more.
 #[inline(always)]
-pub(super) fn nearest_first<L: Lanes, V: Visitor, D: Depth>(
+pub(super) fn nearest_first<L: Lanes, V: Visitor>(
     posed: &mut Posed<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
-    depth: &mut D,
+    limit: &mut Option<DepthLimit<'_>>,
 ) -> Result<Walk, QueryError> {
     let pose = posed.pose;
     let asset = pose.asset;
@@ -61,7 +61,7 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor, D: Depth>(
         // ends at the nearer may rule out what the other would report.
         let mut entries = [at.start; TOGETHER];
         let mut together = 1;
-        if !D::LIMITED
+        if limit.is_none()
             && let Some(next) = stack.get(len.wrapping_sub(1))
             && next.at.triangles == 0
             && visitor.wanted(next.key)
@@ -77,13 +77,13 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor, D: Depth>(
         let mut found = [(&NO_NODE, 0); TOGETHER];
         // The farther one first, so that what lies below the nearer is popped next.
         for k in TOGETHER - together..TOGETHER {
-            let met = look::<L, V, D>(
+            let met = look::<L, V>(
                 posed,
                 entries[k],
                 &mut keys[k],
                 &mut leaves,
                 visitor,
-                depth,
+                limit,
                 &mut walk,
             )?;
             match met {

@@ -9,7 +9,7 @@ use super::visit::{NO_NODE, TOGETHER, look};
 use super::visitor::{Visitor, Walk};
 use super::{StackEntry, lane_subtree};
 use crate::cache::Posed;
-use crate::depth::{Depth, Unlimited};
+use crate::depth::DepthLimit;
 use crate::error::QueryError;
 use crate::simd::{Lanes, Work};
 
@@ -26,32 +26,25 @@ pub(crate) fn one<V: Visitor>(
     if found < needed {
         return Err(QueryError::Memory { needed, found });
     }
-    match posed.take_limit(asset) {
-        None => asset.kernel.run(OneWalk {
-            posed: &mut posed,
-            stack,
-            visitor,
-            depth: Unlimited,
-        }),
-        Some(depth) => asset.kernel.run(OneWalk {
-            posed: &mut posed,
-            stack,
-            visitor,
-            depth,
-        }),
-    }
+    let limit = posed.take_limit(asset);
+    asset.kernel.run(OneWalk {
+        posed: &mut posed,
+        stack,
+        visitor,
+        limit,
+    })
 }
 
 /// A walk and who it is for: node bounds and the visitor's test of them are one piece of code,
 /// leaves another.
-struct OneWalk<'w, 's, V, D> {
+struct OneWalk<'w, 's, 'l, V> {
     posed: &'w mut Posed<'s>,
     stack: &'w mut [StackEntry],
     visitor: &'w mut V,
-    depth: D,
+    limit: Option<DepthLimit<'l>>,
 }
 
-impl<V: Visitor, D: Depth> Work for OneWalk<'_, '_, V, D> {
+impl<V: Visitor> Work for OneWalk<'_, '_, '_, V> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
@@ -60,23 +53,23 @@ impl<V: Visitor, D: Depth> Work for OneWalk<'_, '_, V, D> {
             posed,
             stack,
             visitor,
-            mut depth,
+            mut limit,
         } = self;
         if V::ORDERED {
-            nearest_first::<L, V, D>(posed, stack, visitor, &mut depth)
+            nearest_first::<L, V>(posed, stack, visitor, &mut limit)
         } else {
-            in_lane_order::<L, V, D>(posed, stack, visitor, &mut depth)
+            in_lane_order::<L, V>(posed, stack, visitor, &mut limit)
         }
     }
 }
 
 /// Visits everything that the visitor wants.
 #[inline(always)]
-fn in_lane_order<L: Lanes, V: Visitor, D: Depth>(
+fn in_lane_order<L: Lanes, V: Visitor>(
     posed: &mut Posed<'_>,
     stack: &mut [StackEntry],
     visitor: &mut V,
-    depth: &mut D,
+    limit: &mut Option<DepthLimit<'_>>,
 ) -> Result<Walk, QueryError> {
     let pose = posed.pose;
     let asset = pose.asset;
@@ -96,13 +89,13 @@ fn in_lane_order<L: Lanes, V: Visitor, D: Depth>(
         }
         let mut found = [(&NO_NODE, 0); TOGETHER];
         for k in 0..together {
-            let met = look::<L, V, D>(
+            let met = look::<L, V>(
                 posed,
                 entries[k].at.start,
                 &mut keys,
                 &mut leaves,
                 visitor,
-                depth,
+                limit,
                 &mut walk,
             )?;
             match met {

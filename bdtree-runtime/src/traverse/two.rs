@@ -15,7 +15,7 @@ use super::visitor::{PairVisitor, Walk};
 use super::{PairStackEntry, lane_subtree};
 use crate::bound::{Spheres, WideSpheres};
 use crate::cache::Posed;
-use crate::depth::{Depth, Unlimited};
+use crate::depth::DepthLimit;
 use crate::error::QueryError;
 use crate::pair_frame::PairFrame;
 use crate::pose::Pose;
@@ -58,7 +58,7 @@ impl<'s> Two<'s> {
         let is_limited = cuts(&posed_a, asset_a) || cuts(&posed_b, asset_b);
         // Where one side is cut off, the other's sink takes the spheres that those meet.
         let limits = [posed_a.limit.take(), posed_b.limit.take()];
-        let depths = if is_limited { limits } else { [None, None] };
+        let limits = is_limited.then_some(limits);
         let (mut nodes_a, mut nodes_b) = (None, None);
         let mut posed_a = posed_a.at_least::<NODES>(asset_a, &mut nodes_a);
         let mut posed_b = posed_b.at_least::<NODES>(asset_b, &mut nodes_b);
@@ -78,21 +78,12 @@ impl<'s> Two<'s> {
                 frame: self.frame,
                 leaves: self.leaves,
             };
-            walk = if is_limited {
-                asset_a.kernel.run(TwoWalk {
-                    two,
-                    depths,
-                    stack,
-                    visitor,
-                })?
-            } else {
-                asset_a.kernel.run(TwoWalk {
-                    two,
-                    depths: [Unlimited, Unlimited],
-                    stack,
-                    visitor,
-                })?
-            };
+            walk = asset_a.kernel.run(TwoWalk {
+                two,
+                limits,
+                stack,
+                visitor,
+            })?;
         }
         walk.nodes_visited += before.nodes_visited;
         walk.nodes_updated += before.nodes_updated;
@@ -101,14 +92,15 @@ impl<'s> Two<'s> {
 }
 
 /// A walk and who it is for.
-struct TwoWalk<'w, 's, D> {
+struct TwoWalk<'w, 's, 'l> {
     two: Two<'s>,
-    depths: [D; 2],
+    /// Those of the two sides, at least one of which ends before its leaves.
+    limits: Option<[Option<DepthLimit<'l>>; 2]>,
     stack: &'w mut [PairStackEntry],
     visitor: &'w mut (dyn PairVisitor + 'w),
 }
 
-impl<D: Depth> Work for TwoWalk<'_, '_, D> {
+impl Work for TwoWalk<'_, '_, '_> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
@@ -116,7 +108,7 @@ impl<D: Depth> Work for TwoWalk<'_, '_, D> {
         if let Some(kept) = self.two.leaves {
             return kept_leaves(self.two, kept, self.visitor);
         }
-        walk_two::<L, D>(self)
+        walk_two::<L>(self)
     }
 }
 
@@ -152,10 +144,10 @@ fn kept_leaves(
 }
 
 #[inline(always)]
-fn walk_two<L: Lanes, D: Depth>(work: TwoWalk<'_, '_, D>) -> Result<Walk, QueryError> {
+fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
     let TwoWalk {
         two,
-        mut depths,
+        mut limits,
         stack,
         visitor,
     } = work;
@@ -219,7 +211,10 @@ fn walk_two<L: Lanes, D: Depth>(work: TwoWalk<'_, '_, D>) -> Result<Walk, QueryE
         }
         let stored_a = spheres_a.store();
         let carried_b = frame.carry(own_b);
-        let ends = [depths[0].ends(node_a), depths[1].ends(node_b)];
+        let ends = match &limits {
+            Some([a, b]) => [ends(a, node_a), ends(b, node_b)],
+            None => [false; 2],
+        };
         let (lanes_a, lanes_b) = (
             Split::new(node_a, lanes_a, ends[0]),
             Split::new(node_b, entry.lanes_b, ends[1]),
@@ -236,14 +231,16 @@ fn walk_two<L: Lanes, D: Depth>(work: TwoWalk<'_, '_, D>) -> Result<Walk, QueryE
         let both = visit.meets & rows(visit.inner[0]) & columns(visit.inner[1]);
         a.prefetch_children(node_a, gather(lowest(both)));
         b.prefetch_children(node_b, any_row(both));
-        visit.descend_both::<D>(both, &carried_b.store(), &mut stack)?;
+        // What a limited walk reports is what lanes have met, whatever lies above them.
+        let below = limits.is_none().then(|| carried_b.store());
+        visit.descend_both(both, below.as_ref(), &mut stack)?;
 
         let mut ended = visit.meets & rows(visit.ending[0]) & columns(visit.ending[1]);
-        if D::LIMITED {
+        if let Some(limits) = &mut limits {
             let leaves = ended & rows(node_a.leaf_mask) & columns(node_b.leaf_mask);
             let poses = [a.posed.pose, b.posed.pose];
             let spheres = [&stored_a, &own_b.store()];
-            if report(ended & !leaves, poses, spheres, &mut depths).is_break() {
+            if report(ended & !leaves, poses, spheres, limits).is_break() {
                 return Ok(Walk {
                     nodes_visited,
                     nodes_updated: a.updated + b.updated,
@@ -357,12 +354,13 @@ impl Visit<'_> {
         Ok(())
     }
 
-    /// The pairs `found` of inner lanes; `b` are the second's spheres in the frame of the first.
+    /// The pairs `found` of inner lanes; `b` are the second's spheres in the frame of the first, if what lies below
+    /// a lane of the first is to meet them.
     #[inline(always)]
-    fn descend_both<D: Depth>(
+    fn descend_both(
         &self,
         mut found: u64,
-        b: &Spheres,
+        b: Option<&Spheres>,
         stack: &mut PairStack<'_, '_>,
     ) -> Result<(), QueryError> {
         while found != 0 {
@@ -371,11 +369,9 @@ impl Visit<'_> {
             stack.push(PairStackEntry {
                 a: lane_subtree(self.nodes[0], lane_a).start,
                 b: lane_subtree(self.nodes[1], lane_b).start,
-                // What a limited walk reports is what lanes have met, whatever lies above them.
-                sphere: if D::LIMITED {
-                    EVERYWHERE
-                } else {
-                    lane_sphere(b, lane_b)
+                sphere: match b {
+                    Some(b) => lane_sphere(b, lane_b),
+                    None => EVERYWHERE,
                 },
                 lanes_a: u8::MAX,
                 lanes_b: u8::MAX,
@@ -386,18 +382,27 @@ impl Visit<'_> {
     }
 }
 
+/// Whether nothing below a node's lanes is visited.
+#[inline(always)]
+fn ends(limit: &Option<DepthLimit<'_>>, node: &NodeRecord) -> bool {
+    limit.as_ref().is_some_and(|limit| limit.ends(node))
+}
+
 /// Reports the spheres of pairs of lanes: both, so that those of the two sides correspond.
-fn report<D: Depth>(
+fn report(
     mut pairs: u64,
     poses: [&Pose<'_>; 2],
     spheres: [&Spheres; 2],
-    depths: &mut [D; 2],
+    limits: &mut [Option<DepthLimit<'_>>; 2],
 ) -> ControlFlow<()> {
     while pairs != 0 {
         let (lane_a, lane_b) = lane_pair(pairs);
         pairs &= pairs - 1;
-        depths[0].report(poses[0], spheres[0], lane_a)?;
-        depths[1].report(poses[1], spheres[1], lane_b)?;
+        for (side, lane) in [lane_a, lane_b].into_iter().enumerate() {
+            if let Some(limit) = &mut limits[side] {
+                limit.report(poses[side], spheres[side], lane)?;
+            }
+        }
     }
     ControlFlow::Continue(())
 }

@@ -26,7 +26,7 @@ impl Guided for Closest {
     }
 }
 
-impl Guided for First<false> {
+impl Guided for First {
     fn bound(&self) -> f32 {
         self.bound
     }

@@ -79,7 +79,7 @@ impl Budget<'_> {
         let Some(line) = Line::new(posed.pose, ray)? else {
             return Ok(Rest::NONE.budgeted(None, max_distance, max_distance));
         };
-        let mut visitor = First::<false>::new(line);
+        let mut visitor = First::new(line);
         let rest = self.one(posed, &mut visitor)?;
         let limit = visitor.best.map_or(max_distance, |best| best.distance);
         let left_out = visitor.line.distance(rest.key);
