@@ -1,27 +1,41 @@
-//! NumPy `.npy` arrays of floating-point numbers, and of whole ones.
+//! NumPy `.npy` files: arrays of floating-point numbers and of whole ones are read, arrays of `f64` written.
 //!
-//! Own reader: the header is one dictionary of three entries, and each size in it is checked
-//! against the file before anything is allocated. `npyz`, the oracle of the tests, is not safe
-//! against hostile files: it multiplies the extents unchecked (a panic where overflow is checked)
-//! and parses the header as any Python literal, by recursion.
+//! Our own reader, because files may be hostile: the header is one dictionary of three entries, and each size in it is
+//! checked against the file before anything is allocated. `npyz`, the oracle of the tests, multiplies the extents
+//! unchecked and parses the header as any Python literal, by recursion; it also brings thirty packages, one of which
+//! needs a C compiler.
 
-use super::number::Number;
-use crate::error::{BakeError, Place};
+mod number;
 
-/// An array of real numbers as it lies in a file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NpyArray {
+use std::io::{self, Write};
+
+pub use number::Number;
+
+/// Why bytes are no array of the kind asked for.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NpyError(String);
+
+impl From<&str> for NpyError {
+    fn from(message: &str) -> Self {
+        Self(message.to_string())
+    }
+}
+
+/// An array as it lies in a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NpyArray<T> {
     /// Extent per axis; empty for a single number.
     pub shape: Vec<usize>,
     /// The entries in file order: as many as the product of `shape`.
-    pub values: Vec<f64>,
+    pub values: Vec<T>,
     /// Distance in `values` between neighbours along each axis.
     pub strides: Vec<usize>,
 }
 
-impl NpyArray {
+impl<T: Copy> NpyArray<T> {
     /// The entry at `index` (one number per axis); `None` outside the array.
-    pub fn get(&self, index: &[usize]) -> Option<f64> {
+    pub fn get(&self, index: &[usize]) -> Option<T> {
         let inside = index.iter().zip(&self.shape).all(|(i, n)| i < n);
         if index.len() != self.shape.len() || !inside {
             return None;
@@ -33,50 +47,27 @@ impl NpyArray {
 
 /// The array in `bytes`: dtype `f4` or `f8` of either endianness, C or Fortran order, any shape.
 ///
-/// `stage` and `place` name the reader and the file in errors.
-///
 /// # Errors
 /// Anything that is no .npy file, another dtype, more or fewer bytes than the shape needs.
-pub fn parse(bytes: &[u8], stage: &'static str, place: &str) -> Result<NpyArray, BakeError> {
-    parse_bytes(bytes).map_err(|message| BakeError::one(stage, Place::file(place), message))
-}
-
-/// An array of whole numbers as it lies in a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NpyIntegers {
-    /// Extent per axis.
-    pub shape: Vec<usize>,
-    /// The entries in file order.
-    pub values: Vec<i64>,
-    /// Distance in `values` between neighbours along each axis.
-    pub strides: Vec<usize>,
-}
-
-impl NpyIntegers {
-    /// The entry at `index` (one number per axis); `None` outside the array.
-    pub fn get(&self, index: &[usize]) -> Option<i64> {
-        let inside = index.iter().zip(&self.shape).all(|(i, n)| i < n);
-        if index.len() != self.shape.len() || !inside {
-            return None;
-        }
-        let offset = index.iter().zip(&self.strides).map(|(i, s)| i * s).sum();
-        self.values.get::<usize>(offset).copied()
-    }
+pub fn parse(bytes: &[u8]) -> Result<NpyArray<f64>, NpyError> {
+    let header = Header::parse(bytes)?;
+    let data = bytes.get(header.data_offset..).unwrap_or_default();
+    header.check_size(data.len() as u64)?;
+    let mut values = Vec::with_capacity(data.len() / header.number.size());
+    header.number.each(data, |value| values.push(value));
+    let strides = strides(&header.shape, header.fortran);
+    Ok(NpyArray {
+        shape: header.shape,
+        values,
+        strides,
+    })
 }
 
 /// The array in `bytes`: integers of any size and endianness, C or Fortran order, any shape.
 ///
 /// # Errors
 /// Anything that is no .npy file, another dtype, more or fewer bytes than the shape needs, a number beyond 63 bits.
-pub fn parse_integers(
-    bytes: &[u8],
-    stage: &'static str,
-    place: &str,
-) -> Result<NpyIntegers, BakeError> {
-    integers(bytes).map_err(|message| BakeError::one(stage, Place::file(place), message))
-}
-
-fn integers(bytes: &[u8]) -> Result<NpyIntegers, String> {
+pub fn parse_integers(bytes: &[u8]) -> Result<NpyArray<i64>, NpyError> {
     let (header, data) = split(bytes)?;
     let dtype = dtype(header)?;
     let is_big = dtype.starts_with('>');
@@ -90,10 +81,8 @@ fn integers(bytes: &[u8]) -> Result<NpyIntegers, String> {
         "u4" => (false, 4),
         "u8" => (false, 8),
         _ => {
-            return Err(format!(
-                "dtype {}: needs whole numbers (i1 to u8)",
-                shown(dtype)
-            ));
+            let message = format!("dtype {}: needs whole numbers (i1 to u8)", shown(dtype));
+            return Err(NpyError(message));
         }
     };
     let shape = shape(entry(header, "shape")?)?;
@@ -112,43 +101,49 @@ fn integers(bytes: &[u8]) -> Result<NpyIntegers, String> {
         }
     };
     let values: Option<Vec<i64>> = data.chunks_exact(size).map(number).collect();
-    Ok(NpyIntegers {
+    Ok(NpyArray {
         values: values.ok_or("a number is beyond 63 bits")?,
         strides: strides(&shape, fortran_order(header)?),
         shape,
     })
 }
 
-fn parse_bytes(bytes: &[u8]) -> Result<NpyArray, String> {
-    let header = Header::parse(bytes)?;
-    let data = bytes.get(header.data_offset..).unwrap_or_default();
-    header.check_size(data.len() as u64)?;
-    let mut values = Vec::with_capacity(data.len() / header.number.size());
-    header.number.each(data, |value| values.push(value));
-    let strides = strides(&header.shape, header.fortran);
-    Ok(NpyArray {
-        shape: header.shape,
-        values,
-        strides,
-    })
+/// Writes `values`, in C order, as an array of this shape and dtype `<f8`.
+///
+/// # Errors
+/// What `out` returns.
+pub fn write(shape: &[usize], values: &[f64], out: &mut dyn Write) -> io::Result<()> {
+    debug_assert_eq!(shape.iter().product::<usize>(), values.len());
+    let extents: String = shape.iter().map(|extent| format!("{extent}, ")).collect();
+    let entries = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({extents}), }}");
+    // Signature, version and length take ten bytes, the line's end one; the data begins at a multiple of 64.
+    let len = (10 + entries.len() + 1).next_multiple_of(64) - 10;
+    out.write_all(b"\x93NUMPY\x01\x00")?;
+    let bytes = u16::try_from(len).map_err(|_| io::Error::other("too many axes"))?;
+    out.write_all(&bytes.to_le_bytes())?;
+    writeln!(out, "{entries:width$}", width = len - 1)?;
+    for value in values {
+        out.write_all(&value.to_le_bytes())?;
+    }
+    Ok(())
 }
 
 /// What stands before the data.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Header {
+pub struct Header {
     /// Extent per axis.
-    pub(crate) shape: Vec<usize>,
+    pub shape: Vec<usize>,
     /// How the entries are stored.
-    pub(crate) number: Number,
+    pub number: Number,
     /// The first index varies fastest in the file, not the last.
-    pub(crate) fortran: bool,
+    pub fortran: bool,
     /// Byte of the file at which the data begins.
-    pub(crate) data_offset: usize,
+    pub data_offset: usize,
 }
 
 impl Header {
     /// The header at the start of `bytes`, which may end anywhere behind it.
-    pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
+    pub fn parse(bytes: &[u8]) -> Result<Self, NpyError> {
         let (header, data) = split(bytes)?;
         let fortran = fortran_order(header)?;
         Ok(Self {
@@ -160,17 +155,18 @@ impl Header {
     }
 
     /// Nothing, if the shape needs exactly `found` bytes of data.
-    pub(crate) fn check_size(&self, found: u64) -> Result<(), String> {
+    pub fn check_size(&self, found: u64) -> Result<(), NpyError> {
         check_size(&self.shape, self.number.size(), found)
     }
 }
 
 /// Nothing, if entries of `size` bytes in this shape need exactly `found` bytes of data.
-fn check_size(shape: &[usize], size: usize, found: u64) -> Result<(), String> {
+fn check_size(shape: &[usize], size: usize, found: u64) -> Result<(), NpyError> {
     let need = shape
         .iter()
         .try_fold(size, |n, &extent| n.checked_mul(extent))
-        .ok_or_else(|| format!("shape {shape:?} is larger than any memory"))? as u64;
+        .ok_or_else(|| NpyError(format!("shape {shape:?} is larger than any memory")))?
+        as u64;
     if found == need {
         return Ok(());
     }
@@ -179,13 +175,13 @@ fn check_size(shape: &[usize], size: usize, found: u64) -> Result<(), String> {
     } else {
         "has bytes after its data"
     };
-    Err(format!(
+    Err(NpyError(format!(
         "{odd}: shape {shape:?} needs {need} bytes of data, found {found}"
-    ))
+    )))
 }
 
 /// The header's text and what stands behind it.
-fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
+fn split(bytes: &[u8]) -> Result<(&str, &[u8]), NpyError> {
     let rest = bytes
         .strip_prefix(b"\x93NUMPY")
         .ok_or("is not a .npy file (no NumPy signature)")?;
@@ -200,14 +196,14 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
             let (size, rest) = rest.split_first_chunk::<4>().ok_or(cut)?;
             (u32::from_le_bytes(*size) as usize, rest)
         }
-        other => return Err(format!("unknown .npy version {other}")),
+        other => return Err(NpyError(format!("unknown .npy version {other}"))),
     };
     let (header, data) = rest.split_at_checked(header_bytes).ok_or(cut)?;
     let header = std::str::from_utf8(header).map_err(|_| "header is not text")?;
     Ok((header, data))
 }
 
-fn fortran_order(header: &str) -> Result<bool, String> {
+fn fortran_order(header: &str) -> Result<bool, NpyError> {
     match word(entry(header, "fortran_order")?) {
         "True" => Ok(true),
         "False" => Ok(false),
@@ -215,7 +211,7 @@ fn fortran_order(header: &str) -> Result<bool, String> {
     }
 }
 
-fn dtype(header: &str) -> Result<&str, String> {
+fn dtype(header: &str) -> Result<&str, NpyError> {
     let descr = entry(header, "descr")?;
     Ok(descr
         .strip_prefix(['\'', '"'])
@@ -232,7 +228,7 @@ fn shown(dtype: &str) -> String {
         .collect()
 }
 
-fn number(header: &str) -> Result<Number, String> {
+fn number(header: &str) -> Result<Number, NpyError> {
     let dtype = dtype(header)?;
     Ok(match dtype {
         "<f4" => Number::F4Le,
@@ -253,21 +249,20 @@ fn number(header: &str) -> Result<Number, String> {
                 _ => "",
             };
             let shown = shown(other);
-            return Err(format!(
-                "dtype {shown}{kind}: needs float32 or float64 (f4, f8)"
-            ));
+            let message = format!("dtype {shown}{kind}: needs float32 or float64 (f4, f8)");
+            return Err(NpyError(message));
         }
     })
 }
 
 /// What follows `'key':` in the header.
-fn entry<'h>(header: &'h str, key: &str) -> Result<&'h str, String> {
+fn entry<'h>(header: &'h str, key: &str) -> Result<&'h str, NpyError> {
     ['\'', '"']
         .iter()
         .find_map(|quote| header.split_once(&format!("{quote}{key}{quote}")))
         .and_then(|(_, after)| after.trim_start().strip_prefix(':'))
         .map(str::trim_start)
-        .ok_or_else(|| format!("header has no entry {key}"))
+        .ok_or_else(|| NpyError(format!("header has no entry {key}")))
 }
 
 fn word(text: &str) -> &str {
@@ -276,7 +271,7 @@ fn word(text: &str) -> &str {
 }
 
 /// `(3, 4)`, `(3,)` or `()`.
-fn shape(text: &str) -> Result<Vec<usize>, String> {
+fn shape(text: &str) -> Result<Vec<usize>, NpyError> {
     let inner = text
         .strip_prefix('(')
         .and_then(|rest| rest.split_once(')'))

@@ -2,7 +2,7 @@
 
 /// How one number is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Number {
+pub enum Number {
     /// float32, little-endian.
     F4Le,
     /// float32, big-endian.
@@ -15,7 +15,7 @@ pub(crate) enum Number {
 
 impl Number {
     /// Bytes of one number.
-    pub(crate) fn size(self) -> usize {
+    pub fn size(self) -> usize {
         match self {
             Number::F4Le | Number::F4Be => 4,
             Number::F8Le | Number::F8Be => 8,
@@ -23,12 +23,12 @@ impl Number {
     }
 
     /// True for the formats that round to float32.
-    pub(crate) fn is_single(self) -> bool {
+    pub fn is_single(self) -> bool {
         self.size() == 4
     }
 
     /// Gives `take` the numbers in `bytes`, in order; an incomplete one at the end is left out.
-    pub(crate) fn each(self, bytes: &[u8], mut take: impl FnMut(f64)) {
+    pub fn each(self, bytes: &[u8], mut take: impl FnMut(f64)) {
         // One loop per format, so that the format is not asked for at every number.
         match self {
             Number::F4Le => pieces(bytes, |b| take(f32::from_le_bytes(b).into())),

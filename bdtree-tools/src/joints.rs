@@ -4,12 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use bdtree_runtime::{Asset, JointMatrix, Model, SkeletonError, SkeletonPose};
-use npyz::NpyFile;
 
 use crate::q::counted;
-
-/// Most bytes of the header of a file of joints: numpy writes 128.
-const HEADER_MAX: usize = 1024;
 
 /// What a clip shows at a time: one number per mode, and the matrices of the joints.
 ///
@@ -72,49 +68,16 @@ pub(crate) fn check_count(asset: &Asset<'_>, asset_name: &str, found: usize) -> 
 pub(crate) fn read(path: &Path) -> Result<Vec<JointMatrix>, String> {
     let bytes =
         fs::read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
-    let wrong = |what: &str| Err(format!("{}: {what}", path.display()));
-    // The reader multiplies extents unchecked and parses by recursion, so headers that no array of joints has stay out.
-    let header = &bytes[..bytes.len().min(HEADER_MAX)];
-    let Some(end) = header.iter().position(|b| *b == b'\n') else {
-        return wrong("not a .npy file of joint matrices: no header of at most 1024 bytes");
-    };
-    let is_long = |run: &[u8]| run.len() > 6;
-    let text = header.get(10..end).unwrap_or_default();
-    let mut runs = text
-        .split(|b| !b.is_ascii_digit())
-        .filter(|run| !run.is_empty());
-    if runs.clone().any(is_long) || runs.by_ref().count() > 6 {
-        return wrong("expected an array of shape (joints, 3, 4)");
-    }
-    let file = match NpyFile::new(bytes.as_slice()) {
-        Ok(file) => file,
-        Err(error) => return wrong(&format!("not a .npy file: {error}")),
-    };
-    let &[count, 3, 4] = file.shape() else {
+    let wrong = |what: &str| format!("{}: {what}", path.display());
+    let array = bdtree_npy::parse(&bytes).map_err(|error| wrong(&error.to_string()))?;
+    let &[count, 3, 4] = array.shape.as_slice() else {
         let found = format!(
             "expected an array of shape (joints, 3, 4), found {:?}",
-            file.shape()
+            array.shape
         );
-        return wrong(&found);
+        return Err(wrong(&found));
     };
-    if file.order() != npyz::Order::C {
-        return wrong("expected numbers in C order, found Fortran order");
-    }
-    let numbers: Result<Vec<f64>, _> = match file.try_data::<f64>() {
-        Ok(data) => data.collect(),
-        Err(file) => match file.try_data::<f32>() {
-            Ok(data) => data.map(|x| x.map(f64::from)).collect(),
-            Err(_) => return wrong("expected numbers of type <f8 or <f4"),
-        },
-    };
-    let numbers = match numbers {
-        Ok(numbers) => numbers,
-        Err(error) => return wrong(&error.to_string()),
-    };
-    let (rows, _) = numbers.as_chunks::<4>();
-    let (matrices, _) = rows.as_chunks::<3>();
-    if matrices.len() as u64 != count {
-        return wrong("the file is shorter than its header says");
-    }
-    Ok(matrices.to_vec())
+    let number = |b, i, k| array.get(&[b, i, k]).unwrap_or(f64::NAN);
+    let matrix = |b| std::array::from_fn(|i| std::array::from_fn(|k| number(b, i, k)));
+    Ok((0..count).map(matrix).collect())
 }

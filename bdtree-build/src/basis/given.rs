@@ -8,9 +8,9 @@ use std::path::Path;
 use super::{Basis, BasisMode};
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::forget_folder;
-use crate::input::npy::{self, NpyArray};
 use crate::input::read_file::read_file;
 use crate::words::words;
+use bdtree_npy::NpyArray;
 
 /// Vertices whose entries are put in order at a time.
 const VERTICES: usize = 256;
@@ -40,7 +40,7 @@ impl Layout {
     }
 
     /// Where axis `k` of vertex `i` in field `j` stands in the array.
-    fn entry(self, array: &NpyArray, i: usize, k: usize, j: usize) -> Option<f64> {
+    fn entry(self, array: &NpyArray<f64>, i: usize, k: usize, j: usize) -> Option<f64> {
         match self {
             Layout::N3M => array.get(&[i, k, j]),
             Layout::ThreeNM => array.get(&[3 * i + k, j]),
@@ -83,7 +83,7 @@ pub fn given_basis(
     vertex_count: usize,
 ) -> Result<GivenBasis, BakeError> {
     let file = Place::from(path);
-    let array = npy::parse(&read(path)?, "basis", &file.to_string())?;
+    let array = array(&read(path)?, &file)?;
     let (layout, mode_count) = settle(&array, layout, vertex_count, &file)?;
     let mut basis = Basis {
         vertex_count,
@@ -124,9 +124,14 @@ fn read(path: &Path) -> Result<Vec<u8>, BakeError> {
     read_file(path).map_err(|e| BakeError::one("basis", path, format!("cannot be read: {e}")))
 }
 
+/// The array in these bytes of a file of this stage.
+fn array(bytes: &[u8], file: &Place) -> Result<NpyArray<f64>, BakeError> {
+    bdtree_npy::parse(bytes).map_err(|e| BakeError::one("basis", file.clone(), e.to_string()))
+}
+
 /// The one layout that fits, and the number of fields.
 fn settle(
-    array: &NpyArray,
+    array: &NpyArray<f64>,
     asked: Option<Layout>,
     n: usize,
     file: &Place,

@@ -5,7 +5,6 @@
 //! a warning; everything else an error that names file and line, all of them at once.
 
 pub mod gltf;
-pub mod npy;
 pub mod obj;
 pub mod ply;
 pub mod sequence;
@@ -16,7 +15,6 @@ mod degenerate;
 mod faces;
 mod load;
 mod morphs;
-mod number;
 pub(crate) mod read_file;
 mod skin;
 mod skin_arrays;

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use bdtree_format::{BONE_COUNT_MAX, INFLUENCES_MAX};
 
-use super::npy::{self, NpyArray, NpyIntegers};
 use super::read_file::read_file;
 use super::{Local, RawBone, RawInfluences, RawSkeletonNode, RawSkin, Rows};
 use crate::error::{BakeError, Part, Place};
+use bdtree_npy::{NpyArray, NpyError};
 
 /// Last rows of matrices that are off by more are none of an affine map.
 const LAST_ROW_TOLERANCE: f64 = 1e-5;
@@ -36,8 +36,8 @@ impl SkinArrays {
     /// Files that cannot be read, shapes that do not fit, numbers that are none: the first of each kind.
     pub fn read(&self, vertex_count: usize) -> Result<RawSkin, BakeError> {
         let matrices = matrices(&self.inverse_bind)?;
-        let weights: NpyArray = npy::parse(&bytes(&self.weights)?, "input", &name(&self.weights))?;
-        let joints = npy::parse_integers(&bytes(&self.joints)?, "input", &name(&self.joints))?;
+        let weights = parsed(&self.weights, bdtree_npy::parse)?;
+        let joints = parsed(&self.joints, bdtree_npy::parse_integers)?;
         let influences = influences(self, &weights, &joints, vertex_count, matrices.len())?;
         let mut skin = RawSkin {
             influences,
@@ -59,17 +59,18 @@ impl SkinArrays {
     }
 }
 
-fn bytes(path: &Path) -> Result<Vec<u8>, BakeError> {
-    read_file(path).map_err(|e| BakeError::one("input", path, format!("cannot be read: {e}")))
-}
-
-fn name(path: &Path) -> String {
-    path.display().to_string()
+fn parsed<T>(
+    path: &Path,
+    parse: fn(&[u8]) -> Result<NpyArray<T>, NpyError>,
+) -> Result<NpyArray<T>, BakeError> {
+    let fail = |message: String| BakeError::one("input", path, message);
+    let bytes = read_file(path).map_err(|e| fail(format!("cannot be read: {e}")))?;
+    parse(&bytes).map_err(|e| fail(e.to_string()))
 }
 
 /// Each inverse bind matrix with what undoes it.
 fn matrices(path: &Path) -> Result<Vec<(Rows, Rows)>, BakeError> {
-    let array = npy::parse(&bytes(path)?, "input", &name(path))?;
+    let array = parsed(path, bdtree_npy::parse)?;
     let fail = |message: String| Err(BakeError::one("input", path, message));
     let (count, rows) = match array.shape[..] {
         [count, rows @ (3 | 4), 4] => (count, rows),
@@ -111,8 +112,8 @@ fn matrices(path: &Path) -> Result<Vec<(Rows, Rows)>, BakeError> {
 /// The bones of the vertices.
 fn influences(
     arrays: &SkinArrays,
-    weights: &NpyArray,
-    joints: &NpyIntegers,
+    weights: &NpyArray<f64>,
+    joints: &NpyArray<i64>,
     vertex_count: usize,
     bone_count: usize,
 ) -> Result<RawInfluences, BakeError> {

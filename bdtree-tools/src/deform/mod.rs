@@ -1,6 +1,5 @@
 //! `bdtree deform`: the deformed mesh as a file.
 
-mod npy;
 mod obj;
 
 use std::io::Write;
@@ -46,7 +45,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
             .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
     };
     if let Some(path) = arguments.output.as_ref().filter(is_npy) {
-        write_whole(path, |w| npy::write(&positions, w))?;
+        write_whole(path, |w| {
+            bdtree_npy::write(&[positions.len(), 3], positions.as_flattened(), w)
+        })?;
         return Ok(DONE);
     }
     let triangles = triangles(&file)?;

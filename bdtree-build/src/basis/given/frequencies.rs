@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use crate::error::{BakeError, Part, Place, Problems};
-use crate::input::npy;
 
 /// Angular frequencies in rad/s from the `mode_count` frequencies in Hz in the file at `path`.
 ///
@@ -14,7 +13,7 @@ pub(super) fn read(path: &Path, mode_count: usize) -> Result<Vec<f64>, BakeError
     let bytes = super::read(path)?;
     let mut problems = Problems::new("basis");
     let hertz: Vec<(f64, Part)> = if bytes.starts_with(b"\x93NUMPY") {
-        let array = npy::parse(&bytes, "basis", &file.to_string())?;
+        let array = super::array(&bytes, &file)?;
         let locate = |(j, value)| (value, Part::Entry(j));
         array.values.into_iter().enumerate().map(locate).collect()
     } else {

@@ -14,9 +14,9 @@ use sha2::{Digest, Sha256};
 use super::data::{FrameData, Order};
 use super::{FrameSequence, Places, SUPPORTED, check_vertex_count};
 use crate::error::{BakeError, Problems};
-use crate::input::number::Number;
-use crate::input::{RawMesh, load, npy};
+use crate::input::{RawMesh, load};
 use crate::progress::Progress;
+use bdtree_npy::Number;
 
 /// Bytes of a .npy file in which its header must end.
 const NPY_HEADER_MAX: u64 = 1 << 20;
@@ -194,7 +194,7 @@ fn npy(mut file: File, file_bytes: u64, fps: Option<f64>) -> Result<Header, Stri
         .take(NPY_HEADER_MAX)
         .read_to_end(&mut bytes)
         .map_err(|e| format!("cannot be read: {e}"))?;
-    let header = npy::Header::parse(&bytes)?;
+    let header = bdtree_npy::Header::parse(&bytes).map_err(|e| e.to_string())?;
     let &[frame_count, vertex_count, 3] = header.shape.as_slice() else {
         let shape = &header.shape;
         return Err(format!(
@@ -202,7 +202,9 @@ fn npy(mut file: File, file_bytes: u64, fps: Option<f64>) -> Result<Header, Stri
         ));
     };
     let offset = header.data_offset as u64;
-    header.check_size(file_bytes.saturating_sub(offset))?;
+    header
+        .check_size(file_bytes.saturating_sub(offset))
+        .map_err(|e| e.to_string())?;
     check_some(frame_count, vertex_count)?;
     let data = FrameData {
         file: Mutex::new(file),

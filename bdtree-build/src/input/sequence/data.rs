@@ -8,8 +8,8 @@ use std::sync::{Mutex, PoisonError};
 use sha2::{Digest, Sha256};
 
 use crate::error::{Part, Place, Problems};
-use crate::input::number::Number;
 use crate::progress::Progress;
+use bdtree_npy::Number;
 
 /// Bytes that are scanned at a time: a multiple of every number's size.
 const SCAN_BYTES: usize = 1 << 20;

@@ -13,9 +13,9 @@ use super::data::{FrameData, Order, is_coordinate, what_is_wrong};
 use super::names::{self, Frames};
 use super::{FrameSequence, Places, caches, check_vertex_count};
 use crate::error::{BakeError, Part, Place, Problems};
-use crate::input::number::Number;
 use crate::input::{RawMesh, load, read_mesh};
 use crate::progress::Progress;
+use bdtree_npy::Number;
 
 /// The frames in the folder at `path`.
 pub(super) fn open(
