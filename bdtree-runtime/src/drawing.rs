@@ -43,7 +43,7 @@ impl StoredToWorld {
 
     /// Bound of what rounding in f64 does to this map, to its application in any order, and to
     /// [`Pose::deformed`] of the same point, together: of points within `reach` stored units of the stored origin (world
-    /// units; `ε` of docs/design/guarantees.md).
+    /// units; `Placement::error` of docs/design/guarantees.md).
     pub fn error(&self, reach: f64) -> f64 {
         self.0.error(0.0, reach) * self.0.world_per_stored()
     }

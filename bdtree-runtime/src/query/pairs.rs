@@ -217,7 +217,8 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
     ///
     /// With `prediction` 0 only triangles that touch form regions. Above 0, pairs up to `prediction` apart form and
     /// connect regions too. A region where nothing touches is one point, at its nearest pair, with depth 0 and a positive
-    /// distance. A region where the surfaces cross in a closed curve keeps its points, depth and area.
+    /// distance. Where the surfaces cross in closed curves, pairs that do not touch may join regions, but add nothing to
+    /// points, depth and area.
     ///
     /// Depth is found by casting a ray along the normal; where it hits nothing, depth is measured from the contour's
     /// mean plane. Where the contour is far from flat, normal and area are those of its projection. On smooth surfaces
