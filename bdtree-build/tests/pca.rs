@@ -135,7 +135,7 @@ fn few_frames_and_many_frames() {
     assert_eq!(found.basis.mode_count(), 12);
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     assert!(warnings[0].starts_with(
-        "frames.npy: 30 modes were asked for, 12 are stored: the 100 frames have 12 independent"
+        "frames.npy: 12 of up to 30 modes are stored: the 100 frames have 12 independent"
     ));
     assert!(found.error.max_rel < 1e-6);
     assert_error_is_true(&found, &made.frames, "many frames");
@@ -145,7 +145,7 @@ fn few_frames_and_many_frames() {
     let made = make(frames.clone(), &frames[0], Precision::Double);
     let (found, warnings) = pca_with_warnings(&made, &count(5));
     assert_eq!(found.basis.mode_count(), 1);
-    let told = "5 modes were asked for, 1 is stored: 2 frames have at most 1 independent component";
+    let told = "1 of up to 5 modes is stored: 2 frames have at most 1 independent component";
     assert!(warnings[0].ends_with(told), "{warnings:?}");
     let q = &found.basis.animation.as_ref().expect("an animation").q;
     assert!((q[0] + q[1]).abs() < 1e-14 * q[0].abs(), "{q:?}");
@@ -229,7 +229,7 @@ fn rounding_makes_no_modes() {
             let (found, warnings) = pca_with_warnings(&made, &count(12));
             assert_eq!(found.basis.mode_count(), 3, "{n} {t}: {warnings:?}");
             assert!(
-                warnings[0].contains("12 modes were asked for, 3 are stored"),
+                warnings[0].contains("3 of up to 12 modes are stored"),
                 "{warnings:?}"
             );
             assert!(found.error.max_rel < 5e-7, "{:?}", found.error);

@@ -2,7 +2,7 @@
 //!
 //! Our own reader, because files may be hostile: the header is one dictionary of three entries, and each size in it is
 //! checked against the file before anything is allocated. `npyz`, the oracle of the tests, multiplies the extents
-//! unchecked and parses the header as any Python literal, by recursion; it also brings thirty packages, one of which
+//! unchecked and parses the header as any Python literal, by recursion; it also brings fifteen packages, one of which
 //! needs a C compiler.
 
 mod number;
@@ -111,9 +111,12 @@ pub fn parse_integers(bytes: &[u8]) -> Result<NpyArray<i64>, NpyError> {
 /// Writes `values`, in C order, as an array of this shape and dtype `<f8`.
 ///
 /// # Errors
-/// What `out` returns.
+/// Another number of values than the shape has, more axes than a header holds, what `out` returns.
 pub fn write(shape: &[usize], values: &[f64], out: &mut dyn Write) -> io::Result<()> {
-    debug_assert_eq!(shape.iter().product::<usize>(), values.len());
+    if shape.iter().product::<usize>() != values.len() {
+        let message = format!("{} values for an array of shape {shape:?}", values.len());
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
     let extents: String = shape.iter().map(|extent| format!("{extent}, ")).collect();
     let entries = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({extents}), }}");
     // Signature, version and length take ten bytes, the line's end one; the data begins at a multiple of 64.

@@ -47,6 +47,14 @@ fn npyz_reads_what_is_written() {
 }
 
 #[test]
+fn values_that_do_not_fill_the_shape_are_refused() {
+    let mut bytes = Vec::new();
+    let error = write(&[2, 3], &[0.0; 5], &mut bytes).expect_err("one is missing");
+    assert_eq!(error.to_string(), "5 values for an array of shape [2, 3]");
+    assert!(bytes.is_empty());
+}
+
+#[test]
 fn entries_are_found_in_either_order_and_endianness() {
     let (rows, columns) = (3, 5);
     let at = |i: usize, k: usize| (10 * i + k) as f64 - 7.0;

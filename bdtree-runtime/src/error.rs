@@ -17,6 +17,36 @@ pub enum Datum {
     Real(f64),
     /// A section kind.
     Kind(SectionKind),
+    /// This or less.
+    AtMost(f64),
+    /// This or more.
+    AtLeast(f64),
+    /// The first or more, and the second or less.
+    Within(f64, f64),
+    /// Less than this: an index, of so many elements.
+    Below(u64),
+}
+
+impl Datum {
+    /// [`Datum::AtMost`] of a number.
+    pub(crate) fn at_most(limit: impl Into<Self>) -> Self {
+        Self::AtMost(limit.into().number())
+    }
+
+    /// [`Datum::AtLeast`] of a number.
+    pub(crate) fn at_least(limit: impl Into<Self>) -> Self {
+        Self::AtLeast(limit.into().number())
+    }
+
+    /// NaN where it is none.
+    fn number(self) -> f64 {
+        match self {
+            Self::Integer(x) | Self::Below(x) => x as f64,
+            Self::Signed(x) => x as f64,
+            Self::Real(x) | Self::AtMost(x) | Self::AtLeast(x) => x,
+            Self::Text(_) | Self::Kind(_) | Self::Within(..) => f64::NAN,
+        }
+    }
 }
 
 impl fmt::Display for Datum {
@@ -27,6 +57,10 @@ impl fmt::Display for Datum {
             Self::Signed(x) => write!(f, "{x}"),
             Self::Real(x) => write!(f, "{x:?}"),
             Self::Kind(kind) => write!(f, "{kind}"),
+            Self::AtMost(x) => write!(f, "at most {x}"),
+            Self::AtLeast(x) => write!(f, "at least {x}"),
+            Self::Within(low, high) => write!(f, "{low} to {high}"),
+            Self::Below(count) => write!(f, "less than {count}"),
         }
     }
 }
@@ -72,7 +106,7 @@ pub struct FormatError {
     pub byte: u64,
     /// Number and words of the rule in `SPEC.md`, or which argument is wrong.
     pub rule: &'static str,
-    /// What the rule asks for. For an index: the number of elements, which it must be below.
+    /// What the rule asks for; of an index [`Datum::Below`].
     pub expected: Datum,
     /// What the file holds, or what was given.
     pub found: Datum,

@@ -3,7 +3,7 @@
 use bdtree_format::SectionKind;
 
 use crate::contact::TriangleId;
-use crate::error::FormatError;
+use crate::error::{Datum, FormatError};
 use crate::pose::Pose;
 
 /// What is wrong with the caller's `out`.
@@ -18,7 +18,7 @@ impl Pose<'_> {
     ///
     /// # Errors
     /// A triangle id that is not below [`Asset::triangle_count`](crate::Asset::triangle_count); `out` shorter than the
-    /// mode count, which is `expected`; a corrupt asset.
+    /// mode count; a corrupt asset.
     pub fn add_generalized_force(
         &self,
         triangle: TriangleId,
@@ -32,7 +32,7 @@ impl Pose<'_> {
         let found = out.len();
         let Some(out) = out.get_mut(..m) else {
             let place = asset.at(SectionKind::DISPLACEMENTS, 0);
-            return Err(place.rule(SHORT).broken(m, found));
+            return Err(place.rule(SHORT).broken(Datum::at_least(m), found));
         };
         // x = t + s Q (origin + unit p'), so ∂x/∂q_j · f = s unit U_ij · (Qᵀ f).
         let local = self.placement.inverse_rotate(force);

@@ -62,7 +62,7 @@ impl Model {
     /// [`QueryError::Corrupt`](crate::QueryError::Corrupt), and it is a data race (undefined behavior). If it is
     /// truncated, reading past the new end is a bus error (SIGBUS), which ends the program. Replacing a file by
     /// renaming another over it, as `bdtree-build` does, is safe: the map keeps the old one. Use [`Model::read`] for
-    /// files that others may change.
+    /// files that others may change. `docs/design/unsafe.md` lists this condition.
     ///
     /// # Errors
     /// When it cannot be opened or mapped, is no plain file, or is not a `.bdt` file.
@@ -169,7 +169,7 @@ impl LoadError {
 impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Io { path, error } => write!(f, "cannot read {}: {error}", path.display()),
+            Self::Io { path, error } => write!(f, "{}: cannot be read: {error}", path.display()),
             Self::Format { path, error } => {
                 let path = path.display();
                 if error.rule == MAGIC_BYTES {

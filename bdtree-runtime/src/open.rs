@@ -11,7 +11,9 @@ use bdtree_format::{
 use core::mem::{offset_of, size_of};
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
-use crate::error::{Check, FormatError, HEADER_CRC, HEADER_SECTION, MAGIC_BYTES, ONE_VERSION};
+use crate::error::{
+    Check, Datum, FormatError, HEADER_CRC, HEADER_SECTION, MAGIC_BYTES, ONE_VERSION,
+};
 use crate::simd::Kernel;
 use crate::view::Asset;
 use sections::{locate_sections, section_bytes, view};
@@ -97,7 +99,7 @@ fn fixed_header(bytes: &[u8]) -> Result<&Header, FormatError> {
     }
     let Ok((header, _)) = Header::ref_from_prefix(bytes) else {
         let rule = header_at(bytes.len()).rule(WHOLE_HEADER);
-        return Err(rule.broken(size_of::<Header>(), bytes.len()));
+        return Err(rule.broken(Datum::at_least(size_of::<Header>()), bytes.len()));
     };
     let aligned = (bytes.as_ptr() as usize).is_multiple_of(BASE_ALIGNMENT);
     header_at(0)
@@ -119,11 +121,19 @@ fn header_block<'a>(bytes: &'a [u8], header: &Header) -> Result<&'a [u8], Format
     let modes = header.mode_count.get() as usize;
     header_at(offset_of!(Header, mode_count))
         .rule("SPEC 2.1: at most 512 modes")
-        .holds(modes <= MODE_COUNT_MAX, MODE_COUNT_MAX, modes)?;
+        .holds(
+            modes <= MODE_COUNT_MAX,
+            Datum::at_most(MODE_COUNT_MAX),
+            modes,
+        )?;
     let sections = header.section_count.get() as usize;
     header_at(offset_of!(Header, section_count))
         .rule("SPEC 2.1: at most 64 sections")
-        .holds(sections <= SECTION_COUNT_MAX, SECTION_COUNT_MAX, sections)?;
+        .holds(
+            sections <= SECTION_COUNT_MAX,
+            Datum::at_most(SECTION_COUNT_MAX),
+            sections,
+        )?;
     let tables = section_table_start(header) + sections * size_of::<SectionRecord>();
     let needed = tables.next_multiple_of(SECTION_ALIGNMENT);
     let found = header.header_bytes.get() as usize;
@@ -132,7 +142,8 @@ fn header_block<'a>(bytes: &'a [u8], header: &Header) -> Result<&'a [u8], Format
         .holds(found == needed, needed, found)?;
     let Some(block) = bytes.get(..found) else {
         let rule = "SPEC 3.4: the header block lies inside the file";
-        return Err(header_at(bytes.len()).rule(rule).broken(found, bytes.len()));
+        let place = header_at(bytes.len()).rule(rule);
+        return Err(place.broken(Datum::at_least(found), bytes.len()));
     };
     let at = offset_of!(Header, header_crc);
     let mut hasher = crc32fast::Hasher::new();
@@ -176,7 +187,7 @@ where
     let rest = block.get(start..).unwrap_or_default();
     <[T]>::ref_from_prefix_with_elems(rest, count).map_err(|_| {
         let rule = header_at(start).rule(rule);
-        rule.broken(count * size_of::<T>(), rest.len())
+        rule.broken(Datum::at_least(count * size_of::<T>()), rest.len())
     })
 }
 
@@ -210,20 +221,36 @@ fn check_ranges(header: &Header, modes: &[ModeRecord]) -> Result<(), FormatError
     for (i, x) in header.origin.iter().enumerate() {
         header_at(offset_of!(Header, origin) + 8 * i)
             .rule("SPEC 5.2: the origin is finite and at most 2^80")
-            .holds(x.get().abs() <= ORIGIN_MAX, ORIGIN_MAX, x.get())?;
+            .holds(
+                x.get().abs() <= ORIGIN_MAX,
+                Datum::Within(-ORIGIN_MAX, ORIGIN_MAX),
+                x.get(),
+            )?;
     }
     let (e, max) = (header.unit_exponent.get(), UNIT_EXPONENT_MAX);
     header_at(offset_of!(Header, unit_exponent))
         .rule("SPEC 5.2: the unit exponent lies within ±100")
-        .holds((-max..=max).contains(&e), max, e)?;
+        .holds(
+            (-max..=max).contains(&e),
+            Datum::Within((-max).into(), max.into()),
+            e,
+        )?;
     let depth = header.depth.get() as usize;
     header_at(offset_of!(Header, depth))
         .rule("SPEC 2.1: a tree has 1 to 32 levels")
-        .holds((1..=DEPTH_MAX).contains(&depth), DEPTH_MAX, depth)?;
+        .holds(
+            (1..=DEPTH_MAX).contains(&depth),
+            Datum::Within(1.0, DEPTH_MAX as f64),
+            depth,
+        )?;
     let (leaf, max) = (header.leaf_triangles_max.get() as usize, LEAF_TRIANGLES_MAX);
     header_at(offset_of!(Header, leaf_triangles_max))
         .rule("SPEC 2.1: leaf_triangles_max is 1 to 255")
-        .holds((1..=max).contains(&leaf), max, leaf)?;
+        .holds(
+            (1..=max).contains(&leaf),
+            Datum::Within(1.0, max as f64),
+            leaf,
+        )?;
     for (offset, count) in [
         (offset_of!(Header, node_count), header.node_count),
         (offset_of!(Header, vertex_count), header.vertex_count),
@@ -231,7 +258,7 @@ fn check_ranges(header: &Header, modes: &[ModeRecord]) -> Result<(), FormatError
     ] {
         header_at(offset)
             .rule("SPEC 2.1: there is at least one node, vertex and triangle")
-            .holds(count.get() != 0, 1_u32, 0_u32)?;
+            .holds(count.get() != 0, Datum::AtLeast(1.0), 0_u32)?;
     }
     let p = header.position_norm_max.get();
     let mut reach = f64::from(p);
@@ -249,7 +276,7 @@ fn check_ranges(header: &Header, modes: &[ModeRecord]) -> Result<(), FormatError
     )
     .holds(
         (REACH_MIN..=REACH_MAX).contains(&reach),
-        "a reach in range",
+        Datum::Within(REACH_MIN, REACH_MAX),
         reach,
     )
 }
@@ -292,7 +319,7 @@ fn check_mode(mode: &ModeRecord, at: usize) -> Result<(), FormatError> {
                 "SPEC 2.2: a frequency is finite and not negative, a mass finite and positive, \
                  or -1: unknown",
             )
-            .holds(known, -1.0_f64, x)?;
+            .holds(known, "a number in range, or -1", x)?;
     }
     Ok(())
 }

@@ -171,7 +171,7 @@ impl<'a> Asset<'a> {
             let n = norm(x.map(f64::from));
             if n * (1.0 - CHECKED_NORM) > limit {
                 let place = self.at(section, size_of::<[f32; 3]>() * index);
-                return report(place.rule(NORMS).broken(limit, n));
+                return report(place.rule(NORMS).broken(Datum::AtMost(limit), n));
             }
             ControlFlow::Continue(())
         };
@@ -224,7 +224,7 @@ impl<'a> Asset<'a> {
             let at = self.at(SectionKind::NODES, i * size_of::<NodeRecord>());
             if let Some(e) = node.scale_exponents.iter().find(|e| **e < EXPONENT_MIN) {
                 let rule = at.rule("SPEC 6.1: exponents of units are at least -126");
-                report(rule.broken(EXPONENT_MIN, *e))?;
+                report(rule.broken(Datum::at_least(EXPONENT_MIN), *e))?;
             }
             if i as u64 == level_end {
                 level += 1;
@@ -254,7 +254,12 @@ impl<'a> Asset<'a> {
             }
             let behind = i as u64 + 1;
             at.rule("SPEC 6.3: a node's children stand behind it")
-                .tell(report, next_child >= behind, behind, next_child)?;
+                .tell(
+                    report,
+                    next_child >= behind,
+                    Datum::at_least(behind),
+                    next_child,
+                )?;
             let (inner, leaves) = (node.inner_mask, node.leaf_mask);
             let ok = inner & leaves == 0 && inner | leaves != 0;
             at.rule("SPEC 6.2: a lane is empty, inner or leaf, and a node has one at least")
@@ -265,11 +270,24 @@ impl<'a> Asset<'a> {
                 at.rule(
                     "SPEC 6.2: leaf lanes, and no others, hold 1 to leaf_triangles_max triangles",
                 )
-                .tell(report, ok, leaf_max, *count)?;
+                .tell(
+                    report,
+                    ok,
+                    if leaf {
+                        Datum::Within(1.0, leaf_max.into())
+                    } else {
+                        Datum::Integer(0)
+                    },
+                    *count,
+                )?;
             }
             let count = usize::from(node.mode_count);
-            at.rule("SPEC 6.1: a node has at most all modes")
-                .tell(report, count <= m, m, count)?;
+            at.rule("SPEC 6.1: a node has at most all modes").tell(
+                report,
+                count <= m,
+                Datum::at_most(m),
+                count,
+            )?;
             match self.node_rows(node) {
                 Ok(rows) => self.empty_lanes(node, &rows, report)?,
                 Err(error) => report(error)?,
@@ -355,7 +373,7 @@ impl<'a> Asset<'a> {
                 report(
                     self.at(SectionKind::TRIANGLES, start)
                         .rule(rule)
-                        .broken(count, *v),
+                        .broken(Datum::Below(count as u64), *v),
                 )?;
             }
             let back = self.triangle_slots.get(triangle.id as usize);
@@ -379,7 +397,12 @@ impl<'a> Asset<'a> {
             let at = self.at(SectionKind::GROUPS, i * size_of::<GroupRecord>());
             let first = group.first_triangle;
             at.rule("SPEC 7.4: groups stand in the order of their triangles")
-                .tell(report, first >= first_before, first_before, first)?;
+                .tell(
+                    report,
+                    first >= first_before,
+                    Datum::at_least(first_before),
+                    first,
+                )?;
             first_before = first;
             let end = u64::from(first) + u64::from(group.triangle_count);
             let start = group.name_start as usize;
@@ -389,7 +412,12 @@ impl<'a> Asset<'a> {
             let named = name.is_some_and(|n| core::str::from_utf8(n).is_ok());
             let count = self.triangles.len();
             at.rule("SPEC 7.4: a group's triangles exist and its name is UTF-8 in GNAM")
-                .tell(report, end <= count as u64 && named, count, end)?;
+                .tell(
+                    report,
+                    end <= count as u64 && named,
+                    Datum::at_most(count),
+                    end,
+                )?;
         }
         ControlFlow::Continue(())
     }

@@ -67,7 +67,7 @@ pub(crate) fn check_count(asset: &Asset<'_>, asset_name: &str, found: usize) -> 
 /// A file that cannot be read, another shape or type.
 pub(crate) fn read(path: &Path) -> Result<Vec<JointMatrix>, String> {
     let bytes =
-        fs::read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+        fs::read(path).map_err(|error| format!("{}: cannot be read: {error}", path.display()))?;
     let wrong = |what: &str| format!("{}: {what}", path.display());
     let array = bdtree_npy::parse(&bytes).map_err(|error| wrong(&error.to_string()))?;
     let &[count, 3, 4] = array.shape.as_slice() else {

@@ -36,8 +36,8 @@ pub struct PostureArguments {
         allow_hyphen_values = true
     )]
     pub time: f64,
-    /// Joint matrices without inverse bind matrices: an array of shape (joints, 3, 4) in mesh units, joints in the order of
-    /// `info` [default: at rest]
+    /// Joint matrices without inverse bind matrices: an array of shape (joints, 3, 4) in mesh units, in the order in which
+    /// `info --json` lists the joints [default: at rest]
     #[arg(long, value_name = "FILE.npy", conflicts_with = "frame")]
     pub joints: Option<PathBuf>,
 }

@@ -38,7 +38,7 @@ pub struct BrokenRule {
     pub byte: u64,
     /// Number and words of the rule in `SPEC.md`, or of the promise in `docs/design/guarantees.md`.
     pub rule: String,
-    /// What the rule asks for: text or number.
+    /// What the rule asks for: text, or a number, which may be a limit.
     pub expected: Value,
     /// What the file holds.
     pub found: Value,
@@ -59,18 +59,30 @@ impl From<&FormatError> for BrokenRule {
 /// Numbers stay numbers; what JSON cannot write as one is text.
 fn value(datum: Datum) -> Value {
     match datum {
-        Datum::Integer(x) => x.into(),
+        Datum::Integer(x) | Datum::Below(x) => x.into(),
         Datum::Signed(x) => x.into(),
-        Datum::Real(x) if x.is_finite() => x.into(),
+        Datum::Real(x) | Datum::AtMost(x) | Datum::AtLeast(x) if x.is_finite() => x.into(),
         other => other.to_string().into(),
     }
 }
 
-/// The rules that an opened file breaks, at most `limit`.
+/// The rules that an opened file breaks, at most `limit`. A number that several vertices show to be too small is told once,
+/// with the least that all of them need.
 pub fn broken_rules(asset: &Asset<'_>, limit: usize) -> Vec<FormatError> {
-    let mut errors = Vec::new();
+    let mut errors: Vec<FormatError> = Vec::new();
     asset.verify(&mut |error| {
-        errors.push(error);
+        let place = |e: &FormatError| (e.section, e.byte, e.rule);
+        // Backwards: what is told again was told last.
+        match errors.iter_mut().rev().find(|e| place(e) == place(&error)) {
+            Some(told) => {
+                if let (Datum::AtLeast(x), Datum::AtLeast(y)) = (error.expected, told.expected)
+                    && x > y
+                {
+                    *told = error;
+                }
+            }
+            None => errors.push(error),
+        }
         match errors.len() < limit {
             true => ControlFlow::Continue(()),
             false => ControlFlow::Break(()),

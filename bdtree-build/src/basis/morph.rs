@@ -77,7 +77,7 @@ pub fn morph_basis(
     let moves = |target: &RawTarget| target.displacements.iter().any(|(_, u)| *u != [0.0; 3]);
     if !fields.is_empty() && (0..fields.len()).all(is_zero) && morphs.targets.iter().any(moves) {
         warnings.push(format!(
-            "{}: all kept targets are zero; use --modes auto --max-error-rel E",
+            "{}: all kept targets are zero; use --max-error-rel E",
             mesh.name
         ));
     }
@@ -169,7 +169,7 @@ mod tests {
             morph_basis(&mesh, &morphs, keep, 1 << 30, &mut warnings).expect("a basis");
             warnings
         };
-        let text = "m.glb: all kept targets are zero; use --modes auto --max-error-rel E";
+        let text = "m.glb: all kept targets are zero; use --max-error-rel E";
         assert_eq!(warnings(Keep::First(1))[0], text);
         for keep in [Keep::First(0), Keep::First(2), Keep::All] {
             assert!(warnings(keep).iter().all(|warning| warning != text));

@@ -121,7 +121,7 @@ fn volume(
 ) -> Result<Source, BakeError> {
     let default = VolumeOptions::default();
     let Some(mode_count) = vibration_modes(arguments) else {
-        let option = Part::Option("--modes", Some("auto".to_string()));
+        let option = Part::Option("--max-error-rel", None);
         let message = "the modes of a volume have no source to measure an error against: give their number (--modes K)";
         return Err(BakeError::one("basis", option, message));
     };

@@ -37,7 +37,7 @@ pub(super) fn moving(
 pub(super) fn missing(mesh: &RawMesh, asked: &Morphs) -> BakeError {
     if let Keep::Auto { .. } = asked.keep {
         // Vibration modes, which other meshes get, have no end and nothing to be compared with.
-        let option = Part::Option("--modes", Some("auto".to_string()));
+        let option = Part::Option("--max-error-rel", None);
         let message = "vibration modes have no source to measure an error against: give their number (--modes K); the \
                        bake states the frequency where they end";
         return BakeError::one("basis", option, message);

@@ -43,7 +43,7 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
     (
         "/nodes/0/children",
         "[1, 9]",
-        "nodes[0].children[1]: there is no such element",
+        "nodes[0].children[1]: refers to an element that the file does not have",
     ),
     (
         "/nodes/0/children",
@@ -58,7 +58,7 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
     (
         "/nodes/1/mesh",
         "7",
-        "nodes[1].mesh: there is no such element",
+        "nodes[1].mesh: refers to an element that the file does not have",
     ),
     (
         "/nodes/1/mesh",
@@ -104,7 +104,7 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
     (
         "/meshes/0/primitives/0/indices",
         "88",
-        "meshes[0].primitives[0].indices: there is no such element",
+        "meshes[0].primitives[0].indices: refers to an element that the file does not have",
     ),
     (
         "/meshes/0/primitives/0/indices",
@@ -114,7 +114,7 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
     (
         "/meshes/0/primitives/0/targets/1/POSITION",
         "88",
-        "meshes[0].primitives[0].targets[1].POSITION: there is no such element",
+        "meshes[0].primitives[0].targets[1].POSITION: refers to an element that the file does not have",
     ),
     (
         "/meshes/0/primitives/0/targets/1/POSITION",
@@ -170,7 +170,7 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
     (
         "/accessors/0/bufferView",
         "77",
-        "accessors[0].bufferView: there is no such element",
+        "accessors[0].bufferView: refers to an element that the file does not have",
     ),
     (
         "/accessors/0/byteOffset",
@@ -215,13 +215,13 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
     (
         "/accessors/3/sparse/values/bufferView",
         "40",
-        "accessors[3].sparse.values.bufferView: there is no such element",
+        "accessors[3].sparse.values.bufferView: refers to an element that the file does not have",
     ),
     // Buffers.
     (
         "/bufferViews/0/buffer",
         "3",
-        "bufferViews[0].buffer: there is no such element",
+        "bufferViews[0].buffer: refers to an element that the file does not have",
     ),
     (
         "/bufferViews/0/byteStride",

@@ -85,7 +85,7 @@ fn broken_fixtures_say_what_is_wrong() {
         // Validation by the crate panics here, after it has reported what is wrong.
         (
             "bad_gltf_accessor.glb",
-            "m: meshes[0].primitives[0].attributes[\"POSITION\"]: there is no such element",
+            "m: meshes[0].primitives[0].attributes[\"POSITION\"]: refers to an element that the file does not have",
         ),
         (
             "bad_gltf_index.glb",

@@ -195,7 +195,7 @@ fn clips_have_the_keys_of_the_file() {
         .skin
         .expect("a skin");
     let names: Vec<&str> = skin.clips.iter().map(|clip| clip.name.as_str()).collect();
-    assert_eq!(names, ["wave", "slide", "animations[2]"]);
+    assert_eq!(names, ["wave", "slide", "animation 2"]);
     let wave = &skin.clips[0].channels;
     assert_eq!(wave[0].times_s, [0.0, 0.5, 1.5]);
     assert_eq!(wave[0].interpolation, KeyInterpolation::Linear);

@@ -3,6 +3,8 @@
 
 use std::path::Path;
 
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use serde_json::Value;
 
 use bdtree_fixtures::models::math::V3;
@@ -83,7 +85,7 @@ impl File {
             .map(|buffer| match buffer["uri"].as_str() {
                 None => chunk.clone(),
                 Some(uri) => match uri.split_once(";base64,") {
-                    Some((_, data)) => base64(data),
+                    Some((_, data)) => BASE64_STANDARD.decode(data).expect("base64"),
                     None => std::fs::read(folder.join(uri)).expect("a buffer"),
                 },
             });
@@ -446,24 +448,4 @@ pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
 pub(crate) fn apply(matrix: &Matrix, v: &[f64], w: f64) -> V3 {
     let v = [v[0], v[1], v[2], w];
     [0, 1, 2].map(|row| (0..4).map(|k| matrix[k][row] * v[k]).sum())
-}
-
-fn base64(text: &str) -> Vec<u8> {
-    let digits = text.bytes().filter(|b| *b != b'=').map(|b| match b {
-        b'A'..=b'Z' => b - b'A',
-        b'a'..=b'z' => b - b'a' + 26,
-        b'0'..=b'9' => b - b'0' + 52,
-        b'+' => 62,
-        _ => 63,
-    });
-    let (mut word, mut bits, mut bytes) = (0_u32, 0, Vec::new());
-    for digit in digits {
-        word = word << 6 | u32::from(digit);
-        bits += 6;
-        if bits >= 8 {
-            bits -= 8;
-            bytes.push((word >> bits) as u8);
-        }
-    }
-    bytes
 }

@@ -11,7 +11,7 @@ use core::ops::Range;
 use zerocopy::FromBytes;
 
 use super::{header_at, section_table_start};
-use crate::error::{Check, FormatError};
+use crate::error::{Check, Datum, FormatError};
 
 /// Byte ranges of the known sections; `None` where an optional one is absent.
 pub(super) type Located = [Option<(usize, usize)>; SECTION_ORDER.len()];
@@ -41,11 +41,11 @@ pub(super) fn locate_sections(
         let room = (bytes.len() as u64).saturating_sub(offset);
         length_field
             .rule("SPEC 4.1: a section lies inside the file")
-            .holds(end <= bytes.len() as u64, room, length)?;
+            .holds(end <= bytes.len() as u64, Datum::at_most(room), length)?;
         let required = section.required.get();
         required_field
             .rule("SPEC 4.1: a section is required (1) or not (0)")
-            .holds(required <= 1, 1_u32, required)?;
+            .holds(required <= 1, Datum::AtMost(1.0), required)?;
         let again = sections[..i].iter().any(|s| s.kind == section.kind);
         record
             .rule("SPEC 4.4: no kind of section stands twice")
@@ -197,7 +197,11 @@ fn check_animation(header: &Header, sections: &[SectionRecord]) -> Result<(), Fo
     };
     field
         .rule("SPEC 7.5: an animation has at least one frame")
-        .holds(length != 0, size_of::<FrameRecord>(), 0_u32)?;
+        .holds(
+            length != 0,
+            Datum::at_least(size_of::<FrameRecord>()),
+            0_u32,
+        )?;
     let numbers = (length / size_of::<FrameRecord>() as u64) * 4;
     let expected = numbers.saturating_mul(u64::from(header.mode_count.get()));
     field_q

@@ -7,7 +7,7 @@ use bdtree_format::{
 use core::mem::size_of;
 
 use super::sections::view;
-use crate::error::{Check, FormatError};
+use crate::error::{Check, Datum, FormatError};
 use crate::view::Skin;
 
 /// The skin, if the file has one, with its counts checked.
@@ -65,9 +65,11 @@ fn check_counts<'a>(
             "SPEC 4.2: a skeleton has 1 to 16384 nodes",
         ),
     ] {
-        at(kind)
-            .rule(rule)
-            .holds((1..=most).contains(&count), most, count)?;
+        at(kind).rule(rule).holds(
+            (1..=most).contains(&count),
+            Datum::Within(1.0, most as f64),
+            count,
+        )?;
     }
     let fields = skin.bones.len() * header.mode_count.get() as usize;
     at(SectionKind::BONE_FIELDS)
@@ -89,21 +91,24 @@ fn check_counts<'a>(
 fn check_record(record: &SkinRecord, at: &Check) -> Result<(), FormatError> {
     let (most, found) = (INFLUENCES_MAX, record.influences_max as usize);
     at.rule("SPEC 7.7: a vertex has at most 255 influences")
-        .holds(found <= most, most, found)?;
+        .holds(found <= most, Datum::at_most(most), found)?;
     let (most, found) = (BONE_COUNT_MAX, record.node_bones_max as usize);
-    at.rule("SPEC 7.7: a node has at most 4096 bones")
-        .holds(found <= most, most, found)?;
+    at.rule("SPEC 7.7: a node has at most 4096 bones").holds(
+        found <= most,
+        Datum::at_most(most),
+        found,
+    )?;
     let defect = record.weight_defect;
     at.rule("SPEC 7.7: weight_defect is 0 to 1").holds(
         (0.0..=1.0).contains(&defect),
-        1.0_f32,
+        Datum::Within(0.0, 1.0),
         defect,
     )?;
     const _: () = assert!(size_of::<SkinRecord>() == 32);
     let share = record.minor_share;
     at.rule("SPEC 7.7: minor_share is 0 to 1").holds(
         (0.0..=1.0).contains(&share),
-        1.0_f32,
+        Datum::Within(0.0, 1.0),
         share,
     )?;
     at.rule("SPEC 7.7: reserved numbers are zero")

@@ -6,7 +6,7 @@ use core::mem::size_of;
 use super::error::{SkeletonError, same_length};
 use super::track::Track;
 use super::{LocalTransform, Skeleton};
-use crate::error::FormatError;
+use crate::error::{Datum, FormatError};
 use crate::verify::{CHANNELS, KEYS, TARGETS};
 
 /// An animation of the skeleton and of q.
@@ -81,7 +81,7 @@ impl<'a> Clip<'a> {
         let all = self.skeleton.skin.channels;
         all.get(first..end).ok_or_else(|| {
             let place = self.skeleton.asset.at(SectionKind::CLIPS, 0);
-            place.rule(CHANNELS).broken(all.len(), end)
+            place.rule(CHANNELS).broken(Datum::at_most(all.len()), end)
         })
     }
 

@@ -24,7 +24,7 @@ pub(crate) use track::Track;
 use bdtree_format::{NO_PARENT, SectionKind, SkeletonNode, local_kind};
 use core::mem::{offset_of, size_of};
 
-use crate::error::FormatError;
+use crate::error::{Datum, FormatError};
 use crate::joint::{self, JointMatrix};
 use crate::verify::{JOINTS, KINDS, PARENTS};
 use crate::view::{Asset, Skin};
@@ -176,7 +176,10 @@ impl<'a> Skeleton<'a> {
             } else {
                 let Some(parent) = before.get(record.parent as usize) else {
                     let place = self.node_place(i, offset_of!(SkeletonNode, parent));
-                    return Err(place.rule(PARENTS).broken(i, record.parent).into());
+                    return Err(place
+                        .rule(PARENTS)
+                        .broken(Datum::Below(i as u64), record.parent)
+                        .into());
                 };
                 joint::compose(parent, &local)
             };
@@ -203,7 +206,10 @@ impl<'a> Skeleton<'a> {
         for (j, (joint, node)) in joints.iter_mut().zip(self.skin.joints).enumerate() {
             let Some(matrix) = nodes.get(*node as usize) else {
                 let place = self.asset.at(SectionKind::JOINTS, size_of::<u32>() * j);
-                return Err(place.rule(JOINTS).broken(nodes.len(), *node).into());
+                return Err(place
+                    .rule(JOINTS)
+                    .broken(Datum::Below(nodes.len() as u64), *node)
+                    .into());
             };
             *joint = *matrix;
         }

@@ -128,7 +128,7 @@ impl<'a> Asset<'a> {
             section: SectionKind::NODES,
             byte: self.section_offset(SectionKind::NODES) + 32 * u64::from(index),
             rule: "SPEC 6.8: a node's children stand behind it",
-            expected: Datum::Integer(u64::from(index) + 1),
+            expected: Datum::at_least(index + 1),
             found: Datum::Integer(u64::from(first_child)),
         }
     }
@@ -139,6 +139,7 @@ impl<'a> Asset<'a> {
         let at = mode_list_start as usize;
         FormatError {
             rule: "SPEC 6.7: mode lists hold indices below the mode count",
+            found: Datum::Text("another index"),
             ..self.out_of_range(SectionKind::MODE_LISTS, at, self.mode_count(), 2)
         }
     }
@@ -150,7 +151,7 @@ impl<'a> Asset<'a> {
             section: SectionKind::NODES,
             byte: self.section_offset(SectionKind::NODES),
             rule: "SPEC 6.8: every node but the root is the child of exactly one node",
-            expected: Datum::Integer(limit),
+            expected: Datum::at_most(limit),
             found: Datum::Text("more visits: children are shared"),
         }
     }

@@ -8,7 +8,7 @@ use core::mem::size_of;
 use core::ops::{ControlFlow, Range};
 
 use super::Report;
-use crate::error::Check;
+use crate::error::{Check, Datum};
 use crate::rounding::{CHECKED_SUM, U32};
 use crate::view::{Asset, NodeBones, Skin};
 
@@ -126,12 +126,20 @@ impl LaneBones<'_, '_> {
         if apart * (1.0 - CHECKED_SUM) > spread {
             let rule =
                 "SPEC 6.10: S reaches the distances of every vertex's weights from the middles";
-            report(self.row(BONE_ROW_SPREAD).rule(rule).broken(apart, spread))?;
+            report(
+                self.row(BONE_ROW_SPREAD)
+                    .rule(rule)
+                    .broken(Datum::AtLeast(apart), spread),
+            )?;
         }
         let own = (sum - 1.0_f64).abs();
         if own - CHECKED_SUM * sum > defect {
             let rule = "SPEC 6.10: epsilon reaches the distance of every sum of weights from 1";
-            report(self.row(BONE_ROW_DEFECT).rule(rule).broken(own, defect))?;
+            report(
+                self.row(BONE_ROW_DEFECT)
+                    .rule(rule)
+                    .broken(Datum::AtLeast(own), defect),
+            )?;
         }
         ControlFlow::Continue(())
     }
@@ -142,10 +150,18 @@ impl LaneBones<'_, '_> {
         let first = BONE_ROWS_FIXED + BONE_ROWS_PER_BONE * k;
         let rule = "SPEC 6.10: the ranges of weights hold those of every vertex below the lane";
         if weight < least {
-            report(self.row(first).rule(rule).broken(weight, least))?;
+            report(
+                self.row(first)
+                    .rule(rule)
+                    .broken(Datum::at_most(weight), least),
+            )?;
         }
         if weight > largest {
-            report(self.row(first + 1).rule(rule).broken(weight, largest))?;
+            report(
+                self.row(first + 1)
+                    .rule(rule)
+                    .broken(Datum::at_least(weight), largest),
+            )?;
         }
         ControlFlow::Continue(())
     }

@@ -6,7 +6,7 @@ use core::ops::{ControlFlow, Range};
 use super::spectral::at_most_square;
 use super::{NORMS, Report};
 use crate::contact::VertexId;
-use crate::error::Check;
+use crate::error::{Check, Datum};
 use crate::math::{dot, norm, sqrt, sub};
 use crate::rounding::{CHECKED_NORM, CHECKED_PRODUCT, CHECKED_RADIUS, CHECKED_SQUARE};
 use crate::view::{Asset, NodeRows};
@@ -130,7 +130,7 @@ impl LaneCheck<'_, '_> {
     fn norms(&self, report: Report<'_>) -> ControlFlow<()> {
         let mut check = |place: Check, n: f64, limit: f64| {
             let ok = n * (1.0 - CHECKED_NORM) <= limit;
-            place.rule(NORMS).tell(report, ok, limit, n)
+            place.rule(NORMS).tell(report, ok, Datum::AtMost(limit), n)
         };
         let p = f64::from(self.asset.header.position_norm_max.get());
         check(self.row(ROW_CENTER_X), norm(self.center()), p)?;
@@ -142,7 +142,7 @@ impl LaneCheck<'_, '_> {
         let mut not_negative = |place: Check, found: f64| {
             place
                 .rule("SPEC 6.5: R, delta R and the step bounds are not negative")
-                .tell(report, found >= 0.0, 0.0, found)
+                .tell(report, found >= 0.0, Datum::AtLeast(0.0), found)
         };
         for k in 0..self.modes.len() {
             not_negative(self.number(k, GROWTH), self.mode(k).growth)?;
@@ -176,7 +176,11 @@ impl LaneCheck<'_, '_> {
         );
         if dot(x, x) > radius * radius * (1.0 + CHECKED_RADIUS) {
             let rule = "SPEC 6.6: R reaches every vertex below the lane";
-            report(self.row(ROW_RADIUS).rule(rule).broken(norm(x), radius))?;
+            report(
+                self.row(ROW_RADIUS)
+                    .rule(rule)
+                    .broken(Datum::AtLeast(norm(x)), radius),
+            )?;
         }
         // Gram matrices U Uᵀ of the vertex's 3 × M block, plain and with scaled steps.
         let mut gram = [[0.0; 3]; 3];
@@ -245,7 +249,11 @@ impl LaneCheck<'_, '_> {
         let w = sub(u.map(|x| x * limit), center);
         if dot(w, w) > growth * growth * (1.0 + CHECKED_RADIUS) {
             let rule = "SPEC 6.6: delta R reaches every displacement below the lane";
-            report(self.number(k, GROWTH).rule(rule).broken(norm(w), growth))?;
+            report(
+                self.number(k, GROWTH)
+                    .rule(rule)
+                    .broken(Datum::AtLeast(norm(w)), growth),
+            )?;
         }
         let e = (growth * growth - dot(w, w)).max(0.0) + CHECKED_SQUARE * growth * growth;
         let saved = sqrt(d * e) + CHECKED_PRODUCT * radius * growth;
@@ -254,7 +262,7 @@ impl LaneCheck<'_, '_> {
             if cross[which] < along - saved {
                 let rule = "SPEC 6.6: b+ and b- hold for every vertex below the lane";
                 let place = self.number(k, CROSS + which).rule(rule);
-                report(place.broken(along - saved, cross[which]))?;
+                report(place.broken(Datum::AtLeast(along - saved), cross[which]))?;
             }
         }
         ControlFlow::Continue(())

@@ -5,6 +5,7 @@ use core::mem::{offset_of, size_of};
 use core::ops::ControlFlow;
 
 use super::{FINITE, Report, is_stored};
+use crate::error::Datum;
 use crate::view::Asset;
 
 impl Asset<'_> {
@@ -26,7 +27,7 @@ impl Asset<'_> {
             };
             at(offset_of!(FrameRecord, time_s))
                 .rule("SPEC 7.5: times are -1 in every frame, or finite, not negative and not descending")
-                .tell(report, ok, before, time)?;
+                .tell(report, ok, Datum::at_least(before), time)?;
             // A time out of order is one broken rule, not one for every frame behind it.
             before = if in_order { time } else { before };
             let [x, y, z, w] = frame.rotation.map(|c| c.get());
@@ -38,7 +39,12 @@ impl Asset<'_> {
             for (axis, t) in frame.translation.map(|t| t.get()).into_iter().enumerate() {
                 at(offset_of!(FrameRecord, translation) + axis * size_of::<f64>())
                     .rule("SPEC 7.5: a translation is finite and at most 2^80")
-                    .tell(report, t.abs() <= TRANSLATION_MAX, TRANSLATION_MAX, t)?;
+                    .tell(
+                        report,
+                        t.abs() <= TRANSLATION_MAX,
+                        Datum::Within(-TRANSLATION_MAX, TRANSLATION_MAX),
+                        t,
+                    )?;
             }
         }
         self.frame_coordinates(report)
@@ -54,7 +60,7 @@ impl Asset<'_> {
                 report(at().rule(FINITE).broken("a normal number or zero", *q))?;
             } else if !(q.abs() <= limit) {
                 let rule = at().rule("SPEC 7.5: q of a frame is within q_limit");
-                report(rule.broken(limit, *q))?;
+                report(rule.broken(Datum::Within((-limit).into(), limit.into()), *q))?;
             }
         }
         ControlFlow::Continue(())

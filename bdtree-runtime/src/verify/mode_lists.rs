@@ -6,7 +6,7 @@ use core::mem::{offset_of, size_of};
 use core::ops::ControlFlow;
 
 use super::Report;
-use crate::error::Check;
+use crate::error::{Check, Datum};
 use crate::view::Asset;
 
 impl Asset<'_> {
@@ -38,7 +38,11 @@ impl Asset<'_> {
         let m = self.modes.len();
         if let Some(i) = self.mode_lists.iter().position(|j| usize::from(*j) >= m) {
             let rule = "SPEC 6.7: mode lists hold indices below the mode count";
-            report(at(i).rule(rule).broken(m, self.mode_lists[i]))?;
+            report(
+                at(i)
+                    .rule(rule)
+                    .broken(Datum::Below(m as u64), self.mode_lists[i]),
+            )?;
         }
         let mut before: &[u16] = &[];
         let mut rest = self.mode_lists;
@@ -77,7 +81,7 @@ impl Asset<'_> {
         }
         let Some(list) = self.mode_lists.get(first..end) else {
             let rule = at.rule("SPEC 6.7: mode lists lie inside LIST");
-            return report(rule.broken(self.mode_lists.len(), end));
+            return report(rule.broken(Datum::at_most(self.mode_lists.len()), end));
         };
         let ascends = list.windows(2).all(|w| w[0] < w[1]);
         let whole = ascends && self.is_list_border(first) && self.is_list_border(end);

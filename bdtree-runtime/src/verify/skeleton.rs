@@ -8,6 +8,7 @@ use core::mem::{offset_of, size_of};
 use core::ops::ControlFlow;
 
 use super::{FINITE, Report, is_stored};
+use crate::error::Datum;
 use crate::math::sqrt;
 use crate::skeleton::Track;
 use crate::view::{Asset, Skin};
@@ -50,7 +51,7 @@ impl Asset<'_> {
             at(offset_of!(SkeletonNode, parent)).rule(PARENTS).tell(
                 report,
                 parent == NO_PARENT || (parent as usize) < i,
-                i,
+                Datum::Below(i as u64),
                 parent,
             )?;
             self.name(
@@ -106,7 +107,7 @@ impl Asset<'_> {
             (skin.names).get(start as usize..(start as usize).saturating_add(bytes as usize));
         let named = name.is_some_and(|name| core::str::from_utf8(name).is_ok());
         at.rule("SPEC 7.8: names lie inside SNAM and are UTF-8")
-            .tell(report, named, skin.names.len(), end)
+            .tell(report, named, Datum::at_most(skin.names.len()), end)
     }
 
     fn joint_nodes(&self, skin: &Skin<'_>, report: Report<'_>) -> ControlFlow<()> {
@@ -116,7 +117,7 @@ impl Asset<'_> {
             let at = self.at(SectionKind::JOINTS, size_of::<u32>() * j);
             let (i, count) = (*node as usize, skin.skeleton.len());
             if i >= count {
-                report(at.rule(JOINTS).broken(count, *node))?;
+                report(at.rule(JOINTS).broken(Datum::Below(count as u64), *node))?;
                 continue;
             }
             let (word, bit) = (&mut seen[i / 64], 1_u64 << (i % 64));
@@ -140,7 +141,7 @@ impl Asset<'_> {
             let end = first.saturating_add(clip.channel_count.get() as usize);
             let Some(channels) = skin.channels.get(first..end) else {
                 let place = at(offset_of!(ClipRecord, first_channel)).rule(CHANNELS);
-                report(place.broken(skin.channels.len(), end))?;
+                report(place.broken(Datum::at_most(skin.channels.len()), end))?;
                 continue;
             };
             let tracks = channels.iter().filter_map(|c| Track::new(c, skin.keys));
@@ -200,17 +201,18 @@ impl Asset<'_> {
         report: Report<'_>,
     ) -> ControlFlow<()> {
         let (first, count) = (channel.target as usize, channel.target_count as usize);
-        let (known, end) = if channel.path == channel_path::MODES {
+        let (known, expected) = if channel.path == channel_path::MODES {
             let end = first.saturating_add(count);
-            (end <= self.modes.len(), self.modes.len())
+            let most = self.modes.len().saturating_sub(count);
+            (end <= self.modes.len(), Datum::at_most(most))
         } else {
             let node = skin.skeleton.get(first);
             let is_parts = node.is_some_and(|node| node.kind == local_kind::PARTS);
-            (is_parts && count == 1, skin.skeleton.len())
+            (is_parts && count == 1, "one node of parts".into())
         };
         let at = i * size_of::<ChannelRecord>() + offset_of!(ChannelRecord, target);
         self.at(SectionKind::CHANNELS, at)
             .rule(TARGETS)
-            .tell(report, known, end, first)
+            .tell(report, known, expected, first)
     }
 }

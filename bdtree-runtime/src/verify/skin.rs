@@ -9,6 +9,7 @@ use core::ops::ControlFlow;
 
 use super::{FINITE, Report, is_stored};
 use crate::contact::VertexId;
+use crate::error::Datum;
 use crate::math::norm;
 use crate::rounding::{CHECKED_NORM, CHECKED_SUM};
 use crate::view::{Asset, Skin};
@@ -94,7 +95,7 @@ impl Asset<'_> {
         }
         for (i, pair) in starts.windows(2).enumerate() {
             if pair[1] < pair[0] {
-                report(at(i + 1).broken(pair[0], pair[1]))?;
+                report(at(i + 1).broken(Datum::at_least(pair[0]), pair[1]))?;
             }
         }
         match starts.last() {
@@ -129,14 +130,19 @@ impl Asset<'_> {
                     .tell(
                         report,
                         (WEIGHT_MIN..=WEIGHT_MAX).contains(&weight),
-                        WEIGHT_MAX,
+                        Datum::Within(WEIGHT_MIN.into(), WEIGHT_MAX.into()),
                         weight,
                     )?;
                 let ascends = k == 0 || own[k - 1].bone < bone;
                 let known = usize::from(bone) < skin.bones.len();
                 at(k, offset_of!(InfluenceRecord, bone))
                     .rule("SPEC 7.7: the bones of a vertex ascend and are bones of the file")
-                    .tell(report, ascends && known, skin.bones.len(), bone)?;
+                    .tell(
+                        report,
+                        ascends && known,
+                        Datum::Below(skin.bones.len() as u64),
+                        bone,
+                    )?;
                 at(k, offset_of!(InfluenceRecord, reserved))
                     .rule("SPEC 7.7: reserved numbers are zero")
                     .tell(report, reserved == 0, 0_u32, reserved)?;
@@ -147,7 +153,7 @@ impl Asset<'_> {
                 .tell(
                     report,
                     !(sum * (1.0 - CHECKED_SUM) > f64::from(WEIGHT_MAX)),
-                    WEIGHT_MAX,
+                    Datum::at_most(WEIGHT_MAX),
                     sum,
                 )?;
             most = most.max(own.len());
@@ -164,7 +170,12 @@ impl Asset<'_> {
         let found = f64::from(skin.record.weight_defect);
         at(offset_of!(SkinRecord, weight_defect))
             .rule("SPEC 7.7: weight_defect reaches the distance of every sum of weights from 1")
-            .tell(report, defect_max <= found, defect_max, found)
+            .tell(
+                report,
+                defect_max <= found,
+                Datum::AtLeast(defect_max),
+                found,
+            )
     }
 
     /// Joints, inverse bind matrices, boxes and norms of displacements.
@@ -176,7 +187,12 @@ impl Asset<'_> {
             let (joint, count) = (bone.joint.get(), skin.joints.len());
             at(b, offset_of!(BoneRecord, joint))
                 .rule("SPEC 7.8: a bone's joint is one of JNTS")
-                .tell(report, (joint as usize) < count, count, joint)?;
+                .tell(
+                    report,
+                    (joint as usize) < count,
+                    Datum::Below(count as u64),
+                    joint,
+                )?;
             at(b, offset_of!(BoneRecord, reserved))
                 .rule("SPEC 7.8: reserved numbers are zero")
                 .tell(report, bone.reserved.get() == 0, 0_u32, bone.reserved.get())?;
@@ -211,7 +227,7 @@ impl Asset<'_> {
             .tell(
                 report,
                 minor_max * (1.0 - CHECKED_SUM) <= found,
-                minor_max,
+                Datum::AtLeast(minor_max),
                 found,
             )?;
         for (b, bone) in skin.bones.iter().enumerate() {
@@ -266,7 +282,12 @@ impl Asset<'_> {
                 let offset = offset_of!(BoneRecord, low) + size_of::<f32>() * axis;
                 let place = self.at(SectionKind::BONES, b * size_of::<BoneRecord>() + offset);
                 let rule = "SPEC 7.8: low and high hold the vertices that the bone moves";
-                report(place.rule(rule).broken(x, if x < low { low } else { high }))?;
+                let (expected, found) = if x < low {
+                    (Datum::at_most(x), low)
+                } else {
+                    (Datum::at_least(x), high)
+                };
+                report(place.rule(rule).broken(expected, found))?;
             }
         }
         let Ok(own) = self.displacements(VertexId(vertex as u32)) else {
@@ -285,7 +306,7 @@ impl Asset<'_> {
             if n * (1.0 - CHECKED_NORM) > most {
                 let place = self.at(SectionKind::BONE_FIELDS, size_of::<f32>() * index);
                 let rule = "SPEC 7.8: BFLD reaches every displacement of the bone's vertices";
-                report(place.rule(rule).broken(n, most))?;
+                report(place.rule(rule).broken(Datum::AtLeast(n), most))?;
             }
         }
         ControlFlow::Continue(())
@@ -323,7 +344,7 @@ impl Asset<'_> {
                 if let Some(lane) = row.iter().position(|x| *x < 0.0) {
                     let rule = "SPEC 6.10: iota, S and epsilon are not negative";
                     let place = self.bone_row_place(i, start, r, lane).rule(rule);
-                    report(place.broken(0.0, row[lane]))?;
+                    report(place.broken(Datum::AtLeast(0.0), row[lane]))?;
                 }
             }
         }

@@ -75,7 +75,7 @@ impl<'a> Asset<'a> {
             }),
             None => {
                 let len = self.displacements.len();
-                Err(self.out_of_range(SectionKind::DISPLACEMENTS, end, len, 12))
+                Err(self.ends_outside(SectionKind::DISPLACEMENTS, end, len, 12))
             }
         }
     }
@@ -114,7 +114,8 @@ impl<'a> Asset<'a> {
             Some(modes) => Ok((fields, modes)),
             None => {
                 let len = self.mode_lists.len();
-                Err(self.out_of_range(SectionKind::MODE_LISTS, list, len, 2))
+                let end = list.saturating_add(fields.len());
+                Err(self.ends_outside(SectionKind::MODE_LISTS, end, len, 2))
             }
         }
     }

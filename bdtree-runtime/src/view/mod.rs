@@ -16,7 +16,7 @@ use zerocopy::{FromBytes, IntoBytes};
 
 use crate::bones::MAP_LEN;
 use crate::contact::{TriangleId, VertexId};
-use crate::error::{Check, FormatError};
+use crate::error::{Check, Datum, FormatError};
 use crate::simd::Kernel;
 
 /// An opened `.bdt` file: borrowed, read-only, shareable between threads and instances.
@@ -200,7 +200,7 @@ impl<'a> Asset<'a> {
                 units: units(node.scale_exponents),
             });
         }
-        Err(self.out_of_range(SectionKind::ROWS, end, self.rows.len(), 32))
+        Err(self.ends_outside(SectionKind::ROWS, end, self.rows.len(), 32))
     }
 
     /// The modes that act on a node, ascending.
@@ -215,7 +215,7 @@ impl<'a> Asset<'a> {
             Some(modes) => Ok(modes),
             None => {
                 let len = self.mode_lists.len();
-                Err(self.out_of_range(SectionKind::MODE_LISTS, end, len, 2))
+                Err(self.ends_outside(SectionKind::MODE_LISTS, end, len, 2))
             }
         }
     }
@@ -340,6 +340,21 @@ impl<'a> Asset<'a> {
         )
     }
 
+    /// The error for a range that ends beyond a section's end.
+    #[cold]
+    pub(crate) fn ends_outside(
+        &self,
+        kind: SectionKind,
+        end: usize,
+        len: usize,
+        element_bytes: usize,
+    ) -> FormatError {
+        FormatError {
+            expected: Datum::at_most(len),
+            ..self.out_of_range(kind, end, len, element_bytes)
+        }
+    }
+
     /// The error for an index beyond a section's end.
     #[cold]
     pub(crate) fn out_of_range(
@@ -367,6 +382,6 @@ impl<'a> Asset<'a> {
             _ => "SPEC 7.3: a displacement is one of a vertex and a mode of the file",
         };
         let place = self.at(kind, index.saturating_mul(element_bytes));
-        place.rule(rule).broken(len, index)
+        place.rule(rule).broken(Datum::Below(len as u64), index)
     }
 }

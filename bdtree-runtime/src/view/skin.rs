@@ -7,7 +7,7 @@ use bdtree_format::{
 
 use super::Asset;
 use crate::contact::VertexId;
-use crate::error::FormatError;
+use crate::error::{Datum, FormatError};
 
 /// The sections of a skin (SPEC 5.9, 6.10, 7.7 to 7.9): all of one length per vertex, node or bone as the format says,
 /// checked when the file was opened.
@@ -154,6 +154,9 @@ impl<'a> Asset<'a> {
     /// The error for an influence on a vertex by a bone that is not in the file.
     #[cold]
     pub(crate) fn unknown_bone(&self, vertex: usize) -> FormatError {
-        self.out_of_range(SectionKind::INFLUENCE_STARTS, vertex, self.bone_count(), 4)
+        FormatError {
+            found: Datum::Text("another bone"),
+            ..self.out_of_range(SectionKind::INFLUENCE_STARTS, vertex, self.bone_count(), 4)
+        }
     }
 }

@@ -104,7 +104,10 @@ fn every_rule_is_triggered() {
     seen.note(&unknown.expect_err("no such triangle"));
     let unknown = pose.deformed(VertexId(u32::MAX));
     let unknown = unknown.expect_err("no such vertex");
-    let range = (Datum::from(asset.vertex_count()), Datum::from(u32::MAX));
+    let range = (
+        Datum::Below(asset.vertex_count() as u64),
+        Datum::from(u32::MAX),
+    );
     assert_eq!((unknown.expected, unknown.found), range, "{unknown}");
     seen.note(&unknown);
     let unknown = pose.deformed_triangle(TriangleId(u32::MAX));
@@ -112,7 +115,7 @@ fn every_rule_is_triggered() {
     let weights = [1.0, 0.0, 0.0];
     let short = pose.add_generalized_force(TriangleId(0), weights, [1.0; 3], &mut [0.0; 5]);
     let short = short.expect_err("too short");
-    let lengths = (Datum::from(6_usize), Datum::from(5_usize));
+    let lengths = (Datum::AtLeast(6.0), Datum::from(5_usize));
     assert_eq!((short.expected, short.found), lengths, "{short}");
     assert!(short.rule.contains("one number per mode"), "{short}");
 

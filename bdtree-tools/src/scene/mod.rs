@@ -153,7 +153,7 @@ impl Scene {
 
 /// The words of every file that cannot be read.
 fn cannot_read(source: impl fmt::Display, error: &io::Error) -> ToolError {
-    ToolError::Input(vec![format!("cannot read {source}: {error}")])
+    ToolError::Input(vec![format!("{source}: cannot be read: {error}")])
 }
 
 /// What is wrong with a text that is no JSON, or whose values no scene has.

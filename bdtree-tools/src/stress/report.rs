@@ -94,7 +94,7 @@ impl Report {
             let node = asset.nodes().get(tight.node as usize);
             let row = node.map_or(0, |node| u64::from(node.row_start));
             let rule = "guarantees: a sphere holds every deformed vertex below it";
-            let (expected, found) = (Datum::Real(tight.distance), Datum::Real(tight.radius));
+            let (expected, found) = (Datum::AtLeast(tight.distance), Datum::Real(tight.radius));
             error(row, rule, expected, found)
         };
         let mut errors: Vec<FormatError> = self.violations.iter().map(outside).collect();

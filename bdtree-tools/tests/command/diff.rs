@@ -237,7 +237,7 @@ fn unreadable_files_are_2() {
     let folder = Folder::new();
     folder.write("text.bdt", "not a tree");
     for (a, b, text) in [
-        ("a.bdt", "no.bdt", "cannot read no.bdt: "),
+        ("a.bdt", "no.bdt", "no.bdt: cannot be read: "),
         ("text.bdt", "a.bdt", "text.bdt: not a .bdt file (SPEC 9.1"),
     ] {
         let ran = folder.run(&["diff", a, b]);

@@ -179,11 +179,11 @@ fn bad_files_are_named() {
     short.pop();
     folder.write("short.bdt", short);
     for (file, text) in [
-        ("no.bdt", "cannot read no.bdt: "),
-        (".", "cannot read .: "),
+        ("no.bdt", "no.bdt: cannot be read: "),
+        (".", ".: cannot be read: "),
         (
             "empty.bdt",
-            "empty.bdt: not a .bdt file: section HEAD at byte 0: found 0, expected 128 (SPEC 2.1",
+            "empty.bdt: not a .bdt file: section HEAD at byte 0: found 0, expected at least 128 (SPEC 2.1",
         ),
         ("text.bdt", "text.bdt: not a .bdt file (SPEC 9.1"),
         (

@@ -100,7 +100,7 @@ fn broken_assets_are_told_once() {
     let err = refused(&folder, &scene(instances.clone(), queries).to_string());
     let lines: Vec<&str> = err.lines().collect();
     assert_eq!(lines.len(), 3, "{err}");
-    assert!(lines[0].starts_with("scene.json: instances[0].asset: cannot read no.bdt: "));
+    assert!(lines[0].starts_with("scene.json: instances[0].asset: no.bdt: cannot be read: "));
     let damaged =
         "scene.json: instances[2].asset: bad.bdt: damaged .bdt file: section META at byte ";
     assert!(lines[1].starts_with(damaged), "{err}");
@@ -159,7 +159,7 @@ fn syntax_errors_have_line_and_column() {
     assert!(ran.err.starts_with("stdin: "));
     let ran = folder.run(&["query", "no.json"]);
     assert_eq!((ran.code, ran.out.as_str()), (1, ""));
-    assert!(ran.err.starts_with("cannot read no.json: "));
+    assert!(ran.err.starts_with("no.json: cannot be read: "));
 }
 
 #[test]
@@ -215,7 +215,7 @@ fn what_is_no_scene_is_named() {
     let folder = Folder::new();
     for (file, text) in [
         ("a.bdt", "a.bdt: not a JSON scene\n"),
-        ("no.json", "cannot read no.json: "),
+        ("no.json", "no.json: cannot be read: "),
     ] {
         let ran = folder.run(&["query", file]);
         assert_eq!((ran.code, ran.out.as_str()), (1, ""), "{file}");

@@ -68,6 +68,49 @@ fn an_error_of_opening_has_the_same_form() {
     assert!(ran.err.starts_with("text.bdt: not a .bdt file (SPEC 9.1"));
 }
 
+/// A sphere that is too small for all of its vertices is one broken rule.
+#[test]
+fn a_bound_that_is_too_small_is_told_once() {
+    let folder = Folder::new();
+    let info = folder.json(&["info", "a.bdt", "--json"]);
+    let mut bytes = folder.read("a.bdt");
+    let sections = info["sections"].as_array().unwrap();
+    let rows = sections.iter().find(|s| s["kind"] == "ROWS").unwrap();
+    // The radii of the root's lanes: the fourth row.
+    let radii = rows["offset"].as_u64().unwrap() as usize + 3 * 32;
+    let radius = f32::from_le_bytes(bytes[radii..radii + 4].try_into().unwrap());
+    bytes[radii..radii + 4].copy_from_slice(&(radius / 8.0).to_le_bytes());
+    folder.write("bad.bdt", bytes);
+    let ran = folder.run(&["verify", "bad.bdt", "--json"]);
+    assert_eq!(ran.code, 1);
+    let report: Value = serde_json::from_str(&ran.out).unwrap();
+    let errors = report["errors"].as_array().unwrap();
+    let of_radius: Vec<&Value> = errors
+        .iter()
+        .filter(|e| e["byte"] == radii && e["rule"].as_str().unwrap().starts_with("SPEC 6.6: R "))
+        .collect();
+    assert_eq!(of_radius.len(), 1, "{errors:#?}");
+    // The smallest ball reaches its farthest vertex.
+    let needed = of_radius[0]["expected"].as_f64().unwrap();
+    assert!(
+        (needed / f64::from(radius) - 1.0).abs() < 1e-6,
+        "{needed} {radius}"
+    );
+    let line = format!(
+        "found {}, expected at least {needed} (SPEC 6.6",
+        f64::from(radius / 8.0)
+    );
+    assert!(ran.err.contains(&line), "{}", ran.err);
+    let mut places: Vec<String> = errors
+        .iter()
+        .map(|e| format!("{} {} {}", e["section"], e["byte"], e["rule"]))
+        .collect();
+    let told = places.len();
+    places.sort();
+    places.dedup();
+    assert_eq!(places.len(), told);
+}
+
 #[test]
 fn long_lists_are_cut() {
     let folder = Folder::new();
@@ -98,7 +141,7 @@ fn long_lists_are_cut() {
 fn a_missing_file_is_named() {
     let ran = Folder::new().run(&["verify", "no.bdt", "--json"]);
     assert_eq!((ran.code, ran.out.as_str()), (1, ""));
-    assert!(ran.err.starts_with("cannot read no.bdt: "));
+    assert!(ran.err.starts_with("no.bdt: cannot be read: "));
 }
 
 #[test]

@@ -22,7 +22,7 @@ fn run(command: &mut Command) -> Output {
 fn bad_files_and_options_are_named() {
     let display = Display::start();
     let line = failed(&run(display.viewer().arg("no such.bdt")), 1);
-    assert!(line.starts_with("cannot read no such.bdt: "), "{line}");
+    assert!(line.starts_with("no such.bdt: cannot be read: "), "{line}");
     let line = failed(
         &run(display
             .viewer()

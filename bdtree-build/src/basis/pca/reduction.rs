@@ -126,11 +126,8 @@ impl<'a> Reduction<'a> {
                 )
             };
             warnings.push(format!(
-                "{name}: {wanted} modes were asked for, {} stored: {why}",
-                match modes {
-                    1 => "1 is".to_string(),
-                    _ => format!("{modes} are"),
-                }
+                "{name}: {modes} of up to {wanted} modes {} stored: {why}",
+                if modes == 1 { "is" } else { "are" }
             ));
         }
     }

@@ -328,7 +328,7 @@ fn validate(root: &Root, notes: &mut Notes) {
             notes.problem("", message);
         } else if matters(&at, flaw) {
             let message = match flaw {
-                Flaw::IndexOutOfBounds => "there is no such element",
+                Flaw::IndexOutOfBounds => "refers to an element that the file does not have",
                 Flaw::Invalid => "is not a value that glTF 2.0 knows",
                 Flaw::Missing => "is missing",
                 Flaw::Oversize => "is larger than any memory",

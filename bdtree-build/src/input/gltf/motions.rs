@@ -66,7 +66,7 @@ pub(super) fn read(
         }
         let name = animation.name.clone();
         clips.push(RawSkinClip {
-            name: name.unwrap_or_else(|| format!("animations[{index}]")),
+            name: name.unwrap_or_else(|| format!("animation {index}")),
             channels,
         });
     }

@@ -97,7 +97,7 @@ fn what_does_not_fit_is_told() {
     for (arguments, expected) in [
         (
             &["none.bdt", "-o", "out.png"][..],
-            "cannot read none.bdt: No such file or directory (os error 2)",
+            "none.bdt: cannot be read: No such file or directory (os error 2)",
         ),
         (
             &["a.bdt", "-o", "none/out.png"],
@@ -137,7 +137,7 @@ fn what_does_not_fit_is_told() {
         ),
         (
             &["a.bdt", "-o", "out.png", "--query", "none.json"],
-            "cannot read none.json: No such file or directory (os error 2)",
+            "none.json: cannot be read: No such file or directory (os error 2)",
         ),
         (
             &["a.bdt", "-o", "out.png", "--size", "100000x2"],

@@ -57,7 +57,7 @@ fn what_is_wrong_is_told() {
     *broken.last_mut().expect("bytes") ^= 1;
     folder.write("broken.bdt", broken);
     for (arguments, expected) in [
-        (&["none.bdt"][..], "cannot read none.bdt: No such file"),
+        (&["none.bdt"][..], "none.bdt: cannot be read: No such file"),
         (&["broken.bdt"], "broken.bdt: damaged .bdt file: section "),
         (
             &["a.bdt", "-o", "none/out.html"],
