@@ -1,6 +1,7 @@
 //! One deforming body with everything that it needs.
 
 use alloc::vec::Vec;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use crate::bones::{BoneMatrices, BoneSource, maps_in};
 use crate::cache::{CacheSize, StepCache};
@@ -20,7 +21,8 @@ const CACHE: CacheSize = CacheSize {
 };
 
 /// One deforming body: a model, q, a placement, a step cache, its accumulated motion, and user data with collision
-/// groups. `Send` and `Sync`; owns all its memory and allocates when it is made, not later.
+/// groups. `Send` and `Sync`; owns all its memory and allocates when it is made, not later. Its motion, which only
+/// [`PairFront`](crate::PairFront)s need, is kept from the first [`Instance::against`] or [`Instance::pose`] on.
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -46,7 +48,9 @@ pub struct Instance {
     memory: Vec<f32>,
     spare: Vec<f32>,
     numbers: PoseNumbers,
+    /// Advanced where somebody asks for it, else begun anew at each pose: rays, shapes and boxes need none.
     motion: Motion,
+    is_motion_wanted: AtomicBool,
     cache: StepCache<'static>,
     /// Any number of the program's own, for example an entity id; default 0.
     pub user_data: u64,
@@ -85,6 +89,7 @@ impl Instance {
             spare,
             numbers,
             motion,
+            is_motion_wanted: AtomicBool::new(false),
             cache,
             user_data: 0,
             collision_group: u32::MAX,
@@ -163,9 +168,10 @@ impl Instance {
     /// A placement that [`Transform`] does not allow.
     pub fn set_placement(&mut self, at: impl Into<Transform>) -> Result<(), PoseError> {
         let at = at.into();
-        let before = self.pose();
+        let before = self.current();
         let pose = before.placed(at)?;
-        let (numbers, motion) = (pose.numbers(), moved(self.motion, &before, &pose));
+        let motion = moved(self.motion, &self.is_motion_wanted, || before, &pose);
+        let numbers = pose.numbers();
         (self.numbers, self.motion, self.placement) = (numbers, motion, at);
         Ok(())
     }
@@ -192,8 +198,8 @@ impl Instance {
             Bones::Same => BoneSource::Maps(maps_in(asset, &self.memory)),
         };
         let pose = asset.pose_within(q, bones, at, 0.0, &mut self.spare)?;
-        let before = Pose::again(asset, &self.numbers, &self.memory, self.motion);
-        let motion = moved(self.motion, &before, &pose);
+        let before = || Pose::again(asset, &self.numbers, &self.memory, self.motion);
+        let motion = moved(self.motion, &self.is_motion_wanted, before, &pose);
         self.cache.start(&pose);
         (self.numbers, self.motion, self.placement) = (pose.numbers(), motion, at);
         core::mem::swap(&mut self.memory, &mut self.spare);
@@ -203,6 +209,13 @@ impl Instance {
     /// The current pose. It can be queried from several threads at once; these queries do not use the step cache.
     #[inline]
     pub fn pose(&self) -> Pose<'_> {
+        self.is_motion_wanted.store(true, Ordering::Relaxed);
+        self.current()
+    }
+
+    /// [`Instance::pose`] for those who do not look at its motion.
+    #[inline]
+    fn current(&self) -> Pose<'_> {
         Pose::again(self.model.asset(), &self.numbers, &self.memory, self.motion)
     }
 
@@ -221,6 +234,8 @@ impl Instance {
         other: &'q mut Self,
         workspace: &'q mut Workspace<'m>,
     ) -> PairQuery<'q, 'm, 'f> {
+        *self.is_motion_wanted.get_mut() = true;
+        *other.is_motion_wanted.get_mut() = true;
         PairQuery::with_caches([self.parts(), other.parts()], workspace)
     }
 
@@ -240,7 +255,7 @@ impl Instance {
     /// # Errors
     /// A corrupt asset.
     pub fn aabb(&self) -> Result<Aabb, QueryError> {
-        self.pose().aabb()
+        self.current().aabb()
     }
 
     /// A sphere that holds the deformed body in the world: [`Pose::bounding_sphere`].
@@ -248,7 +263,7 @@ impl Instance {
     /// # Errors
     /// A corrupt asset.
     pub fn bounding_sphere(&self) -> Result<BoundingSphere, QueryError> {
-        self.pose().bounding_sphere()
+        self.current().bounding_sphere()
     }
 
     /// True if each one's `collision_group` shares a bit with the other's `collision_mask`.
@@ -265,8 +280,19 @@ enum Bones<'b> {
 }
 
 /// The motion after a step.
-fn moved(mut motion: Motion, from: &Pose<'_>, to: &Pose<'_>) -> Motion {
-    match motion.advance(from, to) {
+fn moved<'p>(
+    mut motion: Motion,
+    is_wanted: &AtomicBool,
+    from: impl FnOnce() -> Pose<'p>,
+    to: &Pose<'_>,
+) -> Motion {
+    if !is_wanted.load(Ordering::Relaxed) {
+        motion.forget();
+        return motion;
+    }
+    let from = from();
+    motion.begin(&from);
+    match motion.step(&from, to) {
         Ok(()) => motion,
         // A corrupt root: fronts begin anew, and queries say so.
         Err(_) => Motion::of_instance(to),

@@ -9,6 +9,10 @@ use crate::pose::Pose;
 #[cfg(feature = "alloc")]
 use crate::pose::hashed;
 
+/// Stands where a fingerprint was not computed. One that is this by chance is computed again.
+#[cfg(feature = "alloc")]
+const UNTOLD: u64 = 0;
+
 /// Upper bound on the path length of any point of the instance, world units, summed over steps. Queries with a
 /// [`PairFront`](crate::PairFront) need it. Keep one per instance for the instance's lifetime;
 /// [`Instance`](crate::Instance) keeps its own.
@@ -56,6 +60,25 @@ impl Motion {
         if !self.is_at(from) {
             return Err(QueryError::Motion);
         }
+        self.step(from, to)
+    }
+
+    /// Begins anew, at a pose that is told by [`Motion::begin`] if it matters: a step that nobody asks about.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn forget(&mut self) {
+        (self.total, self.start, self.at) = (0.0, hashed([self.start].into_iter()), UNTOLD);
+    }
+
+    /// The pose where it begins, if it was not told.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn begin(&mut self, at: &Pose<'_>) {
+        if self.at == UNTOLD {
+            self.at = at.placed_fingerprint();
+        }
+    }
+
+    /// [`Motion::advance`] from the pose that the motion was last advanced to.
+    pub(crate) fn step(&mut self, from: &Pose<'_>, to: &Pose<'_>) -> Result<(), QueryError> {
         let asset = to.asset;
         let drift = Drift::new(from, to).ok_or(QueryError::Motion)?;
         let at = to.placed_fingerprint();

@@ -26,13 +26,11 @@ pub(crate) struct Placement {
     per_scale: f64,
     /// 1 / unit.
     per_unit: f64,
-    /// Tells placements apart.
-    fingerprint: u64,
 }
 
 impl Placement {
     pub(crate) fn new(asset: &Asset<'_>, transform: &Transform) -> Self {
-        let mut placement = Self {
+        Self {
             rotation: rotation_matrix(transform.rotation),
             translation: transform.translation,
             scale: transform.scale,
@@ -40,15 +38,7 @@ impl Placement {
             unit: asset.unit(),
             per_scale: 1.0 / transform.scale,
             per_unit: 1.0 / asset.unit(),
-            fingerprint: 0,
-        };
-        // A chain for each three numbers, so that none waits for the one before.
-        let numbers = placement.numbers();
-        let chains = numbers
-            .iter()
-            .map(|three| hashed(three.iter().map(|x| x.to_bits())));
-        placement.fingerprint = hashed(chains);
-        placement
+        }
     }
 
     /// The leaf arithmetic's second half: `x = t + s·(Q·(origin + p'))`, every operation rounded
@@ -105,7 +95,12 @@ impl Placement {
 
     /// A number that tells placements apart.
     pub(crate) fn fingerprint(&self) -> u64 {
-        self.fingerprint
+        // A chain for each three numbers, so that none waits for the one before.
+        let numbers = self.numbers();
+        let chains = numbers
+            .iter()
+            .map(|three| hashed(three.iter().map(|x| x.to_bits())));
+        hashed(chains)
     }
 
     /// Linear part of the map from stored coordinates to the world.

@@ -266,3 +266,36 @@ fn fronts_of_moving_bodies_change_no_answer() {
     assert!(touching > 100, "{touching}");
     assert!(with_front < without, "{with_front} {without}");
 }
+
+/// Instances keep no motion until a pose is asked for; then fronts of such poses serve as those of `against` do, also if one
+/// of the two stands still.
+#[test]
+fn fronts_of_poses_serve() {
+    let model = model();
+    let (mut workspace, mut front) = (Workspace::new(), PairFront::new());
+    let mut bodies = [0, 1].map(|_| Instance::new(&model).expect("an instance"));
+    let at = |body: &mut Instance, place: [f64; 3]| {
+        let place = Transform::from_translation(place);
+        body.set_placement(place).expect("a placement");
+    };
+    // Nobody has asked for these.
+    for time in 0..3 {
+        at(&mut bodies[0], [0.0, 1e-2 * f64::from(time), 0.0]);
+    }
+    let (mut served, mut touching) = (0, 0);
+    for time in 0..40 {
+        at(&mut bodies[1], [1.9, 0.1 + 1e-5 * f64::from(time), 0.0]);
+        let [first, second] = bodies.each_ref().map(Instance::pose);
+        let [mut own, mut expected] = [Vec::<TrianglePair>::new(), Vec::new()];
+        let mut query = first.against(&second, &mut workspace).front(&mut front);
+        query.triangle_pairs(0.0, &mut own).expect("pair");
+        served += usize::from(query.stats().nodes_visited == 0);
+        let mut query = first.against(&second, &mut workspace);
+        query.triangle_pairs(0.0, &mut expected).expect("pair");
+        own.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(own, expected, "step {time}");
+        touching += own.len();
+    }
+    assert!(touching > 40 && served > 20, "{touching} {served}");
+}

@@ -87,7 +87,7 @@ fn what_cannot_be_loaded_is_said_with_its_path() {
         for error in [Model::read(&path).err(), Model::load(&path).err()] {
             let error = error.expect(name);
             let text = error.to_string();
-            let expected = format!("cannot read {}: ", path.display());
+            let expected = format!("{}: cannot be read: ", path.display());
             assert!(text.starts_with(&expected), "{name}: {text}");
             assert!(matches!(error, LoadError::Io { path: of, .. } if of == path));
         }
