@@ -209,7 +209,10 @@ impl Instance {
     /// The current pose. It can be queried from several threads at once; these queries do not use the step cache.
     #[inline]
     pub fn pose(&self) -> Pose<'_> {
-        self.is_motion_wanted.store(true, Ordering::Relaxed);
+        // Written once, so that threads that ask do not take the line from each other.
+        if !self.is_motion_wanted.load(Ordering::Relaxed) {
+            self.is_motion_wanted.store(true, Ordering::Relaxed);
+        }
         self.current()
     }
 
