@@ -113,16 +113,15 @@ pub fn parse_integers(bytes: &[u8]) -> Result<NpyArray<i64>, NpyError> {
 /// # Errors
 /// Another number of values than the shape has, more axes than a header holds, what `out` returns.
 pub fn write(shape: &[usize], values: &[f64], out: &mut dyn Write) -> io::Result<()> {
-    if shape.iter().product::<usize>() != values.len() {
-        let message = format!("{} values for an array of shape {shape:?}", values.len());
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
-    }
+    let invalid = |message: String| io::Error::new(io::ErrorKind::InvalidInput, message);
+    check_size(shape, size_of::<f64>(), size_of_val(values) as u64)
+        .map_err(|error| invalid(error.to_string()))?;
     let extents: String = shape.iter().map(|extent| format!("{extent}, ")).collect();
     let entries = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({extents}), }}");
     // Signature, version and length take ten bytes, the line's end one; the data begins at a multiple of 64.
     let len = (10 + entries.len() + 1).next_multiple_of(64) - 10;
+    let bytes = u16::try_from(len).map_err(|_| invalid("too many axes".to_string()))?;
     out.write_all(b"\x93NUMPY\x01\x00")?;
-    let bytes = u16::try_from(len).map_err(|_| io::Error::other("too many axes"))?;
     out.write_all(&bytes.to_le_bytes())?;
     writeln!(out, "{entries:width$}", width = len - 1)?;
     for value in values {

@@ -415,7 +415,11 @@ impl<'a> Asset<'a> {
                 .tell(
                     report,
                     end <= count as u64 && named,
-                    Datum::at_most(count),
+                    if end > count as u64 {
+                        Datum::at_most(count)
+                    } else {
+                        "a name of UTF-8".into()
+                    },
                     end,
                 )?;
         }

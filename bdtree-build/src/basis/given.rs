@@ -5,12 +5,13 @@ mod frequencies;
 
 use std::path::Path;
 
+use bdtree_npy::NpyArray;
+
 use super::{Basis, BasisMode};
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::forget_folder;
 use crate::input::read_file::read_file;
 use crate::words::words;
-use bdtree_npy::NpyArray;
 
 /// Vertices whose entries are put in order at a time.
 const VERTICES: usize = 256;

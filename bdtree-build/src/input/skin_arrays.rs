@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use bdtree_format::{BONE_COUNT_MAX, INFLUENCES_MAX};
+use bdtree_npy::{NpyArray, NpyError};
 
 use super::read_file::read_file;
 use super::{Local, RawBone, RawInfluences, RawSkeletonNode, RawSkin, Rows};
 use crate::error::{BakeError, Part, Place};
-use bdtree_npy::{NpyArray, NpyError};
 
 /// Last rows of matrices that are off by more are none of an affine map.
 const LAST_ROW_TOLERANCE: f64 = 1e-5;
@@ -59,6 +59,7 @@ impl SkinArrays {
     }
 }
 
+/// The array of a file of this stage.
 fn parsed<T>(
     path: &Path,
     parse: fn(&[u8]) -> Result<NpyArray<T>, NpyError>,

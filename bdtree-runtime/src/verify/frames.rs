@@ -27,7 +27,12 @@ impl Asset<'_> {
             };
             at(offset_of!(FrameRecord, time_s))
                 .rule("SPEC 7.5: times are -1 in every frame, or finite, not negative and not descending")
-                .tell(report, ok, Datum::at_least(before), time)?;
+                .tell(
+                    report,
+                    ok,
+                    if known { Datum::AtLeast(before) } else { Datum::Real(TIME_UNKNOWN) },
+                    time,
+                )?;
             // A time out of order is one broken rule, not one for every frame behind it.
             before = if in_order { time } else { before };
             let [x, y, z, w] = frame.rotation.map(|c| c.get());

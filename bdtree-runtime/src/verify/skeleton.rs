@@ -107,7 +107,16 @@ impl Asset<'_> {
             (skin.names).get(start as usize..(start as usize).saturating_add(bytes as usize));
         let named = name.is_some_and(|name| core::str::from_utf8(name).is_ok());
         at.rule("SPEC 7.8: names lie inside SNAM and are UTF-8")
-            .tell(report, named, Datum::at_most(skin.names.len()), end)
+            .tell(
+                report,
+                named,
+                if name.is_none() {
+                    Datum::at_most(skin.names.len())
+                } else {
+                    "UTF-8".into()
+                },
+                end,
+            )
     }
 
     fn joint_nodes(&self, skin: &Skin<'_>, report: Report<'_>) -> ControlFlow<()> {
@@ -180,12 +189,20 @@ impl Asset<'_> {
             };
             let mut before = -1.0;
             for (k, time) in track.times().iter().enumerate() {
-                let least = if k == 0 { 0.0 } else { before };
                 let ok = *time > before && *time >= 0.0;
                 let number = channel.first_number as usize + k;
                 self.at(SectionKind::KEYS, size_of::<f32>() * number)
                     .rule("SPEC 7.9: times of keys are not negative and ascend strictly")
-                    .tell(report, ok, least, *time)?;
+                    .tell(
+                        report,
+                        ok,
+                        if k == 0 {
+                            Datum::AtLeast(0.0)
+                        } else {
+                            "a later time than the one before".into()
+                        },
+                        *time,
+                    )?;
                 // A time out of order is one broken rule, not one for every key behind it.
                 before = if ok { *time } else { before };
             }

@@ -140,7 +140,11 @@ impl Asset<'_> {
                     .tell(
                         report,
                         ascends && known,
-                        Datum::Below(skin.bones.len() as u64),
+                        if known {
+                            "a bone behind the one before".into()
+                        } else {
+                            Datum::Below(skin.bones.len() as u64)
+                        },
                         bone,
                     )?;
                 at(k, offset_of!(InfluenceRecord, reserved))

@@ -9,6 +9,7 @@ use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Mutex;
 
+use bdtree_npy::Number;
 use sha2::{Digest, Sha256};
 
 use super::data::{FrameData, Order};
@@ -16,7 +17,6 @@ use super::{FrameSequence, Places, SUPPORTED, check_vertex_count};
 use crate::error::{BakeError, Problems};
 use crate::input::{RawMesh, load};
 use crate::progress::Progress;
-use bdtree_npy::Number;
 
 /// Bytes of a .npy file in which its header must end.
 const NPY_HEADER_MAX: u64 = 1 << 20;

@@ -5,11 +5,11 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
+use bdtree_npy::Number;
 use sha2::{Digest, Sha256};
 
 use crate::error::{Part, Place, Problems};
 use crate::progress::Progress;
-use bdtree_npy::Number;
 
 /// Bytes that are scanned at a time: a multiple of every number's size.
 const SCAN_BYTES: usize = 1 << 20;

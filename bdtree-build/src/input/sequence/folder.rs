@@ -7,6 +7,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::sync::Mutex;
 
+use bdtree_npy::Number;
 use sha2::{Digest, Sha256};
 
 use super::data::{FrameData, Order, is_coordinate, what_is_wrong};
@@ -15,7 +16,6 @@ use super::{FrameSequence, Places, caches, check_vertex_count};
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::{RawMesh, load, read_mesh};
 use crate::progress::Progress;
-use bdtree_npy::Number;
 
 /// The frames in the folder at `path`.
 pub(super) fn open(
