@@ -114,13 +114,13 @@ def redundant(figures):
 
 
 def kernel(_):
-    columns = ["Avx2", "Avx512", "in the file's order", "plain read"]
+    columns = ["Avx2", "in the file's order", "plain read"]
     rows = [
         [place, *(digits(cells[column]) for column in columns)]
         for place, cells in in_turn("kernel", "nodes")
         if cells["modes"] == 10
     ]
-    return table(["from", "AVX2", "AVX-512 (VNNI)", "in the file's order", "plain read"], rows)
+    return table(["from", "AVX2", "in the file's order", "plain read"], rows)
 
 
 def kernel_modes(_):

@@ -23,7 +23,7 @@ macro_rules! instructions {
 }
 pub(super) use instructions;
 
-/// Four f64 in a register, used only inside `run_avx2` and `run_avx512` of the module beside: so wherever
+/// Four f64 in a register, used only inside `run_avx2` of the module beside: so wherever
 /// one exists, the processor has AVX2.
 #[derive(Clone, Copy)]
 pub(super) struct Avx4(__m256d);

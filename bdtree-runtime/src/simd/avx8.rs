@@ -1,27 +1,25 @@
-//! Eight f32 with AVX2 and FMA: a row is one register. Beside them AVX-512 VNNI, in registers of 256 bits: one
-//! instruction multiplies pairs and adds them to a sum.
+//! Eight f32 with AVX2: a row is one register.
 #![allow(unsafe_code)] // intrinsics; every block has its proof
 
 use bdtree_format::{PairRow, Row};
 use core::arch::x86_64::{
     __m256, __m256i, _CMP_GT_OQ, _mm256_abs_epi16, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps,
-    _mm256_cvtepi32_ps, _mm256_dpwssd_epi32, _mm256_loadu_ps, _mm256_loadu_si256,
-    _mm256_madd_epi16, _mm256_max_epi16, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
-    _mm256_mul_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_si256, _mm256_sqrt_ps,
-    _mm256_storeu_ps, _mm256_sub_epi16, _mm256_sub_ps,
+    _mm256_cvtepi32_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_madd_epi16, _mm256_max_epi16,
+    _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_epi32,
+    _mm256_set1_ps, _mm256_setzero_si256, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_epi16,
+    _mm256_sub_ps,
 };
 
 use super::avx4::{Avx4, instructions};
 use super::{Fields, Kernel, Lanes, PairSums, Work};
 
-/// Eight f32 in a register. Only [`run_avx2`] and [`run_avx512`] use it: so wherever one exists, the processor has
-/// AVX2 and FMA, and, with `VNNI`, AVX-512 with VL and VNNI.
+/// Eight f32 in a register. Only [`run_avx2`] uses it: so wherever one exists, the processor has AVX2 and FMA.
 #[derive(Clone, Copy)]
-struct Avx8<const VNNI: bool>(__m256);
+struct Avx8(__m256);
 
-impl<const VNNI: bool> Lanes for Avx8<VNNI> {
+impl Lanes for Avx8 {
     type Quad = Avx4;
-    type Sums = Whole8<VNNI>;
+    type Sums = Whole8;
 
     instructions! {
         add(other) = _mm256_add_ps;
@@ -45,7 +43,7 @@ impl<const VNNI: bool> Lanes for Avx8<VNNI> {
     }
 
     #[inline(always)]
-    fn round(sums: Whole8<VNNI>) -> Self {
+    fn round(sums: Whole8) -> Self {
         // SAFETY: needs AVX; see `Avx8`.
         Self(unsafe { _mm256_cvtepi32_ps(sums.0) })
     }
@@ -76,9 +74,9 @@ impl<const VNNI: bool> Lanes for Avx8<VNNI> {
 
 /// Eight sums in a register. As [`Avx8`].
 #[derive(Clone, Copy)]
-struct Whole8<const VNNI: bool>(__m256i);
+struct Whole8(__m256i);
 
-impl<const VNNI: bool> PairSums for Whole8<VNNI> {
+impl PairSums for Whole8 {
     type Factor = __m256i;
 
     #[inline(always)]
@@ -106,10 +104,6 @@ impl<const VNNI: bool> PairSums for Whole8<VNNI> {
     fn add_products(self, row: &PairRow, n: __m256i) -> Self {
         // SAFETY: needs AVX, see `Avx8`; `row` is 32 readable bytes, any alignment will do.
         let row = unsafe { _mm256_loadu_si256(row.as_ptr().cast()) };
-        if VNNI {
-            // SAFETY: needs AVX-512 VNNI and VL; see `Avx8`.
-            return Self(unsafe { _mm256_dpwssd_epi32(self.0, row, n) });
-        }
         // SAFETY: needs AVX2; see `Avx8`.
         self.add(Self(unsafe { _mm256_madd_epi16(row, n) }))
     }
@@ -122,25 +116,14 @@ impl<const VNNI: bool> PairSums for Whole8<VNNI> {
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 #[inline(never)]
 fn run_avx2<W: Work>(work: W) -> W::Output {
-    work.run::<Avx8<false>>()
+    work.run::<Avx8>()
 }
 
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512vnni")]
-#[inline(never)]
-fn run_avx512<W: Work>(work: W) -> W::Output {
-    work.run::<Avx8<true>>()
-}
-
-/// [`Work::run`] with AVX2, or with AVX-512.
+/// [`Work::run`] with AVX2.
 #[inline]
-pub(super) fn run<const VNNI: bool, W: Work>(work: W) -> W::Output {
-    if VNNI {
-        debug_assert!(Kernel::Avx512.is_available());
-        // SAFETY: `Kernel::Avx512` reaches an asset only through `Kernel::best` and
-        // `Asset::with_kernel`, which ask `Kernel::is_available` first.
-        return unsafe { run_avx512(work) };
-    }
+pub(super) fn run<W: Work>(work: W) -> W::Output {
     debug_assert!(Kernel::Avx2.is_available());
-    // SAFETY: so does `Kernel::Avx2`.
+    // SAFETY: `Kernel::Avx2` reaches an asset only through `Kernel::best` and `Asset::with_kernel`, which ask
+    // `Kernel::is_available` first.
     unsafe { run_avx2(work) }
 }

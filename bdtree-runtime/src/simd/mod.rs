@@ -138,8 +138,6 @@ pub enum Kernel {
     Scalar,
     /// x86-64 with AVX2, FMA and the bit counts of the same age: BMI, LZCNT, POPCNT.
     Avx2,
-    /// [`Kernel::Avx2`] and AVX-512 F, VL and VNNI.
-    Avx512,
     /// AArch64, where NEON is always there.
     Neon,
     /// WebAssembly, where the build enables `simd128`.
@@ -148,13 +146,7 @@ pub enum Kernel {
 
 impl Kernel {
     /// All of them, available or not.
-    pub const ALL: [Self; 5] = [
-        Self::Scalar,
-        Self::Avx2,
-        Self::Avx512,
-        Self::Neon,
-        Self::Simd128,
-    ];
+    pub const ALL: [Self; 4] = [Self::Scalar, Self::Avx2, Self::Neon, Self::Simd128];
 
     /// Whether this processor has it. Without feature `std` only what the build targets counts.
     pub fn is_available(self) -> bool {
@@ -169,15 +161,8 @@ impl Kernel {
                     && has!("lzcnt")
                     && has!("popcnt")
             }
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => {
-                Self::Avx2.is_available()
-                    && has!("avx512f")
-                    && has!("avx512vl")
-                    && has!("avx512vnni")
-            }
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 | Self::Avx512 => false,
+            Self::Avx2 => false,
             Self::Neon => cfg!(target_arch = "aarch64"),
             Self::Simd128 => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
         }
@@ -185,7 +170,7 @@ impl Kernel {
 
     /// The fastest one that is available.
     pub fn best() -> Self {
-        [Self::Avx512, Self::Avx2, Self::Neon, Self::Simd128]
+        [Self::Avx2, Self::Neon, Self::Simd128]
             .into_iter()
             .find(|k| k.is_available())
             .unwrap_or(Self::Scalar)
@@ -197,11 +182,9 @@ impl Kernel {
     pub(crate) fn run<W: Work>(self, work: W) -> W::Output {
         match self {
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => avx8::run::<false, W>(work),
+            Self::Avx2 => avx8::run(work),
             #[cfg(target_arch = "aarch64")]
             Self::Neon => run_portable::<neon::Neon8, W>(work),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => avx8::run::<true, W>(work),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Self::Simd128 => run_portable::<simd128::Simd8, W>(work),
             _ => run_portable::<scalar::Array8, W>(work),

@@ -1,16 +1,19 @@
 //! How long commands take on the device.
 
 use std::error::Error;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use bdtree_measure::stats::median;
+
+/// An idle GPU runs at a fraction of its clock rate (an H200's multiprocessors at 345 of 1980 MHz).
+const WARM_UP: Duration = Duration::from_millis(500);
 
 /// Measures by timestamps of the device, or by the clock where it has none.
 pub(crate) struct Timer<'d> {
     device: &'d wgpu::Device,
     queue: &'d wgpu::Queue,
     stamps: Option<Stamps>,
-    /// Submissions, of which the median counts, after one to warm up.
+    /// Submissions, of which the median counts, after [`WARM_UP`].
     pub(crate) rounds: usize,
     /// Executions in each.
     repeats: u32,
@@ -71,7 +74,8 @@ impl<'d> Timer<'d> {
         record: impl Fn(&mut wgpu::CommandEncoder) -> Result<(), Box<dyn Error>>,
     ) -> Result<f64, Box<dyn Error>> {
         let mut all = Vec::new();
-        for round in 0..=self.rounds {
+        let (began, mut warm) = (Instant::now(), false);
+        while all.len() < self.rounds {
             let mut encoder = self.device.create_command_encoder(&Default::default());
             if let Some(stamps) = &self.stamps {
                 encoder.write_timestamp(&stamps.set, 0);
@@ -93,9 +97,10 @@ impl<'d> Timer<'d> {
                 Some(stamps) => self.read(stamps)?,
                 None => wall,
             };
-            if round > 0 {
+            if warm {
                 all.push(seconds / f64::from(self.repeats));
             }
+            warm = warm || began.elapsed() >= WARM_UP;
         }
         Ok(median(&all))
     }
