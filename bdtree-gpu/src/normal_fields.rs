@@ -6,6 +6,8 @@
 //! (docs/design/decisions/normal-fields.md).
 
 use std::collections::BTreeMap;
+use std::ops::Range;
+use std::thread;
 
 use bdtree_format::VertexModes;
 use bdtree_runtime::{Asset, VertexId};
@@ -36,7 +38,7 @@ impl NormalFields {
     /// move it or a vertex of its triangles. Tried at poses that move the farthest vertex by a tenth of the
     /// diagonal, each mode alone, fixed mixtures and, up to 24 modes, each pair of modes: vertices that are
     /// off by more than 0.3° in any are marked. Poses tried: M² + 32 up to 24 modes, M + 32 beyond, each in both
-    /// directions.
+    /// directions. Computed by as many threads as there are processors.
     ///
     /// # Errors
     /// Records that break the format's rules; sizes beyond 32 bits.
@@ -45,9 +47,13 @@ impl NormalFields {
         asset.check_mesh()?;
         let around_all = VertexTriangles::new(vertex_count, &triangles(asset)?)?;
         let listed = !asset.vertex_modes().is_empty();
-        let amplitudes = amplitudes(asset);
-        let samples = Samples::new(asset)?;
-        let mut marked = Vec::new();
+        let job = Job {
+            asset,
+            around_all: &around_all,
+            listed,
+            amplitudes: &amplitudes(asset),
+            samples: &Samples::new(asset)?,
+        };
         let mut made = Self {
             mode_count,
             rest: Vec::with_capacity(2 * vertex_count),
@@ -56,53 +62,27 @@ impl NormalFields {
             lists: Vec::new(),
             marked: around_all.of(Vec::new()),
         };
-        let all: Vec<u16> = (0..mode_count as u16).collect();
-        let mut known = BTreeMap::new();
-        let mut around = Around::default();
-        for vertex in 0..vertex_count {
-            let modes = match listed {
-                true => acting(asset, around_all.around(vertex), vertex)?,
-                false => all.clone(),
-            };
-            around.gather(asset, around_all.around(vertex), vertex, &modes)?;
-            let amplitudes: Vec<f64> = modes.iter().map(|j| amplitudes[usize::from(*j)]).collect();
-            let tangents = around.tangents(&amplitudes);
-            if samples.off(&around, &tangents, &modes) {
-                marked.push(vertex as u32);
-            }
-            if listed {
-                let end = made.lists.len() as u32;
+        let (mut marked, mut known) = (Vec::new(), BTreeMap::new());
+        for part in job.parts(vertex_count)? {
+            let mut entries = made.fields.len() / 2;
+            for modes in part.modes {
+                let (count, end) = (modes.len(), made.lists.len() as u32);
                 let start = *known.entry(modes).or_insert_with_key(|modes| {
                     made.lists.extend(modes);
                     end
                 });
-                made.records.push(made.next_record(start)?);
+                made.records.push(record(entries, start)?);
+                entries += count;
             }
-            made.rest.extend(tangents.rest);
-            for side in 0..2 {
-                made.fields
-                    .extend(tangents.moved.iter().map(|both| both[side]));
-            }
+            made.rest.extend(part.rest);
+            made.fields.extend(part.fields);
+            marked.extend(part.marked);
         }
         if listed {
-            made.records.push(made.next_record(0)?);
+            made.records.push(record(made.fields.len() / 2, 0)?);
         }
         made.marked = around_all.of(marked);
         Ok(made)
-    }
-
-    /// Of a vertex whose fields come next.
-    fn next_record(&self, mode_list_start: u32) -> Result<VertexModes, GpuError> {
-        let entries = self.fields.len() / 2;
-        let too_large = |_| GpuError::AssetTooLarge {
-            what: "normal fields",
-            bytes: 24 * entries as u64,
-            limit: 24 * u64::from(u32::MAX),
-        };
-        Ok(VertexModes {
-            first_entry: u32::try_from(entries).map_err(too_large)?,
-            mode_list_start,
-        })
     }
 
     /// Bytes of all numbers on the device.
@@ -153,6 +133,100 @@ impl NormalFields {
             records: &self.records,
             lists: &self.lists,
         }
+    }
+}
+
+/// Of a vertex whose fields come after so many entries.
+fn record(entries: usize, mode_list_start: u32) -> Result<VertexModes, GpuError> {
+    let too_large = |_| GpuError::AssetTooLarge {
+        what: "normal fields",
+        bytes: 24 * entries as u64,
+        limit: 24 * u64::from(u32::MAX),
+    };
+    Ok(VertexModes {
+        first_entry: u32::try_from(entries).map_err(too_large)?,
+        mode_list_start,
+    })
+}
+
+/// What every thread reads.
+#[derive(Clone, Copy)]
+struct Job<'j> {
+    asset: &'j Asset<'j>,
+    around_all: &'j VertexTriangles,
+    listed: bool,
+    amplitudes: &'j [f64],
+    samples: &'j Samples,
+}
+
+/// Fields of a run of vertices.
+#[derive(Default)]
+struct Part {
+    rest: Vec<[f32; 3]>,
+    fields: Vec<[f32; 3]>,
+    /// Of each vertex, where vertices list them.
+    modes: Vec<Vec<u16>>,
+    marked: Vec<u32>,
+}
+
+/// Fewer vertices are no work for another thread.
+const VERTICES_PER_THREAD: usize = 500;
+
+impl Job<'_> {
+    /// The fields of all vertices in order, by as many threads as there are processors.
+    fn parts(self, vertex_count: usize) -> Result<Vec<Part>, GpuError> {
+        let threads = thread::available_parallelism().map_or(1, usize::from);
+        let each = vertex_count.div_ceil(threads).max(VERTICES_PER_THREAD);
+        let part = |start: usize| self.part(start..vertex_count.min(start + each));
+        if each >= vertex_count {
+            return Ok(vec![part(0)?]); // WebAssembly has no other threads
+        }
+        thread::scope(|scope| {
+            let starts = (0..vertex_count).step_by(each);
+            let workers: Vec<_> = starts
+                .map(|start| scope.spawn(move || part(start)))
+                .collect();
+            let join = |worker: thread::ScopedJoinHandle<'_, _>| match worker.join() {
+                Ok(part) => part,
+                Err(panic) => std::panic::resume_unwind(panic),
+            };
+            workers.into_iter().map(join).collect()
+        })
+    }
+
+    fn part(self, vertices: Range<usize>) -> Result<Part, GpuError> {
+        let mode_count = self.asset.mode_count();
+        let mut made = Part::default();
+        let mut around = Around::default();
+        let mut modes: Vec<u16> = (0..mode_count as u16).collect();
+        let mut places: Vec<Option<usize>> = (0..mode_count).map(Some).collect();
+        let mut amplitudes = self.amplitudes.to_vec();
+        for vertex in vertices {
+            let triangles = self.around_all.around(vertex);
+            if self.listed {
+                modes = acting(self.asset, triangles, vertex)?;
+                places.fill(None);
+                for (place, mode) in modes.iter().enumerate() {
+                    places[usize::from(*mode)] = Some(place);
+                }
+                amplitudes.clear();
+                amplitudes.extend(modes.iter().map(|j| self.amplitudes[usize::from(*j)]));
+            }
+            around.gather(self.asset, triangles, vertex, &modes, &amplitudes)?;
+            let tangents = around.tangents(&amplitudes);
+            if self.samples.off(&around, &tangents, &places) {
+                made.marked.push(vertex as u32);
+            }
+            if self.listed {
+                made.modes.push(modes.clone());
+            }
+            made.rest.extend(tangents.rest);
+            for side in 0..2 {
+                made.fields
+                    .extend(tangents.moved.iter().map(|both| both[side]));
+            }
+        }
+        Ok(made)
     }
 }
 

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use crate::error::GpuError;
 
-/// Up to so many modes of a vertex the terms of second order are met, too: 9 m² numbers per vertex
+/// Up to so many modes that act on a vertex the terms of second order are met, too: 9 m² numbers per vertex
 /// are solved for, and the sums of all pairs of modes formed.
 const SECOND_ORDER_MODES: usize = 24;
 /// Weight of a mode's own square beside products of two modes: of few modes the largest errors.
@@ -22,6 +22,19 @@ pub(crate) struct Around {
     rest: Vec<[DVec3; 2]>,
     /// Mode by mode.
     moved: Vec<[DVec3; 2]>,
+    /// The normal as a polynomial in q; its pairs only up to [`SECOND_ORDER_MODES`].
+    polynomial: Polynomial,
+}
+
+/// The normal weighted by area, `N + Σ_j L_j q_j + Σ_{k ≤ j} Q_jk q_j q_k`.
+#[derive(Debug, Default)]
+struct Polynomial {
+    constant: DVec3,
+    linear: Vec<DVec3>,
+    /// Q_jk at [`pair`].
+    pairs: Vec<DVec3>,
+    /// Length of the longest edge at rest, then of its longest change by each mode.
+    longest: Vec<f64>,
 }
 
 /// What [`NormalFields`] keeps of a vertex.
@@ -31,11 +44,11 @@ pub(crate) struct Tangents {
 }
 
 impl Tangents {
-    /// Both at q, of modes by their place among the vertex's.
-    pub(crate) fn at(&self, q: &[(usize, f64)]) -> [DVec3; 2] {
+    /// Both at q times `sign`, of modes by their place among the vertex's.
+    pub(crate) fn moved_by(&self, q: &[(usize, f64)], sign: f64) -> [DVec3; 2] {
         [0, 1].map(|side| {
             q.iter().fold(wide(self.rest[side]), |sum, (k, q)| {
-                sum + *q * wide(self.moved[*k][side])
+                sum + sign * *q * wide(self.moved[*k][side])
             })
         })
     }
@@ -48,6 +61,7 @@ impl Around {
         triangles: &[[u32; 2]],
         vertex: usize,
         modes: &[u16],
+        amplitudes: &[f64],
     ) -> Result<(), GpuError> {
         let at = |v: u32| wide(asset.positions()[v as usize]);
         let own = at(vertex as u32);
@@ -69,7 +83,58 @@ impl Around {
                 .map(|both| both.map(|f| wide(f.of(mode)) - own));
             self.moved.extend(edges);
         }
+        self.expand(amplitudes);
         Ok(())
+    }
+
+    /// Forms the polynomial.
+    fn expand(&mut self, amplitudes: &[f64]) {
+        let mode_count = amplitudes.len();
+        let acting = amplitudes.iter().filter(|a| **a > 0.0).count();
+        let mut polynomial = std::mem::take(&mut self.polynomial);
+        polynomial.constant = (self.rest.iter()).fold(DVec3::ZERO, |sum, [e, f]| sum + e.cross(*f));
+        polynomial.linear.clear();
+        polynomial.linear.extend((0..mode_count).map(|j| {
+            let moved = self.rest.iter().zip(self.of(j));
+            moved.fold(DVec3::ZERO, |sum, ([e, f], [de, df])| {
+                sum + (de.cross(*f) + e.cross(*df))
+            })
+        }));
+        polynomial.pairs.clear();
+        if acting <= SECOND_ORDER_MODES {
+            let pairs = (0..mode_count).flat_map(|j| (0..=j).map(move |k| (j, k)));
+            polynomial.pairs.extend(pairs.map(|(j, k)| {
+                let both = self.of(j).iter().zip(self.of(k));
+                both.fold(DVec3::ZERO, |sum, ([e, f], [g, h])| {
+                    let own = e.cross(*h);
+                    sum + if j == k { own } else { own + g.cross(*f) }
+                })
+            }));
+        }
+        polynomial.longest.clear();
+        let all = std::iter::once(self.rest.as_slice());
+        let all = all.chain((0..mode_count).map(|j| self.of(j)));
+        polynomial.longest.extend(all.map(|edges| {
+            let squares = edges.as_flattened().iter().map(|e| e.length_squared());
+            squares.fold(0.0, f64::max).sqrt()
+        }));
+        self.polynomial = polynomial;
+    }
+
+    /// The terms of the normal that keep their sign with q → −q, and those that change it: the normal of [`Around::normal`]
+    /// but for rounding, relative to the third number. `None` where there are too many modes.
+    pub(crate) fn even_and_odd(&self, q: &[(usize, f64)]) -> Option<(DVec3, DVec3, f64)> {
+        let of = &self.polynomial;
+        let (mut even, mut odd) = (of.constant, DVec3::ZERO);
+        let mut longest = *of.longest.first()?;
+        for (n, (j, q_j)) in q.iter().enumerate() {
+            odd += *q_j * *of.linear.get(*j)?;
+            longest += q_j.abs() * of.longest.get(1 + j)?;
+            for (k, q_k) in &q[..=n] {
+                even += q_j * q_k * *of.pairs.get(pair(*j, *k))?;
+            }
+        }
+        Some((even, odd, self.rest.len() as f64 * longest * longest))
     }
 
     /// The exact normal at q, weighted by area, and the sum of the lengths of its terms, Σ ‖e‖ ‖f‖.
@@ -91,10 +156,12 @@ impl Around {
     }
 
     pub(crate) fn tangents(&self, amplitudes: &[f64]) -> Tangents {
-        let normal = self
-            .rest
-            .iter()
-            .fold(DVec3::ZERO, |s, [e, f]| s + e.cross(*f));
+        let Polynomial {
+            constant: normal,
+            linear,
+            pairs,
+            ..
+        } = &self.polynomial;
         let area = normal.length();
         let none = Tangents {
             rest: [[0.0; 3]; 2],
@@ -103,7 +170,7 @@ impl Around {
         if !(area > 0.0 && area.is_finite()) {
             return none;
         }
-        let n = normal * (1.0 / area);
+        let n = *normal * (1.0 / area);
         let axis = if n.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
         let t1 = axis.cross(n);
         let t1 = t1 * (1.0 / t1.length());
@@ -112,16 +179,9 @@ impl Around {
         // First order: T₁ × t₂ + t₁ × T₂ = L. With T₁ = (a₁, b₁, c₁) and T₂ = (a₂, b₂, c₂) along t₁, t₂
         // and n that is c₁ = −L·t₁, c₂ = −L·t₂, a₁ + b₂ = L·n: three numbers per mode are left, a₁, b₁ and
         // a₂. All for modes at their amplitude.
-        let first: Vec<[f64; 3]> = (0..amplitudes.len())
-            .map(|j| {
-                let l = self
-                    .rest
-                    .iter()
-                    .zip(self.of(j))
-                    .fold(DVec3::ZERO, |s, ([e, f], [de, df])| {
-                        s + (de.cross(*f) + e.cross(*df))
-                    });
-                let [x, y, z] = local(l * (amplitudes[j] / area));
+        let first: Vec<[f64; 3]> = (linear.iter().zip(amplitudes))
+            .map(|(l, amplitude)| {
+                let [x, y, z] = local(*l * (amplitude / area));
                 [-x, -y, z]
             })
             .collect();
@@ -131,15 +191,9 @@ impl Around {
             open[0] += 0.5 * (trace - open[0] - open[3]);
         }
         let mut open: Vec<[f64; 3]> = open.into_iter().map(|[a, b, c, _]| [a, b, c]).collect();
-        let acting = amplitudes.iter().filter(|a| **a > 0.0).count();
-        if acting <= SECOND_ORDER_MODES {
+        if !pairs.is_empty() {
             let quadratic = |j: usize, k: usize| {
-                let pairs = self.of(j).iter().zip(self.of(k));
-                let sum = pairs.fold(DVec3::ZERO, |s, ([e, f], [g, h])| {
-                    let own = e.cross(*h);
-                    s + if j == k { own } else { own + g.cross(*f) }
-                });
-                local(sum * (amplitudes[j] * amplitudes[k] / area))
+                local(pairs[pair(j, k)] * (amplitudes[j] * amplitudes[k] / area))
             };
             meet_second_order(&first, &mut open, quadratic);
         }
@@ -191,6 +245,12 @@ impl Around {
         };
         amplitudes.iter().enumerate().map(one).collect()
     }
+}
+
+/// The place of two modes among all pairs of them.
+fn pair(j: usize, k: usize) -> usize {
+    let (more, less) = (j.max(k), j.min(k));
+    more * (more + 1) / 2 + less
 }
 
 /// Moves (a₁, b₁, a₂) of all modes so that the tangential parts of T₁ⱼ × T₂ₖ + T₁ₖ × T₂ⱼ come near those of
@@ -291,4 +351,52 @@ fn finite(v: DVec3) -> [f32; 3] {
 /// In f64.
 pub(crate) fn wide(v: [f32; 3]) -> DVec3 {
     DVec3::from_array(v.map(f64::from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers in [−1, 1).
+    fn next(state: &mut u64) -> f64 {
+        *state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    #[test]
+    fn the_polynomial_is_the_sum_over_the_triangles() {
+        let mut state = 1;
+        for modes in [0, 1, 2, 7, SECOND_ORDER_MODES] {
+            let mut edges = |count: usize| -> Vec<[DVec3; 2]> {
+                let mut vector = || DVec3::from_array([(); 3].map(|()| next(&mut state)));
+                (0..count).map(|_| [vector(), vector()]).collect()
+            };
+            let mut around = Around {
+                rest: edges(6),
+                moved: edges(6 * modes),
+                ..Default::default()
+            };
+            around.expand(&vec![1.0; modes]);
+            // In any order of the modes.
+            let mut q: Vec<_> = (0..modes).map(|k| (k, 0.3 * next(&mut state))).collect();
+            q.rotate_left(modes / 2);
+            for sign in [1.0, -1.0] {
+                let (even, odd, size) = around.even_and_odd(&q).expect("few modes");
+                let signed: Vec<_> = q.iter().map(|(k, q)| (*k, sign * q)).collect();
+                let (sum, terms) = around.normal(&signed);
+                let off = (even + sign * odd - sum).length();
+                assert!(off <= 1e-14 * size, "{modes} modes: {off}");
+                assert!(terms <= size * (1.0 + 1e-12), "{modes} modes: {terms}");
+            }
+        }
+        let mut around = Around {
+            rest: vec![[DVec3::X, DVec3::Y]],
+            moved: vec![[DVec3::Z; 2]; SECOND_ORDER_MODES + 1],
+            ..Default::default()
+        };
+        around.expand(&[1.0; SECOND_ORDER_MODES + 1]);
+        assert!(around.even_and_odd(&[(0, 1.0)]).is_none());
+    }
 }

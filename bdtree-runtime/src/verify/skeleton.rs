@@ -218,18 +218,29 @@ impl Asset<'_> {
         report: Report<'_>,
     ) -> ControlFlow<()> {
         let (first, count) = (channel.target as usize, channel.target_count as usize);
-        let (known, expected) = if channel.path == channel_path::MODES {
-            let end = first.saturating_add(count);
-            let most = self.modes.len().saturating_sub(count);
-            (end <= self.modes.len(), Datum::at_most(most))
-        } else {
-            let node = skin.skeleton.get(first);
-            let is_parts = node.is_some_and(|node| node.kind == local_kind::PARTS);
-            (is_parts && count == 1, "one node of parts".into())
-        };
-        let at = i * size_of::<ChannelRecord>() + offset_of!(ChannelRecord, target);
-        self.at(SectionKind::CHANNELS, at)
-            .rule(TARGETS)
-            .tell(report, known, expected, first)
+        let start = i * size_of::<ChannelRecord>();
+        let at = |field| self.at(SectionKind::CHANNELS, start + field).rule(TARGETS);
+        if channel.path == channel_path::MODES {
+            let all = self.modes.len();
+            return match all.checked_sub(count) {
+                Some(last) => at(offset_of!(ChannelRecord, target)).tell(
+                    report,
+                    first <= last,
+                    Datum::at_most(last),
+                    first,
+                ),
+                None => at(offset_of!(ChannelRecord, target_count)).tell(
+                    report,
+                    false,
+                    Datum::at_most(all),
+                    count,
+                ),
+            };
+        }
+        let node = skin.skeleton.get(first);
+        let is_parts = node.is_some_and(|node| node.kind == local_kind::PARTS);
+        let known = is_parts && count == 1;
+        let expected = "one node of parts";
+        at(offset_of!(ChannelRecord, target)).tell(report, known, expected, first)
     }
 }
