@@ -161,6 +161,9 @@ impl Limits {
     /// Bytes of memory at which the process ends, so that the machine's memory is not taken.
     pub const STOP_BYTES: usize = 2 << 30;
 
+    /// Bytes of memory per byte of glTF accessors, counted as often as they are used.
+    pub const BYTES_WRITTEN_OUT: usize = 8;
+
     /// Seconds of the processor for reading; scenes are answered too, and may hold thousands of
     /// queries.
     pub fn read_seconds(format: Format) -> f64 {
