@@ -1,6 +1,8 @@
 //! Normals on a GPU: those of fields and exact ones against their twins within derived bounds, and fields
 //! against exact ones.
 
+use std::thread;
+
 use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::progress::Silent;
@@ -224,17 +226,25 @@ fn apart(gpu: &Gpu, asset: &Asset<'_>, fields: &NormalFields) -> [Vec<f64>; 2] {
 #[test]
 fn normals_of_fields_are_near_exact_ones() {
     let gpu = Gpu::new();
-    for (name, most_marked, most, alone_over) in [
+    let named = [
         ("chair", 0.001, 1.0, false),
         ("icosphere", 0.001, 1.0, false),
         ("beam", 0.5, 1.0, true),
         ("torus", 0.75, 1.0, true),
         ("fish", 0.04, 1.0, true),
-    ] {
+    ];
+    // Solving for modes, on one core each, takes most of the test's time.
+    let baked = |name: &str| {
         let mesh = read_mesh(&models::path(name)).expect("fixture");
         let options = ElasticOptions::default();
         let basis = elastic_basis(&mesh, &options, &Silent, &mut Vec::new());
-        let model = bake::baked(&mesh, &basis.expect("modes").0);
+        bake::baked(&mesh, &basis.expect("modes").0)
+    };
+    let models = thread::scope(|scope| {
+        let workers = named.map(|(name, ..)| scope.spawn(move || baked(name)));
+        workers.map(|worker| worker.join().expect("a bake"))
+    });
+    for ((name, most_marked, most, alone_over), model) in named.into_iter().zip(&models) {
         let asset = model.asset();
         let fields = NormalFields::new(asset).expect("fields");
         let marked = fields.marked().len() as f64 / asset.vertex_count() as f64;

@@ -64,6 +64,18 @@ formats! {
     stl: Stl,
 }
 
+/// Cases that longer runs failed in: a mesh that is shown a thousand times, and objects nested so deep that text written again
+/// with indentation took most of 283 bytes of memory per byte.
+#[test]
+fn cases_that_failed_hold() {
+    let seeds = Seeds::fixtures();
+    let campaign = Campaign::new(&seeds, 0);
+    for (seed, number) in [(3, 47), (2611, 1_170_223)] {
+        let tally = campaign.run(Format::Gltf, seed, [number]);
+        assert_eq!(tally.failures, [""; 0]);
+    }
+}
+
 /// The checks above can fail: memory is counted, and cases repeat.
 #[test]
 fn cases_repeat_and_memory_is_counted() {

@@ -48,8 +48,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "K|auto")]
     pub(crate) modes: Option<String>,
 
-    /// Largest error that --modes auto may leave at any vertex in any frame, over the diagonal of
-    /// the box around the rest positions, above 0. Implies --modes auto.
+    /// Largest error that --modes auto may leave at any vertex (frames: in any frame; morph targets
+    /// and given fields: at any q within range), over the diagonal of the box around the rest
+    /// positions, above 0. Implies --modes auto. Not for vibration modes, except with --advise.
     #[arg(long, value_name = "E")]
     pub(crate) max_error_rel: Option<f64>,
 
@@ -84,8 +85,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FPS", help_heading = PCA)]
     pub(crate) fps: Option<f64>,
 
-    /// Which of a glTF file's animations gives the weights over time, by name [default: the first
-    /// that moves any].
+    /// Which animation of a glTF file without bones gives the weights over time, by name [default:
+    /// the first that moves a weight].
     #[arg(long, value_name = "NAME", help_heading = "Morph targets")]
     pub(crate) clip: Option<String>,
 
@@ -155,7 +156,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SHARE")]
     pub(crate) range_rel: Option<f64>,
 
-    /// Most triangles in a leaf lane, 1 to 255 [default: 4; 8 above 524288 triangles].
+    /// Most triangles in a leaf, 1 to 255 [default: 4; 8 above 524288 triangles].
     #[arg(long, value_name = "TRIANGLES", value_parser = clap::value_parser!(u8).range(1..), help_heading = "Tree")]
     pub(crate) leaf_size: Option<u8>,
 

@@ -79,7 +79,7 @@ pub(super) fn text(path: &Path, info: &Info, sections: bool) -> String {
     facts.extend([
         (
             "tree",
-            format!("{nodes}, {levels}, at most {in_leaf} a leaf lane"),
+            format!("{nodes}, {levels}, at most {in_leaf} a leaf"),
         ),
         ("growth", growth(info)),
         ("origin", origin),

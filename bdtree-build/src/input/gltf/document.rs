@@ -7,8 +7,9 @@
 
 use gltf::json::validation::{Error as Flaw, Validate};
 use gltf::json::{Path, Root};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use serde_json::ser::{PrettyFormatter, Serializer};
 
 use super::extensions;
 use super::notes::Notes;
@@ -104,8 +105,8 @@ pub(super) fn parse(json: &[u8], notes: &mut Notes) -> Option<Document> {
         return None;
     }
     // The crate's own function: its types are then compiled once, where they stand.
-    let mut root = typed(&value, Root::from_str, notes)?;
-    let exact: Exact = typed(&value, |text| serde_json::from_str(text), notes)?;
+    let mut root = typed(&value, Root::from_slice, notes)?;
+    let exact: Exact = typed(&value, |text| serde_json::from_slice(text), notes)?;
     drop(value);
     let required = std::mem::take(&mut root.extensions_required);
     extensions::check(&required, &root.extensions_used, notes);
@@ -217,11 +218,10 @@ fn fill_in(value: &mut Value, notes: &mut Notes) {
 /// a second time: 4 % of the program.)
 fn typed<T>(
     value: &Value,
-    read: fn(&str) -> serde_json::Result<T>,
+    read: fn(&[u8]) -> serde_json::Result<T>,
     notes: &mut Notes,
 ) -> Option<T> {
-    let text = format!("{value:#}");
-    match contained(|| read(&text)) {
+    match contained(|| read(&by_lines(value)?)) {
         Ok(Ok(typed)) => Some(typed),
         Ok(Err(error)) => {
             let mut at = String::new();
@@ -236,6 +236,14 @@ fn typed<T>(
         }
         Err(panic) => notes.refuse("JSON", format!("damaged: {panic}")),
     }
+}
+
+/// The text of a value, each element on a line of its own, without indentation: of nested elements it would be most of the text.
+fn by_lines(value: &Value) -> serde_json::Result<Vec<u8>> {
+    let mut text = Vec::new();
+    let lines = PrettyFormatter::with_indent(b"");
+    value.serialize(&mut Serializer::with_formatter(&mut text, lines))?;
+    Ok(text)
 }
 
 /// serde's words for JSON types as JSON's own: `is an object, expected an array`.

@@ -66,7 +66,7 @@ const STDOUT: &str = "-";
 enum Command {
     /// A small ball against a deforming mesh: product and paper's tree
     Ball(ball::Arguments),
-    /// Root spheres of many bodies: grid and sweep
+    /// Root spheres of many bodies: the grid of the broad phase
     Broad(scene::Scene),
     /// Characters: spheres and boxes beside the smallest ones over their clips, time of poses
     Characters(characters::Arguments),
