@@ -102,7 +102,7 @@ pub(super) fn leaves(advice: &[Source]) -> Plots {
     plots(
         advice,
         ["/leaves", "/leaf_size"],
-        (Axis::doublings("most triangles of a leaf lane"), 1.0),
+        (Axis::doublings("most triangles of a leaf"), 1.0),
         &[
             (time, all, "/time_rel", As::Over(4.0)),
             ("Bytes of the file", bytes, "/bytes", As::Over(4.0)),

@@ -84,7 +84,7 @@ fn leaf_sizes_are_marked_and_named() {
     let made = with(&report(), &tried).expect("a guide");
     let leaves = made.pictures.iter().find(|(key, _)| *key == "leaves");
     let (_, svg) = leaves.expect("a picture of leaves");
-    for text in ["2", "4", "8", "most triangles of a leaf lane"] {
+    for text in ["2", "4", "8", "most triangles of a leaf"] {
         let count = svg.lines().filter(|line| *line == text).count();
         assert_eq!(count, 2, "{text} in {svg}");
     }
