@@ -13,7 +13,7 @@ fn help_shows_defaults_and_units() {
         ("diff", &["[default: 0]", "0 or more"]),
         (
             "deform",
-            &["[default: zeros]", "mesh units", "counted from 0"],
+            &["[default: zeros; with --clip", "mesh units", "counted from 0"],
         ),
         ("query", &["world"]),
         #[cfg(feature = "render")]
@@ -23,7 +23,7 @@ fn help_shows_defaults_and_units() {
                 "[default: 1280x960]",
                 "[default: 0.35]",
                 "[default: 30,20,1]",
-                "[default: zeros]",
+                "[default: zeros; with --clip",
                 "[default: rest]",
                 "counted from 0",
                 "degrees",
