@@ -13,7 +13,11 @@ fn help_shows_defaults_and_units() {
         ("diff", &["[default: 0]", "0 or more"]),
         (
             "deform",
-            &["[default: zeros; with --clip", "mesh units", "counted from 0"],
+            &[
+                "[default: zeros; with --clip",
+                "mesh units",
+                "counted from 0",
+            ],
         ),
         ("query", &["world"]),
         #[cfg(feature = "render")]
