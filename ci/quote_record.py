@@ -115,12 +115,11 @@ def redundant(figures):
 
 def kernel(_):
     columns = ["Avx2", "in the file's order", "plain read"]
-    rows = [
-        [place, *(digits(cells[column]) for column in columns)]
-        for place, cells in in_turn("kernel", "nodes")
-        if cells["modes"] == 10
-    ]
-    return table(["from", "AVX2, ns", "AVX-512 in the file's order, ns", "plain read, ns"], rows)
+    of = [(place, cells) for place, cells in in_turn("kernel", "nodes") if cells["modes"] == 10]
+    rows = [[place, *(digits(cells[column]) for column in columns)] for place, cells in of]
+    # The best kernel of the commit that was measured goes in the file's order.
+    best = "AVX-512" if any("Avx512" in cells for _, cells in of) else "AVX2"
+    return table(["from", "AVX2, ns", f"{best} in the file's order, ns", "plain read, ns"], rows)
 
 
 def kernel_modes(_):

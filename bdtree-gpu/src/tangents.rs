@@ -355,22 +355,18 @@ pub(crate) fn wide(v: [f32; 3]) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use bdtree_fixtures::poses;
+    use rand::RngExt;
 
-    /// Numbers in [−1, 1).
-    fn next(state: &mut u64) -> f64 {
-        *state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
+    use super::*;
 
     #[test]
     fn the_polynomial_is_the_sum_over_the_triangles() {
-        let mut state = 1;
+        let mut rng = poses::rng(1);
         for modes in [0, 1, 2, 7, SECOND_ORDER_MODES] {
             let mut edges = |count: usize| -> Vec<[DVec3; 2]> {
-                let mut vector = || DVec3::from_array([(); 3].map(|()| next(&mut state)));
+                let mut vector =
+                    || DVec3::from_array([(); 3].map(|()| rng.random_range(-1.0..1.0)));
                 (0..count).map(|_| [vector(), vector()]).collect()
             };
             let mut around = Around {
@@ -380,7 +376,9 @@ mod tests {
             };
             around.expand(&vec![1.0; modes]);
             // In any order of the modes.
-            let mut q: Vec<_> = (0..modes).map(|k| (k, 0.3 * next(&mut state))).collect();
+            let mut q: Vec<_> = (0..modes)
+                .map(|k| (k, rng.random_range(-0.3..0.3)))
+                .collect();
             q.rotate_left(modes / 2);
             for sign in [1.0, -1.0] {
                 let (even, odd, size) = around.even_and_odd(&q).expect("few modes");

@@ -65,7 +65,7 @@ formats! {
 }
 
 /// Cases that longer runs failed in: a mesh that is shown a thousand times, and objects nested so deep that text written again
-/// with indentation took most of 283 bytes of memory per byte.
+/// with indentation took most of 282 bytes of memory per byte.
 #[test]
 fn cases_that_failed_hold() {
     let seeds = Seeds::fixtures();

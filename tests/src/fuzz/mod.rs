@@ -18,6 +18,7 @@ mod scenes;
 mod seeds;
 mod text;
 mod watch;
+mod written_out;
 
 use std::fmt;
 use std::str::FromStr;

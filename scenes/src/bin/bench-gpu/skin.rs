@@ -110,7 +110,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
 }";
 
 /// Seconds that the device takes to copy so many bytes by a shader: copies by the queue may take an engine that does not reach
-/// the memory's bandwidth (on an H200 a quarter of what shaders do).
+/// the memory's bandwidth (on an H200 a fifth of what shaders do).
 fn copy_seconds(
     device: &wgpu::Device,
     timer: &Timer<'_>,

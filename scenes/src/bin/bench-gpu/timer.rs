@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use bdtree_measure::stats::median;
 
-/// An idle GPU runs at a fraction of its clock rate (an H200's multiprocessors at 345 of 1980 MHz).
+/// An idle GPU runs at a fraction of its clock rate (an H200's multiprocessors at 345 MHz).
 const WARM_UP: Duration = Duration::from_millis(500);
 
 /// Measures by timestamps of the device, or by the clock where it has none.
