@@ -79,11 +79,25 @@ pub(super) fn sides(base: &Triangle, tri: &Triangle) -> [i8; 3] {
             1
         } else if fast < -error {
             -1
+        } else if k > 0 && tri[k] == tri[k - 1] {
+            sides[k - 1]
         } else {
-            above(a, b, c, tri[k])
+            above_or_in(base, tri[k])
         };
     }
     sides
+}
+
+/// [`above`] where it is likely 0: what a repeated point makes 0 needs no exact arithmetic, which takes longest there.
+///
+/// Segments and points are triangles with repeated corners, and neighbours share theirs.
+#[cold]
+fn above_or_in(base: &Triangle, d: [f64; 3]) -> i8 {
+    let [a, b, c] = *base;
+    if a == b || b == c || c == a || base.contains(&d) {
+        return 0;
+    }
+    above(a, b, c, d)
 }
 
 #[inline]
