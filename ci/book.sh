@@ -8,7 +8,7 @@ python3 ci/quote_record.py --check
 version=0.5.4
 book=target/tools/bin/mdbook
 if [[ $($book --version 2>/dev/null) != "mdbook v$version" ]]; then
-    # Not optimised: it builds one book, and optimising took half a minute of each run from nothing.
-    cargo install --quiet --locked --debug "mdbook@$version" --no-default-features --features search --root target/tools
+    # Neither optimised nor debugged: it builds one book, and optimising took half a minute of each run from nothing.
+    CARGO_PROFILE_DEV_DEBUG=0 cargo install --quiet --locked --debug "mdbook@$version" --no-default-features --features search --root target/tools
 fi
 $book build

@@ -10,9 +10,16 @@ cd "$(dirname "$0")/miri"
 chain=nightly-2026-10-30
 rustup --quiet toolchain install $chain --profile minimal --component miri,rust-src
 run() {
-    local start=$SECONDS
-    cargo +$chain miri test --locked --test undefined -- --nocapture "$@"
-    echo "miri: $((SECONDS - start)) s with ${RUSTFLAGS:-no target features}"
+    local start=$SECONDS miri=(cargo +$chain miri test --locked --test undefined) names name jobs=()
+    # An interpreter runs one thread at a time, so each test gets one of its own.
+    names=$("${miri[@]}" -- --list --format terse "$@" | sed -n 's/: test$//p')
+    [[ -n $names ]] || { echo "miri: no test of that name" >&2; return 1; }
+    for name in $names; do
+        "${miri[@]}" --quiet -- --nocapture --exact "$name" &
+        jobs+=($!)
+    done
+    for name in "${jobs[@]}"; do wait "$name"; done
+    echo "miri: $((SECONDS - start)) s with ${RUSTFLAGS:-no target features}:" $names
 }
 export CARGO_TARGET_DIR=../../target/miri
 run "$@"
