@@ -31,7 +31,7 @@ pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
     }
     // A triangle of zero area sees all others in its plane.
     if sides_a == [0; 3] || sides_b == [0; 3] {
-        return flat_intersect(&a, &b);
+        return flat_intersect((&a, sides_a), (&b, sides_b));
     }
     intervals_overlap(turned(&a, sides_a), turned(&b, sides_b))
 }
@@ -114,21 +114,22 @@ impl Reduced {
     }
 }
 
-/// Returns the answer if the triangles are coplanar or one has zero area.
+/// Returns the answer if the triangles are coplanar or one has zero area; each with the sides of its corners.
 #[cold]
-fn flat_intersect(a: &Triangle, b: &Triangle) -> bool {
-    let (a, b) = (Reduced::new(a), Reduced::new(b));
-    let (big, small) = if a.count >= b.count {
-        (&a, &b)
+fn flat_intersect((a, sides_a): (&Triangle, [i8; 3]), (b, sides_b): (&Triangle, [i8; 3])) -> bool {
+    let (reduced_a, reduced_b) = (Reduced::new(a), Reduced::new(b));
+    let (big, small, corners, sides) = if reduced_a.count >= reduced_b.count {
+        (&reduced_a, &reduced_b, b, sides_b)
     } else {
-        (&b, &a)
+        (&reduced_b, &reduced_a, a, sides_a)
     };
     let ([p, q, r], [v, w, _]) = (big.points, small.points);
     match (big.count, small.count) {
         (3, 3) => {}
         (3, _) => {
-            // For a point, w is v.
-            let (side_v, side_w) = (above(p, q, r, v), above(p, q, r, w));
+            // Known already, and slow to find where they are 0. For a point, w is v.
+            let side = |end| (0..3).find(|&k| corners[k] == end).map_or(0, |k| sides[k]);
+            let (side_v, side_w) = (side(v), side(w));
             if side_v * side_w > 0 {
                 return false;
             }
