@@ -82,19 +82,17 @@ pub(super) fn sides(base: &Triangle, tri: &Triangle) -> [i8; 3] {
         } else if k > 0 && tri[k] == tri[k - 1] {
             sides[k - 1]
         } else {
-            above_or_in(base, tri[k])
+            above_or_in(*base, tri[k])
         };
     }
     sides
 }
 
-/// [`above`] where it is likely 0: what a repeated point makes 0 needs no exact arithmetic, which takes longest there.
-///
-/// Segments and points are triangles with repeated corners, and neighbours share theirs.
+/// [`above`] where it is likely 0. Segments and points come as triangles with repeated corners: those make it 0 without
+/// exact arithmetic, which takes longest there.
 #[cold]
-fn above_or_in(base: &Triangle, d: [f64; 3]) -> i8 {
-    let [a, b, c] = *base;
-    if a == b || b == c || c == a || base.contains(&d) {
+fn above_or_in([a, b, c]: Triangle, d: [f64; 3]) -> i8 {
+    if a == b || b == c || c == a {
         return 0;
     }
     above(a, b, c, d)
