@@ -94,7 +94,8 @@ pub(crate) fn lowest_modes(
     let mut fresh = true;
     let mut last = 0;
     for round in 1u64.. {
-        let (added, coefficients) = orthonormalise(inverse, &basis, size, block);
+        let added = orthonormalise(inverse, &basis, size, block);
+        let coefficients = &added.coefficients;
         if !fresh {
             // What Op V_last has along the basis so far and along the new block.
             for j in 0..coefficients.ncols() {
@@ -103,7 +104,7 @@ pub(crate) fn lowest_modes(
                 }
             }
         }
-        let exhausted = added.ncols() == 0;
+        let exhausted = added.block.ncols() == 0;
         let enough = size >= dimension_max;
         if exhausted && size < wanted {
             if fresh {
@@ -135,9 +136,9 @@ pub(crate) fn lowest_modes(
             }
         }
         last = size;
-        size += added.ncols();
-        block = inverse.apply(system.apply_mass(added.as_ref()))?;
-        basis.push(added);
+        size += added.block.ncols();
+        block = inverse.apply(added.mass)?;
+        basis.push(added.block);
         reach((size as f64 / dimension_typical).min(1.0));
         fresh = false;
     }
@@ -273,18 +274,18 @@ fn start_block(system: &System, columns: usize, seed: u64) -> Mat<f64> {
     block
 }
 
-/// Takes the basis (`size` columns in all) out of `block`; returns the coefficients.
+/// Takes the basis (`size` columns in all) out of `block`, whose product with `M` is `mass`; returns the coefficients.
 fn remove(
     inverse: &Inverse<'_>,
     basis: &[Mat<f64>],
     size: usize,
     block: &mut Mat<f64>,
+    mass: &Mat<f64>,
 ) -> Mat<f64> {
-    let m = inverse.system.apply_mass(block.as_ref());
     let mut all = Mat::zeros(size, block.ncols());
     let mut at = 0;
     for v in basis {
-        let share = v.transpose() * m.as_ref();
+        let share = v.transpose() * mass.as_ref();
         matmul(
             block.as_mut(),
             Accum::Add,
@@ -300,29 +301,41 @@ fn remove(
     all
 }
 
-/// `M`-orthonormal new directions of `block` against the basis, and the coefficients of `block`
-/// in basis and new directions together.
+/// New directions beside the basis.
+struct Directions {
+    /// `M`-orthonormal, against the basis too.
+    block: Mat<f64>,
+    /// `M` times them.
+    mass: Mat<f64>,
+    /// Coefficients of the block that they come from, in basis and new directions together.
+    coefficients: Mat<f64>,
+}
+
+/// What `block` has beside the basis (`size` columns in all).
 fn orthonormalise(
     inverse: &Inverse<'_>,
     basis: &[Mat<f64>],
     size: usize,
     mut block: Mat<f64>,
-) -> (Mat<f64>, Mat<f64>) {
+) -> Directions {
     let width = block.ncols();
     let system = inverse.system;
-    let gram = |x: &Mat<f64>| x.transpose() * system.apply_mass(x.as_ref());
-    let start = gram(&block);
-    let largest = (0..width).map(|j| start[(j, j)]).fold(0.0f64, f64::max);
-    let mut along = remove(inverse, basis, size, &mut block);
-    along += remove(inverse, basis, size, &mut block);
-    // By the eigenvectors of the small Gram matrix, which also shows lost directions; what a
-    // nearly lost direction has gained of the basis by rounding is taken out again.
+    let mut mass = system.apply_mass(block.as_ref());
+    let square = |j: usize| -> f64 {
+        (0..block.nrows())
+            .map(|i| block[(i, j)] * mass[(i, j)])
+            .sum()
+    };
+    let largest = (0..width).map(square).fold(0.0f64, f64::max);
+    let mut along = remove(inverse, basis, size, &mut block, &mass);
+    mass = system.apply_mass(block.as_ref());
+    // By the eigenvectors of the small Gram matrix, which also shows lost directions.
     let mut upper = Mat::<f64>::identity(width, width);
     for pass in 0..3 {
         if block.ncols() == 0 {
             break;
         }
-        let Ok(eigen) = gram(&block).self_adjoint_eigen(Side::Lower) else {
+        let Ok(eigen) = (block.transpose() * &mass).self_adjoint_eigen(Side::Lower) else {
             break;
         };
         let floor = if pass == 0 { 1e-24 * largest } else { 1e-4 };
@@ -335,10 +348,17 @@ fn orthonormalise(
         let up = Mat::from_fn(kept.len(), block.ncols(), |i, j| {
             eigen.U()[(j, kept[i])] * eigen.S()[kept[i]].sqrt()
         });
-        block = block * down;
+        block = block * &down;
         upper = up * upper;
         if pass == 0 {
-            remove(inverse, basis, size, &mut block);
+            // A second time, as rounding left some of the basis, which is much of a nearly lost direction by now
+            // ("twice is enough": Parlett, The Symmetric Eigenvalue Problem, 6.9).
+            mass = system.apply_mass(block.as_ref());
+            along += remove(inverse, basis, size, &mut block, &mass) * &upper;
+            mass = system.apply_mass(block.as_ref());
+        } else {
+            // Nearly orthonormal by now, so that nothing cancels in the combination.
+            mass = mass * &down;
         }
     }
     let coefficients = Mat::from_fn(size + upper.nrows(), width, |i, j| {
@@ -348,5 +368,9 @@ fn orthonormalise(
             upper[(i - size, j)]
         }
     });
-    (block, coefficients)
+    Directions {
+        block,
+        mass,
+        coefficients,
+    }
 }
