@@ -138,12 +138,19 @@ fn add_solid<const ALL: bool>(
                 (x[4] - 1.0) / 4.0,
                 (x[4] * x[1] + 1.0) / 5.0,
             ];
-            let (shadows, rows) = if ALL { (25, POWERS) } else { (1, 1) };
-            for (n, sum) in sums.shadow.iter_mut().enumerate().take(shadows) {
-                let shadow = w * y[n % 5] * z[n / 5];
-                *sum += shadow;
-                for (own, f) in sums.own[5 * n..].iter_mut().zip(primitive).take(rows) {
-                    *own += shadow * f;
+            if !ALL {
+                sums.shadow[0] += w;
+                sums.own[0] += w * primitive[0];
+                return;
+            }
+            for (n, (shadow, own)) in (sums.shadow.iter_mut())
+                .zip(sums.own.chunks_exact_mut(POWERS))
+                .enumerate()
+            {
+                let share = w * y[n % POWERS] * z[n / POWERS];
+                *shadow += share;
+                for (own, f) in own.iter_mut().zip(primitive) {
+                    *own += share * f;
                 }
             }
         });
@@ -225,12 +232,19 @@ fn add_layer<const ALL: bool>(
             }
         }
         rules.integrate(polygon, &mut |p, vector| {
-            let local: [[f64; POWERS]; 3] =
-                std::array::from_fn(|a| powers(2.0 * (p[a] - cell[a] as f64) - 1.0));
             let w = norm(vector) * depth;
-            let count = if ALL { sums.own.len() } else { 1 };
-            for (n, sum) in sums.own.iter_mut().enumerate().take(count) {
-                *sum += w * local[0][n % 5] * local[1][n / 5 % 5] * local[2][n / 25];
+            if !ALL {
+                sums.own[0] += w;
+                return;
+            }
+            let [x, y, z]: [[f64; POWERS]; 3] =
+                std::array::from_fn(|a| powers(2.0 * (p[a] - cell[a] as f64) - 1.0));
+            let plane: [f64; POWERS * POWERS] =
+                std::array::from_fn(|n| w * x[n % POWERS] * y[n / POWERS]);
+            for (own, z) in sums.own.chunks_exact_mut(plane.len()).zip(z) {
+                for (own, share) in own.iter_mut().zip(plane) {
+                    *own += share * z;
+                }
             }
         });
     })?;
