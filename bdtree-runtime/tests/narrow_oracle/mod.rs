@@ -3,8 +3,8 @@
 #![allow(dead_code, unreachable_pub)] // each test file uses its part
 
 use num_bigint::BigInt;
-use num_rational::{BigRational, Ratio};
-use num_traits::{Num, Signed, ToPrimitive, Zero};
+use num_rational::BigRational;
+use num_traits::{Num, One, Signed, ToPrimitive, Zero};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -23,13 +23,23 @@ pub fn exact_point(p: [f64; 3]) -> [BigRational; 3] {
     p.map(exact)
 }
 
-pub fn small(tri: &Triangle) -> [[Ratio<i128>; 3]; 3] {
-    tri.map(|p| p.map(|x| Ratio::from_integer(x as i128)))
-}
-
 /// Whether the convex hulls share a point: the linear program Σλ = Σμ = 1, Σλa = Σμb, λ, μ ≥ 0 by
 /// the simplex method with Bland's rule. Knows nothing of planes, sides or special cases.
-pub fn share_point<N>(a: &[[N; 3]; 3], b: &[[N; 3]; 3]) -> bool
+pub fn share_point(a: &[Point; 3], b: &[Point; 3]) -> bool {
+    let (points, _) = whole(&[a.as_slice(), b.as_slice()].concat());
+    let [a, b] = [0, 3].map(|i| [0, 1, 2].map(|n| points[i + n].clone()));
+    share_whole(&a, &b)
+}
+
+/// [`share_point`] of triangles whose corners are small whole numbers.
+pub fn share_small(a: &Triangle, b: &Triangle) -> bool {
+    let [a, b] = [a, b].map(|t| t.map(|p| p.map(|x| x as i128)));
+    share_whole(&a, &b)
+}
+
+/// Whole numbers stay whole: all rows are kept times the last pivot, which divides what the next one makes of them
+/// (Edmonds 1967).
+fn share_whole<N>(a: &[[N; 3]; 3], b: &[[N; 3]; 3]) -> bool
 where
     N: Num + Signed + Clone + PartialOrd,
 {
@@ -53,31 +63,27 @@ where
         .map(|c| rows.iter().fold(N::zero(), |s, r| s + r[c].clone()))
         .collect();
     let mut basis = [6, 7, 8, 9, 10];
+    let mut last = N::one();
     while let Some(c) = (0..6).find(|&c| gain[c].is_positive()) {
-        let mut leave: Option<(usize, N)> = None;
-        for r in 0..5 {
-            if rows[r][c].is_positive() {
-                let ratio = rows[r][6].clone() / rows[r][c].clone();
-                let better = leave
-                    .as_ref()
-                    .is_none_or(|(l, m)| ratio < *m || (ratio == *m && basis[r] < basis[*l]));
-                if better {
-                    leave = Some((r, ratio));
-                }
+        let mut leave: Option<usize> = None;
+        for r in (0..5).filter(|&r| rows[r][c].is_positive()) {
+            // Right sides over entries of the column, both of which are compared by their products.
+            let better = leave.is_none_or(|l| {
+                let new = rows[r][6].clone() * rows[l][c].clone();
+                let old = rows[l][6].clone() * rows[r][c].clone();
+                new < old || (new == old && basis[r] < basis[l])
+            });
+            if better {
+                leave = Some(r);
             }
         }
-        let (l, _) = leave.expect("bounded");
-        let pivot = rows[l][c].clone();
-        for v in &mut rows[l] {
-            *v = v.clone() / pivot.clone();
-        }
+        let l = leave.expect("bounded");
         let pivot_row = rows[l].clone();
+        let pivot = pivot_row[c].clone();
         let eliminate = |row: &mut Vec<N>| {
             let f = row[c].clone();
-            if !f.is_zero() {
-                for (v, p) in row.iter_mut().zip(&pivot_row) {
-                    *v = v.clone() - f.clone() * p.clone();
-                }
+            for (v, p) in row.iter_mut().zip(&pivot_row) {
+                *v = (v.clone() * pivot.clone() - f.clone() * p.clone()) / last.clone();
             }
         };
         for (r, row) in rows.iter_mut().enumerate() {
@@ -87,6 +93,7 @@ where
         }
         eliminate(&mut gain);
         basis[l] = c;
+        last = pivot;
     }
     gain[6].is_zero()
 }
@@ -109,54 +116,98 @@ pub fn cross(a: &Point, b: &Point) -> Point {
     [0, 1, 2].map(|k| &a[(k + 1) % 3] * &b[(k + 2) % 3] - &a[(k + 2) % 3] * &b[(k + 1) % 3])
 }
 
-fn segment_squared(p: &Point, a: &Point, b: &Point) -> BigRational {
-    let (e, w) = (minus(b, a), minus(a, p));
-    let ee = product(&e, &e);
-    let one = exact(1.0);
-    let mut s = BigRational::zero();
-    if !ee.is_zero() {
-        s = -product(&w, &e) / ee;
-        s = if s.is_negative() { exact(0.0) } else { s };
-        s = if s > one { one } else { s };
-    }
-    let q = plus_scaled(&w, &s, &e);
-    product(&q, &q)
+/// In whole multiples of one unit: rational numbers would look for common divisors after each operation.
+type Whole = [BigInt; 3];
+
+/// A numerator and a denominator above zero.
+type Fraction = (BigInt, BigInt);
+
+/// The points in multiples of the unit whose inverse is returned too.
+fn whole(points: &[Point]) -> (Vec<Whole>, BigInt) {
+    let common = |m: BigInt, d: &BigInt| {
+        if (&m % d).is_zero() {
+            m
+        } else if (d % &m).is_zero() {
+            d.clone()
+        } else {
+            m * d
+        }
+    };
+    let divisors = points.iter().flatten().map(BigRational::denom);
+    let per_unit = divisors.fold(BigInt::one(), common);
+    let number = |x: &BigRational| x.numer() * (&per_unit / x.denom());
+    let points = points.iter().map(|p| p.each_ref().map(number)).collect();
+    (points, per_unit)
 }
 
-/// Squared minimum of |w + s e + t g| if it is taken where `inside(s, t)`.
+fn difference(a: &Whole, b: &Whole) -> Whole {
+    [0, 1, 2].map(|k| &a[k] - &b[k])
+}
+
+fn dot(a: &Whole, b: &Whole) -> BigInt {
+    &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
+}
+
+fn less((n, d): Fraction, (m, e): Fraction) -> Fraction {
+    if &n * &e <= &m * &d { (n, d) } else { (m, e) }
+}
+
+/// ‖(d w + s e + t g) / d‖².
+fn square([w, e, g]: [&Whole; 3], d: &BigInt, s: &BigInt, t: &BigInt) -> Fraction {
+    let q = [0, 1, 2].map(|k| d * &w[k] + s * &e[k] + t * &g[k]);
+    (dot(&q, &q), d * d)
+}
+
+fn segment_squared(p: &Whole, a: &Whole, b: &Whole) -> Fraction {
+    let (e, w) = (difference(b, a), difference(a, p));
+    let ee = dot(&e, &e);
+    let zero = BigInt::zero();
+    if ee.is_zero() {
+        return (dot(&w, &w), BigInt::one());
+    }
+    let s = (-dot(&w, &e)).clamp(zero.clone(), ee.clone());
+    square([&w, &e, &e], &ee, &s, &zero)
+}
+
+/// Squared minimum of |w + s e + t g| if it is taken where `inside(s, t, 1)`, all three times a number above zero.
 fn plane_squared(
-    w: &Point,
-    e: &Point,
-    g: &Point,
-    inside: impl Fn(&BigRational, &BigRational) -> bool,
-) -> Option<BigRational> {
-    let (ee, eg, gg) = (product(e, e), product(e, g), product(g, g));
-    let (we, wg) = (product(w, e), product(w, g));
+    w: &Whole,
+    e: &Whole,
+    g: &Whole,
+    inside: impl Fn(&BigInt, &BigInt, &BigInt) -> bool,
+) -> Option<Fraction> {
+    let (ee, eg, gg) = (dot(e, e), dot(e, g), dot(g, g));
+    let (we, wg) = (dot(w, e), dot(w, g));
+    // Not below zero, as Cauchy and Schwarz found.
     let det = &ee * &gg - &eg * &eg;
     if det.is_zero() {
         return None;
     }
-    let s = (&eg * &wg - &gg * &we) / &det;
-    let t = (&eg * &we - &ee * &wg) / &det;
-    inside(&s, &t).then(|| {
-        let q = plus_scaled(&plus_scaled(w, &s, e), &t, g);
-        product(&q, &q)
-    })
+    let s = &eg * &wg - &gg * &we;
+    let t = &eg * &we - &ee * &wg;
+    inside(&s, &t, &det).then(|| square([w, e, g], &det, &s, &t))
+}
+
+fn point_whole(p: &Whole, [a, b, c]: [&Whole; 3]) -> Fraction {
+    let mut best = segment_squared(p, a, b);
+    best = less(best, segment_squared(p, b, c));
+    best = less(best, segment_squared(p, c, a));
+    let inside = |s: &BigInt, t: &BigInt, one: &BigInt| {
+        !s.is_negative() && !t.is_negative() && s + t <= *one
+    };
+    let (w, e, g) = (difference(a, p), difference(b, a), difference(c, a));
+    match plane_squared(&w, &e, &g, inside) {
+        Some(d) => less(best, d),
+        None => best,
+    }
 }
 
 /// Exact squared distance of point and triangle.
 pub fn point_squared(p: &Point, tri: &[Point; 3]) -> BigRational {
-    let [a, b, c] = tri;
-    let mut best = segment_squared(p, a, b);
-    best = best.min(segment_squared(p, b, c));
-    best = best.min(segment_squared(p, c, a));
-    let inside = |s: &BigRational, t: &BigRational| {
-        !s.is_negative() && !t.is_negative() && s + t <= exact(1.0)
-    };
-    match plane_squared(&minus(a, p), &minus(b, a), &minus(c, a), inside) {
-        Some(d) => best.min(d),
-        None => best,
-    }
+    let (points, per_unit) = whole(&[std::slice::from_ref(p), tri.as_slice()].concat());
+    let [p, a, b, c] = [0, 1, 2, 3].map(|i| &points[i]);
+    let (n, d) = point_whole(p, [a, b, c]);
+    BigRational::new(n, d * &per_unit * per_unit)
 }
 
 /// Exact squared distance of two triangles.
@@ -164,20 +215,27 @@ pub fn triangle_squared(a: &[Point; 3], b: &[Point; 3]) -> BigRational {
     if share_point(a, b) {
         return BigRational::zero();
     }
-    let mut best = point_squared(&a[0], b);
+    let (points, per_unit) = whole(&[a.as_slice(), b.as_slice()].concat());
+    let [a, b] = [0, 3].map(|i| [0, 1, 2].map(|n| &points[i + n]));
+    let mut best = point_whole(a[0], b);
     for i in 0..3 {
-        best = best.min(point_squared(&a[i], b));
-        best = best.min(point_squared(&b[i], a));
+        best = less(best, point_whole(a[i], b));
+        best = less(best, point_whole(b[i], a));
         for j in 0..3 {
-            let w = minus(&a[i], &b[j]);
-            let (e, g) = (minus(&a[(i + 1) % 3], &a[i]), minus(&b[j], &b[(j + 1) % 3]));
-            let unit = |x: &BigRational| !x.is_negative() && *x <= exact(1.0);
-            if let Some(d) = plane_squared(&w, &e, &g, |s, t| unit(s) && unit(t)) {
-                best = best.min(d);
+            let w = difference(a[i], b[j]);
+            let (e, g) = (
+                difference(a[(i + 1) % 3], a[i]),
+                difference(b[j], b[(j + 1) % 3]),
+            );
+            let unit = |x: &BigInt, one: &BigInt| !x.is_negative() && x <= one;
+            let inside = |s: &BigInt, t: &BigInt, one: &BigInt| unit(s, one) && unit(t, one);
+            if let Some(d) = plane_squared(&w, &e, &g, inside) {
+                best = less(best, d);
             }
         }
     }
-    best
+    let (n, d) = best;
+    BigRational::new(n, d * &per_unit * per_unit)
 }
 
 /// Computed minus exact distance, in units of u times `largest`.
