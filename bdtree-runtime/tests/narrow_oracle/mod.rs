@@ -4,7 +4,7 @@
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::{Num, One, Signed, ToPrimitive, Zero};
+use num_traits::{Num, One, RefNum, Signed, ToPrimitive, Zero};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -100,7 +100,10 @@ where
 
 pub type Point = [BigRational; 3];
 
-pub fn minus(a: &Point, b: &Point) -> Point {
+pub fn minus<N>(a: &[N; 3], b: &[N; 3]) -> [N; 3]
+where
+    for<'n> &'n N: RefNum<N>,
+{
     [0, 1, 2].map(|k| &a[k] - &b[k])
 }
 
@@ -108,7 +111,10 @@ pub fn plus_scaled(a: &Point, k: &BigRational, b: &Point) -> Point {
     [0, 1, 2].map(|i| &a[i] + k * &b[i])
 }
 
-pub fn product(a: &Point, b: &Point) -> BigRational {
+pub fn product<N: Num>(a: &[N; 3], b: &[N; 3]) -> N
+where
+    for<'n> &'n N: RefNum<N>,
+{
     &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
 }
 
@@ -140,14 +146,6 @@ fn whole(points: &[Point]) -> (Vec<Whole>, BigInt) {
     (points, per_unit)
 }
 
-fn difference(a: &Whole, b: &Whole) -> Whole {
-    [0, 1, 2].map(|k| &a[k] - &b[k])
-}
-
-fn dot(a: &Whole, b: &Whole) -> BigInt {
-    &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
-}
-
 fn less((n, d): Fraction, (m, e): Fraction) -> Fraction {
     if &n * &e <= &m * &d { (n, d) } else { (m, e) }
 }
@@ -155,17 +153,17 @@ fn less((n, d): Fraction, (m, e): Fraction) -> Fraction {
 /// ‖(d w + s e + t g) / d‖².
 fn square([w, e, g]: [&Whole; 3], d: &BigInt, s: &BigInt, t: &BigInt) -> Fraction {
     let q = [0, 1, 2].map(|k| d * &w[k] + s * &e[k] + t * &g[k]);
-    (dot(&q, &q), d * d)
+    (product(&q, &q), d * d)
 }
 
 fn segment_squared(p: &Whole, a: &Whole, b: &Whole) -> Fraction {
-    let (e, w) = (difference(b, a), difference(a, p));
-    let ee = dot(&e, &e);
+    let (e, w) = (minus(b, a), minus(a, p));
+    let ee = product(&e, &e);
     let zero = BigInt::zero();
     if ee.is_zero() {
-        return (dot(&w, &w), BigInt::one());
+        return (product(&w, &w), BigInt::one());
     }
-    let s = (-dot(&w, &e)).clamp(zero.clone(), ee.clone());
+    let s = (-product(&w, &e)).clamp(zero.clone(), ee.clone());
     square([&w, &e, &e], &ee, &s, &zero)
 }
 
@@ -176,8 +174,8 @@ fn plane_squared(
     g: &Whole,
     inside: impl Fn(&BigInt, &BigInt, &BigInt) -> bool,
 ) -> Option<Fraction> {
-    let (ee, eg, gg) = (dot(e, e), dot(e, g), dot(g, g));
-    let (we, wg) = (dot(w, e), dot(w, g));
+    let (ee, eg, gg) = (product(e, e), product(e, g), product(g, g));
+    let (we, wg) = (product(w, e), product(w, g));
     // Not below zero, as Cauchy and Schwarz found.
     let det = &ee * &gg - &eg * &eg;
     if det.is_zero() {
@@ -195,7 +193,7 @@ fn point_whole(p: &Whole, [a, b, c]: [&Whole; 3]) -> Fraction {
     let inside = |s: &BigInt, t: &BigInt, one: &BigInt| {
         !s.is_negative() && !t.is_negative() && s + t <= *one
     };
-    let (w, e, g) = (difference(a, p), difference(b, a), difference(c, a));
+    let (w, e, g) = (minus(a, p), minus(b, a), minus(c, a));
     match plane_squared(&w, &e, &g, inside) {
         Some(d) => less(best, d),
         None => best,
@@ -222,11 +220,8 @@ pub fn triangle_squared(a: &[Point; 3], b: &[Point; 3]) -> BigRational {
         best = less(best, point_whole(a[i], b));
         best = less(best, point_whole(b[i], a));
         for j in 0..3 {
-            let w = difference(a[i], b[j]);
-            let (e, g) = (
-                difference(a[(i + 1) % 3], a[i]),
-                difference(b[j], b[(j + 1) % 3]),
-            );
+            let w = minus(a[i], b[j]);
+            let (e, g) = (minus(a[(i + 1) % 3], a[i]), minus(b[j], b[(j + 1) % 3]));
             let unit = |x: &BigInt, one: &BigInt| !x.is_negative() && x <= one;
             let inside = |s: &BigInt, t: &BigInt, one: &BigInt| unit(s, one) && unit(t, one);
             if let Some(d) = plane_squared(&w, &e, &g, inside) {
