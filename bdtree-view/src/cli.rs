@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use bdtree_tools::deform::QText;
+use bdtree_tools::PostureArguments;
 use bdtree_tools::render::options::{PictureSize, numbers};
 use clap::Parser;
 
-/// Opens a window on a .bdt file: sliders for q, its animation, spheres of its tree coloured by
+/// Opens a window on a .bdt file: sliders for q, its animation and clips, spheres of its tree coloured by
 /// tightness, and a ball that shows what it touches and which nodes that visits.
 ///
 /// The file's checksums are checked first. Do not change the file during the run: it is mapped into memory. Needs
@@ -19,14 +19,11 @@ use clap::Parser;
 pub struct Arguments {
     /// The .bdt file
     pub file: PathBuf,
-    /// One number per mode, separated by commas, as of `bdtree deform` [default: zeros]
-    #[arg(long, allow_hyphen_values = true, value_name = "Q1,Q2,…")]
-    pub q: Option<QText>,
-    /// Frame of the file's animation, counted from 0, instead of --q
-    #[arg(long, value_name = "T", conflicts_with = "q")]
-    pub frame: Option<u64>,
-    /// Begin with the animation playing
-    #[arg(long, conflicts_with = "q")]
+    /// How the mesh is posed at the beginning.
+    #[command(flatten)]
+    pub posture: PostureArguments,
+    /// Begin with the clip of --clip playing, or else the animation
+    #[arg(long, conflicts_with_all = ["q", "joints"])]
     pub play: bool,
     /// Show the spheres of a level of the tree, 0 being the root's
     #[arg(long, value_name = "LEVEL")]

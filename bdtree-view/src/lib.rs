@@ -24,9 +24,7 @@ use std::ffi::OsString;
 use std::io::Write;
 
 use bdtree_tools::render::check_level;
-use bdtree_tools::{
-    AssetFile, BAD_INPUT, DONE, PostureArguments, ToolError, check_target, parse, posture,
-};
+use bdtree_tools::{AssetFile, BAD_INPUT, DONE, ToolError, check_target, parse, posture};
 
 use app::{App, Probe};
 
@@ -56,32 +54,38 @@ fn open(arguments: &Arguments) -> Result<(), ToolError> {
     }
     let file = AssetFile::map(&arguments.file)?;
     file.checked_asset(!arguments.no_verify)?;
-    if arguments.play && file.asset().frame_count() == 0 {
-        let name = arguments.file.display();
-        let message = format!("asset {name} has no animation");
-        return Err(ToolError::input("--play", message));
+    let mut asked = arguments.posture.clone();
+    if arguments.play && asked.clip.is_none() {
+        if file.asset().frame_count() == 0 {
+            let name = arguments.file.display();
+            let message = format!("asset {name} has no animation");
+            return Err(ToolError::input("--play", message));
+        }
+        asked.frame = asked.frame.or(Some(0));
     }
-    let frame = arguments.frame.or(arguments.play.then_some(0));
-    let asked = PostureArguments {
-        q: arguments.q.clone(),
-        frame,
-        ..PostureArguments::default()
-    };
-    let posture = posture(&file, &asked)?;
+    let mut app = App::new(&file, posture(&file, &asked)?)?;
     if let Some(level) = arguments.spheres {
         check_level(&file, level)?;
     }
-    let mut app = App::new(&file, (posture.q, posture.transform))?;
     app.view.level = arguments.spheres;
     if let Some(ProbeText { center, radius }) = arguments.probe {
         app.view.has_probe = true;
         app.view.probe = Probe { center, radius };
     }
-    if let Some(frame) = arguments.frame {
+    if let Some(frame) = arguments.posture.frame {
         // `posture` has found it.
         app.playback
             .go_to(usize::try_from(frame).unwrap_or(usize::MAX));
     }
-    app.playback.clock.is_playing = arguments.play;
+    if let Some(name) = &asked.clip {
+        // `posture` has found it, too.
+        let skeleton = file.asset().skeleton();
+        let clip = skeleton.and_then(|s| s.clips().position(|clip| clip.name() == name));
+        app.clips.choose(clip);
+        app.clips.clock.time_s = asked.time.clamp(0.0, app.clips.duration_s());
+        app.clips.clock.is_playing = arguments.play;
+    } else {
+        app.playback.clock.is_playing = arguments.play;
+    }
     window::run(app, arguments.size.0, arguments.screenshot.as_deref())
 }

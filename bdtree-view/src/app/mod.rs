@@ -18,7 +18,7 @@ use bdtree_render::{Level, NodeSphere};
 use bdtree_runtime::{Asset, CacheSize, Instance, Pose, PoseError, StoredToWorld, Transform};
 use bdtree_tools::deform::deformed;
 use bdtree_tools::info::Info;
-use bdtree_tools::{AssetFile, ToolError};
+use bdtree_tools::{AssetFile, Posture, ToolError};
 
 /// Radius of the first probe over the object's size.
 const PROBE_SIZE: f64 = 0.15;
@@ -74,18 +74,15 @@ pub struct App<'a> {
 }
 
 impl<'a> App<'a> {
-    /// A file's asset at q and a placement.
+    /// A file's asset in a posture.
     ///
     /// # Errors
-    /// q that the asset refuses, a corrupt asset.
-    pub fn new(
-        file: &'a AssetFile,
-        (q, transform): (Vec<f32>, Transform),
-    ) -> Result<Self, ToolError> {
+    /// A posture that the asset refuses, a corrupt asset.
+    pub fn new(file: &'a AssetFile, posture: Posture) -> Result<Self, ToolError> {
         let asset = file.asset();
         let body = Instance::with_cache(file.model(), CacheSize::NONE);
         let mut body = body.map_err(|error| refused(file, error))?;
-        let posed = body.set_pose(&q, transform);
+        let posed = body.set_pose_with_bones(&posture.q, posture.bones(), posture.transform);
         posed.map_err(|error| refused(file, error))?;
         let place = Place::around(positions(file, &body.pose())?);
         let mut center = place.middle;
@@ -97,9 +94,9 @@ impl<'a> App<'a> {
             info: Info::of(file)?,
             place,
             view: View {
-                q,
-                joints: Vec::new(),
-                transform,
+                q: posture.q,
+                joints: posture.joints.unwrap_or_default(),
+                transform: posture.transform,
                 has_mesh: true,
                 has_bones: false,
                 level: None,

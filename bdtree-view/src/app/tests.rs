@@ -11,8 +11,12 @@ use super::*;
 fn with_file(name: &str, test: impl FnOnce(App<'_>)) {
     let file = AssetFile::read(&golden::folder().join(name)).expect("a golden file");
     let asset = file.checked_asset(true).expect("sound");
-    let q = vec![0.0; asset.mode_count()];
-    test(App::new(&file, (q, Transform::IDENTITY)).expect("a state"));
+    let posture = Posture {
+        q: vec![0.0; asset.mode_count()],
+        joints: None,
+        transform: Transform::IDENTITY,
+    };
+    test(App::new(&file, posture).expect("a state"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use bdtree_fixtures::{bake, golden};
 use bdtree_render::Camera;
 use bdtree_runtime::Transform;
-use bdtree_tools::AssetFile;
+use bdtree_tools::{AssetFile, Posture};
 use egui::epaint::Shape;
 use egui::{
     Context, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2,
@@ -32,7 +32,11 @@ struct Person<'a> {
 
 fn with_person(file: &AssetFile, size: Vec2, test: impl FnOnce(Person<'_>)) {
     let asset = file.checked_asset(true).expect("sound");
-    let posture = (vec![0.0; asset.mode_count()], Transform::IDENTITY);
+    let posture = Posture {
+        q: vec![0.0; asset.mode_count()],
+        joints: None,
+        transform: Transform::IDENTITY,
+    };
     let context = Context::default();
     panel::dress(&context);
     let mut person = Person {

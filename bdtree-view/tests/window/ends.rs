@@ -51,6 +51,17 @@ fn bad_files_and_options_are_named() {
         "{line}"
     );
     let line = failed(
+        &run(display
+            .viewer()
+            .arg(file("skinned.bdt"))
+            .args(["--clip", "run", "--play"])),
+        1,
+    );
+    assert!(
+        line.starts_with("--clip: ") && line.contains("has no clip \"run\"; its clips are"),
+        "{line}"
+    );
+    let line = failed(
         &run(display.viewer().arg(file("sphere.bdt")).args(["--q", "1"])),
         1,
     );

@@ -1,7 +1,7 @@
 //! What the pointer does.
 
 use bdtree_runtime::Transform;
-use bdtree_tools::AssetFile;
+use bdtree_tools::{AssetFile, Posture};
 use bdtree_view::ProbeText;
 use bdtree_view::app::{App, Grab, Probe};
 
@@ -14,17 +14,17 @@ use crate::{CONTROLS, EDGE, PICTURE, SIZE, file, screenshot};
 const UNTIMED: [u32; 4] = [CONTROLS[0], CONTROLS[1], CONTROLS[2], CONTROLS[3] - 50];
 
 /// A viewer that is running, and hands for it.
-struct Session {
-    viewer: Running,
-    hands: Hands,
+pub(crate) struct Session {
+    pub(crate) viewer: Running,
+    pub(crate) hands: Hands,
     display: Display,
     /// The screen at the beginning.
-    first: Picture,
+    pub(crate) first: Picture,
 }
 
 impl Session {
     /// Starts the viewer; returns when it shows what it shows at last if nobody does anything.
-    fn start(name: &str, options: &[&str]) -> Self {
+    pub(crate) fn start(name: &str, options: &[&str]) -> Self {
         let display = Display::start();
         let settled = screenshot(&display, &file(name), options);
         let mut viewer = display.viewer();
@@ -43,7 +43,7 @@ impl Session {
     }
 
     #[track_caller]
-    fn wait_for(&mut self, is_ready: impl FnMut(&Picture) -> bool) -> Picture {
+    pub(crate) fn wait_for(&mut self, is_ready: impl FnMut(&Picture) -> bool) -> Picture {
         self.display.wait_for(&mut self.viewer, is_ready)
     }
 
@@ -61,6 +61,13 @@ impl Session {
         self.wait_for(|screen| !is_plain(screen));
         self.hands.point(at);
         self.wait_for(is_plain);
+    }
+
+    /// Presses and releases the left button there.
+    pub(crate) fn click(&mut self, at: [u32; 2]) {
+        self.go_to(at);
+        self.hands.press(LEFT);
+        self.hands.release(LEFT);
     }
 
     /// Drags from one place to another with a button, and lets go once that has had its effect.
@@ -84,7 +91,11 @@ impl Session {
 fn with_app(name: &str, ball: Option<ProbeText>, test: impl FnOnce(App<'_>)) {
     let file = AssetFile::read(&file(name)).expect("a golden file");
     let asset = file.checked_asset(true).expect("sound");
-    let posture = (vec![0.0; asset.mode_count()], Transform::IDENTITY);
+    let posture = Posture {
+        q: vec![0.0; asset.mode_count()],
+        joints: None,
+        transform: Transform::IDENTITY,
+    };
     let mut app = App::new(&file, posture).expect("a state");
     if let Some(ProbeText { center, radius }) = ball {
         app.view.has_probe = true;

@@ -1,6 +1,7 @@
 //! The viewer on a virtual display: what its window shows, and how it ends.
 #![cfg(target_os = "linux")]
 
+mod clips;
 mod display;
 mod ends;
 mod find;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use bdtree_fixtures::golden;
 use bdtree_render::Level;
 use bdtree_runtime::Transform;
-use bdtree_tools::AssetFile;
+use bdtree_tools::{AssetFile, Posture};
 use bdtree_view::app::App;
 use display::{Display, Picture, Running};
 
@@ -126,7 +127,12 @@ fn spheres(display: &Display, q: &[f32], options: &[&str]) -> (Picture, Vec<Disc
     let picture = screenshot(display, &path, &all);
     let file = AssetFile::read(&path).expect("a golden file");
     let asset = file.checked_asset(true).expect("sound");
-    let mut app = App::new(&file, (q.to_vec(), Transform::IDENTITY)).expect("a state");
+    let posture = Posture {
+        q: q.to_vec(),
+        joints: None,
+        transform: Transform::IDENTITY,
+    };
+    let mut app = App::new(&file, posture).expect("a state");
     app.view.level = Some(0);
     let size = [SIZE[0] - EDGE, SIZE[1]];
     app.fit(size[0] as f32 / size[1] as f32).expect("a camera");
