@@ -7,13 +7,15 @@ use bdtree_build::advise::works::{Contender, Works};
 use bdtree_build::advise::{Goal, Subject, advise};
 use bdtree_build::basis::{Basis, BasisError};
 use bdtree_build::input::RawMesh;
-use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
+use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields, bake_skinned};
 use bdtree_build::progress::Silent;
 use bdtree_build::recipe::{Motion, Recipe};
+use bdtree_build::skin::Weights;
 use bdtree_fixtures::bake::{
     baked, baked_with, bumpy_sphere, local_basis, rigid, smooth_basis, with_frames,
 };
 use bdtree_fixtures::models;
+use bdtree_format::SectionKind;
 use bdtree_runtime::{Asset, BoneMatrices, JointMatrix, Model, SkeletonPose};
 use rand::RngExt;
 
@@ -325,6 +327,50 @@ fn a_file_gives_back_what_it_was_baked_from() {
         } = subject;
         let again = bake_fields(&mesh, &basis, &settings, &provenance, &Silent).expect("bake");
         assert!(baked.bytes == again.bytes, "{} modes", basis.mode_count());
+    }
+}
+
+/// The sections of a file but for what it says of its source.
+fn sections(asset: &Asset<'_>) -> Vec<(SectionKind, Vec<u8>)> {
+    let sections = asset.sections().iter();
+    let sections = sections.filter(|section| section.kind != SectionKind::METADATA);
+    sections
+        .map(|section| {
+            let start = section.offset.get() as usize;
+            let bytes = &asset.bytes()[start..start + section.length.get() as usize];
+            (section.kind, bytes.to_vec())
+        })
+        .collect()
+}
+
+/// Weights, bones, skeleton and clips with every kind of key; weights whose sum is not 1 stay as they are.
+#[test]
+fn a_file_with_a_skin_gives_back_what_it_was_baked_from() {
+    for (name, weights) in [
+        ("skinned_tube.glb", Weights::Normalise),
+        ("skinned_12.glb", Weights::Normalise),
+        ("skinned_12.glb", Weights::AsStored),
+    ] {
+        let mut recipe = skinned(name);
+        recipe.settings.weights = weights;
+        let first = bdtree_build::bake(&recipe, &Silent).expect("a file");
+        let model = Model::from_bytes(&first.bytes).expect("a model");
+        let subject = Subject::of_asset(model.asset()).expect("records");
+        let skin = subject.skin.as_ref().expect("a skin");
+        let again = bake_skinned(
+            &subject.mesh,
+            &subject.basis,
+            skin,
+            &subject.settings,
+            &subject.provenance,
+            &Silent,
+        );
+        let again = Model::from_bytes(&again.expect("a file").bytes).expect("a model");
+        let (first, again) = (sections(model.asset()), sections(again.asset()));
+        assert_eq!(first.len(), again.len(), "{name}");
+        for (one, two) in first.iter().zip(&again) {
+            assert!(one == two, "{name}, {weights}: {:?}", one.0);
+        }
     }
 }
 

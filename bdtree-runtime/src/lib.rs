@@ -165,7 +165,7 @@ pub use shape::{Ball, Capsule, Cuboid, Frustum, FrustumState, HalfSpace, Ray, Sh
 pub use simd::Kernel;
 #[cfg(feature = "alloc")]
 pub use skeleton::SkeletonPose;
-pub use skeleton::{Clip, LocalTransform, Skeleton, SkeletonError};
+pub use skeleton::{Channel, Clip, LocalTransform, Skeleton, SkeletonError};
 pub use transform::Transform;
 pub use vector::{Quat, Vec3};
 pub use view::{Asset, Displacements, Group, GroupKind, NodeBones, NodeRows};

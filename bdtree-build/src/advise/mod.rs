@@ -9,6 +9,7 @@
 pub mod choose;
 pub mod curve;
 pub mod errors;
+mod from_file;
 mod postures;
 pub mod samples;
 pub mod subject;

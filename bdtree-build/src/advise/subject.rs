@@ -2,19 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use bdtree_format::{ErrorMetadata, Metadata};
-use bdtree_runtime::{Asset, FormatError, TriangleId, VertexId};
-
 use super::errors::{Errors, Over};
+use crate::basis::Basis;
 use crate::basis::dropped::{Keep, keep_fields};
-use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use crate::error::BakeError;
-use crate::input::{GroupKind, RawGroup, RawMesh, RawSkin};
+use crate::input::{RawMesh, RawSkin};
 use crate::motion;
 use crate::pipeline::{BakeSettings, Provenance};
 use crate::progress::Progress;
 use crate::recipe::{Recipe, Source};
-use crate::tree::Split;
 use crate::wrap::RANGE_DIAGONALS;
 
 /// Given fields and morph targets (`kind` is the metadata's word for the basis) have no order: those that an error
@@ -33,6 +29,9 @@ pub fn kept_fields(
     Some((kept.fields, kept.error.max_rel))
 }
 
+/// What to say of errors of fields that bones carry on.
+pub(super) const BEFORE_BONES: &str = "Errors are those before bones carry the vertices.";
+
 /// A mesh with its fields.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Subject {
@@ -40,7 +39,7 @@ pub struct Subject {
     pub mesh: RawMesh,
     /// All fields that there are. Advice is to keep the first few of them.
     pub basis: Basis,
-    /// What carries the vertices, where that is known ([`Subject::of_asset`] does not know it).
+    /// What carries the vertices, if bones do.
     pub skin: Option<RawSkin>,
     /// How it is baked.
     pub settings: BakeSettings,
@@ -95,8 +94,7 @@ impl Subject {
             missing.push(text.to_string());
         }
         if moving.skin.is_some() && moving.basis.mode_count() > 0 {
-            let text = "Errors are those before bones carry the vertices.";
-            missing.push(text.to_string());
+            missing.push(BEFORE_BONES.to_string());
         }
         let errors = match moving.errors_of_first {
             Some(errors) => Errors::measured(errors),
@@ -118,58 +116,6 @@ impl Subject {
             modes_available: moving.modes_available,
         })
     }
-
-    /// What an opened file holds: its numbers are exact, so that a bake of all modes with these settings gives the
-    /// same tree. Threads stay 1. A skin is left out, which `missing` says.
-    ///
-    /// # Errors
-    /// Records that break the format's rules.
-    pub fn of_asset(asset: &Asset<'_>) -> Result<Self, FormatError> {
-        let mesh = mesh(asset)?;
-        let mut missing = Vec::new();
-        let metadata = match Metadata::from_bytes(asset.metadata()) {
-            Ok(metadata) => metadata,
-            Err(_) => {
-                let text = "The file does not say how it was made (no metadata that can be read): leaf size \
-                            and split are taken to be the defaults.";
-                missing.push(text.to_string());
-                Metadata::default()
-            }
-        };
-        let basis = basis(asset, &metadata)?;
-        missing.extend(assumed_ranges(&metadata.basis, &metadata.settings));
-        if asset.has_skin() {
-            let text = "What is advised is measured before bones carry the vertices: the skin is left out.";
-            missing.push(text.to_string());
-        }
-        let own = metadata.basis_error_rel.map(basis_error);
-        // Weights of a face are its user's; a clip is an example.
-        let over = if metadata.basis == "morph" {
-            Over::Ranges
-        } else {
-            Over::Frames
-        };
-        let diagonal = mesh.diagonal();
-        Ok(Self {
-            errors: Errors::against_all(&basis, diagonal, over, own),
-            settings: settings(&metadata),
-            provenance: Provenance {
-                kind: metadata.basis,
-                error: own,
-                settings: metadata.settings,
-                warnings: Vec::new(),
-            },
-            mesh: RawMesh {
-                name: metadata.source_name,
-                hash: metadata.source_hash,
-                ..mesh
-            },
-            basis,
-            skin: None,
-            missing,
-            modes_available: None,
-        })
-    }
 }
 
 /// What to say of ranges that no source has: those of vibration modes and given fields that were baked without
@@ -183,111 +129,4 @@ pub fn assumed_ranges(kind: &str, settings: &BTreeMap<String, String>) -> Option
             100.0 * RANGE_DIAGONALS
         )
     })
-}
-
-fn mesh(asset: &Asset<'_>) -> Result<RawMesh, FormatError> {
-    let (origin, unit) = (asset.origin(), asset.unit());
-    let place = |p: &[f32; 3]| [0, 1, 2].map(|k| origin[k] + unit * f64::from(p[k]));
-    let triangle = |id: usize| -> Result<[u32; 3], FormatError> {
-        Ok(asset
-            .triangle(TriangleId(id as u32))?
-            .map(|corner| corner.0))
-    };
-    let groups = asset.groups().filter_map(|group| {
-        let kind = match group.kind {
-            bdtree_runtime::GroupKind::Object => GroupKind::Object,
-            bdtree_runtime::GroupKind::Group => GroupKind::Group,
-            bdtree_runtime::GroupKind::Material => GroupKind::Material,
-            _ => return None,
-        };
-        Some(RawGroup {
-            kind,
-            name: group.name.to_string(),
-            first_triangle: group.first_triangle.0,
-            triangle_count: group.triangle_count,
-        })
-    });
-    Ok(RawMesh {
-        positions: asset.positions().iter().map(place).collect(),
-        triangles: (0..asset.triangle_count())
-            .map(triangle)
-            .collect::<Result<_, _>>()?,
-        groups: groups.collect(),
-        ..RawMesh::default()
-    })
-}
-
-fn basis(asset: &Asset<'_>, metadata: &Metadata) -> Result<Basis, FormatError> {
-    let (n, m) = (asset.vertex_count(), asset.mode_count());
-    let unit = asset.unit();
-    let mut fields = vec![[0.0; 3]; n * m];
-    for vertex in 0..n {
-        for (mode, u) in asset.displacements(VertexId(vertex as u32))?.iter() {
-            // A list that names no mode of the file is the reader's to report.
-            if mode < m {
-                fields[mode * n + vertex] = u.map(|x| unit * f64::from(x));
-            }
-        }
-    }
-    let known = |x: f64| (x >= 0.0).then_some(x);
-    let modes = asset.modes().iter().enumerate().map(|(j, mode)| {
-        let words = metadata.modes.get(j);
-        BasisMode {
-            name: words.and_then(|words| words.name.clone()),
-            omega_rad_s: known(mode.omega_rad_s.get()),
-            modal_mass_kg: known(mode.modal_mass_kg.get()),
-            q_range: Some(f64::from(mode.q_range.get())),
-            default_q: words.and_then(|words| words.default_q),
-        }
-    });
-    Ok(Basis {
-        vertex_count: n,
-        fields,
-        modes: modes.collect(),
-        animation: animation(asset),
-    })
-}
-
-fn animation(asset: &Asset<'_>) -> Option<Animation> {
-    let frames: Option<Vec<_>> = (0..asset.frame_count()).map(|t| asset.frame(t)).collect();
-    let frames = frames.filter(|frames| !frames.is_empty())?;
-    let q = frames.iter().flat_map(|frame| frame.q());
-    let motions: Vec<RigidMotion> = frames
-        .iter()
-        .map(|frame| RigidMotion {
-            rotation: frame.transform().rotation,
-            translation: frame.transform().translation,
-        })
-        .collect();
-    let moves = motions
-        .iter()
-        .any(|motion| *motion != RigidMotion::IDENTITY);
-    Some(Animation {
-        frame_count: frames.len(),
-        times_s: frames.iter().map(|frame| frame.time_s()).collect(),
-        q: q.map(|&x| f64::from(x)).collect(),
-        motions: if moves { motions } else { Vec::new() },
-    })
-}
-
-fn basis_error(error: ErrorMetadata) -> BasisError {
-    BasisError {
-        max_rel: error.max,
-        rms_rel: error.rms,
-        frame: error.frame.map(|frame| frame as usize),
-        vertex: error.vertex.unwrap_or(0) as usize,
-    }
-}
-
-/// The settings that the metadata state; those it does not, by default.
-fn settings(metadata: &Metadata) -> BakeSettings {
-    let value = |name: &str| metadata.settings.get(name);
-    BakeSettings {
-        leaf_size: value("leaf-size").and_then(|text| text.parse().ok()),
-        split: value("split")
-            .and_then(|text| text.parse::<Split>().ok())
-            .unwrap_or_default(),
-        nested: value("nested").is_some_and(|text| text == "true"),
-        ..BakeSettings::default()
-    }
 }

@@ -27,7 +27,7 @@ pub struct Content {
     pub missing: Vec<String>,
     /// What to do, each with its figures.
     pub advice: Vec<Advice>,
-    /// Fewer modes: error, bytes, time. Empty without modes, and with a skin.
+    /// Fewer modes: error, bytes, time. Empty without modes.
     pub modes: Vec<ModesRow>,
     /// The q that the errors of `modes` are taken over, in words; null without modes.
     pub modes_over: Option<String>,

@@ -105,12 +105,11 @@ pub fn measure(
     content.samples.of_parts.depth = few.len();
     seconds.lap("depth");
     let moves = samples.source != Source::Rest || asset.has_skin();
-    // Baking again what a file holds would leave its skin out.
-    if moves && !asset.has_skin() {
-        let found = modes::modes(asset, diagonal, progress)?;
+    if moves {
+        let found = modes::modes(asset, progress)?;
         content.samples.of_parts.modes = found.samples;
         content.modes = found.rows;
-        content.modes_over = Some(found.over);
+        content.modes_over = found.over;
         content.advice.extend(found.advice);
         let options = found.options.unwrap_or_default();
         let is_as_advised = made::has(&content.made, &options);

@@ -22,24 +22,26 @@ pub(super) struct Modes {
     pub(super) rows: Vec<ModesRow>,
     /// What they advise.
     pub(super) advice: Vec<Advice>,
-    /// Which q errors are taken over, in words.
-    pub(super) over: String,
+    /// Which q errors are taken over, in words; `None` without modes.
+    pub(super) over: Option<String>,
     /// Options of `bdtree-build` that follow it; `None` where the file is as advised.
     pub(super) options: Option<Vec<String>>,
     /// Samples of visits and times.
     pub(super) samples: usize,
 }
 
-/// Bakes with fewer modes and asks.
-pub(super) fn modes(
-    asset: &Asset<'_>,
-    diagonal: f64,
-    progress: &dyn Progress,
-) -> Result<Modes, MeasureError> {
+/// Bakes with fewer modes and asks; where bones alone move the asset, with other leaves only.
+pub(super) fn modes(asset: &Asset<'_>, progress: &dyn Progress) -> Result<Modes, MeasureError> {
     let subject = Subject::of_asset(asset)?;
+    // That which errors are relative to: before bones carry the vertices.
+    let diagonal = subject.mesh.diagonal();
     let is_large = asset.triangle_count() > LARGE_TRIANGLES;
     let mut goal = Goal {
-        curve_points: if is_large { POINTS_MAX / 3 } else { POINTS_MAX },
+        curve_points: match (asset.mode_count(), is_large) {
+            (0, _) => 0,
+            (_, true) => POINTS_MAX / 3,
+            (_, false) => POINTS_MAX,
+        },
         ..Goal::default()
     };
     if is_large {
@@ -53,15 +55,18 @@ pub(super) fn modes(
         text,
     });
     let rows = advice.curve.iter().map(|point| row(point, diagonal));
-    let over = match subject.errors.over {
+    let mut over = match subject.errors.over {
         Over::Source | Over::Frames => format!("all {} frames", advice.frames),
         Over::Ranges => "every q within ± q_range, as an upper bound".to_string(),
     };
+    if asset.has_skin() {
+        over += ", before bones carry the vertices";
+    }
     Ok(Modes {
         rows: rows.collect(),
         advice: sentences.collect(),
         options: made::options(&advice),
-        over,
+        over: (asset.mode_count() > 0).then_some(over),
         samples: advice.samples.1,
     })
 }

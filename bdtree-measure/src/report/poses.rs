@@ -32,7 +32,7 @@ pub(super) fn source(asset: &Asset<'_>, samples: &Samples) -> String {
 pub(super) fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
     let mut missing = Vec::new();
     if asset.has_skin() {
-        missing.extend(of_skin(asset, samples));
+        missing.extend(of_skin(samples));
     } else if asset.mode_count() == 0 {
         missing.push(
             "The asset is rigid: it has no modes, so there is nothing to say of modes, tightness, \
@@ -69,18 +69,11 @@ pub(super) fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
     missing
 }
 
-fn of_skin(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
+fn of_skin(samples: &Samples) -> Vec<String> {
     let mut missing = vec![
         "The paper's bound and that of smallest balls know no bones: tightness is that of bdtree alone."
             .to_string(),
     ];
-    if asset.mode_count() > 0 {
-        missing.push(
-            "Fewer modes are not measured, since a file does not hold all that its skin was made of: \
-             bdtree-build --advise measures them from the source, with bones."
-                .to_string(),
-        );
-    }
     if samples.bones == Some(Bones::Turns) {
         missing.push(
             "The asset has no clips: its joints are turned by up to 20°, which may be more or less than what a \

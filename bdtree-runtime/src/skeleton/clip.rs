@@ -16,6 +16,30 @@ pub struct Clip<'a> {
     record: &'a ClipRecord,
 }
 
+/// What moves one thing in a clip: a node's translation, rotation or scale, or the weights of modes.
+#[derive(Debug, Clone, Copy)]
+pub struct Channel<'a> {
+    record: &'a ChannelRecord,
+    track: Track<'a>,
+}
+
+impl<'a> Channel<'a> {
+    /// What is animated, and how values between keys are found.
+    pub fn record(&self) -> &'a ChannelRecord {
+        self.record
+    }
+
+    /// Seconds of the keys, ascending.
+    pub fn times_s(&self) -> &'a [f32] {
+        self.track.times()
+    }
+
+    /// Values, key by key: [`ChannelRecord::values_per_key`] of [`ChannelRecord::components`] numbers each.
+    pub fn values(&self) -> &'a [f32] {
+        self.track.values()
+    }
+}
+
 impl<'a> Clip<'a> {
     pub(super) fn new(skeleton: Skeleton<'a>, record: &'a ClipRecord) -> Self {
         Self { skeleton, record }
@@ -65,14 +89,29 @@ impl<'a> Clip<'a> {
         if !time_s.is_finite() {
             return Err(SkeletonError::Time);
         }
-        let first = self.record.first_channel.get() as usize;
-        for (k, channel) in (first..).zip(self.channels()?) {
-            let Some(track) = Track::new(channel, self.skeleton.skin.keys) else {
-                return Err(self.broken(k, KEYS).into());
-            };
-            play(channel, &track, time_s, locals, q).ok_or_else(|| self.broken(k, TARGETS))?;
+        for k in 0..self.channel_count() {
+            let channel = self.channel(k)?;
+            play(&channel, time_s, locals, q).ok_or_else(|| self.broken(k, TARGETS))?;
         }
         Ok(())
+    }
+
+    /// Number of channels.
+    pub fn channel_count(&self) -> usize {
+        self.record.channel_count.get() as usize
+    }
+
+    /// A channel, counted from 0.
+    ///
+    /// # Errors
+    /// No such channel; records or keys outside of the file, keys of an unknown kind.
+    pub fn channel(&self, index: usize) -> Result<Channel<'a>, FormatError> {
+        let record = self.channels()?.get(index);
+        let found = record.and_then(|record| {
+            let track = Track::new(record, self.skeleton.skin.keys)?;
+            Some(Channel { record, track })
+        });
+        found.ok_or_else(|| self.broken(index, KEYS))
     }
 
     fn channels(&self) -> Result<&'a [ChannelRecord], FormatError> {
@@ -86,7 +125,8 @@ impl<'a> Clip<'a> {
     }
 
     #[cold]
-    fn broken(&self, channel: usize, rule: &'static str) -> FormatError {
+    fn broken(&self, index: usize, rule: &'static str) -> FormatError {
+        let channel = (self.record.first_channel.get() as usize).saturating_add(index);
         let at = channel.saturating_mul(size_of::<ChannelRecord>());
         let place = self.skeleton.asset.at(SectionKind::CHANNELS, at);
         place.rule(rule).broken("what is there", "what is not")
@@ -95,8 +135,10 @@ impl<'a> Clip<'a> {
 
 /// Writes what a channel animates; `None` where there is no such thing.
 fn play(
-    channel: &ChannelRecord,
-    track: &Track<'_>,
+    Channel {
+        record: channel,
+        track,
+    }: &Channel<'_>,
     time_s: f64,
     locals: &mut [LocalTransform],
     q: &mut [f32],

@@ -14,7 +14,7 @@ mod pose;
 mod tests;
 mod track;
 
-pub use clip::Clip;
+pub use clip::{Channel, Clip};
 pub use error::SkeletonError;
 pub use local::{LocalTransform, blend, blend_q};
 #[cfg(feature = "alloc")]

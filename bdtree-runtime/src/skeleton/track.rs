@@ -50,6 +50,11 @@ impl<'a> Track<'a> {
         self.times
     }
 
+    /// Values, key by key.
+    pub(super) fn values(&self) -> &'a [f32] {
+        self.values
+    }
+
     /// Where a time lies among the keys: at the first before it, at the last behind it.
     pub(super) fn span(&self, time_s: f64) -> Span {
         let at = |key: usize| self.times.get(key).map_or(0.0, |t| f64::from(*t));

@@ -1,5 +1,9 @@
 //! Files with skins, with clips and without.
 
+use bdtree_build::advise::Subject;
+use bdtree_build::pipeline::bake_skinned;
+use bdtree_build::progress::Silent;
+use bdtree_runtime::Model;
 use serde_json::Value;
 
 use super::figures::{
@@ -21,21 +25,24 @@ fn characters_are_measured_in_the_poses_of_their_clips() {
     assert!(number(samples, "displacement_max_rel") > 0.1);
     let parts = &samples["of_parts"];
     let parts = ["modes", "depth", "tightness", "refit"].map(|name| number(parts, name));
-    assert_eq!(parts, [0.0, 24.0, 8.0, 4.0]);
+    assert_eq!(parts, [24.0, 24.0, 8.0, 4.0]);
 
-    // What is not measured is said, and leaves no heading over nothing.
-    assert!(list(&report, "modes").is_empty() && !page.contains("Modes kept</h2>"));
-    assert_eq!(report["made"]["is_as_advised"], Value::Null);
-    let missing: Vec<_> = list(&report, "missing")
-        .iter()
-        .filter_map(Value::as_str)
-        .collect();
-    for (text, says) in missing
-        .iter()
-        .zip(["know no bones", "Fewer modes are not measured"])
-    {
-        assert!(text.contains(says) && page.contains(text), "{missing:?}");
-    }
+    // One morph target, of which nothing is left out.
+    let modes = list(&report, "modes");
+    assert_eq!(modes.len(), 1);
+    assert_eq!(number(&modes[0], "error_max"), 0.0);
+    let over = report["modes_over"].as_str().expect("words");
+    assert!(over.ends_with("before bones carry the vertices"), "{over}");
+    assert!(page.contains("Modes kept</h2>") && page.contains(over));
+    assert!(report["made"]["is_as_advised"].is_boolean());
+
+    // What is not measured is said.
+    let missing = list(&report, "missing");
+    let text = missing[0].as_str().expect("words");
+    assert!(
+        text.contains("know no bones") && page.contains(text),
+        "{missing:?}"
+    );
 
     let depth = exact_levels(&report);
 
@@ -83,6 +90,56 @@ fn characters_are_measured_in_the_poses_of_their_clips() {
     assert_eq!(without_times(&report), without_times(&again));
 }
 
+/// A file with one more morph target than the tube's, half of it and turned, and the same skin.
+fn two_targets() -> Vec<u8> {
+    let model = Model::from_bytes(&character("skinned_tube.glb")).expect("a file");
+    let mut subject = Subject::of_asset(model.asset()).expect("a subject");
+    let basis = &mut subject.basis;
+    let half = basis.field(0).to_vec();
+    let half = half
+        .into_iter()
+        .map(|[x, y, z]| [0.5 * y, 0.5 * z, 0.5 * x]);
+    basis.fields.extend(half);
+    basis.modes.push(basis.modes[0].clone());
+    let skin = subject.skin.as_ref().expect("a skin");
+    let (settings, provenance) = (&subject.settings, &subject.provenance);
+    let baked = bake_skinned(
+        &subject.mesh,
+        &subject.basis,
+        skin,
+        settings,
+        provenance,
+        &Silent,
+    );
+    baked.expect("bakes").bytes
+}
+
+#[test]
+fn characters_are_baked_again_with_fewer_targets() {
+    let folder = Folder::new();
+    folder.write("two.bdt", two_targets());
+    let (report, page) = folder.report("two.bdt");
+    let modes = list(&report, "modes");
+    let of = |name: &str| {
+        modes
+            .iter()
+            .map(|row| number(row, name))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(of("modes"), [1.0, 2.0]);
+    assert!(of("error_max")[0] > 0.0 && of("error_max")[1] == 0.0);
+    assert!(of("bytes")[0] < of("bytes")[1]);
+    // As large as the file itself but for what the source says: the skin is in it.
+    let skins = list(&report, "sections")
+        .iter()
+        .filter(|s| s["kind"] != "META");
+    let skins: f64 = skins.map(|s| number(s, "bytes")).sum();
+    assert!(of("bytes")[1] > skins);
+    let visits = number(&report["depth_whole"], "ball_visits");
+    assert!(of("ball_visits")[1] > 0.5 * visits && of("ball_visits")[1] < 2.0 * visits);
+    numbers_are_the_figures(&page, &report);
+}
+
 /// Without clips and modes: joints are turned.
 #[test]
 fn characters_without_clips_have_their_joints_turned() {
@@ -94,6 +151,21 @@ fn characters_without_clips_have_their_joints_turned() {
     assert_eq!(number(&report["asset"]["skin"], "influences_max"), 12.0);
     assert!(page.contains(source) && page.contains("The asset has no clips"));
     assert!(!page.contains("The asset is rigid") && !page.contains("NaN"));
+    // Nothing to choose from, and no heading over nothing; leaves are tried all the same.
+    assert!(list(&report, "modes").is_empty() && !page.contains("Modes kept</h2>"));
+    assert_eq!(report["modes_over"], Value::Null);
+    assert_eq!(number(&report["samples"]["of_parts"], "modes"), 24.0);
+    let advice = list(&report, "advice");
+    let says = |text: &str| {
+        let texts = advice.iter().filter_map(|a| a["text"].as_str());
+        texts.filter(|own| own.contains(text)).count()
+    };
+    assert_eq!(says("no modes to choose from"), 1);
+    assert_eq!(
+        says("leaf size") + says("Leaves of at most"),
+        1,
+        "{advice:?}"
+    );
     assert!(!list(&report, "tightness").is_empty());
     for row in list(&report, "tightness") {
         assert!(number(&row["bdtree"], "mean") > 1.0 - 1e-6, "{row}");
