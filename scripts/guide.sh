@@ -6,7 +6,8 @@ cd "$(dirname "$0")/.."
 corpus=${BDTREE_CORPUS:?the folder of the test data}
 out=target/guide
 mkdir -p "$out"
-cargo build --release --locked -p bdtree-build -p bdtree-tools -p bdtree-scenes --bins --features bdtree-tools/report
+# Not bdtree-tools/report: that is the feature of its own tests' dependency on it, and turns on nothing.
+cargo build --release --locked -p bdtree-build -p bdtree-tools -p bdtree-scenes --bins --features report
 bin=target/release
 
 measure() {
