@@ -43,7 +43,7 @@ impl Default for Goal {
             subset: None,
             leaf_sizes: LEAF_SIZES.to_vec(),
             samples: super::samples::SAMPLES,
-            seconds: 1.0,
+            seconds: 0.4,
             curve_points: 0,
         }
     }

@@ -18,7 +18,7 @@ use crate::progress::{Progress, Silent};
 pub const POINTS_MAX: usize = 12;
 
 /// The least and the most rounds of a timing.
-const ROUNDS: (usize, usize) = (5, 60);
+const ROUNDS: (usize, usize) = (5, 24);
 
 /// What a setting is: modes that are kept (ascending, each below M), and most triangles in a leaf lane.
 pub type Setting<'s> = (&'s [usize], usize);
