@@ -4,9 +4,9 @@ use super::StoredSkin;
 use crate::wrap::StoredShape;
 
 /// How far each vertex goes from where it rests to the centers of its bones. Vertices with the same bones then stand
-/// closer together, so that fewer bones move a lane: on the characters of docs/reference/skins.md spheres are 2 to 5 %
-/// smaller and rays 4 to 12 % faster than with 0. Shares from 0.3 to 0.5 do about as well; more slows rays down at meshes
-/// of many triangles, whose lower nodes are then less compact.
+/// closer together, so that fewer bones move a lane: spheres of characters are 2 to 5 % smaller and rays 4 to 12 % faster than
+/// with 0 (docs/measured/benchmarks.md, W5). Shares from 0.3 to 0.5 do about as well; more slows down rays at meshes of
+/// many triangles, whose lower nodes are then less compact.
 const TOWARDS_BONES: f64 = 0.4;
 
 /// The positions that triangles are divided by: those at rest, all fields at 0, because the bind spaces of several
