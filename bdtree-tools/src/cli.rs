@@ -176,7 +176,7 @@ pub struct ReportArguments {
     pub no_verify: bool,
 }
 
-/// Opens a window on a file: sliders, animation, spheres, a probe.
+/// Opens a window on a file: sliders, animation, clips, spheres, a probe.
 ///
 /// Starts the program bdtree-view with all that follows; `bdtree view --help` is its help.
 #[derive(Debug, Args)]

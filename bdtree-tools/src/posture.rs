@@ -68,6 +68,15 @@ pub struct Posture {
 }
 
 impl Posture {
+    /// q where the mesh stands, bones at rest.
+    pub fn of_q(q: Vec<f32>) -> Self {
+        Self {
+            q,
+            joints: None,
+            transform: Transform::IDENTITY,
+        }
+    }
+
     /// The joints as poses take them.
     pub fn bones(&self) -> BoneMatrices<'_> {
         bones(self.joints.as_deref())

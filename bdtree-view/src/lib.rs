@@ -58,7 +58,12 @@ fn open(arguments: &Arguments) -> Result<(), ToolError> {
     if arguments.play && asked.clip.is_none() {
         if file.asset().frame_count() == 0 {
             let name = arguments.file.display();
-            let message = format!("asset {name} has no animation");
+            let has_clips = file.asset().skeleton().is_some_and(|s| s.clip_count() > 0);
+            let hint = match has_clips {
+                true => "; choose a clip with --clip",
+                false => "",
+            };
+            let message = format!("asset {name} has no animation{hint}");
             return Err(ToolError::input("--play", message));
         }
         asked.frame = asked.frame.or(Some(0));
@@ -81,9 +86,7 @@ fn open(arguments: &Arguments) -> Result<(), ToolError> {
         // `posture` has found it, too.
         let skeleton = file.asset().skeleton();
         let clip = skeleton.and_then(|s| s.clips().position(|clip| clip.name() == name));
-        app.clips.choose(clip);
-        app.clips.clock.time_s = asked.time.clamp(0.0, app.clips.duration_s());
-        app.clips.clock.is_playing = arguments.play;
+        app.begin_clip(clip.unwrap_or_default(), asked.time, arguments.play);
     } else {
         app.playback.clock.is_playing = arguments.play;
     }

@@ -19,7 +19,7 @@ pub struct ClipName {
 pub struct Clips {
     /// All of them, in the file's order.
     pub names: Vec<ClipName>,
-    /// The one that is shown; `None`: the skeleton is at rest.
+    /// The one that is shown; `None`: the skeleton is at rest, or as joints were given.
     pub chosen: Option<usize>,
     /// Its moment.
     pub clock: Clock,

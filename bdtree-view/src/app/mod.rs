@@ -138,9 +138,12 @@ impl<'a> App<'a> {
         }
     }
 
-    /// Undeformed, where the mesh stands.
+    /// Undeformed, where the mesh stands; a clip goes on carrying it.
     pub fn zero(&mut self) {
         self.view.q.fill(0.0);
+        if self.clips.chosen.is_none() {
+            self.view.joints.clear();
+        }
         self.view.transform = Transform::IDENTITY;
         self.playback.clock.is_playing = false;
         self.clips.clock.is_playing = false;
@@ -158,6 +161,18 @@ impl<'a> App<'a> {
     pub fn shows_moment(&self) -> bool {
         let moment = self.playback.posture(self.asset());
         moment.is_some_and(|(q, at)| (&q, at) == (&self.view.q, self.view.transform))
+    }
+
+    /// Goes to a moment of a clip, which begins and ends with its keys.
+    pub fn begin_clip(&mut self, clip: usize, time_s: f64, is_playing: bool) {
+        self.clips.choose(Some(clip));
+        self.clips.clock.time_s = time_s.clamp(0.0, self.clips.duration_s());
+        self.clips.clock.is_playing = is_playing;
+    }
+
+    /// True if joints carry the mesh that are no clip's.
+    pub fn has_given_joints(&self) -> bool {
+        self.clips.chosen.is_none() && !self.view.joints.is_empty()
     }
 
     /// Shows the clip's moment: its joints, and of q what it moves; the rest of q stays as sliders have it. One that

@@ -11,11 +11,7 @@ use super::*;
 fn with_file(name: &str, test: impl FnOnce(App<'_>)) {
     let file = AssetFile::read(&golden::folder().join(name)).expect("a golden file");
     let asset = file.checked_asset(true).expect("sound");
-    let posture = Posture {
-        q: vec![0.0; asset.mode_count()],
-        joints: None,
-        transform: Transform::IDENTITY,
-    };
+    let posture = Posture::of_q(vec![0.0; asset.mode_count()]);
     test(App::new(&file, posture).expect("a state"));
 }
 
@@ -246,5 +242,43 @@ fn a_frame_is_shown_until_q_is_set() {
         app.show_moment();
         app.zero();
         assert!(!app.shows_moment());
+    });
+}
+
+#[test]
+fn a_clip_begins_where_it_is_told() {
+    with_file("skinned.bdt", |mut app| {
+        let duration = app.clips.names[0].duration_s;
+        for (asked, time, is_playing) in [
+            (0.75, 0.75, true),
+            (-1.0, 0.0, false),
+            (1e9, duration, false),
+        ] {
+            app.begin_clip(0, asked, is_playing);
+            assert_eq!(app.clips.chosen, Some(0));
+            assert_eq!(app.clips.clock.time_s, time);
+            assert_eq!(app.is_playing(), is_playing);
+        }
+    });
+}
+
+#[test]
+fn given_joints_stay_until_the_skeleton_rests() {
+    with_file("skinned.bdt", |mut app| {
+        let given = vec![bdtree_runtime::joint::IDENTITY; app.asset().joint_count()];
+        assert!(!app.has_given_joints());
+        app.view.joints.clone_from(&given);
+        assert!(app.has_given_joints());
+        app.zero();
+        assert!(app.view.joints.is_empty());
+        app.view.joints = given;
+        app.clips.choose(None);
+        app.show_clip();
+        assert!(!app.has_given_joints());
+        // A clip goes on carrying the mesh.
+        app.begin_clip(0, 0.5, false);
+        app.show_clip();
+        app.zero();
+        assert!(!app.view.joints.is_empty() && !app.has_given_joints());
     });
 }

@@ -2,7 +2,6 @@
 
 use bdtree_fixtures::{bake, golden};
 use bdtree_render::Camera;
-use bdtree_runtime::Transform;
 use bdtree_tools::{AssetFile, Posture};
 use egui::epaint::Shape;
 use egui::{
@@ -32,11 +31,7 @@ struct Person<'a> {
 
 fn with_person(file: &AssetFile, size: Vec2, test: impl FnOnce(Person<'_>)) {
     let asset = file.checked_asset(true).expect("sound");
-    let posture = Posture {
-        q: vec![0.0; asset.mode_count()],
-        joints: None,
-        transform: Transform::IDENTITY,
-    };
+    let posture = Posture::of_q(vec![0.0; asset.mode_count()]);
     let context = Context::default();
     panel::dress(&context);
     let mut person = Person {

@@ -5,8 +5,10 @@ use egui::{ComboBox, RichText, Slider, Ui};
 use super::{clock, style};
 use crate::app::App;
 
+const REST: &str = "at rest";
+
 pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
-    if !app.clips.names.is_empty() {
+    if !app.clips.names.is_empty() || app.has_given_joints() {
         choice(ui, app);
     }
     if app.clips.chosen.is_some() {
@@ -21,22 +23,29 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
 
 /// Which clip.
 fn choice(ui: &mut Ui, app: &mut App<'_>) {
-    let rest = "at rest".to_string();
+    let is_given = app.has_given_joints();
     let chosen = app.clips.chosen.and_then(|clip| app.clips.names.get(clip));
-    let text = chosen.map_or(rest.clone(), |clip| clip.name.clone());
-    let mut choice = app.clips.chosen;
+    let text = match chosen {
+        Some(clip) => &clip.name,
+        None if is_given => "joints as given",
+        None => REST,
+    };
+    let text = text.to_string();
+    // Given joints are none of what can be chosen: they cannot be had back.
+    let now = (!is_given).then_some(app.clips.chosen);
+    let mut choice = now;
     ComboBox::from_id_salt("clip")
         .width(ui.available_width() - 16.0)
         .truncate()
         .selected_text(text)
         .show_ui(ui, |ui| {
-            ui.selectable_value(&mut choice, None, rest);
+            ui.selectable_value(&mut choice, Some(None), REST);
             for (i, clip) in app.clips.names.iter().enumerate() {
                 let text = format!("{} · {:.2} s", clip.name, clip.duration_s);
-                ui.selectable_value(&mut choice, Some(i), text);
+                ui.selectable_value(&mut choice, Some(Some(i)), text);
             }
         });
-    if choice != app.clips.chosen {
+    if let Some(choice) = choice.filter(|_| choice != now) {
         app.clips.choose(choice);
         app.show_clip();
     }

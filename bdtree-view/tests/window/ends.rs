@@ -51,6 +51,15 @@ fn bad_files_and_options_are_named() {
         "{line}"
     );
     let line = failed(
+        &run(display.viewer().arg(file("skinned.bdt")).arg("--play")),
+        1,
+    );
+    assert!(
+        line.starts_with("--play: ")
+            && line.ends_with("has no animation; choose a clip with --clip"),
+        "{line}"
+    );
+    let line = failed(
         &run(display
             .viewer()
             .arg(file("skinned.bdt"))

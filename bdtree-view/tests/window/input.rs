@@ -1,6 +1,5 @@
 //! What the pointer does.
 
-use bdtree_runtime::Transform;
 use bdtree_tools::{AssetFile, Posture};
 use bdtree_view::ProbeText;
 use bdtree_view::app::{App, Grab, Probe};
@@ -91,11 +90,7 @@ impl Session {
 fn with_app(name: &str, ball: Option<ProbeText>, test: impl FnOnce(App<'_>)) {
     let file = AssetFile::read(&file(name)).expect("a golden file");
     let asset = file.checked_asset(true).expect("sound");
-    let posture = Posture {
-        q: vec![0.0; asset.mode_count()],
-        joints: None,
-        transform: Transform::IDENTITY,
-    };
+    let posture = Posture::of_q(vec![0.0; asset.mode_count()]);
     let mut app = App::new(&file, posture).expect("a state");
     if let Some(ProbeText { center, radius }) = ball {
         app.view.has_probe = true;

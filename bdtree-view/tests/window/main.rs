@@ -127,11 +127,7 @@ fn spheres(display: &Display, q: &[f32], options: &[&str]) -> (Picture, Vec<Disc
     let picture = screenshot(display, &path, &all);
     let file = AssetFile::read(&path).expect("a golden file");
     let asset = file.checked_asset(true).expect("sound");
-    let posture = Posture {
-        q: q.to_vec(),
-        joints: None,
-        transform: Transform::IDENTITY,
-    };
+    let posture = Posture::of_q(q.to_vec());
     let mut app = App::new(&file, posture).expect("a state");
     app.view.level = Some(0);
     let size = [SIZE[0] - EDGE, SIZE[1]];
