@@ -63,7 +63,8 @@ pub(super) fn command(
     input: Option<&str>,
     output: &str,
 ) -> Option<String> {
-    if made.source.is_none() || made.basis.as_deref() != Some("elastic") {
+    let has_skin = made.settings.contains_key("skin-weights");
+    if made.source.is_none() || made.basis.as_deref() != Some("elastic") || has_skin {
         return None;
     }
     let input = input.unwrap_or(UNKNOWN_INPUT);
@@ -133,6 +134,11 @@ mod tests {
         );
         let command = |made: &Made| command(made, &options, None, "out.bdt");
         assert!(command(&made).is_some_and(|text| text.starts_with("bdtree-build INPUT --fix")));
+        // Metadata do not say where arrays lie.
+        let mut skinned = made.clone();
+        let array = ("skin-weights".to_string(), "W.npy".to_string());
+        skinned.settings.extend([array]);
+        assert_eq!(command(&skinned), None);
         made.basis = Some("pca".to_string());
         assert_eq!(command(&made), None);
         assert!(!has(&made, &options));

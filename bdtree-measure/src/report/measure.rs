@@ -5,6 +5,7 @@ use std::time::Instant;
 use crate::MeasureError;
 use crate::machine;
 use crate::vector::distance;
+use bdtree_build::advise::AdviceError;
 use bdtree_build::advise::samples::{SAMPLES, Samples, Source};
 use bdtree_build::advise::works::{BALL_RADIUS_REL, at_rest};
 use bdtree_build::progress::Progress;
@@ -106,17 +107,15 @@ pub fn measure(
     seconds.lap("depth");
     let moves = samples.source != Source::Rest || asset.has_skin();
     if moves {
-        let found = modes::modes(asset, progress)?;
-        content.samples.of_parts.modes = found.samples;
-        content.modes = found.rows;
-        content.modes_over = found.over;
-        content.advice.extend(found.advice);
-        let options = found.options.unwrap_or_default();
-        let is_as_advised = made::has(&content.made, &options);
-        content.made.is_as_advised = Some(is_as_advised);
-        if !is_as_advised {
-            let (input, output) = (subject.input.as_deref(), &subject.advised);
-            content.made.command = made::command(&content.made, &options, input, output);
+        match modes::modes(asset, progress) {
+            Ok(found) => take_modes(&mut content, found, subject),
+            // Skins may be sound and yet none that a bake makes: with channels that share their keys, say.
+            Err(MeasureError::Advice(AdviceError::Bake(error))) if asset.has_skin() => {
+                missing.push(format!(
+                    "Fewer modes and other leaves are not measured: {error}."
+                ));
+            }
+            Err(error) => return Err(error),
         }
         seconds.lap("modes");
     }
@@ -140,6 +139,21 @@ pub fn measure(
     content.verdict = verdict::verdict(&content);
     content.seconds = seconds.laps;
     Ok(content)
+}
+
+/// What was measured of fewer modes.
+fn take_modes(content: &mut Content, found: modes::Modes, subject: &Subject<'_>) {
+    content.samples.of_parts.modes = found.samples;
+    content.modes = found.rows;
+    content.modes_over = found.over;
+    content.advice.extend(found.advice);
+    let options = found.options.unwrap_or_default();
+    let is_as_advised = made::has(&content.made, &options);
+    content.made.is_as_advised = Some(is_as_advised);
+    if !is_as_advised {
+        let (input, output) = (subject.input.as_deref(), &subject.advised);
+        content.made.command = made::command(&content.made, &options, input, output);
+    }
 }
 
 /// Fewer of them for large meshes.

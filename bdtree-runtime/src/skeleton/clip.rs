@@ -29,7 +29,7 @@ impl<'a> Channel<'a> {
         self.record
     }
 
-    /// Seconds of the keys, ascending.
+    /// Seconds of the keys; ascending in a verified file.
     pub fn times_s(&self) -> &'a [f32] {
         self.track.times()
     }
@@ -89,6 +89,7 @@ impl<'a> Clip<'a> {
         if !time_s.is_finite() {
             return Err(SkeletonError::Time);
         }
+        self.channels()?;
         for k in 0..self.channel_count() {
             let channel = self.channel(k)?;
             play(&channel, time_s, locals, q).ok_or_else(|| self.broken(k, TARGETS))?;
@@ -101,17 +102,21 @@ impl<'a> Clip<'a> {
         self.record.channel_count.get() as usize
     }
 
-    /// A channel, counted from 0.
+    /// A channel, counted from 0. That its target exists is checked where it is played ([`Clip::sample`]).
     ///
     /// # Errors
     /// No such channel; records or keys outside of the file, keys of an unknown kind.
     pub fn channel(&self, index: usize) -> Result<Channel<'a>, FormatError> {
-        let record = self.channels()?.get(index);
-        let found = record.and_then(|record| {
-            let track = Track::new(record, self.skeleton.skin.keys)?;
-            Some(Channel { record, track })
-        });
-        found.ok_or_else(|| self.broken(index, KEYS))
+        let own = self.channels()?;
+        let record = own.get(index).ok_or_else(|| {
+            let place = self.skeleton.asset.at(SectionKind::CLIPS, 0);
+            place
+                .rule(CHANNELS)
+                .broken(Datum::Below(own.len() as u64), index)
+        })?;
+        let track = Track::new(record, self.skeleton.skin.keys);
+        let track = track.ok_or_else(|| self.broken(index, KEYS))?;
+        Ok(Channel { record, track })
     }
 
     fn channels(&self) -> Result<&'a [ChannelRecord], FormatError> {

@@ -3,8 +3,9 @@
 mod skin;
 
 use bdtree_format::{ErrorMetadata, Metadata};
-use bdtree_runtime::{Asset, FormatError, SkeletonError, TriangleId, VertexId};
+use bdtree_runtime::{Asset, FormatError, TriangleId, VertexId};
 
+use super::AdviceError;
 use super::errors::{Errors, Over};
 use super::subject::{BEFORE_BONES, Subject, assumed_ranges};
 use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
@@ -18,8 +19,9 @@ impl Subject {
     /// same tree. Threads stay 1.
     ///
     /// # Errors
-    /// Records that break the format's rules.
-    pub fn of_asset(asset: &Asset<'_>) -> Result<Self, SkeletonError> {
+    /// Records that break the format's rules; a skin whose clips have more keys than the file has numbers, because
+    /// channels share them.
+    pub fn of_asset(asset: &Asset<'_>) -> Result<Self, AdviceError> {
         let mesh = mesh(asset)?;
         let mut missing = Vec::new();
         let metadata = match Metadata::from_bytes(asset.metadata()) {

@@ -14,8 +14,8 @@ impl Page {
         self.heading("Modes kept");
         self.soft(&format!(
             "The first k modes of the file. Error: how far vertices are from where all modes of the file have them, over \
-             {}. Bytes, visits and times: of a file re-baked with k modes, without groups and names; times are the least of \
-             several rounds, over {} samples. Each row alternates with the full asset, so only \"time / all\" is comparable \
+             {}. Bytes, visits and times: of a file re-baked with k modes; times are the least of several \
+             rounds, over {} samples. Each row alternates with the full asset, so only \"time / all\" is comparable \
              between rows. A ball has a radius of {} of the diagonal, a ray is one of 16 asked together, a pair is the \
              asset beside itself.",
             content.modes_over.as_deref().unwrap_or("the samples"),
