@@ -214,7 +214,7 @@ fn build(
 
     // The hierarchy is that of the undeformed mesh: fields are smooth, so triangles that are near at rest stay so.
     stages.begin("tree");
-    // Bones carry vertices elsewhere: with them it is that of the pose at rest.
+    // Bones carry vertices elsewhere: with them it is that of the pose at rest, drawn together by bones.
     let carried = stored_skin
         .as_ref()
         .map(|skin| skin::tree_positions(&shape, skin));

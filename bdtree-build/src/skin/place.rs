@@ -13,8 +13,12 @@ const TOWARDS_BONES: f64 = 0.4;
 /// meshes lie over each other, each moved towards the centers of its bones. Any positions are sound, since spheres are
 /// made from the stored ones.
 pub fn tree_positions(shape: &StoredShape, skin: &StoredSkin) -> Vec<[f32; 3]> {
-    let at_rest = at_rest(shape, skin);
-    let centers = bone_centers(&at_rest, skin);
+    towards_bones(&at_rest(shape, skin), skin)
+}
+
+/// Vertices that stand at `at_rest`, moved towards the centers of their bones.
+fn towards_bones(at_rest: &[[f32; 3]], skin: &StoredSkin) -> Vec<[f32; 3]> {
+    let centers = bone_centers(at_rest, skin);
     let place = |(i, p): (usize, &[f32; 3])| {
         let mut towards = [0.0; 3];
         let mut sum = 0.0;
@@ -83,4 +87,72 @@ fn at_rest(shape: &StoredShape, skin: &StoredSkin) -> Vec<[f32; 3]> {
         }
     };
     shape.positions.iter().enumerate().map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use bdtree_format::{BoneRecord, InfluenceRecord, SkinRecord};
+
+    use super::*;
+
+    fn bone() -> BoneRecord {
+        BoneRecord {
+            joint: 0.into(),
+            reserved: 0.into(),
+            inverse_bind: [[0.0.into(); 4]; 3],
+            rest: [[0.0.into(); 4]; 3],
+            low: [0.0.into(); 3],
+            high: [0.0.into(); 3],
+            core_low: [0.0.into(); 3],
+            core_high: [0.0.into(); 3],
+        }
+    }
+
+    /// With a bone that moves nothing, and a vertex without bones, as `--weights as-stored` keeps it: it stays.
+    #[test]
+    fn vertices_go_towards_their_bones() {
+        let influence = |bone, weight| InfluenceRecord {
+            weight,
+            bone,
+            reserved: 0,
+        };
+        let skin = StoredSkin {
+            record: SkinRecord {
+                influences_max: 2,
+                node_bones_max: 0,
+                weight_defect: 1.0,
+                minor_share: 0.0,
+                reserved: [0; 4],
+            },
+            starts: vec![0, 1, 2, 4, 4],
+            influences: vec![
+                influence(0, 1.0),
+                influence(0, 1.0),
+                influence(0, 0.5),
+                influence(1, 0.5),
+            ],
+            bones: vec![bone(); 3],
+            bone_fields: Vec::new(),
+            skeleton: Vec::new(),
+            joints: Vec::new(),
+            names: Vec::new(),
+            clips: Vec::new(),
+            channels: Vec::new(),
+            keys: Vec::new(),
+        };
+        let at_rest = [[0.0; 3], [2.0, 0.0, 0.0], [5.0, 4.0, 0.0], [5.0; 3]];
+        // The first bone's center is ((0, 0) + (2, 0) + (5, 4) / 2) / 2.5, the second's the third vertex.
+        let first = [1.8, 0.8];
+        let both = [0.5 * (1.8 + 5.0), 0.5 * (0.8 + 4.0)];
+        let found = towards_bones(&at_rest, &skin);
+        for (i, to) in [first, first, both].into_iter().enumerate() {
+            for k in 0..2 {
+                let from = f64::from(at_rest[i][k]);
+                let place = from + TOWARDS_BONES * (to[k] - from);
+                assert!((f64::from(found[i][k]) - place).abs() < 1e-6, "{found:?}");
+            }
+            assert_eq!(found[i][2], 0.0);
+        }
+        assert_eq!(found[3], at_rest[3]);
+    }
 }

@@ -1,8 +1,9 @@
 //! How triangles are split and ordered: a binary tree built from the top (Quinlan 1994, or by
 //! cost), collapsed into the file's eight-wide nodes.
 //!
-//! The tree depends on the rest positions as stored and on nothing else, so assets of one mesh
-//! with different bases share their structure. It is the same for any number of threads.
+//! The tree depends on the positions that it is given and on nothing else. Those are the rest positions as stored, so
+//! that assets of one mesh with different bases share their structure; with a skin they are
+//! [`tree_positions`](crate::skin::tree_positions). It is the same for any number of threads.
 
 mod binary;
 mod collapse;
