@@ -150,7 +150,7 @@ const _: () = assert!(size_of::<ClipRecord>() == 24);
 pub struct ChannelRecord {
     /// Index of the node of the skeleton, or of the first mode.
     pub target: u32,
-    /// 1, or the number of modes.
+    /// 1, or the number of modes, at least 1.
     pub target_count: u32,
     /// See [`channel_path`].
     pub path: u32,

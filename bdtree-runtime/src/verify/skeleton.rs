@@ -223,6 +223,10 @@ impl Asset<'_> {
         if channel.path == channel_path::MODES {
             let all = self.modes.len();
             return match all.checked_sub(count) {
+                Some(_) if count == 0 => {
+                    let at = at(offset_of!(ChannelRecord, target_count));
+                    at.tell(report, false, "at least 1 mode", count)
+                }
                 Some(last) => at(offset_of!(ChannelRecord, target)).tell(
                     report,
                     first <= last,

@@ -268,6 +268,7 @@ fn clips() -> Vec<Change> {
         channel(0, offset_of!(ChannelRecord, target), 0), // of a matrix
         channel(2, offset_of!(ChannelRecord, target), 1),
         channel(2, offset_of!(ChannelRecord, target_count), u32::MAX),
+        channel(2, offset_of!(ChannelRecord, target_count), 0),
         channel(0, offset_of!(ChannelRecord, path), 4),
         channel(0, offset_of!(ChannelRecord, interpolation), 3),
         channel(0, offset_of!(ChannelRecord, key_count), 0),
