@@ -1,15 +1,17 @@
 //! Skins: what opening a file refuses, and what only the deep check reads.
 
 use std::mem::{offset_of, size_of};
+use std::ops::ControlFlow;
 
-use bdtree_fixtures::mutate::{get_f32, get_u32, put, record, section};
+use bdtree_fixtures::mutate::{get_f32, get_u32, put, record, repair, section};
 use bdtree_fixtures::sections::{Part, put_together, take_apart};
 use bdtree_fixtures::skin::skinned_bar;
 use bdtree_format::{
     BONE_ROW_DEFECT, BONE_ROW_SCALE, BONE_ROW_SPREAD, BoneRecord, ChannelRecord, ClipRecord,
     FrameRecord, InfluenceRecord, LAYOUT_1, NodeRecord, Row, SectionKind, SectionRecord,
-    SkeletonNode, SkinRecord,
+    SkeletonNode, SkinRecord, channel_path,
 };
+use bdtree_runtime::Model;
 
 use crate::edits::{Change, body, node, node_count, u32_at};
 
@@ -268,7 +270,6 @@ fn clips() -> Vec<Change> {
         channel(0, offset_of!(ChannelRecord, target), 0), // of a matrix
         channel(2, offset_of!(ChannelRecord, target), 1),
         channel(2, offset_of!(ChannelRecord, target_count), u32::MAX),
-        channel(2, offset_of!(ChannelRecord, target_count), 0),
         channel(0, offset_of!(ChannelRecord, path), 4),
         channel(0, offset_of!(ChannelRecord, interpolation), 3),
         channel(0, offset_of!(ChannelRecord, key_count), 0),
@@ -279,4 +280,24 @@ fn clips() -> Vec<Change> {
         Box::new(body(SectionKind::KEYS, 0, 1.0_f32.to_bits())),
         Box::new(body(SectionKind::KEYS, 8, f32::NAN.to_bits())),
     ]
+}
+
+/// The rule has other breaches as well: this one is asked for by name.
+#[test]
+fn a_channel_of_no_modes_is_refused() {
+    let mut bytes = file();
+    let channel = section(&bytes, SectionKind::CHANNELS).start + 2 * size_of::<ChannelRecord>();
+    let count = channel + offset_of!(ChannelRecord, target_count);
+    let path = get_u32(&bytes, channel + offset_of!(ChannelRecord, path));
+    assert_eq!((path, get_u32(&bytes, count)), (channel_path::MODES, 1));
+    u32_at(&mut bytes, count, 0);
+    repair(&mut bytes);
+    let model = Model::from_bytes(&bytes).expect("it opens");
+    let mut found = Vec::new();
+    model.asset().verify(&mut |error| {
+        found.push(error.to_string());
+        ControlFlow::Continue(())
+    });
+    let says = |text: &&String| text.contains("CHAN") && text.contains("at least 1 mode");
+    assert_eq!(found.iter().filter(says).count(), 1, "{found:?}");
 }
