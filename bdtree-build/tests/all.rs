@@ -2,6 +2,7 @@
 //! Cargo.toml.
 
 mod advise;
+mod advise_from_file;
 mod advise_library;
 mod bake_fields;
 mod command;

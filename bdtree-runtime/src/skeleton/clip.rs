@@ -89,9 +89,8 @@ impl<'a> Clip<'a> {
         if !time_s.is_finite() {
             return Err(SkeletonError::Time);
         }
-        self.channels()?;
-        for k in 0..self.channel_count() {
-            let channel = self.channel(k)?;
+        for (k, record) in self.channels()?.iter().enumerate() {
+            let channel = self.with_keys(k, record)?;
             play(&channel, time_s, locals, q).ok_or_else(|| self.broken(k, TARGETS))?;
         }
         Ok(())
@@ -114,6 +113,14 @@ impl<'a> Clip<'a> {
                 .rule(CHANNELS)
                 .broken(Datum::Below(own.len() as u64), index)
         })?;
+        self.with_keys(index, record)
+    }
+
+    fn with_keys(
+        &self,
+        index: usize,
+        record: &'a ChannelRecord,
+    ) -> Result<Channel<'a>, FormatError> {
         let track = Track::new(record, self.skeleton.skin.keys);
         let track = track.ok_or_else(|| self.broken(index, KEYS))?;
         Ok(Channel { record, track })

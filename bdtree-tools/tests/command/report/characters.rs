@@ -1,8 +1,13 @@
 //! Files with skins, with clips and without.
 
+use std::mem::{offset_of, size_of};
+
 use bdtree_build::advise::Subject;
 use bdtree_build::pipeline::bake_skinned;
 use bdtree_build::progress::Silent;
+use bdtree_fixtures::mutate::{get_u32, put};
+use bdtree_fixtures::sections::{put_together, take_apart};
+use bdtree_format::{ChannelRecord, ClipRecord, SectionKind};
 use bdtree_runtime::Model;
 use serde_json::Value;
 
@@ -138,6 +143,42 @@ fn characters_are_baked_again_with_fewer_targets() {
     let visits = number(&report["depth_whole"], "ball_visits");
     assert!(of("ball_visits")[1] > 0.5 * visits && of("ball_visits")[1] < 2.0 * visits);
     numbers_are_the_figures(&page, &report);
+}
+
+/// Channels may share keys, as here thousands do; a bake would copy them all. The rest is reported.
+#[test]
+fn what_no_bake_makes_is_said() {
+    let folder = Folder::new();
+    let sound = character("skinned_tube.glb");
+    let mut parts = take_apart(&sound);
+    let mut body = |kind: SectionKind, change: &dyn Fn(&mut Vec<u8>)| {
+        let part = parts.iter_mut().find(|part| part.kind() == kind);
+        change(&mut part.expect("a section").body);
+    };
+    const MORE: u32 = 5000;
+    body(SectionKind::CHANNELS, &|channels| {
+        let keys = |record: &&[u8]| get_u32(record, offset_of!(ChannelRecord, key_count));
+        let records = channels.chunks_exact(size_of::<ChannelRecord>());
+        let longest = records.max_by_key(keys).expect("channels").to_vec();
+        channels.extend(longest.repeat(MORE as usize));
+    });
+    body(SectionKind::CLIPS, &|clips| {
+        let at = clips.len() - size_of::<ClipRecord>() + offset_of!(ClipRecord, channel_count);
+        let count = get_u32(clips, at) + MORE;
+        put(clips, at, &count.to_le_bytes());
+    });
+    folder.write("shared.bdt", put_together(&sound, parts));
+    let (report, page) = folder.report("shared.bdt");
+    let missing = list(&report, "missing").iter();
+    let text = missing.filter_map(Value::as_str);
+    let mut text = text.filter(|text| text.starts_with("Fewer modes and other leaves are not"));
+    let text = text.next().expect("a line");
+    assert!(
+        text.contains("share their keys") && page.contains(&text[..40]),
+        "{text}"
+    );
+    assert!(list(&report, "modes").is_empty() && !list(&report, "depth").is_empty());
+    assert_eq!(report["made"]["is_as_advised"], Value::Null);
 }
 
 /// Without clips and modes: joints are turned.
