@@ -178,9 +178,7 @@ fn paths_that_are_no_mesh_say_why() {
         path
     };
     for later in ["a.off", "a.dae.gz", "a.fbx"] {
-        assert!(
-            message(&touch(later)).contains("not supported yet. Mesh formats: .obj, .ply, .stl")
-        );
+        assert!(message(&touch(later)).contains("not supported yet: export .glb"));
     }
     assert!(message(&touch("a.veg")).contains("give it as --tets"));
     assert!(message(&touch("a.pc2")).contains("not a mesh file. Give frames with --animation"));

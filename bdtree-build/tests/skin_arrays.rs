@@ -123,7 +123,23 @@ fn arrays_go_together_and_fit_the_mesh() {
             .expect_err("a problem")
             .to_string()
     };
-    assert!(told(4).contains("w.npy: shape [3, 2]: needs (N, I) with N = 4 vertices"));
+    assert!(told(4).contains("w.npy: shape [3, 2] is not (N, I) with N = 4 vertices"));
+    let joints = std::fs::read(&arrays.joints).expect("written before");
+    std::fs::write(&arrays.joints, npy("|u1", "(3, 1)", &[0, 0, 0])).expect("written");
+    let message =
+        "j.npy: shape [3, 1], but that of the weights is [3, 2]: one joint for each weight";
+    assert!(told(3).contains(message), "{}", told(3));
+    std::fs::write(&arrays.joints, joints).expect("written");
+    // What is wrong with weights is in their file, not in the mesh's.
+    let weights = std::fs::read(&arrays.weights).expect("written before");
+    std::fs::write(&arrays.weights, npy("<f8", "(3, 2)", &[0; 48])).expect("written");
+    let output = run(folder.path(), &ALL);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        message.contains("w.npy: vertex 0: all weights are zero"),
+        "{message}"
+    );
+    std::fs::write(&arrays.weights, weights).expect("written");
     std::fs::write(&arrays.joints, npy("|u1", "(3, 2)", &[0, 0, 0, 2, 0, 0])).expect("written");
     assert!(told(3).contains("j.npy: vertex 1: joint 1 is 2, but there are 2 matrices"));
     std::fs::write(&arrays.joints, npy("<f4", "(3, 2)", &[0; 24])).expect("written");

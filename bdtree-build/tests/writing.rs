@@ -139,6 +139,8 @@ fn impossible_outputs_are_refused() {
         ("ball.obj/out.bdt", "ball.obj is not a folder\n"),
         ("ball.obj", "is an input: it would be overwritten"),
         ("small.obj", "is there already and no .bdt file"),
+        ("new.obj", "would look like a mesh: name the output .bdt"),
+        ("-", "standard output is no place for a bake: name a file"),
     ] {
         let ran = Command::new(PROGRAM)
             .args(["ball.obj", "--modes", "0", "-o", output])

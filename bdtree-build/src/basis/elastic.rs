@@ -22,7 +22,7 @@ use crate::elastic::lattice::resolution::{BYTES_PER_CELL, choose_lattice};
 use crate::elastic::lattice::{Lattice, Subject};
 use crate::elastic::solve::factor::FactorError;
 use crate::elastic::solve::{Limits, Solution, SolveError, solve};
-use crate::elastic::surface::components::{Kind, find_components};
+use crate::elastic::surface::components::{Kind, SurfaceComponent, find_components};
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::figures::digits;
 use crate::input::RawMesh;
@@ -149,7 +149,7 @@ pub fn elastic_basis(
     progress.stage("lattice", None);
     let (lattice, resolution) =
         choose_lattice(&subject, options.resolution, options.memory_limit_bytes)?;
-    warn_thin(&subject, &lattice, warnings);
+    warn_thin(&subject, &lattice, resolution, warnings);
     let constraints = constrain_all(&subject, &lattice, &options.fixes)?;
     report.resolution = resolution;
     report.cells = lattice.parts.len();
@@ -273,7 +273,7 @@ fn read_subject<'a>(
         return Err(BakeError::one(
             "basis",
             Place::file(&mesh.name),
-            "no triangle has an area, so there is no mass to vibrate",
+            "no triangle has an area, so there is no mass to vibrate (--modes 0 bakes it rigid)",
         ));
     }
     let corners = mesh.triangles.iter().flatten();
@@ -319,8 +319,8 @@ fn warn_size(mesh: &RawMesh, options: &ElasticOptions, mass_kg: f64, warnings: &
     let [least, most] = SIZES_M;
     if options.scale_m == ElasticOptions::default().scale_m && !(least..=most).contains(&size_m) {
         warnings.push(format!(
-            "with 1 mesh unit taken as 1 m its diagonal is {} m and its mass {} kg; give --scale (meters per mesh unit) \
-             if that is wrong",
+            "with 1 mesh unit taken as 1 m the mesh's diagonal is {} m and its mass {} kg; give --scale (meters per mesh \
+             unit) if that is wrong",
             digits(size_m, 3),
             digits(mass_kg, 3)
         ));
@@ -328,33 +328,45 @@ fn warn_size(mesh: &RawMesh, options: &ElasticOptions, mass_kg: f64, warnings: &
 }
 
 /// Folds between walls much thinner than a cell are too stiff: docs/reference/elastic.md.
-fn warn_thin(subject: &Subject<'_>, lattice: &Lattice, warnings: &mut Vec<String>) {
+fn warn_thin(
+    subject: &Subject<'_>,
+    lattice: &Lattice,
+    resolution: u32,
+    warnings: &mut Vec<String>,
+) {
     let least = THIN_SHARE * lattice.grid.cell_size;
-    let thin = subject.surface.list.iter().filter(|p| match p.kind {
-        Kind::Solid => 2.0 * p.volume.abs() < least * p.area,
-        _ => subject.thickness < least,
-    });
-    let count = thin.count();
-    if count > 0 {
-        warnings.push(thin_warning(
-            count,
-            subject.surface.list.len(),
-            lattice.grid.cell_size,
-        ));
-    }
+    let thickness = |p: &SurfaceComponent| match p.kind {
+        Kind::Solid => 2.0 * p.volume.abs() / p.area,
+        _ => subject.thickness,
+    };
+    let thin = subject.surface.list.iter().map(thickness);
+    let thin: Vec<f64> = thin.filter(|t| *t < least).collect();
+    let Some(thinnest) = thin.iter().copied().min_by(f64::total_cmp) else {
+        return;
+    };
+    let cell_size = lattice.grid.cell_size;
+    // Cells of four times the least thickness, one more for what rounding takes.
+    let enough = (f64::from(resolution) * THIN_SHARE * cell_size / thinnest).floor() + 1.0;
+    let all = subject.surface.list.len();
+    warnings.push(thin_warning([thin.len(), all], cell_size, enough));
 }
 
-/// That `count` of `all` pieces are thin.
-fn thin_warning(count: usize, all: usize, cell_size: f64) -> String {
+/// That `count` of `all` pieces are thin; `enough` is the resolution at which none is.
+fn thin_warning([count, all]: [usize; 2], cell_size: f64, enough: f64) -> String {
     let (pieces, whose) = match (count, all) {
         (1, 1) => ("The body is".to_string(), "Its"),
         (1, _) => (format!("1 of {all} pieces is"), "Its"),
         _ => (format!("{count} of {all} pieces are"), "Their"),
     };
+    let remedy = if enough <= f64::from(RESOLUTION_MAX) {
+        format!("From --resolution {enough} on no piece is so thin.")
+    } else {
+        "Raise --resolution.".to_string()
+    };
     // 8 to 18 %: what the chairs that were measured had above twice as many cells along each side.
     format!(
         "{pieces} thinner than a quarter of a cell (cell size {} mesh units). {whose} folds and joints come out too \
-         stiff: frequencies may be 8 to 18 % too high at the default resolution, and more below it. Raise --resolution.",
+         stiff: frequencies may be 8 to 18 % too high at the default resolution, and more below it. {remedy}",
         digits(cell_size, 3)
     )
 }
@@ -462,8 +474,9 @@ mod tests {
 
     #[test]
     fn thin_pieces_are_told_with_the_size_of_a_cell() {
+        let thin_warning = |count, all, size| thin_warning([count, all], size, 64.0);
         let rest = "thinner than a quarter of a cell (cell size 12.4 mesh units).";
-        let more = "folds and joints come out too stiff: frequencies may be 8 to 18 % too high at the default resolution, and more below it. Raise --resolution.";
+        let more = "folds and joints come out too stiff: frequencies may be 8 to 18 % too high at the default resolution, and more below it. From --resolution 64 on no piece is so thin.";
         assert_eq!(
             thin_warning(2, 3, 12.39),
             format!("2 of 3 pieces are {rest} Their {more}")

@@ -1,6 +1,6 @@
 //! What the command line says. Exit code 2 for what clap refuses.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bdtree_build::basis::elastic::{ElasticOptions, Fix, RESOLUTION_MAX};
 use bdtree_build::basis::given::Layout;
@@ -28,7 +28,11 @@ const SKIN: &str = "Skins";
 /// body that the surface encloses are computed. --modes 0 bakes a rigid asset. Bones of a glTF file, or of
 /// --skin-weights, carry what the fields have moved; a glTF file with bones gets no elastic modes unless --modes asks.
 #[derive(Debug, Parser)]
-#[command(name = "bdtree-build", version)]
+#[command(
+    name = "bdtree-build",
+    version,
+    after_help = "Exit codes: 0 done, 1 bad input or output, 2 usage."
+)]
 pub(crate) struct Arguments {
     /// The mesh: .obj, .ply, .stl (also .gz), .gltf or .glb; or a folder of .obj frames, as with
     /// --animation. --tets and --animation with a folder need no INPUT.
@@ -40,7 +44,7 @@ pub(crate) struct Arguments {
 
     /// Leaves out faces of INPUT (.obj, .ply) that cannot be read, with a warning, instead of
     /// refusing the file. Triangle ids count the faces that remain.
-    #[arg(long, requires = "input")]
+    #[arg(long)]
     pub(crate) skip_bad_faces: bool,
 
     /// Number of modes, 0 to 512, or auto: as few as reach --max-error-rel [default: 10; with
@@ -51,7 +55,7 @@ pub(crate) struct Arguments {
     /// Largest error that --modes auto may leave at any vertex (frames: in any frame; morph targets
     /// and given fields: at any q within range), over the diagonal of the box around the rest
     /// positions, above 0. Implies --modes auto. Not for vibration modes, except with --advise.
-    #[arg(long, value_name = "E")]
+    #[arg(long, value_parser = number, value_name = "E")]
     pub(crate) max_error_rel: Option<f64>,
 
     /// Given displacement fields (mesh units per unit of q): .npy, f32 or f64, shape (N,3,M),
@@ -82,7 +86,7 @@ pub(crate) struct Arguments {
     pub(crate) align: bool,
 
     /// Frames per second, above 0, for frames without times [default: times unknown].
-    #[arg(long, value_name = "FPS", help_heading = PCA)]
+    #[arg(long, value_parser = number, value_name = "FPS", help_heading = PCA)]
     pub(crate) fps: Option<f64>,
 
     /// Which animation of a glTF file without bones gives the weights over time, by name [default:
@@ -122,23 +126,23 @@ pub(crate) struct Arguments {
     pub(crate) resolution: Option<u32>,
 
     /// Young's modulus in Pa, above 0 [default: that of --tets, else 2e9].
-    #[arg(long, value_name = "PA", help_heading = BODY)]
+    #[arg(long, value_parser = number, value_name = "PA", help_heading = BODY)]
     pub(crate) young: Option<f64>,
 
     /// Poisson's ratio, in (-1, 0.5) [default: that of --tets, else 0.35].
-    #[arg(long, value_name = "NU", allow_hyphen_values = true, help_heading = BODY)]
+    #[arg(long, value_parser = number, value_name = "NU", allow_hyphen_values = true, help_heading = BODY)]
     pub(crate) poisson: Option<f64>,
 
     /// Density in kg/m³, above 0 [default: that of --tets, else 1000].
-    #[arg(long, value_name = "KG_M3", help_heading = BODY)]
+    #[arg(long, value_parser = number, value_name = "KG_M3", help_heading = BODY)]
     pub(crate) density: Option<f64>,
 
     /// Meters per mesh unit, above 0 [default: 1].
-    #[arg(long, value_name = "M", help_heading = BODY)]
+    #[arg(long, value_parser = number, value_name = "M", help_heading = BODY)]
     pub(crate) scale: Option<f64>,
 
     /// Thickness of open sheets in mesh units, above 0 [default: 1 % of the box diagonal].
-    #[arg(long, value_name = "LENGTH", help_heading = BODY)]
+    #[arg(long, value_parser = number, value_name = "LENGTH", help_heading = BODY)]
     pub(crate) thickness: Option<f64>,
 
     /// Holds part of the body along axes: AXES:xmin,ymin,zmin,xmax,ymax,zmax (mesh units),
@@ -148,19 +152,19 @@ pub(crate) struct Arguments {
     pub(crate) fix: Vec<Fix>,
 
     /// Refuses bakes that would take more than this many MiB.
-    #[arg(long, value_name = "MIB", default_value_t = ElasticOptions::default().memory_limit_bytes >> 20)]
+    #[arg(long, value_name = "MIB", value_parser = whole_number, default_value_t = ElasticOptions::default().memory_limit_bytes >> 20)]
     pub(crate) memory_limit: u64,
 
     /// Typical range of q for elastic modes and given fields: how far a mode moves its farthest
-    /// vertex, over the diagonal of the box, above 0 [default: 0.05]. Tightness is measured there.
-    #[arg(long, value_name = "SHARE")]
+    /// vertex, over the diagonal of the box, above 0 [default: 0.05]. The `bounds` line of the summary is measured at this q.
+    #[arg(long, value_parser = number, value_name = "SHARE")]
     pub(crate) range_rel: Option<f64>,
 
-    /// Most triangles in a leaf, 1 to 255 [default: 4; 8 above 524288 triangles].
+    /// Largest number of triangles in a leaf, 1 to 255 [default: 4; 8 above 524288 triangles].
     #[arg(long, value_name = "TRIANGLES", value_parser = clap::value_parser!(u8).range(1..), help_heading = "Tree")]
     pub(crate) leaf_size: Option<u8>,
 
-    /// How sets of triangles are divided: cost or quinlan.
+    /// How sets of triangles are divided: cost (fewest visits) or quinlan (as in the paper, for comparison).
     #[arg(long, value_name = "SPLIT", default_value_t = Split::default(), help_heading = "Tree")]
     pub(crate) split: Split,
 
@@ -187,6 +191,22 @@ pub(crate) struct Arguments {
     /// line is the command to use.
     #[arg(long, conflicts_with = "quiet")]
     pub(crate) advise: bool,
+}
+
+/// A number of an option.
+fn number(text: &str) -> Result<f64, String> {
+    let percent = text.strip_suffix('%').map(str::trim_end);
+    match (text.parse(), percent.map(str::parse::<f64>)) {
+        (Ok(number), _) => Ok(number),
+        (_, Some(Ok(percent))) => Err(format!("not a number; write {} for it", percent / 100.0)),
+        _ => Err("not a number".to_string()),
+    }
+}
+
+/// A whole number of an option, 0 or more.
+fn whole_number(text: &str) -> Result<u64, String> {
+    text.parse()
+        .map_err(|_| "not a whole number of at least 0".to_string())
 }
 
 impl Arguments {
@@ -255,6 +275,7 @@ impl Arguments {
                 "no INPUT: name a mesh (.obj, .ply, .stl, .gltf, .glb); --help shows all options";
             return Err(text.to_string());
         }
+        self.check_skipping()?;
         let of_frames = [
             (self.about.is_some(), "--about"),
             (self.align, "--align"),
@@ -265,6 +286,24 @@ impl Arguments {
                 "{option} needs frames: give --animation, or a folder of frames as INPUT"
             )),
             _ => Ok(()),
+        }
+    }
+
+    /// Only readers of OBJ and PLY files skip faces.
+    fn check_skipping(&self) -> Result<(), String> {
+        let is_skipped = |path: &Path| {
+            let name = path.display().to_string().to_lowercase();
+            let name = name.strip_suffix(".gz").unwrap_or(&name);
+            name.ends_with(".obj") || name.ends_with(".ply")
+        };
+        match &self.input {
+            _ if !self.skip_bad_faces => Ok(()),
+            Some(path) if is_skipped(path) && !path.is_dir() => Ok(()),
+            Some(path) => Err(format!(
+                "--skip-bad-faces is for .obj and .ply files, not for {}",
+                path.display()
+            )),
+            None => Err("--skip-bad-faces is for an INPUT, .obj or .ply".to_string()),
         }
     }
 
@@ -279,7 +318,12 @@ impl Arguments {
             ("--thickness", self.thickness),
         ] {
             if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
-                return Err(format!("{name}: {value} is not a positive number"));
+                let kind = if value == f64::INFINITY {
+                    "finite"
+                } else {
+                    "positive"
+                };
+                return Err(format!("{name}: {value} is not a {kind} number"));
             }
         }
         if let Some(poisson) = self.poisson.filter(|nu| !(*nu > -1.0 && *nu < 0.5)) {

@@ -18,7 +18,7 @@ use bdtree_build::bake;
 use bdtree_build::error::BakeError;
 use bdtree_build::file::check_writable;
 use bdtree_build::progress::Progress;
-use bdtree_build::recipe::{Recipe, Source};
+use bdtree_build::recipe::Recipe;
 use bdtree_build::report::BakeReport;
 use bdtree_format::MAGIC;
 
@@ -72,22 +72,30 @@ fn bake_file(
     Ok((output, baked.report))
 }
 
+/// Extensions of meshes, which a baked file must not have: programs would try to read it.
+const MESHES: [&str; 8] = ["obj", "ply", "stl", "gltf", "glb", "veg", "vtk", "msh"];
+
 /// Refuses an output that would overwrite what the bake reads, or what is no `.bdt` file, and one
 /// that cannot be written.
 fn check_output(recipe: &Recipe, output: &Path) -> Result<(), BakeError> {
-    let source = &recipe.source;
     let refuse = |message: &str| Err(BakeError::one("file", output, message));
     let same = |path: &Path| {
         let both = (path.canonicalize(), output.canonicalize());
         matches!(both, (Ok(from), Ok(to)) if from == to)
     };
-    if recipe.files().into_iter().any(same) {
-        return refuse("is an input: it would be overwritten");
-    }
     let has = |extension: &str| {
         let own = output.extension();
         own.is_some_and(|own| own.eq_ignore_ascii_case(extension))
     };
+    if recipe.files().into_iter().any(same) {
+        return refuse(match has("bdt") {
+            true => "is a baked file already: `bdtree info` tells what it holds",
+            false => "is an input: it would be overwritten",
+        });
+    }
+    if output.as_os_str() == "-" {
+        return refuse("standard output is no place for a bake: name a file");
+    }
     if has("bdt") {
         return check_writable(output);
     }
@@ -99,8 +107,8 @@ fn check_output(recipe: &Recipe, output: &Path) -> Result<(), BakeError> {
     {
         return refuse("is there already and no .bdt file: it would be overwritten");
     }
-    if has("obj") && matches!(source, Source::Frames(frames) if frames.path.is_dir()) {
-        return refuse("would become a frame: name the output .bdt");
+    if MESHES.into_iter().any(has) {
+        return refuse("would look like a mesh: name the output .bdt");
     }
     check_writable(output)
 }

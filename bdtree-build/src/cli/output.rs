@@ -13,6 +13,12 @@ use serde::Serialize;
 /// Warnings shown to people; `--json` and the file's metadata have all.
 const WARNINGS_SHOWN: usize = 10;
 
+/// Frequencies shown to people.
+const FREQUENCIES_SHOWN: usize = 20;
+
+/// Share of the diagonal below which a mesh is flat for people.
+const FLAT: f64 = 1e-9;
+
 /// The stages of a bake in their order.
 const STAGES: [&str; 8] = [
     "input", "basis", "store", "tree", "wrap", "encode", "report", "file",
@@ -131,6 +137,8 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
     )?;
     let size = [0, 1, 2].map(|k| r.bounds[1][k] - r.bounds[0][k]);
     let diagonal = size.iter().map(|x| x * x).sum::<f64>().sqrt();
+    // What rounding leaves of a flat mesh is no size.
+    let size = size.map(|x| if x > FLAT * diagonal { x } else { 0.0 });
     writeln!(
         out,
         "size: {} x {} x {} mesh units, diagonal {}{}",
@@ -164,8 +172,13 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
         )?;
     }
     if let Some(hz) = &r.frequencies_hz {
-        let text: Vec<String> = hz.iter().map(|f| short(*f)).collect();
-        writeln!(out, "frequencies (Hz): {}", text.join(" "))?;
+        let shown = hz.iter().take(FREQUENCIES_SHOWN).map(|f| short(*f));
+        let text: Vec<String> = shown.collect();
+        let more = match hz.len() > FREQUENCIES_SHOWN {
+            true => " … (--json shows all)",
+            false => "",
+        };
+        writeln!(out, "frequencies (Hz): {}{more}", text.join(" "))?;
         let end = hz.iter().fold(0.0, |m: f64, f| m.max(*f));
         writeln!(
             out,
@@ -192,7 +205,9 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
         };
         writeln!(out, "animation: {}, {times}", counted(frames, "frame"))?;
     }
-    if let Some(e) = &r.basis_error_rel {
+    if r.basis_error_rel.as_ref().is_some_and(|e| e.max_rel == 0.0) {
+        writeln!(out, "error of the basis: none")?;
+    } else if let Some(e) = &r.basis_error_rel {
         let frame = e.frame.map_or(String::new(), |t| format!(" in frame {t}"));
         writeln!(
             out,
@@ -206,7 +221,7 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
         let still = if r.bones.is_some() {
             "spheres grow with the bones only: there are no modes"
         } else {
-            "spheres do not grow: no mode moves anything"
+            "rigid: spheres do not grow"
         };
         writeln!(out, "{still}")?;
     } else if !r.tightness.is_empty() {

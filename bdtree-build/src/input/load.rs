@@ -134,7 +134,10 @@ fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
         "stl" => return Ok(Format::Stl),
         "gltf" | "glb" if inner == name => return Ok(Format::Gltf),
         known if LATER.contains(&known) => {
-            format!(".{known} files are not supported yet. {SUPPORTED}")
+            format!(
+                ".{known} files are not supported yet: export .glb, or the frames of an animation as .pc2, .mdd or a \
+                 folder of .obj files. {SUPPORTED}"
+            )
         }
         volume if VOLUMES.contains(&volume) => {
             format!("is a volume mesh, not a surface: give it as --tets. {SUPPORTED}")
@@ -144,6 +147,7 @@ fn format(path: &Path, place: &str) -> Result<Format, BakeError> {
                 "not a mesh file. Give frames with --animation, displacement fields with --basis. {SUPPORTED}"
             )
         }
+        "bdt" => "is a baked file already: `bdtree info` tells what it holds".to_string(),
         "gltf" | "glb" => format!("compressed .{extension} files are not read. {SUPPORTED}"),
         other => format!("unknown mesh format .{other}. {SUPPORTED}"),
     };

@@ -27,6 +27,8 @@ pub struct RawInfluences {
     pub list: Vec<(u16, f64)>,
     /// Where the weights of a run of vertices stand in the source: the first vertex and the place, ascending.
     pub places: Vec<(u32, String)>,
+    /// The weights' file, where it is not the mesh's.
+    pub file: Option<String>,
 }
 
 /// A bone: p ↦ joint matrix × inverse bind matrix × p.

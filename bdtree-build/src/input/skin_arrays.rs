@@ -123,16 +123,21 @@ fn influences(
         (&arrays.joints, &joints.shape),
     ] {
         if shape.len() != 2 || shape[0] != vertex_count || *shape != weights.shape {
-            let first = &weights.shape;
-            let message = format!(
-                "shape {shape:?}: needs (N, I) with N = {vertex_count} vertices, the same for weights ({first:?}) and \
-                 joints"
-            );
+            let message = match (shape[..].len(), shape.first()) {
+                (2, Some(&rows)) if rows == vertex_count => format!(
+                    "shape {shape:?}, but that of the weights is {:?}: one joint for each weight",
+                    weights.shape
+                ),
+                _ => format!("shape {shape:?} is not (N, I) with N = {vertex_count} vertices"),
+            };
             return Err(BakeError::one("input", path.as_path(), message));
         }
     }
     let width = weights.shape.get(1).copied().unwrap_or(0);
-    let mut out = RawInfluences::default();
+    let mut out = RawInfluences {
+        file: Some(arrays.weights.display().to_string()),
+        ..RawInfluences::default()
+    };
     out.starts.push(0);
     let mut own: Vec<(u16, f64)> = Vec::new();
     for vertex in 0..vertex_count {

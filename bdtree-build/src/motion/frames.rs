@@ -2,7 +2,7 @@
 
 use bdtree_format::MODE_COUNT_MAX;
 
-use super::{Moving, Read, hexadecimal, name};
+use super::{Moving, Read, hexadecimal};
 use crate::basis::pca::{Modes, PcaOptions, pca_basis};
 use crate::error::BakeError;
 use crate::input::sequence::FrameSequence;
@@ -49,7 +49,7 @@ pub(super) fn moving(
         let errors = pca.curve.iter().map(|point| point.error);
         moving.errors_of_first = Some(errors.collect());
     }
-    moving.set("animation", name(&frames.path));
+    moving.set("animation", &sequence.name);
     moving.set("animation-sha256", hexadecimal(sequence.hash));
     moving.set("about", options.about);
     moving.set("align", options.align);

@@ -1,5 +1,7 @@
 //! Fields made elsewhere.
 
+use bdtree_format::MODE_COUNT_MAX;
+
 use super::{Moving, name};
 use crate::basis::dropped::keep_fields;
 use crate::basis::given::given_basis;
@@ -20,6 +22,14 @@ pub(super) fn moving(mesh: RawMesh, given: &Given) -> Result<Moving, BakeError> 
     // Before fields are left out: ranges say which matter least.
     moving.set_ranges(given.range_rel);
     let kept = keep_fields(&moving.mesh, moving.basis, given.keep)?;
+    let count = kept.basis.mode_count();
+    if count > MODE_COUNT_MAX {
+        let message = format!(
+            "{count} fields, but a .bdt file holds at most {MODE_COUNT_MAX} modes (--modes {MODE_COUNT_MAX} keeps the \
+             first)"
+        );
+        return Err(BakeError::one("basis", path, message));
+    }
     moving.basis = kept.basis;
     moving.provenance.error = Some(kept.error);
     moving.set("basis", name(path));

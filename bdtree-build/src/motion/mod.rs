@@ -212,6 +212,8 @@ impl Moving {
                     let warning = format!("{} is not used: the input has no skin", stated.option);
                     self.provenance.warnings.push(warning);
                 }
+            } else if self.skin.is_some() && stated.option == "--clip" {
+                // Its reader has said so, with another reason.
             } else if !stated.kinds.contains(&self.provenance.kind.as_str()) {
                 let users = stated.kinds.join(" and ");
                 let warning = format!("{} is not used: only {users} modes need it", stated.option);

@@ -184,7 +184,10 @@ fn place(file: &str, influences: &RawInfluences, vertex: usize) -> Place {
         Some((first, path)) => Place::file(file)
             .at(Part::JsonPath(path.clone()))
             .at(Part::Vertex(vertex - *first as usize)),
-        None => Part::Vertex(vertex).into(),
+        None => match &influences.file {
+            Some(file) => Place::file(file).at(Part::Vertex(vertex)),
+            None => Part::Vertex(vertex).into(),
+        },
     }
 }
 
@@ -196,6 +199,7 @@ mod tests {
         let list: Vec<(u16, f64)> = (0..).zip(weights.iter().copied()).collect();
         let influences = RawInfluences {
             starts: vec![0, list.len() as u32],
+            file: None,
             list,
             places: vec![(0, "here".to_string())],
         };

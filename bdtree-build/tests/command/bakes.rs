@@ -113,6 +113,31 @@ fn bytes_do_not_depend_on_how_a_path_is_typed() {
         let has = |text: &[u8]| a.windows(text.len()).any(|w| w == text);
         assert!(!has(absolute.as_bytes()) && !has(b"data/"), "{arguments:?}");
     }
+    // A folder that is odd, so that warnings name it.
+    let frames = folder.path().join("odd");
+    std::fs::create_dir(&frames).expect("a folder");
+    for name in ["w_9.obj", "w_10.obj", "notes.txt"] {
+        std::fs::copy(fixture("wave/wave_00.obj"), frames.join(name)).expect("a copy");
+    }
+    let bytes = |input: &str, from: &std::path::Path| {
+        let output = folder.path().join("out.bdt").display().to_string();
+        let warnings = baked(&[input, "--modes", "1", "-o", &output], from);
+        assert!(
+            warnings["warnings"]
+                .as_array()
+                .is_some_and(|all| all.len() > 1)
+        );
+        std::fs::read(output).expect("file")
+    };
+    let plain = bytes("odd", folder.path());
+    for (input, from) in [
+        ("odd/", folder.path()),
+        ("./odd/.", folder.path()),
+        (".", &frames),
+        ("../odd", &frames),
+    ] {
+        assert!(bytes(input, from) == plain, "{input}");
+    }
 }
 
 #[test]

@@ -29,10 +29,26 @@ fn summaries_and_refusals_say_what_to_do() {
     let cube = fixture("cube.obj").display().to_string();
     let (summary, _) = said(&[&cube, "-o", "c.bdt", "--modes", "0"]);
     assert!(
-        summary.contains("spheres do not grow: no mode moves anything\n"),
+        summary.contains("rigid: spheres do not grow\n"),
         "{summary}"
     );
     assert!(!summary.contains("smallest possible"), "{summary}");
+    // Rounding is no size; a basis that leaves nothing has no error; an option is refused for one reason.
+    let (summary, _) = said(&["--animation", &wave, "-o", "w.bdt"]);
+    assert!(
+        summary.contains("size: 1.6 x 1 x 0 mesh units"),
+        "{summary}"
+    );
+    let tube = fixture("skinned_tube.glb").display().to_string();
+    let (summary, warned) = said(&[&tube, "-o", "t.bdt", "--clip", "wave"]);
+    assert!(summary.contains("error of the basis: none\n"), "{summary}");
+    assert_eq!(warned.matches("--clip").count(), 1, "{warned}");
+    let beam = fixture("beam.obj").display().to_string();
+    let (summary, _) = said(&[&beam, "-o", "m.bdt", "--modes", "21", "--resolution", "8"]);
+    assert!(
+        summary.contains(" … (--json shows all)\nhighest mode"),
+        "{summary}"
+    );
     let bent = fixture("skinned_12.glb").display().to_string();
     let (summary, _) = said(&[&bent, "-o", "b.bdt"]);
     let bones = "spheres grow with the bones only: there are no modes\n";

@@ -143,6 +143,20 @@ fn usage_errors_exit_with_2() {
     refused(&["a.obj", "--leaf-size", "0"], 2, &["--leaf-size"]);
     refused(&["a.obj", "--no-such-option"], 2, &["--no-such-option"]);
     refused(&["a.obj", "--fix", "w:0,0,0,1,1,1"], 2, &["--fix"]);
+    for (option, value, why) in [
+        ("--max-error-rel", "1%", "not a number; write 0.01 for it"),
+        ("--fps", "25,2", "not a number"),
+        ("--young", "inf", "not a finite number"),
+        ("--memory-limit", "2G", "not a whole number of at least 0"),
+    ] {
+        refused(&["a.obj", option, value], 2, &[option, why]);
+    }
+    // Only readers of OBJ and PLY files skip faces.
+    for words in [&["a.glb"][..], &["."], &["--animation", "frames"]] {
+        let why = "--skip-bad-faces is for ";
+        refused(&[words, &["--skip-bad-faces"]].concat(), 2, &[why]);
+    }
+    refused(&["a.PLY.gz", "--skip-bad-faces"], 1, &["a.PLY.gz"]);
 }
 
 /// Negative numbers are numbers: what refuses them is the option, which names its range.
@@ -200,6 +214,17 @@ fn inputs_and_other_files_are_kept() {
         assert_eq!(output.status.code(), Some(1), "{arguments:?}");
         let after = arguments.last().map(|name| std::fs::read(path(name)).ok());
         assert!(before == after, "{arguments:?}");
+    }
+    // A baked file is not baked again.
+    std::fs::write(path("a.bdt"), "baked").expect("file");
+    for (arguments, why) in [
+        (&["a.bdt"][..], "is a baked file already"),
+        (&["a.bdt", "-o", "b.bdt"], "is a baked file already"),
+    ] {
+        let output = run(arguments, folder.path());
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        let message = text(&output.stderr);
+        assert!(message.contains(why), "{message}");
     }
     // What is a .bdt file may be replaced, whatever its name.
     for _ in 0..2 {

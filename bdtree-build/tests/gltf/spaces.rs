@@ -62,7 +62,8 @@ fn a_skin_in_other_units_is_brought_to_the_others() {
     let [warning] = model.mesh.warnings.as_slice() else {
         panic!("{:?}", model.mesh.warnings);
     };
-    let start = "skins[1]: its bind space has another scale or place than that of skins[0]";
+    let start =
+        "skins[1]: was modeled at another scale or place than skins[0] and has been converted";
     assert!(warning.contains(start), "{warning}");
     // The first skin's mesh has most vertices, none more than the second's, and is the first.
     assert_eq!(model.mesh.positions[1], [1.0, 0.0, 0.0]);

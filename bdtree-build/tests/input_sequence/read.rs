@@ -153,8 +153,8 @@ fn folders_are_taken_in_byte_order() {
     assert_eq!(all(&sequence, 5), wanted);
     let warnings = sequence.warnings.join("\n");
     for text in [
-        "3 entries that are no OBJ frames are left out: .hidden, f.mtl, sub.obj",
-        "f_10.OBJ before f_2.obj; numbers with leading zeros keep the order of counting",
+        "left out, since they are no OBJ frames, 3 entries: .hidden, f.mtl, sub.obj",
+        "f_10.OBJ before f_2.obj: name them with leading zeros (f_02 before f_10) if they should be counted",
         "f_3.obj and f_3.obj.gz are two frames",
     ] {
         assert!(warnings.contains(text), "{warnings}");

@@ -123,7 +123,7 @@ fn growth(info: &Info) -> String {
         let still = if info.bones.is_some() && info.modes == 0 {
             "spheres grow with the bones only: there are no modes"
         } else {
-            "spheres do not grow: no mode moves anything"
+            "rigid: spheres do not grow"
         };
         return still.to_string();
     }

@@ -115,7 +115,7 @@ fn levels_shrink_and_cover_the_mesh() {
     // The verdict is the bake's, which knows the smallest possible spheres.
     assert!(text.contains(" times as large as at rest\n"), "{text}");
     let text = folder.run(&["info", "rigid.bdt"]).out;
-    let still = "growth       spheres do not grow: no mode moves anything\n";
+    let still = "growth       rigid: spheres do not grow\n";
     assert!(text.contains(still), "{text}");
     folder.write("bent.bdt", character("skinned_12.glb"));
     let text = folder.run(&["info", "bent.bdt"]).out;

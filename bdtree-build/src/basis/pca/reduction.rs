@@ -104,14 +104,12 @@ impl<'a> Reduction<'a> {
     pub(super) fn warn(&self, wanted: usize, warnings: &mut Vec<String>) {
         let sequence = self.sequence();
         let (name, frames) = (&sequence.name, sequence.frame_count());
-        let Rank { modes, floor } = self.rank;
-        let next = self.spectrum.values.get(modes).copied().unwrap_or(0.0);
+        let modes = self.rank.modes;
         if modes == 0 {
             warnings.push(match frames {
                 1 => format!("{name}: one frame, no modes: the shape is rigid"),
                 _ => format!(
-                    "{name}: the {frames} frames differ by rounding only, no modes: the shape is \
-                     rigid (largest singular value {next:.3e}, rounding {floor:.3e})"
+                    "{name}: the {frames} frames differ by rounding only, no modes: the shape is rigid"
                 ),
             });
         } else if modes < wanted {
@@ -120,10 +118,7 @@ impl<'a> Reduction<'a> {
                 // Their differences to the mean, or to given positions: one component fewer, or as many.
                 format!("{frames} frames have at most {components}")
             } else {
-                format!(
-                    "the {frames} frames have {components} (singular value {modes} is {next:.3e}, \
-                     rounding {floor:.3e})"
-                )
+                format!("the {frames} frames have {components}, the rest is rounding")
             };
             warnings.push(format!(
                 "{name}: {modes} of up to {wanted} modes {} stored: {why}",

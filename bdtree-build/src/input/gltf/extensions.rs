@@ -28,7 +28,13 @@ pub(super) fn check(required: &[String], used: &[String], notes: &mut Notes) {
         let known = name == QUANTIZATION || APPEARANCE.iter().any(|known| name.starts_with(known));
         if !known {
             let at = format!("extensionsRequired[{i}]");
-            notes.problem(at, format!("{name} is not supported"));
+            let remedy = match name.as_str() {
+                "KHR_draco_mesh_compression" | "EXT_meshopt_compression" => {
+                    ": export without mesh compression"
+                }
+                _ => "",
+            };
+            notes.problem(at, format!("{name} is not supported{remedy}"));
         }
     }
     for name in used {

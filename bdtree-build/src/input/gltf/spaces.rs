@@ -103,12 +103,12 @@ pub(super) fn unify(
             }
         }
         let others = match common.skin {
-            Some(other) => format!("that of skins[{other}]"),
+            Some(other) => format!("skins[{other}]"),
             None => "the scene".to_string(),
         };
         let message = format!(
-            "its bind space has another scale or place than {others}; its meshes and inverse bind matrices are brought \
-             there, which makes bounds tight and moves no vertex of a pose"
+            "was modeled at another scale or place than {others} and has been converted to it, which moves no vertex of a \
+             pose; take inverse bind matrices from the .bdt file"
         );
         notes.warn(format!("skins[{skin}]"), message);
     }

@@ -70,6 +70,7 @@ impl FrameSequence {
         fps: Option<f64>,
         progress: &dyn Progress,
     ) -> Result<Self, BakeError> {
+        let path = &names::plain(path);
         let place = path.display().to_string();
         if let Some(fps) = fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
             let message = format!("{fps} is not a positive number of frames per second");

@@ -21,6 +21,15 @@ pub(super) struct Frames {
     pub(super) others: Vec<String>,
 }
 
+/// The path without what only says that it is a folder, `frames/` or `.`: warnings go into the file, which must not depend
+/// on how a path was typed.
+pub(super) fn plain(path: &Path) -> PathBuf {
+    match path.file_name() {
+        Some(_) => path.components().collect(),
+        None => path.canonicalize().unwrap_or_else(|_| path.to_path_buf()),
+    }
+}
+
 /// The frames in `folder`: `.obj` and `.obj.gz`, in any case.
 pub(super) fn list(folder: &Path) -> io::Result<Frames> {
     let mut entries = Vec::new();
@@ -48,8 +57,12 @@ pub(super) fn list(folder: &Path) -> io::Result<Frames> {
         if others.len() > LISTED_MAX {
             names.push_str(", …");
         }
-        let count = others.len();
-        let text = format!("{place}: {count} entries that are no OBJ frames are left out: {names}");
+        let text = match others.len() {
+            1 => format!("{place}: left out, since it is no OBJ frame: {names}"),
+            count => {
+                format!("{place}: left out, since they are no OBJ frames, {count} entries: {names}")
+            }
+        };
         frames.warnings.push(text);
     }
     for pair in frames.names.windows(2) {
@@ -64,8 +77,8 @@ pub(super) fn list(folder: &Path) -> io::Result<Frames> {
         .find(|pair| by_numbers(&pair[0], &pair[1]) == Ordering::Greater);
     if let Some(pair) = swapped {
         frames.warnings.push(format!(
-            "{place}: frames are in byte order of their names, {} before {}; numbers with leading \
-             zeros keep the order of counting",
+            "{place}: frames are in byte order of their names, {} before {}: name them with leading zeros (f_02 before \
+             f_10) if they should be counted",
             pair[0], pair[1]
         ));
     }
