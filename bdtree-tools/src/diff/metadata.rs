@@ -39,11 +39,8 @@ pub(super) fn compare(a: &Metadata, b: &Metadata, findings: &mut Findings) {
     let count = both.map(|m| m.warnings.len());
     findings.compare("section META: number of warnings", count);
     let warnings = both.map(|m| {
-        let unnamed = |warning: &String| match m.source_name.as_str() {
-            "" => warning.clone(),
-            name => warning.replace(name, "SOURCE"),
-        };
-        m.warnings.iter().map(unnamed).collect::<Vec<_>>()
+        let unnamed = m.warnings.iter().map(|warning| without_name(warning, m));
+        unnamed.collect::<Vec<_>>()
     });
     let warnings = warnings.each_ref().map(Vec::as_slice);
     findings.compare_records("section META: warnings", "warning", warnings);
@@ -57,17 +54,46 @@ pub(super) fn compare(a: &Metadata, b: &Metadata, findings: &mut Findings) {
 }
 
 /// Settings whose values are names of files: what they held is compared, as fields, frames and hashes.
-const FILE_NAMES: [&str; 4] = ["animation", "basis", "frequencies", "tets"];
+const FILE_NAMES: [&str; 7] = [
+    "animation",
+    "basis",
+    "frequencies",
+    "inverse-bind",
+    "skin-joints",
+    "skin-weights",
+    "tets",
+];
 
-/// The settings without names of files.
-fn settings(metadata: &Metadata) -> BTreeMap<&str, &str> {
+/// The settings without names of files: of `fix` what stands before `@`, the list of vertices.
+fn settings(metadata: &Metadata) -> BTreeMap<&str, String> {
     let all = metadata.settings.iter();
-    let all = all.map(|(name, value)| (name.as_str(), value.as_str()));
-    all.filter(|(name, _)| !FILE_NAMES.contains(name)).collect()
+    let all = all.filter(|(name, _)| !FILE_NAMES.contains(&name.as_str()));
+    let all = all.map(|(name, value)| {
+        let lists = value.split(' ').map(|part| match part.split_once('@') {
+            Some((axes, _)) if name == "fix" => format!("{axes}@"),
+            _ => part.to_string(),
+        });
+        let value: Vec<String> = lists.collect();
+        (name.as_str(), value.join(" "))
+    });
+    all.collect()
+}
+
+/// A warning without the name of the file that it begins with, `frames:` or `frames/`.
+fn without_name(warning: &str, metadata: &Metadata) -> String {
+    let files = FILE_NAMES
+        .iter()
+        .filter_map(|name| metadata.settings.get(*name));
+    let mut names = files.chain([&metadata.source_name]);
+    let rest = names.find_map(|name| {
+        let rest = warning.strip_prefix(name.as_str())?;
+        (!name.is_empty() && rest.starts_with([':', '/'])).then_some(rest)
+    });
+    rest.unwrap_or(warning).to_string()
 }
 
 /// `setting leaf-size: 4 and 2` for each setting that is not the same in both files.
-fn changed_settings([a, b]: [BTreeMap<&str, &str>; 2]) -> Vec<String> {
+fn changed_settings([a, b]: [BTreeMap<&str, String>; 2]) -> Vec<String> {
     let names: BTreeSet<&str> = a.keys().chain(b.keys()).copied().collect();
     let values = |name: &str| [a.get(name), b.get(name)];
     let changed = names.into_iter().filter(|name| {

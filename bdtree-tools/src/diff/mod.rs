@@ -106,13 +106,13 @@ pub fn compare(
     ];
     let not_compared = not_compared.iter().filter(|(_, compared)| !compared);
     let not_compared: Vec<&str> = not_compared.map(|(what, _)| *what).collect();
-    if comparable.vertices && !findings.is_same() {
-        findings.effects =
-            effects::effects([file_a, file_b], comparable.modes, &findings.differences)?;
-    }
     // The section tables differ where only one has metadata.
     if let (Some(a), Some(b)) = (&metadata_a, &metadata_b) {
         metadata::compare(a, b, &mut findings);
+    }
+    if comparable.vertices && !findings.is_same() {
+        findings.effects =
+            effects::effects([file_a, file_b], comparable.modes, &findings.differences)?;
     }
     if !not_compared.is_empty() {
         let note = format!("{NOT_COMPARED}{}", not_compared.join(", "));

@@ -1,6 +1,6 @@
 //! `diff`: same, differ, unreadable; structure exactly, numbers within a tolerance.
 
-use crate::support::{Folder, baked, ball_mesh, basis, bounds};
+use crate::support::{Folder, baked, baked_with, ball_mesh, basis, bounds};
 
 #[test]
 fn equal_files_are_the_same() {
@@ -177,6 +177,32 @@ fn a_renamed_source_is_the_same() {
     mesh.warnings = vec!["boule.obj:8: triangle 3 has zero area".to_string()];
     folder.write("other.bdt", baked(&mesh, &basis(&mesh)));
     assert_eq!(folder.run(&["diff", "first.bdt", "other.bdt"]).code, 1);
+    // A name that is a word of the warning, and inputs beside the mesh.
+    let with = |name: &str, folder_name: &str, list: &str| {
+        let mut mesh = ball_mesh();
+        mesh.name = name.to_string();
+        mesh.warnings = vec![
+            format!("{name}: the 6 frames have 4 components"),
+            format!("{folder_name}/0.obj:2: odd"),
+        ];
+        let settings = [
+            ("animation", folder_name),
+            ("skin-weights", list),
+            ("fix", list),
+        ];
+        baked_with(&mesh, &basis(&mesh), &settings)
+    };
+    folder.write("first.bdt", with("wave", "wave", "xyz:@w.txt"));
+    folder.write("renamed.bdt", with("frames", "frames", "xyz:@v.txt"));
+    let ran = folder.run(&["diff", "first.bdt", "renamed.bdt"]);
+    assert_eq!(ran.code, 0, "{}", ran.out);
+    folder.write("other.bdt", with("wave", "wave", "xy:@w.txt"));
+    let ran = folder.run(&["diff", "first.bdt", "other.bdt"]);
+    assert!(
+        ran.out.contains("setting fix: xyz:@ and xy:@"),
+        "{}",
+        ran.out
+    );
 }
 
 /// How far the farthest vertex lies apart, against what was changed.
@@ -227,6 +253,13 @@ fn effects_are_distances_of_vertices() {
     let lines: Vec<&str> = ran.out.lines().filter(|l| l.contains("farthest")).collect();
     assert!(lines[0].ends_with(" (tolerated)"), "{}", ran.out);
     assert!(!lines[1].ends_with(" (tolerated)"), "{}", ran.out);
+    // Where only the metadata differ beyond it, both are.
+    let settings = [("leaf-size", "5")];
+    folder.write("c.bdt", baked_with(&changed, &fields, &settings));
+    let ran = folder.run(&["diff", "a.bdt", "c.bdt", "--tolerance-rel", "2"]);
+    assert_eq!(ran.code, 1, "{}", ran.out);
+    let marked = ran.out.lines().filter(|l| l.ends_with(" (tolerated)"));
+    assert_eq!(marked.count(), 2, "{}", ran.out);
     let json = folder.json(&["diff", "a.bdt", "a.bdt", "--json"]);
     assert_eq!(json["same"], true);
     assert_eq!(json["effects"], serde_json::json!([]));

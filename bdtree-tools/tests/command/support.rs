@@ -1,6 +1,5 @@
 //! Small assets in a temporary folder, and the binary run there.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -128,7 +127,7 @@ pub(crate) fn positions_of_npy(bytes: &[u8]) -> Vec<[f64; 3]> {
 }
 
 pub(crate) fn baked(mesh: &RawMesh, basis: &Basis) -> Vec<u8> {
-    baked_with_error(mesh, basis, None)
+    baked_with(mesh, basis, &[])
 }
 
 pub(crate) fn baked_with_error(
@@ -136,13 +135,31 @@ pub(crate) fn baked_with_error(
     basis: &Basis,
     basis_error: Option<BasisError>,
 ) -> Vec<u8> {
+    baked_from(mesh, basis, &[], basis_error)
+}
+
+/// With these settings beside the number of modes.
+pub(crate) fn baked_with(mesh: &RawMesh, basis: &Basis, settings: &[(&str, &str)]) -> Vec<u8> {
+    baked_from(mesh, basis, settings, None)
+}
+
+fn baked_from(
+    mesh: &RawMesh,
+    basis: &Basis,
+    stated: &[(&str, &str)],
+    error: Option<BasisError>,
+) -> Vec<u8> {
     let settings = BakeSettings {
         leaf_size: Some(4),
         ..BakeSettings::default()
     };
+    let stated = [&[("modes", "3")], stated].concat();
+    let stated = stated
+        .into_iter()
+        .map(|(name, value)| (name.to_string(), value.to_string()));
     let provenance = Provenance {
-        error: basis_error,
-        settings: BTreeMap::from([("modes".to_string(), "3".to_string())]),
+        error,
+        settings: stated.collect(),
         warnings: vec!["odd".to_string()],
         ..Provenance::default()
     };
