@@ -24,7 +24,7 @@ use crate::elastic::solve::factor::FactorError;
 use crate::elastic::solve::{Limits, Solution, SolveError, solve};
 use crate::elastic::surface::components::{Kind, SurfaceComponent, find_components};
 use crate::error::{BakeError, Part, Place, Problems};
-use crate::figures::digits;
+use crate::figures::{counted, digits};
 use crate::input::RawMesh;
 use crate::progress::Progress;
 use crate::vec3::{bounds, norm, sub};
@@ -174,9 +174,11 @@ pub fn elastic_basis(
             "basis",
             Place::option("--modes"),
             format!(
-                "{} modes asked for, but the lattice of {} cells has only {}; raise --resolution \
+                "{} modes asked for, but the lattice of {} has only {}; raise --resolution \
                  (now {resolution})",
-                options.mode_count, report.cells, solution.available
+                options.mode_count,
+                counted(report.cells, "cell"),
+                solution.available
             ),
         ));
     }

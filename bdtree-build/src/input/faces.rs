@@ -84,7 +84,11 @@ impl<'a> Faces<'a> {
     pub(super) fn finish(mut self, positions: Vec<[f64; 3]>) -> Result<RawMesh, BakeError> {
         let file = || Place::file(self.place);
         if self.triangles.is_empty() && self.problems.is_empty() {
-            self.problems.add(|| (file(), "no faces"));
+            let message = match self.skipped {
+                0 => "no faces".to_string(),
+                skipped => all_bad(skipped),
+            };
+            self.problems.add(|| (file(), message));
         }
         self.problems.into_result(file())?;
         for kind in Oddity::ALL {
@@ -105,6 +109,14 @@ impl<'a> Faces<'a> {
     }
 }
 
+/// That skipping leaves nothing.
+pub(super) fn all_bad(skipped: u64) -> String {
+    match skipped {
+        1 => "its only face is bad: nothing is left without it".to_string(),
+        _ => format!("all {skipped} faces are bad: nothing is left without them"),
+    }
+}
+
 /// What is wrong with corner number `corner` of a face, from 0, of a file with `known` vertices.
 pub(super) fn out_of_range(corner: usize, token: &str, known: usize) -> String {
     let known = counted(known, "vertex");
@@ -116,9 +128,12 @@ pub(super) fn out_of_range(corner: usize, token: &str, known: usize) -> String {
 pub(super) fn with_option(mut error: BakeError) -> BakeError {
     let is_face = |problem: &&mut Problem| {
         let starts = ["corner ", "a face needs "];
-        starts
+        // Skipping faces gives no vertices.
+        let is_hopeless = problem.message.ends_with("has 0 vertices");
+        let is_of_face = starts
             .iter()
-            .any(|start| problem.message.starts_with(start))
+            .any(|start| problem.message.starts_with(start));
+        is_of_face && !is_hopeless
     };
     if let Some(problem) = error.problems.iter_mut().find(is_face) {
         problem.message += " (--skip-bad-faces leaves such faces out)";

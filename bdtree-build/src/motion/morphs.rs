@@ -38,8 +38,8 @@ pub(super) fn missing(mesh: &RawMesh, asked: &Morphs) -> BakeError {
     if let Keep::Auto { .. } = asked.keep {
         // Vibration modes, which other meshes get, have no end and nothing to be compared with.
         let option = Part::Option("--max-error-rel", None);
-        let message = "vibration modes have no source to measure an error against: give their number (--modes K); the \
-                       bake states the frequency where they end";
+        let message = "there are no morph targets or frames to measure an error against, and vibration modes have none: \
+                       give a number of modes (--modes K, 0 for none)";
         return BakeError::one("basis", option, message);
     }
     let place = Place::file(&mesh.name);

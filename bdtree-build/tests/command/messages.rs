@@ -91,6 +91,31 @@ fn summaries_and_refusals_say_what_to_do() {
 #[test]
 fn bad_faces_are_grouped_or_skipped() {
     let folder = tempfile::tempdir().expect("a folder");
+    // Skipping helps neither a file without vertices nor one whose faces are all bad.
+    let points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (name, content, skips, why) in [
+        ("none.obj", "f 1 2 3\n".to_string(), false, "no vertices"),
+        (
+            "one.obj",
+            format!("{points}f 1 2 4\n"),
+            true,
+            "its only face is bad",
+        ),
+        (
+            "two.obj",
+            format!("{points}f 1 2 4\nf 1 2\n"),
+            true,
+            "all 2 faces are bad",
+        ),
+    ] {
+        std::fs::write(folder.path().join(name), content).expect("written");
+        let option: &[&str] = if skips { &["--skip-bad-faces"] } else { &[] };
+        let ran = run(&[&[name, "--modes", "0"], option].concat(), folder.path());
+        let told = text(&ran.stderr);
+        assert_eq!(ran.status.code(), Some(1), "{told}");
+        assert!(told.contains(why), "{told}");
+        assert!(!told.contains("--skip-bad-faces"), "{told}");
+    }
     let mut mesh =
         String::from_utf8(std::fs::read(fixture("cube.obj")).expect("a fixture")).expect("a text");
     for _ in 0..201 {

@@ -13,7 +13,8 @@ fn frames_with_other_vertices_or_faces_are_named() {
     let found = refusal(&fixture_folder("bad_wave_count"), None);
     assert_eq!(
         found.replace(&format!("{}/", models::folder().display()), ""),
-        "bad_wave_count/wave_02.obj: 55 vertices, but 54 in bad_wave_count/wave_00.obj"
+        "bad_wave_count/wave_02.obj: 55 vertices, but 54 in bad_wave_count/wave_00.obj: a folder holds the frames of one \
+         animation; meshes are baked one by one"
     );
     let folder = tempfile::tempdir().expect("a folder");
     let text = |t| fs::read_to_string(models::path(&format!("wave/wave_0{t}.obj"))).expect("ok");
@@ -36,7 +37,8 @@ fn frames_with_other_vertices_or_faces_are_named() {
     assert_eq!(lines.len(), 3, "{found}");
     assert_eq!(
         lines[0],
-        "b.obj: triangle 0 has the corners 2 11 1, but 1 2 11 (vertices from 1) in a.obj"
+        "b.obj: triangle 0 has the corners 2 11 1, but 1 2 11 (vertices from 1) in a.obj: a folder holds \
+         the frames of one animation; meshes are baked one by one"
     );
     assert_eq!(lines[1], "c.obj: 81 triangles, but 80 in a.obj");
     assert!(

@@ -2,7 +2,7 @@
 
 use super::{Reader, face};
 use crate::error::BakeError;
-use crate::input::faces::out_of_range;
+use crate::input::faces::{all_bad, out_of_range};
 use crate::input::{GroupKind, RawMesh};
 
 impl Reader<'_> {
@@ -44,6 +44,10 @@ impl Reader<'_> {
                 None => "no faces (`f` lines)".into(),
             };
             self.notes.problem(0, message);
+        }
+        let count = self.face_statements;
+        if self.triangles.is_empty() && count > 0 && self.notes.has_skipped_all(count) {
+            self.notes.problem(0, all_bad(count));
         }
         let warnings = self.notes.into_warnings()?;
         Ok(RawMesh {

@@ -99,6 +99,11 @@ impl<'a> Notes<'a> {
         (!words.is_empty()).then(|| format!("{} statements", words.join(", ")))
     }
 
+    /// Whether all of `count` faces were skipped.
+    pub(super) fn has_skipped_all(&self, count: u64) -> bool {
+        self.skipped_faces == count
+    }
+
     /// The warnings, if nothing is wrong.
     pub(super) fn into_warnings(mut self) -> Result<Vec<String>, BakeError> {
         let (file, skipped) = (Place::file(self.place), self.skipped());

@@ -113,7 +113,11 @@ impl<'a> Reader<'a> {
         };
         if let Some(message) = difference(&mesh, first) {
             let first_place = self.place(*first_frame);
-            let message = format!("{message} {first_place}");
+            let hint = match self.problems.is_empty() {
+                true => ": a folder holds the frames of one animation; meshes are baked one by one",
+                false => "",
+            };
+            let message = format!("{message} {first_place}{hint}");
             self.problems.add(|| (Place::file(place), message));
             return Ok(());
         }
