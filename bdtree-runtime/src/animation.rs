@@ -66,10 +66,10 @@ impl<'a> Asset<'a> {
     /// A loop is `time % duration`.
     ///
     /// # Errors
-    /// No animation, one whose frames have no times, a time that is NaN, `q` of another length than the asset
+    /// No animation, one whose frames have no times, a time that is not finite, `q` of another length than the asset
     /// has modes.
     pub fn sample(&self, time_s: f64, q: &mut [f32]) -> Result<Transform, SampleError> {
-        if time_s.is_nan() {
+        if !time_s.is_finite() {
             return Err(SampleError::Time);
         }
         let time = |record: &FrameRecord| record.time_s.get();
@@ -91,7 +91,7 @@ impl<'a> Asset<'a> {
         let time = |frame: usize| self.frames.get(frame).map_or(0.0, time);
         let span = time(after) - time(before);
         // Equal times, and those of damaged files that fall, stay at the first.
-        let share = if span > 0.0 {
+        let share = if span > 0.0 && span.is_finite() {
             clamp((time_s - time(before)) / span, 0.0, 1.0)
         } else {
             0.0
@@ -103,7 +103,7 @@ impl<'a> Asset<'a> {
     /// their times: what [`Asset::sample`] returns between them.
     ///
     /// # Errors
-    /// A frame that is not there, `q` of another length than the asset has modes.
+    /// A frame that is not there, a share that is not finite, `q` of another length than the asset has modes.
     pub fn sample_between(
         &self,
         frames: [usize; 2],
@@ -114,9 +114,19 @@ impl<'a> Asset<'a> {
         if found != expected {
             return Err(SampleError::ModeCount { expected, found });
         }
-        let [Some(a), Some(b)] = frames.map(|frame| self.frame(frame)) else {
+        if !share.is_finite() {
+            return Err(SampleError::Share);
+        }
+        let count = self.frame_count();
+        if count == 0 {
             return Err(SampleError::NoFrames);
+        }
+        let frame = |index: usize| {
+            let found = self.frame(index);
+            found.ok_or(SampleError::NoFrame { index, count })
         };
+        let [a, b] = frames;
+        let (a, b) = (frame(a)?, frame(b)?);
         for (q, (a, b)) in q.iter_mut().zip(a.q.iter().zip(b.q)) {
             // Exact where the two are equal, and never beyond them.
             *q = (f64::from(*a) + (f64::from(*b) - f64::from(*a)) * share) as f32;
@@ -153,8 +163,17 @@ pub enum SampleError {
     NoFrames,
     /// Its frames have no times: play them by [`Asset::frame`].
     NoTimes,
-    /// The time is NaN.
+    /// The time is NaN or infinite.
     Time,
+    /// The share is NaN or infinite.
+    Share,
+    /// No such frame.
+    NoFrame {
+        /// The frame asked for.
+        index: usize,
+        /// Frames of the animation.
+        count: usize,
+    },
     /// q has another length than the asset has modes.
     ModeCount {
         /// Modes of the asset.
@@ -169,7 +188,11 @@ impl core::fmt::Display for SampleError {
         match self {
             Self::NoFrames => f.write_str("the asset has no animation"),
             Self::NoTimes => f.write_str("the frames of the animation have no times"),
-            Self::Time => f.write_str("the time is NaN"),
+            Self::Time => f.write_str("the time is not a finite number"),
+            Self::Share => f.write_str("the share is not a finite number"),
+            Self::NoFrame { index, count } => {
+                write!(f, "there is no frame {index}: the animation has {count}")
+            }
             Self::ModeCount { expected, found } => {
                 write!(
                     f,

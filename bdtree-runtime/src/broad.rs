@@ -60,7 +60,7 @@ const fn grid_slots(count: usize) -> usize {
     }
 }
 
-/// Bytes of a workspace that suffice for [`pairs`] of `count` spheres.
+/// Bytes of a workspace that suffice for [`pairs`] of `count` spheres. `instance_pairs` needs 32 more for each.
 pub const fn bytes_for(count: usize) -> usize {
     grid_slots(count)
         .saturating_mul(size_of::<GridSlot>())

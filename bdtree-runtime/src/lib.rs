@@ -140,6 +140,8 @@ mod view;
 mod workspace;
 
 pub use animation::{AnimationFrame, SampleError};
+/// The format's records, which signatures here name: `format::ModeRecord`, `format::SectionKind`.
+pub use bdtree_format as format;
 pub use bones::{BoneMap, BoneMatrices};
 pub use cache::{CacheSize, StepCache};
 pub use contact::{

@@ -224,9 +224,9 @@ fn samples_lie_on_and_between_frames() {
     let mut q = vec![f32::NAN; asset.mode_count()];
     // At a frame exactly its numbers; before the first and after the last theirs.
     let mut cases: Vec<(f64, usize)> = (0..count).map(|k| (time(k), k)).collect();
-    let ends = [-1.0, -f64::MIN_POSITIVE, f64::NEG_INFINITY].map(|t| (t, 0));
+    let ends = [-1.0, -f64::MIN_POSITIVE, f64::MIN].map(|t| (t, 0));
     cases.extend(ends);
-    cases.extend([time(count - 1).next_up(), 1e9, f64::INFINITY].map(|t| (t, count - 1)));
+    cases.extend([time(count - 1).next_up(), 1e9, f64::MAX].map(|t| (t, count - 1)));
     for (time_s, k) in cases {
         let frame = asset.frame(k).expect("a frame");
         let motion = asset.sample(time_s, &mut q).expect("a pose");
@@ -276,8 +276,21 @@ fn what_cannot_be_sampled_is_refused() {
     let (mesh, basis) = animated();
     let model = bake::baked(&mesh, &basis);
     let mut q = [7.0; 6];
-    let refused = model.asset().sample(f64::NAN, &mut q);
-    assert_eq!(refused, Err(SampleError::Time));
+    for time_s in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let refused = model.asset().sample(time_s, &mut q);
+        assert_eq!(refused, Err(SampleError::Time));
+    }
+    let refused = model.asset().sample_between([0, 1], f64::NAN, &mut q);
+    assert_eq!(refused, Err(SampleError::Share));
+    let count = model.asset().frame_count();
+    let refused = model.asset().sample_between([0, count], 0.5, &mut q);
+    assert_eq!(
+        refused,
+        Err(SampleError::NoFrame {
+            index: count,
+            count
+        })
+    );
     let (expected, found) = (6, 5);
     let refused = model.asset().sample(0.0, &mut q[..5]);
     assert_eq!(refused, Err(SampleError::ModeCount { expected, found }));

@@ -6,6 +6,7 @@ use bdtree_runtime::{
     HalfSpace, Model, PairContact, Pose, QueryError, Ray, RayIntersection, Shape, StepCache,
     Transform, TrianglePair, Workspace,
 };
+use zerocopy::IntoBytes;
 
 /// A rigid one, a deep one, and one with few modes per vertex.
 fn models() -> [Model; 3] {
@@ -154,11 +155,17 @@ fn the_stated_bytes_suffice_for_manifolds() {
     let mut found: Vec<ContactManifold> = Vec::new();
     let mut query = a.against(&b, &mut workspace);
     let refused = query.contact_manifolds(0.0, &mut found);
-    assert!(
-        matches!(refused, Err(QueryError::Memory { needed, found }) if needed > found),
-        "{refused:?}"
-    );
-    assert!(found.is_empty());
+    let Err(QueryError::Memory { needed, found: has }) = refused else {
+        panic!("{refused:?}");
+    };
+    assert!(needed > has && found.is_empty());
+    // The number is enough, and it is for all pairs.
+    let mut words = vec![0_u64; needed.div_ceil(8)];
+    let mut workspace = Workspace::in_bytes(words.as_mut_bytes());
+    let mut query = a.against(&b, &mut workspace);
+    let coverage = query.contact_manifolds(0.0, &mut found);
+    assert_eq!(coverage, Ok(Coverage::Complete));
+    assert_eq!(found, expected);
 }
 
 /// One workspace and one cache that serve small and large meshes in turn; memory of the caller's for a cache,

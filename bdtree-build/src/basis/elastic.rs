@@ -9,6 +9,7 @@
 
 use std::time::Instant;
 
+use bdtree_format::MODE_COUNT_MAX;
 use serde::Serialize;
 
 use crate::basis::Basis;
@@ -212,6 +213,10 @@ fn check_options(options: &ElasticOptions) -> Result<(), BakeError> {
     let mut add = |name, message: String| problems.add(|| (Place::option(name), message));
     if options.mode_count == 0 {
         add("--modes", "no elastic mode is asked for".to_owned());
+    }
+    if options.mode_count > MODE_COUNT_MAX {
+        let message = format!("{} is more than {MODE_COUNT_MAX}", options.mode_count);
+        add("--modes", message);
     }
     if let Some(r) = options.resolution
         && !(1..=RESOLUTION_MAX).contains(&r)

@@ -70,6 +70,9 @@ impl Basis {
 
     /// Gives every field without a range the one that moves its farthest vertex by `length` (mesh
     /// units). Zero fields stay without.
+    ///
+    /// # Panics
+    /// Fewer fields than modes × vertices.
     pub fn set_ranges(&mut self, length: f64) {
         for j in 0..self.mode_count() {
             let longest = self.longest(j);
@@ -97,6 +100,9 @@ impl Basis {
     }
 
     /// Field `j`: N displacement vectors.
+    ///
+    /// # Panics
+    /// No such field, or fewer than modes × vertices.
     pub fn field(&self, j: usize) -> &[[f64; 3]] {
         &self.fields[j * self.vertex_count..(j + 1) * self.vertex_count]
     }

@@ -88,7 +88,10 @@ pub(super) fn check_numbers(mesh: &RawMesh, basis: &Basis) -> Result<(), BakeErr
             .q_range
             .is_some_and(|range| !(range > 0.0 && range.is_finite()))
         {
-            let message = format!("range of q {:?} is not a positive number", mode.q_range);
+            let message = format!(
+                "range of q {} is not a positive number",
+                mode.q_range.unwrap_or(f64::NAN)
+            );
             problems.add(|| (Part::Mode(j), message));
         }
     }

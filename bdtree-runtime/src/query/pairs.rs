@@ -8,6 +8,8 @@ use super::front::PairFront;
 use super::manifold::{ContactManifold, ManifoldSlot, manifolds};
 use super::pair::{Contacts, Ids, tolerance, walk};
 use super::single::{BUDGET_AND_LEVEL, First, Query, Side};
+use core::ops::ControlFlow;
+
 use crate::cache::{Posed, StepCache};
 use crate::contact::{Coverage, PairContact, Proxy, Sink, SliceSink, TrianglePair};
 use crate::depth::Proxies;
@@ -246,16 +248,24 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
     }
 
     /// [`PairQuery::contact_manifolds`] of pairs that [`PairQuery::contacts`] has reported. Pass all of them, in any order:
-    /// the slice is sorted in place by ids. A level limit is ignored.
+    /// the slice is sorted in place by ids, and a pair that is there twice counts once. A level limit is ignored.
     ///
     /// # Errors
-    /// Pairs of other meshes, too little memory, a corrupt asset.
+    /// Triangle ids that the meshes do not have, too little memory, a damaged asset.
     pub fn condense(
         &mut self,
         pairs: &mut [PairContact],
         out: &mut impl Sink<ContactManifold>,
     ) -> Result<Coverage, QueryError> {
+        const IDS: &str = "pairs: a triangle id that the mesh does not have";
         let [side1, side2] = &mut self.sides;
+        let counts = [&side1, &side2].map(|side| side.pose.asset.triangle_count());
+        let is_known = |p: &PairContact| {
+            (p.triangle1.0 as usize) < counts[0] && (p.triangle2.0 as usize) < counts[1]
+        };
+        if !pairs.iter().all(is_known) {
+            return Err(QueryError::Argument(IDS));
+        }
         let mut posed = [side1.posed()?, side2.posed()?];
         // Depths are found by rays, which look everywhere.
         for posed in &mut posed {
@@ -296,7 +306,13 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
                 return Ok(sink.items().len());
             }
             if !grows {
-                let needed = needed + each;
+                let mut count = Counted(0);
+                let mut visitor = Contacts {
+                    tolerance,
+                    sink: &mut count,
+                };
+                walk_sides(&mut self.sides, &mut self.front, stack, &mut visitor)?;
+                let needed = each * count.0 + behind;
                 return Err(QueryError::Memory { needed, found });
             }
             room *= 2;
@@ -316,6 +332,16 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
     fn distance_stack_len(&self) -> usize {
         let [side1, side2] = &self.sides;
         side1.pose.asset.distance_stack_len(side2.pose.asset)
+    }
+}
+
+/// A sink that counts.
+struct Counted(usize);
+
+impl Sink<PairContact> for Counted {
+    fn push(&mut self, _: PairContact) -> ControlFlow<()> {
+        self.0 += 1;
+        ControlFlow::Continue(())
     }
 }
 

@@ -83,7 +83,7 @@ impl Default for LocalTransform {
 }
 
 /// Mixes a pose into another: each transform of `locals` goes towards that of `other` by `weight`, which leaves it at 0
-/// and replaces it at 1; see [`LocalTransform::blended`]. For layers that move a part of the body only, blend that
+/// and replaces it at 1, up to rounding; see [`LocalTransform::blended`]. For layers that move a part of the body only, blend that
 /// part of the slices.
 ///
 /// # Errors

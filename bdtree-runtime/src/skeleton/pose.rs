@@ -77,7 +77,7 @@ impl SkeletonPose {
         self.update()
     }
 
-    /// Goes from the present pose towards that of a clip at a time, by `weight`: 0 stays, 1 is
+    /// Goes from the present pose towards that of a clip at a time, by `weight`: up to rounding, 0 stays and 1 is
     /// [`SkeletonPose::play`].
     ///
     /// # Errors

@@ -162,7 +162,8 @@ impl<'a> Asset<'a> {
         self.header
     }
 
-    /// The mode table: limits, ranges, frequencies and masses, one record per mode.
+    /// The mode table: limits, ranges, frequencies and masses, one record per mode. Frequency and mass are −1 where they are
+    /// unknown: only vibration modes have them.
     pub fn modes(&self) -> &'a [ModeRecord] {
         self.modes
     }

@@ -435,6 +435,25 @@ fn the_order_of_pairs_does_not_matter() {
         pairs.shuffle(&mut rng);
         assert_eq!(regions(&pose1, &pose2, &mut pairs), expected);
     }
+    // A pair that is there twice counts once.
+    let mut twice = [pairs.clone(), pairs.clone()].concat();
+    assert_eq!(regions(&pose1, &pose2, &mut twice), expected);
+    // Pairs of other meshes, on either side.
+    for side in 0..2 {
+        let mut others = pairs.clone();
+        let beyond = TriangleId(asset.triangle_count() as u32);
+        match side {
+            0 => others[1].triangle1 = beyond,
+            _ => others[1].triangle2 = beyond,
+        }
+        let mut none: Vec<ContactManifold> = Vec::new();
+        let mut workspace = Workspace::new();
+        let refused = pose1
+            .against(&pose2, &mut workspace)
+            .condense(&mut others, &mut none);
+        let why = "pairs: a triangle id that the mesh does not have";
+        assert_eq!(refused, Err(QueryError::Argument(why)));
+    }
     // What is wrong is said; a full sink holds the first ones.
     let mut room = [expected[0]; 0];
     let mut sink = SliceSink::new(&mut room);

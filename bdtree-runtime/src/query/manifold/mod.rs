@@ -76,7 +76,7 @@ impl ContactManifold {
 /// Reports the regions of contact of these pairs, by their lowest ids. Both surfaces
 /// list their corners counterclockwise as seen from outside, or both clockwise.
 ///
-/// `pairs` is sorted by ids, so its order does not matter; all of them are needed. `memory` has
+/// `pairs` is sorted by ids, so its order does not matter; all of them are needed, and one that is there twice counts once. `memory` has
 /// [`ManifoldSlot::count`] slots and `stack` the longer `stack_len` of the two. Depths are found
 /// by rays on both meshes, five each way per region with a contour.
 ///
@@ -96,7 +96,7 @@ pub(super) fn manifolds(
         posed2: posed2.or_keep(&mut own2),
         stack,
     };
-    pairs.sort_unstable_by_key(|p| (p.triangle1, p.triangle2));
+    let pairs = sorted_once(pairs);
     let members = regions::regions(asset1, asset2, pairs, memory)?;
     for region in members.chunk_by(|x, y| x.region() == y.region()) {
         let members = region.iter().filter_map(|slot| pairs.get(slot.pair()));
@@ -108,4 +108,18 @@ pub(super) fn manifolds(
         }
     }
     Ok(Coverage::Complete)
+}
+
+/// The pairs by their ids, each of them once.
+fn sorted_once(pairs: &mut [PairContact]) -> &mut [PairContact] {
+    let ids = |p: &PairContact| (p.triangle1, p.triangle2);
+    pairs.sort_unstable_by_key(ids);
+    let mut kept = 0;
+    for k in 0..pairs.len() {
+        if kept == 0 || ids(&pairs[k]) != ids(&pairs[kept - 1]) {
+            pairs[kept] = pairs[k];
+            kept += 1;
+        }
+    }
+    &mut pairs[..kept]
 }
