@@ -5,7 +5,7 @@ use std::str::FromStr;
 use bdtree_format::ModeRecord;
 use bdtree_runtime::Asset;
 
-/// Numbers separated by commas; the empty text is none.
+/// Finite numbers separated by commas; the empty text is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QText(pub Vec<f64>);
 
@@ -20,7 +20,11 @@ impl FromStr for QText {
             .enumerate()
             .map(|(j, number)| {
                 let number = number.trim();
-                number.parse().map_err(|_| not_a_number(j, number))
+                match number.parse::<f64>() {
+                    Ok(x) if x.is_finite() => Ok(x),
+                    Ok(_) => Err(format!("q[{j}]: \"{number}\" is not a finite number")),
+                    Err(_) => Err(not_a_number(j, number)),
+                }
             })
             .collect::<Result<_, _>>()
             .map(Self)
@@ -107,6 +111,10 @@ mod tests {
             "1,x".parse::<QText>(),
             Err("q[1]: \"x\" is not a number".to_string())
         );
+        for number in ["nan", "-inf", "1e999"] {
+            let message = format!("q[1]: \"{number}\" is not a finite number");
+            assert_eq!(format!("1,{number},0").parse::<QText>(), Err(message));
+        }
         assert!("1,".parse::<QText>().is_err());
         for text in ["0.5 0.5", "1;2;3", "1; 2"] {
             let message = format!("q[0]: \"{text}\" is not a number; separate numbers with commas");

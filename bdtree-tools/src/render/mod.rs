@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     let range = arguments.frames;
     if range.is_some_and(|range| options::numbered(output, range.first).is_none()) {
         let message = "has no place for the frame's number: write it as %d or %04d";
-        return Err(ToolError::input(output.display(), message));
+        return Err(ToolError::Usage(format!("{}: {message}", output.display())));
     }
     let file = AssetFile::map(&arguments.file)?;
     let asset = file.checked_asset(!arguments.no_verify)?;

@@ -67,6 +67,7 @@ fn mistakes_of_usage_are_2() {
         &["render", "a.bdt", "-o", "a.png", "--spheres", "x"],
         &["render", "a.bdt", "-o", "a.png", "--opacity", "x"],
         &["deform", "a.bdt", "--q", "1,two"],
+        &["deform", "a.bdt", "--q", "1,nan,0"],
         &["deform", "a.bdt", "--q", "0,0,0", "--frame", "1"],
         &["query"],
         &["render", "a.bdt"],
