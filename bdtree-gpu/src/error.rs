@@ -70,6 +70,6 @@ pub enum GpuError {
         instance: u32,
     },
     /// The asset's bytes break a rule that only the deep check reads; run `verify`.
-    #[error("corrupt asset: {0}")]
+    #[error("damaged .bdt file: {0}")]
     Corrupt(#[from] FormatError),
 }

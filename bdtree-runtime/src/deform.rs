@@ -73,7 +73,7 @@ impl Asset<'_> {
     ) -> Result<[f32; 3], FormatError> {
         let i = vertex.0 as usize;
         let Some(p) = self.positions.get(i) else {
-            return Err(self.out_of_range(SectionKind::POSITIONS, i, self.positions.len(), 12));
+            return Err(self.unknown_vertex(vertex));
         };
         // The sum starts with the first product, not with 0: adding to +0 would turn −0 into +0
         // and nothing else, and p is added last anyway, so starting from −0 keeps every bit.

@@ -1,7 +1,7 @@
 //! What programs need that deform and draw whole meshes themselves, on a graphics card for instance: whole
 //! sections, the checks that queries otherwise make on the way, and the matrix of a placement.
 
-use bdtree_format::{InfluenceRecord, SectionKind};
+use bdtree_format::InfluenceRecord;
 
 use crate::bones::BoneMap;
 use crate::contact::{TriangleId, VertexId};
@@ -128,7 +128,7 @@ impl<'a> Asset<'a> {
             let corners = self.triangle(TriangleId(id))?;
             let count = self.vertex_count();
             if let Some(v) = corners.iter().find(|v| v.0 as usize >= count) {
-                return Err(self.out_of_range(SectionKind::POSITIONS, v.0 as usize, count, 12));
+                return Err(self.unknown_vertex(*v));
             }
         }
         for vertex in (0..self.vertex_count() as u32).map(VertexId) {

@@ -114,6 +114,12 @@ pub struct FormatError {
 
 /// The rule of the first bytes.
 pub(crate) const MAGIC_BYTES: &str = "SPEC 9.1: the file starts with the magic bytes";
+/// The rule that a file too short for a header breaks.
+pub(crate) const WHOLE_HEADER: &str = "SPEC 2.1: a file starts with a whole header";
+/// The rule that a file too short for its tables breaks.
+pub(crate) const WHOLE_TABLES: &str = "SPEC 3.4: the header block lies inside the file";
+/// The rule of the file's length.
+pub(crate) const FILE_LENGTH: &str = "SPEC 3.4: file_bytes is the file's length";
 /// The rule of the version.
 pub(crate) const ONE_VERSION: &str = "SPEC 9.1: readers know one major version";
 /// The rule of the header's checksum.
@@ -133,6 +139,16 @@ impl FormatError {
                 f,
                 "format version {found} is not supported (this program reads {expected})"
             ),
+            (WHOLE_HEADER, Datum::AtLeast(bytes), _) => {
+                write!(f, "the file has {found} bytes, its header needs {bytes}")
+            }
+            (WHOLE_TABLES, Datum::AtLeast(bytes), _) => write!(
+                f,
+                "the file has {found} bytes, its header and tables need {bytes}"
+            ),
+            (FILE_LENGTH, ..) => {
+                write!(f, "the file has {found} bytes, its header says {expected}")
+            }
             (HEADER_CRC, Datum::Integer(bytes), Datum::Integer(stored)) => write!(
                 f,
                 "checksum mismatch: the header says {stored:08x}, the bytes give {bytes:08x}"
@@ -352,7 +368,7 @@ impl fmt::Display for QueryError {
             Self::Proxies => {
                 f.write_str("the sink of proxies has no room: the answer would be incomplete")
             }
-            Self::Corrupt(error) => write!(f, "corrupt asset: {error}"),
+            Self::Corrupt(error) => write!(f, "damaged .bdt file: {error}"),
         }
     }
 }

@@ -9,12 +9,11 @@ use self_cell::self_cell;
 
 use crate::error::FormatError;
 #[cfg(feature = "std")]
-use crate::error::{HEADER_SECTION, MAGIC_BYTES};
+use crate::error::{HEADER_SECTION, MAGIC_BYTES, WHOLE_HEADER};
 use crate::memory::AlignedBytes;
 #[cfg(feature = "mmap")]
 use crate::mmap::MappedFile;
 #[cfg(feature = "std")]
-use crate::open::WHOLE_HEADER;
 use crate::view::Asset;
 
 /// A `.bdt` file that owns its bytes: opened and checked once, cheap to clone, shared between threads and

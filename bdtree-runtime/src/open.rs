@@ -12,14 +12,12 @@ use core::mem::{offset_of, size_of};
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 use crate::error::{
-    Check, Datum, FormatError, HEADER_CRC, HEADER_SECTION, MAGIC_BYTES, ONE_VERSION,
+    Check, Datum, FILE_LENGTH, FormatError, HEADER_CRC, HEADER_SECTION, MAGIC_BYTES, ONE_VERSION,
+    WHOLE_HEADER, WHOLE_TABLES,
 };
 use crate::simd::Kernel;
 use crate::view::Asset;
 use sections::{locate_sections, section_bytes, view};
-
-/// The rule that a file too short for a header breaks.
-pub(crate) const WHOLE_HEADER: &str = "SPEC 2.1: a file starts with a whole header";
 
 /// Most sections a table may list, so that opening is O(1).
 const SECTION_COUNT_MAX: usize = 64;
@@ -141,8 +139,7 @@ fn header_block<'a>(bytes: &'a [u8], header: &Header) -> Result<&'a [u8], Format
         .rule("SPEC 2.3: header_bytes is 128 + 32 modes + 32 sections, rounded up to 64")
         .holds(found == needed, needed, found)?;
     let Some(block) = bytes.get(..found) else {
-        let rule = "SPEC 3.4: the header block lies inside the file";
-        let place = header_at(bytes.len()).rule(rule);
+        let place = header_at(bytes.len()).rule(WHOLE_TABLES);
         return Err(place.broken(Datum::at_least(found), bytes.len()));
     };
     let at = offset_of!(Header, header_crc);
@@ -166,7 +163,7 @@ fn section_table_start(header: &Header) -> usize {
 fn check_file(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
     let file_bytes = header.file_bytes.get();
     header_at(offset_of!(Header, file_bytes))
-        .rule("SPEC 3.4: file_bytes is the file's length (a shorter file is truncated)")
+        .rule(FILE_LENGTH)
         .holds(file_bytes == bytes.len() as u64, file_bytes, bytes.len())?;
     let features = header.features_required.get();
     header_at(offset_of!(Header, features_required))

@@ -369,12 +369,7 @@ impl<'a> Asset<'a> {
             let start = slot * size_of::<TriangleRecord>();
             let outside = |v: &&u32| **v as usize >= count;
             if let Some(v) = triangle.corners.iter().find(outside) {
-                let rule = "SPEC 7.1: corners are vertex indices";
-                report(
-                    self.at(SectionKind::TRIANGLES, start)
-                        .rule(rule)
-                        .broken(Datum::Below(count as u64), *v),
-                )?;
+                report(self.no_corner(slot, *v))?;
             }
             let back = self.triangle_slots.get(triangle.id as usize);
             if back.map(|s| *s as usize) != Some(slot) {

@@ -59,7 +59,11 @@ fn what_cannot_be_loaded_is_said_with_its_path() {
             "not a .bdt file",
         ),
         ("long.obj", &b"v 0 0 0\n".repeat(100)[..], "not a .bdt file"),
-        ("empty.bdt", &[][..], "not a .bdt file"),
+        (
+            "empty.bdt",
+            &[][..],
+            "not a .bdt file: section HEAD at byte 0: the file has 0 bytes, its header needs 128 (",
+        ),
         ("newer.bdt", &newer[..], "a .bdt file of another version"),
         ("half.bdt", &sound[..sound.len() / 2], "damaged .bdt file"),
         ("short.bdt", &sound[..sound.len() - 1], "damaged .bdt file"),

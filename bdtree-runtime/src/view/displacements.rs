@@ -64,7 +64,7 @@ impl<'a> Asset<'a> {
         }
         let (i, m) = (vertex.0 as usize, self.modes.len());
         if i >= self.positions.len() {
-            return Err(self.out_of_range(SectionKind::POSITIONS, i, self.positions.len(), 12));
+            return Err(self.unknown_vertex(vertex));
         }
         let start = i.saturating_mul(m);
         let end = start.saturating_add(m);
@@ -100,8 +100,7 @@ impl<'a> Asset<'a> {
     ) -> Result<(&'a [[f32; 3]], &'a [u16]), FormatError> {
         let i = vertex.0 as usize;
         let Some([own, next]) = self.vertex_modes_of(i) else {
-            let len = self.positions.len();
-            return Err(self.out_of_range(SectionKind::VERTEX_MODES, i, len, 8));
+            return Err(self.unknown_vertex(vertex));
         };
         let (start, end) = (own.first_entry as usize, next.first_entry as usize);
         let fields = self.displacements.get(start..end);

@@ -356,6 +356,31 @@ impl<'a> Asset<'a> {
         }
     }
 
+    /// The error for a vertex that the asset lacks: at the first triangle that has it as a corner, else, where a
+    /// caller asked for it, at the end of the vertices.
+    #[cold]
+    pub(crate) fn unknown_vertex(&self, vertex: VertexId) -> FormatError {
+        let has_it = |triangle: &TriangleRecord| triangle.corners.contains(&vertex.0);
+        match self.triangles.iter().position(has_it) {
+            Some(slot) => self.no_corner(slot, vertex.0),
+            None => {
+                let (i, count) = (vertex.0 as usize, self.positions.len());
+                self.out_of_range(SectionKind::POSITIONS, i, count, 12)
+            }
+        }
+    }
+
+    /// The error for a triangle with a corner that is no vertex.
+    #[cold]
+    pub(crate) fn no_corner(&self, slot: usize, vertex: u32) -> FormatError {
+        let start = slot * size_of::<TriangleRecord>();
+        let place = self.at(SectionKind::TRIANGLES, start);
+        let count = self.positions.len() as u64;
+        place
+            .rule("SPEC 7.1: corners are vertex indices")
+            .broken(Datum::Below(count), vertex)
+    }
+
     /// The error for an index beyond a section's end.
     #[cold]
     pub(crate) fn out_of_range(
@@ -371,9 +396,7 @@ impl<'a> Asset<'a> {
             SectionKind::MODE_LISTS => "SPEC 6.7: mode lists lie inside LIST",
             SectionKind::TRIANGLES => "SPEC 6.3: slots lie inside TRIS",
             SectionKind::TRIANGLE_SLOTS => "SPEC 7.2: a triangle id is below F",
-            SectionKind::POSITIONS | SectionKind::VERTEX_MODES => {
-                "SPEC 7.1: a vertex id is below N"
-            }
+            SectionKind::POSITIONS => "SPEC 7.1: a vertex id is below N",
             SectionKind::INFLUENCE_STARTS => {
                 "SPEC 7.7: the influences of a vertex lie inside INFL, their bones inside BONE"
             }

@@ -48,6 +48,10 @@ impl Seen {
             Datum::Integer(x) => x,
             other => panic!("{other} is no whole number"),
         };
+        let least = |datum| match datum {
+            Datum::AtLeast(x) => x,
+            other => panic!("{other} is no least number"),
+        };
         let (expected, found) = (error.expected, error.found);
         let told = match &error.rule[..8] {
             _ if error.rule.contains("magic bytes") => {
@@ -66,6 +70,19 @@ impl Seen {
                 number(expected),
                 number(found)
             ),
+            "SPEC 2.1" if error.rule.contains("whole header") => {
+                format!(
+                    "the file has {found} bytes, its header needs {}",
+                    least(expected)
+                )
+            }
+            "SPEC 3.4" if error.rule.contains("header block") => format!(
+                "the file has {found} bytes, its header and tables need {}",
+                least(expected)
+            ),
+            "SPEC 3.4" if error.rule.contains("file_bytes") => {
+                format!("the file has {found} bytes, its header says {expected}")
+            }
             _ => format!("found {found}, expected {expected}"),
         };
         assert_eq!(fault, told);

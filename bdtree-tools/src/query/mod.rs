@@ -83,7 +83,7 @@ pub(crate) fn solve_all(
             nodes_visited: None,
         };
         if !line.is_finite() {
-            let message = "the answer is not finite: corrupt asset, run bdtree verify";
+            let message = "the answer is not finite: damaged .bdt file, run bdtree verify";
             return Err(ToolError::input(place(), message));
         }
         take(line, solver.workspace.stats().nodes_visited)?;

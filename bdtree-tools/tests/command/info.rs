@@ -183,12 +183,12 @@ fn bad_files_are_named() {
         (".", ".: cannot be read: "),
         (
             "empty.bdt",
-            "empty.bdt: not a .bdt file: section HEAD at byte 0: found 0, expected at least 128 (SPEC 2.1",
+            "empty.bdt: not a .bdt file: section HEAD at byte 0: the file has 0 bytes, its header needs 128 (SPEC 2.1",
         ),
         ("text.bdt", "text.bdt: not a .bdt file (SPEC 9.1"),
         (
             "short.bdt",
-            "short.bdt: damaged .bdt file: section HEAD at byte 16: found ",
+            "short.bdt: damaged .bdt file: section HEAD at byte 16: the file has ",
         ),
     ] {
         let ran = folder.run(&["info", file, "--json"]);

@@ -190,11 +190,12 @@ fn corrupt_records_are_an_error_not_a_panic() {
             assert!(!ran.err.contains("panicked"), "{}", ran.err);
             if ran.code == 1 {
                 assert!(ran.err.starts_with("scene.json: queries["), "{}", ran.err);
-                assert!(ran.err.contains("corrupt asset"), "{}", ran.err);
+                assert!(ran.err.contains("damaged .bdt file"), "{}", ran.err);
             }
             if section["kind"] == "TRIS" && byte == 0xff {
                 assert_eq!((ran.code, ran.out.as_str()), (1, ""));
-                let place = "scene.json: queries[0]: bad.bdt: corrupt asset: section VERT at byte ";
+                let place =
+                    "scene.json: queries[0]: bad.bdt: damaged .bdt file: section TRIS at byte ";
                 assert!(ran.err.starts_with(place), "{}", ran.err);
             }
             for command in [
