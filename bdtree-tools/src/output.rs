@@ -89,13 +89,14 @@ pub fn check_target(
 /// device or a pipe is written to and stays what it is.
 ///
 /// # Errors
-/// [`ToolError::Write`].
+/// A path that is a folder, a folder that takes no new file, [`ToolError::Write`].
 pub fn write_whole(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), ToolError> {
+    let temporary = temporary(path)?;
     let attempt = || {
-        let Some((mut file, target)) = temporary(path)? else {
+        let Some((mut file, target)) = temporary else {
             let mut writer = BufWriter::new(OpenOptions::new().write(true).open(path)?);
             content(&mut writer)?;
             return writer.flush();
@@ -114,17 +115,19 @@ pub fn write_whole(
 /// Whether [`write_whole`] could begin, before a long time is spent on what it is to write.
 ///
 /// # Errors
-/// [`ToolError::Write`].
-#[cfg(feature = "report")]
-pub(crate) fn check_writable(path: &Path) -> Result<(), ToolError> {
-    let begun = temporary(path).map(drop);
-    begun.map_err(|error| write_error(path, &error))
+/// A path that is a folder, a folder that takes no new file.
+pub fn check_writable(path: &Path) -> Result<(), ToolError> {
+    temporary(path).map(drop)
 }
 
 /// A temporary file beside what `path` names, links followed, and that; `None` where it is a device or a pipe,
 /// which is written to as it is.
-fn temporary(path: &Path) -> io::Result<Option<(tempfile::NamedTempFile, PathBuf)>> {
-    if fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+fn temporary(path: &Path) -> Result<Option<(tempfile::NamedTempFile, PathBuf)>, ToolError> {
+    let found = fs::metadata(path);
+    if found.as_ref().is_ok_and(fs::Metadata::is_dir) {
+        return Err(ToolError::input(path.display(), "is a folder: name a file"));
+    }
+    if found.is_ok_and(|m| !m.is_file()) {
         return Ok(None);
     }
     let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
@@ -137,18 +140,54 @@ fn temporary(path: &Path) -> io::Result<Option<(tempfile::NamedTempFile, PathBuf
     // Those of a file that a program creates, before the user's mask; temporary files have fewer.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(folder)?;
-    Ok(Some((file, target)))
+    match builder.tempfile_in(folder) {
+        Ok(file) => Ok(Some((file, target))),
+        Err(error) => {
+            let message = no_file_in(&folder_of(path, folder), &error);
+            Err(ToolError::input(path.display(), message))
+        }
+    }
+}
+
+/// The folder that is written to, as it was given where that is the same.
+fn folder_of(path: &Path, folder: &Path) -> PathBuf {
+    let given = match path.parent() {
+        Some(given) if !given.as_os_str().is_empty() => given,
+        _ => Path::new("."),
+    };
+    let is_same = fs::canonicalize(given).ok() == fs::canonicalize(folder).ok();
+    if is_same { given } else { folder }.to_path_buf()
+}
+
+/// Why a folder takes no file, in the words of `bdtree-build`.
+fn no_file_in(folder: &Path, error: &io::Error) -> String {
+    let name = match folder.display().to_string() {
+        name if name == "." => "the current folder".to_string(),
+        name => format!("folder {name}"),
+    };
+    match error.kind() {
+        ErrorKind::NotFound => format!("{name} does not exist"),
+        ErrorKind::NotADirectory => format!("{} is not a folder", folder.display()),
+        ErrorKind::PermissionDenied => format!("{name} does not allow new files"),
+        ErrorKind::ReadOnlyFilesystem => format!("{name} is on a read-only file system"),
+        _ => format!("cannot create a file in {name}: {}", cause(error)),
+    }
+}
+
+/// An error without the name of the temporary file, which says nothing to anyone. (`tempfile` puts it behind the
+/// system's text, and hides the system's error number.)
+fn cause(error: &io::Error) -> String {
+    let text = error.to_string();
+    match text.split_once(" at path ") {
+        Some((cause, _)) => cause.to_string(),
+        None => text,
+    }
 }
 
 fn write_error(path: &Path, error: &io::Error) -> ToolError {
-    // Without the name of the temporary file, which says nothing to anyone. (`tempfile` puts it behind the
-    // system's text, and hides the system's error number.)
-    let text = error.to_string();
-    let cause = text.split(" at path ").next().unwrap_or_default();
     ToolError::Write {
         path: path.to_path_buf(),
-        cause: cause.to_string(),
+        cause: cause(error),
     }
 }
 

@@ -3,16 +3,16 @@
 mod obj;
 
 use std::io::Write;
-use std::path::PathBuf;
 
 use bdtree_runtime::{Pose, TriangleId, VertexId};
 
 pub use crate::cli::DeformArguments as Arguments;
 use crate::error::ToolError;
-use crate::output::{check_target, write_whole};
+use crate::output::{check_target, check_writable, write_whole};
 pub use crate::posture::PostureArguments;
 use crate::posture::posture;
 pub use crate::q::QText;
+use crate::q::counted;
 use crate::{AssetFile, DONE};
 
 /// Writes origin + p' of every vertex (mesh units, f64, source order) to a file or `out`; of a frame
@@ -26,6 +26,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
         check_target(path, &arguments.file, &["obj", "npy"], ".obj or .npy")?;
     }
     let file = AssetFile::map(&arguments.file)?;
+    if let Some(path) = &arguments.output {
+        check_writable(path)?;
+    }
     let asset = file.checked_asset(!arguments.no_verify)?;
     let asked = &arguments.posture;
     let posture = posture(&file, asked)?;
@@ -40,21 +43,25 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
         .pose_with_bones(&posture.q, posture.bones(), posture.transform, &mut memory)
         .map_err(|error| ToolError::input(option, error))?;
     let positions = deformed(&file, &pose)?;
-    let is_npy = |path: &&PathBuf| {
-        path.extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
-    };
-    if let Some(path) = arguments.output.as_ref().filter(is_npy) {
-        write_whole(path, |w| {
-            bdtree_npy::write(&[positions.len(), 3], positions.as_flattened(), w)
-        })?;
+    let Some(path) = &arguments.output else {
+        let triangles = triangles(&file)?;
+        obj::write(asset, &positions, &triangles, out).map_err(ToolError::Stdout)?;
         return Ok(DONE);
+    };
+    let mut parts = vec![counted(positions.len(), "vertex")];
+    let extension = path.extension().unwrap_or_default();
+    if extension.eq_ignore_ascii_case("npy") {
+        let shape = [positions.len(), 3];
+        write_whole(path, |w| {
+            bdtree_npy::write(&shape, positions.as_flattened(), w)
+        })?;
+    } else {
+        let triangles = triangles(&file)?;
+        write_whole(path, |w| obj::write(asset, &positions, &triangles, w))?;
+        parts.push(counted(triangles.len(), "triangle"));
     }
-    let triangles = triangles(&file)?;
-    match &arguments.output {
-        None => obj::write(asset, &positions, &triangles, out).map_err(ToolError::Stdout)?,
-        Some(path) => write_whole(path, |w| obj::write(asset, &positions, &triangles, w))?,
-    }
+    let parts = parts.join(", ");
+    writeln!(out, "wrote {}: {parts}", path.display()).map_err(ToolError::Stdout)?;
     Ok(DONE)
 }
 
@@ -71,7 +78,8 @@ pub fn deformed(file: &AssetFile, pose: &Pose<'_>) -> Result<Vec<[f64; 3]>, Tool
             if x.iter().all(|c| c.is_finite()) {
                 Ok(x)
             } else {
-                let message = format!("vertex {i} is not finite: corrupt asset, run bdtree verify");
+                let message =
+                    format!("vertex {i} is not finite: damaged .bdt file, run bdtree verify");
                 Err(ToolError::input(file.path().display(), message))
             }
         })

@@ -17,7 +17,7 @@ use bdtree_render::{Level, Studio};
 
 use crate::error::ToolError;
 use crate::frames::frame_of;
-use crate::output::{check_target, printable, write_json, write_whole};
+use crate::output::{check_target, check_writable, printable, write_json, write_whole};
 use crate::posture::{PostureArguments, posture};
 use crate::q::counted;
 use crate::scene::Scene;
@@ -52,6 +52,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     let targets = targets(arguments);
     for (_, path) in &targets {
         check_target(path, &arguments.file, &["png"], ".png")?;
+    }
+    // All lie in one folder.
+    if let Some((_, path)) = targets.first() {
+        check_writable(path)?;
     }
     if let Some(level) = arguments.spheres {
         check_level(&file, level)?;

@@ -102,7 +102,7 @@ fn a_read_only_folder_is_told() {
     let ran = deform(command, "locked/out.npy", &folder);
     refused(
         &ran,
-        "locked/out.npy: cannot write: Permission denied (os error 13)\n",
+        "locked/out.npy: folder locked does not allow new files\n",
     );
     assert_eq!(folder.read("locked/out.npy"), b"old");
     assert_eq!(count(&locked), 1);
@@ -115,12 +115,12 @@ fn impossible_outputs_are_refused() {
     fs::create_dir(folder.path("taken.obj")).expect("a folder");
     folder.write("asset.npy", folder.read("large.bdt"));
     let run = |output| deform(Command::new(PROGRAM), output, &folder);
+    refused(&run("taken.obj"), "taken.obj: is a folder: name a file\n");
+    refused(&run("no/out.obj"), "no/out.obj: folder no does not exist\n");
     refused(
-        &run("taken.obj"),
-        "taken.obj: cannot write: Is a directory (os error 21)\n",
+        &run("asset.npy/out.obj"),
+        "asset.npy/out.obj: asset.npy is not a folder\n",
     );
-    let missing = "cannot write: No such file or directory (os error 2)";
-    refused(&run("no/out.obj"), &format!("no/out.obj: {missing}\n"));
     let ran = folder.run(&["deform", "asset.npy", "-o", "asset.npy"]);
     assert_eq!(ran.code, 1);
     assert_eq!(

@@ -101,7 +101,7 @@ fn what_does_not_fit_is_told() {
         ),
         (
             &["a.bdt", "-o", "none/out.png"],
-            "none/out.png: cannot write: No such file or directory (os error 2)",
+            "none/out.png: folder none does not exist",
         ),
         (
             &["a.bdt", "-o", "out.png", "--q", "1"],

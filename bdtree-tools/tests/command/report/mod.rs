@@ -61,7 +61,7 @@ fn what_is_wrong_is_told() {
         (&["broken.bdt"], "broken.bdt: damaged .bdt file: section "),
         (
             &["a.bdt", "-o", "none/out.html"],
-            "none/out.html: cannot write: ",
+            "none/out.html: folder none does not exist\n",
         ),
     ] {
         let ran = folder.run(&[&["report"], arguments].concat());
