@@ -24,7 +24,9 @@ use std::ffi::OsString;
 use std::io::Write;
 
 use bdtree_tools::render::check_level;
-use bdtree_tools::{AssetFile, BAD_INPUT, DONE, ToolError, check_target, parse, posture};
+use bdtree_tools::{
+    AssetFile, BAD_INPUT, DONE, ToolError, check_target, check_writable, parse, posture,
+};
 
 use app::{App, Probe};
 
@@ -39,7 +41,7 @@ pub fn run(
         Ok(arguments) => arguments,
         Err(code) => return code,
     };
-    match open(&arguments) {
+    match open(&arguments, out) {
         Ok(()) => DONE,
         Err(error) => {
             let _ = writeln!(err, "{error}");
@@ -48,11 +50,14 @@ pub fn run(
     }
 }
 
-fn open(arguments: &Arguments) -> Result<(), ToolError> {
+fn open(arguments: &Arguments, out: &mut dyn Write) -> Result<(), ToolError> {
     if let Some(path) = &arguments.screenshot {
         check_target(path, &arguments.file, &["png"], ".png")?;
     }
     let file = AssetFile::map(&arguments.file)?;
+    if let Some(path) = &arguments.screenshot {
+        check_writable(path)?;
+    }
     file.checked_asset(!arguments.no_verify)?;
     let mut asked = arguments.posture.clone();
     if arguments.play && asked.clip.is_none() {
@@ -90,5 +95,10 @@ fn open(arguments: &Arguments) -> Result<(), ToolError> {
     } else {
         app.playback.clock.is_playing = arguments.play;
     }
-    window::run(app, arguments.size.0, arguments.screenshot.as_deref())
+    let copied = window::run(app, arguments.size.0, arguments.screenshot.as_deref())?;
+    if let (Some(path), Some([width, height])) = (&arguments.screenshot, copied) {
+        let path = path.display();
+        writeln!(out, "wrote {path}: {width} x {height} pixels").map_err(ToolError::Stdout)?;
+    }
+    Ok(())
 }

@@ -24,7 +24,7 @@ const SMALLEST: [u32; 2] = [320, 480];
 const SETTLED: u64 = 6;
 
 /// Shows `app` in a window of `size` pixels until it is closed; with `screenshot` until it is drawn and
-/// copied there.
+/// copied there; the size of that copy.
 ///
 /// # Errors
 /// No display, no adapter, a lost device, an asset that the device does not take, a picture that cannot
@@ -33,30 +33,50 @@ pub(crate) fn run(
     app: App<'_>,
     size: [u32; 2],
     screenshot: Option<&Path>,
-) -> Result<(), ToolError> {
+) -> Result<Option<[u32; 2]>, ToolError> {
     contained(|| {
-        let events =
-            EventLoop::new().map_err(|error| ToolError::input("no window", reason(&error)))?;
+        let events = EventLoop::new().map_err(|error| {
+            let why = match has_display() {
+                true => reason(&error),
+                false => NO_DISPLAY.to_string(),
+            };
+            ToolError::input("no window", why)
+        })?;
         events.set_control_flow(ControlFlow::Wait);
         let mut viewer = Viewer {
             app,
             size,
             screenshot: screenshot.map(Path::to_path_buf),
+            copied: None,
             stage: None,
             failure: None,
         };
         let result = events.run_app(&mut viewer);
         match viewer.failure {
             Some(failure) => Err(failure),
-            None => result.map_err(|error| ToolError::input("window", reason(&error))),
+            None => result
+                .map(|()| viewer.copied)
+                .map_err(|error| ToolError::input("window", reason(&error))),
         }
     })
+}
+
+/// What windows need here. winit's own words are for those who build programs with it.
+const NO_DISPLAY: &str =
+    "an X11 display (or XWayland) is needed: set DISPLAY, or use `bdtree render`";
+
+/// Whether a display is named, where windows are X11's.
+fn has_display() -> bool {
+    let is_x11 = cfg!(all(unix, not(target_vendor = "apple")));
+    !is_x11 || std::env::var_os("DISPLAY").is_some_and(|name| !name.is_empty())
 }
 
 struct Viewer<'a> {
     app: App<'a>,
     size: [u32; 2],
     screenshot: Option<PathBuf>,
+    /// Size of the picture that was written.
+    copied: Option<[u32; 2]>,
     stage: Option<Stage>,
     failure: Option<ToolError>,
 }
@@ -105,6 +125,7 @@ impl Viewer<'_> {
         let after = after.map_err(|error| ToolError::input(path.display(), error))?;
         if let (Some(copy), Some(path)) = (after.copy, &self.screenshot) {
             write_whole(path, |w| copy.write_png(w))?;
+            self.copied = Some(copy.size());
             events.exit();
         } else if after.delay.is_zero() || self.screenshot.is_some() {
             stage.window().request_redraw();

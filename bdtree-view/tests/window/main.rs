@@ -49,6 +49,8 @@ fn screenshot(display: &Display, file: &Path, options: &[&str]) -> Picture {
     assert_eq!(output.status.code(), Some(0), "{text}");
     let picture = Picture::load(&path);
     assert_eq!(picture.size, SIZE);
+    let wrote = format!("wrote {}: 1000 x 700 pixels\n", path.display());
+    assert_eq!(String::from_utf8_lossy(&output.stdout), wrote);
     picture
 }
 
