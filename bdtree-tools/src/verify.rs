@@ -38,7 +38,7 @@ pub struct BrokenRule {
     pub byte: u64,
     /// Number and words of the rule in `SPEC.md`, or of the promise in `docs/design/guarantees.md`.
     pub rule: String,
-    /// What the rule asks for: text, or a number, which may be a limit.
+    /// What the rule asks for: a number, or text, which has the words of a limit (`less than 98`).
     pub expected: Value,
     /// What the file holds.
     pub found: Value,
@@ -59,9 +59,9 @@ impl From<&FormatError> for BrokenRule {
 /// Numbers stay numbers; what JSON cannot write as one is text.
 fn value(datum: Datum) -> Value {
     match datum {
-        Datum::Integer(x) | Datum::Below(x) => x.into(),
+        Datum::Integer(x) => x.into(),
         Datum::Signed(x) => x.into(),
-        Datum::Real(x) | Datum::AtMost(x) | Datum::AtLeast(x) if x.is_finite() => x.into(),
+        Datum::Real(x) if x.is_finite() => x.into(),
         other => other.to_string().into(),
     }
 }

@@ -157,6 +157,14 @@ pub struct Summary {
     pub rounding_slack_rel: f64,
 }
 
+/// The name that the processor's makers gave the instructions of a kernel.
+fn instructions(kernel: &str) -> String {
+    match kernel {
+        "Scalar" => "scalar".to_string(),
+        name => name.to_uppercase(),
+    }
+}
+
 impl std::fmt::Display for Summary {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self {
@@ -168,27 +176,24 @@ impl std::fmt::Display for Summary {
             ..
         } = self;
         match violations {
-            0 => writeln!(f, "all {vertices} vertices are inside their spheres")?,
-            n => writeln!(
-                f,
-                "{n} of {vertices} vertices are outside a sphere above them"
-            )?,
+            0 => writeln!(f, "{vertices} vertex checks passed, none failed")?,
+            n => writeln!(f, "{n} of {vertices} vertex checks failed")?,
         }
         if *unbounded > 0 {
             writeln!(f, "{unbounded} spheres have no radius")?;
         }
-        writeln!(f, "{cases} cases: a node at one of {poses} q")?;
+        writeln!(f, "{cases} cases: a node in one of {poses} poses")?;
         if let Some(t) = &self.tightest {
             writeln!(
                 f,
-                "smallest margin: {:.1} % of the rounding allowance of {:.2e} mesh units (node {}, lane {}, \
-                 vertex {}, {} kernel)",
+                "smallest margin: {:.1} % of the rounding allowance of {:.2e} mesh units (sphere {} of node \
+                 {}, vertex {}, {} code)",
                 100.0 * t.margin_slacks,
                 t.slack,
-                t.node,
                 t.lane,
+                t.node,
                 t.vertex,
-                t.kernel
+                instructions(&t.kernel)
             )?;
         }
         let percent = 100.0 * self.rounding_slack_rel;

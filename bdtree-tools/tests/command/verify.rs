@@ -68,6 +68,27 @@ fn an_error_of_opening_has_the_same_form() {
     assert!(ran.err.starts_with("text.bdt: not a .bdt file (SPEC 9.1"));
 }
 
+/// JSON says how a number is limited, as the text does.
+#[test]
+fn what_is_expected_of_an_index_has_its_relation() {
+    let folder = Folder::new();
+    let info = folder.json(&["info", "a.bdt", "--json"]);
+    let mut bytes = folder.read("a.bdt");
+    let sections = info["sections"].as_array().unwrap();
+    let triangles = sections.iter().find(|s| s["kind"] == "TRIS").unwrap();
+    let at = triangles["offset"].as_u64().unwrap() as usize;
+    bytes[at..at + 4].copy_from_slice(&65_355_u32.to_le_bytes());
+    folder.write("bad.bdt", bytes);
+    let ran = folder.run(&["verify", "bad.bdt", "--json"]);
+    let report: Value = serde_json::from_str(&ran.out).unwrap();
+    let errors = report["errors"].as_array().unwrap();
+    let expected = format!("less than {}", info["vertices"]);
+    let of_corner = |e: &&Value| e["found"] == 65_355 && e["expected"] == expected.as_str();
+    assert_eq!(errors.iter().filter(of_corner).count(), 1, "{errors:#?}");
+    let text = format!("found 65355, expected {expected}");
+    assert!(ran.err.contains(&text), "{}", ran.err);
+}
+
 /// A sphere that is too small for all of its vertices is one broken rule.
 #[test]
 fn a_bound_that_is_too_small_is_told_once() {
@@ -91,7 +112,8 @@ fn a_bound_that_is_too_small_is_told_once() {
         .collect();
     assert_eq!(of_radius.len(), 1, "{errors:#?}");
     // The smallest ball reaches its farthest vertex.
-    let needed = of_radius[0]["expected"].as_f64().unwrap();
+    let expected = of_radius[0]["expected"].as_str().unwrap();
+    let needed: f64 = expected.strip_prefix("at least ").unwrap().parse().unwrap();
     assert!(
         (needed / f64::from(radius) - 1.0).abs() < 1e-6,
         "{needed} {radius}"
@@ -182,13 +204,14 @@ fn a_stress_run_tells_what_it_tried() {
     let lines: Vec<&str> = ran.out.lines().collect();
     assert_eq!((ran.code, lines.len(), lines[0]), (0, 5, "a.bdt: ok"));
     for (line, (start, end)) in lines[1..].iter().zip([
-        ("a.bdt: all ", " vertices are inside their spheres"),
-        ("a.bdt: 10 cases: a node at one of ", " q"),
-        ("a.bdt: smallest margin: ", " kernel)"),
+        ("a.bdt: ", " vertex checks passed, none failed"),
+        ("a.bdt: 10 cases: a node in one of ", " poses"),
+        ("a.bdt: smallest margin: ", " code)"),
         ("a.bdt: rounding adds ", " % to the mean radius at q_range"),
     ]) {
         assert!(line.starts_with(start) && line.ends_with(end), "{line}");
     }
+    assert!(lines[3].contains("(sphere ") && lines[3].contains(" of node "));
     assert!(ran.err.is_empty());
 }
 
