@@ -162,6 +162,9 @@ fn not_json(source: &str, text: &[u8], error: &serde_json::Error) -> ToolError {
     if std::str::from_utf8(text).is_err() {
         return ToolError::input(source, "not a JSON scene");
     }
+    if text.starts_with(b"\xef\xbb\xbf") {
+        return ToolError::input(source, "begins with a byte order mark: save it without one");
+    }
     let said = error.to_string();
     let starts = |words: &[&str]| words.iter().any(|word| said.starts_with(word));
     let message = if error.is_data() || starts(&["number out of range", "recursion limit"]) {

@@ -146,6 +146,10 @@ fn syntax_errors_have_line_and_column() {
             "scene.json: not JSON (JSON has no NaN or Infinity): expected value at line 1 column 14\n",
         ),
         (
+            "\u{feff}{}",
+            "scene.json: begins with a byte order mark: save it without one\n",
+        ),
+        (
             "{} x",
             "scene.json: not JSON: trailing characters at line 1 column 4\n",
         ),
