@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
-"""Reads a .bdt file by format-spec/SPEC.md alone and prints what `bdtree info --json` prints.
+"""Reads a .bdt file by format-spec/SPEC.md alone and prints a part of what
+`bdtree info --json` prints: what SPEC.md defines.
+
+Usage: bdt_reader.py FILE.bdt
 
 Python >= 3.9, standard library only. Checks checksums, padding, canonical order, numbers and
-ranges, but not the bounds. Exit code 1 and one line on stderr when a rule is broken.
+ranges, but not the bounds. Exit code 1 and one line on stderr when a rule is broken, 2 without a
+file.
 """
 import json
 import math
@@ -391,6 +395,9 @@ def info(data):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        print("usage: bdt_reader.py FILE.bdt", file=sys.stderr)
+        sys.exit(2)
     try:
         with open(sys.argv[1], "rb") as file:
             print(json.dumps(info(file.read())))

@@ -6,6 +6,9 @@ use super::report::Info;
 use crate::output::{digits, printable, table};
 use crate::q::counted;
 
+/// Sides of a box below this, over its diagonal, are shown as 0.
+const FLAT: f64 = 1e-9;
+
 /// The facts as aligned lines, with the table of sections where it is asked for.
 pub(super) fn text(path: &Path, info: &Info, sections: bool) -> String {
     let known = |text: &Option<String>| match text {
@@ -24,8 +27,9 @@ pub(super) fn text(path: &Path, info: &Info, sections: bool) -> String {
         ("basis", format!("{basis}, {}", counted(info.modes, "mode"))),
     ];
     if let Some(bounds) = &info.bounds {
-        let size = bounds.size().map(digits).join(" x ");
-        let diagonal = digits(bounds.diagonal());
+        let diagonal = bounds.diagonal();
+        let size = bounds.size().map(|x| side(x, diagonal)).join(" x ");
+        let diagonal = digits(diagonal);
         let corners = [bounds.min, bounds.max].map(|p| p.map(digits).join(" "));
         facts.push(("size", format!("{size} mesh units, diagonal {diagonal}")));
         facts.push(("box", corners.join(" to ")));
@@ -34,14 +38,14 @@ pub(super) fn text(path: &Path, info: &Info, sections: bool) -> String {
         facts.push(("scale", format!("1 mesh unit = {} m", digits(scale))));
     }
     if let Some(error) = &info.basis_error_rel {
-        let places = [("frame", error.frame), ("vertex", error.vertex)];
-        let place = places.map(|(what, place)| Some(format!("{what} {}", place?)));
-        let place = match place.into_iter().flatten().collect::<Vec<_>>() {
-            place if place.is_empty() => String::new(),
-            place => format!(" ({})", place.join(", ")),
+        let place = match (error.vertex, error.frame) {
+            (Some(vertex), Some(frame)) => format!(" (vertex {vertex} in frame {frame})"),
+            (Some(vertex), None) => format!(" (vertex {vertex})"),
+            (None, Some(frame)) => format!(" (frame {frame})"),
+            (None, None) => String::new(),
         };
-        let (max, rms) = (digits(error.max), digits(error.rms));
-        let error = format!("largest {max}{place}, rms {rms}, over the diagonal");
+        let (max, rms) = (percent(error.max), percent(error.rms));
+        let error = format!("at most {max} of the diagonal{place}, rms {rms}");
         facts.push(("basis error", error));
     }
     if let Some(highest) = info.highest_frequency_hz {
@@ -58,10 +62,11 @@ pub(super) fn text(path: &Path, info: &Info, sections: bool) -> String {
     if let (Some(joints), Some(bones)) = (&info.joints, info.bones) {
         let influences = info.influences_max.unwrap_or_default();
         let joints = counted(joints.len(), "joint");
-        let (bones, most) = (counted(bones, "bone"), counted(influences as usize, "bone"));
+        let bones = counted(bones, "bone");
+        let most = counted(influences as usize, "influence");
         facts.push((
             "skin",
-            format!("{joints}, {bones}, at most {most} a vertex"),
+            format!("{joints}, {bones}, at most {most} of a vertex"),
         ));
     }
     for clip in info.clips.iter().flatten() {
@@ -98,6 +103,17 @@ pub(super) fn text(path: &Path, info: &Info, sections: bool) -> String {
     let mut text = lines(facts);
     text += &tables(info, sections);
     text + &lines(settings.chain(warnings))
+}
+
+/// A side of a box; 0 for what rounding leaves of a flat mesh's third one.
+fn side(x: f64, diagonal: f64) -> String {
+    digits(if x < FLAT * diagonal { 0.0 } else { x })
+}
+
+/// A share in per cent, three digits at most.
+fn percent(share: f64) -> String {
+    let x = 100.0 * share;
+    format!("{} %", digits(format!("{x:.2e}").parse().unwrap_or(x)))
 }
 
 /// Mesh units per stored unit, in words.
@@ -193,4 +209,22 @@ fn tables(info: &Info, sections: bool) -> String {
         "level,spheres,mean radius,largest radius,growth at q_range",
         levels,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{percent, side};
+
+    #[test]
+    fn a_flat_mesh_has_a_side_of_0() {
+        assert_eq!(side(5.551e-17, 1.89), "0");
+        assert_eq!(side(1.6, 1.89), "1.6");
+    }
+
+    #[test]
+    fn shares_are_told_as_the_bake_tells_them() {
+        for (share, text) in [(0.0536211, "5.36 %"), (0.002, "0.2 %"), (0.0, "0 %")] {
+            assert_eq!(percent(share), text);
+        }
+    }
 }

@@ -121,7 +121,7 @@ fn info_describes_the_animation_and_the_error() {
     let ran = folder.run(&["info", "error.bdt"]);
     for text in [
         "animation    3 frames, 2 s\n",
-        "basis error  largest 0.0125 (frame 2, vertex 17), rms 0.002, over the diagonal\n",
+        "basis error  at most 1.25 % of the diagonal (vertex 17 in frame 2), rms 0.2 %\n",
         "basis ends   at 1.98",
         "default q",
     ] {
@@ -147,7 +147,7 @@ fn info_describes_the_animation_and_the_error() {
     let ran = folder.run(&["info", "untimed.bdt"]);
     for text in [
         "3 frames, times unknown\n",
-        "largest 0.0125 (vertex 17), rms",
+        "at most 1.25 % of the diagonal (vertex 17), rms",
     ] {
         assert!(ran.out.contains(text), "{text}: {}", ran.out);
     }

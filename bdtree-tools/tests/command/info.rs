@@ -198,6 +198,16 @@ fn bad_files_are_named() {
     }
 }
 
+/// In the words of the bake.
+#[test]
+fn a_skin_is_described() {
+    let folder = Folder::new();
+    folder.write("tube.bdt", character("skinned_tube.glb"));
+    let ran = folder.run(&["info", "tube.bdt"]);
+    let line = "skin         4 joints, 4 bones, at most 4 influences of a vertex\n";
+    assert!(ran.out.contains(line), "{}", ran.out);
+}
+
 /// The reader of `tests/python`, written from SPEC.md alone, prints the same values.
 #[test]
 fn another_reader_agrees() {
@@ -227,4 +237,9 @@ fn another_reader_agrees() {
             assert_eq!(&ours[field], value, "{file}: {field}");
         }
     }
+    let mut reader = Command::new("python3");
+    let output = reader.arg(root.join("tests/python/bdt_reader.py")).output();
+    let output = output.expect("python3 runs");
+    assert_eq!(output.status.code(), Some(2), "no file");
+    assert!(output.stderr.starts_with(b"usage: "));
 }
