@@ -37,11 +37,11 @@ impl Bar {
             && *last != name
         {
             name.clone_into(&mut last);
-            let _ = writeln!(stderr(), "measuring {name}");
+            let _ = writeln!(stderr(), "{name}");
         }
         let template = match steps {
-            Some(_) => "{elapsed:>4} {msg:<12} {bar:32} {percent:>3} %, {eta} left",
-            None => "{elapsed:>4} {msg:<12} {spinner}",
+            Some(_) => "{elapsed:>4} {msg:<24} {bar:32} {percent:>3} %, {eta} left",
+            None => "{elapsed:>4} {msg:<24} {spinner}",
         };
         if let Ok(style) = ProgressStyle::with_template(template) {
             self.bar.set_style(style);

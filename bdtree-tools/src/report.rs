@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Instant, SystemTime};
 
 use bdtree_format::Metadata;
-use bdtree_measure::Progress;
 use bdtree_measure::report::content::{Content, Margin};
 use bdtree_measure::report::{Picture, Subject, measure, page};
+use bdtree_measure::{MeasureError, Progress};
 use bdtree_render::Image;
 use bdtree_runtime::{Asset, FormatError};
 
@@ -120,7 +120,10 @@ fn content(file: &AssetFile, verify: bool, bar: &Bar) -> Result<Content, ToolErr
         check_seconds: start.elapsed().as_secs_f64(),
         margin: &margin,
     };
-    measure(asset, &subject, bar).map_err(|error| ToolError::input(file.path().display(), error))
+    measure(asset, &subject, bar).map_err(|error| match error {
+        MeasureError::Format(error) => file.error(error),
+        error => ToolError::input(file.path().display(), error),
+    })
 }
 
 /// Where the file's source lies: its metadata have the name alone, which is looked for beside the file and in the

@@ -33,7 +33,7 @@ pub(super) fn depth(
     let mut touched = 0.0;
     let mut memory = vec![0.0; asset.pose_len()];
     let mut workspace = Workspace::new();
-    progress.stage("levels", Some(samples.len() as u64));
+    progress.stage("measuring levels", Some(samples.len() as u64));
     for sample in samples {
         let pose = sample.pose(asset, HERE, &mut memory)?;
         let areas = areas(&pose)?;

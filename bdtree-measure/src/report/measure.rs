@@ -129,7 +129,7 @@ pub fn measure(
         content.refit = Some(comparison::compare(asset, &asked, progress)?);
         seconds.lap("refit");
         let cases = margin_cases(asset);
-        progress.stage("margins", Some(cases));
+        progress.stage("measuring margins", Some(cases));
         let told = |cases| progress.advance(cases);
         content.margin = Some((subject.margin)(asset, cases, &told)?);
         seconds.lap("margins");

@@ -30,6 +30,23 @@ pub(super) struct Modes {
     pub(super) samples: usize,
 }
 
+/// Stages of the advice and of its bakes, in words for whoever waits for a report.
+struct Parts<'a>(&'a dyn Progress);
+
+impl Progress for Parts<'_> {
+    fn stage(&self, name: &str, steps: Option<u64>) {
+        match name {
+            "leaf sizes" | "fewer modes" => self.0.stage(&format!("measuring {name}"), steps),
+            // Stages of a bake.
+            _ => self.0.stage("baking for comparison", steps),
+        }
+    }
+
+    fn advance(&self, steps: u64) {
+        self.0.advance(steps);
+    }
+}
+
 /// Bakes with fewer modes and asks; where bones alone move the asset, with other leaves only.
 pub(super) fn modes(asset: &Asset<'_>, progress: &dyn Progress) -> Result<Modes, MeasureError> {
     let subject = Subject::of_asset(asset)?;
@@ -49,7 +66,7 @@ pub(super) fn modes(asset: &Asset<'_>, progress: &dyn Progress) -> Result<Modes,
     }
     let kind = Metadata::from_bytes(asset.metadata()).map_or(String::new(), |m| m.basis);
     goal.subset = kept_fields(&kind, &subject.mesh, &subject.basis, goal.max_error_rel);
-    let advice = advise(&subject, &goal, progress)?;
+    let advice = advise(&subject, &goal, &Parts(progress))?;
     let sentences = advice.sentences().into_iter().map(|text| Advice {
         topic: "modes".to_string(),
         text,

@@ -46,9 +46,9 @@ fn purpose(kind: SectionKind) -> &'static str {
         SectionKind::SKELETON => "nodes that joints hang from",
         SectionKind::JOINTS => "which nodes are joints",
         SectionKind::SKELETON_NAMES => "names of joints and clips",
-        SectionKind::CLIPS | SectionKind::CHANNELS | SectionKind::KEYS => {
-            "animations of the skeleton"
-        }
+        SectionKind::CLIPS => "animations of the skeleton (clips)",
+        SectionKind::CHANNELS => "what moves in each clip",
+        SectionKind::KEYS => "times and values of the clips",
         SectionKind::FRAMES => "animation frames",
         SectionKind::FRAME_Q => "q of the frames",
         SectionKind::GROUPS => "groups of the source",

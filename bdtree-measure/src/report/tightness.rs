@@ -37,7 +37,10 @@ pub(super) fn tightness(
     let reach = reach.collect::<Result<Vec<_>, _>>()?;
     let mut memory = vec![0.0; asset.pose_len()];
     let mut rows = Vec::new();
-    progress.stage("tightness", Some((asset.depth() * amplitudes.len()) as u64));
+    progress.stage(
+        "measuring tightness",
+        Some((asset.depth() * amplitudes.len()) as u64),
+    );
     for level in 0..asset.depth() {
         let all = lanes::of_level(asset, level);
         let step = all.len().div_ceil(SPHERES_MAX).max(1);

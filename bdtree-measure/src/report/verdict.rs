@@ -28,10 +28,11 @@ pub(super) fn verdict(content: &Content) -> Vec<String> {
 fn speed(curve: &Curve) -> Option<String> {
     const THAN: &str = "than deform + refit";
     let comparison = &curve.comparison;
-    let ratios = || curve.points.iter().map(|p| p.ratio);
+    let points = curve.merged();
+    let ratios = || points.iter().map(|(_, ratio)| *ratio);
     let most = ratios().fold(0.0, f64::max);
     let least = ratios().fold(f64::INFINITY, f64::min);
-    let tried = number(curve.points.last()?.amount);
+    let tried = number(points.last()?.0);
     let verdict = match comparison.ahead {
         Ahead::Ours => {
             format!(
@@ -100,6 +101,7 @@ fn tightness(rows: &[TightnessRow], moved: f64) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::super::content::{Ratio, TightnessRow};
+    use super::super::words::sentence;
     use super::super::words::tests::curve;
     use super::{speed, tightness};
 
@@ -132,6 +134,16 @@ mod tests {
             ),
         ] {
             assert_eq!(speed(&curve("ball", ratios)).as_deref(), Some(says));
+        }
+    }
+
+    /// Rows of the same amount count as their mean in the headline and in the advice.
+    #[test]
+    fn the_verdict_and_the_advice_have_the_same_range() {
+        let curve = curve("pair", &[(0.0, 9.0), (0.0, 4.0), (8.0, 2.0)]);
+        let said = [speed(&curve), sentence(&curve)].map(|text| text.expect("points"));
+        for text in said {
+            assert!(text.contains("2.0 to 6.0 times faster"), "{text}");
         }
     }
 

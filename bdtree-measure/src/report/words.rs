@@ -1,7 +1,7 @@
 //! Who is ahead of deform + refit, in words: the titles of plots and the sentences of advice, which say what
 //! [`Comparison`](crate::comparison::Comparison) says in numbers.
 
-use crate::comparison::{Ahead, Side, merged};
+use crate::comparison::{Ahead, Side};
 
 use super::content::Curve;
 use super::text::number;
@@ -27,8 +27,7 @@ pub(super) fn title(curve: &Curve) -> String {
 
 /// The advice of a curve: how fast, and what to do. `None` where nothing was measured.
 pub(super) fn sentence(curve: &Curve) -> Option<String> {
-    let points: Vec<(f64, f64)> = curve.points.iter().map(|p| (p.amount, p.ratio)).collect();
-    let points = merged(&points);
+    let points = curve.merged();
     let (first, last) = (points.first()?, points.last()?);
     let comparison = &curve.comparison;
     if let Ahead::Ours | Ahead::Refit = comparison.ahead {

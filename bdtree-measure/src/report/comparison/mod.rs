@@ -57,7 +57,7 @@ pub(super) fn compare(
     }
     let deepness: Vec<usize> = (0..steps.first().map_or(0, |s| s.places.len())).collect();
     let all = 2 * AMOUNTS.len() + deepness.len();
-    progress.stage("refit", Some(all as u64));
+    progress.stage("measuring deform + refit", Some(all as u64));
     let curve = |question, unit, amounts: &[usize], at: At<'_>| {
         curve(question, unit, amounts, progress, at)
     };

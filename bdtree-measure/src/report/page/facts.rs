@@ -8,13 +8,29 @@ use super::{Page, Picture};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+/// Sides of the box below this, over its diagonal, are shown as 0.
+const FLAT: f64 = 1e-9;
+
 /// Sides of the box, with their unit.
-fn size(sides: [f64; 3], scale_m: Option<f64>) -> String {
-    let sides = sides.map(number).join(" × ");
+fn size(sides: [f64; 3], diagonal: f64, scale_m: Option<f64>) -> String {
+    // What rounding leaves of a flat mesh's third side is no length.
+    let side = |x| match x < FLAT * diagonal {
+        true => number(0.0),
+        false => number(x),
+    };
+    let sides = sides.map(side).join(" × ");
     match scale_m {
         Some(1.0) => format!("{sides} m"),
         Some(scale) => format!("{sides} units of {} m", number(scale)),
         None => format!("{sides} units"),
+    }
+}
+
+/// The name that the processor's makers gave the instructions of a kernel.
+fn instructions(kernel: &str) -> String {
+    match kernel {
+        "Scalar" => "scalar".to_string(),
+        name => name.to_uppercase(),
     }
 }
 
@@ -29,7 +45,10 @@ impl Page {
             ("nodes", grouped(asset.nodes as u64)),
             ("levels", asset.depth.to_string()),
             ("bytes", grouped(asset.bytes)),
-            ("size", size(asset.size, content.made.scale_m)),
+            (
+                "size",
+                size(asset.size, asset.diagonal, content.made.scale_m),
+            ),
         ];
         if let Some(skin) = &asset.skin {
             facts.extend([
@@ -121,12 +140,12 @@ impl Page {
         self.heading("How it was measured");
         self.soft(&format!(
             "At {}, which move the farthest vertex by up to {} of the diagonal; each part says how many of them \
-             it takes. Lengths are mesh units. Times are of one thread of {}, kernel {}, and medians of {} \
+             it takes. Lengths are mesh units. Times are of one thread of {}, {} code, and medians of {} \
              repetitions unless a part says otherwise.",
             samples.source,
             percent(samples.displacement_max_rel),
             content.machine.processor,
-            content.machine.kernel,
+            instructions(&content.machine.kernel),
             content.machine.repetitions,
         ));
     }
@@ -199,5 +218,23 @@ impl Page {
             .map(|s| format!("{} {:.1} s", s.part, s.seconds))
             .collect();
         self.soft(&format!("Made in: {}.", parts.join(", ")));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{instructions, size};
+
+    #[test]
+    fn a_flat_mesh_has_a_side_of_0() {
+        let sides = [1.6, 1.0, 5.551e-17];
+        assert_eq!(size(sides, 1.89, Some(1.0)), "1.6 × 1 × 0 m");
+        assert_eq!(size(sides, 1e-16, None), "1.6 × 1 × 5.55e-17 units");
+    }
+
+    #[test]
+    fn kernels_have_the_names_of_their_instructions() {
+        assert_eq!(instructions("Scalar"), "scalar");
+        assert_eq!(instructions("Avx2"), "AVX2");
     }
 }

@@ -32,7 +32,8 @@ impl Page {
             "Both find the same contacts on the same deformed vertices. At leaves the refitted tree tests balls and \
              pairs triangle by triangle with this library's public scalar functions and rays with its own test in \
              f32; bdtree rejects four triangles at a time, and tests balls four at a time. Ratio: \
-             deform + refit over bdtree. From {} to {} it is noise; beyond, one is safely ahead.",
+             deform + refit over bdtree. From {} to {} it is noise; beyond, one is safely ahead. Rows of the same \
+             amount count as their mean.",
             NOISE[0], NOISE[1]
         ));
         self.open();

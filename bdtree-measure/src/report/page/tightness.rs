@@ -41,7 +41,7 @@ impl Page {
             0,
             &[
                 ("level", &|r| r.level.to_string()),
-                ("spheres", &|r| r.spheres.to_string()),
+                ("spheres measured", &|r| r.spheres.to_string()),
                 ("mean / largest", &|r| both(&r.bdtree)),
             ],
         );
@@ -87,7 +87,7 @@ impl Page {
             &[
                 ("moved by", &|r| percent(moved(r))),
                 ("level", &|r| r.level.to_string()),
-                ("spheres", &|r| r.spheres.to_string()),
+                ("spheres measured", &|r| r.spheres.to_string()),
                 ("paper, mean / largest", &|r| both(&paper(r))),
                 ("smallest balls", &|r| both(&smallest_ball(r))),
                 ("bdtree", &|r| both(&r.bdtree)),

@@ -41,6 +41,14 @@ fn characters_are_measured_in_the_poses_of_their_clips() {
     assert!(page.contains("Modes kept</h2>") && page.contains(over));
     assert!(report["made"]["is_as_advised"].is_boolean());
 
+    // Each section has its own words.
+    let sections = list(&report, "sections");
+    let mut purposes: Vec<String> = sections.iter().map(|s| s["purpose"].to_string()).collect();
+    purposes.sort();
+    purposes.dedup();
+    assert_eq!(purposes.len(), sections.len(), "{purposes:#?}");
+    assert!(page.contains("<th>spheres measured</th>"));
+
     // What is not measured is said.
     let missing = list(&report, "missing");
     let text = missing[0].as_str().expect("words");
