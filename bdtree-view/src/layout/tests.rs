@@ -374,6 +374,19 @@ fn the_mouse_turns_moves_and_zooms_the_camera() {
 }
 
 #[test]
+fn without_modes_there_are_no_sliders() {
+    for (name, has_modes) in [("tetrahedron.bdt", false), ("sphere.bdt", true)] {
+        with_person(&golden_file(name), WIDE, |person| {
+            person.find("Spheres");
+            for text in ["Zero all", "sliders go to"] {
+                assert_eq!(person.sees(text).is_some(), has_modes, "{name}: {text}");
+            }
+            assert_eq!(person.sees("Modes (0)"), None);
+        });
+    }
+}
+
+#[test]
 fn the_space_bar_plays_and_halts() {
     let file = golden_file("animated.bdt");
     with_person(&file, WIDE, |mut person| {

@@ -84,7 +84,9 @@ pub(crate) fn show(ui: &mut Ui, app: &mut App<'_>, status: &Status) -> Wish {
         .auto_shrink([false, false])
         .show(ui, |ui| {
             let count = app.view.q.len();
-            section(ui, &format!("Modes ({count})"), |ui| modes::show(ui, app));
+            if count > 0 {
+                section(ui, &format!("Modes ({count})"), |ui| modes::show(ui, app));
+            }
             if app.playback.frame_count() > 0 {
                 section(ui, "Animation", |ui| motion::show(ui, app));
             }
