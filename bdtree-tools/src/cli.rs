@@ -13,7 +13,8 @@ use crate::render::UprightArguments;
 
 /// Looks into, checks, compares, deforms, queries and draws .bdt files.
 ///
-/// Exit codes: 0 done, 1 bad input (every problem on standard error with its place), 2 usage.
+/// Exit codes: 0 done, 1 bad input (every problem on standard error with its place), 2 usage (`diff`
+/// has its own).
 #[derive(Debug, Parser)]
 #[command(name = "bdtree", version)]
 pub(crate) struct Cli {
@@ -64,9 +65,9 @@ pub struct InfoArguments {
 pub struct VerifyArguments {
     /// The .bdt file
     pub file: PathBuf,
-    /// Print one JSON object: ok, errors [{section, byte, rule, expected, found}]; with --stress
-    /// also stress {cases, seed, poses, vertices, kernels, violations, unbounded, tightest,
-    /// rounding_slack_rel}
+    /// Print one JSON object: ok, errors [{section, byte, rule, expected, found}] (expected: a number,
+    /// or text such as "less than 98"); with --stress, unless a rule is broken, also stress {cases,
+    /// seed, poses, vertices, kernels, violations, unbounded, tightest, rounding_slack_rel}
     #[arg(long)]
     pub json: bool,
     /// Also test the bounds at worst-case q: deformed vertices against the spheres above them, in exact
@@ -153,7 +154,7 @@ pub struct QueryArguments {
 /// tightness, times beside deform + refit, bytes.
 ///
 /// A page of its own (plots inside, nothing fetched) or JSON with all its figures. Counts and errors are
-/// the same in every run, times are not; it takes about 12 s for 18 thousand triangles and one to two
+/// the same in every run, times are not; it takes about 7 s for 18 thousand triangles and one to two
 /// minutes for half a million, on two idle cores. The file is checked first. Do not change it during the run: all commands except verify map
 /// files into memory.
 #[cfg(feature = "report")]
@@ -167,8 +168,9 @@ pub struct ReportArguments {
     #[command(flatten)]
     #[allow(missing_docs)] // clap would print it
     pub upright: UprightArguments,
-    /// Print one JSON object: file, asset, machine, samples, missing, advice, modes, depth,
-    /// tightness, margin, refit, sections, unneeded, seconds (lengths in mesh units, unknown values null)
+    /// Print one JSON object: file, date, made, verdict, asset, machine, samples, missing, advice, modes,
+    /// modes_over, depth_whole, depth, tightness, margin, refit, sections, unneeded, seconds (lengths in
+    /// mesh units, unknown values null)
     #[arg(long)]
     pub json: bool,
     /// Do not check checksums and records first: a broken file may give wrong figures or end the program

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use bdtree_tools::PostureArguments;
+use bdtree_tools::render::level;
 use bdtree_tools::render::options::{PictureSize, numbers};
 use clap::Parser;
 
-/// Opens a window on a .bdt file: sliders for q, its animation and clips, spheres of its tree coloured by
-/// tightness, and a ball that shows what it touches and which nodes that visits.
+/// Opens a window on a .bdt file: sliders for q, its animation and clips, spheres of its tree colored by
+/// growth, and a ball that shows what it touches and which nodes that visits.
 ///
 /// The file's checksums are checked first. Do not change the file during the run: it is mapped into memory. Needs
 /// Vulkan: a graphics card's, or Mesa's in software.
@@ -26,7 +27,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["q", "joints"])]
     pub play: bool,
     /// Show the spheres of a level of the tree, 0 being the root's
-    #[arg(long, value_name = "LEVEL")]
+    #[arg(long, value_name = "LEVEL", value_parser = level)]
     pub spheres: Option<usize>,
     /// Show the probe: center and radius, world units
     #[arg(long, value_name = "X,Y,Z,R", allow_hyphen_values = true)]

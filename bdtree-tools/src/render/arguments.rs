@@ -9,7 +9,7 @@ use crate::posture::PostureArguments;
 
 /// Draws pictures: the deformed mesh, spheres of its tree, what queries visit.
 ///
-/// Spheres are colored by tightness: their radius over that of the wrapped sphere at rest. With the scale of the
+/// Spheres are colored by growth: their radius over that of the wrapped sphere at rest. With the scale of the
 /// paper, dark blue is no growth and dark red is 1.44 (three times the volume) or more; with viridis,
 /// dark purple and yellow are.
 /// Needs Vulkan: a graphics card's, or Mesa's in software.
@@ -94,7 +94,10 @@ pub struct UprightArguments {
 }
 
 /// The number of a level.
-fn level(text: &str) -> Result<usize, String> {
+///
+/// # Errors
+/// It is none.
+pub fn level(text: &str) -> Result<usize, String> {
     let number = text.parse::<usize>();
     number.map_err(|_| "not a whole number, 0 or more".to_string())
 }

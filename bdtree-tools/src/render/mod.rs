@@ -22,7 +22,7 @@ use crate::posture::{PostureArguments, posture};
 use crate::q::counted;
 use crate::scene::Scene;
 use crate::{AssetFile, DONE};
-pub use arguments::{Arguments, UprightArguments};
+pub use arguments::{Arguments, UprightArguments, level};
 use body::{Body, Content};
 use picture::{Bounds, Frame, Painter, graphics};
 #[cfg(feature = "report")]

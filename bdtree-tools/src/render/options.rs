@@ -24,7 +24,7 @@ impl From<AgainstChoice> for Against {
     }
 }
 
-/// The colors of tightness.
+/// The colors of growth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ScaleChoice {
     /// The paper's: dark blue to dark red.

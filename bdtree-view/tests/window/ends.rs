@@ -80,6 +80,11 @@ fn bad_files_and_options_are_named() {
         .arg(file("sphere.bdt"))
         .args(["--size", "0x9"]));
     assert_eq!(usage.status.code(), Some(2));
+    let mut usage = display.viewer();
+    let usage = run(usage.arg(file("sphere.bdt")).args(["--spheres", "x"]));
+    let text = String::from_utf8_lossy(&usage.stderr);
+    assert_eq!(usage.status.code(), Some(2));
+    assert!(text.contains("not a whole number, 0 or more"), "{text}");
 
     let folder = tempfile::tempdir().expect("a folder");
     let damaged = folder.path().join("damaged.bdt");
