@@ -135,7 +135,7 @@ fn shown<'a>(
     })
 }
 
-/// q, the frame or the clip in a few words.
+/// q, the frame, the clip or that joints were given, in a few words.
 fn posture_text(
     q: &[f32],
     frame: Option<u64>,
@@ -148,10 +148,15 @@ fn posture_text(
     match (frame, time_s) {
         (Some(number), Some(time_s)) => format!("frame {number} ({time_s:.3} s)"),
         (Some(number), None) => format!("frame {number}"),
-        _ if q.iter().all(|q| *q == 0.0) => "at rest".to_string(),
         _ => {
             let numbers: Vec<String> = q.iter().map(|q| format!("{q}")).collect();
-            format!("q = {}", numbers.join(", "))
+            let is_zero = q.iter().all(|q| *q == 0.0);
+            match (is_zero, asked.joints.is_some()) {
+                (true, false) => "at rest".to_string(),
+                (true, true) => "joints as given".to_string(),
+                (false, false) => format!("q = {}", numbers.join(", ")),
+                (false, true) => format!("joints as given, q = {}", numbers.join(", ")),
+            }
         }
     }
 }
@@ -209,4 +214,34 @@ fn paint<'a>(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::posture_text;
+    use crate::posture::PostureArguments;
+
+    #[test]
+    fn a_caption_names_what_poses_the_mesh() {
+        let rest = PostureArguments::default();
+        let joints = PostureArguments {
+            joints: Some("joints.npy".into()),
+            ..PostureArguments::default()
+        };
+        let clip = PostureArguments {
+            clip: Some("Run".to_string()),
+            time: 0.25,
+            ..PostureArguments::default()
+        };
+        for (q, frame, asked, text) in [
+            ([0.0; 2], None, &rest, "at rest"),
+            ([0.5, 0.0], None, &rest, "q = 0.5, 0"),
+            ([0.0; 2], None, &joints, "joints as given"),
+            ([0.5, 0.0], None, &joints, "joints as given, q = 0.5, 0"),
+            ([0.5, 0.0], None, &clip, "Run at 0.250 s"),
+            ([0.5, 0.0], Some(3), &rest, "frame 3"),
+        ] {
+            assert_eq!(posture_text(&q, frame, None, asked), text);
+        }
+    }
 }
