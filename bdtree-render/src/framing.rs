@@ -8,21 +8,26 @@ use crate::place::Place;
 /// Part of the half width and of the half height that stays empty at each edge.
 const MARGIN: f64 = 0.04;
 
+/// Slopes per axis: for each k of them the k-th part of that of the picture's edge.
+const STEPS: usize = 8;
+
 /// What a picture has to hold, as seen from a direction: held ball by ball (world), then seen by its camera.
 ///
 /// A ball of radius r at distances x right, y up and z back of the origin is between the planes through the left
 /// and the right edge when both s + D·t ≥ x + z·t + r√(1+t²) and −s + D·t ≥ −x + z·t + r√(1+t²), where the eye is
 /// at s and D, and t is the planes' slope. So the largest right sides of both are all there is to keep,
-/// and the two of y: they give the nearest eye.
+/// and the two of y: they give the nearest eye. Seen from there, what does not reach both planes lies between two of a
+/// smaller slope: these are kept, too, and give the s at which it has as much room on either side.
 #[derive(Debug, Clone)]
 pub struct Framing {
     direction: ViewDirection,
     /// Right and up of the picture, and back, unit.
     axes: [DVec3; 3],
-    /// Of the planes through the picture's edges, less the margin: right and left, upper and lower.
-    slopes: [f64; 2],
-    /// The largest right sides, along and against each axis.
-    reaches: [[f64; 2]; 2],
+    /// Parts of the slopes of the planes through the picture's edges, less the margin: right and left, upper and
+    /// lower; each with √(1+t²).
+    slopes: [[[f64; 2]; STEPS]; 2],
+    /// The largest right sides, along and against each axis, for each of them.
+    reaches: [[[f64; 2]; STEPS]; 2],
     /// Of all balls, along back.
     depths: [f64; 2],
 }
@@ -35,8 +40,8 @@ impl Framing {
         Self {
             direction,
             axes: [right, up, -forward].map(|axis| axis.as_dvec3()),
-            slopes: [slope * f64::from(aspect.max(1e-3)), slope],
-            reaches: [[f64::NEG_INFINITY; 2]; 2],
+            slopes: [slope * f64::from(aspect.max(1e-3)), slope].map(parts),
+            reaches: [[[f64::NEG_INFINITY; 2]; STEPS]; 2],
             depths: [f64::INFINITY, f64::NEG_INFINITY],
         }
     }
@@ -52,11 +57,34 @@ impl Framing {
         self.depths[0] = self.depths[0].min(depth - radius);
         self.depths[1] = self.depths[1].max(depth + radius);
         for (k, axis) in [right, up].into_iter().enumerate() {
-            let (aside, slope) = (center.dot(axis), self.slopes[k]);
-            let rest = depth * slope + radius * (1.0 + slope * slope).sqrt();
-            let [along, against] = &mut self.reaches[k];
-            *along = along.max(rest + aside);
-            *against = against.max(rest - aside);
+            let aside = center.dot(axis);
+            let slopes = self.slopes[k].iter();
+            for ([slope, secant], [along, against]) in slopes.zip(&mut self.reaches[k]) {
+                let rest = depth * slope + radius * secant;
+                *along = along.max(rest + aside);
+                *against = against.max(rest - aside);
+            }
+        }
+    }
+
+    /// The nearest D between planes of a part of an axis' slope, and its s.
+    fn between(&self, axis: usize, i: usize) -> [f64; 2] {
+        let [along, against] = self.reaches[axis][i];
+        let distance = 0.5 * (along + against) / self.slopes[axis][i][0];
+        [distance, 0.5 * (along - against)]
+    }
+
+    /// The s at which there is as much room on either side of what is seen from D.
+    fn centered(&self, axis: usize, distance: f64) -> f64 {
+        let all = (0..STEPS).map(|i| self.between(axis, i));
+        // The smaller the slope, the farther away.
+        let (far, near): (Vec<_>, Vec<_>) = all.partition(|[d, _]| *d > distance);
+        match (far.last(), near.first()) {
+            (Some([far, a]), Some([near, b])) if far > near => {
+                b + (a - b) * (distance - near) / (far - near)
+            }
+            (_, Some([_, s])) | (Some([_, s]), None) => *s,
+            (None, None) => 0.0,
         }
     }
 
@@ -71,10 +99,11 @@ impl Framing {
         let mut distance = (near + 1e-3 * (near - far)).max(middle + 1e-3 * place.size);
         let [right, up, back] = self.axes;
         let mut aside = DVec3::ZERO;
+        for k in 0..2 {
+            distance = distance.max(self.between(k, STEPS - 1)[0]);
+        }
         for (k, axis) in [right, up].into_iter().enumerate() {
-            let [along, against] = self.reaches[k];
-            distance = distance.max(0.5 * (along + against) / self.slopes[k]);
-            aside += axis * (0.5 * (along - against));
+            aside += axis * self.centered(k, distance);
         }
         let at = |depth: f64| place.shown((aside + back * depth).to_array()).into();
         Camera {
@@ -83,6 +112,14 @@ impl Framing {
             ..self.direction.camera(Vec3::ZERO)
         }
     }
+}
+
+/// Parts of a slope, the last one whole, and √(1+t²) of each.
+fn parts(slope: f64) -> [[f64; 2]; STEPS] {
+    std::array::from_fn(|i| {
+        let slope = slope * (i + 1) as f64 / STEPS as f64;
+        [slope, (1.0 + slope * slope).sqrt()]
+    })
 }
 
 #[cfg(test)]
@@ -145,6 +182,11 @@ mod tests {
                     "{side:?} {size:?}"
                 );
                 let fill = part(0).max(part(1));
+                for k in 0..2 {
+                    let room = [low[k], size[k] as f32 - high[k]];
+                    let off = (room[0] - room[1]).abs() / size[k] as f32;
+                    assert!(off < 0.01, "{side:?} {size:?}: {room:?}");
+                }
                 assert!(
                     (fill - (1.0 - MARGIN as f32)).abs() < 3e-3,
                     "{side:?} {size:?}: {fill}"
