@@ -230,6 +230,42 @@ fn the_sides_of_a_cube_are_flat_and_a_bend_is_smooth() {
 }
 
 #[test]
+fn a_flat_side_is_even_up_to_its_edge() {
+    let mut studio = Studio::open().expect("a graphics adapter");
+    // A side of 3 x 3 squares that another folds away from at each edge: only the corners of the middle square are smooth.
+    let mut corners = Vec::new();
+    let at = |k: usize| k as f32 / 3.0 - 0.5;
+    for (i, j) in (0..16).map(|n| (n % 4, n / 4)) {
+        corners.push([at(i), at(j), 0.0]);
+    }
+    let mut triangles = Vec::new();
+    for (i, j) in (0..9).map(|n| (n % 3, n / 3)) {
+        let v = 4 * j + i;
+        triangles.extend([[v, v + 1, v + 5], [v, v + 5, v + 4]]);
+    }
+    let edge = [0, 1, 2, 3, 7, 11, 15, 14, 13, 12, 8, 4];
+    for v in edge {
+        let [x, y, _] = corners[v as usize];
+        corners.push([x, y, -1.0]);
+    }
+    for k in 0..12 {
+        let next = (k + 1) % 12;
+        let [a, b] = [edge[k as usize], edge[next as usize]];
+        triangles.extend([[a, 16 + k, 16 + next], [a, 16 + next, b]]);
+    }
+    let mesh = studio.mesh(&corners, &triangles).expect("a mesh");
+    let normals = normals(&corners, &triangles);
+    mesh.write(&studio.gpu.queue, &corners, &normals);
+    let image = picture(&mut studio, &[&mesh], &[], &[]);
+    let shades = (0..81).map(|n| {
+        let [x, y] = [n % 9, n / 9].map(|k| (k as f32 - 4.0) / 9.0);
+        i32::from(seen(&image, [x, y, 0.0])[1])
+    });
+    let (low, high) = shades.fold((255, 0), |(low, high), s| (low.min(s), high.max(s)));
+    assert!(high - low <= 8, "{low} to {high}");
+}
+
+#[test]
 fn the_same_scene_is_the_same_picture() {
     let spheres: Vec<Sphere> = (0..200)
         .map(|i| {

@@ -66,7 +66,8 @@ fn mesh_vertex(
     var out: OnMesh;
     out.clip = globals.view_projection * vec4(position, 1.0);
     out.world = position;
-    out.normal = normal;
+    // Weighed here: of a crease's normal nothing comes into the triangles beside it.
+    out.normal = normal * smoothness;
     out.smoothness = smoothness;
     return out;
 }
@@ -85,10 +86,10 @@ fn mesh_fragment(in: OnMesh) -> @location(0) vec4<f32> {
     // Both sides are lit.
     facet *= select(1.0, -1.0, dot(facet, view) < 0.0);
     let mean = in.normal * select(1.0, -1.0, dot(in.normal, facet) < 0.0);
-    let mean_size = length(mean);
+    let blend = (1.0 - in.smoothness) * facet + mean;
     var normal = facet;
-    if mean_size > 0.0 {
-        normal = normalize(mix(facet, mean / mean_size, in.smoothness));
+    if length(blend) > 0.0 {
+        normal = normalize(blend);
     }
     let colour = lit(linear(look.colour.rgb), normal, view);
     return vec4(encoded(colour), 1.0);
