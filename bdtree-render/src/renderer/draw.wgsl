@@ -16,6 +16,8 @@ struct Globals {
     ground: vec4<f32>,
     // Of shadows on the ground.
     shadow: vec4<f32>,
+    // From a shadow to what throws it, a unit above the ground.
+    shadow_light: vec4<f32>,
 }
 
 struct Look {
@@ -95,11 +97,11 @@ fn mesh_fragment(in: OnMesh) -> @location(0) vec4<f32> {
     return vec4(encoded(colour), 1.0);
 }
 
-// The mesh pressed flat onto the ground: its shadow under a light straight above.
+// The mesh pressed flat onto the ground, away from the light: its shadow.
 @vertex
 fn shadow_vertex(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32> {
     let above = dot(globals.ground.xyz, position) - globals.ground.w;
-    return globals.view_projection * vec4(position - above * globals.ground.xyz, 1.0);
+    return globals.view_projection * vec4(position - above * globals.shadow_light.xyz, 1.0);
 }
 
 @fragment

@@ -20,6 +20,7 @@ struct Record {
     size: [f32; 4],
     ground: [f32; 4],
     shadow: [f32; 4],
+    shadow_light: [f32; 4],
 }
 
 #[derive(Debug)]
@@ -78,6 +79,7 @@ impl Globals {
                 let [r, g, b] = g.shadow.map(|c| f32::from(c) / 255.0);
                 [r, g, b, 1.0]
             }),
+            shadow_light: ground.map_or([0.0; 4], |g| Vec3::from(g.light).extend(0.0).to_array()),
         };
         queue.write_buffer(&self.buffer, 0, record.as_bytes());
     }

@@ -30,13 +30,15 @@ use pipelines::Pipelines;
 use shapes::sphere_instances;
 use targets::Targets;
 
-/// A plane below meshes that only their shadows show; the light is straight above it.
+/// A plane below meshes that only their shadows show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ground {
     /// Its normal, away from below; unit.
     pub up: [f32; 3],
     /// The normal's product with its points.
     pub height: f32,
+    /// From each shadow toward the light, as far as a unit above the ground.
+    pub light: [f32; 3],
     /// Color of shadows: red, green, blue.
     pub shadow: [u8; 3],
 }

@@ -63,7 +63,8 @@ pub struct Arguments {
     #[command(flatten)]
     #[allow(missing_docs)] // clap would print it
     pub upright: UprightArguments,
-    /// Draw the shadow on the ground, under a light straight above: a level plane below all that is drawn
+    /// Draw the mesh's shadow on a level ground at its lowest vertex, under a light from above and a little from the
+    /// left. Spheres throw none and may reach below the ground
     #[arg(long)]
     pub shadow: bool,
     /// No text and no scale of colors

@@ -10,6 +10,7 @@ use bdtree_render::{
     Camera, Framing, Ground, Image, Legend, Line, Place, RenderError, Scene, SkinnedMesh, Sphere,
     Studio, ViewDirection, ball_outline, capsule_outline,
 };
+use glam::Vec3;
 
 use super::arguments::Arguments;
 use super::body::Content;
@@ -37,8 +38,8 @@ pub(super) struct Bounds {
     bodies: Vec<[f64; 3]>,
     /// All that is to be seen.
     framing: Framing,
-    /// The upward axis, where shadows are drawn.
-    up: Option<[f64; 3]>,
+    /// Where shadows are drawn, the upward axis, and from them toward the light, as far as a unit up.
+    upward: Option<[[f64; 3]; 2]>,
     /// Vertices that throw shadows.
     above: Vec<[f64; 3]>,
     /// The lowest of them along that axis.
@@ -54,12 +55,13 @@ impl Bounds {
             up: arguments.upright.up.direction().into(),
         };
         let [width, height] = inner_size(arguments);
+        let up = arguments.upright.up.direction().map(f64::from);
+        let [right, ..] = direction.camera(Vec3::ZERO).axes();
+        let light = [0, 1, 2].map(|k| up[k] - SLANT * f64::from(right[k]));
         Self {
             bodies: Vec::new(),
             framing: Framing::new(direction, width as f32 / height as f32),
-            up: arguments
-                .shadow
-                .then(|| arguments.upright.up.direction().map(f64::from)),
+            upward: arguments.shadow.then_some([up, light]),
             above: Vec::new(),
             ground: f64::INFINITY,
         }
@@ -67,11 +69,13 @@ impl Bounds {
 
     /// Makes them hold the shadows, too, which lie below all frames.
     fn hold_shadows(&mut self) {
-        let Some(up) = self.up else { return };
+        let Some([up, light]) = self.upward else {
+            return;
+        };
         for p in std::mem::take(&mut self.above) {
             let above = dot(up, p) - self.ground;
             self.framing
-                .hold([0, 1, 2].map(|k| p[k] - above * up[k]), 0.0);
+                .hold([0, 1, 2].map(|k| p[k] - above * light[k]), 0.0);
         }
     }
 
@@ -87,7 +91,7 @@ impl Bounds {
             let seen = body.positions.iter().filter(is_seen);
             for p in seen {
                 framing.hold(*p, 0.0);
-                if let Some(up) = self.up {
+                if let Some([up, _]) = self.upward {
                     self.ground = self.ground.min(dot(up, *p));
                     self.above.push(*p);
                 }
@@ -113,6 +117,8 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| a[k] * b[k]).sum()
 }
 
+/// How far to the right of what throws it a shadow lies, over its height: straight below a cube none is seen.
+const SLANT: f64 = 0.35;
 /// Of shadows.
 const SHADOW: [u8; 3] = [222, 225, 230];
 /// Bodies that only stand beside.
@@ -162,15 +168,19 @@ impl<'a> Painter<'a> {
                 .camera(&place)
                 .at_distance(1.0 / arguments.view.zoom),
             place,
-            ground: bounds.up.filter(|_| bounds.ground.is_finite()).map(|up| {
-                let lowest = place.shown(up.map(|x| x * bounds.ground));
-                let up = up.map(|x| x as f32);
-                Ground {
-                    up,
-                    height: (0..3).map(|k| up[k] * lowest[k]).sum(),
-                    shadow: SHADOW,
-                }
-            }),
+            ground: bounds
+                .upward
+                .filter(|_| bounds.ground.is_finite())
+                .map(|[up, light]| {
+                    let lowest = place.shown(up.map(|x| x * bounds.ground));
+                    let [up, light] = [up, light].map(|v| v.map(|x| x as f32));
+                    Ground {
+                        up,
+                        height: (0..3).map(|k| up[k] * lowest[k]).sum(),
+                        light,
+                        shadow: SHADOW,
+                    }
+                }),
         })
     }
 

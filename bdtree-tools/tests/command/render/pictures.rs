@@ -73,6 +73,34 @@ fn a_shadow_lies_below_the_mesh() {
     // With another axis up it lies elsewhere.
     let turned = folder.picture(&[&view[..], &["--shadow", "--up", "-y"]].concat());
     assert!(turned.share(is_shadow) > 0.03);
+    // The sides of a cube stand straight: it throws one to the right.
+    let side = |axis: usize, at: f64| {
+        let corner = |a: f64, b: f64| {
+            let mut p = [at; 3];
+            (p[(axis + 1) % 3], p[(axis + 2) % 3]) = (a, b);
+            p
+        };
+        [
+            corner(0.0, 0.0),
+            corner(1.0, 0.0),
+            corner(1.0, 1.0),
+            corner(0.0, 1.0),
+        ]
+    };
+    let sides = (0..3).flat_map(|axis| [0.0, 1.0].map(|at| side(axis, at)));
+    let mut mesh = ball_mesh();
+    mesh.groups.clear();
+    mesh.positions = sides.flatten().collect();
+    mesh.triangles = (0..6)
+        .flat_map(|k| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| 4 * k + v)))
+        .collect();
+    let rigid = bdtree_build::basis::Basis {
+        vertex_count: mesh.positions.len(),
+        ..Default::default()
+    };
+    folder.write("cube.bdt", baked(&mesh, &rigid));
+    let cube = folder.picture(&["cube.bdt", "--no-legend", "--view", "30,20", "--shadow"]);
+    assert!(cube.share(is_shadow) > 0.02, "{}", cube.share(is_shadow));
 }
 
 #[test]
