@@ -8,6 +8,8 @@ use bdtree_runtime::{Asset, Datum, FormatError, Pose};
 pub struct NodeSphere {
     /// The node.
     pub node: u32,
+    /// The node's level; 0 is the root's.
+    pub level: usize,
     /// Its lane.
     pub lane: usize,
     /// The node that the lane leads to; `None` where triangles hang on it.
@@ -20,27 +22,29 @@ pub struct NodeSphere {
     pub rest_radius: f64,
 }
 
-/// The spheres of a level at a pose.
+/// The spheres of a level at a pose, and the leaves above it: together they hold the mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
     /// The level; 0 is the root's.
     pub level: usize,
-    /// Its spheres, in the order of the file.
+    /// Its spheres and those of earlier levels that triangles hang on, in the order of the file.
     pub spheres: Vec<NodeSphere>,
 }
 
 impl Level {
-    /// All spheres of `level`.
+    /// All spheres of `level`, and the leaves above it.
     ///
     /// # Errors
     /// A corrupt asset.
     pub fn of(pose: &Pose<'_>, level: usize) -> Result<Self, FormatError> {
         let asset = pose.asset();
-        let nodes = asset.node_count_to(level);
-        let first = level
+        let nodes = asset.node_count_to(level) as u32;
+        let above = level
             .checked_sub(1)
-            .map_or(0, |above| asset.node_count_to(above));
-        let spheres = NodeSphere::of_nodes(pose, first as u32..nodes as u32)?;
+            .map_or(0, |above| asset.node_count_to(above)) as u32;
+        let mut spheres = NodeSphere::of_nodes(pose, 0..above)?;
+        spheres.retain(|sphere| sphere.child.is_none());
+        spheres.extend(NodeSphere::of_nodes(pose, above..nodes)?);
         Ok(Self { level, spheres })
     }
 }
@@ -66,6 +70,7 @@ impl NodeSphere {
             for lane in node.lanes() {
                 found.push(Self {
                     node: index,
+                    level: usize::from(node.level),
                     lane,
                     child: node.child(lane),
                     center: map.point([0, 1, 2].map(|k| spheres.center[k][lane])),

@@ -91,6 +91,7 @@ pub(crate) fn counted(n: usize, what: &str) -> String {
         (_, "vertex") => format!("{n} vertices"),
         (_, "matrix") => format!("{n} matrices"),
         (_, "query") => format!("{n} queries"),
+        (_, "leaf") => format!("{n} leaves"),
         _ => format!("{n} {what}s"),
     }
 }

@@ -26,7 +26,7 @@ pub struct Arguments {
     /// Begin with the clip of --clip playing, or else the animation
     #[arg(long, conflicts_with_all = ["q", "joints"])]
     pub play: bool,
-    /// Show the spheres of a level of the tree, 0 being the root's
+    /// Show the spheres of a level of the tree, 0 being the root's, and the leaves above it
     #[arg(long, value_name = "LEVEL", value_parser = level)]
     pub spheres: Option<usize>,
     /// Show the probe: center and radius, world units

@@ -29,7 +29,8 @@ pub struct Arguments {
     /// Frames A to B of the file's animation, one picture each, all seen by the same camera
     #[arg(long, value_name = "A..B", conflicts_with_all = ["q", "frame", "clip", "joints"])]
     pub frames: Option<FrameRange>,
-    /// Draw the spheres of a level of the tree, 0 being the root's (`info` lists the levels)
+    /// Draw the spheres of a level of the tree, 0 being the root's (`info` lists the levels), and the leaves above it,
+    /// spheres of earlier levels that hold triangles: together they hold the mesh
     #[arg(long, value_name = "LEVEL", value_parser = level)]
     pub spheres: Option<usize>,
     /// Place FILE as a scene does (its q instead of the scene's with --q or --frame), beside its other instances, and

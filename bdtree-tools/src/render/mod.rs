@@ -162,7 +162,7 @@ fn posture_text(
 }
 
 /// What has been written, in a line.
-fn summary(arguments: &Arguments, path: &Path, frame: &Frame<'_>, sphere_count: usize) -> String {
+fn summary(arguments: &Arguments, path: &Path, frame: &Frame<'_>) -> String {
     let [width, height] = arguments.size.0;
     let mut parts = vec![format!("{width} x {height} pixels")];
     parts.extend(frame.number.map(|number| format!("frame {number}")));
@@ -173,7 +173,7 @@ fn summary(arguments: &Arguments, path: &Path, frame: &Frame<'_>, sphere_count: 
     );
     parts.extend(arguments.spheres.map(|level| format!("level {level}")));
     if arguments.spheres.is_some() || arguments.query.is_some() {
-        parts.push(counted(sphere_count, "sphere"));
+        parts.push(frame.sphere_count(arguments));
     }
     format!("wrote {}: {}", path.display(), parts.join(", "))
 }
@@ -209,7 +209,7 @@ fn paint<'a>(
             let report = Report::of(arguments, path, &frame, &growths, &painter);
             write_json(out, &report)?;
         } else {
-            let done = summary(arguments, path, &frame, growths.len());
+            let done = summary(arguments, path, &frame);
             writeln!(out, "{done}").map_err(ToolError::Stdout)?;
         }
     }

@@ -7,8 +7,8 @@ use std::path::Path;
 
 use bdtree_render::tightness::{Scale, growths, mean_and_max};
 use bdtree_render::{
-    Camera, Framing, Ground, Image, Legend, Line, Place, RenderError, Scene, SkinnedMesh, Sphere,
-    Studio, ViewDirection, ball_outline, capsule_outline,
+    Camera, Framing, Ground, Image, Legend, Line, NodeSphere, Place, RenderError, Scene,
+    SkinnedMesh, Sphere, Studio, ViewDirection, ball_outline, capsule_outline,
 };
 use glam::Vec3;
 
@@ -30,6 +30,23 @@ pub(super) struct Frame<'a> {
     /// What queries are about.
     pub(super) queries: Vec<Shape>,
     pub(super) nodes_visited: Option<u64>,
+}
+
+impl Frame<'_> {
+    /// How many spheres are drawn, and how many of them are leaves above the level that was asked for.
+    pub(super) fn sphere_count(&self, arguments: &Arguments) -> String {
+        let spheres = || self.content.iter().flat_map(|content| &content.spheres);
+        let is_above = |sphere: &&NodeSphere| arguments.spheres.is_some_and(|l| sphere.level < l);
+        let (all, above) = (spheres().count(), spheres().filter(is_above).count());
+        match above {
+            0 => counted(all, "sphere"),
+            _ => format!(
+                "{} and {} above it",
+                counted(all - above, "sphere"),
+                counted(above, "leaf")
+            ),
+        }
+    }
 }
 
 /// What frames take up.
@@ -307,7 +324,7 @@ impl<'a> Painter<'a> {
                 Some(level) => format!("level {level}: "),
                 None => String::new(),
             };
-            let count = counted(growths.len(), "sphere");
+            let count = frame.sphere_count(self.arguments);
             lines.push(format!(
                 "{which}{count}, {ratio} mean {mean:.3}, largest {max:.3}"
             ));

@@ -17,7 +17,7 @@ pub struct Report {
     pub frame: Option<u64>,
     /// q of the file's body; null where a scene places several.
     pub q: Option<Vec<f32>>,
-    /// The level whose spheres are drawn.
+    /// The level whose spheres are drawn, with the leaves above it.
     pub level: Option<usize>,
     /// Nodes of the file that the scene's queries visited.
     pub nodes_visited: Option<u64>,

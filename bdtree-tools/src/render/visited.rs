@@ -106,10 +106,8 @@ fn drawn(
     visited: &[u32],
 ) -> Result<Vec<NodeSphere>, ToolError> {
     let spheres = body.spheres(|pose| NodeSphere::of_nodes(pose, visited.iter().copied()))?;
-    let nodes = body.asset().nodes();
-    let level = |node: u32| Some(usize::from(nodes.get(node as usize)?.level));
     let is_drawn = |sphere: &NodeSphere| match arguments.spheres {
-        Some(wanted) => level(sphere.node) == Some(wanted),
+        Some(wanted) => sphere.level == wanted,
         None => sphere
             .child
             .is_none_or(|child| visited.binary_search(&child).is_err()),

@@ -32,7 +32,7 @@ pub enum Reach {
     Limit,
 }
 
-/// The spheres of a level and their growth.
+/// The spheres of a level, the leaves above it, and their growth.
 #[derive(Debug, Clone, Default)]
 pub struct Spheres {
     /// Those that bound something.

@@ -36,14 +36,18 @@ pub(super) fn show(ui: &mut Ui, app: &mut App<'_>) {
         (Err(problem), _) => {
             ui.colored_label(style::WRONG, problem);
         }
-        (Ok(found), Some(_)) => {
+        (Ok(found), Some(level)) => {
             let numbers = found.mean_and_max.map_or(String::new(), |[mean, max]| {
                 format!("  ·  growth mean {mean:.3}, largest {max:.3}")
             });
-            ui.label(format!(
-                "{} spheres{numbers}",
-                grouped(found.spheres.len() as u64)
-            ));
+            let above = found.spheres.iter().filter(|s| s.level < level).count();
+            let of_level = grouped((found.spheres.len() - above) as u64);
+            let leaves = match above {
+                0 => String::new(),
+                1 => " and 1 leaf above".to_string(),
+                _ => format!(" and {} leaves above", grouped(above as u64)),
+            };
+            ui.label(format!("{of_level} spheres{leaves}{numbers}"));
         }
         (Ok(_), None) => {}
     }

@@ -275,6 +275,26 @@ fn spheres_of_a_level_hold_the_mesh_and_wear_their_growth() {
     assert!(growth(&tight)[0] < mean);
 }
 
+/// Leaves above it are drawn with a level: without them the spheres would leave some of the mesh bare.
+#[test]
+fn spheres_of_every_level_hold_the_mesh() {
+    let folder = Folder::new();
+    let mut vertices = folder.deformed("a.bdt", "1.5,1,-2");
+    // The last one is of no triangle.
+    vertices.pop();
+    let mut count_before = 0;
+    for level in ["0", "1", "2"] {
+        let asked = ["a.bdt", "--q=1.5,1,-2", "--spheres", level];
+        let (_, report) = folder.reported(&asked);
+        let spheres = report["spheres"].as_array().expect("a list");
+        spheres_hold(spheres, &vertices);
+        assert!(spheres.len() > count_before, "{level}");
+        count_before = spheres.len();
+    }
+    let written = folder.render(&["a.bdt", "--spheres", "2", "-o", "out.png"]);
+    assert!(written.contains(" leaves above it"), "{written}");
+}
+
 #[test]
 fn shapes_of_any_size_and_place_fill_the_picture() {
     let folder = Folder::new();
