@@ -20,21 +20,23 @@ const GREY: [u8; 3] = [80, 86, 96];
 /// The part of a picture's height that is left to what it shows, at least.
 const PICTURE_MIN: f64 = 0.6;
 
+/// The width and height in pixels from which on a picture has a legend: in smaller ones it would hide what they show.
+const LEGEND_MIN: u32 = 200;
+
 /// The width in pixels from which on a picture says what the scale means.
 const MEANING_MIN: u32 = 300;
 
+/// Rows that a text takes at most: a list of many numbers ends there.
+const ROWS_MAX: usize = 3;
+
 impl Legend {
-    /// Rows at the top and at the bottom of a picture that a legend of so many lines fills; none where too
-    /// little of the picture would be left: there it lies over what is shown.
-    pub fn room(lines: usize, has_scale: bool, size: [u32; 2]) -> [u32; 2] {
-        let text = TextSize::of_picture(size[0].min(size[1]));
-        let margin = text.line() * 3 / 4;
-        let top = margin + lines as i64 * (text.line() + text.line() / 8);
-        let bottom = if has_scale {
-            margin + scale_height(text)
-        } else {
-            0
+    /// Rows at the top and at the bottom of a picture that this legend fills; none where too little of the picture
+    /// would be left: there it lies over what is shown.
+    pub fn room(&self, size: [u32; 2]) -> [u32; 2] {
+        let Some(laid_out) = LaidOut::new(self, size) else {
+            return [0; 2];
         };
+        let (top, bottom) = (laid_out.top(), laid_out.bottom());
         let left = f64::from(size[1]) - (top + bottom) as f64;
         if left < PICTURE_MIN * f64::from(size[1]) {
             return [0; 2];
@@ -42,34 +44,87 @@ impl Legend {
         [top as u32, bottom as u32]
     }
 
-    /// Writes it into a picture.
+    /// Writes it into a picture; not into a small one.
     pub fn draw(&self, image: &mut Image) {
-        let [width, height] = image.size();
+        let Some(laid_out) = LaidOut::new(self, image.size()) else {
+            return;
+        };
+        let (size, margin) = (laid_out.size, laid_out.margin);
+        let [width, height] = image.size().map(i64::from);
+        let low = height - laid_out.bottom();
+        for (k, (line, colour)) in (0..).zip(&laid_out.lines) {
+            let y = margin + k * laid_out.apart();
+            // Above all there is the scale.
+            if y + size.line() > low {
+                break;
+            }
+            clear(image, [margin, y], [size.width(line), size.line()]);
+            image.text([margin, y], line, size, *colour);
+        }
+        if let Some((scale, _)) = &self.scale {
+            let bar = [(width * 2 / 5).min(24 * size.line()), bar_height(size)];
+            let meaning = laid_out.meaning.iter().map(|line| size.width(line)).max();
+            let widest = meaning.unwrap_or(0).max(bar[0] + size.width("44+"));
+            clear(image, [margin, low], [widest, laid_out.bottom() - margin]);
+            for (k, line) in (0..).zip(&laid_out.meaning) {
+                image.text([margin, low + k * size.line()], line, size, GREY);
+            }
+            let below = laid_out.meaning.len() as i64 * size.line();
+            draw_bar(image, [margin, low + below], bar, *scale, size);
+        }
+    }
+}
+
+/// A legend in rows that fit into a picture.
+struct LaidOut {
+    size: TextSize,
+    margin: i64,
+    /// With their colors.
+    lines: Vec<(String, [u8; 3])>,
+    /// What the scale means.
+    meaning: Vec<String>,
+    has_scale: bool,
+}
+
+impl LaidOut {
+    /// `None` in a picture that is too small for it.
+    fn new(legend: &Legend, [width, height]: [u32; 2]) -> Option<Self> {
+        if width.min(height) < LEGEND_MIN {
+            return None;
+        }
         let size = TextSize::of_picture(height.min(width));
         let margin = size.line() * 3 / 4;
-        let room = ((i64::from(width) - 2 * margin) / size.width("x").max(1)).max(0) as usize;
-        for (k, line) in (0..).zip(&self.lines) {
-            let colour = if k == 0 { DARK } else { GREY };
-            let y = margin + k * (size.line() + size.line() / 8);
-            let line = shortened(line, room);
-            clear(image, [margin, y], [size.width(&line), size.line()]);
-            image.text([margin, y], &line, size, colour);
-        }
-        if let Some((scale, meaning)) = &self.scale {
-            let bar = [
-                (i64::from(width) * 2 / 5).min(24 * size.line()),
-                bar_height(size),
-            ];
-            let below = scale_height(size);
-            let corner = [margin, i64::from(height) - margin - below];
-            // Of a few words of it nobody would know what it means.
-            let meaning = match width < MEANING_MIN {
-                true => String::new(),
-                false => shortened(meaning, room),
-            };
-            let width = size.width(&meaning).max(bar[0] + size.width("44+"));
-            clear(image, corner, [width, below]);
-            draw_scale(image, corner, bar, (*scale, &meaning), size);
+        let room = ((i64::from(width) - 2 * margin) / size.width("x").max(1)).max(1) as usize;
+        let colours = std::iter::once(DARK).chain(std::iter::repeat(GREY));
+        let lines = legend.lines.iter().zip(colours);
+        let lines = lines.flat_map(|(line, colour)| {
+            let rows = wrapped(line, room);
+            rows.into_iter().map(move |row| (row, colour))
+        });
+        let meaning = legend.scale.as_ref().filter(|_| width >= MEANING_MIN);
+        Some(Self {
+            size,
+            margin,
+            lines: lines.collect(),
+            meaning: meaning.map_or(Vec::new(), |(_, meaning)| wrapped(meaning, room)),
+            has_scale: legend.scale.is_some(),
+        })
+    }
+
+    /// From one line to the next.
+    fn apart(&self) -> i64 {
+        self.size.line() + self.size.line() / 8
+    }
+
+    fn top(&self) -> i64 {
+        self.margin + self.lines.len() as i64 * self.apart()
+    }
+
+    fn bottom(&self) -> i64 {
+        let meaning = self.meaning.len() as i64 * self.size.line();
+        match self.has_scale {
+            true => meaning + scale_height(self.size) + self.margin,
+            false => 0,
         }
     }
 }
@@ -78,9 +133,9 @@ fn bar_height(size: TextSize) -> i64 {
     size.line() * 3 / 4
 }
 
-/// Of the scale of tightness with its texts.
+/// Of the scale of tightness with its numbers.
 fn scale_height(size: TextSize) -> i64 {
-    bar_height(size) + 2 * size.line() + size.line() / 2
+    bar_height(size) + size.line() + size.line() / 2
 }
 
 /// Fades what is behind text, so that it can be read.
@@ -98,7 +153,18 @@ pub fn draw_scale(
     size: TextSize,
 ) {
     image.text([x, y], meaning, size, GREY);
-    let top = y + size.line() + size.line() / 4;
+    draw_bar(image, [x, y + size.line()], [width, height], scale, size);
+}
+
+/// The bar and the numbers below it.
+fn draw_bar(
+    image: &mut Image,
+    [x, y]: [i64; 2],
+    [width, height]: [i64; 2],
+    scale: Scale,
+    size: TextSize,
+) {
+    let top = y + size.line() / 4;
     for i in 0..width {
         let share = (i as f64 + 0.5) / width as f64;
         let colour = scale.colour(1.0 + share * (GROWTH_RED - 1.0));
@@ -130,34 +196,89 @@ fn apart(width: i64, size: TextSize) -> usize {
     [1, 2, 4].into_iter().find(fits).unwrap_or(5)
 }
 
-/// Text of at most `room` characters, the middle left out.
-fn shortened(text: &str, room: usize) -> String {
-    let count = text.chars().count();
-    if count <= room {
-        return text.to_string();
+/// A text in rows of at most `room` characters, cut between words where there are any; what is beyond the last row is
+/// left out.
+fn wrapped(text: &str, room: usize) -> Vec<String> {
+    let mut rows = Vec::new();
+    let mut row = String::new();
+    for word in text.split(' ') {
+        let mut word: Vec<char> = word.chars().collect();
+        if !row.is_empty() {
+            if row.chars().count() + 1 + word.len() <= room {
+                row.push(' ');
+            } else {
+                rows.push(std::mem::take(&mut row));
+            }
+        }
+        // One that is wider than all of it goes on in the next row.
+        while word.len() > room {
+            let rest = word.split_off(room);
+            rows.push(word.into_iter().collect());
+            word = rest;
+        }
+        row.extend(word);
     }
-    let keep = room.saturating_sub(3);
-    let (head, tail) = (keep - keep / 3, keep / 3);
-    let start: String = text.chars().take(head).collect();
-    let end: String = text.chars().skip(count - tail).collect();
-    format!("{start}...{end}")
+    rows.push(row);
+    if rows.len() > ROWS_MAX {
+        rows.truncate(ROWS_MAX);
+        if let Some(last) = rows.last_mut() {
+            *last = last
+                .chars()
+                .take(room.saturating_sub(3))
+                .collect::<String>()
+                + "...";
+        }
+    }
+    rows
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Legend, apart, shortened};
+    use super::{Legend, apart, wrapped};
+    use crate::image::Image;
     use crate::text::TextSize;
+    use crate::tightness::Scale;
+
+    fn legend(lines: usize, has_scale: bool) -> Legend {
+        let meaning = "R'/R: radius over the wrapped sphere's at rest".to_string();
+        Legend {
+            lines: vec!["level 0: 8 spheres, R'/R mean 1.000, largest 1.000".to_string(); lines],
+            scale: has_scale.then_some((Scale::Paper, meaning)),
+        }
+    }
 
     #[test]
     fn a_legend_leaves_most_of_a_picture() {
         for size in [[64, 48], [320, 240], [800, 600], [1600, 1000], [300, 2000]] {
             for (lines, has_scale) in [(1, false), (3, true), (40, true)] {
-                let [top, bottom] = Legend::room(lines, has_scale, size);
+                let [top, bottom] = legend(lines, has_scale).room(size);
                 assert!(f64::from(top + bottom) <= 0.4 * f64::from(size[1]));
             }
         }
-        assert_eq!(Legend::room(3, true, [64, 48]), [0; 2]);
-        assert_eq!(Legend::room(2, false, [320, 240]), [12 + 2 * 18, 0]);
+        assert_eq!(legend(3, true).room([64, 48]), [0; 2]);
+        assert_eq!(legend(2, false).room([600, 240]), [12 + 2 * 18, 0]);
+        // Each in two rows, the scale's meaning too.
+        let bottom = 2 * 16 + (12 + 16 + 8) + 12;
+        assert_eq!(legend(3, true).room([300, 2000]), [12 + 6 * 18, bottom]);
+    }
+
+    #[test]
+    fn a_small_picture_has_no_legend_and_in_others_text_stays_above_the_scale() {
+        let drawn = |size: [u32; 2], legend: &Legend| {
+            let mut image = Image::filled(size, [255; 4]);
+            legend.draw(&mut image);
+            image
+        };
+        for size in [[100, 100], [199, 600], [600, 199]] {
+            let image = drawn(size, &legend(3, true));
+            assert!(image.pixels().iter().all(|p| *p == [255; 4]), "{size:?}");
+        }
+        let size = [200, 200];
+        let with_text = drawn(size, &legend(9, true));
+        let scale_alone = drawn(size, &legend(0, true));
+        let scale = (200 - 12 - (12 + 16 + 8)) * 200;
+        assert!(with_text.pixels()[..scale].iter().any(|p| *p != [255; 4]));
+        assert_eq!(with_text.pixels()[scale..], scale_alone.pixels()[scale..]);
     }
 
     #[test]
@@ -173,9 +294,19 @@ mod tests {
     }
 
     #[test]
-    fn long_text_loses_its_middle() {
-        assert_eq!(shortened("abcdefghijkl", 12), "abcdefghijkl");
-        assert_eq!(shortened("abcdefghijklm", 12), "abcdef...klm");
-        assert_eq!(shortened("abcdef", 2), "...");
+    fn long_text_goes_on_in_the_next_row() {
+        for (text, rows) in [
+            ("", &[""][..]),
+            ("two words", &["two words"]),
+            ("one two three", &["one two", "three"]),
+            ("abcdefghijkl no", &["abcdefghij", "kl no"]),
+            ("a abcdefghij", &["a", "abcdefghij"]),
+            (
+                "1 2 3 4 5 6 7 8 9 0 1 2 3 4 5 6",
+                &["1 2 3 4 5", "6 7 8 9 0", "1 2 3 4..."],
+            ),
+        ] {
+            assert_eq!(wrapped(text, 10), rows, "{text}");
+        }
     }
 }

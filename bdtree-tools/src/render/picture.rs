@@ -310,41 +310,61 @@ impl<'a> Painter<'a> {
     }
 
     fn legend(&self, frame: &Frame<'_>, growths: &[f64]) -> Legend {
-        let mut lines = vec![title(&self.arguments.file)];
-        lines.push(printable(&frame.about));
-        let (ratio, meaning) = match self.arguments.against {
-            AgainstChoice::Rest => ("R'/R", "R'/R: radius over the wrapped sphere's at rest"),
-            AgainstChoice::Deformed => (
-                "R'/R_opt",
-                "R'/R_opt: radius over the smallest ball's around the deformed vertices",
-            ),
-        };
-        if let Some([mean, max]) = mean_and_max(growths) {
-            let which = match self.arguments.spheres {
+        let arguments = self.arguments;
+        let mut lines = vec![title(&arguments.file), printable(&frame.about)];
+        if let Some(numbers) = mean_and_max(growths) {
+            let which = match arguments.spheres {
                 Some(level) => format!("level {level}: "),
                 None => String::new(),
             };
-            let count = frame.sphere_count(self.arguments);
-            lines.push(format!(
-                "{which}{count}, {ratio} mean {mean:.3}, largest {max:.3}"
-            ));
+            let count = frame.sphere_count(arguments);
+            lines.push(spheres_line(arguments, &which, &count, numbers));
         }
         Legend {
             lines,
-            scale: (!growths.is_empty())
-                .then(|| (self.arguments.scale.into(), meaning.to_string())),
+            scale: (!growths.is_empty()).then(|| scale(arguments)),
         }
     }
 }
 
-/// Rows above and below what is shown, for the legend: the title, a line on what is shown, and one on spheres. None
-/// where what is shown goes beyond the picture: it would end at them instead of at the picture's edges.
+/// Rows above and below what is shown, for the legend: the title, a line on what is shown, and one on spheres with
+/// numbers as they usually are. What needs more rows lies over what is shown. None where what is shown goes beyond the
+/// picture: it would end at them instead of at the picture's edges.
 fn legend_room(arguments: &Arguments) -> [u32; 2] {
     if arguments.no_legend || arguments.view.zoom > 1.0 {
         return [0; 2];
     }
     let has_spheres = arguments.spheres.is_some() || arguments.query.is_some();
-    Legend::room(2 + usize::from(has_spheres), has_spheres, arguments.size.0)
+    let mut lines = vec![title(&arguments.file), String::new()];
+    if has_spheres {
+        let which = arguments.spheres.map_or("", |_| "level 0: ");
+        lines.push(spheres_line(arguments, which, "1000 spheres", [1.0; 2]));
+    }
+    let legend = Legend {
+        lines,
+        scale: has_spheres.then(|| scale(arguments)),
+    };
+    legend.room(arguments.size.0)
+}
+
+/// What a picture says of its spheres.
+fn spheres_line(arguments: &Arguments, which: &str, count: &str, [mean, max]: [f64; 2]) -> String {
+    let ratio = match arguments.against {
+        AgainstChoice::Rest => "R'/R",
+        AgainstChoice::Deformed => "R'/R_opt",
+    };
+    format!("{which}{count}, {ratio} mean {mean:.3}, largest {max:.3}")
+}
+
+/// The scale of colors, and what it means.
+fn scale(arguments: &Arguments) -> (Scale, String) {
+    let meaning = match arguments.against {
+        AgainstChoice::Rest => "R'/R: radius over the wrapped sphere's at rest",
+        AgainstChoice::Deformed => {
+            "R'/R_opt: radius over the smallest ball's around the deformed vertices"
+        }
+    };
+    (arguments.scale.into(), meaning.to_string())
 }
 
 /// What the legend leaves of a picture.
