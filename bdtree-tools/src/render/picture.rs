@@ -15,7 +15,7 @@ use glam::Vec3;
 use super::arguments::Arguments;
 use super::body::Content;
 use super::options::AgainstChoice;
-use super::queries::Shape;
+use super::queries::{Shape, key};
 use crate::error::ToolError;
 use crate::output::printable;
 use crate::q::counted;
@@ -118,7 +118,9 @@ impl Bounds {
         }
         for shape in &frame.queries {
             match shape {
-                Shape::Ball { center, radius } => framing.hold(*center, *radius),
+                Shape::Ball { center, radius } | Shape::Point { center, radius } => {
+                    framing.hold(*center, *radius);
+                }
                 Shape::Capsule { ends, radius } => {
                     ends.iter().for_each(|end| framing.hold(*end, *radius));
                 }
@@ -271,7 +273,9 @@ impl<'a> Painter<'a> {
     fn filling(&self, query: &Shape) -> Vec<Sphere> {
         let sphere = |center, radius| self.sphere(center, radius, QUERY);
         match query {
-            Shape::Ball { center, radius } => vec![sphere(*center, *radius)],
+            Shape::Ball { center, radius } | Shape::Point { center, radius } => {
+                vec![sphere(*center, *radius)]
+            }
             Shape::Capsule { ends, radius } => ends.map(|end| sphere(end, *radius)).into(),
             Shape::Edge(_) | Shape::Ray(_) => Vec::new(),
         }
@@ -282,7 +286,7 @@ impl<'a> Painter<'a> {
         let (place, eye) = (self.place, self.camera.eye);
         let shown = |ends: &[[f64; 3]; 2]| ends.map(|end| place.shown(end));
         match query {
-            Shape::Ball { center, radius } => {
+            Shape::Ball { center, radius } | Shape::Point { center, radius } => {
                 ball_outline(place.shown(*center), place.shown_length(*radius), eye)
             }
             Shape::Capsule { ends, radius } => {
@@ -320,6 +324,7 @@ impl<'a> Painter<'a> {
             let count = frame.sphere_count(arguments);
             lines.push(spheres_line(arguments, &which, &count, numbers));
         }
+        lines.extend(key(&frame.queries));
         Legend {
             lines,
             scale: (!growths.is_empty()).then(|| scale(arguments)),
@@ -327,8 +332,8 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// Rows above and below what is shown, for the legend: the title, a line on what is shown, and one on spheres with
-/// numbers as they usually are. What needs more rows lies over what is shown. None where what is shown goes beyond the
+/// Rows above and below what is shown, for the legend: the title, a line on what is shown, one on spheres with
+/// numbers as they usually are, and one on queries. What needs more rows lies over what is shown. None where what is shown goes beyond the
 /// picture: it would end at them instead of at the picture's edges.
 fn legend_room(arguments: &Arguments) -> [u32; 2] {
     if arguments.no_legend || arguments.view.zoom > 1.0 {
@@ -340,6 +345,8 @@ fn legend_room(arguments: &Arguments) -> [u32; 2] {
         let which = arguments.spheres.map_or("", |_| "level 0: ");
         lines.push(spheres_line(arguments, which, "1000 spheres", [1.0; 2]));
     }
+    // What queries are about.
+    lines.extend(arguments.query.as_ref().map(|_| String::new()));
     let legend = Legend {
         lines,
         scale: has_spheres.then(|| scale(arguments)),

@@ -16,6 +16,13 @@ pub(super) enum Shape {
         /// Its radius.
         radius: f64,
     },
+    /// A point, as a small ball.
+    Point {
+        /// Where it is.
+        center: [f64; 3],
+        /// Of the ball.
+        radius: f64,
+    },
     /// A capsule.
     Capsule {
         /// The middles of its ends.
@@ -23,7 +30,7 @@ pub(super) enum Shape {
         /// Its radius.
         radius: f64,
     },
-    /// An edge from one point to another.
+    /// An edge of a box, from one point to another.
     Edge([[f64; 3]; 2]),
     /// A ray, cut off behind the body.
     Ray([[f64; 3]; 2]),
@@ -48,7 +55,7 @@ pub(super) fn shapes(scene: &Scene, content: &[Content<'_>]) -> Vec<Shape> {
             },
             Query::Closest {
                 instance, point, ..
-            } => shapes.push(Shape::Ball {
+            } => shapes.push(Shape::Point {
                 center: *point,
                 radius: 0.01 * size(&content[*instance]),
             }),
@@ -60,6 +67,21 @@ pub(super) fn shapes(scene: &Scene, content: &[Content<'_>]) -> Vec<Shape> {
         }
     }
     shapes
+}
+
+/// What shapes look like, each kind once; `None` of none.
+pub(super) fn key(shapes: &[Shape]) -> Option<String> {
+    type Is = fn(&Shape) -> bool;
+    let kinds: [(&str, Is); 5] = [
+        ("ball (ring)", |s| matches!(s, Shape::Ball { .. })),
+        ("capsule (outline)", |s| matches!(s, Shape::Capsule { .. })),
+        ("box (edges)", |s| matches!(s, Shape::Edge(_))),
+        ("point (gray dot)", |s| matches!(s, Shape::Point { .. })),
+        ("ray (line)", |s| matches!(s, Shape::Ray(_))),
+    ];
+    let drawn = kinds.iter().filter(|(_, is)| shapes.iter().any(is));
+    let names: Vec<&str> = drawn.map(|(name, _)| *name).collect();
+    (!names.is_empty()).then(|| format!("asked about: {}", names.join(", ")))
 }
 
 /// The diagonal of a body's box.
@@ -89,4 +111,26 @@ fn edges(cuboid: Cuboid) -> impl Iterator<Item = Shape> {
         let others = (0..3).map(move |k| i | 1 << k).filter(move |j| *j != i);
         others.map(move |j| Shape::Edge([corner(i), corner(j)]))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Shape, key};
+
+    #[test]
+    fn a_key_names_each_kind_that_is_drawn() {
+        let ray = Shape::Ray([[0.0; 3], [1.0; 3]]);
+        let ball = Shape::Ball {
+            center: [0.0; 3],
+            radius: 1.0,
+        };
+        let point = Shape::Point {
+            center: [0.0; 3],
+            radius: 0.01,
+        };
+        assert_eq!(key(&[]), None);
+        assert_eq!(key(&[ray, ray]).as_deref(), Some("asked about: ray (line)"));
+        let all = "asked about: ball (ring), point (gray dot), ray (line)";
+        assert_eq!(key(&[ray, ball, point]).as_deref(), Some(all));
+    }
 }

@@ -57,14 +57,8 @@ pub(super) fn shown<'a>(
         });
     }
     let queries = counted(scene.queries.len(), "query");
-    let each = counted(file.asset().node_count(), "node");
-    let visited = match content.iter().filter(|content| content.is_file).count() {
-        1 => format!("{count} of {each}"),
-        instances => format!(
-            "{} in {instances} instances of {each}",
-            counted(count as usize, "node")
-        ),
-    };
+    let instances = content.iter().filter(|content| content.is_file).count();
+    let visited = of_nodes(count, instances, file.asset().node_count());
     Ok(Frame {
         about: format!("{queries}: visited {visited}"),
         number: None,
@@ -72,6 +66,15 @@ pub(super) fn shown<'a>(
         content,
         nodes_visited: Some(count),
     })
+}
+
+/// How many nodes of instances with so many each.
+fn of_nodes(count: u64, instances: usize, each: usize) -> String {
+    let each = counted(each, "node");
+    match instances {
+        1 => format!("{count} of {each}"),
+        _ => format!("{count} of {instances} \u{d7} {each}"),
+    }
 }
 
 /// Gives the instances of the file another q and other joints, and the motion of the frame that they are from.
@@ -113,4 +116,15 @@ fn drawn(
             .is_none_or(|child| visited.binary_search(&child).is_err()),
     };
     Ok(spheres.into_iter().filter(is_drawn).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::of_nodes;
+
+    #[test]
+    fn nodes_are_counted_of_those_of_all_instances() {
+        assert_eq!(of_nodes(12, 1, 778), "12 of 778 nodes");
+        assert_eq!(of_nodes(284, 2, 778), "284 of 2 × 778 nodes");
+    }
 }
