@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 
 use super::options::{AgainstChoice, FrameRange, PictureSize, ScaleChoice, UpAxis, View};
 use crate::posture::PostureArguments;
@@ -17,6 +17,7 @@ use crate::posture::PostureArguments;
 /// The file's checksums are checked first. Do not change the file during the run: all commands except verify
 /// map it into memory.
 #[derive(Debug, Args)]
+#[command(group = ArgGroup::new("drawn spheres").args(["spheres", "query"]).multiple(true))]
 pub struct Arguments {
     /// The .bdt file
     pub file: PathBuf,
@@ -39,8 +40,14 @@ pub struct Arguments {
     #[arg(long, value_name = "SCENE.json", conflicts_with = "frames")]
     pub query: Option<PathBuf>,
     /// What a sphere's radius is divided by for its color: that of the wrapped sphere at rest, as in
-    /// the paper, or that of the smallest ball around the deformed vertices it holds
-    #[arg(long, value_enum, default_value = "rest", value_name = "WHAT")]
+    /// the paper, or that of the smallest ball around the deformed vertices it holds; with --spheres or --query
+    #[arg(
+        long,
+        value_enum,
+        default_value = "rest",
+        value_name = "WHAT",
+        requires = "drawn spheres"
+    )]
     pub against: AgainstChoice,
     /// The scale of colors: the paper's, or viridis, which color-blind readers can read too
     #[arg(long, value_enum, default_value = "paper", value_name = "SCALE")]

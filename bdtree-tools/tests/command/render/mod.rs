@@ -145,6 +145,10 @@ fn what_does_not_fit_is_told() {
         assert!(is_said, "{arguments:?}: {said}");
         assert!(!folder.path("out.png").exists());
     }
+    let bare = ["render", "a.bdt", "-o", "out.png", "--against", "deformed"];
+    let ran = folder.run(&bare);
+    assert_eq!((ran.code, ran.out.as_str()), (2, ""), "nothing to color");
+    assert!(ran.err.contains("--spheres"), "{}", ran.err);
     let ran = folder.run(&["render", "a.bdt", "-o", "out.jpg"]);
     let text = "out.jpg: unknown extension: .png can be written\n";
     assert_eq!((ran.code, ran.err.as_str()), (2, text));
