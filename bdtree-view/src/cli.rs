@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use bdtree_tools::PostureArguments;
-use bdtree_tools::render::level;
+use bdtree_tools::render::{UprightArguments, level};
 use bdtree_tools::render::options::{PictureSize, numbers};
 use clap::Parser;
 
@@ -32,6 +32,9 @@ pub struct Arguments {
     /// Show the probe: center and radius, world units
     #[arg(long, value_name = "X,Y,Z,R", allow_hyphen_values = true)]
     pub probe: Option<ProbeText>,
+    /// Which way is up.
+    #[command(flatten)]
+    pub upright: UprightArguments,
     /// Width and height of the window in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x800")]
     pub size: PictureSize,

@@ -74,6 +74,7 @@ fn open(arguments: &Arguments, out: &mut dyn Write) -> Result<(), ToolError> {
         asked.frame = asked.frame.or(Some(0));
     }
     let mut app = App::new(&file, posture(&file, &asked)?)?;
+    app.up = arguments.upright.up.direction();
     if let Some(level) = arguments.spheres {
         check_level(&file, level)?;
     }

@@ -53,6 +53,8 @@ pub struct App<'a> {
     pub info: Info,
     /// Where things are drawn.
     pub place: Place,
+    /// What points up in the picture of the first camera, unit.
+    pub up: [f32; 3],
     /// What is shown.
     pub view: View,
     /// The animation.
@@ -93,6 +95,7 @@ impl<'a> App<'a> {
             body,
             info: Info::of(file)?,
             place,
+            up: [0.0, 1.0, 0.0],
             view: View {
                 q: posture.q,
                 joints: posture.joints.unwrap_or_default(),
@@ -223,7 +226,7 @@ impl<'a> App<'a> {
         let bones = self.view.bones();
         let posed = self.body.set_pose_with_bones(q, bones, *transform);
         posed.map_err(|error| refused(self.file, error))?;
-        let mut framing = View::framing(aspect);
+        let mut framing = View::framing(aspect, self.up);
         for p in positions(self.file, &self.body.pose())? {
             framing.hold(p, 0.0);
         }

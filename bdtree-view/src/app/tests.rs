@@ -230,6 +230,18 @@ fn all_of_the_mesh_is_seen() {
     });
 }
 
+#[test]
+fn the_up_axis_is_up() {
+    with_file("sphere.bdt", |mut app| {
+        app.up = [0.0, 0.0, 1.0];
+        app.fit(1.5).unwrap();
+        let camera = app.view.camera.unwrap();
+        let seen = |p: [f64; 3]| camera.project(app.place.shown(p), [900, 600]).unwrap();
+        let [low, high] = [seen([0.0, 0.0, -1.0]), seen([0.0, 0.0, 1.0])];
+        assert!((low[0] - high[0]).abs() < 1.0 && low[1] > high[1] + 100.0);
+    });
+}
+
 /// Where q is set by hand, no frame is named.
 #[test]
 fn a_frame_is_shown_until_q_is_set() {

@@ -70,9 +70,13 @@ impl View {
         (&self.q, self.transform, &self.joints) == (&other.q, other.transform, &other.joints)
     }
 
-    /// What the camera of the beginning is to see, in a picture of `aspect`.
-    pub fn framing(aspect: f32) -> Framing {
-        Framing::new(ViewDirection::new(AZIMUTH_DEG, ELEVATION_DEG), aspect)
+    /// What the camera of the beginning is to see, in a picture of `aspect`; `up` points up there.
+    pub fn framing(aspect: f32, up: [f32; 3]) -> Framing {
+        let direction = ViewDirection {
+            up: up.into(),
+            ..ViewDirection::new(AZIMUTH_DEG, ELEVATION_DEG)
+        };
+        Framing::new(direction, aspect)
     }
 
     /// What a drag takes that begins at a pixel of a picture of `size`.
