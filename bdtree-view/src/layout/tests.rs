@@ -315,6 +315,17 @@ fn in_a_narrow_window_the_controls_are_below_the_picture() {
 }
 
 #[test]
+fn in_a_window_of_the_usual_size_all_controls_are_seen() {
+    let file = forty_modes();
+    with_person(&file, vec2(1280.0, 800.0), |mut person| {
+        person.app.view.has_probe = true;
+        person.wait();
+        person.find("nodes visited");
+        person.find("drag: turn  ·  right or shift drag: move  ·  wheel: zoom");
+    });
+}
+
+#[test]
 fn nothing_is_cut_off_beside_the_picture() {
     let file = forty_modes();
     for width in [560.0, 640.0, 1000.0] {

@@ -6,7 +6,7 @@ use super::style;
 use crate::app::{App, Reach};
 
 /// The part of the window's height that the sliders take at most, and how many are seen at once.
-const SHARE: f32 = 0.4;
+const SHARE: f32 = 0.3;
 const ROWS: [f32; 2] = [3.0, 8.0];
 /// Points of a row's first line, and beside a slider: for its number and "Zero".
 const TEXT: f32 = 14.0;
