@@ -14,11 +14,18 @@ pub use probe::{Answer, Asker, Probe};
 pub use view::{Grab, View};
 
 use bdtree_render::tightness::{Scale, growth, mean_and_max};
-use bdtree_render::{Level, NodeSphere};
-use bdtree_runtime::{Asset, CacheSize, Instance, Pose, PoseError, StoredToWorld, Transform};
+use bdtree_render::{Framing, Level, NodeSphere};
+use bdtree_runtime::{
+    Asset, CacheSize, Instance, JointMatrix, Pose, PoseError, StoredToWorld, Transform,
+};
 use bdtree_tools::deform::deformed;
 use bdtree_tools::info::Info;
 use bdtree_tools::{AssetFile, Posture, ToolError};
+
+/// Moments of a clip or an animation that the first camera sees all of, besides the first; and how much farther away it
+/// stands for them at most.
+const MOMENTS: usize = 32;
+const FAR: f32 = 4.0;
 
 /// Radius of the first probe over the object's size.
 const PROBE_SIZE: f64 = 0.15;
@@ -217,36 +224,92 @@ impl<'a> App<'a> {
         }
     }
 
-    /// Puts the camera where all of the mesh, the level's spheres and the probe are seen in a picture of `aspect`.
+    /// Puts the camera where all of the mesh, the level's spheres, the probe and the spheres in which its query ended are
+    /// seen in a picture of `aspect`; mesh and level also at the moments that can be played, if they are not far away.
     ///
     /// # Errors
     /// q that the asset refuses, a corrupt asset.
     pub fn fit(&mut self, aspect: f32) -> Result<(), ToolError> {
+        self.pose()?;
+        let mut framing = View::framing(aspect, self.up);
+        self.hold(&mut framing)?;
+        let probe = self.view.probe;
+        if self.view.has_probe {
+            framing.hold(probe.center, probe.radius);
+        }
+        // What is known of them may be of another q.
+        if self.view.has_probe
+            && self.view.has_ends
+            && let Ok(answer) = self.asker.ask(&self.body.pose(), probe)
+        {
+            let ends = answer.ends.iter();
+            ends.for_each(|s| framing.hold(s.center, s.radius));
+        }
+        let alone = framing.camera(&self.place);
+        for moment in self.moments() {
+            let Posture { q, transform, .. } = &moment;
+            let posed = self.body.set_pose_with_bones(q, moment.bones(), *transform);
+            // What the asset refuses is not shown either.
+            if posed.is_ok() {
+                self.hold(&mut framing)?;
+            }
+        }
+        self.pose()?;
+        let all = framing.camera(&self.place);
+        // Of a mesh that flies away nothing would be seen.
+        let is_far = all.distance() > FAR * alone.distance();
+        self.view.camera = Some(if is_far { alone } else { all });
+        Ok(())
+    }
+
+    /// Makes the body be as the view wants it.
+    fn pose(&mut self) -> Result<(), ToolError> {
         let View { q, transform, .. } = &self.view;
         let bones = self.view.bones();
         let posed = self.body.set_pose_with_bones(q, bones, *transform);
-        posed.map_err(|error| refused(self.file, error))?;
-        let mut framing = View::framing(aspect, self.up);
+        posed.map_err(|error| refused(self.file, error))
+    }
+
+    /// Makes a picture hold the mesh as it is posed, and the level's spheres.
+    fn hold(&self, framing: &mut Framing) -> Result<(), ToolError> {
         for p in positions(self.file, &self.body.pose())? {
             framing.hold(p, 0.0);
         }
-        // What is known of the level may be of another q.
-        let level = self
-            .view
-            .level
-            .map(|level| Spheres::of(&self.body.pose(), level));
-        if let Some(Ok(found)) = level {
-            found
-                .spheres
-                .iter()
-                .for_each(|s| framing.hold(s.center, s.radius));
+        if let Some(level) = self.view.level
+            && let Ok(found) = Spheres::of(&self.body.pose(), level)
+        {
+            let spheres = found.spheres.iter();
+            spheres.for_each(|s| framing.hold(s.center, s.radius));
         }
-        let Probe { center, radius } = self.view.probe;
-        if self.view.has_probe {
-            framing.hold(center, radius);
-        }
-        self.view.camera = Some(framing.camera(&self.place));
         Ok(())
+    }
+
+    /// What the space bar plays, from beginning to end: the chosen clip, or else the animation.
+    fn moments(&self) -> Vec<Posture> {
+        let asset = self.asset();
+        let posture = |q, joints: Vec<JointMatrix>, transform| Posture {
+            q,
+            joints: (!joints.is_empty()).then_some(joints),
+            transform,
+        };
+        if self.clips.chosen.is_some() {
+            let mut clips = self.clips.clone();
+            let at = |k: usize| {
+                clips.clock.time_s = k as f64 / MOMENTS as f64 * clips.duration_s();
+                let mut q = self.view.q.clone();
+                let joints = clips.moment(asset, &mut q).ok()?;
+                Some(posture(q, joints, self.view.transform))
+            };
+            return (0..=MOMENTS).filter_map(at).collect();
+        }
+        let last = self.playback.frame_count().saturating_sub(1);
+        let steps = last.clamp(1, MOMENTS);
+        let at = |k: usize| {
+            let frame = asset.frame(k * last / steps)?;
+            let joints = self.view.joints.clone();
+            Some(posture(frame.q().to_vec(), joints, frame.transform()))
+        };
+        (0..=steps).filter_map(at).collect()
     }
 
     /// Finds anew what has changed since the last call, and returns whether anything has.

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use bdtree_fixtures::golden;
-use bdtree_render::Box3;
+use bdtree_fixtures::{bake, golden};
+use bdtree_render::{Box3, Camera};
 use bdtree_runtime::{TriangleId, narrow};
 
 use super::*;
@@ -227,6 +227,83 @@ fn all_of_the_mesh_is_seen() {
         app.view.level = Some(0);
         app.fit(0.8).unwrap();
         assert!(app.view.camera.unwrap().distance() > 1.05 * camera.distance());
+    });
+}
+
+#[test]
+fn the_spheres_in_which_the_query_ended_are_seen() {
+    with_file("sphere.bdt", |mut app| {
+        app.view.has_probe = true;
+        app.view.probe.center = [0.7, 0.6, 0.1];
+        app.fit(1.5).unwrap();
+        app.refresh();
+        let camera = app.view.camera.unwrap();
+        let ends = &app.answer.as_ref().unwrap().as_ref().unwrap().ends;
+        assert!(ends.len() > 5);
+        for sphere in ends {
+            let center = app.place.shown(sphere.center);
+            let radius = app.place.shown_length(sphere.radius);
+            let [right, up, _] = camera.axes();
+            for axis in [right, -right, up, -up] {
+                let rim = [0, 1, 2].map(|k| center[k] + radius * axis[k]);
+                let [x, y] = camera.project(rim, [900, 600]).unwrap();
+                assert!((0.0..900.0).contains(&x) && (0.0..600.0).contains(&y));
+            }
+        }
+        app.view.has_ends = false;
+        app.fit(1.5).unwrap();
+        assert!(app.view.camera.unwrap().distance() < camera.distance());
+    });
+}
+
+/// From wherever it begins: else what plays leaves the picture.
+#[test]
+fn all_that_can_be_played_is_seen() {
+    let is_seen = |app: &App<'_>, camera: Camera| {
+        let is_in = |p: [f64; 3]| {
+            let seen = camera.project(app.place.shown(p), [900, 600]);
+            seen.is_some_and(|[x, y]| (0.0..900.0).contains(&x) && (0.0..600.0).contains(&y))
+        };
+        positions(app.file, &app.body.pose()).unwrap().all(is_in)
+    };
+    let mesh = bake::bumpy_sphere(8, 1);
+    let basis = bake::with_frames(bake::smooth_basis(&mesh, 2, 1), 5, 0.5, 1);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("moves.bdt");
+    std::fs::write(&path, bake::baked(&mesh, &basis).asset().bytes()).expect("written");
+    with_file(path.to_str().expect("UTF-8"), |mut app| {
+        app.fit(1.5).unwrap();
+        let camera = app.view.camera.unwrap();
+        for index in 0..app.asset().frame_count() {
+            app.playback.go_to(index);
+            app.show_moment();
+            app.refresh();
+            assert!(is_seen(&app, camera), "{index}");
+            app.fit(1.5).unwrap();
+            let apart = app.view.camera.unwrap().eye.distance(camera.eye);
+            assert!(apart < 1e-4, "{index}: {apart}");
+        }
+    });
+    with_file("skinned.bdt", |mut app| {
+        app.begin_clip(0, 0.0, true);
+        app.show_clip();
+        app.fit(1.5).unwrap();
+        let camera = app.view.camera.unwrap();
+        for _ in 0..20 {
+            app.advance(0.05 * app.clips.duration_s());
+            app.refresh();
+            assert!(is_seen(&app, camera), "{}", app.clips.clock.time_s);
+        }
+    });
+    // One that flies far away is seen where it is.
+    with_file("animated.bdt", |mut app| {
+        for index in [0, 2] {
+            app.playback.go_to(index);
+            app.show_moment();
+            app.fit(1.5).unwrap();
+            assert!(app.view.camera.unwrap().distance() < 20.0, "{index}");
+            assert!(is_seen(&app, app.view.camera.unwrap()), "{index}");
+        }
     });
 }
 
