@@ -5,12 +5,12 @@ use crate::text::TextSize;
 use crate::tightness::{GROWTH_RED, Scale};
 
 /// Text in the upper left corner, and the scale of tightness in the lower left one.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Legend {
     /// Lines of text; the first is the title.
     pub lines: Vec<String>,
-    /// The scale of colors and what it means, `None`: no scale.
-    pub scale: Option<(Scale, String)>,
+    /// The scale of colors, the growth that it ends with, and what it means, `None`: no scale.
+    pub scale: Option<(Scale, f64, String)>,
 }
 
 /// Titles, and all other text.
@@ -61,7 +61,7 @@ impl Legend {
             clear(image, [margin, y], [size.width(line), size.line()]);
             image.text([margin, y], line, size, *colour);
         }
-        if let Some((scale, _)) = &self.scale {
+        if let Some((scale, end, _)) = &self.scale {
             let bar = [(width * 2 / 5).min(24 * size.line()), bar_height(size)];
             let meaning = laid_out.meaning.iter().map(|line| size.width(line)).max();
             let widest = meaning.unwrap_or(0).max(bar[0] + size.width("44+"));
@@ -70,7 +70,7 @@ impl Legend {
                 image.text([margin, low + k * size.line()], line, size, GREY);
             }
             let below = laid_out.meaning.len() as i64 * size.line();
-            draw_bar(image, [margin, low + below], bar, *scale, size);
+            draw_bar(image, [margin, low + below], bar, (*scale, *end), size);
         }
     }
 }
@@ -106,7 +106,7 @@ impl LaidOut {
             size,
             margin,
             lines: lines.collect(),
-            meaning: meaning.map_or(Vec::new(), |(_, meaning)| wrapped(meaning, room)),
+            meaning: meaning.map_or(Vec::new(), |(_, _, meaning)| wrapped(meaning, room)),
             has_scale: legend.scale.is_some(),
         })
     }
@@ -153,7 +153,8 @@ pub fn draw_scale(
     size: TextSize,
 ) {
     image.text([x, y], meaning, size, GREY);
-    draw_bar(image, [x, y + size.line()], [width, height], scale, size);
+    let at = [x, y + size.line()];
+    draw_bar(image, at, [width, height], (scale, GROWTH_RED), size);
 }
 
 /// The bar and the numbers below it.
@@ -161,18 +162,19 @@ fn draw_bar(
     image: &mut Image,
     [x, y]: [i64; 2],
     [width, height]: [i64; 2],
-    scale: Scale,
+    (scale, end): (Scale, f64),
     size: TextSize,
 ) {
     let top = y + size.line() / 4;
     for i in 0..width {
         let share = (i as f64 + 0.5) / width as f64;
-        let colour = scale.colour(1.0 + share * (GROWTH_RED - 1.0));
+        let colour = scale.colour_to(end, 1.0 + share * (end - 1.0));
         image.fill([x + i, top], [1, height], colour, 255);
     }
-    let numbers = ["1.00", "1.11", "1.22", "1.33", "1.44+"];
-    let apart = apart(width, size);
-    for (k, number) in (0..).zip(numbers).step_by(apart) {
+    let number = |k: i64| format!("{:.2}", 1.0 + k as f64 / 4.0 * (end - 1.0));
+    let widest = size.width(&number(4));
+    for k in (0..=4).step_by(apart(width, widest, size)) {
+        let number = number(k) + if k == 4 { "+" } else { "" };
         let at = x + k * width / 4;
         image.fill(
             [at.min(x + width - 1), top + height],
@@ -181,17 +183,17 @@ fn draw_bar(
             255,
         );
         // The first begins where the bar does, the others stand under their marks.
-        let half = if k == 0 { 0 } else { size.width("1.00") / 2 };
+        let half = if k == 0 { 0 } else { widest / 2 };
         let below = top + height + size.line() / 4;
-        image.text([at - half, below], number, size, GREY);
+        image.text([at - half, below], &number, size, GREY);
     }
 }
 
-/// Every how many numbers of a scale of a width are written: all, or those that leave room between them; 5 where only
-/// the first fits.
-fn apart(width: i64, size: TextSize) -> usize {
+/// Every how many numbers of a scale of a width are written, of which the widest is so wide: all, or those that leave
+/// room between them; 5 where only the first fits.
+fn apart(width: i64, widest: i64, size: TextSize) -> usize {
     // The first begins at its mark, the next has its middle there.
-    let needed = size.width("1.00") * 3 / 2 + size.width(" ");
+    let needed = widest * 3 / 2 + size.width(" ");
     let fits = |apart: &usize| width * *apart as i64 / 4 >= needed;
     [1, 2, 4].into_iter().find(fits).unwrap_or(5)
 }
@@ -237,13 +239,13 @@ mod tests {
     use super::{Legend, apart, wrapped};
     use crate::image::Image;
     use crate::text::TextSize;
-    use crate::tightness::Scale;
+    use crate::tightness::{GROWTH_RED, Scale};
 
     fn legend(lines: usize, has_scale: bool) -> Legend {
         let meaning = "R'/R: radius over the wrapped sphere's at rest".to_string();
         Legend {
             lines: vec!["level 0: 8 spheres, R'/R mean 1.000, largest 1.000".to_string(); lines],
-            scale: has_scale.then_some((Scale::Paper, meaning)),
+            scale: has_scale.then_some((Scale::Paper, GROWTH_RED, meaning)),
         }
     }
 
@@ -286,10 +288,10 @@ mod tests {
         let size = TextSize::Small;
         let [number, space] = ["1.00", " "].map(|text| size.width(text));
         for width in 20..600 {
-            let apart = apart(width, size);
+            let apart = apart(width, number, size);
             assert!(apart > 4 || width * apart as i64 / 4 - number / 2 >= number + space);
         }
-        let of = |width| apart(width, size);
+        let of = |width| apart(width, number, size);
         assert_eq!([of(400), of(128), of(64), of(20)], [1, 2, 4, 5]);
     }
 

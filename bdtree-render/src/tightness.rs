@@ -76,11 +76,16 @@ pub enum Scale {
 impl Scale {
     /// The color of a growth: the first of the scale at 1 and below, the last from [`GROWTH_RED`] on.
     pub fn colour(self, growth: f64) -> [u8; 3] {
+        self.colour_to(GROWTH_RED, growth)
+    }
+
+    /// The same of a scale that ends at another growth, above 1.
+    pub fn colour_to(self, end: f64, growth: f64) -> [u8; 3] {
         // Not a number counts as beyond all.
         let share = if growth.is_nan() {
             1.0
         } else {
-            (growth - 1.0) / (GROWTH_RED - 1.0)
+            (growth - 1.0) / (end - 1.0)
         };
         let share = share.clamp(0.0, 1.0);
         match self {
@@ -156,6 +161,9 @@ mod tests {
             g > 200 && r > 100 && b > 100,
             "the middle is light: {r} {g} {b}"
         );
+        for (growth, same) in [(1.0, 1.0), (2.0, 1.22), (3.0, GROWTH_RED), (9.0, 9.0)] {
+            assert_eq!(Scale::Paper.colour_to(3.0, growth), colour(same));
+        }
         assert!(GROWTH_RED.powi(3) > 2.98 && GROWTH_RED.powi(3) < 3.0);
     }
 

@@ -52,6 +52,15 @@ pub struct Arguments {
     /// The scale of colors: the paper's, or viridis, which color-blind readers can read too
     #[arg(long, value_enum, default_value = "paper", value_name = "SCALE")]
     pub scale: ScaleChoice,
+    /// Where the scale of colors ends, above 1; greater growth has its last color
+    #[arg(
+        long,
+        value_name = "GROWTH",
+        default_value = "1.44",
+        value_parser = scale_max,
+        requires = "drawn spheres"
+    )]
+    pub scale_max: f64,
     /// How opaque spheres are, 0 to 1
     #[arg(long, value_name = "A", default_value = "0.35", value_parser = share)]
     pub opacity: f64,
@@ -109,6 +118,15 @@ pub struct UprightArguments {
 pub fn level(text: &str) -> Result<usize, String> {
     let number = text.parse::<usize>();
     number.map_err(|_| "not a whole number, 0 or more".to_string())
+}
+
+/// The end of a scale that begins at 1.
+fn scale_max(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 1.0 && x <= 1e6 => Ok(x),
+        Ok(_) => Err("must be a number above 1, at most 1e6".to_string()),
+        Err(_) => Err("not a number".to_string()),
+    }
 }
 
 /// A number from 0 to 1.

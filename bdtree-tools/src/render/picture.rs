@@ -232,7 +232,7 @@ impl<'a> Painter<'a> {
             let growths = growths(body.asset(), &content.spheres, &body.positions, against)
                 .map_err(|error| body.file.error(error))?;
             for (sphere, growth) in content.spheres.iter().zip(&growths) {
-                let [r, g, b] = scale.colour(*growth);
+                let [r, g, b] = scale.colour_to(self.arguments.scale_max, *growth);
                 spheres.push(self.sphere(sphere.center, sphere.radius, [r, g, b, opacity]));
             }
             all_growths.extend(growths);
@@ -364,14 +364,15 @@ fn spheres_line(arguments: &Arguments, which: &str, count: &str, [mean, max]: [f
 }
 
 /// The scale of colors, and what it means.
-fn scale(arguments: &Arguments) -> (Scale, String) {
+fn scale(arguments: &Arguments) -> (Scale, f64, String) {
     let meaning = match arguments.against {
         AgainstChoice::Rest => "R'/R: radius over the wrapped sphere's at rest",
         AgainstChoice::Deformed => {
             "R'/R_opt: radius over the smallest ball's around the deformed vertices"
         }
     };
-    (arguments.scale.into(), meaning.to_string())
+    let colours = arguments.scale.into();
+    (colours, arguments.scale_max, meaning.to_string())
 }
 
 /// What the legend leaves of a picture.

@@ -129,8 +129,21 @@ fn the_scale_colors_spheres_and_legend() {
         plain.share(is_purple) < viridis.share(is_purple),
         "the legend's bar is viridis too"
     );
-    let ran = folder.run(&["render", "a.bdt", "-o", "none.png", "--scale", "jet"]);
-    assert_eq!(ran.code, 2, "{}", ran.err);
+    // A longer scale has its last color for greater growth only.
+    let longer = draw(&["--no-legend", "--scale-max", "9"]);
+    assert_eq!(longer.share(is_red), 0.0);
+    let all_colors = draw(&["--scale-max", "9"]);
+    assert!(all_colors.share(is_red) > 0.0, "the legend's bar has all");
+    let spheres = ["--spheres", "1"];
+    for wrong in [
+        &["--scale", "jet"][..],
+        &["--scale-max", "2"],
+        &[&spheres[..], &["--scale-max", "1"]].concat(),
+        &[&spheres[..], &["--scale-max", "nan"]].concat(),
+    ] {
+        let ran = folder.run(&[&["render", "a.bdt", "-o", "none.png"], wrong].concat());
+        assert_eq!(ran.code, 2, "{wrong:?}: {}", ran.err);
+    }
 }
 
 #[test]
