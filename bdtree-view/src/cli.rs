@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use bdtree_tools::PostureArguments;
-use bdtree_tools::render::{UprightArguments, level};
 use bdtree_tools::render::options::{PictureSize, numbers};
+use bdtree_tools::render::{UprightArguments, level};
 use clap::Parser;
 
 /// Opens a window on a .bdt file: sliders for q, its animation and clips, spheres of its tree colored by
