@@ -79,6 +79,7 @@ fn percent(x: f64) -> String {
         0.0 => "0 %".to_string(),
         x if x >= 10.0 => format!("{x:.0} %"),
         x if x >= 0.01 => format!("{x:.2} %"),
-        x => format!("{x:.1e} %"),
+        x if x >= 0.001 => format!("{x:.3} %"),
+        _ => "below 0.001 %".to_string(),
     }
 }

@@ -35,7 +35,7 @@ pub struct Content {
     pub depth_whole: WholeQuery,
     /// Queries stopped at a level, from the root's down.
     pub depth: Vec<DepthRow>,
-    /// R'/R_opt per amplitude and level; with a skin per level, in the poses of the samples. Empty where nothing moves.
+    /// R'/R_opt per level, in the poses of the samples and, without a skin, per amplitude. Empty where nothing moves.
     pub tightness: Vec<TightnessRow>,
     /// How close a vertex came to leaving a sphere; null where nothing was tried.
     pub margin: Option<Margin>,
@@ -88,7 +88,7 @@ pub struct Facts {
     pub skin: Option<Skin>,
     /// Length of the file.
     pub bytes: u64,
-    /// Sides of the box of the vertices at rest.
+    /// Sides of the box of the triangles at rest; with a skin, of where its bones at rest carry them.
     pub size: [f64; 3],
     /// Its diagonal.
     pub diagonal: f64,
@@ -134,6 +134,16 @@ pub struct Samples {
     pub of_parts: Parts,
     /// Radii of balls over the diagonal.
     pub balls: Balls,
+}
+
+impl Samples {
+    /// So many of them, in words.
+    pub(super) fn some(&self, count: usize) -> String {
+        match count == self.count {
+            true => self.source.clone(),
+            false => format!("{count} of {}", self.source),
+        }
+    }
 }
 
 /// Samples of a part; 0 where the part is left out.
@@ -194,7 +204,7 @@ pub struct ModesRow {
     pub ray_micros: f64,
     /// Time of a pair, µs.
     pub pair_micros: f64,
-    /// Time over that with all modes in the same run, geometric mean over the three.
+    /// Time over that with all modes in the same run, geometric mean over the three; 1 for all modes.
     pub time_rel: f64,
 }
 
@@ -235,7 +245,7 @@ pub struct DepthRow {
 /// R'/R_opt of a level; R_opt is the radius of the smallest ball of the deformed vertices.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TightnessRow {
-    /// How far the farthest vertex is moved, over the diagonal; null where samples are taken as they are, with a skin.
+    /// How far the farthest vertex is moved, over the diagonal; null where samples are taken as they are.
     pub displacement_rel: Option<f64>,
     /// The level; 0 is the root's.
     pub level: usize,
@@ -294,7 +304,7 @@ pub struct Curve {
     pub question: String,
     /// What `amount` counts: balls, rays, touching pairs of triangles.
     pub unit: String,
-    /// Points, by rising amount; several may have the same, as where pairs do not touch (0).
+    /// Points, by rising amount, each with another one.
     pub points: Vec<CurvePoint>,
     /// Who is safely ahead, and where: `ahead`, `below`, `above`, `from`, `to`, `break_even`.
     #[serde(flatten)]
@@ -312,7 +322,8 @@ impl Curve {
 /// One number of questions.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CurvePoint {
-    /// How many are asked, or how many pairs of triangles touch in the mean (0: none), per step.
+    /// How many are asked, or how many pairs of triangles touch in the mean, per step. Where several places of the second
+    /// instance touch nothing (0) times are geometric means, visits means.
     pub amount: f64,
     /// Ours, µs per step.
     pub bdtree_micros: f64,

@@ -3,6 +3,8 @@
 use bdtree_build::advise::samples::{Bones, Samples, Source};
 use bdtree_runtime::Asset;
 
+use super::text::numbers;
+
 /// Which poses an asset is judged in.
 pub(super) fn source(asset: &Asset<'_>, samples: &Samples) -> String {
     let count = samples.count;
@@ -49,10 +51,13 @@ pub(super) fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
         return missing;
     }
     if !samples.still.is_empty() {
-        let numbers: Vec<String> = samples.still.iter().map(usize::to_string).collect();
+        let (modes, move_, their, they) = match samples.still.len() {
+            1 => ("Mode", "moves", "its", "it does"),
+            _ => ("Modes", "move", "their", "they do"),
+        };
         missing.push(format!(
-            "Modes {} move nothing within their q_range: what they do beyond it is not in this report.",
-            numbers.join(", ")
+            "{modes} {} {move_} nothing within {their} q_range: what {they} beyond it is not in this report.",
+            numbers(&samples.still)
         ));
     }
     if samples.source == Source::Ranges {

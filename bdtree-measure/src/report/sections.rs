@@ -98,10 +98,14 @@ pub(super) fn unneeded(asset: &Asset<'_>) -> Vec<Unneeded> {
             0 => "with a level limit of 0".to_string(),
             level => format!("with a level limit of {level} or less"),
         };
-        rows.push(row(&limit, "triangles, vertices, displacements", surface));
+        let surface_parts = match asset.mode_count() {
+            0 => "triangles, vertices",
+            _ => "triangles, vertices, displacements",
+        };
+        rows.push(row(&limit, surface_parts, surface));
     }
     rows.push(row(
-        "with a level limit above the deepest level",
+        "with any limit that stops before the deepest level",
         "nodes of the deepest level and their rows",
         deepest_bytes(asset),
     ));

@@ -2,8 +2,8 @@
 
 use super::super::content::{Advice, Content, SectionRow, Unneeded};
 use super::super::made::UNKNOWN_INPUT;
-use super::super::text::{escaped, grouped, number, percent};
-use super::{Page, Picture};
+use super::super::text::{escaped, grouped, number, percent, share};
+use super::{Page, Picture, prose};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -29,7 +29,7 @@ fn size(sides: [f64; 3], diagonal: f64, scale_m: Option<f64>) -> String {
 /// The name that the processor's makers gave the instructions of a kernel.
 fn instructions(kernel: &str) -> String {
     match kernel {
-        "Scalar" => "scalar".to_string(),
+        "Scalar" => "none".to_string(),
         name => name.to_uppercase(),
     }
 }
@@ -46,7 +46,10 @@ impl Page {
             ("levels", asset.depth.to_string()),
             ("bytes", grouped(asset.bytes)),
             (
-                "size",
+                match asset.skin {
+                    Some(_) => "size with the bones at rest",
+                    None => "size",
+                },
                 size(asset.size, asset.diagonal, content.made.scale_m),
             ),
         ];
@@ -83,7 +86,7 @@ impl Page {
 
     pub(super) fn verdict(&mut self, content: &Content) {
         if !content.verdict.is_empty() {
-            let item = |text: &String| format!("<li>{}</li>", escaped(text));
+            let item = |text: &String| format!("<li>{}</li>", prose(text));
             let items: String = content.verdict.iter().map(item).collect();
             self.line(&format!("<ul class=\"verdict\">{items}</ul>"));
         }
@@ -101,9 +104,13 @@ impl Page {
         let settings: Vec<String> = settings
             .map(|(name, value)| format!("{name} {value}"))
             .collect();
+        let basis = match (&content.asset.skin, content.asset.modes) {
+            (Some(_), 0) => Some("bones, no modes".to_string()),
+            _ => made.basis.clone(),
+        };
         let facts = [
             ("source", made.source.clone()),
-            ("basis", made.basis.clone()),
+            ("basis", basis),
             (
                 "settings",
                 (!settings.is_empty()).then(|| settings.join(", ")),
@@ -138,15 +145,18 @@ impl Page {
     pub(super) fn samples(&mut self, content: &Content) {
         let samples = &content.samples;
         self.heading("How it was measured");
+        let moved = match samples.displacement_max_rel {
+            0.0 => String::new(),
+            moved => format!(
+                ", which move the farthest vertex by up to {} of the diagonal; each part says how many of them it takes",
+                percent(moved)
+            ),
+        };
+        let simd = instructions(&content.machine.kernel);
         self.soft(&format!(
-            "At {}, which move the farthest vertex by up to {} of the diagonal; each part says how many of them \
-             it takes. Lengths are mesh units. Times are of one thread of {}, {} code, and medians of {} \
+            "At {}{moved}. Lengths are mesh units. Times are of one thread of {} (SIMD: {simd}) and medians of {} \
              repetitions unless a part says otherwise.",
-            samples.source,
-            percent(samples.displacement_max_rel),
-            content.machine.processor,
-            instructions(&content.machine.kernel),
-            content.machine.repetitions,
+            samples.source, content.machine.processor, content.machine.repetitions,
         ));
     }
 
@@ -155,7 +165,7 @@ impl Page {
             return;
         }
         self.heading("Advice");
-        let item = |a: &Advice| format!("<li>{}</li>", escaped(&a.text));
+        let item = |a: &Advice| format!("<li>{}</li>", prose(&a.text));
         let items: String = content.advice.iter().map(item).collect();
         self.line(&format!("<ul class=\"advice\">{items}</ul>"));
     }
@@ -170,7 +180,7 @@ impl Page {
                 ("section", &|s| s.kind.clone()),
                 ("what it holds", &|s| s.purpose.clone()),
                 ("bytes", &|s| grouped(s.bytes)),
-                ("share", &|s| percent(s.share)),
+                ("share", &|s| share(s.share)),
             ],
         );
         self.table::<Unneeded>(
@@ -234,7 +244,7 @@ mod tests {
 
     #[test]
     fn kernels_have_the_names_of_their_instructions() {
-        assert_eq!(instructions("Scalar"), "scalar");
+        assert_eq!(instructions("Scalar"), "none");
         assert_eq!(instructions("Avx2"), "AVX2");
     }
 }

@@ -61,11 +61,11 @@ impl Page {
     }
 
     fn text(&mut self, text: &str) {
-        self.line(&format!("<p>{}</p>", escaped(text)));
+        self.line(&format!("<p>{}</p>", prose(text)));
     }
 
     fn soft(&mut self, text: &str) {
-        self.line(&format!("<p class=\"soft\">{}</p>", escaped(text)));
+        self.line(&format!("<p class=\"soft\">{}</p>", prose(text)));
     }
 
     fn open(&mut self) {
@@ -85,7 +85,11 @@ impl Page {
                     escaped(name)
                 )
             };
-            let keys: String = plot.keys().map(key).collect();
+            let mut keys: String = plot.keys().map(key).collect();
+            if let Some(mark) = &plot.mark {
+                let name = escaped(&mark.name);
+                keys += &format!("<span class=\"key\"><i class=\"stretch\"></i>{name}</span>");
+            }
             self.line(&format!(
                 "<figure role=\"img\" aria-label=\"{title}\"><figcaption>{title}</figcaption>{keys}{svg}</figure>"
             ));
@@ -124,10 +128,18 @@ impl Page {
 /// The most columns of numbers that fit below a plot, and on a phone.
 const SMALL: usize = 5;
 
-/// A number whose line ends neither before its unit nor in its exponent.
+/// A number whose line does not end before its unit.
 fn unbroken(number: &str) -> String {
-    let number = number.replace(" %", "\u{202f}%");
-    number.replace("e-", "e\u{2212}")
+    number.replace(" %", "\u{202f}%")
+}
+
+/// Sentences whose lines do not end within the name of an option, as they would behind its hyphens.
+fn prose(text: &str) -> String {
+    let word = |word: &str| match word.trim_start_matches('(').starts_with("--") {
+        true => format!("<span class=\"option\">{}</span>", escaped(word)),
+        false => escaped(word),
+    };
+    text.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
 /// The head of a column, and what a row has there.

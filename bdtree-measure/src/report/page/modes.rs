@@ -1,7 +1,7 @@
 //! What fewer modes cost and save.
 
 use super::super::content::{Content, ModesRow};
-use super::super::text::{grouped, number, percent};
+use super::super::text::{figure, grouped, percent, share};
 use super::{Column, Page, line};
 use crate::plot::{Axis, Plot};
 
@@ -14,10 +14,10 @@ impl Page {
         self.heading("Modes kept");
         self.soft(&format!(
             "The first k modes of the file. Error: how far vertices are from where all modes of the file have them, over \
-             {}. Bytes, visits and times: of a file re-baked with k modes; times are the least of several \
-             rounds, over {} samples. Each row alternates with the full asset, so only \"time / all\" is comparable \
-             between rows. A ball has a radius of {} of the diagonal, a ray is one of 16 asked together, a pair is the \
-             asset beside itself.",
+             {}. Bytes, visits and times: of a file baked again with k modes, whose metadata are shorter than this file's; \
+             times are the least of several rounds, over {} samples. Each row alternates with the full asset, so only \
+             \"time / all\" is comparable between rows. A ball has a radius of {} of the diagonal and its center on the \
+             surface, a ray is one of 16 asked together, a pair is the asset beside itself.",
             content.modes_over.as_deref().unwrap_or("the samples"),
             content.samples.of_parts.modes,
             percent(content.samples.balls.large_rel),
@@ -26,16 +26,19 @@ impl Page {
             line(name, rows, |r| (r.modes as f64, of(r)))
         };
         self.open();
-        self.plot(&Plot {
-            mark: None,
-            title: "Error / box diagonal".to_string(),
-            x: Axis::linear("modes kept"),
-            y: Axis::log("error / diagonal"),
-            lines: vec![
-                line("largest", &|r| r.error_max_rel),
-                line("root mean square", &|r| r.error_rms_rel),
-            ],
-        });
+        // Of one mode there is a single point.
+        if rows.len() > 1 {
+            self.plot(&Plot {
+                mark: None,
+                title: "Error / box diagonal".to_string(),
+                x: Axis::linear("modes kept"),
+                y: Axis::log("% of the diagonal"),
+                lines: vec![
+                    line("largest", &|r| 100.0 * r.error_max_rel),
+                    line("root mean square", &|r| 100.0 * r.error_rms_rel),
+                ],
+            });
+        }
         self.plot(&Plot {
             mark: None,
             title: "Query time relative to all modes".to_string(),
@@ -59,10 +62,10 @@ impl Page {
             0,
             &[
                 modes,
-                ("largest error", &|r| number(r.error_max)),
-                ("rms error", &|r| number(r.error_rms)),
-                ("largest / diagonal", &|r| percent(r.error_max_rel)),
-                ("rms / diagonal", &|r| percent(r.error_rms_rel)),
+                ("largest error", &|r| figure(r.error_max)),
+                ("rms error", &|r| figure(r.error_rms)),
+                ("largest / diagonal", &|r| share(r.error_max_rel)),
+                ("rms / diagonal", &|r| share(r.error_rms_rel)),
             ],
         );
         self.table::<ModesRow>(
@@ -70,10 +73,10 @@ impl Page {
             0,
             &[
                 modes,
-                ("ball, µs", &|r| number(r.ball_micros)),
-                ("ray, µs", &|r| number(r.ray_micros)),
-                ("pair, µs", &|r| number(r.pair_micros)),
-                ("time / all", &|r| number(r.time_rel)),
+                ("ball, µs", &|r| figure(r.ball_micros)),
+                ("ray, µs", &|r| figure(r.ray_micros)),
+                ("pair, µs", &|r| figure(r.pair_micros)),
+                ("time / all", &|r| figure(r.time_rel)),
             ],
         );
         self.table::<ModesRow>(
@@ -82,9 +85,9 @@ impl Page {
             &[
                 modes,
                 ("bytes", &|r| grouped(r.bytes)),
-                ("ball, visits", &|r| number(r.ball_visits)),
-                ("ray, visits", &|r| number(r.ray_visits)),
-                ("pair, visits", &|r| number(r.pair_visits)),
+                ("ball, visits", &|r| figure(r.ball_visits)),
+                ("ray, visits", &|r| figure(r.ray_visits)),
+                ("pair, visits", &|r| figure(r.pair_visits)),
             ],
         );
         self.close();

@@ -1,7 +1,7 @@
 //! What stopping at a level brings.
 
 use super::super::content::{Content, DepthRow};
-use super::super::text::{number, percent};
+use super::super::text::{figure, number, percent, share};
 use super::{Column, Page, line};
 use crate::plot::{Axis, Plot};
 
@@ -13,13 +13,28 @@ impl Page {
         }
         self.heading("Depth of traversal");
         let whole = &content.depth_whole;
+        let samples = content.samples.of_parts.depth;
+        let at = match (samples, whole.apart_rel) {
+            (1, 0.0) => content.samples.some(1),
+            (1, _) => format!(
+                "{}, where the ball touches nothing",
+                content.samples.some(1)
+            ),
+            (_, apart) => format!(
+                "{samples} samples; at {} of them the ball touches nothing",
+                percent(apart)
+            ),
+        };
+        let others = match content.modes.is_empty() {
+            true => "",
+            false => ", not on one as in \"Modes kept\": visits and times differ",
+        };
         self.soft(&format!(
-            "Queries with a ball of {} of the diagonal that stop at a level and report its spheres, at {} samples; at {} \
-             of them the ball touches nothing. Without a level limit a query takes {} µs and visits {} nodes. \
-             With a limit it misses nothing; the tables show the excess area and the depth error.",
+            "Queries with a ball of {} of the diagonal that stop at a level and report its spheres, at {at}. The \
+             center of the ball is up to 1.7 radii off a point of the surface{others}. Without a level limit a query \
+             takes {} µs and visits {} nodes. With a limit it misses nothing; the tables show the extra area and the \
+             depth error.",
             percent(content.samples.balls.large_rel),
-            content.samples.of_parts.depth,
-            percent(whole.apart_rel),
             number(whole.ball_micros),
             number(whole.ball_visits),
         ));
@@ -31,8 +46,8 @@ impl Page {
             mark: None,
             title: "Largest penetration-depth error".to_string(),
             x: Axis::linear("level"),
-            y: Axis::log("error / diagonal"),
-            lines: vec![line("error", &|r| r.penetration_error_rel)],
+            y: Axis::log("% of the diagonal"),
+            lines: vec![line("error", &|r| 100.0 * r.penetration_error_rel)],
         });
         self.plot(&Plot {
             mark: None,
@@ -52,12 +67,12 @@ impl Page {
             0,
             &[
                 level,
-                ("missed area / touched", &|r| percent(r.missed_area_rel)),
-                ("extra area / touched", &|r| percent(r.extra_area_rel)),
+                ("missed area / touched", &|r| share(r.missed_area_rel)),
+                ("extra area / touched", &|r| share(r.extra_area_rel)),
                 ("depth error / diagonal", &|r| {
-                    percent(r.penetration_error_rel)
+                    share(r.penetration_error_rel)
                 }),
-                ("false positives", &|r| percent(r.false_rel)),
+                ("false positives", &|r| share(r.false_rel)),
             ],
         );
         self.table::<DepthRow>(
@@ -65,9 +80,9 @@ impl Page {
             0,
             &[
                 level,
-                ("µs", &|r| number(r.ball_micros)),
-                ("time / no limit", &|r| number(r.time_rel)),
-                ("visits", &|r| number(r.ball_visits)),
+                ("µs", &|r| figure(r.ball_micros)),
+                ("time / no limit", &|r| figure(r.time_rel)),
+                ("visits", &|r| figure(r.ball_visits)),
             ],
         );
         self.close();

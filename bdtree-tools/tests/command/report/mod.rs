@@ -26,7 +26,7 @@ impl Folder {
             let (picture, rest) = part.split_once('"').expect("an end");
             short += &format!("base64,{:.5}\"{rest}", picture);
         }
-        (figures, short)
+        (figures, without_options(&short))
     }
 
     /// The first picture of the page of an asset without modes.
@@ -42,6 +42,13 @@ impl Folder {
         self.write("out.png", picture.expect("base 64"));
         Picture::read(&self.path("out.png"))
     }
+}
+
+/// A page without what keeps the names of options in one line.
+fn without_options(page: &str) -> String {
+    let mut parts = page.split("<span class=\"option\">");
+    let first = parts.next().unwrap_or_default().to_string();
+    parts.fold(first, |text, part| text + &part.replacen("</span>", "", 1))
 }
 
 /// Whether there is a line for each part that was begun, and nothing else.
