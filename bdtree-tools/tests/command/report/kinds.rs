@@ -54,6 +54,10 @@ fn what_an_asset_has_not_is_said() {
             (&Value::Null, &Value::Null)
         );
         assert!(page.contains("The asset is rigid") && !page.contains("NaN"));
+        assert!(page.contains("At the rest pose. Lengths are mesh units."));
+        for nonsense in ["0 % of the diagonal;", "1 samples", "displacements"] {
+            assert!(!page.contains(nonsense), "{name} {nonsense}");
+        }
         // No empty plot, and no heading over nothing.
         assert!(!page.contains("Tightness</h2>") && !page.contains("Modes kept</h2>"));
         assert!(cells(&page) > 10);
@@ -122,7 +126,7 @@ fn fields_that_move_nothing_are_advised_away() {
     assert!(
         modes
             .iter()
-            .any(|text| text.contains("(not the first ones)")),
+            .any(|text| text.contains("2 of 3 modes (numbers 1, 2 \"wave\") ")),
         "{modes:?}"
     );
 }
