@@ -197,6 +197,8 @@ fn curve(
     }
     progress.advance((amounts.len() - points.len()) as u64);
     points.sort_by(|a, b| a.amount.total_cmp(&b.amount));
+    let same = points.chunk_by(|a, b| a.amount == b.amount);
+    let points: Vec<CurvePoint> = same.map(as_one).collect();
     let ratios: Vec<(f64, f64)> = points.iter().map(|p| (p.amount, p.ratio)).collect();
     Ok(Curve {
         question: question.to_string(),
@@ -204,6 +206,25 @@ fn curve(
         comparison: Comparison::of(&ratios),
         points,
     })
+}
+
+/// Points of one amount as one: geometric means of their times, since those may differ by much (pairs that do not touch
+/// stand anywhere from far apart to almost touching).
+fn as_one(same: &[CurvePoint]) -> CurvePoint {
+    let count = same.len() as f64;
+    let mean = |of: &dyn Fn(&CurvePoint) -> f64| same.iter().map(of).sum::<f64>() / count;
+    let bdtree_micros = mean(&|p| p.bdtree_micros.ln()).exp();
+    let refit_micros = mean(&|p| p.refit_micros.ln()).exp();
+    match same {
+        [one] => one.clone(),
+        _ => CurvePoint {
+            amount: mean(&|p| p.amount),
+            bdtree_micros,
+            refit_micros,
+            ratio: refit_micros / bdtree_micros,
+            visited_rel: mean(&|p| p.visited_rel),
+        },
+    }
 }
 
 /// Long steps are repeated less often: until this much time is spent, s.
@@ -295,5 +316,33 @@ mod tests {
         assert_eq!(amounts, [4.0, 40.0, 101.0]);
         assert_eq!(curve.points[0].ratio, 5.0);
         assert_eq!(curve.comparison.break_even, Some(20.0));
+    }
+
+    #[test]
+    fn points_of_one_amount_are_one() {
+        let mut at = |which: usize| {
+            let cost = |micros| Cost {
+                micros,
+                visited: which as f64,
+                ..Cost::default()
+            };
+            let ours = [1.0, 4.0, 5.0][which];
+            Ok((if which < 2 { 0.0 } else { 9.0 }, cost(ours), cost(8.0)))
+        };
+        let curve = curve(
+            "pair",
+            "touching pairs of triangles",
+            &[0, 1, 2],
+            &Silent,
+            &mut at,
+        );
+        let points = curve.expect("a curve").points;
+        assert_eq!(
+            points.iter().map(|p| p.amount).collect::<Vec<_>>(),
+            [0.0, 9.0]
+        );
+        let first = &points[0];
+        assert!((first.bdtree_micros - 2.0).abs() < 1e-12 && (first.ratio - 4.0).abs() < 1e-12);
+        assert_eq!(first.visited_rel, 0.5);
     }
 }
