@@ -1,5 +1,5 @@
-//! Radii over the smallest possible, per level: of fields per amplitude and for three bounds, of bones for the file's in
-//! the poses of samples, whose amplitude nobody can choose.
+//! Radii over the smallest possible, per level, in the poses of samples: of fields for three bounds, and per amplitude
+//! too; of bones for the file's bound alone, and their amplitude nobody can choose.
 
 use bdtree_build::progress::Progress;
 use bdtree_build::wrap::ball::smallest_ball;
@@ -21,18 +21,18 @@ const SPHERES_MAX: usize = 100;
 /// same ones, except ours, which is the file's: with fewer vertices R_opt could only be smaller.
 const VERTICES_MAX: usize = 20_000;
 
-/// Per amplitude and level; the parts of each q are kept while its size is changed. With a skin per level, in the poses of
-/// the samples.
+/// Per level in the poses of the samples, and without a skin per amplitude too: the parts of each q are kept while its size
+/// is changed.
 pub(super) fn tightness(
     asset: &Asset<'_>,
     samples: &[&Sample],
     diagonal: f64,
     progress: &dyn Progress,
 ) -> Result<Vec<TightnessRow>, MeasureError> {
-    let amplitudes: &[_] = match asset.has_skin() {
-        true => &[None],
-        false => &AMPLITUDES.map(Some),
-    };
+    let mut amplitudes = vec![None];
+    if !asset.has_skin() {
+        amplitudes.extend(AMPLITUDES.map(Some));
+    }
     let reach = samples.iter().map(|sample| farthest(asset, &sample.q));
     let reach = reach.collect::<Result<Vec<_>, _>>()?;
     let mut memory = vec![0.0; asset.pose_len()];
@@ -49,7 +49,7 @@ pub(super) fn tightness(
             .step_by(step)
             .map(|(node, lane)| Sphere::new(asset, node, lane))
             .collect::<Result<_, _>>()?;
-        for amplitude in amplitudes {
+        for amplitude in &amplitudes {
             let mut ratios = [const { Vec::new() }; 3];
             for (sample, reach) in samples.iter().zip(&reach) {
                 let pose = match amplitude {

@@ -51,25 +51,33 @@ impl Page {
     fn tightness_by_amplitude(&mut self, content: &Content) {
         let rows = &content.tightness;
         self.soft(&format!(
-            "Radius over that of the smallest ball around the deformed vertices, mean per level (0 is the root's), \
-             along {} samples made longer or shorter until the farthest vertex moves by so much of the diagonal.",
+            "Radius over that of the smallest ball around the deformed vertices, mean per level (0 is the root's): in {} of \
+             the samples as they are, and with these made longer or shorter until the farthest vertex moves by so much \
+             of the diagonal.",
             content.samples.of_parts.tightness
         ));
-        let mut amplitudes: Vec<f64> = rows.iter().map(moved).collect();
-        amplitudes.sort_by(f64::total_cmp);
+        // The samples as they are stand first.
+        let order =
+            |a: &Option<f64>, b: &Option<f64>| a.unwrap_or(0.0).total_cmp(&b.unwrap_or(0.0));
+        let mut amplitudes: Vec<Option<f64>> = rows.iter().map(|r| r.displacement_rel).collect();
+        amplitudes.sort_by(order);
         amplitudes.dedup();
         // One axis for all, so that they can be compared.
         let means = |r: &TightnessRow| [paper(r), smallest_ball(r), r.bdtree].map(|r| r.mean);
         let most = rows.iter().flat_map(means).fold(1.0, f64::max);
         self.open();
         for amplitude in &amplitudes {
-            let own: Vec<&TightnessRow> = rows.iter().filter(|r| moved(r) == *amplitude).collect();
+            let own = rows.iter().filter(|r| r.displacement_rel == *amplitude);
+            let own: Vec<&TightnessRow> = own.collect();
             let of = |name: &str, ratio: &dyn Fn(&TightnessRow) -> Ratio| {
                 line(name, &own, |r| (r.level as f64, ratio(r).mean))
             };
             self.plot(&Plot {
                 mark: None,
-                title: format!("{} of the diagonal", percent(*amplitude)),
+                title: match amplitude {
+                    None => "In the poses of the samples".to_string(),
+                    Some(amplitude) => format!("{} of the diagonal", percent(*amplitude)),
+                },
                 x: Axis::linear("level"),
                 y: Axis::from("R' / R_opt", 1.0).to(most),
                 lines: vec![
@@ -80,12 +88,14 @@ impl Page {
             });
         }
         let mut rows = rows.clone();
-        rows.sort_by(|a, b| moved(a).total_cmp(&moved(b)));
+        rows.sort_by(|a, b| order(&a.displacement_rel, &b.displacement_rel));
         self.table::<TightnessRow>(
             &rows,
             0,
             &[
-                ("moved by", &|r| percent(moved(r))),
+                ("moved by", &|r| {
+                    r.displacement_rel.map_or("as is".to_string(), percent)
+                }),
                 ("level", &|r| r.level.to_string()),
                 ("spheres measured", &|r| r.spheres.to_string()),
                 ("paper, mean / largest", &|r| both(&paper(r))),
@@ -102,10 +112,6 @@ const NONE: Ratio = Ratio {
     mean: f64::NAN,
     max: f64::NAN,
 };
-
-fn moved(row: &TightnessRow) -> f64 {
-    row.displacement_rel.unwrap_or(f64::NAN)
-}
 
 fn paper(row: &TightnessRow) -> Ratio {
     row.paper.unwrap_or(NONE)
