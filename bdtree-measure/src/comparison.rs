@@ -57,7 +57,10 @@ pub enum Ahead {
     Refit,
     /// One is safely ahead at few, the other at many, with nothing but noise between them.
     Crosses,
-    /// Anything else: noise at an end or throughout, a dip into noise, or several crossings.
+    /// One is safely ahead at an end, or at both, but not as simply: the other end is noise, or there is a dip into
+    /// noise or more than one crossing between. `below`, `from`, `to` and `above` say where.
+    Partly,
+    /// Noise at both ends.
     Close,
 }
 
@@ -97,7 +100,10 @@ impl Comparison {
         let head = alike(below, &mut all.iter());
         let tail = alike(above, &mut all.iter().rev());
         let mut comparison = Self {
-            ahead: Ahead::Close,
+            ahead: match (below, above) {
+                (None, None) => Ahead::Close,
+                _ => Ahead::Partly,
+            },
             below,
             above,
             from: None,
@@ -125,7 +131,7 @@ impl Comparison {
 }
 
 /// Points by rising amount, equal amounts as one point of their geometric mean.
-pub fn merged(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+fn merged(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let says = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite() && p.1 > 0.0;
     let mut all: Vec<(f64, f64)> = points.iter().filter(says).copied().collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -217,22 +223,23 @@ mod tests {
     }
 
     #[test]
-    fn what_is_close_says_where() {
-        for (ratios, below, above, from, to) in [
+    fn what_is_not_simple_says_where() {
+        use Ahead::{Close, Partly};
+        for (ratios, ahead, below, above, from, to) in [
             // Noise at an end, at both, throughout.
-            (&[8.0, 2.0, 1.05][..], OURS, None, 4.0, 16.0),
-            (&[1.0, 2.0, 3.0], None, OURS, 1.0, 4.0),
-            (&[0.95, 0.5, 1.0], None, None, 1.0, 16.0),
-            (&[1.09], None, None, 1.0, 1.0),
+            (&[8.0, 2.0, 1.05][..], Partly, OURS, None, 4.0, 16.0),
+            (&[1.0, 2.0, 3.0], Partly, None, OURS, 1.0, 4.0),
+            (&[0.95, 0.5, 1.0], Close, None, None, 1.0, 16.0),
+            (&[1.09], Close, None, None, 1.0, 1.0),
             // A dip into noise; both sides of it the same.
-            (&[2.0, 1.0, 1.5], OURS, OURS, 1.0, 16.0),
+            (&[2.0, 1.0, 1.5], Partly, OURS, OURS, 1.0, 16.0),
             // More than one crossing.
-            (&[3.0, 0.5, 2.0, 0.5], OURS, REFIT, 1.0, 64.0),
-            (&[3.0, 2.0, 0.5, 2.0, 3.0], OURS, OURS, 4.0, 64.0),
-            (&[0.5, 1.5, 1.0, 0.5, 0.2], REFIT, REFIT, 1.0, 64.0),
+            (&[3.0, 0.5, 2.0, 0.5], Partly, OURS, REFIT, 1.0, 64.0),
+            (&[3.0, 2.0, 0.5, 2.0, 3.0], Partly, OURS, OURS, 4.0, 64.0),
+            (&[0.5, 1.5, 1.0, 0.5, 0.2], Partly, REFIT, REFIT, 1.0, 64.0),
         ] {
             let comparison = of(ratios);
-            assert_eq!(comparison.ahead, Ahead::Close, "{ratios:?}");
+            assert_eq!(comparison.ahead, ahead, "{ratios:?}");
             assert_eq!(
                 (comparison.below, comparison.above),
                 (below, above),

@@ -7,7 +7,6 @@ mod sheet;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 pub use axis::Axis;
 pub use sheet::sheet;
@@ -96,10 +95,10 @@ pub struct Plot {
     pub mark: Option<Mark>,
 }
 
-/// A dashed upright line where both ends are the same, else a shaded stretch, with words beside it.
+/// A shaded stretch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// The words.
+    /// For the legend.
     pub name: String,
     /// From and to, on the axis x.
     pub ends: [f64; 2],
@@ -153,7 +152,7 @@ impl Plot {
         let y = self.y.range(shown().map(|p| p.1), y_is_log);
         let mark = self.mark.as_ref().map(|mark| {
             let ends = mark.ends.map(|end| end.clamp(x.start, x.end));
-            (mark.name.as_str(), ends, [y.start, y.end])
+            (ends, [y.start, y.end])
         });
         let powers = |x: std::ops::Range<f64>| {
             let marks = self.x.powers(&x, X_LABELS);
@@ -180,7 +179,7 @@ fn draw<'a, X, Y>(
     y: Y,
     [x_name, y_name]: &[String; 2],
     lines: &[Points],
-    mark: Option<(&str, [f64; 2], [f64; 2])>,
+    mark: Option<([f64; 2], [f64; 2])>,
 ) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>
 where
     X: AsRangedCoord<Value = f64>,
@@ -210,29 +209,9 @@ where
         .x_label_formatter(&|x| short(*x))
         .y_label_formatter(&|y| short(*y))
         .draw()?;
-    if let Some((name, [from, to], [low, high])) = mark {
-        if from == to {
-            let upright = [(from, low), (from, high)];
-            let dashes = DashedLineSeries::new(upright, 5, 4, INK.stroke_width(1));
-            chart.draw_series(dashes)?;
-        } else {
-            let stretch = Rectangle::new([(from, low), (to, high)], GRID.filled());
-            chart.draw_series([stretch])?;
-        }
-        // Inside the stretch where there is room, else on the side that has more.
-        let [left, right] = [from, to].map(|x| chart.backend_coord(&(x, high)));
-        let pixels = chart.plotting_area().get_pixel_range().0;
-        let style = font(15);
-        let (width, _) = area.estimate_text_size(name, &style)?;
-        let (x, side) = if right.0 - left.0 > width as i32 + 6 {
-            (i32::midpoint(left.0, right.0), HPos::Center)
-        } else if left.0 - pixels.start > pixels.end - right.0 {
-            (left.0 - 5, HPos::Right)
-        } else {
-            (right.0 + 5, HPos::Left)
-        };
-        let style = style.pos(Pos::new(side, VPos::Top));
-        area.draw_text(name, &style, (x, left.1 + 3))?;
+    if let Some(([from, to], [low, high])) = mark {
+        let stretch = Rectangle::new([(from, low), (to, high)], GRID.filled());
+        chart.draw_series([stretch])?;
     }
     for (line, colour) in lines.iter().zip(SERIES.iter().cycle()) {
         let style = colour.stroke_width(2);

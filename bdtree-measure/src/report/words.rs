@@ -1,120 +1,167 @@
-//! Who is ahead of deform + refit, in words: the titles of plots and the sentences of advice, which say what
+//! Who is ahead of deform + refit, in words: verdict, advice and the titles of plots, all of which say what
 //! [`Comparison`](crate::comparison::Comparison) says in numbers.
 
 use crate::comparison::{Ahead, Side};
 
 use super::content::Curve;
-use super::text::number;
-use super::verdict::times;
+use super::text::{capitalised, count};
 
 /// The title of a curve's plot.
 pub(super) fn title(curve: &Curve) -> String {
-    let comparison = &curve.comparison;
-    let verdict = match (comparison.ahead, comparison.break_even) {
-        (Ahead::Ours, _) => "bdtree is ahead at every amount tried".to_string(),
-        (Ahead::Refit, _) => "deform + refit is ahead at every amount tried".to_string(),
-        (Ahead::Crosses, Some(at)) => {
-            let who = match comparison.above {
-                Some(Side::Ours) => "bdtree",
-                _ => "deform + refit",
-            };
-            format!("{who} is ahead from about {}", number(at))
-        }
-        _ => format!("neither is safely ahead {}", stretch(curve)),
-    };
-    format!("{}: {verdict}", curve.unit)
+    format!("{}: bdtree is {}", curve.unit, standing(curve))
+}
+
+/// The verdict on a curve; `None` where nothing was measured.
+pub(super) fn verdict(curve: &Curve) -> Option<String> {
+    let unit = capitalised(&curve.unit);
+    let last = curve.points.last()?;
+    let tried = format!("up to the {} tried", count(last.amount));
+    Some(match speed(curve) {
+        Some(speed) => format!("{unit}: {speed} deform + refit, {tried}."),
+        None => format!("{unit}, against deform + refit: {}.", standing(curve)),
+    })
 }
 
 /// The advice of a curve: how fast, and what to do. `None` where nothing was measured.
 pub(super) fn sentence(curve: &Curve) -> Option<String> {
-    let points = curve.merged();
-    let (first, last) = (points.first()?, points.last()?);
-    let comparison = &curve.comparison;
-    if let Ahead::Ours | Ahead::Refit = comparison.ahead {
-        let ratios = points.iter().map(|(_, ratio)| *ratio);
-        let least = ratios.clone().fold(f64::INFINITY, f64::min);
-        let most = ratios.fold(0.0, f64::max);
-        let tried = match points.len() {
-            1 => format!("with {}", amount(first.0, &curve.unit)),
-            _ => format!("at every amount tried ({})", range(first.0, last.0, curve)),
+    let (first, last) = (curve.points.first()?, curve.points.last()?);
+    if let Some(speed) = speed(curve) {
+        let tried = match curve.points.len() {
+            1 => format!("with {}", amount(first.amount, &curve.unit)),
+            _ => format!("at every amount tried ({})", range(curve)),
         };
-        return Some(match comparison.ahead {
-            Ahead::Ours => format!(
-                "bdtree is {} than deform + refit {tried}.",
-                times(least, most, "faster")
-            ),
-            _ => format!(
-                "bdtree is {} than deform + refit {tried}: deform and refit instead.",
-                times(1.0 / most, 1.0 / least, "slower")
-            ),
-        });
+        let instead = match curve.comparison.ahead {
+            Ahead::Refit => ": deform and refit instead",
+            _ => "",
+        };
+        return Some(format!(
+            "bdtree is {speed} deform + refit {tried}{instead}."
+        ));
     }
-    let than = match Side::of(first.1) {
+    let than = match Side::of(first.ratio) {
         Some(_) => "than",
         None => "as",
     };
     let mut text = format!(
         "With {} bdtree is {} {than} deform + refit",
-        amount(first.0, &curve.unit),
-        pace(first.1)
+        amount(first.amount, &curve.unit),
+        pace(first.ratio)
     );
-    if points.len() > 1 {
+    if curve.points.len() > 1 {
         text += &format!(
             ", with {}, the most that was tried, {}",
-            amount(last.0, &curve.unit),
-            pace(last.1)
+            amount(last.amount, &curve.unit),
+            pace(last.ratio)
         );
     }
-    let unsure = stretch(curve);
-    text += &match (comparison.ahead, comparison.above, comparison.break_even) {
-        (Ahead::Crosses, Some(Side::Ours), Some(at)) => format!(
-            ": up to about {}, deform and refit instead ({unsure} neither is safely ahead).",
-            amount(at, &curve.unit)
-        ),
-        (Ahead::Crosses, _, Some(at)) => format!(
-            ": from about {} on, deform and refit instead ({unsure} neither is safely ahead).",
-            amount(at, &curve.unit)
-        ),
-        _ => format!(": {unsure} neither is safely ahead."),
+    let part = |(who, span): (Option<Side>, String)| match who {
+        Some(Side::Refit) => format!("{span}, deform and refit instead"),
+        who => format!("{} {span}", word(who)),
     };
-    Some(text)
+    let parts: Vec<String> = spans(curve).into_iter().map(part).collect();
+    Some(format!("{text}: {}.", parts.join("; ")))
 }
 
-/// From the least to the most that was tried.
-fn range(first: f64, last: f64, curve: &Curve) -> String {
-    let from = match first {
-        0.0 => "nothing touching".to_string(),
-        first => number(first),
+/// How fast bdtree is where: `faster up to 16, unsure between 16 and 64, slower from 64 on`.
+fn standing(curve: &Curve) -> String {
+    if is_noise(curve) {
+        return "about as fast at every amount tried".to_string();
+    }
+    let part = |(who, span): (Option<Side>, String)| format!("{} {span}", word(who));
+    let parts: Vec<String> = spans(curve).into_iter().map(part).collect();
+    parts.join(", ")
+}
+
+/// Who is safely ahead, and where: at few, between, at many; one span where that is all the same.
+fn spans(curve: &Curve) -> Vec<(Option<Side>, String)> {
+    let comparison = &curve.comparison;
+    let (below, above) = (comparison.below, comparison.above);
+    let (Some(from), Some(to), true) = (
+        comparison.from,
+        comparison.to,
+        below.is_some() || above.is_some(),
+    ) else {
+        return vec![(below, "at every amount tried".to_string())];
     };
-    format!("{from} to {}", amount(last, &curve.unit))
+    let is_none = from == 0.0;
+    let [from, to] = [from, to].map(count);
+    let first = match is_none {
+        true => NOTHING.to_string(),
+        false => format!("up to {from}"),
+    };
+    let between = match (below, above) {
+        (Some(_), Some(_)) if !is_none => format!("between {from} and {to}"),
+        (_, Some(_)) => format!("below {to}"),
+        (_, None) if is_none => "beyond".to_string(),
+        (_, None) => format!("above {from}"),
+    };
+    let mut spans = vec![(None, between)];
+    if below.is_some() {
+        spans.insert(0, (below, first));
+    }
+    if above.is_some() {
+        spans.push((above, format!("from {to} on")));
+    }
+    spans
+}
+
+fn word(who: Option<Side>) -> &'static str {
+    match who {
+        Some(Side::Ours) => "faster",
+        Some(Side::Refit) => "slower",
+        None => "unsure",
+    }
+}
+
+/// Whether no amount has anybody safely ahead.
+fn is_noise(curve: &Curve) -> bool {
+    let mut sides = curve.points.iter().map(|point| Side::of(point.ratio));
+    sides.all(|side| side.is_none())
+}
+
+/// How fast bdtree is, where that is the same everywhere: how many times faster or slower `than`, or `about as fast as`.
+fn speed(curve: &Curve) -> Option<String> {
+    let ratios = || curve.points.iter().map(|point| point.ratio);
+    let least = ratios().fold(f64::INFINITY, f64::min);
+    let most = ratios().fold(0.0, f64::max);
+    match curve.comparison.ahead {
+        Ahead::Ours => Some(times(least, most, "faster") + " than"),
+        Ahead::Refit => Some(times(1.0 / most, 1.0 / least, "slower") + " than"),
+        _ => is_noise(curve).then(|| "about as fast as".to_string()),
+    }
+}
+
+/// Of two ratios, the smaller first.
+fn times(least: f64, most: f64, than: &str) -> String {
+    let [least, most] = [least, most].map(|x| format!("{x:.1}"));
+    match least == most {
+        true => format!("{most} times {than}"),
+        false => format!("{least} to {most} times {than}"),
+    }
 }
 
 /// How fast bdtree is where deform + refit takes `ratio` times as long.
 fn pace(ratio: f64) -> String {
     match Side::of(ratio) {
-        Some(Side::Ours) => format!("{ratio:.1} times faster"),
-        Some(Side::Refit) => format!("{:.1} times slower", 1.0 / ratio),
+        Some(Side::Ours) => times(ratio, ratio, "faster"),
+        Some(Side::Refit) => times(1.0 / ratio, 1.0 / ratio, "slower"),
         None => "about as fast".to_string(),
     }
 }
 
-/// Where neither is safely ahead.
-fn stretch(curve: &Curve) -> String {
-    match (curve.comparison.from, curve.comparison.to) {
-        (Some(from), Some(to)) if from == to => match to {
-            0.0 => "with nothing touching".to_string(),
-            to => format!("at {}", amount(to, &curve.unit)),
-        },
-        (Some(from), Some(to)) => {
-            let from = match from {
-                0.0 => "nothing touching".to_string(),
-                from => number(from),
-            };
-            format!("between {from} and {}", amount(to, &curve.unit))
-        }
-        _ => "anywhere".to_string(),
-    }
+/// From the least to the most that was tried.
+fn range(curve: &Curve) -> String {
+    let [first, last] = [curve.points.first(), curve.points.last()];
+    let [first, last] = [first, last].map(|point| point.map_or(0.0, |point| point.amount));
+    let from = match first {
+        0.0 => "nothing touching".to_string(),
+        first => count(first),
+    };
+    format!("{from} to {}", amount(last, &curve.unit))
 }
+
+/// Where no pairs touch.
+const NOTHING: &str = "with nothing touching";
 
 /// So many of a unit.
 fn amount(n: f64, unit: &str) -> String {
@@ -125,7 +172,7 @@ fn amount(n: f64, unit: &str) -> String {
         (1.0, "touching pairs of triangles") => "touching pair of triangles",
         (_, unit) => unit,
     };
-    format!("{} {unit}", number(n))
+    format!("{} {unit}", count(n))
 }
 
 #[cfg(test)]
@@ -133,7 +180,7 @@ pub(super) mod tests {
     use crate::comparison::Comparison;
 
     use super::super::content::{Curve, CurvePoint};
-    use super::{sentence, title};
+    use super::{sentence, title, verdict};
 
     /// A curve of (amount, ratio); ours takes 1 µs.
     pub(in super::super) fn curve(question: &str, ratios: &[(f64, f64)]) -> Curve {
@@ -156,61 +203,130 @@ pub(super) mod tests {
         }
     }
 
+    /// Of a curve of balls that is safely ahead nowhere throughout: title and verdict end with the same words, and the
+    /// advice says what to do there.
     #[test]
-    fn every_comparison_is_told() {
-        for (question, ratios, in_title, says) in [
+    fn title_verdict_and_advice_say_the_same() {
+        for (ratios, standing, advice) in [
             (
-                "ball",
-                &[(1.0, 30.76), (4096.0, 1.2)][..],
-                "balls per step: bdtree is ahead at every amount tried",
-                "bdtree is 1.2 to 30.8 times faster than deform + refit at every amount tried (1 to 4096 balls per \
-                 step).",
+                &[(1.0, 12.0), (16.0, 12.0), (64.0, 0.5)][..],
+                "faster up to 16, unsure between 16 and 64, slower from 64 on",
+                "With 1 ball per step bdtree is 12.0 times faster than deform + refit, with 64 balls per step, the \
+                 most that was tried, 2.0 times slower: faster up to 16; unsure between 16 and 64; from 64 on, deform \
+                 and refit instead.",
             ),
             (
-                "ray",
-                &[(1.0, 0.5), (4.0, 0.1)],
-                "rays per step: deform + refit is ahead at every amount tried",
-                "bdtree is 2.0 to 10.0 times slower than deform + refit at every amount tried (1 to 4 rays per step): \
-                 deform and refit instead.",
-            ),
-            (
-                "ray",
-                &[(1.0, 12.0), (12.0, 12.0), (1200.0, 1.0 / 12.0)],
-                "rays per step: deform + refit is ahead from about 120",
-                "With 1 ray per step bdtree is 12.0 times faster than deform + refit, with 1200 rays per step, \
-                 the most that was tried, 12.0 times slower: from about 120 rays per step on, deform and refit \
-                 instead (between 12 and 1200 rays per step neither is safely ahead).",
-            ),
-            (
-                "ball",
                 &[(1.0, 0.5), (4.0, 2.0)],
-                "balls per step: bdtree is ahead from about 2",
-                "With 1 ball per step bdtree is 2.0 times slower than deform + refit, with 4 balls per step, \
-                 the most that was tried, 2.0 times faster: up to about 2 balls per step, deform and refit \
-                 instead (between 1 and 4 balls per step neither is safely ahead).",
+                "slower up to 1, unsure between 1 and 4, faster from 4 on",
+                "With 1 ball per step bdtree is 2.0 times slower than deform + refit, with 4 balls per step, the most \
+                 that was tried, 2.0 times faster: up to 1, deform and refit instead; unsure between 1 and 4; faster \
+                 from 4 on.",
+            ),
+            // A dip between two safe ends.
+            (
+                &[
+                    (0.0, 3.4),
+                    (18.0, 0.92),
+                    (53.0, 1.14),
+                    (87.0, 1.09),
+                    (156.0, 1.19),
+                    (436.0, 1.39),
+                ],
+                "faster with nothing touching, unsure below 156, faster from 156 on",
+                "With nothing touching bdtree is 3.4 times faster than deform + refit, with 436 balls per step, the \
+                 most that was tried, 1.4 times faster: faster with nothing touching; unsure below 156; faster from \
+                 156 on.",
+            ),
+            // Noise at an end.
+            (
+                &[(1.0, 9.0), (4.0, 2.0), (16.0, 1.0), (20_000.0, 1.0)],
+                "faster up to 4, unsure above 4",
+                "With 1 ball per step bdtree is 9.0 times faster than deform + refit, with 20\u{202f}000 balls per \
+                 step, the most that was tried, about as fast: faster up to 4; unsure above 4.",
             ),
             (
-                "pair",
-                &[(0.0, 9.0), (0.0, 4.0), (1.0, 1.0), (900.0, 1.04)],
-                "touching pairs of triangles: neither is safely ahead between nothing touching and 900 touching \
-                 pairs of triangles",
-                "With nothing touching bdtree is 6.0 times faster than deform + refit, with 900 touching pairs \
-                 of triangles, the most that was tried, about as fast: between nothing touching and 900 touching \
-                 pairs of triangles neither is safely ahead.",
+                &[(0.0, 6.0), (900.0, 1.04)],
+                "faster with nothing touching, unsure beyond",
+                "With nothing touching bdtree is 6.0 times faster than deform + refit, with 900 balls per step, the \
+                 most that was tried, about as fast: faster with nothing touching; unsure beyond.",
             ),
             (
-                "pair",
-                &[(0.0, 1.0)],
-                "touching pairs of triangles: neither is safely ahead with nothing touching",
-                "With nothing touching bdtree is about as fast as deform + refit: with nothing touching neither \
-                 is safely ahead.",
+                &[(1.0, 1.0), (4.0, 1.05), (256.0, 1.9)],
+                "unsure below 256, faster from 256 on",
+                "With 1 ball per step bdtree is about as fast as deform + refit, with 256 balls per step, the most \
+                 that was tried, 1.9 times faster: unsure below 256; faster from 256 on.",
+            ),
+            // At both.
+            (
+                &[(1.0, 0.95), (4.0, 0.5), (16.0, 1.0)],
+                "unsure at every amount tried",
+                "With 1 ball per step bdtree is about as fast as deform + refit, with 16 balls per step, the most \
+                 that was tried, about as fast: unsure at every amount tried.",
             ),
         ] {
-            let curve = curve(question, ratios);
-            assert_eq!(title(&curve), in_title);
-            assert_eq!(sentence(&curve).as_deref(), Some(says));
+            let curve = curve("ball", ratios);
+            assert_eq!(
+                title(&curve),
+                format!("balls per step: bdtree is {standing}")
+            );
+            let says = format!("Balls per step, against deform + refit: {standing}.");
+            assert_eq!(verdict(&curve), Some(says));
+            assert_eq!(sentence(&curve).as_deref(), Some(advice));
         }
         assert_eq!(sentence(&curve("ball", &[])), None);
+        assert_eq!(verdict(&curve("ball", &[])), None);
+    }
+
+    #[test]
+    fn what_is_the_same_everywhere_is_said_once() {
+        let curve = |ratios: &[(f64, f64)]| curve("ray", ratios);
+        let ours = curve(&[(1.0, 30.76), (4096.0, 1.2)]);
+        assert_eq!(
+            title(&ours),
+            "rays per step: bdtree is faster at every amount tried"
+        );
+        assert_eq!(
+            verdict(&ours).as_deref(),
+            Some(
+                "Rays per step: 1.2 to 30.8 times faster than deform + refit, up to the 4096 tried."
+            )
+        );
+        assert_eq!(
+            sentence(&ours).as_deref(),
+            Some(
+                "bdtree is 1.2 to 30.8 times faster than deform + refit at every amount tried (1 to 4096 rays per \
+                 step)."
+            )
+        );
+        let refit = curve(&[(1.0, 0.5), (4.0, 0.1)]);
+        assert_eq!(
+            title(&refit),
+            "rays per step: bdtree is slower at every amount tried"
+        );
+        assert_eq!(
+            verdict(&refit).as_deref(),
+            Some("Rays per step: 2.0 to 10.0 times slower than deform + refit, up to the 4 tried.")
+        );
+        assert_eq!(
+            sentence(&refit).as_deref(),
+            Some(
+                "bdtree is 2.0 to 10.0 times slower than deform + refit at every amount tried (1 to 4 rays per step): \
+                 deform and refit instead."
+            )
+        );
+        let noise = curve(&[(1.0, 1.0)]);
+        assert_eq!(
+            title(&noise),
+            "rays per step: bdtree is about as fast at every amount tried"
+        );
+        assert_eq!(
+            verdict(&noise).as_deref(),
+            Some("Rays per step: about as fast as deform + refit, up to the 1 tried.")
+        );
+        assert_eq!(
+            sentence(&noise).as_deref(),
+            Some("bdtree is about as fast as deform + refit with 1 ray per step.")
+        );
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! The page's part on deform + refit: times over how much is asked, and where they cross.
 
-use crate::comparison::{Ahead, NOISE};
+use crate::comparison::NOISE;
 
 use super::super::content::{Content, Curve, CurvePoint};
-use super::super::text::{number, percent};
+use super::super::text::{count, figure, number, percent};
 use super::super::words;
 use super::{Page, line};
 use crate::plot::{Axis, Mark, Plot};
@@ -32,8 +32,8 @@ impl Page {
             "Both find the same contacts on the same deformed vertices. At leaves the refitted tree tests balls and \
              pairs triangle by triangle with this library's public scalar functions and rays with its own test in \
              f32; bdtree rejects four triangles at a time, and tests balls four at a time. Ratio: \
-             deform + refit over bdtree. From {} to {} it is noise; beyond, one is safely ahead. Rows of the same \
-             amount count as their mean.",
+             deform + refit over bdtree. From {} to {} it is noise; beyond, one is safely ahead. Unsure (gray) is \
+             what lies between the amounts up to which, and from which on, one side stays safely ahead.",
             NOISE[0], NOISE[1]
         ));
         self.open();
@@ -47,11 +47,11 @@ impl Page {
                 &curve.points,
                 0,
                 &[
-                    (curve.unit.as_str(), &|p| number(p.amount)),
-                    ("bdtree, µs", &|p| number(p.bdtree_micros)),
-                    ("deform + refit, µs", &|p| number(p.refit_micros)),
-                    ("ratio", &|p| number(p.ratio)),
-                    ("visits / nodes", &|p| number(p.visited_rel)),
+                    (curve.unit.as_str(), &|p| count(p.amount)),
+                    ("bdtree, µs", &|p| figure(p.bdtree_micros)),
+                    ("deform + refit, µs", &|p| figure(p.refit_micros)),
+                    ("ratio", &|p| figure(p.ratio)),
+                    ("visits / nodes", &|p| figure(p.visited_rel)),
                 ],
             );
         }
@@ -75,18 +75,12 @@ impl Page {
     }
 }
 
-/// What a plot marks: where the times cross, or the stretch in which neither is safely ahead; nothing where
-/// one is everywhere.
+/// What a plot marks: the stretch in which it is unsure who is faster; nothing where one is safely ahead everywhere.
 fn mark(curve: &Curve) -> Option<Mark> {
-    let comparison = &curve.comparison;
-    let (name, ends) = match comparison.ahead {
-        Ahead::Ours | Ahead::Refit => return None,
-        Ahead::Crosses => ("break-even", [comparison.break_even?; 2]),
-        Ahead::Close => ("neither safely ahead", [comparison.from?, comparison.to?]),
-    };
-    Some(Mark {
-        name: name.to_string(),
-        ends,
+    let (from, to) = (curve.comparison.from?, curve.comparison.to?);
+    (from < to).then(|| Mark {
+        name: "unsure".to_string(),
+        ends: [from, to],
     })
 }
 
@@ -99,11 +93,13 @@ mod tests {
     fn marks_are_where_the_words_are() {
         assert!(mark(&curve("ray", &[(1.0, 9.0), (4.0, 2.0)])).is_none());
         assert!(mark(&curve("ray", &[(1.0, 0.2)])).is_none());
-        let crosses = mark(&curve("ray", &[(1.0, 10.0), (100.0, 0.1)])).expect("a mark");
-        assert_eq!(crosses.name, "break-even");
-        assert_eq!(crosses.ends, [10.0; 2]);
-        let close = mark(&curve("ray", &[(1.0, 10.0), (4.0, 1.0), (16.0, 1.0)])).expect("a mark");
-        assert_eq!(close.name, "neither safely ahead");
-        assert_eq!(close.ends, [1.0, 16.0]);
+        assert!(mark(&curve("ray", &[(1.0, 1.0)])).is_none());
+        for (ratios, ends) in [
+            ([(1.0, 10.0), (4.0, 3.0), (100.0, 0.1)], [4.0, 100.0]),
+            ([(1.0, 10.0), (4.0, 1.0), (16.0, 1.0)], [1.0, 16.0]),
+        ] {
+            let mark = mark(&curve("ray", &ratios)).expect("a mark");
+            assert_eq!((mark.name.as_str(), mark.ends), ("unsure", ends));
+        }
     }
 }

@@ -40,7 +40,9 @@ fn an_animated_asset_has_every_part() {
 
     // Tightness: nothing is tighter than possible, ours not looser than the paper's but for rounding.
     let tightness = list(&report, "tightness");
-    assert!(tightness.len() >= 4);
+    let moved = |row: &&serde_json::Value| row["displacement_rel"].is_null();
+    assert_eq!(tightness.iter().filter(moved).count(), depth.len());
+    assert_eq!(tightness.len(), 5 * depth.len());
     for row in tightness {
         let mean = |name: &str| number(&row[name], "mean");
         assert!(mean("bdtree") > 1.0 - 1e-6 && number(&row["bdtree"], "max") >= mean("bdtree"));
@@ -66,22 +68,22 @@ fn an_animated_asset_has_every_part() {
         }
         standing_is_that_of_the_points(curve);
         let unit = curve["unit"].as_str().expect("a unit");
-        let title = match curve["ahead"].as_str() {
-            Some("bdtree") => "bdtree is ahead at every amount tried",
-            Some("refit") => "deform + refit is ahead at every amount tried",
-            Some("crosses") => "is ahead from about",
-            _ => "neither is safely ahead",
+        let ends = ["from", "to"].map(|end| curve[end].as_f64());
+        let title = match (curve["ahead"].as_str(), ends) {
+            (Some("bdtree"), _) => "bdtree is faster at every amount tried".to_string(),
+            (Some("refit"), _) => "bdtree is slower at every amount tried".to_string(),
+            (Some("crosses"), [Some(from), Some(to)]) if from > 0.0 => {
+                format!("unsure between {from} and {to}, ")
+            }
+            (Some("close"), _) => " at every amount tried".to_string(),
+            _ => "unsure ".to_string(),
         };
         let of_plot = page.split("<figcaption>").find(|f| f.starts_with(unit));
         let caption = of_plot.and_then(|f| f.split("</figcaption>").next());
-        assert!(caption.is_some_and(|c| c.contains(title)), "{caption:?}");
-        let mark = ["break-even\n", "neither safely ahead\n"];
-        let marks = match curve["ahead"].as_str() {
-            Some("crosses") => [true, false],
-            Some("close") => [false, true],
-            _ => [false, false],
-        };
-        assert_eq!(mark.map(|m| of_plot.is_some_and(|f| f.contains(m))), marks);
+        assert!(caption.is_some_and(|c| c.contains(&title)), "{caption:?}");
+        // The gray stretch is told in the legend, not in the plot.
+        let is_marked = of_plot.is_some_and(|f| f.contains("<i class=\"stretch\"></i>unsure<"));
+        assert_eq!(is_marked, ends[0] < ends[1], "{curve}");
     }
     for sentence in list(&report, "verdict") {
         let text = sentence.as_str().expect("text");

@@ -36,6 +36,9 @@ fn characters_are_measured_in_the_poses_of_their_clips() {
     let modes = list(&report, "modes");
     assert_eq!(modes.len(), 1);
     assert_eq!(number(&modes[0], "error_max"), 0.0);
+    assert_eq!(number(&modes[0], "time_rel"), 1.0);
+    assert!(!page.contains("<figcaption>Error / box diagonal"));
+    assert!(page.contains("size with the bones at rest <b>"));
     let over = report["modes_over"].as_str().expect("words");
     assert!(over.ends_with("before bones carry the vertices"), "{over}");
     assert!(page.contains("Modes kept</h2>") && page.contains(over));
@@ -71,6 +74,10 @@ fn characters_are_measured_in_the_poses_of_their_clips() {
         assert!((1.0 - 1e-6..=max).contains(&mean), "{row}");
         assert!(page.contains(&format!("<td>{mean:.3} / {max:.3}</td>")));
     }
+    let verdict = list(&report, "verdict").iter().filter_map(Value::as_str);
+    let mut tight = verdict.filter(|text| text.starts_with("Sphere radii"));
+    let at = ", at 8 of 24 poses of the 3 clips.";
+    assert!(tight.next().is_some_and(|text| text.ends_with(at)));
     assert_eq!(report["margin"]["violations"], 0);
 
     let refit = &report["refit"];
@@ -200,6 +207,8 @@ fn characters_without_clips_have_their_joints_turned() {
     assert_eq!(number(&report["asset"]["skin"], "influences_max"), 12.0);
     assert!(page.contains(source) && page.contains("The asset has no clips"));
     assert!(!page.contains("The asset is rigid") && !page.contains("NaN"));
+    assert!(page.contains("<dt>basis</dt><dd>bones, no modes</dd>"));
+    assert!(page.contains("<td class=\"text\">triangles, vertices</td>"));
     // Nothing to choose from, and no heading over nothing; leaves are tried all the same.
     assert!(list(&report, "modes").is_empty() && !page.contains("Modes kept</h2>"));
     assert_eq!(report["modes_over"], Value::Null);

@@ -82,7 +82,7 @@ pub(super) fn standing_is_that_of_the_points(curve: &Value) {
             assert!(sides.iter().all(|s| s.1 == *ahead), "{curve}");
             assert_eq!((from, to), (None, None));
         }
-        "crosses" | "close" => {
+        "crosses" | "partly" | "close" => {
             let (from, to) = (from.expect("an end"), to.expect("an end"));
             assert!(first.0 <= from && from <= to && to <= last.0, "{curve}");
             for (amount, side) in &sides {
@@ -95,6 +95,8 @@ pub(super) fn standing_is_that_of_the_points(curve: &Value) {
                 && first.1 != last.1
                 && sides.iter().all(is_noise);
             assert_eq!(crosses, ahead == "crosses", "{curve}");
+            let is_close = first.1.is_null() && last.1.is_null();
+            assert_eq!(is_close, ahead == "close", "{curve}");
         }
         other => panic!("{other}"),
     }
@@ -127,6 +129,7 @@ fn shown(page: &str) -> Vec<f64> {
     let cells = cells.filter_map(|rest| rest.split("</td>").next());
     let parts = cells.flat_map(|cell| cell.split('/'));
     let numbers = parts.filter_map(|part| {
+        // Per cent below what is shown are no number.
         let text = part.replace([' ', '\u{202f}', '%'], "");
         text.replace('\u{2212}', "-").parse().ok()
     });
