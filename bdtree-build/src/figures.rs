@@ -20,6 +20,16 @@ pub fn counted(count: usize, what: &str) -> String {
     }
 }
 
+/// Ascending numbers, three or more in a row as `2 to 4`.
+pub fn numbers(all: &[usize]) -> String {
+    let rows = all.chunk_by(|a, b| a + 1 == *b);
+    let words = rows.flat_map(|row| match row {
+        [first, _, .., last] => vec![format!("{first} to {last}")],
+        few => few.iter().map(usize::to_string).collect(),
+    });
+    words.collect::<Vec<_>>().join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -35,5 +45,6 @@ mod tests {
         assert_eq!(counted(2, "entry"), "2 entries");
         assert_eq!(counted(0, "vertex"), "0 vertices");
         assert_eq!(counted(57, "channel"), "57 channels");
+        assert_eq!(numbers(&[0, 1, 2, 3, 5, 7, 8]), "0 to 3, 5, 7, 8");
     }
 }

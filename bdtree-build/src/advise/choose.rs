@@ -5,6 +5,7 @@ use super::curve::{Bench, POINTS_MAX, Point, counts};
 use super::errors::Over;
 use super::samples::{Bones, Source};
 use super::subject::Subject;
+use crate::pipeline::default_leaf_size;
 use crate::progress::Progress;
 
 /// Leaf sizes that are tried unless one is asked for.
@@ -82,6 +83,10 @@ pub struct Advice {
     pub leaves: Vec<Point>,
     /// The leaf size that needs no option.
     pub default_leaf_size: usize,
+    /// Whether that is the builder's default, too.
+    pub has_default_leaves: bool,
+    /// Names of all modes, where they have some.
+    pub mode_names: Vec<Option<String>>,
     /// Errors, bytes and times over the number of modes, ascending: what is advised and all modes among them.
     pub curve: Vec<Point>,
     /// What is not known: sentences.
@@ -170,6 +175,13 @@ pub fn advise(
         chosen,
         leaves,
         default_leaf_size: default,
+        has_default_leaves: default == default_leaf_size(subject.mesh.triangles.len()),
+        mode_names: subject
+            .basis
+            .modes
+            .iter()
+            .map(|mode| mode.name.clone())
+            .collect(),
         curve,
         missing: subject.missing.clone(),
     })

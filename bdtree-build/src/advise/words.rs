@@ -5,6 +5,7 @@ use super::curve::Point;
 use super::errors::Over;
 use super::samples::{Bones, Source};
 use super::works::Work;
+use crate::figures::numbers;
 
 /// Savings below this are within what one run measures.
 const NOTICEABLE: f64 = 0.05;
@@ -48,10 +49,15 @@ impl Advice {
         let which = match (kept == all, self.available) {
             (true, Some(available)) => format!("{} of the {available} available", modes(all)),
             (true, None) if all == 1 => "The one mode".to_string(),
+            (true, None) if all == 2 => "Both modes".to_string(),
+            (false, None) if kept == 0 => "No mode".to_string(),
             (true, None) => format!("All {}", modes(all)),
             (false, available) => {
                 let available = available.map(|count| format!("{count} available"));
-                let others = (!self.takes_first).then(|| "not the first ones".to_string());
+                let others = (!self.takes_first).then(|| {
+                    let kept = named(&self.chosen.modes, &self.mode_names);
+                    format!("numbers {kept}")
+                });
                 let notes: Vec<String> = available.into_iter().chain(others).collect();
                 let notes = match notes.is_empty() {
                     true => String::new(),
@@ -86,7 +92,11 @@ impl Advice {
         }
         // Of fields that are their own source, all leave nothing but rounding.
         let is_all = kept == all && self.available.is_none();
-        let promise = if is_all && self.over != Over::Source && !self.are_bounds {
+        let promise = if kept == 0 && self.available.is_none() {
+            format!(
+                "No mode is needed to keep every vertex within {error} of the box diagonal, {over}; the goal is {goal}"
+            )
+        } else if is_all && self.over != Over::Source && !self.are_bounds {
             format!(
                 "{which} {} needed to keep every vertex within {goal} of the box diagonal, {over}",
                 if kept == 1 { "is" } else { "are" }
@@ -165,22 +175,31 @@ impl Advice {
             .leaves
             .iter()
             .find(|point| point.leaf_size == default)?;
+        let is_default = self.has_default_leaves;
         if self.chosen.leaf_size == default {
+            let default = match is_default {
+                true => format!("default leaf size of {default}"),
+                false => format!("leaf size of {default}"),
+            };
             let tried = if before.is_empty() {
                 format!("size {last} is")
             } else {
                 format!("sizes {} and {last} are", before.join(", "))
             };
             return Some(format!(
-                "Keep the default leaf size of {default} triangles: {tried} not more than 5 % faster."
+                "Keep the {default} triangles: {tried} not more than 5 % faster."
             ));
         }
         let saved = 1.0 - self.chosen.measured.time_over(&default_point.measured);
         Some(format!(
-            "Leaves of at most {} triangles save {} of the time against {default}, the default ({} bytes instead \
-             of {}).",
+            "Leaves of at most {} triangles save {} of the time against {default}, {} ({} bytes instead of {}).",
             self.chosen.leaf_size,
             saving(saved),
+            if is_default {
+                "the default"
+            } else {
+                "as it is now"
+            },
             self.chosen.bytes,
             default_point.bytes
         ))
@@ -241,16 +260,31 @@ fn times(chosen: &Point, all: &Point) -> String {
     let text: Vec<String> = works
         .map(|((name, own), (_, all))| {
             let visits = |work: Work| work.nodes_visited as f64 / work.questions.max(1) as f64;
-            format!(
-                "{name} {} instead of {} ({:.0} instead of {:.0} nodes)",
-                time(own.seconds),
-                time(all.seconds),
-                visits(own),
-                visits(all)
-            )
+            let nodes = match [visits(own), visits(all)].map(|n| format!("{n:.0}")) {
+                [own, all] if own == all => format!("{own} nodes each"),
+                [own, all] => format!("{own} instead of {all} nodes"),
+            };
+            let (own, all) = (time(own.seconds), time(all.seconds));
+            format!("{name} {own} instead of {all} ({nodes})")
         })
         .collect();
     text.join(", ")
+}
+
+/// The most modes that are listed with their names.
+const NAMED_MAX: usize = 12;
+
+/// Modes by number and, where they are few and it is known, by name.
+fn named(modes: &[usize], names: &[Option<String>]) -> String {
+    let known = |mode: &usize| names.get(*mode).and_then(Option::as_deref);
+    if modes.len() > NAMED_MAX || modes.iter().all(|mode| known(mode).is_none()) {
+        return numbers(modes);
+    }
+    let name = |mode: &usize| match known(mode) {
+        Some(name) => format!("{mode} \"{}\"", name.escape_debug()),
+        None => mode.to_string(),
+    };
+    modes.iter().map(name).collect::<Vec<_>>().join(", ")
 }
 
 fn uncapitalised(text: &str) -> String {
@@ -318,6 +352,14 @@ mod tests {
     }
 
     #[test]
+    fn modes_are_named_where_that_is_known() {
+        let names = ["Angry", "Sad\u{1b}"].map(|name| Some(name.to_string()));
+        assert_eq!(named(&[0, 1], &names), r#"0 "Angry", 1 "Sad\u{1b}""#);
+        assert_eq!(named(&[0, 2], &names), r#"0 "Angry", 2"#);
+        assert_eq!(named(&[2, 3, 4, 6], &names), "2 to 4, 6");
+    }
+
+    #[test]
     fn savings_and_times_are_short() {
         assert_eq!(saving(0.309), "30 %");
         assert_eq!(time(1.234_5e-6), "1.23 µs");
@@ -364,6 +406,8 @@ mod tests {
             takes_first: true,
             leaves: [2, 4, 8].map(|size| point(5, size, 7, 0.5)).to_vec(),
             default_leaf_size: 4,
+            has_default_leaves: true,
+            mode_names: Vec::new(),
             curve: Vec::new(),
             missing: Vec::new(),
         };
@@ -376,6 +420,40 @@ mod tests {
         assert!(said[1].contains("and 50 % of the time: "), "{said:?}");
         let leaves = "Keep the default leaf size of 4 triangles: sizes 2 and 8 are not more than 5 % faster.";
         assert_eq!(said[2], leaves);
+        // Leaves that are not the default, and modes that are not the first.
+        advice.has_default_leaves = false;
+        let leaves =
+            "Keep the leaf size of 4 triangles: sizes 2 and 8 are not more than 5 % faster.";
+        assert_eq!(advice.sentences()[2], leaves);
+        let mut other = advice.clone();
+        other.chosen.leaf_size = 2;
+        let leaves = "Leaves of at most 2 triangles save 0 % of the time against 4, as it is now (";
+        assert!(
+            other.sentences()[2].starts_with(leaves),
+            "{:?}",
+            other.sentences()
+        );
+        (other.takes_first, other.available) = (false, None);
+        let first = "5 of 12 modes (numbers 0 to 4) keep every vertex within 0.71 %";
+        assert!(
+            other.sentences()[0].starts_with(first),
+            "{:?}",
+            other.sentences()
+        );
+        other.takes_first = true;
+        other.chosen.modes.clear();
+        let first = "No mode is needed to keep every vertex within 0.71 %";
+        assert!(
+            other.sentences()[0].starts_with(first),
+            "{:?}",
+            other.sentences()
+        );
+        (other.all, other.chosen) = (point(2, 4, 9, 1.0), point(2, 4, 9, 1.0));
+        assert!(
+            other.sentences()[0].starts_with("Both modes "),
+            "{:?}",
+            other.sentences()
+        );
         // As many nodes, or a gain that is noise.
         for (nodes, time_rel) in [(7, 0.5), (9, 0.98)] {
             advice.all = point(12, 4, nodes, 1.0);

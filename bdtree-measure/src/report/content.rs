@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::comparison::{Comparison, merged};
+use crate::comparison::Comparison;
 use serde::Serialize;
 
 /// A report on one asset.
@@ -309,14 +309,6 @@ pub struct Curve {
     /// Who is safely ahead, and where: `ahead`, `below`, `above`, `from`, `to`, `break_even`.
     #[serde(flatten)]
     pub comparison: Comparison,
-}
-
-impl Curve {
-    /// Amounts and ratios, those of the same amount as their geometric mean, as `comparison` takes them.
-    pub(super) fn merged(&self) -> Vec<(f64, f64)> {
-        let points: Vec<(f64, f64)> = self.points.iter().map(|p| (p.amount, p.ratio)).collect();
-        merged(&points)
-    }
 }
 
 /// One number of questions.

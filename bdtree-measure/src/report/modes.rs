@@ -11,7 +11,6 @@ use bdtree_runtime::Asset;
 
 use super::content::{Advice, ModesRow};
 use super::made;
-use super::text::numbers;
 use crate::MeasureError;
 
 /// Meshes of more triangles are baked less often, and measured at fewer samples.
@@ -65,20 +64,12 @@ pub(super) fn modes(asset: &Asset<'_>, progress: &dyn Progress) -> Result<Modes,
     if is_large {
         goal.samples /= 4;
     }
-    let metadata = Metadata::from_bytes(asset.metadata());
-    let (kind, names) = metadata.map_or_else(
-        |_| Default::default(),
-        |m| {
-            let names: Vec<_> = m.modes.into_iter().map(|mode| mode.name).collect();
-            (m.basis, names)
-        },
-    );
+    let kind = Metadata::from_bytes(asset.metadata()).map_or(String::new(), |m| m.basis);
     goal.subset = kept_fields(&kind, &subject.mesh, &subject.basis, goal.max_error_rel);
     let advice = advise(&subject, &goal, &Parts(progress))?;
-    let kept = named(&advice.chosen.modes, &names);
     let sentences = advice.sentences().into_iter().map(|text| Advice {
         topic: "modes".to_string(),
-        text: of_file(&text, &kept),
+        text,
     });
     let all = asset.mode_count();
     let rows = advice.curve.iter().map(|point| row(point, all, diagonal));
@@ -124,93 +115,5 @@ fn row(point: &Point, all: usize, diagonal: f64) -> ModesRow {
             true => 1.0,
             false => point.time_rel,
         },
-    }
-}
-
-/// The most modes that are listed with their names.
-const NAMED_MAX: usize = 12;
-
-/// Modes by number and, where they are few and it is known, by name.
-fn named(modes: &[usize], names: &[Option<String>]) -> String {
-    let known = |mode: &usize| names.get(*mode).and_then(Option::as_deref);
-    if modes.len() > NAMED_MAX || modes.iter().all(|mode| known(mode).is_none()) {
-        return numbers(modes);
-    }
-    let name = |mode: &usize| match known(mode) {
-        Some(name) => format!("{mode} \"{}\"", name.escape_debug()),
-        None => mode.to_string(),
-    };
-    modes.iter().map(name).collect::<Vec<_>>().join(", ")
-}
-
-/// A sentence of `bdtree-build --advise` as the report on a file says it: what needs no option there is what the file has
-/// here, and modes that are kept have numbers and names.
-fn of_file(text: &str, kept: &str) -> String {
-    let mut text = text.to_string();
-    for (there, here) in [
-        (", the default (", ", the file's ("),
-        (
-            "Keep the default leaf size of",
-            "Keep the file's leaf size of",
-        ),
-        ("not the first ones", &format!("numbers {kept}")),
-        ("All 2 modes", "Both modes"),
-        ("all 2 modes", "both modes"),
-        (
-            "within 0 % of the box diagonal",
-            "where all modes of the file put it",
-        ),
-    ] {
-        text = text.replace(there, here);
-    }
-    match text.split_once(" keep ") {
-        Some((first, rest)) if first.starts_with("The first 0 of ") => {
-            format!("No mode is needed to keep {rest}")
-        }
-        _ => text,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{named, of_file};
-
-    #[test]
-    fn sentences_are_those_of_a_file() {
-        for (there, here) in [
-            (
-                "Leaves of at most 4 triangles save 27 % of the time against 1, the default (9 bytes instead of 12).",
-                "Leaves of at most 4 triangles save 27 % of the time against 1, the file's (9 bytes instead of 12).",
-            ),
-            (
-                "Keep the default leaf size of 4 triangles: size 8 is not more than 5 % faster.",
-                "Keep the file's leaf size of 4 triangles: size 8 is not more than 5 % faster.",
-            ),
-            (
-                "3 of 9 modes (not the first ones) keep every vertex within 0 % of the box diagonal, for every q within \
-                 q_range; the goal is 1.0 %.",
-                "3 of 9 modes (numbers 6, 7, 8) keep every vertex where all modes of the file put it, for every q within \
-                 q_range; the goal is 1.0 %.",
-            ),
-            (
-                "All 2 modes are needed to keep every vertex within 1.0 % of the box diagonal.",
-                "Both modes are needed to keep every vertex within 1.0 % of the box diagonal.",
-            ),
-            (
-                "The first 0 of 10 modes keep every vertex within 0.5 % of the box diagonal.",
-                "No mode is needed to keep every vertex within 0.5 % of the box diagonal.",
-            ),
-            ("All 20 modes stay.", "All 20 modes stay."),
-        ] {
-            assert_eq!(of_file(there, "6, 7, 8"), here);
-        }
-    }
-
-    #[test]
-    fn modes_are_named_where_that_is_known() {
-        let names = ["Angry", "Sad\u{1b}"].map(|name| Some(name.to_string()));
-        assert_eq!(named(&[0, 1], &names), r#"0 "Angry", 1 "Sad\u{1b}""#);
-        assert_eq!(named(&[0, 2], &names), r#"0 "Angry", 2"#);
-        assert_eq!(named(&[2, 3, 4, 6], &names), "2 to 4, 6");
     }
 }

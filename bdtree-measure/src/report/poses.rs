@@ -3,7 +3,7 @@
 use bdtree_build::advise::samples::{Bones, Samples, Source};
 use bdtree_runtime::Asset;
 
-use super::text::numbers;
+use bdtree_build::figures::numbers;
 
 /// Which poses an asset is judged in.
 pub(super) fn source(asset: &Asset<'_>, samples: &Samples) -> String {

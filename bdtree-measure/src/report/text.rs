@@ -57,16 +57,6 @@ fn is_tiny(x: f64) -> bool {
     x > 0.0 && x < 1e-5
 }
 
-/// Ascending numbers, more than two in a row as the first and the last.
-pub(super) fn numbers(all: &[usize]) -> String {
-    let rows = all.chunk_by(|a, b| a + 1 == *b);
-    let words = rows.flat_map(|row| match row {
-        [first, _, .., last] => vec![format!("{first} to {last}")],
-        few => few.iter().map(usize::to_string).collect(),
-    });
-    words.collect::<Vec<_>>().join(", ")
-}
-
 /// With a capital at its beginning.
 pub(super) fn capitalised(text: &str) -> String {
     let first = text.chars().take(1).flat_map(char::to_uppercase);
@@ -88,7 +78,7 @@ pub(super) fn grouped(n: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{count, escaped, figure, grouped, number, numbers, percent, share};
+    use super::{count, escaped, figure, grouped, number, percent, share};
 
     #[test]
     fn numbers_are_short_and_text_is_escaped() {
@@ -123,7 +113,6 @@ mod tests {
         );
         assert_eq!(grouped(1_234_567), "1\u{202f}234\u{202f}567");
         assert_eq!(grouped(12), "12");
-        assert_eq!(numbers(&[0, 1, 2, 3, 5, 7, 8]), "0 to 3, 5, 7, 8");
         assert_eq!(escaped("<a & \"b\">"), "&lt;a &amp; &quot;b&quot;&gt;");
     }
 }
