@@ -271,7 +271,7 @@ pub enum WorksError {
     #[error(transparent)]
     Query(#[from] QueryError),
     /// The asset's bytes break a rule of the format.
-    #[error("corrupt asset: {0}")]
+    #[error("damaged .bdt file: {0}")]
     Corrupt(#[from] FormatError),
     /// The asset has another number of samples than the questions are for.
     #[error("the questions are for {expected} samples, the asset has {found}")]
