@@ -32,7 +32,7 @@ const DOCUMENT: &[(&str, &str, &str)] = &[
     (
         "/extensionsRequired",
         "[\"EXT_meshopt_compression\"]",
-        "extensionsRequired[0]: EXT_meshopt_compression is not supported",
+        "extensionsRequired[0]: EXT_meshopt_compression is not supported: export without mesh compression",
     ),
     // Nodes.
     (

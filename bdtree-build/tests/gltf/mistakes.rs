@@ -97,7 +97,7 @@ fn broken_fixtures_say_what_is_wrong() {
         ),
         (
             "bad_gltf_required.glb",
-            "m: extensionsRequired[0]: KHR_draco_mesh_compression is not supported",
+            "m: extensionsRequired[0]: KHR_draco_mesh_compression is not supported: export without mesh compression",
         ),
     ] {
         assert_eq!(read(&models::content(name)).expect_err(name), problem);
