@@ -1,5 +1,6 @@
 //! The bones of a pose: matrices as programs have them, turned into maps between stored coordinates.
 
+mod eight;
 mod four;
 #[cfg(test)]
 mod tests;

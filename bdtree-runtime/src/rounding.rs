@@ -176,6 +176,12 @@ pub(crate) const BONES_FLUSHED: f64 = 1.0 / (1_u64 << 50) as f64;
 /// `carried`: 2u for each of m + 16 roundings of a radius that grows by bones.
 pub(crate) const BONES_ROUNDING: f32 = 2.0 / (1_u32 << 24) as f32;
 
+/// Stretches in f32: 1 + 2⁻¹⁸, for σ, which loses below 26u, and for ρ, which loses below 5u more.
+pub(crate) const STRETCH: f32 = 1.0 + 1.0 / (1 << 18) as f32;
+
+/// Stretches in f32: 2⁻³⁰, for what flushing takes from sums of products of four elements, below 2⁻⁶¹ of σ².
+pub(crate) const STRETCH_FLUSHED: f32 = 1.0 / (1 << 30) as f32;
+
 /// Sums of weights and of their distances (SPEC 6.10): relative 2⁻⁴⁰, for at most 4096 terms added in f64.
 pub(crate) const CHECKED_SUM: f64 = 1.0 / (1_u64 << 40) as f64;
 

@@ -5,7 +5,7 @@
 
 use bdtree_format::BoneRecord;
 
-use super::{BoneMap, Frame, REACH_MAX};
+use super::{BoneMap, Frame, REACH_MAX, eight};
 use crate::joint::JointMatrix;
 use crate::math::dot;
 use crate::rounding::{MARGIN, U32, round_up_or_nan};
@@ -133,6 +133,9 @@ impl Work for Reach<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let maps = self.maps;
+        if let Some(found) = eight::reach::<L>(maps, self.within) {
+            return Ok(found);
+        }
         let (within, limit) = (L::Quad::splat(self.within), L::Quad::splat(REACH_MAX));
         let (mut farthest, mut largest) = (L::Quad::splat(0.0), [0.0_f32; 4]);
         let mut first = 0;

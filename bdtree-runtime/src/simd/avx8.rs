@@ -5,13 +5,13 @@ use bdtree_format::{PairRow, Row};
 use core::arch::x86_64::{
     __m256, __m256i, _CMP_GT_OQ, _mm256_abs_epi16, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps,
     _mm256_cvtepi32_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_madd_epi16, _mm256_max_epi16,
-    _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_epi32,
-    _mm256_set1_ps, _mm256_setzero_si256, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_epi16,
-    _mm256_sub_ps,
+    _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set_m128,
+    _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_si256, _mm256_sqrt_ps, _mm256_storeu_ps,
+    _mm256_sub_epi16, _mm256_sub_ps,
 };
 
 use super::avx4::{Avx4, instructions};
-use super::{Fields, Kernel, Lanes, PairSums, Work};
+use super::{Fields, Four, Kernel, Lanes, PairSums, Work};
 
 /// Eight f32 in a register. Only [`run_avx2`] uses it: so wherever one exists, the processor has AVX2 and FMA.
 #[derive(Clone, Copy)]
@@ -40,6 +40,12 @@ impl Lanes for Avx8 {
     fn load(row: &Row) -> Self {
         // SAFETY: needs AVX, see `Avx8`; a `Row` is eight readable f32, any alignment will do.
         Self(unsafe { _mm256_loadu_ps(row.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn of_halves(low: Four, high: Four) -> Self {
+        // SAFETY: needs AVX; see `Avx8`.
+        Self(unsafe { _mm256_set_m128(high.0, low.0) })
     }
 
     #[inline(always)]

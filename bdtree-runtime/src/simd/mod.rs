@@ -50,6 +50,12 @@ pub(crate) trait Lanes: Copy {
 
     fn splat(x: f32) -> Self;
     fn load(row: &Row) -> Self;
+    /// Four numbers, and four more.
+    #[inline(always)]
+    fn of_halves(low: Four, high: Four) -> Self {
+        let ([a, b, c, d], [e, f, g, h]) = (low.store(), high.store());
+        Self::load(&[a, b, c, d, e, f, g, h])
+    }
     /// Whole numbers, rounded to the nearest.
     fn round(sums: Self::Sums) -> Self;
     fn store(self) -> Row;

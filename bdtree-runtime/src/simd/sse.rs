@@ -49,7 +49,7 @@ impl Fields<'_> {
 
 /// Four f32 in a register.
 #[derive(Clone, Copy)]
-pub(crate) struct Four(__m128);
+pub(crate) struct Four(pub(super) __m128);
 
 impl Four {
     #[inline(always)]
