@@ -13,7 +13,6 @@ use crate::error::{HEADER_SECTION, MAGIC_BYTES, WHOLE_HEADER};
 use crate::memory::AlignedBytes;
 #[cfg(feature = "mmap")]
 use crate::mmap::MappedFile;
-#[cfg(feature = "std")]
 use crate::view::Asset;
 
 /// A `.bdt` file that owns its bytes: opened and checked once, cheap to clone, shared between threads and
