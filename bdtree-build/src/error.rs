@@ -5,6 +5,8 @@ use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
 
+use bdtree_output::OutputError;
+
 /// Where a problem is: a file and a place in it, or a part of the mesh and its fields.
 ///
 /// Stages that do not know which file their mesh came from leave [`Place::file`] out; [`crate::bake`] adds it.
@@ -226,6 +228,12 @@ pub(crate) fn one_line(text: &str) -> Cow<'_, str> {
 pub struct BakeError {
     /// Never empty.
     pub problems: Vec<Problem>,
+}
+
+impl From<OutputError> for BakeError {
+    fn from(error: OutputError) -> Self {
+        Self::one("file", error.path.as_path(), error.reason)
+    }
 }
 
 impl BakeError {

@@ -35,7 +35,6 @@ pub mod encode;
 pub mod error;
 #[doc(hidden)]
 pub mod figures;
-pub mod file;
 pub mod input;
 mod motion;
 mod parallel;

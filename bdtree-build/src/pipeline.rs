@@ -6,12 +6,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use bdtree_format::{BASE_ALIGNMENT, ErrorMetadata, LEAF_TRIANGLES_MAX, Metadata, ModeMetadata};
+use bdtree_output::write_whole;
 use bdtree_runtime::{Asset, Model};
 
 use crate::basis::{Basis, BasisError};
 use crate::encode::{Parts, encode};
 use crate::error::{BakeError, Part, Place, one_line};
-use crate::file::write_atomically;
 use crate::input::{RawMesh, RawSkin};
 use crate::motion;
 use crate::progress::Progress;
@@ -114,12 +114,12 @@ pub struct Baked {
 }
 
 impl Baked {
-    /// Puts the file at `path`: all of it or nothing ([`write_atomically`]).
+    /// Puts the file at `path`: all of it or nothing ([`bdtree_output::write_whole`]).
     ///
     /// # Errors
     /// A folder that is missing or may not be written, a full disk.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), BakeError> {
-        write_atomically(path.as_ref(), &self.bytes)
+        Ok(write_whole(path.as_ref(), |w| w.write_all(&self.bytes))?)
     }
 }
 

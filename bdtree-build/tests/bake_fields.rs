@@ -1,9 +1,8 @@
-//! What a bake refuses, what it reports, and how its file gets to its place.
+//! What a bake refuses, and what it reports.
 
 use crate::tree_support::*;
 use bdtree_build::basis::{Basis, BasisMode};
 use bdtree_build::error::{BakeError, Part, Place};
-use bdtree_build::file::write_atomically;
 use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;
@@ -99,49 +98,6 @@ fn reports_what_was_made() {
             level["max"].as_f64().unwrap(),
         );
         assert!((1.0 - 1e-6..2.0).contains(&mean) && max >= mean, "{level}");
-    }
-}
-
-#[test]
-fn files_are_written_whole_or_not_at_all() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.bdt");
-    write_atomically(&path, b"one").unwrap();
-    write_atomically(&path, b"two").unwrap();
-    assert_eq!(std::fs::read(&path).unwrap(), b"two");
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-    let missing = folder.path().join("missing").join("a.bdt");
-    let error = write_atomically(&missing, b"x").unwrap_err();
-    assert_eq!(error.problems[0].stage, "file");
-    assert_eq!(error.problems[0].place, Place::from(missing.as_path()));
-    std::fs::create_dir(folder.path().join("taken")).unwrap();
-    assert!(write_atomically(&folder.path().join("taken"), b"x").is_err());
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
-}
-
-#[cfg(unix)]
-#[test]
-fn links_are_followed_and_devices_stay_devices() {
-    use std::os::unix::fs::FileTypeExt;
-    let folder = tempfile::tempdir().unwrap();
-    let (file, link) = (folder.path().join("file"), folder.path().join("link"));
-    std::fs::write(&file, b"old").unwrap();
-    std::os::unix::fs::symlink(&file, &link).unwrap();
-    write_atomically(&link, b"new").unwrap();
-    assert_eq!(std::fs::read(&file).unwrap(), b"new");
-    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
-    // A link to a device, so that a broken build of this test replaces the link and nothing else.
-    let null = folder.path().join("null");
-    std::os::unix::fs::symlink("/dev/null", &null).unwrap();
-    write_atomically(&null, b"gone").unwrap();
-    let kind = std::fs::metadata(&null).unwrap().file_type();
-    assert!(kind.is_char_device());
-    #[cfg(target_os = "linux")]
-    {
-        let full = folder.path().join("full");
-        std::os::unix::fs::symlink("/dev/full", &full).unwrap();
-        let error = write_atomically(&full, b"x").unwrap_err().to_string();
-        assert!(error.contains("full: cannot write: "), "{error}");
     }
 }
 

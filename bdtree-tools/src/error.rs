@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use bdtree_format::MetadataError;
+use bdtree_output::OutputError;
 use bdtree_runtime::LoadError;
 
 /// Why a command gave up.
@@ -28,13 +29,8 @@ pub enum ToolError {
     #[error("{0}")]
     Usage(String),
     /// An output file could not be written.
-    #[error("{}: cannot write: {cause}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        cause: String,
-    },
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// The output stream failed otherwise than by closing.
     #[error("standard output: {0}")]
     Stdout(io::Error),

@@ -35,7 +35,7 @@ pub mod view;
 
 pub use asset_file::AssetFile;
 pub use error::ToolError;
-pub use output::{check_target, check_writable, printable, write_whole};
+pub use output::{check_target, printable};
 pub use parse::parse;
 pub use posture::{Posture, PostureArguments, posture};
 

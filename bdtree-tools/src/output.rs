@@ -1,10 +1,9 @@
-//! Where results go: a stream that may close early, files that are whole or absent, numbers that
-//! read back equal.
+//! Where results go: a stream that may close early, files that do not take the input's place, numbers that read back
+//! equal.
 
 use std::fmt;
-use std::fs::{self, OpenOptions};
-use std::io::{self, BufWriter, ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -82,113 +81,6 @@ pub fn check_target(
         return Err(ToolError::input(path.display(), message));
     }
     Ok(())
-}
-
-/// Writes a file through a temporary one beside it, renamed when complete: a failed or killed
-/// run leaves no half file (a killed one the temporary file, `.bdtree-*.tmp`). Links are followed; a
-/// device or a pipe is written to and stays what it is.
-///
-/// # Errors
-/// A path that is a folder, a folder that takes no new file, [`ToolError::Write`].
-pub fn write_whole(
-    path: &Path,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), ToolError> {
-    let temporary = temporary(path)?;
-    let attempt = || {
-        let Some((mut file, target)) = temporary else {
-            let mut writer = BufWriter::new(OpenOptions::new().write(true).open(path)?);
-            content(&mut writer)?;
-            return writer.flush();
-        };
-        let mut writer = BufWriter::new(file.as_file_mut());
-        content(&mut writer)?;
-        writer.flush()?;
-        drop(writer);
-        file.as_file().sync_all()?;
-        file.persist(&target).map_err(|e| e.error)?;
-        Ok(())
-    };
-    attempt().map_err(|error| write_error(path, &error))
-}
-
-/// Whether [`write_whole`] could begin, before a long time is spent on what it is to write.
-///
-/// # Errors
-/// A path that is a folder, a folder that takes no new file.
-pub fn check_writable(path: &Path) -> Result<(), ToolError> {
-    temporary(path).map(drop)
-}
-
-/// A temporary file beside what `path` names, links followed, and that; `None` where it is a device or a pipe,
-/// which is written to as it is.
-fn temporary(path: &Path) -> Result<Option<(tempfile::NamedTempFile, PathBuf)>, ToolError> {
-    let found = fs::metadata(path);
-    if found.as_ref().is_ok_and(fs::Metadata::is_dir) {
-        return Err(ToolError::input(path.display(), "is a folder: name a file"));
-    }
-    if found.is_ok_and(|m| !m.is_file()) {
-        return Ok(None);
-    }
-    let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
-    let folder = match target.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".bdtree-").suffix(".tmp");
-    // Those of a file that a program creates, before the user's mask; temporary files have fewer.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    match builder.tempfile_in(folder) {
-        Ok(file) => Ok(Some((file, target))),
-        Err(error) => {
-            let message = no_file_in(&folder_of(path, folder), &error);
-            Err(ToolError::input(path.display(), message))
-        }
-    }
-}
-
-/// The folder that is written to, as it was given where that is the same.
-fn folder_of(path: &Path, folder: &Path) -> PathBuf {
-    let given = match path.parent() {
-        Some(given) if !given.as_os_str().is_empty() => given,
-        _ => Path::new("."),
-    };
-    let is_same = fs::canonicalize(given).ok() == fs::canonicalize(folder).ok();
-    if is_same { given } else { folder }.to_path_buf()
-}
-
-/// Why a folder takes no file, in the words of `bdtree-build`.
-fn no_file_in(folder: &Path, error: &io::Error) -> String {
-    let name = match folder.display().to_string() {
-        name if name == "." => "the current folder".to_string(),
-        name => format!("folder {name}"),
-    };
-    match error.kind() {
-        ErrorKind::NotFound => format!("{name} does not exist"),
-        ErrorKind::NotADirectory => format!("{} is not a folder", folder.display()),
-        ErrorKind::PermissionDenied => format!("{name} does not allow new files"),
-        ErrorKind::ReadOnlyFilesystem => format!("{name} is on a read-only file system"),
-        _ => format!("cannot create a file in {name}: {}", cause(error)),
-    }
-}
-
-/// An error without the name of the temporary file, which says nothing to anyone. (`tempfile` puts it behind the
-/// system's text, and hides the system's error number.)
-fn cause(error: &io::Error) -> String {
-    let text = error.to_string();
-    match text.split_once(" at path ") {
-        Some((cause, _)) => cause.to_string(),
-        None => text,
-    }
-}
-
-fn write_error(path: &Path, error: &io::Error) -> ToolError {
-    ToolError::Write {
-        path: path.to_path_buf(),
-        cause: cause(error),
-    }
 }
 
 /// Characters at the start and at the end of long text that are shown.

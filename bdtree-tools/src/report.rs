@@ -9,6 +9,7 @@ use bdtree_format::Metadata;
 use bdtree_measure::report::content::{Content, Margin};
 use bdtree_measure::report::{Picture, Subject, measure, page};
 use bdtree_measure::{MeasureError, Progress};
+use bdtree_output::{check_writable, write_whole};
 use bdtree_render::Image;
 use bdtree_runtime::{Asset, FormatError};
 
@@ -16,7 +17,7 @@ use crate::bar::Bar;
 pub use crate::cli::ReportArguments as Arguments;
 use crate::error::ToolError;
 use crate::info::Info;
-use crate::output::{check_target, check_writable, printable, write_json, write_whole};
+use crate::output::{check_target, printable, write_json};
 use crate::render::portraits;
 use crate::verify::broken_rules;
 use crate::{AssetFile, DONE, stress};

@@ -23,10 +23,9 @@ pub use panel::WIDTH as PANEL_WIDTH;
 use std::ffi::OsString;
 use std::io::Write;
 
+use bdtree_output::check_writable;
 use bdtree_tools::render::check_level;
-use bdtree_tools::{
-    AssetFile, BAD_INPUT, DONE, ToolError, check_target, check_writable, parse, posture,
-};
+use bdtree_tools::{AssetFile, BAD_INPUT, DONE, ToolError, check_target, parse, posture};
 
 use app::{App, Probe};
 

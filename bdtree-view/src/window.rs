@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use bdtree_output::write_whole;
 use bdtree_render::one_line;
-use bdtree_tools::{ToolError, write_whole};
+use bdtree_tools::ToolError;
 use wgpu::{Instance, InstanceDescriptor};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;

@@ -16,11 +16,11 @@ use std::time::Instant;
 
 use bdtree_build::bake;
 use bdtree_build::error::BakeError;
-use bdtree_build::file::check_writable;
 use bdtree_build::progress::Progress;
 use bdtree_build::recipe::Recipe;
 use bdtree_build::report::BakeReport;
 use bdtree_format::MAGIC;
+use bdtree_output::check_writable;
 
 /// Exit codes: 0 done, 1 bad input, 2 usage.
 pub(crate) fn run(arguments: &Arguments) -> ExitCode {
@@ -97,7 +97,7 @@ fn check_output(recipe: &Recipe, output: &Path) -> Result<(), BakeError> {
         return refuse("standard output is no place for a bake: name a file");
     }
     if has("bdt") {
-        return check_writable(output);
+        return Ok(check_writable(output)?);
     }
     // Buffers of a glTF file, frames, lists of vertices: whatever lies there is not ours.
     let mut start = [0; MAGIC.len()];
@@ -110,7 +110,7 @@ fn check_output(recipe: &Recipe, output: &Path) -> Result<(), BakeError> {
     if MESHES.into_iter().any(has) {
         return refuse("would look like a mesh: name the output .bdt");
     }
-    check_writable(output)
+    Ok(check_writable(output)?)
 }
 
 /// The main file's name with its extension (and `.gz` before it) replaced by `.bdt`; a folder's

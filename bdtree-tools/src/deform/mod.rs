@@ -4,11 +4,12 @@ mod obj;
 
 use std::io::Write;
 
+use bdtree_output::{check_writable, write_whole};
 use bdtree_runtime::{Pose, TriangleId, VertexId};
 
 pub use crate::cli::DeformArguments as Arguments;
 use crate::error::ToolError;
-use crate::output::{check_target, check_writable, write_whole};
+use crate::output::check_target;
 pub use crate::posture::PostureArguments;
 use crate::posture::posture;
 pub use crate::q::QText;

@@ -13,11 +13,12 @@ mod visited;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use bdtree_output::{check_writable, write_whole};
 use bdtree_render::{Level, Studio};
 
 use crate::error::ToolError;
 use crate::frames::frame_of;
-use crate::output::{check_target, check_writable, printable, write_json, write_whole};
+use crate::output::{check_target, printable, write_json};
 use crate::posture::{PostureArguments, posture};
 use crate::q::counted;
 use crate::scene::Scene;

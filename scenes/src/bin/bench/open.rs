@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use bdtree_build::file::write_atomically;
 use bdtree_build::input::RawMesh;
 use bdtree_fixtures::bake::smooth_basis;
 use bdtree_fixtures::models::mesh::Mesh;
 use bdtree_fixtures::resident::mapped_bytes;
 use bdtree_measure::stats;
+use bdtree_output::write_whole;
 use bdtree_scenes::contenders::assets::baked_mesh;
 
 use crate::prelude::*;
@@ -24,7 +24,8 @@ pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
     let Some(path) = &arguments.file else {
         let path = PathBuf::from("target/bench-open.bdt");
         if !path.exists() {
-            write_atomically(&path, large_file()?.asset().bytes())?;
+            let file = large_file()?;
+            write_whole(&path, |w| w.write_all(file.asset().bytes()))?;
         }
         // A fresh process, whose memory the bake has not filled, with the same options.
         let mut command = Command::new(std::env::current_exe()?);

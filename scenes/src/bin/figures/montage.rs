@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use bdtree_build::file::write_atomically;
+use bdtree_output::write_whole;
 use bdtree_render::tightness::Scale;
 use bdtree_render::{
     Box3, Camera, Framing, Image, Place, Scene, SkinnedMesh, Sphere, Studio, TextSize,
@@ -181,9 +181,7 @@ impl<'a> Stage<'a> {
             TEXT,
         );
 
-        let mut png = Vec::new();
-        image.write_png(&mut png)?;
-        write_atomically(path, &png)?;
+        write_whole(path, |w| image.write_png(w))?;
         println!("\nwrote {}", path.display());
         Ok(())
     }
