@@ -154,6 +154,7 @@ impl Plot {
             let ends = mark.ends.map(|end| end.clamp(x.start, x.end));
             (ends, [y.start, y.end])
         });
+        let names = [(&names[0], Digits::of(&x)), (&names[1], Digits::of(&y))];
         let powers = |x: std::ops::Range<f64>| {
             let marks = self.x.powers(&x, X_LABELS);
             x.log_scale().with_key_points(marks)
@@ -177,7 +178,7 @@ fn draw<'a, X, Y>(
     area: &DrawingArea<SVGBackend<'a>, Shift>,
     x: X,
     y: Y,
-    [x_name, y_name]: &[String; 2],
+    &[(x_name, x_digits), (y_name, y_digits)]: &[(&String, Digits); 2],
     lines: &[Points],
     mark: Option<([f64; 2], [f64; 2])>,
 ) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>
@@ -191,6 +192,8 @@ where
     let font = |size: u32| ("sans-serif", size).into_font().color(&INK);
     let mut chart = ChartBuilder::on(area)
         .margin(4)
+        // Half of the label at the end of an axis stands beyond it.
+        .margin_top(10)
         .margin_right(16)
         .x_label_area_size(46)
         .y_label_area_size(66)
@@ -206,8 +209,8 @@ where
         .axis_style(INK)
         .label_style(font(16))
         .axis_desc_style(font(17))
-        .x_label_formatter(&|x| short(*x))
-        .y_label_formatter(&|y| short(*y))
+        .x_label_formatter(&|x| x_digits.short(*x))
+        .y_label_formatter(&|y| y_digits.short(*y))
         .draw()?;
     if let Some(([from, to], [low, high])) = mark {
         let stretch = Rectangle::new([(from, low), (to, high)], GRID.filled());
@@ -222,22 +225,48 @@ where
     area.present()
 }
 
-/// A number with few digits, for marks on axes.
-fn short(x: f64) -> String {
-    let size = x.abs();
-    if x == 0.0 {
-        "0".to_string()
-    } else if !(1e-3..1e5).contains(&size) {
-        format!("{x:.0e}")
-    } else {
-        let text = format!("{x:.3}");
-        text.trim_end_matches('0').trim_end_matches('.').to_string()
+/// How the marks of an axis are written: all of them in one way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Digits {
+    /// In full.
+    Plain,
+    /// From a thousand on, and up to a thousandth, as powers of ten: marks in full would be too wide.
+    Powers,
+}
+
+impl Digits {
+    /// Of an axis from the start to the end of a range.
+    fn of(range: &std::ops::Range<f64>) -> Self {
+        let size = |x: f64| x.abs();
+        let has_small = range.start > 0.0 && range.start < 1e-3;
+        if has_small || size(range.start).max(size(range.end)) >= 1e5 {
+            Self::Powers
+        } else {
+            Self::Plain
+        }
+    }
+
+    /// A number with few digits, for marks on axes.
+    fn short(self, x: f64) -> String {
+        let size = x.abs();
+        let in_full = match self {
+            Self::Plain => 1e-3..1e5,
+            Self::Powers => 2e-3..1e3,
+        };
+        if x == 0.0 {
+            "0".to_string()
+        } else if in_full.contains(&size) {
+            let text = format!("{x:.3}");
+            text.trim_end_matches('0').trim_end_matches('.').to_string()
+        } else {
+            format!("{x:.0e}")
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Axis, Line, Plot, short, style};
+    use super::{Axis, Digits, Line, Plot, style};
 
     #[test]
     fn what_cannot_be_shown_is_left_out_and_nothing_is_drawn_of_nothing() {
@@ -293,16 +322,18 @@ mod tests {
         assert_eq!((marks(&log), marks(&even)), (2, 3));
     }
 
+    /// Two marks of one axis never read 10000 and 1e5.
     #[test]
-    fn marks_are_short() {
-        for (x, text) in [
-            (0.0, "0"),
-            (0.25, "0.25"),
-            (10.0, "10"),
-            (1e-6, "1e-6"),
-            (3e6, "3e6"),
-        ] {
-            assert_eq!(short(x), text);
-        }
+    fn marks_are_short_and_of_one_kind() {
+        let marks = |range, marks: [f64; 4]| {
+            let digits = Digits::of(&range);
+            marks.map(|x| digits.short(x))
+        };
+        let plain = marks(0.0..2e4, [0.0, 0.25, 10.0, 1e4]);
+        assert_eq!(plain, ["0", "0.25", "10", "10000"]);
+        let large = marks(1.0..2e5, [1.0, 100.0, 1e4, 1e5]);
+        assert_eq!(large, ["1", "100", "1e4", "1e5"]);
+        let small = marks(1e-6..2.0, [1e-6, 1e-3, 0.01, 1.0]);
+        assert_eq!(small, ["1e-6", "1e-3", "0.01", "1"]);
     }
 }

@@ -68,7 +68,7 @@ pub(super) fn all(triangles: u32, repeats: usize) -> Result<Vec<Sweep>, Box<dyn 
     let sweeps = [
         ("modes", "modes", &modes[..]),
         ("displacement", way, &ways),
-        ("contacts", "radius of the ball", &radii),
+        ("contacts", "radius of the ball, mesh units", &radii),
         ("balls", "balls a step", &balls),
     ];
     let sweeps = sweeps.into_iter().map(|(key, what, settings)| {

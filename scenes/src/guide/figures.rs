@@ -139,7 +139,7 @@ fn asked<'s>(source: &'s Source, question: &str) -> Result<&'s Value, Box<dyn Er
 
 /// Where deforming and refitting is faster.
 pub(super) fn refit(reports: &[Source]) -> Plots {
-    let times = Axis::log("deform + refit over ours");
+    let times = Axis::log("deform + refit over bdtree");
     let plots = [
         ("ray", "Rays", "rays per step"),
         ("ball", "Balls of 1 % of the diagonal", "balls per step"),
