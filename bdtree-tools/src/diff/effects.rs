@@ -8,6 +8,10 @@ use crate::AssetFile;
 use crate::error::ToolError;
 use crate::info::{bounds, mode_name};
 
+/// A mode counts as negated if negating it leaves at most this share of the distance. The sign of a vibration mode or of
+/// a principal component is arbitrary, and small changes of the input can turn it.
+const NEGATED_REL: f64 = 0.1;
+
 /// The vertex that lies farthest apart in the two files.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Effect {
@@ -21,6 +25,10 @@ pub struct Effect {
     pub distance_rel: f64,
     /// The q at which that is; absent at rest.
     pub q: Option<f32>,
+    /// Of a mode that is about the negated one of the first file: the farthest vertex's distance (mesh units) with −q
+    /// instead of q in one file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub negated_distance: Option<f64>,
     /// The numbers that lead to it differ within the tolerance.
     pub tolerated: bool,
 }
@@ -48,6 +56,7 @@ pub(super) fn effects(
             0.0
         },
         q,
+        negated_distance: None,
         tolerated: !counts(from),
     };
     let mut effects = Vec::new();
@@ -71,9 +80,21 @@ pub(super) fn effects(
         let moved = farthest(a, |vertex| {
             Ok(apart(field(files[0], vertex)?, field(files[1], vertex)?))
         })?;
+        let Some((vertex, distance)) = moved else {
+            continue;
+        };
+        let negated = farthest(a, |vertex| {
+            let b = field(files[1], vertex)?.map(|u| -u);
+            Ok(apart(field(files[0], vertex)?, b))
+        })?;
+        let negated = negated.map_or(0.0, |(_, distance)| distance);
         let name = mode_name(files[0], mode)?;
         let from = [format!("section DISP: displacements of mode {mode}")];
-        effects.extend(moved.map(|found| effect(name, found, Some(q), &from)));
+        let effect = effect(name, (vertex, distance), Some(q), &from);
+        effects.push(Effect {
+            negated_distance: (negated <= NEGATED_REL * distance).then_some(negated),
+            ..effect
+        });
     }
     Ok(effects)
 }

@@ -138,10 +138,17 @@ fn print(findings: &Findings, out: &mut dyn Write) -> std::io::Result<()> {
         let at = effect.q.map_or(String::new(), |q| {
             format!(", at q = {} (its q_range)", digits(q.into()))
         });
+        let negated = effect.negated_distance.map_or(String::new(), |distance| {
+            let left = match distance {
+                0.0 => "nothing".to_string(),
+                distance => format!("{} mesh units", short(distance)),
+            };
+            format!("; the mode is negated: -q leaves {left}")
+        });
         let tolerated = if effect.tolerated { " (tolerated)" } else { "" };
         writeln!(
             out,
-            "{}: vertex {} lies farthest apart, by {} mesh units ({} % of the diagonal){at}{tolerated}",
+            "{}: vertex {} lies farthest apart, by {} mesh units ({} % of the diagonal){at}{negated}{tolerated}",
             effect.what,
             effect.vertex,
             short(effect.distance),

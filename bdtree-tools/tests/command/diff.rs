@@ -265,6 +265,29 @@ fn effects_are_distances_of_vertices() {
     assert_eq!(json["effects"], serde_json::json!([]));
 }
 
+/// The sign of a mode is arbitrary: it says so instead of only that vertices lie far apart.
+#[test]
+fn negated_modes_are_told() {
+    let folder = Folder::new();
+    let mesh = ball_mesh();
+    let mut fields = basis(&mesh);
+    for u in &mut fields.fields[mesh.positions.len()..] {
+        *u = u.map(|u| -u);
+    }
+    folder.write("negated.bdt", baked(&mesh, &fields));
+    let ran = folder.run(&["diff", "a.bdt", "negated.bdt"]);
+    assert_eq!(ran.code, 1);
+    let line = "(its q_range); the mode is negated: -q leaves nothing\n";
+    assert!(ran.out.contains(line), "{}", ran.out);
+    let last = fields.fields.len() - 1;
+    fields.fields[last][0] += 1e-3; // q_range is 2
+    folder.write("nearly.bdt", baked(&mesh, &fields));
+    let ran = folder.run(&["diff", "a.bdt", "nearly.bdt", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&ran.out).expect("one JSON object");
+    let left = json["effects"][1]["negated_distance"].as_f64();
+    assert!((left.expect("a distance") - 2e-3).abs() < 1e-6, "{json}");
+}
+
 #[test]
 fn unreadable_files_are_2() {
     let folder = Folder::new();
