@@ -92,20 +92,21 @@ impl Advice {
         }
         // Of fields that are their own source, all leave nothing but rounding.
         let is_all = kept == all && self.available.is_none();
+        let place = match self.over {
+            _ if self.error_rel != 0.0 => format!("within {error} of the box diagonal"),
+            Over::Source => "where the source has it".to_string(),
+            Over::Frames | Over::Ranges => "where all modes put it".to_string(),
+        };
         let promise = if kept == 0 && self.available.is_none() {
-            format!(
-                "No mode is needed to keep every vertex within {error} of the box diagonal, {over}; the goal is {goal}"
-            )
+            format!("No mode is needed to keep every vertex {place}, {over}; the goal is {goal}")
         } else if is_all && self.over != Over::Source && !self.are_bounds {
             format!(
                 "{which} {} needed to keep every vertex within {goal} of the box diagonal, {over}",
                 if kept == 1 { "is" } else { "are" }
             )
         } else {
-            format!(
-                "{which} keep{} every vertex within {error} of the box diagonal, {over}; the goal is {goal}",
-                if kept == 1 { "s" } else { "" }
-            )
+            let s = if kept == 1 { "s" } else { "" };
+            format!("{which} keep{s} every vertex {place}, {over}; the goal is {goal}")
         };
         match self.error_of_fewer_rel {
             Some(fewer) if fewer > self.max_error_rel && self.are_bounds => {
@@ -448,6 +449,20 @@ mod tests {
             "{:?}",
             other.sentences()
         );
+        // "Within 0 %" would read as a bound that nothing can keep.
+        other.error_rel = 0.0;
+        for (over, place) in [
+            (Over::Source, "where the source has it, measured"),
+            (Over::Ranges, "where all modes put it, for"),
+        ] {
+            other.over = over;
+            let first = format!("No mode is needed to keep every vertex {place}");
+            assert!(
+                other.sentences()[0].starts_with(&first),
+                "{:?}",
+                other.sentences()
+            );
+        }
         (other.all, other.chosen) = (point(2, 4, 9, 1.0), point(2, 4, 9, 1.0));
         assert!(
             other.sentences()[0].starts_with("Both modes "),

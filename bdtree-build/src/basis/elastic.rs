@@ -324,11 +324,15 @@ fn solve_error(error: SolveError, options: &ElasticOptions, resolution: u32) -> 
                 Some(_) => Place::option("--resolution"),
                 None => Place::NOWHERE,
             };
+            let limit = options.memory_limit_bytes;
+            // Factors grow with the square of the resolution for sheets, and faster for stout bodies.
+            let fits = f64::from(resolution) * (limit as f64 / bytes as f64).sqrt();
             let message = format!(
                 "{resolution} cells along the longest side need about {} MiB, the limit is {} MiB (--memory-limit); \
-                 fewer cells need less (--resolution)",
+                 fewer need less (--resolution {} should fit)",
                 bytes.div_ceil(1 << 20),
-                options.memory_limit_bytes >> 20
+                limit >> 20,
+                (fits as u32).max(1)
             );
             return BakeError::one("basis", place, message);
         }
@@ -427,7 +431,7 @@ mod tests {
             solve_error(SolveError::Memory(300 << 20), options, 57).to_string()
         };
         let text = "57 cells along the longest side need about 300 MiB, the limit is 200 MiB (--memory-limit); fewer \
-                    cells need less (--resolution)";
+                    need less (--resolution 46 should fit)";
         assert_eq!(told(&options), text);
         options.resolution = Some(57);
         assert_eq!(told(&options), format!("--resolution: {text}"));

@@ -111,15 +111,17 @@ fn percent(share: f64) -> String {
 }
 
 /// What the tightness of all levels means for queries.
-fn verdict(levels: &[LevelTightness]) -> String {
+fn verdict(levels: &[LevelTightness], has_bones: bool) -> String {
     let mean = levels.iter().map(|level| level.mean).sum::<f64>() / levels.len() as f64;
     let meaning = match mean {
         m if m <= 1.5 => "tight",
         m if m <= 3.0 => "fair",
         _ => "loose: queries visit many nodes; use fewer modes or a smaller --range-rel",
     };
+    // A bake does not try poses; `bdtree report` does.
+    let pose = if has_bones { " in the bind pose" } else { "" };
     format!(
-        "bounds: spheres are {mean:.2} times as large as the smallest possible ones at q_range, {meaning}"
+        "bounds: spheres are {mean:.2} times as large as the smallest possible ones at q_range{pose}, {meaning}"
     )
 }
 
@@ -232,7 +234,7 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
             out,
             "sphere radius over the smallest possible, per level: {text}"
         )?;
-        writeln!(out, "{}", verdict(&r.tightness))?;
+        writeln!(out, "{}", verdict(&r.tightness, r.bones.is_some()))?;
     }
     writeln!(out, "seconds: {}", seconds(&r.stages))
 }

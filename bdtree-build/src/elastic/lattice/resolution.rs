@@ -19,6 +19,7 @@ pub const RESOLUTION_MAX: u32 = 1024;
 const AUTO_RESOLUTION_MAX: f64 = 256.0;
 /// A cell with its fine cells, matrices, nodes and tables takes about this much.
 pub(crate) const BYTES_PER_CELL: u64 = 8192;
+
 /// The lattice asked for, or the finest one within the budgets.
 pub(crate) fn choose_lattice(
     subject: &Subject<'_>,
@@ -34,7 +35,7 @@ pub(crate) fn choose_lattice(
                 Place::option("--resolution"),
                 format!(
                     "{resolution} cells along the longest side make more than {cell_limit} cells, \
-                     which do not fit in {} MiB (--memory-limit)",
+                     which do not fit in {} MiB (--memory-limit); try half as many",
                     memory_limit_bytes >> 20
                 ),
             )),
