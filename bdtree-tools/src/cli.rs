@@ -154,9 +154,9 @@ pub struct QueryArguments {
 /// tightness, times beside deform + refit, bytes.
 ///
 /// A page of its own (plots inside, nothing fetched) or JSON with all its figures. Counts and errors are
-/// the same in every run, times are not; it takes about 7 s for 18 thousand triangles and one to two
-/// minutes for half a million, on two idle cores. The file is checked first. Do not change it during the run: all commands except verify map
-/// files into memory.
+/// the same in every run on processors of one kind, times are not. A report takes about 7 s for 18
+/// thousand triangles and one to two minutes for half a million, on two idle cores. The file is
+/// checked first. Do not change it during the run: all commands except verify map files into memory.
 #[cfg(feature = "report")]
 #[derive(Debug, Args)]
 pub struct ReportArguments {

@@ -1,6 +1,6 @@
 //! Sliders for q.
 
-use egui::{Align, Label, Layout, RichText, ScrollArea, Slider, SliderClamping, Ui, vec2};
+use egui::{Align, Label, Layout, Rangef, RichText, ScrollArea, Slider, SliderClamping, Ui, vec2};
 
 use super::style;
 use crate::app::{App, Reach};
@@ -78,9 +78,12 @@ fn controls(ui: &mut Ui, app: &mut App<'_>, mode: usize) {
             return;
         };
         ui.spacing_mut().slider_width = ui.available_width() - BESIDE;
+        mark_middle(ui);
         let mut slider = Slider::new(q, -end as f32..=end as f32)
             // A frame may have more than is typical: it is shown, not changed.
             .clamping(SliderClamping::Edits)
+            // A bar from the left end would tell of -range, not of 0.
+            .trailing_fill(false)
             .custom_formatter(|x, _| short(x));
         if app.reach == Reach::Limit {
             slider = slider.logarithmic(true).smallest_positive(end * SMALLEST);
@@ -94,6 +97,16 @@ fn controls(ui: &mut Ui, app: &mut App<'_>, mode: usize) {
             app.playback.clock.is_playing = false;
         }
     });
+}
+
+/// A line where the slider that follows has 0.
+fn mark_middle(ui: &Ui) {
+    let place = ui.available_rect_before_wrap();
+    let x = place.left() + 0.5 * ui.spacing().slider_width;
+    let height = ui.spacing().interact_size.y;
+    let line = Rangef::new(place.top() + 0.1 * height, place.top() + 0.9 * height);
+    let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
+    ui.painter().vline(x, line, stroke);
 }
 
 /// Name and frequency of a mode, short and long.
