@@ -8,6 +8,7 @@
 //! weights below the lane are from their middles (*knapsack*), and from the least weights (*simplex*). Derivation and
 //! rounding: docs/design/guarantees.md, skins.
 
+use arrayvec::ArrayVec;
 use bdtree_format::{BONE_ROW_DEFECT, BONE_ROW_SCALE, BONE_ROW_SPREAD};
 
 use crate::bones::{BoneMap, PosedBones};
@@ -17,22 +18,25 @@ use crate::rounding::BONES_ROUNDING;
 use crate::simd::{Lanes, Work};
 use crate::view::{Asset, NodeBones};
 
+/// Bones of a node of which places are kept; those of more are computed twice, which takes a quarter more time.
+const PLACES: usize = 64;
+
 /// Bones of a node of which places and distances are kept, so that the knapsack is solved exactly; of more, only the two
 /// ends of its range are looked at.
 const KEPT: usize = 8;
 
 impl Asset<'_> {
-    /// The spheres of node `index` with bones, from those without. Compiled once per instruction set, not into every
+    /// Moves the spheres of node `index`, which are those without bones, to where bones carry them. Compiled once per instruction set, not into every
     /// walk.
     ///
     /// # Errors
     /// Bones of the node that are not in the file.
-    pub(crate) fn carried(
+    pub(crate) fn carry(
         &self,
         index: u32,
         pose: &PosedBones<'_>,
-        spheres: Spheres,
-    ) -> Result<Spheres, FormatError> {
+        spheres: &mut Spheres,
+    ) -> Result<(), FormatError> {
         let skin = self.skin.as_ref();
         let node = skin.and_then(|skin| skin.node_bones(index as usize));
         let carried = node.and_then(|node| {
@@ -49,16 +53,19 @@ impl Asset<'_> {
 struct Carry<'c> {
     node: NodeBones<'c>,
     pose: &'c PosedBones<'c>,
-    spheres: Spheres,
+    /// In place: returned by value they would be copied in narrower parts than they are read in, for which a processor
+    /// waits (a twentieth of a ray).
+    spheres: &'c mut Spheres,
 }
 
 impl Work for Carry<'_> {
-    type Output = Option<Spheres>;
+    type Output = Option<()>;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Option<Spheres> {
-        let spheres = WideSpheres::<L>::load(&self.spheres);
-        Some(carried(&self.node, self.pose, spheres)?.store())
+    fn run<L: Lanes>(self) -> Option<()> {
+        let spheres = WideSpheres::<L>::load(self.spheres);
+        *self.spheres = carried(&self.node, self.pose, spheres)?.store();
+        Some(())
     }
 }
 
@@ -111,12 +118,12 @@ fn carried<L: Lanes>(
     let mut least = [zero; 3];
     let mut least_sum = zero;
     let mut stretch = zero;
-    let mut places = [[zero; 3]; KEPT];
-    for (k, (&bone, [low, high])) in node.bones.iter().zip(node.weights).enumerate() {
+    let mut places = ArrayVec::<Points<L>, PLACES>::new();
+    for (&bone, [low, high]) in node.bones.iter().zip(node.weights) {
         let map = pose.maps.get(usize::from(bone))?;
         let y = carried_by(map, spheres.center);
-        if let Some(place) = places.get_mut(k) {
-            *place = y;
+        if !places.is_full() {
+            places.push(y);
         }
         let (low, high) = (L::load(low), L::load(high));
         center = add3(center, scaled(y, scale.mul(low.add(high))));
@@ -130,7 +137,7 @@ fn carried<L: Lanes>(
     let mut farthest = zero;
     let mut corner = zero;
     let mut all = zero;
-    let mut kept = [(zero, zero); KEPT];
+    let mut kept = ArrayVec::<_, KEPT>::new();
     for (k, (&bone, [low, high])) in node.bones.iter().zip(node.weights).enumerate() {
         let y = match places.get(k) {
             Some(place) => *place,
@@ -145,8 +152,8 @@ fn carried<L: Lanes>(
         farthest = farthest.max(there.mul(length));
         corner = corner.max(there.mul(squared(add3(shift, scaled(d, rest)))));
         all = all.add(gap.mul(length));
-        if let Some(kept) = kept.get_mut(k) {
-            *kept = (gap, length);
+        if !kept.is_full() {
+            kept.push((gap, length));
         }
     }
     let spread = L::load(&node.fixed[BONE_ROW_SPREAD]);
@@ -155,9 +162,9 @@ fn carried<L: Lanes>(
     let count = node.bones.len();
     if (3..=KEPT).contains(&count) {
         // The minimum over λ is at one of the lengths.
-        for (_, lambda) in &kept[..count] {
+        for (_, lambda) in &kept {
             let mut sum = spread.mul(*lambda);
-            for (gap, length) in &kept[..count] {
+            for (gap, length) in &kept {
                 sum = sum.add(gap.mul(length.sub(*lambda).max(zero)));
             }
             knapsack = knapsack.min(sum);

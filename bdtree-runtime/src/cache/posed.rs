@@ -218,7 +218,9 @@ impl Posed<'_> {
             return Err(asset.unknown_mode(node.mode_list_start));
         };
         if let Some(bones) = pose.bones() {
-            spheres = WideSpheres::load(&asset.carried(index, bones, spheres.store())?);
+            let mut carried = spheres.store();
+            asset.carry(index, bones, &mut carried)?;
+            spheres = WideSpheres::load(&carried);
         }
         if let Some(slot) = self.kept.nodes.get_mut(place) {
             slot.tag = tag;

@@ -202,9 +202,10 @@ impl Work for NodeSpheres<'_, '_> {
         let Some(spheres) = evaluate::<L>(&rows, modes, &pose.bound()) else {
             return Err(asset.unknown_mode(node.mode_list_start));
         };
-        match pose.bones() {
-            Some(bones) => asset.carried(self.index, bones, spheres.store()),
-            None => Ok(spheres.store()),
+        let mut spheres = spheres.store();
+        if let Some(bones) = pose.bones() {
+            asset.carry(self.index, bones, &mut spheres)?;
         }
+        Ok(spheres)
     }
 }
