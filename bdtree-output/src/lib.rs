@@ -1,8 +1,9 @@
 //! Output files that are whole or absent: a command that fails, or whose disk is full, leaves what was there before.
 //!
 //! A file is written beside its target under the name `.bdtree-*.tmp` and takes the target's name when it is complete.
-//! Only a process that is killed meanwhile leaves the temporary file. Links are followed; a device or a pipe is written
-//! to as it is.
+//! Only a process that is killed meanwhile leaves the temporary file. The target keeps its permissions, and a
+//! write-protected one is refused; another hard link to it keeps the old content. Symbolic links are followed; a device
+//! or a pipe is written to as it is.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -32,7 +33,7 @@ impl OutputError {
 /// Writes a file: `path` then holds all of `content`, or what it held before.
 ///
 /// # Errors
-/// A path that is a folder, a folder that takes no new file, a full disk, what `content` returns.
+/// A path that is a folder or write-protected, a folder that takes no new file, a full disk, what `content` returns.
 pub fn write_whole(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -60,19 +61,27 @@ pub fn write_whole(
 /// Whether [`write_whole`] could begin, before a long time is spent on what it is to write.
 ///
 /// # Errors
-/// A path that is a folder, a folder that takes no new file.
+/// A path that is a folder or write-protected, a folder that takes no new file.
 pub fn check_writable(path: &Path) -> Result<(), OutputError> {
     temporary(path).map(drop)
 }
 
 /// A temporary file beside what `path` names, links followed, and that; `None` where it is a device or a pipe.
 fn temporary(path: &Path) -> Result<Option<(NamedTempFile, PathBuf)>, OutputError> {
-    let found = fs::metadata(path);
-    if found.as_ref().is_ok_and(fs::Metadata::is_dir) {
+    let found = fs::metadata(path).ok();
+    if found.as_ref().is_some_and(fs::Metadata::is_dir) {
         return Err(OutputError::new(path, "is a folder: name a file"));
     }
-    if found.is_ok_and(|m| !m.is_file()) {
+    if found.as_ref().is_some_and(|m| !m.is_file()) {
         return Ok(None);
+    }
+    // A new file takes the name, so that the folder's permissions decide; whoever protects a file means the name.
+    let is_protected = |m: &fs::Metadata| {
+        let opened = OpenOptions::new().write(true).open(path);
+        m.permissions().readonly() || opened.is_err_and(|e| e.kind() == ErrorKind::PermissionDenied)
+    };
+    if found.as_ref().is_some_and(is_protected) {
+        return Err(OutputError::new(path, "is write-protected"));
     }
     let target = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(path));
     let folder = folder(&target);
@@ -82,7 +91,13 @@ fn temporary(path: &Path) -> Result<Option<(NamedTempFile, PathBuf)>, OutputErro
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     match builder.tempfile_in(folder) {
-        Ok(file) => Ok(Some((file, target))),
+        Ok(file) => {
+            if let Some(old) = found {
+                // Whoever may read the old one may read the new one; where that cannot be set, what new files get.
+                let _ = file.as_file().set_permissions(old.permissions());
+            }
+            Ok(Some((file, target)))
+        }
         Err(error) => {
             let reason = no_file_in(as_given(path, folder), &error);
             Err(OutputError::new(path, reason))

@@ -39,6 +39,30 @@ fn files_are_written_whole_or_not_at_all() {
     assert_eq!(left(), 2);
 }
 
+/// A read-only golden file stays, for everybody; a file that few may read stays so.
+#[cfg(unix)]
+#[test]
+fn permissions_are_kept() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.bdt");
+    let set = |mode| {
+        let mode = std::fs::Permissions::from_mode(mode);
+        std::fs::set_permissions(&path, mode).expect("set");
+    };
+    std::fs::write(&path, b"old").expect("written");
+    set(0o444);
+    let error = write(&path, b"new").expect_err("protected");
+    assert_eq!(error.reason, "is write-protected");
+    assert_eq!(check_writable(&path), Err(error));
+    assert_eq!(std::fs::read(&path).expect("read"), b"old");
+    set(0o640);
+    write(&path, b"new").expect("written");
+    assert_eq!(std::fs::read(&path).expect("read"), b"new");
+    let mode = std::fs::metadata(&path).expect("a file").permissions();
+    assert_eq!(mode.mode() & 0o777, 0o640);
+}
+
 #[cfg(unix)]
 #[test]
 fn links_are_followed_and_devices_stay_devices() {
