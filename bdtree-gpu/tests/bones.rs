@@ -350,7 +350,7 @@ fn matrices_that_a_pose_refuses_are_refused() {
     assert!(
         matches!(
             too_few,
-            Err(GpuError::Pose(PoseError::MatrixCount {
+            Err(GpuError::Pose(PoseError::BoneCount {
                 expected: 3,
                 found: 2
             }))

@@ -16,13 +16,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut workspace = Workspace::new();
     let mut contacts: Vec<Contact> = Vec::new();
     let (mut q, mut velocity, mut force) = (vec![0.0; modes], vec![0.0; modes], vec![0.0; modes]);
+    let mut narrow = vec![0.0; modes];
     for step in 0..=120 {
         let ball = Ball::new([1.6 - 0.005 * f64::from(step), 0.1, 0.2], 0.5);
         contacts.clear();
         body.query(&mut workspace).contacts(ball, &mut contacts)?;
         force.fill(0.0);
         for contact in &contacts {
-            // Away from the ball, shared among the contacts.
+            // Away from the shape, shared among the contacts.
             let push = STIFFNESS * contact.distance / contacts.len() as f64;
             let push = contact.normal.map(|n| n * push);
             body.pose().add_generalized_force(
@@ -37,8 +38,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             velocity[j] += STEP_S * acceleration;
             q[j] += STEP_S * velocity[j];
         }
-        let q: Vec<f32> = q.iter().map(|q| *q as f32).collect();
-        body.set_q(&q)?;
+        for (narrow, q) in narrow.iter_mut().zip(&q) {
+            *narrow = *q as f32;
+        }
+        body.set_q(&narrow)?;
         if step % 30 == 0 {
             println!("step {step}: {} contacts, q = {q:.4?}", contacts.len());
         }

@@ -146,16 +146,20 @@ impl BoneSource<'_> {
                     .map_err(|index| PoseError::MatrixRange { index });
             }
         };
-        let (given, expected) = match matrices {
-            BoneMatrices::Rest => (0, 0),
-            BoneMatrices::Joints(joints) => (joints.len(), skin.joints.len()),
-            BoneMatrices::Skinning(matrices) => (matrices.len(), skin.bones.len()),
-        };
-        if given != expected {
-            return Err(PoseError::MatrixCount {
-                expected,
-                found: given,
-            });
+        match matrices {
+            BoneMatrices::Joints(joints) if joints.len() != skin.joints.len() => {
+                return Err(PoseError::JointCount {
+                    expected: skin.joints.len(),
+                    found: joints.len(),
+                });
+            }
+            BoneMatrices::Skinning(matrices) if matrices.len() != skin.bones.len() => {
+                return Err(PoseError::BoneCount {
+                    expected: skin.bones.len(),
+                    found: matrices.len(),
+                });
+            }
+            _ => {}
         }
         let frame = Frame {
             origin: asset.origin(),

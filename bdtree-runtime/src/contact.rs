@@ -32,10 +32,10 @@ pub struct Contact {
     pub triangle: TriangleId,
     /// The triangle's point.
     pub point: [f64; 3],
-    /// Unit normal, from the triangle towards the primitive; of a half-space, the plane's own.
+    /// Unit normal, from the triangle towards the primitive.
     pub normal: [f64; 3],
     /// Signed distance: negative is penetration depth. To separate the two at `point`, move the mesh by
-    /// `distance · normal`, for a half-space by `-distance · normal`; or move the shape the opposite way.
+    /// `distance · normal`, or the shape the opposite way.
     pub distance: f64,
     /// Weights of the corners that give `point`; not negative, sum 1.
     pub barycentric: [f64; 3],

@@ -96,8 +96,8 @@ pub const HEADER_SECTION: SectionKind = SectionKind(*b"HEAD");
 /// Bytes that break a rule of the format: where, which rule, what it asks and what is there.
 ///
 /// Functions that take a triangle id, a vertex id or a slice return it too where that does not fit the asset, and then
-/// the file may be sound. `rule` says so: `SPEC 7.2: a triangle id is below F`, `SPEC 7.1: a vertex id is below N`, or
-/// the name of the argument.
+/// the file may be sound. The text then names the argument instead of a place, and `rule` is
+/// `SPEC 7.2: a triangle id is below F`, `SPEC 7.1: a vertex id is below N`, or the name of the slice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FormatError {
     /// The section, or [`HEADER_SECTION`].
@@ -126,6 +126,12 @@ pub(crate) const ONE_VERSION: &str = "SPEC 9.1: readers know one major version";
 pub(crate) const HEADER_CRC: &str = "SPEC 2.4: header_crc is the CRC-32 of the header block";
 /// The rule of the sections' checksums.
 pub(crate) const SECTION_CRC: &str = "SPEC 4.1: a section's bytes have its checksum";
+/// What a caller's triangle id breaks.
+pub(crate) const TRIANGLE_BELOW: &str = "SPEC 7.2: a triangle id is below F";
+/// What a caller's vertex id breaks.
+pub(crate) const VERTEX_BELOW: &str = "SPEC 7.1: a vertex id is below N";
+/// What a caller's slice of generalised forces breaks.
+pub(crate) const OUT_LENGTH: &str = "argument `out`: one number per mode";
 
 impl FormatError {
     /// What is wrong, in words, without place and rule.
@@ -153,6 +159,16 @@ impl FormatError {
                 f,
                 "checksum mismatch: the header says {stored:08x}, the bytes give {bytes:08x}"
             ),
+            (TRIANGLE_BELOW, Datum::Below(count), _) => {
+                write!(f, "there is no triangle {found}: the asset has {count}")
+            }
+            (VERTEX_BELOW, Datum::Below(count), _) => {
+                write!(f, "there is no vertex {found}: the asset has {count}")
+            }
+            (OUT_LENGTH, Datum::AtLeast(modes), _) => write!(
+                f,
+                "argument `out` holds {found} numbers, the asset has {modes} modes"
+            ),
             (SECTION_CRC, Datum::Integer(stored), Datum::Integer(bytes)) => write!(
                 f,
                 "checksum mismatch: the section table says {stored:08x}, the bytes give {bytes:08x}"
@@ -163,8 +179,11 @@ impl FormatError {
 }
 
 impl fmt::Display for FormatError {
-    /// The place, the fault, and behind it the rule.
+    /// The place, the fault, and behind it the rule; of an argument the fault alone.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if matches!(self.rule, TRIANGLE_BELOW | VERTEX_BELOW | OUT_LENGTH) {
+            return self.fault(f);
+        }
         write!(f, "section {} at byte {}: ", self.section, self.byte)?;
         self.fault(f)?;
         write!(f, " ({})", self.rule)
@@ -258,9 +277,16 @@ pub enum PoseError {
     },
     /// Matrices for the bones of an asset that has none.
     NoSkin,
-    /// Another number of matrices than the asset has joints, or bones.
-    MatrixCount {
-        /// Joints or bones of the asset.
+    /// Another number of joint matrices than the asset has joints.
+    JointCount {
+        /// Joints of the asset.
+        expected: usize,
+        /// Matrices given.
+        found: usize,
+    },
+    /// Another number of skinning matrices than the asset has bones.
+    BoneCount {
+        /// Bones of the asset.
         expected: usize,
         /// Matrices given.
         found: usize,
@@ -296,12 +322,14 @@ impl fmt::Display for PoseError {
             }
             Self::NotFinite { mode } => write!(f, "q[{mode}] is not a finite number"),
             Self::NoSkin => f.write_str("matrices are given but the asset has no skin"),
-            Self::MatrixCount { expected, found } => {
-                write!(
-                    f,
-                    "{found} matrices are given but the asset needs {expected}"
-                )
-            }
+            Self::JointCount { expected, found } => write!(
+                f,
+                "{found} joint matrices are given but the asset has {expected} joints"
+            ),
+            Self::BoneCount { expected, found } => write!(
+                f,
+                "{found} skinning matrices are given but the asset has {expected} bones"
+            ),
             Self::MatrixRange { index } => write!(
                 f,
                 "matrix {index} is not finite or moves vertices beyond 2^60 stored units"

@@ -3,18 +3,17 @@
 use bdtree_format::SectionKind;
 
 use crate::contact::TriangleId;
-use crate::error::{Datum, FormatError};
+use crate::error::{Datum, FormatError, OUT_LENGTH};
 use crate::pose::Pose;
-
-/// What is wrong with the caller's `out`.
-const SHORT: &str = "argument `out`: one number per mode";
 
 impl Pose<'_> {
     /// Adds the generalised force of a world force that acts on the material point `barycentric` of
-    /// a triangle: `out[j] += Σ_k w_k (∂x_k/∂q_j)·f`, which for an instance at scale 1 is `Uᵀ f` and with bones `Uᵀ Aᵀ f`, A the linear part of the blended matrix. The
-    /// modal equation of an elastic asset takes it as its right-hand side.
+    /// a triangle: `out[j] += Σ_k w_k (∂x_k/∂q_j)·f`, which for an instance at scale 1 is `Uᵀ f`, and with
+    /// bones `Uᵀ Aᵀ f`, A being the linear part of the blended matrix. The modal equation of an elastic asset takes it as its
+    /// right-hand side.
     ///
-    /// `out` holds one number per mode.
+    /// `out` holds one number per mode. The force and the weights are not checked: NaN goes into `out`, and `set_q` refuses
+    /// what comes of it.
     ///
     /// # Errors
     /// A triangle id that is not below [`Asset::triangle_count`](crate::Asset::triangle_count); `out` shorter than the
@@ -32,7 +31,7 @@ impl Pose<'_> {
         let found = out.len();
         let Some(out) = out.get_mut(..m) else {
             let place = asset.at(SectionKind::DISPLACEMENTS, 0);
-            return Err(place.rule(SHORT).broken(Datum::at_least(m), found));
+            return Err(place.rule(OUT_LENGTH).broken(Datum::at_least(m), found));
         };
         // x = t + s Q (origin + unit p'), so ∂x/∂q_j · f = s unit U_ij · (Qᵀ f).
         let local = self.placement.inverse_rotate(force);

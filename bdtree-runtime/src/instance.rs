@@ -112,8 +112,13 @@ impl Instance {
         self.placement
     }
 
-    /// Sets q, one number per mode; placement and bones stay. Of vibration modes, `q_j = 1` moves the farthest vertex by one
-    /// mesh unit. An error leaves the instance as it was.
+    /// Sets q, one number per mode, the weights of the fields; placement and bones stay. An error leaves the instance as it
+    /// was.
+    ///
+    /// Of a vibration mode, `q_j = 1` moves the farthest vertex by one mesh unit; of a morph target, 1 is the whole target;
+    /// of principal components, frames have the sizes ([`Asset::sample`](crate::Asset::sample)).
+    /// [`Asset::modes`](crate::Asset::modes) has what is typical for each mode (`q_range`), and beyond what it is refused
+    /// (`q_limit`).
     ///
     /// # Errors
     /// q of another length than the asset has modes, NaN, infinite or over the asset's hard limit.

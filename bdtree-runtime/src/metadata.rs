@@ -10,6 +10,17 @@ impl<'a> Asset<'a> {
     /// The names of the modes, in order; `None` for one that has none. Fewer than there are modes where the
     /// section is damaged, none where it is missing.
     pub fn mode_names(&self) -> impl Iterator<Item = Option<&'a str>> + use<'a> {
+        self.described().map(|(name, _)| name)
+    }
+
+    /// The weight that the source gives a morph target while nothing moves it, for each mode in order; `None` for modes
+    /// that have none, such as vibration modes. As many as [`Asset::mode_names`].
+    pub fn default_q(&self) -> impl Iterator<Item = Option<f64>> + use<'a> {
+        self.described().map(|(_, weight)| weight)
+    }
+
+    /// Name and default weight of each mode.
+    fn described(&self) -> impl Iterator<Item = (Option<&'a str>, Option<f64>)> + use<'a> {
         let mut reader = Reader::new(self.metadata);
         let count = match (reader.options(), reader.length()) {
             (Ok(()), Ok(count)) => count.min(self.modes.len() as u64),
@@ -82,17 +93,19 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// A mode's name.
-    fn mode(&mut self) -> Result<Option<&'a str>, Broken> {
+    /// A mode's name and default weight.
+    fn mode(&mut self) -> Result<(Option<&'a str>, Option<f64>), Broken> {
         let name = if self.present()? {
             Some(self.text()?)
         } else {
             None
         };
-        if self.present()? {
-            self.number()?;
-        }
-        Ok(name)
+        let weight = if self.present()? {
+            Some(self.number()?)
+        } else {
+            None
+        };
+        Ok((name, weight))
     }
 
     /// basis_error_rel.

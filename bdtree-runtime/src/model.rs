@@ -53,8 +53,8 @@ self_cell!(
 );
 
 impl Model {
-    /// Maps a file: pages are read when queries touch them. Reads header and tables;
-    /// [`Asset::verify`] reads the rest.
+    /// Maps a file: pages are read when queries touch them. Reads header and tables; [`Asset::verify_checksums`] finds
+    /// damage in the rest.
     ///
     /// The file must not be changed or truncated while it is mapped. If the file changes, results are arbitrary or
     /// [`QueryError::Corrupt`](crate::QueryError::Corrupt), and it is a data race (undefined behavior). If it is

@@ -158,12 +158,11 @@ fn matrices_that_are_wrong_are_errors() {
         let found = asset.pose_with_bones(&[0.0; 3], bones, Transform::IDENTITY, &mut memory);
         found.map(|_| ())
     };
-    let count = PoseError::MatrixCount {
-        expected: 3,
-        found: 2,
-    };
-    assert_eq!(pose(BoneMatrices::Joints(&[IDENTITY; 2])), Err(count));
-    assert_eq!(pose(BoneMatrices::Skinning(&[IDENTITY; 2])), Err(count));
+    let (expected, found) = (3, 2);
+    let joints = PoseError::JointCount { expected, found };
+    let bones = PoseError::BoneCount { expected, found };
+    assert_eq!(pose(BoneMatrices::Joints(&[IDENTITY; 2])), Err(joints));
+    assert_eq!(pose(BoneMatrices::Skinning(&[IDENTITY; 2])), Err(bones));
     for bad in [f64::NAN, f64::INFINITY, 1e30] {
         let mut matrices = [IDENTITY; 3];
         matrices[1][2][3] = bad;

@@ -2,7 +2,10 @@
 
 use std::ops::ControlFlow;
 
+use bdtree_build::progress::Silent;
+use bdtree_build::recipe::{Motion, Recipe};
 use bdtree_fixtures::bake;
+use bdtree_fixtures::models;
 use bdtree_fixtures::skin::{
     ClipSource, LocalSource, NodeSource, bar, bar_skin, node_matrices, skinned_bar, skinned_tree,
     with_skin,
@@ -71,9 +74,9 @@ fn joints_have_names_and_parents() {
         .map(|clip| (clip.name(), clip.duration_s()))
         .collect();
     assert_eq!(clips, [("bend", 1.0), ("stretch", 2.0)]);
-    assert!(skeleton.clip(2).is_none() && skeleton.clip_by_name("walk").is_none());
-    let stretch = skeleton.clip_by_name("stretch").expect("a clip");
-    assert_eq!(stretch.duration_s(), 2.0);
+    assert!(skeleton.clip(2).is_none());
+    assert_eq!(skeleton.clip_index("walk"), None);
+    assert_eq!(skeleton.clip_index("stretch"), Some(1));
 
     let rigid = bake::bumpy_sphere(4, 1);
     let rigid = bake::baked(&rigid, &bake::rigid(&rigid));
@@ -293,4 +296,25 @@ fn joints_need_not_hang_together() {
     let mut pose = SkeletonPose::new(&model).expect("a pose");
     pose.play(0, 5.0).expect("a clip");
     assert_eq!(pose.joints()[0], pose.nodes()[5]);
+}
+
+/// Without a clip a character looks as its source says: morph targets have their default weights.
+#[test]
+fn default_weights_are_those_of_the_source() {
+    let animated = bdtree_fixtures::golden::folder().join("animated.bdt");
+    let animated = Model::read(animated).expect("a golden file");
+    let weights: Vec<_> = animated.asset().default_q().collect();
+    assert_eq!(weights, [Some(0.125), None]);
+    let motion = Motion::MorphsElseSkin(Default::default(), Default::default());
+    let recipe = Recipe::of_surface(models::path("skinned_tube.glb"), motion);
+    let tube = bdtree_build::bake(&recipe, &Silent).expect("bakes").bytes;
+    let tube = Model::from_bytes(&tube).expect("it opens");
+    assert!(tube.asset().default_q().eq([Some(0.25)]));
+    let mut pose = SkeletonPose::new(&tube).expect("a skin");
+    assert_eq!(pose.q(), [0.25]);
+    // "slide" moves the weight; at rest it is back.
+    pose.play(1, 0.5).expect("plays");
+    assert_ne!(pose.q(), [0.25]);
+    pose.rest().expect("rests");
+    assert_eq!(pose.q(), [0.25]);
 }

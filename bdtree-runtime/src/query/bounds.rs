@@ -3,11 +3,14 @@
 use bdtree_format::LANES;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
+use super::unit;
 use crate::bound::Spheres;
-use crate::error::QueryError;
+use crate::contact::VertexId;
+use crate::error::{FormatError, QueryError};
 use crate::math::{norm, sub};
 use crate::pose::Pose;
 use crate::rounding::MARGIN;
+use crate::shape::Ray;
 
 /// A ball that holds something. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
@@ -41,6 +44,36 @@ pub struct Aabb {
 }
 
 impl Aabb {
+    /// False only if the ray certainly misses the box, rounding included: whoever asks first whether a ray can meet an
+    /// instance misses no hit. True also for what is no ray (NaN, a direction of zero), which queries refuse.
+    pub fn intersects_ray(&self, ray: &Ray) -> bool {
+        /// What coordinates, their differences and quotients are off by, in shares of the largest number that went in.
+        const SHARE: f64 = 16.0 * f64::EPSILON;
+        let Ok(direction) = unit(ray.direction, "") else {
+            return true;
+        };
+        let coordinates = self.min.iter().chain(&self.max).chain(&ray.origin);
+        let off = SHARE * coordinates.fold(0.0_f64, |most, x| most.max(x.abs()));
+        // The stretch of the ray that lies between the faces of all axes so far.
+        let (mut start, mut end) = (0.0_f64, ray.max_distance);
+        for k in 0..3 {
+            let low = self.min[k] - ray.origin[k] - off;
+            let high = self.max[k] - ray.origin[k] + off;
+            if direction[k] == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return false;
+                }
+                continue;
+            }
+            let [a, b] = [low / direction[k], high / direction[k]];
+            let (near, far) = (a.min(b), a.max(b));
+            start = start.max(near - SHARE * near.abs());
+            end = end.min(far + SHARE * far.abs());
+        }
+        // NaN, of what is no box, is not above.
+        !(start > end)
+    }
+
     /// The sphere around it, rounding included.
     fn bounding_sphere(&self) -> BoundingSphere {
         let center = [0, 1, 2].map(|k| 0.5 * self.min[k] + 0.5 * self.max[k]);
@@ -81,6 +114,26 @@ impl Pose<'_> {
         } else {
             sphere
         })
+    }
+
+    /// The smallest box around the deformed triangles in the world; infinite, and the wrong way round, without any. It
+    /// computes every corner: for tools and settings, not for a broad phase ([`Pose::aabb`]).
+    ///
+    /// # Errors
+    /// A corrupt asset.
+    pub fn exact_aabb(&self) -> Result<Aabb, FormatError> {
+        let mut aabb = Aabb {
+            min: [f64::INFINITY; 3],
+            max: [f64::NEG_INFINITY; 3],
+        };
+        for record in self.asset.triangles() {
+            for corner in record.corners {
+                let x = self.deformed(VertexId(corner))?;
+                aabb.min = [0, 1, 2].map(|k| aabb.min[k].min(x[k]));
+                aabb.max = [0, 1, 2].map(|k| aabb.max[k].max(x[k]));
+            }
+        }
+        Ok(aabb)
     }
 
     /// A box that holds every deformed triangle in the world, the leaf arithmetic's rounding included: that

@@ -17,7 +17,7 @@ use crate::simd::Lanes;
 use crate::traverse::{StackEntry, Visitor, Walk, one};
 
 /// Reports every triangle with a vertex in the half-space: `point` is its deepest vertex (the first of
-/// equals), `distance` that vertex's `normal · x − offset`, `normal` the unit normal of the plane.
+/// equals), `distance` that vertex's height above the plane, `normal` from there into the half-space.
 ///
 /// # Errors
 /// A normal that is zero or not finite, an offset that is not finite or beyond 2^100, a corrupt asset.
@@ -110,7 +110,7 @@ impl Visitor for HalfSpace<'_> {
         self.sink.push(Contact {
             triangle: id,
             point: corners[deepest],
-            normal: self.normal,
+            normal: self.normal.map(|n| -n),
             distance: heights[deepest],
             barycentric,
         })

@@ -190,7 +190,7 @@ impl<'q, 'm> Query<'q, 'm> {
     /// | [`Ball`] | the radius of the center | nearest to the center | from there to the center | to the center, less the radius |
     /// | [`Capsule`](crate::Capsule) | the radius of the segment | nearest to the segment | from there to the segment | to the segment, less the radius |
     /// | [`Cuboid`](crate::Cuboid) | the box | deepest in the box: farthest from the nearest face | from that face into the box | the depth, negative |
-    /// | [`HalfSpace`](crate::HalfSpace) | the half-space: a vertex is on or below the plane | the deepest vertex, the first of equals | the plane's | height above the plane |
+    /// | [`HalfSpace`](crate::HalfSpace) | the half-space: a vertex is on or below the plane | the deepest vertex, the first of equals | into the half-space: the plane's, negated | height above the plane |
     ///
     /// Where a triangle reaches the center or the segment, `normal` is the triangle's own. [`Contact::distance`] says how
     /// to separate the two.

@@ -115,9 +115,9 @@ impl<'a> Skeleton<'a> {
         records.map(move |record| Clip::new(skeleton, record))
     }
 
-    /// The first clip with this name; `None` where there is none.
-    pub fn clip_by_name(&self, name: &str) -> Option<Clip<'a>> {
-        self.clips().find(|clip| clip.name() == name)
+    /// The first clip with this name, counted from 0; `None` where there is none.
+    pub fn clip_index(&self, name: &str) -> Option<usize> {
+        self.clips().position(|clip| clip.name() == name)
     }
 
     /// The transforms of all nodes at rest.

@@ -36,7 +36,7 @@ pub struct SkeletonPose {
 }
 
 impl SkeletonPose {
-    /// The pose at rest, q = 0.
+    /// The pose at rest, as [`SkeletonPose::rest`].
     ///
     /// # Errors
     /// [`SkeletonError::NoSkin`]; a file that breaks the format's rules.
@@ -56,7 +56,8 @@ impl SkeletonPose {
         Ok(pose)
     }
 
-    /// Goes to the pose at rest, q = 0.
+    /// Goes to the pose at rest, as the source shows the mesh without an animation: q holds the default weights of morph
+    /// targets ([`Asset::default_q`](crate::Asset::default_q)), and 0 for other modes.
     ///
     /// # Errors
     /// A file that breaks the format's rules.
@@ -64,6 +65,9 @@ impl SkeletonPose {
         let skeleton = skeleton(self.model.asset())?;
         skeleton.rest(&mut self.locals)?;
         self.q.fill(0.0);
+        for (q, weight) in self.q.iter_mut().zip(self.model.asset().default_q()) {
+            *q = weight.unwrap_or(0.0) as f32;
+        }
         self.update()
     }
 

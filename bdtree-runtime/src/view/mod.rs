@@ -16,14 +16,15 @@ use zerocopy::{FromBytes, IntoBytes};
 
 use crate::bones::MAP_LEN;
 use crate::contact::{TriangleId, VertexId};
-use crate::error::{Check, Datum, FormatError};
+use crate::error::{Check, Datum, FormatError, TRIANGLE_BELOW, VERTEX_BELOW};
 use crate::simd::Kernel;
 
 /// An opened `.bdt` file: borrowed, read-only, shareable between threads and instances.
 ///
-/// Opening reads header and tables only, so later records may still break the format's rules;
-/// every access is checked, and a query that meets such a record answers with
-/// [`crate::QueryError::Corrupt`]. [`Asset::verify`] reads everything.
+/// Opening checks header and tables only. Of a file that was damaged later, every access is checked: an index that leads
+/// nowhere is a [`crate::QueryError::Corrupt`]. A damaged *number*, such as a coordinate, is not noticed: the answers are
+/// then wrong without an error. Call [`Asset::verify_checksums`] after opening a file that may have been damaged on its
+/// way; [`Asset::verify`] checks every rule besides.
 #[derive(Debug, Clone, Copy)]
 pub struct Asset<'a> {
     pub(crate) bytes: &'a [u8],
@@ -395,8 +396,8 @@ impl<'a> Asset<'a> {
             SectionKind::ROWS => "SPEC 6.3: a node's rows lie inside ROWS",
             SectionKind::MODE_LISTS => "SPEC 6.7: mode lists lie inside LIST",
             SectionKind::TRIANGLES => "SPEC 6.3: slots lie inside TRIS",
-            SectionKind::TRIANGLE_SLOTS => "SPEC 7.2: a triangle id is below F",
-            SectionKind::POSITIONS => "SPEC 7.1: a vertex id is below N",
+            SectionKind::TRIANGLE_SLOTS => TRIANGLE_BELOW,
+            SectionKind::POSITIONS => VERTEX_BELOW,
             SectionKind::INFLUENCE_STARTS => {
                 "SPEC 7.7: the influences of a vertex lie inside INFL, their bones inside BONE"
             }

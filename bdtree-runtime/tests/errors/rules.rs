@@ -109,6 +109,12 @@ fn every_rule_is_triggered() {
         Datum::from(u32::MAX),
     );
     assert_eq!((unknown.expected, unknown.found), range, "{unknown}");
+    // What a caller gave is no place in the file.
+    let told = format!(
+        "there is no vertex 4294967295: the asset has {}",
+        asset.vertex_count()
+    );
+    assert_eq!(unknown.to_string(), told);
     seen.note(&unknown);
     let unknown = pose.deformed_triangle(TriangleId(u32::MAX));
     seen.note(&unknown.expect_err("no such triangle"));
@@ -117,7 +123,8 @@ fn every_rule_is_triggered() {
     let short = short.expect_err("too short");
     let lengths = (Datum::AtLeast(6.0), Datum::from(5_usize));
     assert_eq!((short.expected, short.found), lengths, "{short}");
-    assert!(short.rule.contains("one number per mode"), "{short}");
+    let told = "argument `out` holds 5 numbers, the asset has 6 modes";
+    assert_eq!(short.to_string(), told);
 
     let all = rules();
     assert!(all.len() > 60, "{}", all.len());

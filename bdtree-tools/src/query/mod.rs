@@ -7,7 +7,7 @@ use std::io::Write;
 
 use bdtree_runtime::{
     CacheSize, Instance, PairContact, PairQuery, Proxy, Query as SingleQuery, QueryError, Ray,
-    RayIntersection, Workspace,
+    RayIntersection, Shape, Workspace,
 };
 
 use crate::DONE;
@@ -137,6 +137,12 @@ impl Solver<'_> {
             Query::Contacts { instance, shape } => {
                 let mut contacts = Vec::new();
                 self.limited(instance).contacts(shape, &mut contacts)?;
+                if let Shape::HalfSpace(_) = shape {
+                    // The plane's own normal, as the scene has it.
+                    for contact in &mut contacts {
+                        contact.normal = contact.normal.map(|n| -n);
+                    }
+                }
                 Answer::contacts(contacts)
             }
             Query::Closest {
