@@ -11,7 +11,19 @@ use super::words::{Words, differences, short, two};
 const EXAMPLES_MAX: usize = 5;
 
 /// Ends of the names of what is several things, but compared as one.
-const PLURALS: [&str; 3] = ["settings", "META: modes", "frame and vertex"];
+const PLURALS: [&str; 11] = [
+    "settings",
+    "warnings",
+    "META: modes",
+    "frame and vertex",
+    " names",
+    " clips",
+    " of clips",
+    " of bones",
+    " of joints",
+    " of nodes",
+    " of vertices",
+];
 
 /// One kind of difference.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -126,7 +138,9 @@ impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.what)?;
         match self.compared {
-            0 if PLURALS.iter().any(|plural| self.what.ends_with(plural)) => {
+            0 if !self.what.contains("number of")
+                && PLURALS.iter().any(|plural| self.what.ends_with(plural)) =>
+            {
                 f.write_str(" differ")?
             }
             0 => f.write_str(" differs")?,

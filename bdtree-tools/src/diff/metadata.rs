@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use bdtree_format::{ErrorMetadata, Metadata};
 
-use super::findings::{Findings, largest};
+use super::findings::Findings;
 use super::words::{differences, known};
 use crate::info::hexadecimal;
-use crate::output::{digits, printable};
+use crate::output::{digits, one_line, printable};
 
 /// Everything in the metadata; the builder's version and the source's name are only noted.
 pub(super) fn compare(a: &Metadata, b: &Metadata, findings: &mut Findings) {
@@ -36,14 +36,10 @@ pub(super) fn compare(a: &Metadata, b: &Metadata, findings: &mut Findings) {
         let differ = differ.map(|(j, (a, b))| format!("mode {j}: {}", differences(a, b)));
         findings.differ("section META: modes", differ.collect());
     }
-    let count = both.map(|m| m.warnings.len());
-    findings.compare("section META: number of warnings", count);
-    let warnings = both.map(|m| {
-        let unnamed = m.warnings.iter().map(|warning| without_name(warning, m));
-        unnamed.collect::<Vec<_>>()
-    });
-    let warnings = warnings.each_ref().map(Vec::as_slice);
-    findings.compare_records("section META: warnings", "warning", warnings);
+    let warnings = changed_warnings(both);
+    if !warnings.is_empty() {
+        findings.differ("section META: warnings", warnings);
+    }
     match (a.basis_error_rel, b.basis_error_rel) {
         (Some(a), Some(b)) => compare_errors(&a, &b, findings),
         (a, b) => {
@@ -92,6 +88,31 @@ fn without_name(warning: &str, metadata: &Metadata) -> String {
     rest.unwrap_or(warning).to_string()
 }
 
+/// The warnings that only one file has, as [`without_name`] compares them; that their order differs where nothing else
+/// does.
+fn changed_warnings(both: [&Metadata; 2]) -> Vec<String> {
+    let unnamed = both.map(|m| {
+        let unnamed = m.warnings.iter().map(|warning| without_name(warning, m));
+        unnamed.collect::<Vec<_>>()
+    });
+    let mut changed = Vec::new();
+    for (own, other, file) in [(0, 1, "first"), (1, 0, "second")] {
+        let mut others = unnamed[other].clone();
+        for (warning, unnamed) in both[own].warnings.iter().zip(&unnamed[own]) {
+            match others.iter().position(|other| other == unnamed) {
+                Some(found) => {
+                    others.swap_remove(found);
+                }
+                None => changed.push(format!("only the {file} file: {}", one_line(warning))),
+            }
+        }
+    }
+    if changed.is_empty() && unnamed[0] != unnamed[1] {
+        changed.push("in another order".to_string());
+    }
+    changed
+}
+
 /// `setting leaf-size: 4 and 2` for each setting that is not the same in both files.
 fn changed_settings([a, b]: [BTreeMap<&str, String>; 2]) -> Vec<String> {
     let names: BTreeSet<&str> = a.keys().chain(b.keys()).copied().collect();
@@ -122,17 +143,18 @@ fn place((frame, vertex): (Option<u64>, Option<u64>)) -> String {
 /// between places that are nearly as bad.
 fn compare_errors(a: &ErrorMetadata, b: &ErrorMetadata, findings: &mut Findings) {
     let what = "section META: basis_error_rel";
-    let mut numbers = findings.numbers(what, largest([a.max, b.max]));
+    // Shares of the diagonal: a tolerance is one of the diagonal, too. Against errors that are rounding, nothing would
+    // be the same.
+    let mut numbers = findings.numbers(what, 1.0);
     numbers.compare(a.max, b.max, || "max".to_string());
     numbers.compare(a.rms, b.rms, || "rms".to_string());
     numbers.finish(findings);
     let places = [a, b].map(|error| (error.frame, error.vertex));
-    let what = format!("{what}: frame and vertex");
     if findings.tolerance_rel == 0.0 {
-        findings.compare(&what, places.map(place));
+        findings.compare(&format!("{what}: frame and vertex"), places.map(place));
     } else if places[0] != places[1] {
         let [a, b] = places.map(place);
-        let note = format!("{what} (does not count): {a} and {b}");
+        let note = format!("place of the largest error of the basis (does not count): {a} and {b}");
         findings.notes.push(note);
     }
 }

@@ -1,11 +1,12 @@
 //! Skins: what bones, joints and clips there are exactly, their numbers within the tolerance.
 
-use bdtree_format::{InfluenceRecord, SectionKind, SkeletonNode};
-use bdtree_runtime::Asset;
+use bdtree_format::{ChannelRecord, ClipRecord, InfluenceRecord, SectionKind, SkeletonNode};
+use bdtree_runtime::{Asset, Clip};
 use zerocopy::FromBytes;
 
 use super::findings::{Findings, largest};
 use super::numbers::mesh_size;
+use crate::output::printable;
 
 /// Compares the skins of two files, one of which may have none.
 pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
@@ -20,7 +21,7 @@ pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
         ("skin: number of influences", |asset| {
             section(asset, SectionKind::INFLUENCES).len() / 8
         }),
-        ("skin: nodes of the skeleton", |asset| {
+        ("skin: number of nodes", |asset| {
             section(asset, SectionKind::SKELETON).len() / 64
         }),
         ("skin: number of clips", |asset| {
@@ -48,19 +49,13 @@ pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
         ("section BLST: bones of nodes", SectionKind::BONE_LISTS),
         ("section JNTS: nodes of joints", SectionKind::JOINTS),
         ("section SNAM: names", SectionKind::SKELETON_NAMES),
-        ("section CLIP: clips", SectionKind::CLIPS),
-        ("section CHAN: channels of clips", SectionKind::CHANNELS),
     ] {
         let [x, y] = both.map(|asset| section(asset, kind));
-        if x != y {
-            let at = x.iter().zip(y).position(|(x, y)| x != y);
-            let first = format!(
-                "first at byte {} of the section",
-                at.unwrap_or(x.len().min(y.len()))
-            );
-            findings.differ(what, vec![first]);
+        if let Some(at) = first_difference(x, y) {
+            findings.differ(what, vec![format!("first at byte {at} of the section")]);
         }
     }
+    clips(both, findings);
     influences(both, findings);
     bones(both, findings);
     skeleton(both, findings);
@@ -81,6 +76,56 @@ pub(super) fn compare(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findings) {
             findings,
         );
     }
+}
+
+/// Clips and their channels exactly, but for the numbers.
+fn clips(both: [&Asset<'_>; 2], findings: &mut Findings) {
+    let skeletons = both.map(|asset| asset.skeleton());
+    let [Some(a), Some(b)] = skeletons else {
+        return;
+    };
+    let told = |clip: &Clip<'_>| (printable(clip.name()), clip.duration_s());
+    let pairs = a.clips().zip(b.clips()).enumerate();
+    let differ = pairs.filter_map(|(i, (a, b))| {
+        let (a, b) = (told(&a), told(&b));
+        let text = |(name, seconds): &(String, f64)| format!("\"{name}\", {seconds} s");
+        (a != b).then(|| format!("clip {i}: {} and {}", text(&a), text(&b)))
+    });
+    let differ: Vec<String> = differ.collect();
+    if !differ.is_empty() {
+        findings.differ("section CLIP: clips", differ);
+    }
+    let [x, y] = both.map(|asset| section(asset, SectionKind::CHANNELS));
+    let ranges = both.map(|asset| {
+        let clips = <[ClipRecord]>::ref_from_bytes(section(asset, SectionKind::CLIPS));
+        let ranges = clips.unwrap_or_default().iter();
+        let ranges = ranges.map(|clip| (clip.first_channel.get(), clip.channel_count.get()));
+        ranges.collect::<Vec<_>>()
+    });
+    let at = first_difference(x, y).map(|at| (at / size_of::<ChannelRecord>()) as u32);
+    let clip = match at {
+        Some(channel) => ranges[0]
+            .iter()
+            .position(|(first, count)| (*first..first.saturating_add(*count)).contains(&channel)),
+        None => {
+            let mut pairs = ranges[0].iter().zip(&ranges[1]);
+            pairs.position(|(a, b)| a != b)
+        }
+    };
+    if at.is_some() || clip.is_some() {
+        let name = clip.and_then(|clip| a.clip(clip));
+        let first = match name {
+            Some(clip) => format!("first in \"{}\"", printable(clip.name())),
+            None => "in their number".to_string(),
+        };
+        findings.differ("section CHAN: channels of clips", vec![first]);
+    }
+}
+
+/// The first byte that differs, or where the shorter one ends.
+fn first_difference(x: &[u8], y: &[u8]) -> Option<usize> {
+    let at = x.iter().zip(y).position(|(x, y)| x != y);
+    at.or_else(|| (x.len() != y.len()).then(|| x.len().min(y.len())))
 }
 
 /// The bones of each vertex exactly, their weights within the tolerance.
@@ -188,7 +233,8 @@ fn compare_numbers(
     findings: &mut Findings,
 ) {
     if a.len() != b.len() {
-        findings.compare(&format!("{what}: how many"), [a.len(), b.len()]);
+        let what = what.replacen(": ", ": number of ", 1);
+        findings.compare(&what, [a.len(), b.len()]);
         return;
     }
     let scale = largest(a.iter().chain(b).copied()).max(scale);

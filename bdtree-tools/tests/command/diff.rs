@@ -1,6 +1,11 @@
 //! `diff`: same, differ, unreadable; structure exactly, numbers within a tolerance.
 
-use crate::support::{Folder, baked, baked_with, ball_mesh, basis, bounds};
+use bdtree_build::recipe::Motion;
+use bdtree_fixtures::models;
+
+use crate::support::{
+    Folder, baked, baked_surface, baked_with, ball_mesh, basis, bounds, character,
+};
 
 #[test]
 fn equal_files_are_the_same() {
@@ -176,7 +181,12 @@ fn a_renamed_source_is_the_same() {
     assert_eq!((ran.code, ran.out.as_str()), (0, text));
     mesh.warnings = vec!["boule.obj:8: triangle 3 has zero area".to_string()];
     folder.write("other.bdt", baked(&mesh, &basis(&mesh)));
-    assert_eq!(folder.run(&["diff", "first.bdt", "other.bdt"]).code, 1);
+    let ran = folder.run(&["diff", "first.bdt", "other.bdt"]);
+    assert_eq!(ran.code, 1);
+    let told = "section META: warnings differ\n    \
+                only the first file: ball.obj:7: triangle 3 has zero area\n    \
+                only the second file: boule.obj:8: triangle 3 has zero area\n";
+    assert!(ran.out.contains(told), "{}", ran.out);
     // A name that is a word of the warning, and inputs beside the mesh.
     let with = |name: &str, folder_name: &str, list: &str| {
         let mut mesh = ball_mesh();
@@ -286,6 +296,42 @@ fn negated_modes_are_told() {
     let json: serde_json::Value = serde_json::from_str(&ran.out).expect("one JSON object");
     let left = json["effects"][1]["negated_distance"].as_f64();
     assert!((left.expect("a distance") - 2e-3).abs() < 1e-6, "{json}");
+}
+
+/// An artist knows clips by their names, not by bytes of a section.
+#[test]
+fn clips_that_differ_are_named() {
+    let folder = Folder::new();
+    folder.write("tube.bdt", character("skinned_tube.glb"));
+    let source = std::fs::read(models::path("skinned_tube.glb")).expect("read");
+    // As long as before, so that the binary chunk's place stays.
+    let replaced = |old: &str, new: &str| {
+        let at = source.windows(old.len()).position(|w| w == old.as_bytes());
+        let at = at.unwrap_or_else(|| panic!("no {old}"));
+        let mut bytes = source.clone();
+        bytes[at..at + new.len()].copy_from_slice(new.as_bytes());
+        let path = folder.path("tube.glb");
+        std::fs::write(&path, bytes).expect("written");
+        let motion = Motion::MorphsElseSkin(Default::default(), Default::default());
+        baked_surface(path, motion)
+    };
+    for (old, new, told) in [
+        (
+            "\"name\":\"slide\"",
+            "\"name\":\"glide\"",
+            "section CLIP: clips differ: clip 1: \"slide\", 1 s and \"glide\", 1 s\n",
+        ),
+        (
+            "\"node\":1,\"path\":\"translation\"",
+            "\"node\":4,\"path\":\"translation\"",
+            "section CHAN: channels of clips differ: first in \"slide\"\n",
+        ),
+    ] {
+        folder.write("other.bdt", replaced(old, new));
+        let ran = folder.run(&["diff", "tube.bdt", "other.bdt"]);
+        assert_eq!((ran.code, ran.err.as_str()), (1, ""), "{}", ran.out);
+        assert!(ran.out.contains(told), "{}", ran.out);
+    }
 }
 
 #[test]
