@@ -37,6 +37,14 @@ pub enum ToolError {
 }
 
 impl ToolError {
+    /// The exit code: `unreadable` unless no file could make the arguments right.
+    pub fn code(&self, unreadable: u8) -> u8 {
+        match self {
+            Self::Usage(_) => crate::USAGE,
+            _ => unreadable,
+        }
+    }
+
     /// One problem with its place.
     pub fn input(place: impl std::fmt::Display, message: impl std::fmt::Display) -> Self {
         Self::Input(vec![format!("{place}: {message}")])

@@ -90,10 +90,7 @@ pub fn run(
         Ok(code) => code,
         Err(error) => {
             let _ = writeln!(err, "{error}");
-            match error {
-                ToolError::Usage(_) => USAGE,
-                _ => unreadable,
-            }
+            error.code(unreadable)
         }
     }
 }

@@ -44,7 +44,7 @@ pub fn run(
         Ok(()) => DONE,
         Err(error) => {
             let _ = writeln!(err, "{error}");
-            BAD_INPUT
+            error.code(BAD_INPUT)
         }
     }
 }
@@ -90,7 +90,7 @@ fn open(arguments: &Arguments, out: &mut dyn Write) -> Result<(), ToolError> {
     if let Some(name) = &asked.clip {
         // `posture` has found it, too.
         let skeleton = file.asset().skeleton();
-        let clip = skeleton.and_then(|s| s.clips().position(|clip| clip.name() == name));
+        let clip = skeleton.and_then(|s| s.clip_index(name));
         app.begin_clip(clip.unwrap_or_default(), asked.time, arguments.play);
     } else {
         app.playback.clock.is_playing = arguments.play;

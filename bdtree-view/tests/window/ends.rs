@@ -86,6 +86,13 @@ fn bad_files_and_options_are_named() {
     assert_eq!(usage.status.code(), Some(2));
     assert!(text.contains("not a whole number, 0 or more"), "{text}");
 
+    let usage = run(display
+        .viewer()
+        .arg(file("sphere.bdt"))
+        .args(["--screenshot", "x.jpg"]));
+    let line = failed(&usage, 2);
+    assert!(line.contains("unknown extension"), "{line}");
+
     let folder = tempfile::tempdir().expect("a folder");
     let damaged = folder.path().join("damaged.bdt");
     let mut bytes = std::fs::read(file("sphere.bdt")).expect("a golden file");
