@@ -1,7 +1,7 @@
 //! Spheres of a tree at q, where they are in the world.
 
 use bdtree_format::{NodeRecord, ROW_RADIUS, SectionKind};
-use bdtree_runtime::{Asset, Datum, FormatError, Pose};
+use bdtree_runtime::{Asset, Datum, FormatError, Pose, Transform};
 
 /// The sphere of a node's lane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +18,8 @@ pub struct NodeSphere {
     pub center: [f64; 3],
     /// R', rounding slack included (world units); not a number where the bound says nothing.
     pub radius: f64,
-    /// R, of the wrapped sphere at rest (world units).
+    /// R, of the wrapped sphere at rest (world units); with bones, R' with q = 0 and the bones at rest, since bones may
+    /// scale.
     pub rest_radius: f64,
 }
 
@@ -60,13 +61,21 @@ impl NodeSphere {
     ) -> Result<Vec<Self>, FormatError> {
         let asset = pose.asset();
         let map = pose.stored_to_world();
+        let (q, mut memory) = (vec![0.0; asset.mode_count()], vec![0.0; asset.pose_len()]);
+        let bones_at_rest = match asset.has_skin() {
+            true => asset.pose(&q, Transform::IDENTITY, &mut memory).ok(),
+            false => None,
+        };
         let mut found = Vec::new();
         for index in nodes {
             let spheres = pose.node_spheres(index)?;
             let Some(node) = asset.nodes().get(index as usize) else {
                 continue; // `node_spheres` has said so
             };
-            let rest = asset.node_rows(node)?.leading[ROW_RADIUS];
+            let rest = match &bones_at_rest {
+                Some(pose) => pose.node_spheres(index)?.radius,
+                None => asset.node_rows(node)?.leading[ROW_RADIUS],
+            };
             for lane in node.lanes() {
                 found.push(Self {
                     node: index,

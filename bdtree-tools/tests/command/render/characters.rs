@@ -1,6 +1,7 @@
 //! Pictures of characters in the poses of their clips.
 
 use bdtree_build::recipe::Motion;
+use bdtree_fixtures::models;
 
 use crate::drawn::{Picture, WHITE, spheres_hold};
 use crate::support::{Folder, baked_surface, character, positions_of_npy};
@@ -54,4 +55,34 @@ fn spheres_of_a_posed_character_hold_its_vertices() {
     let vertices = positions_of_npy(&folder.read("posed.npy"));
     let (_, report) = folder.reported(&[&POSED[..], &["--spheres", "0"]].concat());
     spheres_hold(report["spheres"].as_array().expect("a list"), &vertices);
+}
+
+/// Growth is over the radius with the bones at rest: bones that scale, as a rig in other units does, are no growth.
+#[test]
+fn growth_is_over_bones_at_rest() {
+    let folder = Folder::new();
+    let source = std::fs::read(models::path("skinned_tube.glb")).expect("read");
+    // As long as before, so that the binary chunk's place stays.
+    let (old, new) = (b"\"translation\":[0,1,0]", b"\"scale\":[8,8,8]      ");
+    let at = source.windows(old.len()).position(|w| w == old);
+    let mut scaled = source.clone();
+    let at = at.expect("the rig's place");
+    scaled[at..at + new.len()].copy_from_slice(new);
+    let growth = |bytes: &[u8], posture: &[&str]| {
+        std::fs::write(folder.path("tube.glb"), bytes).expect("written");
+        let motion = Motion::MorphsElseSkin(Default::default(), Default::default());
+        let baked = baked_surface(folder.path("tube.glb"), motion);
+        folder.write("tube.bdt", baked);
+        let arguments = [&["tube.bdt", "--spheres", "1"], posture].concat();
+        let (_, report) = folder.reported(&arguments);
+        ["mean", "max"].map(|key| report["growth"][key].as_f64().expect("a number"))
+    };
+    assert_eq!(growth(&source, &[]), [1.0; 2]);
+    assert_eq!(growth(&scaled, &[]), [1.0; 2]);
+    let posed = growth(&source, &POSED[1..]);
+    assert!(posed[1] > 1.01, "{posed:?}");
+    let scaled = growth(&scaled, &POSED[1..]);
+    for k in 0..2 {
+        assert!((scaled[k] - posed[k]).abs() < 1e-4, "{scaled:?} {posed:?}");
+    }
 }
