@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use bdtree_format::{BASE_ALIGNMENT, ErrorMetadata, LEAF_TRIANGLES_MAX, Metadata, ModeMetadata};
 use bdtree_output::write_whole;
-use bdtree_runtime::{Asset, Model};
+use bdtree_runtime::{Asset, Model, Transform};
 
 use crate::basis::{Basis, BasisError};
 use crate::encode::{Parts, encode};
@@ -17,7 +17,7 @@ use crate::motion;
 use crate::progress::Progress;
 use crate::recipe::Recipe;
 use crate::report::visits::{self, Visits};
-use crate::report::{self, BakeReport};
+use crate::report::{self, BakeReport, Bounds};
 use crate::skin::{self, Weights};
 use crate::tree::{self, Split, TreeSettings};
 use crate::wrap;
@@ -262,7 +262,7 @@ fn build(
 
     // Section 3.3: how tight the bounds are, and what that costs a query, measured on the file itself.
     stages.begin("report");
-    let visits = measure_visits(&bytes)?;
+    let (visits, bounds_at_rest) = measure(&bytes)?;
     warnings.extend(visits::warning(
         visits,
         wrapped.nodes.len(),
@@ -285,6 +285,7 @@ fn build(
         depth: tree.depth,
         bytes: bytes.len(),
         bounds: mesh.bounds(),
+        bounds_at_rest,
         warnings,
         stages: stages.end(),
         frequencies_hz: report::frequencies_hz(basis),
@@ -314,9 +315,9 @@ fn leaf_size(mesh: &RawMesh, settings: &BakeSettings) -> Result<usize, BakeError
     Err(BakeError::one("tree", Part::The("leaf size"), message))
 }
 
-/// Opens the file that was made and queries it. Bytes that readers would refuse are refused here:
-/// no such file is written.
-fn measure_visits(bytes: &[u8]) -> Result<Visits, BakeError> {
+/// Opens the file that was made and queries it; of a file with a skin also the box of the mesh with its bones at rest.
+/// Bytes that readers would refuse are refused here: no such file is written.
+fn measure(bytes: &[u8]) -> Result<(Visits, Option<Bounds>), BakeError> {
     // Allocators align large blocks, so the copy is for small files.
     let misaligned = !(bytes.as_ptr() as usize).is_multiple_of(BASE_ALIGNMENT);
     let copy = misaligned.then(|| Model::from_bytes(bytes).ok()).flatten();
@@ -326,7 +327,16 @@ fn measure_visits(bytes: &[u8]) -> Result<Visits, BakeError> {
         BakeError::one("encode", Place::NOWHERE, message)
     };
     let asset = Asset::open(aligned).map_err(|error| fail(format!("opened: {error}")))?;
-    visits::visits(&asset).ok_or_else(|| fail("queried".to_string()))
+    let visits = visits::visits(&asset).ok_or_else(|| fail("queried".to_string()))?;
+    if !asset.has_skin() {
+        return Ok((visits, None));
+    }
+    let (q, mut memory) = (vec![0.0; asset.mode_count()], vec![0.0; asset.pose_len()]);
+    let pose = asset.pose(&q, Transform::IDENTITY, &mut memory);
+    let pose = pose.map_err(|error| fail(format!("posed: {error}")))?;
+    let at_rest = pose.exact_aabb();
+    let at_rest = at_rest.map_err(|error| fail(format!("posed: {error}")))?;
+    Ok((visits, Some([at_rest.min, at_rest.max])))
 }
 
 fn metadata(

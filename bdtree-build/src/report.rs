@@ -25,6 +25,9 @@ const SAMPLES_MAX: usize = 1000;
 /// their ratio is rounding.
 const POINT_SIZE_REL: f64 = 1e-6;
 
+/// The least and the largest coordinates of a box.
+pub type Bounds = [[f64; 3]; 2];
+
 /// A finished bake.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BakeReport {
@@ -54,7 +57,10 @@ pub struct BakeReport {
     pub bytes: usize,
     /// Least and largest coordinates of the rest positions (mesh units).
     #[serde(serialize_with = "min_and_max")]
-    pub bounds: [[f64; 3]; 2],
+    pub bounds: Bounds,
+    /// The same with the bones at rest, for a file with a skin: of the stored numbers.
+    #[serde(serialize_with = "min_and_max_if_any")]
+    pub bounds_at_rest: Option<Bounds>,
     /// What was odd but kept.
     pub warnings: Vec<String>,
     /// Seconds per stage.
@@ -76,11 +82,18 @@ pub struct BakeReport {
 }
 
 /// A box as `bdtree info` has it.
-fn min_and_max<S: Serializer>([min, max]: &[[f64; 3]; 2], to: S) -> Result<S::Ok, S::Error> {
+fn min_and_max<S: Serializer>([min, max]: &Bounds, to: S) -> Result<S::Ok, S::Error> {
     let mut object = to.serialize_struct("Bounds", 2)?;
     object.serialize_field("min", min)?;
     object.serialize_field("max", max)?;
     object.end()
+}
+
+fn min_and_max_if_any<S: Serializer>(bounds: &Option<Bounds>, to: S) -> Result<S::Ok, S::Error> {
+    match bounds {
+        Some(bounds) => min_and_max(bounds, to),
+        None => to.serialize_none(),
+    }
 }
 
 /// R'/R_opt of the lanes of one level at q = q_range; R_opt is the radius of the smallest ball

@@ -29,7 +29,10 @@ fn ids_count_fan_triangles_in_file_order() {
 fn positive_indices_may_refer_ahead() {
     let mesh = parse(&format!("f 1 2 3\nf 2 2 3\n{CORNERS}f 1 2 3\n")).unwrap();
     assert_eq!(mesh.triangles, [[0, 1, 2], [1, 1, 2], [0, 1, 2]]);
-    assert_eq!(mesh.warnings, ["m.obj:2: triangle 1 repeats a corner"]);
+    assert_eq!(
+        mesh.warnings,
+        ["m.obj:2: triangle 1 repeats a corner (kept)"]
+    );
     let error = parse(&format!("f 1 2 5\n{CORNERS}f 1 0 2")).unwrap_err();
     let lines = "m.obj:1: corner 3 `5` is out of range: the file has 4 vertices\n\
                  m.obj:6: corner 2 `0`: index 0; the first vertex is 1";
@@ -73,8 +76,11 @@ fn oddities_are_listed_then_counted() {
         line.repeat(4)
     ));
     let warnings = mesh.unwrap().warnings;
-    assert_eq!(warnings[0], "m.obj:5: triangle 0 repeats a corner");
-    assert_eq!(warnings[5], "m.obj: 4 more triangles that repeat a corner");
+    assert_eq!(warnings[0], "m.obj:5: triangle 0 repeats a corner (kept)");
+    assert_eq!(
+        warnings[5],
+        "m.obj: 4 more triangles that repeat a corner (kept)"
+    );
     let skipped = "m.obj: ignored 1 point, 1 line, 1 curve or surface statements";
     assert_eq!(warnings[6], skipped);
     assert_eq!(warnings[7], "m.obj: ignored unknown statements: 2 × `foo`");
@@ -83,7 +89,34 @@ fn oddities_are_listed_then_counted() {
         parse("v 0 0 0\nv .1 .2 .3\nv .2 .4 .6\nv 1e-200 0 0\nv 0 1e-200 0\nf 1 2 3\nf 1 4 5");
     assert_eq!(
         mesh.unwrap().warnings,
-        ["m.obj:6: triangle 0 has zero area"]
+        ["m.obj:6: triangle 0 has zero area (kept)"]
+    );
+}
+
+/// A polygon's fan covers area outside a concave one, unless it starts at the corner that turns inward.
+#[test]
+fn concave_polygons_are_told() {
+    // An L: corner 4 turns inward.
+    let corners = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n";
+    let warnings = |face: &str| {
+        let mesh = parse(&format!("{corners}f 1 2 3\n{face}\n"));
+        mesh.expect("a mesh").warnings
+    };
+    let told = "m.obj:8: triangle 1 lies outside its polygon, which is concave and cut into a fan: triangulate it when \
+                exporting";
+    assert_eq!(
+        warnings("f 5 6 1 2 3 4"),
+        [told.replace("triangle 1", "triangle 4")]
+    );
+    assert_eq!(warnings("f 3 4 5 6 1 2"), [told]);
+    for fine in ["f 4 5 6 1 2 3", "f 1 2 3 4", "f 1 3 5", "f 1 2 3 6"] {
+        assert_eq!(warnings(fine), [""; 0], "{fine}");
+    }
+    // Vertices that come later in the file.
+    let later = parse(&format!("f 3 4 5 6 1 2\n{corners}")).expect("a mesh");
+    assert_eq!(
+        later.warnings,
+        [told.replace(":8: triangle 1", ":1: triangle 0")]
     );
 }
 

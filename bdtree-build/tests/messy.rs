@@ -35,7 +35,7 @@ const TABLE: &[(&str, Expected)] = &[
     ("cgal_fold.obj", Mesh(12, 12, 0)),
     ("cgal_quads_to_stitch.obj", Mesh(20, 16, 0)),
     ("cgal_tetra_intersected_by_triangle.obj", Mesh(7, 5, 0)),
-    ("concave_polygon.obj", Mesh(64, 64, 0)),
+    ("concave_polygon.obj", Mesh(64, 64, 1)),
     ("cornell_box.obj", Mesh(76, 36, 0)),
     ("cube-vertex-w-component.obj", Mesh(8, 12, 0)),
     ("cube_compressed.obj", Mesh(8, 12, 0)),

@@ -147,6 +147,11 @@ fn arrays_go_together_and_fit_the_mesh() {
     std::fs::write(&arrays.inverse_bind, npy("<f8", "(1, 3, 4)", &[0; 96])).expect("written");
     assert!(told(3).contains("b.npy: entry 0: the matrix has no inverse"));
     // Options without a skin to use them.
+    assert!(
+        run(folder.path(), &["--weights", "normalize"])
+            .status
+            .success()
+    );
     let output = run(folder.path(), &["--weights", "as-stored"]);
     let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert!(json["joints"].is_null() && json["clips"].is_null());

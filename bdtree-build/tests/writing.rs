@@ -109,13 +109,13 @@ fn a_read_only_folder_is_refused() {
     fs::write(locked.join("out.bdt"), b"old").expect("a file");
     set_mode(&locked, 0o555);
     let output = command
-        .args(["ball.obj", "--modes", "0", "-o", "locked/out.bdt"])
+        .args(["ball.obj", "--modes", "0", "-o", "locked/new.bdt"])
         .current_dir(folder.path())
         .output()
         .expect("the command starts");
     refused(
         &output,
-        "locked/out.bdt",
+        "locked/new.bdt",
         "folder locked does not allow new files\n",
     );
     assert_eq!(fs::read(locked.join("out.bdt")).expect("old"), b"old");

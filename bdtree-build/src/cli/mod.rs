@@ -114,12 +114,17 @@ fn check_output(recipe: &Recipe, output: &Path) -> Result<(), BakeError> {
 }
 
 /// The main file's name with its extension (and `.gz` before it) replaced by `.bdt`; a folder's
-/// name with `.bdt` behind it.
+/// name with `.bdt` behind it, beside the folder also where that is given as `.`: in it, the file would lie among
+/// the frames of the next bake.
 fn default_output(input: &Path) -> PathBuf {
     if input.is_dir() {
-        let mut name = input.file_name().unwrap_or("frames".as_ref()).to_owned();
+        let named = match input.file_name() {
+            Some(_) => input.to_path_buf(),
+            None => std::fs::canonicalize(input).unwrap_or_else(|_| input.to_path_buf()),
+        };
+        let mut name = named.file_name().unwrap_or("frames".as_ref()).to_owned();
         name.push(".bdt");
-        return input.with_file_name(name);
+        return named.with_file_name(name);
     }
     let without_gz = if input
         .extension()

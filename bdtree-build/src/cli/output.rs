@@ -125,6 +125,15 @@ fn verdict(levels: &[LevelTightness], has_bones: bool) -> String {
     )
 }
 
+/// The sides of a box and its diagonal.
+fn size(bounds: &[[f64; 3]; 2]) -> (String, String) {
+    let size = [0, 1, 2].map(|k| bounds[1][k] - bounds[0][k]);
+    let diagonal = size.iter().map(|x| x * x).sum::<f64>().sqrt();
+    // What rounding leaves of a flat mesh is no size.
+    let size = size.map(|x| if x > FLAT * diagonal { x } else { 0.0 });
+    (size.map(short).join(" x "), short(diagonal))
+}
+
 fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Result<()> {
     writeln!(
         out,
@@ -137,21 +146,22 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
         counted(r.depth, "level"),
         r.bytes
     )?;
-    let size = [0, 1, 2].map(|k| r.bounds[1][k] - r.bounds[0][k]);
-    let diagonal = size.iter().map(|x| x * x).sum::<f64>().sqrt();
-    // What rounding leaves of a flat mesh is no size.
-    let size = size.map(|x| if x > FLAT * diagonal { x } else { 0.0 });
-    writeln!(
-        out,
-        "size: {} x {} x {} mesh units, diagonal {}{}",
-        short(size[0]),
-        short(size[1]),
-        short(size[2]),
-        short(diagonal),
-        r.scale_m.map_or(String::new(), |scale| format!(
-            "; 1 mesh unit = {scale} m (--scale)"
-        ))
-    )?;
+    let scale = r.scale_m.map_or(String::new(), |scale| {
+        format!("; 1 mesh unit = {scale} m (--scale)")
+    });
+    let (size, diagonal) = size(&r.bounds);
+    match &r.bounds_at_rest {
+        None => writeln!(out, "size: {size} mesh units, diagonal {diagonal}{scale}")?,
+        // Queries meet the mesh as its bones carry it, which may be a hundredth of the bind pose.
+        Some(at_rest) => {
+            let (at_rest, diagonal_at_rest) = self::size(at_rest);
+            writeln!(
+                out,
+                "size: {at_rest} mesh units with the bones at rest, diagonal {diagonal_at_rest}; {size} in the bind \
+                 pose, before bones{scale}"
+            )?;
+        }
+    }
     if let Some(e) = &r.elastic {
         writeln!(
             out,

@@ -1,16 +1,17 @@
-//! Whether a triangle has an area, and what is said of one that has none.
+//! Whether a triangle has an area and a fan fills its polygon, and what is said where that is not so.
 
-use crate::vec3::{cross, norm2};
+use crate::vec3::{add, cross, dot, norm2};
 
 /// Something odd about a triangle that is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Oddity {
     RepeatedCorner,
     ZeroArea,
+    OutsidePolygon,
 }
 
 impl Oddity {
-    pub(super) const ALL: [Self; 2] = [Self::RepeatedCorner, Self::ZeroArea];
+    pub(super) const ALL: [Self; 3] = [Self::RepeatedCorner, Self::ZeroArea, Self::OutsidePolygon];
 
     /// What is odd about the triangle of these corners, which must all be known.
     pub(super) fn of(corners: [u32; 3], positions: &[[f64; 3]]) -> Option<Self> {
@@ -25,18 +26,41 @@ impl Oddity {
     /// What one triangle does.
     pub(super) fn one(self) -> &'static str {
         match self {
-            Self::RepeatedCorner => "repeats a corner",
-            Self::ZeroArea => "has zero area",
+            Self::RepeatedCorner => "repeats a corner (kept)",
+            Self::ZeroArea => "has zero area (kept)",
+            Self::OutsidePolygon => {
+                "lies outside its polygon, which is concave and cut into a fan: triangulate it when exporting"
+            }
         }
     }
 
     /// What several are called.
     pub(super) fn many(self) -> &'static str {
         match self {
-            Self::RepeatedCorner => "triangles that repeat a corner",
-            Self::ZeroArea => "triangles with zero area",
+            Self::RepeatedCorner => "triangles that repeat a corner (kept)",
+            Self::ZeroArea => "triangles with zero area (kept)",
+            Self::OutsidePolygon => "triangles outside their concave polygons",
         }
     }
+}
+
+/// The first triangle of a polygon's fan that lies outside of the polygon: it turns the other way than the whole does. All
+/// corners must be known.
+pub(super) fn outside(fan: &[[u32; 3]], positions: &[[f64; 3]]) -> Option<usize> {
+    /// Share of the polygon's area that counts: less is what rounding and polygons that are not flat leave.
+    const SHARE: f64 = 1e-6;
+    if fan.len() < 2 {
+        return None;
+    }
+    let area = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|corner| positions[corner as usize]);
+        let edge = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|k| q[k] - p[k]);
+        cross(edge(a, b), edge(a, c))
+    };
+    let whole = fan.iter().map(area).fold([0.0; 3], add);
+    // NaN, of coordinates whose products are beyond f64, is not below.
+    fan.iter()
+        .position(|corners| dot(area(corners), whole) < -SHARE * norm2(whole))
 }
 
 /// True if the triangle's area is zero as far as f64 can tell: the cross product of two edges is

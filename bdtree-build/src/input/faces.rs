@@ -1,6 +1,6 @@
 //! Faces of files that list corners by number: fans of triangles, and what is wrong with the others.
 
-use super::degenerate::Oddity;
+use super::degenerate::{Oddity, outside};
 use super::{BadFaces, RawMesh};
 use crate::error::{BakeError, Part, Place, Problem, Problems};
 use crate::figures::counted;
@@ -15,7 +15,7 @@ pub(super) struct Faces<'a> {
     triangles: Vec<[u32; 3]>,
     problems: Problems,
     warnings: Vec<String>,
-    oddities: [u64; 2],
+    oddities: [u64; Oddity::ALL.len()],
     skipped: u64,
 }
 
@@ -28,7 +28,7 @@ impl<'a> Faces<'a> {
             triangles: Vec::new(),
             problems: Problems::new("input"),
             warnings: Vec::new(),
-            oddities: [0; 2],
+            oddities: Default::default(),
             skipped: 0,
         }
     }
@@ -64,19 +64,26 @@ impl<'a> Faces<'a> {
     fn fan(&mut self, face: usize, corners: &[i64], positions: &[[f64; 3]]) {
         // No truncation: below the number of positions, which is limited to u32.
         let corner = |c: i64| c as u32;
+        let first = self.triangles.len();
         for pair in corners[1..].windows(2) {
             let triangle = [corner(corners[0]), corner(pair[0]), corner(pair[1])];
             if let Some(oddity) = Oddity::of(triangle, positions) {
-                let count = &mut self.oddities[oddity as usize];
-                *count += 1;
-                if *count <= LISTED_MAX {
-                    let (place, id) = (self.place, self.triangles.len());
-                    let what = oddity.one();
-                    self.warnings
-                        .push(format!("{place}: face {face}: triangle {id} {what}"));
-                }
+                self.oddity(oddity, face, self.triangles.len());
             }
             self.triangles.push(triangle);
+        }
+        if let Some(found) = outside(&self.triangles[first..], positions) {
+            self.oddity(Oddity::OutsidePolygon, face, first + found);
+        }
+    }
+
+    fn oddity(&mut self, oddity: Oddity, face: usize, triangle: usize) {
+        let count = &mut self.oddities[oddity as usize];
+        *count += 1;
+        if *count <= LISTED_MAX {
+            let (place, what) = (self.place, oddity.one());
+            self.warnings
+                .push(format!("{place}: face {face}: triangle {triangle} {what}"));
         }
     }
 

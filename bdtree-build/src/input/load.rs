@@ -67,7 +67,9 @@ fn read(path: &Path, clip: Option<&str>, bad_faces: BadFaces) -> Result<RawModel
         return Err(BakeError::one(
             "input",
             Place::file(place),
-            format!("is a folder, not a mesh file. Give frames with --animation. {SUPPORTED}"),
+            format!(
+                "is a folder, not a mesh file: give frames as INPUT alone, or as --animation beside the mesh that they deform. {SUPPORTED}"
+            ),
         ));
     }
     let format = format(path, &place)?;

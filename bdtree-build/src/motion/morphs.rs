@@ -38,8 +38,8 @@ pub(super) fn missing(mesh: &RawMesh, asked: &Morphs) -> BakeError {
     if let Keep::Auto { .. } = asked.keep {
         // Vibration modes, which other meshes get, have no end and nothing to be compared with.
         let option = Part::Option("--max-error-rel", None);
-        let message = "there are no morph targets or frames to measure an error against, and vibration modes have none: \
-                       give a number of modes (--modes K, 0 for none)";
+        let message = "the mesh has no frames or morph targets, and a bake measures no error for vibration modes: give \
+                       --modes K (0: rigid); --advise tells what fewer modes leave out";
         return BakeError::one("basis", option, message);
     }
     let place = Place::file(&mesh.name);

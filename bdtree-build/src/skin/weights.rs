@@ -20,7 +20,7 @@ pub enum Weights {
 words!(
     Weights,
     "is neither normalise nor as-stored",
-    Normalise = "normalise",
+    Normalise = "normalise" | "normalize",
     AsStored = "as-stored"
 );
 

@@ -138,6 +138,11 @@ fn bytes_do_not_depend_on_how_a_path_is_typed() {
     ] {
         assert!(bytes(input, from) == plain, "{input}");
     }
+    // Beside the folder, so that the next bake does not find it among the frames.
+    let beside = folder.path().join("odd.bdt");
+    std::fs::remove_file(&beside).ok();
+    baked(&[".", "--modes", "2"], &frames);
+    assert!(beside.is_file());
 }
 
 #[test]

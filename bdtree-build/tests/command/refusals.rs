@@ -117,7 +117,7 @@ fn bad_input_names_its_place_and_leaves_nothing() {
     refused(
         &[&torus, "--modes", "auto", "--max-error-rel", "0.01"],
         1,
-        &["--max-error-rel", "no morph targets or frames"],
+        &["--max-error-rel", "no frames or morph targets"],
     );
 }
 

@@ -146,7 +146,7 @@ fn strips_and_fans_become_triangles() {
     assert_eq!(model.mesh.positions.len(), 24);
     assert!(model.morphs.targets.is_empty() && model.morphs.clip.is_none());
     let expected = [
-        "m: meshes[0].primitives[6]: triangle 11 repeats a corner",
+        "m: meshes[0].primitives[6]: triangle 11 repeats a corner (kept)",
         "m: ignored primitives that are not triangles: 1 of points, 1 of lines",
     ];
     assert_eq!(model.mesh.warnings, expected);

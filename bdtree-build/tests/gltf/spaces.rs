@@ -62,8 +62,7 @@ fn a_skin_in_other_units_is_brought_to_the_others() {
     let [warning] = model.mesh.warnings.as_slice() else {
         panic!("{:?}", model.mesh.warnings);
     };
-    let start =
-        "skins[1]: was modeled at another scale or place than skins[0] and has been converted";
+    let start = "skins[1]: its bind pose had another scale or place than that of skins[0] and was converted";
     assert!(warning.contains(start), "{warning}");
     // The first skin's mesh has most vertices, none more than the second's, and is the first.
     assert_eq!(model.mesh.positions[1], [1.0, 0.0, 0.0]);
@@ -86,7 +85,7 @@ fn a_skin_far_from_meshes_without_one_is_brought_to_the_scene() {
     let model = checked(&bytes);
     let warnings = &model.mesh.warnings;
     assert_eq!(warnings.len(), 2, "{warnings:?}");
-    assert!(warnings.iter().all(|w| w.contains("than the scene")));
+    assert!(warnings.iter().all(|w| w.contains("than that of the scene")));
     // Mesh 0 twice, and the far one.
     let x = |vertices: std::ops::Range<usize>| model.mesh.positions[vertices].iter().map(|p| p[0]);
     assert!(x(0..9).fold(0.0, f64::max) > 50.0);

@@ -33,6 +33,8 @@ pub struct Info {
     pub origin: [f64; 3],
     /// The box around the rest positions of all triangles; null without triangles.
     pub bounds: Option<Bounds>,
+    /// The same with the bones at rest; null without a skin.
+    pub bounds_at_rest: Option<Bounds>,
     /// Meters per mesh unit that masses and frequencies were computed with; null without.
     pub scale_m: Option<f64>,
     /// Hard limit of |q_j| per mode.
@@ -227,6 +229,7 @@ impl Info {
             depth: asset.depth(),
             origin: asset.origin(),
             bounds: bounds(asset),
+            bounds_at_rest: bounds_at_rest(asset),
             scale_m: metadata.and_then(|m| m.settings.get("scale")?.parse().ok()),
             q_limit: asset.modes().iter().map(|m| m.q_limit.get()).collect(),
             q_range: asset.modes().iter().map(|m| m.q_range.get()).collect(),
@@ -283,6 +286,16 @@ pub(crate) fn bounds(asset: &Asset<'_>) -> Option<Bounds> {
         min: [0, 1, 2].map(|k| a.min[k].min(b.min[k])),
         max: [0, 1, 2].map(|k| a.max[k].max(b.max[k])),
     })
+}
+
+/// The box around the triangles as bones at rest carry them; `None` without bones, and where the file is damaged there.
+fn bounds_at_rest(asset: &Asset<'_>) -> Option<Bounds> {
+    asset.has_skin().then_some(())?;
+    let (q, mut memory) = (vec![0.0; asset.mode_count()], vec![0.0; asset.pose_len()]);
+    let pose = asset.pose(&q, Transform::IDENTITY, &mut memory).ok()?;
+    let aabb = pose.exact_aabb().ok()?;
+    let (min, max) = (aabb.min, aabb.max);
+    (asset.triangle_count() > 0).then_some(Bounds { min, max })
 }
 
 /// `mode 3`, with its name where it has one.

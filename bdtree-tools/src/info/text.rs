@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::report::Info;
+use super::report::{Bounds, Info};
 use crate::output::{digits, printable, table};
 use crate::q::counted;
 
@@ -27,12 +27,28 @@ pub(super) fn text(path: &Path, info: &Info, sections: bool) -> String {
         ("basis", format!("{basis}, {}", counted(info.modes, "mode"))),
     ];
     if let Some(bounds) = &info.bounds {
-        let diagonal = bounds.diagonal();
-        let size = bounds.size().map(|x| side(x, diagonal)).join(" x ");
-        let diagonal = digits(diagonal);
-        let corners = [bounds.min, bounds.max].map(|p| p.map(digits).join(" "));
-        facts.push(("size", format!("{size} mesh units, diagonal {diagonal}")));
-        facts.push(("box", corners.join(" to ")));
+        let told = |bounds: &Bounds| {
+            let diagonal = bounds.diagonal();
+            let size = bounds.size().map(|x| side(x, diagonal)).join(" x ");
+            format!("{size} mesh units, diagonal {}", digits(diagonal))
+        };
+        let corners = |bounds: &Bounds| {
+            let corners = [bounds.min, bounds.max].map(|p| p.map(digits).join(" "));
+            corners.join(" to ")
+        };
+        match &info.bounds_at_rest {
+            None => {
+                facts.push(("size", told(bounds)));
+                facts.push(("box", corners(bounds)));
+            }
+            // Queries meet the mesh as its bones carry it.
+            Some(at_rest) => {
+                facts.push(("size", format!("{}, bones at rest", told(at_rest))));
+                facts.push(("box", corners(at_rest)));
+                facts.push(("bind pose", format!("{}, before bones", told(bounds))));
+                facts.push(("bind box", corners(bounds)));
+            }
+        }
     }
     if let Some(scale) = info.scale_m {
         facts.push(("scale", format!("1 mesh unit = {} m", digits(scale))));

@@ -99,10 +99,10 @@ fn a_read_only_folder_is_told() {
     fs::create_dir(&locked).expect("a folder");
     folder.write("locked/out.npy", b"old");
     set_mode(&locked, 0o555);
-    let ran = deform(command, "locked/out.npy", &folder);
+    let ran = deform(command, "locked/new.npy", &folder);
     refused(
         &ran,
-        "locked/out.npy: folder locked does not allow new files\n",
+        "locked/new.npy: folder locked does not allow new files\n",
     );
     assert_eq!(folder.read("locked/out.npy"), b"old");
     assert_eq!(count(&locked), 1);

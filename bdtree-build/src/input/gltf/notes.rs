@@ -12,7 +12,7 @@ pub(super) struct Notes {
     file: String,
     problems: Problems,
     warnings: Vec<String>,
-    oddities: [u64; 2],
+    oddities: [u64; Oddity::ALL.len()],
     /// Primitives made of points.
     pub(super) points: u64,
     /// Primitives made of lines.
@@ -26,7 +26,7 @@ impl Notes {
             file,
             problems: Problems::new("input"),
             warnings: Vec::new(),
-            oddities: [0; 2],
+            oddities: Default::default(),
             points: 0,
             lines: 0,
         }

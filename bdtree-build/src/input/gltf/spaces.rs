@@ -107,8 +107,8 @@ pub(super) fn unify(
             None => "the scene".to_string(),
         };
         let message = format!(
-            "was modeled at another scale or place than {others} and has been converted to it, which moves no vertex of a \
-             pose; take inverse bind matrices from the .bdt file"
+            "its bind pose had another scale or place than that of {others} and was converted to it; every pose looks as \
+             before. A program that forms skinning matrices itself needs the inverse bind matrices of the .bdt file"
         );
         notes.warn(format!("skins[{skin}]"), message);
     }

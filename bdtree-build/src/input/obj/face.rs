@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::notes::Notes;
 use super::tokens;
-use crate::input::degenerate::Oddity;
+use crate::input::degenerate::{Oddity, outside};
 
 /// A corner's vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +58,7 @@ pub(super) fn corner(token: &[u8], known: usize, limit: u32) -> Result<Corner, S
     }
 }
 
-/// Notes the triangles of one face that repeat a corner or have no area; `first` is the id of the
+/// Notes the triangles of one face that repeat a corner, have no area or lie outside it; `first` is the id of the
 /// first. All corners must be known.
 pub(super) fn check_shape(
     triangles: &[[u32; 3]],
@@ -71,5 +71,8 @@ pub(super) fn check_shape(
         if let Some(oddity) = Oddity::of(corners, positions) {
             notes.oddity(oddity, line, id);
         }
+    }
+    if let Some(found) = outside(triangles, positions) {
+        notes.oddity(Oddity::OutsidePolygon, line, first + found);
     }
 }

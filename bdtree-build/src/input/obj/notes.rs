@@ -14,7 +14,7 @@ const KEYWORD_CAP: usize = 16;
 pub(super) struct Notes<'a> {
     place: &'a str,
     problems: Problems,
-    oddities: [u64; 2],
+    oddities: [u64; Oddity::ALL.len()],
     skipped_faces: u64,
     /// Odd and skipped faces, each with its line.
     listed: Vec<(u64, String)>,
