@@ -319,7 +319,7 @@ fn clips_that_differ_are_named() {
         (
             "\"name\":\"slide\"",
             "\"name\":\"glide\"",
-            "section CLIP: clips differ: clip 1: \"slide\", 1 s and \"glide\", 1 s\n",
+            "section CLIP: clips differ: clip 1: \"slide\", 1.5 s and \"glide\", 1.5 s\n",
         ),
         (
             "\"node\":1,\"path\":\"translation\"",

@@ -82,7 +82,8 @@ fn growth_is_over_bones_at_rest() {
     let posed = growth(&source, &POSED[1..]);
     assert!(posed[1] > 1.01, "{posed:?}");
     let scaled = growth(&scaled, &POSED[1..]);
+    // The rig stands elsewhere, too, so that the slack of rounding is not the same.
     for k in 0..2 {
-        assert!((scaled[k] - posed[k]).abs() < 1e-4, "{scaled:?} {posed:?}");
+        assert!((scaled[k] - posed[k]).abs() < 1e-3, "{scaled:?} {posed:?}");
     }
 }
