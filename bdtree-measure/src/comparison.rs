@@ -24,6 +24,10 @@ pub const LEAF_SLOTS: usize = 1 << 12;
 /// Ratios of times between these are noise.
 pub const NOISE: [f64; 2] = [0.9, 1.1];
 
+/// Ratios of times between these say nothing where the most amount alone is outside the noise, after one within it: one
+/// run in some leaves the noise by as little.
+const DOUBTED: [f64; 2] = [0.8, 1.2];
+
 /// One of the two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -71,7 +75,8 @@ pub struct Comparison {
     pub ahead: Ahead,
     /// Who is safely ahead at the least amount; null within noise.
     pub below: Option<Side>,
-    /// Who is safely ahead at the most; null within noise.
+    /// Who is safely ahead at the most; null within noise, and where the most alone is outside it by no more than the
+    /// noise is wide.
     pub above: Option<Side>,
     /// `below` is safely ahead at all amounts measured up to this one, which is the least measured where
     /// `below` is null; null where one is ahead at all of them.
@@ -91,7 +96,8 @@ impl Comparison {
     pub fn of(points: &[(f64, f64)]) -> Self {
         let all = merged(points);
         let side = |p: &(f64, f64)| Side::of(p.1);
-        let (below, above) = (all.first().and_then(side), all.last().and_then(side));
+        let below = all.first().and_then(side);
+        let above = all.last().and_then(side).filter(|_| !is_last_doubted(&all));
         // How many at an end are like its first.
         let alike = |end: Option<Side>, points: &mut dyn Iterator<Item = &(f64, f64)>| match end {
             None => 0,
@@ -127,6 +133,16 @@ impl Comparison {
             comparison.break_even = crossing(&all[first..=to]).map(two_digits);
         }
         comparison
+    }
+}
+
+/// Whether the most amount is the only one outside the noise since the one before it, and hardly outside.
+fn is_last_doubted(points: &[(f64, f64)]) -> bool {
+    match points {
+        [.., (_, before), (_, last)] => {
+            Side::of(*before).is_none() && (DOUBTED[0]..=DOUBTED[1]).contains(last)
+        }
+        _ => false,
     }
 }
 
@@ -231,6 +247,11 @@ mod tests {
             (&[1.0, 2.0, 3.0], Partly, None, OURS, 1.0, 4.0),
             (&[0.95, 0.5, 1.0], Close, None, None, 1.0, 16.0),
             (&[1.09], Close, None, None, 1.0, 1.0),
+            // A last one that is hardly outside the noise, after one within it; not after one outside.
+            (&[8.0, 1.05, 1.11], Partly, OURS, None, 1.0, 16.0),
+            (&[8.0, 1.05, 0.85], Partly, OURS, None, 1.0, 16.0),
+            (&[1.0, 1.05, 1.19], Close, None, None, 1.0, 16.0),
+            (&[1.0, 1.15, 1.15], Partly, None, OURS, 1.0, 4.0),
             // A dip into noise; both sides of it the same.
             (&[2.0, 1.0, 1.5], Partly, OURS, OURS, 1.0, 16.0),
             // More than one crossing.

@@ -244,6 +244,13 @@ pub(super) mod tests {
                 "With 1 ball per step bdtree is 9.0 times faster than deform + refit, with 20\u{202f}000 balls per \
                  step, the most that was tried, about as fast: faster up to 4; unsure above 4.",
             ),
+            // The most alone is hardly outside the noise.
+            (
+                &[(1.0, 9.0), (114.0, 2.0), (600.0, 1.0), (1468.0, 1.104)],
+                "faster up to 114, unsure above 114",
+                "With 1 ball per step bdtree is 9.0 times faster than deform + refit, with 1468 balls per step, the \
+                 most that was tried, 1.1 times faster: faster up to 114; unsure above 114.",
+            ),
             (
                 &[(0.0, 6.0), (900.0, 1.04)],
                 "faster with nothing touching, unsure beyond",

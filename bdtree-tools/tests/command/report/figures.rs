@@ -43,7 +43,8 @@ pub(super) fn exact_levels(report: &Value) -> &[Value] {
     depth
 }
 
-/// What a curve says of itself follows from its points: ratios from 0.9 to 1.1 are noise, equal amounts one.
+/// What a curve says of itself follows from its points: ratios from 0.9 to 1.1 are noise, equal amounts one, and a last
+/// one that alone leaves the noise does not count up to 0.8 and 1.2.
 pub(super) fn standing_is_that_of_the_points(curve: &Value) {
     let mut points: Vec<(f64, Vec<f64>)> = Vec::new();
     for point in list(curve, "points") {
@@ -57,11 +58,11 @@ pub(super) fn standing_is_that_of_the_points(curve: &Value) {
             None => points.push((amount, vec![log])),
         }
     }
-    let sides: Vec<(f64, Value)> = points
+    let ratio = |logs: &[f64]| (logs.iter().sum::<f64>() / logs.len() as f64).exp();
+    let mut sides: Vec<(f64, Value)> = points
         .iter()
         .map(|(amount, logs)| {
-            let ratio = (logs.iter().sum::<f64>() / logs.len() as f64).exp();
-            let side = match ratio {
+            let side = match ratio(logs) {
                 r if r > 1.1 => "bdtree".into(),
                 r if r < 0.9 => "refit".into(),
                 _ => Value::Null,
@@ -69,6 +70,15 @@ pub(super) fn standing_is_that_of_the_points(curve: &Value) {
             (*amount, side)
         })
         .collect();
+    let is_doubted = points
+        .last()
+        .is_some_and(|(_, logs)| (0.8..=1.2).contains(&ratio(logs)));
+    if let [.., before, last] = &mut sides[..]
+        && before.1.is_null()
+        && is_doubted
+    {
+        last.1 = Value::Null;
+    }
     let (first, last) = (&sides[0], &sides[sides.len() - 1]);
     assert_eq!(
         (&curve["below"], &curve["above"]),
