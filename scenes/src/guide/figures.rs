@@ -174,16 +174,32 @@ pub(super) fn break_even(reports: &[Source]) -> Result<Table, Box<dyn Error>> {
         row.push(triangles.map_or(Cell::None, |count| Cell::Text(count.to_string())));
         for question in ["ray", "ball", "pair"] {
             let curve = asked(source, question)?;
-            let most = curve["points"].as_array().into_iter().flatten();
-            let most = most
-                .filter_map(|p| p["amount"].as_f64())
-                .fold(0.0, f64::max);
-            row.push(Cell::Text(match curve["break_even"].as_f64() {
-                Some(amount) => format!("{amount:.0}"),
-                None => format!("not up to {most:.0}"),
-            }));
+            let text = from_where(curve).ok_or_else(|| {
+                let path = source.path.display();
+                format!("{path}: the curve of {question} does not say who is ahead")
+            })?;
+            row.push(Cell::Text(text));
         }
         table.rows.push(row);
     }
     Ok(table)
+}
+
+/// From where on deforming and refitting is faster, as the curve itself says (docs/reference/report.md); `None` where it
+/// does not.
+fn from_where(curve: &Value) -> Option<String> {
+    let whole = |name: &str| Some(format!("{:.0}", curve[name].as_f64()?));
+    Some(match (curve["ahead"].as_str()?, curve["above"].as_str()) {
+        ("bdtree", _) => {
+            let points = curve["points"].as_array()?.iter();
+            let amounts = points.filter_map(|point| point["amount"].as_f64());
+            format!("not up to {:.0}", amounts.fold(0.0, f64::max))
+        }
+        ("refit", _) => "at every number".to_string(),
+        ("crosses", Some("refit")) => whole("break_even")?,
+        ("crosses", _) => format!("up to {}", whole("break_even")?),
+        ("close", _) => "unsure".to_string(),
+        (_, None) => format!("unsure above {}", whole("from")?),
+        _ => format!("unsure from {} to {}", whole("from")?, whole("to")?),
+    })
 }

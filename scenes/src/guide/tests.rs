@@ -15,14 +15,23 @@ fn report() -> Value {
         };
         json!([one(0.0), one(1.0)])
     };
-    let curve = |question: &str, break_even: Option<f64>| {
-        json!({"question": question, "break_even": break_even,
-            "points": [{"amount": 1.0, "ratio": 8.0}, {"amount": 64.0, "ratio": 0.5}]})
+    let curve = |question: &str, standing: Value| {
+        let mut curve = json!({"question": question,
+            "points": [{"amount": 1.0, "ratio": 8.0}, {"amount": 64.0, "ratio": 0.5}]});
+        for (name, value) in standing.as_object().expect("an object") {
+            curve[name] = value.clone();
+        }
+        curve
     };
+    let crosses =
+        json!({"ahead": "crosses", "above": "refit", "from": 1.0, "to": 64.0, "break_even": 16.0});
+    let ours = json!({"ahead": "bdtree", "above": "bdtree"});
+    let unsure =
+        json!({"ahead": "partly", "below": "bdtree", "above": null, "from": 1.0, "to": 64.0});
     json!({"asset": {"triangles": 12},
         "modes": pair("modes", &["error_max_rel", "bytes", "time_rel", "ball_visits"]),
         "depth": pair("level", &["extra_area_rel", "penetration_error_rel", "ball_micros"]),
-        "refit": {"curves": [curve("ray", Some(16.0)), curve("ball", None), curve("pair", None)]}})
+        "refit": {"curves": [curve("ray", crosses), curve("ball", ours), curve("pair", unsure)]}})
 }
 
 fn advice() -> Value {
@@ -72,7 +81,43 @@ fn figures_are_those_of_the_files() {
     let table = made.tables[0].csv();
     assert_eq!(
         table.lines().nth(1),
-        Some("cloth,12,16,not up to 64,not up to 64")
+        Some("cloth,12,16,not up to 64,unsure above 1")
+    );
+}
+
+/// The table follows what curves say of themselves, whatever the points are.
+#[test]
+fn break_evens_are_those_of_the_curves() {
+    for (standing, text) in [
+        (
+            json!({"ahead": "refit", "above": "refit"}),
+            "at every number",
+        ),
+        (json!({"ahead": "close", "from": 1.0, "to": 64.0}), "unsure"),
+        (
+            json!({"ahead": "crosses", "below": "refit", "above": "bdtree", "break_even": 7.0}),
+            "up to 7",
+        ),
+        (
+            json!({"ahead": "partly", "below": "bdtree", "above": "refit", "from": 4.0, "to": 64.0}),
+            "unsure from 4 to 64",
+        ),
+    ] {
+        let mut own = report();
+        let curve = &mut own["refit"]["curves"][0];
+        for name in ["ahead", "below", "above", "from", "to", "break_even"] {
+            curve[name] = standing[name].clone();
+        }
+        let made = with(&own, &advice()).expect("a guide");
+        let row = format!("cloth,12,{text},not up to 64,unsure above 1");
+        assert_eq!(made.tables[0].csv().lines().nth(1), Some(row.as_str()));
+    }
+    let mut lacks = report();
+    lacks["refit"]["curves"][0]["ahead"] = Value::Null;
+    let error = with(&lacks, &advice()).expect_err("nothing said");
+    assert!(
+        error.ends_with("the curve of ray does not say who is ahead"),
+        "{error}"
     );
 }
 
