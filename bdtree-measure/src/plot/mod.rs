@@ -14,6 +14,29 @@ pub use sheet::sheet;
 /// Width and height, about those on a phone, so that text is as large there as it is here.
 const SIZE: (u32, u32) = (360, 270);
 
+/// Around a plot. At the top and on the right half of the label at the end of an axis stands beyond it.
+const MARGIN: u32 = 4;
+const TOP: u32 = 10;
+const RIGHT: u32 = 16;
+
+/// Left of a plot and below it, for numbers and the names of axes.
+const LABELS: [u32; 2] = [66, 46];
+
+/// Room for the names of the axes, whose middles are those of the axes: they may go on beyond these up to the edges of the
+/// plot, but for a little.
+const NAME_ROOM: [u32; 2] = [
+    SIZE.0 - LABELS[0] - MARGIN + RIGHT - 8,
+    SIZE.1 - LABELS[1] - MARGIN + TOP - 8,
+];
+
+/// The size of the names of axes, and that of the numbers there.
+const NAME_SIZE: f64 = 17.0;
+const NUMBER_SIZE: f64 = 16.0;
+
+/// Width of a character, on average, over the size of a text: plotters writes four fifths of it, and in wide fonts
+/// characters take 0.55 of that.
+const CHARACTER: f64 = 0.55 / 1.24;
+
 /// Names of the series' colours: the style sheet turns them into colours that suit the page.
 const SERIES: [RGBColor; 7] = [
     name(1),
@@ -23,6 +46,17 @@ const SERIES: [RGBColor; 7] = [
     name(7),
     name(8),
     name(9),
+];
+/// How the series' lines are dashed (SVG's `stroke-dasharray`), so that an earlier line is seen through the gaps of one that
+/// lies on it; none of the first.
+const DASHES: [&[u32]; SERIES.len()] = [
+    &[],
+    &[9, 4],
+    &[4, 4],
+    &[14, 5],
+    &[7, 3, 2, 3],
+    &[2, 3],
+    &[18, 6],
 ];
 const INK: RGBColor = name(5);
 const GRID: RGBColor = name(6);
@@ -170,8 +204,55 @@ impl Plot {
         // Writing to a string does not fail.
         drawn.ok()?;
         drop(area);
-        Some(text)
+        Some(dashed(text))
     }
+}
+
+/// Lines with the dashes of their series.
+fn dashed(mut svg: String) -> String {
+    for (colour, dashes) in SERIES.iter().zip(DASHES) {
+        if !dashes.is_empty() {
+            let stroke = format!(
+                "<polyline fill=\"none\" opacity=\"1\" stroke=\"{}\"",
+                hex(*colour)
+            );
+            svg = svg.replace(&stroke, &format!("{stroke}{}", dash_attribute(dashes)));
+        }
+    }
+    svg
+}
+
+/// As SVG writes it; nothing of an undashed line.
+fn dash_attribute(dashes: &[u32]) -> String {
+    match dashes {
+        [] => String::new(),
+        dashes => {
+            let lengths: Vec<String> = dashes.iter().map(u32::to_string).collect();
+            format!(" stroke-dasharray=\"{}\"", lengths.join(" "))
+        }
+    }
+}
+
+/// The same as a CSS background of a line's key; `series` counts from 1.
+pub(crate) fn key_background(series: usize) -> String {
+    let colour = format!("var(--series-{series})");
+    let mut at = 0;
+    let mut stops = Vec::new();
+    for (k, length) in DASHES[series - 1].iter().enumerate() {
+        let shown = if k % 2 == 0 { &colour } else { "transparent" };
+        stops.push(format!("{shown} {at}px {}px", at + length));
+        at += length;
+    }
+    match stops.is_empty() {
+        true => colour,
+        false => format!("repeating-linear-gradient(90deg,{})", stops.join(",")),
+    }
+}
+
+/// The size of the name of an axis that has so much room.
+fn name_size(name: &str, room: u32) -> f64 {
+    let widest = name.chars().count() as f64 * CHARACTER;
+    NAME_SIZE.min(f64::from(room) / widest.max(1.0))
 }
 
 fn draw<'a, X, Y>(
@@ -188,16 +269,16 @@ where
     Y: AsRangedCoord<Value = f64>,
     Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
-    // plotters writes four fifths of these.
-    let font = |size: u32| ("sans-serif", size).into_font().color(&INK);
+    let font = |size: f64| ("sans-serif", size).into_font().color(&INK);
     let mut chart = ChartBuilder::on(area)
-        .margin(4)
-        // Half of the label at the end of an axis stands beyond it.
-        .margin_top(10)
-        .margin_right(16)
-        .x_label_area_size(46)
-        .y_label_area_size(66)
+        .margin(MARGIN)
+        .margin_top(TOP)
+        .margin_right(RIGHT)
+        .x_label_area_size(LABELS[1])
+        .y_label_area_size(LABELS[0])
         .build_cartesian_2d(x, y)?;
+    // One size for both: that of the longer name.
+    let name = name_size(x_name, NAME_ROOM[0]).min(name_size(y_name, NAME_ROOM[1]));
     chart
         .configure_mesh()
         .x_desc(x_name.as_str())
@@ -207,8 +288,8 @@ where
         .max_light_lines(0)
         .bold_line_style(GRID)
         .axis_style(INK)
-        .label_style(font(16))
-        .axis_desc_style(font(17))
+        .label_style(font(NUMBER_SIZE))
+        .axis_desc_style(font(name))
         .x_label_formatter(&|x| x_digits.short(*x))
         .y_label_formatter(&|y| y_digits.short(*y))
         .draw()?;
@@ -266,7 +347,7 @@ impl Digits {
 
 #[cfg(test)]
 mod tests {
-    use super::{Axis, Digits, Line, Plot, style};
+    use super::{Axis, Digits, Line, Plot, key_background, style};
 
     #[test]
     fn what_cannot_be_shown_is_left_out_and_nothing_is_drawn_of_nothing() {
@@ -320,6 +401,75 @@ mod tests {
         let even = text(&[(0.0, 1.0), (1.0, 0.5), (2.0, 0.0)]);
         assert!(!even.contains("not shown"), "{even}");
         assert_eq!((marks(&log), marks(&even)), (2, 3));
+    }
+
+    /// The longest names that there are, and longer ones: each is within the picture.
+    #[test]
+    fn names_of_axes_fit_beside_the_plot() {
+        for (x, y) in [
+            ("level", "µs"),
+            ("touching pairs of triangles", "over what is touched"),
+            ("level at which a ball stops", "deform + refit over bdtree"),
+        ] {
+            let points: Vec<_> = (0..3).map(|k| (f64::from(k), 1e3 * f64::from(k))).collect();
+            let line = |name: &str, more: &[(f64, f64)]| Line {
+                name: name.to_string(),
+                points: [&points[..], more].concat(),
+            };
+            let lines = vec![line("a", &[(1e4, 1e-3)])];
+            let svg = Plot::new("", &Axis::log(x), &Axis::log(y), lines)
+                .svg()
+                .expect("a plot");
+            for (name, room) in [(x, 306.0), (y, 230.0)] {
+                let name = format!("{name} (0 not shown)");
+                let before = svg.split(&name).next().expect("a beginning");
+                let size = before
+                    .rsplit("font-size=\"")
+                    .next()
+                    .and_then(|s| s.split('"').next());
+                let size: f64 = size.expect("a size").parse().expect("a number");
+                assert!(
+                    0.55 * size * name.chars().count() as f64 <= room,
+                    "{name}: {size}"
+                );
+                assert!((10.0..14.0).contains(&size), "{name}: {size}");
+            }
+        }
+    }
+
+    /// A line that lies on another leaves some of it to be seen.
+    #[test]
+    fn all_lines_but_the_first_have_gaps_of_their_own() {
+        let points = [(0.0, 1.0), (1.0, 2.0)];
+        let names = ["a", "b", "c", "d", "e", "f", "g"];
+        let lines = names.map(|name| Line {
+            name: name.to_string(),
+            points: points.to_vec(),
+        });
+        let plot = Plot::new("", &Axis::linear("x"), &Axis::linear("y"), lines.to_vec());
+        let svg = plot.svg().expect("a plot");
+        let is_line =
+            |line: &&str| line.starts_with("<polyline") && line.contains("stroke-width=\"2\"");
+        let drawn = svg.lines().filter(is_line);
+        let dashes: Vec<&str> = drawn
+            .map(|line| {
+                line.split("stroke-dasharray=\"")
+                    .nth(1)
+                    .map_or("", |s| s.split('"').next().unwrap_or(""))
+            })
+            .collect();
+        assert_eq!((dashes.len(), dashes[0]), (7, ""), "{svg}");
+        for (k, own) in dashes.iter().enumerate().skip(1) {
+            assert!(!own.is_empty() && !dashes[..k].contains(own), "{dashes:?}");
+        }
+        // Keys are dashed as lines are.
+        assert_eq!(dashes[1], "9 4");
+        let gaps = "var(--series-2) 0px 9px,transparent 9px 13px";
+        assert_eq!(
+            key_background(2),
+            format!("repeating-linear-gradient(90deg,{gaps})")
+        );
+        assert_eq!(key_background(1), "var(--series-1)");
     }
 
     /// Two marks of one axis never read 10000 and 1e5.

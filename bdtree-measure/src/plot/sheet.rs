@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::{GRID, INK, Plot, SERIES, SIZE, escaped, hex};
+use super::{DASHES, GRID, INK, Plot, SERIES, SIZE, dash_attribute, escaped, hex};
 
 /// Colours that are told apart in print and by most eyes (Okabe and Ito 2008), by series.
 const COLOURS: [&str; SERIES.len()] = [
@@ -45,8 +45,9 @@ pub fn sheet(plots: &[Plot]) -> Result<String, String> {
             // The middle of lower-case letters, whose feet stand on the baseline below.
             let middle = MARGIN + LINE * row + LINE / 4;
             text += &format!(
-                "<path d=\"M0 {middle}h18\" stroke=\"{}\" stroke-width=\"3\"/><text x=\"24\" y=\"{}\">{}</text>\n",
+                "<path d=\"M0 {middle}h32\" stroke=\"{}\"{} stroke-width=\"3\"/><text x=\"38\" y=\"{}\">{}</text>\n",
                 COLOURS[series - 1],
+                dash_attribute(DASHES[series - 1]),
                 middle + LINE / 4,
                 escaped(name)
             );
@@ -96,6 +97,8 @@ mod tests {
             assert_eq!(text.matches(part).count(), 2, "{part}");
         }
         assert!(text.contains(">one<") && text.contains(">two<"));
+        // In each plot the second name has the dashes of the second line.
+        assert_eq!(text.matches("stroke-dasharray=\"9 4\"").count(), 4);
         // No colour is left a name.
         for name in 1..10 {
             assert!(!text.contains(&format!("#0{name}0{name}0{name}")), "{name}");

@@ -81,7 +81,8 @@ impl Page {
             let title = escaped(&plot.title);
             let key = |(k, name): (usize, &str)| {
                 format!(
-                    "<span class=\"key\"><i style=\"background:var(--series-{k})\"></i>{}</span>",
+                    "<span class=\"key\"><i style=\"background:{}\"></i>{}</span>",
+                    plot::key_background(k),
                     escaped(name)
                 )
             };
