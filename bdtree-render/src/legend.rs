@@ -64,7 +64,8 @@ impl Legend {
         if let Some((scale, end, _)) = &self.scale {
             let bar = [(width * 2 / 5).min(24 * size.line()), bar_height(size)];
             let meaning = laid_out.meaning.iter().map(|line| size.width(line)).max();
-            let widest = meaning.unwrap_or(0).max(bar[0] + size.width("44+"));
+            let number = size.width(&scale_number(4, *end));
+            let widest = meaning.unwrap_or(0).max(number + bar[0] + size.width("+"));
             clear(image, [margin, low], [widest, laid_out.bottom() - margin]);
             for (k, line) in (0..).zip(&laid_out.meaning) {
                 image.text([margin, low + k * size.line()], line, size, GREY);
@@ -166,15 +167,16 @@ fn draw_bar(
     size: TextSize,
 ) {
     let top = y + size.line() / 4;
+    let widest = size.width(&scale_number(4, end));
+    // Room for the first number, whose middle is where the bar begins.
+    let x = x + widest / 2;
     for i in 0..width {
         let share = (i as f64 + 0.5) / width as f64;
         let colour = scale.colour_to(end, 1.0 + share * (end - 1.0));
         image.fill([x + i, top], [1, height], colour, 255);
     }
-    let number = |k: i64| format!("{:.2}", 1.0 + k as f64 / 4.0 * (end - 1.0));
-    let widest = size.width(&number(4));
     for k in (0..=4).step_by(apart(width, widest, size)) {
-        let number = number(k) + if k == 4 { "+" } else { "" };
+        let number = scale_number(k, end) + if k == 4 { "+" } else { "" };
         let at = x + k * width / 4;
         image.fill(
             [at.min(x + width - 1), top + height],
@@ -182,18 +184,33 @@ fn draw_bar(
             GREY,
             255,
         );
-        // The first begins where the bar does, the others stand under their marks.
-        let half = if k == 0 { 0 } else { widest / 2 };
         let below = top + height + size.line() / 4;
-        image.text([at - half, below], &number, size, GREY);
+        image.text([at - widest / 2, below], &number, size, GREY);
     }
+}
+
+/// The most digits behind the point: f64 has no more for growths.
+const DECIMALS_MAX: usize = 15;
+
+/// What stands at a quarter of a scale from 1 to `end`: with two digits behind the point, or as many as keep each
+/// number within a hundredth of a quarter, so that equal steps read as such.
+fn scale_number(quarter: i64, end: f64) -> String {
+    let step = (end - 1.0) / 4.0;
+    let at = |k: i64| 1.0 + k as f64 * step;
+    let is_near = |decimals: &usize| {
+        (0..=4).all(|k| {
+            let written: f64 = format!("{:.decimals$}", at(k)).parse().unwrap_or(f64::NAN);
+            (written - at(k)).abs() <= 0.01 * step
+        })
+    };
+    let decimals = (2..DECIMALS_MAX).find(is_near).unwrap_or(DECIMALS_MAX);
+    format!("{:.decimals$}", at(quarter))
 }
 
 /// Every how many numbers of a scale of a width are written, of which the widest is so wide: all, or those that leave
 /// room between them; 5 where only the first fits.
 fn apart(width: i64, widest: i64, size: TextSize) -> usize {
-    // The first begins at its mark, the next has its middle there.
-    let needed = widest * 3 / 2 + size.width(" ");
+    let needed = widest + size.width(" ");
     let fits = |apart: &usize| width * *apart as i64 / 4 >= needed;
     [1, 2, 4].into_iter().find(fits).unwrap_or(5)
 }
@@ -236,7 +253,7 @@ fn wrapped(text: &str, room: usize) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Legend, apart, wrapped};
+    use super::{Legend, apart, scale_number, wrapped};
     use crate::image::Image;
     use crate::text::TextSize;
     use crate::tightness::{GROWTH_RED, Scale};
@@ -289,10 +306,48 @@ mod tests {
         let [number, space] = ["1.00", " "].map(|text| size.width(text));
         for width in 20..600 {
             let apart = apart(width, number, size);
-            assert!(apart > 4 || width * apart as i64 / 4 - number / 2 >= number + space);
+            assert!(apart > 4 || width * apart as i64 / 4 >= number + space);
         }
         let of = |width| apart(width, number, size);
         assert_eq!([of(400), of(128), of(64), of(20)], [1, 2, 4, 5]);
+    }
+
+    #[test]
+    fn numbers_of_a_scale_are_as_far_apart_as_their_places() {
+        for (end, numbers) in [
+            (GROWTH_RED, ["1.00", "1.11", "1.22", "1.33", "1.44"]),
+            (9.0, ["1.00", "3.00", "5.00", "7.00", "9.00"]),
+            (1.01, ["1.0000", "1.0025", "1.0050", "1.0075", "1.0100"]),
+            (1.05, ["1.0000", "1.0125", "1.0250", "1.0375", "1.0500"]),
+            (1.3, ["1.000", "1.075", "1.150", "1.225", "1.300"]),
+        ] {
+            assert_eq!([0, 1, 2, 3, 4].map(|k| scale_number(k, end)), numbers);
+        }
+        // Hardly above 1 and far above it there are some, too.
+        for end in [1.0 + 4.0 * f64::EPSILON, 1e6] {
+            assert!(scale_number(4, end).len() < 20);
+        }
+    }
+
+    #[test]
+    fn the_first_number_of_a_scale_has_its_middle_where_the_bar_begins() {
+        let mut image = Image::filled([400, 300], [255; 4]);
+        legend(0, true).draw(&mut image);
+        let drawn = |row: usize, is: &dyn Fn([u8; 4]) -> bool| {
+            let columns = 0..400;
+            columns
+                .filter(|x| is(image.pixels()[row * 400 + x]))
+                .collect::<Vec<_>>()
+        };
+        // From below: the margin, numbers, the bar.
+        let bar = drawn(300 - 12 - 16 - 8 - 4, &|p| p != [255; 4]);
+        let numbers = (300 - 12 - 16 - 4)..(300 - 12);
+        let columns = numbers.flat_map(|row| drawn(row, &|p| p[0] < 160));
+        let left = columns.min().expect("numbers");
+        let width = TextSize::Small.width("1.00") as usize;
+        assert_eq!(bar[0], 12 + width / 2);
+        // A letter does not fill its width.
+        assert!((12..12 + 4).contains(&left), "{left}");
     }
 
     #[test]
