@@ -15,6 +15,7 @@ pub use shapes::{Line, Sphere};
 pub use targets::texture;
 pub(crate) use targets::{allows_picture, extent};
 
+use glam::Vec3;
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, Color, CommandEncoder, Device, LoadOp, Operations,
     Queue, RenderPass, RenderPassColorAttachment, RenderPassDepthStencilAttachment,
@@ -41,6 +42,13 @@ pub struct Ground {
     pub light: [f32; 3],
     /// Color of shadows: red, green, blue.
     pub shadow: [u8; 3],
+}
+
+impl Ground {
+    /// Whether an eye is above it and sees shadows on it.
+    pub fn is_seen_from(&self, eye: Vec3) -> bool {
+        eye.dot(self.up.into()) > self.height
+    }
 }
 
 /// What is to be seen.
@@ -173,8 +181,10 @@ impl Renderer {
             multiview_mask: None,
         });
         pass.set_bind_group(0, &self.globals.group, &[]);
-        let from_above = |ground: &Ground| camera.eye.dot(ground.up.into()) > ground.height;
-        if scene.ground.as_ref().is_some_and(from_above) {
+        if scene
+            .ground
+            .is_some_and(|ground| ground.is_seen_from(camera.eye))
+        {
             for mesh in scene.meshes {
                 mesh.draw_shadow(&mut pass, &self.pipelines.shadow);
             }

@@ -59,8 +59,8 @@ pub(super) struct Bounds {
     upward: Option<[[f64; 3]; 2]>,
     /// Vertices that throw shadows.
     above: Vec<[f64; 3]>,
-    /// The lowest of them along that axis.
-    ground: f64,
+    /// The least of them along that axis.
+    lowest: f64,
 }
 
 impl Bounds {
@@ -80,8 +80,38 @@ impl Bounds {
             framing: Framing::new(direction, width as f32 / height as f32),
             upward: arguments.shadow.then_some([up, light]),
             above: Vec::new(),
-            ground: f64::INFINITY,
+            lowest: f64::INFINITY,
         }
+    }
+
+    /// The camera, and the ground where that sees shadows on it. From below it sees none, and they get no room.
+    fn seen(mut self, place: &Place, zoom: f32) -> (Camera, Option<Ground>) {
+        let camera = |framing: &Framing| framing.camera(place).at_distance(1.0 / zoom);
+        let without = camera(&self.framing);
+        let ground = self.ground(place);
+        let Some(ground) = ground.filter(|ground| ground.is_seen_from(without.eye)) else {
+            return (without, None);
+        };
+        self.hold_shadows();
+        let with = camera(&self.framing);
+        // Farther away it may be below.
+        match ground.is_seen_from(with.eye) {
+            true => (with, Some(ground)),
+            false => (without, None),
+        }
+    }
+
+    /// Where shadows are drawn, below all frames (drawn units).
+    fn ground(&self, place: &Place) -> Option<Ground> {
+        let [up, light] = self.upward.filter(|_| self.lowest.is_finite())?;
+        let lowest = place.shown(up.map(|x| x * self.lowest));
+        let [up, light] = [up, light].map(|v| v.map(|x| x as f32));
+        Some(Ground {
+            up,
+            height: (0..3).map(|k| up[k] * lowest[k]).sum(),
+            light,
+            shadow: SHADOW,
+        })
     }
 
     /// Makes them hold the shadows, too, which lie below all frames.
@@ -90,7 +120,7 @@ impl Bounds {
             return;
         };
         for p in std::mem::take(&mut self.above) {
-            let above = dot(up, p) - self.ground;
+            let above = dot(up, p) - self.lowest;
             self.framing
                 .hold([0, 1, 2].map(|k| p[k] - above * light[k]), 0.0);
         }
@@ -109,7 +139,7 @@ impl Bounds {
             for p in seen {
                 framing.hold(*p, 0.0);
                 if let Some([up, _]) = self.upward {
-                    self.ground = self.ground.min(dot(up, *p));
+                    self.lowest = self.lowest.min(dot(up, *p));
                     self.above.push(*p);
                 }
             }
@@ -163,10 +193,9 @@ impl<'a> Painter<'a> {
     pub(super) fn new(
         arguments: &'a Arguments,
         studio: Studio,
-        mut bounds: Bounds,
+        bounds: Bounds,
         frame: &Frame<'_>,
     ) -> Result<Self, ToolError> {
-        bounds.hold_shadows();
         let place = Place::around(bounds.bodies.iter().copied());
         let mut meshes = Vec::new();
         for content in &frame.content {
@@ -179,27 +208,13 @@ impl<'a> Painter<'a> {
             meshes.push(mesh);
         }
         Ok(Self {
+        let (camera, ground) = bounds.seen(&place, arguments.view.zoom);
             arguments,
             studio,
             meshes,
-            camera: bounds
-                .framing
-                .camera(&place)
-                .at_distance(1.0 / arguments.view.zoom),
             place,
-            ground: bounds
-                .upward
-                .filter(|_| bounds.ground.is_finite())
-                .map(|[up, light]| {
-                    let lowest = place.shown(up.map(|x| x * bounds.ground));
-                    let [up, light] = [up, light].map(|v| v.map(|x| x as f32));
-                    Ground {
-                        up,
-                        height: (0..3).map(|k| up[k] * lowest[k]).sum(),
-                        light,
-                        shadow: SHADOW,
-                    }
-                }),
+            camera,
+            ground,
         })
     }
 

@@ -68,8 +68,13 @@ fn a_shadow_lies_below_the_mesh() {
     // All of it is in the picture.
     let [left, top, right, bottom] = shaded.drawn_box();
     assert!(left > 0.0 && top > 0.0 && right < 320.0 && bottom < 240.0);
-    let below = ["a.bdt", "--no-legend", "--view", "0,-30", "--shadow"];
-    assert_eq!(folder.picture(&below).share(is_shadow), 0.0);
+    // Where none is drawn it takes no room: the picture is that without it.
+    for view in ["0,-30", "60,-20", "0,-90"] {
+        let below = ["a.bdt", "--no-legend", "--view", view];
+        let shaded = folder.picture(&[&below[..], &["--shadow"]].concat());
+        assert_eq!(shaded.share(is_shadow), 0.0, "{view}");
+        assert!(shaded.pixels == folder.picture(&below).pixels, "{view}");
+    }
     // With another axis up it lies elsewhere.
     let turned = folder.picture(&[&view[..], &["--shadow", "--up", "-y"]].concat());
     assert!(turned.share(is_shadow) > 0.03);
