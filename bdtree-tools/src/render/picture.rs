@@ -148,9 +148,8 @@ impl Bounds {
         }
         for shape in &frame.queries {
             match shape {
-                Shape::Ball { center, radius } | Shape::Point { center, radius } => {
-                    framing.hold(*center, *radius);
-                }
+                Shape::Ball { center, radius } => framing.hold(*center, *radius),
+                Shape::Point(point) => framing.hold(*point, 0.0),
                 Shape::Capsule { ends, radius } => {
                     ends.iter().for_each(|end| framing.hold(*end, *radius));
                 }
@@ -176,6 +175,8 @@ const WHITE: [u8; 4] = [255; 4];
 /// What queries are about, and its outline.
 const QUERY: [u8; 4] = [60, 60, 70, 110];
 const OUTLINE: [u8; 4] = [16, 16, 24, 255];
+/// How far a point's cross goes from its middle, over the width of its lines.
+const CROSS_ARM: f32 = 6.0;
 
 /// What all pictures share: device, camera, meshes.
 pub(super) struct Painter<'a> {
@@ -207,8 +208,8 @@ impl<'a> Painter<'a> {
             }
             meshes.push(mesh);
         }
-        Ok(Self {
         let (camera, ground) = bounds.seen(&place, arguments.view.zoom);
+        Ok(Self {
             arguments,
             studio,
             meshes,
@@ -288,11 +289,9 @@ impl<'a> Painter<'a> {
     fn filling(&self, query: &Shape) -> Vec<Sphere> {
         let sphere = |center, radius| self.sphere(center, radius, QUERY);
         match query {
-            Shape::Ball { center, radius } | Shape::Point { center, radius } => {
-                vec![sphere(*center, *radius)]
-            }
+            Shape::Ball { center, radius } => vec![sphere(*center, *radius)],
             Shape::Capsule { ends, radius } => ends.map(|end| sphere(end, *radius)).into(),
-            Shape::Edge(_) | Shape::Ray(_) => Vec::new(),
+            Shape::Point(_) | Shape::Edge(_) | Shape::Ray(_) => Vec::new(),
         }
     }
 
@@ -301,9 +300,10 @@ impl<'a> Painter<'a> {
         let (place, eye) = (self.place, self.camera.eye);
         let shown = |ends: &[[f64; 3]; 2]| ends.map(|end| place.shown(end));
         match query {
-            Shape::Ball { center, radius } | Shape::Point { center, radius } => {
+            Shape::Ball { center, radius } => {
                 ball_outline(place.shown(*center), place.shown_length(*radius), eye)
             }
+            Shape::Point(point) => self.cross(place.shown(*point)).into(),
             Shape::Capsule { ends, radius } => {
                 capsule_outline(shown(ends), place.shown_length(*radius), eye)
             }
@@ -311,10 +311,26 @@ impl<'a> Painter<'a> {
         }
     }
 
+    /// Two lines through a point (drawn units), as long in the picture wherever it is.
+    fn cross(&self, point: [f32; 3]) -> [[[f32; 3]; 2]; 2] {
+        let [right, up, forward] = self.camera.axes();
+        let point = Vec3::from(point);
+        let [_, height] = inner_size(self.arguments);
+        let depth = (point - self.camera.eye).dot(forward);
+        let pixel = 2.0 * (0.5 * self.camera.fov_y_rad).tan() * depth / height as f32;
+        let arm = CROSS_ARM * self.line_width() * pixel;
+        [right, up].map(|way| [-arm, arm].map(|far| (point + way * far).to_array()))
+    }
+
+    /// Of outlines, in pixels.
+    fn line_width(&self) -> f32 {
+        let [width, height] = self.arguments.size.0;
+        (width.min(height) as f32 / 400.0).max(1.5)
+    }
+
     /// Dark lines over wider white ones: one of them is seen before anything.
     fn in_two_tones(&self, lines: &[[[f32; 3]; 2]]) -> Vec<Line> {
-        let [width, height] = self.arguments.size.0;
-        let pixels = (width.min(height) as f32 / 400.0).max(1.5);
+        let pixels = self.line_width();
         let tone = |colour, width| {
             move |ends: &[[f32; 3]; 2]| Line {
                 ends: *ends,
@@ -331,19 +347,26 @@ impl<'a> Painter<'a> {
     fn legend(&self, frame: &Frame<'_>, growths: &[f64]) -> Legend {
         let arguments = self.arguments;
         let mut lines = vec![title(&arguments.file), printable(&frame.about)];
-        if let Some(numbers) = mean_and_max(growths) {
-            let which = match arguments.spheres {
-                Some(level) => format!("level {level}: "),
-                None => String::new(),
-            };
-            let count = frame.sphere_count(arguments);
-            lines.push(spheres_line(arguments, &which, &count, numbers));
-        }
+        let count = frame.sphere_count(arguments);
+        lines.extend(spheres_text(arguments, &count, growths));
         lines.extend(key(&frame.queries));
         Legend {
             lines,
             scale: (!growths.is_empty()).then(|| scale(arguments)),
         }
+    }
+}
+
+/// What a picture says of the spheres that were asked for, of which there are so many with such growths.
+fn spheres_text(arguments: &Arguments, count: &str, growths: &[f64]) -> Option<String> {
+    let level = arguments.spheres.map(|level| format!("level {level}: "));
+    match (mean_and_max(growths), level) {
+        (Some(numbers), level) => {
+            let which = level.unwrap_or_default();
+            Some(spheres_line(arguments, &which, count, numbers))
+        }
+        (None, Some(level)) if arguments.query.is_some() => Some(level + "no visited spheres"),
+        (None, level) => level.map(|level| level + count),
     }
 }
 
@@ -406,4 +429,71 @@ fn title(path: &Path) -> String {
 /// What the graphics device says, which names no file.
 pub(super) fn graphics(error: &RenderError) -> ToolError {
     ToolError::Input(vec![error.to_string()])
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::super::arguments::Arguments;
+    use super::{legend_room, spheres_text};
+
+    #[derive(Parser)]
+    struct Command {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    fn asked(options: &[&str]) -> Arguments {
+        let fixed = ["render", "a.bdt", "-o", "a.png"];
+        let line = fixed.iter().chain(options);
+        let Command { arguments } = Command::try_parse_from(line).expect("options");
+        arguments
+    }
+
+    /// docs/reference/pictures.md says from which height on the legend has room of its own.
+    #[test]
+    fn text_lies_over_what_is_shown_in_low_pictures_only() {
+        let lowest = |options: &[&str]| {
+            let mut arguments = asked(options);
+            let mut has_room = |size: [u32; 2]| {
+                arguments.size.0 = size;
+                legend_room(&arguments) != [0; 2]
+            };
+            let mut is_over = |height: u32| {
+                let mut widths = (200..2000).step_by(20);
+                widths.any(|width| !has_room([width, height]))
+            };
+            let over = (200..800).rev().find(|height| is_over(*height));
+            over.map_or(200, |height| height + 1)
+        };
+        assert_eq!(lowest(&[]), 200);
+        let most = [
+            "--query",
+            "s.json",
+            "--spheres",
+            "0",
+            "--against",
+            "deformed",
+        ];
+        let lowest = lowest(&most);
+        assert!((440..=460).contains(&lowest), "{lowest}");
+    }
+
+    #[test]
+    fn a_picture_says_which_spheres_it_has_not() {
+        let text = |options: &[&str], count: &str, growths: &[f64]| {
+            spheres_text(&asked(options), count, growths)
+        };
+        assert_eq!(text(&[], "0 spheres", &[]), None);
+        assert_eq!(text(&["--query", "s.json"], "0 spheres", &[]), None);
+        let level = ["--query", "s.json", "--spheres", "4"];
+        let none = "level 4: no visited spheres";
+        assert_eq!(text(&level, "0 spheres", &[]).as_deref(), Some(none));
+        let some = "level 4: 2 spheres, R'/R mean 1.500, largest 2.000";
+        assert_eq!(
+            text(&level, "2 spheres", &[1.0, 2.0]).as_deref(),
+            Some(some)
+        );
+    }
 }

@@ -16,13 +16,8 @@ pub(super) enum Shape {
         /// Its radius.
         radius: f64,
     },
-    /// A point, as a small ball.
-    Point {
-        /// Where it is.
-        center: [f64; 3],
-        /// Of the ball.
-        radius: f64,
-    },
+    /// A point, drawn as a cross.
+    Point([f64; 3]),
     /// A capsule.
     Capsule {
         /// The middles of its ends.
@@ -53,12 +48,7 @@ pub(super) fn shapes(scene: &Scene, content: &[Content<'_>]) -> Vec<Shape> {
                 Touched::Cuboid(cuboid) => shapes.extend(edges(cuboid)),
                 _ => {}
             },
-            Query::Closest {
-                instance, point, ..
-            } => shapes.push(Shape::Point {
-                center: *point,
-                radius: 0.01 * size(&content[*instance]),
-            }),
+            Query::Closest { point, .. } => shapes.push(Shape::Point(*point)),
             Query::Ray { instance, ray } => shapes.push(line(ray, &content[*instance])),
             Query::Rays { instance, rays, .. } => {
                 shapes.extend(rays.iter().map(|ray| line(ray, &content[*instance])));
@@ -76,7 +66,7 @@ pub(super) fn key(shapes: &[Shape]) -> Option<String> {
         ("ball (ring)", |s| matches!(s, Shape::Ball { .. })),
         ("capsule (outline)", |s| matches!(s, Shape::Capsule { .. })),
         ("box (edges)", |s| matches!(s, Shape::Edge(_))),
-        ("point (gray dot)", |s| matches!(s, Shape::Point { .. })),
+        ("point (cross)", |s| matches!(s, Shape::Point(_))),
         ("ray (line)", |s| matches!(s, Shape::Ray(_))),
     ];
     let drawn = kinds.iter().filter(|(_, is)| shapes.iter().any(is));
@@ -124,13 +114,10 @@ mod tests {
             center: [0.0; 3],
             radius: 1.0,
         };
-        let point = Shape::Point {
-            center: [0.0; 3],
-            radius: 0.01,
-        };
+        let point = Shape::Point([0.0; 3]);
         assert_eq!(key(&[]), None);
         assert_eq!(key(&[ray, ray]).as_deref(), Some("asked about: ray (line)"));
-        let all = "asked about: ball (ring), point (gray dot), ray (line)";
+        let all = "asked about: ball (ring), point (cross), ray (line)";
         assert_eq!(key(&[ray, ball, point]).as_deref(), Some(all));
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::drawn::numbers;
+use crate::drawn::{Picture, numbers};
 use crate::support::{FRAME_Q, Folder, animated, baked, ball_mesh};
 
 #[test]
@@ -118,6 +118,7 @@ fn what_is_asked_about_has_an_outline_before_the_mesh() {
     // Before the middle of a body that fills the picture, as seen from +z.
     for query in [
         json!({"ball": {"instance": "r", "center": [10, -2, 1.2], "radius": 0.15}}),
+        json!({"closest": {"instance": "r", "point": [10, -2.4, 1.6]}}),
         json!({"capsule": {"instance": "r", "point1": [9.8, -2, 1.2], "point2": [10.2, -2, 1.2], "radius": 0.1}}),
         json!({"box": {"instance": "r", "center": [10, -2, 1.2], "half_extents": [0.2, 0.1, 0.1]}}),
         json!({"ray": {"instance": "r", "origin": [9.8, -2.1, 1.2], "direction": [1, 0.5, 0], "max_distance": 0.5}}),
@@ -142,10 +143,54 @@ fn what_is_asked_about_has_an_outline_before_the_mesh() {
             });
             of.count()
         };
-        let dark = count(|p| p.iter().all(|c| *c < 60));
+        let dark = count(|p| p.iter().all(|c| *c < 80));
         let light = count(|p| p.iter().all(|c| *c > 235));
         assert!(dark > 10 && light > 5, "{query}: {dark} {light}");
     }
+}
+
+/// A point is a cross as large in every picture, whose middle is dark: a ball's ring is not.
+#[test]
+fn a_point_is_a_cross_and_a_ball_a_ring() {
+    let folder = Folder::new();
+    let dark = |query: Value, size: &str| {
+        let scene = json!({"instances": [{"name": "r", "asset": "rigid.bdt"}], "queries": [query]});
+        folder.write("scene.json", scene.to_string());
+        let fixed = [
+            "rigid.bdt",
+            "--query",
+            "scene.json",
+            "--no-legend",
+            "--view=0,0",
+        ];
+        let options = ["--opacity", "0", "-o", "out.png"];
+        folder.render_at(size, &[&fixed[..], &options].concat());
+        let picture = Picture::read(&folder.path("out.png"));
+        let all = picture.pixels.iter().enumerate();
+        let dark = all.filter(|(_, p)| p.iter().all(|c| *c < 80));
+        let places: Vec<[f64; 2]> = dark
+            .map(|(i, _)| [i % picture.size[0], i / picture.size[0]].map(|n| n as f64))
+            .collect();
+        let count = places.len() as f64;
+        let middle = [0, 1].map(|k| places.iter().map(|p| p[k]).sum::<f64>() / count);
+        let far = |p: &[f64; 2]| (p[0] - middle[0]).hypot(p[1] - middle[1]);
+        let nearest = places.iter().map(far).fold(f64::INFINITY, f64::min);
+        let farthest = places.iter().map(far).fold(0.0, f64::max);
+        [nearest, farthest]
+    };
+    let point = |z: f64| json!({"closest": {"instance": "r", "point": [10, -2, z]}});
+    for z in [1.5, 2.5] {
+        let [nearest, farthest] = dark(point(z), "320x240");
+        assert!(
+            nearest < 1.5 && (5.0..10.0).contains(&farthest),
+            "{z}: {nearest} {farthest}"
+        );
+        let [_, farthest] = dark(point(z), "1280x960");
+        assert!((9.0..16.0).contains(&farthest), "{z}: {farthest}");
+    }
+    let ball = json!({"ball": {"instance": "r", "center": [10, -2, 1.2], "radius": 0.15}});
+    let [nearest, _] = dark(ball, "320x240");
+    assert!(nearest > 5.0, "{nearest}");
 }
 
 #[test]
