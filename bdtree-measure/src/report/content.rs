@@ -31,6 +31,8 @@ pub struct Content {
     pub modes: Vec<ModesRow>,
     /// The q that the errors of `modes` are taken over, in words; null without modes.
     pub modes_over: Option<String>,
+    /// The advised modes where they are not the first ones, as those of `modes` are; else null.
+    pub modes_advised: Option<ModesAdvised>,
     /// The same ball queries without a level to stop at.
     pub depth_whole: WholeQuery,
     /// Queries stopped at a level, from the root's down.
@@ -206,6 +208,15 @@ pub struct ModesRow {
     pub pair_micros: f64,
     /// Time over that with all modes in the same run, geometric mean over the three; 1 for all modes.
     pub time_rel: f64,
+}
+
+/// Advised modes that are not the first ones.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModesAdvised {
+    /// Their numbers, ascending.
+    pub modes: Vec<usize>,
+    /// The largest error that they leave at most, over the diagonal.
+    pub error_max_rel: f64,
 }
 
 /// Ball queries without a level limit.

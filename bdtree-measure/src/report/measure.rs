@@ -94,6 +94,7 @@ pub fn measure(
         advice: Vec::new(),
         modes: Vec::new(),
         modes_over: None,
+        modes_advised: None,
         depth_whole,
         depth,
         tightness: Vec::new(),
@@ -146,6 +147,7 @@ fn take_modes(content: &mut Content, found: modes::Modes, subject: &Subject<'_>)
     content.samples.of_parts.modes = found.samples;
     content.modes = found.rows;
     content.modes_over = found.over;
+    content.modes_advised = found.advised;
     content.advice.extend(found.advice);
     let options = found.options.unwrap_or_default();
     let is_as_advised = made::has(&content.made, &options);

@@ -9,7 +9,7 @@ use bdtree_build::progress::Progress;
 use bdtree_format::Metadata;
 use bdtree_runtime::Asset;
 
-use super::content::{Advice, ModesRow};
+use super::content::{Advice, ModesAdvised, ModesRow};
 use super::made;
 use crate::MeasureError;
 
@@ -24,6 +24,8 @@ pub(super) struct Modes {
     pub(super) advice: Vec<Advice>,
     /// Which q errors are taken over, in words; `None` without modes.
     pub(super) over: Option<String>,
+    /// The advised modes where they are not the first ones, as those of the rows are.
+    pub(super) advised: Option<ModesAdvised>,
     /// Options of `bdtree-build` that follow it; `None` where the file is as advised.
     pub(super) options: Option<Vec<String>>,
     /// Samples of visits and times.
@@ -83,6 +85,10 @@ pub(super) fn modes(asset: &Asset<'_>, progress: &dyn Progress) -> Result<Modes,
     Ok(Modes {
         rows: rows.collect(),
         advice: sentences.collect(),
+        advised: (!advice.takes_first).then(|| ModesAdvised {
+            modes: advice.chosen.modes.clone(),
+            error_max_rel: advice.error_rel,
+        }),
         options: made::options(&advice),
         over: (asset.mode_count() > 0).then_some(over),
         samples: advice.samples.1,

@@ -50,16 +50,12 @@ pub(super) fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
         );
         return missing;
     }
-    if !samples.still.is_empty() {
-        let (modes, move_, their, they) = match samples.still.len() {
-            1 => ("Mode", "moves", "its", "it does"),
-            _ => ("Modes", "move", "their", "they do"),
-        };
-        missing.push(format!(
-            "{modes} {} {move_} nothing within {their} q_range: what {they} beyond it is not in this report.",
-            numbers(&samples.still)
-        ));
-    }
+    let is_zero = |mode: &usize| {
+        let record = asset.modes().get(*mode);
+        record.is_some_and(|mode| mode.field_norm_max.get() == 0.0)
+    };
+    let (zero, still): (Vec<usize>, Vec<usize>) = samples.still.iter().copied().partition(is_zero);
+    missing.extend(of_still(&zero, &still));
     if samples.source == Source::Ranges {
         let none = match (asset.has_skin(), asset.frame_count()) {
             (true, _) => "No clip moves a mode",
@@ -72,6 +68,32 @@ pub(super) fn missing(asset: &Asset<'_>, samples: &Samples) -> Vec<String> {
         ));
     }
     missing
+}
+
+/// Of modes whose fields are zero, and of others that move nothing within their ranges.
+fn of_still(zero: &[usize], still: &[usize]) -> Vec<String> {
+    let mut lines = Vec::new();
+    if !zero.is_empty() {
+        let (modes, are, them) = match zero.len() {
+            1 => ("Mode", "is", "it"),
+            _ => ("Modes", "are", "them"),
+        };
+        let which = numbers(zero);
+        lines.push(format!(
+            "{modes} {which} {are} zero everywhere: a bake without {them} moves in the same way."
+        ));
+    }
+    if !still.is_empty() {
+        let (modes, move_, their, they) = match still.len() {
+            1 => ("Mode", "moves", "its", "it does"),
+            _ => ("Modes", "move", "their", "they do"),
+        };
+        let which = numbers(still);
+        lines.push(format!(
+            "{modes} {which} {move_} nothing within {their} q_range: what {they} beyond it is not in this report."
+        ));
+    }
+    lines
 }
 
 fn of_skin(samples: &Samples) -> Vec<String> {
@@ -87,4 +109,25 @@ fn of_skin(samples: &Samples) -> Vec<String> {
         );
     }
     missing
+}
+
+#[cfg(test)]
+mod tests {
+    use super::of_still;
+
+    #[test]
+    fn zero_fields_are_told_from_small_ranges() {
+        assert!(of_still(&[], &[]).is_empty());
+        assert_eq!(
+            of_still(&[0, 1, 2], &[4]),
+            [
+                "Modes 0 to 2 are zero everywhere: a bake without them moves in the same way.",
+                "Mode 4 moves nothing within its q_range: what it does beyond it is not in this report.",
+            ]
+        );
+        assert_eq!(
+            of_still(&[3], &[]),
+            ["Mode 3 is zero everywhere: a bake without it moves in the same way."]
+        );
+    }
 }

@@ -1,6 +1,8 @@
 //! What fewer modes cost and save.
 
-use super::super::content::{Content, ModesRow};
+use bdtree_build::figures::numbers;
+
+use super::super::content::{Content, ModesAdvised, ModesRow};
 use super::super::text::{figure, grouped, percent, share};
 use super::{Column, Page, line};
 use crate::plot::{Axis, Plot};
@@ -54,6 +56,9 @@ impl Page {
             lines: vec![line("bytes", &|r| r.bytes as f64 / 1e6)],
         });
         self.close();
+        if let Some(advised) = &content.modes_advised {
+            self.soft(&beside_the_first(advised));
+        }
         // As the plots above: errors, times, and what they come from.
         let modes: Column<'_, ModesRow> = ("modes", &|r| r.modes.to_string());
         self.open();
@@ -91,5 +96,51 @@ impl Page {
             ],
         );
         self.close();
+    }
+}
+
+/// What the plots do not show: they are of the first modes.
+fn beside_the_first(advised: &ModesAdvised) -> String {
+    let which = numbers(&advised.modes);
+    let error = match advised.error_max_rel {
+        0.0 => "no error".to_string(),
+        // What is as small is rounding.
+        error if error < 1e-5 => "an error below 0.001 % of the diagonal".to_string(),
+        error => format!("an error of at most {} of the diagonal", percent(error)),
+    };
+    match advised.modes.len() {
+        0 => format!("The advice is to keep none of the modes, which leaves {error}."),
+        1 => format!("The advised mode, {which}, is not the first one: it leaves {error}."),
+        count => {
+            format!("The advised modes ({which}) are not the first {count}: they leave {error}.")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::content::ModesAdvised;
+    use super::beside_the_first;
+
+    #[test]
+    fn advised_modes_that_are_not_the_first_are_named() {
+        let text = |modes: &[usize], error_max_rel| {
+            beside_the_first(&ModesAdvised {
+                modes: modes.to_vec(),
+                error_max_rel,
+            })
+        };
+        assert_eq!(
+            text(&[6, 7, 8], 0.0),
+            "The advised modes (6 to 8) are not the first 3: they leave no error."
+        );
+        assert_eq!(
+            text(&[1, 4], 2.5e-8),
+            "The advised modes (1, 4) are not the first 2: they leave an error below 0.001 % of the diagonal."
+        );
+        assert_eq!(
+            text(&[2], 0.0042),
+            "The advised mode, 2, is not the first one: it leaves an error of at most 0.42 % of the diagonal."
+        );
     }
 }

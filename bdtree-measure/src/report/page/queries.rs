@@ -1,7 +1,7 @@
 //! What stopping at a level brings.
 
 use super::super::content::{Content, DepthRow};
-use super::super::text::{figure, number, percent, share};
+use super::super::text::{count, figure, number, percent, share};
 use super::{Column, Page, line};
 use crate::plot::{Axis, Plot};
 
@@ -14,17 +14,7 @@ impl Page {
         self.heading("Depth of traversal");
         let whole = &content.depth_whole;
         let samples = content.samples.of_parts.depth;
-        let at = match (samples, whole.apart_rel) {
-            (1, 0.0) => content.samples.some(1),
-            (1, _) => format!(
-                "{}, where the ball touches nothing",
-                content.samples.some(1)
-            ),
-            (_, apart) => format!(
-                "{samples} samples; at {} of them the ball touches nothing",
-                percent(apart)
-            ),
-        };
+        let at = places(samples, &content.samples.some(samples), whole.apart_rel);
         let others = match content.modes.is_empty() {
             true => "",
             false => ", not on one as in \"Modes kept\": visits and times differ",
@@ -32,8 +22,8 @@ impl Page {
         self.soft(&format!(
             "Queries with a ball of {} of the diagonal that stop at a level and report its spheres, at {at}. The \
              center of the ball is up to 1.7 radii off a point of the surface{others}. Without a level limit a query \
-             takes {} µs and visits {} nodes. With a limit it misses nothing; the tables show the extra area and the \
-             depth error.",
+             takes {} µs and visits {} nodes. With a limit it misses nothing; the tables show the extra area, the \
+             depth error and false positives: samples where spheres are reported though the ball touches nothing.",
             percent(content.samples.balls.large_rel),
             number(whole.ball_micros),
             number(whole.ball_visits),
@@ -72,7 +62,7 @@ impl Page {
                 ("depth error / diagonal", &|r| {
                     share(r.penetration_error_rel)
                 }),
-                ("false positives", &|r| share(r.false_rel)),
+                ("false positives / samples", &|r| share(r.false_rel)),
             ],
         );
         self.table::<DepthRow>(
@@ -86,5 +76,44 @@ impl Page {
             ],
         );
         self.close();
+    }
+}
+
+/// How many samples there are, `some` of them where they are one, and at how many the ball touches nothing: counted, for a
+/// share of so few looks more exact than it is.
+fn places(samples: usize, some: &str, apart_rel: f64) -> String {
+    match (samples, apart_rel) {
+        (1, 0.0) => some.to_string(),
+        (1, _) => format!("{some}, where the ball touches nothing"),
+        (_, 0.0) => format!("{samples} samples, in all of which the ball touches the asset"),
+        (_, apart) => format!(
+            "{samples} samples; at {} of them the ball touches nothing",
+            count(apart * samples as f64)
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::places;
+
+    #[test]
+    fn samples_are_counted() {
+        for (samples, apart_rel, text) in [
+            (1, 0.0, "the rest pose"),
+            (1, 1.0, "the rest pose, where the ball touches nothing"),
+            (
+                24,
+                1.0 / 24.0,
+                "24 samples; at 1 of them the ball touches nothing",
+            ),
+            (
+                6,
+                0.0,
+                "6 samples, in all of which the ball touches the asset",
+            ),
+        ] {
+            assert_eq!(places(samples, "the rest pose", apart_rel), text);
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! An asset with modes and an animation, of which every part can be measured.
 
 use super::figures::{
-    cells, exact_levels, list, number, numbers_are_the_figures, standing_is_that_of_the_points,
+    cells, exact_levels, list, names_are_documented, number, numbers_are_the_figures,
+    standing_is_that_of_the_points,
 };
 use crate::support::{Folder, animated, baked, ball_mesh};
 
@@ -113,6 +114,9 @@ fn an_animated_asset_has_every_part() {
     assert!(page.matches("<svg").count() >= 8 && page.contains("prefers-color-scheme:dark"));
     assert!(cells(&page) > 100 && !page.contains("NaN"));
     assert!(page.contains("viewport"));
+    assert!(page.contains("false positives: samples where spheres are reported though"));
+    // On a phone tables scroll; lines of figures are not broken.
+    assert!(page.contains("td:not(.text){white-space:nowrap}"));
     // Tables of more columns are wider than a phone; those of numbers lie side by side, as many as plots above them.
     let columns = |table: &str| {
         let head = table.split("</thead>").next();
@@ -125,6 +129,7 @@ fn an_animated_asset_has_every_part() {
     );
     assert_eq!(page.matches("\"small table\"").count(), 8, "{tables:?}");
     numbers_are_the_figures(&page, &report);
+    names_are_documented(&report);
     for advice in list(&report, "advice") {
         let text = advice["text"].as_str().expect("text");
         assert!(page.contains(&text.replace('"', "&quot;")), "{text}");

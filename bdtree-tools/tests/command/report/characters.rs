@@ -12,8 +12,8 @@ use bdtree_runtime::Model;
 use serde_json::Value;
 
 use super::figures::{
-    exact_levels, list, number, numbers_are_the_figures, standing_is_that_of_the_points,
-    without_times,
+    exact_levels, list, names_are_documented, number, numbers_are_the_figures,
+    standing_is_that_of_the_points, without_times,
 };
 use crate::support::{Folder, character};
 
@@ -103,6 +103,7 @@ fn characters_are_measured_in_the_poses_of_their_clips() {
     );
     assert!(!page.contains("NaN"));
     numbers_are_the_figures(&page, &report);
+    names_are_documented(&report);
     for text in list(&report, "verdict").iter().filter_map(Value::as_str) {
         assert!(page.contains(text), "{text}");
     }

@@ -1,5 +1,7 @@
 //! What holds for the figures and pages of all assets.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
 pub(super) fn list<'v>(value: &'v Value, name: &str) -> &'v [Value] {
@@ -116,6 +118,36 @@ pub(super) fn standing_is_that_of_the_points(curve: &Value) {
         // Two digits: rounded by up to a twentieth.
         assert!((0.95 * from..=1.05 * to).contains(&at), "{curve}");
         assert_eq!(format!("{at:.1e}").parse(), Ok(at));
+    }
+}
+
+/// Names of all fields, but for options of `bdtree-build`.
+fn names(value: &Value, found: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(map) => {
+            for (name, value) in map {
+                found.insert(name.clone());
+                if name != "settings" {
+                    names(value, found);
+                }
+            }
+        }
+        Value::Array(all) => all.iter().for_each(|value| names(value, found)),
+        _ => {}
+    }
+}
+
+/// docs/reference/report.md names every field of a report.
+pub(super) fn names_are_documented(report: &Value) {
+    let manual = include_str!("../../../../docs/reference/report.md");
+    let mut all = BTreeSet::new();
+    names(report, &mut all);
+    assert!(all.len() > 80);
+    for name in all {
+        let is_named = ["`", "[]`"]
+            .iter()
+            .any(|end| manual.contains(&format!("`{name}{end}")));
+        assert!(is_named, "docs/reference/report.md does not name {name}");
     }
 }
 

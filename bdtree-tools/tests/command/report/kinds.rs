@@ -2,7 +2,7 @@
 
 use bdtree_build::basis::Basis;
 use bdtree_build::input::RawMesh;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::figures::{cells, list, number, standing_is_that_of_the_points, without_times};
 use crate::support::{Folder, baked, ball_mesh};
@@ -117,7 +117,7 @@ fn fields_that_move_nothing_are_advised_away() {
     let count = mesh.positions.len();
     basis.fields[..count].fill([0.0; 3]);
     folder.write("still.bdt", baked(&mesh, &basis));
-    let (report, _) = folder.report("still.bdt");
+    let (report, page) = folder.report("still.bdt");
     let advice = list(&report, "advice").iter();
     let modes: Vec<_> = advice
         .filter(|advice| advice["topic"] == "modes")
@@ -129,4 +129,15 @@ fn fields_that_move_nothing_are_advised_away() {
             .any(|text| text.contains("2 of 3 modes (numbers 1, 2 \"wave\") ")),
         "{modes:?}"
     );
+    // The plots are of the first modes, which are others.
+    assert_eq!(report["modes_advised"]["modes"], json!([1, 2]));
+    assert!(number(&report["modes_advised"], "error_max_rel") < 1e-6);
+    assert!(
+        page.contains("The advised modes (1, 2) are not the first 2: they leave an error below ")
+    );
+    let missing = list(&report, "missing").iter();
+    let mut missing = missing.filter_map(Value::as_str);
+    assert!(missing.any(|text| text.starts_with("Mode 0 is zero everywhere: ")));
+    let (report, _) = folder.report("a.bdt");
+    assert_eq!(report["modes_advised"], Value::Null);
 }
