@@ -298,7 +298,7 @@ fn modes(count: usize) -> String {
     format!("{count} mode{}", if count == 1 { "" } else { "s" })
 }
 
-/// A share in per cent, to two digits, upwards: what is promised is kept.
+/// A share in per cent, to three digits, upwards: what is promised is kept.
 fn percent(share: f64) -> String {
     let x = 100.0 * share;
     if !(x > 0.0) {
@@ -307,14 +307,19 @@ fn percent(share: f64) -> String {
     if !x.is_finite() {
         return format!("{x} %");
     }
-    let digits = (1 - x.log10().floor() as i32).clamp(0, 300);
+    let digits = (2 - x.log10().floor() as i32).clamp(0, 300);
     let unit = 10.0_f64.powi(digits);
     // What is a whole number of the last digit but for rounding stays.
     let up = (x * unit * (1.0 - 1e-12)).ceil() / unit;
     if up < 1e-3 {
-        return format!("{up:.1e} %");
+        return format!("{up:.2e} %");
     }
-    format!("{up:.*} %", digits as usize)
+    let text = format!("{up:.*}", digits as usize);
+    let text = match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => &text,
+    };
+    format!("{text} %")
 }
 
 /// A share in whole per cent, downwards: no more is claimed than was measured.
@@ -342,14 +347,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_are_rounded_up_to_two_digits() {
+    fn shares_are_rounded_up_to_three_digits() {
         assert_eq!(percent(0.0), "0 %");
-        assert_eq!(percent(0.01), "1.0 %");
-        assert_eq!(percent(0.010_01), "1.1 %");
+        assert_eq!(percent(0.01), "1 %");
+        assert_eq!(percent(0.010_001), "1.01 %");
         assert_eq!(percent(0.3), "30 %");
-        assert_eq!(percent(0.004_21), "0.43 %");
+        assert_eq!(percent(0.004_211), "0.422 %");
         assert_eq!(percent(1.23), "123 %");
-        assert_eq!(percent(1.2e-7), "1.2e-5 %");
+        assert_eq!(percent(1.2e-7), "1.20e-5 %");
     }
 
     #[test]
@@ -483,7 +488,7 @@ mod tests {
         (advice.chosen, advice.error_rel) = (point(5, 4, 7, 1.0), 0.05);
         assert_eq!(
             advice.sentences()[0],
-            "5 modes leave an error of 5.0 % (goal: 1.0 %). Allow more with --modes."
+            "5 modes leave an error of 5 % (goal: 1 %). Allow more with --modes."
         );
     }
 }

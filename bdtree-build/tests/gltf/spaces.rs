@@ -85,7 +85,11 @@ fn a_skin_far_from_meshes_without_one_is_brought_to_the_scene() {
     let model = checked(&bytes);
     let warnings = &model.mesh.warnings;
     assert_eq!(warnings.len(), 2, "{warnings:?}");
-    assert!(warnings.iter().all(|w| w.contains("than that of the scene")));
+    assert!(
+        warnings
+            .iter()
+            .all(|w| w.contains("than that of the scene"))
+    );
     // Mesh 0 twice, and the far one.
     let x = |vertices: std::ops::Range<usize>| model.mesh.positions[vertices].iter().map(|p| p[0]);
     assert!(x(0..9).fold(0.0, f64::max) > 50.0);

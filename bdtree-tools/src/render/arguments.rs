@@ -9,7 +9,7 @@ use crate::posture::PostureArguments;
 
 /// Draws pictures: the deformed mesh, spheres of its tree, what queries visit.
 ///
-/// Spheres are colored by growth: their radius over that of the wrapped sphere at rest. With the scale of the
+/// Spheres are colored by growth: their radius over that at rest (q = 0, bones at rest). With the scale of the
 /// paper, dark blue is no growth and dark red is 1.44 (three times the volume) or more; with viridis,
 /// dark purple and yellow are.
 /// Needs Vulkan: a graphics card's, or Mesa's in software.
@@ -39,7 +39,7 @@ pub struct Arguments {
     /// child (with --spheres: those of visited nodes of that level). Planes and frusta are not drawn
     #[arg(long, value_name = "SCENE.json", conflicts_with = "frames")]
     pub query: Option<PathBuf>,
-    /// What a sphere's radius is divided by for its color: that of the wrapped sphere at rest, as in
+    /// What a sphere's radius is divided by for its color: that of the same sphere at rest, as in
     /// the paper, or that of the smallest ball around the deformed vertices it holds; with --spheres or --query
     #[arg(
         long,

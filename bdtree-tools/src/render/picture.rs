@@ -395,8 +395,8 @@ fn legend_room(arguments: &Arguments) -> [u32; 2] {
 /// What a picture says of its spheres.
 fn spheres_line(arguments: &Arguments, which: &str, count: &str, [mean, max]: [f64; 2]) -> String {
     let ratio = match arguments.against {
-        AgainstChoice::Rest => "R'/R",
-        AgainstChoice::Deformed => "R'/R_opt",
+        AgainstChoice::Rest => "growth",
+        AgainstChoice::Deformed => "looseness",
     };
     format!("{which}{count}, {ratio} mean {mean:.3}, largest {max:.3}")
 }
@@ -404,9 +404,9 @@ fn spheres_line(arguments: &Arguments, which: &str, count: &str, [mean, max]: [f
 /// The scale of colors, and what it means.
 fn scale(arguments: &Arguments) -> (Scale, f64, String) {
     let meaning = match arguments.against {
-        AgainstChoice::Rest => "R'/R: radius over the wrapped sphere's at rest",
+        AgainstChoice::Rest => "growth: radius over that at rest",
         AgainstChoice::Deformed => {
-            "R'/R_opt: radius over the smallest ball's around the deformed vertices"
+            "looseness: radius over that of the smallest ball around the deformed vertices"
         }
     };
     let colours = arguments.scale.into();
@@ -490,7 +490,7 @@ mod tests {
         let level = ["--query", "s.json", "--spheres", "4"];
         let none = "level 4: no visited spheres";
         assert_eq!(text(&level, "0 spheres", &[]).as_deref(), Some(none));
-        let some = "level 4: 2 spheres, R'/R mean 1.500, largest 2.000";
+        let some = "level 4: 2 spheres, growth mean 1.500, largest 2.000";
         assert_eq!(
             text(&level, "2 spheres", &[1.0, 2.0]).as_deref(),
             Some(some)

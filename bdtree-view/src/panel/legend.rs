@@ -11,7 +11,7 @@ const STEPS: usize = 110;
 
 pub(super) fn show(ui: &mut Ui, scale: Scale) {
     ui.label(
-        RichText::new("R'/R: radius over the wrapped sphere's at rest")
+        RichText::new("growth: radius over that at rest")
             .small()
             .weak(),
     );
