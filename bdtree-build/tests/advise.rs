@@ -205,7 +205,7 @@ fn a_goal_that_cannot_be_met_is_said_to_be_missed() {
     );
     assert!(
         sentences.starts_with("1 mode leaves an error of ")
-            && sentences.contains(" (goal: 1.0e-7 %). Allow more with --modes."),
+            && sentences.contains(" (goal: 1.00e-7 %). Allow more with --modes."),
         "{sentences}"
     );
     assert_eq!(baked(&command, folder.path())["modes"], 1);

@@ -259,7 +259,7 @@ mod tests {
     use crate::tightness::{GROWTH_RED, Scale};
 
     fn legend(lines: usize, has_scale: bool) -> Legend {
-        let meaning = "growth: radius over that at rest".to_string();
+        let meaning = "growth: radius over that of the sphere at rest".to_string();
         Legend {
             lines: vec!["level 0: 8 spheres, growth mean 1.000, largest 1.000".to_string(); lines],
             scale: has_scale.then_some((Scale::Paper, GROWTH_RED, meaning)),

@@ -44,11 +44,13 @@ impl Oddity {
     }
 }
 
-/// The first triangle of a polygon's fan that lies outside of the polygon: it turns the other way than the whole does. All
-/// corners must be known.
+/// The first triangle of a polygon's fan that lies outside of the polygon: it turns the other way than the whole does. Of
+/// polygons that are far from flat nothing is said, since no surface of theirs is the right one. All corners must be known.
 pub(super) fn outside(fan: &[[u32; 3]], positions: &[[f64; 3]]) -> Option<usize> {
-    /// Share of the polygon's area that counts: less is what rounding and polygons that are not flat leave.
+    /// Share of the polygon's area that counts: less is what rounding leaves.
     const SHARE: f64 = 1e-6;
+    /// Cosine of the angle between the normals of the triangle and of the whole, at most: 155° and more.
+    const TURNED: f64 = -0.9;
     if fan.len() < 2 {
         return None;
     }
@@ -59,8 +61,11 @@ pub(super) fn outside(fan: &[[u32; 3]], positions: &[[f64; 3]]) -> Option<usize>
     };
     let whole = fan.iter().map(area).fold([0.0; 3], add);
     // NaN, of coordinates whose products are beyond f64, is not below.
-    fan.iter()
-        .position(|corners| dot(area(corners), whole) < -SHARE * norm2(whole))
+    fan.iter().position(|corners| {
+        let area = area(corners);
+        let along = dot(area, whole);
+        along < -SHARE * norm2(whole) && along < TURNED * (norm2(area) * norm2(whole)).sqrt()
+    })
 }
 
 /// True if the triangle's area is zero as far as f64 can tell: the cross product of two edges is

@@ -406,7 +406,7 @@ fn scale(arguments: &Arguments) -> (Scale, f64, String) {
     let meaning = match arguments.against {
         AgainstChoice::Rest => "growth: radius over that at rest",
         AgainstChoice::Deformed => {
-            "looseness: radius over that of the smallest ball around the deformed vertices"
+            "looseness: radius over the smallest that holds the deformed vertices"
         }
     };
     let colours = arguments.scale.into();
