@@ -25,7 +25,7 @@
 //! [`BakeError`]: every problem, each with its [`Place`](error::Place).
 //!
 //! Flow: [`recipe`] → [`input`] → [`basis`] (with [`elastic`] below it) → [`wrap::store`] (with [`skin::store`]) → [`tree`] → [`wrap`](mod@wrap)
-//! → [`encode`](mod@encode) → [`report`] → [`file`](mod@file).
+//! → [`encode`](mod@encode) → [`report`] → [`bdtree_output`].
 
 pub mod advise;
 pub mod basis;
