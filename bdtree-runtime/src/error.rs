@@ -304,6 +304,8 @@ pub enum PoseError {
     Translation,
     /// The matrix is not a rotation with one positive scale and a translation.
     Matrix,
+    /// The last row of a joint's matrix is not 0, 0, 0, 1.
+    Projection,
     /// The scale is not between 2^-60 and 2^60.
     Scale,
 }
@@ -344,6 +346,9 @@ impl fmt::Display for PoseError {
             Self::Translation => f.write_str("translation is not finite or beyond 2^80"),
             Self::Matrix => f.write_str(
                 "the matrix is not a rotation with one positive scale and a translation",
+            ),
+            Self::Projection => f.write_str(
+                "the matrix projects: its last row is not 0, 0, 0, 1 (are rows and columns exchanged?)",
             ),
             Self::Scale => f.write_str("scale is not between 2^-60 and 2^60"),
         }

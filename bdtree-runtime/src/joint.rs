@@ -48,13 +48,14 @@ pub fn invert(map: &JointMatrix) -> Option<JointMatrix> {
 /// A matrix of four columns, as engines and glTF keep them: glam's `to_cols_array_2d`, mint's `ColumnMatrix4`.
 ///
 /// # Errors
-/// [`PoseError::Matrix`] for one that projects: whose last row is other than 0, 0, 0, 1.
+/// [`PoseError::Projection`] for one that projects: whose last row is other than 0, 0, 0, 1, without a tolerance. Set it
+/// where a computation of yours has rounded it.
 pub fn from_columns<T: Copy + Into<f64>>(
     columns: impl Into<[[T; 4]; 4]>,
 ) -> Result<JointMatrix, PoseError> {
     let columns = columns.into().map(|column| column.map(Into::into));
     if columns.map(|column| column[3]) != [0.0, 0.0, 0.0, 1.0] {
-        return Err(PoseError::Matrix);
+        return Err(PoseError::Projection);
     }
     Ok([0, 1, 2].map(|r| columns.map(|column| column[r])))
 }
@@ -131,7 +132,7 @@ mod tests {
         assert_eq!(from_columns(narrow), Ok(MAP));
         let mut projects = columns;
         projects[1][3] = 0.5;
-        assert_eq!(from_columns(projects), Err(PoseError::Matrix));
+        assert_eq!(from_columns(projects), Err(PoseError::Projection));
     }
 
     #[test]

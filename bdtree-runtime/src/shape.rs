@@ -114,7 +114,7 @@ pub struct Ray {
     pub origin: [f64; 3],
     /// Where it goes: finite, not zero, of any length, since it is normalised first.
     pub direction: [f64; 3],
-    /// How far it goes: not negative, may be infinite.
+    /// How far it goes: not negative; above 2^100 without end.
     pub max_distance: f64,
 }
 

@@ -199,8 +199,19 @@ fn every_query_error_is_triggered() {
         ] {
             argument(query.contacts(shape, &mut out).err());
         }
-        argument(query.project_point(origin, bad).err());
-        argument(query.cast_ray(&ray.with_max_distance(bad)).err());
+        // What programs take for no limit is one.
+        let nearest = query.project_point(origin, bad);
+        let hit = query.cast_ray(&ray.with_max_distance(bad));
+        if bad > 0.0 {
+            let nearest = nearest.expect("a limit").expect("the mesh");
+            let whole = query.project_point(origin, inf).expect("no limit");
+            assert_eq!(Some(nearest), whole);
+            assert_eq!(hit, query.cast_ray(&ray.with_max_distance(f64::MAX)));
+            assert_eq!(hit, query.cast_ray(&ray));
+        } else {
+            argument(nearest.err());
+            argument(hit.err());
+        }
         let mut query = pose.against(&pose, &mut workspace);
         argument(query.contacts(bad, &mut pair_out).err());
     }

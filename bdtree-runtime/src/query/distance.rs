@@ -21,7 +21,7 @@ pub(super) fn closest_points(
     max_distance: f64,
     stack: &mut [SearchEntry],
 ) -> Result<(Option<PairContact>, Walk), QueryError> {
-    let max_distance = limit(max_distance, MAX_DISTANCE)?;
+    let max_distance = limit(max_distance)?;
     let (pose1, pose2) = (posed1.pose, posed2.pose);
     let mut frontier = Stack::new(stack, pose1.asset.distance_stack_len(pose2.asset))?;
     let (mut own1, mut own2) = (OwnCache::default(), OwnCache::default());
@@ -35,8 +35,6 @@ pub(super) fn closest_points(
     })?;
     Ok((whole([pose1, pose2], pairs.best)?, walk))
 }
-
-pub(super) const MAX_DISTANCE: &str = "max_distance: negative, NaN or beyond 2^100";
 
 /// The best pair with its normals, which only the last best one gets.
 pub(super) fn whole(

@@ -49,10 +49,7 @@ impl Line {
             "origin: a coordinate is not finite or beyond 2^100",
         )?;
         let direction = unit(ray.direction, "direction: zero or not finite")?;
-        let max_distance = limit(
-            ray.max_distance,
-            "max_distance: negative, NaN or beyond 2^100",
-        )?;
+        let max_distance = limit(ray.max_distance)?;
         let frame = &pose.placement;
         let stored_per_world = 1.0 / frame.world_per_stored();
         let from = frame.point_to_stored(origin);

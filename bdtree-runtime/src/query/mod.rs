@@ -54,12 +54,12 @@ pub(crate) fn length(x: f64, what: &'static str) -> Result<f64, QueryError> {
     }
 }
 
-/// A limit that may be infinite.
-fn limit(x: f64, what: &'static str) -> Result<f64, QueryError> {
-    if x == f64::INFINITY {
-        Ok(x)
+/// A largest distance. Nothing is farther than 2^100, so that what programs take for no limit is one, such as `f64::MAX`.
+fn limit(max_distance: f64) -> Result<f64, QueryError> {
+    if max_distance > ARGUMENT_MAX {
+        Ok(f64::INFINITY)
     } else {
-        length(x, what)
+        length(max_distance, "max_distance: negative or NaN")
     }
 }
 

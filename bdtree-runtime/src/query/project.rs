@@ -55,7 +55,7 @@ impl Closest {
         max_distance: f64,
     ) -> Result<Self, QueryError> {
         let to = point(to, "point: a coordinate is not finite or beyond 2^100")?;
-        let max_distance = limit(max_distance, "max_distance: negative, NaN or beyond 2^100")?;
+        let max_distance = limit(max_distance)?;
         let stored = pose.placement.point_to_stored(to);
         let far = norm(stored);
         let extra = pose.placement.error(norm(to), pose.reach) + POINT * far;

@@ -3,7 +3,7 @@
 mod guided;
 
 use super::ball::Ball;
-use super::distance::{MAX_DISTANCE, whole};
+use super::distance::whole;
 use super::line::Line;
 use super::project::Closest;
 use super::ray::First;
@@ -116,7 +116,7 @@ impl Budget<'_> {
         [posed1, posed2]: [Posed<'_>; 2],
         max_distance: f64,
     ) -> Result<(Budgeted<Option<PairContact>>, Walk), QueryError> {
-        let max_distance = limit(max_distance, MAX_DISTANCE)?;
+        let max_distance = limit(max_distance)?;
         let (pose1, pose2) = (posed1.pose, posed2.pose);
         let (mut own1, mut own2) = (OwnCache::default(), OwnCache::default());
         let gap = Gap::new(&posed1, &posed2);

@@ -54,7 +54,7 @@ pub struct ContactPoint {
     pub point2: [f64; 3],
     /// Signed distance along the normal: negative is penetration depth.
     pub distance: f64,
-    /// Its share of the region's area.
+    /// The part of the region's area that it stands for: those of all points add up to it.
     pub area: f64,
     /// The first mesh's triangle.
     pub triangle1: TriangleId,
