@@ -174,7 +174,8 @@ impl Solver<'_> {
             } => {
                 let [a, b] = two(self.bodies, [a, b])?;
                 let mut both = a.against(b, &mut self.workspace);
-                if let Some(level) = self.max_depth {
+                // Regions need all pairs of triangles.
+                if let (Some(level), false) = (self.max_depth, contacts) {
                     let [of_a, of_b] = &mut self.proxies;
                     both = both.max_level1(level, of_a).max_level2(level, of_b);
                 }

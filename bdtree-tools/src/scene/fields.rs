@@ -292,7 +292,10 @@ impl<'j> Fields<'j> {
 
     /// A length; absent or null: no limit.
     pub(super) fn limit(&self, key: &str) -> Option<f64> {
-        self.nullable(key)
-            .map_or(Some(f64::INFINITY), |at| at.length())
+        self.nullable(key).map_or(Some(f64::INFINITY), |at| {
+            let x = at.number()?;
+            at.ensure(x >= 0.0, "negative")?;
+            Some(x)
+        })
     }
 }

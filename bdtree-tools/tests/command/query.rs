@@ -361,7 +361,8 @@ fn a_depth_adds_spheres_in_place_of_what_lies_deeper() {
         {"plane": {"instance": "a", "normal": [0, 0, 1], "offset": a.triangles[7][0][2]}},
         {"closest": {"instance": "a", "point": a.triangles[7][0]}},
         {"ray": {"instance": "a", "origin": [9, 9, 9], "direction": [0, 0, 1]}},
-        {"pair": {"a": "a", "b": "b"}}]);
+        {"pair": {"a": "a", "b": "b"}},
+        {"pair": {"a": "a", "b": "b", "contacts": true}}]);
     let ask = |max_depth: Value| {
         let scene = json!({"instances": [a.json, b.json], "options": {"max_depth": max_depth},
             "queries": queries});
@@ -383,6 +384,15 @@ fn a_depth_adds_spheres_in_place_of_what_lies_deeper() {
         for line in &lines {
             spheres += line["proxies"].as_array().expect("a list").len();
         }
+        // Regions of some of the pairs would be wrong ones.
+        for key in ["triangles", "contacts"] {
+            assert_eq!(lines[5][key], exact[5][key], "{key} at level {level}");
+        }
+        assert!(
+            lines[5]["contacts"]
+                .as_array()
+                .is_some_and(|all| !all.is_empty())
+        );
         let pair = lines[4]["proxies"].as_array().expect("a list");
         assert_eq!(pair.len() % 2, 0, "one of each");
         for both in pair.chunks(2) {
