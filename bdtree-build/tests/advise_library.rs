@@ -258,7 +258,7 @@ fn advice_on_a_character_is_of_its_clips() {
     let advice = advise(&subject, &goal, &Silent).expect("advice");
     let words = advice.sentences().join(" ");
     assert!(
-        words.contains("Times are those of 6 poses of the clips."),
+        words.contains("These times are over 6 poses of the clips."),
         "{words}"
     );
     assert!(

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use bdtree_runtime::{Asset, FormatError, LoadError, Model};
+use bdtree_runtime::{Asset, FormatError, HEADER_SECTION, LoadError, Model};
 
 use crate::error::ToolError;
 
@@ -20,7 +20,7 @@ impl AssetFile {
     /// # Errors
     /// When it cannot be opened or mapped, or is not a `.bdt` file.
     pub fn map(path: &Path) -> Result<Self, ToolError> {
-        Ok(Self::of(path, Model::load(path)?))
+        Ok(Self::of(path, Model::load(path).map_err(with_remedy)?))
     }
 
     /// Copies a file into memory: the safe way for files that others may change.
@@ -28,7 +28,7 @@ impl AssetFile {
     /// # Errors
     /// When it cannot be opened or read, or is not a `.bdt` file.
     pub fn read(path: &Path) -> Result<Self, ToolError> {
-        Ok(Self::of(path, Model::read(path)?))
+        Ok(Self::of(path, Model::read(path).map_err(with_remedy)?))
     }
 
     fn of(path: &Path, model: Model) -> Self {
@@ -83,4 +83,24 @@ impl AssetFile {
         let path = self.path.clone();
         LoadError::Format { path, error }.into()
     }
+}
+
+/// The error of a file that cannot be loaded; of a mesh, with what to do first.
+fn with_remedy(error: LoadError) -> ToolError {
+    const MESHES: [&str; 6] = ["obj", "gz", "ply", "stl", "glb", "gltf"];
+    match &error {
+        LoadError::Format { path, error } if error.section == HEADER_SECTION && error.byte < 8 => {
+            let extension = path.extension().unwrap_or_default();
+            if MESHES
+                .iter()
+                .any(|mesh| extension.eq_ignore_ascii_case(mesh))
+            {
+                let path = path.display();
+                let message = format!("not a .bdt file: bake it first with `bdtree-build {path}`");
+                return ToolError::input(path, message);
+            }
+        }
+        _ => {}
+    }
+    error.into()
 }

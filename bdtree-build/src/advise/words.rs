@@ -223,9 +223,9 @@ impl Advice {
     fn posed(&self) -> Option<String> {
         let count = self.samples.1;
         Some(match self.bones? {
-            Bones::Clips => format!("Times are those of {count} poses of the clips."),
+            Bones::Clips => format!("These times are over {count} poses of the clips."),
             Bones::Turns => format!(
-                "There are no clips: times are those of {count} poses whose joints are turned by up to 20°."
+                "There are no clips: these times are over {count} poses whose joints are turned by up to 20°."
             ),
         })
     }

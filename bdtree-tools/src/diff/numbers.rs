@@ -35,7 +35,9 @@ pub(super) fn compare_header(a: &Asset<'_>, b: &Asset<'_>, findings: &mut Findin
     let norm = |header: &Header| f64::from(header.position_norm_max.get());
     let (x, y) = (norm(a.header()), norm(b.header()));
     let mut numbers = findings.numbers("header: position_norm_max", largest([x, y]));
-    numbers.compare(x, y, || "stored units".to_string());
+    numbers.compare(x, y, || {
+        "farthest position from the origin, stored units".to_string()
+    });
     numbers.finish(findings);
 }
 

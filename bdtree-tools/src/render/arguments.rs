@@ -34,8 +34,8 @@ pub struct Arguments {
     /// spheres of earlier levels that hold triangles: together they hold the mesh
     #[arg(long, value_name = "LEVEL", value_parser = level)]
     pub spheres: Option<usize>,
-    /// Place FILE as a scene does (its q instead of the scene's with --q or --frame), beside its other instances, and
-    /// draw the spheres where the traversal of its queries stopped in FILE: visited nodes' spheres with no visited
+    /// Place FILE as a scene does, beside its other instances (--q, --frame, --clip or --joints replaces the pose of all
+    /// instances of FILE), and draw the spheres where the traversal of its queries stopped in FILE: visited nodes' spheres with no visited
     /// child (with --spheres: those of visited nodes of that level). Planes and frusta are not drawn
     #[arg(long, value_name = "SCENE.json", conflicts_with = "frames")]
     pub query: Option<PathBuf>,

@@ -18,6 +18,7 @@ use bdtree_render::{Level, Studio};
 
 use crate::error::ToolError;
 use crate::frames::frame_of;
+use crate::info::metadata;
 use crate::output::{check_target, printable, write_json};
 use crate::posture::{PostureArguments, posture};
 use crate::q::counted;
@@ -64,11 +65,15 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<u8, ToolError> 
     match &arguments.query {
         Some(path) => {
             let mut scene = Scene::load(path, !arguments.no_verify)?;
+            let mut replaced = None;
             if arguments.posture.is_given() {
                 let posture = posture(&file, &arguments.posture)?;
                 visited::put(&mut scene, &file, &posture)?;
+                let asked = &arguments.posture;
+                let text = posture_text(&posture.q, asked.frame, None, asked, at_rest(&file)?);
+                replaced = Some(text);
             }
-            let make = |_| visited::shown(arguments, &file, &scene);
+            let make = |_| visited::shown(arguments, &file, &scene, replaced.as_deref());
             paint(arguments, &targets, make, out)?;
         }
         None => {
@@ -124,7 +129,7 @@ fn shown<'a>(
         None => Vec::new(),
     };
     Ok(Frame {
-        about: posture_text(&posture.q, number, time_s, &asked),
+        about: posture_text(&posture.q, number, time_s, &asked, at_rest(file)?),
         number,
         content: vec![Content {
             body,
@@ -142,24 +147,44 @@ fn posture_text(
     frame: Option<u64>,
     time_s: Option<f64>,
     asked: &PostureArguments,
+    at_rest: &str,
 ) -> String {
+    let numbers: Vec<String> = q.iter().map(|q| format!("{q}")).collect();
+    let numbers = format!("q = {}", numbers.join(", "));
     if let Some(clip) = &asked.clip {
-        return format!("{} at {:.3} s", printable(clip), asked.time);
+        let clip = format!("{} at {:.3} s", printable(clip), asked.time);
+        // What the clip shows needs no numbers.
+        return match asked.q {
+            Some(_) => format!("{clip}, {numbers}"),
+            None => clip,
+        };
     }
     match (frame, time_s) {
         (Some(number), Some(time_s)) => format!("frame {number} ({time_s:.3} s)"),
         (Some(number), None) => format!("frame {number}"),
         _ => {
-            let numbers: Vec<String> = q.iter().map(|q| format!("{q}")).collect();
             let is_zero = q.iter().all(|q| *q == 0.0);
             match (is_zero, asked.joints.is_some()) {
-                (true, false) => "at rest".to_string(),
+                (true, false) => at_rest.to_string(),
                 (true, true) => "joints as given".to_string(),
-                (false, false) => format!("q = {}", numbers.join(", ")),
-                (false, true) => format!("joints as given, q = {}", numbers.join(", ")),
+                (false, false) => numbers,
+                (false, true) => format!("joints as given, {numbers}"),
             }
         }
     }
+}
+
+/// What q = 0 shows: of an animation that was baked about the mean of its frames, a shape that is in none of them.
+///
+/// # Errors
+/// Metadata that are not what the format says.
+fn at_rest(file: &AssetFile) -> Result<&'static str, ToolError> {
+    let metadata = metadata(file)?;
+    let about = metadata.as_ref().and_then(|m| m.settings.get("about"));
+    Ok(match about {
+        Some(about) if about == "mean" => "mean of the frames (q = 0)",
+        _ => "at rest",
+    })
 }
 
 /// What has been written, in a line.
@@ -234,15 +259,20 @@ mod tests {
             time: 0.25,
             ..PostureArguments::default()
         };
+        let bent = PostureArguments {
+            q: Some("0.5,0".parse().expect("two numbers")),
+            ..clip.clone()
+        };
         for (q, frame, asked, text) in [
             ([0.0; 2], None, &rest, "at rest"),
             ([0.5, 0.0], None, &rest, "q = 0.5, 0"),
             ([0.0; 2], None, &joints, "joints as given"),
             ([0.5, 0.0], None, &joints, "joints as given, q = 0.5, 0"),
             ([0.5, 0.0], None, &clip, "Run at 0.250 s"),
+            ([0.5, 0.0], None, &bent, "Run at 0.250 s, q = 0.5, 0"),
             ([0.5, 0.0], Some(3), &rest, "frame 3"),
         ] {
-            assert_eq!(posture_text(&q, frame, None, asked), text);
+            assert_eq!(posture_text(&q, frame, None, asked, "at rest"), text);
         }
     }
 }

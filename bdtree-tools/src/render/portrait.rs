@@ -5,6 +5,7 @@ use bdtree_runtime::Transform;
 use clap::Parser;
 
 use super::Arguments;
+use super::at_rest;
 use super::body::{Body, Content};
 use super::options::UpAxis;
 use super::picture::{Bounds, Frame, Painter, graphics};
@@ -41,7 +42,8 @@ pub fn portraits(file: &AssetFile, up: UpAxis) -> Result<Vec<(String, Image)>, T
         joints: None,
         transform: Transform::IDENTITY,
     };
-    let mut poses = vec![("At rest".to_string(), rest)];
+    let (first, others) = at_rest(file)?.split_at(1);
+    let mut poses = vec![(first.to_uppercase() + others, rest)];
     poses.extend(moved(file)?);
     let frames = poses.into_iter().map(|(about, posture)| {
         Ok(Frame {

@@ -18,7 +18,8 @@ use crate::q::counted;
 use crate::query::solve_all;
 use crate::scene::Scene;
 
-/// The scene with the spheres in which its queries ended in the file's instances.
+/// The scene with the spheres in which its queries ended in the file's instances; `replaced` names the pose that these
+/// have instead of the scene's, if one was given.
 ///
 /// # Errors
 /// No instance of the file, a corrupt asset.
@@ -26,6 +27,7 @@ pub(super) fn shown<'a>(
     arguments: &Arguments,
     file: &AssetFile,
     scene: &'a Scene,
+    replaced: Option<&str>,
 ) -> Result<Frame<'a>, ToolError> {
     let is_file = are_of(scene, file);
     if !is_file.contains(&true) {
@@ -59,8 +61,9 @@ pub(super) fn shown<'a>(
     let queries = counted(scene.queries.len(), "query");
     let instances = content.iter().filter(|content| content.is_file).count();
     let visited = of_nodes(count, instances, file.asset().node_count());
+    let pose = replaced.map_or(String::new(), |pose| format!("{pose}; "));
     Ok(Frame {
-        about: format!("{queries}: visited {visited}"),
+        about: format!("{pose}{queries}: visited {visited}"),
         number: None,
         queries: shapes(scene, &content),
         content,

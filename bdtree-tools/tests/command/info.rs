@@ -175,6 +175,7 @@ fn bad_files_are_named() {
     let folder = Folder::new();
     folder.write("empty.bdt", "");
     folder.write("text.bdt", "x".repeat(200));
+    folder.write("text.glb", "x".repeat(200));
     let mut short = folder.read("a.bdt");
     short.pop();
     folder.write("short.bdt", short);
@@ -186,6 +187,10 @@ fn bad_files_are_named() {
             "empty.bdt: not a .bdt file: section HEAD at byte 0: the file has 0 bytes, its header needs 128 (SPEC 2.1",
         ),
         ("text.bdt", "text.bdt: not a .bdt file (SPEC 9.1"),
+        (
+            "text.glb",
+            "text.glb: not a .bdt file: bake it first with `bdtree-build text.glb`",
+        ),
         (
             "short.bdt",
             "short.bdt: damaged .bdt file: section HEAD at byte 16: the file has ",

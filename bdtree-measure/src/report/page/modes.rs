@@ -57,7 +57,11 @@ impl Page {
         });
         self.close();
         if let Some(advised) = &content.modes_advised {
-            self.soft(&beside_the_first(advised));
+            let mut text = beside_the_first(advised);
+            if content.made.basis.as_deref() == Some("morph") {
+                text += " A bake takes these with --max-error-rel; --modes K takes the first.";
+            }
+            self.soft(&text);
         }
         // As the plots above: errors, times, and what they come from.
         let modes: Column<'_, ModesRow> = ("modes", &|r| r.modes.to_string());
