@@ -30,13 +30,13 @@ pub struct Arguments {
     /// Frames A to B of the file's animation, one picture each, all seen by the same camera
     #[arg(long, value_name = "A..B", conflicts_with_all = ["q", "frame", "clip", "joints"])]
     pub frames: Option<FrameRange>,
-    /// Draw the spheres of a level of the tree, 0 being the root's (`info` lists the levels), and the leaves above it,
-    /// spheres of earlier levels that hold triangles: together they hold the mesh
+    /// Draw the spheres of one level of the tree (0 is the root's; `info` lists the levels). Where a branch ends earlier, its
+    /// leaf spheres are drawn too, so that the spheres together cover the mesh
     #[arg(long, value_name = "LEVEL", value_parser = level)]
     pub spheres: Option<usize>,
-    /// Place FILE as a scene does, beside its other instances (--q, --frame, --clip or --joints replaces the pose of all
-    /// instances of FILE), and draw the spheres where the traversal of its queries stopped in FILE: visited nodes' spheres with no visited
-    /// child (with --spheres: those of visited nodes of that level). Planes and frusta are not drawn
+    /// Place FILE and the other instances as the scene does, run the scene's queries, and draw the spheres of FILE at which
+    /// they went no deeper (with --spheres: those of visited nodes of that level). --q, --frame, --clip or --joints replaces
+    /// the pose of all instances of FILE. Planes and frusta are not drawn
     #[arg(long, value_name = "SCENE.json", conflicts_with = "frames")]
     pub query: Option<PathBuf>,
     /// What a sphere's radius is divided by for its color: that of the same sphere at rest, as in
