@@ -18,7 +18,7 @@ use crate::rounding::BONES_ROUNDING;
 use crate::simd::{Lanes, Work};
 use crate::view::{Asset, NodeBones};
 
-/// Bones of a node of which places are kept; those of more are computed twice, which takes a quarter more time.
+/// Bones of a node of which places are kept; those of more are computed twice.
 const PLACES: usize = 64;
 
 /// Bones of a node of which places and distances are kept, so that the knapsack is solved exactly; of more, only the two

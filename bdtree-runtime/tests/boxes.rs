@@ -82,7 +82,7 @@ fn the_box_follows_the_pose() {
 #[test]
 fn rays_that_may_meet_the_box_are_told() {
     let mut rng = poses::rng(14);
-    let (mut met, mut missed) = (0, 0);
+    let mut missed = 0;
     for round in 0..4000 {
         let scale = 10_f64.powi(round % 25 - 12);
         let far = [0.0, 1.0, 1e6][round as usize % 3] * scale;
@@ -106,7 +106,6 @@ fn rays_that_may_meet_the_box_are_told() {
         let origin = [0, 1, 2].map(|k| inside[k] - scale * along[k]);
         let ray = Ray::new(origin, along);
         assert!(aabb.intersects_ray(&ray), "{aabb:?} {ray:?}");
-        met += 1;
         // Backwards it starts beyond; a short one ends before. Both miss unless they start in the box.
         let size = (0..3).map(|k| aabb.max[k] - aabb.min[k]).sum::<f64>();
         let clear = (0..3).any(|k| {
@@ -121,7 +120,7 @@ fn rays_that_may_meet_the_box_are_told() {
             missed += 1;
         }
     }
-    assert!(met == 4000 && missed > 1000, "{missed}");
+    assert!(missed > 1000, "{missed}");
     let unit = Aabb {
         min: [0.0; 3],
         max: [1.0; 3],
