@@ -5,6 +5,7 @@ mod four;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use eight::columns as columns_of_eight;
 pub(crate) use four::columns;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 

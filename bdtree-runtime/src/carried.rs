@@ -6,24 +6,21 @@
 //!
 //! The third term is at most σ R for the sphere (c, R) before bones; of the second there are two bounds, from how far the
 //! weights below the lane are from their middles (*knapsack*), and from the least weights (*simplex*). Derivation and
-//! rounding: docs/design/guarantees.md, skins.
+//! rounding: docs/design/guarantees.md, skins. The least of the knapsack's sums is not searched for: spheres would be
+//! hardly smaller, and a ray at a character would take 3 to 10 % longer.
 
 use arrayvec::ArrayVec;
-use bdtree_format::{BONE_ROW_DEFECT, BONE_ROW_SCALE, BONE_ROW_SPREAD};
+use bdtree_format::{BONE_ROW_DEFECT, BONE_ROW_SPREAD, BoneEntry, LANES};
 
-use crate::bones::{BoneMap, PosedBones};
+use crate::bones::{BoneMap, PosedBones, columns_of_eight};
 use crate::bound::{Spheres, WideSpheres};
 use crate::error::FormatError;
 use crate::rounding::BONES_ROUNDING;
 use crate::simd::{Lanes, Work};
 use crate::view::{Asset, NodeBones};
 
-/// Bones of a node of which places are kept; those of more are computed twice.
+/// Entries of a node of which places are kept; those of more are computed twice.
 const PLACES: usize = 64;
-
-/// Bones of a node of which places and distances are kept, so that the knapsack is solved exactly; of more, only the two
-/// ends of its range are looked at.
-const KEPT: usize = 8;
 
 impl Asset<'_> {
     /// Moves the spheres of node `index`, which are those without bones, to where bones carry them. Compiled once per instruction set, not into every
@@ -87,16 +84,68 @@ fn scaled<L: Lanes>(a: Points<L>, by: L) -> Points<L> {
     [a[0].mul(by), a[1].mul(by), a[2].mul(by)]
 }
 
-/// y = A c + t. Spelled out: a closure, and so `array::map`, would not be compiled with the instruction set of the caller.
-#[inline(always)]
-fn carried_by<L: Lanes>(map: &BoneMap, [x, y, z]: Points<L>) -> Points<L> {
-    let mut carried = [x; 3];
-    for r in 0..3 {
-        let [a, b, c, t] = map.rows[r];
-        let sum = x.mul(L::splat(a)).add(y.mul(L::splat(b)));
-        carried[r] = sum.add(z.mul(L::splat(c))).add(L::splat(t));
+/// The bones of an entry.
+enum Bones<'m> {
+    /// The same one in all lanes.
+    One(&'m BoneMap),
+    PerLane([&'m BoneMap; LANES]),
+}
+
+impl<'m> Bones<'m> {
+    #[inline(always)]
+    fn of(entry: &BoneEntry, maps: &'m [BoneMap]) -> Option<Self> {
+        let [a, b, c, d, e, f, g, h] = *entry;
+        let first = maps.get(usize::from(a))?;
+        if *entry == [a; LANES] {
+            return Some(Self::One(first));
+        }
+        Some(Self::PerLane([
+            first,
+            maps.get(usize::from(b))?,
+            maps.get(usize::from(c))?,
+            maps.get(usize::from(d))?,
+            maps.get(usize::from(e))?,
+            maps.get(usize::from(f))?,
+            maps.get(usize::from(g))?,
+            maps.get(usize::from(h))?,
+        ]))
     }
-    carried
+
+    /// y = A c + t. Spelled out: a closure, and so `array::map`, would not be compiled with the instruction set of the
+    /// caller.
+    #[inline(always)]
+    fn carry<L: Lanes>(&self, [x, y, z]: Points<L>) -> Points<L> {
+        let mut carried = [x; 3];
+        match self {
+            Self::One(map) => {
+                for r in 0..3 {
+                    let [a, b, c, t] = map.rows[r];
+                    let sum = x.mul(L::splat(a)).add(y.mul(L::splat(b)));
+                    carried[r] = sum.add(z.mul(L::splat(c))).add(L::splat(t));
+                }
+            }
+            Self::PerLane(maps) => {
+                let [a, b, c, t] = columns_of_eight::<L>(*maps);
+                for r in 0..3 {
+                    let sum = x.mul(a[r]).add(y.mul(b[r]));
+                    carried[r] = sum.add(z.mul(c[r])).add(t[r]);
+                }
+            }
+        }
+        carried
+    }
+
+    /// σ of each lane's bone.
+    #[inline(always)]
+    fn stretch<L: Lanes>(&self) -> L {
+        match self {
+            Self::One(map) => L::splat(map.stretch),
+            Self::PerLane([a, b, c, d, e, f, g, h]) => L::load(&[
+                a.stretch, b.stretch, c.stretch, d.stretch, e.stretch, f.stretch, g.stretch,
+                h.stretch,
+            ]),
+        }
+    }
 }
 
 #[inline(always)]
@@ -111,7 +160,6 @@ fn carried<L: Lanes>(
     spheres: WideSpheres<L>,
 ) -> Option<WideSpheres<L>> {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    let scale = L::load(&node.fixed[BONE_ROW_SCALE]);
     let defect = L::load(&node.fixed[BONE_ROW_DEFECT]);
     // c', and what the simplex shares: its corners are e + r d_b.
     let mut center = [zero; 3];
@@ -119,17 +167,18 @@ fn carried<L: Lanes>(
     let mut least_sum = zero;
     let mut stretch = zero;
     let mut places = ArrayVec::<Points<L>, PLACES>::new();
-    for (&bone, [low, high]) in node.bones.iter().zip(node.weights) {
-        let map = pose.maps.get(usize::from(bone))?;
-        let y = carried_by(map, spheres.center);
+    for (entry, [middle, gap]) in node.entries.iter().zip(node.weights) {
+        let bones = Bones::of(entry, pose.maps)?;
+        let y = bones.carry(spheres.center);
         if !places.is_full() {
             places.push(y);
         }
-        let (low, high) = (L::load(low), L::load(high));
-        center = add3(center, scaled(y, scale.mul(low.add(high))));
+        let (middle, gap) = (L::load(middle), L::load(gap));
+        let low = middle.sub(gap).max(zero);
+        center = add3(center, scaled(y, middle));
         least = add3(least, scaled(y, low));
         least_sum = least_sum.add(low);
-        stretch = stretch.max(is_there(high).mul(L::splat(map.stretch)));
+        stretch = stretch.max(is_there(middle).mul(bones.stretch()));
     }
     let rest = one.sub(least_sum);
     let shift = sub3(least, scaled(center, least_sum));
@@ -137,44 +186,25 @@ fn carried<L: Lanes>(
     let mut farthest = zero;
     let mut corner = zero;
     let mut all = zero;
-    let mut kept = ArrayVec::<_, KEPT>::new();
-    for (k, (&bone, [low, high])) in node.bones.iter().zip(node.weights).enumerate() {
+    for (k, (entry, [middle, gap])) in node.entries.iter().zip(node.weights).enumerate() {
         let y = match places.get(k) {
             Some(place) => *place,
-            None => carried_by(pose.maps.get(usize::from(bone))?, spheres.center),
+            None => Bones::of(entry, pose.maps)?.carry(spheres.center),
         };
-        let (low, high) = (L::load(low), L::load(high));
-        let there = is_there(high);
+        let there = is_there(L::load(middle));
         let d = sub3(y, center);
-        let middle = scale.mul(low.add(high));
-        let gap = high.sub(middle).max(middle.sub(low)).max(zero);
         let length = squared(d).sqrt();
         farthest = farthest.max(there.mul(length));
         corner = corner.max(there.mul(squared(add3(shift, scaled(d, rest)))));
-        all = all.add(gap.mul(length));
-        if !kept.is_full() {
-            kept.push((gap, length));
-        }
+        all = all.add(L::load(gap).mul(length));
     }
-    let spread = L::load(&node.fixed[BONE_ROW_SPREAD]);
     // λ = 0 and λ = the largest length.
-    let mut knapsack = all.min(spread.mul(farthest));
-    let count = node.bones.len();
-    if (3..=KEPT).contains(&count) {
-        // The minimum over λ is at one of the lengths.
-        for (_, lambda) in &kept {
-            let mut sum = spread.mul(*lambda);
-            for (gap, length) in &kept {
-                sum = sum.add(gap.mul(length.sub(*lambda).max(zero)));
-            }
-            knapsack = knapsack.min(sum);
-        }
-    }
+    let knapsack = all.min(L::load(&node.fixed[BONE_ROW_SPREAD]).mul(farthest));
     let simplex = corner.sqrt().add(defect.mul(farthest));
     let moved = knapsack.min(simplex);
     let grown = one.add(defect).mul(stretch).mul(spheres.radius);
     let off = defect.mul(squared(center).sqrt());
-    let m = count as f32;
+    let m = node.entries.len() as f32;
     let rounding = L::splat(1.0 + BONES_ROUNDING * (m + 16.0));
     let slack = L::splat(pose.slack.base + m * pose.slack.per_bone);
     Some(WideSpheres {
@@ -183,9 +213,11 @@ fn carried<L: Lanes>(
     })
 }
 
-/// 1 in the lanes that have a bone, whose largest weight is `high`, and 0 in the others: weights are 0 or at least 2⁻³².
+/// 1 in the lanes that have a bone, whose middle weight is not 0, and 0 in the others: what is stored is 0 or at least
+/// 2⁻¹²⁶.
 #[inline(always)]
-fn is_there<L: Lanes>(high: L) -> L {
-    const LARGE: f32 = (1_u64 << 32) as f32;
-    high.mul(L::splat(LARGE)).min(L::splat(1.0))
+fn is_there<L: Lanes>(middle: L) -> L {
+    middle
+        .mul(L::splat(1.0 / f32::MIN_POSITIVE))
+        .min(L::splat(1.0))
 }

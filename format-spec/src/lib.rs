@@ -42,10 +42,10 @@ pub use section::{
     SectionKind, SectionRecord, is_required,
 };
 pub use skin::{
-    BONE_COUNT_MAX, BONE_ROW_DEFECT, BONE_ROW_SCALE, BONE_ROW_SPREAD, BONE_ROWS_FIXED,
-    BONE_ROWS_PER_BONE, BoneRecord, ChannelRecord, ClipRecord, INFLUENCES_MAX, InfluenceRecord,
-    NO_PARENT, SKELETON_NODES_MAX, SkeletonNode, SkinRecord, WEIGHT_MAX, WEIGHT_MIN,
-    bone_row_count, channel_path, interpolation, local_kind,
+    BONE_COUNT_MAX, BONE_ROW_DEFECT, BONE_ROW_SPREAD, BONE_ROWS_FIXED, BONE_ROWS_PER_ENTRY,
+    BoneEntry, BoneRecord, ChannelRecord, ClipRecord, INFLUENCES_MAX, InfluenceRecord, NO_PARENT,
+    SKELETON_NODES_MAX, SkeletonNode, SkinRecord, WEIGHT_MAX, WEIGHT_MIN, bone_row_count,
+    channel_path, interpolation, local_kind,
 };
 pub use triangle::{GroupRecord, TriangleRecord, group_kind};
 pub use vertex::VertexModes;

@@ -42,7 +42,7 @@ impl SectionKind {
     pub const BONE_FIELDS: Self = Self(*b"BFLD");
     /// `u32` per node, and one that ends the last: its first entry in [`Self::BONE_LISTS`].
     pub const BONE_LIST_STARTS: Self = Self(*b"BLSS");
-    /// `u16` bone indices: the bones of the vertices below each node, ascending.
+    /// [`crate::BoneEntry`]s of all nodes, in node order: the bones of the vertices below each lane.
     pub const BONE_LISTS: Self = Self(*b"BLST");
     /// [`crate::Row`]s of all nodes, in node order: what the lanes have of the node's bones.
     pub const BONE_ROWS: Self = Self(*b"BROW");
@@ -150,8 +150,8 @@ pub const SECTION_LAYOUTS: [&[u32]; SECTION_ORDER.len()] = [
     &[LAYOUT_1],
     &[LAYOUT_1],
     &[LAYOUT_1],
-    &[LAYOUT_1],
-    &[LAYOUT_1],
+    &[LAYOUT_2],
+    &[LAYOUT_2],
     &[LAYOUT_1],
     &[LAYOUT_1],
     &[LAYOUT_1],

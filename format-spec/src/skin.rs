@@ -1,6 +1,7 @@
 //! Skins: which bones move a vertex, what the lanes of a node have of them, and the skeleton with its clips (SPEC 5.9,
 //! 6.10, 7.7 to 7.9).
 
+use crate::LANES;
 use zerocopy::little_endian::{F32, F64, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
@@ -19,20 +20,21 @@ pub const WEIGHT_MIN: f32 = 1.0 / (1_u64 << 32) as f32;
 /// Largest weight, and the largest sum of a vertex's weights.
 pub const WEIGHT_MAX: f32 = 2.0;
 
-/// Rows of a node before the first bone's: ι, S and ε.
-pub const BONE_ROWS_FIXED: usize = 3;
-/// Row of ι, which scales the middles of the weights' ranges to sum 1.
-pub const BONE_ROW_SCALE: usize = 0;
-/// Row of S, the largest sum of distances of a vertex's weights from the middles.
-pub const BONE_ROW_SPREAD: usize = 1;
-/// Row of ε, the largest distance of a vertex's sum of weights from 1.
-pub const BONE_ROW_DEFECT: usize = 2;
-/// Rows of each bone: the least and the largest weight.
-pub const BONE_ROWS_PER_BONE: usize = 2;
+/// An entry in the bone list of a node: the bone of each lane.
+pub type BoneEntry = [u16; LANES];
 
-/// Number of bone rows of a node with `bone_count` bones.
-pub const fn bone_row_count(bone_count: usize) -> usize {
-    BONE_ROWS_FIXED + BONE_ROWS_PER_BONE * bone_count
+/// Rows of a node before the first entry's: S and ε.
+pub const BONE_ROWS_FIXED: usize = 2;
+/// Row of S, the largest sum of distances of a vertex's weights from the middles.
+pub const BONE_ROW_SPREAD: usize = 0;
+/// Row of ε, the largest distance of a vertex's sum of weights from 1.
+pub const BONE_ROW_DEFECT: usize = 1;
+/// Rows of each entry: β, the middle of the weights of each lane's bone, and g, how far they are from it.
+pub const BONE_ROWS_PER_ENTRY: usize = 2;
+
+/// Number of bone rows of a node with `entry_count` entries.
+pub const fn bone_row_count(entry_count: usize) -> usize {
+    BONE_ROWS_FIXED + BONE_ROWS_PER_ENTRY * entry_count
 }
 
 /// What holds for the whole skin, 32 bytes.
@@ -41,7 +43,7 @@ pub const fn bone_row_count(bone_count: usize) -> usize {
 pub struct SkinRecord {
     /// Largest number of influences of a vertex.
     pub influences_max: u32,
-    /// Largest number of bones in a node's list.
+    /// Largest number of entries in a node's list.
     pub node_bones_max: u32,
     /// ε_max: at least every |Σ_b w_ib − 1|, at most 1.
     pub weight_defect: f32,

@@ -167,9 +167,8 @@ fn skin_tables_match_structs() {
 #[test]
 fn bone_rows_match_constants() {
     let rows = table_behind("### 6.10");
-    let named: Vec<(&str, &str)> = rows.iter().take(3).map(|row| (row[0], row[1])).collect();
+    let named: Vec<(&str, &str)> = rows.iter().take(2).map(|row| (row[0], row[1])).collect();
     let code = [
-        (fmt::BONE_ROW_SCALE.to_string(), "BONE_ROW_SCALE"),
         (fmt::BONE_ROW_SPREAD.to_string(), "BONE_ROW_SPREAD"),
         (fmt::BONE_ROW_DEFECT.to_string(), "BONE_ROW_DEFECT"),
     ];
@@ -177,7 +176,7 @@ fn bone_rows_match_constants() {
         named,
         code.each_ref().map(|(row, name)| (row.as_str(), *name))
     );
-    assert_eq!(fmt::bone_row_count(5), 3 + 2 * 5);
+    assert_eq!(fmt::bone_row_count(5), 2 + 2 * 5);
 }
 
 #[test]
@@ -249,7 +248,12 @@ fn kinds_match_section_order() {
             "1",
             size_of::<u32>(),
         ),
-        ("BONE_LISTS", K::BONE_LISTS, "1", size_of::<u16>()),
+        (
+            "BONE_LISTS",
+            K::BONE_LISTS,
+            "1",
+            size_of::<fmt::BoneEntry>(),
+        ),
         ("BONE_ROWS", K::BONE_ROWS, "1", size_of::<fmt::Row>()),
         ("SKELETON", K::SKELETON, "1", size_of::<SkeletonNode>()),
         ("JOINTS", K::JOINTS, "1", size_of::<u32>()),
@@ -321,7 +325,7 @@ fn constants_match() {
         ("SKELETON_NODES_MAX", fmt::SKELETON_NODES_MAX.to_string()),
         ("INFLUENCES_MAX", fmt::INFLUENCES_MAX.to_string()),
         ("BONE_ROWS_FIXED", fmt::BONE_ROWS_FIXED.to_string()),
-        ("BONE_ROWS_PER_BONE", fmt::BONE_ROWS_PER_BONE.to_string()),
+        ("BONE_ROWS_PER_ENTRY", fmt::BONE_ROWS_PER_ENTRY.to_string()),
     ];
     let spec: Vec<(&str, String)> = table_behind("### 9.4")
         .iter()

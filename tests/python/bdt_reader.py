@@ -18,7 +18,7 @@ import zlib
 KINDS = {b"NODE": (1, 32, 2), b"ROWS": (1, 32, 3), b"LIST": (1, 2, 1), b"TRIS": (1, 16, 1),
          b"SLOT": (1, 4, 1), b"VERT": (1, 12, 1), b"DISP": (1, 12, 1, 2), b"VMOD": (1, 8, 1),
          b"SKIN": (1, 32, 1), b"INFS": (1, 4, 1), b"INFL": (1, 8, 1), b"BONE": (1, 200, 1),
-         b"BFLD": (1, 4, 1), b"BLSS": (1, 4, 1), b"BLST": (1, 2, 1), b"BROW": (1, 32, 1),
+         b"BFLD": (1, 4, 1), b"BLSS": (1, 4, 1), b"BLST": (1, 16, 2), b"BROW": (1, 32, 2),
          b"SKEL": (1, 64, 1), b"JNTS": (1, 4, 1), b"SNAM": (1, 1, 1),
          b"CLIP": (0, 24, 1), b"CHAN": (0, 28, 1), b"KEYS": (0, 4, 1),
          b"FRMS": (0, 64, 1), b"FRMQ": (0, 4, 1), b"GRPS": (0, 20, 1), b"GNAM": (0, 1, 1),
@@ -247,18 +247,23 @@ def read_bones(s, m, joint_count, bones_of, weights_of, minor):
 
 def read_bone_lists(s):
     """Checks the bones of nodes and their rows, but not what these bound."""
-    count, entries = len(s[b"BONE"]) // 200, struct.unpack(f"<{len(s[b'BLST']) // 2}H", s[b"BLST"])
+    count, entries = len(s[b"BONE"]) // 200, list(struct.iter_unpack("<8H", s[b"BLST"]))
     spans = read_starts(s[b"BLSS"], len(entries), "6.10", "BLSS")
     rows = floats(s[b"BROW"], "BROW")
-    check(len(rows) == 8 * (3 * len(spans) + 2 * len(entries)), "6.10", "length of BROW")
+    check(len(rows) == 8 * (2 * len(spans) + 2 * len(entries)), "6.10", "length of BROW")
+    check(max(map(max, entries), default=0) < count, "6.10", "bones of nodes")
     for i, (start, end) in enumerate(spans):
-        own, first = entries[start:end], 8 * (3 * i + 2 * start)
-        check(list(own) == sorted(set(own)) and max(own, default=0) < count, "6.10", f"bones of node {i}")
+        first = 8 * (2 * i + 2 * start)
         inner, leaf = s[b"NODE"][32 * i + 18:32 * i + 20]
         for k in range(8):
-            lane = rows[first + k:first + 8 * (3 + 2 * (end - start)):8]
-            check(min(lane[:3]) >= 0, "6.10", f"lane {k} of node {i}")
+            lane = rows[first + k:first + 8 * (2 + 2 * (end - start)):8]
+            check(min(lane) >= 0, "6.10", f"lane {k} of node {i}")
             check((inner | leaf) >> k & 1 or not any(lane), "6.10", f"empty lane {k} of node {i}")
+            own = [entry[k] for entry, middle in zip(entries[start:end], lane[2::2]) if middle]
+            check(len(own) == len(set(own)), "6.10", f"bones of lane {k} of node {i}")
+            check(all(middle or not gap for middle, gap in zip(lane[2::2], lane[3::2])), "6.10", f"lane {k} of node {i}")
+            off = abs(math.fsum(lane[2::2]) - 1)
+            check(not own or off <= (end - start + 4) * 2.0 ** -24, "6.10", f"middles of lane {k} of node {i}")
     longest = max(end - start for start, end in spans)
     check(struct.unpack_from("<I", s[b"SKIN"], 4)[0] == longest, "7.7", "node_bones_max")
 

@@ -76,7 +76,7 @@ fn skins_are_read() {
         (SectionKind::BONES, 0, 3, "7.8"),
         (SectionKind::BONE_FIELDS, 0, 1, "5.1"),
         (SectionKind::BONE_LIST_STARTS, 0, 1, "6.10"),
-        (SectionKind::BONE_LISTS, 0, 0, "6.10"),
+        (SectionKind::BONE_LISTS, 0, 0xffff, "6.10"),
         (SectionKind::BONE_ROWS, 0, 0x8080_0000, "6.10"),
         (SectionKind::SKELETON, 0, 0, "7.8"),
         (SectionKind::JOINTS, 0, 2, "7.8"),

@@ -85,62 +85,67 @@ fn check_cores(asset: &Asset<'_>) {
     assert!(largest <= share && share <= 0.150_001, "{largest} {share}");
 }
 
-/// Number of bones of the node.
+/// Number of entries of the node.
 fn check_node(asset: &Asset<'_>, node: usize) -> usize {
     let own = asset
         .node_bones(node as u32)
         .expect("in the file")
         .expect("a skin");
-    assert!(own.bones.windows(2).all(|pair| pair[0] < pair[1]));
     let record = &asset.nodes()[node];
     for lane in 0..8 {
-        let [iota, spread, defect] = [0, 1, 2].map(|row| own.fixed[row][lane]);
-        let ranges = own
+        let [spread, defect] = [0, 1].map(|row| own.fixed[row][lane]);
+        let rows = own
             .weights
             .iter()
             .map(|rows| [rows[0][lane], rows[1][lane]]);
         if (record.inner_mask | record.leaf_mask) >> lane & 1 == 0 {
-            assert_eq!([iota, spread, defect], [0.0; 3]);
-            assert!(ranges.flatten().all(|w| w == 0.0));
+            assert_eq!([spread, defect], [0.0; 2]);
+            assert!(rows.flatten().all(|w| w == 0.0));
             continue;
         }
-        let beta: Vec<f32> = ranges
-            .clone()
-            .map(|[low, high]| iota * (low + high))
+        let bones: Vec<(u16, [f32; 2])> = (own.entries.iter().zip(rows))
+            .map(|(entry, rows)| (entry[lane], rows))
+            .filter(|(_, [middle, gap])| [*middle, *gap] != [0.0; 2])
             .collect();
-        let sum: f64 = beta.iter().map(|&b| f64::from(b)).sum();
+        let vertices = lanes::vertices(asset, node, lane);
+        let weights = |bone: u16| vertices.iter().map(move |&v| weight(asset, v, bone));
+        let mut carrying: Vec<u16> = (0..asset.bone_count() as u16)
+            .filter(|&bone| weights(bone).any(|w| w > 0.0))
+            .collect();
+        let mut named: Vec<u16> = bones.iter().map(|(bone, _)| *bone).collect();
+        named.sort_unstable();
+        carrying.sort_unstable();
+        assert_eq!(named, carrying, "node {node}, lane {lane}");
+        let sum: f64 = bones
+            .iter()
+            .map(|(_, [middle, _])| f64::from(*middle))
+            .sum();
         assert!(
-            (sum - 1.0).abs() <= (own.bones.len() + 4) as f64 * U,
+            bones.is_empty() || (sum - 1.0).abs() <= (own.entries.len() + 4) as f64 * U,
             "{sum}"
         );
-        let vertices = lanes::vertices(asset, node, lane);
-        for (&bone, [low, high]) in own.bones.iter().zip(ranges) {
-            let weights = vertices.iter().map(|&vertex| weight(asset, vertex, bone));
-            let least = weights.clone().fold(f32::INFINITY, f32::min);
-            let largest = weights.fold(0.0, f32::max);
-            // A lane that nothing carries has a range of its own.
+        for &(bone, [middle, gap]) in &bones {
+            let least = weights(bone).fold(f32::INFINITY, f32::min);
+            let largest = weights(bone).fold(0.0, f32::max);
+            let [least, largest, middle] = [least, largest, middle].map(f64::from);
+            let apart = (largest - middle).max(middle - least);
+            let gap = f64::from(gap);
             assert!(
-                least == low && (largest == high || defect == 1.0),
-                "{least} {low} {largest} {high}"
+                apart <= gap && gap <= apart * (1.0 + 1e-6) + 2.0 * U,
+                "{apart} {gap}"
             );
         }
         let (mut most, mut off) = (0.0_f64, 0.0_f64);
         for &vertex in &vertices {
-            let all: Vec<f64> = own
-                .bones
-                .iter()
-                .map(|&b| f64::from(weight(asset, vertex, b)))
-                .collect();
-            let distances = all
-                .iter()
-                .zip(&beta)
-                .map(|(w, &b)| (w - f64::from(b)).abs());
+            let distances = bones.iter().map(|&(bone, [middle, _])| {
+                (f64::from(weight(asset, vertex, bone)) - f64::from(middle)).abs()
+            });
             most = most.max(distances.sum());
-            off = off.max((all.iter().sum::<f64>() - 1.0).abs());
-            let known = asset
+            let influences = asset
                 .influences(VertexId(vertex as u32))
                 .expect("in the file");
-            assert!(known.iter().all(|i| own.bones.contains(&i.bone)));
+            let sum: f64 = influences.iter().map(|i| f64::from(i.weight)).sum();
+            off = off.max((sum - 1.0).abs());
         }
         let (spread, defect) = (f64::from(spread), f64::from(defect));
         assert!(
@@ -152,5 +157,5 @@ fn check_node(asset: &Asset<'_>, node: usize) -> usize {
             "{defect} {off}"
         );
     }
-    own.bones.len()
+    own.entries.len()
 }

@@ -4,7 +4,7 @@ use bdtree_format::LANES;
 
 use super::BoneMap;
 use crate::rounding::{STRETCH, STRETCH_FLUSHED, round_up};
-use crate::simd::{Four, Lanes};
+use crate::simd::Lanes;
 
 /// Largest ρ_b, and least largest σ_b: beyond, products of four elements may leave what f32 holds, or be less than what
 /// flushing takes.
@@ -22,11 +22,11 @@ pub(super) fn reach<L: Lanes>(maps: &mut [BoneMap], within: f64) -> Option<(f64,
     let (mut farthest, mut largest) = (L::splat(0.0), L::splat(0.0));
     let mut first = 0;
     while first <= last {
-        let mut eight = [last; LANES];
+        let mut eight = [&maps[last]; LANES];
         for k in 0..LANES {
-            eight[k] = (first + k).min(last);
+            eight[k] = &maps[(first + k).min(last)];
         }
-        let [x, y, z, t] = columns::<L>(maps, eight);
+        let [x, y, z, t] = columns::<L>(eight);
         let stretch = stretch_square([x, y, z]).sqrt().mul(up).add(flushed);
         let offset = dot(t, t).sqrt();
         let rho = stretch.mul(within).add(offset).mul(up).add(flushed);
@@ -37,7 +37,7 @@ pub(super) fn reach<L: Lanes>(maps: &mut [BoneMap], within: f64) -> Option<(f64,
         (farthest, largest) = (farthest.max(rho), largest.max(stretch));
         let stretch = stretch.store();
         for k in 0..LANES {
-            maps[eight[k]].stretch = stretch[k];
+            maps[(first + k).min(last)].stretch = stretch[k];
         }
         first += LANES;
     }
@@ -48,25 +48,16 @@ pub(super) fn reach<L: Lanes>(maps: &mut [BoneMap], within: f64) -> Option<(f64,
 
 /// The columns of the maps of eight bones.
 #[inline(always)]
-fn columns<L: Lanes>(maps: &[BoneMap], eight: [usize; LANES]) -> [[L; 3]; 4] {
-    let [a, b, c, d, e, f, g, h] = eight;
+pub(crate) fn columns<L: Lanes>([a, b, c, d, e, f, g, h]: [&BoneMap; LANES]) -> [[L; 3]; 4] {
     let mut columns = [[L::splat(0.0); 3]; 4];
     for r in 0..3 {
         // Spelled out: behind a closure it would not be compiled with the instruction set of the caller.
-        let low = Four::transposed([
-            Four::load(&maps[a].rows[r]),
-            Four::load(&maps[b].rows[r]),
-            Four::load(&maps[c].rows[r]),
-            Four::load(&maps[d].rows[r]),
-        ]);
-        let high = Four::transposed([
-            Four::load(&maps[e].rows[r]),
-            Four::load(&maps[f].rows[r]),
-            Four::load(&maps[g].rows[r]),
-            Four::load(&maps[h].rows[r]),
+        let entries = L::columns([
+            &a.rows[r], &b.rows[r], &c.rows[r], &d.rows[r], &e.rows[r], &f.rows[r], &g.rows[r],
+            &h.rows[r],
         ]);
         for k in 0..4 {
-            columns[k][r] = L::of_halves(low[k], high[k]);
+            columns[k][r] = entries[k];
         }
     }
     columns

@@ -1,10 +1,10 @@
 //! The section table: order, places and lengths of sections, and their bytes as records.
 
 use bdtree_format::{
-    BoneRecord, ChannelRecord, ClipRecord, FrameRecord, GroupRecord, Header, InfluenceRecord,
-    LAYOUT_1, LAYOUT_2, NodeRecord, Row, SECTION_ALIGNMENT, SECTION_LAYOUTS, SECTION_ORDER,
-    SECTIONS_ALWAYS, SECTIONS_OF_CLIPS, SECTIONS_OF_SKINS, SectionKind, SectionRecord,
-    SkeletonNode, SkinRecord, TriangleRecord, VertexModes, is_required,
+    BoneEntry, BoneRecord, ChannelRecord, ClipRecord, FrameRecord, GroupRecord, Header,
+    InfluenceRecord, LAYOUT_1, LAYOUT_2, NodeRecord, Row, SECTION_ALIGNMENT, SECTION_LAYOUTS,
+    SECTION_ORDER, SECTIONS_ALWAYS, SECTIONS_OF_CLIPS, SECTIONS_OF_SKINS, SectionKind,
+    SectionRecord, SkeletonNode, SkinRecord, TriangleRecord, VertexModes, is_required,
 };
 use core::mem::{offset_of, size_of};
 use core::ops::Range;
@@ -147,7 +147,7 @@ fn check_length(header: &Header, section: &SectionRecord, field: Check) -> Resul
         SectionKind::BONES => (None, size_of::<BoneRecord>()),
         SectionKind::BONE_FIELDS | SectionKind::JOINTS | SectionKind::KEYS => (None, 4),
         SectionKind::BONE_LIST_STARTS => (Some(count_of_nodes), 4),
-        SectionKind::BONE_LISTS => (None, 2),
+        SectionKind::BONE_LISTS => (None, size_of::<BoneEntry>()),
         SectionKind::BONE_ROWS => (None, size_of::<Row>()),
         SectionKind::SKELETON => (None, size_of::<SkeletonNode>()),
         SectionKind::CLIPS => (None, size_of::<ClipRecord>()),

@@ -1,7 +1,7 @@
 //! The sections of a skin: their counts, against each other and the header.
 
 use bdtree_format::{
-    BONE_COUNT_MAX, BONE_ROWS_FIXED, BONE_ROWS_PER_BONE, BoneRecord, Header, INFLUENCES_MAX,
+    BONE_COUNT_MAX, BONE_ROWS_FIXED, BONE_ROWS_PER_ENTRY, BoneRecord, Header, INFLUENCES_MAX,
     SKELETON_NODES_MAX, SectionKind, SkinRecord,
 };
 use core::mem::size_of;
@@ -80,9 +80,9 @@ fn check_counts<'a>(
             skin.bone_fields.len(),
         )?;
     let rows = BONE_ROWS_FIXED as u64 * u64::from(header.node_count.get())
-        + (BONE_ROWS_PER_BONE * skin.lists.len()) as u64;
+        + (BONE_ROWS_PER_ENTRY * skin.lists.len()) as u64;
     at(SectionKind::BONE_ROWS)
-        .rule("SPEC 6.10: BROW holds three rows per node and two per entry of BLST")
+        .rule("SPEC 6.10: BROW holds two rows per node and two per entry of BLST")
         .holds(skin.rows.len() as u64 == rows, rows, skin.rows.len())?;
     check_record(skin.record, &at(SectionKind::SKIN))
 }
@@ -93,11 +93,8 @@ fn check_record(record: &SkinRecord, at: &Check) -> Result<(), FormatError> {
     at.rule("SPEC 7.7: a vertex has at most 255 influences")
         .holds(found <= most, Datum::at_most(most), found)?;
     let (most, found) = (BONE_COUNT_MAX, record.node_bones_max as usize);
-    at.rule("SPEC 7.7: a node has at most 4096 bones").holds(
-        found <= most,
-        Datum::at_most(most),
-        found,
-    )?;
+    at.rule("SPEC 7.7: a node has at most 4096 entries of bones")
+        .holds(found <= most, Datum::at_most(most), found)?;
     let defect = record.weight_defect;
     at.rule("SPEC 7.7: weight_defect is 0 to 1").holds(
         (0.0..=1.0).contains(&defect),

@@ -4,18 +4,25 @@
 use bdtree_format::{PairRow, Row};
 use core::arch::x86_64::{
     __m256, __m256i, _CMP_GT_OQ, _mm256_abs_epi16, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps,
-    _mm256_cvtepi32_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_madd_epi16, _mm256_max_epi16,
-    _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set_m128,
-    _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_si256, _mm256_sqrt_ps, _mm256_storeu_ps,
-    _mm256_sub_epi16, _mm256_sub_ps,
+    _mm256_cvtepi32_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_loadu2_m128, _mm256_madd_epi16,
+    _mm256_max_epi16, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
+    _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_si256, _mm256_shuffle_ps, _mm256_sqrt_ps,
+    _mm256_storeu_ps, _mm256_sub_epi16, _mm256_sub_ps, _mm256_unpackhi_ps, _mm256_unpacklo_ps,
 };
 
 use super::avx4::{Avx4, instructions};
-use super::{Fields, Four, Kernel, Lanes, PairSums, Work};
+use super::{Fields, Kernel, Lanes, PairSums, Work};
 
 /// Eight f32 in a register. Only [`run_avx2`] uses it: so wherever one exists, the processor has AVX2 and FMA.
 #[derive(Clone, Copy)]
 struct Avx8(__m256);
+
+/// Two rows of four side by side.
+#[inline(always)]
+fn two(low: &[f32; 4], high: &[f32; 4]) -> __m256 {
+    // SAFETY: needs AVX, see `Avx8`; both rows are four readable f32, any alignment will do.
+    unsafe { _mm256_loadu2_m128(high.as_ptr(), low.as_ptr()) }
+}
 
 impl Lanes for Avx8 {
     type Quad = Avx4;
@@ -43,9 +50,25 @@ impl Lanes for Avx8 {
     }
 
     #[inline(always)]
-    fn of_halves(low: Four, high: Four) -> Self {
+    fn columns([a, b, c, d, e, f, g, h]: [&[f32; 4]; 8]) -> [Self; 4] {
+        let (ae, bf, cg, dh) = (two(a, e), two(b, f), two(c, g), two(d, h));
         // SAFETY: needs AVX; see `Avx8`.
-        Self(unsafe { _mm256_set_m128(high.0, low.0) })
+        let low_ab = unsafe { _mm256_unpacklo_ps(ae, bf) };
+        // SAFETY: as above.
+        let low_cd = unsafe { _mm256_unpacklo_ps(cg, dh) };
+        // SAFETY: as above.
+        let high_ab = unsafe { _mm256_unpackhi_ps(ae, bf) };
+        // SAFETY: as above.
+        let high_cd = unsafe { _mm256_unpackhi_ps(cg, dh) };
+        // SAFETY: as above.
+        let first = unsafe { _mm256_shuffle_ps::<0x44>(low_ab, low_cd) };
+        // SAFETY: as above.
+        let second = unsafe { _mm256_shuffle_ps::<0xee>(low_ab, low_cd) };
+        // SAFETY: as above.
+        let third = unsafe { _mm256_shuffle_ps::<0x44>(high_ab, high_cd) };
+        // SAFETY: as above.
+        let fourth = unsafe { _mm256_shuffle_ps::<0xee>(high_ab, high_cd) };
+        [Self(first), Self(second), Self(third), Self(fourth)]
     }
 
     #[inline(always)]

@@ -50,11 +50,18 @@ pub(crate) trait Lanes: Copy {
 
     fn splat(x: f32) -> Self;
     fn load(row: &Row) -> Self;
-    /// Four numbers, and four more.
+    /// The four columns of eight rows.
     #[inline(always)]
-    fn of_halves(low: Four, high: Four) -> Self {
-        let ([a, b, c, d], [e, f, g, h]) = (low.store(), high.store());
-        Self::load(&[a, b, c, d, e, f, g, h])
+    fn columns(rows: [&[f32; 4]; LANES]) -> [Self; 4] {
+        let mut columns = [Self::splat(0.0); 4];
+        for (k, column) in columns.iter_mut().enumerate() {
+            let mut entries = [0.0; LANES];
+            for (entry, row) in entries.iter_mut().zip(rows) {
+                *entry = row[k];
+            }
+            *column = Self::load(&entries);
+        }
+        columns
     }
     /// Whole numbers, rounded to the nearest.
     fn round(sums: Self::Sums) -> Self;

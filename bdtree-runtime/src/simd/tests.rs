@@ -52,6 +52,32 @@ fn every_kernel_rounds_each_operation_once() {
     }
 }
 
+/// The columns of eight rows.
+struct ColumnsOf<'a>([&'a [f32; 4]; LANES]);
+
+impl Work for ColumnsOf<'_> {
+    type Output = [Row; 4];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [Row; 4] {
+        L::columns(self.0).map(L::store)
+    }
+}
+
+#[test]
+fn rows_become_columns() {
+    let rows: [[f32; 4]; LANES] =
+        core::array::from_fn(|r| core::array::from_fn(|c| (10 * r + c) as f32));
+    for kernel in Kernel::ALL.into_iter().filter(|k| k.is_available()) {
+        let columns = kernel.run(ColumnsOf(rows.each_ref()));
+        for (c, column) in columns.iter().enumerate() {
+            for (r, x) in column.iter().enumerate() {
+                assert_eq!(*x, rows[r][c], "{kernel:?}, row {r}, column {c}");
+            }
+        }
+    }
+}
+
 /// Sums of products of all rows, with each kind of factor, as f32.
 struct SumsOf<'a>(&'a [(PairRow, [i16; 2])]);
 

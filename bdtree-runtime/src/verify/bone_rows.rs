@@ -1,7 +1,7 @@
 //! Recomputes what the bone rows of every lane bound from the influences of the vertices below it (SPEC 6.10).
 
 use bdtree_format::{
-    BONE_ROW_DEFECT, BONE_ROW_SCALE, BONE_ROW_SPREAD, BONE_ROWS_FIXED, BONE_ROWS_PER_BONE, LANES,
+    BONE_ROW_DEFECT, BONE_ROW_SPREAD, BONE_ROWS_FIXED, BONE_ROWS_PER_ENTRY, BoneEntry, LANES,
     SectionKind,
 };
 use core::mem::size_of;
@@ -55,26 +55,27 @@ impl LaneBones<'_, '_> {
         self.asset.bone_row_place(self.node, start, row, self.lane)
     }
 
-    /// w⁻ and w⁺ of the node's k-th bone.
-    fn weights(&self, k: usize) -> [f32; BONE_ROWS_PER_BONE] {
-        self.own.weights[k].map(|row| row[self.lane])
-    }
-
-    /// β of the node's k-th bone, each operation rounded to f32.
-    fn middle(&self, k: usize) -> f64 {
-        let [least, largest] = self.weights(k);
-        f64::from(self.own.fixed[BONE_ROW_SCALE][self.lane] * (least + largest))
+    /// The entries that the lane has a bone in: index, bone, β and g.
+    fn entries(&self) -> impl Iterator<Item = (usize, u16, [f32; BONE_ROWS_PER_ENTRY])> {
+        let (lane, entries) = (self.lane, self.own.entries.iter().zip(self.own.weights));
+        entries.enumerate().filter_map(move |(k, (entry, rows))| {
+            let rows = rows.map(|row| row[lane]);
+            (rows[0] != 0.0).then_some((k, entry[lane], rows))
+        })
     }
 
     /// The middles sum to 1. Where no bone moves anything they are zero.
     fn middles(&self, report: Report<'_>) -> ControlFlow<()> {
-        let m = self.own.bones.len();
-        if (0..m).all(|k| self.weights(k) == [0.0; BONE_ROWS_PER_BONE]) {
+        let Some((first, ..)) = self.entries().next() else {
             return ControlFlow::Continue(());
-        }
-        let sum: f64 = (0..m).map(|k| self.middle(k)).sum();
+        };
+        let m = self.own.entries.len();
+        let sum: f64 = self
+            .entries()
+            .map(|(.., [middle, _])| f64::from(middle))
+            .sum();
         let most = (m + 4) as f64 * U32 + CHECKED_SUM * sum.abs();
-        self.row(BONE_ROW_SCALE)
+        self.row(BONE_ROWS_FIXED + BONE_ROWS_PER_ENTRY * first)
             .rule("SPEC 6.10: the middles of the weights sum to 1 within (m + 4) u")
             .tell(report, (sum - 1.0).abs() <= most, 1.0, sum)
     }
@@ -92,34 +93,26 @@ impl LaneBones<'_, '_> {
         let Some(influences) = self.skin.influences_of(vertex) else {
             return ControlFlow::Continue(()); // reported before
         };
-        let (mut sum, mut apart) = (0.0, 0.0);
-        // The node's bones before the k-th are done.
-        let mut k = 0;
-        let mut bone = |k: usize, weight: f32, report: Report<'_>| {
-            apart += (f64::from(weight) - self.middle(k)).abs();
-            self.range(k, weight, report)
-        };
-        for influence in influences {
-            sum += f64::from(influence.weight);
-            let before = |b: &&u16| **b < influence.bone;
-            let skipped = self.own.bones[k..].iter().take_while(before).count();
-            for k in k..k + skipped {
-                bone(k, 0.0, report)?;
-            }
-            k += skipped;
-            if self.own.bones.get(k) == Some(&influence.bone) {
-                bone(k, influence.weight, report)?;
-                k += 1;
-            } else {
-                let start = self.skin.list_starts[self.node] as usize;
-                let at = size_of::<u16>() * start;
-                let place = self.asset.at(SectionKind::BONE_LISTS, at);
-                let rule = "SPEC 6.10: a bone that a node leaves out moves no vertex below it";
-                report(place.rule(rule).broken("in the list", influence.bone))?;
-            }
+        let sum: f64 = influences.iter().map(|own| f64::from(own.weight)).sum();
+        let (mut apart, mut found) = (0.0, 0);
+        for (k, bone, [middle, gap]) in self.entries() {
+            let own = influences.binary_search_by_key(&bone, |own| own.bone);
+            let weight = own.map_or(0.0, |i| influences[i].weight);
+            found += usize::from(own.is_ok());
+            apart += (f64::from(weight) - f64::from(middle)).abs();
+            self.range(k, weight, [middle, gap], report)?;
         }
-        for k in k..self.own.bones.len() {
-            bone(k, 0.0, report)?;
+        // No bone is there twice, or it was reported before.
+        if found < influences.len() {
+            let missing = (influences.iter().map(|own| own.bone))
+                .find(|bone| self.entries().all(|(_, other, _)| other != *bone));
+            let start = self.skin.list_starts[self.node] as usize;
+            let at = size_of::<BoneEntry>() * start + size_of::<u16>() * self.lane;
+            let place = self.asset.at(SectionKind::BONE_LISTS, at);
+            let rule = "SPEC 6.10: a bone that a lane leaves out moves no vertex below it";
+            if let Some(bone) = missing {
+                report(place.rule(rule).broken("in the lane", bone))?;
+            }
         }
         let [spread, defect] =
             [BONE_ROW_SPREAD, BONE_ROW_DEFECT].map(|row| f64::from(self.own.fixed[row][self.lane]));
@@ -144,24 +137,19 @@ impl LaneBones<'_, '_> {
         ControlFlow::Continue(())
     }
 
-    /// The weight of the node's k-th bone lies in its range.
-    fn range(&self, k: usize, weight: f32, report: Report<'_>) -> ControlFlow<()> {
-        let [least, largest] = self.weights(k);
-        let first = BONE_ROWS_FIXED + BONE_ROWS_PER_BONE * k;
-        let rule = "SPEC 6.10: the ranges of weights hold those of every vertex below the lane";
-        if weight < least {
-            report(
-                self.row(first)
-                    .rule(rule)
-                    .broken(Datum::at_most(weight), least),
-            )?;
-        }
-        if weight > largest {
-            report(
-                self.row(first + 1)
-                    .rule(rule)
-                    .broken(Datum::at_least(weight), largest),
-            )?;
+    /// A weight of the k-th entry's bone lies in its range.
+    fn range(
+        &self,
+        k: usize,
+        weight: f32,
+        [middle, gap]: [f32; BONE_ROWS_PER_ENTRY],
+        report: Report<'_>,
+    ) -> ControlFlow<()> {
+        let row = BONE_ROWS_FIXED + BONE_ROWS_PER_ENTRY * k + 1;
+        let rule = "SPEC 6.10: g reaches from beta to the weights of every vertex below the lane";
+        let apart = (f64::from(weight) - f64::from(middle)).abs();
+        if apart * (1.0 - CHECKED_SUM) > f64::from(gap) || weight < middle - gap {
+            report(self.row(row).rule(rule).broken(Datum::AtLeast(apart), gap))?;
         }
         ControlFlow::Continue(())
     }

@@ -1,8 +1,8 @@
 //! The skin: influences of vertices, bones, and the lists of nodes (SPEC 6.10, 7.7, 7.8).
 
 use bdtree_format::{
-    BONE_COUNT_MAX, BoneRecord, InfluenceRecord, LANES, Row, SectionKind, SkinRecord,
-    TRANSLATION_MAX, WEIGHT_MAX, WEIGHT_MIN,
+    BONE_COUNT_MAX, BONE_ROWS_FIXED, BONE_ROWS_PER_ENTRY, BoneEntry, BoneRecord, InfluenceRecord,
+    LANES, Row, SectionKind, SkinRecord, TRANSLATION_MAX, WEIGHT_MAX, WEIGHT_MIN,
 };
 use core::mem::{offset_of, size_of};
 use core::ops::ControlFlow;
@@ -12,7 +12,7 @@ use crate::contact::VertexId;
 use crate::error::Datum;
 use crate::math::norm;
 use crate::rounding::{CHECKED_NORM, CHECKED_SUM};
-use crate::view::{Asset, Skin};
+use crate::view::{Asset, NodeBones, Skin};
 
 impl Asset<'_> {
     /// Everything of a skin but what its rows bound.
@@ -316,7 +316,7 @@ impl Asset<'_> {
         ControlFlow::Continue(())
     }
 
-    /// Bones of nodes ascend and exist; empty lanes hold zeros, others no negative bounds.
+    /// Bones of nodes exist, none twice in a lane; empty lanes hold zeros, others no negative bounds.
     fn node_bone_lists(&self, skin: &Skin<'_>, report: Report<'_>) -> ControlFlow<()> {
         let mut most = 0;
         for (i, node) in self.nodes.iter().enumerate() {
@@ -324,14 +324,10 @@ impl Asset<'_> {
                 report(self.bones_of_node(i as u32))?;
                 continue;
             };
-            most = most.max(own.bones.len());
+            most = most.max(own.entries.len());
             let start = skin.list_starts[i] as usize;
-            for (k, bone) in own.bones.iter().enumerate() {
-                let ascends = k == 0 || own.bones[k - 1] < *bone;
-                let known = usize::from(*bone) < skin.bones.len();
-                self.at(SectionKind::BONE_LISTS, size_of::<u16>() * (start + k))
-                    .rule("SPEC 6.10: the bones of a node ascend and are bones of the file")
-                    .tell(report, ascends && known, skin.bones.len(), *bone)?;
+            for lane in 0..LANES {
+                self.lane_bones(skin, &own, [start, lane], report)?;
             }
             let used = node.inner_mask | node.leaf_mask;
             let rows = own.fixed.iter().chain(own.weights.as_flattened());
@@ -343,19 +339,60 @@ impl Asset<'_> {
                         report(place.broken(0_u32, row[lane]))?;
                     }
                 }
-            }
-            for (r, row) in own.fixed.iter().enumerate() {
                 if let Some(lane) = row.iter().position(|x| *x < 0.0) {
-                    let rule = "SPEC 6.10: iota, S and epsilon are not negative";
+                    let rule = "SPEC 6.10: bone rows are not negative";
                     let place = self.bone_row_place(i, start, r, lane).rule(rule);
                     report(place.broken(Datum::AtLeast(0.0), row[lane]))?;
+                }
+            }
+            for (k, [middle, gap]) in own.weights.iter().enumerate() {
+                for lane in (0..LANES).filter(|lane| middle[*lane] == 0.0 && gap[*lane] != 0.0) {
+                    let row = BONE_ROWS_FIXED + BONE_ROWS_PER_ENTRY * k + 1;
+                    let rule = "SPEC 6.10: g is zero where beta is";
+                    let place = self.bone_row_place(i, start, row, lane).rule(rule);
+                    report(place.broken(0_u32, gap[lane]))?;
                 }
             }
         }
         let found = skin.record.node_bones_max;
         self.at(SectionKind::SKIN, offset_of!(SkinRecord, node_bones_max))
-            .rule("SPEC 7.7: node_bones_max is the largest number of bones of a node")
+            .rule("SPEC 7.7: node_bones_max is the largest number of entries of a node")
             .tell(report, most == found as usize, most, found)
+    }
+
+    /// The bones of a lane of the node whose list begins at `start`.
+    fn lane_bones(
+        &self,
+        skin: &Skin<'_>,
+        own: &NodeBones<'_>,
+        [start, lane]: [usize; 2],
+        report: Report<'_>,
+    ) -> ControlFlow<()> {
+        // Those met with a weight, one bit each.
+        let mut met = [0_u64; BONE_COUNT_MAX / 64];
+        for (k, (entry, [middle, _])) in own.entries.iter().zip(own.weights).enumerate() {
+            let bone = usize::from(entry[lane]);
+            let at = size_of::<BoneEntry>() * (start + k) + size_of::<u16>() * lane;
+            let place = self.at(SectionKind::BONE_LISTS, at);
+            if bone >= skin.bones.len() {
+                let rule = "SPEC 6.10: the bones of a node are bones of the file";
+                report(
+                    place
+                        .rule(rule)
+                        .broken(Datum::Below(skin.bones.len() as u64), bone),
+                )?;
+                continue;
+            }
+            let bit = 1 << (bone % 64);
+            if middle[lane] != 0.0 && met[bone / 64] & bit != 0 {
+                let rule = "SPEC 6.10: no bone has weights in two entries of a lane";
+                report(place.rule(rule).broken("another bone", bone))?;
+            }
+            if middle[lane] != 0.0 {
+                met[bone / 64] |= bit;
+            }
+        }
+        ControlFlow::Continue(())
     }
 
     /// Where a number of a node's bone rows stands in the file; `list_start` is its entry in BLSS.
@@ -366,8 +403,7 @@ impl Asset<'_> {
         row: usize,
         lane: usize,
     ) -> crate::error::Check {
-        let first =
-            bdtree_format::BONE_ROWS_FIXED * node + bdtree_format::BONE_ROWS_PER_BONE * list_start;
+        let first = BONE_ROWS_FIXED * node + BONE_ROWS_PER_ENTRY * list_start;
         self.at(
             SectionKind::BONE_ROWS,
             (first + row) * size_of::<Row>() + size_of::<f32>() * lane,

@@ -1,8 +1,8 @@
 //! The skin of an opened file: influences, bones, skeleton and clips, as they lie in it.
 
 use bdtree_format::{
-    BONE_ROWS_FIXED, BONE_ROWS_PER_BONE, BoneRecord, ChannelRecord, ClipRecord, InfluenceRecord,
-    Row, SectionKind, SkeletonNode, SkinRecord,
+    BONE_ROWS_FIXED, BONE_ROWS_PER_ENTRY, BoneEntry, BoneRecord, ChannelRecord, ClipRecord,
+    InfluenceRecord, Row, SectionKind, SkeletonNode, SkinRecord,
 };
 
 use super::Asset;
@@ -22,7 +22,7 @@ pub(crate) struct Skin<'a> {
     pub(crate) bone_fields: &'a [f32],
     /// One per node, and one that ends the last.
     pub(crate) list_starts: &'a [u32],
-    pub(crate) lists: &'a [u16],
+    pub(crate) lists: &'a [BoneEntry],
     pub(crate) rows: &'a [Row],
     pub(crate) skeleton: &'a [SkeletonNode],
     /// Nodes of the skeleton.
@@ -36,12 +36,12 @@ pub(crate) struct Skin<'a> {
 /// What the lanes of a node have of its bones (SPEC 6.10).
 #[derive(Debug, Clone, Copy)]
 pub struct NodeBones<'a> {
-    /// Indices of the bones, ascending.
-    pub bones: &'a [u16],
-    /// ι, S and ε.
+    /// The bone of each lane, entry by entry. It counts where β is above 0.
+    pub entries: &'a [BoneEntry],
+    /// S and ε.
     pub fixed: &'a [Row; BONE_ROWS_FIXED],
-    /// w⁻ and w⁺ of each bone.
-    pub weights: &'a [[Row; BONE_ROWS_PER_BONE]],
+    /// β and g of each entry.
+    pub weights: &'a [[Row; BONE_ROWS_PER_ENTRY]],
 }
 
 impl<'a> Skin<'a> {
@@ -64,16 +64,16 @@ impl<'a> Skin<'a> {
             .get(node..)?
             .first_chunk::<2>()?
             .map(|entry| entry as usize);
-        let bones = self.lists.get(start..end)?;
+        let entries = self.lists.get(start..end)?;
         let first = node
             .checked_mul(BONE_ROWS_FIXED)?
-            .checked_add(start.checked_mul(BONE_ROWS_PER_BONE)?)?;
+            .checked_add(start.checked_mul(BONE_ROWS_PER_ENTRY)?)?;
         let (fixed, rest) = self.rows.get(first..)?.split_first_chunk()?;
-        let (weights, _) = rest.as_chunks::<BONE_ROWS_PER_BONE>();
+        let (weights, _) = rest.as_chunks::<BONE_ROWS_PER_ENTRY>();
         Some(NodeBones {
-            bones,
+            entries,
             fixed,
-            weights: weights.get(..bones.len())?,
+            weights: weights.get(..entries.len())?,
         })
     }
 

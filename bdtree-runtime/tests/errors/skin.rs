@@ -7,9 +7,9 @@ use bdtree_fixtures::mutate::{get_f32, get_u32, put, record, repair, section};
 use bdtree_fixtures::sections::{Part, put_together, take_apart};
 use bdtree_fixtures::skin::skinned_bar;
 use bdtree_format::{
-    BONE_ROW_DEFECT, BONE_ROW_SCALE, BONE_ROW_SPREAD, BoneRecord, ChannelRecord, ClipRecord,
-    FrameRecord, InfluenceRecord, LAYOUT_1, NodeRecord, Row, SectionKind, SectionRecord,
-    SkeletonNode, SkinRecord, channel_path,
+    BONE_ROW_DEFECT, BONE_ROW_SPREAD, BONE_ROWS_FIXED, BONE_ROWS_PER_ENTRY, BoneRecord,
+    ChannelRecord, ClipRecord, FrameRecord, InfluenceRecord, LAYOUT_1, NodeRecord, Row,
+    SectionKind, SectionRecord, SkeletonNode, SkinRecord, channel_path,
 };
 use bdtree_runtime::Model;
 
@@ -180,9 +180,17 @@ fn nodes() -> Vec<Change> {
     vec![
         field(SectionKind::BONE_LIST_STARTS, 4, 0, 0, 1),
         field(SectionKind::BONE_LIST_STARTS, 4, 1, 0, u32::MAX),
-        // Two entries at once: not ascending, no bones of the file.
+        // Two lanes of the root's first entry at once: bones that move nothing there, no bones of the file.
         Box::new(body(SectionKind::BONE_LISTS, 0, 0)),
         Box::new(body(SectionKind::BONE_LISTS, 0, u32::MAX)),
+        // The second entry has the bones of the first.
+        parts(|parts| {
+            for part in parts.iter_mut() {
+                if part.kind() == SectionKind::BONE_LISTS {
+                    part.body.copy_within(0..16, 16);
+                }
+            }
+        }),
         // The root has a bone that moves nothing in the place of one that moves something.
         parts(|parts| {
             for part in parts.iter_mut() {
@@ -200,21 +208,22 @@ fn nodes() -> Vec<Change> {
                         }
                     }
                     SectionKind::BONE_FIELDS => body.extend([0; 4]),
-                    SectionKind::BONE_LISTS => put(body, 4, &[3, 0]),
+                    SectionKind::BONE_LISTS => put(body, 0, &[3, 0]),
                     _ => {}
                 }
             }
         }),
-        root_row(BONE_ROW_SCALE, |x| 1.01 * x),
-        root_row(BONE_ROW_SCALE, |x| -x),
+        root_row(BONE_ROW_SPREAD, |x| -x),
         root_row(BONE_ROW_SPREAD, |x| 0.99 * x),
         Box::new(|b| {
             let row = section(b, SectionKind::BONE_ROWS).start + BONE_ROW_DEFECT * size_of::<Row>();
             b[row..row + size_of::<Row>()].fill(0);
         }),
         root_row(BONE_ROW_DEFECT, |_| f32::INFINITY),
-        root_row(3, |x| x + 0.01),
-        root_row(4, |x| x - 0.01),
+        root_row(BONE_ROWS_FIXED, |x| 1.01 * x),
+        root_row(BONE_ROWS_FIXED, |x| -x),
+        root_row(BONE_ROWS_FIXED, |_| 0.0),
+        root_row(BONE_ROWS_FIXED + 1, |x| x - 0.01),
         Box::new(|b| {
             // An empty lane of some node holds a number.
             let starts = section(b, SectionKind::BONE_LIST_STARTS).start;
@@ -222,7 +231,8 @@ fn nodes() -> Vec<Change> {
                 let at = node(b, i);
                 let used = b[at + offset_of!(NodeRecord, inner_mask)]
                     | b[at + offset_of!(NodeRecord, leaf_mask)];
-                let row = 3 * i + 2 * get_u32(b, starts + 4 * i) as usize;
+                let row =
+                    BONE_ROWS_FIXED * i + BONE_ROWS_PER_ENTRY * get_u32(b, starts + 4 * i) as usize;
                 (used != 0xff).then(|| 32 * row + 4 * used.trailing_ones() as usize)
             });
             let at = section(b, SectionKind::BONE_ROWS).start + place.expect("an empty lane");
