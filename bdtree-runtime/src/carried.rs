@@ -23,8 +23,8 @@ use crate::view::{Asset, NodeBones};
 const PLACES: usize = 64;
 
 impl Asset<'_> {
-    /// Moves the spheres of node `index`, which are those without bones, to where bones carry them. Compiled once per instruction set, not into every
-    /// walk.
+    /// Moves the spheres of node `index`, which are those without bones, to where bones carry them. Compiled once per
+    /// instruction set, not into every walk.
     ///
     /// # Errors
     /// Bones of the node that are not in the file.
