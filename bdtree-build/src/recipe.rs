@@ -81,7 +81,7 @@ pub enum Motion {
 pub struct Elastic {
     /// How many and of what; no modes make a rigid asset.
     pub options: ElasticOptions,
-    /// Typical range of q: how far a mode moves its farthest vertex over the diagonal of the box, above 0; `None`:
+    /// Typical range of q: how far a mode moves the vertex that it moves most, over the diagonal of the box, above 0; `None`:
     /// [`RANGE_DIAGONALS`](crate::wrap::RANGE_DIAGONALS).
     pub range_rel: Option<f64>,
 }
@@ -139,7 +139,8 @@ pub struct Frames {
     pub path: PathBuf,
     /// The mesh that they move; `None`: the first frame of a folder.
     pub surface: Option<PathBuf>,
-    /// Frames per second, for frames without times.
+    /// Frames per second, above 0; replaces the times of a `.mdd` file. `None`: the times of a `.mdd` file; otherwise
+    /// unknown.
     pub fps: Option<f64>,
     /// How many components, and of what.
     pub options: PcaOptions,

@@ -15,7 +15,7 @@ use crate::q::{QProblem, QText, checked_q};
 #[derive(Debug, Clone, Default, Args)]
 pub struct PostureArguments {
     /// One number per mode, separated by commas, each at most the mode's q_limit in magnitude
-    /// (`info` shows it). For elastic modes, 1 moves the farthest vertex by one mesh unit
+    /// (`info` shows it). For elastic modes, 1 moves the vertex that the mode moves most by one mesh unit
     /// [default: zeros; with --clip: what the clip shows]
     #[arg(long, allow_hyphen_values = true, value_name = "Q1,Q2,…")]
     pub q: Option<QText>,

@@ -124,8 +124,8 @@ pub fn assumed_ranges(kind: &str, settings: &BTreeMap<String, String>) -> Option
     let have_none = matches!(kind, "elastic" | "volume" | "given");
     (have_none && !settings.contains_key("range-rel")).then(|| {
         format!(
-            "No amplitudes are known: each mode is taken to move its farthest vertex by up to {:.0} % of the box \
-             diagonal (--range-rel says otherwise).",
+            "No amplitudes are known: each mode is taken to move the vertex that it moves most by up to {:.0} % of the \
+             box diagonal (--range-rel says otherwise).",
             100.0 * RANGE_DIAGONALS
         )
     })

@@ -85,7 +85,8 @@ pub(crate) struct Arguments {
     #[arg(long, help_heading = PCA)]
     pub(crate) align: bool,
 
-    /// Frames per second, above 0, for frames without times [default: times unknown].
+    /// Frames per second, above 0; replaces the times of a .mdd file [default: the times of a .mdd file; otherwise
+    /// unknown].
     #[arg(long, value_parser = number, value_name = "FPS", help_heading = PCA)]
     pub(crate) fps: Option<f64>,
 
@@ -155,8 +156,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "MIB", value_parser = whole_number, default_value_t = ElasticOptions::default().memory_limit_bytes >> 20)]
     pub(crate) memory_limit: u64,
 
-    /// Typical range of q for elastic modes and given fields: how far a mode moves its farthest
-    /// vertex, over the diagonal of the box, above 0 [default: 0.05]. The `bounds` line of the summary is measured at this q.
+    /// Typical range of q for elastic modes and given fields: how far a mode moves the vertex that it moves most, over
+    /// the diagonal of the box, above 0 [default: 0.05]. The `bounds` line of the summary is measured at this q.
     #[arg(long, value_parser = number, value_name = "SHARE")]
     pub(crate) range_rel: Option<f64>,
 

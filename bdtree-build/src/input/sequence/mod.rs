@@ -55,7 +55,7 @@ impl FrameSequence {
     ///
     /// `input` is the mesh that the frames deform; without one, a folder's first frame is
     /// ([`FrameSequence::first_mesh`]). `fps`: frames per second, for times; MDD files have times of their
-    /// own, which `fps` overrides. The frames of a folder go to a temporary file without a name,
+    /// own, which `fps` replaces. The frames of a folder go to a temporary file without a name,
     /// 24 bytes per vertex.
     ///
     /// # Errors
