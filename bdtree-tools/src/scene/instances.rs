@@ -114,10 +114,13 @@ fn read_shown(fields: &Fields<'_>, asset: Option<(usize, &str)>, assets: &Assets
     if let Some(at) = fields.optional("frame") {
         let has_q = fields.optional("q").is_some();
         at.ensure(!has_q, "an instance has either q or a frame")?;
-        let has_bones = ["joints", "clip"]
-            .iter()
-            .any(|key| fields.optional(key).is_some());
-        at.ensure(!has_bones, "an instance has either a frame or joints")?;
+        let bones = [
+            ("joints", "an instance has either a frame or joints"),
+            ("clip", "an instance has either a frame or a clip"),
+        ];
+        for (key, rule) in bones {
+            at.ensure(fields.optional(key).is_none(), rule)?;
+        }
         let number = at.whole(FRAME_MAX, "not a whole number from 0 on")? as u64;
         let (index, path) = asset?;
         return match frame_of(assets.file(index).asset(), path, number) {

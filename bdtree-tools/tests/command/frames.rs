@@ -313,6 +313,14 @@ fn scenes_with_bad_frames_are_refused() {
             "frame: an instance has either q or a frame",
         ),
         (
+            json!({"frame": 1, "clip": "wave", "time": 0.5}),
+            "frame: an instance has either a frame or a clip",
+        ),
+        (
+            json!({"frame": 1, "joints": []}),
+            "frame: an instance has either a frame or joints",
+        ),
+        (
             json!({"frame": 3}),
             "frame: 3 is out of range: asset moving.bdt has 3 frames, numbered from 0",
         ),
