@@ -44,7 +44,7 @@ pub(crate) enum Command {
 
 /// Prints what a file holds: counts, modes, sphere sizes per tree level.
 ///
-/// Reads header, tables and tree without checking checksums; `verify` checks them.
+/// Reads header, tables and tree and checks the header's checksum only; `verify` checks all.
 #[derive(Debug, Args)]
 pub struct InfoArguments {
     /// The .bdt file

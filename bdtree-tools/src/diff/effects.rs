@@ -25,8 +25,8 @@ pub struct Effect {
     pub distance_rel: f64,
     /// The q at which that is; absent at rest.
     pub q: Option<f32>,
-    /// Of a mode that is about the negated one of the first file: the farthest vertex's distance (mesh units) with −q
-    /// instead of q in one file.
+    /// Where the mode of the second file is nearly the negative of the first file's: the largest distance (mesh units)
+    /// that remains if q is negated in one of the two files.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub negated_distance: Option<f64>,
     /// The numbers that lead to it differ within the tolerance.

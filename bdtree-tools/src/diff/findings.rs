@@ -32,7 +32,7 @@ pub struct Difference {
     pub what: String,
     /// How often.
     pub count: u64,
-    /// Of how many that were compared; 0 where counting means nothing.
+    /// How many were compared; 0 for what is compared as a whole, such as the settings.
     pub compared: u64,
     /// Largest difference over the scale, for numbers.
     pub largest_rel: Option<f64>,
