@@ -134,8 +134,23 @@ fn unbroken(number: &str) -> String {
     number.replace(" %", "\u{202f}%")
 }
 
-/// Sentences whose lines do not end within the name of an option, as they would behind its hyphens.
+/// Sentences: what stands between backticks as code, and lines that do not end within the name of an option, as they
+/// would behind its hyphens.
 fn prose(text: &str) -> String {
+    let mut parts = text.split('`');
+    let mut html = words(parts.next().unwrap_or_default());
+    while let Some(code) = parts.next() {
+        match parts.next() {
+            Some(after) => html += &format!("<code>{}</code>{}", words(code), words(after)),
+            // A backtick of its own.
+            None => html += &format!("`{}", words(code)),
+        }
+    }
+    html
+}
+
+/// Words of a sentence.
+fn words(text: &str) -> String {
     let word = |word: &str| match word.trim_start_matches('(').starts_with("--") {
         true => format!("<span class=\"option\">{}</span>", escaped(word)),
         false => escaped(word),
@@ -151,5 +166,29 @@ fn line<R>(name: &str, rows: &[R], point: impl Fn(&R) -> (f64, f64)) -> Line {
     Line {
         name: name.to_string(),
         points: rows.iter().map(point).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::prose;
+
+    #[test]
+    fn commands_in_sentences_are_code() {
+        for (text, html) in [
+            (
+                "`bdtree-build … --advise` measures <both> & finds (--modes 3).",
+                "<code>bdtree-build … <span class=\"option\">--advise</span></code> measures &lt;both&gt; &amp; finds \
+                 <span class=\"option\">(--modes</span> 3).",
+            ),
+            (
+                "Run `a<b>`, then `c`.",
+                "Run <code>a&lt;b&gt;</code>, then <code>c</code>.",
+            ),
+            ("Mode 3 \"a`b\" moves.", "Mode 3 &quot;a`b&quot; moves."),
+            ("", ""),
+        ] {
+            assert_eq!(prose(text), html);
+        }
     }
 }
