@@ -256,7 +256,7 @@ pub struct DepthRow {
 /// R'/R_opt of a level; R_opt is the radius of the smallest ball of the deformed vertices.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TightnessRow {
-    /// How far the farthest vertex is moved, over the diagonal; null where samples are taken as they are.
+    /// How far the vertex that moves most is moved, over the diagonal; null where samples are taken as they are.
     pub displacement_rel: Option<f64>,
     /// The level; 0 is the root's.
     pub level: usize,

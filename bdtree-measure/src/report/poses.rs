@@ -98,7 +98,8 @@ fn of_still(zero: &[usize], still: &[usize]) -> Vec<String> {
 
 fn of_skin(samples: &Samples) -> Vec<String> {
     let mut missing = vec![
-        "The paper's bound and that of smallest balls know no bones: tightness is that of bdtree alone."
+        "Tightness is given for bdtree's spheres only: the bounds it is otherwise compared with (the paper's, and \
+         that of smallest balls) do not exist for meshes with bones."
             .to_string(),
     ];
     if samples.bones == Some(Bones::Turns) {

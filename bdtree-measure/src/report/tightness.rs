@@ -11,7 +11,7 @@ use super::sample::{HERE, Sample};
 use crate::MeasureError;
 use crate::vector::{distance, length};
 
-/// Displacements of the farthest vertex, over the diagonal.
+/// Displacements of the vertex that moves most, over the diagonal.
 const AMPLITUDES: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
 
 /// Spheres per level that are measured, spread evenly over those there are.

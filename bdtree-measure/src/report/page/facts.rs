@@ -148,7 +148,7 @@ impl Page {
         let moved = match samples.displacement_max_rel {
             0.0 => String::new(),
             moved => format!(
-                ", which move the farthest vertex by up to {} of the diagonal; each part says how many of them it takes",
+                ", which move vertices by up to {} of the diagonal; each part says how many of them it takes",
                 percent(moved)
             ),
         };

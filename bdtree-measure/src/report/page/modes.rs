@@ -17,7 +17,7 @@ impl Page {
         self.soft(&format!(
             "The first k modes of the file. Error: how far vertices are from where all modes of the file have them, over \
              {}. Bytes, visits and times: of a file baked again with k modes, whose metadata are shorter than this file's; \
-             times are the least of several rounds, over {} samples. Each row alternates with the full asset, so only \
+             times are the least of several rounds, over {} samples. Each row was timed in turn with all modes, so only \
              \"time / all\" is comparable between rows. A ball has a radius of {} of the diagonal and its center on the \
              surface, a ray is one of 16 asked together, a pair is the asset beside itself.",
             content.modes_over.as_deref().unwrap_or("the samples"),

@@ -32,8 +32,9 @@ impl Page {
             "Both find the same contacts on the same deformed vertices. At leaves the refitted tree tests balls and \
              pairs triangle by triangle with this library's public scalar functions and rays with its own test in \
              f32; bdtree rejects four triangles at a time, and tests balls four at a time. Ratio: \
-             deform + refit over bdtree. From {} to {} it is noise; beyond, one is safely ahead. Unsure (gray) is \
-             what lies between the amounts up to which, and from which on, one side stays safely ahead.",
+             deform + refit over bdtree. From {} to {} it is noise; beyond, one is safely ahead. Gray: amounts at \
+             which it is unsure who is faster. One and the same side is safely ahead at every smaller amount tried, and \
+             likewise at every larger one.",
             NOISE[0], NOISE[1]
         ));
         self.open();

@@ -52,8 +52,8 @@ impl Page {
         let rows = &content.tightness;
         self.soft(&format!(
             "Radius over that of the smallest ball around the deformed vertices, mean per level (0 is the root's): in {} of \
-             the samples as they are, and with these made longer or shorter until the farthest vertex moves by so much \
-             of the diagonal.",
+             the samples as they are, and scaled until the vertex that moves most moves by the share of the diagonal \
+             in the plot's title.",
             content.samples.of_parts.tightness
         ));
         // The samples as they are stand first.

@@ -56,7 +56,7 @@ fn characters_are_measured_in_the_poses_of_their_clips() {
     let missing = list(&report, "missing");
     let text = missing[0].as_str().expect("words");
     assert!(
-        text.contains("know no bones") && page.contains(text),
+        text.contains("do not exist for meshes with bones") && page.contains(text),
         "{missing:?}"
     );
 
