@@ -56,7 +56,11 @@ impl Advice {
                 let available = available.map(|count| format!("{count} available"));
                 let others = (!self.takes_first).then(|| {
                     let kept = named(&self.chosen.modes, &self.mode_names);
-                    format!("numbers {kept}")
+                    let number = match self.chosen.modes.len() {
+                        1 => "number",
+                        _ => "numbers",
+                    };
+                    format!("{number} {kept}")
                 });
                 let notes: Vec<String> = available.into_iter().chain(others).collect();
                 let notes = match notes.is_empty() {
@@ -441,6 +445,15 @@ mod tests {
         );
         (other.takes_first, other.available) = (false, None);
         let first = "5 of 12 modes (numbers 0 to 4) keep every vertex within 0.71 %";
+        assert!(
+            other.sentences()[0].starts_with(first),
+            "{:?}",
+            other.sentences()
+        );
+        other.chosen.modes = vec![7];
+        other.mode_names = vec![None; 7];
+        other.mode_names.push(Some("Surprised".to_string()));
+        let first = "1 of 12 modes (number 7 \"Surprised\") keeps every vertex within 0.71 %";
         assert!(
             other.sentences()[0].starts_with(first),
             "{:?}",
