@@ -6,11 +6,13 @@ use bdtree_runtime::Model;
 use serde::Serialize;
 
 use super::AdviceError;
+use super::errors::Over;
 use super::samples::Samples;
 use super::subject::Subject;
 use super::works::{Contender, Measured, Works};
 use crate::basis::BasisError;
-use crate::basis::dropped::select;
+use crate::basis::dropped::{error_of, select};
+use crate::error::BakeError;
 use crate::pipeline::{BakeSettings, Provenance, bake_fields, bake_skinned, default_leaf_size};
 use crate::progress::{Progress, Silent};
 
@@ -34,7 +36,7 @@ pub struct Point {
     /// nobody measured them.
     #[serde(rename = "error_rel")]
     pub error: Option<BasisError>,
-    /// Length of the file.
+    /// Length of the file, if its bake has the subject's warnings.
     pub bytes: usize,
     /// Number of nodes.
     pub nodes: usize,
@@ -210,17 +212,46 @@ fn baked(
         }
         _ => &subject.basis,
     };
-    // Warnings are no part of what is measured.
-    let provenance = Provenance {
-        warnings: Vec::new(),
-        ..subject.provenance.clone()
-    };
+    let provenance = provenance(subject, modes, settings)?;
     let mesh = &subject.mesh;
     let baked = match skin.as_ref() {
         Some(skin) => bake_skinned(mesh, basis, skin, settings, &provenance, progress)?,
         None => bake_fields(mesh, basis, settings, &provenance, progress)?,
     };
     Ok((Model::from_bytes(&baked.bytes)?, baked.report.nodes))
+}
+
+/// What the metadata of the file with `modes` say, so that it is as long as that of a bake which is asked for them. Only
+/// warnings may be others: here they are those of the subject.
+fn provenance(
+    subject: &Subject,
+    modes: Option<&[usize]>,
+    settings: &BakeSettings,
+) -> Result<Provenance, BakeError> {
+    let (mesh, basis) = (&subject.mesh, &subject.basis);
+    let mut own = subject.provenance.clone();
+    let all = basis.mode_count();
+    let count = modes.map_or(all, <[usize]>::len);
+    let stated = [
+        ("modes", count),
+        ("leaf-size", settings.leaf_size_for(mesh)),
+    ];
+    for (name, value) in stated {
+        if own.settings.contains_key(name) {
+            own.set(name, value);
+        }
+    }
+    let are_fields = matches!(own.kind.as_str(), "given" | "morph");
+    match modes {
+        Some(modes) if count < all && are_fields => {
+            own.error = Some(error_of(mesh, basis, modes)?);
+        }
+        _ if subject.errors.over == Over::Source => {
+            own.error = subject.errors.of_first.get(count).copied();
+        }
+        _ => {}
+    }
+    Ok(own)
 }
 
 /// At most `most` numbers of modes from 1 to `all`: powers of two and halves between, `all`, and `wanted`.

@@ -111,6 +111,22 @@ pub fn keep_fields(mesh: &RawMesh, basis: Basis, keep: Keep) -> Result<Kept, Bak
     }
 }
 
+/// [`Kept::error`] of the fields of the given numbers, ascending.
+///
+/// # Errors
+/// What [`wrap::store`] refuses.
+pub(crate) fn error_of(
+    mesh: &RawMesh,
+    basis: &Basis,
+    fields: &[usize],
+) -> Result<BasisError, BakeError> {
+    let is_kept: Vec<bool> = (0..basis.mode_count())
+        .map(|j| fields.contains(&j))
+        .collect();
+    let kept = Source::new(mesh, basis).keep(Cow::Borrowed(basis), &is_kept)?;
+    Ok(kept.error)
+}
+
 /// All fields, with what their errors are measured by.
 struct Source<'a> {
     mesh: &'a RawMesh,
