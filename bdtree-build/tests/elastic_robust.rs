@@ -1,10 +1,12 @@
 //! Elastic modes of meshes as they come: open, split, inside out, empty, far away.
 
+use std::path::Path;
+
 use crate::elastic_support::{V3, boxed};
 use bdtree_build::basis::Basis;
 use bdtree_build::basis::elastic::{ElasticOptions, ElasticReport, Fix, FixRegion, elastic_basis};
 use bdtree_build::error::BakeError;
-use bdtree_build::input::{GroupKind, RawGroup, RawMesh};
+use bdtree_build::input::{BadFaces, GroupKind, RawGroup, RawMesh, read_model};
 use bdtree_build::progress::Silent;
 
 fn join(mut a: RawMesh, b: &RawMesh) -> RawMesh {
@@ -329,6 +331,34 @@ fn bad_input_is_one_clear_error() {
     let mut bad = good.clone();
     bad.triangles[2][0] = 800;
     assert!(message(&bad, &options(8)).contains("triangle 2"));
+}
+
+/// What a refusal for memory suggests is not refused.
+#[test]
+fn the_resolution_that_is_suggested_fits() {
+    let chair = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/chair.obj");
+    let chair = read_model(&chair, None, BadFaces::Refuse).expect("a chair");
+    let chair = chair.mesh;
+    for (mib, resolution) in [(2, 40), (5, 40), (10, 12), (20, 200), (50, 40), (100, 40)] {
+        let mut o = options(resolution);
+        o.memory_limit_bytes = mib << 20;
+        let text = run(&chair, &o).expect_err("too fine").to_string();
+        println!("{text}");
+        let suggested = text.rsplit_once("; --resolution ").expect(&text).1;
+        let suggested = suggested.strip_suffix(" fits").expect(&text);
+        let suggested = suggested.parse().expect(&text);
+        assert!(suggested < resolution, "{text}");
+        o.resolution = Some(suggested);
+        let (_, report) = run(&chair, &o).expect(&text);
+        assert_eq!(report.resolution, suggested);
+        // And it is no counsel of despair.
+        o.resolution = Some(2 * suggested);
+        assert!(run(&chair, &o).is_err(), "{text}");
+    }
+    let mut o = options(40);
+    o.memory_limit_bytes = 1 << 10;
+    let text = run(&chair, &o).expect_err("no memory").to_string();
+    assert!(text.ends_with("; raise the limit"), "{text}");
 }
 
 #[test]

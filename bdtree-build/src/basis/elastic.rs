@@ -7,6 +7,7 @@
 //! `m_j q̈_j + 2ζ m_j ω_j q̇_j + m_j ω_j² q_j = U_jᵀ f` holds with `f` in kg · mesh unit / s², which
 //! is newtons divided by `scale_m` (newtons if the mesh is in metres).
 
+mod fits;
 mod warnings;
 
 use std::time::Instant;
@@ -21,7 +22,9 @@ use crate::elastic::assemble::system::System;
 use crate::elastic::constraint::fix::constrain_all;
 use crate::elastic::element::spline::Element;
 use crate::elastic::lattice::locate::anchors;
-use crate::elastic::lattice::resolution::{BYTES_PER_CELL, choose_lattice};
+use crate::elastic::lattice::resolution::{
+    BYTES_PER_CELL, LatticeError, cell_limit, choose_lattice,
+};
 use crate::elastic::lattice::{Lattice, Subject};
 use crate::elastic::solve::factor::FactorError;
 use crate::elastic::solve::{Limits, Solution, SolveError, solve};
@@ -148,7 +151,16 @@ pub fn elastic_basis(
 
     progress.stage("lattice", None);
     let (lattice, resolution) =
-        choose_lattice(&subject, options.resolution, options.memory_limit_bytes)?;
+        choose_lattice(&subject, options.resolution, options.memory_limit_bytes).map_err(
+            |error| match error {
+                LatticeError::TooManyCells(resolution) => too_many_cells(
+                    options,
+                    resolution,
+                    fits::finest(&subject, options, resolution, None, progress),
+                ),
+                LatticeError::Bake(error) => error,
+            },
+        )?;
     warnings::thin(&subject, &lattice, resolution, warnings);
     let constraints = constrain_all(&subject, &lattice, &options.fixes)?;
     report.resolution = resolution;
@@ -159,16 +171,18 @@ pub fn elastic_basis(
     lap(&mut report, "lattice");
 
     let element = Element::new(options.poisson);
-    let limits = Limits {
-        wanted: options.mode_count,
-        bytes: options.memory_limit_bytes,
-        verify_dof_max: options.verify_dof_max,
-        threads: options.threads,
-    };
-    let sizes: Vec<usize> = lattice.components.iter().map(|c| c.nodes.len()).collect();
     let system = |c: usize| System::of_lattice(&lattice.components[c], &element, &constraints[c]);
-    let solution =
-        solve(&sizes, system, limits, progress).map_err(|e| solve_error(e, options, resolution))?;
+    let solution = solve(&lattice.sizes(), system, limits(options), progress);
+    let solution = solution.map_err(|error| {
+        // Only what is refused is worth the search.
+        let finest = match error {
+            SolveError::Memory(bytes) => {
+                fits::finest(&subject, options, resolution, Some(bytes), progress)
+            }
+            _ => None,
+        };
+        solve_error(error, options, resolution, finest)
+    })?;
     if solution.modes.len() < options.mode_count {
         return Err(BakeError::one(
             "basis",
@@ -197,6 +211,15 @@ pub fn elastic_basis(
     list_silent_pieces(&subject, &lattice, &solution, &mut report, warnings);
     lap(&mut report, "vertices");
     Ok((basis, report))
+}
+
+fn limits(options: &ElasticOptions) -> Limits {
+    Limits {
+        wanted: options.mode_count,
+        bytes: options.memory_limit_bytes,
+        verify_dof_max: options.verify_dof_max,
+        threads: options.threads,
+    }
 }
 
 fn check_options(options: &ElasticOptions) -> Result<(), BakeError> {
@@ -316,7 +339,32 @@ fn read_subject<'a>(
     Ok(subject)
 }
 
-fn solve_error(error: SolveError, options: &ElasticOptions, resolution: u32) -> BakeError {
+/// What to do where memory does not suffice: `finest` cells along the longest side fit.
+fn instead(finest: Option<u32>) -> String {
+    match finest {
+        Some(finest) => format!("--resolution {finest} fits"),
+        None => "raise the limit".to_string(),
+    }
+}
+
+fn too_many_cells(options: &ElasticOptions, resolution: u32, finest: Option<u32>) -> BakeError {
+    let limit = options.memory_limit_bytes;
+    let message = format!(
+        "{resolution} cells along the longest side make more than {}, which do not fit in {} MiB (--memory-limit); {}",
+        counted(cell_limit(limit), "cell"),
+        limit >> 20,
+        instead(finest)
+    );
+    BakeError::one("basis", Place::option("--resolution"), message)
+}
+
+/// `finest`: the most cells along the longest side that are known to fit, where memory does not suffice.
+fn solve_error(
+    error: SolveError,
+    options: &ElasticOptions,
+    resolution: u32,
+    finest: Option<u32>,
+) -> BakeError {
     let message = match error {
         SolveError::Memory(bytes) => {
             // The number of cells is only the option's where that was given.
@@ -325,14 +373,11 @@ fn solve_error(error: SolveError, options: &ElasticOptions, resolution: u32) -> 
                 None => Place::NOWHERE,
             };
             let limit = options.memory_limit_bytes;
-            // Factors grow with the square of the resolution for sheets, and faster for stout bodies.
-            let fits = f64::from(resolution) * (limit as f64 / bytes as f64).sqrt();
             let message = format!(
-                "{resolution} cells along the longest side need about {} MiB, the limit is {} MiB (--memory-limit); \
-                 fewer need less (--resolution {} should fit)",
+                "{resolution} cells along the longest side need about {} MiB, the limit is {} MiB (--memory-limit); {}",
                 bytes.div_ceil(1 << 20),
                 limit >> 20,
-                (fits as u32).max(1)
+                instead(finest)
             );
             return BakeError::one("basis", place, message);
         }
@@ -427,13 +472,18 @@ mod tests {
             memory_limit_bytes: 200 << 20,
             ..ElasticOptions::default()
         };
-        let told = |options: &ElasticOptions| {
-            solve_error(SolveError::Memory(300 << 20), options, 57).to_string()
+        let told = |options: &ElasticOptions, finest| {
+            solve_error(SolveError::Memory(300 << 20), options, 57, finest).to_string()
         };
-        let text = "57 cells along the longest side need about 300 MiB, the limit is 200 MiB (--memory-limit); fewer \
-                    need less (--resolution 46 should fit)";
-        assert_eq!(told(&options), text);
+        let text = "57 cells along the longest side need about 300 MiB, the limit is 200 MiB (--memory-limit); ";
+        assert_eq!(
+            told(&options, Some(46)),
+            format!("{text}--resolution 46 fits")
+        );
         options.resolution = Some(57);
-        assert_eq!(told(&options), format!("--resolution: {text}"));
+        assert_eq!(
+            told(&options, None),
+            format!("--resolution: {text}raise the limit")
+        );
     }
 }

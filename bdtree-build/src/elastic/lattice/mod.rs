@@ -118,6 +118,11 @@ impl Lattice {
         (self.fillings.iter().zip(parts)).map(|(f, part)| (f.body, part.component as usize))
     }
 
+    /// Numbers of nodes of the components.
+    pub(crate) fn sizes(&self) -> Vec<usize> {
+        self.components.iter().map(|c| c.nodes.len()).collect()
+    }
+
     /// Nodes of all components.
     pub(crate) fn node_count(&self) -> usize {
         self.components.iter().map(|c| c.nodes.len()).sum()

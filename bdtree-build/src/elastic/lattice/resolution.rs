@@ -20,25 +20,31 @@ const AUTO_RESOLUTION_MAX: f64 = 256.0;
 /// A cell with its fine cells, matrices, nodes and tables takes about this much.
 pub(crate) const BYTES_PER_CELL: u64 = 8192;
 
+/// Cells that a lattice which was asked for may have.
+pub(crate) fn cell_limit(memory_limit_bytes: u64) -> usize {
+    (memory_limit_bytes / BYTES_PER_CELL).min(2_000_000) as usize
+}
+
+/// Why there is no lattice.
+#[derive(Debug)]
+pub(crate) enum LatticeError {
+    /// The resolution that was asked for, this one, makes more cells than [`cell_limit`].
+    TooManyCells(u32),
+    /// Anything else.
+    Bake(BakeError),
+}
+
 /// The lattice asked for, or the finest one within the budgets.
 pub(crate) fn choose_lattice(
     subject: &Subject<'_>,
     asked: Option<u32>,
     memory_limit_bytes: u64,
-) -> Result<(Lattice, u32), BakeError> {
-    let cell_limit = (memory_limit_bytes / BYTES_PER_CELL).min(2_000_000) as usize;
+) -> Result<(Lattice, u32), LatticeError> {
+    let cell_limit = cell_limit(memory_limit_bytes);
     if let Some(resolution) = asked {
         return match subject.lattice(f64::from(resolution), cell_limit) {
             Ok(lattice) => nonempty(subject, lattice, resolution),
-            Err(_) => Err(BakeError::one(
-                "basis",
-                Place::option("--resolution"),
-                format!(
-                    "{resolution} cells along the longest side make more than {cell_limit} cells, \
-                     which do not fit in {} MiB (--memory-limit); try half as many",
-                    memory_limit_bytes >> 20
-                ),
-            )),
+            Err(_) => Err(LatticeError::TooManyCells(resolution)),
         };
     }
     // Only what is taken in the end is integrated.
@@ -84,11 +90,11 @@ pub(crate) fn choose_lattice(
     let (resolution, limit) = best.map_or((1, cell_limit), |best| (best, 2 * NODE_BUDGET));
     match subject.lattice(f64::from(resolution), limit) {
         Ok(lattice) => nonempty(subject, lattice, resolution),
-        Err(_) => Err(BakeError::one(
+        Err(_) => Err(LatticeError::Bake(BakeError::one(
             "basis",
             Place::file(&subject.mesh.name),
             "its pieces fill more cells than memory allows",
-        )),
+        ))),
     }
 }
 
@@ -96,13 +102,13 @@ fn nonempty(
     subject: &Subject<'_>,
     lattice: Lattice,
     resolution: u32,
-) -> Result<(Lattice, u32), BakeError> {
+) -> Result<(Lattice, u32), LatticeError> {
     if lattice.parts.is_empty() {
-        return Err(BakeError::one(
+        return Err(LatticeError::Bake(BakeError::one(
             "basis",
             Place::file(&subject.mesh.name),
             "no cell of the lattice holds mass; raise --resolution or --thickness",
-        ));
+        )));
     }
     Ok((lattice, resolution))
 }

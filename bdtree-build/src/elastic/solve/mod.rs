@@ -9,7 +9,7 @@ pub(crate) mod tests;
 
 use faer::Mat;
 
-use crate::elastic::assemble::system::System;
+use crate::elastic::assemble::system::{Pattern, System};
 use crate::elastic::solve::canonical::{CLUSTER_GAP, clusters, turn_clusters};
 use crate::elastic::solve::factor::{FactorError, Symbolic};
 use crate::elastic::solve::krylov::{Inverse, Modes, RESIDUAL_MAX, lowest_modes};
@@ -93,8 +93,7 @@ pub(crate) fn solve(
     limits: Limits,
     progress: &dyn Progress,
 ) -> Result<Solution, SolveError> {
-    let mut order: Vec<usize> = (0..sizes.len()).collect();
-    order.sort_by_key(|&c| (usize::MAX - sizes[c], c));
+    let order = largest_first(sizes);
     let mut solution = Solution {
         checked: true,
         ..Solution::default()
@@ -132,6 +131,67 @@ pub(crate) fn solve(
         return Err(SolveError::Residual(solution.residual));
     }
     Ok(solution)
+}
+
+/// What [`solve`] would take.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Needs {
+    /// Largest memory that a component is predicted to take.
+    pub bytes: u64,
+    /// Elastic modes that the body has, at most.
+    pub available: usize,
+}
+
+/// What [`solve`] finds out before it computes anything: it refuses a component here for the same memory.
+pub(crate) fn needs(
+    sizes: &[usize],
+    system: impl Fn(usize) -> Result<System, usize>,
+    limits: Limits,
+) -> Result<Needs, SolveError> {
+    let mut needs = Needs::default();
+    for c in largest_first(sizes) {
+        let system = system(c).map_err(|element| SolveError::Element(c, element))?;
+        let available = available(&system, rigid_motions(&system).ncols());
+        needs.available += available;
+        if available > 0 {
+            needs.bytes = needs.bytes.max(analyse(c, &system, limits)?.bytes);
+        }
+    }
+    Ok(needs)
+}
+
+/// The order in which components are solved.
+fn largest_first(sizes: &[usize]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..sizes.len()).collect();
+    order.sort_by_key(|&c| (usize::MAX - sizes[c], c));
+    order
+}
+
+/// Elastic modes of a component, at most.
+fn available(system: &System, rigid_count: usize) -> usize {
+    system.free_count().saturating_sub(rigid_count)
+}
+
+/// A component's pattern, where the numbers of its factor will be, and what the numeric step takes.
+struct Analysis {
+    pattern: Pattern,
+    symbolic: Symbolic,
+    bytes: u64,
+}
+
+/// Analyses a component; refuses it if it takes more than the limit.
+fn analyse(c: usize, system: &System, limits: Limits) -> Result<Analysis, SolveError> {
+    let pattern = system.pattern();
+    let symbolic = Symbolic::new(&pattern).map_err(|e| SolveError::Factor(c, e))?;
+    let bytes = predicted_bytes(system, &symbolic, limits.wanted);
+    if bytes > limits.bytes {
+        return Err(SolveError::Memory(bytes));
+    }
+    Ok(Analysis {
+        pattern,
+        symbolic,
+        bytes,
+    })
 }
 
 /// How much of the stage is over, told in whole steps.
@@ -177,18 +237,17 @@ fn solve_component(
     let fail = |e| SolveError::Factor(c, e);
     let rigid = rigid_motions(system);
     let rigid_count = rigid.ncols();
-    let available = system.free_count().saturating_sub(rigid_count);
+    let available = available(system, rigid_count);
     solution.available += available;
     if available == 0 {
         return Ok(none);
     }
-    let pattern = system.pattern();
-    let symbolic = Symbolic::new(&pattern).map_err(fail)?;
-    let bytes = predicted_bytes(system, &symbolic, limits.wanted);
+    let Analysis {
+        pattern,
+        symbolic,
+        bytes,
+    } = analyse(c, system, limits)?;
     solution.bytes = solution.bytes.max(bytes);
-    if bytes > limits.bytes {
-        return Err(SolveError::Memory(bytes));
-    }
     let count = |below: f64| -> Result<usize, SolveError> {
         let values = system.values(below, &[]);
         let negative = symbolic.negative_count(&pattern, &values).map_err(fail)?;
