@@ -222,9 +222,16 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
     /// distance. Where the surfaces cross in closed curves, pairs that do not touch may join regions, but add nothing to
     /// points, depth and area.
     ///
-    /// Depth is found by casting a ray along the normal; where it hits nothing, depth is measured from the contour's
-    /// mean plane. Where the contour is far from flat, normal and area are those of its projection. On smooth surfaces
-    /// the errors of depth, normal and area are of second order in the edges' length.
+    /// A region that such a curve bounds has four points, each on a line along the normal: `point1` is where the line
+    /// leaves the first body, `point2` where, followed backwards, it leaves the second. Where it leaves only one of them
+    /// or none, the nearest points of both stand for them. `distance` is always `(point2 − point1) · normal1`, so a point
+    /// where the two do not overlap has a positive one. A thin body that passes right through the other counts up to its
+    /// far end: its depth is how far it has to move back, which is more than what the two share. Where the curve's
+    /// projection along the normal overlaps itself so that it has no inside, the region is one point, as where a surface
+    /// ends.
+    ///
+    /// Where the contour is far from flat, normal and area are those of its projection. On smooth surfaces the errors
+    /// of depth, normal and area are of second order in the edges' length.
     ///
     /// # Errors
     /// Those of [`PairQuery::contacts`]; a level limit.

@@ -5,10 +5,10 @@ use super::contour::Contour;
 use super::least::least_translation;
 use super::{ContactManifold, ContactPoint};
 use crate::cache::Posed;
-use crate::contact::{PairContact, RayIntersection, TriangleId};
+use crate::contact::{PairContact, TriangleId};
 use crate::error::QueryError;
 use crate::math::{add_scaled, dot, norm, scale, sub};
-use crate::narrow::{Triangle, area_vector};
+use crate::narrow::{Triangle, area_vector, combine, triangle_distance};
 use crate::shape::Ray;
 use crate::traverse::StackEntry;
 
@@ -30,7 +30,7 @@ impl Bodies<'_, '_> {
             contour.outline(&a, &b);
         }
         let Some(normal) = contour.normal() else {
-            return self.single(pairs);
+            return self.single(pairs, f64::INFINITY);
         };
         contour.begin_moments(normal);
         let mut first = None;
@@ -40,33 +40,36 @@ impl Bodies<'_, '_> {
             first = first.or(Some(*pair));
         }
         let (Some(place), Some(first)) = (contour.place(), first) else {
-            return self.single(pairs);
+            return self.single(pairs, contour.area());
         };
         let share = place.area / 4.0;
         let middle = self.probe(place.center, normal, place.size, 0.0)?;
         let mut points = [middle; 4];
+        let mut depth = (-middle.distance).max(0.0);
         for (k, point) in points.iter_mut().enumerate() {
             let [u, v] = place.spread;
             let u = scale(u, if k & 1 == 0 { -1.0 } else { 1.0 });
             let v = scale(v, if k & 2 == 0 { -1.0 } else { 1.0 });
             let at = add_scaled(add_scaled(place.center, 1.0, u), 1.0, v);
             *point = self.probe(at, normal, place.size, share)?;
+            depth = depth.max(-point.distance);
         }
         Ok(Some(ContactManifold {
             normal1: normal,
             normal2: scale(normal, -1.0),
             area: place.area,
-            depth: -middle.distance,
+            depth,
             triangles: [first.triangle1, first.triangle2],
             points,
             len: 4,
         }))
     }
 
-    /// A region without a contour: one point.
+    /// A region without a contour that has points inside: one point. Its area is at most `largest_area`.
     fn single<'c>(
         &mut self,
         pairs: impl Iterator<Item = &'c PairContact> + Clone,
+        largest_area: f64,
     ) -> Result<Option<ContactManifold>, QueryError> {
         let Some(first) = pairs.clone().next() else {
             return Ok(None);
@@ -96,22 +99,33 @@ impl Bodies<'_, '_> {
         let Some((dist, normal, pair)) = best else {
             return Ok(None);
         };
-        let area = area1.min(area2);
-        let point = ContactPoint {
-            point1: pair.point1,
-            point2: pair.point2,
-            distance: dist,
-            area,
-            triangle1: pair.triangle1,
-            barycentric1: pair.barycentric1,
-            triangle2: pair.triangle2,
-            barycentric2: pair.barycentric2,
+        let area = area1.min(area2).min(largest_area);
+        let (mut point1, mut point2) = (pair.point1, pair.point2);
+        let (mut barycentric1, mut barycentric2) = (pair.barycentric1, pair.barycentric2);
+        if dist < 0.0 {
+            // The points that meet once the first triangle has moved back by its depth: so they are that
+            // far apart.
+            let (a, b) = self.triangles(pair)?;
+            let meeting = triangle_distance(&a.map(|x| add_scaled(x, dist, normal)), &b);
+            (barycentric1, barycentric2) = (meeting.barycentric1, meeting.barycentric2);
+            (point1, point2) = (combine(&a, barycentric1), combine(&b, barycentric2));
+        }
+        let place1 = Place {
+            point: point1,
+            triangle: pair.triangle1,
+            barycentric: barycentric1,
         };
+        let place2 = Place {
+            point: point2,
+            triangle: pair.triangle2,
+            barycentric: barycentric2,
+        };
+        let point = place1.contact(&place2, normal, area);
         Ok(Some(ContactManifold {
             normal1: normal,
             normal2: scale(normal, -1.0),
             area,
-            depth: (-dist).max(0.0),
+            depth: (-point.distance).max(0.0),
             triangles: [first.triangle1, first.triangle2],
             points: [point; 4],
             len: 1,
@@ -125,9 +139,8 @@ impl Bodies<'_, '_> {
         ))
     }
 
-    /// Where the line through `at` along the normal leaves both bodies, the first forwards and the
-    /// second backwards. `size` is the region's. On a body that the line does not leave, the point nearest to `at`
-    /// stands for it and adds nothing to the depth.
+    /// The contact on the line through `at` along the normal, between the points where the line leaves the first
+    /// body forwards and the second backwards. `size` is the contour's length.
     fn probe(
         &mut self,
         at: [f64; 3],
@@ -135,29 +148,17 @@ impl Bodies<'_, '_> {
         size: f64,
         area: f64,
     ) -> Result<ContactPoint, QueryError> {
-        // Begun a little before, since the contour may lie in one of the surfaces.
-        let back = size / (1 << 20) as f64;
         let against = scale(normal, -1.0);
-        let mut side =
-            |posed: &mut Posed<'_>, along: [f64; 3]| -> Result<(f64, Place), QueryError> {
-                let from = add_scaled(at, -back, along);
-                match leaving(posed, from, along, self.stack)? {
-                    Some(hit) => Ok((hit.distance - back, Place::of(&hit, at, along, back))),
-                    None => Ok((0.0, Place::nearest(posed, at, self.stack)?)),
-                }
-            };
-        let (reach1, place1) = side(&mut self.posed1, normal)?;
-        let (reach2, place2) = side(&mut self.posed2, against)?;
-        Ok(ContactPoint {
-            point1: place1.point,
-            point2: place2.point,
-            distance: -(reach1 + reach2).max(0.0),
-            area,
-            triangle1: place1.triangle,
-            barycentric1: place1.barycentric,
-            triangle2: place2.triangle,
-            barycentric2: place2.barycentric,
-        })
+        let left1 = leaving(&mut self.posed1, at, normal, size, self.stack)?;
+        let left2 = leaving(&mut self.posed2, at, against, size, self.stack)?;
+        if let (Some(place1), Some(place2)) = (left1, left2) {
+            return Ok(place1.contact(&place2, normal, area));
+        }
+        // Both nearest points, since one alone and a far end of the other body would make a depth of that body's
+        // length where the two do not overlap.
+        let place1 = Place::nearest(&mut self.posed1, at, self.stack)?;
+        let place2 = Place::nearest(&mut self.posed2, at, self.stack)?;
+        Ok(place1.contact(&place2, normal, area))
     }
 }
 
@@ -169,12 +170,18 @@ struct Place {
 }
 
 impl Place {
-    /// Where a ray that was begun `back` before `at` leaves it.
-    fn of(hit: &RayIntersection, at: [f64; 3], along: [f64; 3], back: f64) -> Self {
-        Self {
-            point: add_scaled(at, hit.distance - back, along),
-            triangle: hit.triangle,
-            barycentric: hit.barycentric,
+    /// The contact between this point, of the first body, and one of the second.
+    fn contact(&self, second: &Self, normal: [f64; 3], area: f64) -> ContactPoint {
+        ContactPoint {
+            point1: self.point,
+            point2: second.point,
+            // + 0 makes −0 a plain 0.
+            distance: dot(sub(second.point, self.point), normal) + 0.0,
+            area,
+            triangle1: self.triangle,
+            barycentric1: self.barycentric,
+            triangle2: second.triangle,
+            barycentric2: second.barycentric,
         }
     }
 
@@ -201,20 +208,36 @@ impl Place {
     }
 }
 
-/// The first triangle along a ray, if the ray leaves the body there.
+/// Where the line through `at` in the direction `along` leaves a body: ahead, or, where `at` is outside, behind it
+/// by at most half of `size`, the contour's length. `None` if the first triangle either way is one where the line
+/// enters.
 fn leaving(
     posed: &mut Posed<'_>,
-    origin: [f64; 3],
-    direction: [f64; 3],
+    at: [f64; 3],
+    along: [f64; 3],
+    size: f64,
     stack: &mut [StackEntry],
-) -> Result<Option<RayIntersection>, QueryError> {
-    let (hit, _) = ray::first(posed.again(), &Ray::new(origin, direction), stack)?;
-    let Some(hit) = hit else {
-        return Ok(None);
-    };
-    let corners = posed.pose.deformed_triangle(hit.triangle)?;
-    let outwards = dot(area_vector(&corners), direction) > 0.0;
-    Ok(outwards.then_some(hit))
+) -> Result<Option<Place>, QueryError> {
+    // Begun a little before, since the contour may lie in the surface.
+    let before = size / (1 << 20) as f64;
+    // Behind, the region's own surface is no farther than the contour is wide; what lies beyond is another part.
+    for (direction, reach) in [(along, f64::INFINITY), (scale(along, -1.0), 0.5 * size)] {
+        let from = add_scaled(at, -before, direction);
+        let ray = Ray::new(from, direction).with_max_distance(reach);
+        let (hit, _) = ray::first(posed.again(), &ray, stack)?;
+        let Some(hit) = hit else {
+            continue;
+        };
+        let corners = posed.pose.deformed_triangle(hit.triangle)?;
+        if dot(area_vector(&corners), along) > 0.0 {
+            return Ok(Some(Place {
+                point: hit.point,
+                triangle: hit.triangle,
+                barycentric: hit.barycentric,
+            }));
+        }
+    }
+    Ok(None)
 }
 
 pub(super) fn area(triangle: &Triangle) -> f64 {

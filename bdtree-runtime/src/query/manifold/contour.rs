@@ -57,6 +57,11 @@ impl Contour {
         self.area = add_scaled(self.area, 0.5, turned);
     }
 
+    /// The length of the vector area.
+    pub(super) fn area(&self) -> f64 {
+        norm(self.area)
+    }
+
     /// The direction of the vector area, if the contour is closed and encloses anything.
     pub(super) fn normal(&self) -> Option<[f64; 3]> {
         let closed = norm(self.ends) <= OPEN * self.length;
@@ -102,7 +107,8 @@ impl Contour {
         self.height += 0.5 * norm(sub(q, p)) * (dot(p, n) + dot(q, n));
     }
 
-    /// Center, area and spread of what the contour encloses.
+    /// Center, area and spread of what the contour encloses; `None` where its projection overlaps itself so that
+    /// they are those of no region.
     pub(super) fn place(&self) -> Option<Place> {
         let origin = self.origin?;
         let area = 0.5 * self.flat_area;
@@ -115,6 +121,10 @@ impl Contour {
         // Eigenvectors of the symmetric matrix.
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         let root = sqrt(half * half + xy * xy);
+        // Both second moments are positive unless parts that are wound the other way outweigh the rest.
+        if !(mean > root) {
+            return None;
+        }
         let (c, s) = if root <= 1e-9 * mean {
             (1.0, 0.0)
         } else if half >= 0.0 {
@@ -132,8 +142,8 @@ impl Contour {
             center: add_scaled(center, self.height / self.length, n),
             area,
             spread: [
-                scale(major, sqrt((mean + root).max(0.0))),
-                scale(minor, sqrt((mean - root).max(0.0))),
+                scale(major, sqrt(mean + root)),
+                scale(minor, sqrt(mean - root)),
             ],
             size: self.length,
         })
