@@ -116,7 +116,8 @@ impl Instance {
     /// was.
     ///
     /// Of a vibration mode, `q_j = 1` moves the farthest vertex by one mesh unit; of a morph target, 1 is the whole target;
-    /// of principal components, frames have the sizes ([`Asset::sample`](crate::Asset::sample)).
+    /// of principal components, 1 has no fixed meaning: the values that occur are those of the baked frames, which
+    /// [`Asset::sample`](crate::Asset::sample) gives at a time.
     /// [`Asset::modes`](crate::Asset::modes) has what is typical for each mode (`q_range`), and beyond what it is refused
     /// (`q_limit`).
     ///
