@@ -304,7 +304,7 @@ pub enum PoseError {
     Translation,
     /// The matrix is not a rotation with one positive scale and a translation.
     Matrix,
-    /// The last row of a joint's matrix is not 0, 0, 0, 1.
+    /// The last row of a placement's or a joint's matrix is not 0, 0, 0, 1.
     Projection,
     /// The scale is not between 2^-60 and 2^60.
     Scale,

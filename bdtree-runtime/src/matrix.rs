@@ -49,12 +49,13 @@ impl Transform {
     /// translates.
     ///
     /// # Errors
-    /// [`PoseError::Matrix`] for one that mirrors, shears, scales axes differently by more than a thousandth,
-    /// projects (last row other than 0, 0, 0, 1), or is not finite.
+    /// [`PoseError::Projection`] for one that projects: whose last row is other than 0, 0, 0, 1, as where rows and columns
+    /// are exchanged. [`PoseError::Matrix`] for one that mirrors, shears, scales axes differently by more than a
+    /// thousandth, or is not finite.
     pub fn from_columns(columns: [[f64; 4]; 4]) -> Result<Self, PoseError> {
         let last = columns.map(|column| column[3]);
         if last != [0.0, 0.0, 0.0, 1.0] {
-            return Err(PoseError::Matrix);
+            return Err(PoseError::Projection);
         }
         let [a, b, c, translation] = columns.map(|[x, y, z, _]| [x, y, z]);
         // The cube root of the volume would mix in the shear that is about to be measured.

@@ -96,7 +96,7 @@ fn matrices_that_are_no_placements_are_refused() {
         }
         assert_eq!(Transform::from_columns(columns), Err(PoseError::Matrix));
         // Projects.
-        assert_eq!(changed(axis, 3, &|_| 1e-9), Err(PoseError::Matrix));
+        assert_eq!(changed(axis, 3, &|_| 1e-9), Err(PoseError::Projection));
         for bad in [f64::NAN, f64::INFINITY, 1e30] {
             assert_eq!(
                 changed(axis, axis, &|_| bad),
@@ -111,11 +111,15 @@ fn matrices_that_are_no_placements_are_refused() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         assert_eq!(changed(3, 1, &|_| bad), Err(PoseError::Matrix), "{bad}");
     }
-    assert_eq!(changed(3, 3, &|_| 2.0), Err(PoseError::Matrix));
+    assert_eq!(changed(3, 3, &|_| 2.0), Err(PoseError::Projection));
     assert_eq!(
         Transform::from_columns([[0.0; 4]; 4]),
-        Err(PoseError::Matrix)
+        Err(PoseError::Projection)
     );
+    let rows = [0, 1, 2, 3].map(|row| sound.map(|column| column[row]));
+    let exchanged = Transform::from_columns(rows).expect_err("rows for columns");
+    let text = exchanged.to_string();
+    assert!(text.contains("are rows and columns exchanged?"), "{text}");
     let mut zero = Transform::IDENTITY.to_columns();
     zero[..3].fill([0.0; 4]);
     assert_eq!(Transform::from_columns(zero), Err(PoseError::Matrix));
