@@ -27,7 +27,7 @@ impl Asset<'_> {
     /// instruction set, not into every walk.
     ///
     /// # Errors
-    /// Bones of the node that are not in the file.
+    /// Entries of the node, or bones in them, that are not in the file.
     pub(crate) fn carry(
         &self,
         index: u32,
@@ -36,14 +36,15 @@ impl Asset<'_> {
     ) -> Result<(), FormatError> {
         let skin = self.skin.as_ref();
         let node = skin.and_then(|skin| skin.node_bones(index as usize));
-        let carried = node.and_then(|node| {
-            self.kernel.run(Carry {
-                node,
-                pose,
-                spheres,
-            })
+        let Some(node) = node else {
+            return Err(self.bones_of_node(index));
+        };
+        let carried = self.kernel.run(Carry {
+            node,
+            pose,
+            spheres,
         });
-        carried.ok_or_else(|| self.bones_of_node(index))
+        carried.ok_or_else(|| self.unknown_bone_of_node(index))
     }
 }
 

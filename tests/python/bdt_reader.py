@@ -265,6 +265,7 @@ def read_bone_lists(s):
             off = abs(math.fsum(lane[2::2]) - 1)
             check(not own or off <= (end - start + 4) * 2.0 ** -24, "6.10", f"middles of lane {k} of node {i}")
     longest = max(end - start for start, end in spans)
+    check(longest <= 4096, "7.7", "node_bones_max")
     check(struct.unpack_from("<I", s[b"SKIN"], 4)[0] == longest, "7.7", "node_bones_max")
 
 

@@ -18,6 +18,7 @@ fn mistakes_in_the_numbers_are_named() {
         (rewritten(1, 4, &u(65535)), format!("{indices}: index 2 is 65535: glTF 2.0 has no primitive restart")),
         (rewritten(4, 4, &f(-1.0)), "animations[0].samplers[0].input: key 1 at -1 s: times are numbers of at least 0 that ascend".into()),
         (rewritten(4, 8, &f(0.25)), "animations[0].samplers[0].input: key 2 at 0.25 s: times are numbers of at least 0 that ascend".into()),
+        (rewritten(4, 4, &f(f32::NAN)), "animations[0].samplers[0].input: key 1 at NaN s: times are numbers of at least 0 that ascend (and 1 more like it)".into()),
         (rewritten(5, 8, &f(f32::NAN)), "animations[0].samplers[0].output: value 2 is NaN".into()),
     ] {
         assert_eq!(read(&file).expect_err(&problem), format!("m: {problem}"));

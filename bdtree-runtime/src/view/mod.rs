@@ -404,6 +404,7 @@ impl<'a> Asset<'a> {
             SectionKind::BONE_LIST_STARTS => {
                 "SPEC 6.10: the bones of a node lie inside BLST, their rows inside BROW"
             }
+            SectionKind::BONE_LISTS => "SPEC 6.10: the bones of a node are bones of the file",
             _ => "SPEC 7.3: a displacement is one of a vertex and a mode of the file",
         };
         let place = self.at(kind, index.saturating_mul(element_bytes));

@@ -151,6 +151,18 @@ impl<'a> Asset<'a> {
         self.out_of_range(SectionKind::BONE_LIST_STARTS, node as usize, len, 4)
     }
 
+    /// The error for a bone in a node's list that is not in the file.
+    #[cold]
+    pub(crate) fn unknown_bone_of_node(&self, node: u32) -> FormatError {
+        let starts = self.skin.map_or(&[][..], |skin| skin.list_starts);
+        let first = starts.get(node as usize).copied().unwrap_or(0) as usize;
+        let place = size_of::<BoneEntry>();
+        FormatError {
+            found: Datum::Text("another bone"),
+            ..self.out_of_range(SectionKind::BONE_LISTS, first, self.bone_count(), place)
+        }
+    }
+
     /// The error for an influence on a vertex by a bone that is not in the file.
     #[cold]
     pub(crate) fn unknown_bone(&self, vertex: usize) -> FormatError {

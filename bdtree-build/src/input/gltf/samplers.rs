@@ -135,14 +135,24 @@ pub(super) fn times(
     }
     let times = times.all::<1>().into_flattened();
     let mut equal = 0;
+    // The first key whose time is none, and how many there are.
+    let mut wrong = None;
     for (i, &t) in times.iter().enumerate() {
         let before = if i == 0 { 0.0 } else { times[i - 1] };
         if !(t.is_finite() && t >= before) {
-            let message = format!("key {i} at {t} s: times are numbers of at least 0 that ascend");
-            notes.problem(place, message);
+            let (_, count) = wrong.get_or_insert((i, 0));
+            *count += 1;
         } else if i > 0 && t == before {
             equal += 1;
         }
+    }
+    if let Some((i, count)) = wrong {
+        let t = times[i];
+        let mut message = format!("key {i} at {t} s: times are numbers of at least 0 that ascend");
+        if count > 1 {
+            message += &format!(" (and {} more like it)", count - 1);
+        }
+        notes.problem(place, message);
     }
     if equal > 0 && tells {
         notes.warn(
