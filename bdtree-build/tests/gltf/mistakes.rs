@@ -81,7 +81,7 @@ fn broken_fixtures_say_what_is_wrong() {
     for (name, problem) in [
         (
             "bad_gltf_truncated.glb",
-            "m: GLB header: length 3528 at byte 8, but the file has 1764 bytes",
+            "m: GLB header: length 3576 at byte 8, but the file has 1788 bytes",
         ),
         // Validation by the crate panics here, after it has reported what is wrong.
         (
