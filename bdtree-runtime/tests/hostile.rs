@@ -9,7 +9,9 @@ use std::time::Duration;
 
 use bdtree_fixtures::ask::{Answers, ask_everything, located, read_skin, refused};
 use bdtree_fixtures::compare::kernels;
-use bdtree_fixtures::hostile::{Run, Sources};
+use bdtree_fixtures::golden;
+use bdtree_fixtures::hostile::{Run, Sources, agreed};
+use bdtree_fixtures::judge::{Judgement, judge};
 use bdtree_fixtures::mutate::Damage;
 use bdtree_fixtures::sections::{put_together, take_apart};
 use bdtree_fixtures::skin::skinned_bar;
@@ -82,12 +84,58 @@ fn damaged_skins_are_harmless() {
         if !refused(model.asset()) {
             passed += 1;
             assert_eq!(answers.corrupt, 0, "case {case}: verify passed this file");
+            let judgement = judge(model.asset());
+            let broken = matches!(judgement, Judgement::Broken(_));
+            assert!(!broken, "case {case}: {judgement:?}");
         }
     }
     assert!(
         opened > 1500 && passed > 100,
         "{opened} opened, {passed} passed"
     );
+}
+
+/// `verify` refuses changed bones of lanes, bone rows and other bounds of a skinned file exactly where one no longer holds.
+#[test]
+fn changed_bone_rows_are_judged_alike() {
+    let tube = Model::read(golden::folder().join("skinned.bdt")).expect("a golden file");
+    let bar = Model::from_bytes(&skinned_bar()).expect("a sound file");
+    // What the judge says first.
+    let mut broken = BTreeSet::new();
+    for sound in [&tube, &bar] {
+        assert_eq!(judge(sound.asset()), Judgement::Holds);
+        let (mut holding, mut unclear) = (0, 0);
+        let cases = 2000;
+        for case in 0..cases {
+            let bytes = Damage::Numbers.done_to(sound.asset(), &mut poses::rng(case));
+            let model = Model::from_bytes(&bytes).expect("it opens");
+            match agreed(model.asset(), refused(model.asset())) {
+                Judgement::Holds => holding += 1,
+                Judgement::Unclear => unclear += 1,
+                Judgement::Broken(what) => {
+                    broken.insert(what);
+                }
+            }
+        }
+        println!("{holding} hold, {unclear} unclear");
+        assert!(holding > cases / 20 && unclear < cases / 50);
+    }
+    for rule in [
+        "names no bone",
+        "is negative",
+        "names its bone again",
+        "has a gap only",
+        "is left out",
+        "g of bone",
+        ": S,",
+        "epsilon,",
+        "S or epsilon is negative",
+        "an empty lane",
+        "sum of beta",
+    ] {
+        let found = broken.iter().any(|what| what.contains(rule));
+        assert!(found, "never broken first: {rule}");
+    }
 }
 
 #[test]
