@@ -111,6 +111,10 @@ struct Shown {
 fn read_shown(fields: &Fields<'_>, asset: Option<(usize, &str)>, assets: &Assets) -> Option<Shown> {
     /// Frame numbers beyond this may have been others in the JSON's text: 2^53.
     const FRAME_MAX: f64 = (1_u64 << 53) as f64;
+    if let Some(at) = fields.optional("time") {
+        let has_clip = fields.optional("clip").is_some();
+        at.ensure(has_clip, "a time is that of a clip, which is missing")?;
+    }
     if let Some(at) = fields.optional("frame") {
         let has_q = fields.optional("q").is_some();
         at.ensure(!has_q, "an instance has either q or a frame")?;
@@ -164,9 +168,6 @@ fn read_joints(
     assets: &Assets,
 ) -> Option<(Option<Vec<f32>>, Joints)> {
     let (clip, joints) = (fields.optional("clip"), fields.optional("joints"));
-    if let Some(at) = fields.optional("time") {
-        at.ensure(clip.is_some(), "a time is that of a clip, which is missing")?;
-    }
     if let Some(at) = clip {
         at.ensure(joints.is_none(), "an instance has either joints or a clip")?;
         let (name, time) = (at.text(), fields.get_or("time", 0.0, At::number));

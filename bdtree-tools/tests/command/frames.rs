@@ -321,6 +321,10 @@ fn scenes_with_bad_frames_are_refused() {
             "frame: an instance has either a frame or joints",
         ),
         (
+            json!({"frame": 1, "time": 0.5}),
+            "time: a time is that of a clip, which is missing",
+        ),
+        (
             json!({"frame": 3}),
             "frame: 3 is out of range: asset moving.bdt has 3 frames, numbered from 0",
         ),
