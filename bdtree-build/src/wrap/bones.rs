@@ -118,24 +118,21 @@ fn lane_bones(tree: &Tree, triangles: &[[u32; 3]], skin: &StoredSkin) -> Vec<Lan
 const SHARED_COST: usize = 4;
 const PER_LANE_COST: usize = 5;
 
-/// The entries of a node. Bones of many lanes have one each; the others share entries, so that the root of a
-/// character with 60 bones, each of which moves two or three lanes, has a third as many. The split is the one that costs readers
+/// The entries of a node. Bones of many lanes have one each; the others share entries, so that the root of a character
+/// with 60 bones, each of which moves two or three lanes, has a third as many. The split is the one that costs readers
 /// least.
 fn entries(own: &LaneBones) -> Vec<BoneEntry> {
+    let has = |bones: &Vec<u16>, bone: u16| bones.binary_search(&bone).is_ok();
+    let lanes_of = |&bone: &u16| own.lanes.iter().filter(|lane| has(lane, bone)).count();
+    let counts: Vec<usize> = own.all.iter().map(lanes_of).collect();
     // Bones of at least `lanes` lanes have entries of their own.
     let split = |lanes: usize| {
-        let count = |bone: u16| {
-            own.lanes
-                .iter()
-                .filter(|l| l.binary_search(&bone).is_ok())
-                .count()
-        };
-        let (shared, few): (Vec<u16>, Vec<u16>) = own.all.iter().partition(|b| count(**b) >= lanes);
+        let with_counts = own.all.iter().zip(&counts);
+        let shared = with_counts.filter(|(_, count)| **count >= lanes);
+        let shared: Vec<u16> = shared.map(|(bone, _)| *bone).collect();
         let rest = own.lanes.each_ref().map(|bones| {
-            let bones = bones.iter().copied();
-            bones
-                .filter(|b| few.binary_search(b).is_ok())
-                .collect::<Vec<u16>>()
+            let rest = bones.iter().filter(|bone| !has(&shared, **bone));
+            rest.copied().collect::<Vec<u16>>()
         });
         let longest = rest.iter().map(Vec::len).max().unwrap_or(0);
         (shared, rest, longest)

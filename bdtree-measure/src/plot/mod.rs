@@ -204,6 +204,8 @@ impl Plot {
         // Writing to a string does not fail.
         drawn.ok()?;
         drop(area);
+        // The upper half of a number at an axis' end may stand above the plot.
+        let text = text.replacen("<svg ", "<svg overflow=\"visible\" ", 1);
         Some(dashed(text))
     }
 }

@@ -53,8 +53,6 @@ pub fn sheet(plots: &[Plot]) -> Result<String, String> {
             );
         }
         let drawn = plot.svg().ok_or_else(nothing)?;
-        // The upper half of a number at an axis' end may stand above the plot.
-        let drawn = drawn.replacen("<svg ", "<svg overflow=\"visible\" ", 1);
         text += &format!(
             "<g transform=\"translate(0 {head})\">{}</g></g>\n",
             coloured(drawn)
