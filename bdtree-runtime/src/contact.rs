@@ -158,10 +158,29 @@ impl Coverage {
     }
 }
 
+/// A lane of a node: one of its eight children.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LaneId {
+    /// The node: its place in [`Asset::nodes`](crate::Asset::nodes).
+    pub node: u32,
+    /// The lane, below 8.
+    pub lane: u8,
+}
+
+impl LaneId {
+    /// A value to fill buffers with.
+    pub const EMPTY: Self = Self {
+        node: u32::MAX,
+        lane: 0,
+    };
+}
+
 /// A sphere of a query that ends at a level ([`Query::max_level`](crate::Query::max_level)): it holds the deformed
 /// triangles below a lane of the level at which the query stopped. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Proxy {
+    /// The lane.
+    pub lane: LaneId,
     /// Its center.
     pub center: [f64; 3],
     /// Its radius.
@@ -171,6 +190,7 @@ pub struct Proxy {
 impl Proxy {
     /// A value to fill buffers with.
     pub const EMPTY: Self = Self {
+        lane: LaneId::EMPTY,
         center: [0.0; 3],
         radius: 0.0,
     };

@@ -7,7 +7,7 @@ use core::fmt;
 use core::ops::ControlFlow;
 
 use crate::bound::Spheres;
-use crate::contact::{Proxy, Sink};
+use crate::contact::{LaneId, Proxy, Sink};
 use crate::math::norm;
 use crate::pose::Pose;
 use crate::rounding::MARGIN;
@@ -16,7 +16,16 @@ use crate::view::Asset;
 /// Down to a level, whose spheres a sink takes.
 pub(crate) struct DepthLimit<'s> {
     pub(crate) level: usize,
-    pub(crate) sink: &'s mut (dyn Sink<Proxy> + 's),
+    /// Whether leaves down to there are taken as spheres too, instead of looking at their triangles.
+    pub(crate) leaves_too: bool,
+    /// How much nearer spheres of a pair must be to be taken than to be entered (stored units of the first).
+    pub(crate) nearer: f32,
+    pub(crate) sink: &'s mut (dyn LevelSink + 's),
+}
+
+/// Takes the lanes below which a walk looks at nothing.
+pub(crate) trait LevelSink {
+    fn take(&mut self, pose: &Pose<'_>, spheres: &Spheres, lane: LaneId) -> ControlFlow<()>;
 }
 
 /// A level, and the caller's sink for its spheres.
@@ -42,14 +51,16 @@ impl<'s> Proxies<'s> {
         self.is_full = false;
         DepthLimit {
             level: self.level,
+            leaves_too: false,
+            nearer: 0.0,
             sink: self,
         }
     }
 }
 
-impl Sink<Proxy> for Proxies<'_> {
-    fn push(&mut self, proxy: Proxy) -> ControlFlow<()> {
-        let flow = self.sink.push(proxy);
+impl LevelSink for Proxies<'_> {
+    fn take(&mut self, pose: &Pose<'_>, spheres: &Spheres, lane: LaneId) -> ControlFlow<()> {
+        let flow = self.sink.push(proxy(pose, spheres, lane));
         self.is_full |= flow.is_break();
         flow
     }
@@ -63,6 +74,16 @@ impl fmt::Debug for Proxies<'_> {
 }
 
 impl<'s> DepthLimit<'s> {
+    /// Down to a level, and no triangles on the way.
+    pub(crate) fn of_spheres(level: usize, sink: &'s mut (dyn LevelSink + 's)) -> Self {
+        Self {
+            level,
+            leaves_too: true,
+            nearer: 0.0,
+            sink,
+        }
+    }
+
     /// The same for a shorter time; spelled out, since what borrows a sink is not shortened by itself.
     pub(crate) fn shorter<'t>(self) -> DepthLimit<'t>
     where
@@ -70,6 +91,8 @@ impl<'s> DepthLimit<'s> {
     {
         DepthLimit {
             level: self.level,
+            leaves_too: self.leaves_too,
+            nearer: self.nearer,
             sink: self.sink,
         }
     }
@@ -78,6 +101,8 @@ impl<'s> DepthLimit<'s> {
     pub(crate) fn again(&mut self) -> DepthLimit<'_> {
         DepthLimit {
             level: self.level,
+            leaves_too: self.leaves_too,
+            nearer: self.nearer,
             sink: &mut *self.sink,
         }
     }
@@ -93,14 +118,14 @@ impl<'s> DepthLimit<'s> {
         &mut self,
         pose: &Pose<'_>,
         spheres: &Spheres,
-        lane: usize,
+        lane: LaneId,
     ) -> ControlFlow<()> {
-        self.sink.push(proxy(pose, spheres, lane))
+        self.sink.take(pose, spheres, lane)
     }
 
-    /// Whether there is anything below the level.
+    /// Whether a walk ends anywhere but at triangles.
     pub(crate) fn cuts(&self, asset: &Asset<'_>) -> bool {
-        self.level < asset.depth().saturating_sub(1)
+        self.leaves_too || self.level < asset.depth().saturating_sub(1)
     }
 }
 
@@ -112,12 +137,14 @@ impl fmt::Debug for DepthLimit<'_> {
 }
 
 /// The sphere of a lane in the world, which holds all that the leaf arithmetic puts below it.
-pub(crate) fn proxy(pose: &Pose<'_>, spheres: &Spheres, lane: usize) -> Proxy {
-    let center = [0, 1, 2].map(|axis| spheres.center[axis][lane]);
+pub(crate) fn proxy(pose: &Pose<'_>, spheres: &Spheres, lane: LaneId) -> Proxy {
+    let at = usize::from(lane.lane);
+    let center = [0, 1, 2].map(|axis| spheres.center[axis][at]);
     let center = pose.placement.world(center);
     let radius =
-        f64::from(spheres.radius[lane]) + pose.placement.error(norm(center), 2.0 * pose.reach);
+        f64::from(spheres.radius[at]) + pose.placement.error(norm(center), 2.0 * pose.reach);
     Proxy {
+        lane,
         center,
         radius: radius * pose.placement.world_per_stored() * (1.0 + MARGIN),
     }

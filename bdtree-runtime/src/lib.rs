@@ -145,8 +145,8 @@ pub use bdtree_format as format;
 pub use bones::{BoneMap, BoneMatrices};
 pub use cache::{CacheSize, StepCache};
 pub use contact::{
-    Contact, Coverage, PairContact, PointProjection, Proxy, RayIntersection, Sink, SliceSink,
-    TriangleId, TrianglePair, VertexId,
+    Contact, Coverage, LaneId, PairContact, PointProjection, Proxy, RayIntersection, Sink,
+    SliceSink, TriangleId, TrianglePair, VertexId,
 };
 pub use drawing::{AssetId, StoredToWorld};
 pub use error::{Datum, FormatError, HEADER_SECTION, PoseError, QueryError};

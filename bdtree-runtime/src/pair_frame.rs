@@ -3,7 +3,7 @@
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::math::{norm, scale};
-use crate::rounding::{BODIES_APART, HEIGHT_MARGIN, MAPPED, RADIUS_SCALE, round_up};
+use crate::rounding::{BODIES_APART, HEIGHT_MARGIN, MAPPED, RADIUS_MARGIN, RADIUS_SCALE, round_up};
 use crate::simd::Lanes;
 
 /// What maps stored coordinates of a second asset to those of a first, in f64.
@@ -103,6 +103,11 @@ impl PairFrame {
     /// longer than 1 (docs/design/guarantees.md, planes between meshes).
     pub(crate) fn height_margin(&self) -> f32 {
         self.reach * HEIGHT_MARGIN
+    }
+
+    /// More than what rounding adds to or takes from a radius, none of which is above twice the reach.
+    pub(crate) fn radius_margin(&self) -> f32 {
+        self.reach * RADIUS_MARGIN
     }
 
     /// Spheres of the second asset in the frame of the first.

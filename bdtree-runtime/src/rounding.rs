@@ -81,6 +81,9 @@ pub(crate) const BODIES_APART: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 /// `HEIGHT_MARGIN`: 2⁻¹⁷ of the reach, for the heights of two sides over a plane.
 pub(crate) const HEIGHT_MARGIN: f32 = 1.0 / (1 << 17) as f32;
 
+/// `PairFrame`: 2⁻²⁰ of the reach, for two roundings of a radius of at most twice the reach.
+pub(crate) const RADIUS_MARGIN: f32 = 1.0 / (1 << 20) as f32;
+
 /// `HEIGHT_MARGIN`: 1 − 2⁻²⁰, so that a normal is not longer than 1.
 pub(crate) const NORMAL_LENGTH: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 

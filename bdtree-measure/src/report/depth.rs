@@ -147,8 +147,10 @@ fn add(
     row.penetration_error_rel = row.penetration_error_rel.max(error);
 
     let (touched, mut covered) = (truth.triangles(), answer.triangles());
-    for slot in reported(pose, row.level, &proxies)? {
-        covered.extend(asset.triangles().get(slot).map(|triangle| triangle.id));
+    for Proxy { lane, .. } in &proxies {
+        for slot in lanes::slots(asset, lane.node as usize, usize::from(lane.lane)) {
+            covered.extend(asset.triangles().get(slot).map(|triangle| triangle.id));
+        }
     }
     row.missed_area_rel += area(areas, &mut touched.difference(&covered));
     row.extra_area_rel += area(areas, &mut covered.difference(&touched));
@@ -179,37 +181,3 @@ fn time(
     Ok(median(&times))
 }
 
-/// The triangles (places in leaf order) below the lanes whose spheres were reported: a sphere is told by
-/// where it is, to rounding, since queries say no more of it.
-fn reported(pose: &Pose<'_>, level: usize, proxies: &[Proxy]) -> Result<Vec<usize>, FormatError> {
-    let mut found = Vec::new();
-    if proxies.is_empty() {
-        return Ok(found);
-    }
-    let mut by_x: Vec<&Proxy> = proxies.iter().collect();
-    by_x.sort_by(|a, b| a.center[0].total_cmp(&b.center[0]));
-    let asset = pose.asset();
-    let unit = asset.unit();
-    let mut last = None;
-    for (node, lane) in lanes::of_level(asset, level) {
-        let spheres = match last {
-            Some((of, spheres)) if of == node => spheres,
-            _ => pose.node_spheres(node as u32)?,
-        };
-        last = Some((node, spheres));
-        let radius = f64::from(spheres.radius[lane]) * unit;
-        let origin = asset.origin();
-        let center = [0, 1, 2].map(|k| origin[k] + f64::from(spheres.center[k][lane]) * unit);
-        let near = 1e-4 * radius + 1e-9 * (center.iter().map(|c| c.abs()).sum::<f64>());
-        let first = by_x.partition_point(|p| p.center[0] < center[0] - near);
-        let is_it =
-            |p: &&&Proxy| distance(p.center, center) <= near && (p.radius - radius).abs() <= near;
-        let mut close = by_x[first..]
-            .iter()
-            .take_while(|p| p.center[0] <= center[0] + near);
-        if close.any(|p| is_it(&p)) {
-            found.extend(lanes::slots(asset, node, lane));
-        }
-    }
-    Ok(found)
-}

@@ -17,7 +17,7 @@ use crate::pair_frame::PairFrame;
 use crate::placement::Placement;
 use crate::simd::{Lanes, Reference, Work};
 use crate::view::Asset;
-use crate::{Kernel, Pose, Transform, VertexId};
+use crate::{Kernel, LaneId, Pose, Transform, VertexId};
 
 /// Of the golden files: all modes, few modes per vertex, frames, a single triangle per lane.
 const FILES: [&[u8]; 4] = [
@@ -281,7 +281,11 @@ fn proxies_in_the_world() {
             };
             let mut spheres = WideSpheres::<Reference>::empty();
             posed.spheres(asset, node, &mut spheres).expect("a node");
-            let proxy = proxy(&pose, &spheres.store(), lane);
+            let id = LaneId {
+                node,
+                lane: lane as u8,
+            };
+            let proxy = proxy(&pose, &spheres.store(), id);
             for v in vertices {
                 let x = pose.deformed(*v).expect("a vertex");
                 assert!(

@@ -11,6 +11,7 @@ mod distance;
 mod front;
 mod frustum;
 mod half_space;
+mod level;
 mod line;
 mod manifold;
 mod pair;

@@ -31,9 +31,9 @@ const PAIRS: usize = 256;
 /// yourself.
 #[derive(Debug)]
 pub struct PairQuery<'q, 'm, 'f> {
-    sides: [Side<'q>; 2],
-    front: Option<&'q mut PairFront<'f>>,
-    workspace: &'q mut Workspace<'m>,
+    pub(super) sides: [Side<'q>; 2],
+    pub(super) front: Option<&'q mut PairFront<'f>>,
+    pub(super) workspace: &'q mut Workspace<'m>,
 }
 
 impl Pose<'_> {

@@ -214,12 +214,7 @@ impl<'q, 'm> Query<'q, 'm> {
         out: &mut dyn Sink<Contact>,
     ) -> Result<Coverage, QueryError> {
         self.walk(|posed, stack| {
-            let walk = match shape {
-                Shape::Ball(ball) => ball::contacts(posed, ball, stack, out),
-                Shape::Capsule(capsule) => capsule::contacts(posed, capsule, stack, out),
-                Shape::Cuboid(cuboid) => cuboid::contacts(posed, cuboid, stack, out),
-                Shape::HalfSpace(half_space) => half_space::contacts(posed, half_space, stack, out),
-            }?;
+            let walk = shape_contacts(shape, posed, stack, out)?;
             Ok((Coverage::of(walk.stopped), walk))
         })
     }
@@ -358,6 +353,21 @@ impl<'q, 'm> Query<'q, 'm> {
         let (answer, walk) = ask(posed, stack)?;
         self.workspace.stats = Stats::of(&walk);
         Ok(answer)
+    }
+}
+
+/// The walk of [`Query::contacts`].
+pub(super) fn shape_contacts(
+    shape: &Shape,
+    posed: Posed<'_>,
+    stack: &mut [StackEntry],
+    out: &mut dyn Sink<Contact>,
+) -> Result<Walk, QueryError> {
+    match shape {
+        Shape::Ball(ball) => ball::contacts(posed, ball, stack, out),
+        Shape::Capsule(capsule) => capsule::contacts(posed, capsule, stack, out),
+        Shape::Cuboid(cuboid) => cuboid::contacts(posed, cuboid, stack, out),
+        Shape::HalfSpace(half_space) => half_space::contacts(posed, half_space, stack, out),
     }
 }
 

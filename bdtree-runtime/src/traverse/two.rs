@@ -15,6 +15,7 @@ use super::visitor::{PairVisitor, Walk};
 use super::{PairStackEntry, lane_subtree};
 use crate::bound::{Spheres, WideSpheres};
 use crate::cache::Posed;
+use crate::contact::LaneId;
 use crate::depth::DepthLimit;
 use crate::error::QueryError;
 use crate::pair_frame::PairFrame;
@@ -237,10 +238,18 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
 
         let mut ended = visit.meets & rows(visit.ending[0]) & columns(visit.ending[1]);
         if let Some(limits) = &mut limits {
-            let leaves = ended & rows(node_a.leaf_mask) & columns(node_b.leaf_mask);
+            let mut leaves = ended & rows(node_a.leaf_mask) & columns(node_b.leaf_mask);
+            if let [Some(limit), _] = limits
+                && limit.leaves_too
+            {
+                leaves = 0;
+                let nearer = carried_b.grown(L::splat(frame.radius_margin() - limit.nearer));
+                ended &= meetings(&stored_a, lanes_a.ending, nearer);
+            }
             let poses = [a.posed.pose, b.posed.pose];
             let spheres = [&stored_a, &own_b.store()];
-            if report(ended & !leaves, poses, spheres, limits).is_break() {
+            let nodes = [entry.a, entry.b];
+            if report(ended & !leaves, poses, nodes, spheres, limits).is_break() {
                 return Ok(Walk {
                     nodes_visited,
                     nodes_updated: a.updated + b.updated,
@@ -392,6 +401,7 @@ fn ends(limit: &Option<DepthLimit<'_>>, node: &NodeRecord) -> bool {
 fn report(
     mut pairs: u64,
     poses: [&Pose<'_>; 2],
+    nodes: [u32; 2],
     spheres: [&Spheres; 2],
     limits: &mut [Option<DepthLimit<'_>>; 2],
 ) -> ControlFlow<()> {
@@ -400,6 +410,10 @@ fn report(
         pairs &= pairs - 1;
         for (side, lane) in [lane_a, lane_b].into_iter().enumerate() {
             if let Some(limit) = &mut limits[side] {
+                let lane = LaneId {
+                    node: nodes[side],
+                    lane: lane as u8,
+                };
                 limit.report(poses[side], spheres[side], lane)?;
             }
         }

@@ -8,6 +8,7 @@ use super::leaves::Leaves;
 use super::visitor::{Visitor, Walk};
 use crate::bound::{Spheres, WideSpheres};
 use crate::cache::Posed;
+use crate::contact::LaneId;
 use crate::depth::DepthLimit;
 use crate::error::QueryError;
 use crate::simd::{Lanes, Work};
@@ -62,6 +63,7 @@ pub(super) fn look<'s, L: Lanes, V: Visitor>(
         leaves,
         visitor,
         limit,
+        index,
         node,
         spheres: spheres.store(),
         keys: *keys,
@@ -83,6 +85,7 @@ struct Settle<'w, 's, 'l, V> {
     leaves: &'w mut Leaves,
     visitor: &'w mut V,
     limit: &'w mut DepthLimit<'l>,
+    index: u32,
     node: &'w NodeRecord,
     spheres: Spheres,
     /// The visitor's keys of the lanes, and those that it wants.
@@ -110,10 +113,14 @@ impl<V: Visitor> Work for Settle<'_, '_, '_, V> {
             if V::ORDERED && !self.visitor.wanted(self.keys[lane]) {
                 continue;
             }
-            let flow = if node.leaf_mask & (1 << lane) != 0 {
+            let flow = if node.leaf_mask & (1 << lane) != 0 && !self.limit.leaves_too {
                 let leaf = lane_subtree(node, lane);
                 self.leaves.take::<L, V>(asset, posed, leaf, self.visitor)?
             } else {
+                let lane = LaneId {
+                    node: self.index,
+                    lane: lane as u8,
+                };
                 self.limit.report(posed.pose, &self.spheres, lane)
             };
             if flow.is_break() {

@@ -1,0 +1,157 @@
+//! Which spheres of a level meet: queries that look at no triangle (the paper's bounded depth, 3.4, with all its spheres
+//! as proxies).
+
+use core::cell::Cell;
+use core::ops::ControlFlow;
+
+use super::length;
+use super::pair::{tolerance, walk};
+use super::pairs::PairQuery;
+use super::single::{Query, Side, shape_contacts};
+use crate::bound::Spheres;
+use crate::cache::Posed;
+use crate::contact::{Contact, Coverage, LaneId, Sink, TriangleId};
+use crate::depth::{DepthLimit, LevelSink};
+use crate::error::QueryError;
+use crate::narrow::Triangle;
+use crate::pose::Pose;
+use crate::rounding::round_down;
+use crate::shape::Shape;
+use crate::traverse::PairVisitor;
+use crate::workspace::Stats;
+
+const LEVEL: &str = "max_level: level_spheres has a level of its own";
+
+impl Query<'_, '_> {
+    /// Reports the lanes of `level` (0 is the root's), and the leaf lanes above it, whose spheres `shape` touches. Triangles
+    /// are not looked at.
+    ///
+    /// A sphere need not lie in those of its ancestors, and a walk enters a node only if the shape touches the sphere of
+    /// its lane. So a sphere is certainly reported if the shape touches it when made smaller by what it sticks out of its
+    /// ancestors; every triangle that the shape touches lies in a reported one.
+    ///
+    /// # Errors
+    /// Those of [`Query::contacts`]; a level limit.
+    pub fn level_spheres(
+        &mut self,
+        level: usize,
+        shape: impl Into<Shape>,
+        out: &mut impl Sink<LaneId>,
+    ) -> Result<Coverage, QueryError> {
+        let shape = shape.into();
+        let mut found = Single { out };
+        let posed = limited(&mut self.side, DepthLimit::of_spheres(level, &mut found))?;
+        let stack = self.workspace.memory.slots(posed.pose.asset.stack_len())?;
+        let walk = shape_contacts(&shape, posed, stack, &mut NoTriangles)?;
+        self.workspace.stats = Stats::of(&walk);
+        Ok(Coverage::of(walk.stopped))
+    }
+}
+
+impl PairQuery<'_, '_, '_> {
+    /// Reports the pairs of lanes, one of each mesh, whose spheres are at most `prediction` apart: of levels `levels` (0 is
+    /// the root's), and leaf lanes above them. Triangles are not looked at. A pair that is farther apart by a rounding
+    /// error may be among them.
+    ///
+    /// A sphere need not lie in those of its ancestors, so a walk enters lanes whose spheres are up to `prediction + reach`
+    /// apart: all pairs within `prediction` are reported if `reach` is what two spheres together stick out of those above
+    /// them. With `reach` 0, all triangles that are at most `prediction` apart lie in a reported pair.
+    ///
+    /// # Errors
+    /// A prediction or reach that is negative, not finite or beyond 2^100, a level limit or a front, too little memory, a
+    /// corrupt asset.
+    pub fn level_spheres(
+        &mut self,
+        levels: [usize; 2],
+        prediction: f64,
+        reach: f64,
+        out: &mut impl Sink<[LaneId; 2]>,
+    ) -> Result<Coverage, QueryError> {
+        const FRONT: &str = "front: level_spheres keeps none";
+        if self.front.is_some() {
+            return Err(QueryError::Argument(FRONT));
+        }
+        let reach = length(reach, "reach: negative, not finite or beyond 2^100")?;
+        let mut near = Near(tolerance(prediction)? + reach);
+        let [side1, side2] = &mut self.sides;
+        let len = side1.pose.asset.pair_stack_len(side2.pose.asset);
+        let stack = self.workspace.memory.slots(len)?;
+        let first = Cell::new(LaneId::EMPTY);
+        let (mut firsts, mut pairs) = (First { first: &first }, Second { first: &first, out });
+        let mut limit1 = DepthLimit::of_spheres(levels[0], &mut firsts);
+        let limit2 = DepthLimit::of_spheres(levels[1], &mut pairs);
+        limit1.nearer = round_down(reach / side1.pose.placement.world_per_stored());
+        let posed = [limited(side1, limit1)?, limited(side2, limit2)?];
+        let walk = walk(posed, stack, &mut near)?;
+        self.workspace.stats = Stats::of(&walk);
+        Ok(Coverage::of(walk.stopped))
+    }
+}
+
+/// A side for one walk that ends at spheres.
+///
+/// # Errors
+/// A level of its own; a stale cache.
+pub(super) fn limited<'w>(
+    side: &'w mut Side<'_>,
+    limit: DepthLimit<'w>,
+) -> Result<Posed<'w>, QueryError> {
+    let mut posed = side.posed_whole(LEVEL)?;
+    posed.limit = Some(limit);
+    Ok(posed)
+}
+
+struct Single<'s> {
+    out: &'s mut (dyn Sink<LaneId> + 's),
+}
+
+impl LevelSink for Single<'_> {
+    fn take(&mut self, _: &Pose<'_>, _: &Spheres, lane: LaneId) -> ControlFlow<()> {
+        self.out.push(lane)
+    }
+}
+
+/// Keeps the first lane of a pair until the second one comes.
+struct First<'s> {
+    first: &'s Cell<LaneId>,
+}
+
+impl LevelSink for First<'_> {
+    fn take(&mut self, _: &Pose<'_>, _: &Spheres, lane: LaneId) -> ControlFlow<()> {
+        self.first.set(lane);
+        ControlFlow::Continue(())
+    }
+}
+
+struct Second<'s> {
+    first: &'s Cell<LaneId>,
+    out: &'s mut (dyn Sink<[LaneId; 2]> + 's),
+}
+
+impl LevelSink for Second<'_> {
+    fn take(&mut self, _: &Pose<'_>, _: &Spheres, lane: LaneId) -> ControlFlow<()> {
+        self.out.push([self.first.get(), lane])
+    }
+}
+
+/// For walks that end before their triangles.
+struct NoTriangles;
+
+impl Sink<Contact> for NoTriangles {
+    fn push(&mut self, _: Contact) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Two bodies up to a distance apart.
+struct Near(f64);
+
+impl PairVisitor for Near {
+    fn tolerance(&self) -> f64 {
+        self.0
+    }
+
+    fn triangles(&mut self, _: [TriangleId; 2], _: [&Triangle; 2]) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
