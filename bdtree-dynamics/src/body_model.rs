@@ -1,0 +1,255 @@
+//! What bodies of one kind have in common: asset, mass, modes, contact spheres.
+
+use alloc::vec::Vec;
+
+use bdtree_runtime::{CacheSize, Instance, Model, PoseError, Transform};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+
+use crate::error::DynamicsError;
+use crate::frame::FrameMass;
+use crate::level_spheres::{LevelSpheres, usual_level};
+use crate::limit::StrainLimit;
+use crate::mass::{MassProperties, RigidMass};
+use crate::oscillator::{Oscillator, Transition};
+
+/// How modes lose energy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Damping {
+    /// The same damping ratio ζ for all modes: γ = ζ ω.
+    Ratio(f64),
+    /// Rayleigh damping α M + β K: γ = (α + β ω²) / 2.
+    Rayleigh {
+        /// α, 1/s.
+        mass_per_s: f64,
+        /// β, s.
+        stiffness_s: f64,
+    },
+}
+
+impl Damping {
+    /// γ of a mode.
+    pub fn decay_per_s(&self, omega_rad_s: f64) -> f64 {
+        match *self {
+            Self::Ratio(ratio) => ratio * omega_rad_s,
+            Self::Rayleigh {
+                mass_per_s,
+                stiffness_s,
+            } => 0.5 * (mass_per_s + stiffness_s * omega_rad_s * omega_rad_s),
+        }
+    }
+}
+
+/// How bodies of an asset are made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyOptions {
+    /// World units per mesh unit; default 1. Worlds count in meters where forces are newtons.
+    pub scale: f64,
+    /// Mass properties, which only free bodies need; default those of the asset.
+    pub mass: Option<MassProperties>,
+    /// Level of the contact spheres; default the one that has about a thousand.
+    pub level: Option<usize>,
+    /// Whether the modes move; default true. Without, q stays 0.
+    pub is_deformable: bool,
+    /// Default a ratio of 0.05.
+    pub damping: Damping,
+    /// Strain limit in multiples of each mode's `q_range`, which elastic bakes take as 5 % of the mesh's diagonal; never
+    /// above `q_limit`. Infinite for `q_limit`. Default 1.
+    pub strain_limit: f64,
+}
+
+impl Default for BodyOptions {
+    fn default() -> Self {
+        Self {
+            scale: 1.0,
+            mass: None,
+            level: None,
+            is_deformable: true,
+            damping: Damping::Ratio(0.05),
+            strain_limit: 1.0,
+        }
+    }
+}
+
+/// A mode of a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Mode {
+    pub(crate) oscillator: Oscillator,
+    pub(crate) transition: Transition,
+    /// Modal mass in world units: kg for q in world units.
+    pub(crate) mass: f64,
+    pub(crate) limit: StrainLimit,
+}
+
+/// What bodies of an asset have in common in a world.
+#[derive(Debug, Clone)]
+pub struct BodyModel {
+    pub(crate) model: Model,
+    pub(crate) scale: f64,
+    /// What free bodies need.
+    pub(crate) mass: Option<FrameMass>,
+    /// Where the body's frame is in the mesh: center of mass (mesh units) and principal axes, or the mesh's own.
+    center: Vector3<f64>,
+    axes: UnitQuaternion<f64>,
+    pub(crate) modes: Vec<Mode>,
+    pub(crate) spheres: LevelSpheres,
+    /// 1 / effective mass of each sphere in its heaviest direction: of a free body and of a held one, modes included.
+    pub(crate) inverse_masses: Vec<[f64; 2]>,
+}
+
+impl BodyModel {
+    /// # Errors
+    /// Missing mass properties, frequencies or modal masses; numbers beyond their limits; a damaged asset.
+    pub fn new(model: &Model, options: &BodyOptions, step_s: f64) -> Result<Self, DynamicsError> {
+        let asset = model.asset();
+        let scale = options.scale;
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(PoseError::Scale.into());
+        }
+        let mass = options.mass.map(|mass| mass.rigid()).transpose()?;
+        let level = options.level.unwrap_or_else(|| usual_level(asset));
+        if level >= asset.depth() {
+            return Err(DynamicsError::Level {
+                level,
+                depth: asset.depth(),
+            });
+        }
+        if !(options.strain_limit > 0.0) {
+            return Err(DynamicsError::Setting {
+                name: "strain_limit",
+                value: options.strain_limit,
+                limit: f64::INFINITY,
+            });
+        }
+        let mut modes = Vec::new();
+        if options.is_deformable {
+            for (mode, record) in asset.modes().iter().enumerate() {
+                let (omega_rad_s, kg) = (record.omega_rad_s.get(), record.modal_mass_kg.get());
+                if !(omega_rad_s >= 0.0 && kg > 0.0) {
+                    return Err(DynamicsError::NoFrequency { mode });
+                }
+                let oscillator = Oscillator {
+                    omega_rad_s,
+                    decay_per_s: options.damping.decay_per_s(omega_rad_s),
+                };
+                modes.push(Mode {
+                    oscillator,
+                    transition: oscillator.transition(step_s)?,
+                    mass: kg * scale * scale,
+                    limit: StrainLimit(f64::min(
+                        f64::from(record.q_limit.get()),
+                        f64::from(record.q_range.get()) * options.strain_limit,
+                    )),
+                });
+            }
+        }
+        let (center, axes) = match &mass {
+            Some(RigidMass { center, axes, .. }) => (*center, *axes),
+            None => (Vector3::zeros(), UnitQuaternion::identity()),
+        };
+        let to_axes = axes.inverse();
+        let spheres = LevelSpheres::new(
+            asset,
+            level,
+            options.is_deformable,
+            scale,
+            |p| to_axes * ((p - center) * scale),
+            |u| to_axes * (u * scale),
+        )?;
+        let mut made = Self {
+            model: model.clone(),
+            scale,
+            mass: mass.map(|mass| FrameMass {
+                mass_kg: mass.mass_kg,
+                moments: mass.moments * (scale * scale),
+            }),
+            center,
+            axes,
+            modes,
+            spheres,
+            inverse_masses: Vec::new(),
+        };
+        let per_mode = made.padded(|mode| mode.transition.q_a / mode.mass);
+        let per_step = 2.0 / (step_s * step_s);
+        made.inverse_masses = (0..made.spheres.len())
+            .map(|sphere| {
+                let [xx, yy, zz, xy, xz, yz] = made.spheres.compliance(sphere, &per_mode);
+                let modes = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) * per_step;
+                let rigid = made.rigid_compliance(sphere);
+                [rigid + modes, modes].map(|of| of.symmetric_eigenvalues().min().max(0.0))
+            })
+            .collect();
+        Ok(made)
+    }
+
+    /// Acceleration of a sphere's center by a force there: 1/m − [r] I⁻¹ [r].
+    fn rigid_compliance(&self, sphere: usize) -> Matrix3<f64> {
+        let Some(mass) = &self.mass else {
+            return Matrix3::zeros();
+        };
+        let r = self.spheres.rest_center(sphere).cross_matrix();
+        let inverse = Matrix3::from_diagonal(&mass.moments.map(|moment| 1.0 / moment));
+        Matrix3::from_diagonal_element(1.0 / mass.mass_kg) - r * inverse * r
+    }
+
+    /// One number per mode, padded with zeros.
+    fn padded(&self, of: impl Fn(&Mode) -> f64) -> Vec<f64> {
+        let mut all: Vec<f64> = self.modes.iter().map(of).collect();
+        all.resize(self.spheres.stride(), 0.0);
+        all
+    }
+
+    /// The asset.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Number of modes that move; 0 for a rigid body.
+    pub fn mode_count(&self) -> usize {
+        self.modes.len()
+    }
+
+    /// The contact spheres.
+    pub fn spheres(&self) -> &LevelSpheres {
+        &self.spheres
+    }
+
+    /// kg; `None` without mass properties.
+    pub fn mass_kg(&self) -> Option<f64> {
+        self.mass.map(|mass| mass.mass_kg)
+    }
+
+    /// Where the mesh is when the center of mass is at `position` and the principal axes are turned by `orientation`.
+    pub(crate) fn placement(
+        &self,
+        position: Vector3<f64>,
+        orientation: UnitQuaternion<f64>,
+    ) -> Transform {
+        let rotation = orientation * self.axes.inverse();
+        let translation = position - rotation * (self.center * self.scale);
+        let [x, y, z, w] = <[f64; 4]>::from(rotation.coords);
+        Transform {
+            rotation: [x, y, z, w],
+            translation: translation.into(),
+            scale: self.scale,
+        }
+    }
+
+    /// Position and orientation of the body's frame for a placement of the mesh.
+    pub(crate) fn frame(&self, at: &Transform) -> (Vector3<f64>, UnitQuaternion<f64>) {
+        let [x, y, z, w] = at.rotation;
+        let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+        let position = Vector3::from(at.translation) + rotation * (self.center * self.scale);
+        (position, rotation * self.axes)
+    }
+
+    /// Down to the level of the contact spheres.
+    pub(crate) fn cache_size(&self) -> CacheSize {
+        CacheSize::to_level(self.model.asset(), self.spheres.level)
+    }
+
+    /// An instance without a step cache: those of a world are apart, so that threads can share instances.
+    pub(crate) fn instance(&self) -> Result<Instance, PoseError> {
+        Instance::with_cache(&self.model, CacheSize::NONE)
+    }
+}

@@ -1,0 +1,223 @@
+//! Which contact spheres may touch: pairs of bodies from their root spheres, pairs of spheres from their trees.
+
+use bdtree_runtime::{BoundingSphere, HalfSpace, StepCache, Workspace, broad};
+use nalgebra::Vector3;
+
+use super::contact::Side;
+use super::solve::order;
+use super::workers::{Own, Worker, share};
+use super::{Frame, StepReport, World};
+use crate::error::DynamicsError;
+
+/// Two bodies, or a body and a plane, that are near each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Task {
+    first: u32,
+    /// A body, or a plane counted from the end of the numbers.
+    second: u32,
+}
+
+type Caches<'c> = Own<'c, StepCache<'static>>;
+
+impl World {
+    /// The contacts of the step, sorted by bodies and spheres, with the forces of the step before to begin with.
+    pub(super) fn find(&mut self) -> Result<StepReport, DynamicsError> {
+        self.find_tasks()?;
+        let mut workers = core::mem::take(&mut self.workers);
+        let mut caches = core::mem::take(&mut self.caches);
+        let tasks = core::mem::take(&mut self.tasks);
+        let world = &*self;
+        let first = |task: &Task| task.first as usize;
+        share(
+            &mut workers,
+            &tasks,
+            &mut caches,
+            first,
+            |worker, tasks, mut caches| {
+                worker.begin();
+                for task in tasks {
+                    if let Err(error) = world.look(*task, worker, &mut caches) {
+                        worker.error.get_or_insert(error);
+                        return;
+                    }
+                }
+            },
+        );
+        let mut report = StepReport {
+            pairs: tasks.len() as u64,
+            ..StepReport::default()
+        };
+        self.contacts.clear();
+        let mut error = None;
+        for worker in &mut workers {
+            error = error.or(worker.error.take());
+            self.contacts.append(&mut worker.contacts);
+            report.candidates += worker.candidates;
+            report.nodes_visited += worker.nodes_visited;
+            report.nodes_updated += worker.nodes_updated;
+        }
+        (self.workers, self.tasks, self.caches) = (workers, tasks, caches);
+        if let Some(error) = error {
+            return Err(error);
+        }
+        self.begin_with_forces_of_before();
+        Ok(report)
+    }
+
+    fn find_tasks(&mut self) -> Result<(), DynamicsError> {
+        self.tasks.clear();
+        for (index, body) in self.bodies.iter().enumerate() {
+            let BoundingSphere { center, radius } = self.instances[index].bounding_sphere()?;
+            let reach = self.models[body.model].spheres.reach();
+            let radius = (radius + reach + 2.0 * (body.swing + body.way.norm())) * (1.0 + 1e-9);
+            self.spheres[index] = BoundingSphere { center, radius };
+            if body.frame != Frame::Free && self.models[body.model].modes.is_empty() {
+                continue; // no plane moves it
+            }
+            for (k, plane) in self.planes.iter().enumerate() {
+                let height = Vector3::from(plane.normal).dot(&Vector3::from(center)) - plane.offset;
+                if height <= radius {
+                    self.tasks.push(Task {
+                        first: index as u32,
+                        second: Side::plane(k).body,
+                    });
+                }
+            }
+        }
+        self.near.clear();
+        broad::pairs(&self.spheres, 0.0, &mut self.workspace, &mut self.near)?;
+        for [first, second] in &self.near {
+            if self.bodies[*first].frame != Frame::Free && self.bodies[*second].frame != Frame::Free
+            {
+                let is_still = |index: usize| {
+                    let body = &self.bodies[index];
+                    body.frame == Frame::Driven || self.models[body.model].modes.is_empty()
+                };
+                if is_still(*first) && is_still(*second) {
+                    continue;
+                }
+            }
+            self.tasks.push(Task {
+                first: *first as u32,
+                second: *second as u32,
+            });
+        }
+        self.tasks.sort_unstable();
+        Ok(())
+    }
+
+    /// Adds the contacts of a pair.
+    fn look(
+        &self,
+        task: Task,
+        worker: &mut Worker,
+        caches: &mut Caches<'_>,
+    ) -> Result<(), DynamicsError> {
+        let found = worker.contacts.len();
+        let plane = (u32::MAX - task.second) as usize;
+        if plane < self.planes.len() {
+            self.look_at_plane(task.first, plane, worker, caches)?;
+        } else {
+            self.look_at_pair(task, worker, caches)?;
+        }
+        let stats = worker.workspace.stats();
+        worker.nodes_visited += stats.nodes_visited;
+        worker.nodes_updated += stats.nodes_updated;
+        worker.contacts[found..].sort_unstable_by_key(|contact| order(&contact.sides));
+        Ok(())
+    }
+
+    fn look_at_pair(
+        &self,
+        task: Task,
+        worker: &mut Worker,
+        caches: &mut Caches<'_>,
+    ) -> Result<(), DynamicsError> {
+        let [a, b] = [task.first, task.second].map(|index| index as usize);
+        let (first, second) = (&self.bodies[a], &self.bodies[b]);
+        let [of_a, of_b] = [first, second].map(|body| &self.models[body.model].spheres);
+        let apart = (first.way - second.way).norm() + first.swing + second.swing;
+        let apart = 2.0 * apart * (1.0 + 1e-9);
+        let [pose_a, pose_b] = [a, b].map(|index| self.instances[index].pose());
+        worker.pairs.clear();
+        let mut unused = Workspace::in_bytes(&mut []);
+        let (mut query_a, mut query_b) = (
+            pose_a.query(&mut worker.workspace),
+            pose_b.query(&mut unused),
+        );
+        let [cache_a, cache_b] = caches.both([a, b]);
+        if let Some(cache) = cache_a {
+            query_a = query_a.cached(cache);
+        }
+        if let Some(cache) = cache_b {
+            query_b = query_b.cached(cache);
+        }
+        query_a.against(query_b).level_spheres(
+            [of_a.level, of_b.level],
+            apart,
+            of_a.reach() + of_b.reach(),
+            &mut worker.pairs,
+        )?;
+        worker.candidates += worker.pairs.len() as u64;
+        for [lane_a, lane_b] in &worker.pairs {
+            if let (Some(sphere_a), Some(sphere_b)) = (of_a.of(*lane_a), of_b.of(*lane_b)) {
+                let sides = [
+                    Side {
+                        body: task.first,
+                        sphere: sphere_a as u32,
+                    },
+                    Side {
+                        body: task.second,
+                        sphere: sphere_b as u32,
+                    },
+                ];
+                worker.contacts.extend(self.touch(sides, 1.5 * apart));
+            }
+        }
+        Ok(())
+    }
+
+    fn look_at_plane(
+        &self,
+        index: u32,
+        plane: usize,
+        worker: &mut Worker,
+        caches: &mut Caches<'_>,
+    ) -> Result<(), DynamicsError> {
+        let body = &self.bodies[index as usize];
+        let spheres = &self.models[body.model].spheres;
+        let at = self.planes[plane];
+        let way = Vector3::from(at.normal).dot(&body.way).abs();
+        let raised = (spheres.reach() + 2.0 * (body.swing + way)) * (1.0 + 1e-9);
+        let pose = self.instances[index as usize].pose();
+        worker.lanes.clear();
+        let mut query = pose.query(&mut worker.workspace);
+        if let [Some(cache), _] = caches.both([index as usize, usize::MAX]) {
+            query = query.cached(cache);
+        }
+        query.level_spheres(
+            spheres.level,
+            HalfSpace::new(at.normal, at.offset + raised),
+            &mut worker.lanes,
+        )?;
+        worker.candidates += worker.lanes.len() as u64;
+        for lane in &worker.lanes {
+            if let Some(sphere) = spheres.of(*lane) {
+                let side = Side {
+                    body: index,
+                    sphere: sphere as u32,
+                };
+                worker.contacts.extend(self.touch_plane(side, plane));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Worker {
+    fn begin(&mut self) {
+        self.contacts.clear();
+        (self.candidates, self.nodes_visited, self.nodes_updated) = (0, 0, 0);
+        self.error = None;
+    }
+}

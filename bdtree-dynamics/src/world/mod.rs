@@ -1,0 +1,309 @@
+//! Many bodies and planes, step by step.
+//!
+//! | file | part of the step |
+//! |---|---|
+//! | `predict` | where bodies would be at its end without contacts |
+//! | `find` | which contact spheres may touch: root spheres, then trees |
+//! | `contact` | one pair of spheres, linearised |
+//! | `solve` | the forces of all contacts |
+//! | `advance` | bodies at its end |
+//! | `events` | which pairs began to touch, touch, parted |
+//! | `queries`, `save` | what can be asked of a world, and its state as bytes |
+
+mod advance;
+mod body;
+mod contact;
+mod events;
+mod find;
+mod predict;
+mod queries;
+mod save;
+mod solve;
+mod workers;
+
+use alloc::vec::Vec;
+
+use bdtree_runtime::{Instance, StepCache, Transform, Workspace};
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::body_model::BodyModel;
+use crate::contact_law::ContactLaw;
+use crate::error::DynamicsError;
+use crate::frame::FrameState;
+use body::{Body, Modal};
+use contact::Contact;
+use events::Touches;
+use find::Task;
+use solve::Warm;
+use workers::Worker;
+
+pub use body::{BodyState, Energy, Frame};
+pub use contact::ContactRecord;
+pub use events::{Event, Events, Phase};
+
+/// Most modes of an asset (SPEC 2.1), for q in the runtime's numbers.
+const MODES_MAX: usize = 512;
+
+/// A body of a world: its number, in the order in which bodies were added.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BodyId(pub usize);
+
+/// A body model of a world: its number, in the order in which models were added.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ModelId(pub usize);
+
+/// The ground, or a wall: nothing goes where `normal · x < offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// Unit vector, away from the solid side.
+    pub normal: [f64; 3],
+    /// World units along the normal.
+    pub offset: f64,
+}
+
+/// What holds for all bodies of a world.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldOptions {
+    /// Length of a step, seconds; default 1/150, five steps per frame at 30 frames per second.
+    pub step_s: f64,
+    /// Acceleration, world units per s²; default 9.81 downwards along y.
+    pub gravity: [f64; 3],
+    /// What contacts are made of.
+    pub law: ContactLaw,
+    /// Gauss–Seidel sweeps over the contacts; default 8.
+    pub sweeps: usize,
+    /// Threads that step; more than one needs the feature `threads`. Default 1.
+    pub threads: usize,
+}
+
+impl Default for WorldOptions {
+    fn default() -> Self {
+        Self {
+            step_s: 1.0 / 150.0,
+            gravity: [0.0, -9.81, 0.0],
+            law: ContactLaw::default(),
+            sweeps: 8,
+            threads: 1,
+        }
+    }
+}
+
+/// What a step did.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepReport {
+    /// Pairs of contact spheres in contact: that overlap at the beginning of the step, or push each other within it.
+    pub events: u64,
+    /// Contacts that were found when they overlapped already, and whose springs begin at that overlap.
+    pub late: u64,
+    /// Pairs of bodies, planes included, whose root spheres are near each other.
+    pub pairs: u64,
+    /// Pairs of contact spheres that the trees found.
+    pub candidates: u64,
+    /// Nodes of the trees that were looked at.
+    pub nodes_visited: u64,
+    /// Nodes whose bounds were computed.
+    pub nodes_updated: u64,
+    /// Largest overlap at the beginning of the step, world units.
+    pub penetration: f64,
+    /// The same as a share of the larger one's radius.
+    pub penetration_rel: f64,
+    /// Energy in the springs of contacts at the beginning of the step, J.
+    pub contact_energy: f64,
+}
+
+/// Bodies that fall, touch and vibrate.
+///
+/// Steps are the same to the bit for any number of threads.
+#[derive(Debug)]
+pub struct World {
+    options: WorldOptions,
+    models: Vec<BodyModel>,
+    planes: Vec<Plane>,
+    bodies: Vec<Body>,
+    modal: Modal,
+    instances: Vec<Instance>,
+    /// The bounds of each body's nodes in a step.
+    caches: Vec<StepCache<'static>>,
+    steps: u64,
+    // What a step works with; kept, so that later steps allocate nothing.
+    workspace: Workspace<'static>,
+    workers: Vec<Worker>,
+    spheres: Vec<bdtree_runtime::BoundingSphere>,
+    near: Vec<[usize; 2]>,
+    tasks: Vec<Task>,
+    contacts: Vec<Contact>,
+    warm: Vec<Warm>,
+    touches: Touches,
+    touches_before: Touches,
+    /// Whether instances are posed as bodies are now.
+    is_posed: bool,
+}
+
+impl World {
+    /// A world without bodies.
+    ///
+    /// # Errors
+    /// Options beyond their limits.
+    pub fn new(options: WorldOptions) -> Result<Self, DynamicsError> {
+        let step_s = options.step_s;
+        if !(step_s > 0.0 && step_s.is_finite()) {
+            return Err(DynamicsError::Step { step_s });
+        }
+        if !options.gravity.iter().all(|g| g.is_finite()) {
+            return Err(DynamicsError::NotFinite { what: "gravity" });
+        }
+        options.law.checked()?;
+        const THREADS_MAX: usize = 256;
+        if !(1..=THREADS_MAX).contains(&options.threads) {
+            return Err(DynamicsError::Setting {
+                name: "threads",
+                value: options.threads as f64,
+                limit: THREADS_MAX as f64,
+            });
+        }
+        let workers = (0..options.threads).map(|_| Worker::default()).collect();
+        Ok(Self {
+            options,
+            models: Vec::new(),
+            planes: Vec::new(),
+            bodies: Vec::new(),
+            modal: Modal::default(),
+            instances: Vec::new(),
+            caches: Vec::new(),
+            steps: 0,
+            workspace: Workspace::new(),
+            workers,
+            spheres: Vec::new(),
+            near: Vec::new(),
+            tasks: Vec::new(),
+            contacts: Vec::new(),
+            warm: Vec::new(),
+            touches: Vec::new(),
+            touches_before: Vec::new(),
+            is_posed: false,
+        })
+    }
+
+    /// The options.
+    pub fn options(&self) -> &WorldOptions {
+        &self.options
+    }
+
+    /// Adds what bodies of an asset have in common; made for this world's step.
+    pub fn add_model(&mut self, model: BodyModel) -> ModelId {
+        self.models.push(model);
+        ModelId(self.models.len() - 1)
+    }
+
+    /// Adds a plane.
+    ///
+    /// # Errors
+    /// A normal that is not of unit length to 1e-6, an offset that is not finite.
+    pub fn add_plane(&mut self, plane: Plane) -> Result<(), DynamicsError> {
+        let norm = Vector3::from(plane.normal).norm();
+        if !((norm - 1.0).abs() <= 1e-6 && plane.offset.is_finite()) {
+            return Err(DynamicsError::NotFinite {
+                what: "a plane needs a unit normal and a finite offset",
+            });
+        }
+        self.planes.push(plane);
+        Ok(())
+    }
+
+    /// Adds a body at rest in its own frame: undeformed, at a placement of its mesh, without speed.
+    ///
+    /// # Errors
+    /// A model that the world does not have, one without mass properties for a free body, a placement that its asset
+    /// refuses or whose scale is not the model's.
+    pub fn add_body(
+        &mut self,
+        model: ModelId,
+        frame: Frame,
+        at: impl Into<Transform>,
+    ) -> Result<BodyId, DynamicsError> {
+        let at = at.into();
+        let ModelId(index) = model;
+        let Some(of) = self.models.get(index) else {
+            return Err(DynamicsError::Unknown {
+                what: "model",
+                index,
+            });
+        };
+        if frame == Frame::Free && of.mass.is_none() {
+            return Err(DynamicsError::NoMass);
+        }
+        let mut instance = of.instance()?;
+        instance.set_placement(at)?;
+        let (position, orientation) = of.frame(&at);
+        let state = FrameState::at(position, orientation);
+        self.modal.add(of.spheres.stride());
+        self.bodies
+            .push(Body::new(index, frame, state, self.modal.start()));
+        self.instances.push(instance);
+        self.caches.push(StepCache::new(of.cache_size()));
+        self.spheres.push(bdtree_runtime::BoundingSphere {
+            center: [0.0; 3],
+            radius: 0.0,
+        });
+        Ok(BodyId(self.bodies.len() - 1))
+    }
+
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// Number of steps so far.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// The contacts of the last step, sorted by bodies and spheres.
+    pub fn contacts(&self) -> impl Iterator<Item = ContactRecord> + use<'_> {
+        self.contacts.iter().map(Contact::record)
+    }
+
+    /// One step.
+    ///
+    /// # Errors
+    /// Overlaps deeper than a contact sphere's radius, states that are not finite; the world then is not to be stepped on.
+    pub fn step(&mut self) -> Result<StepReport, DynamicsError> {
+        self.is_posed = false;
+        self.predict()?;
+        let mut report = self.find()?;
+        self.solve(&mut report)?;
+        self.sum_up_touches();
+        self.advance()?;
+        self.steps += 1;
+        Ok(report)
+    }
+}
+
+/// The part of a slice that belongs to a body.
+fn part(all: &[f64], start: usize, stride: usize) -> &[f64] {
+    &all[start..start + stride]
+}
+
+/// Unit vectors across a unit vector.
+fn tangents(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    // The axis that n is farthest from.
+    let axis = if n.x.abs() < 0.6 {
+        Vector3::x()
+    } else {
+        Vector3::y()
+    };
+    let first = n.cross(&axis).normalize();
+    [first, n.cross(&first)]
+}
+
+/// Half of the way from one orientation to another.
+fn half_way(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+    let (a, b) = (from.coords, to.coords);
+    let b = if a.dot(&b) < 0.0 { -b } else { b };
+    UnitQuaternion::new_normalize(nalgebra::Quaternion::from(a + b))
+}

@@ -1,0 +1,170 @@
+//! Where bodies would be at the end of the step without contacts, and what forces would do to them.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::body::Frame;
+use super::{World, half_way};
+use crate::error::DynamicsError;
+
+/// What rounding to f32 changes a number by, relative to it.
+const F32: f64 = 6e-8;
+
+impl World {
+    pub(super) fn predict(&mut self) -> Result<(), DynamicsError> {
+        for index in 0..self.bodies.len() {
+            self.predict_frame(index);
+            self.predict_modes(index);
+            self.place(index)?;
+        }
+        Ok(())
+    }
+
+    fn predict_frame(&mut self, index: usize) {
+        let h = self.options.step_s;
+        let body = &mut self.bodies[index];
+        let model = &self.models[body.model];
+        (body.moved, body.turned) = (Vector3::zeros(), Vector3::zeros());
+        let (force, torque) = (body.force, body.torque);
+        (body.force, body.torque) = (Vector3::zeros(), Vector3::zeros());
+        let (Frame::Free, Some(mass)) = (body.frame, &model.mass) else {
+            if body.frame == Frame::Held {
+                body.end = body.state;
+            }
+            // A driven body's end is what the caller has set.
+            let turn = body.end.orientation * body.state.orientation.inverse();
+            body.spin = turn.scaled_axis() / h;
+            body.end.velocity = (body.end.position - body.state.position) / h;
+            body.middle = (body.state.position + body.end.position) * 0.5;
+            let half = half_way(&body.state.orientation, &body.end.orientation);
+            body.rotation = half.to_rotation_matrix().into_inner();
+            (body.per_force, body.per_torque) = (0.0, Matrix3::zeros());
+            return;
+        };
+        let weight = Vector3::from(self.options.gravity) * mass.mass_kg;
+        body.end = body.state.after(mass, weight + force, torque, h);
+        // Where forces are constant, what momentum changes by is their lever about this point.
+        body.middle = body.state.position + body.state.velocity * (0.5 * h);
+        let half = half_way(&body.state.orientation, &body.end.orientation);
+        let axes = half.to_rotation_matrix().into_inner();
+        let inverse = Matrix3::from_diagonal(&mass.moments.map(|moment| 1.0 / moment));
+        let inverse = axes * inverse * axes.transpose();
+        body.rotation = axes;
+        body.spin = inverse * body.state.angular_momentum;
+        body.per_force = 0.5 * h * h / mass.mass_kg;
+        body.per_torque = inverse * (0.5 * h * h);
+    }
+
+    fn predict_modes(&mut self, index: usize) {
+        let body = &self.bodies[index];
+        let model = &self.models[body.model];
+        let modal = &mut self.modal;
+        for (j, mode) in model.modes.iter().enumerate() {
+            let at = body.start + j;
+            modal.moved[at] = 0.0;
+            let force = core::mem::take(&mut modal.force[at]);
+            if body.frame == Frame::Driven {
+                modal.q[at] = mode.limit.q(modal.s[at]);
+                modal.end_q[at] = mode.limit.q(modal.end_s[at]);
+                (modal.slope[at], modal.per_force[at]) = (1.0, 0.0);
+                continue;
+            }
+            let slope = mode.limit.slope(modal.s[at]);
+            let [s, rate] = mode
+                .transition
+                .apply([modal.s[at], modal.rate[at]], slope * force / mode.mass);
+            (modal.end_s[at], modal.end_rate[at]) = (s, rate);
+            modal.q[at] = mode.limit.q(modal.s[at]);
+            modal.end_q[at] = mode.limit.q(s);
+            let slope = 0.5 * (slope + mode.limit.slope(s));
+            modal.slope[at] = slope;
+            modal.per_force[at] = slope * slope * mode.transition.q_a / mode.mass;
+        }
+    }
+
+    /// Poses the instance for the middle of the step, and says how far contact spheres may be from its bounds within it.
+    fn place(&mut self, index: usize) -> Result<(), DynamicsError> {
+        let body = &mut self.bodies[index];
+        let model = &self.models[body.model];
+        let spheres = &model.spheres;
+        let own = body.start..body.start + model.modes.len();
+        let (q, end) = (&self.modal.q[own.clone()], &self.modal.end_q[own]);
+        let mut given = [0.0_f32; super::MODES_MAX];
+        let given = &mut given[..model.model.asset().mode_count()];
+        let (mut size, mut change) = (0.0, 0.0);
+        for (given, (q, end)) in given.iter_mut().zip(q.iter().zip(end)) {
+            let middle = 0.5 * (q + end);
+            *given = middle as f32;
+            size += middle * middle;
+            change += 0.25 * (end - q) * (end - q);
+        }
+        let half = half_way(&body.state.orientation, &body.end.orientation);
+        let both = [body.state.orientation, body.end.orientation];
+        body.rotations = both.map(|turn| turn.to_rotation_matrix().into_inner());
+        body.way = (body.end.position - body.state.position) * 0.5;
+        let at = model.placement(body.state.position + body.way, half);
+        self.instances[index].set_pose(given, at)?;
+        self.caches[index].start(&self.instances[index].pose());
+        // What turning and modes move a sphere by from the middle to either end; of q, what rounding to f32 changes too.
+        let chord = 2.0 * half.rotation_to(&body.end.orientation).imag().norm();
+        let size = libm::sqrt(size);
+        let extent = spheres.extent + spheres.moved(size + libm::sqrt(change));
+        let modes = spheres.moved(libm::sqrt(change) + F32 * size);
+        body.swing = (chord * extent + modes) * (1.0 + 1e-9);
+        Ok(())
+    }
+
+    /// Says where a driven body's mesh is, and what q is, at the end of the next step.
+    ///
+    /// # Errors
+    /// A body that the world does not have or that is not driven, another number of values than modes, a q that is not
+    /// below the strain limit.
+    pub fn drive(
+        &mut self,
+        body: super::BodyId,
+        q: &[f64],
+        at: impl Into<bdtree_runtime::Transform>,
+    ) -> Result<(), DynamicsError> {
+        let at = at.into();
+        let super::BodyId(index) = body;
+        let Some(of) = self
+            .bodies
+            .get_mut(index)
+            .filter(|of| of.frame == Frame::Driven)
+        else {
+            return Err(DynamicsError::Unknown {
+                what: "driven body",
+                index,
+            });
+        };
+        let model = &self.models[of.model];
+        let (expected, found) = (model.modes.len(), q.len());
+        if expected != found {
+            return Err(DynamicsError::ModeCount { expected, found });
+        }
+        for (mode, (record, &q)) in model.modes.iter().zip(q).enumerate() {
+            let limit = record.limit.0;
+            let s = record
+                .limit
+                .s(q)
+                .ok_or(DynamicsError::Limit { mode, q, limit })?;
+            self.modal.end_s[of.start + mode] = s;
+        }
+        (of.end.position, of.end.orientation) = model.frame(&at);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rotation::rotation;
+
+    /// A rotation and the chord of its angle.
+    #[test]
+    fn chords_bound_what_turning_moves() {
+        let turned = rotation(Vector3::new(0.3, -0.2, 0.5));
+        let chord = 2.0 * turned.imag().norm();
+        let p = Vector3::new(1.0, 2.0, -0.5);
+        assert!((turned * p - p).norm() <= chord * p.norm());
+    }
+}

@@ -1,0 +1,166 @@
+//! The forces of all contacts: Gauss–Seidel sweeps, contact after contact.
+//!
+//! Each visit computes how the pair moves under all forces so far, and then the normal force that the contact law wants and
+//! the friction that stops the slip, within the cone. Displacements are linear in forces, so a visit costs two products
+//! with Ū for each side, and bodies need no other memory than their displacements.
+
+use nalgebra::Vector3;
+
+use super::contact::{Contact, Side, slipping};
+use super::{StepReport, World};
+use crate::error::DynamicsError;
+
+/// Forces of a contact, for the next step to begin with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Warm {
+    pub(super) sides: [Side; 2],
+    pub(super) normal: f64,
+    pub(super) across: Vector3<f64>,
+    /// Overlap at which the spring begins.
+    pub(super) late: f64,
+}
+
+/// Contacts stand in the order of their bodies, and for two bodies in that of the spheres.
+pub(super) fn order([a, b]: &[Side; 2]) -> [u32; 4] {
+    [a.body, b.body, a.sphere, b.sphere]
+}
+
+impl World {
+    /// Both lists are sorted by bodies and spheres.
+    pub(super) fn begin_with_forces_of_before(&mut self) {
+        let mut old = self.warm.iter().peekable();
+        for contact in &mut self.contacts {
+            let at = order(&contact.sides);
+            while old.next_if(|warm| order(&warm.sides) < at).is_some() {}
+            if let Some(warm) = old.next_if(|warm| warm.sides == contact.sides) {
+                // Where they have moved apart since, the spring begins at less.
+                contact.late = warm.late.min(contact.late);
+                let [s, t] = contact.across.map(|across| across.dot(&warm.across));
+                contact.force = [warm.normal, s, t];
+            }
+        }
+    }
+
+    pub(super) fn solve(&mut self, report: &mut StepReport) -> Result<(), DynamicsError> {
+        let mut contacts = core::mem::take(&mut self.contacts);
+        for contact in &contacts {
+            if contact.force[0] != 0.0 {
+                self.push(contact, contact.force_vector());
+            }
+        }
+        for _ in 0..self.options.sweeps {
+            for contact in &mut contacts {
+                self.visit(contact);
+            }
+        }
+        self.warm.clear();
+        for contact in &contacts {
+            report.events += u64::from(contact.is_event());
+            report.contact_energy += contact.spring.energy(contact.before - contact.late);
+            report.late += u64::from(contact.late > 0.0);
+            let depth = contact.before;
+            if depth > 0.0 {
+                self.check_depth(contact, report)?;
+            }
+            let [normal, s, t] = contact.force;
+            self.warm.push(Warm {
+                sides: contact.sides,
+                normal,
+                across: contact.across[0] * s + contact.across[1] * t,
+                late: contact.late,
+            });
+        }
+        self.contacts = contacts;
+        Ok(())
+    }
+
+    /// # Errors
+    /// An overlap of more than the larger radius.
+    fn check_depth(&self, contact: &Contact, report: &mut StepReport) -> Result<(), DynamicsError> {
+        let radius = |side: Side| match self.bodies.get(side.body as usize) {
+            Some(body) => self.models[body.model].spheres.radius(side.sphere as usize),
+            None => 0.0,
+        };
+        let [a, b] = contact.sides;
+        let (depth, radius) = (contact.before, radius(a).max(radius(b)));
+        report.penetration = report.penetration.max(depth);
+        report.penetration_rel = report.penetration_rel.max(depth / radius);
+        if depth <= radius {
+            return Ok(());
+        }
+        let second = (!contact.is_with_plane()).then_some(b.body as usize);
+        Err(DynamicsError::Penetration {
+            bodies: [Some(a.body as usize), second],
+            depth,
+            radius,
+            step_max_s: self.options.step_s * 0.5 * radius / depth,
+        })
+    }
+
+    fn visit(&mut self, contact: &mut Contact) {
+        let (mut rigid, mut modes) = self.displacement(contact, 0);
+        if !contact.is_with_plane() {
+            let other = self.displacement(contact, 1);
+            rigid -= other.0;
+            modes -= other.1;
+        }
+        let [before, s, t] = contact.force;
+        let moved = contact.normal.dot(&(rigid + modes));
+        let free = contact.free - moved + contact.response * before;
+        let step_s = self.options.step_s;
+        let (start, end) = (contact.before - contact.late, free - contact.late);
+        let normal = contact.spring.force(start, end, contact.response, step_s);
+        let slip = slipping(rigid, modes);
+        let change = normal - before;
+        let [x, y] = [0, 1]
+            .map(|k| contact.slip[k] + contact.across[k].dot(&slip) + contact.leak[k] * change);
+        let [xx, yy, xy] = contact.hold;
+        let mut held = [s - (xx * x + xy * y), t - (xy * x + yy * y)];
+        let most = self.options.law.friction * normal;
+        let size = libm::sqrt(held[0] * held[0] + held[1] * held[1]);
+        if size > most {
+            held = held.map(|f| f * (most / size));
+        }
+        let [ds, dt] = [held[0] - s, held[1] - t];
+        contact.force = [normal, held[0], held[1]];
+        let by = contact.normal * change + contact.across[0] * ds + contact.across[1] * dt;
+        self.push(contact, by);
+    }
+
+    /// How forces have moved a side's point so far: by rigid motion and by modes.
+    fn displacement(&self, contact: &Contact, side: usize) -> (Vector3<f64>, Vector3<f64>) {
+        let body = &self.bodies[contact.sides[side].body as usize];
+        let rigid = body.moved + body.turned.cross(&contact.arms[side]);
+        let spheres = &self.models[body.model].spheres;
+        let stride = spheres.stride();
+        if stride == 0 {
+            return (rigid, Vector3::zeros());
+        }
+        let moved = super::part(&self.modal.moved, body.start, stride);
+        let own = spheres.displacement(contact.sides[side].sphere as usize, moved);
+        (rigid, body.rotation * own)
+    }
+
+    /// Adds a force on the first side, and its opposite on the second.
+    fn push(&mut self, contact: &Contact, force: Vector3<f64>) {
+        self.push_side(contact, 0, force);
+        if !contact.is_with_plane() {
+            self.push_side(contact, 1, -force);
+        }
+    }
+
+    fn push_side(&mut self, contact: &Contact, side: usize, force: Vector3<f64>) {
+        let body = &mut self.bodies[contact.sides[side].body as usize];
+        body.moved += force * body.per_force;
+        body.turned += body.per_torque * contact.arms[side].cross(&force);
+        let spheres = &self.models[body.model].spheres;
+        let stride = spheres.stride();
+        if stride == 0 {
+            return;
+        }
+        let own = body.rotation.tr_mul(&force);
+        let at = body.start..body.start + stride;
+        let (per_force, moved) = (&self.modal.per_force[at.clone()], &mut self.modal.moved[at]);
+        spheres.pull(contact.sides[side].sphere as usize, own, per_force, moved);
+    }
+}
