@@ -116,3 +116,52 @@ pub fn rotation_matrix([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
         ],
     ]
 }
+
+/// The least pivot of `t/2 · 1 − J + tolerance · t · 1`, where J is an inertia tensor (xx yy zz xy xz yz) and t its
+/// trace: positive where some body has that inertia (SPEC 7.10), for t/2 · 1 − J holds the second moments of its mass.
+/// LDLᵀ without exchanges, which is stable for what is positive definite; where a pivot is not positive, it or one
+/// before it is returned.
+pub fn second_moment_pivot(inertia: [f64; 6], tolerance: f64) -> f64 {
+    let [xx, yy, zz, xy, xz, yz] = inertia;
+    let trace = xx + yy + zz;
+    let raised = 0.5 * trace + tolerance * trace;
+    let [a, b, c] = [raised - xx, raised - yy, raised - zz];
+    let [ab, ac, bc] = [-xy, -xz, -yz];
+    let second = b - ab * ab / a;
+    let rest = bc - ab * ac / a;
+    let third = c - ac * ac / a - rest * rest / second;
+    if a > 0.0 && second > 0.0 {
+        third
+    } else {
+        a.min(second)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::second_moment_pivot;
+
+    #[test]
+    fn moments_of_bodies_pass_and_others_do_not() {
+        // A ball, a thin plate, a thin rod (the other way round rounding), a turned box.
+        let turned = [1.3, 1.5, 0.9, -0.2, 0.1, -0.15];
+        for inertia in [
+            [0.4, 0.4, 0.4, 0.0, 0.0, 0.0],
+            [1.0, 1.0, 2.0, 0.0, 0.0, 0.0],
+            [1e-12, 1.0, 1.0, 0.0, 0.0, 0.0],
+            turned,
+        ] {
+            assert!(second_moment_pivot(inertia, 1e-9) > 0.0, "{inertia:?}");
+        }
+        for inertia in [
+            [1.0, 1.0, 2.1, 0.0, 0.0, 0.0],
+            [1.0, 1.0, 2.0 + 1e-7, 0.0, 0.0, 0.0],
+            [0.4, 0.4, 0.4, 0.3, 0.3, 0.3],
+            [1.0, 1.0, 1.0, 0.0, 0.0, 0.6],
+            [1.0, -0.2, 1.0, 0.0, 0.0, 0.0],
+        ] {
+            let pivot = second_moment_pivot(inertia, 1e-9);
+            assert!(!(pivot > 0.0), "{inertia:?}: {pivot}");
+        }
+    }
+}

@@ -69,6 +69,8 @@ impl<'a> Asset<'a> {
             displacements: view(SectionKind::DISPLACEMENTS, slice)?,
             vertex_modes: view(SectionKind::VERTEX_MODES, slice)?,
             skin: skin::view_skin(header, slice)?,
+            mass: view(SectionKind::MASS_PROPERTIES, slice)?.first(),
+            momenta: view(SectionKind::MODE_MOMENTA, slice)?,
             frames: view(SectionKind::FRAMES, slice)?,
             frame_q: view(SectionKind::FRAME_Q, slice)?,
             groups: view(SectionKind::GROUPS, slice)?,

@@ -6,6 +6,7 @@
 mod bone_rows;
 mod bounds;
 mod frames;
+mod mass;
 mod metadata;
 mod mode_lists;
 mod skeleton;
@@ -116,6 +117,7 @@ impl<'a> Asset<'a> {
             self.group_ranges(&mut note)?;
             self.skin_order(&mut note)?;
         }
+        self.mass_numbers(report)?;
         self.frame_numbers(report)?;
         self.skeleton_and_clips(report)?;
         self.metadata_record(report)?;

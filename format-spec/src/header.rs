@@ -11,7 +11,7 @@ pub const MAGIC: [u8; 8] = *b"\x89BDT\r\n\x1a\n";
 pub const VERSION_MAJOR: u16 = 0;
 
 /// Raised when sections or layouts are added.
-pub const VERSION_MINOR: u16 = 4;
+pub const VERSION_MINOR: u16 = 5;
 
 /// The fixed header, 128 bytes. The mode table and the section table follow it without a gap;
 /// together they are the *header block*, whose length is [`Header::header_bytes`] and whose

@@ -19,6 +19,7 @@ compile_error!(
 
 mod frame;
 mod header;
+mod mass;
 #[cfg(feature = "metadata")]
 mod metadata;
 mod mode;
@@ -30,6 +31,7 @@ mod vertex;
 
 pub use frame::{FrameRecord, ROTATION_TOLERANCE, TIME_UNKNOWN, TRANSLATION_MAX};
 pub use header::{Header, MAGIC, VERSION_MAJOR, VERSION_MINOR};
+pub use mass::{MASS_TOLERANCE, MassRecord, ModeMomentum, mass_source};
 #[cfg(feature = "metadata")]
 pub use metadata::{ErrorMetadata, Metadata, MetadataError, ModeMetadata};
 pub use mode::ModeRecord;

@@ -58,6 +58,10 @@ impl SectionKind {
     pub const CHANNELS: Self = Self(*b"CHAN");
     /// `f32` times and values of the channels' keys. Optional.
     pub const KEYS: Self = Self(*b"KEYS");
+    /// One [`crate::MassRecord`]. Optional.
+    pub const MASS_PROPERTIES: Self = Self(*b"MASS");
+    /// [`crate::ModeMomentum`] per mode. Optional, and only beside [`Self::MASS_PROPERTIES`].
+    pub const MODE_MOMENTA: Self = Self(*b"MMOM");
     /// [`crate::FrameRecord`] per frame of the animation. Optional.
     pub const FRAMES: Self = Self(*b"FRMS");
     /// `f32` per frame and mode, frame-major: q of the frames. Optional.
@@ -90,7 +94,7 @@ impl core::fmt::Display for SectionKind {
 }
 
 /// The order of sections in a file; the first seven are always there (SPEC 4).
-pub const SECTION_ORDER: [SectionKind; 27] = [
+pub const SECTION_ORDER: [SectionKind; 29] = [
     SectionKind::NODES,
     SectionKind::ROWS,
     SectionKind::MODE_LISTS,
@@ -113,6 +117,8 @@ pub const SECTION_ORDER: [SectionKind; 27] = [
     SectionKind::CLIPS,
     SectionKind::CHANNELS,
     SectionKind::KEYS,
+    SectionKind::MASS_PROPERTIES,
+    SectionKind::MODE_MOMENTA,
     SectionKind::FRAMES,
     SectionKind::FRAME_Q,
     SectionKind::GROUPS,
@@ -152,6 +158,8 @@ pub const SECTION_LAYOUTS: [&[u32]; SECTION_ORDER.len()] = [
     &[LAYOUT_1],
     &[LAYOUT_2],
     &[LAYOUT_2],
+    &[LAYOUT_1],
+    &[LAYOUT_1],
     &[LAYOUT_1],
     &[LAYOUT_1],
     &[LAYOUT_1],

@@ -4,8 +4,8 @@
 use bdtree_format as fmt;
 use bdtree_format::{
     BoneRecord, ChannelRecord, ClipRecord, FrameRecord, GroupRecord, Header, InfluenceRecord,
-    ModePair, ModeRecord, NodeRecord, SectionKind, SectionRecord, SkeletonNode, SkinRecord,
-    TriangleRecord, VertexModes,
+    MassRecord, ModeMomentum, ModePair, ModeRecord, NodeRecord, SectionKind, SectionRecord,
+    SkeletonNode, SkinRecord, TriangleRecord, VertexModes,
 };
 use core::mem::offset_of;
 use zerocopy::little_endian::{F32, F64, I32, U16, U32, U64};
@@ -201,6 +201,23 @@ fn frame_table_matches_struct() {
 }
 
 #[test]
+fn mass_tables_match_structs() {
+    let all = fields!(MassRecord: mass_kg, center_of_mass, inertia, density_kg_m3, scale_m, volume,
+        source, reserved);
+    check_record("MassRecord", size_of::<MassRecord>(), &all);
+    let all = fields!(ModeMomentum: linear, angular);
+    check_record("ModeMomentum", size_of::<ModeMomentum>(), &all);
+    assert!(SPEC.contains("1 closed surface, 2 lattice, 3 elements"));
+    let sources = [
+        fmt::mass_source::SURFACE,
+        fmt::mass_source::LATTICE,
+        fmt::mass_source::ELEMENTS,
+    ];
+    assert_eq!(sources, [1, 2, 3]);
+    assert!(SPEC.contains("10⁻⁹") && fmt::MASS_TOLERANCE == 1e-9);
+}
+
+#[test]
 fn kinds_match_section_order() {
     use SectionKind as K;
     let rows = table_behind("### 4.2");
@@ -261,6 +278,18 @@ fn kinds_match_section_order() {
         ("CLIPS", K::CLIPS, "0", size_of::<ClipRecord>()),
         ("CHANNELS", K::CHANNELS, "0", size_of::<ChannelRecord>()),
         ("KEYS", K::KEYS, "0", size_of::<f32>()),
+        (
+            "MASS_PROPERTIES",
+            K::MASS_PROPERTIES,
+            "0",
+            size_of::<MassRecord>(),
+        ),
+        (
+            "MODE_MOMENTA",
+            K::MODE_MOMENTA,
+            "0",
+            size_of::<ModeMomentum>(),
+        ),
         ("FRAMES", K::FRAMES, "0", size_of::<FrameRecord>()),
         ("FRAME_Q", K::FRAME_Q, "0", size_of::<f32>()),
         ("GROUPS", K::GROUPS, "0", size_of::<GroupRecord>()),

@@ -13,6 +13,7 @@ import math
 import struct
 import sys
 import zlib
+from fractions import Fraction
 
 # kind: required, element bytes, layouts (SPEC 4.2)
 KINDS = {b"NODE": (1, 32, 2), b"ROWS": (1, 32, 3), b"LIST": (1, 2, 1), b"TRIS": (1, 16, 1),
@@ -21,6 +22,7 @@ KINDS = {b"NODE": (1, 32, 2), b"ROWS": (1, 32, 3), b"LIST": (1, 2, 1), b"TRIS": 
          b"BFLD": (1, 4, 1), b"BLSS": (1, 4, 1), b"BLST": (1, 16, 2), b"BROW": (1, 32, 2),
          b"SKEL": (1, 64, 1), b"JNTS": (1, 4, 1), b"SNAM": (1, 1, 1),
          b"CLIP": (0, 24, 1), b"CHAN": (0, 28, 1), b"KEYS": (0, 4, 1),
+         b"MASS": (0, 128, 1), b"MMOM": (0, 48, 1),
          b"FRMS": (0, 64, 1), b"FRMQ": (0, 4, 1), b"GRPS": (0, 20, 1), b"GNAM": (0, 1, 1),
          b"META": (0, 1, 2)}
 ALWAYS, OF_SKINS, OF_CLIPS = list(KINDS)[:7], list(KINDS)[8:19], list(KINDS)[19:22]
@@ -94,6 +96,7 @@ def read_sections(data, at, count, end):
         check(len({k in found for k in kinds}) == 1, "4.2", f"some sections are there: {kinds}")
     check(b"SKIN" in found or b"CLIP" not in found, "4.2", "clips without a skin")
     check(b"SKIN" not in found or b"FRMS" not in found, "4.2", "a skin and frames")
+    check(b"MASS" in found or b"MMOM" not in found, "4.2", "momenta without a mass")
     return found, table
 
 
@@ -190,6 +193,33 @@ def read_frames(s, limits):
         check(all(abs(t) <= 2.0 ** 80 for t in translation), "7.5", f"translation of frame {k}")
     check(all(abs(x) <= limits[i % m] for i, x in enumerate(q)), "7.5", "q of a frame is over its limit")
     return len(frames), times[-1] - times[0] if known else None
+
+
+def read_mass(s, modes):
+    """The mass properties as `bdtree info` has them; checks them and the momenta."""
+    if b"MASS" not in s:
+        return None
+    *numbers, source = struct.unpack_from("<13dI", s[b"MASS"])
+    mass, *rest = numbers
+    center, inertia, (density, scale, volume) = rest[:3], rest[3:9], rest[9:]
+    check(all(map(math.isfinite, numbers)), "7.10", "a number of MASS")
+    check(min(mass, density, scale, volume) > 0, "7.10", "mass, density, scale, volume")
+    check(source in (1, 2, 3) and not any(s[b"MASS"][108:]), "7.10", "source, reserved bytes")
+    check(abs(mass - density * volume * scale ** 3) <= 1e-9 * mass, "7.10", "mass and volume")
+    check(min(inertia[:3]) > 0, "7.10", "inertia")
+    # The minors of t/2 - J + 1e-9 t, over t, in fractions: exact.
+    xx, yy, zz, xy, xz, yz = map(Fraction, inertia)
+    t = xx + yy + zz
+    raised = t / 2 + t / 10 ** 9
+    a, b, c, d, e, f = raised - xx, raised - yy, raised - zz, -xy, -xz, -yz
+    check(a > 0 and a * b > d * d and a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e) > 0,
+          "7.10", "principal moments")
+    momenta = list(struct.iter_unpack("<6d", s.get(b"MMOM", b"")))
+    check(b"MMOM" not in s or len(momenta) == len(modes), "4.3", "length of MMOM")
+    check(all(math.isfinite(x) for own in momenta for x in own), "7.10", "a number of MMOM")
+    check(not momenta or all(mode[5] != -1 for mode in modes), "7.10", "modal masses")
+    return dict(mass_kg=mass, center_of_mass=center, inertia=inertia, density_kg_m3=density, scale_m=scale,
+                volume=volume, source=("surface", "lattice", "elements")[source - 1])
 
 
 def read_starts(data, end, rule, where):
@@ -373,15 +403,17 @@ def read_metadata(data, n, m):
 def info(data):
     version, origin, unit, n, f, m, nodes, depth, sections, end, leaf_max, modes = read_header(data)
     s, table = read_sections(data, 128 + 32 * m, sections, end)
+    of_mass = dict(MASS=1) if b"MASS" in s else {}
     per_vertex = dict(VMOD=n + 1) if b"VMOD" in s else dict(DISP=n * m)
     of_skin = dict(SKIN=1, INFS=n + 1, BLSS=nodes + 1) if b"SKIN" in s else {}
-    for kind, count in dict(NODE=nodes, TRIS=f, SLOT=f, VERT=n, **per_vertex, **of_skin).items():
+    for kind, count in dict(NODE=nodes, TRIS=f, SLOT=f, VERT=n, **per_vertex, **of_skin, **of_mass).items():
         check(len(s[kind.encode()]) == count * KINDS[kind.encode()][1], "4.3", f"length of {kind}")
     check(all(len(s[k]) % KINDS[k][1] == 0 for k in s if k in KINDS), "4.3", "length of a section")
     lists, used = read_lists(s[b"LIST"], m), set()
     levels = read_tree(s, m, nodes, depth, leaf_max, f, lists, used)
     read_mesh(s, n, f, lists, used)
     joints, clips, influences = read_skin(s, m)
+    mass = read_mass(s, modes)
     frames, duration = read_frames(s, [mode[0] for mode in modes])
     name, digest, error, described = None, None, None, [(None, None)] * m
     if b"META" in s:
@@ -389,7 +421,7 @@ def info(data):
     omegas = [mode[4] for mode in modes if mode[4] != -1]
     return dict(
         version=version, bytes=len(data), vertices=n, triangles=f, modes=m, nodes=nodes, depth=depth,
-        origin=origin, q_limit=[short(q[0]) for q in modes], q_range=[short(q[1]) for q in modes],
+        origin=origin, mass=mass, q_limit=[short(q[0]) for q in modes], q_range=[short(q[1]) for q in modes],
         source=dict(name=name, hash=digest), frames=frames, duration_s=duration, basis_error_rel=error,
         highest_frequency_hz=max(omegas) / (2 * math.pi) if omegas else None, sections=table,
         mode_info=[dict(name=name, frequency_hz=None if mode[4] == -1 else mode[4] / (2 * math.pi),

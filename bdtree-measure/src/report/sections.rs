@@ -49,6 +49,8 @@ fn purpose(kind: SectionKind) -> &'static str {
         SectionKind::CLIPS => "animations of the skeleton (clips)",
         SectionKind::CHANNELS => "what moves in each clip",
         SectionKind::KEYS => "times and values of the clips",
+        SectionKind::MASS_PROPERTIES => "mass, center of mass, inertia",
+        SectionKind::MODE_MOMENTA => "momentum of the body in each mode",
         SectionKind::FRAMES => "animation frames",
         SectionKind::FRAME_Q => "q of the frames",
         SectionKind::GROUPS => "groups of the source",

@@ -2,9 +2,10 @@
 
 use bdtree_format::{
     BoneEntry, BoneRecord, ChannelRecord, ClipRecord, FrameRecord, GroupRecord, Header,
-    InfluenceRecord, LAYOUT_1, LAYOUT_2, NodeRecord, Row, SECTION_ALIGNMENT, SECTION_LAYOUTS,
-    SECTION_ORDER, SECTIONS_ALWAYS, SECTIONS_OF_CLIPS, SECTIONS_OF_SKINS, SectionKind,
-    SectionRecord, SkeletonNode, SkinRecord, TriangleRecord, VertexModes, is_required,
+    InfluenceRecord, LAYOUT_1, LAYOUT_2, MassRecord, ModeMomentum, NodeRecord, Row,
+    SECTION_ALIGNMENT, SECTION_LAYOUTS, SECTION_ORDER, SECTIONS_ALWAYS, SECTIONS_OF_CLIPS,
+    SECTIONS_OF_SKINS, SectionKind, SectionRecord, SkeletonNode, SkinRecord, TriangleRecord,
+    VertexModes, is_required,
 };
 use core::mem::{offset_of, size_of};
 use core::ops::Range;
@@ -123,6 +124,13 @@ pub(super) fn locate_sections(
     table
         .rule("SPEC 4.2: a file with a skin has no frames")
         .holds(!(skin && present(SectionKind::FRAMES)), "no FRMS", "FRMS")?;
+    let (mass, momenta) = (
+        present(SectionKind::MASS_PROPERTIES),
+        present(SectionKind::MODE_MOMENTA),
+    );
+    table
+        .rule("SPEC 4.2: momenta of modes are those of a mass")
+        .holds(mass || !momenta, "MASS", "none")?;
     check_animation(header, sections)?;
     header_at(offset_of!(Header, file_bytes))
         .rule("SPEC 3.4: the file ends with its last section")
@@ -161,6 +169,8 @@ fn check_length(header: &Header, section: &SectionRecord, field: Check) -> Resul
         SectionKind::DISPLACEMENTS if section.layout.get() == LAYOUT_2 => (None, 12),
         SectionKind::DISPLACEMENTS => (Some(n), 12 * m),
         SectionKind::VERTEX_MODES => (Some(n), size_of::<VertexModes>()),
+        SectionKind::MASS_PROPERTIES => (Some(1), size_of::<MassRecord>()),
+        SectionKind::MODE_MOMENTA => (Some(header.mode_count.get()), size_of::<ModeMomentum>()),
         SectionKind::FRAMES => (None, size_of::<FrameRecord>()),
         SectionKind::GROUPS => (None, size_of::<GroupRecord>()),
         _ => (None, 1),

@@ -1,6 +1,7 @@
 //! The typed view of an opened file: one accessor per section, names as in `SPEC.md`.
 
 mod displacements;
+mod mass;
 mod skin;
 
 pub use displacements::Displacements;
@@ -8,9 +9,9 @@ pub use skin::NodeBones;
 pub(crate) use skin::Skin;
 
 use bdtree_format::{
-    FrameRecord, GroupRecord, Header, ModePair, ModeRecord, NodeRecord, ROWS_LEADING,
-    ROWS_PER_PAIR, Row, SectionKind, SectionRecord, TriangleRecord, VertexModes, group_kind,
-    pair_count, row_count,
+    FrameRecord, GroupRecord, Header, MassRecord, ModeMomentum, ModePair, ModeRecord, NodeRecord,
+    ROWS_LEADING, ROWS_PER_PAIR, Row, SectionKind, SectionRecord, TriangleRecord, VertexModes,
+    group_kind, pair_count, row_count,
 };
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -41,6 +42,9 @@ pub struct Asset<'a> {
     /// Empty where all modes move all vertices.
     pub(crate) vertex_modes: &'a [VertexModes],
     pub(crate) skin: Option<Skin<'a>>,
+    pub(crate) mass: Option<&'a MassRecord>,
+    /// One per mode; empty where there are none.
+    pub(crate) momenta: &'a [ModeMomentum],
     pub(crate) frames: &'a [FrameRecord],
     pub(crate) frame_q: &'a [f32],
     pub(crate) groups: &'a [GroupRecord],

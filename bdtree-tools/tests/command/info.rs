@@ -16,7 +16,7 @@ fn json_has_every_field() {
     let info = folder.json(&["info", "a.bdt", "--json"]);
     let bytes = folder.read("a.bdt");
     let mesh = ball_mesh();
-    assert_eq!(info["version"], "0.4");
+    assert_eq!(info["version"], "0.5");
     assert_eq!(info["bytes"], bytes.len());
     assert_eq!(info["vertices"], mesh.positions.len());
     assert_eq!(info["triangles"], mesh.triangles.len());
