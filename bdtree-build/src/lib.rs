@@ -36,6 +36,7 @@ pub mod error;
 #[doc(hidden)]
 pub mod figures;
 pub mod input;
+pub mod mass;
 mod motion;
 mod parallel;
 pub mod pipeline;

@@ -13,6 +13,7 @@ use crate::basis::{Basis, BasisError};
 use crate::encode::{Parts, encode};
 use crate::error::{BakeError, Part, Place, one_line};
 use crate::input::{RawMesh, RawSkin};
+use crate::mass::{self, Body};
 use crate::motion;
 use crate::progress::Progress;
 use crate::recipe::Recipe;
@@ -50,6 +51,8 @@ pub struct BakeSettings {
     pub nested: bool,
     /// What becomes of weights of bones whose sum is not 1.
     pub weights: Weights,
+    /// What the body weighs. Bakes of vibration modes have it of their own.
+    pub body: Body,
     /// Threads to work with; the bytes do not depend on it.
     pub threads: usize,
 }
@@ -69,6 +72,7 @@ impl Default for BakeSettings {
             split: Split::default(),
             nested: false,
             weights: Weights::default(),
+            body: Body::default(),
             threads: 1,
         }
     }
@@ -140,11 +144,16 @@ pub fn bake(recipe: &Recipe, progress: &dyn Progress) -> Result<Baked, BakeError
     // Section 2: a shape is p' = p + U q, with fields U that are known before the tree is built. Whatever made them
     // (vibrations, frames, morph targets), nothing below asks where they came from.
     stages.begin("basis");
-    let moving = read.moving(recipe, progress).map_err(named)?;
+    let mut moving = read.moving(recipe, progress).map_err(named)?;
+    let settings = BakeSettings {
+        body: moving.body.unwrap_or(recipe.settings.body),
+        ..recipe.settings.clone()
+    };
+    moving.say_unused_mass_options(recipe, &settings.body);
 
     let mut baked = build(
         (&moving.mesh, &moving.basis, moving.skin.as_ref()),
-        &recipe.settings,
+        &settings,
         &moving.provenance,
         stages,
     )
@@ -197,6 +206,7 @@ fn build(
 ) -> Result<Baked, BakeError> {
     let progress = stages.progress;
     let leaf_size = leaf_size(mesh, settings)?;
+    check_body(&settings.body)?;
     let mut warnings: Vec<String> = (mesh.warnings.iter().chain(&provenance.warnings))
         .map(|warning| one_line(warning).into_owned())
         .collect();
@@ -211,6 +221,10 @@ fn build(
     }
     let store = |skin| skin::store(mesh, skin, settings.weights, &shape, &mut warnings);
     let stored_skin = skin.map(store).transpose()?;
+
+    // What it weighs at rest, where its surface or its basis tells.
+    let mass = (settings.body).properties(&mesh.positions, &mesh.triangles, &mut warnings);
+    let momenta = mass.and_then(|mass| mass::momenta(basis, &mass));
 
     // The hierarchy is that of the undeformed mesh: fields are smooth, so triangles that are near at rest stay so.
     stages.begin("tree");
@@ -257,6 +271,9 @@ fn build(
         tree: &tree,
         wrapped: &wrapped,
         skin: stored_skin.as_ref().zip(bones.as_ref()),
+        mass: mass
+            .as_ref()
+            .map(|mass| (mass, momenta.as_deref().unwrap_or_default())),
         metadata: &metadata,
     })?;
 
@@ -292,6 +309,7 @@ fn build(
         basis_error_rel: provenance.error,
         tightness,
         visits,
+        mass,
         scale_m: None,
         elastic: None,
         volume: None,
@@ -313,6 +331,17 @@ fn leaf_size(mesh: &RawMesh, settings: &BakeSettings) -> Result<usize, BakeError
     }
     let message = format!("{leaf_size} is not in 1..={LEAF_TRIANGLES_MAX}");
     Err(BakeError::one("tree", Part::The("leaf size"), message))
+}
+
+/// Density and scale are numbers that something can have.
+fn check_body(body: &Body) -> Result<(), BakeError> {
+    for (option, value) in [("--density", body.density_kg_m3), ("--scale", body.scale_m)] {
+        if !(value.is_finite() && value > 0.0) {
+            let message = format!("{value} is not a positive number");
+            return Err(BakeError::one("store", Place::option(option), message));
+        }
+    }
+    Ok(())
 }
 
 /// Opens the file that was made and queries it; of a file with a skin also the box of the mesh with its bones at rest.

@@ -38,6 +38,8 @@ pub struct Stated {
 impl Stated {
     /// The kind of sources with a skin, whatever else moves them.
     pub const SKIN: &'static str = "skin";
+    /// The kind of sources with a mass, whatever moves them.
+    pub const MASS: &'static str = "mass";
 }
 
 /// A mesh and what moves it. Paths are read when the recipe is baked.

@@ -12,6 +12,7 @@ use serde::{Serialize, Serializer};
 use crate::basis::elastic::ElasticReport;
 use crate::basis::volume::VolumeReport;
 use crate::basis::{Basis, BasisError};
+use crate::mass::MassProperties;
 use crate::tree::{LaneKind, Met, Tree};
 use crate::wrap::ball::smallest_ball;
 use crate::wrap::{StoredShape, WrappedTree, mode_pair, modes_of};
@@ -73,6 +74,8 @@ pub struct BakeReport {
     pub tightness: Vec<LevelTightness>,
     /// Nodes that small queries visit.
     pub visits: Visits,
+    /// Mass, center of mass and inertia of the body at rest, if it is known.
+    pub mass: Option<MassProperties>,
     /// Meters per mesh unit, where masses and frequencies depend on it.
     pub scale_m: Option<f64>,
     /// How elastic modes were found, if those are the fields.

@@ -17,6 +17,8 @@ mod hostile_sizes;
 mod input_formats;
 mod input_given;
 mod input_obj;
+mod mass;
+mod mass_of_modes;
 mod messy;
 mod obj_differential;
 mod pca;

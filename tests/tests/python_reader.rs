@@ -4,8 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use bdtree_fixtures::mutate;
+use bdtree_build::mass::Momentum;
 use bdtree_fixtures::skin::skinned_bar;
+use bdtree_fixtures::{bake, mutate};
 use bdtree_format::SectionKind;
 
 fn root() -> PathBuf {
@@ -97,6 +98,63 @@ fn skins_are_read() {
             "{kind}: {errors}"
         );
     }
+}
+
+/// A sphere whose modes have momenta, and one rule of each kind broken.
+#[test]
+fn masses_are_read() {
+    let mesh = bake::bumpy_sphere(8, 1);
+    let mut basis = bake::smooth_basis(&mesh, 2, 1);
+    for mode in &mut basis.modes {
+        mode.modal_mass_kg = Some(2.0);
+        mode.momentum = Some(Momentum {
+            about: [0.0; 3],
+            linear: [0.5, 0.0, -1.0],
+            angular: [0.0, 0.25, 0.0],
+        });
+    }
+    let model = bake::baked(&mesh, &basis);
+    let bytes = model.asset().bytes();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("sphere.bdt");
+    fs::write(&file, bytes).expect("written");
+    let output = read(&file);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains(r#""mass": {"mass_kg": "#), "{text}");
+    let (mass, momenta) = (SectionKind::MASS_PROPERTIES, SectionKind::MODE_MOMENTA);
+    let mass_at = |b: &[u8], k: usize| {
+        let at = mutate::section(b, mass).start + 8 * k;
+        f64::from_le_bytes(b[at..at + 8].try_into().expect("eight bytes"))
+    };
+    let trace: f64 = (4..7).map(|k| mass_at(bytes, k)).sum();
+    for (kind, at, value) in [
+        (mass, 0, mass_at(bytes, 0) * (1.0 + 3e-9)),
+        (mass, 8, f64::NAN),
+        (mass, 32, -0.1 * trace),
+        (mass, 48, 0.8 * trace),
+        (mass, 56, 0.4 * trace),
+        (mass, 80, 0.0),
+        (mass, 104, 0.0),
+        (mass, 120, 1.0),
+        (momenta, 48, f64::INFINITY),
+    ] {
+        let mut bytes = bytes.to_vec();
+        let at = mutate::section(&bytes, kind).start + at;
+        mutate::put(&mut bytes, at, &value.to_le_bytes());
+        mutate::repair(&mut bytes);
+        fs::write(&file, bytes).expect("written");
+        let output = read(&file);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{kind} {value}");
+        assert!(errors.contains("(SPEC 7.10)"), "{kind} {value}: {errors}");
+    }
+    let mut without = bytes.to_vec();
+    let record = mutate::record(&without, mass);
+    mutate::put(&mut without, record, b"MASX");
+    mutate::repair(&mut without);
+    fs::write(&file, without).expect("written");
+    let errors = read(&file).stderr;
+    assert!(String::from_utf8_lossy(&errors).contains("momenta without a mass (SPEC 4.2)"));
 }
 
 #[test]

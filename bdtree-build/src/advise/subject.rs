@@ -109,7 +109,10 @@ impl Subject {
             mesh: moving.mesh,
             basis: moving.basis,
             skin: moving.skin,
-            settings: recipe.settings.clone(),
+            settings: BakeSettings {
+                body: moving.body.unwrap_or(recipe.settings.body),
+                ..recipe.settings.clone()
+            },
             provenance,
             errors,
             missing,

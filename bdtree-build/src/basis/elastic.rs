@@ -7,6 +7,7 @@
 //! `m_j q̈_j + 2ζ m_j ω_j q̇_j + m_j ω_j² q_j = U_jᵀ f` holds with `f` in kg · mesh unit / s², which
 //! is newtons divided by `scale_m` (newtons if the mesh is in metres).
 
+mod body;
 mod fits;
 mod warnings;
 
@@ -22,6 +23,7 @@ use crate::elastic::assemble::system::System;
 use crate::elastic::constraint::fix::constrain_all;
 use crate::elastic::element::spline::Element;
 use crate::elastic::lattice::locate::anchors;
+use crate::elastic::lattice::mass::LatticeMass;
 use crate::elastic::lattice::resolution::{
     BYTES_PER_CELL, LatticeError, cell_limit, choose_lattice,
 };
@@ -32,6 +34,7 @@ use crate::elastic::surface::components::{Kind, find_components};
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::figures::{counted, digits};
 use crate::input::RawMesh;
+use crate::mass::Body;
 use crate::progress::Progress;
 use crate::vec3::{bounds, norm, sub};
 
@@ -118,6 +121,9 @@ pub struct ElasticReport {
     pub inertia_checked: bool,
     /// Surface components that move in none of the modes.
     pub pieces_without_mode: Vec<SurfaceComponentId>,
+    /// What is known of the body's mass: that of the cells holds where the surface is not closed.
+    #[serde(skip)]
+    pub body: Body,
     /// Stage name and seconds.
     #[serde(skip)]
     pub stages: Vec<(&'static str, f64)>,
@@ -207,7 +213,9 @@ pub fn elastic_basis(
     let shares = lattice.components.iter().flat_map(|c| &c.moments);
     report.mass_kg = cell_mass * shares.map(|m| m[0]).sum::<f64>();
     warnings::size(mesh, options, report.mass_kg, warnings);
-    let basis = to_vertices(&subject, &lattice, &solution, options, warnings);
+    let mass = LatticeMass::new(&lattice);
+    report.body = body::body(&subject, &mass, options);
+    let basis = to_vertices(&subject, &lattice, &solution, &mass, options, warnings);
     list_silent_pieces(&subject, &lattice, &solution, &mut report, warnings);
     lap(&mut report, "vertices");
     Ok((basis, report))
@@ -407,6 +415,7 @@ fn to_vertices(
     subject: &Subject<'_>,
     lattice: &Lattice,
     solution: &Solution,
+    mass: &LatticeMass,
     options: &ElasticOptions,
     warnings: &mut Vec<String>,
 ) -> Basis {
@@ -431,6 +440,7 @@ fn to_vertices(
             .collect(),
         omega_rad_s: mode.value.max(0.0).sqrt() * speed / size_m,
         modal_mass_kg: cell_mass,
+        momentum: Some(mass.momentum(mode, cell_mass)),
     });
     modal_basis(subject.mesh.positions.len(), fields, warnings)
 }

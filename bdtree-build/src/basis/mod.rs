@@ -14,6 +14,7 @@ pub mod volume;
 pub use animation::{Animation, RigidMotion};
 use serde::Serialize;
 
+use crate::mass::Momentum;
 use crate::vec3::norm;
 use crate::wrap::RANGE_DIAGONALS;
 
@@ -56,6 +57,8 @@ pub struct BasisMode {
     pub omega_rad_s: Option<f64>,
     /// Modal mass m_j in kg, if the field is a vibration mode.
     pub modal_mass_kg: Option<f64>,
+    /// Momentum of the whole body at unit speed, if the field is a vibration mode whose mass is known.
+    pub momentum: Option<Momentum>,
     /// Typical largest |q_j|; `None` lets the bake choose it.
     pub q_range: Option<f64>,
     /// The source's default weight, if it has one: for the metadata only.

@@ -2,6 +2,7 @@
 
 use super::{Basis, BasisMode};
 use crate::elastic::solve::canonical::normalise;
+use crate::mass::Momentum;
 
 /// A vibration mode on the vertices of a mesh, of whatever length.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +13,8 @@ pub struct ModalField {
     pub omega_rad_s: f64,
     /// Modal mass Σ mass · |field|² of the whole body, in kg.
     pub modal_mass_kg: f64,
+    /// Momentum of the whole body at unit speed, if it is known.
+    pub momentum: Option<Momentum>,
 }
 
 /// The basis of these modes, in their order: each field is scaled so that the farthest vertex
@@ -37,6 +40,7 @@ pub fn modal_basis(
             name: Some(name),
             omega_rad_s: Some(mode.omega_rad_s),
             modal_mass_kg: Some(mode.modal_mass_kg * factor * factor),
+            momentum: mode.momentum.map(|momentum| momentum.scaled(factor)),
             q_range: None,
             default_q: None,
         });

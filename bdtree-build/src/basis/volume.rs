@@ -12,9 +12,12 @@ use serde::Serialize;
 use super::elastic::{ElasticOptions, Fix};
 use super::modal::ModalField;
 use crate::elastic::constraint::nodes::constrain_nodes;
+use crate::elastic::lattice::mass::momentum;
 use crate::elastic::solve::{Limits, solve};
+use crate::elastic::volume::ModelMass;
 use crate::error::{BakeError, Place};
 use crate::input::volume::RawVolume;
+use crate::mass::{Body, DENSITY_KG_M3, MassSource, Momentum};
 use crate::progress::Progress;
 use crate::words::words;
 
@@ -94,6 +97,8 @@ pub struct VolumeMode {
     /// Displacement of each node of the mesh, for a modal mass Σ mass · |U|² of 1 kg; zero where
     /// the node is held or belongs to no element.
     pub field: Vec<[f64; 3]>,
+    /// Momentum of all elements at unit speed, of the same length; of the mass matrix that the mode was found with.
+    pub momentum: Option<Momentum>,
 }
 
 impl VolumeModes {
@@ -107,6 +112,7 @@ impl VolumeModes {
             field: embed(&mode.field),
             omega_rad_s: mode.omega_rad_s,
             modal_mass_kg: 1.0,
+            momentum: mode.momentum,
         })
     }
 }
@@ -130,9 +136,39 @@ pub struct VolumeReport {
     pub residual_max: f64,
     /// Whether inertia counts proved that no mode was missed.
     pub inertia_checked: bool,
+    /// The mass of the elements.
+    #[serde(skip)]
+    pub body: Body,
     /// Stage name and seconds.
     #[serde(skip)]
     pub stages: Vec<(&'static str, f64)>,
+}
+
+/// The mass of a volume mesh's elements, for bakes that ask for no modes.
+///
+/// # Errors
+/// Those of the elements and materials that [`volume_modes`] has.
+pub fn volume_body(volume: &RawVolume, options: &VolumeOptions) -> Result<Body, BakeError> {
+    check::values(options)?;
+    let (model, units) = check::model(volume, options, &mut Vec::new())?;
+    Ok(body(&model.mass_sums(), units, options))
+}
+
+fn body(mass: &ModelMass, units: check::Units, options: &VolumeOptions) -> Body {
+    let frame = units.frame();
+    let mass_kg = units.mass_kg * mass.integrals.whole;
+    let volume = mass.volume * frame.length.powi(3);
+    let density = mass_kg / (volume * options.scale_m.powi(3));
+    let own = (density, options.scale_m);
+    let known = (mass.integrals).properties(frame, (mass_kg, volume), own, MassSource::Elements);
+    // Beyond the range of numbers there is no mass, and no density that a bake could be asked with.
+    let is_number = density.is_finite() && density > 0.0;
+    Body {
+        density_kg_m3: if is_number { density } else { DENSITY_KG_M3 },
+        scale_m: options.scale_m,
+        known: Some(known),
+        fallback: None,
+    }
 }
 
 /// The K lowest vibration modes of a volume mesh: linear tetrahedra, hexahedra with incompatible
@@ -174,6 +210,8 @@ pub fn volume_modes(
         * (0..model.elements.len())
             .map(|e| model.mass(e, model.shape(e).0))
             .sum::<f64>();
+    let mass = model.mass_sums();
+    report.body = body(&mass, units, options);
     tell::joints(&components, warnings);
     lap(&mut report, "elements");
 
@@ -201,15 +239,18 @@ pub fn volume_modes(
     lap(&mut report, "modes");
 
     let scale = 1.0 / units.mass_kg.sqrt();
+    let frame = units.frame();
     let modes = solution.modes.iter().map(|mode| {
         let mut field = vec![[0.0; 3]; volume.nodes.len()];
         let values = mode.vector.as_chunks::<3>().0.iter();
         for (&n, u) in components[mode.component].nodes.iter().zip(values) {
             field[n as usize] = u.map(|x| x * scale);
         }
+        let momentum = momentum(&mass.nodes, &field, frame, units.mass_kg);
         VolumeMode {
             omega_rad_s: mode.value.max(0.0).sqrt() * units.omega_rad_s,
             field,
+            momentum: Some(momentum),
         }
     });
     let modes = modes.collect();

@@ -19,6 +19,7 @@ const GIVEN: &str = "Given fields";
 const PCA: &str = "Animations";
 const VOLUME: &str = "Given volumes";
 const BODY: &str = "Elastic modes";
+const MASS: &str = "Mass";
 const SKIN: &str = "Skins";
 
 /// Bakes a mesh and a deformation basis into a memory-mappable .bdt file.
@@ -134,14 +135,6 @@ pub(crate) struct Arguments {
     #[arg(long, value_parser = number, value_name = "NU", allow_hyphen_values = true, help_heading = BODY)]
     pub(crate) poisson: Option<f64>,
 
-    /// Density in kg/m³, above 0 [default: that of --tets, else 1000].
-    #[arg(long, value_parser = number, value_name = "KG_M3", help_heading = BODY)]
-    pub(crate) density: Option<f64>,
-
-    /// Meters per mesh unit, above 0 [default: 1].
-    #[arg(long, value_parser = number, value_name = "M", help_heading = BODY)]
-    pub(crate) scale: Option<f64>,
-
     /// Thickness of open sheets in mesh units, above 0 [default: 1 % of the box diagonal].
     #[arg(long, value_parser = number, value_name = "LENGTH", help_heading = BODY)]
     pub(crate) thickness: Option<f64>,
@@ -151,6 +144,15 @@ pub(crate) struct Arguments {
     /// given several times.
     #[arg(long, value_name = "AXES:BOX|GROUP|@FILE", help_heading = BODY)]
     pub(crate) fix: Vec<Fix>,
+
+    /// Density in kg/m³, above 0, of vibration modes and of what a closed mesh weighs [default: that of --tets, else
+    /// 1000].
+    #[arg(long, value_parser = number, value_name = "KG_M3", help_heading = MASS)]
+    pub(crate) density: Option<f64>,
+
+    /// Meters per mesh unit, above 0, of vibration modes and of what a closed mesh weighs [default: 1].
+    #[arg(long, value_parser = number, value_name = "M", help_heading = MASS)]
+    pub(crate) scale: Option<f64>,
 
     /// Refuses bakes that would take more than this many MiB.
     #[arg(long, value_name = "MIB", value_parser = whole_number, default_value_t = ElasticOptions::default().memory_limit_bytes >> 20)]
@@ -221,8 +223,8 @@ impl Arguments {
             (self.thickness.is_some(), "--thickness", LATTICE),
             (self.young.is_some(), "--young", BODIES),
             (self.poisson.is_some(), "--poisson", BODIES),
-            (self.density.is_some(), "--density", BODIES),
-            (self.scale.is_some(), "--scale", BODIES),
+            (self.density.is_some(), "--density", &[Stated::MASS]),
+            (self.scale.is_some(), "--scale", &[Stated::MASS]),
             (!self.fix.is_empty(), "--fix", BODIES),
             (self.range_rel.is_some(), "--range-rel", FREE),
             (self.mass.is_some(), "--mass", &["volume"]),

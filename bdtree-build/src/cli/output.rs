@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use bdtree_build::figures::{counted, digits};
+use bdtree_build::mass::MassSource;
 use bdtree_build::recipe::Source;
 use bdtree_build::report::{BakeReport, LevelTightness};
 use serde::Serialize;
@@ -161,6 +162,20 @@ fn summary(output: &Path, r: &BakeReport, out: &mut impl Write) -> std::io::Resu
                  pose, before bones{scale}"
             )?;
         }
+    }
+    if let Some(m) = &r.mass {
+        let center = m.center_of_mass.map(short).join(" ");
+        let of = match m.source {
+            MassSource::Surface => "of what the mesh encloses",
+            MassSource::Lattice => "of the lattice's cells",
+            MassSource::Elements => "of the elements",
+        };
+        writeln!(
+            out,
+            "mass: {} kg {of}, {} kg/m³, center {center}",
+            short(m.mass_kg),
+            short(m.density_kg_m3)
+        )?;
     }
     if let Some(e) = &r.elastic {
         writeln!(

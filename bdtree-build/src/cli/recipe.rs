@@ -8,6 +8,7 @@ use bdtree_build::basis::pca::{self, About, PcaOptions};
 use bdtree_build::basis::volume::VolumeOptions;
 use bdtree_build::error::{BakeError, Part};
 use bdtree_build::input::{BadFaces, SkinArrays};
+use bdtree_build::mass::Body;
 use bdtree_build::pipeline::BakeSettings;
 use bdtree_build::recipe::{Elastic, Frames, Given, Morphs, Motion, Recipe, Source, Volume};
 
@@ -38,6 +39,7 @@ pub(super) fn of(arguments: &Arguments) -> Result<Recipe, BakeError> {
             split: arguments.split,
             nested: arguments.nested,
             weights: arguments.weights.unwrap_or_default(),
+            body: body(arguments),
             threads: threads(arguments),
         },
         bad_faces: match arguments.skip_bad_faces {
@@ -47,6 +49,16 @@ pub(super) fn of(arguments: &Arguments) -> Result<Recipe, BakeError> {
         skin: skin(arguments),
         stated: arguments.stated(),
     })
+}
+
+/// What the body weighs that the surface encloses.
+fn body(arguments: &Arguments) -> Body {
+    let default = Body::default();
+    Body {
+        density_kg_m3: arguments.density.unwrap_or(default.density_kg_m3),
+        scale_m: arguments.scale.unwrap_or(default.scale_m),
+        ..default
+    }
 }
 
 /// The arrays of a skin; clap has seen to it that all are given or none.

@@ -4,15 +4,16 @@
 use std::borrow::Cow;
 
 use bdtree_format::{
-    GroupRecord, Header, LAYOUT_1, LAYOUT_2, MAGIC, Metadata, ModeRecord, SECTION_ALIGNMENT,
-    SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord, SkinRecord, TriangleRecord,
-    VERSION_MAJOR, VERSION_MINOR, group_kind, is_required,
+    GroupRecord, Header, LAYOUT_1, LAYOUT_2, MAGIC, Metadata, ModeMomentum, ModeRecord,
+    SECTION_ALIGNMENT, SECTION_LAYOUTS, SECTION_ORDER, SectionKind, SectionRecord, SkinRecord,
+    TriangleRecord, VERSION_MAJOR, VERSION_MINOR, group_kind, is_required,
 };
 use zerocopy::IntoBytes;
 
 use crate::basis::Basis;
 use crate::error::{BakeError, Part, Place};
 use crate::input::{GroupKind, RawGroup, RawMesh};
+use crate::mass::MassProperties;
 use crate::skin::StoredSkin;
 use crate::tree::Tree;
 use crate::wrap::{StoredShape, WrappedBones, WrappedTree};
@@ -32,6 +33,8 @@ pub struct Parts<'a> {
     pub wrapped: &'a WrappedTree,
     /// What carries the vertices, and what nodes have of it.
     pub skin: Option<(&'a StoredSkin, &'a WrappedBones)>,
+    /// The mass, with the momenta of all modes where they are known.
+    pub mass: Option<(&'a MassProperties, &'a [ModeMomentum])>,
     /// What people want to know.
     pub metadata: &'a Metadata,
 }
@@ -54,6 +57,7 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
         node_bones_max: bones.node_bones_max,
         ..skin.record
     });
+    let mass = parts.mass.map(|(mass, momenta)| (mass.record(), momenta));
     let mut sections: Vec<(SectionKind, &[u8])> = Vec::with_capacity(SECTION_ORDER.len());
     for kind in SECTION_ORDER {
         let bytes: &[u8] = match kind {
@@ -69,6 +73,11 @@ pub fn encode(parts: &Parts) -> Result<Vec<u8>, BakeError> {
                 (None, _) => continue,
                 (Some(frames), SectionKind::FRAMES) => frames.records.as_bytes(),
                 (Some(frames), _) => frames.q.as_bytes(),
+            },
+            SectionKind::MASS_PROPERTIES | SectionKind::MODE_MOMENTA => match (&mass, kind) {
+                (Some((record, _)), SectionKind::MASS_PROPERTIES) => record.as_bytes(),
+                (Some((_, momenta)), _) if !momenta.is_empty() => momenta.as_bytes(),
+                _ => continue,
             },
             SectionKind::GROUPS if !groups.is_empty() => groups.as_bytes(),
             SectionKind::GROUP_NAMES if !groups.is_empty() => names.as_bytes(),

@@ -4,6 +4,7 @@ use super::Moving;
 use crate::basis::elastic::{Fix, elastic_basis};
 use crate::error::BakeError;
 use crate::input::RawMesh;
+use crate::mass::Body;
 use crate::progress::Progress;
 use crate::recipe::Elastic;
 
@@ -16,6 +17,11 @@ pub(super) fn moving(
     let mut moving = Moving::rigid(mesh);
     let options = &elastic.options;
     if options.mode_count == 0 {
+        moving.body = Some(Body {
+            density_kg_m3: options.density_kg_m3,
+            scale_m: options.scale_m,
+            ..Body::default()
+        });
         return Ok(moving);
     }
     let warnings = &mut moving.provenance.warnings;
@@ -31,6 +37,7 @@ pub(super) fn moving(
     moving.set("scale", options.scale_m);
     moving.set_some("thickness", options.thickness);
     set_fixes(&mut moving, &options.fixes);
+    moving.body = Some(report.body);
     moving.elastic = Some(report);
     Ok(moving)
 }

@@ -15,6 +15,7 @@ use crate::error::{BakeError, Place};
 use crate::input::sequence::FrameSequence;
 use crate::input::volume::RawVolume;
 use crate::input::{RawMesh, RawModel, RawSkin, read_model};
+use crate::mass::Body;
 use crate::pipeline::Provenance;
 use crate::progress::Progress;
 use crate::recipe::{Frames, Motion, Recipe, Source, Stated, Volume};
@@ -33,6 +34,8 @@ pub(crate) struct Moving {
     pub(crate) modes_available: Option<usize>,
     pub(crate) elastic: Option<ElasticReport>,
     pub(crate) volume: Option<VolumeReport>,
+    /// What its modes were computed with, if that has a mass.
+    pub(crate) body: Option<Body>,
 }
 
 /// What the files of a source hold, each kind beside what is asked of it.
@@ -149,6 +152,7 @@ impl Moving {
             modes_available: None,
             elastic: None,
             volume: None,
+            body: None,
         }
     }
 
@@ -207,7 +211,9 @@ impl Moving {
     /// With what the recipe says of the tree in the metadata, and warnings of stated options that are of no use here.
     fn stating(mut self, recipe: &Recipe) -> Self {
         for stated in &recipe.stated {
-            if stated.kinds == [Stated::SKIN] {
+            if stated.kinds == [Stated::MASS] {
+                // Said once it is known whether there is a mass.
+            } else if stated.kinds == [Stated::SKIN] {
                 if self.skin.is_none() {
                     let warning = format!("{} is not used: the input has no skin", stated.option);
                     self.provenance.warnings.push(warning);
@@ -221,6 +227,13 @@ impl Moving {
             }
         }
         let settings = &recipe.settings;
+        if !self.is_body() {
+            // Of vibration modes they are noted with the others.
+            let (own, default) = (settings.body, Body::default());
+            let density = Some(own.density_kg_m3).filter(|x| *x != default.density_kg_m3);
+            self.set_some("density", density);
+            self.set_some("scale", Some(own.scale_m).filter(|x| *x != default.scale_m));
+        }
         self.set("leaf-size", settings.leaf_size_for(&self.mesh));
         self.set("split", settings.split);
         if settings.nested {
@@ -230,6 +243,33 @@ impl Moving {
             self.set("weights", settings.weights);
         }
         self
+    }
+
+    /// Warns of stated options that only a mass uses, where there is none.
+    pub(crate) fn say_unused_mass_options(&mut self, recipe: &Recipe, body: &Body) {
+        let mut stated = recipe.stated.iter().filter(|s| s.kinds == [Stated::MASS]);
+        let Some(first) = stated.next() else {
+            return;
+        };
+        let RawMesh {
+            positions,
+            triangles,
+            ..
+        } = &self.mesh;
+        if self.is_body()
+            || body
+                .properties(positions, triangles, &mut Vec::new())
+                .is_some()
+        {
+            return;
+        }
+        for stated in [first].into_iter().chain(stated) {
+            let warning = format!(
+                "{} is not used: the mesh encloses no volume that could have a mass",
+                stated.option
+            );
+            self.provenance.warnings.push(warning);
+        }
     }
 }
 

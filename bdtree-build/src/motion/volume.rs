@@ -4,7 +4,7 @@ use super::elastic::set_fixes;
 use super::{Moving, Read, hexadecimal, name};
 use crate::basis::embed::embed;
 use crate::basis::modal::modal_basis;
-use crate::basis::volume::volume_modes;
+use crate::basis::volume::{volume_body, volume_modes};
 use crate::error::BakeError;
 use crate::input::volume::{RawVolume, read_volume, surface};
 use crate::input::{BadFaces, RawMesh, read_model};
@@ -58,7 +58,13 @@ pub(super) fn moving(
         moving.set_some("poisson", options.poisson);
         moving.set_some("density", options.density_kg_m3);
         set_fixes(&mut moving, &options.fixes);
+        moving.body = Some(report.body);
         moving.volume = Some(report);
+    } else {
+        match volume_body(&raw, options) {
+            Ok(body) => moving.body = Some(body),
+            Err(error) => warnings.push(format!("the file has no mass: {error}")),
+        }
     }
     moving.provenance.warnings = warnings;
     Ok(moving)

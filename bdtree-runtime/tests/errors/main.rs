@@ -3,6 +3,7 @@
 mod asked;
 mod deep;
 mod edits;
+mod mass;
 mod open;
 mod rules;
 mod seen;

@@ -87,6 +87,7 @@ pub(crate) fn changes() -> Vec<Change> {
             u32_at(b, at + offset_of!(SectionRecord, required), 0);
         }),
         Box::new(field(SectionKind::GROUP_NAMES, kind, name(b"GNAX"))),
+        Box::new(field(SectionKind::MASS_PROPERTIES, kind, name(b"MASX"))),
         Box::new(field(SectionKind::FRAMES, kind, name(b"FRMX"))),
         Box::new(|b| {
             // No frames: FRMS shrinks to nothing, and the rest of its place becomes a section that

@@ -10,7 +10,7 @@ use bdtree_runtime::{Asset, Datum, Model, Transform, TriangleId, VertexId};
 
 use crate::deep::list_twice;
 use crate::seen::{FILE, Seen};
-use crate::{asked, deep, open, skin};
+use crate::{asked, deep, mass, open, skin};
 
 /// Rules that no input reaches: they guard what earlier rules already ensure.
 const UNREACHABLE: [&str; 4] = [
@@ -48,7 +48,12 @@ fn every_rule_is_triggered() {
     let file = FILE.asset().bytes();
     seen.everything(file);
     assert!(seen.0.is_empty(), "{:?}", seen.0);
-    let changes = [open::changes(), deep::changes(), asked::changes()];
+    let changes = [
+        open::changes(),
+        deep::changes(),
+        mass::changes(),
+        asked::changes(),
+    ];
     for change in changes.into_iter().flatten() {
         let mut bytes = file.to_vec();
         change(&mut bytes);

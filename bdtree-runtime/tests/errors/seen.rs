@@ -5,14 +5,15 @@ use std::ops::ControlFlow;
 use std::sync::LazyLock;
 
 use bdtree_build::input::{GroupKind, RawGroup};
+use bdtree_build::mass::Momentum;
 use bdtree_fixtures::bake;
 use bdtree_runtime::{
     Ball, Contact, Datum, FormatError, Instance, Model, QueryError, SkeletonError, SkeletonPose,
     Workspace,
 };
 
-/// Several nodes, six local modes (so the header block ends with padding), frames, groups,
-/// metadata.
+/// Several nodes, six local modes (so the header block ends with padding), frames, groups, mass
+/// and momenta, metadata.
 pub(crate) static FILE: LazyLock<Model> = LazyLock::new(|| {
     let mut mesh = bake::bumpy_sphere(14, 1);
     for name in ["a", "b"] {
@@ -29,6 +30,15 @@ pub(crate) static FILE: LazyLock<Model> = LazyLock::new(|| {
         if mesh.positions[k % count][(k / count) % 3] < 0.5 {
             *u = [0.0; 3];
         }
+    }
+    // The sphere is closed, so it has a mass; modes of which that is known have momenta.
+    for (j, mode) in basis.modes.iter_mut().enumerate() {
+        mode.modal_mass_kg = Some(2.0);
+        mode.momentum = Some(Momentum {
+            about: [0.1, 0.2, 0.3],
+            linear: [1.0, 0.0, j as f64],
+            angular: [0.5; 3],
+        });
     }
     bake::baked(&mesh, &bake::with_frames(basis, 3, 1.0, 1))
 });

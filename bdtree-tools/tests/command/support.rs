@@ -228,6 +228,7 @@ pub(crate) fn basis(mesh: &RawMesh) -> Basis {
         name: name.map(str::to_string),
         omega_rad_s,
         modal_mass_kg,
+        momentum: None,
         q_range: Some(2.0),
         default_q: None,
     };

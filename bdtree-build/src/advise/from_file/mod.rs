@@ -10,6 +10,7 @@ use super::errors::{Errors, Over};
 use super::subject::{BEFORE_BONES, Subject, assumed_ranges};
 use crate::basis::{Animation, Basis, BasisError, BasisMode, RigidMotion};
 use crate::input::{GroupKind, RawGroup, RawMesh};
+use crate::mass::{Body, MassProperties, Momentum};
 use crate::pipeline::{BakeSettings, Provenance};
 use crate::skin::Weights;
 use crate::tree::Split;
@@ -49,7 +50,7 @@ impl Subject {
         let diagonal = mesh.diagonal();
         Ok(Self {
             errors: Errors::against_all(&basis, diagonal, over, own),
-            settings: settings(&metadata),
+            settings: settings(asset, &metadata),
             provenance: Provenance {
                 kind: metadata.basis,
                 error: own,
@@ -120,6 +121,7 @@ fn basis(asset: &Asset<'_>, metadata: &Metadata) -> Result<Basis, FormatError> {
             name: words.and_then(|words| words.name.clone()),
             omega_rad_s: known(mode.omega_rad_s.get()),
             modal_mass_kg: known(mode.modal_mass_kg.get()),
+            momentum: momentum(asset, j),
             q_range: Some(f64::from(mode.q_range.get())),
             default_q: words.and_then(|words| words.default_q),
         }
@@ -129,6 +131,16 @@ fn basis(asset: &Asset<'_>, metadata: &Metadata) -> Result<Basis, FormatError> {
         fields,
         modes: modes.collect(),
         animation: animation(asset),
+    })
+}
+
+/// The momentum of a mode, if the file has it.
+fn momentum(asset: &Asset<'_>, mode: usize) -> Option<Momentum> {
+    let record = asset.mode_momenta()?.get(mode)?;
+    Some(Momentum {
+        about: asset.mass_properties()?.center_of_mass.map(|x| x.get()),
+        linear: record.linear.map(|x| x.get()),
+        angular: record.angular.map(|x| x.get()),
     })
 }
 
@@ -164,7 +176,7 @@ fn basis_error(error: ErrorMetadata) -> BasisError {
 }
 
 /// The settings that the metadata state; those it does not, by default.
-fn settings(metadata: &Metadata) -> BakeSettings {
+fn settings(asset: &Asset<'_>, metadata: &Metadata) -> BakeSettings {
     let value = |name: &str| metadata.settings.get(name);
     BakeSettings {
         leaf_size: value("leaf-size").and_then(|text| text.parse().ok()),
@@ -174,6 +186,11 @@ fn settings(metadata: &Metadata) -> BakeSettings {
         nested: value("nested").is_some_and(|text| text == "true"),
         // Those of a file are as they shall be.
         weights: Weights::AsStored,
+        // So is the mass, which may be that of a body that the file does not hold.
+        body: Body {
+            known: asset.mass_properties().and_then(MassProperties::of_record),
+            ..Body::default()
+        },
         ..BakeSettings::default()
     }
 }

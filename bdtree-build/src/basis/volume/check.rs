@@ -7,6 +7,7 @@ use crate::elastic::element::material::Material;
 use crate::elastic::volume::Model;
 use crate::error::{BakeError, Part, Place, Problems};
 use crate::input::volume::{RawMaterial, RawVolume};
+use crate::mass::integrals::Frame;
 use crate::vec3::{bounds, norm, sub};
 
 /// Elements whose least Jacobian determinant is below this share of their longest edge's cube are
@@ -21,19 +22,40 @@ const LOCKING_POISSON: f64 = 0.4;
 pub(super) struct Units {
     /// Mesh units.
     pub length: f64,
+    /// What positions count from (mesh units).
+    pub middle: [f64; 3],
     /// Kilograms.
     pub mass_kg: f64,
     /// Square root of an eigenvalue, in rad/s.
     pub omega_rad_s: f64,
 }
 
-pub(super) fn options(options: &VolumeOptions) -> Result<(), BakeError> {
+impl Units {
+    /// Where the model's positions count from, and in what.
+    pub(super) fn frame(&self) -> Frame {
+        Frame {
+            about: self.middle,
+            length: self.length,
+        }
+    }
+}
+
+/// Numbers of the options, whatever is asked of them.
+fn numbers(options: &VolumeOptions) -> Problems {
     let positive = [
         ("--young", options.young_pa),
         ("--density", options.density_kg_m3),
         ("--scale", Some(options.scale_m)),
     ];
-    let mut found = check_values(&positive, options.poisson);
+    check_values(&positive, options.poisson)
+}
+
+pub(super) fn values(options: &VolumeOptions) -> Result<(), BakeError> {
+    numbers(options).into_result(Place::NOWHERE)
+}
+
+pub(super) fn options(options: &VolumeOptions) -> Result<(), BakeError> {
+    let mut found = numbers(options);
     if options.mode_count == 0 {
         found.add(|| (Place::option("--modes"), "no mode is asked for"));
     }
@@ -96,6 +118,7 @@ pub(super) fn model(
     let size_m = length * options.scale_m;
     let units = Units {
         length,
+        middle: middle(&volume.nodes, &elements),
         mass_kg: density * size_m.powi(3),
         omega_rad_s: (young_pa / density).sqrt() / size_m,
     };
@@ -104,7 +127,7 @@ pub(super) fn model(
         let message = format!("elements {size_m:e} m long are beyond the range of numbers");
         found.add(|| (file.clone(), message));
     }
-    let middle = middle(&volume.nodes, &elements);
+    let middle = units.middle;
     let model = Model {
         positions: volume
             .nodes

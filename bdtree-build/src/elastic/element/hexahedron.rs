@@ -80,6 +80,19 @@ pub(crate) fn volume(p: &[[f64; 3]; 8]) -> f64 {
     two().map(|(x, w)| w * jacobian(p, x).determinant()).sum()
 }
 
+/// Consistent mass.
+pub(crate) fn mass(p: &[[f64; 3]; 8], density: f64) -> Vec<f64> {
+    let mut mass = vec![0.0; 64];
+    for (x, w) in three() {
+        let weight = density * w * jacobian(p, x).determinant();
+        let values = values(x);
+        for (n, m) in mass.iter_mut().enumerate() {
+            *m += weight * values[n / 8] * values[n % 8];
+        }
+    }
+    mass
+}
+
 /// Stiffness and consistent mass, or `None` if rounding leaves nothing of the incompatible
 /// functions' stiffness. [`least_determinant`] must be positive.
 pub(crate) fn matrices(
@@ -128,17 +141,9 @@ pub(crate) fn matrices(
             entry(row, column) - relief
         })
     });
-    let mut mass = vec![0.0; 64];
-    for (x, w) in three() {
-        let weight = density * w * jacobian(p, x).determinant();
-        let values = values(x);
-        for (n, m) in mass.iter_mut().enumerate() {
-            *m += weight * values[n / 8] * values[n % 8];
-        }
-    }
     Some(ElementMatrices {
         stiffness: stiffness.collect(),
-        mass,
+        mass: mass(p, density),
     })
 }
 

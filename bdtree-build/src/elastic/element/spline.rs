@@ -14,6 +14,7 @@
 
 use crate::elastic::element::ElementMatrices;
 use crate::elastic::element::moments::{Moments, POWERS, full_cell};
+use crate::mass::integrals::Integrals;
 
 /// Functions that act in a cell: number `a + 3b + 9c` is centered `a − 1`, `b − 1`, `c − 1` cells
 /// from it.
@@ -56,6 +57,57 @@ fn products(first: &[[f64; 3]; 3], second: &[[f64; 3]; 3]) -> Products {
         }
         product
     })
+}
+
+/// What a cell's mass matrix says of rigid motions: integrals over its filling, in cell units from its middle.
+#[derive(Debug, Clone)]
+pub(crate) struct Resultants {
+    /// Of the filling.
+    pub filling: Integrals,
+    /// Per function: ∫ N, and ∫ N x.
+    pub functions: [(f64, [f64; 3]); FUNCTIONS],
+}
+
+/// The resultants of a cell with this filling: row sums of its mass matrix, since the functions sum to 1 and their
+/// centers carry every linear field.
+pub(crate) fn resultants(moments: &Moments) -> Resultants {
+    let own = match moments[0] {
+        share if share >= 1.0 => full_cell(),
+        _ => sound(moments),
+    };
+    let entry = |[a, b, c]: [usize; 3]| own[a + POWERS * b + POWERS * POWERS * c];
+    let half = |powers: [usize; 3]| 0.5 * entry(powers);
+    let quarter = |powers: [usize; 3]| 0.25 * entry(powers);
+    let mut filling = Integrals::default();
+    filling.add(
+        own[0],
+        [half([1, 0, 0]), half([0, 1, 0]), half([0, 0, 1])],
+        [
+            quarter([2, 0, 0]),
+            quarter([0, 2, 0]),
+            quarter([0, 0, 2]),
+            quarter([1, 1, 0]),
+            quarter([1, 0, 1]),
+            quarter([0, 1, 1]),
+        ],
+    );
+    let functions = std::array::from_fn(|n| {
+        let of = [n % 3, n / 3 % 3, n / 9];
+        let integral = |more: [usize; 3]| {
+            let mut sum = 0.0;
+            for (k, z) in VALUES[of[2]].iter().enumerate() {
+                for (j, y) in VALUES[of[1]].iter().enumerate() {
+                    for (i, x) in VALUES[of[0]].iter().enumerate() {
+                        sum += x * y * z * entry([i + more[0], j + more[1], k + more[2]]);
+                    }
+                }
+            }
+            sum
+        };
+        let along = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|more| 0.5 * integral(more));
+        (integral([0; 3]), along)
+    });
+    Resultants { filling, functions }
 }
 
 /// Makes element matrices from moments, for one Poisson's ratio.

@@ -11,6 +11,15 @@ pub(crate) fn volume(p: &[[f64; 3]; 4]) -> f64 {
     dot(cross(b, c), d) / 6.0
 }
 
+/// Consistent mass.
+pub(crate) fn mass(p: &[[f64; 3]; 4], density: f64) -> Vec<f64> {
+    let mut mass = vec![density * volume(p) / 20.0; 16];
+    for i in 0..4 {
+        mass[5 * i] *= 2.0;
+    }
+    mass
+}
+
 /// Stiffness and consistent mass; the volume must be positive.
 pub(crate) fn matrices(p: &[[f64; 3]; 4], material: &Material, density: f64) -> ElementMatrices {
     let [b, c, d] = [1, 2, 3].map(|k| sub(p[k], p[0]));
@@ -22,10 +31,9 @@ pub(crate) fn matrices(p: &[[f64; 3]; 4], material: &Material, density: f64) -> 
     let gradients = [ga, gb, gc, gd];
     let mut own = ElementMatrices {
         stiffness: vec![[0.0; 9]; 16],
-        mass: vec![density * volume / 20.0; 16],
+        mass: mass(p, density),
     };
     for i in 0..4 {
-        own.mass[5 * i] *= 2.0;
         for j in 0..4 {
             let block = &mut own.stiffness[4 * i + j];
             material.add(block, gradients[i], gradients[j], volume);

@@ -4,6 +4,7 @@ mod connect;
 pub(crate) mod fill;
 pub(crate) mod grid;
 pub(crate) mod locate;
+pub(crate) mod mass;
 pub(crate) mod resolution;
 pub(crate) mod slice;
 mod subject;

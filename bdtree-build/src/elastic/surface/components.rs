@@ -98,7 +98,7 @@ pub(crate) fn find_components(positions: &[[f64; 3]], triangles: &[[u32; 3]]) ->
 }
 
 /// Smallest index of a vertex with the same position, per vertex.
-fn weld(positions: &[[f64; 3]]) -> Vec<usize> {
+pub(crate) fn weld(positions: &[[f64; 3]]) -> Vec<usize> {
     // `+ 0.0` makes -0 and 0 one key.
     let key = |i: usize| positions[i].map(|x| (x + 0.0).to_bits());
     let mut order: Vec<usize> = (0..positions.len()).collect();

@@ -1,5 +1,7 @@
 //! A given volume mesh as finite elements: its components, their systems.
 
+mod mass;
+
 use std::borrow::Cow;
 
 use crate::disjoint_sets::DisjointSets;
@@ -11,6 +13,8 @@ use crate::elastic::element::material::Material;
 use crate::elastic::element::{ElementMatrices, NodeLists};
 use crate::elastic::element::{hexahedron, tetrahedron};
 use crate::vec3::{norm, sub};
+
+pub(crate) use mass::ModelMass;
 
 /// Elements connected through nodes: they vibrate on their own.
 #[derive(Debug, Clone, Default)]
