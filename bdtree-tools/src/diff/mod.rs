@@ -8,6 +8,7 @@
 mod effects;
 mod findings;
 mod frames;
+mod mass;
 mod metadata;
 mod numbers;
 mod skin;
@@ -93,6 +94,7 @@ pub fn compare(
     if comparable.modes {
         numbers::compare_displacements([file_a, file_b], &mut findings)?;
     }
+    mass::compare(a, b, &mut findings);
     if comparable.frames {
         frames::compare(a, b, &mut findings);
     }

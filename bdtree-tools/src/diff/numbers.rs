@@ -7,6 +7,7 @@
 //! | rest positions; sphere centers and radii | their largest |
 //! | U_ij; Ū_j and ΔR_j; b⁺_j and b⁻_j (the last two: beyond what their grids explain) | the largest of the mode |
 //! | δR; δR of scaled steps | their largest |
+//! | mass properties and momenta | see `mass` |
 //! | times and rotations of frames; q of a mode in all frames | their largest |
 //! | translations of frames | their largest and the size of the mesh |
 

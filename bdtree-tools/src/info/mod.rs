@@ -1,8 +1,10 @@
 //! `bdtree info`: what a file holds.
 
+mod mass;
 mod report;
 mod text;
 
+pub use mass::Mass;
 pub use report::{Bounds, Group, Info, Level, Mode, Section, Source};
 pub(crate) use report::{bounds, hexadecimal, metadata, mode_name, section_start};
 

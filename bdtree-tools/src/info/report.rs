@@ -7,6 +7,7 @@ use bdtree_format::{ErrorMetadata, Metadata, ModeRecord, ROW_RADIUS, SectionKind
 use bdtree_runtime::{Asset, Datum, FormatError, Transform};
 use serde::Serialize;
 
+use super::mass::Mass;
 use crate::AssetFile;
 use crate::error::ToolError;
 use crate::frames::duration_s;
@@ -37,6 +38,8 @@ pub struct Info {
     pub bounds_at_rest: Option<Bounds>,
     /// Meters per mesh unit that masses and frequencies were computed with; null without.
     pub scale_m: Option<f64>,
+    /// Mass, center of mass and inertia of the body at rest; null where they are unknown.
+    pub mass: Option<Mass>,
     /// Hard limit of |q_j| per mode.
     pub q_limit: Vec<f32>,
     /// Typical largest |q_j| per mode.
@@ -231,6 +234,7 @@ impl Info {
             bounds: bounds(asset),
             bounds_at_rest: bounds_at_rest(asset),
             scale_m: metadata.and_then(|m| m.settings.get("scale")?.parse().ok()),
+            mass: asset.mass_properties().map(Mass::of),
             q_limit: asset.modes().iter().map(|m| m.q_limit.get()).collect(),
             q_range: asset.modes().iter().map(|m| m.q_range.get()).collect(),
             source: Source {

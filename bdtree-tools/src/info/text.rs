@@ -53,6 +53,9 @@ pub(super) fn text(path: &Path, info: &Info, sections: bool) -> String {
     if let Some(scale) = info.scale_m {
         facts.push(("scale", format!("1 mesh unit = {} m", digits(scale))));
     }
+    if let Some(mass) = &info.mass {
+        facts.extend(mass.lines());
+    }
     if let Some(error) = &info.basis_error_rel {
         let place = match (error.vertex, error.frame) {
             (Some(vertex), Some(frame)) => format!(" (vertex {vertex} in frame {frame})"),

@@ -7,6 +7,7 @@ mod drawn;
 mod frames;
 mod hostile;
 mod info;
+mod mass;
 mod near;
 mod oracle;
 mod query;
