@@ -78,6 +78,8 @@ pub(crate) struct Mode {
     pub(crate) transition: Transition,
     /// Modal mass in world units: kg for q in world units.
     pub(crate) mass: f64,
+    /// Momentum of the body at unit rate, in its frame: what gravity does to the mode.
+    pub(crate) momentum: Vector3<f64>,
     pub(crate) limit: StrainLimit,
 }
 
@@ -106,7 +108,8 @@ impl BodyModel {
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(PoseError::Scale.into());
         }
-        let mass = options.mass.map(|mass| mass.rigid()).transpose()?;
+        let mass = options.mass.or_else(|| MassProperties::of(asset));
+        let mass = mass.map(|mass| mass.rigid()).transpose()?;
         let level = options.level.unwrap_or_else(|| usual_level(asset));
         if level >= asset.depth() {
             return Err(DynamicsError::Level {
@@ -121,6 +124,10 @@ impl BodyModel {
                 limit: f64::INFINITY,
             });
         }
+        let (center, axes) = match &mass {
+            Some(RigidMass { center, axes, .. }) => (*center, *axes),
+            None => (Vector3::zeros(), UnitQuaternion::identity()),
+        };
         let mut modes = Vec::new();
         if options.is_deformable {
             for (mode, record) in asset.modes().iter().enumerate() {
@@ -132,7 +139,12 @@ impl BodyModel {
                     omega_rad_s,
                     decay_per_s: options.damping.decay_per_s(omega_rad_s),
                 };
+                let momentum = match asset.mode_momenta().and_then(|all| all.get(mode)) {
+                    Some(record) => axes.inverse() * Vector3::from(record.linear.map(|x| x.get())),
+                    None => Vector3::zeros(),
+                };
                 modes.push(Mode {
+                    momentum: momentum * scale,
                     oscillator,
                     transition: oscillator.transition(step_s)?,
                     mass: kg * scale * scale,
@@ -143,10 +155,6 @@ impl BodyModel {
                 });
             }
         }
-        let (center, axes) = match &mass {
-            Some(RigidMass { center, axes, .. }) => (*center, *axes),
-            None => (Vector3::zeros(), UnitQuaternion::identity()),
-        };
         let to_axes = axes.inverse();
         let spheres = LevelSpheres::new(
             asset,
@@ -197,6 +205,23 @@ impl BodyModel {
         let mut all: Vec<f64> = self.modes.iter().map(of).collect();
         all.resize(self.spheres.stride(), 0.0);
         all
+    }
+
+    /// The first mode that moves the center of mass or turns the body: one of a held body, which no free body vibrates in.
+    ///
+    /// Free bodies' modes have no momentum but for rounding and the mesh being coarser than what it moves with.
+    pub(crate) fn held_mode(&self) -> Option<usize> {
+        const SHARE: f64 = 1e-2;
+        let mass = self.mass?;
+        let momenta = self.model.asset().mode_momenta()?;
+        let size = |v: [f64; 3]| Vector3::from(v).norm();
+        self.modes.iter().zip(momenta).position(|(mode, of)| {
+            // |∫ u dm|² ≤ ∫ dm ∫ |u|² dm, and the same for moments.
+            let linear = size(of.linear.map(|x| x.get())) * self.scale;
+            let angular = size(of.angular.map(|x| x.get())) * self.scale * self.scale;
+            linear > SHARE * libm::sqrt(mass.mass_kg * mode.mass)
+                || angular > SHARE * libm::sqrt(mass.moments.max() * mode.mass)
+        })
     }
 
     /// The asset.

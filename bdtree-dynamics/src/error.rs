@@ -50,6 +50,18 @@ pub enum DynamicsError {
     NoMass,
     /// Mass properties that no body has.
     Mass,
+    /// A free body with a mode of a held one: it moves the center of mass or turns the body.
+    HeldMode {
+        /// The mode.
+        mode: usize,
+    },
+    /// A placement with another scale than the body model's.
+    Scale {
+        /// The placement's.
+        scale: f64,
+        /// The model's.
+        expected: f64,
+    },
     /// A force, an impulse or a state that is not finite.
     NotFinite {
         /// What.
@@ -153,6 +165,15 @@ impl fmt::Display for DynamicsError {
             Self::Mass => write!(
                 f,
                 "mass properties: mass and inertia must be finite and positive, the center finite, the inertia symmetric"
+            ),
+            Self::HeldMode { mode } => write!(
+                f,
+                "mode {mode} is one of a held body: it moves the center of mass or turns the body; hold the body (Frame::Held), or \
+                 bake it without --fix"
+            ),
+            Self::Scale { scale, expected } => write!(
+                f,
+                "the placement has the scale {scale}, the body model {expected}; both must be the same"
             ),
             Self::NotFinite { what } => write!(f, "{what}: not finite"),
             Self::Limit { mode, q, limit } => write!(

@@ -1,5 +1,6 @@
 //! Mass, center of mass and inertia of a body at rest.
 
+use bdtree_runtime::Asset;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::error::DynamicsError;
@@ -30,6 +31,16 @@ pub struct RigidMass {
 }
 
 impl MassProperties {
+    /// Those that the bake has written, if it has.
+    pub fn of(asset: &Asset<'_>) -> Option<Self> {
+        let record = asset.mass_properties()?;
+        Some(Self {
+            mass_kg: record.mass_kg.get(),
+            center: record.center_of_mass.map(|x| x.get()),
+            inertia: record.inertia.map(|x| x.get()),
+        })
+    }
+
     /// Those of a homogeneous ball.
     pub fn ball(mass_kg: f64, radius: f64, center: [f64; 3]) -> Self {
         let moment = 0.4 * mass_kg * radius * radius;

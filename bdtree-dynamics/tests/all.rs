@@ -1,1 +1,9 @@
-//! Tests.
+//! Physics against closed forms, and what worlds promise: momentum, energy, the same bytes.
+
+mod balls;
+mod elastic;
+mod errors;
+mod frames;
+mod oscillators;
+mod support;
+mod worlds;

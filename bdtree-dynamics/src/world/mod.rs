@@ -213,8 +213,8 @@ impl World {
     /// Adds a body at rest in its own frame: undeformed, at a placement of its mesh, without speed.
     ///
     /// # Errors
-    /// A model that the world does not have, one without mass properties for a free body, a placement that its asset
-    /// refuses or whose scale is not the model's.
+    /// A model that the world does not have, one without mass properties or with modes of a held body for a free body, a
+    /// placement that its asset refuses or whose scale is not the model's.
     pub fn add_body(
         &mut self,
         model: ModelId,
@@ -231,6 +231,17 @@ impl World {
         };
         if frame == Frame::Free && of.mass.is_none() {
             return Err(DynamicsError::NoMass);
+        }
+        if frame == Frame::Free
+            && let Some(mode) = of.held_mode()
+        {
+            return Err(DynamicsError::HeldMode { mode });
+        }
+        if at.scale != of.scale {
+            return Err(DynamicsError::Scale {
+                scale: at.scale,
+                expected: of.scale,
+            });
         }
         let mut instance = of.instance()?;
         instance.set_placement(at)?;

@@ -58,10 +58,16 @@ impl World {
         let body = &self.bodies[index];
         let model = &self.models[body.model];
         let modal = &mut self.modal;
+        let gravity = Vector3::from(self.options.gravity);
+        let gravity = match body.frame {
+            Frame::Held => body.state.orientation.inverse_transform_vector(&gravity),
+            // A free body falls as a whole; a driven one moves as it is told.
+            Frame::Free | Frame::Driven => Vector3::zeros(),
+        };
         for (j, mode) in model.modes.iter().enumerate() {
             let at = body.start + j;
             modal.moved[at] = 0.0;
-            let force = core::mem::take(&mut modal.force[at]);
+            let force = core::mem::take(&mut modal.force[at]) + mode.momentum.dot(&gravity);
             if body.frame == Frame::Driven {
                 modal.q[at] = mode.limit.q(modal.s[at]);
                 modal.end_q[at] = mode.limit.q(modal.end_s[at]);

@@ -1,0 +1,119 @@
+//! Bodies and worlds of tests.
+
+use std::sync::OnceLock;
+
+use bdtree_build::basis::elastic::{ElasticOptions, Fix, FixRegion};
+use bdtree_build::input::RawMesh;
+use bdtree_build::progress::Silent;
+use bdtree_build::recipe::{Elastic, Motion, Recipe};
+use bdtree_dynamics::{
+    BodyModel, BodyOptions, ContactLaw, Frame, MassProperties, Plane, World, WorldOptions,
+};
+use bdtree_fixtures::{bake, models};
+use bdtree_runtime::{Model, Transform};
+
+/// Radius of [`ball`].
+pub(crate) const RADIUS: f64 = 0.5;
+
+/// An asset whose only contact sphere has radius 0.5 around the origin: one triangle.
+pub(crate) fn ball_model() -> Model {
+    let (s, h) = (RADIUS, RADIUS * 0.75_f64.sqrt());
+    let mesh = RawMesh {
+        name: "ball".to_string(),
+        positions: vec![[s, 0.0, 0.0], [-0.5 * s, h, 0.0], [-0.5 * s, -h, 0.0]],
+        triangles: vec![[0, 1, 2]],
+        ..RawMesh::default()
+    };
+    bake::baked(&mesh, &bake::rigid(&mesh))
+}
+
+/// A ball as [`ball_model`], with the mass of a homogeneous one.
+pub(crate) fn ball(mass_kg: f64, step_s: f64) -> BodyModel {
+    let options = BodyOptions {
+        mass: Some(MassProperties::ball(mass_kg, RADIUS, [0.0; 3])),
+        ..BodyOptions::default()
+    };
+    BodyModel::new(&ball_model(), &options, step_s).expect("a ball")
+}
+
+/// A fixture with vibration modes.
+pub(crate) fn elastic(name: &str, modes: usize, resolution: u32, held: Option<f64>) -> Model {
+    let fixes = held.map(|x| Fix {
+        axes: [true; 3],
+        region: FixRegion::Box {
+            min: [-1e3; 3],
+            max: [x, 1e3, 1e3],
+        },
+    });
+    let options = ElasticOptions {
+        mode_count: modes,
+        resolution: Some(resolution),
+        fixes: fixes.into_iter().collect(),
+        ..ElasticOptions::default()
+    };
+    let motion = Motion::Elastic(Elastic {
+        options,
+        range_rel: None,
+    });
+    let recipe = Recipe::of_surface(models::path(name), motion);
+    let baked = bdtree_build::bake(&recipe, &Silent).expect("a bake");
+    Model::from_bytes(&baked.bytes).expect("an asset")
+}
+
+/// The beam, 1 m long and 5 cm thick, free, with six modes; baked once.
+pub(crate) fn beam() -> &'static Model {
+    static BEAM: OnceLock<Model> = OnceLock::new();
+    BEAM.get_or_init(|| elastic("beam", 6, 40, None))
+}
+
+/// A world of this step and law, without gravity.
+pub(crate) fn weightless(step_s: f64, law: ContactLaw) -> World {
+    World::new(WorldOptions {
+        step_s,
+        gravity: [0.0; 3],
+        law,
+        ..WorldOptions::default()
+    })
+    .expect("a world")
+}
+
+/// The ground at height 0.
+pub(crate) const GROUND: Plane = Plane {
+    normal: [0.0, 1.0, 0.0],
+    offset: 0.0,
+};
+
+/// At a place, not turned.
+pub(crate) fn at(translation: [f64; 3]) -> Transform {
+    Transform {
+        translation,
+        ..Transform::IDENTITY
+    }
+}
+
+/// A heap in the making: beams one above the other, turned against each other, on the ground.
+pub(crate) fn falling_beams(count: usize, threads: usize) -> World {
+    let options = WorldOptions {
+        threads,
+        ..WorldOptions::default()
+    };
+    let mut world = World::new(options.clone()).expect("a world");
+    let model = BodyModel::new(beam(), &BodyOptions::default(), options.step_s).expect("a beam");
+    let model = world.add_model(model);
+    world.add_plane(GROUND).expect("a plane");
+    for k in 0..count {
+        let angle = 0.7 * k as f64;
+        let (sin, cos) = (0.5 * angle).sin_cos();
+        let turned = Transform {
+            rotation: [0.0, sin, 0.0, cos],
+            translation: [
+                -0.5 * angle.cos(),
+                0.15 + 0.12 * k as f64,
+                0.5 * angle.sin(),
+            ],
+            scale: 1.0,
+        };
+        world.add_body(model, Frame::Free, turned).expect("a body");
+    }
+    world
+}

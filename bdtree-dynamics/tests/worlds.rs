@@ -1,0 +1,163 @@
+//! What worlds promise: no energy from nowhere, the same bytes for any number of threads and from any saved state, events,
+//! queries.
+
+use bdtree_dynamics::{BodyId, DynamicsError, Phase, World};
+use bdtree_runtime::{Ball, Contact, Ray};
+
+use crate::support::falling_beams;
+
+fn bytes(world: &World) -> Vec<u8> {
+    let mut out = Vec::new();
+    world.save(&mut out);
+    out
+}
+
+/// Mechanical and contact energy never exceed their least value so far by more than 1 % of the first.
+#[test]
+fn a_heap_never_gains_energy() {
+    let mut world = falling_beams(8, 1);
+    let first = world.energy().mechanical();
+    let (mut least, mut worst, mut deepest) = (f64::INFINITY, 0.0_f64, 0.0_f64);
+    let mut events = 0;
+    for _ in 0..4000 {
+        let mechanical = world.energy().mechanical();
+        let report = world.step().expect("a step");
+        let energy = mechanical + report.contact_energy;
+        least = least.min(energy);
+        worst = worst.max(energy - least);
+        deepest = deepest.max(report.penetration_rel);
+        events = report.events;
+    }
+    assert!(worst < 0.01 * first, "{worst} of {first}");
+    assert!(deepest < 1.0, "{deepest}");
+    // They have come to rest on the ground.
+    assert!(events >= 16, "{events}");
+    assert!(
+        world.energy().kinetic < 1e-4 * first,
+        "{:?}",
+        world.energy()
+    );
+}
+
+/// One thread or two, in one go or from a saved state: the same bytes.
+#[test]
+fn steps_are_the_same_to_the_bit() {
+    let mut alone = falling_beams(12, 1);
+    let mut together = falling_beams(12, 2);
+    let mut saved = None;
+    for n in 0..400 {
+        if n == 150 {
+            saved = Some(bytes(&alone));
+        }
+        let reports = [
+            alone.step().expect("a step"),
+            together.step().expect("a step"),
+        ];
+        assert_eq!(reports[0].events, reports[1].events, "{n}");
+    }
+    let end = bytes(&alone);
+    assert!(end == bytes(&together));
+    let mut again = falling_beams(12, 2);
+    again.restore(&saved.expect("a state")).expect("restored");
+    assert_eq!(again.steps(), 150);
+    for _ in 150..400 {
+        again.step().expect("a step");
+    }
+    assert!(end == bytes(&again));
+}
+
+/// Cut or changed bytes are refused, and the world stays as it was.
+#[test]
+fn damaged_states_are_refused() {
+    let mut world = falling_beams(3, 1);
+    for _ in 0..60 {
+        world.step().expect("a step");
+    }
+    let saved = bytes(&world);
+    for len in (0..saved.len()).step_by(7) {
+        let error = world.restore(&saved[..len]).expect_err("cut");
+        assert!(matches!(error, DynamicsError::State { .. }), "{error}");
+    }
+    let mut longer = saved.clone();
+    longer.push(0);
+    assert!(world.restore(&longer).is_err());
+    let mut others = falling_beams(4, 1);
+    let error = others
+        .restore(&saved)
+        .expect_err("other bodies")
+        .to_string();
+    assert!(error.contains("another number of bodies"), "{error}");
+    // NaN in the first position.
+    let mut broken = saved.clone();
+    broken[56..64].copy_from_slice(&f64::NAN.to_le_bytes());
+    assert!(
+        world
+            .restore(&broken)
+            .expect_err("NaN")
+            .to_string()
+            .contains("not finite")
+    );
+    assert!(bytes(&world) == saved);
+}
+
+/// Pairs begin, stay and part; impulses of a step are those of its contacts.
+#[test]
+fn events_follow_contacts() {
+    let mut world = falling_beams(4, 1);
+    let mut touching = std::collections::BTreeSet::new();
+    let (mut began, mut ended) = (0, 0);
+    for _ in 0..600 {
+        world.step().expect("a step");
+        let forces: f64 = world.contacts().map(|contact| contact.force[1]).sum();
+        let mut impulses = 0.0;
+        for event in world.events() {
+            impulses += event.impulse[1];
+            match event.phase {
+                Phase::Began => {
+                    assert!(touching.insert(event.bodies));
+                    began += 1;
+                }
+                Phase::Touching => assert!(touching.contains(&event.bodies)),
+                Phase::Ended => {
+                    assert!(touching.remove(&event.bodies));
+                    ended += 1;
+                }
+            }
+        }
+        assert!(
+            (impulses - forces / 150.0).abs() < 1e-9,
+            "{impulses} {forces}"
+        );
+    }
+    assert!(began > 4 && ended > 0, "{began} {ended}");
+    assert!(touching.iter().any(|bodies| bodies[1].is_none()));
+}
+
+/// Rays and shapes meet bodies where they are now.
+#[test]
+fn queries_see_bodies_as_they_are() {
+    let mut world = falling_beams(5, 1);
+    for _ in 0..200 {
+        world.step().expect("a step");
+    }
+    let down = Ray::new([0.0, 10.0, 0.0], [0.0, -1.0, 0.0]);
+    let (body, hit) = world.cast_ray(&down).expect("a ray").expect("a hit");
+    let best = (0..world.len())
+        .filter_map(|k| {
+            let mut workspace = bdtree_runtime::Workspace::new();
+            let pose = world.instances()[k].pose();
+            let hit = pose.query(&mut workspace).cast_ray(&down).expect("a ray");
+            hit.map(|hit| (hit.distance, BodyId(k)))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    assert_eq!(best, Some((hit.distance, body)));
+    let mut touched: Vec<(BodyId, Contact)> = Vec::new();
+    world
+        .touched_by(Ball::new(hit.point, 0.01), &mut touched)
+        .expect("a ball");
+    assert!(
+        touched
+            .iter()
+            .any(|(of, contact)| *of == body && contact.triangle == hit.triangle)
+    );
+}
