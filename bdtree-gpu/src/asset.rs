@@ -133,6 +133,13 @@ impl GpuAsset {
         self.points.len().max(others)
     }
 
+    /// Bytes of its buffers on the device.
+    pub fn bytes(&self) -> u64 {
+        let ranges = [&self.points, &self.tangents, &self.exact];
+        let buffers = ranges.into_iter().flatten().flat_map(|r| &r.buffers);
+        self.indices.size() + buffers.map(wgpu::Buffer::size).sum::<u64>()
+    }
+
     /// Where its normals come from.
     pub fn normals(&self) -> Normals {
         self.normals
