@@ -1,6 +1,7 @@
 //! Where the picture is taken from.
 
-use glam::{Quat, Vec3};
+use bdtree_runtime::Frustum;
+use glam::{DVec3, Quat, Vec3};
 
 /// A box along the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -168,6 +169,25 @@ impl Camera {
         Some([
             0.5 * width + d.dot(right) / depth * per_slope,
             0.5 * height - d.dot(up) / depth * per_slope,
+        ])
+    }
+
+    /// What a picture of `size` pixels shows, in the world; the camera's own coordinates are relative to `origin`. It is
+    /// a pixel larger at each edge, so that rounding leaves nothing out. Nothing if a coordinate is not finite.
+    pub fn frustum(&self, size: [u32; 2], origin: [f64; 3]) -> Option<Frustum> {
+        let [right, up, forward] = self.axes().map(|axis| axis.as_dvec3());
+        let eye = self.eye.as_dvec3() + DVec3::from(origin);
+        let slope = f64::from((0.5 * self.fov_y_rad).tan());
+        let [width, height] = size.map(|n| f64::from(n.max(1)));
+        let upper = slope * (1.0 + 2.0 / height);
+        let side = slope * (width + 2.0) / height;
+        let plane = |n: DVec3, before: f64| [n.x, n.y, n.z, -n.dot(eye) - before];
+        Frustum::new(&[
+            plane(forward * side + right, 0.0),
+            plane(forward * side - right, 0.0),
+            plane(forward * upper + up, 0.0),
+            plane(forward * upper - up, 0.0),
+            plane(forward, 0.999 * f64::from(self.near())),
         ])
     }
 
