@@ -24,6 +24,14 @@ pub enum RenderError {
         /// What is counted.
         unit: &'static str,
     },
+    /// A body of a crowd cannot be drawn.
+    #[error("body {body}: {reason}")]
+    Body {
+        /// Its number.
+        body: usize,
+        /// Why.
+        reason: String,
+    },
     /// The adapter gives no device, or an asset could not be deformed on it.
     #[error("{0}")]
     Skinning(#[from] GpuError),

@@ -11,10 +11,10 @@ use crate::renderer::{Mesh, Renderer, Scene, allows_picture, texture};
 use crate::skinned::SkinnedMesh;
 
 /// Samples per pixel.
-const SAMPLES: u32 = 4;
+pub(crate) const SAMPLES: u32 = 4;
 
 /// Colours are blended as sRGB numbers: as light, translucent dark blue over white would be grey.
-const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
+pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
 
 /// A device without a window, and a renderer on it.
 #[derive(Debug)]

@@ -124,7 +124,7 @@ fn buffer(device: &Device, what: &'static str, bytes: u64) -> Result<Buffer, Ren
 }
 
 /// A buffer with content (a multiple of four bytes). Too little memory for it is an error of the device.
-fn filled(
+pub(crate) fn filled(
     device: &Device,
     what: &'static str,
     content: &[u8],

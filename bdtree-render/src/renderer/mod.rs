@@ -4,13 +4,17 @@
 //! store and none has corners. Opaque ones are drawn in any order, translucent ones from far to near,
 //! by where they begin. Lines come last.
 
+mod bodies;
 mod globals;
 mod mesh;
 mod pipelines;
 mod shapes;
 mod targets;
 
+pub use bodies::Floor;
+pub(crate) use bodies::{BodyBuffers, BodyPasses, Light};
 pub use mesh::Mesh;
+pub(crate) use mesh::filled;
 pub use shapes::{Line, Sphere};
 pub use targets::texture;
 pub(crate) use targets::{allows_picture, extent};
@@ -142,45 +146,9 @@ impl Renderer {
         camera: &Camera,
         scene: &Scene<'_>,
     ) -> Result<(), RenderError> {
-        let targets = match self.targets.take() {
-            Some(targets) if targets.size == size => targets,
-            _ => Targets::new(device, self.format, self.samples, size)?,
-        };
-        let targets = self.targets.insert(targets);
-        let encode = !self.format.is_srgb();
-        self.globals
-            .write(queue, camera, size, encode, scene.ground);
-        let (spheres, opaque) = sphere_instances(scene.spheres, camera);
-        self.spheres.write(device, queue, &spheres)?;
-        self.lines.write(device, queue, scene.lines)?;
-        let (view, resolve_target) = match &targets.samples {
-            Some(samples) => (samples, Some(view)),
-            None => (view, None),
-        };
-        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-            label: Some("bdtree scene"),
-            color_attachments: &[Some(RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target,
-                ops: Operations {
-                    load: LoadOp::Clear(clear_colour(scene.background, encode)),
-                    store: StoreOp::Store,
-                },
-            })],
-            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
-                view: &targets.depth,
-                depth_ops: Some(Operations {
-                    load: LoadOp::Clear(0.0),
-                    store: StoreOp::Discard,
-                }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: None,
-            occlusion_query_set: None,
-            multiview_mask: None,
-        });
-        pass.set_bind_group(0, &self.globals.group, &[]);
+        let opaque = self.prepare(device, queue, size, camera, scene)?;
+        let clear = Some(scene.background);
+        let mut pass = self.pass(encoder, view, clear, true)?;
         if scene
             .ground
             .is_some_and(|ground| ground.is_seen_from(camera.eye))
@@ -192,18 +160,108 @@ impl Renderer {
         for mesh in scene.meshes {
             mesh.draw(queue, &mut pass, &self.pipelines.mesh);
         }
-        let count = spheres.len() as u32;
+        self.draw_shapes(&mut pass, opaque, scene.lines.len() as u32);
+        Ok(())
+    }
+
+    /// Makes room for pictures of `size` pixels and writes what passes read, but for meshes. Returns how many of the
+    /// spheres are opaque, and how many there are.
+    pub(crate) fn prepare(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        size: [u32; 2],
+        camera: &Camera,
+        scene: &Scene<'_>,
+    ) -> Result<[u32; 2], RenderError> {
+        let targets = match self.targets.take() {
+            Some(targets) if targets.size == size => targets,
+            _ => Targets::new(device, self.format, self.samples, size)?,
+        };
+        self.targets = Some(targets);
+        let encode = !self.format.is_srgb();
+        self.globals
+            .write(queue, camera, size, encode, scene.ground);
+        let (spheres, opaque) = sphere_instances(scene.spheres, camera);
+        self.spheres.write(device, queue, &spheres)?;
+        self.lines.write(device, queue, scene.lines)?;
+        Ok([opaque, spheres.len() as u32])
+    }
+
+    /// A pass into `view`, which is cleared first where there is a colour; the last one of a picture puts its
+    /// samples together. [`Renderer::prepare`] comes before.
+    pub(crate) fn pass<'e>(
+        &self,
+        encoder: &'e mut CommandEncoder,
+        view: &TextureView,
+        clear: Option<[u8; 4]>,
+        is_last: bool,
+    ) -> Result<RenderPass<'e>, RenderError> {
+        let Some(targets) = &self.targets else {
+            return Err(RenderError::Device("no picture was prepared".to_string()));
+        };
+        let (view, resolve_target) = match &targets.samples {
+            Some(samples) => (samples, is_last.then_some(view)),
+            None => (view, None),
+        };
+        let encode = !self.format.is_srgb();
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("bdtree scene"),
+            color_attachments: &[Some(RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target,
+                ops: Operations {
+                    load: clear.map_or(LoadOp::Load, |c| LoadOp::Clear(clear_colour(c, encode))),
+                    store: StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                view: &targets.depth,
+                depth_ops: Some(Operations {
+                    load: clear.map_or(LoadOp::Load, |_| LoadOp::Clear(0.0)),
+                    store: if is_last {
+                        StoreOp::Discard
+                    } else {
+                        StoreOp::Store
+                    },
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        pass.set_bind_group(0, &self.globals.group, &[]);
+        Ok(pass)
+    }
+
+    /// Draws the spheres and lines that were prepared: opaque spheres, the others, lines.
+    pub(crate) fn draw_shapes(
+        &self,
+        pass: &mut RenderPass<'_>,
+        [opaque, count]: [u32; 2],
+        lines: u32,
+    ) {
         if let Some(buffer) = &self.spheres.buffer {
             pass.set_vertex_buffer(0, buffer.slice(..));
-            draw_square_each(&mut pass, &self.pipelines.opaque, 0..opaque);
-            draw_square_each(&mut pass, &self.pipelines.translucent, opaque..count);
+            draw_square_each(pass, &self.pipelines.opaque, 0..opaque);
+            draw_square_each(pass, &self.pipelines.translucent, opaque..count);
         }
         if let Some(buffer) = &self.lines.buffer {
             pass.set_vertex_buffer(0, buffer.slice(..));
-            let count = scene.lines.len() as u32;
-            draw_square_each(&mut pass, &self.pipelines.lines, 0..count);
+            draw_square_each(pass, &self.pipelines.lines, 0..lines);
         }
-        Ok(())
+    }
+
+    /// Bytes of the textures that drawing needs beside its target: colour and depth of each sample.
+    pub(crate) fn target_bytes(&self) -> u64 {
+        let pixels = self
+            .targets
+            .as_ref()
+            .map_or(0, |targets| targets.size.map(u64::from).iter().product());
+        let of_colour = if self.samples > 1 { 4 } else { 0 };
+        u64::from(self.samples) * pixels * (4 + of_colour)
     }
 }
 

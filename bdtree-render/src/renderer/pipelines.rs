@@ -29,7 +29,7 @@ impl Pipelines {
         format: TextureFormat,
         samples: u32,
     ) -> Self {
-        let shader = device.create_shader_module(wgpu::include_wgsl!("draw.wgsl"));
+        let shader = shader(device, "scene", include_str!("draw.wgsl"));
         let look_layout = uniform_layout(device, "colour");
         let packed = vertex_attr_array![0 => Float32x3];
         let packed_too = vertex_attr_array![1 => Float32x3];
@@ -96,19 +96,28 @@ impl Pipelines {
     }
 }
 
+/// Shaders behind what all of them begin with.
+pub(super) fn shader(device: &Device, label: &str, own: &str) -> ShaderModule {
+    let source = [include_str!("common.wgsl"), own].join("\n");
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    })
+}
+
 /// What pipelines differ in.
-struct Kind<'k> {
+pub(super) struct Kind<'k> {
     /// Before `_vertex` and `_fragment` in the shader.
-    label: &'static str,
-    layouts: &'k [Option<&'k BindGroupLayout>],
-    buffers: &'k [Option<VertexBufferLayout<'k>>],
-    topology: PrimitiveTopology,
+    pub(super) label: &'static str,
+    pub(super) layouts: &'k [Option<&'k BindGroupLayout>],
+    pub(super) buffers: &'k [Option<VertexBufferLayout<'k>>],
+    pub(super) topology: PrimitiveTopology,
     /// Else it is blended and hides nothing.
-    is_opaque: bool,
+    pub(super) is_opaque: bool,
 }
 
 impl Kind<'_> {
-    fn pipeline(
+    pub(super) fn pipeline(
         &self,
         device: &Device,
         shader: &ShaderModule,
