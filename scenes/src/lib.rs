@@ -1,8 +1,9 @@
-//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]), the guide's plots ([`guide`]) with what they share and workloads for
+//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]), the guide's plots ([`guide`]) and films ([`film`]) with what they share and workloads for
 //! benchmarks.
 
 pub mod contenders;
 pub mod curtain;
+pub mod film;
 pub mod growth;
 pub mod guide;
 pub mod hierarchies;

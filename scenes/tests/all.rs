@@ -2,6 +2,7 @@
 //! Cargo.toml.
 
 mod experiments;
+mod film;
 mod paper_tree;
 mod peers;
 mod skins;
