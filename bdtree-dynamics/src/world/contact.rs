@@ -70,6 +70,8 @@ pub(super) struct Contact {
     pub(super) hold: [f64; 3],
     /// Slip along `across` that a unit normal force makes.
     pub(super) leak: [f64; 2],
+    /// Overlap along the normal at the end, as the last visit leaves it.
+    pub(super) after: f64,
     /// Along the normal and `across`, N.
     pub(super) force: [f64; 3],
 }
@@ -208,6 +210,7 @@ impl World {
             slip: [0.0; 2],
             hold: [0.0; 3],
             leak: [0.0; 2],
+            after: free,
             force: [0.0; 3],
         }
     }

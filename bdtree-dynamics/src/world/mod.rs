@@ -70,8 +70,10 @@ pub struct WorldOptions {
     pub gravity: [f64; 3],
     /// What contacts are made of.
     pub law: ContactLaw,
-    /// Gauss–Seidel sweeps over the contacts; default 8.
+    /// Most Gauss–Seidel sweeps over the contacts in a step; default 50.
     pub sweeps: usize,
+    /// Sweeps end when one changes normal forces by less than this share of their sum; default 1e-3.
+    pub accuracy: f64,
     /// Threads that step; more than one needs the feature `threads`. Default 1.
     pub threads: usize,
 }
@@ -82,7 +84,8 @@ impl Default for WorldOptions {
             step_s: 1.0 / 150.0,
             gravity: [0.0, -9.81, 0.0],
             law: ContactLaw::default(),
-            sweeps: 8,
+            sweeps: 50,
+            accuracy: 1e-3,
             threads: 1,
         }
     }
@@ -103,6 +106,8 @@ pub struct StepReport {
     pub nodes_visited: u64,
     /// Nodes whose bounds were computed.
     pub nodes_updated: u64,
+    /// Gauss–Seidel sweeps.
+    pub sweeps: u64,
     /// Largest overlap at the beginning of the step, world units.
     pub penetration: f64,
     /// The same as a share of the larger one's radius.
@@ -153,6 +158,13 @@ impl World {
             return Err(DynamicsError::NotFinite { what: "gravity" });
         }
         options.law.checked()?;
+        if !(0.0..=1.0).contains(&options.accuracy) {
+            return Err(DynamicsError::Setting {
+                name: "accuracy",
+                value: options.accuracy,
+                limit: 1.0,
+            });
+        }
         const THREADS_MAX: usize = 256;
         if !(1..=THREADS_MAX).contains(&options.threads) {
             return Err(DynamicsError::Setting {

@@ -49,8 +49,16 @@ impl World {
             }
         }
         for _ in 0..self.options.sweeps {
+            let (mut sum, mut changed) = (0.0, 0.0);
             for contact in &mut contacts {
+                let before = contact.force[0];
                 self.visit(contact);
+                sum += contact.force[0];
+                changed += (contact.force[0] - before).abs();
+            }
+            report.sweeps += 1;
+            if changed <= self.options.accuracy * sum {
+                break;
             }
         }
         self.warm.clear();
@@ -58,10 +66,7 @@ impl World {
             report.events += u64::from(contact.is_event());
             report.contact_energy += contact.spring.energy(contact.before - contact.late);
             report.late += u64::from(contact.late > 0.0);
-            let depth = contact.before;
-            if depth > 0.0 {
-                self.check_depth(contact, report)?;
-            }
+            self.check_depth(contact, report)?;
             let [normal, s, t] = contact.force;
             self.warm.push(Warm {
                 sides: contact.sides,
@@ -82,9 +87,10 @@ impl World {
             None => 0.0,
         };
         let [a, b] = contact.sides;
-        let (depth, radius) = (contact.before, radius(a).max(radius(b)));
-        report.penetration = report.penetration.max(depth);
-        report.penetration_rel = report.penetration_rel.max(depth / radius);
+        let radius = radius(a).max(radius(b));
+        report.penetration = report.penetration.max(contact.before);
+        report.penetration_rel = report.penetration_rel.max(contact.before / radius);
+        let depth = contact.before.max(contact.after);
         if depth <= radius {
             return Ok(());
         }
@@ -110,6 +116,7 @@ impl World {
         let step_s = self.options.step_s;
         let (start, end) = (contact.before - contact.late, free - contact.late);
         let normal = contact.spring.force(start, end, contact.response, step_s);
+        contact.after = free - contact.response * normal;
         let slip = slipping(rigid, modes);
         let change = normal - before;
         let [x, y] = [0, 1]

@@ -180,4 +180,3 @@ fn time(
     }
     Ok(median(&times))
 }
-
