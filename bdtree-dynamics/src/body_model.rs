@@ -101,10 +101,17 @@ pub struct BodyModel {
 
 impl BodyModel {
     /// # Errors
-    /// Missing mass properties, frequencies or modal masses; numbers beyond their limits; a damaged asset.
-    pub fn new(model: &Model, options: &BodyOptions, step_s: f64) -> Result<Self, DynamicsError> {
+    /// Missing frequencies or modal masses; options beyond their limits; a skin; a damaged asset.
+    pub(crate) fn new(
+        model: &Model,
+        options: &BodyOptions,
+        step_s: f64,
+    ) -> Result<Self, DynamicsError> {
         let asset = model.asset();
         let scale = options.scale;
+        if asset.has_skin() {
+            return Err(DynamicsError::Skin);
+        }
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(PoseError::Scale.into());
         }

@@ -46,6 +46,8 @@ pub enum DynamicsError {
         /// The mode.
         mode: usize,
     },
+    /// An asset with a skin: its bones move it.
+    Skin,
     /// A body without mass properties.
     NoMass,
     /// Mass properties that no body has.
@@ -156,6 +158,10 @@ impl fmt::Display for DynamicsError {
                 f,
                 "mode {mode} has no frequency and modal mass, so that nothing says how it moves; bake the mesh with elastic modes \
                  (bdtree-build MESH --modes N), or a simulation mesh with --tets"
+            ),
+            Self::Skin => write!(
+                f,
+                "the asset has a skin: contact spheres do not follow bones; bake the mesh without one, as OBJ or PLY for example"
             ),
             Self::NoMass => write!(
                 f,

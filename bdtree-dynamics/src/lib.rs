@@ -12,6 +12,10 @@
 //! | [`BodyModel`], [`LevelSpheres`] | what bodies of an asset have in common | `alloc` |
 //! | [`World`] | many bodies and planes, step by step | `alloc` |
 //!
+//! ```
+#![doc = include_str!("../examples/drop.rs")]
+//! ```
+//!
 //! # The step
 //!
 //! A body is its frame (position of the center of mass, orientation, momentum, angular momentum) and its modes

@@ -2,7 +2,7 @@
 
 use bdtree_dynamics::{BodyId, ContactLaw, DynamicsError, Frame, Plane, World, WorldOptions};
 
-use crate::support::{GROUND, RADIUS, at, ball, weightless};
+use crate::support::{GROUND, RADIUS, at, ball, ball_model, weightless};
 
 const SMOOTH: ContactLaw = ContactLaw {
     stiffness: 1e-4,
@@ -20,7 +20,7 @@ fn a_ball_bounces_as_the_closed_form_says() {
             ..SMOOTH
         };
         let mut world = weightless(h, law);
-        let model = world.add_model(ball(2.0, h));
+        let model = ball(&mut world, 2.0);
         world.add_plane(GROUND).expect("a plane");
         let body = world
             .add_body(model, Frame::Free, at([0.0, RADIUS, 0.0]))
@@ -74,8 +74,8 @@ fn a_frictionless_collision_keeps_energy() {
                 ..SMOOTH
             },
         );
-        let model = world.add_model(ball(2.0, h));
-        let heavy = world.add_model(ball(5.0, h));
+        let model = ball(&mut world, 2.0);
+        let heavy = ball(&mut world, 5.0);
         let a = world
             .add_body(model, Frame::Free, at([-0.505, 0.1, 0.0]))
             .expect("a body");
@@ -114,7 +114,7 @@ fn collisions_keep_momentum() {
         friction: 0.8,
     };
     let mut world = weightless(h, law);
-    let model = world.add_model(ball(2.0, h));
+    let model = ball(&mut world, 2.0);
     for k in 0..6 {
         let x = f64::from(k);
         let body = world
@@ -147,7 +147,7 @@ fn same_momenta(before: [[f64; 3]; 2], after: [[f64; 3]; 2]) {
 fn a_resting_ball_sinks_by_its_weight() {
     let h = 1.0 / 150.0;
     let mut world = World::new(WorldOptions::default()).expect("a world");
-    let model = world.add_model(ball(2.0, h));
+    let model = ball(&mut world, 2.0);
     world.add_plane(GROUND).expect("a plane");
     let body = world
         .add_body(model, Frame::Free, at([0.0, 0.6, 0.0]))
@@ -170,7 +170,6 @@ fn a_slope_at_the_edge_of_the_friction_cone() {
         let mut options = WorldOptions::default();
         options.law.friction = friction;
         let mut world = World::new(options).expect("a world");
-        let h = 1.0 / 150.0;
         // So large an inertia that it does not roll.
         let mass = bdtree_dynamics::MassProperties {
             mass_kg: 2.0,
@@ -181,9 +180,7 @@ fn a_slope_at_the_edge_of_the_friction_cone() {
             mass: Some(mass),
             ..Default::default()
         };
-        let of =
-            bdtree_dynamics::BodyModel::new(&crate::support::ball_model(), &of, h).expect("a body");
-        let model = world.add_model(of);
+        let model = world.add_model(&ball_model(), &of).expect("a body");
         let normal = [angle.sin(), angle.cos(), 0.0];
         world
             .add_plane(Plane {
@@ -227,7 +224,7 @@ fn fast_balls_do_not_pass_through_each_other() {
     let h = 1.0 / 150.0;
     for speed in [10.0, 100.0, 1000.0] {
         let mut world = weightless(h, ContactLaw::default());
-        let model = world.add_model(ball(2.0, h));
+        let model = ball(&mut world, 2.0);
         let a = world
             .add_body(model, Frame::Free, at([-3.0, 0.0, 0.0]))
             .expect("a body");

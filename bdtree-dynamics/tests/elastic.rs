@@ -1,8 +1,7 @@
 //! Bodies with modes: what holds them, what bends them.
 
 use bdtree_dynamics::{
-    BodyModel, BodyOptions, ContactLaw, Damping, DynamicsError, Frame, Oscillator, World,
-    WorldOptions,
+    BodyOptions, ContactLaw, Damping, DynamicsError, Frame, Oscillator, World, WorldOptions,
 };
 use bdtree_runtime::{Transform, VertexId};
 
@@ -13,14 +12,12 @@ use crate::support::{at, beam, elastic, falling_beams, weightless};
 fn a_held_beam_bends_under_its_weight() {
     // Half a cell of the end is held.
     let held = elastic("beam", 8, 80, Some(1e-6));
-    let h = 1.0 / 150.0;
     let mut world = World::new(WorldOptions::default()).expect("a world");
     let options = BodyOptions {
         damping: Damping::Ratio(0.9),
         ..BodyOptions::default()
     };
-    let model = BodyModel::new(&held, &options, h).expect("a beam");
-    let model = world.add_model(model);
+    let model = world.add_model(&held, &options).expect("a beam");
     let body = world
         .add_body(model, Frame::Held, Transform::IDENTITY)
         .expect("a body");
@@ -62,9 +59,8 @@ fn a_free_beam_rings() {
         strain_limit: f64::INFINITY,
         ..BodyOptions::default()
     };
-    let model = BodyModel::new(beam(), &options, h).expect("a beam");
-    let modes = model.mode_count();
-    let model = world.add_model(model);
+    let model = world.add_model(beam(), &options).expect("a beam");
+    let modes = world.model(model).expect("a model").mode_count();
     let body = world
         .add_body(model, Frame::Free, at([0.0, 5.0, 0.0]))
         .expect("a body");
@@ -104,9 +100,8 @@ fn the_strain_limit_holds_and_adds_no_energy() {
         damping: Damping::Ratio(0.0),
         ..BodyOptions::default()
     };
-    let model = BodyModel::new(beam(), &options, h).expect("a beam");
-    let modes = model.mode_count();
-    let model = world.add_model(model);
+    let model = world.add_model(beam(), &options).expect("a beam");
+    let modes = world.model(model).expect("a model").mode_count();
     let body = world
         .add_body(model, Frame::Free, Transform::IDENTITY)
         .expect("a body");
@@ -136,7 +131,7 @@ fn a_resting_body_is_in_equilibrium() {
         world.step().expect("a step");
     }
     assert!(world.energy().kinetic < 1e-6, "{:?}", world.energy());
-    let model = world.model(body).expect("a model");
+    let model = world.model_of(body).expect("a model");
     let spheres = model.spheres();
     let (modes, stride) = (model.mode_count(), spheres.stride());
     let mass = model.mass_kg().expect("a mass");

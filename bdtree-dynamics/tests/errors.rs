@@ -2,11 +2,11 @@
 
 use bdtree_build::input::RawMesh;
 use bdtree_dynamics::{
-    BodyId, BodyModel, BodyOptions, ContactLaw, DynamicsError, Frame, MassProperties, ModelId,
-    Plane, World, WorldOptions,
+    BodyId, BodyOptions, ContactLaw, DynamicsError, Frame, MassProperties, ModelId, Plane, World,
+    WorldOptions,
 };
 use bdtree_fixtures::bake;
-use bdtree_runtime::Transform;
+use bdtree_runtime::{Model, Transform, include_bdt};
 
 use crate::support::{GROUND, at, ball, ball_model, beam};
 
@@ -55,7 +55,7 @@ fn worlds_name_what_is_wrong() {
         "model 0: there is none",
     );
     says(world.state(BodyId(3)), "body 3: there is none");
-    let model = world.add_model(ball(1.0, H));
+    let model = ball(&mut world, 1.0);
     let scaled = Transform {
         scale: 2.0,
         ..Transform::IDENTITY
@@ -81,12 +81,14 @@ fn worlds_name_what_is_wrong() {
     );
     says(world.drive(body, &[], Transform::IDENTITY), "driven body 0");
 
-    let model = BodyModel::new(beam(), &BodyOptions::default(), H).expect("a beam");
+    let model = world
+        .add_model(beam(), &BodyOptions::default())
+        .expect("a beam");
+    let of = world.model(model).expect("a model");
     let (modes, limit) = (
-        model.mode_count(),
+        of.mode_count(),
         f64::from(beam().asset().modes()[0].q_range.get()),
     );
-    let model = world.add_model(model);
     let body = world
         .add_body(model, Frame::Free, at([0.0, 9.0, 0.0]))
         .expect("a body");
@@ -116,7 +118,8 @@ fn worlds_name_what_is_wrong() {
 
 #[test]
 fn body_models_say_what_is_missing() {
-    let model = |options: &BodyOptions| BodyModel::new(beam(), options, H).map(|_| ());
+    let mut world = World::new(WorldOptions::default()).expect("a world");
+    let mut model = |options: &BodyOptions| world.add_model(beam(), options);
     says(
         model(&BodyOptions {
             scale: 0.0,
@@ -159,7 +162,7 @@ fn body_models_say_what_is_missing() {
         ..BodyOptions::default()
     };
     says(
-        BodyModel::new(&given, &options, H).map(|_| ()),
+        world.add_model(&given, &options),
         "mode 0 has no frequency and modal mass",
     );
     // They may be driven, or rigid.
@@ -167,12 +170,19 @@ fn body_models_say_what_is_missing() {
         is_deformable: false,
         ..options
     };
-    assert!(BodyModel::new(&given, &rigid, H).is_ok());
+    assert!(world.add_model(&given, &rigid).is_ok());
+
+    let skinned = include_bdt!("../../fixtures/golden/skinned.bdt");
+    let skinned = Model::from_static(skinned).expect("an asset");
+    says(
+        world.add_model(&skinned, &BodyOptions::default()),
+        "has a skin",
+    );
 
     // An open triangle weighs nothing that anybody knows.
-    let open = BodyModel::new(&ball_model(), &BodyOptions::default(), H).expect("a model");
-    let mut world = World::new(WorldOptions::default()).expect("a world");
-    let open = world.add_model(open);
+    let open = world
+        .add_model(&ball_model(), &BodyOptions::default())
+        .expect("a model");
     says(
         world.add_body(open, Frame::Free, Transform::IDENTITY),
         "has no mass properties; bake it from a closed mesh",
@@ -187,7 +197,7 @@ fn body_models_say_what_is_missing() {
 #[test]
 fn too_deep_overlaps_are_an_error() {
     let mut world = World::new(WorldOptions::default()).expect("a world");
-    let model = world.add_model(ball(1.0, H));
+    let model = ball(&mut world, 1.0);
     world.add_plane(GROUND).expect("a plane");
     world
         .add_body(model, Frame::Free, at([0.0, -0.2, 0.0]))

@@ -7,7 +7,7 @@ use bdtree_build::input::RawMesh;
 use bdtree_build::progress::Silent;
 use bdtree_build::recipe::{Elastic, Motion, Recipe};
 use bdtree_dynamics::{
-    BodyModel, BodyOptions, ContactLaw, Frame, MassProperties, Plane, World, WorldOptions,
+    BodyOptions, ContactLaw, Frame, MassProperties, ModelId, Plane, World, WorldOptions,
 };
 use bdtree_fixtures::{bake, models};
 use bdtree_runtime::{Model, Transform};
@@ -27,13 +27,13 @@ pub(crate) fn ball_model() -> Model {
     bake::baked(&mesh, &bake::rigid(&mesh))
 }
 
-/// A ball as [`ball_model`], with the mass of a homogeneous one.
-pub(crate) fn ball(mass_kg: f64, step_s: f64) -> BodyModel {
+/// Adds a ball as [`ball_model`], with the mass of a homogeneous one.
+pub(crate) fn ball(world: &mut World, mass_kg: f64) -> ModelId {
     let options = BodyOptions {
         mass: Some(MassProperties::ball(mass_kg, RADIUS, [0.0; 3])),
         ..BodyOptions::default()
     };
-    BodyModel::new(&ball_model(), &options, step_s).expect("a ball")
+    world.add_model(&ball_model(), &options).expect("a ball")
 }
 
 /// A fixture with vibration modes.
@@ -97,9 +97,8 @@ pub(crate) fn falling_beams(count: usize, threads: usize) -> World {
         threads,
         ..WorldOptions::default()
     };
-    let mut world = World::new(options.clone()).expect("a world");
-    let model = BodyModel::new(beam(), &BodyOptions::default(), options.step_s).expect("a beam");
-    let model = world.add_model(model);
+    let mut world = World::new(options).expect("a world");
+    let model = (world.add_model(beam(), &BodyOptions::default())).expect("a beam");
     world.add_plane(GROUND).expect("a plane");
     for k in 0..count {
         let angle = 0.7 * k as f64;

@@ -346,7 +346,7 @@ impl World {
     ///
     /// # Errors
     /// A body that the world does not have.
-    pub fn model(&self, body: BodyId) -> Result<&BodyModel, DynamicsError> {
+    pub fn model_of(&self, body: BodyId) -> Result<&BodyModel, DynamicsError> {
         Ok(&self.models[self.at(body)?.model])
     }
 

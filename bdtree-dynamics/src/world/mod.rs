@@ -23,10 +23,10 @@ mod workers;
 
 use alloc::vec::Vec;
 
-use bdtree_runtime::{Instance, StepCache, Transform, Workspace};
+use bdtree_runtime::{Instance, Model, StepCache, Transform, Workspace};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::body_model::BodyModel;
+use crate::body_model::{BodyModel, BodyOptions};
 use crate::contact_law::ContactLaw;
 use crate::error::DynamicsError;
 use crate::frame::FrameState;
@@ -201,10 +201,30 @@ impl World {
         &self.options
     }
 
-    /// Adds what bodies of an asset have in common; made for this world's step.
-    pub fn add_model(&mut self, model: BodyModel) -> ModelId {
+    /// Adds what bodies of an asset have in common.
+    ///
+    /// # Errors
+    /// Missing frequencies or modal masses; options beyond their limits; a damaged asset.
+    pub fn add_model(
+        &mut self,
+        model: &Model,
+        options: &BodyOptions,
+    ) -> Result<ModelId, DynamicsError> {
+        let model = BodyModel::new(model, options, self.options.step_s)?;
         self.models.push(model);
-        ModelId(self.models.len() - 1)
+        Ok(ModelId(self.models.len() - 1))
+    }
+
+    /// What bodies of a model have in common.
+    ///
+    /// # Errors
+    /// A model that the world does not have.
+    pub fn model(&self, model: ModelId) -> Result<&BodyModel, DynamicsError> {
+        let ModelId(index) = model;
+        self.models.get(index).ok_or(DynamicsError::Unknown {
+            what: "model",
+            index,
+        })
     }
 
     /// Adds a plane.
@@ -235,12 +255,7 @@ impl World {
     ) -> Result<BodyId, DynamicsError> {
         let at = at.into();
         let ModelId(index) = model;
-        let Some(of) = self.models.get(index) else {
-            return Err(DynamicsError::Unknown {
-                what: "model",
-                index,
-            });
-        };
+        let of = self.model(model)?;
         if frame == Frame::Free && of.mass.is_none() {
             return Err(DynamicsError::NoMass);
         }
@@ -259,11 +274,12 @@ impl World {
         instance.set_placement(at)?;
         let (position, orientation) = of.frame(&at);
         let state = FrameState::at(position, orientation);
-        self.modal.add(of.spheres.stride());
+        let (stride, cache_size) = (of.spheres.stride(), of.cache_size());
+        self.modal.add(stride);
         self.bodies
             .push(Body::new(index, frame, state, self.modal.start()));
         self.instances.push(instance);
-        self.caches.push(StepCache::new(of.cache_size()));
+        self.caches.push(StepCache::new(cache_size));
         self.spheres.push(bdtree_runtime::BoundingSphere {
             center: [0.0; 3],
             radius: 0.0,
