@@ -126,7 +126,11 @@ impl World {
             return Err(wrong("bytes follow its end"));
         }
         (self.bodies, self.modal, self.steps) = (bodies, modal, steps);
-        (self.warm, self.touches) = (warm, touches);
+        // What has grown stays, so that later steps allocate nothing.
+        self.warm.clear();
+        self.warm.append(&mut warm);
+        self.touches.clear();
+        self.touches.append(&mut touches);
         self.touches_before.clear();
         self.contacts.clear();
         self.is_posed = false;
