@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::body::{Body, Frame};
 use super::{Plane, World, part, tangents};
 use crate::contact_law::Spring;
+use crate::level_spheres::LevelSpheres;
 
 /// A sphere of a body, or a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -76,6 +77,31 @@ pub(super) struct Contact {
     pub(super) force: [f64; 3],
 }
 
+/// A body's contact spheres in a step.
+pub(super) struct Mover<'w> {
+    index: u32,
+    pub(super) body: &'w Body,
+    pub(super) spheres: &'w LevelSpheres,
+    q: &'w [f64],
+    end_q: &'w [f64],
+}
+
+impl Mover<'_> {
+    /// Center of a sphere at the beginning of the step.
+    #[inline]
+    fn start(&self, sphere: usize) -> Vector3<f64> {
+        let own = self.spheres.center(sphere, self.q);
+        self.body.state.position + self.body.rotations[0] * own
+    }
+
+    /// Center of a sphere at the end of the step without forces.
+    #[inline]
+    fn end(&self, sphere: usize) -> Vector3<f64> {
+        let own = self.spheres.center(sphere, self.end_q);
+        self.body.end.position + self.body.rotations[1] * own
+    }
+}
+
 /// Compliance of the rigid motion and of the modes at a point.
 struct Compliance {
     rigid: Matrix3<f64>,
@@ -116,55 +142,97 @@ impl Contact {
 }
 
 impl World {
-    /// A sphere of a body against one of another, if they touch at the beginning or at the end without forces; `near` is by
-    /// how much less than that sum of their radii their centers' distance can become within the step.
-    pub(super) fn touch(&self, sides: [Side; 2], near: f64) -> Option<Contact> {
-        let bodies = sides.map(|side| &self.bodies[side.body as usize]);
-        let sphere = sides.map(|side| side.sphere as usize);
-        let radius = [0, 1].map(|k| self.models[bodies[k].model].spheres.radius(sphere[k]));
-        let reach = radius[0] + radius[1];
-        let starts = [0, 1].map(|k| self.center(bodies[k], sphere[k], 0));
+    /// What moves a body's contact spheres in the step.
+    pub(super) fn mover(&self, index: u32) -> Mover<'_> {
+        let body = &self.bodies[index as usize];
+        let spheres = &self.models[body.model].spheres;
+        let stride = spheres.stride();
+        Mover {
+            index,
+            body,
+            spheres,
+            q: part(&self.modal.q, body.start, stride),
+            end_q: part(&self.modal.end_q, body.start, stride),
+        }
+    }
+
+    /// A sphere of a body against one of another, if they touch or may touch within the step; `near` is by how much their
+    /// distance may become smaller within it.
+    #[inline]
+    pub(super) fn touch(
+        &self,
+        [a, b]: [&Mover<'_>; 2],
+        [sphere_a, sphere_b]: [usize; 2],
+        near: f64,
+    ) -> Option<Contact> {
+        let reach = a.spheres.radius(sphere_a) + b.spheres.radius(sphere_b);
+        let starts = [a.start(sphere_a), b.start(sphere_b)];
         let start = starts[0] - starts[1];
         if start.norm_squared() > (reach + near) * (reach + near) {
             return None;
         }
-        let ends = [0, 1].map(|k| self.center(bodies[k], sphere[k], 1));
+        let ends = [a.end(sphere_a), b.end(sphere_b)];
         let apart = [start, ends[0] - ends[1]];
-        let (normal, [before, free]) = meeting(apart, reach)?;
-        let middle = normal
-            * (0.5 * normal.dot(&(apart[0] + apart[1])))
-                .max(0.0)
-                .min(reach);
-        let center = (starts[1] + ends[1]) * 0.5;
-        let point = center + middle * (radius[1] / reach);
-        let [a, b] = [0, 1].map(|k| self.inverse_mass(bodies[k], sphere[k]));
-        let mass = 1.0 / (a + b);
+        let meeting = meeting(apart, reach)?;
+        self.meet([a, b], [sphere_a, sphere_b], starts, ends, meeting)
+    }
+
+    /// A pair that meets.
+    fn meet(
+        &self,
+        [a, b]: [&Mover<'_>; 2],
+        [sphere_a, sphere_b]: [usize; 2],
+        starts: [Vector3<f64>; 2],
+        ends: [Vector3<f64>; 2],
+        (normal, [before, free]): (Vector3<f64>, [f64; 2]),
+    ) -> Option<Contact> {
+        let radius = b.spheres.radius(sphere_b);
+        let reach = a.spheres.radius(sphere_a) + radius;
+        let apart = (starts[0] - starts[1] + ends[0] - ends[1]) * 0.5;
+        let middle = normal * normal.dot(&apart).max(0.0).min(reach);
+        let point = (starts[1] + ends[1]) * 0.5 + middle * (radius / reach);
+        let mass =
+            1.0 / (self.inverse_mass(a.body, sphere_a) + self.inverse_mass(b.body, sphere_b));
         if !mass.is_finite() {
             return None; // nothing could move either
         }
+        let side = |of: &Mover<'_>, sphere: usize| Side {
+            body: of.index,
+            sphere: sphere as u32,
+        };
+        let sides = [side(a, sphere_a), side(b, sphere_b)];
         let mut contact = self.linearised(sides, normal, point, before, free, mass);
-        let own = self.compliance(&contact, 0, &bodies[0].rotation);
-        let other = self.compliance(&contact, 1, &bodies[1].rotation);
+        let own = self.compliance(&contact, 0, &a.body.rotation);
+        let other = self.compliance(&contact, 1, &b.body.rotation);
         let together = Compliance {
             rigid: own.rigid + other.rigid,
             modes: own.modes + other.modes,
         };
         contact.respond(&together);
-        let [a, b] = [0, 1].map(|k| self.slip(bodies[k], [starts[k], ends[k]], &point));
-        let slip = a - b;
+        let slip = self.slip(a.body, [starts[0], ends[0]], &point)
+            - self.slip(b.body, [starts[1], ends[1]], &point);
         contact.slip = contact.across.map(|t| t.dot(&slip));
         Some(contact)
     }
 
     /// A sphere of a body against a plane.
-    pub(super) fn touch_plane(&self, side: Side, index: usize) -> Option<Contact> {
+    pub(super) fn touch_plane(
+        &self,
+        of: &Mover<'_>,
+        sphere: usize,
+        index: usize,
+    ) -> Option<Contact> {
         let Plane { normal, offset } = self.planes[index];
         let normal = Vector3::from(normal);
-        let body = &self.bodies[side.body as usize];
-        let sphere = side.sphere as usize;
-        let radius = self.models[body.model].spheres.radius(sphere);
-        let centers = [0, 1].map(|end| self.center(body, sphere, end));
-        let [before, free] = centers.map(|center| radius + offset - normal.dot(&center));
+        let body = of.body;
+        let side = Side {
+            body: of.index,
+            sphere: sphere as u32,
+        };
+        let radius = of.spheres.radius(sphere);
+        let centers = [of.start(sphere), of.end(sphere)];
+        let before = radius + offset - normal.dot(&centers[0]);
+        let free = radius + offset - normal.dot(&centers[1]);
         let way = (centers[1] - centers[0]).norm();
         if !(before > 0.0 || free > -NEAR * (way + 1e-3 * radius)) {
             return None;
@@ -213,15 +281,6 @@ impl World {
             after: free,
             force: [0.0; 3],
         }
-    }
-
-    /// Center of a contact sphere at the beginning (0) or at the free end (1) of the step.
-    #[inline]
-    fn center(&self, body: &Body, sphere: usize, end: usize) -> Vector3<f64> {
-        let spheres = &self.models[body.model].spheres;
-        let all = [&self.modal.q, &self.modal.end_q][end];
-        let own = spheres.center(sphere, part(all, body.start, spheres.stride()));
-        [body.state.position, body.end.position][end] + body.rotations[end] * own
     }
 
     fn inverse_mass(&self, body: &Body, sphere: usize) -> f64 {

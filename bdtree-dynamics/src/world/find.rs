@@ -134,9 +134,10 @@ impl World {
         caches: &mut Caches<'_>,
     ) -> Result<(), DynamicsError> {
         let [a, b] = [task.first, task.second].map(|index| index as usize);
-        let (first, second) = (&self.bodies[a], &self.bodies[b]);
-        let [of_a, of_b] = [first, second].map(|body| &self.models[body.model].spheres);
-        let apart = (first.way - second.way).norm() + first.swing + second.swing;
+        let (first, second) = (self.mover(task.first), self.mover(task.second));
+        let (of_a, of_b) = (first.spheres, second.spheres);
+        let way = (first.body.way - second.body.way).norm();
+        let apart = way + first.body.swing + second.body.swing;
         let apart = 2.0 * apart * (1.0 + 1e-9);
         let [pose_a, pose_b] = [a, b].map(|index| self.instances[index].pose());
         worker.pairs.clear();
@@ -161,17 +162,8 @@ impl World {
         worker.candidates += worker.pairs.len() as u64;
         for [lane_a, lane_b] in &worker.pairs {
             if let (Some(sphere_a), Some(sphere_b)) = (of_a.of(*lane_a), of_b.of(*lane_b)) {
-                let sides = [
-                    Side {
-                        body: task.first,
-                        sphere: sphere_a as u32,
-                    },
-                    Side {
-                        body: task.second,
-                        sphere: sphere_b as u32,
-                    },
-                ];
-                worker.contacts.extend(self.touch(sides, 1.5 * apart));
+                let touch = self.touch([&first, &second], [sphere_a, sphere_b], 1.5 * apart);
+                worker.contacts.extend(touch);
             }
         }
         Ok(())
@@ -184,8 +176,8 @@ impl World {
         worker: &mut Worker,
         caches: &mut Caches<'_>,
     ) -> Result<(), DynamicsError> {
-        let body = &self.bodies[index as usize];
-        let spheres = &self.models[body.model].spheres;
+        let mover = self.mover(index);
+        let (body, spheres) = (mover.body, mover.spheres);
         let at = self.planes[plane];
         let way = Vector3::from(at.normal).dot(&body.way).abs();
         let raised = (spheres.reach() + 2.0 * (body.swing + way)) * (1.0 + 1e-9);
@@ -203,11 +195,7 @@ impl World {
         worker.candidates += worker.lanes.len() as u64;
         for lane in &worker.lanes {
             if let Some(sphere) = spheres.of(*lane) {
-                let side = Side {
-                    body: index,
-                    sphere: sphere as u32,
-                };
-                worker.contacts.extend(self.touch_plane(side, plane));
+                (worker.contacts).extend(self.touch_plane(&mover, sphere, plane));
             }
         }
         Ok(())

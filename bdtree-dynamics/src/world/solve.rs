@@ -119,8 +119,9 @@ impl World {
         contact.after = free - contact.response * normal;
         let slip = slipping(rigid, modes);
         let change = normal - before;
-        let [x, y] = [0, 1]
-            .map(|k| contact.slip[k] + contact.across[k].dot(&slip) + contact.leak[k] * change);
+        let [along, other] = &contact.across;
+        let x = contact.slip[0] + along.dot(&slip) + contact.leak[0] * change;
+        let y = contact.slip[1] + other.dot(&slip) + contact.leak[1] * change;
         let [xx, yy, xy] = contact.hold;
         let mut held = [s - (xx * x + xy * y), t - (xy * x + yy * y)];
         let most = self.options.law.friction * normal;
