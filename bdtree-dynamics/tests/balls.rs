@@ -251,3 +251,32 @@ fn fast_balls_do_not_pass_through_each_other() {
         }
     }
 }
+
+/// A ball that is driven pushes a free one before it, at its own speed and never through it.
+#[test]
+fn a_driven_ball_pushes_a_free_one() {
+    let h = 1.0 / 150.0;
+    let law = ContactLaw {
+        damping_ratio: 1.0,
+        ..ContactLaw::default()
+    };
+    let mut world = weightless(h, law);
+    let model = ball(&mut world, 2.0);
+    let driven = world
+        .add_body(model, Frame::Driven, at([0.0; 3]))
+        .expect("a body");
+    let free = world
+        .add_body(model, Frame::Free, at([1.2, 0.0, 0.0]))
+        .expect("a body");
+    for n in 1..=300 {
+        let x = f64::from(n) * h;
+        (world.drive(driven, &[], at([x, 0.0, 0.0]))).expect("driven");
+        world.step().expect("a step");
+        let now = world.state(driven).expect("a state").position[0];
+        assert!((now - x).abs() < 1e-12);
+        let other = world.state(free).expect("a state").position[0];
+        assert!(other - now > 2.0 * RADIUS - 0.02, "{n}: {now} {other}");
+    }
+    let speed = world.state(free).expect("a state").velocity[0];
+    assert!((1.0..1.2).contains(&speed), "{speed}");
+}

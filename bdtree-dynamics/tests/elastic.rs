@@ -50,6 +50,35 @@ fn a_held_beam_bends_under_its_weight() {
     assert!(error.to_string().contains("Frame::Held"), "{error}");
 }
 
+/// A constant force on a mode holds it, in the end, where its stiffness does.
+#[test]
+fn a_constant_modal_force_deflects() {
+    let mut world = weightless(1.0 / 150.0, ContactLaw::default());
+    let options = BodyOptions {
+        damping: Damping::Rayleigh {
+            mass_per_s: 40.0,
+            stiffness_s: 1e-3,
+        },
+        strain_limit: f64::INFINITY,
+        ..BodyOptions::default()
+    };
+    let model = world.add_model(beam(), &options).expect("a beam");
+    let modes = world.model(model).expect("a model").mode_count();
+    let body = world
+        .add_body(model, Frame::Free, Transform::IDENTITY)
+        .expect("a body");
+    for _ in 0..1500 {
+        (world.add_modal_force(body, &vec![2.0; modes])).expect("a force");
+        world.step().expect("a step");
+    }
+    let mut q = vec![0.0; modes];
+    world.q(body, &mut q).expect("q");
+    for (q, record) in q.iter().zip(beam().asset().modes()) {
+        let expected = 2.0 / (record.modal_mass_kg.get() * record.omega_rad_s.get().powi(2));
+        assert!((q / expected - 1.0).abs() < 1e-9, "{q} {expected}");
+    }
+}
+
 /// Modes of a free body ring after an impulse as each alone would, and its frame does not notice.
 #[test]
 fn a_free_beam_rings() {

@@ -80,7 +80,7 @@ fn spin_about_an_axis_is_exact() {
     }
 }
 
-/// A body with three moments tumbles for an hour: the energy error stays where it is.
+/// A body with three moments tumbles for ten minutes: the energy error stays where it is.
 #[test]
 fn energy_of_a_tumbling_body_does_not_drift() {
     let mass = FrameMass {
@@ -91,10 +91,10 @@ fn energy_of_a_tumbling_body_does_not_drift() {
     state.angular_momentum = state.momentum_of(&mass, Vector3::new(0.2, 5.0, 0.1));
     let energy = state.kinetic_energy(&mass);
     let mut worst = [0.0_f64; 2];
-    for n in 0..540_000 {
+    for n in 0..90_000 {
         state = state.after(&mass, Vector3::zeros(), Vector3::zeros(), 1.0 / 150.0);
         let off = (state.kinetic_energy(&mass) / energy - 1.0).abs();
-        let half = usize::from(n >= 270_000);
+        let half = usize::from(n >= 45_000);
         worst[half] = worst[half].max(off);
     }
     assert!(worst[0] < 1e-3 && worst[1] < 1.05 * worst[0], "{worst:?}");
