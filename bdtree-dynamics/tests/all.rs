@@ -5,5 +5,6 @@ mod elastic;
 mod errors;
 mod frames;
 mod oscillators;
+mod sleep;
 mod support;
 mod worlds;

@@ -5,7 +5,7 @@ use bdtree_dynamics::{
 };
 use bdtree_runtime::{Transform, VertexId};
 
-use crate::support::{at, beam, elastic, falling_beams, weightless};
+use crate::support::{at, beam, elastic, restless_beams, weightless};
 
 /// A beam that is held at one end bends under its weight by ρ A g L⁴ / (8 E I), within 2 %.
 #[test]
@@ -154,7 +154,7 @@ fn the_strain_limit_holds_and_adds_no_energy() {
 /// deep as its force over its stiffness.
 #[test]
 fn a_resting_body_is_in_equilibrium() {
-    let mut world = falling_beams(1, 1);
+    let mut world = restless_beams(1);
     let body = bdtree_dynamics::BodyId(0);
     for _ in 0..3000 {
         world.step().expect("a step");

@@ -72,6 +72,7 @@ pub(crate) fn weightless(step_s: f64, law: ContactLaw) -> World {
         step_s,
         gravity: [0.0; 3],
         law,
+        sleep_speed: 0.0,
         ..WorldOptions::default()
     })
     .expect("a world")
@@ -93,10 +94,27 @@ pub(crate) fn at(translation: [f64; 3]) -> Transform {
 
 /// A heap in the making: beams one above the other, turned against each other, on the ground.
 pub(crate) fn falling_beams(count: usize, threads: usize) -> World {
-    let options = WorldOptions {
-        threads,
-        ..WorldOptions::default()
-    };
+    falling_beams_with(
+        count,
+        WorldOptions {
+            threads,
+            ..WorldOptions::default()
+        },
+    )
+}
+
+/// The same, that never sleeps.
+pub(crate) fn restless_beams(count: usize) -> World {
+    falling_beams_with(
+        count,
+        WorldOptions {
+            sleep_speed: 0.0,
+            ..WorldOptions::default()
+        },
+    )
+}
+
+fn falling_beams_with(count: usize, options: WorldOptions) -> World {
     let mut world = World::new(options).expect("a world");
     // Some sixty contact spheres: with the usual level a beam lies on a hundred.
     let options = BodyOptions {

@@ -11,6 +11,9 @@ impl World {
     pub(super) fn advance(&mut self) -> Result<(), DynamicsError> {
         let h = self.options.step_s;
         for body in &mut self.bodies {
+            if body.rest.is_asleep {
+                continue;
+            }
             let model = &self.models[body.model];
             body.state = match (body.frame, &model.mass) {
                 (Frame::Free, Some(mass)) => {

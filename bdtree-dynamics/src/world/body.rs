@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use bdtree_runtime::{Instance, Transform};
 use nalgebra::{Matrix3, Vector3};
 
+use super::sleep::Rest;
 use super::{BodyId, World, part};
 use crate::body_model::BodyModel;
 use crate::error::DynamicsError;
@@ -80,6 +81,7 @@ pub(super) struct Body {
     /// What contacts do to it within the step: displacement and turn.
     pub(super) moved: Vector3<f64>,
     pub(super) turned: Vector3<f64>,
+    pub(super) rest: Rest,
 }
 
 /// Numbers of all bodies' modes, those of a body one behind the other, padded.
@@ -155,6 +157,7 @@ impl Body {
             per_torque: Matrix3::zeros(),
             moved: zero,
             turned: zero,
+            rest: Rest::default(),
         }
     }
 }
@@ -203,6 +206,7 @@ impl World {
         if let Some(mass) = &self.models[of.model].mass {
             of.state.velocity = v;
             of.state.angular_momentum = of.state.momentum_of(mass, spin);
+            of.disturb();
         }
         Ok(())
     }
@@ -231,6 +235,7 @@ impl World {
         let body = self.at_mut(body)?;
         body.force += force;
         body.torque += torque;
+        body.disturb();
         Ok(())
     }
 
@@ -249,6 +254,7 @@ impl World {
         for (sum, force) in self.modal.force[start..].iter_mut().zip(force) {
             *sum += force;
         }
+        self.at_mut(body)?.disturb();
         Ok(())
     }
 
@@ -272,6 +278,7 @@ impl World {
             let slope = mode.limit.slope(self.modal.s[start + j]);
             self.modal.rate[start + j] += slope * impulse / mode.mass;
         }
+        self.at_mut(body)?.disturb();
         Ok(())
     }
 
@@ -312,6 +319,7 @@ impl World {
             self.modal.s[start + j] = s;
             self.modal.rate[start + j] = rate / of.limit.slope(s);
         }
+        self.at_mut(body)?.disturb();
         Ok(())
     }
 

@@ -54,7 +54,8 @@ impl World {
         }
     }
 
-    /// What has happened to pairs of bodies in the last step, sorted by bodies; planes come last.
+    /// What has happened to pairs of bodies in the last step, sorted by bodies; planes come last. Pairs that sleep are not
+    /// among them, and have not ended.
     pub fn events(&self) -> Events<'_> {
         Events {
             now: &self.touches,

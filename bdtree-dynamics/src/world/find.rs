@@ -71,7 +71,8 @@ impl World {
             let reach = self.models[body.model].spheres.reach();
             let radius = (radius + reach + 2.0 * (body.swing + body.way.norm())) * (1.0 + 1e-9);
             self.spheres[index] = BoundingSphere { center, radius };
-            if body.frame != Frame::Free && self.models[body.model].modes.is_empty() {
+            if !body.moves(!self.models[body.model].modes.is_empty()) || body.frame == Frame::Driven
+            {
                 continue; // no plane moves it
             }
             for (k, plane) in self.planes.iter().enumerate() {
@@ -87,15 +88,13 @@ impl World {
         self.near.clear();
         broad::pairs(&self.spheres, 0.0, &mut self.workspace, &mut self.near)?;
         for [first, second] in &self.near {
-            if self.bodies[*first].frame != Frame::Free && self.bodies[*second].frame != Frame::Free
-            {
-                let is_still = |index: usize| {
-                    let body = &self.bodies[index];
-                    body.frame == Frame::Driven || self.models[body.model].modes.is_empty()
-                };
-                if is_still(*first) && is_still(*second) {
-                    continue;
-                }
+            let both = [*first, *second];
+            let moves = |index: usize| {
+                let body = &self.bodies[index];
+                body.moves(!self.models[body.model].modes.is_empty())
+            };
+            if !both.into_iter().any(moves) {
+                continue;
             }
             self.tasks.push(Task {
                 first: *first as u32,

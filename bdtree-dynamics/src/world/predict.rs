@@ -12,6 +12,9 @@ const F32: f64 = 6e-8;
 impl World {
     pub(super) fn predict(&mut self) -> Result<(), DynamicsError> {
         for index in 0..self.bodies.len() {
+            if self.bodies[index].rest.is_asleep {
+                continue; // as `lie` has left it
+            }
             self.predict_frame(index);
             self.predict_modes(index);
             self.place(index)?;
@@ -54,6 +57,28 @@ impl World {
         body.per_torque = inverse * (0.5 * h * h);
     }
 
+    /// For a body that falls asleep: it ends where it begins, and nothing moves it.
+    pub(super) fn lie(&mut self, index: usize) {
+        let body = &mut self.bodies[index];
+        body.state.velocity = Vector3::zeros();
+        body.state.angular_momentum = Vector3::zeros();
+        (body.end, body.middle) = (body.state, body.state.position);
+        (body.way, body.spin, body.swing) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+        body.rotation = body.state.orientation.to_rotation_matrix().into_inner();
+        body.rotations = [body.rotation; 2];
+        (body.per_force, body.per_torque) = (0.0, Matrix3::zeros());
+        (body.moved, body.turned) = (Vector3::zeros(), Vector3::zeros());
+        let model = &self.models[body.model];
+        let modal = &mut self.modal;
+        for (j, mode) in model.modes.iter().enumerate() {
+            let at = body.start + j;
+            let s = modal.s[at];
+            (modal.rate[at], modal.end_rate[at], modal.end_s[at]) = (0.0, 0.0, s);
+            (modal.q[at], modal.end_q[at]) = (mode.limit.q(s), mode.limit.q(s));
+            (modal.per_force[at], modal.moved[at]) = (0.0, 0.0);
+        }
+    }
+
     fn predict_modes(&mut self, index: usize) {
         let body = &self.bodies[index];
         let model = &self.models[body.model];
@@ -88,7 +113,7 @@ impl World {
     }
 
     /// Poses the instance for the middle of the step, and says how far contact spheres may be from its bounds within it.
-    fn place(&mut self, index: usize) -> Result<(), DynamicsError> {
+    pub(super) fn place(&mut self, index: usize) -> Result<(), DynamicsError> {
         let body = &mut self.bodies[index];
         let model = &self.models[body.model];
         let spheres = &model.spheres;

@@ -11,6 +11,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use super::World;
 use super::contact::Side;
 use super::events::Touch;
+use super::sleep::{Change, Rest};
 use super::solve::Warm;
 use crate::error::DynamicsError;
 use crate::frame::FrameState;
@@ -28,6 +29,8 @@ impl World {
             self.modal.s.len() as u64,
             self.warm.len() as u64,
             self.touches.len() as u64,
+            self.warm_asleep.len() as u64,
+            self.touches_asleep.len() as u64,
             self.steps,
         ];
         for count in counts {
@@ -42,6 +45,15 @@ impl World {
             }
             put(out, body.force.iter());
             put(out, body.torque.iter());
+            let Rest {
+                quiet,
+                is_asleep,
+                island,
+                change,
+            } = body.rest;
+            for number in [quiet, u32::from(is_asleep), island, change as u32] {
+                out.extend(number.to_le_bytes());
+            }
         }
         for all in [
             &self.modal.s,
@@ -51,7 +63,7 @@ impl World {
         ] {
             put(out, all.iter());
         }
-        for warm in &self.warm {
+        for warm in self.warm.iter().chain(&self.warm_asleep) {
             for side in warm.sides {
                 out.extend(side.body.to_le_bytes());
                 out.extend(side.sphere.to_le_bytes());
@@ -59,7 +71,7 @@ impl World {
             put(out, [warm.normal, warm.late].iter());
             put(out, warm.across.iter());
         }
-        for touch in &self.touches {
+        for touch in self.touches.iter().chain(&self.touches_asleep) {
             for side in touch.sides {
                 out.extend(side.to_le_bytes());
             }
@@ -85,7 +97,9 @@ impl World {
         if from.count()? != self.modal.s.len() as u64 {
             return Err(wrong("its bodies have another number of modes"));
         }
-        let (warm_count, touch_count, steps) = (from.count()?, from.count()?, from.count()?);
+        let (warm_count, touch_count) = (from.count()?, from.count()?);
+        let (warm_asleep_count, touch_asleep_count) = (from.count()?, from.count()?);
+        let steps = from.count()?;
         // Everything is read before anything is changed.
         let mut bodies = self.bodies.clone();
         for body in &mut bodies {
@@ -93,6 +107,7 @@ impl World {
             body.end = from.state()?;
             body.force = from.vector()?;
             body.torque = from.vector()?;
+            body.rest = from.rest()?;
         }
         let mut modal = self.modal.clone();
         for all in [
@@ -105,33 +120,36 @@ impl World {
                 *value = from.number()?;
             }
         }
-        let mut warm = Vec::new();
-        for _ in 0..warm_count {
-            let sides = [from.side()?, from.side()?];
-            warm.push(Warm {
-                sides,
-                normal: from.number()?,
-                late: from.number()?,
-                across: from.vector()?,
-            });
-        }
-        let mut touches = Vec::new();
-        for _ in 0..touch_count {
-            touches.push(Touch {
-                sides: [from.whole()?, from.whole()?],
-                impulse: from.vector()?,
-            });
-        }
+        let mut warm = from.warm(warm_count)?;
+        let mut warm_asleep = from.warm(warm_asleep_count)?;
+        let mut touches = from.touches(touch_count)?;
+        let mut touches_asleep = from.touches(touch_asleep_count)?;
         if !from.0.is_empty() {
             return Err(wrong("bytes follow its end"));
         }
         (self.bodies, self.modal, self.steps) = (bodies, modal, steps);
         // What has grown stays, so that later steps allocate nothing.
-        self.warm.clear();
-        self.warm.append(&mut warm);
-        self.touches.clear();
-        self.touches.append(&mut touches);
+        for (old, new) in [
+            (&mut self.warm, &mut warm),
+            (&mut self.warm_asleep, &mut warm_asleep),
+        ] {
+            old.clear();
+            old.append(new);
+        }
+        for (old, new) in [
+            (&mut self.touches, &mut touches),
+            (&mut self.touches_asleep, &mut touches_asleep),
+        ] {
+            old.clear();
+            old.append(new);
+        }
         self.touches_before.clear();
+        for index in 0..self.bodies.len() {
+            if self.bodies[index].rest.is_asleep {
+                self.lie(index);
+                self.place(index)?;
+            }
+        }
         self.contacts.clear();
         self.is_posed = false;
         Ok(())
@@ -186,6 +204,49 @@ impl Bytes<'_> {
             body: self.whole()?,
             sphere: self.whole()?,
         })
+    }
+
+    fn rest(&mut self) -> Result<Rest, DynamicsError> {
+        let (quiet, is_asleep, island) = (self.whole()?, self.whole()?, self.whole()?);
+        let change = match self.whole()? {
+            0 => Change::None,
+            1 => Change::FallAsleep,
+            2 => Change::Wake,
+            _ => return Err(wrong("a body neither rests nor wakes")),
+        };
+        if is_asleep > 1 {
+            return Err(wrong("a body neither sleeps nor is awake"));
+        }
+        Ok(Rest {
+            quiet,
+            is_asleep: is_asleep == 1,
+            island,
+            change,
+        })
+    }
+
+    fn warm(&mut self, count: u64) -> Result<Vec<Warm>, DynamicsError> {
+        let mut found = Vec::new();
+        for _ in 0..count {
+            found.push(Warm {
+                sides: [self.side()?, self.side()?],
+                normal: self.number()?,
+                late: self.number()?,
+                across: self.vector()?,
+            });
+        }
+        Ok(found)
+    }
+
+    fn touches(&mut self, count: u64) -> Result<Vec<Touch>, DynamicsError> {
+        let mut found = Vec::new();
+        for _ in 0..count {
+            found.push(Touch {
+                sides: [self.whole()?, self.whole()?],
+                impulse: self.vector()?,
+            });
+        }
+        Ok(found)
     }
 
     fn state(&mut self) -> Result<FrameState, DynamicsError> {
