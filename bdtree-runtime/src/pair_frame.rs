@@ -3,7 +3,7 @@
 use crate::bound::WideSpheres;
 use crate::cache::Posed;
 use crate::math::{norm, scale};
-use crate::rounding::{BODIES_APART, HEIGHT_MARGIN, MAPPED, RADIUS_MARGIN, RADIUS_SCALE, round_up};
+use crate::rounding::{BODIES_APART, FRAMED_MAX, HEIGHT_MARGIN, MAPPED, RADIUS_SCALE, round_up};
 use crate::simd::Lanes;
 
 /// What maps stored coordinates of a second asset to those of a first, in f64.
@@ -90,10 +90,21 @@ impl PairFrame {
     /// The map for a pair of poses, or `None` when the two deformed meshes are certainly farther
     /// apart than `tolerance` (world units).
     pub(crate) fn new(a: &Posed<'_>, b: &Posed<'_>, tolerance: f64) -> Option<Self> {
+        Self::nearer_than(0.0, a, b, tolerance)
+    }
+
+    /// The same for a walk that ends at spheres. They reach beyond the meshes, and nothing limits their radii, so the walk
+    /// itself finds them apart; `None` only where f32 could not hold what lies between.
+    pub(crate) fn of_spheres(a: &Posed<'_>, b: &Posed<'_>, tolerance: f64) -> Option<Self> {
+        Self::nearer_than(FRAMED_MAX, a, b, tolerance)
+    }
+
+    /// The map, or `None` where the origins are farther apart than `least` and the meshes than `tolerance`.
+    fn nearer_than(least: f64, a: &Posed<'_>, b: &Posed<'_>, tolerance: f64) -> Option<Self> {
         let map = PairMap::new(a, b);
         let extra = tolerance / map.unit_a + map.exact + map.turned + MAPPED * norm(map.offset);
         let reach = map.reach_a + map.reach_b + extra;
-        if norm(map.offset) > reach * BODIES_APART {
+        if norm(map.offset) > (reach * BODIES_APART).max(least) {
             return None;
         }
         Some(map.rounded(map.offset, extra))
@@ -103,11 +114,6 @@ impl PairFrame {
     /// longer than 1 (docs/design/guarantees.md, planes between meshes).
     pub(crate) fn height_margin(&self) -> f32 {
         self.reach * HEIGHT_MARGIN
-    }
-
-    /// More than what rounding adds to or takes from a radius, none of which is above twice the reach.
-    pub(crate) fn radius_margin(&self) -> f32 {
-        self.reach * RADIUS_MARGIN
     }
 
     /// Spheres of the second asset in the frame of the first.

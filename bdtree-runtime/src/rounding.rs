@@ -78,11 +78,11 @@ pub(crate) const RADIUS_SCALE: f64 = 1.0 + 1.0 / (1 << 22) as f64;
 /// `PairFrame`: 1 + 2⁻²⁰ of the reach of both, for comparing it with the distance of two bodies.
 pub(crate) const BODIES_APART: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 
+/// `PairFrame`, spheres of a level: 2¹⁰⁰, a distance of origins (stored units) up to which f32 compares spheres.
+pub(crate) const FRAMED_MAX: f64 = f64::from_bits((1023 + 100) << 52);
+
 /// `HEIGHT_MARGIN`: 2⁻¹⁷ of the reach, for the heights of two sides over a plane.
 pub(crate) const HEIGHT_MARGIN: f32 = 1.0 / (1 << 17) as f32;
-
-/// `PairFrame`: 2⁻²⁰ of the reach, for two roundings of a radius of at most twice the reach.
-pub(crate) const RADIUS_MARGIN: f32 = 1.0 / (1 << 20) as f32;
 
 /// `HEIGHT_MARGIN`: 1 − 2⁻²⁰, so that a normal is not longer than 1.
 pub(crate) const NORMAL_LENGTH: f32 = 1.0 - 1.0 / (1 << 20) as f32;

@@ -5,7 +5,7 @@ use core::cell::Cell;
 use core::ops::ControlFlow;
 
 use super::length;
-use super::pair::{tolerance, walk};
+use super::pair::tolerance;
 use super::pairs::PairQuery;
 use super::single::{Query, Side, shape_contacts};
 use crate::bound::Spheres;
@@ -14,21 +14,27 @@ use crate::contact::{Contact, Coverage, LaneId, Sink, TriangleId};
 use crate::depth::{DepthLimit, LevelSink};
 use crate::error::QueryError;
 use crate::narrow::Triangle;
+use crate::pair_frame::PairFrame;
 use crate::pose::Pose;
 use crate::rounding::round_down;
 use crate::shape::Shape;
-use crate::traverse::PairVisitor;
+use crate::traverse::{PairVisitor, Two, Walk};
 use crate::workspace::Stats;
 
 const LEVEL: &str = "max_level: level_spheres has a level of its own";
 
 impl Query<'_, '_> {
-    /// Reports the lanes of `level` (0 is the root's), and the leaf lanes above it, whose spheres `shape` touches. Triangles
-    /// are not looked at.
+    /// Reports the lanes of `level` (0 is the root's), and the leaf lanes above it, whose spheres
+    /// ([`Pose::node_spheres`]) `shape` touches: each once, and the same ones with every [`Kernel`](crate::Kernel) and
+    /// [`StepCache`](crate::StepCache). Triangles are not looked at. From level [`Asset::depth`](crate::Asset::depth) − 1 on
+    /// the lanes are those of all leaves. Where a sphere and the shape are apart by no more than a rounding error, its lane
+    /// may be reported too.
     ///
-    /// A sphere need not lie in those of its ancestors, and a walk enters a node only if the shape touches the sphere of
-    /// its lane. So a sphere is certainly reported if the shape touches it when made smaller by what it sticks out of its
-    /// ancestors; every triangle that the shape touches lies in a reported one.
+    /// A sphere need not lie in those of its ancestors (unless the asset was baked with nested spheres), and a walk enters a
+    /// node only if the shape touches the sphere of its lane. So a sphere is certainly reported if the shape touches it when
+    /// it is made smaller by what it sticks out of its ancestors. Every triangle that the shape touches lies in a reported
+    /// sphere. Spheres also reach where no vertex can be, farther from the asset's origin than P + Σ W_j |q_j| (SPEC 5.3): a
+    /// touch there alone may not count, or may be seen too early.
     ///
     /// # Errors
     /// Those of [`Query::contacts`]; a level limit.
@@ -49,13 +55,16 @@ impl Query<'_, '_> {
 }
 
 impl PairQuery<'_, '_, '_> {
-    /// Reports the pairs of lanes, one of each mesh, whose spheres are at most `prediction` apart: of levels `levels` (0 is
-    /// the root's), and leaf lanes above them. Triangles are not looked at. A pair that is farther apart by a rounding
-    /// error may be among them.
+    /// Reports the pairs of lanes, one of each mesh, whose spheres ([`Pose::node_spheres`]) are at most `prediction` apart
+    /// (world units): of levels `levels` (0 is the root's), and leaf lanes above them. Each pair is reported once, and the
+    /// pairs and their order are the same with every [`Kernel`](crate::Kernel) and [`StepCache`](crate::StepCache). Triangles
+    /// are not looked at. A pair that is farther apart by a rounding error, about 10⁻⁶ of the radii, `prediction`, `reach`
+    /// and the distance of the bodies, may be among them.
     ///
-    /// A sphere need not lie in those of its ancestors, so a walk enters lanes whose spheres are up to `prediction + reach`
-    /// apart: all pairs within `prediction` are reported if `reach` is what two spheres together stick out of those above
-    /// them. With `reach` 0, all triangles that are at most `prediction` apart lie in a reported pair.
+    /// A sphere need not lie in those of its ancestors (unless the asset was baked with nested spheres), so a walk enters
+    /// lanes whose spheres are up to `prediction + reach` apart. All pairs within `prediction` are reported if `reach` is at
+    /// least what a sphere of the one and a sphere of the other together stick out of those above them. With `reach` 0 some
+    /// may be missing, but all triangles that are at most `prediction` apart lie in a reported pair.
     ///
     /// # Errors
     /// A prediction or reach that is negative, not finite or beyond 2^100, a level limit or a front, too little memory, a
@@ -81,8 +90,16 @@ impl PairQuery<'_, '_, '_> {
         let mut limit1 = DepthLimit::of_spheres(levels[0], &mut firsts);
         let limit2 = DepthLimit::of_spheres(levels[1], &mut pairs);
         limit1.nearer = round_down(reach / side1.pose.placement.world_per_stored());
-        let posed = [limited(side1, limit1)?, limited(side2, limit2)?];
-        let walk = walk(posed, stack, &mut near)?;
+        let posed = [limited(side1, limit1)?, limited(side2, limit2)?].map(Posed::shorter);
+        let mut walk = Walk::default();
+        if let Some(frame) = PairFrame::of_spheres(&posed[0], &posed[1], near.0) {
+            let two = Two {
+                posed,
+                frame: &frame,
+                leaves: None,
+            };
+            walk = two.walk(stack, &mut near)?;
+        }
         self.workspace.stats = Stats::of(&walk);
         Ok(Coverage::of(walk.stopped))
     }

@@ -243,7 +243,8 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
                 && limit.leaves_too
             {
                 leaves = 0;
-                let nearer = carried_b.grown(L::splat(frame.radius_margin() - limit.nearer));
+                // Needs no margin beside `SKIP`: docs/design/guarantees.md, spheres of a level.
+                let nearer = carried_b.grown(L::splat(-limit.nearer));
                 ended &= meetings(&stored_a, lanes_a.ending, nearer);
             }
             let poses = [a.posed.pose, b.posed.pose];
