@@ -51,12 +51,18 @@ pub struct BodyOptions {
     pub level: Option<usize>,
     /// Whether the modes move; default true. Without, q stays 0.
     pub is_deformable: bool,
+    /// Whether trees of a body whose modes do not move are updated as if they did; default false. It changes nothing but the
+    /// time that steps take: for comparisons. (Modes at exactly 0 cost node bounds nothing.)
+    pub has_redundant_updates: bool,
     /// Default a ratio of 0.05.
     pub damping: Damping,
     /// Strain limit in multiples of each mode's `q_range`, which elastic bakes take as 5 % of the mesh's diagonal; never
     /// above `q_limit`. Infinite for `q_limit`. Default 1.
     pub strain_limit: f64,
 }
+
+/// Of each mode's `q_range`: enough that node bounds take the mode into account, which leave out those at 0.
+const REDUNDANT_SHARE: f32 = 1e-6;
 
 impl Default for BodyOptions {
     fn default() -> Self {
@@ -65,6 +71,7 @@ impl Default for BodyOptions {
             mass: None,
             level: None,
             is_deformable: true,
+            has_redundant_updates: false,
             damping: Damping::Ratio(0.05),
             strain_limit: 1.0,
         }
@@ -95,6 +102,10 @@ pub struct BodyModel {
     axes: UnitQuaternion<f64>,
     pub(crate) modes: Vec<Mode>,
     pub(crate) spheres: LevelSpheres,
+    /// What the trees of a rigid body with redundant updates are posed with, else empty, and by how much that moves any
+    /// point at most, world units.
+    pub(crate) redundant_q: Vec<f32>,
+    pub(crate) redundant_move: f64,
     /// 1 / effective mass of each sphere in its heaviest direction: of a free body and of a held one, modes included.
     pub(crate) inverse_masses: Vec<[f64; 2]>,
 }
@@ -162,6 +173,15 @@ impl BodyModel {
                 });
             }
         }
+        let (mut redundant_q, mut redundant_move) = (Vec::new(), 0.0);
+        if options.has_redundant_updates && !options.is_deformable {
+            for record in asset.modes() {
+                let q = record.q_range.get() * REDUNDANT_SHARE;
+                redundant_move += f64::from(q * record.field_norm_max.get());
+                redundant_q.push(q);
+            }
+            redundant_move *= asset.unit() * scale * (1.0 + 1e-6);
+        }
         let to_axes = axes.inverse();
         let spheres = LevelSpheres::new(
             asset,
@@ -182,6 +202,8 @@ impl BodyModel {
             axes,
             modes,
             spheres,
+            redundant_q,
+            redundant_move,
             inverse_masses: Vec::new(),
         };
         let per_mode = made.padded(|mode| mode.transition.q_a / mode.mass);

@@ -94,34 +94,31 @@ pub(crate) fn at(translation: [f64; 3]) -> Transform {
 
 /// A heap in the making: beams one above the other, turned against each other, on the ground.
 pub(crate) fn falling_beams(count: usize, threads: usize) -> World {
-    falling_beams_with(
-        count,
-        WorldOptions {
-            threads,
-            ..WorldOptions::default()
-        },
-    )
+    let options = WorldOptions {
+        threads,
+        ..WorldOptions::default()
+    };
+    falling(count, options, &BodyOptions::default())
 }
 
 /// The same, that never sleeps.
 pub(crate) fn restless_beams(count: usize) -> World {
-    falling_beams_with(
-        count,
-        WorldOptions {
-            sleep_speed: 0.0,
-            ..WorldOptions::default()
-        },
-    )
+    let options = WorldOptions {
+        sleep_speed: 0.0,
+        ..WorldOptions::default()
+    };
+    falling(count, options, &BodyOptions::default())
 }
 
-fn falling_beams_with(count: usize, options: WorldOptions) -> World {
+/// The same in a world and of beams with these options.
+pub(crate) fn falling(count: usize, options: WorldOptions, of: &BodyOptions) -> World {
     let mut world = World::new(options).expect("a world");
     // Some sixty contact spheres: with the usual level a beam lies on a hundred.
-    let options = BodyOptions {
+    let of = BodyOptions {
         level: Some(1),
-        ..BodyOptions::default()
+        ..of.clone()
     };
-    let model = world.add_model(beam(), &options).expect("a beam");
+    let model = world.add_model(beam(), &of).expect("a beam");
     world.add_plane(GROUND).expect("a plane");
     for k in 0..count {
         let angle = 0.7 * k as f64;

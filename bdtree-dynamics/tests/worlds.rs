@@ -1,10 +1,10 @@
 //! What worlds promise: no energy from nowhere, the same bytes for any number of threads and from any saved state, events,
 //! queries.
 
-use bdtree_dynamics::{BodyId, DynamicsError, Phase, World};
+use bdtree_dynamics::{BodyId, BodyOptions, DynamicsError, Phase, World, WorldOptions};
 use bdtree_runtime::{Ball, Contact, Ray};
 
-use crate::support::{falling_beams, restless_beams};
+use crate::support::{falling, falling_beams, restless_beams};
 
 fn bytes(world: &World) -> Vec<u8> {
     let mut out = Vec::new();
@@ -162,4 +162,29 @@ fn queries_see_bodies_as_they_are() {
             .iter()
             .any(|(of, contact)| *of == body && contact.triangle == hit.triangle)
     );
+}
+
+/// Updates that change nothing: the same motion, and more of each tree's numbers read.
+#[test]
+fn redundant_updates_change_no_motion() {
+    let mut worlds = [false, true].map(|has_redundant_updates| {
+        let rigid = BodyOptions {
+            is_deformable: false,
+            has_redundant_updates,
+            ..BodyOptions::default()
+        };
+        falling(8, WorldOptions::default(), &rigid)
+    });
+    for _ in 0..300 {
+        let [a, b] = worlds.each_mut().map(|world| world.step().expect("a step"));
+        assert_eq!((a.events, a.penetration), (b.events, b.penetration));
+    }
+    let [plain, redundant] = &worlds;
+    for body in (0..8).map(BodyId) {
+        assert_eq!(plain.state(body), redundant.state(body));
+    }
+    let active = worlds
+        .each_ref()
+        .map(|w| w.instances()[0].pose().active_modes());
+    assert_eq!(active, [0, 6]);
 }

@@ -128,6 +128,9 @@ impl World {
             size += middle * middle;
             change += 0.25 * (end - q) * (end - q);
         }
+        for (given, q) in given.iter_mut().zip(&model.redundant_q) {
+            *given = *q;
+        }
         let half = half_way(&body.state.orientation, &body.end.orientation);
         let both = [body.state.orientation, body.end.orientation];
         body.rotations = both.map(|turn| turn.to_rotation_matrix().into_inner());
@@ -140,7 +143,7 @@ impl World {
         let size = libm::sqrt(size);
         let extent = spheres.extent + spheres.moved(size + libm::sqrt(change));
         let modes = spheres.moved(libm::sqrt(change) + F32 * size);
-        body.swing = (chord * extent + modes) * (1.0 + 1e-9);
+        body.swing = (chord * extent + modes + model.redundant_move) * (1.0 + 1e-9);
         Ok(())
     }
 
