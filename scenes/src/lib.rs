@@ -1,6 +1,7 @@
-//! The paper's experiments: programs ([`curtain`], [`tables`], [`growth`], [`results`]), the guide's plots ([`guide`]) and films ([`film`]) with what they share and workloads for
+//! The paper's experiments: programs ([`chairs`], [`curtain`], [`tables`], [`growth`], [`results`]), the guide's plots ([`guide`]) and films ([`film`]) with what they share and workloads for
 //! benchmarks.
 
+pub mod chairs;
 pub mod contenders;
 pub mod curtain;
 pub mod film;
