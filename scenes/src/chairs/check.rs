@@ -10,7 +10,7 @@ use super::scene::Scene;
 use crate::workloads::random::Stream;
 
 /// Bodies that are picked, each with its nearest neighbor and another one near it.
-const PICKED: usize = 4;
+const PICKED: usize = 16;
 
 /// Bodies whose spheres are compared with the ground in a step.
 const LOW: usize = 8;

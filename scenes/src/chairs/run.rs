@@ -93,7 +93,7 @@ impl Run {
             // That of the step of the checkpoint is drawn already, if there is one.
             Some(folder) => {
                 let next = step.div_ceil(STEPS_PER_FRAME)
-                    + u64::from(step > 0 && step % STEPS_PER_FRAME == 0);
+                    + u64::from(step > 0 && step.is_multiple_of(STEPS_PER_FRAME));
                 Some(Frames::from(folder, u32::try_from(next)?)?)
             }
             None => None,
@@ -121,10 +121,10 @@ impl Run {
             let row = self.step()?;
             self.log.rows.push(row);
             let step = self.scene.world.steps();
-            if step % STEPS_PER_FRAME == 0 {
+            if step.is_multiple_of(STEPS_PER_FRAME) {
                 self.frame()?;
             }
-            if step % every == 0 && step < steps {
+            if step.is_multiple_of(every) && step < steps {
                 self.keep()?;
             }
             self.progress
@@ -143,7 +143,7 @@ impl Run {
         let scene = &mut self.scene;
         let number = scene.world.steps() + 1;
         let every = self.arguments.check_every;
-        let is_checked = every > 0 && number % every == 0;
+        let is_checked = every > 0 && number.is_multiple_of(every);
         let pairs = if is_checked {
             check::pairs(scene)?
         } else {
@@ -236,6 +236,7 @@ impl Run {
                 let updated = updated(&self.scene)?;
                 show::write(path, &show.picture(&self.scene, &updated.spheres)?)?;
                 drawn = json!({"nodes": updated.nodes, "spheres_shown": updated.spheres.len(),
+                    "counted_by_the_step": self.log.rows.last().map(|row| row.nodes_updated),
                     "nodes_of_all_trees": self.scene.world.len() * self.scene.nodes()[0]});
             }
         }

@@ -17,6 +17,8 @@ pub(super) struct Show {
     size: [u32; 2],
     /// Half the width of the square above which chairs begin to fall, m.
     half_width: f32,
+    /// Distance of the camera over it.
+    away: f32,
 }
 
 impl Show {
@@ -27,6 +29,11 @@ impl Show {
             crowd,
             size,
             half_width: scene.waves.half_width() as f32,
+            // A heap is wider than the waves that make it.
+            away: match scene.waves.waves() {
+                1 => 2.4,
+                waves => 3.1 + 0.02 * waves.min(50) as f32,
+            },
         })
     }
 
@@ -51,7 +58,7 @@ impl Show {
             })
             .collect::<Result<_, Box<dyn Error>>>()?;
         let wide = self.half_width;
-        let away = 2.4 * wide + 1.5;
+        let away = self.away * wide + 1.5;
         let eye = [0.3 * away, 0.36 * away + 0.5, 0.88 * away];
         let shot = Shot {
             background: film::BACKGROUND,

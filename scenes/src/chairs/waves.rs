@@ -48,10 +48,15 @@ impl Waves {
         0.5 * self.spacing * self.side as f64
     }
 
+    /// Number of waves.
+    pub(super) fn waves(&self) -> usize {
+        self.count.div_ceil(self.side * self.side)
+    }
+
     /// The chairs that begin to fall before a step, where others have their centers of mass already.
     pub(super) fn before(&self, step: u64, others: &[[f64; 3]]) -> Vec<Transform> {
         let each = self.side * self.side;
-        let is_due = step % EVERY == 0 && step / EVERY == (others.len() / each) as u64;
+        let is_due = step.is_multiple_of(EVERY) && step / EVERY == (others.len() / each) as u64;
         let left = self.count - others.len().min(self.count);
         if !is_due {
             return Vec::new();
