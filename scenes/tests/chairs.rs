@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::progress::Silent;
-use bdtree_fixtures::models;
+use bdtree_fixtures::{bake, models};
 use bdtree_scenes::chairs::{Arguments, COLUMNS, run};
 use bdtree_scenes::contenders::assets::baked_mesh;
 use bdtree_scenes::report::without_times;
@@ -229,4 +229,34 @@ fn what_cannot_be_is_refused() {
         fs::write(place.join("state"), &bytes[..len]).expect("written");
         assert!(refused(resumed("--bodies 2")).contains("state: "), "{len}");
     }
+}
+
+/// Bodies of a centimetre are too small for steps in which they fall by three.
+#[test]
+fn a_step_that_fails_ends_the_run_with_what_there_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let place = folder.path();
+    let mut mesh = read_mesh(&models::path("icosphere")).expect("the fixture");
+    for x in mesh.positions.iter_mut().flatten() {
+        *x *= 0.005;
+    }
+    let model = baked_mesh(&mesh, &bake::rigid(&mesh)).expect("bakes");
+    fs::write(place.join("small.bdt"), model.asset().bytes()).expect("written");
+    let mut given = arguments("--bodies 9 --steps 400 --rigid --level 0").expect("options");
+    given.asset = Some(place.join("small.bdt"));
+    given.out = Some(place.to_path_buf());
+    given.checkpoint = Some(place.join("state"));
+    let error = run(given).expect_err("too deep").to_string();
+    assert!(
+        error.starts_with("step ") && error.contains("overlap by"),
+        "{error}"
+    );
+    let text = fs::read_to_string(place.join("chairs-steps.csv")).expect("the steps");
+    let last = text.lines().last().and_then(|line| line.split(',').next());
+    let last: usize = last.and_then(|step| step.parse().ok()).expect("a step");
+    assert!(error.starts_with(&format!("step {}:", last + 1)), "{error}");
+    let json = fs::read_to_string(place.join("chairs.json")).expect("the report");
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json.pointer("/results/failure"), Some(&Value::from(error)));
+    assert!(!place.join("state").exists(), "nobody goes on from there");
 }
