@@ -3,8 +3,8 @@
 use std::error::Error;
 
 use bdtree_dynamics::{
-    BodyId, BodyModel, BodyOptions, ContactLaw, Frame, LevelSpheres, MassProperties, ModelId,
-    Plane, World, WorldOptions,
+    BodyId, BodyOptions, ContactLaw, Frame, LevelSpheres, MassProperties, ModelId, Plane, World,
+    WorldOptions,
 };
 use bdtree_runtime::{Model, Transform};
 
@@ -33,6 +33,8 @@ impl Scene {
     pub(super) fn new(arguments: &Arguments, model: Model) -> Result<Self, Box<dyn Error>> {
         let options = WorldOptions {
             law: LAW,
+            // As in the paper, every body takes part in every step.
+            sleep_speed: 0.0,
             threads: usize::from(arguments.threads),
             ..WorldOptions::default()
         };
@@ -42,14 +44,13 @@ impl Scene {
             has_redundant_updates: arguments.redundant_updates,
             ..BodyOptions::default()
         };
-        let body = BodyModel::new(&model, &body, options.step_s)?;
-        let spheres = body.spheres().clone();
+        let mut world = World::new(options)?;
+        let of = world.add_model(&model, &body)?;
+        let spheres = world.model(of)?.spheres().clone();
         let reaches = (0..spheres.len()).map(|k| spheres.rest_center(k).norm() + spheres.radius(k));
         let extent = reaches.fold(0.0, f64::max);
         let mass = MassProperties::of(model.asset());
         let center = mass.ok_or("the asset has no mass properties")?.center;
-        let mut world = World::new(options)?;
-        let of = world.add_model(body);
         world.add_plane(Plane {
             normal: [0.0, 1.0, 0.0],
             offset: 0.0,
