@@ -212,6 +212,19 @@ fn closed_bodies_weigh_what_their_surface_encloses_with_momenta_of_their_modes()
     let off = of_cells / mass.mass_kg - 1.0;
     println!("cells of the chair against its surface: {off:.1e}");
     assert!(off.abs() < 1e-6, "{off}");
+    let report = elastic.report.elastic.as_ref().expect("elastic");
+    let cells = report.body.fallback.expect("cells");
+    let [low, high] = elastic.report.bounds;
+    let size = norm([0, 1, 2].map(|k| high[k] - low[k]));
+    let largest = mass.inertia.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let apart = |a: &[f64], b: &[f64]| {
+        let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+        apart.fold(0.0, f64::max)
+    };
+    let center = apart(&cells.center_of_mass, &mass.center_of_mass) / size;
+    let inertia = apart(&cells.inertia, &mass.inertia) / largest;
+    println!("its center: {center:.1e} of the size, its inertia: {inertia:.1e} of the largest");
+    assert!(center < 1e-4 && inertia < 1e-4, "{center} {inertia}");
     let rigid = bake(
         &recipe("chair.obj", |o| {
             o.density_kg_m3 = 600.0;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use bdtree_fixtures::resident::mapped_bytes;
 use bdtree_fixtures::{golden, mutate};
-use bdtree_format::{Header, SectionKind, SectionRecord};
+use bdtree_format::{Header, MassRecord, SectionKind, SectionRecord};
 use bdtree_runtime::{Asset, LoadError, Model, Transform, Workspace, include_bdt};
 
 #[test]
@@ -150,12 +150,13 @@ fn a_large_file_opens_without_being_read() {
     // The golden tetrahedron with 10 million vertices: a hole in the file.
     const VERTICES: u64 = 10_000_000;
     let mut bytes = std::fs::read(golden::folder().join("tetrahedron.bdt")).expect("read");
-    // VERT becomes long; DISP (empty for a rigid asset) and META stand behind it.
+    // VERT becomes long; DISP (empty for a rigid asset), MASS and META stand behind it.
     let start = mutate::section(&bytes, SectionKind::POSITIONS).start;
     let mut end = start as u64 + 12 * VERTICES;
     for (kind, length) in [
         (SectionKind::POSITIONS, 12 * VERTICES),
         (SectionKind::DISPLACEMENTS, 0),
+        (SectionKind::MASS_PROPERTIES, size_of::<MassRecord>() as u64),
         (SectionKind::METADATA, 1000),
     ] {
         let at = mutate::record(&bytes, kind);

@@ -13,12 +13,11 @@ impl<'a> Asset<'a> {
         self.mass
     }
 
-    /// For every mode the linear momentum (kg · mesh unit) and the angular momentum about
-    /// [`MassRecord::center_of_mass`] (kg · mesh unit²) of the body at rest while that q̇_j = 1, in mesh coordinates.
-    /// Times
-    /// `scale_m` and `scale_m`² they are in SI units per unit of q. Gravity g (mesh units/s²) does the
-    /// generalized force `linear · g` on the mode. `None` where no mass moves with the modes: only vibration modes have
-    /// it.
+    /// For every mode j the linear momentum (kg · mesh unit) and the angular momentum about
+    /// [`MassRecord::center_of_mass`] (kg · mesh unit²) that the body has at q = 0 when q̇_j = 1 and nothing else moves, in
+    /// mesh coordinates, per unit of q. Times `scale_m` and `scale_m`² they are in SI units. Gravity g (mesh units/s²)
+    /// does the generalized force `linear · g` on the mode. `None` where no mass moves with the modes: only vibration
+    /// modes have it.
     pub fn mode_momenta(&self) -> Option<&'a [ModeMomentum]> {
         (!self.momenta.is_empty()).then_some(self.momenta)
     }

@@ -74,7 +74,7 @@ fn diff_compares_masses_and_momenta_within_the_tolerance() {
     assert!(ran.out.contains("mode 0 x"), "{}", ran.out);
     let ran = folder.run(&["diff", "m.bdt", "near.bdt", "--tolerance-rel", "1e-5"]);
     assert_eq!(ran.code, 0, "{}", ran.out);
-    // A mesh twice as large: every number of the mass but density and scale.
+    // A mesh that is larger by a hundredth: every number of the mass but density and scale.
     let mut larger = ball_mesh();
     for x in larger.positions.as_flattened_mut() {
         *x *= 1.01;
