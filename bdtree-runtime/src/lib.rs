@@ -19,12 +19,14 @@
 //! | [`Query::cast_ray`], [`Query::intersects_ray`], [`Query::cast_ray_all`] | what a [`Ray`] meets: first, any, all |
 //! | [`Query::cast_rays`], [`Query::intersects_rays`], [`Query::cast_rays_all`] | the same for many rays at once |
 //! | [`Query::frustum_state`] | inside, across or outside a view [`Frustum`] |
+//! | [`Query::level_spheres`] | lanes of a level whose spheres a shape touches, no triangles |
 //!
 //! | asked of two meshes | answer |
 //! |---|---|
 //! | [`PairQuery::contacts`], [`PairQuery::triangle_pairs`], [`PairQuery::intersects`] | triangles that touch or are near |
 //! | [`PairQuery::closest_points`], [`PairQuery::distance`] | the nearest two triangles |
 //! | [`PairQuery::contact_manifolds`], [`PairQuery::condense`] | regions of contact with normal, area and depth |
+//! | [`PairQuery::level_spheres`] | pairs of lanes of two levels whose spheres are near, no triangles |
 //!
 //! Which of many instances may meet at all: [`broad::pairs`], and `broad::instance_pairs` with the feature `alloc`.
 //!

@@ -27,14 +27,15 @@ impl Query<'_, '_> {
     /// Reports the lanes of `level` (0 is the root's), and the leaf lanes above it, whose spheres
     /// ([`Pose::node_spheres`]) `shape` touches: each once, and the same ones with every [`Kernel`](crate::Kernel) and
     /// [`StepCache`](crate::StepCache). Triangles are not looked at. From level [`Asset::depth`](crate::Asset::depth) − 1 on
-    /// the lanes are those of all leaves. Where a sphere and the shape are apart by no more than a rounding error, its lane
+    /// all of them are of leaves. Where a sphere and the shape are apart by no more than a rounding error, its lane
     /// may be reported too.
     ///
     /// A sphere need not lie in those of its ancestors (unless the asset was baked with nested spheres), and a walk enters a
     /// node only if the shape touches the sphere of its lane. So a sphere is certainly reported if the shape touches it when
     /// it is made smaller by what it sticks out of its ancestors. Every triangle that the shape touches lies in a reported
-    /// sphere. Spheres also reach where no vertex can be, farther from the asset's origin than P + Σ W_j |q_j| (SPEC 5.3): a
-    /// touch there alone may not count, or may be seen too early.
+    /// sphere. Spheres also reach where no vertex can be, farther from the asset's origin than P + Σ W_j |q_j| (SPEC 5.3;
+    /// carried on by bones): a touch there alone may not count, or may be seen too early. Where a query follows an earlier
+    /// pose ([`studies::follow`](crate::studies::follow)), the spheres are that pose's, grown.
     ///
     /// # Errors
     /// Those of [`Query::contacts`]; a level limit.
