@@ -21,6 +21,7 @@ mod hostile;
 mod instances;
 mod interop;
 mod kernels;
+mod level_spheres;
 mod manifold;
 mod mapping;
 mod mode_dropping;

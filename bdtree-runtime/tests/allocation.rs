@@ -10,8 +10,8 @@ use bdtree_fixtures::skin::{BoneSource, LocalSource, NodeSource, SkinSource, wit
 use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::{
     Asset, Ball, BoneMatrices, CacheSize, Capsule, Contact, Coverage, Cuboid, Frustum,
-    FrustumState, HalfSpace, Instance, Model, PairContact, PairFront, Proxy, Ray, Sink, SliceSink,
-    StepCache, Transform, TriangleId, Workspace, broad, joint,
+    FrustumState, HalfSpace, Instance, LaneId, Model, PairContact, PairFront, Proxy, Ray, Sink,
+    SliceSink, StepCache, Transform, TriangleId, Workspace, broad, joint,
 };
 
 thread_local! {
@@ -169,6 +169,15 @@ fn nothing_is_allocated(bytes: &[u8]) {
         let mut query = (query.max_level1(1, &mut proxies1)).max_level2(0, &mut proxies2);
         query.contacts(0.0, &mut Count(0)).expect("pair");
         found += proxies2.items().len();
+        let (mut lanes, mut lane_pairs) = ([LaneId::EMPTY; 8], [[LaneId::EMPTY; 2]; 8]);
+        let mut lanes = SliceSink::new(&mut lanes);
+        let mut query = pose.query(&mut workspace).cached(&mut cache);
+        query.level_spheres(1, ball, &mut lanes).expect("ball");
+        let mut lane_pairs = SliceSink::new(&mut lane_pairs);
+        let mut query = pose.against(&pose2, &mut workspace);
+        let coverage = query.level_spheres([0, 1], 0.0, 0.1, &mut lane_pairs);
+        coverage.expect("pairs of spheres");
+        assert!(!lanes.items().is_empty() && !lane_pairs.items().is_empty());
         let spheres = [&pose, &pose2].map(|pose| pose.bounding_sphere().expect("sphere"));
         let mut near = [[0; 2]; 1];
         let mut near = SliceSink::new(&mut near);

@@ -109,6 +109,7 @@ fn every_query_error_is_triggered() {
         .expect("pose");
     let mut out: Vec<Contact> = Vec::new();
     let mut pair_out: Vec<PairContact> = Vec::new();
+    let (mut lanes, mut lane_pairs) = (Vec::new(), Vec::new());
     let (nan, far, inf) = (f64::NAN, 2e30, f64::INFINITY);
     let origin = [0.0; 3];
     let (turned, half) = ([0.0, 0.0, 0.0, 1.0], [1.0; 3]);
@@ -148,6 +149,10 @@ fn every_query_error_is_triggered() {
     for shape in shapes {
         short(&mut |memory| pose.query(memory).contacts(shape, &mut out).err());
         short(&mut |memory| pose.query(memory).intersects(shape).err());
+        short(&mut |memory| {
+            let mut query = pose.query(memory);
+            query.level_spheres(1, shape, &mut lanes).err()
+        });
     }
     short(&mut |memory| pose.query(memory).project_point(origin, inf).err());
     short(&mut |memory| pose.query(memory).cast_ray(&ray).err());
@@ -158,6 +163,10 @@ fn every_query_error_is_triggered() {
             .err()
     });
     short(&mut |memory| pose.against(&pose, memory).intersects().err());
+    short(&mut |memory| {
+        let mut query = pose.against(&pose, memory);
+        query.level_spheres([1; 2], 0.0, 0.1, &mut lane_pairs).err()
+    });
     short(&mut |memory| pose.against(&pose, memory).distance(inf).err());
 
     let mut texts = BTreeSet::new();
@@ -184,11 +193,20 @@ fn every_query_error_is_triggered() {
         ] {
             argument(query.contacts(shape, &mut out).err());
             argument(query.intersects(shape).err());
+            lanes.clear();
+            argument(query.level_spheres(1, shape, &mut lanes).err());
+            assert!(lanes.is_empty());
         }
         argument(query.project_point(point, inf).err());
         argument(query.cast_ray(&Ray::new(point, [1.0; 3])).err());
         let mut query = pose.against(&pose, &mut workspace);
         argument(query.contacts(bad, &mut pair_out).err());
+        lane_pairs.clear();
+        for [prediction, reach] in [[bad, 0.0], [0.0, bad]] {
+            let refused = query.level_spheres([1; 2], prediction, reach, &mut lane_pairs);
+            argument(refused.err());
+        }
+        assert!(lane_pairs.is_empty());
     }
     for bad in [nan, -1.0, -f64::MIN_POSITIVE, far] {
         let mut query = pose.query(&mut workspace);
@@ -214,6 +232,12 @@ fn every_query_error_is_triggered() {
         }
         let mut query = pose.against(&pose, &mut workspace);
         argument(query.contacts(bad, &mut pair_out).err());
+        lane_pairs.clear();
+        for [prediction, reach] in [[bad, 0.0], [0.0, bad]] {
+            let refused = query.level_spheres([1; 2], prediction, reach, &mut lane_pairs);
+            argument(refused.err());
+        }
+        assert!(lane_pairs.is_empty());
     }
     let mut query = pose.query(&mut workspace);
     for bad in [[0.0; 3], [nan, 1.0, 0.0], [1.0, inf, 0.0]] {
@@ -234,7 +258,7 @@ fn every_query_error_is_triggered() {
             .contacts(Cuboid::new(origin, half).rotated(turned), &mut out)
             .is_ok()
     );
-    assert!(texts.len() >= 13, "{texts:?}");
+    assert!(texts.len() >= 14, "{texts:?}");
 }
 
 /// A cache that was started with another pose: every question says so, whichever side it is of.
@@ -252,6 +276,7 @@ fn a_cache_of_another_pose_is_refused() {
     let mut workspace = Workspace::new();
     let mut out: Vec<Contact> = Vec::new();
     let mut pair_out: Vec<PairContact> = Vec::new();
+    let (mut lanes, mut lane_pairs) = (Vec::new(), Vec::new());
     let size = CacheSize::all(&asset);
     let (mut right, mut wrong, mut never) = (
         StepCache::new(size),
@@ -265,6 +290,8 @@ fn a_cache_of_another_pose_is_refused() {
         let mut query = pose.query(&mut workspace).cached(cache);
         assert_eq!(query.contacts(ball, &mut out), Err(QueryError::Cache));
         assert_eq!(query.intersects(ball), Err(QueryError::Cache));
+        let refused = query.level_spheres(0, ball, &mut lanes);
+        assert_eq!(refused, Err(QueryError::Cache));
         assert_eq!(query.project_point([0.0; 3], 9.0), Err(QueryError::Cache));
         let ray = Ray::new([0.0; 3], [1.0; 3]);
         assert_eq!(query.cast_ray(&ray), Err(QueryError::Cache));
@@ -280,6 +307,8 @@ fn a_cache_of_another_pose_is_refused() {
         let mut query = pose.against(&pose, &mut workspace).cached(one, two);
         assert_eq!(query.contacts(0.0, &mut pair_out), Err(QueryError::Cache));
         assert_eq!(query.distance(1.0), Err(QueryError::Cache));
+        let refused = query.level_spheres([0; 2], 0.0, 1.0, &mut lane_pairs);
+        assert_eq!(refused, Err(QueryError::Cache));
         let mut manifolds: Vec<ContactManifold> = Vec::new();
         let refused = query.contact_manifolds(0.0, &mut manifolds);
         assert_eq!(refused, Err(QueryError::Cache));
@@ -287,6 +316,7 @@ fn a_cache_of_another_pose_is_refused() {
         assert_eq!(query.closest_points(1.0).err(), Some(QueryError::Cache));
     }
     assert!(out.is_empty() && pair_out.is_empty());
+    assert!(lanes.is_empty() && lane_pairs.is_empty());
     // The pose elsewhere is the same to a cache.
     let placed = pose.placed(Transform::from_translation([2.0, 0.0, 0.0]));
     let placed = placed.expect("a placement");

@@ -76,7 +76,9 @@ fn one(asset: &Asset<'_>) -> Result<usize, QueryError> {
     let mut proxies = SliceSink::new(&mut slots);
     let mut query = pose.query(&mut workspace).max_level(0, &mut proxies);
     query.contacts(ball, &mut count)?;
-    let mut query = pose.query(&mut workspace).max_visits(5);
+    let mut query = pose.query(&mut workspace);
+    query.level_spheres(0, ball, &mut count)?;
+    let mut query = query.max_visits(5);
     query.contacts(ball, &mut count)?;
     query.project_point([2.0, 0.0, 0.0], f64::INFINITY)?;
     studies::next_step(&mut cache, &pose);
@@ -110,6 +112,8 @@ fn two(asset: &Asset<'_>) -> Result<usize, QueryError> {
     let mut query = first.against(&second, &mut workspace).front(&mut front);
     query.triangle_pairs(0.0, &mut count)?;
     query.contacts(0.0, &mut count)?;
+    let mut query = first.against(&second, &mut workspace);
+    query.level_spheres([0, 1], 0.0, 0.1, &mut count)?;
     let [kept1, kept2] = &mut kept;
     let mut cache1 = StepCache::in_bytes(kept1, CACHE)?;
     let mut cache2 = StepCache::in_bytes(kept2, CACHE)?;
