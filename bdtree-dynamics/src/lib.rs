@@ -44,6 +44,7 @@ mod frame;
 #[cfg(feature = "alloc")]
 mod level_spheres;
 mod limit;
+#[cfg(feature = "alloc")]
 mod mass;
 mod oscillator;
 pub mod rotation;
@@ -58,6 +59,7 @@ pub use frame::{FrameMass, FrameState};
 #[cfg(feature = "alloc")]
 pub use level_spheres::{LevelSpheres, usual_level};
 pub use limit::StrainLimit;
+#[cfg(feature = "alloc")]
 pub use mass::{MassProperties, RigidMass};
 pub use oscillator::{Oscillator, Transition};
 #[cfg(feature = "alloc")]

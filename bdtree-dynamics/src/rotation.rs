@@ -1,7 +1,9 @@
 //! Free rotation of a rigid body: angular momentum stays as it is, to the bit.
 
 use libm::{cos, sin, sqrt};
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+#[cfg(feature = "alloc")]
+use nalgebra::Matrix3;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 /// The rotation about `axis` (of any length) by its length in radians.
 pub fn rotation(axis: Vector3<f64>) -> UnitQuaternion<f64> {
@@ -51,6 +53,7 @@ pub fn turn_freely(
 
 /// Principal moments of inertia, ascending, and the rotation from their axes to those of `tensor`; `None` for a tensor that
 /// is not symmetric, finite and positive definite.
+#[cfg(feature = "alloc")]
 pub fn principal_axes(tensor: &Matrix3<f64>) -> Option<(Vector3<f64>, UnitQuaternion<f64>)> {
     let size = tensor.abs().max();
     if !(size.is_finite() && size > 0.0) || (tensor - tensor.transpose()).abs().max() > 1e-9 * size
