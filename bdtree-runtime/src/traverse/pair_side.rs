@@ -21,8 +21,8 @@ pub(super) struct Side<'s> {
     pub(super) asset: &'s Asset<'s>,
     pub(super) posed: Posed<'s>,
     /// Filled when they are first used: most pairs of bodies that are near each other do not get to
-    /// their leaves.
-    fours: [Option<KeptFour>; FOURS],
+    /// their leaves. As one, since of an array of absent ones each would be written (23 KB, a microsecond for each walk).
+    fours: Option<[KeptFour; FOURS]>,
     /// First triangle slots of leaves whose vertices were asked for last.
     announced: [u32; ANNOUNCED],
     pub(super) updated: u64,
@@ -53,7 +53,7 @@ impl<'s> Side<'s> {
         Self {
             asset: posed.pose.asset,
             posed,
-            fours: [const { None }; FOURS],
+            fours: None,
             announced: [u32::MAX; ANNOUNCED],
             updated: 0,
         }
@@ -122,7 +122,8 @@ impl<'s> Side<'s> {
         let start = start as u32;
         let len = records.len().min(CHUNK) as u32;
         // Leaves that follow each other begin two to four slots apart: those of a node share no place.
-        let kept = self.fours[start as usize / 2 % FOURS].get_or_insert(KeptFour::EMPTY);
+        let fours = self.fours.get_or_insert([KeptFour::EMPTY; FOURS]);
+        let kept = &mut fours[start as usize / 2 % FOURS];
         if kept.start != start || kept.len != len {
             kept.len = 0; // until it is whole
             let mut spare = LeafChunk::EMPTY;
