@@ -34,10 +34,17 @@ pub struct LevelSpheres {
     reach: f64,
     /// Largest spectral norm of any sphere's Ū: no center moves farther than this times the length of q.
     field_norm: f64,
+    /// The mean Ū of each eight spheres in a row, which hang on one node or its neighbors, as `fields`, and the largest
+    /// spectral norm of what any of them differs from it by.
+    group_fields: Vec<f64>,
+    group_norms: Vec<f64>,
     /// Largest distance of a center from the center of mass at rest.
     pub(crate) extent: f64,
     pub(crate) radius_max: f64,
 }
+
+/// Spheres whose motion is bounded together.
+const GROUP: usize = 8;
 
 /// A lane at rest.
 #[derive(Clone, Copy)]
@@ -101,6 +108,8 @@ impl LevelSpheres {
             of_lane: alloc::vec![u32::MAX; node_count * LANES],
             reach: 0.0,
             field_norm: 0.0,
+            group_fields: Vec::new(),
+            group_norms: Vec::new(),
             extent: 0.0,
             radius_max: 0.0,
         };
@@ -162,25 +171,46 @@ impl LevelSpheres {
                 }
             }
         }
+        found.find_groups();
         Ok(found)
     }
 
     fn add(&mut self, lane: &Lane, fields: &[Vector3<f64>]) {
         self.centers.push(lane.center.into());
         self.radii.push(lane.radius);
-        let mut products = Matrix3::zeros();
-        for field in fields {
-            products += field * field.transpose();
-        }
         for axis in 0..3 {
             let start = self.fields.len();
             self.fields.extend(fields.iter().map(|field| field[axis]));
             self.fields.resize(start + self.stride, 0.0);
         }
-        let norm = libm::sqrt(products.symmetric_eigenvalues().max().max(0.0));
-        self.field_norm = self.field_norm.max(norm);
         self.extent = self.extent.max(lane.center.norm());
         self.radius_max = self.radius_max.max(lane.radius);
+    }
+
+    /// What says how far spheres move.
+    fn find_groups(&mut self) {
+        let each = 3 * self.stride;
+        if each == 0 {
+            return;
+        }
+        for group in self.fields.chunks(GROUP * each) {
+            let count = (group.len() / each) as f64;
+            let start = self.group_fields.len();
+            self.group_fields.resize(start + each, 0.0);
+            let mean = &mut self.group_fields[start..];
+            for own in group.chunks(each) {
+                for (mean, x) in mean.iter_mut().zip(own) {
+                    *mean += x / count;
+                }
+            }
+            let mut norm = 0.0_f64;
+            for own in group.chunks(each) {
+                self.field_norm = self.field_norm.max(spectral_norm(own, None));
+                norm = norm.max(spectral_norm(own, Some(mean)));
+            }
+            self.group_norms.push(norm * (1.0 + 1e-9));
+        }
+        self.field_norm *= 1.0 + 1e-9;
     }
 
     /// Number of spheres.
@@ -226,9 +256,22 @@ impl LevelSpheres {
         self.reach.max(0.0) * (1.0 + 1e-9) + 1e-6 * self.radius_max
     }
 
-    /// How far centers move at most when q changes by a vector of length `by`.
-    pub fn moved(&self, by: f64) -> f64 {
-        self.field_norm * by
+    /// No center is farther from its place at rest for any q of length `size`.
+    pub fn moved_within(&self, size: f64) -> f64 {
+        self.field_norm * size
+    }
+
+    /// How far centers move at most when q changes by `change`, of [`LevelSpheres::stride`] numbers.
+    pub fn moved(&self, change: &[f64]) -> f64 {
+        let size = libm::sqrt(change.iter().map(|x| x * x).sum());
+        let mut most = 0.0_f64;
+        if size > 0.0 {
+            let groups = self.group_fields.chunks(3 * self.stride);
+            for (fields, norm) in groups.zip(&self.group_norms) {
+                most = most.max(product(fields, change).norm() + norm * size);
+            }
+        }
+        most
     }
 
     /// c in the body's frame.
@@ -245,8 +288,8 @@ impl LevelSpheres {
     /// Ū q of a sphere in the body's frame.
     #[inline]
     pub fn displacement(&self, sphere: usize, q: &[f64]) -> Vector3<f64> {
-        let [x, y, z] = self.rows(sphere);
-        Vector3::new(dot(x, q), dot(y, q), dot(z, q))
+        let start = 3 * self.stride * sphere;
+        product(&self.fields[start..start + 3 * self.stride], q)
     }
 
     /// Adds `D Ūᵀ f` to `out`, D being diagonal: what a force in the body's frame does to q.
@@ -279,10 +322,39 @@ impl LevelSpheres {
     #[inline]
     fn rows(&self, sphere: usize) -> [&[f64]; 3] {
         let start = 3 * self.stride * sphere;
-        let (x, rest) = self.fields[start..start + 3 * self.stride].split_at(self.stride);
-        let (y, z) = rest.split_at(self.stride);
-        [x, y, z]
+        split(&self.fields[start..start + 3 * self.stride])
     }
+}
+
+/// Rows of x, y and z.
+#[inline]
+fn split(fields: &[f64]) -> [&[f64]; 3] {
+    let stride = fields.len() / 3;
+    let (x, rest) = fields.split_at(stride);
+    let (y, z) = rest.split_at(stride);
+    [x, y, z]
+}
+
+/// Ū q.
+#[inline]
+fn product(fields: &[f64], q: &[f64]) -> Vector3<f64> {
+    let [x, y, z] = split(fields);
+    Vector3::new(dot(x, q), dot(y, q), dot(z, q))
+}
+
+/// Largest singular value of Ū, or of what it differs from another one by.
+fn spectral_norm(fields: &[f64], from: Option<&[f64]>) -> f64 {
+    let [x, y, z] = split(fields);
+    let others = from.map(split);
+    let mut products = Matrix3::zeros();
+    for j in 0..x.len() {
+        let mut field = Vector3::new(x[j], y[j], z[j]);
+        if let Some([x, y, z]) = others {
+            field -= Vector3::new(x[j], y[j], z[j]);
+        }
+        products += field * field.transpose();
+    }
+    libm::sqrt(products.symmetric_eigenvalues().max().max(0.0))
 }
 
 /// In four sums, which a compiler puts into lanes; the order is fixed, so that results are the same everywhere.

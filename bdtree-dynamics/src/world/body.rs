@@ -73,8 +73,9 @@ pub(super) struct Body {
     pub(super) rotations: [Matrix3<f64>; 2],
     /// Half of how its center moves in the step without contacts.
     pub(super) way: Vector3<f64>,
-    /// What turning and modes move any contact sphere by from the middle of the step to either end.
+    /// What turning moves any contact sphere by from the middle of the step to either end, and what modes do.
     pub(super) swing: f64,
+    pub(super) ripple: f64,
     /// What forces do to it within the step: displacement over force, and turn over torque (world).
     pub(super) per_force: f64,
     pub(super) per_torque: Matrix3<f64>,
@@ -103,6 +104,8 @@ pub(super) struct Modal {
     /// Displacement of q over force, and what contacts have moved it by.
     pub(super) per_force: Vec<f64>,
     pub(super) moved: Vec<f64>,
+    /// Half of what the step changes q by without contacts.
+    pub(super) half_change: Vec<f64>,
     start: usize,
 }
 
@@ -120,7 +123,7 @@ impl Modal {
         self.start
     }
 
-    fn all(&mut self) -> [&mut Vec<f64>; 10] {
+    fn all(&mut self) -> [&mut Vec<f64>; 11] {
         [
             &mut self.s,
             &mut self.rate,
@@ -132,6 +135,7 @@ impl Modal {
             &mut self.slope,
             &mut self.per_force,
             &mut self.moved,
+            &mut self.half_change,
         ]
     }
 }
@@ -153,6 +157,7 @@ impl Body {
             rotations: [Matrix3::identity(); 2],
             way: zero,
             swing: 0.0,
+            ripple: 0.0,
             per_force: 0.0,
             per_torque: Matrix3::zeros(),
             moved: zero,

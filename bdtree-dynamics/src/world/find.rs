@@ -9,6 +9,10 @@ use super::workers::{Own, Worker, share};
 use super::{Frame, StepReport, World};
 use crate::error::DynamicsError;
 
+/// Trees are asked for what bodies cover by falling and turning within the step and this many times as much: contacts elsewhere
+/// may push them on. What modes move is taken once.
+const FAR: f64 = 2.0;
+
 /// Two bodies, or a body and a plane, that are near each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Task {
@@ -69,7 +73,8 @@ impl World {
         for (index, body) in self.bodies.iter().enumerate() {
             let BoundingSphere { center, radius } = self.instances[index].bounding_sphere()?;
             let reach = self.models[body.model].spheres.reach();
-            let radius = (radius + reach + 2.0 * (body.swing + body.way.norm())) * (1.0 + 1e-9);
+            let way = FAR * (body.swing + body.way.norm()) + body.ripple;
+            let radius = (radius + reach + way) * (1.0 + 1e-9);
             self.spheres[index] = BoundingSphere { center, radius };
             if !body.moves(!self.models[body.model].modes.is_empty()) || body.frame == Frame::Driven
             {
@@ -136,8 +141,13 @@ impl World {
         let (first, second) = (self.mover(task.first), self.mover(task.second));
         let (of_a, of_b) = (first.spheres, second.spheres);
         let way = (first.body.way - second.body.way).norm();
-        let apart = way + first.body.swing + second.body.swing;
-        let apart = 2.0 * apart * (1.0 + 1e-9);
+        let (swing, ripple) = (
+            first.body.swing + second.body.swing,
+            first.body.ripple + second.body.ripple,
+        );
+        let prediction = (FAR * (way + swing) + ripple) * (1.0 + 1e-9);
+        // Within the step, and again as much for pairs that others push together.
+        let near = 3.0 * (way + swing + ripple);
         let [pose_a, pose_b] = [a, b].map(|index| self.instances[index].pose());
         worker.pairs.clear();
         let mut unused = Workspace::in_bytes(&mut []);
@@ -154,14 +164,14 @@ impl World {
         }
         query_a.against(query_b).level_spheres(
             [of_a.level, of_b.level],
-            apart,
+            prediction,
             of_a.reach() + of_b.reach(),
             &mut worker.pairs,
         )?;
         worker.candidates += worker.pairs.len() as u64;
         for [lane_a, lane_b] in &worker.pairs {
             if let (Some(sphere_a), Some(sphere_b)) = (of_a.of(*lane_a), of_b.of(*lane_b)) {
-                let touch = self.touch([&first, &second], [sphere_a, sphere_b], 1.5 * apart);
+                let touch = self.touch([&first, &second], [sphere_a, sphere_b], near);
                 worker.contacts.extend(touch);
             }
         }
@@ -179,7 +189,7 @@ impl World {
         let (body, spheres) = (mover.body, mover.spheres);
         let at = self.planes[plane];
         let way = Vector3::from(at.normal).dot(&body.way).abs();
-        let raised = (spheres.reach() + 2.0 * (body.swing + way)) * (1.0 + 1e-9);
+        let raised = (spheres.reach() + FAR * (body.swing + way) + body.ripple) * (1.0 + 1e-9);
         let pose = self.instances[index as usize].pose();
         worker.lanes.clear();
         let mut query = pose.query(&mut worker.workspace);

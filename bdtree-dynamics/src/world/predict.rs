@@ -63,7 +63,8 @@ impl World {
         body.state.velocity = Vector3::zeros();
         body.state.angular_momentum = Vector3::zeros();
         (body.end, body.middle) = (body.state, body.state.position);
-        (body.way, body.spin, body.swing) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+        (body.way, body.spin) = (Vector3::zeros(), Vector3::zeros());
+        (body.swing, body.ripple) = (0.0, 0.0);
         body.rotation = body.state.orientation.to_rotation_matrix().into_inner();
         body.rotations = [body.rotation; 2];
         (body.per_force, body.per_torque) = (0.0, Matrix3::zeros());
@@ -119,14 +120,16 @@ impl World {
         let spheres = &model.spheres;
         let own = body.start..body.start + model.modes.len();
         let (q, end) = (&self.modal.q[own.clone()], &self.modal.end_q[own]);
+        let half_change = &mut self.modal.half_change[body.start..body.start + spheres.stride()];
         let mut given = [0.0_f32; super::MODES_MAX];
         let given = &mut given[..model.model.asset().mode_count()];
-        let (mut size, mut change) = (0.0, 0.0);
-        for (given, (q, end)) in given.iter_mut().zip(q.iter().zip(end)) {
+        let mut size = 0.0;
+        let each = q.iter().zip(end).zip(half_change.iter_mut());
+        for (given, ((q, end), half)) in given.iter_mut().zip(each) {
             let middle = 0.5 * (q + end);
             *given = middle as f32;
-            size += middle * middle;
-            change += 0.25 * (end - q) * (end - q);
+            *half = 0.5 * (end - q);
+            size += f64::max(q * q, end * end);
         }
         for (given, q) in given.iter_mut().zip(&model.redundant_q) {
             *given = *q;
@@ -138,12 +141,12 @@ impl World {
         let at = model.placement(body.state.position + body.way, half);
         self.instances[index].set_pose(given, at)?;
         self.caches[index].start(&self.instances[index].pose());
-        // What turning and modes move a sphere by from the middle to either end; of q, what rounding to f32 changes too.
         let chord = 2.0 * half.rotation_to(&body.end.orientation).imag().norm();
         let size = libm::sqrt(size);
-        let extent = spheres.extent + spheres.moved(size + libm::sqrt(change));
-        let modes = spheres.moved(libm::sqrt(change) + F32 * size);
-        body.swing = (chord * extent + modes + model.redundant_move) * (1.0 + 1e-9);
+        body.swing = chord * (spheres.extent + spheres.moved_within(size)) * (1.0 + 1e-9);
+        // Rounding q to f32 changes it too.
+        let rounded = spheres.moved_within(F32 * size) + model.redundant_move;
+        body.ripple = (spheres.moved(half_change) + rounded) * (1.0 + 1e-9);
         Ok(())
     }
 
