@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Proves that bdtree-runtime without features needs neither std nor an allocator: always for the
+# Proves that bdtree-runtime and bdtree-dynamics without features need neither std nor an allocator: always for the
 # host, and for a microcontroller (thumbv7em) when that target is or can be installed.
 set -euo pipefail
 cd "$(dirname "$0")/no-alloc"
@@ -15,7 +15,7 @@ grep -q ' T .*rust_begin_unwind' <<<"$symbols" || {
     exit 1
 }
 if grep -E 'rust_alloc|rust_realloc|rdl_alloc|rg_alloc' <<<"$symbols"; then
-    echo "bdtree-runtime refers to an allocator" >&2
+    echo "bdtree-runtime or bdtree-dynamics refers to an allocator" >&2
     exit 1
 fi
 if output=$(build --features counter-example 2>&1); then

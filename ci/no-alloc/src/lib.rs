@@ -1,13 +1,15 @@
-//! Links `bdtree-runtime` without std and without a global allocator, and asks with it what a program asks that has
-//! no heap, so that generic code is compiled too. A crate below this one that links `alloc` fails the build ("no
+//! Links `bdtree-runtime` and `bdtree-dynamics` without std and without a global allocator, and asks with them what a program
+//! asks that has no heap, so that generic code is compiled too. A crate below this one that links `alloc` fails the build ("no
 //! global memory allocator found"), one that links `std` collides with the panic handler.
 #![no_std]
 
+use bdtree_dynamics::{ContactLaw, FrameMass, FrameState, Oscillator, StrainLimit};
 use bdtree_runtime::{
     Asset, Ball, CacheSize, Contact, Coverage, Cuboid, Motion, PairFront, Proxy, QueryError, Ray,
     Sink, SliceSink, StepCache, Transform, Workspace, broad, include_bdt, studies,
 };
 use core::ops::ControlFlow;
+use nalgebra::{UnitQuaternion, Vector3};
 
 #[cfg(feature = "counter-example")]
 extern crate alloc;
@@ -44,6 +46,36 @@ extern "C" fn ask() -> isize {
         Ok(found) => found as isize,
         Err(_) => -1,
     }
+}
+
+/// A body with a mode that bounces on the ground for a while; its height.
+#[unsafe(no_mangle)]
+extern "C" fn bounce(steps: u32) -> f64 {
+    let (h, weight) = (0.01, Vector3::new(0.0, -19.62, 0.0));
+    let mass = FrameMass {
+        mass_kg: 2.0,
+        moments: Vector3::new(1.0, 2.0, 2.5),
+    };
+    let mode = Oscillator {
+        omega_rad_s: 30.0,
+        decay_per_s: 1.0,
+    };
+    let Ok(mode) = mode.transition(h) else {
+        return -1.0;
+    };
+    let limit = StrainLimit(0.1);
+    let spring = ContactLaw::default().spring(mass.mass_kg, h);
+    let mut frame = FrameState::at(Vector3::new(0.0, 1.0, 0.0), UnitQuaternion::identity());
+    let mut state = [0.0; 2];
+    for _ in 0..steps {
+        let free = frame.after(&mass, weight, Vector3::zeros(), h);
+        let response = 0.5 * h * h / mass.mass_kg;
+        let force = spring.force(-frame.position.y, -free.position.y, response, h);
+        let force = Vector3::new(0.0, force, 0.0);
+        frame = frame.after(&mass, weight + force, Vector3::zeros(), h);
+        state = mode.apply(state, limit.slope(state[0]) * force.y);
+    }
+    frame.position.y + limit.q(state[0])
 }
 
 /// Queries of one mesh: plain, with what a step keeps, down to a level, within a budget.
