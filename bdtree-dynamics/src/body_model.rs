@@ -52,7 +52,7 @@ pub struct BodyOptions {
     /// Whether the modes move; default true. Without, q stays 0.
     pub is_deformable: bool,
     /// Whether trees of a body whose modes do not move are updated as if they did; default false. It changes nothing but the
-    /// time that steps take: for comparisons. (Modes at exactly 0 cost node bounds nothing.)
+    /// time that steps take, and rarely in which step a pair of spheres is found: for comparisons. (Modes at exactly 0 cost node bounds nothing.)
     pub has_redundant_updates: bool,
     /// Default a ratio of 0.05.
     pub damping: Damping,

@@ -55,7 +55,11 @@ impl World {
         let mut error = None;
         for worker in &mut workers {
             error = error.or(worker.error.take());
-            self.contacts.append(&mut worker.contacts);
+            if self.contacts.is_empty() {
+                core::mem::swap(&mut self.contacts, &mut worker.contacts);
+            } else {
+                self.contacts.append(&mut worker.contacts);
+            }
             report.candidates += worker.candidates;
             report.nodes_visited += worker.nodes_visited;
             report.nodes_updated += worker.nodes_updated;
