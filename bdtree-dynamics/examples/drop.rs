@@ -7,7 +7,14 @@
 use bdtree_dynamics::{BodyOptions, Frame, Phase, Plane, World, WorldOptions};
 use bdtree_runtime::{Model, Transform, include_bdt};
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() {
+    if let Err(error) = drop_it() {
+        eprintln!("drop: {error}");
+        std::process::exit(1);
+    }
+}
+
+fn drop_it() -> Result<(), Box<dyn std::error::Error>> {
     let file = std::env::args().nth(1);
     let model = match &file {
         Some(file) => Model::read(file)?,
