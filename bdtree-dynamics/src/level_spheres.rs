@@ -149,7 +149,9 @@ impl LevelSpheres {
                     center,
                     radius: f64::from(rows.leading[ROW_RADIUS][lane]) * size,
                 };
+                // In a corrupt file a child may be one of its own ancestors.
                 if let Some(child) = node.child(lane)
+                    && child as usize > index
                     && let Some(parent) = parents.get_mut(child as usize)
                 {
                     *parent = Some((index, lane));

@@ -6,7 +6,8 @@ use bdtree_dynamics::{
     WorldOptions,
 };
 use bdtree_fixtures::bake;
-use bdtree_runtime::{Model, Transform, include_bdt};
+use bdtree_runtime::format::{NodeRecord, SectionKind};
+use bdtree_runtime::{Asset, Model, Transform, include_bdt};
 
 use crate::support::{GROUND, at, ball, ball_model, beam};
 
@@ -192,6 +193,31 @@ fn body_models_say_what_is_missing() {
             .add_body(open, Frame::Held, Transform::IDENTITY)
             .is_ok()
     );
+}
+
+/// Nodes that are their own children, in a file that nobody has verified: no way up ends, and none is followed for ever.
+#[test]
+fn circular_trees_are_no_endless_loop() {
+    let sound = include_bdt!("../../fixtures/golden/sphere.bdt");
+    let asset = Asset::open(sound).expect("an asset");
+    let nodes = (asset.sections().iter())
+        .find(|section| section.kind == SectionKind::NODES)
+        .expect("nodes");
+    let (start, count) = (nodes.offset.get() as usize, asset.node_count());
+    assert!(count > 2 && asset.depth() > 1);
+    for index in 0..count {
+        let mut bytes = sound.to_vec();
+        let at = start + index * size_of::<NodeRecord>();
+        bytes[at..at + 4].copy_from_slice(&(index as u32).to_le_bytes());
+        let model = Model::from_bytes(&bytes).expect("it opens");
+        let mut world = World::new(WorldOptions::default()).expect("a world");
+        let options = BodyOptions {
+            is_deformable: false,
+            level: Some(asset.depth() - 1),
+            ..BodyOptions::default()
+        };
+        world.add_model(&model, &options).expect("a model");
+    }
 }
 
 #[test]

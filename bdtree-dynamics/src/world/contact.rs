@@ -25,6 +25,17 @@ impl Side {
     }
 }
 
+/// The plane that a side's number stands for; `None` for a body.
+pub(super) fn plane_of(side: u32) -> Option<usize> {
+    (side > u32::MAX / 2).then_some((u32::MAX - side) as usize)
+}
+
+/// The bodies of two sides; the second may be a plane.
+pub(super) fn bodies_of([first, second]: [u32; 2]) -> [Option<usize>; 2] {
+    let second_body = plane_of(second).is_none().then_some(second as usize);
+    [Some(first as usize), second_body]
+}
+
 /// What happens at a pair of contact spheres in a step. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactRecord {
@@ -111,12 +122,8 @@ struct Compliance {
 impl Contact {
     pub(super) fn record(&self) -> ContactRecord {
         let [first, second] = self.sides;
-        let is_plane = second.body > u32::MAX / 2;
         ContactRecord {
-            bodies: [
-                Some(first.body as usize),
-                (!is_plane).then_some(second.body as usize),
-            ],
+            bodies: bodies_of([first.body, second.body]),
             spheres: [first.sphere as usize, second.sphere as usize],
             point: self.point.into(),
             normal: self.normal.into(),
@@ -137,7 +144,7 @@ impl Contact {
     }
 
     pub(super) fn is_with_plane(&self) -> bool {
-        self.sides[1].body > u32::MAX / 2
+        plane_of(self.sides[1].body).is_some()
     }
 }
 

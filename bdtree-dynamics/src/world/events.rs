@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::World;
+use super::contact::bodies_of;
 
 /// Two bodies, or a body and a plane, in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +61,6 @@ impl World {
         Events {
             now: &self.touches,
             before: &self.touches_before,
-            planes: self.planes.len(),
         }
     }
 }
@@ -70,7 +70,6 @@ impl World {
 pub struct Events<'w> {
     now: &'w [Touch],
     before: &'w [Touch],
-    planes: usize,
 }
 
 impl Iterator for Events<'_> {
@@ -91,14 +90,12 @@ impl Iterator for Events<'_> {
         if phase != Phase::Began {
             self.before = self.before.get(1..).unwrap_or_default();
         }
-        let [a, b] = touch.sides;
-        let is_plane = ((u32::MAX - b) as usize) < self.planes;
         let impulse = match phase {
             Phase::Ended => [0.0; 3],
             _ => touch.impulse.into(),
         };
         Some(Event {
-            bodies: [Some(a as usize), (!is_plane).then_some(b as usize)],
+            bodies: bodies_of(touch.sides),
             phase,
             impulse,
         })

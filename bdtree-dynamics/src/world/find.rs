@@ -3,7 +3,7 @@
 use bdtree_runtime::{BoundingSphere, HalfSpace, StepCache, Workspace, broad};
 use nalgebra::Vector3;
 
-use super::contact::Side;
+use super::contact::{Side, plane_of};
 use super::solve::order;
 use super::workers::{Own, Worker, share};
 use super::{Frame, StepReport, World};
@@ -122,11 +122,9 @@ impl World {
         caches: &mut Caches<'_>,
     ) -> Result<(), DynamicsError> {
         let found = worker.contacts.len();
-        let plane = (u32::MAX - task.second) as usize;
-        if plane < self.planes.len() {
-            self.look_at_plane(task.first, plane, worker, caches)?;
-        } else {
-            self.look_at_pair(task, worker, caches)?;
+        match plane_of(task.second) {
+            Some(plane) => self.look_at_plane(task.first, plane, worker, caches)?,
+            None => self.look_at_pair(task, worker, caches)?,
         }
         let stats = worker.workspace.stats();
         worker.nodes_visited += stats.nodes_visited;

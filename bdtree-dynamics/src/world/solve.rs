@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use super::contact::{Contact, Side, slipping};
+use super::contact::{Contact, Side, bodies_of, slipping};
 use super::{StepReport, World};
 use crate::error::DynamicsError;
 
@@ -102,9 +102,8 @@ impl World {
         if depth <= radius {
             return Ok(());
         }
-        let second = (!contact.is_with_plane()).then_some(b.body as usize);
         Err(DynamicsError::Penetration {
-            bodies: [Some(a.body as usize), second],
+            bodies: bodies_of([a.body, b.body]),
             depth,
             radius,
             step_max_s: self.options.step_s * 0.5 * radius / depth,
