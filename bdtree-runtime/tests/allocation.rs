@@ -1,11 +1,9 @@
 //! Opening, posing and asking allocate nothing, sinks say when they are full, and generalised
 //! forces are derivatives.
-#![allow(unsafe_code)] // a counting allocator; every block has its proof
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::ops::ControlFlow;
 
+use bdtree_fixtures::allocations::{Counting, allocations};
 use bdtree_fixtures::skin::{BoneSource, LocalSource, NodeSource, SkinSource, with_skin};
 use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::{
@@ -14,48 +12,8 @@ use bdtree_runtime::{
     SliceSink, StepCache, Transform, TriangleId, Workspace, broad, joint,
 };
 
-thread_local! {
-    /// Allocations of this thread.
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-fn count() {
-    // A thread that ends has no counter any more.
-    let _ = COUNT.try_with(|c| c.set(c.get() + 1));
-}
-
-// SAFETY: every call goes to the system's allocator unchanged; counting touches a thread-local
-// number that is initialised without allocating.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promise about `layout` is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: `pointer` came from `System` with this layout, as the caller promises.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
-        // SAFETY: `pointer` came from `System`; the rest is the caller's promise.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
-
-/// Allocations of this thread while `f` runs.
-fn allocations<T>(f: impl FnOnce() -> T) -> (usize, T) {
-    let before = COUNT.get();
-    let result = f();
-    (COUNT.get() - before, result)
-}
 
 /// Takes any number of things and keeps none.
 struct Count(usize);
