@@ -41,6 +41,7 @@ pub struct LevelSpheres {
     /// Largest distance of a center from the center of mass at rest.
     pub(crate) extent: f64,
     pub(crate) radius_max: f64,
+    pub(crate) radius_mean: f64,
 }
 
 /// Spheres whose motion is bounded together.
@@ -112,6 +113,7 @@ impl LevelSpheres {
             group_norms: Vec::new(),
             extent: 0.0,
             radius_max: 0.0,
+            radius_mean: 0.0,
         };
         // The lane that each node hangs on.
         let mut parents: Vec<Option<(usize, usize)>> = alloc::vec![None; node_count];
@@ -173,6 +175,7 @@ impl LevelSpheres {
                 }
             }
         }
+        found.radius_mean = found.radii.iter().sum::<f64>() / found.radii.len().max(1) as f64;
         found.find_groups();
         Ok(found)
     }

@@ -6,6 +6,7 @@ use bdtree_runtime::{Instance, Transform};
 use nalgebra::{Matrix3, Vector3};
 
 use super::sleep::Rest;
+use super::snapshot::Snapshot;
 use super::{BodyId, World, part};
 use crate::body_model::BodyModel;
 use crate::error::DynamicsError;
@@ -82,6 +83,7 @@ pub(super) struct Body {
     /// What contacts do to it within the step: displacement and turn.
     pub(super) moved: Vector3<f64>,
     pub(super) turned: Vector3<f64>,
+    pub(super) snapshot: Snapshot,
     pub(super) rest: Rest,
 }
 
@@ -104,8 +106,10 @@ pub(super) struct Modal {
     /// Displacement of q over force, and what contacts have moved it by.
     pub(super) per_force: Vec<f64>,
     pub(super) moved: Vec<f64>,
-    /// Half of what the step changes q by without contacts.
-    pub(super) half_change: Vec<f64>,
+    /// q of snapshots.
+    pub(super) snapshot_q: Vec<f64>,
+    /// Half of what the step changes q by without contacts; then how far q is from its snapshot.
+    pub(super) change: Vec<f64>,
     start: usize,
 }
 
@@ -123,7 +127,7 @@ impl Modal {
         self.start
     }
 
-    fn all(&mut self) -> [&mut Vec<f64>; 11] {
+    fn all(&mut self) -> [&mut Vec<f64>; 12] {
         [
             &mut self.s,
             &mut self.rate,
@@ -135,7 +139,8 @@ impl Modal {
             &mut self.slope,
             &mut self.per_force,
             &mut self.moved,
-            &mut self.half_change,
+            &mut self.snapshot_q,
+            &mut self.change,
         ]
     }
 }
@@ -162,6 +167,7 @@ impl Body {
             per_torque: Matrix3::zeros(),
             moved: zero,
             turned: zero,
+            snapshot: Snapshot::none(),
             rest: Rest::default(),
         }
     }
@@ -350,7 +356,7 @@ impl World {
         Ok(self.models[body.model].placement(body.state.position, body.state.orientation))
     }
 
-    /// The instances, posed as bodies are now after [`World::pose_instances`], else as in the middle of the last step.
+    /// The instances, posed as bodies are now after [`World::pose_instances`]; steps leave them where they ask their trees.
     pub fn instances(&self) -> &[Instance] {
         &self.instances
     }

@@ -4,6 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::body::{Body, Frame};
+use super::find::Slot;
 use super::{Plane, World, part, tangents};
 use crate::contact_law::Spring;
 use crate::level_spheres::LevelSpheres;
@@ -63,6 +64,8 @@ const NEAR: f64 = 1.0;
 #[derive(Debug, Clone)]
 pub(super) struct Contact {
     pub(super) sides: [Side; 2],
+    /// Where the solver has the bodies.
+    pub(super) slots: [Slot; 2],
     pub(super) normal: Vector3<f64>,
     pub(super) across: [Vector3<f64>; 2],
     /// From the bodies' centers to the point.
@@ -100,7 +103,7 @@ pub(super) struct Mover<'w> {
 impl Mover<'_> {
     /// Center of a sphere at the beginning of the step.
     #[inline]
-    fn start(&self, sphere: usize) -> Vector3<f64> {
+    pub(super) fn start(&self, sphere: usize) -> Vector3<f64> {
         let own = self.spheres.center(sphere, self.q);
         self.body.state.position + self.body.rotations[0] * own
     }
@@ -163,17 +166,18 @@ impl World {
         }
     }
 
-    /// A sphere of a body against one of another, if they touch or may touch within the step; `near` is by how much their
-    /// distance may become smaller within it.
+    /// A sphere of a body against one of another, if they touch or may touch within the step; the first one's center
+    /// is at `start_a` at its beginning, and `near` is by how much their distance may become smaller within it.
     #[inline]
     pub(super) fn touch(
         &self,
         [a, b]: [&Mover<'_>; 2],
         [sphere_a, sphere_b]: [usize; 2],
+        start_a: Vector3<f64>,
         near: f64,
     ) -> Option<Contact> {
         let reach = a.spheres.radius(sphere_a) + b.spheres.radius(sphere_b);
-        let starts = [a.start(sphere_a), b.start(sphere_b)];
+        let starts = [start_a, b.start(sphere_b)];
         let start = starts[0] - starts[1];
         if start.norm_squared() > (reach + near) * (reach + near) {
             return None;
@@ -273,6 +277,7 @@ impl World {
         };
         Contact {
             sides,
+            slots: [Slot::default(); 2],
             normal,
             across: tangents(&normal),
             arms: sides.map(arm),

@@ -40,19 +40,21 @@ impl World {
     /// Sums up the contacts of the step, which are sorted by their bodies.
     pub(super) fn sum_up_touches(&mut self) {
         core::mem::swap(&mut self.touches, &mut self.touches_before);
-        self.touches.clear();
-        for contact in &self.contacts {
+        let mut touches = core::mem::take(&mut self.touches);
+        touches.clear();
+        for contact in self.sorted_contacts() {
             let force = contact.force_vector();
             if contact.force[0] == 0.0 {
                 continue;
             }
             let sides = contact.sides.map(|side| side.body);
             let impulse = force * self.options.step_s;
-            match self.touches.last_mut() {
+            match touches.last_mut() {
                 Some(last) if last.sides == sides => last.impulse += impulse,
-                _ => self.touches.push(Touch { sides, impulse }),
+                _ => touches.push(Touch { sides, impulse }),
             }
         }
+        self.touches = touches;
     }
 
     /// What has happened to pairs of bodies in the last step, sorted by bodies; planes come last. Pairs that sleep are not

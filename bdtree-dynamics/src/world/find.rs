@@ -1,167 +1,113 @@
-//! Which contact spheres may touch: pairs of bodies from their root spheres, pairs of spheres from their trees.
+//! Which contact spheres touch: lists from the trees, and contacts from the lists.
 
-use bdtree_runtime::{BoundingSphere, HalfSpace, StepCache, Workspace, broad};
+use bdtree_runtime::{HalfSpace, Workspace};
 use nalgebra::Vector3;
 
-use super::contact::{Side, plane_of};
-use super::solve::order;
-use super::workers::{Own, Worker, share};
-use super::{Frame, StepReport, World};
+use super::contact::{Contact, plane_of};
+use super::groups::{Group, Place, Tally};
+use super::pairs::{Found, Pair, Part};
+use super::solve::Warm;
+use super::workers::{Worker, each};
+use super::{StepReport, World};
 use crate::error::DynamicsError;
 
-/// Trees are asked for what bodies cover by falling and turning within the step and this many times as much: contacts elsewhere
-/// may push them on. What modes move is taken once.
-const FAR: f64 = 2.0;
-
-/// Two bodies, or a body and a plane, that are near each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Task {
-    first: u32,
-    /// A body, or a plane counted from the end of the numbers.
-    second: u32,
-}
-
-type Caches<'c> = Own<'c, StepCache<'static>>;
-
 impl World {
-    /// The contacts of the step, sorted by bodies and spheres, with the forces of the step before to begin with.
+    /// The contacts of the step, with the forces of the step before to begin with.
     pub(super) fn find(&mut self) -> Result<StepReport, DynamicsError> {
-        self.find_tasks()?;
+        self.find_pairs()?;
+        self.group();
         let mut workers = core::mem::take(&mut self.workers);
-        let mut caches = core::mem::take(&mut self.caches);
-        let tasks = core::mem::take(&mut self.tasks);
+        let mut groups = core::mem::take(&mut self.groups.all);
         let world = &*self;
-        let first = |task: &Task| task.first as usize;
-        share(
-            &mut workers,
-            &tasks,
-            &mut caches,
-            first,
-            |worker, tasks, mut caches| {
-                worker.begin();
-                for task in tasks {
-                    if let Err(error) = world.look(*task, worker, &mut caches) {
-                        worker.error.get_or_insert(error);
-                        return;
-                    }
-                }
-            },
-        );
+        each(&mut workers, groups.iter_mut(), |worker, group| {
+            group.begin();
+            group.error = world.look_at_group(worker, group).err();
+        });
+        (self.workers, self.groups.all) = (workers, groups);
+        for body in &mut self.bodies {
+            body.snapshot.is_new = false;
+        }
         let mut report = StepReport {
-            pairs: tasks.len() as u64,
+            pairs: self.pairs.len() as u64,
             ..StepReport::default()
         };
-        self.contacts.clear();
-        let mut error = None;
-        for worker in &mut workers {
-            error = error.or(worker.error.take());
-            if self.contacts.is_empty() {
-                core::mem::swap(&mut self.contacts, &mut worker.contacts);
-            } else {
-                self.contacts.append(&mut worker.contacts);
+        for group in &mut self.groups.all {
+            if let Some(error) = group.error.take() {
+                return Err(error);
             }
-            report.candidates += worker.candidates;
-            report.nodes_visited += worker.nodes_visited;
-            report.nodes_updated += worker.nodes_updated;
+            report.candidates += group.tally.candidates;
+            report.nodes_visited += group.tally.nodes_visited;
+            report.nodes_updated += group.tally.nodes_updated;
         }
-        (self.workers, self.tasks, self.caches) = (workers, tasks, caches);
-        if let Some(error) = error {
-            return Err(error);
-        }
-        self.begin_with_forces_of_before();
+        self.note_found();
+        self.memory.loose.clear();
         Ok(report)
     }
 
-    fn find_tasks(&mut self) -> Result<(), DynamicsError> {
-        self.tasks.clear();
-        for (index, body) in self.bodies.iter().enumerate() {
-            let BoundingSphere { center, radius } = self.instances[index].bounding_sphere()?;
-            let reach = self.models[body.model].spheres.reach();
-            let way = FAR * (body.swing + body.way.norm()) + body.ripple;
-            let radius = (radius + reach + way) * (1.0 + 1e-9);
-            self.spheres[index] = BoundingSphere { center, radius };
-            if !body.moves(!self.models[body.model].modes.is_empty()) || body.frame == Frame::Driven
-            {
-                continue; // no plane moves it
+    fn look_at_group(&self, worker: &mut Worker, group: &mut Group) -> Result<(), DynamicsError> {
+        for k in 0..group.pairs.len() {
+            let index = group.pairs[k];
+            let pair = &self.pairs[index as usize];
+            let start = group.near.len();
+            let mut near = None;
+            if pair.near.is_none() {
+                match plane_of(pair.second) {
+                    Some(plane) => self.ask_plane(pair.first, plane, worker, group)?,
+                    None => self.ask_trees(pair, worker, group)?,
+                }
+                // As contacts of the step before and after are sorted.
+                group.near[start..].sort_unstable();
+                near = Some(Part::new(start, group.near.len()));
             }
-            for (k, plane) in self.planes.iter().enumerate() {
-                let height = Vector3::from(plane.normal).dot(&Vector3::from(center)) - plane.offset;
-                if height <= radius {
-                    self.tasks.push(Task {
-                        first: index as u32,
-                        second: Side::plane(k).body,
-                    });
+            let list = match pair.near {
+                Some(kept) => kept.of(&self.memory.near_spheres),
+                None => &group.near[start..],
+            };
+            group.tally.candidates += list.len() as u64;
+            let from = group.contacts.len();
+            let warm = self.memory.warm_of(pair);
+            match plane_of(pair.second) {
+                Some(plane) => self.look_at_plane(pair, plane, list, warm, &mut group.contacts),
+                None => {
+                    let base = group.clusters[0];
+                    self.look_at_pair(pair, base, list, warm, &mut group.contacts);
                 }
             }
-        }
-        self.near.clear();
-        broad::pairs(&self.spheres, 0.0, &mut self.workspace, &mut self.near)?;
-        for [first, second] in &self.near {
-            let both = [*first, *second];
-            let moves = |index: usize| {
-                let body = &self.bodies[index];
-                body.moves(!self.models[body.model].modes.is_empty())
-            };
-            if !both.into_iter().any(moves) {
-                continue;
+            let contacts = Part::new(from, group.contacts.len());
+            if near.is_some() || contacts != Part::new(from, from) {
+                group.found.push(Found {
+                    pair: index,
+                    near,
+                    contacts,
+                });
             }
-            self.tasks.push(Task {
-                first: *first as u32,
-                second: *second as u32,
-            });
         }
-        self.tasks.sort_unstable();
         Ok(())
     }
 
-    /// Adds the contacts of a pair.
-    fn look(
+    /// Adds the pairs of contact spheres that may touch while both bodies are within their allowances.
+    fn ask_trees(
         &self,
-        task: Task,
+        pair: &Pair,
         worker: &mut Worker,
-        caches: &mut Caches<'_>,
+        group: &mut Group,
     ) -> Result<(), DynamicsError> {
-        let found = worker.contacts.len();
-        match plane_of(task.second) {
-            Some(plane) => self.look_at_plane(task.first, plane, worker, caches)?,
-            None => self.look_at_pair(task, worker, caches)?,
-        }
-        let stats = worker.workspace.stats();
-        worker.nodes_visited += stats.nodes_visited;
-        worker.nodes_updated += stats.nodes_updated;
-        worker.contacts[found..].sort_unstable_by_key(|contact| order(&contact.sides));
-        Ok(())
-    }
-
-    fn look_at_pair(
-        &self,
-        task: Task,
-        worker: &mut Worker,
-        caches: &mut Caches<'_>,
-    ) -> Result<(), DynamicsError> {
-        let [a, b] = [task.first, task.second].map(|index| index as usize);
-        let (first, second) = (self.mover(task.first), self.mover(task.second));
-        let (of_a, of_b) = (first.spheres, second.spheres);
-        let way = (first.body.way - second.body.way).norm();
-        let (swing, ripple) = (
-            first.body.swing + second.body.swing,
-            first.body.ripple + second.body.ripple,
-        );
-        let prediction = (FAR * (way + swing) + ripple) * (1.0 + 1e-9);
-        // Within the step, and again as much for pairs that others push together.
-        let near = 3.0 * (way + swing + ripple);
-        let [pose_a, pose_b] = [a, b].map(|index| self.instances[index].pose());
+        let both = [pair.first, pair.second].map(|index| index as usize);
+        let [a, b] = both.map(|index| &self.bodies[index]);
+        let [of_a, of_b] = [a, b].map(|body| &self.models[body.model].spheres);
+        let prediction = (a.snapshot.allowance + b.snapshot.allowance) * (1.0 + 1e-9);
+        let [pose_a, pose_b] = both.map(|index| self.instances[index].pose());
+        let [mut cache_a, mut cache_b] = both.map(|index| self.caches[index].get());
         worker.pairs.clear();
         let mut unused = Workspace::in_bytes(&mut []);
         let (mut query_a, mut query_b) = (
             pose_a.query(&mut worker.workspace),
             pose_b.query(&mut unused),
         );
-        let [cache_a, cache_b] = caches.both([a, b]);
-        if let Some(cache) = cache_a {
+        if let Some(cache) = &mut cache_a {
             query_a = query_a.cached(cache);
         }
-        if let Some(cache) = cache_b {
+        if let Some(cache) = &mut cache_b {
             query_b = query_b.cached(cache);
         }
         query_a.against(query_b).level_spheres(
@@ -170,32 +116,39 @@ impl World {
             of_a.reach() + of_b.reach(),
             &mut worker.pairs,
         )?;
-        worker.candidates += worker.pairs.len() as u64;
+        // Bounding spheres are larger than contact spheres.
+        let [at_a, at_b] = both.map(|index| self.at_snapshot(index));
         for [lane_a, lane_b] in &worker.pairs {
             if let (Some(sphere_a), Some(sphere_b)) = (of_a.of(*lane_a), of_b.of(*lane_b)) {
-                let touch = self.touch([&first, &second], [sphere_a, sphere_b], near);
-                worker.contacts.extend(touch);
+                let reach = prediction + of_a.radius(sphere_a) + of_b.radius(sphere_b);
+                let apart = at_a.center(sphere_a) - at_b.center(sphere_b);
+                if apart.norm_squared() <= reach * reach {
+                    group.near.push([sphere_a as u32, sphere_b as u32]);
+                }
             }
         }
+        group.tally.add(worker);
         Ok(())
     }
 
-    fn look_at_plane(
+    /// Adds the contact spheres that may touch a plane while the body is within its allowance.
+    fn ask_plane(
         &self,
         index: u32,
         plane: usize,
         worker: &mut Worker,
-        caches: &mut Caches<'_>,
+        group: &mut Group,
     ) -> Result<(), DynamicsError> {
-        let mover = self.mover(index);
-        let (body, spheres) = (mover.body, mover.spheres);
+        let index = index as usize;
+        let body = &self.bodies[index];
+        let spheres = &self.models[body.model].spheres;
         let at = self.planes[plane];
-        let way = Vector3::from(at.normal).dot(&body.way).abs();
-        let raised = (spheres.reach() + FAR * (body.swing + way) + body.ripple) * (1.0 + 1e-9);
-        let pose = self.instances[index as usize].pose();
+        let raised = (spheres.reach() + body.snapshot.allowance) * (1.0 + 1e-9);
+        let pose = self.instances[index].pose();
+        let mut cache = self.caches[index].get();
         worker.lanes.clear();
         let mut query = pose.query(&mut worker.workspace);
-        if let [Some(cache), _] = caches.both([index as usize, usize::MAX]) {
+        if let Some(cache) = &mut cache {
             query = query.cached(cache);
         }
         query.level_spheres(
@@ -203,20 +156,115 @@ impl World {
             HalfSpace::new(at.normal, at.offset + raised),
             &mut worker.lanes,
         )?;
-        worker.candidates += worker.lanes.len() as u64;
+        let posed = self.at_snapshot(index);
+        let normal = Vector3::from(at.normal);
         for lane in &worker.lanes {
             if let Some(sphere) = spheres.of(*lane) {
-                (worker.contacts).extend(self.touch_plane(&mover, sphere, plane));
+                let reach = body.snapshot.allowance * (1.0 + 1e-9) + spheres.radius(sphere);
+                if normal.dot(&posed.center(sphere)) - at.offset <= reach {
+                    group.near.push([sphere as u32, 0]);
+                }
             }
         }
+        group.tally.add(worker);
         Ok(())
+    }
+
+    /// Adds the contacts of two bodies.
+    fn look_at_pair(
+        &self,
+        pair: &Pair,
+        base: usize,
+        list: &[[u32; 2]],
+        mut warm: &[Warm],
+        out: &mut alloc::vec::Vec<Contact>,
+    ) {
+        if list.is_empty() {
+            return;
+        }
+        let (first, second) = (self.mover(pair.first), self.mover(pair.second));
+        let (a, b) = (first.body, second.body);
+        // By how much their distance may become smaller within the step, and again as much for pairs that others push together.
+        let near = 3.0 * ((a.way - b.way).norm() + a.swing + b.swing + a.ripple + b.ripple);
+        let slots =
+            [pair.first, pair.second].map(|body| self.groups.places[body as usize].within(base));
+        for run in list.chunk_by(|[one, _], [other, _]| one == other) {
+            let sphere_a = run[0][0] as usize;
+            let start = first.start(sphere_a);
+            for [_, sphere_b] in run {
+                let both = [sphere_a, *sphere_b as usize];
+                if let Some(mut contact) = self.touch([&first, &second], both, start, near) {
+                    contact.slots = slots;
+                    contact.begin_with(&mut warm);
+                    out.push(contact);
+                }
+            }
+        }
+    }
+
+    /// Adds the contacts of a body and a plane.
+    fn look_at_plane(
+        &self,
+        pair: &Pair,
+        plane: usize,
+        list: &[[u32; 2]],
+        mut warm: &[Warm],
+        out: &mut alloc::vec::Vec<Contact>,
+    ) {
+        let mover = self.mover(pair.first);
+        let place = self.groups.places[pair.first as usize];
+        for [sphere, _] in list {
+            if let Some(mut contact) = self.touch_plane(&mover, *sphere as usize, plane) {
+                contact.slots = [place.within(place.cluster); 2];
+                contact.begin_with(&mut warm);
+                out.push(contact);
+            }
+        }
     }
 }
 
-impl Worker {
+impl Group {
     fn begin(&mut self) {
+        self.found.clear();
+        self.near.clear();
         self.contacts.clear();
-        (self.candidates, self.nodes_visited, self.nodes_updated) = (0, 0, 0);
-        self.error = None;
+        self.tally = Tally::default();
+    }
+}
+
+impl Tally {
+    fn add(&mut self, worker: &Worker) {
+        let stats = worker.workspace.stats();
+        self.nodes_visited += stats.nodes_visited;
+        self.nodes_updated += stats.nodes_updated;
+    }
+}
+
+/// A body in one of a group's two clusters: its slot, and in the highest bit whether it is the second one.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Slot(u32);
+
+impl Slot {
+    const SECOND: u32 = 1 << 31;
+
+    /// Which of the clusters, and the slot there.
+    #[inline]
+    pub(super) fn split(self) -> (bool, usize) {
+        (
+            self.0 & Self::SECOND != 0,
+            (self.0 & !Self::SECOND) as usize,
+        )
+    }
+}
+
+impl Place {
+    /// In a group whose first cluster is `base`.
+    fn within(self, base: usize) -> Slot {
+        let second = if self.cluster == base {
+            0
+        } else {
+            Slot::SECOND
+        };
+        Slot(self.slot as u32 | second)
     }
 }

@@ -3,7 +3,9 @@
 //! | file | part of the step |
 //! |---|---|
 //! | `predict` | where bodies would be at its end without contacts |
-//! | `find` | which contact spheres may touch: root spheres, then trees |
+//! | `snapshot` | the poses that trees are asked at, each for as many steps as its body stays near it |
+//! | `pairs`, `find` | which contact spheres may touch: root spheres, then trees, then lists of what is near |
+//! | `groups`, `workers` | what threads may work on at the same time |
 //! | `contact` | one pair of spheres, linearised |
 //! | `solve` | the forces of all contacts |
 //! | `advance` | bodies at its end |
@@ -16,10 +18,13 @@ mod body;
 mod contact;
 mod events;
 mod find;
+mod groups;
+mod pairs;
 mod predict;
 mod queries;
 mod save;
 mod sleep;
+mod snapshot;
 mod solve;
 mod workers;
 
@@ -35,9 +40,10 @@ use crate::frame::FrameState;
 use body::{Body, Modal};
 use contact::Contact;
 use events::Touches;
-use find::Task;
+use groups::Groups;
+use pairs::{Memory, Pair};
 use solve::Warm;
-use workers::Worker;
+use workers::{Lock, Worker};
 
 pub use body::{BodyState, Energy, Frame};
 pub use contact::ContactRecord;
@@ -133,21 +139,22 @@ pub struct World {
     bodies: Vec<Body>,
     modal: Modal,
     instances: Vec<Instance>,
-    /// The bounds of each body's nodes in a step.
-    caches: Vec<StepCache<'static>>,
+    /// The bounds of each body's nodes at its snapshot.
+    caches: Vec<Lock<StepCache<'static>>>,
     steps: u64,
     // What a step works with; kept, so that later steps allocate nothing.
     workspace: Workspace<'static>,
     workers: Vec<Worker>,
     spheres: Vec<bdtree_runtime::BoundingSphere>,
     near: Vec<[usize; 2]>,
-    tasks: Vec<Task>,
-    contacts: Vec<Contact>,
-    warm: Vec<Warm>,
+    pairs: Vec<Pair>,
+    memory: Memory,
+    groups: Groups,
     touches: Touches,
     touches_before: Touches,
     /// Forces and touches between what sleeps.
     warm_asleep: Vec<Warm>,
+    warm_scratch: Vec<Warm>,
     touches_asleep: Touches,
     /// Leaders of islands, which of them have restless bodies, and islands that wake.
     islands: Vec<u32>,
@@ -205,12 +212,13 @@ impl World {
             workers,
             spheres: Vec::new(),
             near: Vec::new(),
-            tasks: Vec::new(),
-            contacts: Vec::new(),
-            warm: Vec::new(),
+            pairs: Vec::new(),
+            memory: Memory::default(),
+            groups: Groups::default(),
             touches: Vec::new(),
             touches_before: Vec::new(),
             warm_asleep: Vec::new(),
+            warm_scratch: Vec::new(),
             touches_asleep: Vec::new(),
             islands: Vec::new(),
             restless: Vec::new(),
@@ -302,7 +310,7 @@ impl World {
         self.bodies
             .push(Body::new(index, frame, state, self.modal.start()));
         self.instances.push(instance);
-        self.caches.push(StepCache::new(cache_size));
+        self.caches.push(Lock::new(StepCache::new(cache_size)));
         self.spheres.push(bdtree_runtime::BoundingSphere {
             center: [0.0; 3],
             radius: 0.0,
@@ -327,7 +335,7 @@ impl World {
 
     /// The contacts of the last step, sorted by bodies and spheres.
     pub fn contacts(&self) -> impl Iterator<Item = ContactRecord> + use<'_> {
-        self.contacts.iter().map(Contact::record)
+        self.sorted_contacts().map(Contact::record)
     }
 
     /// One step.
@@ -335,7 +343,9 @@ impl World {
     /// # Errors
     /// Overlaps deeper than a contact sphere's radius, states that are not finite; the world then is not to be stepped on.
     pub fn step(&mut self) -> Result<StepReport, DynamicsError> {
-        self.is_posed = false;
+        if core::mem::take(&mut self.is_posed) {
+            self.return_to_snapshots()?;
+        }
         self.fall_asleep_and_wake()?;
         self.predict()?;
         let mut report = self.find()?;

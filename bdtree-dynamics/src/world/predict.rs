@@ -6,9 +6,6 @@ use super::body::Frame;
 use super::{World, half_way};
 use crate::error::DynamicsError;
 
-/// What rounding to f32 changes a number by, relative to it.
-const F32: f64 = 6e-8;
-
 impl World {
     pub(super) fn predict(&mut self) -> Result<(), DynamicsError> {
         for index in 0..self.bodies.len() {
@@ -17,7 +14,7 @@ impl World {
             }
             self.predict_frame(index);
             self.predict_modes(index);
-            self.place(index)?;
+            self.follow(index)?;
         }
         Ok(())
     }
@@ -111,43 +108,6 @@ impl World {
             modal.slope[at] = slope;
             modal.per_force[at] = slope * slope * mode.transition.q_a / mode.mass;
         }
-    }
-
-    /// Poses the instance for the middle of the step, and says how far contact spheres may be from its bounds within it.
-    pub(super) fn place(&mut self, index: usize) -> Result<(), DynamicsError> {
-        let body = &mut self.bodies[index];
-        let model = &self.models[body.model];
-        let spheres = &model.spheres;
-        let own = body.start..body.start + model.modes.len();
-        let (q, end) = (&self.modal.q[own.clone()], &self.modal.end_q[own]);
-        let half_change = &mut self.modal.half_change[body.start..body.start + spheres.stride()];
-        let mut given = [0.0_f32; super::MODES_MAX];
-        let given = &mut given[..model.model.asset().mode_count()];
-        let mut size = 0.0;
-        let each = q.iter().zip(end).zip(half_change.iter_mut());
-        for (given, ((q, end), half)) in given.iter_mut().zip(each) {
-            let middle = 0.5 * (q + end);
-            *given = middle as f32;
-            *half = 0.5 * (end - q);
-            size += f64::max(q * q, end * end);
-        }
-        for (given, q) in given.iter_mut().zip(&model.redundant_q) {
-            *given = *q;
-        }
-        let half = half_way(&body.state.orientation, &body.end.orientation);
-        let both = [body.state.orientation, body.end.orientation];
-        body.rotations = both.map(|turn| turn.to_rotation_matrix().into_inner());
-        body.way = (body.end.position - body.state.position) * 0.5;
-        let at = model.placement(body.state.position + body.way, half);
-        self.instances[index].set_pose(given, at)?;
-        self.caches[index].start(&self.instances[index].pose());
-        let chord = 2.0 * half.rotation_to(&body.end.orientation).imag().norm();
-        let size = libm::sqrt(size);
-        body.swing = chord * (spheres.extent + spheres.moved_within(size)) * (1.0 + 1e-9);
-        // Rounding q to f32 changes it too.
-        let rounded = spheres.moved_within(F32 * size) + model.redundant_move;
-        body.ripple = (spheres.moved(half_change) + rounded) * (1.0 + 1e-9);
-        Ok(())
     }
 
     /// Says where a driven body's mesh is, and what q is, at the end of the next step.

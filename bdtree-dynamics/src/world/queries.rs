@@ -7,7 +7,7 @@ use crate::error::DynamicsError;
 
 impl World {
     /// Poses the instances as bodies are now: what queries of the runtime on [`World::instances`] are asked of. Steps leave
-    /// them in the middle of the step.
+    /// them elsewhere.
     ///
     /// # Errors
     /// A damaged asset.

@@ -12,12 +12,13 @@ use super::World;
 use super::contact::Side;
 use super::events::Touch;
 use super::sleep::{Change, Rest};
+use super::snapshot::Snapshot;
 use super::solve::Warm;
 use crate::error::DynamicsError;
 use crate::frame::FrameState;
 
 const MAGIC: [u8; 8] = *b"BDTWORLD";
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 
 impl World {
     /// Appends the whole state to `out`.
@@ -27,7 +28,7 @@ impl World {
             VERSION,
             self.bodies.len() as u64,
             self.modal.s.len() as u64,
-            self.warm.len() as u64,
+            self.sorted_warm().count() as u64,
             self.touches.len() as u64,
             self.warm_asleep.len() as u64,
             self.touches_asleep.len() as u64,
@@ -45,6 +46,10 @@ impl World {
             }
             put(out, body.force.iter());
             put(out, body.torque.iter());
+            let snapshot = &body.snapshot;
+            put(out, snapshot.position.iter());
+            put(out, snapshot.orientation.coords.iter());
+            put(out, [snapshot.allowance].iter());
             let Rest {
                 quiet,
                 is_asleep,
@@ -60,10 +65,11 @@ impl World {
             &self.modal.rate,
             &self.modal.force,
             &self.modal.end_s,
+            &self.modal.snapshot_q,
         ] {
             put(out, all.iter());
         }
-        for warm in self.warm.iter().chain(&self.warm_asleep) {
+        for warm in self.sorted_warm().chain(&self.warm_asleep) {
             for side in warm.sides {
                 out.extend(side.body.to_le_bytes());
                 out.extend(side.sphere.to_le_bytes());
@@ -89,7 +95,7 @@ impl World {
             return Err(wrong("it does not begin with BDTWORLD"));
         }
         if from.count()? != VERSION {
-            return Err(wrong("its version is not 1"));
+            return Err(wrong("its version is not 2"));
         }
         if from.count()? != self.bodies.len() as u64 {
             return Err(wrong("it has another number of bodies"));
@@ -107,6 +113,7 @@ impl World {
             body.end = from.state()?;
             body.force = from.vector()?;
             body.torque = from.vector()?;
+            body.snapshot = from.snapshot()?;
             body.rest = from.rest()?;
         }
         let mut modal = self.modal.clone();
@@ -115,6 +122,7 @@ impl World {
             &mut modal.rate,
             &mut modal.force,
             &mut modal.end_s,
+            &mut modal.snapshot_q,
         ] {
             for value in all {
                 *value = from.number()?;
@@ -129,13 +137,11 @@ impl World {
         }
         (self.bodies, self.modal, self.steps) = (bodies, modal, steps);
         // What has grown stays, so that later steps allocate nothing.
-        for (old, new) in [
-            (&mut self.warm, &mut warm),
-            (&mut self.warm_asleep, &mut warm_asleep),
-        ] {
-            old.clear();
-            old.append(new);
-        }
+        self.pairs.clear();
+        self.memory.clear();
+        self.memory.loose.append(&mut warm);
+        self.warm_asleep.clear();
+        self.warm_asleep.append(&mut warm_asleep);
         for (old, new) in [
             (&mut self.touches, &mut touches),
             (&mut self.touches_asleep, &mut touches_asleep),
@@ -144,13 +150,13 @@ impl World {
             old.append(new);
         }
         self.touches_before.clear();
+        self.return_to_snapshots()?;
         for index in 0..self.bodies.len() {
             if self.bodies[index].rest.is_asleep {
                 self.lie(index);
-                self.place(index)?;
+                self.follow(index)?;
             }
         }
-        self.contacts.clear();
         self.is_posed = false;
         Ok(())
     }
@@ -249,8 +255,7 @@ impl Bytes<'_> {
         Ok(found)
     }
 
-    fn state(&mut self) -> Result<FrameState, DynamicsError> {
-        let position = self.vector()?;
+    fn orientation(&mut self) -> Result<UnitQuaternion<f64>, DynamicsError> {
         let [x, y, z, w] = [
             self.number()?,
             self.number()?,
@@ -261,10 +266,23 @@ impl Bytes<'_> {
         if !((orientation.norm() - 1.0).abs() < 1e-6) {
             return Err(wrong("an orientation is not a unit quaternion"));
         }
+        // Kept to the bit.
+        Ok(UnitQuaternion::new_unchecked(orientation))
+    }
+
+    fn snapshot(&mut self) -> Result<Snapshot, DynamicsError> {
+        Ok(Snapshot {
+            position: self.vector()?,
+            orientation: self.orientation()?,
+            allowance: self.number()?,
+            is_new: false,
+        })
+    }
+
+    fn state(&mut self) -> Result<FrameState, DynamicsError> {
         Ok(FrameState {
-            position,
-            // Kept to the bit.
-            orientation: UnitQuaternion::new_unchecked(orientation),
+            position: self.vector()?,
+            orientation: self.orientation()?,
             velocity: self.vector()?,
             angular_momentum: self.vector()?,
         })

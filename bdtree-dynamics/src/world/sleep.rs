@@ -9,7 +9,7 @@ use super::World;
 use super::body::{Body, Frame};
 use super::contact::Side;
 use super::events::Touch;
-use super::solve::{Warm, order};
+use super::solve::Warm;
 use crate::error::DynamicsError;
 
 /// How long a body must have been slow, seconds.
@@ -107,16 +107,18 @@ impl World {
             } else if change == Change::FallAsleep {
                 rest.is_asleep = true;
                 self.lie(index);
-                self.place(index)?;
+                self.follow(index)?;
             }
         }
         // Forces and touches of what sleeps wait in lists of their own.
-        let mut warm = core::mem::take(&mut self.warm);
+        let mut warm = core::mem::take(&mut self.warm_scratch);
+        warm.clear();
+        warm.extend(self.sorted_warm());
         let mut kept = core::mem::take(&mut self.warm_asleep);
         let rest = |warm: &Warm| warm.sides.iter().all(|side: &Side| self.rests(side.body));
         exchange(&mut warm, &mut kept, rest);
-        warm.sort_unstable_by_key(|warm| order(&warm.sides));
-        (self.warm, self.warm_asleep) = (warm, kept);
+        self.loosen(&mut warm);
+        (self.warm_scratch, self.warm_asleep) = (warm, kept);
         let mut touches = core::mem::take(&mut self.touches);
         let mut kept = core::mem::take(&mut self.touches_asleep);
         let rest = |touch: &Touch| touch.sides.iter().all(|side| self.rests(*side));

@@ -7,7 +7,10 @@
 use nalgebra::Vector3;
 
 use super::contact::{Contact, Side, bodies_of, slipping};
+use super::find::Slot;
+use super::groups::{Cluster, Group, Motion};
 use super::{StepReport, World};
+use crate::body_model::BodyModel;
 use crate::error::DynamicsError;
 
 /// Pairs that do not touch are visited in every so many sweeps.
@@ -28,63 +31,119 @@ pub(super) fn order([a, b]: &[Side; 2]) -> [u32; 4] {
     [a.body, b.body, a.sphere, b.sphere]
 }
 
-impl World {
-    /// Both lists are sorted by bodies and spheres.
-    pub(super) fn begin_with_forces_of_before(&mut self) {
-        let mut old = self.warm.iter().peekable();
-        for contact in &mut self.contacts {
-            let at = order(&contact.sides);
-            while old.next_if(|warm| order(&warm.sides) < at).is_some() {}
-            if let Some(warm) = old.next_if(|warm| warm.sides == contact.sides) {
+impl Contact {
+    /// Begins with the force of the step before, if it is in `old`, which is sorted by spheres, as the contacts are that begin
+    /// one after the other.
+    pub(super) fn begin_with(&mut self, old: &mut &[Warm]) {
+        let at = order(&self.sides);
+        while let Some((warm, rest)) = old.split_first() {
+            if order(&warm.sides) > at {
+                return;
+            }
+            *old = rest;
+            if warm.sides == self.sides {
                 // Where they have moved apart since, the spring begins at less.
-                contact.late = warm.late.min(contact.late);
-                let [s, t] = contact.across.map(|across| across.dot(&warm.across));
-                contact.force = [warm.normal, s, t];
+                self.late = warm.late.min(self.late);
+                let [s, t] = self.across.map(|across| across.dot(&warm.across));
+                self.force = [warm.normal, s, t];
+                return;
             }
         }
     }
 
+    fn warm(&self) -> Warm {
+        let [normal, s, t] = self.force;
+        Warm {
+            sides: self.sides,
+            normal,
+            across: self.across[0] * s + self.across[1] * t,
+            late: self.late,
+        }
+    }
+}
+
+/// What is done with a group.
+#[derive(Debug, Clone, Copy)]
+enum Turn {
+    /// The forces of the step before act.
+    Begin,
+    /// Each contact is visited.
+    Sweep(usize),
+}
+
+/// What visits need of the world.
+struct Solver<'w> {
+    models: &'w [BodyModel],
+    step_s: f64,
+    friction: f64,
+}
+
+/// The clusters of a group.
+struct Clusters<'c> {
+    first: &'c mut Cluster,
+    /// `None` if it is the first one.
+    second: Option<&'c mut Cluster>,
+}
+
+impl World {
     pub(super) fn solve(&mut self, report: &mut StepReport) -> Result<(), DynamicsError> {
-        let mut contacts = core::mem::take(&mut self.contacts);
-        for contact in &contacts {
-            if contact.force[0] != 0.0 {
-                self.push(contact, contact.force_vector());
+        self.fill_clusters();
+        report.sweeps = self.sweep() as u64;
+        self.take_from_clusters();
+        self.memory
+            .warm
+            .resize_with(self.groups.all.len(), Default::default);
+        for (group, warm) in self.groups.all.iter().zip(&mut self.memory.warm) {
+            warm.clear();
+            warm.extend(group.contacts.iter().map(Contact::warm));
+        }
+        for group in &self.groups.all {
+            for contact in &group.contacts {
+                report.events += u64::from(contact.is_event());
+                report.contact_energy += contact.spring.energy(contact.before - contact.late);
+                report.late += u64::from(contact.late > 0.0);
+                self.check_depth(contact, report)?;
             }
         }
-        for sweep in 0..self.options.sweeps {
-            let (mut sum, mut changed) = (0.0, 0.0);
-            for contact in &mut contacts {
-                // Pairs that others have not pushed together so far are looked at less often.
-                let is_open = contact.force[0] == 0.0 && contact.after <= 0.0;
-                if is_open && sweep % OPEN_EVERY != 0 {
-                    continue;
-                }
-                let before = contact.force[0];
-                self.visit(contact);
-                sum += contact.force[0];
-                changed += (contact.force[0] - before).abs();
-            }
-            report.sweeps += 1;
-            if changed <= self.options.accuracy * sum {
-                break;
-            }
-        }
-        self.warm.clear();
-        for contact in &contacts {
-            report.events += u64::from(contact.is_event());
-            report.contact_energy += contact.spring.energy(contact.before - contact.late);
-            report.late += u64::from(contact.late > 0.0);
-            self.check_depth(contact, report)?;
-            let [normal, s, t] = contact.force;
-            self.warm.push(Warm {
-                sides: contact.sides,
-                normal,
-                across: contact.across[0] * s + contact.across[1] * t,
-                late: contact.late,
-            });
-        }
-        self.contacts = contacts;
         Ok(())
+    }
+
+    /// Visits all contacts until their forces settle; the number of sweeps.
+    fn sweep(&mut self) -> usize {
+        let (sweeps, accuracy) = (self.options.sweeps, self.options.accuracy);
+        let solver = Solver {
+            models: &self.models,
+            step_s: self.options.step_s,
+            friction: self.options.law.friction,
+        };
+        #[cfg(feature = "threads")]
+        if self.workers.len() > 1 && self.groups.clusters.len() > 1 {
+            return threads::sweep(
+                &solver,
+                &mut self.groups,
+                self.workers.len(),
+                sweeps,
+                accuracy,
+            );
+        }
+        let (all, clusters) = (&mut self.groups.all, &mut self.groups.clusters);
+        let order = &self.groups.order;
+        for index in order {
+            solver.turn_of(&mut all[*index as usize], clusters, Turn::Begin);
+        }
+        for sweep in 0..sweeps {
+            let (mut sum, mut changed) = (0.0, 0.0);
+            for index in order {
+                let group = &mut all[*index as usize];
+                solver.turn_of(group, clusters, Turn::Sweep(sweep));
+                sum += group.sum;
+                changed += group.changed;
+            }
+            if changed <= accuracy * sum {
+                return sweep + 1;
+            }
+        }
+        sweeps
     }
 
     /// # Errors
@@ -109,20 +168,63 @@ impl World {
             step_max_s: self.options.step_s * 0.5 * radius / depth,
         })
     }
+}
 
-    fn visit(&mut self, contact: &mut Contact) {
-        let (mut rigid, mut modes) = self.displacement(contact, 0);
+impl Solver<'_> {
+    fn turn_of(&self, group: &mut Group, clusters: &mut [Cluster], turn: Turn) {
+        let [i, j] = group.clusters;
+        if i == j {
+            let clusters = Clusters {
+                first: &mut clusters[i],
+                second: None,
+            };
+            self.turn(group, clusters, turn);
+        } else if let Ok([first, second]) = clusters.get_disjoint_mut([i, j]) {
+            let clusters = Clusters {
+                first,
+                second: Some(second),
+            };
+            self.turn(group, clusters, turn);
+        }
+    }
+
+    fn turn(&self, group: &mut Group, mut clusters: Clusters<'_>, turn: Turn) {
+        let (mut sum, mut changed) = (0.0, 0.0);
+        for contact in &mut group.contacts {
+            let before = contact.force[0];
+            match turn {
+                Turn::Begin => {
+                    if before != 0.0 {
+                        self.push(&mut clusters, contact, contact.force_vector());
+                    }
+                }
+                Turn::Sweep(sweep) => {
+                    // Pairs that others have not pushed together so far are looked at less often.
+                    let is_open = before == 0.0 && contact.after <= 0.0;
+                    if is_open && sweep % OPEN_EVERY != 0 {
+                        continue;
+                    }
+                    self.visit(&mut clusters, contact);
+                    sum += contact.force[0];
+                    changed += (contact.force[0] - before).abs();
+                }
+            }
+        }
+        (group.sum, group.changed) = (sum, changed);
+    }
+
+    fn visit(&self, clusters: &mut Clusters<'_>, contact: &mut Contact) {
+        let (mut rigid, mut modes) = self.displacement(clusters, contact, 0);
         if !contact.is_with_plane() {
-            let other = self.displacement(contact, 1);
+            let other = self.displacement(clusters, contact, 1);
             rigid -= other.0;
             modes -= other.1;
         }
         let [before, s, t] = contact.force;
         let moved = contact.normal.dot(&(rigid + modes));
         let free = contact.free - moved + contact.response * before;
-        let step_s = self.options.step_s;
         let (start, end) = (contact.before - contact.late, free - contact.late);
-        let normal = contact.spring.force(start, end, contact.response, step_s);
+        let normal = (contact.spring).force(start, end, contact.response, self.step_s);
         contact.after = free - contact.response * normal;
         let slip = slipping(rigid, modes);
         let change = normal - before;
@@ -131,51 +233,176 @@ impl World {
         let y = contact.slip[1] + other.dot(&slip) + contact.leak[1] * change;
         let [xx, yy, xy] = contact.hold;
         let mut held = [s - (xx * x + xy * y), t - (xy * x + yy * y)];
-        let most = self.options.law.friction * normal;
+        let most = self.friction * normal;
         let size = libm::sqrt(held[0] * held[0] + held[1] * held[1]);
         if size > most {
             held = held.map(|f| f * (most / size));
         }
         let [ds, dt] = [held[0] - s, held[1] - t];
+        if change == 0.0 && ds == 0.0 && dt == 0.0 {
+            return;
+        }
         contact.force = [normal, held[0], held[1]];
         let by = contact.normal * change + contact.across[0] * ds + contact.across[1] * dt;
-        self.push(contact, by);
+        self.push(clusters, contact, by);
     }
 
     /// How forces have moved a side's point so far: by rigid motion and by modes.
-    fn displacement(&self, contact: &Contact, side: usize) -> (Vector3<f64>, Vector3<f64>) {
-        let body = &self.bodies[contact.sides[side].body as usize];
-        let rigid = body.moved + body.turned.cross(&contact.arms[side]);
-        let spheres = &self.models[body.model].spheres;
+    fn displacement(
+        &self,
+        clusters: &mut Clusters<'_>,
+        contact: &Contact,
+        side: usize,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let (motion, _, moved) = clusters.at(contact.slots[side]);
+        let rigid = motion.moved + motion.turned.cross(&contact.arms[side]);
+        let spheres = &self.models[motion.model].spheres;
         let stride = spheres.stride();
         if stride == 0 {
             return (rigid, Vector3::zeros());
         }
-        let moved = super::part(&self.modal.moved, body.start, stride);
+        let moved = &moved[motion.start..motion.start + stride];
         let own = spheres.displacement(contact.sides[side].sphere as usize, moved);
-        (rigid, body.rotation * own)
+        (rigid, motion.rotation * own)
     }
 
     /// Adds a force on the first side, and its opposite on the second.
-    fn push(&mut self, contact: &Contact, force: Vector3<f64>) {
-        self.push_side(contact, 0, force);
+    fn push(&self, clusters: &mut Clusters<'_>, contact: &Contact, force: Vector3<f64>) {
+        self.push_side(clusters, contact, 0, force);
         if !contact.is_with_plane() {
-            self.push_side(contact, 1, -force);
+            self.push_side(clusters, contact, 1, -force);
         }
     }
 
-    fn push_side(&mut self, contact: &Contact, side: usize, force: Vector3<f64>) {
-        let body = &mut self.bodies[contact.sides[side].body as usize];
-        body.moved += force * body.per_force;
-        body.turned += body.per_torque * contact.arms[side].cross(&force);
-        let spheres = &self.models[body.model].spheres;
+    fn push_side(
+        &self,
+        clusters: &mut Clusters<'_>,
+        contact: &Contact,
+        side: usize,
+        force: Vector3<f64>,
+    ) {
+        let (motion, per_force, moved) = clusters.at(contact.slots[side]);
+        motion.moved += force * motion.per_force;
+        motion.turned += motion.per_torque * contact.arms[side].cross(&force);
+        let spheres = &self.models[motion.model].spheres;
         let stride = spheres.stride();
         if stride == 0 {
             return;
         }
-        let own = body.rotation.tr_mul(&force);
-        let at = body.start..body.start + stride;
-        let (per_force, moved) = (&self.modal.per_force[at.clone()], &mut self.modal.moved[at]);
+        let own = motion.rotation.tr_mul(&force);
+        let at = motion.start..motion.start + stride;
+        let (per_force, moved) = (&per_force[at.clone()], &mut moved[at]);
         spheres.pull(contact.sides[side].sphere as usize, own, per_force, moved);
+    }
+}
+
+impl Clusters<'_> {
+    /// A body, and its cluster's numbers for modes.
+    #[inline]
+    fn at(&mut self, slot: Slot) -> (&mut Motion, &[f64], &mut [f64]) {
+        let (is_second, slot) = slot.split();
+        let cluster = match &mut self.second {
+            Some(second) if is_second => second,
+            _ => &mut *self.first,
+        };
+        (
+            &mut cluster.motions[slot],
+            &cluster.per_force,
+            &mut cluster.moved,
+        )
+    }
+}
+
+#[cfg(feature = "threads")]
+mod threads {
+    //! Sweeps of several threads: a round's groups are taken one by one, and nobody goes on to the next round before all are
+    //! done.
+
+    use alloc::vec::Vec;
+    use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+    use super::super::groups::Groups;
+    use super::super::workers::{Barrier, Lock};
+    use super::{Clusters, Solver, Turn};
+
+    pub(super) fn sweep(
+        solver: &Solver<'_>,
+        groups: &mut Groups,
+        threads: usize,
+        sweeps: usize,
+        accuracy: f64,
+    ) -> usize {
+        let clusters: Vec<_> = groups.clusters.iter_mut().map(Lock::new).collect();
+        let all: Vec<_> = groups.all.iter_mut().map(Lock::new).collect();
+        let (order, ends) = (&groups.order, &groups.ends);
+        let barrier = Barrier::new(threads);
+        let next = AtomicUsize::new(0);
+        let (is_done, done) = (AtomicBool::new(sweeps == 0), AtomicUsize::new(sweeps));
+        let round = |start: usize, end: usize, turn: Turn| {
+            loop {
+                let at = start + next.fetch_add(1, Ordering::Relaxed);
+                if at >= end {
+                    return;
+                }
+                all[order[at] as usize].with(|group| {
+                    let [i, j] = group.clusters;
+                    clusters[i].with(|first| {
+                        if i == j {
+                            let second = None;
+                            solver.turn(group, Clusters { first, second }, turn);
+                            return;
+                        }
+                        clusters[j].with(|second| {
+                            let second = Some(&mut **second);
+                            solver.turn(group, Clusters { first, second }, turn);
+                        });
+                    });
+                });
+            }
+        };
+        let settled = |sweep: usize| {
+            let (mut sum, mut changed) = (0.0, 0.0);
+            for index in order {
+                all[*index as usize].with(|group| {
+                    sum += group.sum;
+                    changed += group.changed;
+                });
+            }
+            if changed <= accuracy * sum {
+                done.store(sweep + 1, Ordering::Relaxed);
+                is_done.store(true, Ordering::Release);
+            }
+        };
+        let run = || {
+            let turns = core::iter::once(Turn::Begin).chain((0..sweeps).map(Turn::Sweep));
+            for turn in turns {
+                let mut start = 0;
+                for end in ends {
+                    round(start, *end, turn);
+                    start = *end;
+                    barrier.wait(|| {
+                        next.store(0, Ordering::Relaxed);
+                        if let Turn::Sweep(sweep) = turn
+                            && *end == order.len()
+                        {
+                            settled(sweep);
+                        }
+                    });
+                }
+                if ends.is_empty() || is_done.load(Ordering::Acquire) {
+                    return;
+                }
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..threads {
+                scope.spawn(run);
+            }
+            run();
+        });
+        if ends.is_empty() {
+            return sweeps.min(1);
+        }
+        done.load(Ordering::Relaxed)
     }
 }

@@ -1,24 +1,15 @@
-//! What threads work with, and how work is shared: each takes the next part of the tasks, and results are put together in
-//! their order, so that they do not depend on the number of threads. A cache serves the thread that has its body; it changes
-//! no result either.
+//! What threads work with, and how they share work: each takes the next group, and nothing depends on which thread had it.
 
 use alloc::vec::Vec;
 
 use bdtree_runtime::{LaneId, Workspace};
 
-use super::contact::Contact;
-use crate::error::DynamicsError;
-
+/// What one thread works with.
 #[derive(Debug)]
 pub(super) struct Worker {
     pub(super) workspace: Workspace<'static>,
     pub(super) lanes: Vec<LaneId>,
     pub(super) pairs: Vec<[LaneId; 2]>,
-    pub(super) contacts: Vec<Contact>,
-    pub(super) candidates: u64,
-    pub(super) nodes_visited: u64,
-    pub(super) nodes_updated: u64,
-    pub(super) error: Option<DynamicsError>,
 }
 
 impl Default for Worker {
@@ -27,79 +18,141 @@ impl Default for Worker {
             workspace: Workspace::new(),
             lanes: Vec::new(),
             pairs: Vec::new(),
-            contacts: Vec::new(),
-            candidates: 0,
-            nodes_visited: 0,
-            nodes_updated: 0,
-            error: None,
         }
     }
 }
 
-/// Calls `work` with each worker, its part of the tasks and the caches of the bodies that are first in them. Tasks are sorted
-/// by their first body; `first` says which it is.
-pub(super) fn share<T: Sync, C: Send>(
+/// Calls `work` with each item and the worker that has taken it.
+pub(super) fn each<T: Send>(
     workers: &mut [Worker],
-    tasks: &[T],
-    caches: &mut [C],
-    first: impl Fn(&T) -> usize,
-    work: impl Fn(&mut Worker, &[T], Own<'_, C>) + Sync,
+    items: impl Iterator<Item = T> + Send,
+    work: impl Fn(&mut Worker, T) + Sync,
 ) {
+    let Some((worker, others)) = workers.split_first_mut() else {
+        return;
+    };
     #[cfg(feature = "threads")]
-    if workers.len() > 1 {
-        let each = tasks.len().div_ceil(workers.len()).max(1);
-        std::thread::scope(|scope| {
-            let (mut tasks, mut caches, mut begin) = (tasks, caches, 0);
-            for worker in workers {
-                // All tasks of a body go to the same worker.
-                let mut count = each.min(tasks.len());
-                while count > 0
-                    && count < tasks.len()
-                    && first(&tasks[count]) == first(&tasks[count - 1])
-                {
-                    count += 1;
+    if !others.is_empty() {
+        let items = Lock::new(items);
+        let take_all = |worker: &mut Worker| {
+            loop {
+                let next = items.with(Iterator::next);
+                match next {
+                    Some(item) => work(worker, item),
+                    None => return,
                 }
-                let (part, rest) = tasks.split_at(count);
-                let end = rest.first().map_or(begin + caches.len(), &first);
-                let (own, others) = core::mem::take(&mut caches).split_at_mut(end - begin);
-                let own = Own {
-                    first: begin,
-                    caches: own,
-                };
-                (tasks, caches, begin) = (rest, others, end);
-                let work = &work;
-                scope.spawn(move || work(worker, part, own));
             }
+        };
+        std::thread::scope(|scope| {
+            for other in others {
+                scope.spawn(|| take_all(other));
+            }
+            take_all(worker);
         });
         return;
     }
-    let _ = first;
-    if let Some(worker) = workers.first_mut() {
-        work(worker, tasks, Own { first: 0, caches });
+    let _ = others;
+    for item in items {
+        work(worker, item);
     }
 }
 
-/// The caches of consecutive bodies.
-pub(super) struct Own<'c, C> {
-    first: usize,
-    caches: &'c mut [C],
+/// A value that threads take in turns; without std there is one thread.
+#[derive(Debug, Default)]
+pub(super) struct Lock<T> {
+    #[cfg(feature = "std")]
+    inner: std::sync::Mutex<T>,
+    #[cfg(not(feature = "std"))]
+    inner: core::cell::RefCell<T>,
 }
 
-impl<C> Own<'_, C> {
-    /// Those of two bodies, as far as they are here.
-    pub(super) fn both(&mut self, [a, b]: [usize; 2]) -> [Option<&mut C>; 2] {
-        let [a, b] = [a, b].map(|body| {
-            body.checked_sub(self.first)
-                .filter(|at| *at < self.caches.len())
-        });
-        match (a, b) {
-            (Some(a), Some(b)) => match self.caches.get_disjoint_mut([a, b]) {
-                Ok([a, b]) => [Some(a), Some(b)],
-                Err(_) => [None, None],
-            },
-            (Some(a), None) => [self.caches.get_mut(a), None],
-            (None, Some(b)) => [None, self.caches.get_mut(b)],
-            (None, None) => [None, None],
+#[cfg(feature = "std")]
+impl<T> Lock<T> {
+    pub(super) fn new(value: T) -> Self {
+        Self {
+            inner: std::sync::Mutex::new(value),
+        }
+    }
+
+    pub(super) fn get_mut(&mut self) -> &mut T {
+        match self.inner.get_mut() {
+            Ok(value) => value,
+            Err(poisoned) => poisoned.into_inner(),
+        }
+    }
+
+    /// The value, when no other thread has it any more.
+    #[cfg(feature = "threads")]
+    pub(super) fn with<R>(&self, use_it: impl FnOnce(&mut T) -> R) -> R {
+        let mut guard = match self.inner.lock() {
+            Ok(guard) => guard,
+            Err(poisoned) => poisoned.into_inner(),
+        };
+        use_it(&mut guard)
+    }
+
+    /// The value, unless another thread has it.
+    pub(super) fn get(&self) -> Option<std::sync::MutexGuard<'_, T>> {
+        self.inner.try_lock().ok()
+    }
+}
+
+#[cfg(not(feature = "std"))]
+impl<T> Lock<T> {
+    pub(super) fn new(value: T) -> Self {
+        Self {
+            inner: core::cell::RefCell::new(value),
+        }
+    }
+
+    pub(super) fn get_mut(&mut self) -> &mut T {
+        self.inner.get_mut()
+    }
+
+    /// The value, unless it is in use.
+    pub(super) fn get(&self) -> Option<core::cell::RefMut<'_, T>> {
+        self.inner.try_borrow_mut().ok()
+    }
+}
+
+/// Where threads wait for each other: a few thousand times in a step, so that they spin for a moment before they sleep.
+#[cfg(feature = "threads")]
+#[derive(Debug)]
+pub(super) struct Barrier {
+    count: usize,
+    arrived: core::sync::atomic::AtomicUsize,
+    round: core::sync::atomic::AtomicUsize,
+}
+
+#[cfg(feature = "threads")]
+impl Barrier {
+    pub(super) fn new(count: usize) -> Self {
+        Self {
+            count,
+            arrived: core::sync::atomic::AtomicUsize::new(0),
+            round: core::sync::atomic::AtomicUsize::new(0),
+        }
+    }
+
+    /// Returns when all threads have come here; the last one calls `alone` before the others go on.
+    pub(super) fn wait(&self, alone: impl FnOnce()) {
+        use core::sync::atomic::Ordering::{AcqRel, Acquire, Relaxed, Release};
+        const SPINS: usize = 4000;
+        let round = self.round.load(Acquire);
+        if self.arrived.fetch_add(1, AcqRel) + 1 == self.count {
+            alone();
+            self.arrived.store(0, Relaxed);
+            self.round.store(round.wrapping_add(1), Release);
+            return;
+        }
+        let mut spins = 0;
+        while self.round.load(Acquire) == round {
+            if spins < SPINS {
+                spins += 1;
+                core::hint::spin_loop();
+            } else {
+                std::thread::yield_now();
+            }
         }
     }
 }

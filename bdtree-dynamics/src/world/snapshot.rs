@@ -1,0 +1,202 @@
+//! The poses that trees are asked at, each for as many steps as its body stays near it.
+//!
+//! Which contact spheres may touch is asked of trees at *snapshots* of bodies, with an *allowance*: how far contact spheres
+//! may get from where they are in the snapshot until a new one is needed. The answer for two bodies holds until one of them
+//! needs a new snapshot, as a list of near neighbors does in molecular dynamics (Verlet 1967). It depends on the two
+//! snapshots alone, so that a world that goes on from saved snapshots finds the same.
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use super::{World, half_way, part};
+use crate::body_model::BodyModel;
+use crate::error::DynamicsError;
+use crate::level_spheres::LevelSpheres;
+
+/// Contact spheres may move within a step by as much as falling and turning move them without contacts and this many times as
+/// much: contacts elsewhere may push them on. What modes move is taken once.
+const FAR: f64 = 2.0;
+
+/// What rounding to f32 changes a number by, relative to it.
+const F32: f64 = 6e-8;
+
+/// The part of an allowance beyond the step, in steps of the present speed.
+const STEPS: f64 = 8.0;
+
+/// Its limits, in mean radii of contact spheres. Bodies too fast for a few steps within the larger one have none.
+const LEAST: f64 = 0.1;
+const MOST: f64 = 0.5;
+const FEW_STEPS: f64 = 2.0;
+
+/// Motion of modes that need not be known better than by the length of q, in mean radii.
+const LITTLE: f64 = 0.03;
+
+/// Where a body was when trees were asked for it; q is [`Modal::snapshot_q`](super::body::Modal).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Snapshot {
+    pub(super) position: Vector3<f64>,
+    pub(super) orientation: UnitQuaternion<f64>,
+    /// How far contact spheres may get from there, world units. Negative: there is no snapshot yet.
+    pub(super) allowance: f64,
+    /// Whether it is of this step: what trees said before does not hold any more.
+    pub(super) is_new: bool,
+}
+
+impl Snapshot {
+    /// That of a body that has not been looked at.
+    pub(super) fn none() -> Self {
+        Self {
+            position: Vector3::zeros(),
+            orientation: UnitQuaternion::identity(),
+            allowance: -1.0,
+            is_new: false,
+        }
+    }
+}
+
+/// A body's contact spheres at its snapshot.
+pub(super) struct AtSnapshot<'w> {
+    spheres: &'w LevelSpheres,
+    position: Vector3<f64>,
+    turn: Matrix3<f64>,
+    q: &'w [f64],
+}
+
+impl AtSnapshot<'_> {
+    pub(super) fn center(&self, sphere: usize) -> Vector3<f64> {
+        self.position + self.turn * self.spheres.center(sphere, self.q)
+    }
+}
+
+impl World {
+    pub(super) fn at_snapshot(&self, index: usize) -> AtSnapshot<'_> {
+        let body = &self.bodies[index];
+        let spheres = &self.models[body.model].spheres;
+        AtSnapshot {
+            spheres,
+            position: body.snapshot.position,
+            turn: (body.snapshot.orientation)
+                .to_rotation_matrix()
+                .into_inner(),
+            q: part(&self.modal.snapshot_q, body.start, spheres.stride()),
+        }
+    }
+
+    /// Says how far contact spheres may be from the middle of the step within it, and takes a snapshot there if that is too
+    /// far from the last one.
+    pub(super) fn follow(&mut self, index: usize) -> Result<(), DynamicsError> {
+        let body = &mut self.bodies[index];
+        let model = &self.models[body.model];
+        let spheres = &model.spheres;
+        let own = body.start..body.start + spheres.stride();
+        let modal = &mut self.modal;
+        let (q, end) = (&modal.q[own.clone()], &modal.end_q[own.clone()]);
+        let (change, kept) = (&mut modal.change[own.clone()], &mut modal.snapshot_q[own]);
+        let mut size = 0.0;
+        for (change, (q, end)) in change.iter_mut().zip(q.iter().zip(end)) {
+            *change = 0.5 * (end - q);
+            size += f64::max(q * q, end * end);
+        }
+        let mut size = libm::sqrt(size);
+        let half = half_way(&body.state.orientation, &body.end.orientation);
+        let both = [body.state.orientation, body.end.orientation];
+        body.rotations = both.map(|turn| turn.to_rotation_matrix().into_inner());
+        body.way = (body.end.position - body.state.position) * 0.5;
+        let middle = body.state.position + body.way;
+        // Rounding q to f32 changes it too.
+        let rounded = spheres.moved_within(F32 * size) + model.redundant_move;
+        let extent = spheres.extent + spheres.moved_within(size);
+        body.swing = chord(&half, &body.end.orientation) * extent;
+        let waves = moved(spheres, change);
+        body.ripple = (waves + rounded) * (1.0 + 1e-9);
+        let falls = body.way.norm() + body.swing;
+        let needed = (FAR * falls + body.ripple) * (1.0 + 1e-9);
+        // Farther from the snapshot than the allowance?
+        let snapshot = &mut body.snapshot;
+        let mut kept_size = 0.0;
+        for (change, ((q, end), kept)) in change.iter_mut().zip(q.iter().zip(end).zip(&*kept)) {
+            *change = 0.5 * (end + q) - kept;
+            kept_size += kept * kept;
+        }
+        size = size.max(libm::sqrt(kept_size));
+        let extent = spheres.extent + spheres.moved_within(size);
+        let off = (middle - snapshot.position).norm()
+            + chord(&snapshot.orientation, &half) * extent
+            + moved(spheres, change);
+        if off * (1.0 + 1e-9) + needed <= snapshot.allowance {
+            return Ok(());
+        }
+        let per_step = 2.0 * (falls + waves);
+        let radius = spheres.radius_mean;
+        let margin = if FEW_STEPS * per_step > MOST * radius {
+            0.0
+        } else {
+            (STEPS * per_step).clamp(LEAST * radius, MOST * radius)
+        };
+        *snapshot = Snapshot {
+            position: middle,
+            orientation: half,
+            allowance: needed + margin,
+            is_new: true,
+        };
+        for (kept, (q, end)) in kept.iter_mut().zip(q.iter().zip(end)) {
+            *kept = 0.5 * (q + end);
+        }
+        self.pose_at_snapshot(index)
+    }
+
+    /// Poses the instance at the snapshot.
+    pub(super) fn pose_at_snapshot(&mut self, index: usize) -> Result<(), DynamicsError> {
+        let body = &self.bodies[index];
+        let model = &self.models[body.model];
+        let mut q = [0.0_f32; super::MODES_MAX];
+        let q = &mut q[..model.model.asset().mode_count()];
+        let kept = &self.modal.snapshot_q[body.start..];
+        for (q, kept) in q.iter_mut().zip(&kept[..model.modes.len()]) {
+            *q = *kept as f32;
+        }
+        redundant(model, q);
+        let instance = &mut self.instances[index];
+        let at = model.placement(body.snapshot.position, body.snapshot.orientation);
+        instance.set_pose(q, at)?;
+        let pose = instance.pose();
+        let mut sphere = pose.bounding_sphere()?;
+        sphere.radius += model.spheres.reach() + body.snapshot.allowance;
+        sphere.radius *= 1.0 + 1e-9;
+        self.spheres[index] = sphere;
+        self.caches[index].get_mut().start(&pose);
+        Ok(())
+    }
+
+    /// Poses all instances at their snapshots again.
+    pub(super) fn return_to_snapshots(&mut self) -> Result<(), DynamicsError> {
+        for index in 0..self.bodies.len() {
+            if self.bodies[index].snapshot.allowance >= 0.0 {
+                self.pose_at_snapshot(index)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How far centers move at most when q changes by `change`: roughly where that is little enough.
+fn moved(spheres: &LevelSpheres, change: &[f64]) -> f64 {
+    let size = libm::sqrt(change.iter().map(|x| x * x).sum());
+    let most = spheres.moved_within(size);
+    if most <= LITTLE * spheres.radius_mean {
+        most
+    } else {
+        spheres.moved(change)
+    }
+}
+
+/// Sets what costs bounds as much as deformation and changes nothing.
+fn redundant(model: &BodyModel, q: &mut [f32]) {
+    for (q, redundant) in q.iter_mut().zip(&model.redundant_q) {
+        *q = *redundant;
+    }
+}
+
+/// Between where a rotation takes a point at distance 1 and where another one does, at most.
+fn chord(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>) -> f64 {
+    2.0 * from.rotation_to(to).imag().norm() * (1.0 + 1e-9)
+}
