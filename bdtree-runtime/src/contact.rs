@@ -69,6 +69,23 @@ impl TrianglePair {
     };
 }
 
+/// A sphere of the first asset and a triangle of the second that is within the tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LaneTriangle {
+    /// The first asset's lane, whose sphere it is.
+    pub lane: LaneId,
+    /// The second asset's triangle.
+    pub triangle: TriangleId,
+}
+
+impl LaneTriangle {
+    /// A value to fill buffers with.
+    pub const EMPTY: Self = Self {
+        lane: LaneId::EMPTY,
+        triangle: TriangleId(u32::MAX),
+    };
+}
+
 /// Two triangles touch, or are within the tolerance. World coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
 #[repr(C)]

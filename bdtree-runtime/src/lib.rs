@@ -27,6 +27,7 @@
 //! | [`PairQuery::closest_points`], [`PairQuery::distance`] | the nearest two triangles |
 //! | [`PairQuery::contact_manifolds`], [`PairQuery::condense`] | regions of contact with normal, area and depth |
 //! | [`PairQuery::level_spheres`] | pairs of lanes of two levels whose spheres are near, no triangles |
+//! | [`PairQuery::level_triangles`] | lanes of a level of the first, and the second's triangles that are near their spheres |
 //!
 //! Which of many instances may meet at all: [`broad::pairs`], and `broad::instance_pairs` with the feature `alloc`.
 //!
@@ -147,8 +148,8 @@ pub use bdtree_format as format;
 pub use bones::{BoneMap, BoneMatrices};
 pub use cache::{CacheSize, StepCache};
 pub use contact::{
-    Contact, Coverage, LaneId, PairContact, PointProjection, Proxy, RayIntersection, Sink,
-    SliceSink, TriangleId, TrianglePair, VertexId,
+    Contact, Coverage, LaneId, LaneTriangle, PairContact, PointProjection, Proxy, RayIntersection,
+    Sink, SliceSink, TriangleId, TrianglePair, VertexId,
 };
 pub use drawing::{AssetId, StoredToWorld};
 pub use error::{Datum, FormatError, HEADER_SECTION, PoseError, QueryError};

@@ -22,6 +22,7 @@ mod instances;
 mod interop;
 mod kernels;
 mod level_spheres;
+mod level_triangles;
 mod manifold;
 mod mapping;
 mod mode_dropping;

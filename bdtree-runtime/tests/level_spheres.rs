@@ -15,7 +15,7 @@ use rand::RngExt;
 use crate::bones::creature;
 
 /// All modes for each vertex, few of them, none; and the golden files, two of which have a single triangle per lane.
-fn files() -> Vec<Model> {
+pub(crate) fn files() -> Vec<Model> {
     let mesh = bake::bumpy_sphere(14, 1);
     let mut files = vec![
         bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 5)),
@@ -32,7 +32,7 @@ fn files() -> Vec<Model> {
 }
 
 /// A pose for each kernel, with any bones.
-fn posed<T>(
+pub(crate) fn posed<T>(
     asset: &Asset<'_>,
     q: &[f32],
     bones: &[[[f64; 4]; 3]],

@@ -5,8 +5,9 @@
 //! (Shewchuk's first stage, "Adaptive Precision Floating-Point Arithmetic and Fast Robust
 //! Geometric Predicates", 1997).
 
-use super::Triangle;
-use crate::rounding::{BOXES_APART, HEIGHT_FLUSHED, HEIGHT_ROUNDING};
+use super::four::closest_four;
+use super::{Triangle, closest_point};
+use crate::rounding::{BOXES_APART, HEIGHT_FLUSHED, HEIGHT_ROUNDING, MARGIN};
 use crate::simd::{Quad, Quad3, cross3, dot3, sub3};
 
 /// Largest sum of a triangle's coordinates, in magnitude, that is filtered: 2¹⁰⁰.
@@ -154,6 +155,42 @@ impl WorldFour {
             near = Q::both(near, reach.at_least(gap));
         }
         Q::bits(near) | !others.fair
+    }
+
+    /// The triangles whose distance to `point`, as [`closest_point`] computes it, is at most `reach`, which must hold that
+    /// function's error: where boxes say that they are farther, it is not asked.
+    #[inline(always)]
+    pub(crate) fn within<Q: Quad>(&self, point: [f64; 3], reach: f64) -> u8 {
+        let mut squared = Q::splat(0.0);
+        for axis in 0..3 {
+            let x = Q::splat(point[axis]);
+            let (low, high) = (Q::load(&self.low[axis]), Q::load(&self.high[axis]));
+            let gap = low.sub(x).max(x.sub(high)).max(Q::splat(0.0));
+            squared = squared.add(gap.mul(gap));
+        }
+        let limit = Q::splat(reach * reach * (1.0 + 4.0 * MARGIN));
+        let near = !(Q::bits(squared.above(limit)) & self.fair);
+        if near & 15 == 0 {
+            return 0;
+        }
+        let corners = [
+            load3(&self.corners[0]),
+            load3(&self.corners[1]),
+            load3(&self.corners[2]),
+        ];
+        let closest = closest_four::<Q>(point, &corners);
+        let far = Q::bits(closest.distance.above(Q::splat(reach)));
+        let mut within = near & !(far & closest.fair);
+        // Slivers, and triangles that seem to touch the point, one by one.
+        let mut left = within & !closest.fair & 15;
+        while left != 0 {
+            let k = left.trailing_zeros() as usize & 3;
+            left &= left - 1;
+            if closest_point(point, &self.triangle(k)).distance > reach {
+                within &= !(1 << k);
+            }
+        }
+        within
     }
 }
 

@@ -18,6 +18,7 @@ mod pair_leaves;
 mod pair_side;
 mod pair_stack;
 mod separating_plane;
+mod sphere_triangles;
 mod supports;
 mod two;
 mod visit;

@@ -11,6 +11,7 @@ use super::pair_leaves::run_leaves;
 use super::pair_side::Side;
 use super::pair_stack::{FrontSlot, LeafQueue, PairStack, QUEUE};
 use super::separating_plane::{Found, SeparatingPlane};
+use super::sphere_triangles::SphereTriangles;
 use super::visitor::{PairVisitor, Walk};
 use super::{PairStackEntry, lane_subtree};
 use crate::bound::{Spheres, WideSpheres};
@@ -118,6 +119,11 @@ fn tests_max(assets: [&Asset<'_>; 2]) -> u64 {
     assets[0].triangle_count() as u64 * assets[1].triangle_count() as u64
 }
 
+/// Most pairs of a lane of the first and a triangle of the second that a walk may meet: each once.
+fn sphere_tests_max(assets: [&Asset<'_>; 2]) -> u64 {
+    (LANES * assets[0].node_count()) as u64 * assets[1].triangle_count() as u64
+}
+
 /// Tests the triangles of given pairs of leaves; nodes are not visited.
 #[inline(always)]
 fn kept_leaves(
@@ -162,7 +168,13 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
         .saturating_mul(3);
     let mut visits = 0;
     let mut nodes_visited = 0;
-    let mut tests_left = tests_max([asset_a, asset_b]);
+    // Spheres of the first against the second's own triangles.
+    let to_triangles = matches!(&limits, Some([Some(limit), None]) if limit.leaves_too);
+    let mut tests_left = if to_triangles {
+        sphere_tests_max([asset_a, asset_b])
+    } else {
+        tests_max([asset_a, asset_b])
+    };
     // One by one: each is large, and moving it out of an array or a pair is a copy.
     let [posed_a, posed_b] = two.posed;
     let mut a = Side::new(posed_a);
@@ -247,10 +259,25 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
                 let nearer = carried_b.grown(L::splat(-limit.nearer));
                 ended &= meetings(&stored_a, lanes_a.ending, nearer);
             }
-            let poses = [a.posed.pose, b.posed.pose];
-            let spheres = [&stored_a, &own_b.store()];
-            let nodes = [entry.a, entry.b];
-            if report(ended & !leaves, poses, nodes, spheres, limits).is_break() {
+            let flow = if to_triangles {
+                let work = SphereTriangles {
+                    leaves: b.announce(node_b, any_row(ended))?,
+                    a: &a,
+                    b: &mut b,
+                    node: entry.a,
+                    spheres: &stored_a,
+                    found: ended,
+                    tests_left: &mut tests_left,
+                    visitor,
+                };
+                asset_a.kernel.run(work)?
+            } else {
+                let poses = [a.posed.pose, b.posed.pose];
+                let spheres = [&stored_a, &own_b.store()];
+                let nodes = [entry.a, entry.b];
+                report(ended & !leaves, poses, nodes, spheres, limits)
+            };
+            if flow.is_break() {
                 return Ok(Walk {
                     nodes_visited,
                     nodes_updated: a.updated + b.updated,

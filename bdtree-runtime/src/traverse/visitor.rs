@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 
 use super::pair_stack::FrontSlot;
 use crate::bound::WideSpheres;
-use crate::contact::TriangleId;
+use crate::contact::{LaneId, TriangleId};
 use crate::narrow::Triangle;
 use crate::placement::Placement;
 use crate::simd::{Lanes, Quad};
@@ -66,6 +66,17 @@ pub(crate) trait PairVisitor {
 
     /// Takes the world corners of two triangles that may be an answer; `Break` ends the traversal.
     fn triangles(&mut self, ids: [TriangleId; 2], corners: [&Triangle; 2]) -> ControlFlow<()>;
+
+    /// Where the first ends at spheres and the second at triangles: farther from a sphere, a triangle is no answer (world
+    /// units, what rounding takes included).
+    fn sphere_tolerance(&self) -> f64 {
+        0.0
+    }
+
+    /// Takes a lane of the first and a triangle of the second that is near its sphere; `Break` ends the traversal.
+    fn lane_triangle(&mut self, _: LaneId, _: TriangleId) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 }
 
 /// Triangles that wait for being tested together.
