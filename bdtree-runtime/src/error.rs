@@ -130,7 +130,7 @@ pub(crate) const SECTION_CRC: &str = "SPEC 4.1: a section's bytes have its check
 pub(crate) const TRIANGLE_BELOW: &str = "SPEC 7.2: a triangle id is below F";
 /// What a caller's vertex id breaks.
 pub(crate) const VERTEX_BELOW: &str = "SPEC 7.1: a vertex id is below N";
-/// What a caller's slice of generalised forces breaks.
+/// What a caller's slice of generalised forces, or of displacements, breaks.
 pub(crate) const OUT_LENGTH: &str = "argument `out`: one number per mode";
 
 impl FormatError {

@@ -8,8 +8,8 @@ use bdtree_fixtures::skin::{BoneSource, LocalSource, NodeSource, SkinSource, wit
 use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::{
     Asset, Ball, BoneMatrices, CacheSize, Capsule, Contact, Coverage, Cuboid, Frustum,
-    FrustumState, HalfSpace, Instance, LaneId, Model, PairContact, PairFront, Proxy, Ray, Sink,
-    SliceSink, StepCache, Transform, TriangleId, Workspace, broad, joint,
+    FrustumState, HalfSpace, Instance, LaneId, LaneTriangle, Model, PairContact, PairFront, Proxy,
+    Ray, Sink, SliceSink, StepCache, Transform, TriangleId, VertexId, Workspace, broad, joint,
 };
 
 #[global_allocator]
@@ -135,6 +135,11 @@ fn nothing_is_allocated(bytes: &[u8]) {
         let mut query = pose.against(&pose2, &mut workspace);
         let coverage = query.level_spheres([0, 1], 0.0, 0.1, &mut lane_pairs);
         coverage.expect("pairs of spheres");
+        let mut near = [LaneTriangle::EMPTY; 8];
+        let mut near = SliceSink::new(&mut near);
+        let coverage = query.level_triangles(1, 0.0, 0.1, &mut near);
+        coverage.expect("spheres and triangles");
+        assert!(!near.items().is_empty());
         assert!(!lanes.items().is_empty() && !lane_pairs.items().is_empty());
         let spheres = [&pose, &pose2].map(|pose| pose.bounding_sphere().expect("sphere"));
         let mut near = [[0; 2]; 1];
@@ -160,6 +165,8 @@ fn nothing_is_allocated(bytes: &[u8]) {
         let mut out = [0.0; 4];
         pose.add_generalized_force(TriangleId(0), [1.0, 0.0, 0.0], [1.0; 3], &mut out)
             .expect("force");
+        let rest = asset.rest_vertex(VertexId(3), &mut [[0.0; 3]; 4]);
+        rest.expect("a vertex");
         let frame = asset.frame(2).expect("a frame");
         let placed = place.after(frame.transform()).expect("a placement");
         let mut sampled = [0.0; 4];

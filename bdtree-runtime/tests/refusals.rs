@@ -109,7 +109,7 @@ fn every_query_error_is_triggered() {
         .expect("pose");
     let mut out: Vec<Contact> = Vec::new();
     let mut pair_out: Vec<PairContact> = Vec::new();
-    let (mut lanes, mut lane_pairs) = (Vec::new(), Vec::new());
+    let (mut lanes, mut lane_pairs, mut lane_triangles) = (Vec::new(), Vec::new(), Vec::new());
     let (nan, far, inf) = (f64::NAN, 2e30, f64::INFINITY);
     let origin = [0.0; 3];
     let (turned, half) = ([0.0, 0.0, 0.0, 1.0], [1.0; 3]);
@@ -167,6 +167,12 @@ fn every_query_error_is_triggered() {
         let mut query = pose.against(&pose, memory);
         query.level_spheres([1; 2], 0.0, 0.1, &mut lane_pairs).err()
     });
+    short(&mut |memory| {
+        let mut query = pose.against(&pose, memory);
+        query
+            .level_triangles(1, 0.0, 0.1, &mut lane_triangles)
+            .err()
+    });
     short(&mut |memory| pose.against(&pose, memory).distance(inf).err());
 
     let mut texts = BTreeSet::new();
@@ -202,11 +208,14 @@ fn every_query_error_is_triggered() {
         let mut query = pose.against(&pose, &mut workspace);
         argument(query.contacts(bad, &mut pair_out).err());
         lane_pairs.clear();
+        lane_triangles.clear();
         for [prediction, reach] in [[bad, 0.0], [0.0, bad]] {
             let refused = query.level_spheres([1; 2], prediction, reach, &mut lane_pairs);
             argument(refused.err());
+            let refused = query.level_triangles(1, prediction, reach, &mut lane_triangles);
+            argument(refused.err());
         }
-        assert!(lane_pairs.is_empty());
+        assert!(lane_pairs.is_empty() && lane_triangles.is_empty());
     }
     for bad in [nan, -1.0, -f64::MIN_POSITIVE, far] {
         let mut query = pose.query(&mut workspace);
@@ -233,11 +242,14 @@ fn every_query_error_is_triggered() {
         let mut query = pose.against(&pose, &mut workspace);
         argument(query.contacts(bad, &mut pair_out).err());
         lane_pairs.clear();
+        lane_triangles.clear();
         for [prediction, reach] in [[bad, 0.0], [0.0, bad]] {
             let refused = query.level_spheres([1; 2], prediction, reach, &mut lane_pairs);
             argument(refused.err());
+            let refused = query.level_triangles(1, prediction, reach, &mut lane_triangles);
+            argument(refused.err());
         }
-        assert!(lane_pairs.is_empty());
+        assert!(lane_pairs.is_empty() && lane_triangles.is_empty());
     }
     let mut query = pose.query(&mut workspace);
     for bad in [[0.0; 3], [nan, 1.0, 0.0], [1.0, inf, 0.0]] {
@@ -276,7 +288,7 @@ fn a_cache_of_another_pose_is_refused() {
     let mut workspace = Workspace::new();
     let mut out: Vec<Contact> = Vec::new();
     let mut pair_out: Vec<PairContact> = Vec::new();
-    let (mut lanes, mut lane_pairs) = (Vec::new(), Vec::new());
+    let (mut lanes, mut lane_pairs, mut lane_triangles) = (Vec::new(), Vec::new(), Vec::new());
     let size = CacheSize::all(&asset);
     let (mut right, mut wrong, mut never) = (
         StepCache::new(size),
@@ -309,6 +321,8 @@ fn a_cache_of_another_pose_is_refused() {
         assert_eq!(query.distance(1.0), Err(QueryError::Cache));
         let refused = query.level_spheres([0; 2], 0.0, 1.0, &mut lane_pairs);
         assert_eq!(refused, Err(QueryError::Cache));
+        let refused = query.level_triangles(0, 0.0, 1.0, &mut lane_triangles);
+        assert_eq!(refused, Err(QueryError::Cache));
         let mut manifolds: Vec<ContactManifold> = Vec::new();
         let refused = query.contact_manifolds(0.0, &mut manifolds);
         assert_eq!(refused, Err(QueryError::Cache));
@@ -316,7 +330,7 @@ fn a_cache_of_another_pose_is_refused() {
         assert_eq!(query.closest_points(1.0).err(), Some(QueryError::Cache));
     }
     assert!(out.is_empty() && pair_out.is_empty());
-    assert!(lanes.is_empty() && lane_pairs.is_empty());
+    assert!(lanes.is_empty() && lane_pairs.is_empty() && lane_triangles.is_empty());
     // The pose elsewhere is the same to a cache.
     let placed = pose.placed(Transform::from_translation([2.0, 0.0, 0.0]));
     let placed = placed.expect("a placement");

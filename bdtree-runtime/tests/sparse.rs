@@ -211,3 +211,40 @@ fn every_broken_list_is_found() {
         );
     }
 }
+
+/// `p + U q` of what `rest_vertex` gives is the deformed vertex, in both layouts.
+#[test]
+fn vertices_at_rest_and_their_displacements_give_the_deformed_ones() {
+    let mesh = bake::bumpy_sphere(8, 1);
+    let mut rng = poses::rng(6);
+    let (mut layouts, mut zeros) = (Vec::new(), 0);
+    for basis in [
+        bake::smooth_basis(&mesh, 6, 5),
+        bake::local_basis(&mesh, 9, 5),
+    ] {
+        let model = bake::baked(&mesh, &basis);
+        let asset = model.asset();
+        let modes = asset.mode_count();
+        layouts.push(asset.vertex_modes().is_empty());
+        let q = poses::random_q(asset, 0.3, &mut rng);
+        let mut memory = vec![0.0; asset.pose_len()];
+        let pose = asset.pose(&q, Transform::IDENTITY, &mut memory);
+        let pose = pose.expect("a pose");
+        // One entry behind the modes, which is not touched.
+        let mut fields = vec![[7.0; 3]; modes + 1];
+        let size = poses::diagonal(asset) * asset.unit();
+        for vertex in (0..asset.vertex_count() as u32).map(VertexId) {
+            let rest = asset.rest_vertex(vertex, &mut fields).expect("a vertex");
+            assert_eq!(fields[modes], [7.0; 3]);
+            let deformed = pose.deformed(vertex).expect("a vertex");
+            for k in 0..3 {
+                let moved = fields.iter().zip(&q).map(|(u, q)| u[k] * f64::from(*q));
+                let off = (rest[k] + moved.sum::<f64>() - deformed[k]).abs();
+                assert!(off <= 1e-6 * size, "{vertex:?}: {off}");
+            }
+            zeros += fields[..modes].iter().filter(|u| **u == [0.0; 3]).count();
+        }
+    }
+    assert_eq!(layouts, [true, false]);
+    assert!(zeros > 100, "modes that a vertex does not list: {zeros}");
+}

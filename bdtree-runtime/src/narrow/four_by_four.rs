@@ -8,7 +8,7 @@
 use super::four::closest_four;
 use super::{Triangle, closest_point};
 use crate::rounding::{BOXES_APART, HEIGHT_FLUSHED, HEIGHT_ROUNDING, MARGIN};
-use crate::simd::{Quad, Quad3, cross3, dot3, sub3};
+use crate::simd::{Quad, Quad3, cross3, dot3, splat3, sub3};
 
 /// Largest sum of a triangle's coordinates, in magnitude, that is filtered: 2¹⁰⁰.
 const LARGEST: f64 = f64::from_bits((1023 + 100) << 52);
@@ -173,11 +173,25 @@ impl WorldFour {
         if near & 15 == 0 {
             return 0;
         }
-        let corners = [
+        let corners: [Quad3<Q>; 3] = [
             load3(&self.corners[0]),
             load3(&self.corners[1]),
             load3(&self.corners[2]),
         ];
+        // A corner that is near settles it at a fifth of the arithmetic.
+        let limit = Q::splat(reach * reach * (1.0 - 4.0 * MARGIN));
+        let p = splat3::<Q>(point);
+        let squared = |corner: Quad3<Q>| {
+            let d = sub3(corner, p);
+            dot3(d, d)
+        };
+        let nearest = squared(corners[0])
+            .min(squared(corners[1]))
+            .min(squared(corners[2]));
+        let settled = Q::bits(limit.above(nearest));
+        if near & !settled & 15 == 0 {
+            return near;
+        }
         let closest = closest_four::<Q>(point, &corners);
         let far = Q::bits(closest.distance.above(Q::splat(reach)));
         let mut within = near & !(far & closest.fair);

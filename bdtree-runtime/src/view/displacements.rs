@@ -4,7 +4,7 @@
 use bdtree_format::{SectionKind, VertexModes};
 
 use crate::contact::VertexId;
-use crate::error::FormatError;
+use crate::error::{Datum, FormatError, OUT_LENGTH};
 use crate::view::Asset;
 
 /// How the modes move a vertex: U_ij (stored units per unit of q).
@@ -78,6 +78,37 @@ impl<'a> Asset<'a> {
                 Err(self.ends_outside(SectionKind::DISPLACEMENTS, end, len, 12))
             }
         }
+    }
+
+    /// A vertex of the source mesh in f64: its rest position (mesh units), and in `out`, one entry per mode, how far one unit
+    /// of q of that mode moves it (mesh units), zeros for modes that do not. So with U being `out`, the vertex is at
+    /// `p + U q` before bones and placement; of a contact at the weights w of a triangle's corners
+    /// ([`Asset::triangle`]), U is `Σ_k w_k U_k`. What `out` holds behind the modes is left alone.
+    ///
+    /// # Errors
+    /// If the id is not below [`Asset::vertex_count`]; `out` shorter than the mode count; a corrupt asset.
+    pub fn rest_vertex(
+        &self,
+        vertex: VertexId,
+        out: &mut [[f64; 3]],
+    ) -> Result<[f64; 3], FormatError> {
+        let Some(p) = self.positions.get(vertex.0 as usize) else {
+            return Err(self.unknown_vertex(vertex));
+        };
+        let (m, found) = (self.modes.len(), out.len());
+        let Some(out) = out.get_mut(..m) else {
+            let place = self.at(SectionKind::DISPLACEMENTS, 0);
+            return Err(place.rule(OUT_LENGTH).broken(Datum::at_least(m), found));
+        };
+        out.fill([0.0; 3]);
+        for (mode, u) in self.displacements(vertex)?.iter() {
+            let Some(out) = out.get_mut(mode) else {
+                return Err(self.unknown_mode_of(vertex));
+            };
+            *out = u.map(|u| f64::from(u) * self.unit);
+        }
+        let origin = self.origin();
+        Ok([0, 1, 2].map(|k| origin[k] + f64::from(p[k]) * self.unit))
     }
 
     /// Where the displacements and the mode list of each vertex begin, and a last record that ends

@@ -130,6 +130,10 @@ fn every_rule_is_triggered() {
     assert_eq!((short.expected, short.found), lengths, "{short}");
     let told = "argument `out` holds 5 numbers, the asset has 6 modes";
     assert_eq!(short.to_string(), told);
+    let short = asset.rest_vertex(VertexId(0), &mut [[0.0; 3]; 5]);
+    assert_eq!(short.expect_err("too short").to_string(), told);
+    let unknown = asset.rest_vertex(VertexId(u32::MAX), &mut [[0.0; 3]; 6]);
+    assert_eq!(unknown.expect_err("no such vertex").expected, range.0);
 
     let all = rules();
     assert!(all.len() > 60, "{}", all.len());

@@ -146,6 +146,7 @@ fn two(asset: &Asset<'_>) -> Result<usize, QueryError> {
     query.contacts(0.0, &mut count)?;
     let mut query = first.against(&second, &mut workspace);
     query.level_spheres([0, 1], 0.0, 0.1, &mut count)?;
+    query.level_triangles(0, 0.0, 0.1, &mut count)?;
     let [kept1, kept2] = &mut kept;
     let mut cache1 = StepCache::in_bytes(kept1, CACHE)?;
     let mut cache2 = StepCache::in_bytes(kept2, CACHE)?;
