@@ -172,6 +172,15 @@ impl Camera {
         ])
     }
 
+    /// From the eye through a point of a picture of `size` pixels, from the upper left corner: unit.
+    pub fn toward(&self, [x, y]: [f32; 2], size: [u32; 2]) -> Vec3 {
+        let [right, up, forward] = self.axes();
+        let [width, height] = size.map(|n| n.max(1) as f32);
+        let slope_per_pixel = 2.0 * (0.5 * self.fov_y_rad).tan() / height;
+        let aside = right * (x - 0.5 * width) + up * (0.5 * height - y);
+        unit(forward + aside * slope_per_pixel, forward)
+    }
+
     /// What a picture of `size` pixels shows, in the world; the camera's own coordinates are relative to `origin`. It is
     /// a pixel larger at each edge, so that rounding leaves nothing out. Nothing if a coordinate is not finite.
     pub fn frustum(&self, size: [u32; 2], origin: [f64; 3]) -> Option<Frustum> {
@@ -243,6 +252,25 @@ mod tests {
             .expect("in front");
         assert!((before[0] - after[0] - 10.0).abs() < 1e-2);
         assert!((after[1] - before[1] - 20.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_ray_through_a_pixel_meets_what_is_drawn_there() {
+        let camera = ViewDirection::new(30.0, 20.0).camera(Vec3::new(1.0, 2.0, 3.0));
+        let camera = camera.at_distance(5.0);
+        let size = [640, 400];
+        assert!(
+            camera
+                .toward([320.0, 200.0], size)
+                .distance(camera.axes()[2])
+                < 1e-6
+        );
+        for at in [[0.0, 0.0], [639.0, 17.5], [100.0, 399.0]] {
+            let point = camera.eye + camera.toward(at, size) * 7.0;
+            let seen = camera.project(point.into(), size).expect("in front");
+            let apart = (seen[0] - at[0]).hypot(seen[1] - at[1]);
+            assert!(apart < 1e-2, "{at:?}: {seen:?}");
+        }
     }
 
     #[test]

@@ -28,7 +28,7 @@ mod text;
 pub mod tightness;
 
 pub use camera::{Box3, Camera, ViewDirection};
-pub use crowd::{Body, Crowd, CrowdMemory, CrowdPicture, CrowdTimes, Shot};
+pub use crowd::{Body, Crowd, CrowdMemory, CrowdPicture, CrowdTexture, CrowdTimes, Shot};
 pub use error::RenderError;
 pub use framing::Framing;
 pub use gpu::{Gpu, one_line};

@@ -91,6 +91,19 @@ fn seen(picture: &CrowdPicture, point: [f32; 3]) -> [u8; 4] {
 }
 
 #[test]
+fn what_stays_on_the_device_is_the_same_picture() {
+    let scattered = Scattered::new(12);
+    let bodies = scattered.bodies();
+    let mut crowd = crowd(&scattered.models, Crowd::BATCH_BYTES);
+    let picture = crowd.picture(&shot(&bodies, &[])).expect("a picture");
+    crowd.picture(&shot(&[], &[])).expect("another picture");
+    let made = crowd.texture(&shot(&bodies, &[])).expect("a texture");
+    let copied = crowd.gpu().read_back(&made.texture).expect("a copy");
+    assert_eq!(copied.pixels(), picture.image.pixels());
+    assert!(made.times.draw > 0.0 && made.times.read_back == 0.0);
+}
+
+#[test]
 fn what_is_outside_is_left_out_and_what_reaches_in_is_drawn() {
     let models = models();
     let mut crowd = crowd(&models, Crowd::BATCH_BYTES);

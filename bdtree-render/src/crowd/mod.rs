@@ -118,6 +118,15 @@ pub struct CrowdPicture {
     pub times: CrowdTimes,
 }
 
+/// A picture of a crowd that stays on the device.
+#[derive(Debug, Clone)]
+pub struct CrowdTexture {
+    /// Colours as sRGB numbers (`Rgba8Unorm`), for windows to bind; the next picture of the same size takes its place.
+    pub texture: Texture,
+    /// How long it took; nothing is read back.
+    pub times: CrowdTimes,
+}
+
 /// How long a picture took, in seconds by the clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrowdTimes {
@@ -154,6 +163,14 @@ impl CrowdMemory {
     pub fn total(&self) -> u64 {
         self.assets + self.batches + self.pictures
     }
+}
+
+/// What was drawn, and where.
+struct Made {
+    picture: Texture,
+    batches: usize,
+    triangles: u64,
+    times: CrowdTimes,
 }
 
 /// Draws many bodies of a few assets, as [`Shot`]s describe them.
@@ -225,6 +242,38 @@ impl Crowd {
     /// # Errors
     /// An asset that is not there; q, bones or a placement that it refuses; more than the device takes; a lost device.
     pub fn picture(&mut self, shot: &Shot<'_>) -> Result<CrowdPicture, RenderError> {
+        let (view, made) = self.make(shot)?;
+        let start = Instant::now();
+        let image = self.gpu.read_back(&made.picture)?;
+        let read_back = start.elapsed().as_secs_f64();
+        Ok(CrowdPicture {
+            image,
+            drawn: view.drawn.len(),
+            culled_by_sphere: view.culled_by_sphere,
+            culled_by_tree: view.culled_by_tree,
+            triangles: made.triangles,
+            batches: made.batches,
+            times: CrowdTimes {
+                read_back,
+                ..made.times
+            },
+        })
+    }
+
+    /// The same picture, drawn and left on the device.
+    ///
+    /// # Errors
+    /// Those of [`Crowd::picture`].
+    pub fn texture(&mut self, shot: &Shot<'_>) -> Result<CrowdTexture, RenderError> {
+        let (_, made) = self.make(shot)?;
+        Ok(CrowdTexture {
+            texture: made.picture,
+            times: made.times,
+        })
+    }
+
+    /// Draws a shot and waits for the device.
+    fn make(&mut self, shot: &Shot<'_>) -> Result<(View, Made), RenderError> {
         allows_picture(&self.gpu.device, shot.size)?;
         let start = Instant::now();
         // Without a frustum, of a camera that is nowhere, nothing can be left out.
@@ -241,30 +290,28 @@ impl Crowd {
         self.gpu.finish()?;
         let draw = start.elapsed().as_secs_f64();
         let device = self.stamps.as_ref().and_then(|s| s.seconds(&self.gpu));
-        let start = Instant::now();
-        let image = self.gpu.read_back(&picture)?;
-        let read_back = start.elapsed().as_secs_f64();
-        Ok(CrowdPicture {
-            image,
-            drawn: view.drawn.len(),
-            culled_by_sphere: view.culled_by_sphere,
-            culled_by_tree: view.culled_by_tree,
-            triangles,
+        let times = CrowdTimes {
+            cull,
+            draw,
+            read_back: 0.0,
+            device,
+        };
+        let made = Made {
+            picture,
             batches,
-            times: CrowdTimes {
-                cull,
-                draw,
-                read_back,
-                device,
-            },
-        })
+            triangles,
+            times,
+        };
+        Ok((view, made))
     }
 
     /// The texture of pictures of a size.
     fn target(&mut self, size: [u32; 2]) -> Texture {
         let kept = self.picture.take();
         let fits = |kept: &Texture| [kept.width(), kept.height()] == size;
-        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
+        let usage = TextureUsages::RENDER_ATTACHMENT
+            | TextureUsages::COPY_SRC
+            | TextureUsages::TEXTURE_BINDING;
         let picture = kept
             .filter(fits)
             .unwrap_or_else(|| texture(&self.gpu.device, "picture", size, 1, FORMAT, usage));
