@@ -3,11 +3,9 @@
 use egui::{CentralPanel, Frame, Margin, Panel, Sense, TextureId, Ui};
 
 use crate::app::{App, Grab};
+use crate::orbit::WHEEL;
 use crate::panel::{self, Side, Status, Wish};
 use crate::picture::BACKGROUND;
-
-/// Points of the wheel that count as one step.
-const WHEEL: f32 = 40.0;
 
 /// Controls and picture; returns the picture's size in pixels, or what has failed.
 pub(crate) fn lay_out(

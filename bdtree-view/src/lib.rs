@@ -3,18 +3,21 @@
 //! [`app`] is its state without a window: posture, animation, level, probe, camera, and what is known of
 //! them; plain functions. `panel` shows it as controls (egui), `layout` has these and the picture side by side, with what mouse and
 //! keyboard do, `picture` draws it (`bdtree-render`),
-//! `window` has the window, its surface and its events (winit, wgpu). Frames are drawn when something
+//! `window` has the window and its events (winit), `stage` what draws in it (wgpu); both show any `content`. Frames are drawn when something
 //! has changed or plays, else none.
 #![forbid(unsafe_code)]
 
 pub mod app;
 mod cli;
+mod content;
 mod layout;
+mod orbit;
 mod panel;
 mod picture;
 mod shapes;
 mod stage;
 mod surface;
+mod viewer;
 mod window;
 
 pub use cli::{Arguments, ProbeText};
@@ -95,7 +98,7 @@ fn open(arguments: &Arguments, out: &mut dyn Write) -> Result<(), ToolError> {
     } else {
         app.playback.clock.is_playing = arguments.play;
     }
-    let copied = window::run(app, arguments.size.0, arguments.screenshot.as_deref())?;
+    let copied = window::run(&mut app, arguments.size.0, arguments.screenshot.as_deref())?;
     if let (Some(path), Some([width, height])) = (&arguments.screenshot, copied) {
         let path = path.display();
         writeln!(out, "wrote {path}: {width} x {height} pixels").map_err(ToolError::Stdout)?;

@@ -10,20 +10,18 @@ use wgpu::{FilterMode, Instance};
 use winit::event::WindowEvent;
 use winit::window::Window;
 
-use crate::app::App;
-use crate::layout::lay_out;
+use crate::content::Content;
 use crate::panel::{self, Status};
-use crate::picture::Picture;
 use crate::surface::Screen;
 
 /// A window with all that draws in it.
-pub(crate) struct Stage {
+pub(crate) struct Stage<C: Content> {
     window: Arc<Window>,
     gpu: Gpu,
     screen: Screen,
     egui: egui_winit::State,
     painter: egui_wgpu::Renderer,
-    picture: Picture,
+    picture: C::Picture,
     picture_id: TextureId,
     status: Status,
     last_frame: Instant,
@@ -38,7 +36,7 @@ pub(crate) struct After {
     pub(crate) copy: Option<Image>,
 }
 
-impl Stage {
+impl<C: Content> Stage<C> {
     /// On a window.
     ///
     /// # Errors
@@ -46,7 +44,7 @@ impl Stage {
     pub(crate) fn new(
         instance: Instance,
         window: Arc<Window>,
-        app: &App<'_>,
+        content: &C,
         is_read: bool,
     ) -> Result<Self, RenderError> {
         let surface = instance.create_surface(window.clone());
@@ -65,8 +63,8 @@ impl Stage {
         );
         let options = RendererOptions::default();
         let mut painter = egui_wgpu::Renderer::new(&gpu.device, screen.format(), options);
-        let picture = Picture::new(&gpu, app)?;
-        let view = picture.texture.create_view(&Default::default());
+        let picture = content.picture(&gpu)?;
+        let view = C::texture(&picture).create_view(&Default::default());
         let picture_id = painter.register_native_texture(&gpu.device, &view, FilterMode::Nearest);
         gpu.check()?;
         let status = Status {
@@ -105,7 +103,7 @@ impl Stage {
     ///
     /// # Errors
     /// More than the device takes, a lost device or surface.
-    pub(crate) fn frame(&mut self, app: &mut App<'_>, copies: bool) -> Result<After, RenderError> {
+    pub(crate) fn frame(&mut self, content: &mut C, copies: bool) -> Result<After, RenderError> {
         let later = After {
             delay: Duration::MAX,
             copy: None,
@@ -114,33 +112,34 @@ impl Stage {
             return Ok(later);
         };
         let begin = Instant::now();
-        app.advance((begin - self.last_frame).as_secs_f64());
+        content.advance((begin - self.last_frame).as_secs_f64());
         self.last_frame = begin;
-        self.status.problem = self.picture.problem.clone();
+        self.status.problem = content.problem(&self.picture);
 
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
         let mut size = [0; 2];
         let (status, picture_id) = (&self.status, self.picture_id);
         let mut failure = None;
-        let mut output = context.run_ui(input, |ui| match lay_out(ui, app, status, picture_id) {
-            Ok(of_picture) => size = of_picture,
-            Err(problem) => failure = Some(problem),
-        });
+        let mut output =
+            context.run_ui(input, |ui| match content.lay_out(ui, status, picture_id) {
+                Ok(of_picture) => size = of_picture,
+                Err(problem) => failure = Some(problem),
+            });
         // Out of there at once: egui panics where they are dropped unused, as errors would have it.
         let textures = std::mem::take(&mut output.textures_delta.set);
         let free_textures = std::mem::take(&mut output.textures_delta.free);
         if let Some(problem) = failure {
             self.status.problem = Some(problem);
         }
-        let found_news = app.refresh();
+        let found_news = content.refresh();
         self.egui
             .handle_platform_output(&self.window, output.platform_output);
 
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let mut encoder = device.create_command_encoder(&Default::default());
-        if self.picture.draw(&self.gpu, &mut encoder, app, size)? {
-            let view = self.picture.texture.create_view(&Default::default());
+        if content.draw(&mut self.picture, &self.gpu, &mut encoder, size)? {
+            let view = C::texture(&self.picture).create_view(&Default::default());
             let filter = FilterMode::Nearest;
             let id = self.picture_id;
             self.painter
@@ -177,7 +176,7 @@ impl Stage {
         self.status.frame_ms = Some(1e3 * begin.elapsed().as_secs_f64());
         let delay = output.viewport_output.get(&ViewportId::ROOT);
         let delay = delay.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        let is_moving = app.is_playing() || found_news;
+        let is_moving = content.is_moving() || found_news;
         Ok(After {
             delay: if is_moving { Duration::ZERO } else { delay },
             copy,

@@ -15,7 +15,7 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
-use crate::app::App;
+use crate::content::Content;
 use crate::stage::Stage;
 
 /// Width and height that all controls fit into; smaller windows are only made where they are asked for.
@@ -24,14 +24,14 @@ const SMALLEST: [u32; 2] = [320, 480];
 /// Frames before a screenshot: controls need some to find their sizes.
 const SETTLED: u64 = 6;
 
-/// Shows `app` in a window of `size` pixels until it is closed; with `screenshot` until it is drawn and
+/// Shows `content` in a window of `size` pixels until it is closed; with `screenshot` until it is drawn and
 /// copied there; the size of that copy.
 ///
 /// # Errors
 /// No display, no adapter, a lost device, an asset that the device does not take, a picture that cannot
 /// be written.
-pub(crate) fn run(
-    app: App<'_>,
+pub(crate) fn run<C: Content>(
+    content: &mut C,
     size: [u32; 2],
     screenshot: Option<&Path>,
 ) -> Result<Option<[u32; 2]>, ToolError> {
@@ -45,7 +45,7 @@ pub(crate) fn run(
         })?;
         events.set_control_flow(ControlFlow::Wait);
         let mut viewer = Viewer {
-            app,
+            content,
             size,
             screenshot: screenshot.map(Path::to_path_buf),
             copied: None,
@@ -72,17 +72,17 @@ fn has_display() -> bool {
     !is_x11 || std::env::var_os("DISPLAY").is_some_and(|name| !name.is_empty())
 }
 
-struct Viewer<'a> {
-    app: App<'a>,
+struct Viewer<'c, C: Content> {
+    content: &'c mut C,
     size: [u32; 2],
     screenshot: Option<PathBuf>,
     /// Size of the picture that was written.
     copied: Option<[u32; 2]>,
-    stage: Option<Stage>,
+    stage: Option<Stage<C>>,
     failure: Option<ToolError>,
 }
 
-impl Viewer<'_> {
+impl<C: Content> Viewer<'_, C> {
     /// Ends with the first failure.
     fn end_if<T>(&mut self, events: &ActiveEventLoop, result: Result<T, ToolError>) -> Option<T> {
         match result {
@@ -95,12 +95,10 @@ impl Viewer<'_> {
         }
     }
 
-    fn open(&mut self, events: &ActiveEventLoop) -> Result<Stage, ToolError> {
-        let name = self.app.file.path().file_name().unwrap_or_default();
-        let name = name.to_string_lossy().replace(char::is_control, "");
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<Stage<C>, ToolError> {
         let [width, height] = self.size;
         let attributes = Window::default_attributes()
-            .with_title(format!("{name} – bdtree"))
+            .with_title(self.content.title())
             .with_inner_size(PhysicalSize::new(width, height))
             .with_min_inner_size(PhysicalSize::new(
                 width.min(SMALLEST[0]),
@@ -112,8 +110,8 @@ impl Viewer<'_> {
         let display = Box::new(events.owned_display_handle());
         let instance = Instance::new(InstanceDescriptor::new_with_display_handle(display));
         let is_read = self.screenshot.is_some();
-        let stage = Stage::new(instance, Arc::new(window), &self.app, is_read);
-        stage.map_err(|error| ToolError::input(self.app.file.path().display(), error))
+        let stage = Stage::new(instance, Arc::new(window), self.content, is_read);
+        stage.map_err(|error| ToolError::input(self.content.subject(), error))
     }
 
     fn redraw(&mut self, events: &ActiveEventLoop) -> Result<(), ToolError> {
@@ -121,9 +119,8 @@ impl Viewer<'_> {
             return Ok(());
         };
         let copies = self.screenshot.is_some() && stage.frame_count() >= SETTLED;
-        let path = self.app.file.path();
-        let after = stage.frame(&mut self.app, copies);
-        let after = after.map_err(|error| ToolError::input(path.display(), error))?;
+        let after = stage.frame(self.content, copies);
+        let after = after.map_err(|error| ToolError::input(self.content.subject(), error))?;
         if let (Some(copy), Some(path)) = (after.copy, &self.screenshot) {
             write_whole(path, |w| copy.write_png(w))?;
             self.copied = Some(copy.size());
@@ -139,7 +136,7 @@ impl Viewer<'_> {
     }
 }
 
-impl ApplicationHandler for Viewer<'_> {
+impl<C: Content> ApplicationHandler for Viewer<'_, C> {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.stage.is_none() {
             let stage = self.open(events);
@@ -160,8 +157,8 @@ impl ApplicationHandler for Viewer<'_> {
         match event {
             WindowEvent::CloseRequested => events.exit(),
             WindowEvent::Destroyed => {
-                let path = self.app.file.path();
-                let result = Err(ToolError::input(path.display(), "the window was destroyed"));
+                let subject = self.content.subject();
+                let result = Err(ToolError::input(subject, "the window was destroyed"));
                 self.end_if::<()>(events, result);
             }
             WindowEvent::RedrawRequested => {
@@ -170,10 +167,8 @@ impl ApplicationHandler for Viewer<'_> {
             }
             event => {
                 let Some(stage) = &mut self.stage else { return };
-                let path = self.app.file.path();
-                let result = stage
-                    .event(&event)
-                    .map_err(|e| ToolError::input(path.display(), e));
+                let result = stage.event(&event);
+                let result = result.map_err(|e| ToolError::input(self.content.subject(), e));
                 self.end_if(events, result);
             }
         }

@@ -5,13 +5,11 @@ use bdtree_render::{Camera, Framing, Place, ViewDirection};
 use bdtree_runtime::{BoneMatrices, JointMatrix, Transform};
 
 use super::probe::Probe;
+use crate::orbit;
 
 /// From where the camera of the beginning looks.
 const AZIMUTH_DEG: f32 = 30.0;
 const ELEVATION_DEG: f32 = 20.0;
-
-/// Degrees per drag across the whole height of the picture.
-const TURN_DEG: f32 = 240.0;
 
 /// Pixels around the probe where it can be taken, however small it is.
 const GRAB: f32 = 9.0;
@@ -102,14 +100,11 @@ impl View {
     /// Moves what is taken by so many pixels of a picture of `size`, right and down.
     pub fn drag(&mut self, place: &Place, grab: Grab, [right, down]: [f32; 2], size: [u32; 2]) {
         let Some(camera) = self.camera else { return };
-        let height = size[1].max(1) as f32;
         match grab {
-            Grab::Orbit => {
-                let by = TURN_DEG / height;
-                self.camera = Some(camera.orbited(-right * by, down * by));
-            }
-            Grab::Pan => self.camera = Some(camera.moved(-right / height, down / height)),
+            Grab::Orbit => self.camera = Some(orbit::turned(camera, [right, down], size[1])),
+            Grab::Pan => self.camera = Some(orbit::moved(camera, [right, down], size[1])),
             Grab::Probe => {
+                let height = size[1].max(1) as f32;
                 let [x, y, forward] = camera.axes();
                 let center = place.shown(self.probe.center);
                 let depth: f32 = (0..3)
@@ -126,11 +121,6 @@ impl View {
 
     /// Goes nearer by `steps` of the wheel, or away.
     pub fn zoom(&mut self, steps: f32) {
-        let Some(camera) = self.camera else { return };
-        let nearer = camera.at_distance(0.9_f32.powf(steps));
-        // Beyond that f32 has no digits left.
-        if (1e-4..1e4).contains(&nearer.distance()) {
-            self.camera = Some(nearer);
-        }
+        self.camera = self.camera.map(|camera| orbit::zoomed(camera, steps));
     }
 }
