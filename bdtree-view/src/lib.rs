@@ -5,6 +5,8 @@
 //! keyboard do, `picture` draws it (`bdtree-render`),
 //! `window` has the window and its events (winit), `stage` what draws in it (wgpu); both show any `content`. Frames are drawn when something
 //! has changed or plays, else none.
+//!
+//! [`playground`] is another program with the same window: bodies that fall.
 #![forbid(unsafe_code)]
 
 pub mod app;
@@ -13,7 +15,10 @@ mod content;
 mod layout;
 mod orbit;
 mod panel;
+#[cfg(test)]
+mod person;
 mod picture;
+pub mod playground;
 mod shapes;
 mod stage;
 mod surface;

@@ -7,7 +7,7 @@ mod motion;
 mod probe;
 mod skeleton;
 mod spheres;
-mod style;
+pub(crate) mod style;
 
 pub(crate) use style::dress;
 
@@ -127,7 +127,7 @@ pub(crate) fn show(ui: &mut Ui, app: &mut App<'_>, status: &Status) -> Wish {
 }
 
 /// A part of the panel that can be folded.
-fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {
+pub(crate) fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {
     // The number of modes is part of the title, not of the section's name.
     let name = title.split(' ').next().unwrap_or(title).to_string();
     CollapsingHeader::new(RichText::new(title).strong())

@@ -51,9 +51,19 @@ impl Display {
         }
     }
 
-    /// A command that runs on this display, with a runtime folder, which Mesa asks for.
+    /// The viewer on this display.
     pub(crate) fn viewer(&self) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_bdtree-view"));
+        self.program(env!("CARGO_BIN_EXE_bdtree-view"))
+    }
+
+    /// The playground on this display.
+    pub(crate) fn playground(&self) -> Command {
+        self.program(env!("CARGO_BIN_EXE_bdtree-playground"))
+    }
+
+    /// A command that runs on this display, with a runtime folder, which Mesa asks for.
+    fn program(&self, path: &str) -> Command {
+        let mut command = Command::new(path);
         command
             .env("DISPLAY", &self.name)
             .env_remove("WAYLAND_DISPLAY")

@@ -7,14 +7,14 @@ use crate::hands::Hands;
 use crate::{PICTURE, file};
 
 /// The last line of standard error; graphics libraries may have written others before it.
-fn failed(output: &Output, code: i32) -> String {
+pub(crate) fn failed(output: &Output, code: i32) -> String {
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(code), "{text}");
     assert!(!text.contains("panicked"), "{text}");
     text.lines().last().expect("a reason").to_string()
 }
 
-fn run(command: &mut Command) -> Output {
+pub(crate) fn run(command: &mut Command) -> Output {
     command.output().expect("the viewer starts")
 }
 

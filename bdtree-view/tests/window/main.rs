@@ -7,6 +7,7 @@ mod ends;
 mod find;
 mod hands;
 mod input;
+mod playground;
 
 use std::path::{Path, PathBuf};
 
