@@ -23,6 +23,7 @@ impl Default for Worker {
 }
 
 /// Calls `work` with each item and the worker that has taken it.
+#[cfg(feature = "threads")]
 pub(super) fn each<T: Send>(
     workers: &mut [Worker],
     items: impl Iterator<Item = T> + Send,
@@ -31,29 +32,33 @@ pub(super) fn each<T: Send>(
     let Some((worker, others)) = workers.split_first_mut() else {
         return;
     };
-    #[cfg(feature = "threads")]
-    if !others.is_empty() {
-        let items = Lock::new(items);
-        let take_all = |worker: &mut Worker| {
-            loop {
-                let next = items.with(Iterator::next);
-                match next {
-                    Some(item) => work(worker, item),
-                    None => return,
-                }
-            }
-        };
-        std::thread::scope(|scope| {
-            for other in others {
-                scope.spawn(|| take_all(other));
-            }
-            take_all(worker);
-        });
+    if others.is_empty() {
+        items.for_each(|item| work(worker, item));
         return;
     }
-    let _ = others;
-    for item in items {
-        work(worker, item);
+    let items = Lock::new(items);
+    let take_all = |worker: &mut Worker| {
+        while let Some(item) = items.with(Iterator::next) {
+            work(worker, item);
+        }
+    };
+    std::thread::scope(|scope| {
+        for other in others {
+            scope.spawn(|| take_all(other));
+        }
+        take_all(worker);
+    });
+}
+
+/// Calls `work` with each item.
+#[cfg(not(feature = "threads"))]
+pub(super) fn each<T>(
+    workers: &mut [Worker],
+    items: impl Iterator<Item = T>,
+    work: impl Fn(&mut Worker, T),
+) {
+    if let Some(worker) = workers.first_mut() {
+        items.for_each(|item| work(worker, item));
     }
 }
 
