@@ -39,14 +39,15 @@ fn a_heap_never_gains_energy() {
     );
 }
 
-/// One thread or two, in one go or from a saved state: the same bytes.
-#[test]
-fn steps_are_the_same_to_the_bit() {
-    let mut alone = falling_beams(12, 1);
-    let mut together = falling_beams(12, 2);
+/// One thread or more, in one go or from a saved state: the same bytes.
+fn steps_are_the_same(count: usize, threads: usize, steps: u64) {
+    let mut alone = falling_beams(count, 1);
+    let mut together = falling_beams(count, threads);
     let mut saved = None;
-    for n in 0..400 {
-        if n == 150 {
+    let middle = steps / 3;
+    let mut events = 0;
+    for n in 0..steps {
+        if n == middle {
             saved = Some(bytes(&alone));
         }
         let reports = [
@@ -54,16 +55,34 @@ fn steps_are_the_same_to_the_bit() {
             together.step().expect("a step"),
         ];
         assert_eq!(reports[0].events, reports[1].events, "{n}");
+        assert_eq!(reports[0].sweeps, reports[1].sweeps, "{n}");
+        events += reports[0].events;
     }
+    assert!(events > 0);
     let end = bytes(&alone);
     assert!(end == bytes(&together));
-    let mut again = falling_beams(12, 2);
+    let mut again = falling_beams(count, threads);
     again.restore(&saved.expect("a state")).expect("restored");
-    assert_eq!(again.steps(), 150);
-    for _ in 150..400 {
+    assert_eq!(again.steps(), middle);
+    for n in middle..steps {
+        // Where queries have posed the instances makes no difference.
+        if n % 50 == 0 {
+            again.pose_instances().expect("poses");
+        }
         again.step().expect("a step");
     }
     assert!(end == bytes(&again));
+}
+
+#[test]
+fn steps_are_the_same_to_the_bit() {
+    steps_are_the_same(12, 2, 400);
+}
+
+/// So many that they are in several clusters.
+#[test]
+fn steps_of_many_bodies_are_the_same_to_the_bit() {
+    steps_are_the_same(100, 3, 90);
 }
 
 /// Cut or changed bytes are refused, and the world stays as it was.
