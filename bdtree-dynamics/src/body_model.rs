@@ -101,6 +101,8 @@ pub struct BodyModel {
     center: Vector3<f64>,
     axes: UnitQuaternion<f64>,
     pub(crate) modes: Vec<Mode>,
+    /// The first mode that has no frequency or modal mass: only the caller can move it.
+    pub(crate) silent_mode: Option<usize>,
     pub(crate) spheres: LevelSpheres,
     /// What the trees of a rigid body with redundant updates are posed with, else empty, and by how much that moves any
     /// point at most, world units.
@@ -112,7 +114,7 @@ pub struct BodyModel {
 
 impl BodyModel {
     /// # Errors
-    /// Missing frequencies or modal masses; options beyond their limits; a skin; a damaged asset.
+    /// Options beyond their limits; a skin; a damaged asset.
     pub(crate) fn new(
         model: &Model,
         options: &BodyOptions,
@@ -146,12 +148,15 @@ impl BodyModel {
             Some(RigidMass { center, axes, .. }) => (*center, *axes),
             None => (Vector3::zeros(), UnitQuaternion::identity()),
         };
-        let mut modes = Vec::new();
+        let (mut modes, mut silent_mode) = (Vec::new(), None);
         if options.is_deformable {
             for (mode, record) in asset.modes().iter().enumerate() {
-                let (omega_rad_s, kg) = (record.omega_rad_s.get(), record.modal_mass_kg.get());
+                let (mut omega_rad_s, mut kg) =
+                    (record.omega_rad_s.get(), record.modal_mass_kg.get());
                 if !(omega_rad_s >= 0.0 && kg > 0.0) {
-                    return Err(DynamicsError::NoFrequency { mode });
+                    // That of an animation: no force moves it.
+                    (omega_rad_s, kg) = (0.0, f64::INFINITY);
+                    silent_mode = silent_mode.or(Some(mode));
                 }
                 let oscillator = Oscillator {
                     omega_rad_s,
@@ -201,6 +206,7 @@ impl BodyModel {
             center,
             axes,
             modes,
+            silent_mode,
             spheres,
             redundant_q,
             redundant_move,

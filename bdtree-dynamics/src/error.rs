@@ -157,7 +157,7 @@ impl fmt::Display for DynamicsError {
             Self::NoFrequency { mode } => write!(
                 f,
                 "mode {mode} has no frequency and modal mass, so that nothing says how it moves; bake the mesh with elastic modes \
-                 (bdtree-build MESH --modes N), or a simulation mesh with --tets"
+                 (bdtree-build MESH --modes N), or a simulation mesh with --tets, or drive the body (Frame::Driven)"
             ),
             Self::Skin => write!(
                 f,

@@ -1,8 +1,11 @@
 //! One contact sphere: the contact law against closed forms, momentum and energy.
 
-use bdtree_dynamics::{BodyId, ContactLaw, DynamicsError, Frame, Plane, World, WorldOptions};
+use bdtree_dynamics::{
+    BodyId, BodyOptions, ContactLaw, DynamicsError, Frame, MassProperties, Plane, World,
+    WorldOptions,
+};
 
-use crate::support::{GROUND, RADIUS, at, ball, ball_model, weightless};
+use crate::support::{GROUND, RADIUS, at, ball, ball_model, sliding_ball, weightless};
 
 const SMOOTH: ContactLaw = ContactLaw {
     stiffness: 1e-4,
@@ -250,6 +253,46 @@ fn fast_balls_do_not_pass_through_each_other() {
             assert!(x < y, "{speed}: {x} {y}");
         }
     }
+}
+
+/// A ball whose q is driven pushes a free one before it, at its own speed and never through it: modes of an animation need
+/// no frequency for that.
+#[test]
+fn a_driven_q_pushes_a_free_ball() {
+    let h = 1.0 / 150.0;
+    let law = ContactLaw {
+        damping_ratio: 1.0,
+        ..ContactLaw::default()
+    };
+    let mut world = weightless(h, law);
+    let options = BodyOptions {
+        strain_limit: f64::INFINITY,
+        mass: Some(MassProperties::ball(2.0, RADIUS, [0.0; 3])),
+        ..BodyOptions::default()
+    };
+    let sliding = world.add_model(&sliding_ball(), &options).expect("a ball");
+    let driven = world
+        .add_body(sliding, Frame::Driven, at([0.0; 3]))
+        .expect("a body");
+    let model = ball(&mut world, 2.0);
+    let free = world
+        .add_body(model, Frame::Free, at([1.2, 0.0, 0.0]))
+        .expect("a body");
+    world
+        .set_modes(driven, &[0.1], &[0.0])
+        .expect("a beginning");
+    for n in 1..=300 {
+        let x = 0.1 + f64::from(n) * h;
+        (world.drive(driven, &[x], at([0.0; 3]))).expect("driven");
+        world.step().expect("a step");
+        let mut now = [0.0];
+        world.q(driven, &mut now).expect("its q");
+        assert!((now[0] - x).abs() < 1e-12);
+        let other = world.state(free).expect("a state").position[0];
+        assert!(other - x > 2.0 * RADIUS - 0.02, "{n}: {x} {other}");
+    }
+    let speed = world.state(free).expect("a state").velocity[0];
+    assert!((1.0..1.2).contains(&speed), "{speed}");
 }
 
 /// A ball that is driven pushes a free one before it, at its own speed and never through it.

@@ -162,11 +162,15 @@ fn body_models_say_what_is_missing() {
         mass: Some(MassProperties::ball(1.0, 1.0, [0.0; 3])),
         ..BodyOptions::default()
     };
-    says(
-        world.add_model(&given, &options),
-        "mode 0 has no frequency and modal mass",
-    );
+    let silent = world.add_model(&given, &options).expect("a model");
+    for frame in [Frame::Free, Frame::Held] {
+        says(
+            world.add_body(silent, frame, Transform::IDENTITY),
+            "mode 0 has no frequency and modal mass",
+        );
+    }
     // They may be driven, or rigid.
+    (world.add_body(silent, Frame::Driven, Transform::IDENTITY)).expect("a driven body");
     let rigid = BodyOptions {
         is_deformable: false,
         ..options

@@ -17,14 +17,25 @@ pub(crate) const RADIUS: f64 = 0.5;
 
 /// An asset whose only contact sphere has radius 0.5 around the origin: one triangle.
 pub(crate) fn ball_model() -> Model {
+    let mesh = ball_mesh();
+    bake::baked(&mesh, &bake::rigid(&mesh))
+}
+
+/// A ball as [`ball_model`], whose only mode moves it by q along x and has no frequency, as those of animations.
+pub(crate) fn sliding_ball() -> Model {
+    let mesh = ball_mesh();
+    let field = vec![[1.0, 0.0, 0.0]; mesh.positions.len()];
+    bake::baked(&mesh, &bake::basis_of(&[field]))
+}
+
+fn ball_mesh() -> RawMesh {
     let (s, h) = (RADIUS, RADIUS * 0.75_f64.sqrt());
-    let mesh = RawMesh {
+    RawMesh {
         name: "ball".to_string(),
         positions: vec![[s, 0.0, 0.0], [-0.5 * s, h, 0.0], [-0.5 * s, -h, 0.0]],
         triangles: vec![[0, 1, 2]],
         ..RawMesh::default()
-    };
-    bake::baked(&mesh, &bake::rigid(&mesh))
+    }
 }
 
 /// Adds a ball as [`ball_model`], with the mass of a homogeneous one.

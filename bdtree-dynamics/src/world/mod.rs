@@ -235,7 +235,7 @@ impl World {
     /// Adds what bodies of an asset have in common.
     ///
     /// # Errors
-    /// Missing frequencies or modal masses; options beyond their limits; a damaged asset.
+    /// Options beyond their limits; a skin; a damaged asset.
     pub fn add_model(
         &mut self,
         model: &Model,
@@ -276,8 +276,9 @@ impl World {
     /// Adds a body at rest in its own frame: undeformed, at a placement of its mesh, without speed.
     ///
     /// # Errors
-    /// A model that the world does not have, one without mass properties or with modes of a held body for a free body, a
-    /// placement that its asset refuses or whose scale is not the model's.
+    /// A model that the world does not have, one without mass properties or with modes of a held body for a free body, one
+    /// without frequencies or modal masses for a body that is not driven, a placement that its asset refuses or whose scale
+    /// is not the model's.
     pub fn add_body(
         &mut self,
         model: ModelId,
@@ -289,6 +290,11 @@ impl World {
         let of = self.model(model)?;
         if frame == Frame::Free && of.mass.is_none() {
             return Err(DynamicsError::NoMass);
+        }
+        if frame != Frame::Driven
+            && let Some(mode) = of.silent_mode
+        {
+            return Err(DynamicsError::NoFrequency { mode });
         }
         if frame == Frame::Free
             && let Some(mode) = of.held_mode()
