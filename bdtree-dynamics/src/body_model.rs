@@ -11,6 +11,7 @@ use crate::level_spheres::{LevelSpheres, usual_level};
 use crate::limit::StrainLimit;
 use crate::mass::{MassProperties, RigidMass};
 use crate::oscillator::{Oscillator, Transition};
+use crate::surface::Surface;
 
 /// How modes lose energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +41,18 @@ impl Damping {
     }
 }
 
+/// What of a body touches others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum ContactShape {
+    /// The spheres of a level of its tree.
+    #[default]
+    Spheres,
+    /// Its triangles, exactly deformed, from both sides: for parts thinner than spheres of a level. Contact spheres of other
+    /// bodies meet them; planes, and bodies that have this shape too, meet its spheres.
+    Triangles,
+}
+
 /// How bodies of an asset are made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyOptions {
@@ -49,6 +62,8 @@ pub struct BodyOptions {
     pub mass: Option<MassProperties>,
     /// Level of the contact spheres; default the one that has about a thousand.
     pub level: Option<usize>,
+    /// What touches others; default the contact spheres.
+    pub contact: ContactShape,
     /// Whether the modes move; default true. Without, q stays 0.
     pub is_deformable: bool,
     /// Whether trees of a body whose modes do not move are updated as if they did; default false. It changes nothing but the
@@ -70,6 +85,7 @@ impl Default for BodyOptions {
             scale: 1.0,
             mass: None,
             level: None,
+            contact: ContactShape::Spheres,
             is_deformable: true,
             has_redundant_updates: false,
             damping: Damping::Ratio(0.05),
@@ -104,6 +120,8 @@ pub struct BodyModel {
     /// The first mode that has no frequency or modal mass: only the caller can move it.
     pub(crate) silent_mode: Option<usize>,
     pub(crate) spheres: LevelSpheres,
+    /// Where triangles touch others.
+    pub(crate) surface: Option<Surface>,
     /// What the trees of a rigid body with redundant updates are posed with, else empty, and by how much that moves any
     /// point at most, world units.
     pub(crate) redundant_q: Vec<f32>,
@@ -196,6 +214,13 @@ impl BodyModel {
             |p| to_axes * ((p - center) * scale),
             |u| to_axes * (u * scale),
         )?;
+        let surface = match options.contact {
+            ContactShape::Spheres => None,
+            ContactShape::Triangles => {
+                let sizes = [spheres.mode_count(), spheres.stride()];
+                Some(Surface::new(model, scale, center, axes, sizes)?)
+            }
+        };
         let mut made = Self {
             model: model.clone(),
             scale,
@@ -208,6 +233,7 @@ impl BodyModel {
             modes,
             silent_mode,
             spheres,
+            surface,
             redundant_q,
             redundant_move,
             inverse_masses: Vec::new(),
@@ -216,13 +242,35 @@ impl BodyModel {
         let per_step = 2.0 / (step_s * step_s);
         made.inverse_masses = (0..made.spheres.len())
             .map(|sphere| {
-                let [xx, yy, zz, xy, xz, yz] = made.spheres.compliance(sphere, &per_mode);
-                let modes = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) * per_step;
+                let modes = made.spheres.field(sphere).compliance(&per_mode) * per_step;
                 let rigid = made.rigid_compliance(sphere);
                 [rigid + modes, modes].map(|of| of.symmetric_eigenvalues().min().max(0.0))
             })
             .collect();
         Ok(made)
+    }
+
+    /// Largest distance from the center of mass at rest of what touches others.
+    pub(crate) fn extent(&self) -> f64 {
+        let surface = self.surface.as_ref().map_or(0.0, |surface| surface.extent);
+        self.spheres.extent.max(surface)
+    }
+
+    /// How far what touches others moves at most when q changes by `change`: roughly where that is less than `little`.
+    pub(crate) fn moved(&self, change: &[f64], little: f64) -> f64 {
+        let size = libm::sqrt(change.iter().map(|x| x * x).sum());
+        let mut most = self.spheres.moved_within(size);
+        if most > little {
+            most = self.spheres.moved(change);
+        }
+        let surface = self.surface.as_ref().map(|surface| surface.moved(change));
+        most.max(surface.unwrap_or_default())
+    }
+
+    /// No part of what touches others is farther from its place at rest for any q of length `size`.
+    pub(crate) fn moved_within(&self, size: f64) -> f64 {
+        let surface = (self.surface.as_ref()).map(|surface| surface.moved_within(size));
+        (self.spheres.moved_within(size)).max(surface.unwrap_or_default())
     }
 
     /// Acceleration of a sphere's center by a force there: 1/m − [r] I⁻¹ [r].

@@ -13,10 +13,9 @@ use alloc::vec::Vec;
 
 use bdtree_runtime::format::{LANES, NodeRecord, ROW_CENTER_X, ROW_RADIUS};
 use bdtree_runtime::{Asset, FormatError, LaneId};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
-/// Mode coefficients are padded to a multiple of this, so that loops over them need no remainder.
-pub(crate) const PAD: usize = 4;
+use crate::field::{Field, PAD};
 
 /// Spheres of a level in the frame of the principal axes, relative to the center of mass, world units.
 #[derive(Debug, Clone)]
@@ -210,8 +209,8 @@ impl LevelSpheres {
             }
             let mut norm = 0.0_f64;
             for own in group.chunks(each) {
-                self.field_norm = self.field_norm.max(spectral_norm(own, None));
-                norm = norm.max(spectral_norm(own, Some(mean)));
+                self.field_norm = self.field_norm.max(Field(own).norm(None));
+                norm = norm.max(Field(own).norm(Some(Field(mean))));
             }
             self.group_norms.push(norm * (1.0 + 1e-9));
         }
@@ -273,7 +272,7 @@ impl LevelSpheres {
         if size > 0.0 {
             let groups = self.group_fields.chunks(3 * self.stride);
             for (fields, norm) in groups.zip(&self.group_norms) {
-                most = most.max(product(fields, change).norm() + norm * size);
+                most = most.max(Field(fields).displacement(change).norm() + norm * size);
             }
         }
         most
@@ -287,91 +286,13 @@ impl LevelSpheres {
     /// `c + Ū q` in the body's frame; `q` has [`LevelSpheres::stride`] numbers.
     #[inline]
     pub fn center(&self, sphere: usize, q: &[f64]) -> Vector3<f64> {
-        Vector3::from(self.centers[sphere]) + self.displacement(sphere, q)
+        Vector3::from(self.centers[sphere]) + self.field(sphere).displacement(q)
     }
 
-    /// Ū q of a sphere in the body's frame.
+    /// Ū of a sphere, in the body's frame.
     #[inline]
-    pub fn displacement(&self, sphere: usize, q: &[f64]) -> Vector3<f64> {
+    pub fn field(&self, sphere: usize) -> Field<'_> {
         let start = 3 * self.stride * sphere;
-        product(&self.fields[start..start + 3 * self.stride], q)
+        Field(&self.fields[start..start + 3 * self.stride])
     }
-
-    /// Adds `D Ūᵀ f` to `out`, D being diagonal: what a force in the body's frame does to q.
-    #[inline]
-    pub fn pull(&self, sphere: usize, force: Vector3<f64>, diagonal: &[f64], out: &mut [f64]) {
-        let [x, y, z] = self.rows(sphere);
-        let each = x.iter().zip(y).zip(z).zip(diagonal).zip(out);
-        for ((((x, y), z), d), out) in each {
-            *out += d * (x * force.x + y * force.y + z * force.z);
-        }
-    }
-
-    /// Ū D Ūᵀ: xx, yy, zz, xy, xz, yz.
-    #[inline]
-    pub fn compliance(&self, sphere: usize, diagonal: &[f64]) -> [f64; 6] {
-        let [x, y, z] = self.rows(sphere);
-        let mut sums = [0.0; 6];
-        for (((x, y), z), d) in x.iter().zip(y).zip(z).zip(diagonal) {
-            let (dx, dy) = (d * x, d * y);
-            sums[0] += dx * x;
-            sums[1] += dy * y;
-            sums[2] += d * z * z;
-            sums[3] += dx * y;
-            sums[4] += dx * z;
-            sums[5] += dy * z;
-        }
-        sums
-    }
-
-    #[inline]
-    fn rows(&self, sphere: usize) -> [&[f64]; 3] {
-        let start = 3 * self.stride * sphere;
-        split(&self.fields[start..start + 3 * self.stride])
-    }
-}
-
-/// Rows of x, y and z.
-#[inline]
-fn split(fields: &[f64]) -> [&[f64]; 3] {
-    let stride = fields.len() / 3;
-    let (x, rest) = fields.split_at(stride);
-    let (y, z) = rest.split_at(stride);
-    [x, y, z]
-}
-
-/// Ū q.
-#[inline]
-fn product(fields: &[f64], q: &[f64]) -> Vector3<f64> {
-    let [x, y, z] = split(fields);
-    Vector3::new(dot(x, q), dot(y, q), dot(z, q))
-}
-
-/// Largest singular value of Ū, or of what it differs from another one by.
-fn spectral_norm(fields: &[f64], from: Option<&[f64]>) -> f64 {
-    let [x, y, z] = split(fields);
-    let others = from.map(split);
-    let mut products = Matrix3::zeros();
-    for j in 0..x.len() {
-        let mut field = Vector3::new(x[j], y[j], z[j]);
-        if let Some([x, y, z]) = others {
-            field -= Vector3::new(x[j], y[j], z[j]);
-        }
-        products += field * field.transpose();
-    }
-    libm::sqrt(products.symmetric_eigenvalues().max().max(0.0))
-}
-
-/// In four sums, which a compiler puts into lanes; the order is fixed, so that results are the same everywhere.
-#[inline]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a, _) = a.as_chunks::<PAD>();
-    let (b, _) = b.as_chunks::<PAD>();
-    let mut sums = [0.0; PAD];
-    for (a, b) in a.iter().zip(b) {
-        for k in 0..PAD {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }

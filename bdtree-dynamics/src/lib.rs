@@ -40,6 +40,8 @@ extern crate std;
 mod body_model;
 mod contact_law;
 mod error;
+#[cfg(feature = "alloc")]
+mod field;
 mod frame;
 #[cfg(feature = "alloc")]
 mod level_spheres;
@@ -49,12 +51,16 @@ mod mass;
 mod oscillator;
 pub mod rotation;
 #[cfg(feature = "alloc")]
+mod surface;
+#[cfg(feature = "alloc")]
 mod world;
 
 #[cfg(feature = "alloc")]
-pub use body_model::{BodyModel, BodyOptions, Damping};
+pub use body_model::{BodyModel, BodyOptions, ContactShape, Damping};
 pub use contact_law::{ContactLaw, Spring};
 pub use error::DynamicsError;
+#[cfg(feature = "alloc")]
+pub use field::Field;
 pub use frame::{FrameMass, FrameState};
 #[cfg(feature = "alloc")]
 pub use level_spheres::{LevelSpheres, usual_level};

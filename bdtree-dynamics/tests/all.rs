@@ -7,4 +7,5 @@ mod frames;
 mod oscillators;
 mod sleep;
 mod support;
+mod surfaces;
 mod worlds;

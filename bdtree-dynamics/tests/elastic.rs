@@ -175,7 +175,8 @@ fn a_resting_body_is_in_equilibrium() {
         lift += contact.force[1];
         count += 1;
         let own = turn.inverse() * nalgebra::Vector3::from(contact.force);
-        spheres.pull(contact.spheres[0], own, &vec![1.0; stride], &mut loads);
+        let field = spheres.field(contact.spheres[0]);
+        field.pull(own, &vec![1.0; stride], &mut loads);
         assert!(contact.depth > 0.0);
     }
     assert!(count >= 2);

@@ -173,6 +173,15 @@ impl Body {
     }
 }
 
+impl Body {
+    /// Whether forces move any of its modes in the step.
+    pub(super) fn per_mode_moves(&self, per_force: &[f64], stride: usize) -> bool {
+        part(per_force, self.start, stride)
+            .iter()
+            .any(|of| *of != 0.0)
+    }
+}
+
 impl World {
     fn at(&self, body: BodyId) -> Result<&Body, DynamicsError> {
         let BodyId(index) = body;

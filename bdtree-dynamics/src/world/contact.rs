@@ -7,9 +7,10 @@ use super::body::{Body, Frame};
 use super::find::Slot;
 use super::{Plane, World, part, tangents};
 use crate::contact_law::Spring;
+use crate::field::Field;
 use crate::level_spheres::LevelSpheres;
 
-/// A sphere of a body, or a plane.
+/// A sphere or a triangle of a body, or a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Side {
     /// The body's number; of a plane, that counted from the end of the numbers.
@@ -42,7 +43,7 @@ pub(super) fn bodies_of([first, second]: [u32; 2]) -> [Option<usize>; 2] {
 pub struct ContactRecord {
     /// The bodies; the second is `None` for a plane.
     pub bodies: [Option<usize>; 2],
-    /// The spheres of their models.
+    /// The spheres of their models; of a body whose triangles touch others the triangle; 0 of a plane.
     pub spheres: [usize; 2],
     /// Where forces act.
     pub point: [f64; 3],
@@ -59,13 +60,17 @@ pub struct ContactRecord {
 const SPEED_SHARE: f64 = 1.0;
 
 /// Pairs that do not touch by themselves are looked at if their gap at the end is below this share of how they move.
-const NEAR: f64 = 1.0;
+pub(super) const NEAR: f64 = 1.0;
 
 #[derive(Debug, Clone)]
 pub(super) struct Contact {
     pub(super) sides: [Side; 2],
     /// Where the solver has the bodies.
     pub(super) slots: [Slot; 2],
+    /// Where the fields of sides that are triangles begin in the group's list.
+    pub(super) fields: [Option<u32>; 2],
+    /// The larger one of the spheres'.
+    pub(super) radius: f64,
     pub(super) normal: Vector3<f64>,
     pub(super) across: [Vector3<f64>; 2],
     /// From the bodies' centers to the point.
@@ -93,7 +98,7 @@ pub(super) struct Contact {
 
 /// A body's contact spheres in a step.
 pub(super) struct Mover<'w> {
-    index: u32,
+    pub(super) index: u32,
     pub(super) body: &'w Body,
     pub(super) spheres: &'w LevelSpheres,
     q: &'w [f64],
@@ -110,10 +115,33 @@ impl Mover<'_> {
 
     /// Center of a sphere at the end of the step without forces.
     #[inline]
-    fn end(&self, sphere: usize) -> Vector3<f64> {
+    pub(super) fn end(&self, sphere: usize) -> Vector3<f64> {
         let own = self.spheres.center(sphere, self.end_q);
         self.body.end.position + self.body.rotations[1] * own
     }
+}
+
+/// How two things meet.
+pub(super) struct Meeting {
+    /// Unit, from the second to the first.
+    pub(super) normal: Vector3<f64>,
+    /// Where forces act.
+    pub(super) point: Vector3<f64>,
+    /// Overlap along the normal at the beginning of the step, and at its end without forces.
+    pub(super) overlaps: [f64; 2],
+    /// What overlaps are compared with.
+    pub(super) radius: f64,
+}
+
+/// What of a body meets something.
+pub(super) struct Material<'w> {
+    pub(super) side: Side,
+    pub(super) body: &'w Body,
+    /// Where it is at the beginning of the step and at its end without forces.
+    pub(super) way: [Vector3<f64>; 2],
+    pub(super) field: Field<'w>,
+    /// 1 / effective mass in its heaviest direction.
+    pub(super) inverse_mass: f64,
 }
 
 /// Compliance of the rigid motion and of the modes at a point.
@@ -123,6 +151,17 @@ struct Compliance {
 }
 
 impl Contact {
+    /// The same contact with the other side first.
+    pub(super) fn swap(&mut self) {
+        self.sides.swap(0, 1);
+        self.slots.swap(0, 1);
+        self.fields.swap(0, 1);
+        self.arms.swap(0, 1);
+        // What pushes the one pushes the other back: along the normal the same, and all else with it.
+        self.normal = -self.normal;
+        self.across = self.across.map(|across| -across);
+    }
+
     pub(super) fn record(&self) -> ContactRecord {
         let [first, second] = self.sides;
         ContactRecord {
@@ -184,46 +223,19 @@ impl World {
         }
         let ends = [a.end(sphere_a), b.end(sphere_b)];
         let apart = [start, ends[0] - ends[1]];
-        let meeting = meeting(apart, reach)?;
-        self.meet([a, b], [sphere_a, sphere_b], starts, ends, meeting)
-    }
-
-    /// A pair that meets.
-    fn meet(
-        &self,
-        [a, b]: [&Mover<'_>; 2],
-        [sphere_a, sphere_b]: [usize; 2],
-        starts: [Vector3<f64>; 2],
-        ends: [Vector3<f64>; 2],
-        (normal, [before, free]): (Vector3<f64>, [f64; 2]),
-    ) -> Option<Contact> {
+        let (normal, [before, free]) = meeting(apart, reach)?;
         let radius = b.spheres.radius(sphere_b);
-        let reach = a.spheres.radius(sphere_a) + radius;
-        let apart = (starts[0] - starts[1] + ends[0] - ends[1]) * 0.5;
+        let apart = (apart[0] + apart[1]) * 0.5;
         let middle = normal * normal.dot(&apart).max(0.0).min(reach);
-        let point = (starts[1] + ends[1]) * 0.5 + middle * (radius / reach);
-        let mass =
-            1.0 / (self.inverse_mass(a.body, sphere_a) + self.inverse_mass(b.body, sphere_b));
-        if !mass.is_finite() {
-            return None; // nothing could move either
-        }
-        let side = |of: &Mover<'_>, sphere: usize| Side {
-            body: of.index,
-            sphere: sphere as u32,
+        let meeting = Meeting {
+            normal,
+            point: (starts[1] + ends[1]) * 0.5 + middle * (radius / reach),
+            overlaps: [before, free],
+            radius: radius.max(reach - radius),
         };
-        let sides = [side(a, sphere_a), side(b, sphere_b)];
-        let mut contact = self.linearised(sides, normal, point, before, free, mass);
-        let own = self.compliance(&contact, 0, &a.body.rotation);
-        let other = self.compliance(&contact, 1, &b.body.rotation);
-        let together = Compliance {
-            rigid: own.rigid + other.rigid,
-            modes: own.modes + other.modes,
-        };
-        contact.respond(&together);
-        let slip = self.slip(a.body, [starts[0], ends[0]], &point)
-            - self.slip(b.body, [starts[1], ends[1]], &point);
-        contact.slip = contact.across.map(|t| t.dot(&slip));
-        Some(contact)
+        let first = self.material(a, sphere_a, [starts[0], ends[0]]);
+        let second = self.material(b, sphere_b, [starts[1], ends[1]]);
+        self.contact(&meeting, &first, Some(&second), second.side)
     }
 
     /// A sphere of a body against a plane.
@@ -235,52 +247,79 @@ impl World {
     ) -> Option<Contact> {
         let Plane { normal, offset } = self.planes[index];
         let normal = Vector3::from(normal);
-        let body = of.body;
-        let side = Side {
-            body: of.index,
-            sphere: sphere as u32,
-        };
         let radius = of.spheres.radius(sphere);
         let centers = [of.start(sphere), of.end(sphere)];
-        let before = radius + offset - normal.dot(&centers[0]);
-        let free = radius + offset - normal.dot(&centers[1]);
+        let overlaps = centers.map(|center| radius + offset - normal.dot(&center));
         let way = (centers[1] - centers[0]).norm();
-        if !(before > 0.0 || free > -NEAR * (way + 1e-3 * radius)) {
+        if !(overlaps[0] > 0.0 || overlaps[1] > -NEAR * (way + 1e-3 * radius)) {
             return None;
         }
         let middle = (centers[0] + centers[1]) * 0.5;
-        let point = middle - normal * (normal.dot(&middle) - offset);
-        let mass = 1.0 / self.inverse_mass(body, sphere);
+        let meeting = Meeting {
+            normal,
+            point: middle - normal * (normal.dot(&middle) - offset),
+            overlaps,
+            radius,
+        };
+        let first = self.material(of, sphere, centers);
+        self.contact(&meeting, &first, None, Side::plane(index))
+    }
+
+    pub(super) fn material<'w>(
+        &self,
+        of: &Mover<'w>,
+        sphere: usize,
+        way: [Vector3<f64>; 2],
+    ) -> Material<'w> {
+        Material {
+            side: Side {
+                body: of.index,
+                sphere: sphere as u32,
+            },
+            body: of.body,
+            way,
+            field: of.spheres.field(sphere),
+            inverse_mass: self.inverse_mass(of.body, sphere),
+        }
+    }
+
+    /// The contact of two bodies, or of a body and a plane; `None` if nothing could move either.
+    pub(super) fn contact(
+        &self,
+        meeting: &Meeting,
+        first: &Material<'_>,
+        second: Option<&Material<'_>>,
+        second_side: Side,
+    ) -> Option<Contact> {
+        let Meeting {
+            normal,
+            point,
+            overlaps: [before, free],
+            radius,
+        } = *meeting;
+        let inverse_mass = |of: &Material<'_>| of.inverse_mass;
+        let mass = 1.0 / (first.inverse_mass + second.map_or(0.0, inverse_mass));
         if !mass.is_finite() {
             return None;
         }
-        let sides = [side, Side::plane(index)];
-        let mut contact = self.linearised(sides, normal, point, before, free, mass);
-        contact.respond(&self.compliance(&contact, 0, &body.rotation));
-        let slip = self.slip(body, centers, &point);
-        contact.slip = contact.across.map(|t| t.dot(&slip));
-        Some(contact)
-    }
-
-    fn linearised(
-        &self,
-        sides: [Side; 2],
-        normal: Vector3<f64>,
-        point: Vector3<f64>,
-        before: f64,
-        free: f64,
-        mass: f64,
-    ) -> Contact {
-        let arm = |side: Side| match self.bodies.get(side.body as usize) {
-            Some(body) => point - body.middle,
-            None => Vector3::zeros(),
-        };
-        Contact {
-            sides,
+        let arm = |of: &Material<'_>| point - of.body.middle;
+        let arms = [arm(first), second.map_or(Vector3::zeros(), arm)];
+        let mut together = self.compliance(first, arms[0]);
+        let mut slip = self.slip(first, &point);
+        if let Some(second) = second {
+            let other = self.compliance(second, arms[1]);
+            together.rigid += other.rigid;
+            together.modes += other.modes;
+            slip -= self.slip(second, &point);
+        }
+        let mut contact = Contact {
+            sides: [first.side, second_side],
             slots: [Slot::default(); 2],
+            fields: [None; 2],
+            radius,
             normal,
             across: tangents(&normal),
-            arms: sides.map(arm),
+            arms,
             point,
             before,
             free,
@@ -292,7 +331,10 @@ impl World {
             leak: [0.0; 2],
             after: free,
             force: [0.0; 3],
-        }
+        };
+        contact.respond(&together);
+        contact.slip = contact.across.map(|t| t.dot(&slip));
+        Some(contact)
     }
 
     fn inverse_mass(&self, body: &Body, sphere: usize) -> f64 {
@@ -304,36 +346,35 @@ impl World {
         }
     }
 
-    /// What friction is to stop at a point of a sphere's body: displacement within the step, and share of the speed of the
-    /// frame at its end.
-    fn slip(&self, body: &Body, centers: [Vector3<f64>; 2], point: &Vector3<f64>) -> Vector3<f64> {
+    /// What friction is to stop at a point: displacement within the step, and share of the speed of the frame at its end.
+    fn slip(&self, of: &Material<'_>, point: &Vector3<f64>) -> Vector3<f64> {
+        let (body, [start, end]) = (of.body, of.way);
         let h = self.options.step_s;
-        let middle = (centers[0] + centers[1]) * 0.5;
-        let moved = centers[1] - centers[0] + body.spin.cross(&(point - middle)) * h;
+        let moved = end - start + body.spin.cross(&(point - (start + end) * 0.5)) * h;
         let speed = body.end.velocity + body.spin.cross(&(point - body.middle));
         moved + speed * (SPEED_SHARE * h)
     }
 
-    fn compliance(&self, contact: &Contact, side: usize, axes: &Matrix3<f64>) -> Compliance {
-        let body = &self.bodies[contact.sides[side].body as usize];
-        let model = &self.models[body.model];
-        let arm = contact.arms[side].cross_matrix();
+    fn compliance(&self, of: &Material<'_>, arm: Vector3<f64>) -> Compliance {
+        let body = of.body;
+        let arm = arm.cross_matrix();
         let rigid = Matrix3::from_diagonal_element(body.per_force) - arm * body.per_torque * arm;
-        let stride = model.spheres.stride();
-        if stride == 0 {
-            return Compliance {
-                rigid,
-                modes: Matrix3::zeros(),
-            };
-        }
-        let per_force = part(&self.modal.per_force, body.start, stride);
-        let sphere = contact.sides[side].sphere as usize;
-        let [xx, yy, zz, xy, xz, yz] = model.spheres.compliance(sphere, per_force);
-        let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        Compliance {
-            rigid,
-            modes: axes * own * axes.transpose(),
-        }
+        let modes = match of.field.stride() {
+            0 => Matrix3::zeros(),
+            stride => {
+                let per_force = part(&self.modal.per_force, body.start, stride);
+                let axes = &body.rotation;
+                axes * of.field.compliance(per_force) * axes.transpose()
+            }
+        };
+        Compliance { rigid, modes }
+    }
+
+    /// 1 / effective mass of a point in its heaviest direction, modes included.
+    pub(super) fn inverse_mass_at(&self, of: &Material<'_>, point: &Vector3<f64>) -> f64 {
+        let Compliance { rigid, modes } = self.compliance(of, point - of.body.middle);
+        let h = self.options.step_s;
+        (rigid + modes).symmetric_eigenvalues().min().max(0.0) * 2.0 / (h * h)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which contact spheres touch: lists from the trees, and contacts from the lists.
 
-use bdtree_runtime::{HalfSpace, Workspace};
+use bdtree_runtime::{HalfSpace, LaneTriangle, Workspace};
 use nalgebra::Vector3;
 
 use super::contact::{Contact, plane_of};
@@ -51,28 +51,39 @@ impl World {
             let start = group.near.len();
             let mut near = None;
             if pair.near.is_none() {
-                match plane_of(pair.second) {
-                    Some(plane) => self.ask_plane(pair.first, plane, worker, group)?,
-                    None => self.ask_trees(pair, worker, group)?,
+                match self.meets(pair) {
+                    Meets::Plane(plane) => self.ask_plane(pair.first, plane, worker, group)?,
+                    Meets::Spheres => self.ask_trees(pair, worker, group)?,
+                    Meets::Triangles { is_swapped } => {
+                        self.ask_triangles(pair, is_swapped, worker, group)?;
+                    }
                 }
                 // As contacts of the step before and after are sorted.
                 group.near[start..].sort_unstable();
                 near = Some(Part::new(start, group.near.len()));
             }
+            let asked = core::mem::take(&mut group.near);
             let list = match pair.near {
                 Some(kept) => kept.of(&self.memory.near_spheres),
-                None => &group.near[start..],
+                None => &asked[start..],
             };
             group.tally.candidates += list.len() as u64;
             let from = group.contacts.len();
             let warm = self.memory.warm_of(pair);
-            match plane_of(pair.second) {
-                Some(plane) => self.look_at_plane(pair, plane, list, warm, &mut group.contacts),
-                None => {
+            match self.meets(pair) {
+                Meets::Plane(plane) => {
+                    self.look_at_plane(pair, plane, list, warm, &mut group.contacts);
+                }
+                Meets::Spheres => {
                     let base = group.clusters[0];
                     self.look_at_pair(pair, base, list, warm, &mut group.contacts);
                 }
+                Meets::Triangles { is_swapped } => {
+                    let scratch = &mut worker.scratch;
+                    self.look_at_surface(pair, is_swapped, list, warm, scratch, group)?;
+                }
             }
+            group.near = asked;
             let contacts = Part::new(from, group.contacts.len());
             if near.is_some() || contacts != Part::new(from, from) {
                 group.found.push(Found {
@@ -82,6 +93,65 @@ impl World {
                 });
             }
         }
+        Ok(())
+    }
+
+    fn meets(&self, pair: &Pair) -> Meets {
+        if let Some(plane) = plane_of(pair.second) {
+            return Meets::Plane(plane);
+        }
+        let has_surface = |body: u32| {
+            let model = self.bodies[body as usize].model;
+            self.models[model].surface.is_some()
+        };
+        match [pair.first, pair.second].map(has_surface) {
+            [false, true] => Meets::Triangles { is_swapped: false },
+            [true, false] => Meets::Triangles { is_swapped: true },
+            _ => Meets::Spheres,
+        }
+    }
+
+    /// Adds pairs of a contact sphere and a triangle that may touch while both bodies are within their allowances.
+    fn ask_triangles(
+        &self,
+        pair: &Pair,
+        is_swapped: bool,
+        worker: &mut Worker,
+        group: &mut Group,
+    ) -> Result<(), DynamicsError> {
+        let mut both = [pair.first, pair.second].map(|index| index as usize);
+        if is_swapped {
+            both.swap(0, 1);
+        }
+        let [a, b] = both.map(|index| &self.bodies[index]);
+        let spheres = &self.models[a.model].spheres;
+        let prediction = (a.snapshot.allowance + b.snapshot.allowance) * (1.0 + 1e-9);
+        let [pose_a, pose_b] = both.map(|index| self.instances[index].pose());
+        let [mut cache_a, mut cache_b] = both.map(|index| self.caches[index].get());
+        worker.lane_triangles.clear();
+        let mut unused = Workspace::in_bytes(&mut []);
+        let (mut query_a, mut query_b) = (
+            pose_a.query(&mut worker.workspace),
+            pose_b.query(&mut unused),
+        );
+        if let Some(cache) = &mut cache_a {
+            query_a = query_a.cached(cache);
+        }
+        if let Some(cache) = &mut cache_b {
+            query_b = query_b.cached(cache);
+        }
+        query_a.against(query_b).level_triangles(
+            spheres.level,
+            prediction,
+            spheres.reach(),
+            &mut worker.lane_triangles,
+        )?;
+        for LaneTriangle { lane, triangle } in &worker.lane_triangles {
+            if let Some(sphere) = spheres.of(*lane) {
+                group.near.push([sphere as u32, triangle.0]);
+            }
+        }
+        group.tally.add(worker);
         Ok(())
     }
 
@@ -223,11 +293,23 @@ impl World {
     }
 }
 
+/// What of two sides touch each other.
+#[derive(Debug, Clone, Copy)]
+enum Meets {
+    Plane(usize),
+    Spheres,
+    /// Spheres of the first body and triangles of the second, or the other way round.
+    Triangles {
+        is_swapped: bool,
+    },
+}
+
 impl Group {
     fn begin(&mut self) {
         self.found.clear();
         self.near.clear();
         self.contacts.clear();
+        self.fields.clear();
         self.tally = Tally::default();
     }
 }
@@ -259,7 +341,7 @@ impl Slot {
 
 impl Place {
     /// In a group whose first cluster is `base`.
-    fn within(self, base: usize) -> Slot {
+    pub(super) fn within(self, base: usize) -> Slot {
         let second = if self.cluster == base {
             0
         } else {

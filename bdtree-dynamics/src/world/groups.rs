@@ -54,6 +54,8 @@ pub(super) struct Group {
     /// New lists of contact spheres that may touch, one behind the other.
     pub(super) near: Vec<[u32; 2]>,
     pub(super) contacts: Vec<Contact>,
+    /// Those of points of triangles, one behind the other.
+    pub(super) fields: Vec<f64>,
     pub(super) tally: Tally,
     /// Of the last sweep: the sum of normal forces, and of how much they have changed.
     pub(super) sum: f64,

@@ -7,6 +7,7 @@
 //! | `pairs`, `find` | which contact spheres may touch: root spheres, then trees, then lists of what is near |
 //! | `groups`, `workers` | what threads may work on at the same time |
 //! | `contact` | one pair of spheres, linearised |
+//! | `surface` | the same of a sphere and a triangle |
 //! | `solve` | the forces of all contacts |
 //! | `advance` | bodies at its end |
 //! | `events` | which pairs began to touch, touch, parted |
@@ -26,6 +27,7 @@ mod save;
 mod sleep;
 mod snapshot;
 mod solve;
+mod surface;
 mod workers;
 
 use alloc::vec::Vec;
@@ -135,6 +137,8 @@ pub struct StepReport {
 pub struct World {
     options: WorldOptions,
     models: Vec<BodyModel>,
+    /// The least mean radius of any model's contact spheres.
+    finest: f64,
     planes: Vec<Plane>,
     bodies: Vec<Body>,
     modal: Modal,
@@ -202,6 +206,7 @@ impl World {
         Ok(Self {
             options,
             models: Vec::new(),
+            finest: f64::INFINITY,
             planes: Vec::new(),
             bodies: Vec::new(),
             modal: Modal::default(),
@@ -242,6 +247,9 @@ impl World {
         options: &BodyOptions,
     ) -> Result<ModelId, DynamicsError> {
         let model = BodyModel::new(model, options, self.options.step_s)?;
+        if model.surface.is_none() {
+            self.finest = self.finest.min(model.spheres.radius_mean);
+        }
         self.models.push(model);
         Ok(ModelId(self.models.len() - 1))
     }

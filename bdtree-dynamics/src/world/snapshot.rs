@@ -103,10 +103,15 @@ impl World {
         body.way = (body.end.position - body.state.position) * 0.5;
         let middle = body.state.position + body.way;
         // Rounding q to f32 changes it too.
-        let rounded = spheres.moved_within(F32 * size) + model.redundant_move;
-        let extent = spheres.extent + spheres.moved_within(size);
+        let rounded = model.moved_within(F32 * size) + model.redundant_move;
+        let extent = model.extent() + model.moved_within(size);
+        // What a contact sphere's radius is to motion.
+        let radius = match model.surface {
+            Some(_) => self.finest.min(spheres.radius_mean),
+            None => spheres.radius_mean,
+        };
         body.swing = chord(&half, &body.end.orientation) * extent;
-        let waves = moved(spheres, change);
+        let waves = model.moved(change, LITTLE * radius);
         body.ripple = (waves + rounded) * (1.0 + 1e-9);
         let falls = body.way.norm() + body.swing;
         let needed = (FAR * falls + body.ripple) * (1.0 + 1e-9);
@@ -118,15 +123,14 @@ impl World {
             kept_size += kept * kept;
         }
         size = size.max(libm::sqrt(kept_size));
-        let extent = spheres.extent + spheres.moved_within(size);
+        let extent = model.extent() + model.moved_within(size);
         let off = (middle - snapshot.position).norm()
             + chord(&snapshot.orientation, &half) * extent
-            + moved(spheres, change);
+            + model.moved(change, LITTLE * radius);
         if off * (1.0 + 1e-9) + needed <= snapshot.allowance {
             return Ok(());
         }
         let per_step = 2.0 * (falls + waves);
-        let radius = spheres.radius_mean;
         let margin = if FEW_STEPS * per_step > MOST * radius {
             0.0
         } else {
@@ -175,17 +179,6 @@ impl World {
             }
         }
         Ok(())
-    }
-}
-
-/// How far centers move at most when q changes by `change`: roughly where that is little enough.
-fn moved(spheres: &LevelSpheres, change: &[f64]) -> f64 {
-    let size = libm::sqrt(change.iter().map(|x| x * x).sum());
-    let most = spheres.moved_within(size);
-    if most <= LITTLE * spheres.radius_mean {
-        most
-    } else {
-        spheres.moved(change)
     }
 }
 

@@ -12,6 +12,7 @@ use super::groups::{Cluster, Group, Motion};
 use super::{StepReport, World};
 use crate::body_model::BodyModel;
 use crate::error::DynamicsError;
+use crate::field::Field;
 
 /// Pairs that do not touch are visited in every so many sweeps.
 const OPEN_EVERY: usize = 3;
@@ -48,6 +49,19 @@ impl Contact {
                 self.force = [warm.normal, s, t];
                 return;
             }
+        }
+    }
+
+    /// The same for a sphere, side `sphere` of the two, and a triangle: where it meets another triangle than before, it goes on
+    /// with the force of one that it met.
+    pub(super) fn begin_with_any(&mut self, old: &[Warm], sphere: usize) {
+        let same = |warm: &&Warm| warm.sides == self.sides;
+        let of_sphere = |warm: &&Warm| warm.sides[sphere] == self.sides[sphere];
+        let found = old.iter().find(same);
+        if let Some(warm) = found.or_else(|| old.iter().find(of_sphere)) {
+            self.late = warm.late.min(self.late);
+            let [s, t] = self.across.map(|across| across.dot(&warm.across));
+            self.force = [warm.normal, s, t];
         }
     }
 
@@ -149,12 +163,7 @@ impl World {
     /// # Errors
     /// An overlap of more than the larger radius.
     fn check_depth(&self, contact: &Contact, report: &mut StepReport) -> Result<(), DynamicsError> {
-        let radius = |side: Side| match self.bodies.get(side.body as usize) {
-            Some(body) => self.models[body.model].spheres.radius(side.sphere as usize),
-            None => 0.0,
-        };
-        let [a, b] = contact.sides;
-        let radius = radius(a).max(radius(b));
+        let (radius, [a, b]) = (contact.radius, contact.sides);
         report.penetration = report.penetration.max(contact.before);
         report.penetration_rel = report.penetration_rel.max(contact.before / radius);
         let depth = contact.before.max(contact.after);
@@ -190,12 +199,13 @@ impl Solver<'_> {
 
     fn turn(&self, group: &mut Group, mut clusters: Clusters<'_>, turn: Turn) {
         let (mut sum, mut changed) = (0.0, 0.0);
+        let fields = &group.fields;
         for contact in &mut group.contacts {
             let before = contact.force[0];
             match turn {
                 Turn::Begin => {
                     if before != 0.0 {
-                        self.push(&mut clusters, contact, contact.force_vector());
+                        self.push(&mut clusters, contact, fields, contact.force_vector());
                     }
                 }
                 Turn::Sweep(sweep) => {
@@ -204,7 +214,7 @@ impl Solver<'_> {
                     if is_open && sweep % OPEN_EVERY != 0 {
                         continue;
                     }
-                    self.visit(&mut clusters, contact);
+                    self.visit(&mut clusters, contact, fields);
                     sum += contact.force[0];
                     changed += (contact.force[0] - before).abs();
                 }
@@ -213,10 +223,10 @@ impl Solver<'_> {
         (group.sum, group.changed) = (sum, changed);
     }
 
-    fn visit(&self, clusters: &mut Clusters<'_>, contact: &mut Contact) {
-        let (mut rigid, mut modes) = self.displacement(clusters, contact, 0);
+    fn visit(&self, clusters: &mut Clusters<'_>, contact: &mut Contact, fields: &[f64]) {
+        let (mut rigid, mut modes) = self.displacement(clusters, contact, fields, 0);
         if !contact.is_with_plane() {
-            let other = self.displacement(clusters, contact, 1);
+            let other = self.displacement(clusters, contact, fields, 1);
             rigid -= other.0;
             modes -= other.1;
         }
@@ -244,7 +254,7 @@ impl Solver<'_> {
         }
         contact.force = [normal, held[0], held[1]];
         let by = contact.normal * change + contact.across[0] * ds + contact.across[1] * dt;
-        self.push(clusters, contact, by);
+        self.push(clusters, contact, fields, by);
     }
 
     /// How forces have moved a side's point so far: by rigid motion and by modes.
@@ -252,25 +262,31 @@ impl Solver<'_> {
         &self,
         clusters: &mut Clusters<'_>,
         contact: &Contact,
+        fields: &[f64],
         side: usize,
     ) -> (Vector3<f64>, Vector3<f64>) {
         let (motion, _, moved) = clusters.at(contact.slots[side]);
         let rigid = motion.moved + motion.turned.cross(&contact.arms[side]);
-        let spheres = &self.models[motion.model].spheres;
-        let stride = spheres.stride();
+        let field = self.field(motion, contact, fields, side);
+        let stride = field.stride();
         if stride == 0 {
             return (rigid, Vector3::zeros());
         }
-        let moved = &moved[motion.start..motion.start + stride];
-        let own = spheres.displacement(contact.sides[side].sphere as usize, moved);
+        let own = field.displacement(&moved[motion.start..motion.start + stride]);
         (rigid, motion.rotation * own)
     }
 
     /// Adds a force on the first side, and its opposite on the second.
-    fn push(&self, clusters: &mut Clusters<'_>, contact: &Contact, force: Vector3<f64>) {
-        self.push_side(clusters, contact, 0, force);
+    fn push(
+        &self,
+        clusters: &mut Clusters<'_>,
+        contact: &Contact,
+        fields: &[f64],
+        force: Vector3<f64>,
+    ) {
+        self.push_side(clusters, contact, fields, 0, force);
         if !contact.is_with_plane() {
-            self.push_side(clusters, contact, 1, -force);
+            self.push_side(clusters, contact, fields, 1, -force);
         }
     }
 
@@ -278,21 +294,46 @@ impl Solver<'_> {
         &self,
         clusters: &mut Clusters<'_>,
         contact: &Contact,
+        fields: &[f64],
         side: usize,
         force: Vector3<f64>,
     ) {
         let (motion, per_force, moved) = clusters.at(contact.slots[side]);
         motion.moved += force * motion.per_force;
         motion.turned += motion.per_torque * contact.arms[side].cross(&force);
-        let spheres = &self.models[motion.model].spheres;
-        let stride = spheres.stride();
+        let field = self.field(motion, contact, fields, side);
+        let stride = field.stride();
         if stride == 0 {
             return;
         }
         let own = motion.rotation.tr_mul(&force);
         let at = motion.start..motion.start + stride;
         let (per_force, moved) = (&per_force[at.clone()], &mut moved[at]);
-        spheres.pull(contact.sides[side].sphere as usize, own, per_force, moved);
+        field.pull(own, per_force, moved);
+    }
+
+    /// How modes move a side.
+    #[inline]
+    fn field<'f>(
+        &'f self,
+        motion: &Motion,
+        contact: &Contact,
+        fields: &'f [f64],
+        side: usize,
+    ) -> Field<'f> {
+        let spheres = &self.models[motion.model].spheres;
+        match contact.fields[side] {
+            // Nothing, for a body whose modes no force moves.
+            Some(at) => {
+                let len = 3 * spheres.stride();
+                Field(
+                    fields
+                        .get(at as usize..at as usize + len)
+                        .unwrap_or_default(),
+                )
+            }
+            None => spheres.field(contact.sides[side].sphere as usize),
+        }
     }
 }
 

@@ -2,7 +2,9 @@
 
 use alloc::vec::Vec;
 
-use bdtree_runtime::{LaneId, Workspace};
+use bdtree_runtime::{LaneId, LaneTriangle, Workspace};
+
+use super::surface::Scratch;
 
 /// What one thread works with.
 #[derive(Debug)]
@@ -10,6 +12,8 @@ pub(super) struct Worker {
     pub(super) workspace: Workspace<'static>,
     pub(super) lanes: Vec<LaneId>,
     pub(super) pairs: Vec<[LaneId; 2]>,
+    pub(super) lane_triangles: Vec<LaneTriangle>,
+    pub(super) scratch: Scratch,
 }
 
 impl Default for Worker {
@@ -18,6 +22,8 @@ impl Default for Worker {
             workspace: Workspace::new(),
             lanes: Vec::new(),
             pairs: Vec::new(),
+            lane_triangles: Vec::new(),
+            scratch: Scratch::default(),
         }
     }
 }

@@ -1,0 +1,280 @@
+//! Contact spheres of one body against the triangles of another.
+
+use alloc::vec::Vec;
+
+use bdtree_runtime::TriangleId;
+use bdtree_runtime::narrow::closest_point;
+use nalgebra::{Matrix3, Vector3};
+
+use super::contact::{Contact, Material, Meeting, Mover, NEAR, Side};
+use super::groups::Group;
+use super::pairs::Pair;
+use super::solve::Warm;
+use super::{World, part};
+use crate::error::DynamicsError;
+use crate::field::Field;
+use crate::surface::{Corners, Surface};
+
+/// Steps towards the first touch of a sphere and a triangle; each leaves a share of the gap.
+const ADVANCES: usize = 24;
+
+/// A first touch is found to this share of the sphere's radius.
+const TOUCH: f64 = 1e-3;
+
+/// A triangle that a sphere meets, or may meet.
+#[derive(Debug, Clone)]
+pub(super) struct Near {
+    triangle: u32,
+    /// From the triangle to the sphere.
+    normal: Vector3<f64>,
+    weights: [f64; 3],
+    /// The point of the triangle nearest to the sphere, at the beginning and at the end.
+    way: [Vector3<f64>; 2],
+    overlaps: [f64; 2],
+    /// When they first touch, as a share of the step, if they do; infinite if not. And their distance at the beginning.
+    first: [f64; 2],
+    corners: usize,
+}
+
+/// What a thread needs for triangles.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    near: Vec<Near>,
+    corners: Vec<Corners>,
+}
+
+/// A body whose triangles touch others, in a step.
+struct Target<'w> {
+    surface: &'w Surface,
+    positions: [Vector3<f64>; 2],
+    rotations: [Matrix3<f64>; 2],
+    q: [&'w [f64]; 2],
+}
+
+impl Target<'_> {
+    /// The corners in the world, at the beginning (0) and at the end (1) of the step.
+    fn at(&self, corners: &Corners, end: usize) -> [Vector3<f64>; 3] {
+        let own = self.surface.at(corners, self.q[end]);
+        own.map(|corner| self.positions[end] + self.rotations[end] * corner)
+    }
+}
+
+impl World {
+    /// Adds the contacts of a body's spheres with another body's triangles. `list` has pairs of a sphere and a triangle;
+    /// where `is_swapped`, the triangles are the first body's of the pair.
+    ///
+    /// # Errors
+    /// A damaged asset.
+    pub(super) fn look_at_surface(
+        &self,
+        pair: &Pair,
+        is_swapped: bool,
+        list: &[[u32; 2]],
+        warm: &[Warm],
+        scratch: &mut Scratch,
+        group: &mut Group,
+    ) -> Result<(), DynamicsError> {
+        if list.is_empty() {
+            return Ok(());
+        }
+        let both = [pair.first, pair.second];
+        let [of_sphere, of_triangle] = if is_swapped { [both[1], both[0]] } else { both };
+        let (mover, other) = (self.mover(of_sphere), self.mover(of_triangle));
+        let model = &self.models[other.body.model];
+        let Some(surface) = &model.surface else {
+            return Ok(());
+        };
+        let stride = model.spheres.stride();
+        let target = Target {
+            surface,
+            positions: [other.body.state.position, other.body.end.position],
+            rotations: other.body.rotations,
+            q: [&self.modal.q, &self.modal.end_q].map(|q| part(q, other.body.start, stride)),
+        };
+        let base = group.clusters[0];
+        let slots =
+            [of_sphere, of_triangle].map(|body| self.groups.places[body as usize].within(base));
+        let (a, b) = (mover.body, other.body);
+        let near = 3.0 * ((a.way - b.way).norm() + a.swing + b.swing + a.ripple + b.ripple);
+        for run in list.chunk_by(|[one, _], [other, _]| one == other) {
+            let sphere = run[0][0] as usize;
+            let way = [mover.start(sphere), mover.end(sphere)];
+            scratch.near.clear();
+            for (k, [_, triangle]) in run.iter().enumerate() {
+                if scratch.corners.len() <= k {
+                    scratch.corners.push(Corners::default());
+                }
+                let corners = &mut scratch.corners[k];
+                surface.corners(TriangleId(*triangle), corners)?;
+                let found = meeting(&target, corners, way, mover.spheres.radius(sphere), near);
+                scratch.near.extend(found.map(|found| Near {
+                    triangle: *triangle,
+                    corners: k,
+                    ..found
+                }));
+            }
+            leave_out(&mut scratch.near, mover.spheres.radius(sphere));
+            for found in &scratch.near {
+                let corners = &scratch.corners[found.corners];
+                let start = group.fields.len();
+                if stride > 0 && b.per_mode_moves(&self.modal.per_force, stride) {
+                    surface.field(corners, found.weights, &mut group.fields);
+                }
+                let own = Field(&group.fields[start..]);
+                let contact = self.touch_triangle([&mover, &other], sphere, way, found, own);
+                let Some(mut contact) = contact else {
+                    group.fields.truncate(start);
+                    continue;
+                };
+                contact.fields[1] = Some(start as u32);
+                contact.slots = slots;
+                if is_swapped {
+                    contact.swap();
+                }
+                contact.begin_with_any(warm, usize::from(is_swapped));
+                group.contacts.push(contact);
+            }
+        }
+        Ok(())
+    }
+
+    fn touch_triangle(
+        &self,
+        [mover, other]: [&Mover<'_>; 2],
+        sphere: usize,
+        way: [Vector3<f64>; 2],
+        found: &Near,
+        field: Field<'_>,
+    ) -> Option<Contact> {
+        let meeting = Meeting {
+            normal: found.normal,
+            point: (found.way[0] + found.way[1]) * 0.5,
+            overlaps: found.overlaps,
+            radius: mover.spheres.radius(sphere),
+        };
+        let first = self.material(mover, sphere, way);
+        let mut second = Material {
+            side: Side {
+                body: other.index,
+                sphere: found.triangle,
+            },
+            body: other.body,
+            way: found.way,
+            field,
+            inverse_mass: 0.0,
+        };
+        second.inverse_mass = self.inverse_mass_at(&second, &meeting.point);
+        self.contact(&meeting, &first, Some(&second), second.side)
+    }
+}
+
+/// A sphere on its way and a triangle, if they touch or may touch within the step.
+///
+/// Where the triangle moves with the body it is taken to move as its point that the sphere meets.
+fn meeting(
+    target: &Target<'_>,
+    corners: &Corners,
+    [from, to]: [Vector3<f64>; 2],
+    radius: f64,
+    near: f64,
+) -> Option<Near> {
+    let start = target.at(corners, 0);
+    let mut closest = closest_point(from.into(), &start.map(Into::into));
+    if closest.distance > radius + near {
+        return None;
+    }
+    let distance = closest.distance;
+    let end = target.at(corners, 1);
+    let point = |of: &[Vector3<f64>; 3], w: [f64; 3]| of[0] * w[0] + of[1] * w[1] + of[2] * w[2];
+    // How the sphere moves seen from the point at these weights.
+    let seen = |w: [f64; 3]| (to - from) - (point(&end, w) - point(&start, w));
+    let mut at = 0.0;
+    let mut center = from;
+    let mut is_met = closest.distance <= radius;
+    if !is_met {
+        // No step passes the first touch: the distance changes by no more than the way.
+        for _ in 0..ADVANCES {
+            let way = seen(closest.barycentric);
+            let size = way.norm();
+            let step = (closest.distance - radius) / size;
+            if !(at + step < 1.0) {
+                break;
+            }
+            at += step;
+            center = from + way * at;
+            closest = closest_point(center.into(), &start.map(Into::into));
+            if closest.distance <= radius * (1.0 + TOUCH) {
+                is_met = true;
+                break;
+            }
+        }
+    }
+    if !is_met {
+        let last = closest_point(to.into(), &end.map(Into::into));
+        let way = seen(last.barycentric).norm();
+        if !(last.distance - radius < NEAR * (way + 1e-3 * radius)) {
+            return None;
+        }
+        // Others may yet push them together.
+        let way = [&start, &end].map(|of| point(of, last.barycentric));
+        let normal = (to - way[1]).try_normalize(1e-9 * radius)?;
+        return Some(Near {
+            triangle: 0,
+            normal,
+            weights: last.barycentric,
+            way,
+            overlaps: [
+                radius - normal.dot(&(from - way[0])),
+                radius - normal.dot(&(to - way[1])),
+            ],
+            first: [f64::INFINITY, distance],
+            corners: 0,
+        });
+    }
+    let weights = closest.barycentric;
+    let away = center - point(&start, weights);
+    let normal = match away.try_normalize(1e-9 * radius) {
+        Some(normal) => normal,
+        // The center is in the triangle: along its own normal.
+        None => (start[1] - start[0])
+            .cross(&(start[2] - start[0]))
+            .try_normalize(0.0)?,
+    };
+    let way = [&start, &end].map(|of| point(of, weights));
+    Some(Near {
+        triangle: 0,
+        normal,
+        weights,
+        way,
+        overlaps: [
+            radius - normal.dot(&(from - way[0])),
+            radius - normal.dot(&(to - way[1])),
+        ],
+        first: [at, distance],
+        corners: 0,
+    })
+}
+
+/// Leaves out triangles that lie behind what the sphere meets before: of a flat or convex part of the surface, one triangle
+/// pushes; in a corner, one of each side does.
+fn leave_out(near: &mut Vec<Near>, radius: f64) {
+    const SHARE: f64 = 1e-2;
+    near.sort_unstable_by(|a, b| {
+        let [(at, from), (at_b, from_b)] = [a, b].map(|of| (of.first[0], of.first[1]));
+        (at.total_cmp(&at_b))
+            .then(from.total_cmp(&from_b))
+            .then(a.triangle.cmp(&b.triangle))
+    });
+    let mut kept = 0;
+    for k in 0..near.len() {
+        let is_behind = |one: &Near| {
+            let same_side = one.normal.dot(&near[k].normal) > 0.0;
+            same_side && one.normal.dot(&(near[k].way[0] - one.way[0])) <= SHARE * radius
+        };
+        if !near[..kept].iter().any(is_behind) {
+            near.swap(kept, k);
+            kept += 1;
+        }
+    }
+    near.truncate(kept);
+}
