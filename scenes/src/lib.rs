@@ -1,9 +1,10 @@
-//! The paper's experiments: programs ([`chairs`], [`curtain`], [`tables`], [`growth`], [`results`]), the guide's plots ([`guide`]) and films ([`film`]) with what they share and workloads for
-//! benchmarks.
+//! The paper's experiments: programs ([`chairs`] with what [`falling`] has, [`curtain`], [`tables`], [`growth`], [`results`]),
+//! the guide's plots ([`guide`]) and films ([`film`]) with what they share and workloads for benchmarks.
 
 pub mod chairs;
 pub mod contenders;
 pub mod curtain;
+pub mod falling;
 pub mod film;
 pub mod growth;
 pub mod guide;

@@ -8,7 +8,7 @@ use bdtree_build::basis::elastic::{ElasticOptions, elastic_basis};
 use bdtree_build::input::read_mesh;
 use bdtree_build::progress::Silent;
 use bdtree_fixtures::{bake, models};
-use bdtree_scenes::chairs::{Arguments, COLUMNS, run};
+use bdtree_scenes::chairs::{Arguments, columns, run};
 use bdtree_scenes::contenders::assets::baked_mesh;
 use bdtree_scenes::report::without_times;
 use clap::Parser;
@@ -45,8 +45,8 @@ fn arguments(options: &str) -> Result<Arguments, clap::Error> {
 /// Runs in a folder, where the checkpoint and all that is written lie.
 fn fall(options: &str, folder: &Path) -> Result<Value, String> {
     let mut arguments = arguments(options).expect("options");
-    arguments.out = Some(folder.to_path_buf());
-    arguments.checkpoint = Some(folder.join("state"));
+    arguments.options.out = Some(folder.to_path_buf());
+    arguments.options.checkpoint = Some(folder.join("state"));
     let report = run(arguments).map_err(|error| error.to_string())?;
     report.write(folder).expect("written");
     Ok(report.value)
@@ -55,13 +55,14 @@ fn fall(options: &str, folder: &Path) -> Result<Value, String> {
 /// The columns of the steps' file, without the clock's and what depends on the threads.
 fn steps(folder: &Path) -> Vec<String> {
     let text = fs::read_to_string(folder.join("chairs-steps.csv")).expect("the steps");
+    let columns = columns();
     let kept = |column: usize| {
-        let name = COLUMNS[column];
+        let name = columns[column];
         !name.contains("updated") && name != "seconds"
     };
     let line = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
-        assert_eq!(cells.len(), COLUMNS.len());
+        assert_eq!(cells.len(), columns.len());
         let own = (0..cells.len()).filter(|column| kept(*column));
         own.map(|column| cells[column])
             .collect::<Vec<_>>()
@@ -97,9 +98,9 @@ fn motion_is_the_same_with_two_threads_and_after_a_break() {
         let first = format!("--bodies 11 --steps {stop} --seed 5 --check-every 10");
         fall(&first, broken).expect("a run");
         let mut rest = arguments(&format!("{common} --threads {threads}")).expect("options");
-        rest.resume = Some(broken.join("state"));
-        rest.checkpoint = Some(broken.join("state"));
-        rest.out = Some(broken.to_path_buf());
+        rest.options.resume = Some(broken.join("state"));
+        rest.options.checkpoint = Some(broken.join("state"));
+        rest.options.out = Some(broken.to_path_buf());
         let report = run(rest).expect("goes on");
         assert!(state(one) == state(broken), "{threads} threads from {stop}");
         assert_eq!(steps(one), steps(broken));
@@ -120,8 +121,8 @@ fn waves_go_on_after_a_break() {
         let first = format!("--bodies 172 --rigid --steps {stop} --check-every 0");
         fall(&first, broken).expect("a run");
         let mut rest = arguments(end).expect("options");
-        rest.resume = Some(broken.join("state"));
-        rest.checkpoint = Some(broken.join("state"));
+        rest.options.resume = Some(broken.join("state"));
+        rest.options.checkpoint = Some(broken.join("state"));
         run(rest).expect("goes on");
         assert!(bytes == fs::read(broken.join("state")).expect("a checkpoint"));
     }
@@ -141,7 +142,7 @@ fn redundant_updates_change_no_motion() {
     }
     let modal = |folder: &Path| {
         let text = fs::read_to_string(folder.join("chairs-steps.csv")).expect("the steps");
-        let column = COLUMNS
+        let column = columns()
             .iter()
             .position(|name| *name == "modal_J")
             .expect("there");
@@ -159,9 +160,9 @@ fn what_is_asked_for_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let place = folder.path();
     let mut given = arguments("--bodies 3 --steps 12 --size 96x54").expect("options");
-    given.out = Some(place.join("out"));
-    given.frames = Some(place.join("film"));
-    given.picture = Some(place.join("end.png"));
+    given.options.out = Some(place.join("out"));
+    given.options.frames = Some(place.join("film"));
+    given.options.picture = Some(place.join("end.png"));
     given.updated = Some(place.join("updated.png"));
     let report = run(given).expect("a run");
     report.write(&place.join("out")).expect("written");
@@ -177,7 +178,7 @@ fn what_is_asked_for_is_written() {
     }
     assert!(!place.join("film/frame-00003.png").exists());
     let text = fs::read_to_string(place.join("out/chairs-steps.csv")).expect("the steps");
-    assert_eq!(text.lines().next(), Some(&*COLUMNS.join(",")));
+    assert_eq!(text.lines().next(), Some(&*columns().join(",")));
     assert_eq!(text.lines().count(), 13);
     let json = fs::read_to_string(place.join("out/chairs.json")).expect("the report");
     let json: Value = serde_json::from_str(&json).expect("JSON");
@@ -210,7 +211,7 @@ fn what_cannot_be_is_refused() {
     fall("--bodies 2 --steps 8", place).expect("a run");
     let resumed = |options: &str| {
         let mut given = arguments(options).expect("options");
-        given.resume = Some(place.join("state"));
+        given.options.resume = Some(place.join("state"));
         given
     };
     for other in [
@@ -244,8 +245,8 @@ fn a_step_that_fails_ends_the_run_with_what_there_is() {
     fs::write(place.join("small.bdt"), model.asset().bytes()).expect("written");
     let mut given = arguments("--bodies 9 --steps 400 --rigid --level 0").expect("options");
     given.asset = Some(place.join("small.bdt"));
-    given.out = Some(place.to_path_buf());
-    given.checkpoint = Some(place.join("state"));
+    given.options.out = Some(place.to_path_buf());
+    given.options.checkpoint = Some(place.join("state"));
     let error = run(given).expect_err("too deep").to_string();
     assert!(
         error.starts_with("step ") && error.contains("overlap by"),

@@ -1,33 +1,26 @@
 //! The paper's falling chairs (figures 1 and 7, P43 to P46): chairs with ten vibration modes fall onto the ground and onto
-//! each other.
+//! each other. [`falling`](crate::falling) has what it shares with the other scene.
 //!
 //! | file | part |
 //! |---|---|
-//! | `waves` | where and when chairs begin to fall |
 //! | `scene` | the world, its bodies and what they have in common |
-//! | `checkpoint` | a run's state as a file, and going on from there |
-//! | `check` | contacts against brute force, and nothing below the ground |
-//! | `log` | what every step did, and the sums |
-//! | `show` | pictures |
+//! | `ground` | that nothing is below the ground |
 //! | `updated` | which spheres a step's queries updated |
-//! | `progress` | the time left |
 
-mod check;
-mod checkpoint;
-mod log;
-mod progress;
-mod run;
+mod ground;
 mod scene;
-mod show;
 mod updated;
-mod waves;
 
+use std::error::Error;
 use std::path::PathBuf;
 
+use bdtree_runtime::Model;
 use clap::Parser;
 
-pub use log::COLUMNS;
-pub use run::run;
+use crate::falling::{self, Options, log};
+use crate::report::Report;
+use crate::tables;
+use scene::Chairs;
 
 /// Chairs that vibrate fall onto the ground and onto each other (the paper's figures 1 and 7)
 #[derive(Debug, Clone, Parser)]
@@ -38,12 +31,6 @@ pub struct Arguments {
     /// Steps of 1/150 s, those before --resume included
     #[arg(long, default_value_t = 1500)]
     pub steps: u64,
-    /// Of the places and orientations at the beginning
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Threads that step; the motion is the same for any number
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
-    pub threads: u16,
     /// Chairs that do not deform: q stays 0
     #[arg(long)]
     pub rigid: bool,
@@ -56,31 +43,29 @@ pub struct Arguments {
     /// Level of the contact spheres (0: the root's); without it, the one that has about a thousand
     #[arg(long)]
     pub level: Option<usize>,
-    /// A file for the state, to go on from with --resume; written at the end too
-    #[arg(long)]
-    pub checkpoint: Option<PathBuf>,
-    /// Steps from one checkpoint to the next
-    #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u64).range(1..))]
-    pub checkpoint_every: u64,
-    /// Goes on from a checkpoint of a run with the same chairs, seed and level
-    #[arg(long)]
-    pub resume: Option<PathBuf>,
-    /// Steps from one comparison of contacts with brute force to the next; 0: none
-    #[arg(long, default_value_t = 100)]
-    pub check_every: u64,
-    /// Folder for chairs.json, chairs-steps.csv (a line per step) and tables
-    #[arg(long)]
-    pub out: Option<PathBuf>,
-    /// Folder for a film's pictures: one every five steps, 30 a second
-    #[arg(long)]
-    pub frames: Option<PathBuf>,
-    /// A PNG file for a picture of the end
-    #[arg(long)]
-    pub picture: Option<PathBuf>,
     /// A PNG file for a picture of the spheres that queries of the last step updated
     #[arg(long)]
     pub updated: Option<PathBuf>,
-    /// Width and height of pictures in pixels
-    #[arg(long, value_delimiter = 'x', default_value = "1280x720", num_args = 1)]
-    pub size: Vec<u32>,
+    /// What all scenes have.
+    #[command(flatten)]
+    pub options: Options,
+}
+
+/// Columns of the table of steps.
+pub fn columns() -> Vec<&'static str> {
+    log::names::<scene::Own>()
+}
+
+/// Simulates, and writes what is asked for.
+///
+/// # Errors
+/// Files that cannot be read or written, a checkpoint of another run, a step that failed, something below the ground; what
+/// was logged until then is written.
+pub fn run(arguments: Arguments) -> Result<Report, Box<dyn Error>> {
+    let model = match &arguments.asset {
+        Some(path) => Model::read(path)?,
+        None => tables::chair()?,
+    };
+    let (steps, options) = (arguments.steps, arguments.options.clone());
+    falling::run(Chairs::new(arguments, model)?, steps, options)
 }

@@ -1,15 +1,25 @@
 //! The world, its bodies and what they have in common.
 
 use std::error::Error;
+use std::path::PathBuf;
 
 use bdtree_dynamics::{
-    BodyId, BodyOptions, ContactLaw, Frame, LevelSpheres, MassProperties, ModelId, Plane, World,
+    BodyOptions, ContactLaw, Frame, LevelSpheres, MassProperties, ModelId, Plane, World,
     WorldOptions,
 };
+use bdtree_render::Floor;
 use bdtree_runtime::{Model, Transform};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::Arguments;
-use super::waves::Waves;
+use super::ground::ground;
+use super::updated::updated;
+use crate::falling::log::{Log, columns};
+use crate::falling::show::{self, Show, View};
+use crate::falling::waves::Waves;
+use crate::falling::{About, Scene, hash, report};
+use crate::{film, report::Row, row};
 
 /// What contacts are made of: stiffer and less springy than what worlds have by themselves, as chairs are.
 const LAW: ContactLaw = ContactLaw {
@@ -18,24 +28,56 @@ const LAW: ContactLaw = ContactLaw {
     friction: 0.4,
 };
 
+/// Distance of neighbors in a wave, m; more for larger bodies.
+const SPACING: f64 = 1.3;
+
+/// Chairs along a side of a wave, at most: with 3601 chairs, 22 waves make a heap several meters high.
+const SIDE_MAX: usize = 13;
+
+/// Height of a chair's center of mass above those below it, m: none gets much faster than 6 m/s.
+const ABOVE: f64 = 1.5;
+
+/// Steps from a wave to the next.
+const EVERY: u64 = 150;
+
 /// A world in which bodies of one asset fall.
-pub(super) struct Scene {
+pub(super) struct Chairs {
+    arguments: Arguments,
     pub(super) world: World,
     pub(super) model: Model,
     of: ModelId,
     pub(super) spheres: LevelSpheres,
-    /// How far any contact sphere of an undeformed body reaches from the center of mass.
     pub(super) extent: f64,
-    pub(super) waves: Waves,
+    waves: Waves,
 }
 
-impl Scene {
-    pub(super) fn new(arguments: &Arguments, model: Model) -> Result<Self, Box<dyn Error>> {
+/// What must be the same in the run that goes on. The number of threads, pictures and checks may differ.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Settings {
+    bodies: u32,
+    seed: u64,
+    rigid: bool,
+    level: usize,
+    asset: String,
+}
+
+columns! {
+/// What only falling chairs tell.
+Own {
+    /// Of the spheres' centers of some bodies near the ground at the end; none is near it: empty.
+    lowest_m,
+    /// Of these centers, those that are below the ground by more than the largest radius.
+    below,
+}
+}
+
+impl Chairs {
+    pub(super) fn new(arguments: Arguments, model: Model) -> Result<Self, Box<dyn Error>> {
         let options = WorldOptions {
             law: LAW,
             // As in the paper, every body takes part in every step.
             sleep_speed: 0.0,
-            threads: usize::from(arguments.threads),
+            threads: usize::from(arguments.options.threads),
             ..WorldOptions::default()
         };
         let body = BodyOptions {
@@ -55,8 +97,22 @@ impl Scene {
             normal: [0.0, 1.0, 0.0],
             offset: 0.0,
         })?;
-        let waves = Waves::new(arguments.seed, arguments.bodies as usize, center, extent);
+        let count = arguments.bodies as usize;
+        let side = ((count as f64).sqrt().ceil() as usize).clamp(1, SIDE_MAX);
+        let waves = Waves {
+            seed: arguments.options.seed,
+            count,
+            columns: side,
+            rows: side,
+            spacing: f64::max(SPACING, 2.1 * extent),
+            above: ABOVE,
+            every: EVERY,
+            center: center.into(),
+            scale: 1.0,
+            onto: None,
+        };
         Ok(Self {
+            arguments,
             world,
             model,
             of,
@@ -66,45 +122,149 @@ impl Scene {
         })
     }
 
-    /// Adds a body. Where the world is restored afterwards, its place does not matter.
-    pub(super) fn add(&mut self, at: Transform) -> Result<(), Box<dyn Error>> {
+    /// Nodes of a body's tree, and of those the nodes down to the level of its contact spheres.
+    pub(super) fn nodes_each(&self) -> [usize; 2] {
+        let asset = self.model.asset();
+        [asset.node_count(), asset.node_count_to(self.spheres.level)]
+    }
+}
+
+impl Scene for Chairs {
+    const NAME: &'static str = "chairs";
+    type Settings = Settings;
+    type Own = Own;
+
+    fn world(&self) -> &World {
+        &self.world
+    }
+
+    fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    fn settings(&self) -> Settings {
+        Settings {
+            bodies: self.arguments.bodies,
+            seed: self.arguments.options.seed,
+            rigid: self.arguments.rigid,
+            level: self.spheres.level,
+            asset: hash(&self.model),
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.arguments.bodies as usize
+    }
+
+    fn fallen(&self) -> usize {
+        self.world.len()
+    }
+
+    fn add(&mut self, at: Transform) -> Result<(), Box<dyn Error>> {
         self.world.add_body(self.of, Frame::Free, at)?;
         Ok(())
     }
 
-    /// Adds the bodies that begin to fall now.
-    pub(super) fn add_wave(&mut self) -> Result<(), Box<dyn Error>> {
-        let step = self.world.steps();
-        for at in self.waves.before(step, &self.positions()?) {
-            self.add(at)?;
+    fn due(&self) -> Result<Vec<Transform>, Box<dyn Error>> {
+        Ok((self.waves).before(self.world.steps(), &self.positions()?))
+    }
+
+    fn spheres(&self) -> &LevelSpheres {
+        &self.spheres
+    }
+
+    fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    fn nodes(&self) -> [usize; 2] {
+        self.nodes_each().map(|nodes| self.world.len() * nodes)
+    }
+
+    fn own(&mut self) -> Result<Own, Box<dyn Error>> {
+        let (lowest_m, below) = ground(self)?;
+        let below = below as f64;
+        Ok(Own { lowest_m, below })
+    }
+
+    fn verdict(&self, log: &Log<Own>) -> Result<(), Box<dyn Error>> {
+        let below = log.sum(|row| row.own.below);
+        if below > 0.0 {
+            return Err(format!("{below} contact spheres were below the ground").into());
         }
         Ok(())
     }
 
-    /// Centers of mass.
-    pub(super) fn positions(&self) -> Result<Vec<[f64; 3]>, Box<dyn Error>> {
-        let of = |body| Ok(self.world.state(BodyId(body))?.position);
-        (0..self.world.len()).map(of).collect()
+    fn models(&self) -> Vec<Model> {
+        vec![self.model.clone()]
     }
 
-    /// q of a body, as long as contact spheres take it.
-    pub(super) fn q(&self, body: usize) -> Result<Vec<f64>, Box<dyn Error>> {
-        let mut q = vec![0.0; self.spheres.mode_count()];
-        self.world.q(BodyId(body), &mut q)?;
-        q.resize(self.spheres.stride(), 0.0);
-        Ok(q)
+    fn look(&self, body: usize) -> (usize, [u8; 3]) {
+        (0, film::colour(body))
     }
 
-    /// The world's state.
-    pub(super) fn bytes(&self) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        self.world.save(&mut bytes);
-        bytes
+    /// The square above which chairs begin to fall.
+    fn view(&self) -> View {
+        let wide = self.waves.half_width() as f32;
+        // A heap is wider than the waves that make it.
+        let away = match self.waves.waves() {
+            1 => 2.4,
+            waves => 3.1 + 0.02 * waves.min(50) as f32,
+        };
+        let away = away * wide + 1.5;
+        let eye = [0.3 * away, 0.36 * away + 0.5, 0.88 * away];
+        View {
+            camera: film::view(eye, [0.0, 0.12 * wide + 0.2, 0.0]),
+            floor: Floor {
+                height: 0.0,
+                middle: [0.0; 2],
+                radius: 2.0 * wide + 1.0,
+                colour: film::FLOOR,
+            },
+            contact_radius: 0.012 + 0.003 * wide,
+            coarser_by: 0.0,
+        }
     }
 
-    /// Nodes of a body's tree, and of those the nodes down to the level of its contact spheres.
-    pub(super) fn nodes(&self) -> [usize; 2] {
-        let asset = self.model.asset();
-        [asset.node_count(), asset.node_count_to(self.spheres.level)]
+    fn pictures(&self) -> Vec<PathBuf> {
+        self.arguments.updated.iter().cloned().collect()
+    }
+
+    fn draw(&self, show: &mut Show, log: &Log<Own>) -> Result<Value, Box<dyn Error>> {
+        let Some(path) = &self.arguments.updated else {
+            return Ok(Value::Null);
+        };
+        let updated = updated(self)?;
+        show::write(path, &show.picture(self, &updated.spheres)?)?;
+        Ok(
+            json!({"nodes": updated.nodes, "spheres_shown": updated.spheres.len(),
+            "counted_by_the_step": log.rows.last().map(|row| row.common.nodes_updated),
+            "nodes_of_all_trees": self.nodes()[0]}),
+        )
+    }
+
+    fn about(&self) -> About {
+        let Arguments {
+            rigid,
+            redundant_updates,
+            ..
+        } = self.arguments;
+        let kind = match (rigid, redundant_updates) {
+            (false, _) => "deformable",
+            (true, false) => "rigid",
+            (true, true) => "rigid, redundant updates",
+        };
+        About {
+            settings: json!({"rigid": rigid, "redundant_updates": redundant_updates}),
+            spheres: report::told(&self.spheres, self.nodes_each()),
+            table: row! {"bodies" => kind},
+        }
+    }
+
+    fn totals(&self, log: &Log<Own>) -> (Value, Row) {
+        let lowest = log.rows.iter().map(|row| row.own.lowest_m);
+        let lowest = lowest.fold(f64::NAN, f64::min);
+        let below = log.sum(|row| row.own.below);
+        (json!({"lowest_m": lowest, "below": below}), Row::new())
     }
 }

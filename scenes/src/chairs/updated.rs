@@ -12,7 +12,7 @@ use bdtree_render::{NodeSphere, Sphere};
 use bdtree_runtime::{HalfSpace, LaneId, Pose, Workspace, broad};
 use nalgebra::Vector3;
 
-use super::scene::Scene;
+use super::scene::Chairs;
 
 /// Opacity of spheres.
 const OPACITY: u8 = 70;
@@ -33,11 +33,11 @@ pub(super) struct Updated {
 }
 
 /// Of the last step, whose poses the world's instances still have.
-pub(super) fn updated(scene: &Scene) -> Result<Updated, Box<dyn Error>> {
+pub(super) fn updated(scene: &Chairs) -> Result<Updated, Box<dyn Error>> {
     let world = &scene.world;
     let count = world.len();
     let (spheres, step_s) = (&scene.spheres, world.options().step_s);
-    let nodes_each = scene.nodes()[1];
+    let nodes_each = scene.nodes_each()[1];
     // As far as bodies may move from the middle of the step, for which they are posed.
     let mut moves = Vec::with_capacity(count);
     for body in 0..count {
@@ -114,8 +114,8 @@ pub(super) fn updated(scene: &Scene) -> Result<Updated, Box<dyn Error>> {
 }
 
 /// The node that hangs on a lane is updated, if it is one that contacts are sought in.
-fn enter(scene: &Scene, body: usize, lane: LaneId, is_updated: &mut [bool]) {
-    let each = scene.nodes()[1];
+fn enter(scene: &Chairs, body: usize, lane: LaneId, is_updated: &mut [bool]) {
+    let each = scene.nodes_each()[1];
     let node = scene.model.asset().nodes().get(lane.node as usize);
     let child = node.and_then(|node| node.child(usize::from(lane.lane)));
     if let Some(child) = child.map(|child| child as usize)

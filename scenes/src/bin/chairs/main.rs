@@ -9,6 +9,6 @@ use clap::Parser;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
-    let out = arguments.out.clone();
+    let out = arguments.options.out.clone();
     run(arguments)?.show(out.as_deref())
 }

@@ -1,25 +1,21 @@
-//! What a run checks of itself: the contacts of a few pairs of bodies against brute force over all their contact spheres,
-//! and that nothing is below the ground.
+//! What a run checks of itself: the contacts of a few pairs of bodies against brute force over all their contact spheres.
 
 use std::error::Error;
 
 use bdtree_dynamics::BodyId;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use super::scene::Scene;
+use super::{Scene, q};
 use crate::workloads::random::Stream;
 
 /// Bodies that are picked, each with its nearest neighbor and another one near it.
 const PICKED: usize = 16;
 
-/// Bodies whose spheres are compared with the ground in a step.
-const LOW: usize = 8;
-
 /// Overlaps up to it (m) may be there or not: rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// Two bodies before a step.
-pub(super) struct Pair {
+pub(crate) struct Pair {
     bodies: [usize; 2],
     /// Of their contact spheres.
     centers: [Vec<Vector3<f64>>; 2],
@@ -27,38 +23,42 @@ pub(super) struct Pair {
 
 /// What a comparison has found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Compared {
-    pub(super) pairs: u64,
+pub(crate) struct Compared {
+    pub(crate) pairs: u64,
     /// Pairs of spheres that overlap by brute force.
-    pub(super) overlaps: u64,
+    pub(crate) overlaps: u64,
     /// Those of them that the world has no contact for. A sphere can stick out of those above it where its body is
     /// deformed: such a pair is found some steps late.
-    pub(super) missed: u64,
+    pub(crate) missed: u64,
     /// Deepest of the missed, m.
-    pub(super) missed_depth: f64,
+    pub(crate) missed_depth: f64,
     /// Overlaps of the world that brute force has not found.
-    pub(super) extra: u64,
+    pub(crate) extra: u64,
 }
 
-/// Contact spheres of a body as it is now.
-fn centers(scene: &Scene, body: usize) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
-    let state = scene.world.state(BodyId(body))?;
+/// Contact spheres of a body that falls, as it is now.
+pub(crate) fn centers(
+    scene: &impl Scene,
+    body: usize,
+) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
+    let state = scene.world().state(BodyId(body))?;
     let [x, y, z, w] = state.orientation;
     let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)).to_rotation_matrix();
-    let (q, spheres) = (scene.q(body)?, &scene.spheres);
+    let (mut q, spheres) = (q(scene.world(), body)?, scene.spheres());
+    q.resize(spheres.stride(), 0.0);
     let place = |k| Vector3::from(state.position) + turn * spheres.center(k, &q);
     Ok((0..spheres.len()).map(place).collect())
 }
 
 /// Some pairs of bodies that are near each other, as they are before a step.
-pub(super) fn pairs(scene: &Scene) -> Result<Vec<Pair>, Box<dyn Error>> {
+pub(crate) fn pairs(scene: &impl Scene) -> Result<Vec<Pair>, Box<dyn Error>> {
     let at = scene.positions()?;
-    let mut stream = Stream::new(scene.world.steps() ^ 0x5eed);
+    let mut stream = Stream::new(scene.world().steps() ^ 0x5eed);
     let mut picked: Vec<[usize; 2]> = Vec::new();
     for _ in 0..PICKED.min(at.len()) {
         let one = (stream.unit() * at.len() as f64) as usize;
         let away = |other: usize| (Vector3::from(at[other]) - Vector3::from(at[one])).norm();
-        let is_near = |other: &usize| *other != one && away(*other) < 2.0 * scene.extent;
+        let is_near = |other: &usize| *other != one && away(*other) < 2.0 * scene.extent();
         let near: Vec<usize> = (0..at.len()).filter(is_near).collect();
         let nearest = near.iter().min_by(|a, b| away(**a).total_cmp(&away(**b)));
         let another = near.get((stream.unit() * near.len() as f64) as usize);
@@ -68,8 +68,9 @@ pub(super) fn pairs(scene: &Scene) -> Result<Vec<Pair>, Box<dyn Error>> {
     }
     picked.sort_unstable();
     picked.dedup();
+    let first = scene.falling().start;
     let pair = |bodies: [usize; 2]| {
-        let [a, b] = bodies;
+        let bodies @ [a, b] = bodies.map(|body| first + body);
         let centers = [centers(scene, a)?, centers(scene, b)?];
         Ok(Pair { bodies, centers })
     };
@@ -77,13 +78,13 @@ pub(super) fn pairs(scene: &Scene) -> Result<Vec<Pair>, Box<dyn Error>> {
 }
 
 /// Compares the contacts of the step that began there.
-pub(super) fn compare(scene: &Scene, pairs: &[Pair]) -> Compared {
-    let spheres = &scene.spheres;
+pub(crate) fn compare(scene: &impl Scene, pairs: &[Pair]) -> Compared {
+    let spheres = scene.spheres();
     let mut sum = Compared::default();
     for pair in pairs {
         let mut found: Vec<[usize; 2]> = Vec::new();
         let mut doubtful: Vec<[usize; 2]> = Vec::new();
-        for contact in scene.world.contacts() {
+        for contact in scene.world().contacts() {
             let (of, mut both) = (contact.bodies, contact.spheres);
             if of != pair.bodies.map(Some) {
                 if of != [Some(pair.bodies[1]), Some(pair.bodies[0])] {
@@ -119,28 +120,4 @@ pub(super) fn compare(scene: &Scene, pairs: &[Pair]) -> Compared {
         sum.pairs += 1;
     }
     sum
-}
-
-/// The lowest center of any contact sphere of some bodies near the ground, other bodies in every step, and the number of
-/// centers that are below it by more than the largest radius. No bodies are near it: not a number.
-pub(super) fn ground(scene: &Scene) -> Result<(f64, u64), Box<dyn Error>> {
-    let at = scene.positions()?;
-    let mut low: Vec<usize> = (0..at.len())
-        .filter(|body| at[*body][1] < scene.extent)
-        .collect();
-    let first = scene.world.steps() as usize * LOW;
-    if !low.is_empty() {
-        let by = first % low.len();
-        low.rotate_left(by);
-    }
-    let radius = scene.spheres.radii().iter().copied().fold(0.0, f64::max);
-    let (mut lowest, mut below) = (f64::NAN, 0);
-    for body in low.into_iter().take(LOW) {
-        for center in centers(scene, body)? {
-            lowest = lowest.min(center.y);
-            // Not a number is below, too.
-            below += u64::from(!(center.y > -radius));
-        }
-    }
-    Ok((lowest, below))
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 /// Of the last step's time, so much counts in the mean: the time left follows a heap that grows.
 const SHARE: f64 = 0.02;
 
-pub(super) struct Progress {
+pub(crate) struct Progress {
     is_terminal: bool,
     told: Instant,
     last: Instant,
@@ -14,7 +14,7 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let now = Instant::now();
         Self {
             is_terminal: stderr().is_terminal(),
@@ -25,7 +25,7 @@ impl Progress {
     }
 
     /// After each step, with all that belongs to it.
-    pub(super) fn tell(&mut self, step: u64, of: u64, bodies: usize, events: f64) {
+    pub(crate) fn tell(&mut self, step: u64, of: u64, bodies: usize, events: f64) {
         let now = Instant::now();
         let took = (now - self.last).as_secs_f64();
         self.last = now;
@@ -46,7 +46,7 @@ impl Progress {
     }
 
     /// Removes the line from a terminal.
-    pub(super) fn end(&self) {
+    pub(crate) fn end(&self) {
         if self.is_terminal {
             let _ = write!(stderr(), "\r\x1b[K");
         }
