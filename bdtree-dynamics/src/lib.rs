@@ -71,5 +71,5 @@ pub use oscillator::{Oscillator, Transition};
 #[cfg(feature = "alloc")]
 pub use world::{
     BodyId, BodyState, ContactRecord, Energy, Event, Events, Frame, ModelId, Phase, Plane,
-    StepReport, World, WorldOptions,
+    StepReport, StepTimes, World, WorldOptions,
 };

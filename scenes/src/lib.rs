@@ -1,4 +1,4 @@
-//! The paper's experiments: programs ([`chairs`] with what [`falling`] has, [`curtain`], [`tables`], [`growth`], [`results`]),
+//! The paper's experiments: programs ([`chairs`] and [`fish`] with what [`falling`] has, [`curtain`], [`tables`], [`growth`], [`results`]),
 //! the guide's plots ([`guide`]) and films ([`film`]) with what they share and workloads for benchmarks.
 
 pub mod chairs;
@@ -6,6 +6,7 @@ pub mod contenders;
 pub mod curtain;
 pub mod falling;
 pub mod film;
+pub mod fish;
 pub mod growth;
 pub mod guide;
 pub mod hierarchies;

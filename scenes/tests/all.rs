@@ -4,6 +4,7 @@
 mod chairs;
 mod experiments;
 mod film;
+mod fish;
 mod paper_tree;
 mod peers;
 mod skins;

@@ -7,7 +7,7 @@ use super::contact::{Contact, plane_of};
 use super::groups::{Group, Place, Tally};
 use super::pairs::{Found, Pair, Part};
 use super::solve::Warm;
-use super::workers::{Worker, each};
+use super::workers::{Clock, Worker, each};
 use super::{StepReport, World};
 use crate::error::DynamicsError;
 
@@ -21,7 +21,10 @@ impl World {
         let world = &*self;
         each(&mut workers, groups.iter_mut(), |worker, group| {
             group.begin();
+            let clock = Clock::start();
             group.error = world.look_at_group(worker, group).err();
+            let tally = &mut group.tally;
+            tally.spheres_s = (clock.seconds() - tally.triangles_s).max(0.0);
         });
         (self.workers, self.groups.all) = (workers, groups);
         for body in &mut self.bodies {
@@ -38,6 +41,8 @@ impl World {
             report.candidates += group.tally.candidates;
             report.nodes_visited += group.tally.nodes_visited;
             report.nodes_updated += group.tally.nodes_updated;
+            self.times.spheres_s += group.tally.spheres_s;
+            self.times.triangles_s += group.tally.triangles_s;
         }
         self.note_found();
         self.memory.loose.clear();
@@ -48,10 +53,15 @@ impl World {
         for k in 0..group.pairs.len() {
             let index = group.pairs[k];
             let pair = &self.pairs[index as usize];
+            let meets = self.meets(pair);
+            let clock = match meets {
+                Meets::Triangles { .. } => Some(Clock::start()),
+                _ => None,
+            };
             let start = group.near.len();
             let mut near = None;
             if pair.near.is_none() {
-                match self.meets(pair) {
+                match meets {
                     Meets::Plane(plane) => self.ask_plane(pair.first, plane, worker, group)?,
                     Meets::Spheres => self.ask_trees(pair, worker, group)?,
                     Meets::Triangles { is_swapped } => {
@@ -70,7 +80,7 @@ impl World {
             group.tally.candidates += list.len() as u64;
             let from = group.contacts.len();
             let warm = self.memory.warm_of(pair);
-            match self.meets(pair) {
+            match meets {
                 Meets::Plane(plane) => {
                     self.look_at_plane(pair, plane, list, warm, &mut group.contacts);
                 }
@@ -84,6 +94,9 @@ impl World {
                 }
             }
             group.near = asked;
+            if let Some(clock) = clock {
+                group.tally.triangles_s += clock.seconds();
+            }
             let contacts = Part::new(from, group.contacts.len());
             if near.is_some() || contacts != Part::new(from, from) {
                 group.found.push(Found {

@@ -69,6 +69,9 @@ pub(super) struct Tally {
     pub(super) candidates: u64,
     pub(super) nodes_visited: u64,
     pub(super) nodes_updated: u64,
+    /// Seconds that contacts of spheres with spheres and planes took to find, and those of spheres with triangles.
+    pub(super) spheres_s: f64,
+    pub(super) triangles_s: f64,
 }
 
 /// Where a body is.

@@ -45,7 +45,7 @@ use events::Touches;
 use groups::Groups;
 use pairs::{Memory, Pair};
 use solve::Warm;
-use workers::{Lock, Worker};
+use workers::{Clock, Lock, Worker};
 
 pub use body::{BodyState, Energy, Frame};
 pub use contact::ContactRecord;
@@ -116,7 +116,7 @@ pub struct StepReport {
     pub pairs: u64,
     /// Pairs of contact spheres that the trees found.
     pub candidates: u64,
-    /// Nodes of the trees that were looked at.
+    /// Nodes of the trees that were looked at, which are more in the first step after a restore.
     pub nodes_visited: u64,
     /// Nodes whose bounds were computed.
     pub nodes_updated: u64,
@@ -128,6 +128,21 @@ pub struct StepReport {
     pub penetration_rel: f64,
     /// Energy in the springs of contacts at the beginning of the step, J.
     pub contact_energy: f64,
+}
+
+/// Where a step's time went, seconds: by the clock, but for the first two, which are sums over threads. All 0 without `std`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepTimes {
+    /// Finding contacts of spheres with spheres and planes: trees and lists.
+    pub spheres_s: f64,
+    /// Finding contacts of spheres with triangles.
+    pub triangles_s: f64,
+    /// Both, and which bodies are near each other.
+    pub find_s: f64,
+    /// Contact forces.
+    pub solve_s: f64,
+    /// All of the step.
+    pub all_s: f64,
 }
 
 /// Bodies that fall, touch and vibrate.
@@ -146,6 +161,7 @@ pub struct World {
     /// The bounds of each body's nodes at its snapshot.
     caches: Vec<Lock<StepCache<'static>>>,
     steps: u64,
+    times: StepTimes,
     // What a step works with; kept, so that later steps allocate nothing.
     workspace: Workspace<'static>,
     workers: Vec<Worker>,
@@ -213,6 +229,7 @@ impl World {
             instances: Vec::new(),
             caches: Vec::new(),
             steps: 0,
+            times: StepTimes::default(),
             workspace: Workspace::new(),
             workers,
             spheres: Vec::new(),
@@ -357,18 +374,30 @@ impl World {
     /// # Errors
     /// Overlaps deeper than a contact sphere's radius, states that are not finite; the world then is not to be stepped on.
     pub fn step(&mut self) -> Result<StepReport, DynamicsError> {
+        self.times = StepTimes::default();
+        let all = Clock::start();
         if core::mem::take(&mut self.is_posed) {
             self.return_to_snapshots()?;
         }
         self.fall_asleep_and_wake()?;
         self.predict()?;
+        let clock = Clock::start();
         let mut report = self.find()?;
+        self.times.find_s = clock.seconds();
+        let clock = Clock::start();
         self.solve(&mut report)?;
+        self.times.solve_s = clock.seconds();
         self.sum_up_touches();
         self.advance()?;
         self.steps += 1;
         self.watch();
+        self.times.all_s = all.seconds();
         Ok(report)
+    }
+
+    /// Where the time of the last step went; not part of the state.
+    pub fn times(&self) -> StepTimes {
+        self.times
     }
 }
 

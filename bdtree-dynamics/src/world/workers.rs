@@ -28,6 +28,29 @@ impl Default for Worker {
     }
 }
 
+/// A clock; without std it stands still.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Clock {
+    #[cfg(feature = "std")]
+    start: std::time::Instant,
+}
+
+impl Clock {
+    pub(super) fn start() -> Self {
+        Self {
+            #[cfg(feature = "std")]
+            start: std::time::Instant::now(),
+        }
+    }
+
+    pub(super) fn seconds(self) -> f64 {
+        #[cfg(feature = "std")]
+        return self.start.elapsed().as_secs_f64();
+        #[cfg(not(feature = "std"))]
+        0.0
+    }
+}
+
 /// Calls `work` with each item and the worker that has taken it.
 #[cfg(feature = "threads")]
 pub(super) fn each<T: Send>(

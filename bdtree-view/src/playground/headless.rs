@@ -16,9 +16,9 @@ use super::play::Playground;
 /// What the time of simulation is told for.
 const FRAMES_PER_S: f64 = 30.0;
 
-/// What is written of every step. The last two depend on the threads.
-const COLUMNS: &str = "step,bodies,events,late,pairs,candidates,nodes_visited,sweeps,penetration_m,penetration_share,\
-                       kinetic_J,modal_J,potential_J,contact_J,nodes_updated,seconds";
+/// What is written of every step. The last three depend on the threads and on breaks.
+const COLUMNS: &str = "step,bodies,events,late,pairs,candidates,sweeps,penetration_m,penetration_share,\
+                       kinetic_J,modal_J,potential_J,contact_J,nodes_visited,nodes_updated,seconds";
 
 /// Steps, and their times.
 struct Log {
@@ -124,14 +124,13 @@ fn make(play: &mut Playground, steps: u64) -> (Log, Option<String>) {
         log.events += report.events;
         log.seconds.push(seconds);
         log.lines.push(format!(
-            "{},{},{},{},{},{},{},{},{:e},{:e},{:e},{:e},{:e},{:e},{},{:e}",
+            "{},{},{},{},{},{},{},{:e},{:e},{:e},{:e},{:e},{:e},{},{},{:e}",
             play.simulation.world().steps(),
             play.simulation.of().len(),
             report.events,
             report.late,
             report.pairs,
             report.candidates,
-            report.nodes_visited,
             report.sweeps,
             report.penetration,
             report.penetration_rel,
@@ -139,6 +138,7 @@ fn make(play: &mut Playground, steps: u64) -> (Log, Option<String>) {
             energy.modal,
             energy.potential,
             report.contact_energy,
+            report.nodes_visited,
             report.nodes_updated,
             seconds,
         ));

@@ -29,7 +29,7 @@ fn untimed(path: &Path) -> Vec<String> {
     let text = fs::read_to_string(path).expect("a table");
     let line = |line: &str| {
         let columns: Vec<&str> = line.split(',').collect();
-        columns[..columns.len() - 2].join(",")
+        columns[..columns.len() - 3].join(",")
     };
     text.lines().map(line).collect()
 }

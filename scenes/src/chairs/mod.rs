@@ -1,5 +1,5 @@
 //! The paper's falling chairs (figures 1 and 7, P43 to P46): chairs with ten vibration modes fall onto the ground and onto
-//! each other. [`falling`](crate::falling) has what it shares with the other scene.
+//! each other. [`falling`] has what it shares with the other scene.
 //!
 //! | file | part |
 //! |---|---|

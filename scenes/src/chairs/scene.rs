@@ -131,6 +131,7 @@ impl Chairs {
 
 impl Scene for Chairs {
     const NAME: &'static str = "chairs";
+    const STEPS_PER_FRAME: u64 = 5;
     type Settings = Settings;
     type Own = Own;
 
@@ -221,7 +222,7 @@ impl Scene for Chairs {
                 radius: 2.0 * wide + 1.0,
                 colour: film::FLOOR,
             },
-            contact_radius: 0.012 + 0.003 * wide,
+            contact_radius: Some(0.012 + 0.003 * wide),
             coarser_by: 0.0,
         }
     }

@@ -1,5 +1,5 @@
-//! What programs of falling bodies share ([`chairs`](crate::chairs)): a [`Scene`] says what there is,
-//! [`run`] steps it, keeps it and tells of it.
+//! What programs of falling bodies share (`chairs`, `fish`): a `Scene` says what there is,
+//! `run` steps it, keeps it and tells of it.
 //!
 //! | file | part |
 //! |---|---|
@@ -44,6 +44,9 @@ pub(crate) use run::run;
 pub(crate) trait Scene: Sized {
     /// The program's, which its files begin with.
     const NAME: &'static str;
+
+    /// Steps from a film's picture to the next, of which 30 are a second.
+    const STEPS_PER_FRAME: u64;
 
     /// What must be the same in a run that goes on from a checkpoint.
     type Settings: Debug + PartialEq + Serialize + DeserializeOwned;

@@ -28,7 +28,7 @@ pub struct Options {
     /// Folder for NAME.json, NAME-steps.csv (a line per step) and tables
     #[arg(long)]
     pub out: Option<PathBuf>,
-    /// Folder for a film's pictures: one every five steps, 30 a second
+    /// Folder for a film's pictures: 30 a second
     #[arg(long)]
     pub frames: Option<PathBuf>,
     /// A PNG file for a picture of the end

@@ -15,9 +15,6 @@ use super::{Options, Scene, check, checkpoint};
 use crate::film::{Frames, film_command};
 use crate::report::Report;
 
-/// Steps from a film's picture to the next, of which 30 are a second.
-const STEPS_PER_FRAME: u64 = 5;
-
 /// Simulates up to a step, and writes what is asked for.
 ///
 /// # Errors
@@ -63,18 +60,18 @@ impl<S: Scene> Run<S> {
             checkpoint::read(path, &mut scene)?;
         }
         let step = scene.world().steps();
-        // What cannot be written is better known before hours than after them.
-        let own = scene.pictures();
-        let files = options.checkpoint.iter().chain(&options.picture);
-        for path in files.chain(&own) {
-            bdtree_output::check_writable(path)?;
-        }
         let mut log = Log::new();
         if let Some(folder) = &options.out {
             fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
             if step > 0 {
                 log = Log::up_to(&folder.join(table_name::<S>()), step)?;
             }
+        }
+        // What cannot be written is better known before hours than after them.
+        let own = scene.pictures();
+        let files = options.checkpoint.iter().chain(&options.picture);
+        for path in files.chain(&own) {
+            bdtree_output::check_writable(path)?;
         }
         let draws = options.frames.is_some() || options.picture.is_some() || !own.is_empty();
         let show = match draws {
@@ -84,8 +81,8 @@ impl<S: Scene> Run<S> {
         let frames = match &options.frames {
             // That of the step of the checkpoint is drawn already, if there is one.
             Some(folder) => {
-                let next = step.div_ceil(STEPS_PER_FRAME)
-                    + u64::from(step > 0 && step.is_multiple_of(STEPS_PER_FRAME));
+                let next = step.div_ceil(S::STEPS_PER_FRAME)
+                    + u64::from(step > 0 && step.is_multiple_of(S::STEPS_PER_FRAME));
                 Some(Frames::from(folder, u32::try_from(next)?)?)
             }
             None => None,
@@ -115,7 +112,7 @@ impl<S: Scene> Run<S> {
             let row = self.step()?;
             self.log.rows.push(row);
             let step = self.scene.world().steps();
-            if step.is_multiple_of(STEPS_PER_FRAME) {
+            if step.is_multiple_of(S::STEPS_PER_FRAME) {
                 self.frame()?;
             }
             if step.is_multiple_of(every) && step < steps {

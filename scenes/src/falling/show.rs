@@ -17,8 +17,8 @@ use crate::film;
 pub(crate) struct View {
     pub(crate) camera: Camera,
     pub(crate) floor: Floor,
-    /// Of the spheres that are contacts, m.
-    pub(crate) contact_radius: f32,
+    /// Of the spheres that are contacts, m; without it, none are drawn.
+    pub(crate) contact_radius: Option<f32>,
     /// By how many pixels corners of far bodies may be moved.
     pub(crate) coarser_by: f64,
 }
@@ -101,7 +101,9 @@ impl Show {
 
     /// The points at which bodies pushed each other or the ground in the last step.
     pub(super) fn contacts(&self, scene: &impl Scene) -> Vec<Sphere> {
-        let radius = scene.view().contact_radius;
+        let Some(radius) = scene.view().contact_radius else {
+            return Vec::new();
+        };
         let pushing = (scene.world().contacts()).filter(|contact| contact.force != [0.0; 3]);
         let sphere = |contact: ContactRecord| Sphere {
             center: contact.point.map(|x| x as f32),

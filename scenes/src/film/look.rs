@@ -25,11 +25,16 @@ pub const BACKGROUND: [u8; 4] = [232, 236, 240, 255];
 /// The floor.
 pub const FLOOR: [u8; 3] = [206, 203, 198];
 
-/// The colour of a body: its number's, in an order without pattern, so that neighbours in a list differ.
+/// The colour of a body.
 pub fn colour(body: usize) -> [u8; 3] {
+    colour_of(body, &PALETTE)
+}
+
+/// The same of other colours: its number's, in an order without pattern, so that neighbours in a list differ.
+pub fn colour_of(body: usize, palette: &[[u8; 3]]) -> [u8; 3] {
     let mut x = body as u64 ^ 0x9e37_79b9_7f4a_7c15;
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    PALETTE[(x >> 33) as usize % PALETTE.len()]
+    palette[(x >> 33) as usize % palette.len()]
 }
 
 /// A camera at `eye` that looks at `target`, y up.

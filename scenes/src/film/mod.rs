@@ -10,4 +10,4 @@ mod look;
 pub use command::film_command;
 pub use frames::Frames;
 pub use heap::Heap;
-pub use look::{BACKGROUND, FLOOR, PALETTE, RED, colour, sphere_wires, view};
+pub use look::{BACKGROUND, FLOOR, PALETTE, RED, colour, colour_of, sphere_wires, view};
