@@ -223,10 +223,8 @@ fn meeting(
             normal,
             weights: last.barycentric,
             way,
-            overlaps: [
-                radius - normal.dot(&(from - way[0])),
-                radius - normal.dot(&(to - way[1])),
-            ],
+            // As far apart as they are, whatever side of the triangle's edge it comes from.
+            overlaps: [radius - distance, radius - last.distance],
             first: [f64::INFINITY, distance],
             corners: 0,
         });
