@@ -85,14 +85,15 @@ pub enum DynamicsError {
         /// As many as were given.
         found: usize,
     },
-    /// Two spheres overlap by more than the larger one's radius: the step is too long for their speed.
+    /// Two spheres overlap by more than the larger one's radius, or a sphere and a triangle by more than the diameter: the step
+    /// is too long for their speed.
     Penetration {
         /// The bodies; the second is `None` for a plane.
         bodies: [Option<usize>; 2],
         /// Overlap, world units.
         depth: f64,
-        /// Radius of the larger sphere.
-        radius: f64,
+        /// The most that they may overlap by.
+        limit: f64,
         /// About the step that would do, seconds.
         step_max_s: f64,
     },
@@ -192,7 +193,7 @@ impl fmt::Display for DynamicsError {
             Self::Penetration {
                 bodies,
                 depth,
-                radius,
+                limit,
                 step_max_s,
             } => {
                 let [first, second] = bodies;
@@ -203,7 +204,7 @@ impl fmt::Display for DynamicsError {
                 }
                 write!(
                     f,
-                    " by {depth:.3e}, more than the radius {radius:.3e} of their contact spheres; use steps of about {step_max_s:.1e} s, \
+                    " by {depth:.3e}, more than the {limit:.3e} that their contact spheres allow; use steps of about {step_max_s:.1e} s, \
                      lower speeds or a lower level"
                 )
             }

@@ -83,6 +83,60 @@ fn fast_balls_do_not_pass_through_a_plate_without_thickness() {
     }
 }
 
+/// A ball that is pressed so deep that its center is on the other side comes back; one that is pressed by more than its diameter
+/// is an error.
+#[test]
+fn what_is_pressed_through_a_plate_comes_back() {
+    let law = ContactLaw {
+        stiffness: 0.5,
+        damping_ratio: 0.5,
+        friction: 0.4,
+    };
+    let h = 1e-2;
+    let (mut least, mut refused) = (f64::INFINITY, 0);
+    for share in [1.3, 1.9, 2.1] {
+        for side in [1.0, -1.0] {
+            let mut world = weightless(h, law);
+            let of_plate = plate(&mut world, 1.0);
+            let of_ball = ball(&mut world, 1.0);
+            (world.add_body(of_plate, Frame::Held, at([0.0; 3]))).expect("a plate");
+            let place = at([0.1, side * RADIUS, 0.15]);
+            let body = (world.add_body(of_ball, Frame::Free, place)).expect("a ball");
+            // k = κ m / h².
+            let force = share * RADIUS * law.stiffness / (h * h);
+            let mut error = None;
+            for step in 0..400 {
+                let share = f64::min(f64::from(step) / 200.0, 1.0);
+                let press = [0.0, -side * force * share, 0.0];
+                (world.add_force(body, press, [0.0; 3])).expect("a force");
+                if let Err(found) = world.step() {
+                    error = Some(found.to_string());
+                    break;
+                }
+            }
+            if let Some(error) = error {
+                assert!(
+                    share > 2.0 && error.contains("more than the 1.000e0"),
+                    "{error}"
+                );
+                refused += 1;
+                continue;
+            }
+            let sunk = RADIUS - side * height(&world, body);
+            assert!((sunk - share * RADIUS).abs() < 1e-3, "{sunk} {share}");
+            least = least.min(side * height(&world, body));
+            for _ in 0..100 {
+                world.step().expect("a step");
+            }
+            assert!(
+                side * height(&world, body) > RADIUS - 1e-3,
+                "{share} {side}"
+            );
+        }
+    }
+    assert!(least < -0.8 * RADIUS && refused == 2, "{least} {refused}");
+}
+
 /// A ball on a plate sinks as on a plane, wherever it lies, and slides over edges as over a plane.
 #[test]
 fn a_plate_of_triangles_is_flat() {

@@ -76,6 +76,7 @@ impl World {
             }
             put(out, [warm.normal, warm.late].iter());
             put(out, warm.across.iter());
+            put(out, warm.along.iter());
         }
         for touch in self.touches.iter().chain(&self.touches_asleep) {
             for side in touch.sides {
@@ -239,6 +240,7 @@ impl Bytes<'_> {
                 normal: self.number()?,
                 late: self.number()?,
                 across: self.vector()?,
+                along: self.vector()?,
             });
         }
         Ok(found)

@@ -23,6 +23,8 @@ pub(super) struct Warm {
     pub(super) sides: [Side; 2],
     pub(super) normal: f64,
     pub(super) across: Vector3<f64>,
+    /// The contact's normal.
+    pub(super) along: Vector3<f64>,
     /// Overlap at which the spring begins.
     pub(super) late: f64,
 }
@@ -71,6 +73,7 @@ impl Contact {
             sides: self.sides,
             normal,
             across: self.across[0] * s + self.across[1] * t,
+            along: self.normal,
             late: self.late,
         }
     }
@@ -161,20 +164,24 @@ impl World {
     }
 
     /// # Errors
-    /// An overlap of more than the larger radius.
+    /// An overlap of more than the larger radius; of a sphere and a triangle, which has no inside, of more than the diameter.
     fn check_depth(&self, contact: &Contact, report: &mut StepReport) -> Result<(), DynamicsError> {
-        let (radius, [a, b]) = (contact.radius, contact.sides);
+        let [a, b] = contact.sides;
+        let limit = match contact.fields {
+            [None, None] => contact.radius,
+            _ => 2.0 * contact.radius,
+        };
         report.penetration = report.penetration.max(contact.before);
-        report.penetration_rel = report.penetration_rel.max(contact.before / radius);
+        report.penetration_rel = report.penetration_rel.max(contact.before / contact.radius);
         let depth = contact.before.max(contact.after);
-        if depth <= radius {
+        if depth <= limit {
             return Ok(());
         }
         Err(DynamicsError::Penetration {
             bodies: bodies_of([a.body, b.body]),
             depth,
-            radius,
-            step_max_s: self.options.step_s * 0.5 * radius / depth,
+            limit,
+            step_max_s: self.options.step_s * 0.5 * limit / depth,
         })
     }
 }

@@ -59,6 +59,42 @@ impl Target<'_> {
     }
 }
 
+/// On which side of what a sphere was in the step before.
+struct Held<'w> {
+    old: &'w [Warm],
+    /// Which of the sides the spheres are.
+    sphere: usize,
+    number: u32,
+    triangle: u32,
+}
+
+impl Held<'_> {
+    /// Whether the sphere, which is in direction `away` of the triangle, was on the other side of it, or of what lay there.
+    fn is_across(&self, away: &Vector3<f64>) -> bool {
+        const ALIKE: f64 = 0.7;
+        let size = away.norm();
+        let (mut is_alike, mut is_opposite) = (false, false);
+        for warm in self.old {
+            if warm.sides[self.sphere].sphere != self.number {
+                continue;
+            }
+            // Towards the sphere.
+            let along = if self.sphere == 0 {
+                warm.along
+            } else {
+                -warm.along
+            };
+            let share = along.dot(away);
+            if warm.sides[1 - self.sphere].sphere == self.triangle {
+                return share < 0.0;
+            }
+            is_alike |= share > ALIKE * size;
+            is_opposite |= share < -ALIKE * size;
+        }
+        is_opposite && !is_alike
+    }
+}
+
 impl World {
     /// Adds the contacts of a body's spheres with another body's triangles. `list` has pairs of a sphere and a triangle;
     /// where `is_swapped`, the triangles are the first body's of the pair.
@@ -106,7 +142,14 @@ impl World {
                 }
                 let corners = &mut scratch.corners[k];
                 surface.corners(TriangleId(*triangle), corners)?;
-                let found = meeting(&target, corners, way, mover.spheres.radius(sphere), near);
+                let radius = mover.spheres.radius(sphere);
+                let held = Held {
+                    old: warm,
+                    sphere: usize::from(is_swapped),
+                    number: sphere as u32,
+                    triangle: *triangle,
+                };
+                let found = meeting(&target, corners, way, radius, near, &held);
                 scratch.near.extend(found.map(|found| Near {
                     triangle: *triangle,
                     corners: k,
@@ -177,6 +220,7 @@ fn meeting(
     [from, to]: [Vector3<f64>; 2],
     radius: f64,
     near: f64,
+    held: &Held<'_>,
 ) -> Option<Near> {
     let start = target.at(corners, 0);
     let mut closest = closest_point(from.into(), &start.map(Into::into));
@@ -230,7 +274,11 @@ fn meeting(
         });
     }
     let weights = closest.barycentric;
-    let away = center - point(&start, weights);
+    let mut away = center - point(&start, weights);
+    // Pressed so deep that its center is on the other side of the triangle.
+    if distance <= radius && held.is_across(&away) {
+        away = -away;
+    }
     let normal = match away.try_normalize(1e-9 * radius) {
         Some(normal) => normal,
         // The center is in the triangle: along its own normal.
@@ -267,7 +315,9 @@ fn leave_out(near: &mut Vec<Near>, radius: f64) {
     for k in 0..near.len() {
         let is_behind = |one: &Near| {
             let same_side = one.normal.dot(&near[k].normal) > 0.0;
-            same_side && one.normal.dot(&(near[k].way[0] - one.way[0])) <= SHARE * radius
+            let before = one.normal.dot(&(near[k].way[0] - one.way[0]));
+            // In one plane they are one sheet, from whichever side.
+            before.abs() <= SHARE * radius || same_side && before <= 0.0
         };
         if !near[..kept].iter().any(is_behind) {
             near.swap(kept, k);
