@@ -77,6 +77,8 @@ pub(super) struct Body {
     /// What turning moves any contact sphere by from the middle of the step to either end, and what modes do.
     pub(super) swing: f64,
     pub(super) ripple: f64,
+    /// How far contact spheres may be from the snapshot within the step.
+    pub(super) far: f64,
     /// What forces do to it within the step: displacement over force, and turn over torque (world).
     pub(super) per_force: f64,
     pub(super) per_torque: Matrix3<f64>,
@@ -163,6 +165,7 @@ impl Body {
             way: zero,
             swing: 0.0,
             ripple: 0.0,
+            far: 0.0,
             per_force: 0.0,
             per_torque: Matrix3::zeros(),
             moved: zero,

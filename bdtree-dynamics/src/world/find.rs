@@ -62,7 +62,7 @@ impl World {
             let mut near = None;
             if pair.near.is_none() {
                 match meets {
-                    Meets::Plane(plane) => self.ask_plane(pair.first, plane, worker, group)?,
+                    Meets::Plane(plane) => self.ask_plane(pair, plane, worker, group)?,
                     Meets::Spheres => self.ask_trees(pair, worker, group)?,
                     Meets::Triangles { is_swapped } => {
                         self.ask_triangles(pair, is_swapped, worker, group)?;
@@ -70,7 +70,9 @@ impl World {
                 }
                 // As contacts of the step before and after are sorted.
                 group.near[start..].sort_unstable();
-                near = Some(Part::new(start, group.near.len()));
+                if self.is_kept(pair) {
+                    near = Some(Part::new(start, group.near.len()));
+                }
             }
             let asked = core::mem::take(&mut group.near);
             let list = match pair.near {
@@ -109,6 +111,26 @@ impl World {
         Ok(())
     }
 
+    /// Whether what trees say of a pair is kept for later steps.
+    fn is_kept(&self, pair: &Pair) -> bool {
+        let is_brief = |body: u32| {
+            let body = self.bodies.get(body as usize);
+            body.is_some_and(|body| body.snapshot.is_brief)
+        };
+        !is_brief(pair.first) && !is_brief(pair.second)
+    }
+
+    /// How far apart contact spheres at the snapshots may be: for as long as the answer is kept, or in this step.
+    fn prediction(&self, pair: &Pair) -> f64 {
+        let is_kept = self.is_kept(pair);
+        let far = |body: u32| match self.bodies.get(body as usize) {
+            Some(body) if is_kept => body.snapshot.allowance,
+            Some(body) => body.far,
+            None => 0.0, // a plane
+        };
+        (far(pair.first) + far(pair.second)) * (1.0 + 1e-9)
+    }
+
     fn meets(&self, pair: &Pair) -> Meets {
         if let Some(plane) = plane_of(pair.second) {
             return Meets::Plane(plane);
@@ -136,9 +158,9 @@ impl World {
         if is_swapped {
             both.swap(0, 1);
         }
-        let [a, b] = both.map(|index| &self.bodies[index]);
+        let a = &self.bodies[both[0]];
         let spheres = &self.models[a.model].spheres;
-        let prediction = (a.snapshot.allowance + b.snapshot.allowance) * (1.0 + 1e-9);
+        let prediction = self.prediction(pair);
         let [pose_a, pose_b] = both.map(|index| self.instances[index].pose());
         let [mut cache_a, mut cache_b] = both.map(|index| self.caches[index].get());
         worker.lane_triangles.clear();
@@ -178,7 +200,7 @@ impl World {
         let both = [pair.first, pair.second].map(|index| index as usize);
         let [a, b] = both.map(|index| &self.bodies[index]);
         let [of_a, of_b] = [a, b].map(|body| &self.models[body.model].spheres);
-        let prediction = (a.snapshot.allowance + b.snapshot.allowance) * (1.0 + 1e-9);
+        let prediction = self.prediction(pair);
         let [pose_a, pose_b] = both.map(|index| self.instances[index].pose());
         let [mut cache_a, mut cache_b] = both.map(|index| self.caches[index].get());
         worker.pairs.clear();
@@ -217,16 +239,17 @@ impl World {
     /// Adds the contact spheres that may touch a plane while the body is within its allowance.
     fn ask_plane(
         &self,
-        index: u32,
+        pair: &Pair,
         plane: usize,
         worker: &mut Worker,
         group: &mut Group,
     ) -> Result<(), DynamicsError> {
-        let index = index as usize;
+        let index = pair.first as usize;
+        let prediction = self.prediction(pair);
         let body = &self.bodies[index];
         let spheres = &self.models[body.model].spheres;
         let at = self.planes[plane];
-        let raised = (spheres.reach() + body.snapshot.allowance) * (1.0 + 1e-9);
+        let raised = (spheres.reach() + prediction) * (1.0 + 1e-9);
         let pose = self.instances[index].pose();
         let mut cache = self.caches[index].get();
         worker.lanes.clear();
@@ -243,7 +266,7 @@ impl World {
         let normal = Vector3::from(at.normal);
         for lane in &worker.lanes {
             if let Some(sphere) = spheres.of(*lane) {
-                let reach = body.snapshot.allowance * (1.0 + 1e-9) + spheres.radius(sphere);
+                let reach = prediction + spheres.radius(sphere);
                 if normal.dot(&posed.center(sphere)) - at.offset <= reach {
                     group.near.push([sphere as u32, 0]);
                 }

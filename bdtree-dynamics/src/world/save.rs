@@ -50,6 +50,7 @@ impl World {
             put(out, snapshot.position.iter());
             put(out, snapshot.orientation.coords.iter());
             put(out, [snapshot.allowance].iter());
+            out.extend(u32::from(snapshot.is_brief).to_le_bytes());
             let Rest {
                 quiet,
                 is_asleep,
@@ -277,6 +278,7 @@ impl Bytes<'_> {
             position: self.vector()?,
             orientation: self.orientation()?,
             allowance: self.number()?,
+            is_brief: self.whole()? != 0,
             is_new: false,
         })
     }

@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::{World, half_way, part};
+use super::{Frame, World, half_way, part};
 use crate::body_model::BodyModel;
 use crate::error::DynamicsError;
 use crate::level_spheres::LevelSpheres;
@@ -37,6 +37,8 @@ pub(super) struct Snapshot {
     pub(super) orientation: UnitQuaternion<f64>,
     /// How far contact spheres may get from there, world units. Negative: there is no snapshot yet.
     pub(super) allowance: f64,
+    /// Whether it holds for this step alone, since the body is too fast: answers for it are not kept.
+    pub(super) is_brief: bool,
     /// Whether it is of this step: what trees said before does not hold any more.
     pub(super) is_new: bool,
 }
@@ -48,6 +50,7 @@ impl Snapshot {
             position: Vector3::zeros(),
             orientation: UnitQuaternion::identity(),
             allowance: -1.0,
+            is_brief: false,
             is_new: false,
         }
     }
@@ -124,13 +127,27 @@ impl World {
         }
         size = size.max(libm::sqrt(kept_size));
         let extent = model.extent() + model.moved_within(size);
-        let off = (middle - snapshot.position).norm()
-            + chord(&snapshot.orientation, &half) * extent
-            + model.moved(change, LITTLE * radius);
-        if off * (1.0 + 1e-9) + needed <= snapshot.allowance {
+        let mut off =
+            (middle - snapshot.position).norm() + chord(&snapshot.orientation, &half) * extent;
+        let left = snapshot.allowance * (1.0 - 1e-9) - needed - off;
+        off += model.moved(change, left);
+        body.far = off * (1.0 + 1e-9) + needed;
+        if body.far <= snapshot.allowance {
             return Ok(());
         }
-        let per_step = 2.0 * (falls + waves);
+        body.far = needed;
+        // As it moves, not as it would without contacts: those that hold a body down hold its modes, too.
+        let per_step = if body.frame == Frame::Driven {
+            2.0 * (falls + waves)
+        } else {
+            let h = self.options.step_s;
+            let (rate, slope) = (&modal.rate[body.start..], &modal.slope[body.start..]);
+            for (change, (rate, slope)) in change.iter_mut().zip(rate.iter().zip(slope)) {
+                *change = h * rate * slope;
+            }
+            h * (body.state.velocity.norm() + body.spin.norm() * extent)
+                + model.moved(change, LITTLE * radius)
+        };
         let margin = if FEW_STEPS * per_step > MOST * radius {
             0.0
         } else {
@@ -140,6 +157,7 @@ impl World {
             position: middle,
             orientation: half,
             allowance: needed + margin,
+            is_brief: margin == 0.0,
             is_new: true,
         };
         for (kept, (q, end)) in kept.iter_mut().zip(q.iter().zip(end)) {
