@@ -86,7 +86,7 @@ fn column(folder: &Path, name: &str) -> Vec<f64> {
 fn motion_is_the_same_with_two_threads_and_after_a_break() {
     let folders = [(); 3].map(|()| tempfile::tempdir().expect("a folder"));
     let [one, two, broken] = folders.each_ref().map(tempfile::TempDir::path);
-    let common = "--bodies 20 --steps 500 --seed 3 --check-every 20 --checkpoint-every 100";
+    let common = "--bodies 20 --steps 1000 --seed 3 --check-every 40 --checkpoint-every 100";
     let whole = fall(common, one).expect("a run");
     let other = fall(&format!("{common} --threads 2"), two).expect("a run");
     assert_eq!(without_times(&whole), without_times(&other));
@@ -110,9 +110,9 @@ fn motion_is_the_same_with_two_threads_and_after_a_break() {
     // The bridge sways as its animation says, and again after two seconds.
     let sway = column(one, "sway_m");
     assert!((number("/totals/sway_m") - 0.3).abs() < 1e-3, "{whole}");
-    assert!((sway[10] - sway[490]).abs() < 1e-6 && (sway[10] - sway[250]).abs() > 0.2);
+    assert!((sway[10] - sway[970]).abs() < 1e-6 && (sway[10] - sway[490]).abs() > 0.2);
 
-    let first = "--bodies 20 --steps 230 --seed 3 --check-every 20";
+    let first = "--bodies 20 --steps 430 --seed 3 --check-every 40";
     fall(first, broken).expect("a run");
     let mut rest = arguments(&format!("{common} --threads 2")).expect("options");
     rest.options.resume = Some(broken.join("state"));
@@ -139,7 +139,7 @@ fn motion_is_the_same_with_two_threads_and_after_a_break() {
 fn what_is_asked_for_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let place = folder.path();
-    let mut given = arguments("--bodies 3 --steps 9 --size 96x54 --whole").expect("options");
+    let mut given = arguments("--bodies 3 --steps 17 --size 96x54 --whole").expect("options");
     given.options.out = Some(place.join("out"));
     given.options.frames = Some(place.join("film"));
     given.options.picture = Some(place.join("end.png"));
@@ -152,7 +152,7 @@ fn what_is_asked_for_is_written() {
     }
     let text = fs::read_to_string(place.join("out/fish-steps.csv")).expect("the steps");
     assert_eq!(text.lines().next(), Some(&*columns().join(",")));
-    assert_eq!(text.lines().count(), 10);
+    assert_eq!(text.lines().count(), 18);
     let number = |at: &str| report.value.pointer(at).and_then(Value::as_f64).expect(at);
     // Three pictures of three fish and the bridge.
     assert_eq!(number("/pictures/pictures"), 3.0);

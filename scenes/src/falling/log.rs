@@ -208,7 +208,7 @@ impl<N: Numbers> Log<N> {
             "most": self.most(of)})
     }
 
-    /// Counts and sizes: the same in every run but for updated nodes, which depend on how threads share spheres.
+    /// Counts and sizes: the same in every run.
     pub(super) fn totals(&self) -> Value {
         if self.rows.is_empty() {
             return json!({"steps": 0});
@@ -219,7 +219,6 @@ impl<N: Numbers> Log<N> {
             "events": self.about(|row| row.common.events), "pairs": self.about(|row| row.common.pairs),
             "candidates": self.about(|row| row.common.candidates), "late": self.about(|row| row.common.late),
             "sweeps": self.about(|row| row.common.sweeps),
-            "nodes_visited": self.about(|row| row.common.nodes_visited),
             "penetration_m": self.most(|row| row.common.penetration_m),
             "penetration_share": self.most(|row| row.common.penetration_share),
             "checked": self.sum(|row| row.common.checked), "overlaps": self.sum(|row| row.common.overlaps),
@@ -228,12 +227,14 @@ impl<N: Numbers> Log<N> {
         })
     }
 
-    /// What depends on threads.
+    /// Nodes of trees, which depend on threads, that do not share spheres, and on breaks: the step after one asks the
+    /// trees of all pairs again.
     pub(super) fn updates(&self) -> Value {
         if self.rows.is_empty() {
             return json!({});
         }
-        json!({"nodes_updated": self.about(|row| row.common.nodes_updated),
+        json!({"nodes_visited": self.about(|row| row.common.nodes_visited),
+            "nodes_updated": self.about(|row| row.common.nodes_updated),
             "share": self.about(|row| row.common.updated_share),
             "share_to_level": self.about(|row| row.common.updated_share_to_level)})
     }

@@ -29,8 +29,8 @@ pub struct Arguments {
     /// Number of fish; the paper has 12000
     #[arg(long, default_value_t = 12_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub bodies: u32,
-    /// Steps of 1/240 s, those before --resume included
-    #[arg(long, default_value_t = 4800)]
+    /// Steps of 1/480 s, those before --resume included
+    #[arg(long, default_value_t = 7200)]
     pub steps: u64,
     /// Folder of fish.bdt and bridge.bdt; what is not there is baked and kept there. Without it they are baked anew
     #[arg(long)]
