@@ -253,7 +253,13 @@ impl Solver<'_> {
         let most = self.friction * normal;
         let size = libm::sqrt(held[0] * held[0] + held[1] * held[1]);
         if size > most {
-            held = held.map(|f| f * (most / size));
+            // It slides: friction is against the slip, not against what would stop it, which is along `hold` times the slip.
+            let ease = 0.5 * (xx + yy) - libm::hypot(0.5 * (xx - yy), xy);
+            held = [s - ease * x, t - ease * y];
+            let size = libm::hypot(held[0], held[1]);
+            if size > most {
+                held = held.map(|f| f * (most / size));
+            }
         }
         let [ds, dt] = [held[0] - s, held[1] - t];
         if change == 0.0 && ds == 0.0 && dt == 0.0 {
