@@ -11,7 +11,7 @@ use crate::level_spheres::{LevelSpheres, usual_level};
 use crate::limit::StrainLimit;
 use crate::mass::{MassProperties, RigidMass};
 use crate::oscillator::{Oscillator, Transition};
-use crate::surface::Surface;
+use crate::surface::{Surface, thinnest_wall};
 
 /// How modes lose energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +51,11 @@ pub enum ContactShape {
     /// Its triangles, exactly deformed, from both sides: for parts thinner than spheres of a level. Contact spheres of other
     /// bodies meet them; planes, and bodies that have this shape too, meet its spheres.
     Triangles,
+    /// Its triangles, exactly deformed, as the skin of a solid: where two such bodies overlap, their regions of contact
+    /// ([`PairQuery::contact_manifolds`](bdtree_runtime::PairQuery::contact_manifolds)) push, and planes meet its vertices. The
+    /// surface must be closed. Steps of a world with such bodies are divided, so that within a part no vertex moves by more
+    /// than half the thinnest wall. Bodies of other shapes meet its contact spheres.
+    Regions,
 }
 
 /// How bodies of an asset are made.
@@ -62,6 +67,9 @@ pub struct BodyOptions {
     pub mass: Option<MassProperties>,
     /// Level of the contact spheres; default the one that has about a thousand.
     pub level: Option<usize>,
+    /// Thickness of the thinnest wall of a body of the shape [`ContactShape::Regions`], world units; default what rays from
+    /// the middle of each triangle straight inwards find at rest, which near a sharp edge is little.
+    pub thinnest_wall: Option<f64>,
     /// What touches others; default the contact spheres.
     pub contact: ContactShape,
     /// Whether the modes move; default true. Without, q stays 0.
@@ -85,6 +93,7 @@ impl Default for BodyOptions {
             scale: 1.0,
             mass: None,
             level: None,
+            thinnest_wall: None,
             contact: ContactShape::Spheres,
             is_deformable: true,
             has_redundant_updates: false,
@@ -106,6 +115,24 @@ pub(crate) struct Mode {
     pub(crate) limit: StrainLimit,
 }
 
+impl Mode {
+    /// What it does in a part of a step, or in the whole.
+    ///
+    /// # Errors
+    /// Those of [`Oscillator::transition`].
+    #[inline]
+    pub(crate) fn transition_of(
+        &self,
+        part_s: f64,
+        whole_s: f64,
+    ) -> Result<Transition, DynamicsError> {
+        if part_s == whole_s {
+            return Ok(self.transition);
+        }
+        self.oscillator.transition(part_s)
+    }
+}
+
 /// What bodies of an asset have in common in a world.
 #[derive(Debug, Clone)]
 pub struct BodyModel {
@@ -120,8 +147,11 @@ pub struct BodyModel {
     /// The first mode that has no frequency or modal mass: only the caller can move it.
     pub(crate) silent_mode: Option<usize>,
     pub(crate) spheres: LevelSpheres,
+    pub(crate) contact: ContactShape,
     /// Where triangles touch others.
     pub(crate) surface: Option<Surface>,
+    /// Infinite where regions of contact do not matter.
+    pub(crate) wall: f64,
     /// What the trees of a rigid body with redundant updates are posed with, else empty, and by how much that moves any
     /// point at most, world units.
     pub(crate) redundant_q: Vec<f32>,
@@ -216,10 +246,22 @@ impl BodyModel {
         )?;
         let surface = match options.contact {
             ContactShape::Spheres => None,
-            ContactShape::Triangles => {
+            ContactShape::Triangles | ContactShape::Regions => {
                 let sizes = [spheres.mode_count(), spheres.stride()];
                 Some(Surface::new(model, scale, center, axes, sizes)?)
             }
+        };
+        let wall = match (options.contact, options.thinnest_wall) {
+            (ContactShape::Regions, Some(wall)) if wall > 0.0 && wall.is_finite() => wall,
+            (ContactShape::Regions, Some(wall)) => {
+                return Err(DynamicsError::Setting {
+                    name: "thinnest_wall",
+                    value: wall,
+                    limit: f64::MAX,
+                });
+            }
+            (ContactShape::Regions, None) => thinnest_wall(model)? * scale,
+            _ => f64::INFINITY,
         };
         let mut made = Self {
             model: model.clone(),
@@ -233,7 +275,9 @@ impl BodyModel {
             modes,
             silent_mode,
             spheres,
+            contact: options.contact,
             surface,
+            wall,
             redundant_q,
             redundant_move,
             inverse_masses: Vec::new(),
@@ -315,6 +359,11 @@ impl BodyModel {
     /// Number of modes that move; 0 for a rigid body.
     pub fn mode_count(&self) -> usize {
         self.modes.len()
+    }
+
+    /// Thickness of the thinnest wall, world units; `None` unless the contact shape is [`ContactShape::Regions`].
+    pub fn thinnest_wall(&self) -> Option<f64> {
+        self.wall.is_finite().then_some(self.wall)
     }
 
     /// The contact spheres.

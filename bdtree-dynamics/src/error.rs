@@ -97,6 +97,20 @@ pub enum DynamicsError {
         /// About the step that would do, seconds.
         step_max_s: f64,
     },
+    /// A triangle with nothing behind it, of a body whose contact regions need an inside.
+    NoInside {
+        /// The triangle.
+        triangle: usize,
+    },
+    /// Bodies so fast for their walls that a step would need too many parts.
+    Parts {
+        /// Thickness of the thinnest wall, world units.
+        wall: f64,
+        /// The most parts of a step.
+        limit: u32,
+        /// About the step that would do, seconds.
+        step_max_s: f64,
+    },
     /// A level that the tree does not have.
     Level {
         /// It.
@@ -204,10 +218,24 @@ impl fmt::Display for DynamicsError {
                 }
                 write!(
                     f,
-                    " by {depth:.3e}, more than the {limit:.3e} that their contact spheres allow; use steps of about {step_max_s:.1e} s, \
+                    " by {depth:.3e}, more than the {limit:.3e} that their contact shapes allow; use steps of about {step_max_s:.1e} s, \
                      lower speeds or a lower level"
                 )
             }
+            Self::NoInside { triangle } => write!(
+                f,
+                "triangle {triangle} has nothing behind it: regions of contact need a closed surface whose triangles are \
+                 counterclockwise as seen from outside; ContactShape::Triangles takes open ones too"
+            ),
+            Self::Parts {
+                wall,
+                limit,
+                step_max_s,
+            } => write!(
+                f,
+                "bodies move so fast that a step needs more than {limit} parts for the thinnest wall of {wall:.3e}; use steps of \
+                 about {step_max_s:.1e} s, lower speeds, or BodyOptions::thinnest_wall where sharp edges are thin"
+            ),
             Self::Level { level, depth } => {
                 write!(
                     f,

@@ -2,8 +2,12 @@
 
 use alloc::vec::Vec;
 
-use bdtree_runtime::{FormatError, Model, TriangleId, VertexId};
+use bdtree_runtime::{
+    CacheSize, FormatError, Instance, Model, Ray, RayIntersection, TriangleId, VertexId, Workspace,
+};
 use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::error::DynamicsError;
 
 /// Triangles of a body in its frame, world units.
 #[derive(Debug, Clone)]
@@ -118,4 +122,43 @@ impl Surface {
             }
         }
     }
+}
+
+/// The shortest way from the middle of any triangle straight inwards to the surface behind it, at rest, mesh units.
+///
+/// # Errors
+/// A triangle that has nothing behind it, or something at no distance; a damaged asset.
+pub(crate) fn thinnest_wall(model: &Model) -> Result<f64, DynamicsError> {
+    let asset = model.asset();
+    let instance = Instance::with_cache(model, CacheSize::NONE)?;
+    let pose = instance.pose();
+    let mut workspace = Workspace::new();
+    let mut unused = alloc::vec![[0.0; 3]; asset.mode_count()];
+    let mut hits: Vec<RayIntersection> = Vec::new();
+    let mut thinnest = f64::INFINITY;
+    for triangle in 0..asset.triangle_count() {
+        let mut corners = [Vector3::zeros(); 3];
+        let vertices = asset.triangle(TriangleId(triangle as u32))?;
+        for (corner, vertex) in corners.iter_mut().zip(vertices) {
+            *corner = Vector3::from(asset.rest_vertex(vertex, &mut unused)?);
+        }
+        let [a, b, c] = corners;
+        let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else {
+            continue; // without area it has no inside
+        };
+        let middle: [f64; 3] = ((a + b + c) / 3.0).into();
+        let inwards: [f64; 3] = (-normal).into();
+        hits.clear();
+        pose.query(&mut workspace)
+            .cast_ray_all(&Ray::new(middle, inwards), &mut hits)?;
+        let others = hits
+            .iter()
+            .filter(|hit| hit.triangle.0 as usize != triangle);
+        let behind = others.map(|hit| hit.distance).fold(f64::INFINITY, f64::min);
+        if !(behind > 0.0 && behind.is_finite()) {
+            return Err(DynamicsError::NoInside { triangle });
+        }
+        thinnest = thinnest.min(behind);
+    }
+    Ok(thinnest)
 }

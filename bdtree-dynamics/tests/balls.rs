@@ -5,7 +5,9 @@ use bdtree_dynamics::{
     WorldOptions,
 };
 
-use crate::support::{GROUND, RADIUS, at, ball, ball_model, sliding_ball, weightless};
+use crate::support::{
+    GROUND, RADIUS, at, ball, ball_model, same_momenta, sliding_ball, weightless,
+};
 
 const SMOOTH: ContactLaw = ContactLaw {
     stiffness: 1e-4,
@@ -137,12 +139,6 @@ fn collisions_keep_momentum() {
     assert!(touched > 10);
     same_momenta(momenta, world.momenta());
     assert!(world.energy().mechanical() < energy);
-}
-
-fn same_momenta(before: [[f64; 3]; 2], after: [[f64; 3]; 2]) {
-    for (before, after) in before.iter().flatten().zip(after.iter().flatten()) {
-        assert!((before - after).abs() < 1e-9, "{before} {after}");
-    }
 }
 
 /// A ball at rest sinks by its weight over its stiffness.

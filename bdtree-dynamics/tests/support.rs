@@ -147,3 +147,37 @@ pub(crate) fn falling(count: usize, options: WorldOptions, of: &BodyOptions) -> 
     }
     world
 }
+
+/// Momentum and angular momentum of a world, to 1e-9.
+pub(crate) fn same_momenta(before: [[f64; 3]; 2], after: [[f64; 3]; 2]) {
+    for (before, after) in before.iter().flatten().zip(after.iter().flatten()) {
+        assert!((before - after).abs() < 1e-9, "{before} {after}");
+    }
+}
+
+/// A closed box of twelve triangles around the origin.
+pub(crate) fn box_mesh(sides: [f64; 3]) -> RawMesh {
+    let corner = |k: usize| {
+        let side = |axis: usize| if k >> axis & 1 == 0 { -0.5 } else { 0.5 } * sides[axis];
+        [side(0), side(1), side(2)]
+    };
+    RawMesh {
+        name: "box".to_string(),
+        positions: (0..8).map(corner).collect(),
+        triangles: vec![
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
+        ],
+        ..RawMesh::default()
+    }
+}

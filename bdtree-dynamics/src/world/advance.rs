@@ -9,7 +9,7 @@ impl World {
     /// # Errors
     /// Something that is not finite.
     pub(super) fn advance(&mut self) -> Result<(), DynamicsError> {
-        let h = self.options.step_s;
+        let (whole, h) = (self.options.step_s, self.part_s);
         for body in &mut self.bodies {
             if body.rest.is_asleep {
                 continue;
@@ -37,7 +37,8 @@ impl World {
                     0.0
                 };
                 modal.s[at] = s + moved;
-                modal.rate[at] = rate + moved * (mode.transition.q_v / mode.transition.q_a);
+                let transition = mode.transition_of(h, whole)?;
+                modal.rate[at] = rate + moved * (transition.q_v / transition.q_a);
                 sum += modal.s[at] + modal.rate[at];
             }
             if !sum.is_finite() {

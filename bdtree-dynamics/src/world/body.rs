@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use bdtree_runtime::{Instance, Transform};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::sleep::Rest;
 use super::snapshot::Snapshot;
@@ -66,6 +66,8 @@ pub(super) struct Body {
     pub(super) start: usize,
     /// At the end of the step without contacts.
     pub(super) end: FrameState,
+    /// Of a driven body in a step of several parts: where it is to be after the last one.
+    pub(super) goal: (Vector3<f64>, UnitQuaternion<f64>),
     /// In its middle: position at constant speed, rotation, angular velocity.
     pub(super) middle: Vector3<f64>,
     pub(super) rotation: Matrix3<f64>,
@@ -108,6 +110,8 @@ pub(super) struct Modal {
     /// Displacement of q over force, and what contacts have moved it by.
     pub(super) per_force: Vec<f64>,
     pub(super) moved: Vec<f64>,
+    /// s of driven bodies at the end of a step of several parts.
+    pub(super) goal: Vec<f64>,
     /// q of snapshots.
     pub(super) snapshot_q: Vec<f64>,
     /// Half of what the step changes q by without contacts; then how far q is from its snapshot.
@@ -129,7 +133,7 @@ impl Modal {
         self.start
     }
 
-    fn all(&mut self) -> [&mut Vec<f64>; 12] {
+    fn all(&mut self) -> [&mut Vec<f64>; 13] {
         [
             &mut self.s,
             &mut self.rate,
@@ -141,6 +145,7 @@ impl Modal {
             &mut self.slope,
             &mut self.per_force,
             &mut self.moved,
+            &mut self.goal,
             &mut self.snapshot_q,
             &mut self.change,
         ]
@@ -158,6 +163,7 @@ impl Body {
             torque: zero,
             start,
             end: state,
+            goal: (state.position, state.orientation),
             middle: state.position,
             rotation: Matrix3::identity(),
             spin: zero,

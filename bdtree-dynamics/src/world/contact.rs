@@ -69,8 +69,10 @@ pub(super) struct Contact {
     pub(super) slots: [Slot; 2],
     /// Where the fields of sides that are triangles begin in the group's list.
     pub(super) fields: [Option<u32>; 2],
-    /// The larger one of the spheres'.
+    /// The larger one of the spheres', or the thinner wall.
     pub(super) radius: f64,
+    /// The effective one in the heaviest directions.
+    pub(super) mass: f64,
     pub(super) normal: Vector3<f64>,
     pub(super) across: [Vector3<f64>; 2],
     /// From the bodies' centers to the point.
@@ -317,6 +319,7 @@ impl World {
             slots: [Slot::default(); 2],
             fields: [None; 2],
             radius,
+            mass,
             normal,
             across: tangents(&normal),
             arms,
@@ -349,7 +352,7 @@ impl World {
     /// What friction is to stop at a point: displacement within the step, and share of the speed of the frame at its end.
     fn slip(&self, of: &Material<'_>, point: &Vector3<f64>) -> Vector3<f64> {
         let (body, [start, end]) = (of.body, of.way);
-        let h = self.options.step_s;
+        let h = self.part_s;
         let moved = end - start + body.spin.cross(&(point - (start + end) * 0.5)) * h;
         let speed = body.end.velocity + body.spin.cross(&(point - body.middle));
         moved + speed * (SPEED_SHARE * h)
@@ -373,7 +376,7 @@ impl World {
     /// 1 / effective mass of a point in its heaviest direction, modes included.
     pub(super) fn inverse_mass_at(&self, of: &Material<'_>, point: &Vector3<f64>) -> f64 {
         let Compliance { rigid, modes } = self.compliance(of, point - of.body.middle);
-        let h = self.options.step_s;
+        let h = self.part_s;
         (rigid + modes).symmetric_eigenvalues().min().max(0.0) * 2.0 / (h * h)
     }
 }

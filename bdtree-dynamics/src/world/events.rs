@@ -37,22 +37,31 @@ pub(super) struct Touch {
 }
 
 impl World {
-    /// Sums up the contacts of the step, which are sorted by their bodies.
+    /// Adds the contacts of the step, or of a part of it, which are sorted by their bodies.
     pub(super) fn sum_up_touches(&mut self) {
-        core::mem::swap(&mut self.touches, &mut self.touches_before);
         let mut touches = core::mem::take(&mut self.touches);
-        touches.clear();
+        let known = touches.len();
         for contact in self.sorted_contacts() {
             let force = contact.force_vector();
             if contact.force[0] == 0.0 {
                 continue;
             }
             let sides = contact.sides.map(|side| side.body);
-            let impulse = force * self.options.step_s;
-            match touches.last_mut() {
+            let impulse = force * self.part_s;
+            match touches[known..].last_mut() {
                 Some(last) if last.sides == sides => last.impulse += impulse,
                 _ => touches.push(Touch { sides, impulse }),
             }
+        }
+        if known > 0 {
+            touches.sort_unstable_by_key(|touch| touch.sides);
+            touches.dedup_by(|second, first| {
+                let is_same = first.sides == second.sides;
+                if is_same {
+                    first.impulse += second.impulse;
+                }
+                is_same
+            });
         }
         self.touches = touches;
     }

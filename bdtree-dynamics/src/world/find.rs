@@ -9,6 +9,7 @@ use super::pairs::{Found, Pair, Part};
 use super::solve::Warm;
 use super::workers::{Clock, Worker, each};
 use super::{StepReport, World};
+use crate::body_model::ContactShape;
 use crate::error::DynamicsError;
 
 impl World {
@@ -55,7 +56,7 @@ impl World {
             let pair = &self.pairs[index as usize];
             let meets = self.meets(pair);
             let clock = match meets {
-                Meets::Triangles { .. } => Some(Clock::start()),
+                Meets::Triangles { .. } | Meets::Regions => Some(Clock::start()),
                 _ => None,
             };
             let start = group.near.len();
@@ -67,6 +68,7 @@ impl World {
                     Meets::Triangles { is_swapped } => {
                         self.ask_triangles(pair, is_swapped, worker, group)?;
                     }
+                    Meets::Regions | Meets::Vertices(_) => {}
                 }
                 // As contacts of the step before and after are sorted.
                 group.near[start..].sort_unstable();
@@ -93,6 +95,10 @@ impl World {
                 Meets::Triangles { is_swapped } => {
                     let scratch = &mut worker.scratch;
                     self.look_at_surface(pair, is_swapped, list, warm, scratch, group)?;
+                }
+                Meets::Regions => self.look_at_regions(pair, warm, worker, group)?,
+                Meets::Vertices(plane) => {
+                    self.look_at_vertices(pair, plane, warm, worker, group)?
                 }
             }
             group.near = asked;
@@ -121,7 +127,7 @@ impl World {
     }
 
     /// How far apart contact spheres at the snapshots may be: for as long as the answer is kept, or in this step.
-    fn prediction(&self, pair: &Pair) -> f64 {
+    pub(super) fn prediction(&self, pair: &Pair) -> f64 {
         let is_kept = self.is_kept(pair);
         let far = |body: u32| match self.bodies.get(body as usize) {
             Some(body) if is_kept => body.snapshot.allowance,
@@ -132,16 +138,19 @@ impl World {
     }
 
     fn meets(&self, pair: &Pair) -> Meets {
+        use ContactShape::{Regions, Triangles};
+        let shape = |body: u32| self.models[self.bodies[body as usize].model].contact;
         if let Some(plane) = plane_of(pair.second) {
-            return Meets::Plane(plane);
+            return match shape(pair.first) {
+                Regions => Meets::Vertices(plane),
+                _ => Meets::Plane(plane),
+            };
         }
-        let has_surface = |body: u32| {
-            let model = self.bodies[body as usize].model;
-            self.models[model].surface.is_some()
-        };
-        match [pair.first, pair.second].map(has_surface) {
-            [false, true] => Meets::Triangles { is_swapped: false },
-            [true, false] => Meets::Triangles { is_swapped: true },
+        match [pair.first, pair.second].map(shape) {
+            [Regions, Regions] => Meets::Regions,
+            [Triangles, Triangles] => Meets::Spheres,
+            [_, Triangles] => Meets::Triangles { is_swapped: false },
+            [Triangles, _] => Meets::Triangles { is_swapped: true },
             _ => Meets::Spheres,
         }
     }
@@ -338,6 +347,9 @@ enum Meets {
     Triangles {
         is_swapped: bool,
     },
+    /// Surfaces, exactly, and vertices with a plane.
+    Regions,
+    Vertices(usize),
 }
 
 impl Group {
@@ -351,7 +363,7 @@ impl Group {
 }
 
 impl Tally {
-    fn add(&mut self, worker: &Worker) {
+    pub(super) fn add(&mut self, worker: &Worker) {
         let stats = worker.workspace.stats();
         self.nodes_visited += stats.nodes_visited;
         self.nodes_updated += stats.nodes_updated;

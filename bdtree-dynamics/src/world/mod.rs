@@ -8,8 +8,10 @@
 //! | `groups`, `workers` | what threads may work on at the same time |
 //! | `contact` | one pair of spheres, linearised |
 //! | `surface` | the same of a sphere and a triangle |
+//! | `regions` | the same of two closed surfaces |
 //! | `solve` | the forces of all contacts |
 //! | `advance` | bodies at its end |
+//! | `parts` | steps that are divided, where walls are thin |
 //! | `events` | which pairs began to touch, touch, parted |
 //! | `sleep` | islands of bodies at rest |
 //! | `queries`, `save` | what can be asked of a world, and its state as bytes |
@@ -21,8 +23,10 @@ mod events;
 mod find;
 mod groups;
 mod pairs;
+mod parts;
 mod predict;
 mod queries;
+mod regions;
 mod save;
 mod sleep;
 mod snapshot;
@@ -122,6 +126,9 @@ pub struct StepReport {
     pub nodes_updated: u64,
     /// Gauss–Seidel sweeps.
     pub sweeps: u64,
+    /// Parts that the step was divided into: 1 unless bodies have the shape [`ContactShape::Regions`](crate::ContactShape). Events
+    /// and pairs are those of the last part, nodes and sweeps sums, overlaps the largest.
+    pub parts: u64,
     /// Largest overlap at the beginning of the step, world units.
     pub penetration: f64,
     /// The same as a share of the larger one's radius.
@@ -154,6 +161,10 @@ pub struct World {
     models: Vec<BodyModel>,
     /// The least mean radius of any model's contact spheres.
     finest: f64,
+    /// The thinnest wall of all bodies; infinite if it does not matter.
+    wall: f64,
+    /// Length of the step, or of the part of it that is in hand, seconds.
+    part_s: f64,
     planes: Vec<Plane>,
     bodies: Vec<Body>,
     modal: Modal,
@@ -223,6 +234,8 @@ impl World {
             options,
             models: Vec::new(),
             finest: f64::INFINITY,
+            wall: f64::INFINITY,
+            part_s: step_s,
             planes: Vec::new(),
             bodies: Vec::new(),
             modal: Modal::default(),
@@ -337,6 +350,7 @@ impl World {
         let (position, orientation) = of.frame(&at);
         let state = FrameState::at(position, orientation);
         let (stride, cache_size) = (of.spheres.stride(), of.cache_size());
+        self.wall = self.wall.min(of.wall);
         self.modal.add(stride);
         self.bodies
             .push(Body::new(index, frame, state, self.modal.start()));
@@ -380,19 +394,40 @@ impl World {
             self.return_to_snapshots()?;
         }
         self.fall_asleep_and_wake()?;
-        self.predict()?;
-        let clock = Clock::start();
-        let mut report = self.find()?;
-        self.times.find_s = clock.seconds();
-        let clock = Clock::start();
-        self.solve(&mut report)?;
-        self.times.solve_s = clock.seconds();
-        self.sum_up_touches();
-        self.advance()?;
+        core::mem::swap(&mut self.touches, &mut self.touches_before);
+        self.touches.clear();
+        let report = if self.wall.is_finite() {
+            self.step_in_parts()?
+        } else {
+            let mut report = self.meet()?;
+            self.part_with(&mut report)?;
+            report
+        };
+        self.forget_forces();
         self.steps += 1;
         self.watch();
         self.times.all_s = all.seconds();
         Ok(report)
+    }
+
+    /// Finds the contact forces of a step, or of a part of one; bodies stay where they are.
+    fn meet(&mut self) -> Result<StepReport, DynamicsError> {
+        self.predict()?;
+        let clock = Clock::start();
+        let mut report = self.find()?;
+        self.times.find_s += clock.seconds();
+        let clock = Clock::start();
+        report.sweeps = self.solve() as u64;
+        self.times.solve_s += clock.seconds();
+        Ok(report)
+    }
+
+    /// Tells of the contacts, and moves bodies.
+    fn part_with(&mut self, report: &mut StepReport) -> Result<(), DynamicsError> {
+        report.parts = 1;
+        self.tell(report)?;
+        self.sum_up_touches();
+        self.advance()
     }
 
     /// Where the time of the last step went; not part of the state.

@@ -13,19 +13,18 @@ impl World {
                 continue; // as `lie` has left it
             }
             self.predict_frame(index);
-            self.predict_modes(index);
+            self.predict_modes(index)?;
             self.follow(index)?;
         }
         Ok(())
     }
 
     fn predict_frame(&mut self, index: usize) {
-        let h = self.options.step_s;
+        let h = self.part_s;
         let body = &mut self.bodies[index];
         let model = &self.models[body.model];
         (body.moved, body.turned) = (Vector3::zeros(), Vector3::zeros());
         let (force, torque) = (body.force, body.torque);
-        (body.force, body.torque) = (Vector3::zeros(), Vector3::zeros());
         let (Frame::Free, Some(mass)) = (body.frame, &model.mass) else {
             if body.frame == Frame::Held {
                 body.end = body.state;
@@ -77,7 +76,8 @@ impl World {
         }
     }
 
-    fn predict_modes(&mut self, index: usize) {
+    fn predict_modes(&mut self, index: usize) -> Result<(), DynamicsError> {
+        let (whole_s, part_s) = (self.options.step_s, self.part_s);
         let body = &self.bodies[index];
         let model = &self.models[body.model];
         let modal = &mut self.modal;
@@ -90,7 +90,7 @@ impl World {
         for (j, mode) in model.modes.iter().enumerate() {
             let at = body.start + j;
             modal.moved[at] = 0.0;
-            let force = core::mem::take(&mut modal.force[at]) + mode.momentum.dot(&gravity);
+            let force = modal.force[at] + mode.momentum.dot(&gravity);
             if body.frame == Frame::Driven {
                 modal.q[at] = mode.limit.q(modal.s[at]);
                 modal.end_q[at] = mode.limit.q(modal.end_s[at]);
@@ -98,16 +98,25 @@ impl World {
                 continue;
             }
             let slope = mode.limit.slope(modal.s[at]);
-            let [s, rate] = mode
-                .transition
-                .apply([modal.s[at], modal.rate[at]], slope * force / mode.mass);
+            let transition = mode.transition_of(part_s, whole_s)?;
+            let [s, rate] =
+                transition.apply([modal.s[at], modal.rate[at]], slope * force / mode.mass);
             (modal.end_s[at], modal.end_rate[at]) = (s, rate);
             modal.q[at] = mode.limit.q(modal.s[at]);
             modal.end_q[at] = mode.limit.q(s);
             let slope = 0.5 * (slope + mode.limit.slope(s));
             modal.slope[at] = slope;
-            modal.per_force[at] = slope * slope * mode.transition.q_a / mode.mass;
+            modal.per_force[at] = slope * slope * transition.q_a / mode.mass;
         }
+        Ok(())
+    }
+
+    /// Forces of the caller's act for one step.
+    pub(super) fn forget_forces(&mut self) {
+        for body in &mut self.bodies {
+            (body.force, body.torque) = (Vector3::zeros(), Vector3::zeros());
+        }
+        self.modal.force.fill(0.0);
     }
 
     /// Says where a driven body's mesh is, and what q is, at the end of the next step.

@@ -18,7 +18,7 @@ use crate::error::DynamicsError;
 use crate::frame::FrameState;
 
 const MAGIC: [u8; 8] = *b"BDTWORLD";
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 
 impl World {
     /// Appends the whole state to `out`.
@@ -75,7 +75,7 @@ impl World {
                 out.extend(side.body.to_le_bytes());
                 out.extend(side.sphere.to_le_bytes());
             }
-            put(out, [warm.normal, warm.late].iter());
+            put(out, [warm.normal, warm.late, warm.stiffness].iter());
             put(out, warm.across.iter());
             put(out, warm.along.iter());
         }
@@ -97,7 +97,7 @@ impl World {
             return Err(wrong("it does not begin with BDTWORLD"));
         }
         if from.count()? != VERSION {
-            return Err(wrong("its version is not 2"));
+            return Err(wrong("its version is not 3"));
         }
         if from.count()? != self.bodies.len() as u64 {
             return Err(wrong("it has another number of bodies"));
@@ -240,6 +240,7 @@ impl Bytes<'_> {
                 sides: [self.side()?, self.side()?],
                 normal: self.number()?,
                 late: self.number()?,
+                stiffness: self.number()?,
                 across: self.vector()?,
                 along: self.vector()?,
             });

@@ -8,7 +8,7 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::{Frame, World, half_way, part};
-use crate::body_model::BodyModel;
+use crate::body_model::{BodyModel, ContactShape};
 use crate::error::DynamicsError;
 use crate::level_spheres::LevelSpheres;
 
@@ -118,6 +118,19 @@ impl World {
         body.ripple = (waves + rounded) * (1.0 + 1e-9);
         let falls = body.way.norm() + body.swing;
         let needed = (FAR * falls + body.ripple) * (1.0 + 1e-9);
+        if model.contact == ContactShape::Regions {
+            // Regions are those at the beginning of the step.
+            body.far = (falls + body.ripple + needed) * (1.0 + 1e-9);
+            body.snapshot = Snapshot {
+                position: body.state.position,
+                orientation: body.state.orientation,
+                allowance: body.far,
+                is_brief: true,
+                is_new: true,
+            };
+            kept.copy_from_slice(q);
+            return self.pose_at_snapshot(index);
+        }
         // Farther from the snapshot than the allowance?
         let snapshot = &mut body.snapshot;
         let mut kept_size = 0.0;
@@ -140,7 +153,7 @@ impl World {
         let per_step = if body.frame == Frame::Driven {
             2.0 * (falls + waves)
         } else {
-            let h = self.options.step_s;
+            let h = self.part_s;
             let (rate, slope) = (&modal.rate[body.start..], &modal.slope[body.start..]);
             for (change, (rate, slope)) in change.iter_mut().zip(rate.iter().zip(slope)) {
                 *change = h * rate * slope;

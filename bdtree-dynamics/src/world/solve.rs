@@ -27,6 +27,8 @@ pub(super) struct Warm {
     pub(super) along: Vector3<f64>,
     /// Overlap at which the spring begins.
     pub(super) late: f64,
+    /// Of its spring, N/m.
+    pub(super) stiffness: f64,
 }
 
 /// Contacts stand in the order of their bodies, and for two bodies in that of the spheres.
@@ -36,12 +38,12 @@ pub(super) fn order([a, b]: &[Side; 2]) -> [u32; 4] {
 
 impl Contact {
     /// Begins with the force of the step before, if it is in `old`, which is sorted by spheres, as the contacts are that begin
-    /// one after the other.
-    pub(super) fn begin_with(&mut self, old: &mut &[Warm]) {
+    /// one after the other; what it began with.
+    pub(super) fn begin_with<'w>(&mut self, old: &mut &'w [Warm]) -> Option<&'w Warm> {
         let at = order(&self.sides);
         while let Some((warm, rest)) = old.split_first() {
             if order(&warm.sides) > at {
-                return;
+                return None;
             }
             *old = rest;
             if warm.sides == self.sides {
@@ -49,9 +51,10 @@ impl Contact {
                 self.late = warm.late.min(self.late);
                 let [s, t] = self.across.map(|across| across.dot(&warm.across));
                 self.force = [warm.normal, s, t];
-                return;
+                return Some(warm);
             }
         }
+        None
     }
 
     /// The same for a sphere, side `sphere` of the two, and a triangle: where it meets another triangle than before, it goes on
@@ -75,6 +78,7 @@ impl Contact {
             across: self.across[0] * s + self.across[1] * t,
             along: self.normal,
             late: self.late,
+            stiffness: self.spring.stiffness,
         }
     }
 }
@@ -103,9 +107,10 @@ struct Clusters<'c> {
 }
 
 impl World {
-    pub(super) fn solve(&mut self, report: &mut StepReport) -> Result<(), DynamicsError> {
+    /// Finds all forces; the number of sweeps.
+    pub(super) fn solve(&mut self) -> usize {
         self.fill_clusters();
-        report.sweeps = self.sweep() as u64;
+        let sweeps = self.sweep();
         self.take_from_clusters();
         self.memory
             .warm
@@ -114,6 +119,14 @@ impl World {
             warm.clear();
             warm.extend(group.contacts.iter().map(Contact::warm));
         }
+        sweeps
+    }
+
+    /// Counts contacts and measures overlaps.
+    ///
+    /// # Errors
+    /// One that is too deep.
+    pub(super) fn tell(&self, report: &mut StepReport) -> Result<(), DynamicsError> {
         for group in &self.groups.all {
             for contact in &group.contacts {
                 report.events += u64::from(contact.is_event());
@@ -130,7 +143,7 @@ impl World {
         let (sweeps, accuracy) = (self.options.sweeps, self.options.accuracy);
         let solver = Solver {
             models: &self.models,
-            step_s: self.options.step_s,
+            step_s: self.part_s,
             friction: self.options.law.friction,
         };
         #[cfg(feature = "threads")]
@@ -164,11 +177,13 @@ impl World {
     }
 
     /// # Errors
-    /// An overlap of more than the larger radius; of a sphere and a triangle, which has no inside, of more than the diameter.
+    /// An overlap of more than the larger radius, or than the thinner wall; of a sphere and a triangle, which has no inside, of
+    /// more than the diameter.
     fn check_depth(&self, contact: &Contact, report: &mut StepReport) -> Result<(), DynamicsError> {
         let [a, b] = contact.sides;
         let limit = match contact.fields {
-            [None, None] => contact.radius,
+            [None, None] | [Some(_), Some(_)] => contact.radius,
+            _ if contact.is_with_plane() => contact.radius,
             _ => 2.0 * contact.radius,
         };
         report.penetration = report.penetration.max(contact.before);

@@ -4,8 +4,9 @@ use alloc::vec::Vec;
 
 use bdtree_runtime::TriangleId;
 use bdtree_runtime::narrow::closest_point;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
+use super::body::Body;
 use super::contact::{Contact, Material, Meeting, Mover, NEAR, Side};
 use super::groups::Group;
 use super::pairs::Pair;
@@ -40,23 +41,53 @@ pub(super) struct Near {
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     near: Vec<Near>,
-    corners: Vec<Corners>,
+    pub(super) corners: Vec<Corners>,
 }
 
 /// A body whose triangles touch others, in a step.
-struct Target<'w> {
+pub(super) struct Target<'w> {
+    index: u32,
+    pub(super) body: &'w Body,
     surface: &'w Surface,
-    positions: [Vector3<f64>; 2],
-    rotations: [Matrix3<f64>; 2],
     q: [&'w [f64]; 2],
+    /// Whether forces move modes.
+    has_field: bool,
 }
 
 impl Target<'_> {
     /// The corners in the world, at the beginning (0) and at the end (1) of the step.
     fn at(&self, corners: &Corners, end: usize) -> [Vector3<f64>; 3] {
         let own = self.surface.at(corners, self.q[end]);
-        own.map(|corner| self.positions[end] + self.rotations[end] * corner)
+        let position = [&self.body.state, &self.body.end][end].position;
+        own.map(|corner| position + self.body.rotations[end] * corner)
     }
+
+    /// The point with these weights of a triangle's corners: where it is at the beginning and at the end of the step. Its
+    /// field follows in `fields`.
+    ///
+    /// # Errors
+    /// A damaged asset, a triangle that it does not have.
+    pub(super) fn point(
+        &self,
+        triangle: TriangleId,
+        weights: [f64; 3],
+        corners: &mut Corners,
+        fields: &mut Vec<f64>,
+    ) -> Result<[Vector3<f64>; 2], DynamicsError> {
+        self.surface.corners(triangle, corners)?;
+        self.put_field(corners, weights, fields);
+        Ok([0, 1].map(|end| weighted(&self.at(corners, end), weights)))
+    }
+
+    fn put_field(&self, corners: &Corners, weights: [f64; 3], fields: &mut Vec<f64>) {
+        if self.has_field {
+            self.surface.field(corners, weights, fields);
+        }
+    }
+}
+
+fn weighted(corners: &[Vector3<f64>; 3], weights: [f64; 3]) -> Vector3<f64> {
+    corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2]
 }
 
 /// On which side of what a sphere was in the step before.
@@ -115,22 +146,14 @@ impl World {
         }
         let both = [pair.first, pair.second];
         let [of_sphere, of_triangle] = if is_swapped { [both[1], both[0]] } else { both };
-        let (mover, other) = (self.mover(of_sphere), self.mover(of_triangle));
-        let model = &self.models[other.body.model];
-        let Some(surface) = &model.surface else {
+        let mover = self.mover(of_sphere);
+        let Some(target) = self.target(of_triangle) else {
             return Ok(());
-        };
-        let stride = model.spheres.stride();
-        let target = Target {
-            surface,
-            positions: [other.body.state.position, other.body.end.position],
-            rotations: other.body.rotations,
-            q: [&self.modal.q, &self.modal.end_q].map(|q| part(q, other.body.start, stride)),
         };
         let base = group.clusters[0];
         let slots =
             [of_sphere, of_triangle].map(|body| self.groups.places[body as usize].within(base));
-        let (a, b) = (mover.body, other.body);
+        let (a, b) = (mover.body, target.body);
         let near = 3.0 * ((a.way - b.way).norm() + a.swing + b.swing + a.ripple + b.ripple);
         for run in list.chunk_by(|[one, _], [other, _]| one == other) {
             let sphere = run[0][0] as usize;
@@ -141,7 +164,7 @@ impl World {
                     scratch.corners.push(Corners::default());
                 }
                 let corners = &mut scratch.corners[k];
-                surface.corners(TriangleId(*triangle), corners)?;
+                target.surface.corners(TriangleId(*triangle), corners)?;
                 let radius = mover.spheres.radius(sphere);
                 let held = Held {
                     old: warm,
@@ -160,11 +183,9 @@ impl World {
             for found in &scratch.near {
                 let corners = &scratch.corners[found.corners];
                 let start = group.fields.len();
-                if stride > 0 && b.per_mode_moves(&self.modal.per_force, stride) {
-                    surface.field(corners, found.weights, &mut group.fields);
-                }
+                target.put_field(corners, found.weights, &mut group.fields);
                 let own = Field(&group.fields[start..]);
-                let contact = self.touch_triangle([&mover, &other], sphere, way, found, own);
+                let contact = self.touch_triangle(&mover, &target, sphere, way, found, own);
                 let Some(mut contact) = contact else {
                     group.fields.truncate(start);
                     continue;
@@ -181,13 +202,52 @@ impl World {
         Ok(())
     }
 
-    fn touch_triangle(
+    /// A body whose shape is triangles.
+    pub(super) fn target(&self, index: u32) -> Option<Target<'_>> {
+        let body = &self.bodies[index as usize];
+        let model = &self.models[body.model];
+        let stride = model.spheres.stride();
+        let modal = &self.modal;
+        Some(Target {
+            index,
+            body,
+            surface: model.surface.as_ref()?,
+            q: [&modal.q, &modal.end_q].map(|q| part(q, body.start, stride)),
+            has_field: stride > 0 && body.per_mode_moves(&modal.per_force, stride),
+        })
+    }
+
+    /// A point of a triangle, or a vertex, as a side of a contact at `point`.
+    pub(super) fn surface_material<'w>(
         &self,
-        [mover, other]: [&Mover<'_>; 2],
+        of: &Target<'w>,
+        element: u32,
+        way: [Vector3<f64>; 2],
+        field: Field<'w>,
+        point: &Vector3<f64>,
+    ) -> Material<'w> {
+        let mut material = Material {
+            side: Side {
+                body: of.index,
+                sphere: element,
+            },
+            body: of.body,
+            way,
+            field,
+            inverse_mass: 0.0,
+        };
+        material.inverse_mass = self.inverse_mass_at(&material, point);
+        material
+    }
+
+    fn touch_triangle<'w>(
+        &self,
+        mover: &Mover<'w>,
+        target: &Target<'w>,
         sphere: usize,
         way: [Vector3<f64>; 2],
         found: &Near,
-        field: Field<'_>,
+        field: Field<'w>,
     ) -> Option<Contact> {
         let meeting = Meeting {
             normal: found.normal,
@@ -196,17 +256,8 @@ impl World {
             radius: mover.spheres.radius(sphere),
         };
         let first = self.material(mover, sphere, way);
-        let mut second = Material {
-            side: Side {
-                body: other.index,
-                sphere: found.triangle,
-            },
-            body: other.body,
-            way: found.way,
-            field,
-            inverse_mass: 0.0,
-        };
-        second.inverse_mass = self.inverse_mass_at(&second, &meeting.point);
+        let (triangle, way) = (found.triangle, found.way);
+        let second = self.surface_material(target, triangle, way, field, &meeting.point);
         self.contact(&meeting, &first, Some(&second), second.side)
     }
 }
@@ -229,9 +280,8 @@ fn meeting(
     }
     let distance = closest.distance;
     let end = target.at(corners, 1);
-    let point = |of: &[Vector3<f64>; 3], w: [f64; 3]| of[0] * w[0] + of[1] * w[1] + of[2] * w[2];
     // How the sphere moves seen from the point at these weights.
-    let seen = |w: [f64; 3]| (to - from) - (point(&end, w) - point(&start, w));
+    let seen = |w: [f64; 3]| (to - from) - (weighted(&end, w) - weighted(&start, w));
     let mut at = 0.0;
     let mut center = from;
     let mut is_met = closest.distance <= radius;
@@ -260,7 +310,7 @@ fn meeting(
             return None;
         }
         // Others may yet push them together.
-        let way = [&start, &end].map(|of| point(of, last.barycentric));
+        let way = [&start, &end].map(|of| weighted(of, last.barycentric));
         let normal = (to - way[1]).try_normalize(1e-9 * radius)?;
         return Some(Near {
             triangle: 0,
@@ -274,7 +324,7 @@ fn meeting(
         });
     }
     let weights = closest.barycentric;
-    let mut away = center - point(&start, weights);
+    let mut away = center - weighted(&start, weights);
     // Pressed so deep that its center is on the other side of the triangle.
     if distance <= radius && held.is_across(&away) {
         away = -away;
@@ -286,7 +336,7 @@ fn meeting(
             .cross(&(start[2] - start[0]))
             .try_normalize(0.0)?,
     };
-    let way = [&start, &end].map(|of| point(of, weights));
+    let way = [&start, &end].map(|of| weighted(of, weights));
     Some(Near {
         triangle: 0,
         normal,

@@ -2,8 +2,9 @@
 
 use alloc::vec::Vec;
 
-use bdtree_runtime::{LaneId, LaneTriangle, Workspace};
+use bdtree_runtime::{Contact, ContactManifold, LaneId, LaneTriangle, Workspace};
 
+use super::regions::Point;
 use super::surface::Scratch;
 
 /// What one thread works with.
@@ -13,6 +14,9 @@ pub(super) struct Worker {
     pub(super) lanes: Vec<LaneId>,
     pub(super) pairs: Vec<[LaneId; 2]>,
     pub(super) lane_triangles: Vec<LaneTriangle>,
+    pub(super) manifolds: Vec<ContactManifold>,
+    pub(super) triangles: Vec<Contact>,
+    pub(super) points: Vec<Point>,
     pub(super) scratch: Scratch,
 }
 
@@ -23,6 +27,9 @@ impl Default for Worker {
             lanes: Vec::new(),
             pairs: Vec::new(),
             lane_triangles: Vec::new(),
+            manifolds: Vec::new(),
+            triangles: Vec::new(),
+            points: Vec::new(),
             scratch: Scratch::default(),
         }
     }

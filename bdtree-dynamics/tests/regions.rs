@@ -1,0 +1,381 @@
+//! Closed surfaces that touch each other exactly, and the parts of steps that thin walls need.
+
+use bdtree_dynamics::{
+    BodyId, BodyOptions, ContactLaw, ContactShape, DynamicsError, Frame, MassProperties, ModelId,
+    World, WorldOptions,
+};
+use bdtree_fixtures::bake;
+use bdtree_runtime::Transform;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+use crate::support::{GROUND, at, beam, box_mesh, falling, same_momenta, weightless};
+
+const G: f64 = 9.81;
+
+fn regions() -> BodyOptions {
+    BodyOptions {
+        contact: ContactShape::Regions,
+        ..BodyOptions::default()
+    }
+}
+
+/// A homogeneous box.
+fn solid(world: &mut World, mass_kg: f64, sides: [f64; 3]) -> ModelId {
+    let mesh = box_mesh(sides);
+    let model = bake::baked(&mesh, &bake::rigid(&mesh));
+    let options = BodyOptions {
+        mass: Some(MassProperties::cuboid(mass_kg, sides, [0.0; 3])),
+        ..regions()
+    };
+    world.add_model(&model, &options).expect("a box")
+}
+
+fn place(world: &World, body: BodyId) -> Vector3<f64> {
+    world.state(body).expect("a state").position.into()
+}
+
+fn heavy(step_s: f64, law: ContactLaw) -> World {
+    World::new(WorldOptions {
+        step_s,
+        law,
+        sleep_speed: 0.0,
+        accuracy: 1e-6,
+        ..WorldOptions::default()
+    })
+    .expect("a world")
+}
+
+#[test]
+fn walls_are_measured() {
+    let mut world = weightless(1e-2, ContactLaw::default());
+    let sides = [1.0, 0.02, 0.6];
+    let model = solid(&mut world, 1.0, sides);
+    let wall = |world: &World, model| world.model(model).expect("a model").thinnest_wall();
+    assert!((wall(&world, model).expect("a wall") - 0.02).abs() < 1e-8);
+    // In world units.
+    let mesh = box_mesh(sides);
+    let model = bake::baked(&mesh, &bake::rigid(&mesh));
+    let scaled = BodyOptions {
+        scale: 3.0,
+        ..regions()
+    };
+    let scaled = world.add_model(&model, &scaled).expect("a box");
+    assert!((wall(&world, scaled).expect("a wall") - 0.06).abs() < 1e-7);
+    let given = BodyOptions {
+        thinnest_wall: Some(0.25),
+        ..regions()
+    };
+    let given = world.add_model(&model, &given).expect("a box");
+    assert_eq!(wall(&world, given), Some(0.25));
+    let of_spheres = (world.add_model(&model, &BodyOptions::default())).expect("a box");
+    assert_eq!(wall(&world, of_spheres), None);
+    for thinnest_wall in [0.0, f64::NAN, f64::INFINITY] {
+        let options = BodyOptions {
+            thinnest_wall: Some(thinnest_wall),
+            ..regions()
+        };
+        let error = world.add_model(&model, &options).expect_err("no wall");
+        assert!(error.to_string().contains("thinnest_wall"), "{error}");
+    }
+    // Without its last face it has no inside, nor has it inside out.
+    let mut open = box_mesh(sides);
+    open.triangles.truncate(10);
+    let mut turned = box_mesh(sides);
+    for triangle in &mut turned.triangles {
+        triangle.swap(0, 1);
+    }
+    for mesh in [open, turned] {
+        let model = bake::baked(&mesh, &bake::rigid(&mesh));
+        let error = world.add_model(&model, &regions()).expect_err("no inside");
+        assert!(matches!(error, DynamicsError::NoInside { .. }), "{error}");
+        assert!(error.to_string().contains("closed surface"), "{error}");
+    }
+}
+
+/// A box at rest sinks by its weight over the stiffness of its four corners on a plane, and of the four points of its
+/// region on another box.
+#[test]
+fn resting_boxes_sink_by_their_weight() {
+    let law = ContactLaw {
+        stiffness: 0.5,
+        damping_ratio: 0.5,
+        friction: 0.4,
+    };
+    let h = 1.0 / 150.0;
+    // Of four springs κ m / h².
+    let sunk = G * h * h / (4.0 * law.stiffness);
+    for is_on_box in [false, true] {
+        let mut world = heavy(h, law);
+        let model = solid(&mut world, 2.0, [0.5, 0.3, 0.4]);
+        if is_on_box {
+            let table = solid(&mut world, 1.0, [2.0, 0.4, 2.0]);
+            (world.add_body(table, Frame::Held, at([0.1, -0.2, 0.05]))).expect("a table");
+        } else {
+            world.add_plane(GROUND).expect("a plane");
+        }
+        let body = (world.add_body(model, Frame::Free, at([0.0, 0.16, 0.0]))).expect("a box");
+        let mut parts = 0;
+        for _ in 0..600 {
+            parts += world.step().expect("a step").parts;
+        }
+        // Slow for its walls.
+        assert!(parts < 700, "{parts}");
+        let contacts: Vec<_> = world.contacts().filter(|of| of.depth > 0.0).collect();
+        assert_eq!(contacts.len(), 4);
+        let lift: f64 = contacts.iter().map(|of| of.force[1]).sum();
+        assert!((lift.abs() / (2.0 * G) - 1.0).abs() < 1e-4, "{lift}");
+        for contact in contacts {
+            assert!((contact.depth / sunk - 1.0).abs() < 1e-3, "{contact:?}");
+        }
+        assert!((place(&world, body).y - (0.15 - sunk)).abs() < 1e-3 * sunk);
+        assert!(world.energy().kinetic < 1e-12);
+    }
+}
+
+/// Below the friction angle a box stays, above it it slides as Coulomb says.
+#[test]
+fn boxes_on_slopes_stay_or_slide() {
+    let law = ContactLaw {
+        stiffness: 0.5,
+        damping_ratio: 0.5,
+        friction: 0.5,
+    };
+    for (share, is_on_box) in [(0.9, false), (0.9, true), (1.3, false), (1.3, true)] {
+        let slope = share * law.friction;
+        let angle = f64::atan(slope);
+        let h = 1.0 / 300.0;
+        let mut world = World::new(WorldOptions {
+            step_s: h,
+            gravity: [G * angle.sin(), -G * angle.cos(), 0.0],
+            law,
+            sleep_speed: 0.0,
+            accuracy: 1e-6,
+            ..WorldOptions::default()
+        })
+        .expect("a world");
+        let model = solid(&mut world, 2.0, [0.5, 0.1, 0.5]);
+        if is_on_box {
+            let table = solid(&mut world, 1.0, [9.0, 1.0, 9.0]);
+            (world.add_body(table, Frame::Held, at([0.0, -0.5, 0.0]))).expect("a table");
+        } else {
+            world.add_plane(GROUND).expect("a plane");
+        }
+        let body = (world.add_body(model, Frame::Free, at([0.0, 0.05, 0.0]))).expect("a box");
+        let speed = |world: &World| world.state(body).expect("a state").velocity[0];
+        for _ in 0..150 {
+            world.step().expect("a step");
+        }
+        let before = speed(&world);
+        for _ in 0..150 {
+            world.step().expect("a step");
+        }
+        let rate = (speed(&world) - before) / 0.5;
+        if share < 1.0 {
+            assert!(speed(&world).abs() < 1e-6, "{} {is_on_box}", speed(&world));
+        } else {
+            let expected = G * (angle.sin() - law.friction * angle.cos());
+            assert!((rate / expected - 1.0).abs() < 0.01, "{rate} {expected}");
+        }
+    }
+}
+
+/// A thin plate at rest stops one that flies at it, however it is turned; steps have as many parts as its speed needs.
+#[test]
+fn fast_thin_bodies_do_not_pass_through_each_other() {
+    const WALL: f64 = 0.02;
+    let h = 1.0 / 150.0;
+    let law = ContactLaw {
+        friction: 0.0,
+        ..ContactLaw::default()
+    };
+    for speed in [3.0, 30.0] {
+        for turn in [[0.0; 3], [0.4, 0.1, 0.0], [0.0, 0.3, 1.5], [0.9, 0.5, 0.6]] {
+            let mut world = weightless(h, law);
+            let table = solid(&mut world, 1.0, [2.0, WALL, 2.0]);
+            let plate = solid(&mut world, 1.0, [0.5, WALL, 0.4]);
+            (world.add_body(table, Frame::Held, at([0.0; 3]))).expect("a table");
+            let turned = UnitQuaternion::from_scaled_axis(Vector3::from(turn));
+            let start = Transform {
+                rotation: turned.coords.into(),
+                ..at([0.03, 0.5, -0.02])
+            };
+            let body = world.add_body(plate, Frame::Free, start).expect("a plate");
+            (world.set_velocity(body, [0.0, -speed, 0.0], [0.0; 3])).expect("a velocity");
+            let mut parts = 0;
+            for step in 0..90 {
+                let report = world
+                    .step()
+                    .unwrap_or_else(|error| panic!("{speed} {turn:?}: {error}"));
+                if step == 0 {
+                    parts = report.parts;
+                }
+                // Nothing of it is below: its lowest corner is not below the middle of the table.
+                let at = world.placement(body).expect("a placement");
+                let [x, y, z, w] = at.rotation;
+                let now = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+                let lowest = (box_mesh([0.5, WALL, 0.4]).positions.iter())
+                    .map(|corner| (now * Vector3::from(*corner)).y + at.translation[1])
+                    .fold(f64::INFINITY, f64::min);
+                let [x, _, z] = at.translation;
+                let is_above = x.abs().max(z.abs()) < 0.6;
+                assert!(
+                    lowest > 0.0 || !is_above,
+                    "{speed} {turn:?} {step}: {lowest}"
+                );
+            }
+            assert!(parts as f64 * 0.5 * WALL >= speed * h, "{parts}");
+            assert!(world.state(body).expect("a state").velocity[1] > 0.0);
+        }
+    }
+    // Where it would need too many, the error says so.
+    let mut world = weightless(h, law);
+    let plate = solid(&mut world, 1.0, [0.5, WALL, 0.4]);
+    let body = (world.add_body(plate, Frame::Free, at([0.0; 3]))).expect("a plate");
+    (world.set_velocity(body, [1e5, 0.0, 0.0], [0.0; 3])).expect("a velocity");
+    let error = world.step().expect_err("too fast");
+    assert!(matches!(error, DynamicsError::Parts { .. }), "{error}");
+    assert!(error.to_string().contains("steps of about"), "{error}");
+}
+
+/// Forces are opposite and act at one point: boxes that collide keep momentum and angular momentum, and gain no energy.
+#[test]
+fn boxes_that_collide_keep_momentum() {
+    let law = ContactLaw {
+        stiffness: 1.0,
+        damping_ratio: 0.2,
+        friction: 0.5,
+    };
+    let mut world = weightless(1.0 / 150.0, law);
+    let models = [
+        solid(&mut world, 2.0, [0.5, 0.3, 0.4]),
+        solid(&mut world, 0.7, [0.2, 0.3, 0.6]),
+    ];
+    for k in 0..6 {
+        let x = f64::from(k);
+        let body = (world.add_body(
+            models[k as usize % 2],
+            Frame::Free,
+            at([0.7 * x, 0.05 * x, 0.0]),
+        ))
+        .expect("a body");
+        let v = [if k < 3 { 2.0 } else { -2.5 }, 0.1, 0.1 * x];
+        (world.set_velocity(body, v, [x, 1.0, -1.0])).expect("a velocity");
+    }
+    let momenta = world.momenta();
+    let energy = world.energy().mechanical();
+    let mut touched = 0;
+    for _ in 0..300 {
+        touched += world.step().expect("a step").events;
+        assert!(world.energy().mechanical() < energy * 1.001);
+    }
+    assert!(touched > 10);
+    same_momenta(momenta, world.momenta());
+    assert!(world.energy().mechanical() < 0.9 * energy);
+}
+
+/// A driven box is at the end of a step where it is told to be, goes there in parts, and pushes another one before it.
+#[test]
+fn a_driven_box_pushes_a_free_one() {
+    const WALL: f64 = 0.05;
+    let mut world = weightless(1e-2, ContactLaw::default());
+    let pusher = solid(&mut world, 1.0, [WALL, 0.5, 0.5]);
+    let pushed = solid(&mut world, 1.0, [0.1, 0.2, 0.2]);
+    let pusher = (world.add_body(pusher, Frame::Driven, at([0.0; 3]))).expect("a pusher");
+    let pushed = (world.add_body(pushed, Frame::Free, at([0.3, 0.02, 0.01]))).expect("a box");
+    for step in 1..=40 {
+        let x = 0.09 * f64::from(step);
+        world.drive(pusher, &[], at([x, 0.0, 0.0])).expect("driven");
+        let report = world.step().expect("a step");
+        assert!(report.parts >= 4, "{}", report.parts);
+        assert_eq!(place(&world, pusher).x, x);
+        let gap = place(&world, pushed).x - x;
+        assert!(gap > 0.5 * (WALL + 0.1) - WALL, "{step}: {gap}");
+    }
+    assert!(world.state(pushed).expect("a state").velocity[0] >= 9.0);
+}
+
+/// Elastic bodies at rest: vertices carry the weight, and bend modes as `Uᵀ f` says.
+#[test]
+fn a_beam_at_rest_is_in_equilibrium() {
+    let options = WorldOptions {
+        sleep_speed: 0.0,
+        ..WorldOptions::default()
+    };
+    let mut world = falling(1, options, &regions());
+    let body = BodyId(0);
+    for _ in 0..2000 {
+        world.step().expect("a step");
+    }
+    assert!(world.energy().kinetic < 1e-6, "{:?}", world.energy());
+    let model = world.model_of(body).expect("a model");
+    let mass = model.mass_kg().expect("a mass");
+    let asset = beam().asset();
+    let at = world.placement(body).expect("a placement");
+    let [x, y, z, w] = at.rotation;
+    let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+    let mut fields = vec![[0.0; 3]; asset.mode_count()];
+    let (mut lift, mut loads) = (0.0, vec![0.0; model.mode_count()]);
+    for contact in world.contacts().filter(|contact| contact.force[1] > 0.0) {
+        lift += contact.force[1];
+        let own = turn.inverse() * Vector3::from(contact.force);
+        let vertex = bdtree_runtime::VertexId(contact.spheres[0] as u32);
+        asset.rest_vertex(vertex, &mut fields).expect("a vertex");
+        for (load, field) in loads.iter_mut().zip(&fields) {
+            *load += own.dot(&Vector3::from(*field));
+        }
+    }
+    assert!((lift / (mass * G) - 1.0).abs() < 0.01, "{lift}");
+    let mut q = vec![0.0; model.mode_count()];
+    world.q(body, &mut q).expect("q");
+    let largest = q.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
+    assert!(largest > 0.0);
+    for (j, record) in asset.modes().iter().enumerate() {
+        let stiffness = record.modal_mass_kg.get() * record.omega_rad_s.get().powi(2);
+        let expected = loads[j] / stiffness;
+        assert!(
+            (q[j] - expected).abs() < 0.01 * largest,
+            "{j}: {} {expected}",
+            q[j]
+        );
+    }
+}
+
+/// Beams in a heap vibrate, and steps are the same for any number of threads and after a break.
+#[test]
+fn heaps_are_the_same_to_the_bit() {
+    let bytes = |world: &World| {
+        let mut out = Vec::new();
+        world.save(&mut out);
+        out
+    };
+    let made = |threads| {
+        let options = WorldOptions {
+            threads,
+            ..WorldOptions::default()
+        };
+        falling(4, options, &regions())
+    };
+    let [mut alone, mut together, mut again] = [made(1), made(2), made(1)];
+    let first = alone.energy().mechanical();
+    let (mut saved, mut between, mut energy) = (Vec::new(), 0, f64::INFINITY);
+    for step in 0..100 {
+        if step == 40 {
+            saved = bytes(&alone);
+        }
+        let before = alone.energy().mechanical();
+        let report = alone.step().expect("a step");
+        together.step().expect("a step");
+        between += (alone.contacts().filter(|of| of.bodies[1].is_some())).count();
+        let now = before + report.contact_energy;
+        assert!(now < energy + 0.01 * first, "{step}: {now} {energy}");
+        energy = energy.min(now);
+    }
+    assert!(between > 50, "{between}");
+    assert!(alone.energy().modal > 1e-4);
+    assert!(bytes(&alone) == bytes(&together));
+    again.restore(&saved).expect("restored");
+    for _ in 40..100 {
+        again.step().expect("a step");
+    }
+    assert!(bytes(&alone) == bytes(&again));
+}
