@@ -4,6 +4,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+use std::sync::OnceLock;
 
 use bdtree_measure::machine;
 pub use bdtree_measure::table::{Cell, Column, Table, digits};
@@ -135,18 +136,24 @@ pub fn write(path: &Path, text: &str) -> Result<(), Box<dyn Error>> {
     Ok(written.map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
-/// The commit that the sources are at, with `-dirty` if they differ; `unknown` without git.
+/// The commit that the sources were at when this was asked first, with `-dirty` if they differed; `unknown` without git.
+///
+/// A program that runs for long asks at its beginning, since sources may change meanwhile.
 pub fn commit() -> String {
-    let git = Command::new("git")
-        .args(["describe", "--always", "--dirty"])
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output();
-    match git {
-        Ok(output) if output.status.success() => {
-            String::from_utf8_lossy(&output.stdout).trim().to_string()
+    static COMMIT: OnceLock<String> = OnceLock::new();
+    let ask = || {
+        let git = Command::new("git")
+            .args(["describe", "--always", "--dirty"])
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output();
+        match git {
+            Ok(output) if output.status.success() => {
+                String::from_utf8_lossy(&output.stdout).trim().to_string()
+            }
+            _ => "unknown".to_string(),
         }
-        _ => "unknown".to_string(),
-    }
+    };
+    COMMIT.get_or_init(ask).clone()
 }
 
 /// The same figures without the objects called `times`: what two runs must agree in.

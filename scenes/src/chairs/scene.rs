@@ -223,7 +223,7 @@ impl Scene for Chairs {
                 colour: film::FLOOR,
             },
             contact_radius: Some(0.012 + 0.003 * wide),
-            coarser_by: 0.0,
+            coarser_by: 0.5,
         }
     }
 
@@ -266,6 +266,28 @@ impl Scene for Chairs {
         let lowest = log.rows.iter().map(|row| row.own.lowest_m);
         let lowest = lowest.fold(f64::NAN, f64::min);
         let below = log.sum(|row| row.own.below);
-        (json!({"lowest_m": lowest, "below": below}), Row::new())
+        let (rise, share) = energy_rise(log, self.count());
+        let value = json!({"lowest_m": lowest, "below": below, "energy_rise_J": rise,
+            "energy_rise_share": share});
+        (
+            value,
+            row! {"energy above its least so far, of the first" => share},
+        )
     }
+}
+
+/// By how much the energy of all bodies, contacts included, was above its least value so far at most, J; and that as a share of the
+/// energy when the last of them began to fall.
+fn energy_rise(log: &Log<Own>, count: usize) -> (f64, f64) {
+    let all = (log.rows.iter().map(|row| &row.common)).filter(|row| row.bodies == count as f64);
+    let energies = all.map(|row| row.kinetic_J + row.modal_J + row.potential_J + row.contact_J);
+    let (mut first, mut least, mut rise) = (f64::NAN, f64::INFINITY, 0.0_f64);
+    for energy in energies {
+        if first.is_nan() {
+            first = energy;
+        }
+        least = least.min(energy);
+        rise = rise.max(energy - least);
+    }
+    (rise, rise / first)
 }

@@ -59,6 +59,7 @@ impl<S: Scene> Run<S> {
         if let Some(path) = &options.resume {
             checkpoint::read(path, &mut scene)?;
         }
+        crate::report::commit();
         let step = scene.world().steps();
         let mut log = Log::new();
         if let Some(folder) = &options.out {
