@@ -189,6 +189,27 @@ fn what_is_asked_for_is_written() {
     assert!(number("/results/updated_picture/nodes_of_all_trees") > 3.0);
 }
 
+/// While a chair falls onto another in every step, the picture has at least what the step updated.
+#[test]
+fn updated_spheres_are_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut most = 0.0_f64;
+    for steps in [60, 80, 100] {
+        let options = format!("--bodies 5 --steps {steps} --size 96x54 --check-every 0");
+        let mut given = arguments(&options).expect("options");
+        given.updated = Some(folder.path().join("updated.png"));
+        let report = run(given).expect("a run");
+        let number = |of: &str| {
+            let value = report.value.pointer(&format!("/updated_picture/{of}"));
+            value.and_then(Value::as_f64).expect("a number")
+        };
+        assert!(number("nodes") >= number("counted_by_the_step"));
+        assert!(number("nodes_of_all_trees") > number("nodes"));
+        most = most.max(number("counted_by_the_step"));
+    }
+    assert!(most > 0.0);
+}
+
 #[test]
 fn what_cannot_be_is_refused() {
     for wrong in [

@@ -6,6 +6,20 @@ use super::{BodyId, World};
 use crate::error::DynamicsError;
 
 impl World {
+    /// Whether the spheres of a node were updated for what trees last said of the body: since it last left the allowance of an
+    /// answer. With several threads a few are left out, which two of them needed at the same time.
+    ///
+    /// # Errors
+    /// A body that the world does not have.
+    pub fn has_updated(&self, body: BodyId, node: u32) -> Result<bool, DynamicsError> {
+        let BodyId(index) = body;
+        let cache = self.caches.get(index).ok_or(DynamicsError::Unknown {
+            what: "body",
+            index,
+        })?;
+        Ok(cache.get().is_some_and(|mut cache| cache.keeps(node)))
+    }
+
     /// Poses the instances as bodies are now: what queries of the runtime on [`World::instances`] are asked of. Steps leave
     /// them elsewhere.
     ///

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `scene` | the world, its bodies and what they have in common |
 //! | `ground` | that nothing is below the ground |
-//! | `updated` | which spheres a step's queries updated |
+//! | `updated` | which spheres queries updated |
 
 mod ground;
 mod scene;
@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Level of the contact spheres (0: the root's); without it, the one that has about a thousand
     #[arg(long)]
     pub level: Option<usize>,
-    /// A PNG file for a picture of the spheres that queries of the last step updated
+    /// A PNG file for a picture of the spheres that were updated for the answers that the last step used
     #[arg(long)]
     pub updated: Option<PathBuf>,
     /// What all scenes have.
