@@ -365,6 +365,20 @@ impl World {
         Ok(())
     }
 
+    /// Writes how fast q of a body changes (per second), one number per mode that moves, to `out`.
+    ///
+    /// # Errors
+    /// Those of [`World::q`].
+    pub fn q_rate(&self, body: BodyId, out: &mut [f64]) -> Result<(), DynamicsError> {
+        let start = self.modal_start(body, out.len())?;
+        let modes = &self.models[self.bodies[body.0].model].modes;
+        for (j, (of, out)) in modes.iter().zip(out).enumerate() {
+            let slope = of.limit.slope(self.modal.s[start + j]);
+            *out = slope * self.modal.rate[start + j];
+        }
+        Ok(())
+    }
+
     /// Where a body's mesh is.
     ///
     /// # Errors

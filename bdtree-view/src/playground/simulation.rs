@@ -333,8 +333,8 @@ impl Simulation {
         made().map_err(|error: DynamicsError| error.to_string())
     }
 
-    /// Takes out some bodies. The others stay where they are and keep their speed and their shape; their vibrations begin
-    /// anew from that shape, and forces between them are found anew.
+    /// Takes out some bodies. The others stay where they are and keep their speed, their shape and its rate; forces between
+    /// them are found anew.
     ///
     /// # Errors
     /// A state that cannot be had again; all is then as it was.
@@ -360,8 +360,10 @@ impl Simulation {
             let velocity = self.world.state(old)?.velocity;
             world.set_velocity(new, velocity, self.world.angular_velocity(old)?)?;
             let mut q = vec![0.0; self.world.model_of(old)?.mode_count()];
+            let mut rate = q.clone();
             self.world.q(old, &mut q)?;
-            world.set_modes(new, &q, &vec![0.0; q.len()])?;
+            self.world.q_rate(old, &mut rate)?;
+            world.set_modes(new, &q, &rate)?;
         }
         Ok(())
     }
