@@ -379,3 +379,45 @@ fn heaps_are_the_same_to_the_bit() {
     }
     assert!(bytes(&alone) == bytes(&again));
 }
+
+/// Bodies of the other shapes meet the contact spheres of one whose surface is exact for its like.
+#[test]
+fn other_shapes_meet_contact_spheres() {
+    let law = ContactLaw {
+        stiffness: 0.5,
+        damping_ratio: 0.5,
+        friction: 0.4,
+    };
+    for shape in [ContactShape::Spheres, ContactShape::Triangles] {
+        let mut world = heavy(1.0 / 150.0, law);
+        let mesh = box_mesh([2.0, 0.4, 2.0]);
+        let table = bake::baked(&mesh, &bake::rigid(&mesh));
+        let of = BodyOptions {
+            contact: shape,
+            ..BodyOptions::default()
+        };
+        let table = world.add_model(&table, &of).expect("a table");
+        let model = solid(&mut world, 2.0, [0.5, 0.3, 0.4]);
+        let table = (world.add_body(table, Frame::Held, at([0.0, -0.2, 0.0]))).expect("a table");
+        let body = (world.add_body(model, Frame::Free, at([0.0, 3.5, 0.0]))).expect("a box");
+        let of = |body| {
+            let model = world.model_of(body).expect("a model");
+            let spheres = model.spheres();
+            (0..spheres.len())
+                .map(|k| spheres.radius(k))
+                .fold(0.0, f64::max)
+        };
+        let [of_table, of_body] = [table, body].map(of);
+        for _ in 0..600 {
+            world.step().expect("a step");
+        }
+        // It lies on spheres, so it is not lower than on the table itself, nor higher than on a heap of both.
+        let height = place(&world, body).y;
+        assert!(
+            height > 0.1 && height < of_table + 2.0 * of_body,
+            "{height}"
+        );
+        assert!(world.energy().kinetic < 1e-6, "{shape:?}");
+        assert!(world.contacts().any(|contact| contact.force[1].abs() > 1.0));
+    }
+}

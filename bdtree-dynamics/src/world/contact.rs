@@ -43,7 +43,8 @@ pub(super) fn bodies_of([first, second]: [u32; 2]) -> [Option<usize>; 2] {
 pub struct ContactRecord {
     /// The bodies; the second is `None` for a plane.
     pub bodies: [Option<usize>; 2],
-    /// The spheres of their models; of a body whose triangles touch others the triangle; 0 of a plane.
+    /// The spheres of their models; of a body whose triangles touch others the triangle, of exact surfaces the triangle or, at a
+    /// plane, the vertex; 0 of a plane.
     pub spheres: [usize; 2],
     /// Where forces act.
     pub point: [f64; 3],
@@ -185,6 +186,11 @@ impl Contact {
     /// Whether it is an event: an overlap or a force.
     pub(super) fn is_event(&self) -> bool {
         self.before > 0.0 || self.force[0] > 0.0
+    }
+
+    /// Whether it is one of exact surfaces.
+    pub(super) fn is_of_regions(&self) -> bool {
+        self.fields.iter().all(Option::is_some)
     }
 
     pub(super) fn is_with_plane(&self) -> bool {

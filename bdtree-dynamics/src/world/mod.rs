@@ -142,7 +142,7 @@ pub struct StepReport {
 pub struct StepTimes {
     /// Finding contacts of spheres with spheres and planes: trees and lists.
     pub spheres_s: f64,
-    /// Finding contacts of spheres with triangles.
+    /// Finding contacts of spheres with triangles, and regions of contact.
     pub triangles_s: f64,
     /// Both, and which bodies are near each other.
     pub find_s: f64,
@@ -389,6 +389,8 @@ impl World {
     /// Overlaps deeper than a contact sphere's radius, states that are not finite; the world then is not to be stepped on.
     pub fn step(&mut self) -> Result<StepReport, DynamicsError> {
         self.times = StepTimes::default();
+        // A step that failed may have left a part's.
+        self.part_s = self.options.step_s;
         let all = Clock::start();
         if core::mem::take(&mut self.is_posed) {
             self.return_to_snapshots()?;

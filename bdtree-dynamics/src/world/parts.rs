@@ -22,9 +22,8 @@ impl World {
     /// # Errors
     /// Those of [`World::step`], bodies too fast for their walls.
     pub(super) fn step_in_parts(&mut self) -> Result<StepReport, DynamicsError> {
-        let whole = self.options.step_s;
         self.set_goals();
-        let mut left = whole;
+        let mut left = self.options.step_s;
         let mut report = StepReport::default();
         loop {
             let most = self.moves_in(left) / (SHARE * 0.5 * self.wall);
@@ -46,7 +45,7 @@ impl World {
             }
             left -= self.part_s;
         }
-        self.part_s = whole;
+        self.part_s = self.options.step_s;
         Ok(report)
     }
 

@@ -152,6 +152,7 @@ impl World {
             old.append(new);
         }
         self.touches_before.clear();
+        self.part_s = self.options.step_s;
         self.return_to_snapshots()?;
         for index in 0..self.bodies.len() {
             if self.bodies[index].rest.is_asleep {

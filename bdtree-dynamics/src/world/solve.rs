@@ -131,7 +131,9 @@ impl World {
             for contact in &group.contacts {
                 report.events += u64::from(contact.is_event());
                 report.contact_energy += contact.spring.energy(contact.before - contact.late);
-                report.late += u64::from(contact.late > 0.0);
+                // Springs of regions begin elsewhere for another reason.
+                let is_late = contact.late > 0.0 && !contact.is_of_regions();
+                report.late += u64::from(is_late);
                 self.check_depth(contact, report)?;
             }
         }
@@ -181,11 +183,8 @@ impl World {
     /// more than the diameter.
     fn check_depth(&self, contact: &Contact, report: &mut StepReport) -> Result<(), DynamicsError> {
         let [a, b] = contact.sides;
-        let limit = match contact.fields {
-            [None, None] | [Some(_), Some(_)] => contact.radius,
-            _ if contact.is_with_plane() => contact.radius,
-            _ => 2.0 * contact.radius,
-        };
+        let is_one_sided = contact.fields == [None; 2] || contact.is_of_regions();
+        let limit = if is_one_sided { 1.0 } else { 2.0 } * contact.radius;
         report.penetration = report.penetration.max(contact.before);
         report.penetration_rel = report.penetration_rel.max(contact.before / contact.radius);
         let depth = contact.before.max(contact.after);
