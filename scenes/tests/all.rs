@@ -5,6 +5,7 @@ mod chairs;
 mod experiments;
 mod film;
 mod fish;
+mod logs;
 mod paper_tree;
 mod peers;
 mod skins;

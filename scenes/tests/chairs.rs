@@ -15,7 +15,7 @@ use clap::Parser;
 use serde_json::Value;
 
 /// A beam of one metre with four modes, which stands for a chair.
-fn beam() -> &'static Path {
+pub(crate) fn beam() -> &'static Path {
     static BEAM: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
     let (_, path) = BEAM.get_or_init(|| {
         let mesh = read_mesh(&models::path("beam")).expect("the fixture");
@@ -52,9 +52,15 @@ fn fall(options: &str, folder: &Path) -> Result<Value, String> {
     Ok(report.value)
 }
 
+/// The lines of the steps' file, without those that say what made them.
+fn table(folder: &Path) -> Vec<String> {
+    let text = fs::read_to_string(folder.join("chairs-steps.csv")).expect("the steps");
+    let is_row = |line: &&str| !line.starts_with("# part: from step ");
+    text.lines().filter(is_row).map(str::to_string).collect()
+}
+
 /// The columns of the steps' file, without the clock's and what depends on the threads.
 fn steps(folder: &Path) -> Vec<String> {
-    let text = fs::read_to_string(folder.join("chairs-steps.csv")).expect("the steps");
     let columns = columns();
     let kept = |column: usize| {
         let name = columns[column];
@@ -68,7 +74,7 @@ fn steps(folder: &Path) -> Vec<String> {
             .collect::<Vec<_>>()
             .join(",")
     };
-    text.lines().map(line).collect()
+    table(folder).iter().map(|own| line(own)).collect()
 }
 
 #[test]
@@ -141,15 +147,12 @@ fn redundant_updates_change_no_motion() {
         assert_eq!(values[0].pointer(at), values[1].pointer(at), "{at}");
     }
     let modal = |folder: &Path| {
-        let text = fs::read_to_string(folder.join("chairs-steps.csv")).expect("the steps");
         let column = columns()
             .iter()
             .position(|name| *name == "modal_J")
             .expect("there");
-        let energies = text
-            .lines()
-            .skip(1)
-            .map(|line| line.split(',').nth(column) == Some("0"));
+        let table = table(folder);
+        let energies = (table.iter().skip(1)).map(|line| line.split(',').nth(column) == Some("0"));
         energies.filter(|is_zero| *is_zero).count()
     };
     assert_eq!([modal(plain), modal(redundant)], [120; 2]);
@@ -177,9 +180,9 @@ fn what_is_asked_for_is_written() {
         assert_eq!(bytes[16..24], [0, 0, 0, 96, 0, 0, 0, 54], "{name}");
     }
     assert!(!place.join("film/frame-00003.png").exists());
-    let text = fs::read_to_string(place.join("out/chairs-steps.csv")).expect("the steps");
-    assert_eq!(text.lines().next(), Some(&*columns().join(",")));
-    assert_eq!(text.lines().count(), 13);
+    let table = table(&place.join("out"));
+    assert_eq!(table[0], columns().join(","));
+    assert_eq!(table.len(), 13);
     let json = fs::read_to_string(place.join("out/chairs.json")).expect("the report");
     let json: Value = serde_json::from_str(&json).expect("JSON");
     let number = |at: &str| json.pointer(at).and_then(Value::as_f64).expect(at);

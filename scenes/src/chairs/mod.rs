@@ -4,10 +4,12 @@
 //! | file | part |
 //! |---|---|
 //! | `scene` | the world, its bodies and what they have in common |
+//! | `kept` | chairs of a checkpoint |
 //! | `ground` | that nothing is below the ground |
 //! | `updated` | which spheres queries updated |
 
 mod ground;
+mod kept;
 mod scene;
 mod updated;
 
@@ -20,7 +22,9 @@ use clap::Parser;
 use crate::falling::{self, Options, log};
 use crate::report::Report;
 use crate::tables;
-use scene::Chairs;
+
+pub(crate) use kept::Kind;
+pub(crate) use scene::Chairs;
 
 /// Chairs that vibrate fall onto the ground and onto each other (the paper's figures 1 and 7)
 #[derive(Debug, Clone, Parser)]

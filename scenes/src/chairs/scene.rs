@@ -41,7 +41,7 @@ const ABOVE: f64 = 1.5;
 const EVERY: u64 = 150;
 
 /// A world in which bodies of one asset fall.
-pub(super) struct Chairs {
+pub(crate) struct Chairs {
     arguments: Arguments,
     pub(super) world: World,
     pub(super) model: Model,
@@ -53,11 +53,11 @@ pub(super) struct Chairs {
 
 /// What must be the same in the run that goes on. The number of threads, pictures and checks may differ.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Settings {
-    bodies: u32,
-    seed: u64,
-    rigid: bool,
-    level: usize,
+pub(crate) struct Settings {
+    pub(super) bodies: u32,
+    pub(super) seed: u64,
+    pub(super) rigid: bool,
+    pub(super) level: usize,
     asset: String,
 }
 

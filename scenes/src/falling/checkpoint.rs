@@ -37,19 +37,31 @@ pub(super) fn write<S: Scene>(path: &Path, scene: &S) -> Result<(), Box<dyn Erro
     Ok(())
 }
 
-/// Puts a scene in which nothing falls yet into the state of a file.
-pub(super) fn read<S: Scene>(path: &Path, scene: &mut S) -> Result<(), Box<dyn Error>> {
-    let refused = |why: String| format!("{}: {why}", path.display());
-    let bytes = fs::read(path).map_err(|error| refused(error.to_string()))?;
+/// The head of a file's bytes, and the world's bytes.
+fn divided<S: Scene>(bytes: &[u8]) -> Result<(Head<S::Settings>, &[u8]), String> {
     let end = bytes.iter().position(|byte| *byte == b'\n');
     let head = end.and_then(|end| str::from_utf8(&bytes[..end]).ok());
     let settings = head.and_then(|head| head.strip_prefix(&*magic::<S>()));
     let (Some(settings), Some(end)) = (settings, end) else {
-        let why = format!("is not a checkpoint of falling {}", S::NAME);
-        return Err(refused(why).into());
+        return Err(format!("is not a checkpoint of falling {}", S::NAME));
     };
-    let found: Head<S::Settings> =
-        serde_json::from_str(settings).map_err(|error| refused(error.to_string()))?;
+    let head = serde_json::from_str(settings).map_err(|error| error.to_string())?;
+    Ok((head, &bytes[end + 1..]))
+}
+
+/// The settings of a file: what a scene must have to be put into its state.
+pub(crate) fn settings<S: Scene>(path: &Path) -> Result<S::Settings, Box<dyn Error>> {
+    let refused = |why: String| format!("{}: {why}", path.display());
+    let bytes = fs::read(path).map_err(|error| refused(error.to_string()))?;
+    let (head, _) = divided::<S>(&bytes).map_err(refused)?;
+    Ok(head.settings)
+}
+
+/// Puts a scene in which nothing falls yet into the state of a file.
+pub(crate) fn read<S: Scene>(path: &Path, scene: &mut S) -> Result<(), Box<dyn Error>> {
+    let refused = |why: String| format!("{}: {why}", path.display());
+    let bytes = fs::read(path).map_err(|error| refused(error.to_string()))?;
+    let (found, state) = divided::<S>(&bytes).map_err(refused)?;
     let expected = Head {
         settings: scene.settings(),
         added: found.added,
@@ -61,7 +73,7 @@ pub(super) fn read<S: Scene>(path: &Path, scene: &mut S) -> Result<(), Box<dyn E
     for _ in 0..found.added {
         scene.add(Transform::IDENTITY)?;
     }
-    let restored = scene.world_mut().restore(&bytes[end + 1..]);
+    let restored = scene.world_mut().restore(state);
     restored.map_err(|error| refused(error.to_string()))?;
     Ok(())
 }

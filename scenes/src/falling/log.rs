@@ -1,13 +1,13 @@
 //! What every step did: a line of a table, kept as CSV, and the sums over all steps.
 
 use std::error::Error;
-use std::fs;
-use std::io::ErrorKind;
+use std::fmt::{self, Display, Formatter};
 use std::path::Path;
 
 use bdtree_measure::stats::{median, quantile};
-use bdtree_output::write_whole;
 use serde_json::{Value, json};
+
+use crate::logs::file::LogFile;
 
 /// Numbers of a step, and their names as columns of its table.
 pub(crate) trait Numbers: Copy {
@@ -115,47 +115,81 @@ impl<N: Numbers> Row<N> {
     }
 }
 
+/// Steps that one program made on one machine: from one on, up to the next part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Part {
+    pub(crate) from: u64,
+    /// Commit, threads, processor.
+    pub(crate) by: String,
+}
+
+impl Part {
+    /// That of a line `# part: from step 1: …`.
+    fn of(said: &str) -> Option<Self> {
+        let (from, by) = said.strip_prefix("from step ")?.split_once(": ")?;
+        let (from, by) = (from.parse().ok()?, by.to_string());
+        Some(Self { from, by })
+    }
+}
+
+impl Display for Part {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "from step {}: {}", self.from, self.by)
+    }
+}
+
 /// All steps so far.
 #[derive(Debug)]
 pub(crate) struct Log<N> {
+    pub(crate) parts: Vec<Part>,
     pub(crate) rows: Vec<Row<N>>,
 }
 
 impl<N: Numbers> Log<N> {
     pub(super) fn new() -> Self {
-        Self { rows: Vec::new() }
+        Self {
+            parts: Vec::new(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// Steps from one on are made by `by`; those before may have been made by something else.
+    pub(super) fn begin(&mut self, from: u64, by: String) {
+        if let (Some(first), true) = (self.rows.first(), self.parts.is_empty()) {
+            self.parts.push(Part {
+                from: first.common.step as u64,
+                by: "not known".to_string(),
+            });
+        }
+        if self.parts.last().is_none_or(|last| last.by != by) {
+            self.parts.push(Part { from, by });
+        }
     }
 
     /// The rows up to a step of the file of an earlier run, which may have none.
     pub(super) fn up_to(path: &Path, step: u64) -> Result<Self, Box<dyn Error>> {
-        let text = match fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Self::new()),
-            Err(error) => return Err(format!("{}: {error}", path.display()).into()),
-        };
-        let mut lines = text.lines();
         let wrong = |what: &str| format!("{}: {what}", path.display());
+        match path.try_exists() {
+            Ok(true) => {}
+            Ok(false) => return Ok(Self::new()),
+            Err(error) => return Err(wrong(&error.to_string()).into()),
+        }
+        let file = LogFile::read(path)?;
         // In any order.
-        let head: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
         let names = names::<N>();
-        let place = |name: &&str| head.iter().position(|own| own == name);
+        let place = |name: &&str| file.columns.iter().position(|own| own == name);
         let places: Option<Vec<usize>> = names.iter().map(place).collect();
-        let Some(places) = places.filter(|places| places.len() == head.len()) else {
+        let Some(places) = places.filter(|places| places.len() == file.columns.len()) else {
             return Err(wrong("has other columns than this program writes").into());
         };
-        let number = |cell: &&str| match *cell {
-            "" => Some(f64::NAN),
-            cell => cell.parse::<f64>().ok(),
-        };
+        let parts = file.said("part").map(Part::of).collect::<Option<Vec<_>>>();
+        let mut parts = parts.ok_or_else(|| wrong("a part does not begin with `from step N: `"))?;
+        parts.retain(|part| part.from <= step);
         let mut rows = Vec::new();
-        for line in lines {
-            let cells: Vec<&str> = line.split(',').collect();
-            let numbers: Option<Vec<f64>> = (places.iter())
-                .map(|place| cells.get(*place).and_then(number))
-                .collect();
-            let row = numbers.filter(|_| cells.len() == head.len());
-            let row = row.and_then(|numbers| Row::from_numbers(&numbers));
-            let row: Row<N> = row.ok_or_else(|| wrong("a line has no row of numbers"))?;
+        for row in &file.rows {
+            let numbers: Vec<f64> = places.iter().map(|place| row[*place]).collect();
+            let row = Row::<N>::from_numbers(&numbers);
+            let row = row.ok_or_else(|| wrong("has other columns than this program writes"))?;
             if row.common.step <= step as f64 {
                 rows.push(row);
             }
@@ -165,27 +199,20 @@ impl<N: Numbers> Log<N> {
         if !ends || !rows.windows(2).all(follows) {
             return Err(wrong("its steps do not lead up to the checkpoint").into());
         }
-        Ok(Self { rows })
+        Ok(Self { parts, rows })
     }
 
     /// Writes the CSV file, whole or not at all.
     pub(super) fn write(&self, path: &Path) -> Result<(), Box<dyn Error>> {
-        let text = |x: f64| {
-            if x.is_nan() {
-                String::new()
-            } else {
-                x.to_string()
-            }
+        let parts = self.parts.iter();
+        let file = LogFile {
+            about: parts
+                .map(|part| ("part".to_string(), part.to_string()))
+                .collect(),
+            columns: names::<N>().into_iter().map(str::to_string).collect(),
+            rows: self.rows.iter().map(Row::numbers).collect(),
         };
-        write_whole(path, |out| {
-            writeln!(out, "{}", names::<N>().join(","))?;
-            for row in &self.rows {
-                let cells: Vec<String> = row.numbers().into_iter().map(text).collect();
-                writeln!(out, "{}", cells.join(","))?;
-            }
-            Ok(())
-        })?;
-        Ok(())
+        file.write(path)
     }
 
     fn all(&self, of: impl Fn(&Row<N>) -> f64) -> Vec<f64> {
@@ -249,7 +276,8 @@ impl<N: Numbers> Log<N> {
             self.sum(|row| row.common.seconds),
             self.sum(|row| row.common.events),
         );
-        json!({"seconds": sum, "seconds_per_step": sum / all.len() as f64,
+        let parts: Vec<String> = self.parts.iter().map(Part::to_string).collect();
+        json!({"parts": parts, "seconds": sum, "seconds_per_step": sum / all.len() as f64,
             "median_seconds_per_step": median(&all), "most_seconds_per_step": quantile(&all, 1.0),
             "events_per_second": events / sum, "microseconds_per_event": 1e6 * sum / events})
     }
@@ -257,6 +285,8 @@ impl<N: Numbers> Log<N> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     columns! {
@@ -281,9 +311,9 @@ mod tests {
         let path = folder.path().join("steps.csv");
         let read = |step: u64| Log::<Own>::up_to(&path, step);
         assert!(read(3).expect("no file").rows.is_empty());
-        let log = Log {
-            rows: (3..9).map(|step| row(f64::from(step))).collect(),
-        };
+        let mut log = Log::new();
+        log.begin(3, "this".to_string());
+        log.rows = (3..9).map(|step| row(f64::from(step))).collect();
         log.write(&path).expect("written");
         let again = read(6).expect("read");
         assert_eq!(again.rows.len(), 4);
@@ -294,6 +324,7 @@ mod tests {
         let text = fs::read_to_string(&path).expect("the table");
         let turned: Vec<String> = text
             .lines()
+            .filter(|line| !line.starts_with('#'))
             .map(|line| line.split(',').rev().collect::<Vec<_>>().join(","))
             .collect();
         fs::write(&path, turned.join("\n")).expect("written");
@@ -303,5 +334,36 @@ mod tests {
         let text = format!("{}\n1,2\n", names::<Own>().join(","));
         fs::write(&path, text).expect("written");
         read(1).expect_err("a short line");
+    }
+
+    /// Steps before a break keep what is said of them; whoever goes on in the same way is no other part.
+    #[test]
+    fn parts_are_told_apart() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("steps.csv");
+        let mut log = Log::<Own>::new();
+        log.rows = (1..5).map(|step| row(f64::from(step))).collect();
+        log.begin(5, "commit a, threads 2".to_string());
+        log.begin(5, "commit a, threads 2".to_string());
+        log.rows.push(row(5.0));
+        log.begin(6, "commit b".to_string());
+        log.rows.push(row(6.0));
+        let texts =
+            |log: &Log<Own>| -> Vec<String> { log.parts.iter().map(Part::to_string).collect() };
+        let all = [
+            "from step 1: not known",
+            "from step 5: commit a, threads 2",
+            "from step 6: commit b",
+        ];
+        assert_eq!(texts(&log), all);
+        log.write(&path).expect("written");
+        for (step, parts) in [(6, 3), (5, 2), (4, 1)] {
+            let again = Log::<Own>::up_to(&path, step).expect("read");
+            assert_eq!(texts(&again), all[..parts]);
+            assert_eq!(again.rows.len(), step as usize);
+        }
+        let text = fs::read_to_string(&path).expect("the table");
+        fs::write(&path, text.replace("step 6:", "step x:")).expect("written");
+        Log::<Own>::up_to(&path, 6).expect_err("a part that begins nowhere");
     }
 }

@@ -14,7 +14,7 @@
 //! | `progress` | the time left |
 
 pub(crate) mod check;
-mod checkpoint;
+pub(crate) mod checkpoint;
 pub(crate) mod log;
 mod options;
 mod progress;

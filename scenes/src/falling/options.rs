@@ -19,6 +19,9 @@ pub struct Options {
     /// Steps from one checkpoint to the next
     #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u64).range(1..))]
     pub checkpoint_every: u64,
+    /// Keeps every checkpoint, as FILE-STEP beside the last one
+    #[arg(long, requires = "checkpoint")]
+    pub keep_all: bool,
     /// Goes on from a checkpoint of a run with the same bodies, seed and level
     #[arg(long)]
     pub resume: Option<PathBuf>,

@@ -1,7 +1,6 @@
 //! The figures of a run.
 
 use bdtree_dynamics::LevelSpheres;
-use bdtree_measure::machine;
 use serde_json::{Value, json};
 
 use super::run::Run;
@@ -60,7 +59,7 @@ impl<S: Scene> Run<S> {
             "failure": failure, "totals": totals, "pictures": drawn, "updated_picture": own,
             // Of the machine and of the threads.
             "times": {"threads": threads, "steps": times, "phases": own_times, "updates": updates,
-                "load": self.loads, "peak_memory_bytes": machine::status_bytes("VmHWM")},
+                "load": self.loads, "memory_bytes": self.memory_bytes},
         });
         Report {
             name: S::NAME,

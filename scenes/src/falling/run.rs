@@ -2,10 +2,11 @@
 
 use std::error::Error;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use bdtree_dynamics::{DynamicsError, StepReport};
+use bdtree_measure::machine;
 use serde_json::{Value, json};
 
 use super::log::{Common, Log, Row};
@@ -13,7 +14,7 @@ use super::progress::Progress;
 use super::show::{self, Show};
 use super::{Options, Scene, check, checkpoint};
 use crate::film::{Frames, film_command};
-use crate::report::Report;
+use crate::report::{Report, commit};
 
 /// Simulates up to a step, and writes what is asked for.
 ///
@@ -49,6 +50,8 @@ pub(super) struct Run<S: Scene> {
     frames: Option<Frames>,
     progress: Progress,
     pub(super) loads: Vec<String>,
+    /// Resident set after the last step.
+    pub(super) memory_bytes: Option<u64>,
 }
 
 impl<S: Scene> Run<S> {
@@ -97,6 +100,7 @@ impl<S: Scene> Run<S> {
             frames,
             progress: Progress::new(),
             loads: vec![load()],
+            memory_bytes: None,
         })
     }
 
@@ -107,6 +111,15 @@ impl<S: Scene> Run<S> {
             self.frame()?;
         }
         let (steps, every) = (self.steps, self.options.checkpoint_every);
+        let first = self.scene.world().steps() + 1;
+        if first <= steps {
+            let (commit, processor) = (commit(), machine::processor());
+            let by = format!(
+                "commit {commit}, threads {}, {processor}",
+                self.options.threads
+            );
+            self.log.begin(first, by);
+        }
         while self.scene.world().steps() < steps {
             self.scene.add_due()?;
             self.scene.drive()?;
@@ -194,6 +207,11 @@ impl<S: Scene> Run<S> {
         }
         if let Some(path) = &self.options.checkpoint {
             checkpoint::write(path, &self.scene)?;
+            if self.options.keep_all {
+                let mut kept = path.clone().into_os_string();
+                kept.push(format!("-{}", self.scene.world().steps()));
+                checkpoint::write(Path::new(&kept), &self.scene)?;
+            }
         }
         Ok(())
     }
@@ -206,6 +224,8 @@ impl<S: Scene> Run<S> {
     /// Pictures of the end and the report; after a failure the log too.
     fn end(&mut self, failure: Option<String>) -> Result<Report, Box<dyn Error>> {
         self.loads.push(load());
+        // Not the peak: making the asset may take more than all steps, and so may the picture of the end.
+        self.memory_bytes = machine::status_bytes("VmRSS");
         if failure.is_some()
             && let Some(path) = self.csv()
         {

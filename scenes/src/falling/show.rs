@@ -9,6 +9,7 @@ use bdtree_output::write_whole;
 use bdtree_render::{Body, Camera, Crowd, Floor, Gpu, Image, Shot, Sphere};
 use serde_json::{Value, json};
 
+use super::log::columns;
 use super::{Scene, q};
 use crate::film;
 
@@ -27,29 +28,30 @@ pub(crate) struct View {
 pub(crate) struct Show {
     crowd: Crowd,
     size: [u32; 2],
-    drawn: Drawn,
+    /// What each picture shows.
+    pub(crate) drawn: Vec<Drawn>,
 }
 
-/// Sums over all pictures.
-#[derive(Debug, Default)]
-struct Drawn {
-    pictures: u64,
-    bodies: u64,
-    culled_by_sphere: u64,
-    culled_by_tree: u64,
-    triangles: u64,
+columns! {
+/// What a picture shows.
+Drawn {
+    bodies,
+    left_out_by_sphere,
+    left_out_by_tree,
+    triangles,
     /// Of all bodies, left out or not.
-    triangles_of_all: u64,
-    seconds: f64,
+    triangles_of_all,
+    seconds,
+}
 }
 
 impl Show {
-    pub(super) fn new(scene: &impl Scene, size: [u32; 2]) -> Result<Self, Box<dyn Error>> {
+    pub(crate) fn new(scene: &impl Scene, size: [u32; 2]) -> Result<Self, Box<dyn Error>> {
         let crowd = Crowd::new(Gpu::offscreen()?, &scene.models(), Crowd::BATCH_BYTES)?;
         Ok(Self {
             crowd,
             size,
-            drawn: Drawn::default(),
+            drawn: Vec::new(),
         })
     }
 
@@ -88,19 +90,19 @@ impl Show {
         let all: usize = (bodies.iter())
             .map(|body| models[body.asset].asset().triangle_count())
             .sum();
-        let sums = &mut self.drawn;
-        sums.pictures += 1;
-        sums.bodies += picture.drawn as u64;
-        sums.culled_by_sphere += picture.culled_by_sphere as u64;
-        sums.culled_by_tree += picture.culled_by_tree as u64;
-        sums.triangles += picture.triangles;
-        sums.triangles_of_all += all as u64;
-        sums.seconds += picture.times.total();
+        self.drawn.push(Drawn {
+            bodies: picture.drawn as f64,
+            left_out_by_sphere: picture.culled_by_sphere as f64,
+            left_out_by_tree: picture.culled_by_tree as f64,
+            triangles: picture.triangles as f64,
+            triangles_of_all: all as f64,
+            seconds: picture.times.total(),
+        });
         Ok(picture.image)
     }
 
     /// The points at which bodies pushed each other or the ground in the last step.
-    pub(super) fn contacts(&self, scene: &impl Scene) -> Vec<Sphere> {
+    pub(crate) fn contacts(&self, scene: &impl Scene) -> Vec<Sphere> {
         let Some(radius) = scene.view().contact_radius else {
             return Vec::new();
         };
@@ -113,15 +115,22 @@ impl Show {
         pushing.map(sphere).collect()
     }
 
+    /// What draws.
+    pub(crate) fn adapter(&self) -> String {
+        let info = self.crowd.gpu().adapter.get_info();
+        [info.name, info.driver_info].join(", ")
+    }
+
     /// Bodies and triangles of a picture, in the mean over all of this run's.
     pub(super) fn told(&self) -> Value {
-        let sums = &self.drawn;
-        let each = |sum: u64| sum as f64 / sums.pictures as f64;
-        json!({"pictures": sums.pictures, "bodies": each(sums.bodies),
-            "left_out_by_sphere": each(sums.culled_by_sphere),
-            "left_out_by_tree": each(sums.culled_by_tree), "triangles": each(sums.triangles),
-            "triangles_of_all": each(sums.triangles_of_all),
-            "times": {"seconds": sums.seconds / sums.pictures as f64}})
+        let count = self.drawn.len();
+        let mean = |of: fn(&Drawn) -> f64| self.drawn.iter().map(of).sum::<f64>() / count as f64;
+        json!({"pictures": count, "bodies": mean(|drawn| drawn.bodies),
+            "left_out_by_sphere": mean(|drawn| drawn.left_out_by_sphere),
+            "left_out_by_tree": mean(|drawn| drawn.left_out_by_tree),
+            "triangles": mean(|drawn| drawn.triangles),
+            "triangles_of_all": mean(|drawn| drawn.triangles_of_all),
+            "times": {"adapter": self.adapter(), "size": self.size, "seconds": mean(|drawn| drawn.seconds)}})
     }
 }
 
