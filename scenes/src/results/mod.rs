@@ -1,11 +1,12 @@
-//! `docs/measured/results.md`: the paper's rows beside ours, from one run of all programs.
+//! `docs/measured/results.md`: the paper's rows beside ours, from one run of all programs and from the logs of longer runs.
 
 mod figures;
+mod logs;
 mod page;
-mod pile;
 mod updates;
 
 use std::error::Error;
+use std::fs;
 use std::iter::once;
 use std::path::PathBuf;
 
@@ -15,7 +16,7 @@ use serde_json::{Value, json};
 
 use crate::report::{Report, commit, write};
 use crate::{curtain, growth, tables};
-use page::{faults, file, page};
+use page::{faults, file, page, refreshed};
 
 /// Runs the paper's experiments and writes docs/measured/results.md with its pictures
 #[derive(Debug, Clone, Parser)]
@@ -23,7 +24,11 @@ pub struct Arguments {
     /// Small meshes and few repetitions: to try it out
     #[arg(long)]
     pub small: bool,
-    /// Folder of the pages: results.md and its tables (CSV) are written below measured/, its curves below images/
+    /// Runs nothing: of the page, only what comes from the logs is written again
+    #[arg(long, conflicts_with_all = ["small", "out"])]
+    pub logs: bool,
+    /// Folder of the pages: results.md and its tables (CSV) are written below measured/, its curves below images/; logs are
+    /// read from measured/logs/
     #[arg(long, default_value = "docs")]
     pub docs: PathBuf,
     /// Folder for the programs' JSON, CSV and SVG files
@@ -34,11 +39,19 @@ pub struct Arguments {
 /// Runs everything and writes the page.
 ///
 /// # Errors
-/// Rows that name what is not there; those of the programs; files that cannot be written.
+/// Rows that name what is not there; damaged logs; those of the programs; files that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let faults = faults();
     if !faults.is_empty() {
         return Err(faults.join("\n").into());
+    }
+    let logs = logs::figures(&arguments.docs.join("measured/logs"))?;
+    let place = arguments.docs.join("measured/results.md");
+    if arguments.logs {
+        let old = fs::read_to_string(&place).map_err(|e| format!("{}: {e}", place.display()))?;
+        let page = refreshed(&old, &json!({"logs": logs, "built": page::built()}))
+            .map_err(|why| format!("{}: {why}", place.display()))?;
+        return write(&place, &page);
     }
     // As on the command line, so that defaults stand in one place.
     let options = if arguments.small {
@@ -60,12 +73,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         growth::run(&growth::Arguments::parse_from(growth))?,
         tables::run(&tables::Arguments::parse_from(tables))?,
     ];
-    let pile = pile::measure(2 * repeats)?;
     let [of_curtain, of_growth, of_tables] = &reports;
     let all = Report {
         name: "results",
         value: json!({"curtain": of_curtain.value, "growth": of_growth.value,
-            "tables": of_tables.value, "updates": updates, "pile": pile}),
+            "tables": of_tables.value, "updates": updates}),
         tables: Vec::new(),
         pictures: Vec::new(),
     };
@@ -87,14 +99,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             write(&path, &table.csv())?;
         }
     }
-    let page = page(&figures(all.value, &commit), &reports);
-    write(&arguments.docs.join("measured/results.md"), &page)
+    let page = page(&figures(all.value, logs, &commit), &reports);
+    write(&place, &page)
 }
 
 /// All figures of the page: what was measured, and what follows from it.
-fn figures(mut measured: Value, commit: &str) -> Value {
+fn figures(mut measured: Value, logs: Value, commit: &str) -> Value {
     let mut rows = figures::of_rows(&measured);
     rows["goals"] = json!(figures::of_goals(&measured));
+    rows["logs"] = logs;
     rows["built"] = page::built();
     rows["machine"] = json!(machine::processor());
     rows["commit"] = json!(commit);

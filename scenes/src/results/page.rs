@@ -100,6 +100,55 @@ pub(super) fn fill(text: &str, value: &Value) -> String {
     filled
 }
 
+/// The page with what comes from logs, and what no figure is in, written again; the rest stays.
+///
+/// # Errors
+/// A page that has not all other lines and rows.
+pub(super) fn refreshed(old: &str, figures: &Value) -> Result<String, String> {
+    let (old, tail) = old.split_at(old.find("\n## `").unwrap_or(old.len()));
+    let missing = |what: &str| {
+        format!(
+            "has no line that begins with `{what}`: write the page with a run of `results` without --logs"
+        )
+    };
+    let kept = |begin: &str| {
+        let line = old.lines().find(|line| line.starts_with(begin));
+        line.ok_or_else(|| missing(begin))
+    };
+    let mut text = String::new();
+    for line in PAGE.lines() {
+        let (begin, _) = line.split_once('{').unwrap_or((line, ""));
+        if is_of_logs(line) {
+            text += &fill(line, figures);
+        } else if line.starts_with("| P") {
+            let id = line.get(..7).unwrap_or(line);
+            let old: Vec<&str> = kept(id)?.split(" | ").collect();
+            let cells = line.split(" | ").enumerate();
+            let cells: Option<Vec<String>> = cells
+                .map(|(at, cell)| match is_of_logs(cell) {
+                    true => Some(fill(cell, figures)),
+                    false => old.get(at).map(|cell| (*cell).to_string()),
+                })
+                .collect();
+            text += &cells.ok_or_else(|| missing(id))?.join(" | ");
+        } else {
+            text += kept(begin)?;
+        }
+        text += "\n";
+    }
+    Ok(text + tail.strip_prefix('\n').map_or("", |_| tail))
+}
+
+/// Whether all figures of a text are those of logs.
+fn is_of_logs(text: &str) -> bool {
+    let mut pointers = text.split('{').skip(1);
+    pointers.all(|pointer| {
+        ["/logs/", "/built/"]
+            .iter()
+            .any(|begin| pointer.starts_with(begin))
+    })
+}
+
 /// The file of a picture below `images/`, or of a table beside the page.
 pub(super) fn file(report: &Report, key: &str, ending: &str) -> String {
     let dash = if key.is_empty() { "" } else { "-" };
@@ -133,7 +182,7 @@ mod tests {
     fn every_row_names_what_is_there() {
         assert_eq!(faults(), Vec::<String>::new());
         assert_eq!(rows().count(), 61);
-        assert_eq!(built()["missing"], "P36, P43, P44, P48, P49, P59");
+        assert_eq!(built()["missing"], "P59");
     }
 
     #[test]
