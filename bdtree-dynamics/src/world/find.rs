@@ -3,9 +3,9 @@
 use bdtree_runtime::{HalfSpace, LaneTriangle, Workspace};
 use nalgebra::Vector3;
 
-use super::contact::{Contact, plane_of};
+use super::contact::{Contact, NEAR, plane_of};
 use super::groups::{Group, Place, Tally};
-use super::pairs::{Found, Pair, Part};
+use super::pairs::{Candidate, Found, Pair, Part};
 use super::solve::Warm;
 use super::workers::{Clock, Worker, each};
 use super::{StepReport, World};
@@ -71,14 +71,14 @@ impl World {
                     Meets::Regions | Meets::Vertices(_) => {}
                 }
                 // As contacts of the step before and after are sorted.
-                group.near[start..].sort_unstable();
+                group.near[start..].sort_unstable_by_key(|of| of.elements);
                 if self.is_kept(pair) {
                     near = Some(Part::new(start, group.near.len()));
                 }
             }
             let asked = core::mem::take(&mut group.near);
             let list = match pair.near {
-                Some(kept) => kept.of(&self.memory.near_spheres),
+                Some(kept) => kept.of(&self.memory.candidates),
                 None => &asked[start..],
             };
             group.tally.candidates += list.len() as u64;
@@ -192,7 +192,8 @@ impl World {
         )?;
         for LaneTriangle { lane, triangle } in &worker.lane_triangles {
             if let Some(sphere) = spheres.of(*lane) {
-                group.near.push([sphere as u32, triangle.0]);
+                let elements = [sphere as u32, triangle.0];
+                group.near.push(Candidate::unknown(elements));
             }
         }
         group.tally.add(worker);
@@ -234,10 +235,11 @@ impl World {
         let [at_a, at_b] = both.map(|index| self.at_snapshot(index));
         for [lane_a, lane_b] in &worker.pairs {
             if let (Some(sphere_a), Some(sphere_b)) = (of_a.of(*lane_a), of_b.of(*lane_b)) {
-                let reach = prediction + of_a.radius(sphere_a) + of_b.radius(sphere_b);
-                let apart = at_a.center(sphere_a) - at_b.center(sphere_b);
-                if apart.norm_squared() <= reach * reach {
-                    group.near.push([sphere_a as u32, sphere_b as u32]);
+                let reach = of_a.radius(sphere_a) + of_b.radius(sphere_b);
+                let gap = (at_a.center(sphere_a) - at_b.center(sphere_b)).norm() - reach;
+                if gap <= prediction {
+                    let elements = [sphere_a as u32, sphere_b as u32];
+                    group.near.push(Candidate::new(elements, gap, reach));
                 }
             }
         }
@@ -275,9 +277,13 @@ impl World {
         let normal = Vector3::from(at.normal);
         for lane in &worker.lanes {
             if let Some(sphere) = spheres.of(*lane) {
-                let reach = prediction + spheres.radius(sphere);
-                if normal.dot(&posed.center(sphere)) - at.offset <= reach {
-                    group.near.push([sphere as u32, 0]);
+                let height = normal.dot(&posed.center(sphere)) - at.offset;
+                let radius = spheres.radius(sphere);
+                if height - radius <= prediction {
+                    let size = radius + at.offset.abs() + height.abs();
+                    group
+                        .near
+                        .push(Candidate::new([sphere as u32, 0], height - radius, size));
                 }
             }
         }
@@ -290,24 +296,27 @@ impl World {
         &self,
         pair: &Pair,
         base: usize,
-        list: &[[u32; 2]],
+        list: &[Candidate],
         mut warm: &[Warm],
         out: &mut alloc::vec::Vec<Contact>,
     ) {
-        if list.is_empty() {
+        let [a, b] = [pair.first, pair.second].map(|index| &self.bodies[index as usize]);
+        // By how much their distance may become smaller within the step, and again as much for pairs that others push together.
+        let near = 3.0 * ((a.way - b.way).norm() + a.swing + b.swing + a.ripple + b.ripple);
+        let far = a.far + b.far;
+        let is_near = |of: &&Candidate| of.may_be_within(near, far);
+        let mut left = list.iter().filter(is_near).peekable();
+        if left.peek().is_none() {
             return;
         }
         let (first, second) = (self.mover(pair.first), self.mover(pair.second));
-        let (a, b) = (first.body, second.body);
-        // By how much their distance may become smaller within the step, and again as much for pairs that others push together.
-        let near = 3.0 * ((a.way - b.way).norm() + a.swing + b.swing + a.ripple + b.ripple);
         let slots =
             [pair.first, pair.second].map(|body| self.groups.places[body as usize].within(base));
-        for run in list.chunk_by(|[one, _], [other, _]| one == other) {
-            let sphere_a = run[0][0] as usize;
-            let start = first.start(sphere_a);
-            for [_, sphere_b] in run {
-                let both = [sphere_a, *sphere_b as usize];
+        while let Some(next) = left.peek() {
+            let sphere_a = next.elements[0];
+            let start = first.start(sphere_a as usize);
+            while let Some(next) = left.next_if(|next| next.elements[0] == sphere_a) {
+                let both = next.elements.map(|sphere| sphere as usize);
                 if let Some(mut contact) = self.touch([&first, &second], both, start, near) {
                     contact.slots = slots;
                     contact.begin_with(&mut warm);
@@ -322,14 +331,22 @@ impl World {
         &self,
         pair: &Pair,
         plane: usize,
-        list: &[[u32; 2]],
+        list: &[Candidate],
         mut warm: &[Warm],
         out: &mut alloc::vec::Vec<Contact>,
     ) {
         let mover = self.mover(pair.first);
         let place = self.groups.places[pair.first as usize];
-        for [sphere, _] in list {
-            if let Some(mut contact) = self.touch_plane(&mover, *sphere as usize, plane) {
+        let body = mover.body;
+        // Within the step a sphere moves by no more than this.
+        let way = 2.0 * (body.way.norm() + body.swing + body.ripple);
+        for of in list {
+            let sphere = of.elements[0] as usize;
+            let near = NEAR * (way + 2e-3 * mover.spheres.radius(sphere));
+            if !of.may_be_within(near, body.far) {
+                continue;
+            }
+            if let Some(mut contact) = self.touch_plane(&mover, sphere, plane) {
                 contact.slots = [place.within(place.cluster); 2];
                 contact.begin_with(&mut warm);
                 out.push(contact);

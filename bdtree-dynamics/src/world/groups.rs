@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::World;
 use super::contact::{Contact, plane_of};
-use super::pairs::Found;
+use super::pairs::{Candidate, Found};
 use crate::error::DynamicsError;
 
 /// Most clusters; a power of two.
@@ -51,8 +51,8 @@ pub(super) struct Group {
     pub(super) pairs: Vec<u32>,
     /// Those of them that have contacts or a new list.
     pub(super) found: Vec<Found>,
-    /// New lists of contact spheres that may touch, one behind the other.
-    pub(super) near: Vec<[u32; 2]>,
+    /// New lists of what may touch, one behind the other.
+    pub(super) near: Vec<Candidate>,
     pub(super) contacts: Vec<Contact>,
     /// Those of points of triangles, one behind the other.
     pub(super) fields: Vec<f64>,

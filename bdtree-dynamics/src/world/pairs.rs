@@ -17,7 +17,7 @@ pub(super) struct Pair {
     pub(super) first: u32,
     /// A body, or a plane counted from the end of the numbers.
     pub(super) second: u32,
-    /// Which contact spheres may touch: a part of [`World::near_spheres`](World), sorted.
+    /// What may touch: a part of [`Memory::candidates`], sorted.
     pub(super) near: Option<Part>,
     /// Its contacts of the step before, and then of this one.
     pub(super) contacts: Part,
@@ -47,6 +47,34 @@ impl Part {
     }
 }
 
+/// Two contact spheres, a sphere and a triangle, or a sphere and a plane, that may touch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Candidate {
+    pub(super) elements: [u32; 2],
+    /// How far apart they are at the snapshots, at least.
+    gap: f32,
+}
+
+impl Candidate {
+    /// `size` is what rounding is relative to.
+    pub(super) fn new(elements: [u32; 2], gap: f64, size: f64) -> Self {
+        let gap = (gap - 1e-6 * (size + gap.abs())) as f32;
+        Self { elements, gap }
+    }
+
+    /// Of which nothing is known.
+    pub(super) fn unknown(elements: [u32; 2]) -> Self {
+        let gap = f32::NEG_INFINITY;
+        Self { elements, gap }
+    }
+
+    /// Whether they may be within a distance while they are at most `far` from where they are at the snapshots, both together.
+    #[inline]
+    pub(super) fn may_be_within(&self, distance: f64, far: f64) -> bool {
+        f64::from(self.gap) <= distance + far
+    }
+}
+
 /// What looking at a pair has found, as parts of its group's lists.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
@@ -61,8 +89,8 @@ const LOOSE: u32 = u32::MAX;
 /// Contact spheres that may touch, and contact forces of the step before.
 #[derive(Debug, Default)]
 pub(super) struct Memory {
-    pub(super) near_spheres: Vec<[u32; 2]>,
-    near_before: Vec<[u32; 2]>,
+    pub(super) candidates: Vec<Candidate>,
+    candidates_before: Vec<Candidate>,
     pairs_before: Vec<Pair>,
     /// Of each group, in the order of its contacts.
     pub(super) warm: Vec<Vec<Warm>>,
@@ -82,7 +110,7 @@ impl Memory {
 
     /// Forgets everything.
     pub(super) fn clear(&mut self) {
-        self.near_spheres.clear();
+        self.candidates.clear();
         self.loose.clear();
         for list in &mut self.warm {
             list.clear();
@@ -140,8 +168,8 @@ impl World {
     /// Takes over what is known from the step before.
     fn remember(&mut self) {
         let memory = &mut self.memory;
-        core::mem::swap(&mut memory.near_spheres, &mut memory.near_before);
-        memory.near_spheres.clear();
+        core::mem::swap(&mut memory.candidates, &mut memory.candidates_before);
+        memory.candidates.clear();
         let is_new = |body: u32| {
             let body = self.bodies.get(body as usize);
             body.is_some_and(|body| body.snapshot.is_new)
@@ -160,10 +188,10 @@ impl World {
                     && !is_new(pair.first)
                     && !is_new(pair.second)
                 {
-                    let start = memory.near_spheres.len();
-                    let kept = near.of(&memory.near_before);
-                    memory.near_spheres.extend_from_slice(kept);
-                    pair.near = Some(Part::new(start, memory.near_spheres.len()));
+                    let start = memory.candidates.len();
+                    let kept = near.of(&memory.candidates_before);
+                    memory.candidates.extend_from_slice(kept);
+                    pair.near = Some(Part::new(start, memory.candidates.len()));
                 }
             }
             if has_loose {
@@ -183,7 +211,7 @@ impl World {
 
     /// Writes down what looking at the pairs has found.
     pub(super) fn note_found(&mut self) {
-        let near_spheres = &mut self.memory.near_spheres;
+        let candidates = &mut self.memory.candidates;
         for pair in &mut self.pairs {
             pair.contacts = Part::default();
         }
@@ -191,9 +219,9 @@ impl World {
             for found in &group.found {
                 let pair = &mut self.pairs[found.pair as usize];
                 if let Some(near) = found.near {
-                    let start = near_spheres.len();
-                    near_spheres.extend_from_slice(near.of(&group.near));
-                    pair.near = Some(Part::new(start, near_spheres.len()));
+                    let start = candidates.len();
+                    candidates.extend_from_slice(near.of(&group.near));
+                    pair.near = Some(Part::new(start, candidates.len()));
                 }
                 (pair.contacts, pair.group) = (found.contacts, index as u32);
             }

@@ -27,6 +27,10 @@ const LEAST: f64 = 0.1;
 const MOST: f64 = 0.5;
 const FEW_STEPS: f64 = 2.0;
 
+/// A snapshot is taken before it must be, in one step of `TURN`, if the allowance would be `MUCH` smaller.
+const TURN: u64 = 16;
+const MUCH: f64 = 1.5;
+
 /// Motion of modes that need not be known better than by the length of q, in mean radii.
 const LITTLE: f64 = 0.03;
 
@@ -145,10 +149,12 @@ impl World {
         let left = snapshot.allowance * (1.0 - 1e-9) - needed - off;
         off += model.moved(change, left);
         body.far = off * (1.0 + 1e-9) + needed;
-        if body.far <= snapshot.allowance {
+        let is_enough = body.far <= snapshot.allowance;
+        // Now and then a body that has come to rest gets a smaller one, so that lists get shorter.
+        let is_turn = (self.steps + index as u64).is_multiple_of(TURN);
+        if is_enough && !(is_turn && snapshot.allowance > MUCH * (needed + LEAST * radius)) {
             return Ok(());
         }
-        body.far = needed;
         // As it moves, not as it would without contacts: those that hold a body down hold its modes, too.
         let per_step = if body.frame == Frame::Driven {
             2.0 * (falls + waves)
@@ -159,13 +165,17 @@ impl World {
                 *change = h * rate * slope;
             }
             h * (body.state.velocity.norm() + body.spin.norm() * extent)
-                + model.moved(change, LITTLE * radius)
+                + model.moved(change, LITTLE * radius / STEPS)
         };
         let margin = if FEW_STEPS * per_step > MOST * radius {
             0.0
         } else {
             (STEPS * per_step).clamp(LEAST * radius, MOST * radius)
         };
+        if is_enough && snapshot.allowance <= MUCH * (needed + margin) {
+            return Ok(());
+        }
+        body.far = needed;
         *snapshot = Snapshot {
             position: middle,
             orientation: half,

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use super::body::Body;
 use super::contact::{Contact, Material, Meeting, Mover, NEAR, Side};
 use super::groups::Group;
-use super::pairs::Pair;
+use super::pairs::{Candidate, Pair};
 use super::solve::Warm;
 use super::{World, part};
 use crate::error::DynamicsError;
@@ -136,7 +136,7 @@ impl World {
         &self,
         pair: &Pair,
         is_swapped: bool,
-        list: &[[u32; 2]],
+        list: &[Candidate],
         warm: &[Warm],
         scratch: &mut Scratch,
         group: &mut Group,
@@ -155,26 +155,27 @@ impl World {
             [of_sphere, of_triangle].map(|body| self.groups.places[body as usize].within(base));
         let (a, b) = (mover.body, target.body);
         let near = 3.0 * ((a.way - b.way).norm() + a.swing + b.swing + a.ripple + b.ripple);
-        for run in list.chunk_by(|[one, _], [other, _]| one == other) {
-            let sphere = run[0][0] as usize;
+        for run in list.chunk_by(|one, other| one.elements[0] == other.elements[0]) {
+            let sphere = run[0].elements[0] as usize;
             let way = [mover.start(sphere), mover.end(sphere)];
             scratch.near.clear();
-            for (k, [_, triangle]) in run.iter().enumerate() {
+            for (k, of) in run.iter().enumerate() {
+                let [_, triangle] = of.elements;
                 if scratch.corners.len() <= k {
                     scratch.corners.push(Corners::default());
                 }
                 let corners = &mut scratch.corners[k];
-                target.surface.corners(TriangleId(*triangle), corners)?;
+                target.surface.corners(TriangleId(triangle), corners)?;
                 let radius = mover.spheres.radius(sphere);
                 let held = Held {
                     old: warm,
                     sphere: usize::from(is_swapped),
                     number: sphere as u32,
-                    triangle: *triangle,
+                    triangle,
                 };
                 let found = meeting(&target, corners, way, radius, near, &held);
                 scratch.near.extend(found.map(|found| Near {
-                    triangle: *triangle,
+                    triangle,
                     corners: k,
                     ..found
                 }));
