@@ -156,6 +156,8 @@ pub struct BodyModel {
     /// point at most, world units.
     pub(crate) redundant_q: Vec<f32>,
     pub(crate) redundant_move: f64,
+    /// Acceleration of each mode's q by a unit force, over a step from rest; padded.
+    pub(crate) per_mode: Vec<f64>,
     /// 1 / effective mass of each sphere in its heaviest direction: of a free body and of a held one, modes included.
     pub(crate) inverse_masses: Vec<[f64; 2]>,
 }
@@ -252,7 +254,10 @@ impl BodyModel {
             }
         };
         let wall = match (options.contact, options.thinnest_wall) {
-            (ContactShape::Regions, Some(wall)) if wall > 0.0 && wall.is_finite() => wall,
+            (ContactShape::Regions, Some(wall)) if wall > 0.0 && wall.is_finite() => {
+                thinnest_wall(model)?;
+                wall
+            }
             (ContactShape::Regions, Some(wall)) => {
                 return Err(DynamicsError::Setting {
                     name: "thinnest_wall",
@@ -280,13 +285,14 @@ impl BodyModel {
             wall,
             redundant_q,
             redundant_move,
+            per_mode: Vec::new(),
             inverse_masses: Vec::new(),
         };
-        let per_mode = made.padded(|mode| mode.transition.q_a / mode.mass);
         let per_step = 2.0 / (step_s * step_s);
+        made.per_mode = made.padded(|mode| mode.transition.q_a / mode.mass * per_step);
         made.inverse_masses = (0..made.spheres.len())
             .map(|sphere| {
-                let modes = made.spheres.field(sphere).compliance(&per_mode) * per_step;
+                let modes = made.spheres.field(sphere).compliance(&made.per_mode);
                 let rigid = made.rigid_compliance(sphere);
                 [rigid + modes, modes].map(|of| of.symmetric_eigenvalues().min().max(0.0))
             })

@@ -85,8 +85,8 @@ pub enum DynamicsError {
         /// As many as were given.
         found: usize,
     },
-    /// Two spheres overlap by more than the larger one's radius, or a sphere and a triangle by more than the diameter: the step
-    /// is too long for their speed.
+    /// Two spheres overlap by more than the larger one's radius, a sphere and a triangle by more than the diameter, or two exact
+    /// surfaces by more than the thinner wall: the step is too long for their speed.
     Penetration {
         /// The bodies; the second is `None` for a plane.
         bodies: [Option<usize>; 2],
@@ -97,7 +97,7 @@ pub enum DynamicsError {
         /// About the step that would do, seconds.
         step_max_s: f64,
     },
-    /// A triangle with nothing behind it, of a body whose contact regions need an inside.
+    /// A triangle with nothing behind it, or another one at no distance, of a body whose contact regions need an inside.
     NoInside {
         /// The triangle.
         triangle: usize,
@@ -224,7 +224,7 @@ impl fmt::Display for DynamicsError {
             }
             Self::NoInside { triangle } => write!(
                 f,
-                "triangle {triangle} has nothing behind it: regions of contact need a closed surface whose triangles are \
+                "triangle {triangle} has nothing behind it, or another one at no distance: regions of contact need a closed surface whose triangles are \
                  counterclockwise as seen from outside; ContactShape::Triangles takes open ones too"
             ),
             Self::Parts {
@@ -233,7 +233,7 @@ impl fmt::Display for DynamicsError {
                 step_max_s,
             } => write!(
                 f,
-                "bodies move so fast that a step needs more than {limit} parts for the thinnest wall of {wall:.3e}; use steps of \
+                "bodies move so fast that what is left of a step needs more than {limit} parts for the thinnest wall of {wall:.3e}; use steps of \
                  about {step_max_s:.1e} s, lower speeds, or BodyOptions::thinnest_wall where sharp edges are thin"
             ),
             Self::Level { level, depth } => {

@@ -297,8 +297,10 @@ fn a_driven_box_pushes_a_free_one() {
 /// Elastic bodies at rest: vertices carry the weight, and bend modes as `Uᵀ f` says.
 #[test]
 fn a_beam_at_rest_is_in_equilibrium() {
+    // It lies flat, bent by less than a micrometer: forces have to be better than usual.
     let options = WorldOptions {
         sleep_speed: 0.0,
+        accuracy: 1e-6,
         ..WorldOptions::default()
     };
     let mut world = falling(1, options, &regions());
@@ -420,4 +422,99 @@ fn other_shapes_meet_contact_spheres() {
         assert!(world.energy().kinetic < 1e-6, "{shape:?}");
         assert!(world.contacts().any(|contact| contact.force[1].abs() > 1.0));
     }
+}
+
+/// A driven body wakes what sleeps in its way, though it only moves along, and nothing goes through.
+#[test]
+fn a_driven_box_wakes_a_sleeping_one() {
+    let mut world = World::new(WorldOptions::default()).expect("a world");
+    let pusher = solid(&mut world, 1.0, [0.1, 0.3, 0.3]);
+    let model = solid(&mut world, 1.0, [0.2, 0.2, 0.2]);
+    world.add_plane(GROUND).expect("a plane");
+    let pusher = (world.add_body(pusher, Frame::Driven, at([-1.0, 0.2, 0.0]))).expect("a pusher");
+    let body = (world.add_body(model, Frame::Free, at([0.0, 0.1, 0.0]))).expect("a box");
+    for _ in 0..300 {
+        world.step().expect("a step");
+    }
+    assert_eq!(world.asleep(), 1);
+    for step in 1..=150 {
+        let x = -1.0 + 0.01 * f64::from(step);
+        world.drive(pusher, &[], at([x, 0.2, 0.0])).expect("driven");
+        world.step().expect("a step");
+        assert!(place(&world, body).x - x > 0.14, "{step}");
+    }
+    assert!(place(&world, body).x > 0.6);
+}
+
+/// A law without stiffness stops nothing, and no step runs for ever.
+#[test]
+fn a_law_without_stiffness_ends() {
+    let law = ContactLaw {
+        stiffness: 0.0,
+        ..ContactLaw::default()
+    };
+    let mut world = heavy(1.0 / 150.0, law);
+    let model = solid(&mut world, 1.0, [0.5, 0.3, 0.4]);
+    world.add_plane(GROUND).expect("a plane");
+    world
+        .add_body(model, Frame::Free, at([0.0, 0.4, 0.0]))
+        .expect("a box");
+    let end = (0..200).find_map(|_| world.step().err());
+    assert!(
+        matches!(end, Some(DynamicsError::Penetration { .. })),
+        "{end:?}"
+    );
+}
+
+/// Thin plates that fly, and one that is driven: steps of many parts are the same for any number of threads and after a break.
+#[test]
+fn divided_steps_are_the_same_to_the_bit() {
+    let bytes = |world: &World| {
+        let mut out = Vec::new();
+        world.save(&mut out);
+        out
+    };
+    let made = |threads| {
+        let mut world = World::new(WorldOptions {
+            threads,
+            ..WorldOptions::default()
+        })
+        .expect("a world");
+        let plate = solid(&mut world, 1.0, [0.5, 0.03, 0.4]);
+        world.add_plane(GROUND).expect("a plane");
+        (world.add_body(plate, Frame::Driven, at([-1.0, 0.4, 0.0]))).expect("a plate");
+        for k in 0..5 {
+            let y = 0.3 + 0.25 * f64::from(k);
+            let body = world.add_body(plate, Frame::Free, at([0.1 * y, y, 0.0]));
+            let velocity = [0.0, if k < 3 { 2.0 } else { -6.0 }, 0.3];
+            (world.set_velocity(body.expect("a plate"), velocity, [1.0, 0.2, 3.0]))
+                .expect("a velocity");
+        }
+        world
+    };
+    let step = |world: &mut World| {
+        let x = -1.0 + 0.02 * world.steps() as f64;
+        world
+            .drive(BodyId(0), &[], at([x, 0.4, 0.0]))
+            .expect("driven");
+        world.step().expect("a step")
+    };
+    let [mut alone, mut together, mut again] = [made(1), made(2), made(1)];
+    let (mut saved, mut most, mut events) = (Vec::new(), 0, 0);
+    for k in 0..60 {
+        if k == 25 {
+            saved = bytes(&alone);
+        }
+        let report = step(&mut alone);
+        step(&mut together);
+        most = most.max(report.parts);
+        events += report.events;
+    }
+    assert!(most > 5 && events > 20, "{most} {events}");
+    assert!(bytes(&alone) == bytes(&together));
+    again.restore(&saved).expect("restored");
+    for _ in 25..60 {
+        step(&mut again);
+    }
+    assert!(bytes(&alone) == bytes(&again));
 }

@@ -74,6 +74,8 @@ pub(super) struct Body {
     pub(super) spin: Vector3<f64>,
     /// Rotations at the beginning and at the end without contacts.
     pub(super) rotations: [Matrix3<f64>; 2],
+    /// Of a driven body: whether the step moves it.
+    pub(super) is_under_way: bool,
     /// Half of how its center moves in the step without contacts.
     pub(super) way: Vector3<f64>,
     /// What turning moves any contact sphere by from the middle of the step to either end, and what modes do.
@@ -168,6 +170,7 @@ impl Body {
             rotation: Matrix3::identity(),
             spin: zero,
             rotations: [Matrix3::identity(); 2],
+            is_under_way: false,
             way: zero,
             swing: 0.0,
             ripple: 0.0,

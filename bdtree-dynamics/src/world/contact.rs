@@ -379,11 +379,25 @@ impl World {
         Compliance { rigid, modes }
     }
 
-    /// 1 / effective mass of a point in its heaviest direction, modes included.
+    /// 1 / effective mass of a point in its heaviest direction, modes included: also of a body that sleeps, which no force moves
+    /// in this step.
     pub(super) fn inverse_mass_at(&self, of: &Material<'_>, point: &Vector3<f64>) -> f64 {
-        let Compliance { rigid, modes } = self.compliance(of, point - of.body.middle);
-        let h = self.part_s;
-        (rigid + modes).symmetric_eigenvalues().min().max(0.0) * 2.0 / (h * h)
+        let (body, model) = (of.body, &self.models[of.body.model]);
+        if body.frame == Frame::Driven {
+            return 0.0;
+        }
+        let axes = &body.rotation;
+        let mut whole = Matrix3::zeros();
+        if let (Frame::Free, Some(mass)) = (body.frame, &model.mass) {
+            let arm = (point - body.middle).cross_matrix();
+            let inverse = Matrix3::from_diagonal(&mass.moments.map(|moment| 1.0 / moment));
+            whole += Matrix3::from_diagonal_element(1.0 / mass.mass_kg)
+                - arm * axes * inverse * axes.transpose() * arm;
+        }
+        if of.field.stride() > 0 {
+            whole += axes * of.field.compliance(&model.per_mode) * axes.transpose();
+        }
+        whole.symmetric_eigenvalues().min().max(0.0)
     }
 }
 

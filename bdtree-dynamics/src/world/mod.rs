@@ -126,8 +126,9 @@ pub struct StepReport {
     pub nodes_updated: u64,
     /// Gauss–Seidel sweeps.
     pub sweeps: u64,
-    /// Parts that the step was divided into: 1 unless bodies have the shape [`ContactShape::Regions`](crate::ContactShape). Events
-    /// and pairs are those of the last part, nodes and sweeps sums, overlaps the largest.
+    /// Parts that the step was divided into: 1 unless bodies have the shape [`ContactShape::Regions`](crate::ContactShape). Counts of
+    /// pairs, candidates and contacts are those of the last part, nodes and sweeps sums, overlaps the largest; contact energy is
+    /// that at the beginning of the first.
     pub parts: u64,
     /// Largest overlap at the beginning of the step, world units.
     pub penetration: f64,
@@ -386,7 +387,8 @@ impl World {
     /// One step.
     ///
     /// # Errors
-    /// Overlaps deeper than a contact sphere's radius, states that are not finite; the world then is not to be stepped on.
+    /// Overlaps deeper than a contact sphere's radius or the thinner wall, bodies too fast for their walls, states that are not
+    /// finite; the world then is not to be stepped on.
     pub fn step(&mut self) -> Result<StepReport, DynamicsError> {
         self.times = StepTimes::default();
         // A step that failed may have left a part's.

@@ -26,17 +26,17 @@ impl World {
         let mut left = self.options.step_s;
         let mut report = StepReport::default();
         loop {
-            let most = self.moves_in(left) / (SHARE * 0.5 * self.wall);
-            let mut parts = self.parts(left, 1, most)?;
+            let ratio = self.moves_in(left) / (SHARE * 0.5 * self.wall);
+            let mut parts = self.parts(left, 1, ratio)?;
             let mut of_part = loop {
                 self.part_s = left / f64::from(parts);
                 self.approach_goals(1.0 / f64::from(parts));
                 let of_part = self.meet()?;
-                let most = self.moved_in_part() / (0.5 * self.wall);
-                if most <= 1.0 {
+                let ratio = self.moved_in_part() / (0.5 * self.wall);
+                if ratio <= 1.0 {
                     break of_part;
                 }
-                parts = self.parts(left, parts, 1.1 * most)?;
+                parts = self.parts(left, parts, 1.1 * ratio)?;
             };
             self.part_with(&mut of_part)?;
             report.add(&of_part);
@@ -49,16 +49,16 @@ impl World {
         Ok(report)
     }
 
-    /// So many parts, each `most` times shorter.
-    fn parts(&self, left: f64, parts: u32, most: f64) -> Result<u32, DynamicsError> {
-        let more = libm::ceil(f64::from(parts) * most).max(1.0);
-        if more <= f64::from(PARTS_MOST) {
-            return Ok(more as u32);
-        }
-        if !more.is_finite() {
+    /// `parts` times `ratio`, rounded up.
+    fn parts(&self, left: f64, parts: u32, ratio: f64) -> Result<u32, DynamicsError> {
+        if !ratio.is_finite() {
             return Err(DynamicsError::NotFinite {
                 what: "the speed of a body",
             });
+        }
+        let more = libm::ceil(f64::from(parts) * ratio).max(1.0);
+        if more <= f64::from(PARTS_MOST) {
+            return Ok(more as u32);
         }
         Err(DynamicsError::Parts {
             wall: self.wall,
@@ -120,7 +120,7 @@ impl World {
         &mut self,
         of: impl Fn(&Body, &BodyModel, &Modal, &mut [f64]) -> (f64, f64),
     ) -> f64 {
-        let mut most = 0.0;
+        let mut most = 0.0_f64;
         let mut changes = core::mem::take(&mut self.modal.change);
         for body in &self.bodies {
             let model = &self.models[body.model];
@@ -136,8 +136,12 @@ impl World {
                 });
             let lever = model.extent() + model.moved_within(libm::sqrt(squares.sum()));
             let moved = way + turn * lever + model.moved(change, 0.0);
-            // Not a number is more than anything.
-            most = if moved <= most { most } else { moved };
+            // What is not a number stays.
+            most = if most.is_nan() || moved <= most {
+                most
+            } else {
+                moved
+            };
         }
         self.modal.change = changes;
         most

@@ -29,6 +29,14 @@ impl World {
             if body.frame == Frame::Held {
                 body.end = body.state;
             }
+            if body.frame == Frame::Driven {
+                let (from, to) = (&body.state, &body.end);
+                let own = body.start..body.start + model.spheres.stride();
+                let modal = &self.modal;
+                body.is_under_way = from.position != to.position
+                    || from.orientation != to.orientation
+                    || modal.s[own.clone()] != modal.end_s[own];
+            }
             // A driven body's end is what the caller has set.
             let turn = body.end.orientation * body.state.orientation.inverse();
             body.spin = turn.scaled_axis() / h;

@@ -1,8 +1,8 @@
 //! Exact contacts of closed surfaces: the regions in which two bodies overlap, and vertices below a plane.
 //!
 //! Each point of a region pushes along the region's normal, at the depth that the query says; forces act on modes through the
-//! barycentric weights of the points. Regions are those at the beginning of a part of a step ([`super::parts`]): a spring's energy is that of
-//! its point's overlap, and points of the next part are others.
+//! barycentric weights of the points. Regions are those at the beginning of a part of a step ([`super::parts`]). A spring's energy
+//! is that of its point's overlap, and the next part has other points, so that energy is not exact.
 
 use bdtree_runtime::{HalfSpace, Workspace};
 use nalgebra::Vector3;
@@ -18,13 +18,13 @@ use crate::contact_law::Spring;
 use crate::error::DynamicsError;
 use crate::field::Field;
 
-/// Of the thinner wall, what stops a body at one point.
+/// Share of the thinner wall within which one point stops a body.
 const STOP: f64 = 0.25;
 
 /// A point that two bodies may push each other at, or a body and a plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Point {
-    /// Triangles, or the vertex; then its number among those found.
+    /// Triangles, or the vertex; then what tells those of the same elements apart.
     elements: [u32; 2],
     number: u32,
     /// Of the first and of the second body.
@@ -131,8 +131,10 @@ impl World {
 
     /// The law's spring of a stiffness (N/m).
     fn spring(&self, mass: f64, stiffness: f64) -> Spring {
-        let law = &self.options.law;
-        law.spring(mass, libm::sqrt(law.stiffness * mass / stiffness))
+        Spring {
+            stiffness,
+            damping: 2.0 * self.options.law.damping_ratio * libm::sqrt(stiffness * mass),
+        }
     }
 
     /// Makes a contact stiff enough to stop what comes at it within a part of the wall. A spring that is stretched keeps its force:
@@ -140,9 +142,12 @@ impl World {
     fn stiffen(&self, contact: &mut Contact) {
         let law = &self.options.law;
         let closing = (contact.free - contact.before) / self.part_s;
+        if !(closing > 0.0 && law.stiffness > 0.0) {
+            return;
+        }
         // A mass on one spring alone gets as deep as its speed times this, over √κ.
-        let needed = libm::sqrt(law.stiffness) * STOP * contact.radius / closing.max(0.0);
-        let spring = law.spring(contact.mass, needed.min(self.options.step_s));
+        let needed_s = libm::sqrt(law.stiffness) * STOP * contact.radius / closing;
+        let spring = law.spring(contact.mass, needed_s.min(self.options.step_s));
         let old = contact.spring;
         if spring.stiffness > old.stiffness {
             let stretch = (contact.before - contact.late).max(0.0);

@@ -237,14 +237,18 @@ impl Bytes<'_> {
     fn warm(&mut self, count: u64) -> Result<Vec<Warm>, DynamicsError> {
         let mut found = Vec::new();
         for _ in 0..count {
-            found.push(Warm {
+            let warm = Warm {
                 sides: [self.side()?, self.side()?],
                 normal: self.number()?,
                 late: self.number()?,
                 stiffness: self.number()?,
                 across: self.vector()?,
                 along: self.vector()?,
-            });
+            };
+            if warm.late < 0.0 || warm.stiffness < 0.0 {
+                return Err(wrong("a contact's spring is negative"));
+            }
+            found.push(warm);
         }
         Ok(found)
     }

@@ -43,9 +43,7 @@ impl Body {
         match self.frame {
             Frame::Free => !self.rest.is_asleep,
             Frame::Held => has_modes,
-            Frame::Driven => {
-                self.swing != 0.0 || self.ripple != 0.0 || self.end.position != self.state.position
-            }
+            Frame::Driven => self.is_under_way,
         }
     }
 

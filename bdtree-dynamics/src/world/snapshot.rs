@@ -3,7 +3,8 @@
 //! Which contact spheres may touch is asked of trees at *snapshots* of bodies, with an *allowance*: how far contact spheres
 //! may get from where they are in the snapshot until a new one is needed. The answer for two bodies holds until one of them
 //! needs a new snapshot, as a list of near neighbors does in molecular dynamics (Verlet 1967). It depends on the two
-//! snapshots alone, so that a world that goes on from saved snapshots finds the same.
+//! snapshots alone, so that a world that goes on from saved snapshots finds the same. Bodies of the shape
+//! [`ContactShape::Regions`] take one in each part of a step.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -151,7 +152,8 @@ impl World {
         body.far = off * (1.0 + 1e-9) + needed;
         let is_enough = body.far <= snapshot.allowance;
         // Now and then a body that has come to rest gets a smaller one, so that lists get shorter.
-        let is_turn = (self.steps + index as u64).is_multiple_of(TURN);
+        // What sleeps keeps it, since a world that goes on does not look.
+        let is_turn = !body.rest.is_asleep && (self.steps + index as u64).is_multiple_of(TURN);
         if is_enough && !(is_turn && snapshot.allowance > MUCH * (needed + LEAST * radius)) {
             return Ok(());
         }
