@@ -120,6 +120,31 @@ fn a_free_beam_rings() {
     assert_eq!(world.state(body).expect("a state"), start);
 }
 
+/// Rates are those of q, not of the variable that the strain limit bends: near the limit they differ by a factor.
+#[test]
+fn rates_are_those_of_q() {
+    let h = 1e-7;
+    let mut world = weightless(h, ContactLaw::default());
+    let model = (world.add_model(beam(), &BodyOptions::default())).expect("a beam");
+    let body = (world.add_body(model, Frame::Free, Transform::IDENTITY)).expect("a body");
+    let ranges = beam().asset().modes().iter();
+    let q: Vec<f64> = ranges
+        .map(|mode| 0.9 * f64::from(mode.q_range.get()))
+        .collect();
+    let rate = vec![2.0; q.len()];
+    world.set_modes(body, &q, &rate).expect("below the limit");
+    let mut told = vec![0.0; q.len()];
+    world.q_rate(body, &mut told).expect("rates");
+    assert!(told.iter().all(|told| (told - 2.0).abs() < 1e-12));
+    world.step().expect("a step");
+    world.q(body, &mut told).expect("q");
+    for (before, now) in q.iter().zip(&told) {
+        let moved = (now - before) / h;
+        assert!((moved - 2.0).abs() < 0.02, "{moved}");
+    }
+    assert!(world.q_rate(body, &mut [0.0]).is_err());
+}
+
 /// A hard kick: q stays below the limit, and no step has more energy than the one before.
 #[test]
 fn the_strain_limit_holds_and_adds_no_energy() {

@@ -207,7 +207,7 @@ impl Grab {
     pub(super) fn pull(&mut self, world: &mut World) -> Result<(), DynamicsError> {
         let h = world.options().step_s;
         let now = self.point.look(world)?;
-        // Modes included, whose rates nobody tells.
+        // Of the material point, as modes move it too.
         let velocity = match self.before {
             Some(before) => (now.at - before) / h,
             None => now.velocity,
