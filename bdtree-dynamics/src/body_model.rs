@@ -12,6 +12,7 @@ use crate::limit::StrainLimit;
 use crate::mass::{MassProperties, RigidMass};
 use crate::oscillator::{Oscillator, Transition};
 use crate::surface::{Surface, thinnest_wall};
+use crate::world::SLIP;
 
 /// How modes lose energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +85,9 @@ pub struct BodyOptions {
     pub strain_limit: f64,
 }
 
+/// The step resolves modes up to this ωh: forces add to their speed as they do to that of a frame, within 8 %.
+const SLOW: f64 = 1.0;
+
 /// Of each mode's `q_range`: enough that node bounds take the mode into account, which leave out those at 0.
 const REDUNDANT_SHARE: f32 = 1e-6;
 
@@ -144,6 +148,8 @@ pub struct BodyModel {
     center: Vector3<f64>,
     axes: UnitQuaternion<f64>,
     pub(crate) modes: Vec<Mode>,
+    /// Whether the step resolves all modes.
+    pub(crate) has_slow_modes: bool,
     /// The first mode that has no frequency or modal mass: only the caller can move it.
     pub(crate) silent_mode: Option<usize>,
     pub(crate) spheres: LevelSpheres,
@@ -277,6 +283,9 @@ impl BodyModel {
             }),
             center,
             axes,
+            has_slow_modes: modes
+                .iter()
+                .all(|mode| mode.oscillator.omega_rad_s * step_s <= SLOW),
             modes,
             silent_mode,
             spheres,
@@ -298,6 +307,12 @@ impl BodyModel {
             })
             .collect();
         Ok(made)
+    }
+
+    /// Slip over displacement of modes.
+    #[inline]
+    pub(crate) fn modal_slip(&self) -> f64 {
+        if self.has_slow_modes { SLIP } else { 1.0 }
     }
 
     /// Largest distance from the center of mass at rest of what touches others.

@@ -107,6 +107,8 @@ pub(super) struct Modal {
     /// s and ṡ at the end without contacts.
     pub(super) end_s: Vec<f64>,
     pub(super) end_rate: Vec<f64>,
+    /// How fast q changes at the end without contacts, of bodies that are not driven.
+    pub(super) end_q_rate: Vec<f64>,
     /// dq/ds in the step.
     pub(super) slope: Vec<f64>,
     /// Displacement of q over force, and what contacts have moved it by.
@@ -135,7 +137,7 @@ impl Modal {
         self.start
     }
 
-    fn all(&mut self) -> [&mut Vec<f64>; 13] {
+    fn all(&mut self) -> [&mut Vec<f64>; 14] {
         [
             &mut self.s,
             &mut self.rate,
@@ -144,6 +146,7 @@ impl Modal {
             &mut self.end_q,
             &mut self.end_s,
             &mut self.end_rate,
+            &mut self.end_q_rate,
             &mut self.slope,
             &mut self.per_force,
             &mut self.moved,

@@ -53,6 +53,7 @@ use workers::{Clock, Lock, Worker};
 
 pub use body::{BodyState, Energy, Frame};
 pub use contact::ContactRecord;
+pub(crate) use contact::SLIP;
 pub use events::{Event, Events, Phase};
 
 /// Most modes of an asset (SPEC 2.1), for q in the runtime's numbers.

@@ -79,6 +79,7 @@ impl World {
             let at = body.start + j;
             let s = modal.s[at];
             (modal.rate[at], modal.end_rate[at], modal.end_s[at]) = (0.0, 0.0, s);
+            modal.end_q_rate[at] = 0.0;
             (modal.q[at], modal.end_q[at]) = (mode.limit.q(s), mode.limit.q(s));
             (modal.per_force[at], modal.moved[at]) = (0.0, 0.0);
         }
@@ -112,7 +113,9 @@ impl World {
             (modal.end_s[at], modal.end_rate[at]) = (s, rate);
             modal.q[at] = mode.limit.q(modal.s[at]);
             modal.end_q[at] = mode.limit.q(s);
-            let slope = 0.5 * (slope + mode.limit.slope(s));
+            let end_slope = mode.limit.slope(s);
+            modal.end_q_rate[at] = end_slope * rate;
+            let slope = 0.5 * (slope + end_slope);
             modal.slope[at] = slope;
             modal.per_force[at] = slope * slope * transition.q_a / mode.mass;
         }

@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use super::contact::{Contact, Side, bodies_of, slipping};
+use super::contact::{Contact, SLIP, Side, bodies_of};
 use super::find::Slot;
 use super::groups::{Cluster, Group, Motion};
 use super::{StepReport, World};
@@ -245,19 +245,18 @@ impl Solver<'_> {
     }
 
     fn visit(&self, clusters: &mut Clusters<'_>, contact: &mut Contact, fields: &[f64]) {
-        let (mut rigid, mut modes) = self.displacement(clusters, contact, fields, 0);
+        let (mut way, mut slip) = self.displacement(clusters, contact, fields, 0);
         if !contact.is_with_plane() {
             let other = self.displacement(clusters, contact, fields, 1);
-            rigid -= other.0;
-            modes -= other.1;
+            way -= other.0;
+            slip -= other.1;
         }
         let [before, s, t] = contact.force;
-        let moved = contact.normal.dot(&(rigid + modes));
+        let moved = contact.normal.dot(&way);
         let free = contact.free - moved + contact.response * before;
         let (start, end) = (contact.before - contact.late, free - contact.late);
         let normal = (contact.spring).force(start, end, contact.response, self.step_s);
         contact.after = free - contact.response * normal;
-        let slip = slipping(rigid, modes);
         let change = normal - before;
         let [along, other] = &contact.across;
         let x = contact.slip[0] + along.dot(&slip) + contact.leak[0] * change;
@@ -284,7 +283,7 @@ impl Solver<'_> {
         self.push(clusters, contact, fields, by);
     }
 
-    /// How forces have moved a side's point so far: by rigid motion and by modes.
+    /// How forces have moved a side's point so far, and its slip.
     fn displacement(
         &self,
         clusters: &mut Clusters<'_>,
@@ -297,10 +296,12 @@ impl Solver<'_> {
         let field = self.field(motion, contact, fields, side);
         let stride = field.stride();
         if stride == 0 {
-            return (rigid, Vector3::zeros());
+            return (rigid, rigid * SLIP);
         }
         let own = field.displacement(&moved[motion.start..motion.start + stride]);
-        (rigid, motion.rotation * own)
+        let modes = motion.rotation * own;
+        let share = self.models[motion.model].modal_slip();
+        (rigid + modes, rigid * SLIP + modes * share)
     }
 
     /// Adds a force on the first side, and its opposite on the second.
