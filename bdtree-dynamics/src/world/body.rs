@@ -78,7 +78,8 @@ pub(super) struct Body {
     pub(super) is_under_way: bool,
     /// Half of how its center moves in the step without contacts.
     pub(super) way: Vector3<f64>,
-    /// What turning moves any contact sphere by from the middle of the step to either end, and what modes do.
+    /// What turning moves any contact sphere by from the middle of the step to either end, and what modes do if contacts move them as
+    /// in the step before.
     pub(super) swing: f64,
     pub(super) ripple: f64,
     /// How far contact spheres may be from the snapshot within the step.
@@ -118,7 +119,7 @@ pub(super) struct Modal {
     pub(super) goal: Vec<f64>,
     /// q of snapshots.
     pub(super) snapshot_q: Vec<f64>,
-    /// Half of what the step changes q by without contacts; then how far q is from its snapshot.
+    /// Half of what the step is expected to change q by; then how far q is from its snapshot.
     pub(super) change: Vec<f64>,
     start: usize,
 }

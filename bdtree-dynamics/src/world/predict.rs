@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::body::Frame;
 use super::{World, half_way};
+use crate::body_model::ContactShape;
 use crate::error::DynamicsError;
 
 impl World {
@@ -98,12 +99,19 @@ impl World {
         };
         for (j, mode) in model.modes.iter().enumerate() {
             let at = body.start + j;
+            // Without contacts, what is bent would spring back within one step.
+            let held = if model.contact == ContactShape::Regions {
+                0.0
+            } else {
+                modal.moved[at]
+            };
             modal.moved[at] = 0.0;
             let force = modal.force[at] + mode.momentum.dot(&gravity);
             if body.frame == Frame::Driven {
                 modal.q[at] = mode.limit.q(modal.s[at]);
                 modal.end_q[at] = mode.limit.q(modal.end_s[at]);
                 (modal.slope[at], modal.per_force[at]) = (1.0, 0.0);
+                modal.change[at] = 0.5 * (modal.end_q[at] - modal.q[at]);
                 continue;
             }
             let slope = mode.limit.slope(modal.s[at]);
@@ -113,6 +121,7 @@ impl World {
             (modal.end_s[at], modal.end_rate[at]) = (s, rate);
             modal.q[at] = mode.limit.q(modal.s[at]);
             modal.end_q[at] = mode.limit.q(s);
+            modal.change[at] = 0.5 * (modal.end_q[at] + held - modal.q[at]);
             let end_slope = mode.limit.slope(s);
             modal.end_q_rate[at] = end_slope * rate;
             let slope = 0.5 * (slope + end_slope);

@@ -18,7 +18,7 @@ use crate::error::DynamicsError;
 use crate::frame::FrameState;
 
 const MAGIC: [u8; 8] = *b"BDTWORLD";
-const VERSION: u64 = 3;
+const VERSION: u64 = 4;
 
 impl World {
     /// Appends the whole state to `out`.
@@ -67,6 +67,7 @@ impl World {
             &self.modal.force,
             &self.modal.end_s,
             &self.modal.snapshot_q,
+            &self.modal.moved,
         ] {
             put(out, all.iter());
         }
@@ -97,7 +98,7 @@ impl World {
             return Err(wrong("it does not begin with BDTWORLD"));
         }
         if from.count()? != VERSION {
-            return Err(wrong("its version is not 3"));
+            return Err(wrong("its version is not 4"));
         }
         if from.count()? != self.bodies.len() as u64 {
             return Err(wrong("it has another number of bodies"));
@@ -125,6 +126,7 @@ impl World {
             &mut modal.force,
             &mut modal.end_s,
             &mut modal.snapshot_q,
+            &mut modal.moved,
         ] {
             for value in all {
                 *value = from.number()?;

@@ -97,11 +97,11 @@ impl World {
         let spheres = &model.spheres;
         let own = body.start..body.start + spheres.stride();
         let modal = &mut self.modal;
-        let (q, end) = (&modal.q[own.clone()], &modal.end_q[own.clone()]);
+        let q = &modal.q[own.clone()];
         let (change, kept) = (&mut modal.change[own.clone()], &mut modal.snapshot_q[own]);
         let mut size = 0.0;
-        for (change, (q, end)) in change.iter_mut().zip(q.iter().zip(end)) {
-            *change = 0.5 * (end - q);
+        for (change, q) in change.iter().zip(q) {
+            let end = q + 2.0 * change;
             size += f64::max(q * q, end * end);
         }
         let mut size = libm::sqrt(size);
@@ -139,8 +139,8 @@ impl World {
         // Farther from the snapshot than the allowance?
         let snapshot = &mut body.snapshot;
         let mut kept_size = 0.0;
-        for (change, ((q, end), kept)) in change.iter_mut().zip(q.iter().zip(end).zip(&*kept)) {
-            *change = 0.5 * (end + q) - kept;
+        for (change, (q, kept)) in change.iter_mut().zip(q.iter().zip(&*kept)) {
+            *change += q - kept;
             kept_size += kept * kept;
         }
         size = size.max(libm::sqrt(kept_size));
@@ -157,18 +157,13 @@ impl World {
         if is_enough && !(is_turn && snapshot.allowance > MUCH * (needed + LEAST * radius)) {
             return Ok(());
         }
-        // As it moves, not as it would without contacts: those that hold a body down hold its modes, too.
-        let per_step = if body.frame == Frame::Driven {
-            2.0 * (falls + waves)
-        } else {
-            let h = self.part_s;
-            let (rate, slope) = (&modal.rate[body.start..], &modal.slope[body.start..]);
-            for (change, (rate, slope)) in change.iter_mut().zip(rate.iter().zip(slope)) {
-                *change = h * rate * slope;
-            }
-            h * (body.state.velocity.norm() + body.spin.norm() * extent)
-                + model.moved(change, LITTLE * radius / STEPS)
-        };
+        // As it moves, not as it would without contacts that hold it.
+        let per_step = 2.0 * waves
+            + if body.frame == Frame::Driven {
+                2.0 * falls
+            } else {
+                self.part_s * (body.state.velocity.norm() + body.spin.norm() * extent)
+            };
         let margin = if FEW_STEPS * per_step > MOST * radius {
             0.0
         } else {
@@ -185,8 +180,8 @@ impl World {
             is_brief: margin == 0.0,
             is_new: true,
         };
-        for (kept, (q, end)) in kept.iter_mut().zip(q.iter().zip(end)) {
-            *kept = 0.5 * (q + end);
+        for (kept, change) in kept.iter_mut().zip(change) {
+            *kept += *change;
         }
         self.pose_at_snapshot(index)
     }
