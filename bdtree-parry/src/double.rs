@@ -1,0 +1,30 @@
+//! Shapes of `parry3d-f64` and bodies of `rapier3d-f64`: what the crate has for f32, in f64.
+
+use parry3d_f64 as parry;
+#[cfg(feature = "rapier-f64")]
+use rapier3d_f64 as rapier;
+
+#[path = "casts.rs"]
+mod casts;
+#[path = "composite.rs"]
+mod composite;
+#[path = "dispatcher.rs"]
+mod dispatcher;
+#[path = "manifolds.rs"]
+mod manifolds;
+#[path = "mass.rs"]
+mod mass;
+#[path = "near.rs"]
+mod near;
+#[cfg(feature = "rapier-f64")]
+#[path = "rapier.rs"]
+mod physics;
+#[path = "points.rs"]
+mod points;
+#[path = "shape.rs"]
+mod shape;
+#[path = "triangles.rs"]
+mod triangles;
+
+pub use dispatcher::MeshDispatcher;
+pub use shape::DeformingMesh;

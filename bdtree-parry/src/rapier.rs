@@ -1,0 +1,1 @@
+//! Bodies of rapier whose contacts move q.

@@ -1,0 +1,30 @@
+//! Shapes of `parry3d` and bodies of `rapier3d`, in f32.
+
+use parry3d as parry;
+#[cfg(feature = "rapier")]
+use rapier3d as rapier;
+
+#[path = "casts.rs"]
+mod casts;
+#[path = "composite.rs"]
+mod composite;
+#[path = "dispatcher.rs"]
+mod dispatcher;
+#[path = "manifolds.rs"]
+mod manifolds;
+#[path = "mass.rs"]
+mod mass;
+#[path = "near.rs"]
+mod near;
+#[cfg(feature = "rapier")]
+#[path = "rapier.rs"]
+mod physics;
+#[path = "points.rs"]
+mod points;
+#[path = "shape.rs"]
+mod shape;
+#[path = "triangles.rs"]
+mod triangles;
+
+pub use dispatcher::MeshDispatcher;
+pub use shape::DeformingMesh;
