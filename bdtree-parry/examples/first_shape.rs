@@ -16,10 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         q[0] = 0.1 * step as f32;
         let mesh = DeformingMesh::new(&model, &q)?;
         let apart = MeshDispatcher::new().distance(&place, &mesh, &ball)?;
-        println!(
-            "{:.4} from triangle {}",
-            apart.distance, apart.subshape1
-        );
+        println!("{:.4} from triangle {}", apart.distance, apart.subshape1);
     }
     Ok(())
 }

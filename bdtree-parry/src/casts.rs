@@ -79,7 +79,8 @@ fn all_convex_pairs(
     visit: &mut dyn FnMut(&PartPair<'_>, &ConvexPair<'_>),
 ) {
     let is_first = pair.one.mesh().is_some();
-    let own = |mesh: &DeformingMesh, other: &dyn Shape, pos: &Pose| reach(mesh, other, pos, is_first);
+    let own =
+        |mesh: &DeformingMesh, other: &dyn Shape, pos: &Pose| reach(mesh, other, pos, is_first);
     convex_pairs(pair, &own, false, &mut |convex| {
         if pair.two.mesh().is_none() || !is_first {
             visit(pair, convex);
@@ -88,7 +89,8 @@ fn all_convex_pairs(
         // A triangle of the first mesh with the second mesh.
         let mut single = *pair;
         single.one.shape = convex.shape1;
-        let others = |mesh: &DeformingMesh, other: &dyn Shape, pos: &Pose| reach(mesh, other, pos, false);
+        let others =
+            |mesh: &DeformingMesh, other: &dyn Shape, pos: &Pose| reach(mesh, other, pos, false);
         convex_pairs(&single, &others, false, &mut |inner| {
             visit(
                 &single,
@@ -150,10 +152,16 @@ impl<D: QueryDispatcher> MeshDispatcher<D> {
                     ..options
                 };
                 let (a, b) = (convex.shape1, convex.shape2);
-                let found = self.inner.cast_shapes(&pair.pos12, own_velocity, a, b, options);
+                let found = self
+                    .inner
+                    .cast_shapes(&pair.pos12, own_velocity, a, b, options);
                 first.take(pair, convex, found);
             });
-            if first.failed { Break(()) } else { Continue(()) }
+            if first.failed {
+                Break(())
+            } else {
+                Continue(())
+            }
         });
         first.answer()
     }
@@ -193,7 +201,11 @@ impl<D: QueryDispatcher> MeshDispatcher<D> {
                 );
                 first.take(pair, convex, found);
             });
-            if first.failed { Break(()) } else { Continue(()) }
+            if first.failed {
+                Break(())
+            } else {
+                Continue(())
+            }
         });
         first.answer()
     }

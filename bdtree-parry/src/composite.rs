@@ -108,7 +108,11 @@ pub(super) fn part_pairs(
 fn swept(aabb: Aabb, near: Nearness) -> Aabb {
     let moved = Aabb::new(aabb.mins + near.sweep, aabb.maxs + near.sweep);
     let all = aabb.merged(&moved);
-    let size = all.mins.abs().max_element().max(all.maxs.abs().max_element());
+    let size = all
+        .mins
+        .abs()
+        .max_element()
+        .max(all.maxs.abs().max_element());
     let largest = Real::MAX / 16.0;
     let margin = (near.distance + 64.0 * Real::EPSILON * size).min(largest);
     all.loosened(margin)

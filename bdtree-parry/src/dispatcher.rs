@@ -77,7 +77,11 @@ fn upper_bound(pos12: &Pose, shape1: &dyn Shape, shape2: &dyn Shape) -> Real {
     }
     // Rounded up; NaN of what is no shape is no bound.
     let rounded = best * (1.0 + 64.0 * Real::EPSILON) + Real::MIN_POSITIVE;
-    if rounded.is_nan() { Real::INFINITY } else { rounded }
+    if rounded.is_nan() {
+        Real::INFINITY
+    } else {
+        rounded
+    }
 }
 
 /// A contact of two parts, of the whole shapes.
@@ -89,6 +93,33 @@ fn whole_contact(pair: &PartPair<'_>, contact: Contact) -> Contact {
         normal2: pair.two.pose.rotation * contact.normal2,
         ..contact
     }
+}
+
+/// The contact of a half-space and a shape with a support map, if it is one: with the shape first, parry 0.31 takes the pose
+/// for its inverse.
+fn plane_contact(
+    pos12: &Pose,
+    shape1: &dyn Shape,
+    shape2: &dyn Shape,
+    prediction: Real,
+) -> Option<Option<Contact>> {
+    if let (Some(plane), Some(shape)) = (shape1.as_halfspace(), shape2.as_support_map()) {
+        let normal2 = pos12.rotation.inverse() * -plane.normal;
+        let point2 = shape.local_support_point(normal2);
+        let deepest = pos12 * point2;
+        let dist = deepest.dot(plane.normal);
+        let point1 = deepest - plane.normal * dist;
+        let found = Contact::new(point1, point2, plane.normal, normal2, dist);
+        return Some((dist <= prediction).then_some(found));
+    }
+    if shape2.as_halfspace().is_some() {
+        let found = plane_contact(&pos12.inverse(), shape2, shape1, prediction)?;
+        return Some(found.map(|mut found| {
+            found.flip();
+            found
+        }));
+    }
+    None
 }
 
 impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
@@ -138,7 +169,13 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
                 _ => Break(()),
             }
         });
-        answer.map(|found| if found.intersecting { found } else { ShapeIntersection::new(false) })
+        answer.map(|found| {
+            if found.intersecting {
+                found
+            } else {
+                ShapeIntersection::new(false)
+            }
+        })
     }
 
     fn distance(
@@ -207,7 +244,11 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
         let near = Nearness::within(prediction);
         part_pairs(pos12, shape1, shape2, near, &mut |pair| {
             let mut ask = |a: &dyn Shape, b: &dyn Shape, ids: (u32, u32)| {
-                match self.inner.contact(&pair.pos12, a, b, prediction) {
+                let found = match plane_contact(&pair.pos12, a, b, prediction) {
+                    Some(found) => Ok(found),
+                    None => self.inner.contact(&pair.pos12, a, b, prediction),
+                };
+                match found {
                     Ok(Some(found)) if best.is_none_or(|best| found.dist < best.dist) => {
                         best = Some(whole_contact(pair, found.with_subshapes(ids.0, ids.1)));
                     }
@@ -224,7 +265,11 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
                     query.triangle_pairs(limit(within), &mut ids)
                 });
                 ids.sort_unstable();
-                for TrianglePair { triangle1, triangle2 } in ids {
+                for TrianglePair {
+                    triangle1,
+                    triangle2,
+                } in ids
+                {
                     let shapes = (both.0.triangle(triangle1.0), both.1.triangle(triangle2.0));
                     let (Some(a), Some(b)) = shapes else {
                         continue;
@@ -281,7 +326,9 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
                 best
             };
             if let Some(both) = meshes(&pair.one, &pair.two) {
-                let found = ask_pair(both, &pair.pos12, |query| query.closest_points(limit(max_dist)));
+                let found = ask_pair(both, &pair.pos12, |query| {
+                    query.closest_points(limit(max_dist))
+                });
                 if let Some(Some(found)) = found {
                     let point2 = pair.pos12.inverse_transform_point(narrow(found.point2));
                     take(if found.distance == 0.0 {
@@ -361,6 +408,12 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
                 stop_at_penetration,
             );
         }
-        self.cast_nonlinear([motion1, motion2], shape1, shape2, times, stop_at_penetration)
+        self.cast_nonlinear(
+            [motion1, motion2],
+            shape1,
+            shape2,
+            times,
+            stop_at_penetration,
+        )
     }
 }

@@ -27,4 +27,6 @@ mod shape;
 mod triangles;
 
 pub use dispatcher::MeshDispatcher;
+#[cfg(feature = "rapier-f64")]
+pub use physics::{FlexibleBodies, FlexibleOptions};
 pub use shape::DeformingMesh;

@@ -77,9 +77,9 @@ where
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
         if !holds_mesh(shape1) && !holds_mesh(shape2) {
-            return self.inner.contact_manifolds(
-                pos12, shape1, shape2, prediction, manifolds, workspace,
-            );
+            return self
+                .inner
+                .contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
         }
         let mut points = Vec::new();
         let mut failed = false;
@@ -113,7 +113,10 @@ where
             manifolds.clear();
             return Err(Unsupported);
         }
-        if workspace.as_ref().is_none_or(|is| is.0.downcast_ref::<Grouped>().is_none()) {
+        if workspace
+            .as_ref()
+            .is_none_or(|is| is.0.downcast_ref::<Grouped>().is_none())
+        {
             *workspace = Some(Grouped.into());
         }
         replace(manifolds, grouped(points), prediction);
@@ -154,15 +157,29 @@ fn collect<M, C>(
         (Some(mesh), Some(triangle)) => mesh_feature(mesh, triangle, fid),
         _ => part_feature(subshape, fid),
     };
-    for point in manifold.points.iter().filter(|point| point.dist <= prediction) {
+    for point in manifold
+        .points
+        .iter()
+        .filter(|point| point.dist <= prediction)
+    {
         out.push(Point {
             normal1: pair.one.pose.rotation * manifold.local_n1,
             normal2: pair.two.pose.rotation * manifold.local_n2,
             local_p1: pair.one.pose * point.local_p1,
             local_p2: pair.two.pose * point.local_p2,
             dist: point.dist,
-            fid1: id(point.fid1, pair.one.mesh(), convex.triangle1, convex.subshape1),
-            fid2: id(point.fid2, pair.two.mesh(), convex.triangle2, convex.subshape2),
+            fid1: id(
+                point.fid1,
+                pair.one.mesh(),
+                convex.triangle1,
+                convex.subshape1,
+            ),
+            fid2: id(
+                point.fid2,
+                pair.two.mesh(),
+                convex.triangle2,
+                convex.subshape2,
+            ),
             subshape1: convex.subshape1,
             subshape2: convex.subshape2,
         });
@@ -257,7 +274,12 @@ fn replace<M: Default + Clone, C: Default + Copy>(
     let mut old = std::mem::take(manifolds);
     let old_points: Vec<(Vector, TrackedContact<C>)> = old
         .iter()
-        .flat_map(|manifold| manifold.points.iter().map(|point| (manifold.local_n1, *point)))
+        .flat_map(|manifold| {
+            manifold
+                .points
+                .iter()
+                .map(|point| (manifold.local_n1, *point))
+        })
         .collect();
     let mut used = vec![false; old_points.len()];
     for group in groups {
@@ -320,11 +342,7 @@ fn matching<C>(
 
 /// Up to four points of a group: the deepest, the one farthest from it, and the farthest on either side of the line between
 /// them. Points of the last step come before slightly better ones, so that resting contacts keep theirs.
-fn chosen<C>(
-    group: &Group,
-    old: &[(Vector, TrackedContact<C>)],
-    prediction: Real,
-) -> Vec<Point> {
+fn chosen<C>(group: &Group, old: &[(Vector, TrackedContact<C>)], prediction: Real) -> Vec<Point> {
     if group.points.len() <= POINTS {
         return group.points.clone();
     }
@@ -345,7 +363,14 @@ fn chosen<C>(
         (0..points.len())
             .map(|k| {
                 let score = score(&points[k]);
-                (k, if score > 0.0 { score * lasting[k] } else { score })
+                (
+                    k,
+                    if score > 0.0 {
+                        score * lasting[k]
+                    } else {
+                        score
+                    },
+                )
             })
             .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
             .filter(|(_, score)| *score > 0.0)

@@ -34,7 +34,12 @@ pub(super) fn transform(pose: &Pose, scale: f64) -> Transform {
 /// The box of a shape in its own frame; `None` for one without bounds.
 pub(super) fn bounds(shape: &dyn Shape) -> Option<Aabb> {
     let aabb = shape.compute_local_aabb();
-    let is_bounded = aabb.mins.abs().max_element().max(aabb.maxs.abs().max_element()) < FAR;
+    let is_bounded = aabb
+        .mins
+        .abs()
+        .max_element()
+        .max(aabb.maxs.abs().max_element())
+        < FAR;
     is_bounded.then_some(aabb)
 }
 
@@ -53,6 +58,9 @@ impl DeformingMesh {
             let base = wide(pos.translation);
             let offset: f64 = (0..3).map(|k| normal[k] * base[k]).sum();
             let margin = self.margin(pos.translation.abs().max_element());
+            if !(distance < FAR) {
+                return Reach::Everywhere;
+            }
             let reach = f64::from(distance) + f64::from(margin);
             return within(HalfSpace::new(normal, offset + reach));
         }
@@ -94,21 +102,25 @@ impl DeformingMesh {
         if !(reach < FAR && sweep.length() < FAR) {
             return Reach::Everywhere;
         }
-        within(Capsule::new(wide(start), wide(start + sweep), f64::from(reach)))
+        within(Capsule::new(
+            wide(start),
+            wide(start + sweep),
+            f64::from(reach),
+        ))
     }
 
-    /// The triangles that lie there at least in part, by their ids; those of a damaged file, or of a place that is none, are
-    /// not there.
+    /// The triangles that lie there at least in part, by their ids; all where the place is none that can be asked for.
     pub(super) fn triangles_in(&self, reach: &Reach) -> Vec<u32> {
+        let all = || (0..self.triangle_count()).collect();
         let region = match reach {
-            Reach::Everywhere => return (0..self.triangle_count()).collect(),
+            Reach::Everywhere => return all(),
             Reach::Within(region) => *region,
         };
         let pose = self.pose();
         let mut found: Vec<Contact> = Vec::new();
         let walked = with_workspace(|workspace| pose.query(workspace).contacts(region, &mut found));
         if walked.is_err() {
-            return Vec::new();
+            return all();
         }
         let mut ids: Vec<u32> = found.iter().map(|contact| contact.triangle.0).collect();
         ids.sort_unstable();

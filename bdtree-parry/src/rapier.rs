@@ -1,1 +1,473 @@
 //! Bodies of rapier whose contacts move q.
+//!
+//! rapier moves the frames. After each of its steps the impulses of its contacts push the modes: `Uᵀ f` at the point of
+//! contact, through the weights of the triangle's corners, is the force on q, and each mode is an oscillator that is
+//! integrated exactly. The collider then gets the mesh at the new q.
+//!
+//! rapier finds contact forces for rigid bodies: it does not know that a mode gives way. So that a contact cannot bring
+//! more energy into modes than it took from the motion of frames, each body has a store: what contacts of rapier destroy is
+//! paid in, what modes take is paid from it, and forces on modes are scaled down where it does not suffice.
+
+use std::collections::HashMap;
+
+use bdtree_dynamics::{Damping, Oscillator, StrainLimit, Transition};
+
+use super::parry::math::{Pose, Real, Vector};
+use super::parry::shape::SharedShape;
+use super::points::{wide, with_workspace};
+use super::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
+use super::rapier::geometry::{
+    ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, NarrowPhase,
+};
+use super::rapier::pipeline::PhysicsWorld;
+use super::shape::DeformingMesh;
+use crate::error::ShapeError;
+use crate::model::DeformingModel;
+
+/// Seconds after which half of what a body has stored is forgotten.
+const STORE_HALF_LIFE_S: f64 = 0.25;
+
+/// How a body deforms.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlexibleOptions {
+    /// Whether contacts move q; default true. Without, q stays what it is.
+    pub is_deformable: bool,
+    /// Default a ratio of 0.1 for every mode.
+    pub damping: Damping,
+    /// Limit of q in multiples of each mode's `q_range`; never above `q_limit`. Default 1.
+    pub strain_limit: f64,
+    /// The collider gets the mesh at the new q once a vertex may have moved by this since the last time, world units. Smaller
+    /// changes let rapier go on with the contacts that it has. Default 1e-4 of the body's size.
+    pub tolerance: Option<f64>,
+    /// Of the collider; default 0.5.
+    pub friction: Real,
+}
+
+impl Default for FlexibleOptions {
+    fn default() -> Self {
+        Self {
+            is_deformable: true,
+            damping: Damping::Ratio(0.1),
+            strain_limit: 1.0,
+            tolerance: None,
+            friction: 0.5,
+        }
+    }
+}
+
+/// One mode of a body.
+#[derive(Debug, Clone)]
+struct Mode {
+    oscillator: Oscillator,
+    /// Of the last step's length.
+    transition: Transition,
+    /// kg for q in mesh units.
+    mass: f64,
+    limit: StrainLimit,
+    /// How far q = 1 moves the farthest vertex, world units.
+    reach: f64,
+}
+
+#[derive(Debug, Clone)]
+struct Body {
+    frame: RigidBodyHandle,
+    /// At the q that the collider has.
+    mesh: DeformingMesh,
+    modes: Vec<Mode>,
+    /// s and its rate of each mode: q = limit(s).
+    state: Vec<[f64; 2]>,
+    /// `Uᵀ f` of the step.
+    force: Vec<f64>,
+    tolerance: f64,
+    /// Joules that contacts have destroyed and modes have not taken.
+    store: f64,
+}
+
+/// Velocities of a frame before the step.
+#[derive(Debug, Clone, Copy, Default)]
+struct Velocity {
+    linear: Vector,
+    angular: Vector,
+    /// Center of mass.
+    center: Vector,
+}
+
+impl Velocity {
+    fn of(body: &RigidBody) -> Self {
+        Self {
+            linear: body.linvel(),
+            angular: body.angvel(),
+            center: body.center_of_mass(),
+        }
+    }
+
+    fn at(&self, point: Vector) -> Vector {
+        self.linear + self.angular.cross(point - self.center)
+    }
+}
+
+/// All bodies of a world that deform. Worlds need a [`MeshDispatcher`](super::MeshDispatcher) in their narrow phase.
+#[derive(Debug, Clone, Default)]
+pub struct FlexibleBodies {
+    bodies: HashMap<ColliderHandle, Body>,
+    before: HashMap<RigidBodyHandle, Velocity>,
+    step_s: f64,
+}
+
+impl FlexibleBodies {
+    /// No bodies.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a body: a frame, and a collider that is the model at rest with the mass of its bake.
+    ///
+    /// # Errors
+    /// A damaged asset; modes without frequencies or modal masses, and a mesh without mass, of a body that shall deform.
+    pub fn insert(
+        &mut self,
+        model: &DeformingModel,
+        options: &FlexibleOptions,
+        frame: impl Into<RigidBody>,
+        frames: &mut RigidBodySet,
+        colliders: &mut ColliderSet,
+    ) -> Result<(RigidBodyHandle, ColliderHandle), ShapeError> {
+        let mesh = DeformingMesh::at_rest(model)?;
+        let modes = if options.is_deformable {
+            modes(model, options)?
+        } else {
+            Vec::new()
+        };
+        let collider = ColliderBuilder::new(SharedShape::new(mesh.clone()));
+        let collider = match mesh.baked_mass_properties() {
+            Some(mass) => collider.mass_properties(mass),
+            None => collider,
+        };
+        let frame = frames.insert(frame);
+        let collider = collider.friction(options.friction);
+        let handle = colliders.insert_with_parent(collider, frame, frames);
+        let size = f64::from(mesh.sphere().radius);
+        let body = Body {
+            frame,
+            state: vec![[0.0; 2]; modes.len()],
+            force: vec![0.0; mesh.q().len()],
+            tolerance: options.tolerance.unwrap_or(1e-4 * size),
+            modes,
+            mesh,
+            store: 0.0,
+        };
+        self.bodies.insert(handle, body);
+        Ok((frame, handle))
+    }
+
+    /// Forgets a body; rapier's frame and collider stay.
+    pub fn remove(&mut self, collider: ColliderHandle) -> bool {
+        self.bodies.remove(&collider).is_some()
+    }
+
+    /// One step of a world and of all modes.
+    ///
+    /// # Errors
+    /// Those of [`FlexibleBodies::after_step`].
+    pub fn step(&mut self, world: &mut PhysicsWorld) -> Result<(), ShapeError> {
+        let step_s = world.integration_parameters.dt;
+        self.before_step(&world.bodies, world.gravity * step_s);
+        world.step();
+        self.after_step(
+            &world.narrow_phase,
+            &world.bodies,
+            &mut world.colliders,
+            step_s,
+        )
+    }
+
+    /// Call before rapier's step, for programs that run its pipeline themselves: remembers velocities. `falls` is what gravity
+    /// adds to them in the step.
+    pub fn before_step(&mut self, frames: &RigidBodySet, falls: Vector) {
+        self.before.clear();
+        for (handle, frame) in frames.iter() {
+            let mut velocity = Velocity::of(frame);
+            if frame.is_dynamic() {
+                velocity.linear += falls * frame.gravity_scale();
+            }
+            self.before.insert(handle, velocity);
+        }
+    }
+
+    /// Call after rapier's step of `step_s` seconds: contacts push modes, and colliders get the meshes at the new q. Bodies
+    /// that sleep stay as they are.
+    ///
+    /// # Errors
+    /// A step that is not positive; a damaged asset.
+    pub fn after_step(
+        &mut self,
+        contacts: &NarrowPhase,
+        frames: &RigidBodySet,
+        colliders: &mut ColliderSet,
+        step_s: Real,
+    ) -> Result<(), ShapeError> {
+        let step_s = f64::from(step_s);
+        let is_new_step = step_s != self.step_s;
+        self.step_s = step_s;
+        for body in self.bodies.values_mut() {
+            body.force.fill(0.0);
+            if is_new_step {
+                for mode in &mut body.modes {
+                    mode.transition = transition(&mode.oscillator, step_s)?;
+                }
+            }
+        }
+        for pair in contacts.contact_pairs() {
+            self.push(pair, frames, colliders, step_s)?;
+        }
+        let forgets = 0.5_f64.powf(step_s / STORE_HALF_LIFE_S);
+        for (handle, body) in &mut self.bodies {
+            body.store *= forgets;
+            let is_asleep = frames.get(body.frame).is_none_or(RigidBody::is_sleeping);
+            if is_asleep || body.modes.is_empty() {
+                continue;
+            }
+            body.advance();
+            if let Some(mesh) = body.deformed()? {
+                let Some(collider) = colliders.get_mut(*handle) else {
+                    continue;
+                };
+                collider.set_shape(SharedShape::new(mesh.clone()));
+                body.mesh = mesh;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the contacts of a pair do to the modes of both, and the energy that they have destroyed.
+    fn push(
+        &mut self,
+        pair: &ContactPair,
+        frames: &RigidBodySet,
+        colliders: &ColliderSet,
+        step_s: f64,
+    ) -> Result<(), ShapeError> {
+        let sides = [pair.collider1, pair.collider2];
+        if !sides.iter().any(|side| self.bodies.contains_key(side)) {
+            return Ok(());
+        }
+        let [Some(one), Some(two)] = sides.map(|side| colliders.get(side)) else {
+            return Ok(());
+        };
+        let velocities = [one, two].map(|collider| {
+            let handle = collider.parent();
+            let now = handle
+                .and_then(|handle| frames.get(handle))
+                .map(Velocity::of);
+            let before = handle.and_then(|handle| self.before.get(&handle).copied());
+            [before.unwrap_or_default(), now.unwrap_or_default()]
+        });
+        let mut lost = 0.0;
+        for manifold in pair.solver_manifolds() {
+            for point in &manifold.points {
+                let data = &point.data;
+                if data.impulse == 0.0 {
+                    continue;
+                }
+                // On the second body; rapier's friction is that on the first.
+                let rubs = data.warmstart_tangent_world.normalize_or_zero();
+                let size = data.tangent_impulse.norm();
+                let impulse = manifold.data.normal * data.impulse - rubs * size;
+                let own_points = [
+                    whole(manifold.subshape_pos1()) * point.local_p1,
+                    whole(manifold.subshape_pos2()) * point.local_p2,
+                ];
+                let at = *one.position() * own_points[0];
+                // Half of the speed of approach before and after.
+                let apart = |k: usize| velocities[1][k].at(at) - velocities[0][k].at(at);
+                lost -= 0.5 * f64::from(impulse.dot(apart(0) + apart(1)));
+                for (side, collider, sign) in [(0, one, -1.0), (1, two, 1.0)] {
+                    let Some(body) = self.bodies.get_mut(&sides[side]) else {
+                        continue;
+                    };
+                    let own = collider.position().rotation.inverse() * impulse * sign;
+                    body.pushed(own_points[side], wide(own).map(|x| x / step_s))?;
+                }
+            }
+        }
+        let flexible: Vec<_> = sides
+            .into_iter()
+            .filter(|side| self.bodies.contains_key(side))
+            .collect();
+        for side in &flexible {
+            if let Some(body) = self.bodies.get_mut(side) {
+                body.store += lost.max(0.0) / flexible.len() as f64;
+            }
+        }
+        Ok(())
+    }
+
+    /// The mesh that the collider has.
+    pub fn mesh(&self, collider: ColliderHandle) -> Option<&DeformingMesh> {
+        self.bodies.get(&collider).map(|body| &body.mesh)
+    }
+
+    /// q of a body, one number per mode, up to date within its tolerance or nearer.
+    pub fn q(&self, collider: ColliderHandle) -> Option<Vec<f32>> {
+        self.bodies.get(&collider).map(Body::q)
+    }
+
+    /// Deforms a body: amplitudes and rates (1/s) of its modes. The collider gets them with the next step.
+    ///
+    /// # Errors
+    /// Another number of modes than the body has, numbers that are not finite or at the strain limit.
+    pub fn set_modes(
+        &mut self,
+        collider: ColliderHandle,
+        amplitudes: &[f64],
+        rates: &[f64],
+    ) -> Result<(), ShapeError> {
+        let refused =
+            || ShapeError::Dynamics("modes: not one finite number below the limit each".into());
+        let body = self.bodies.get_mut(&collider).ok_or_else(refused)?;
+        if amplitudes.len() != body.modes.len() || rates.len() != body.modes.len() {
+            return Err(refused());
+        }
+        let mut state = Vec::with_capacity(body.modes.len());
+        for ((mode, q), rate) in body.modes.iter().zip(amplitudes).zip(rates) {
+            let s = mode
+                .limit
+                .s(*q)
+                .filter(|s| s.is_finite())
+                .ok_or_else(refused)?;
+            if !rate.is_finite() {
+                return Err(refused());
+            }
+            state.push([s, rate / mode.limit.slope(s)]);
+        }
+        body.state = state;
+        Ok(())
+    }
+
+    /// Energy of a body's modes, joules where a world unit is a meter.
+    pub fn modal_energy(&self, collider: ColliderHandle) -> Option<f64> {
+        self.bodies.get(&collider).map(Body::energy)
+    }
+
+    /// Kinetic energy of a body's modes.
+    pub fn modal_kinetic_energy(&self, collider: ColliderHandle) -> Option<f64> {
+        let body = self.bodies.get(&collider)?;
+        let each = body.modes.iter().zip(&body.state);
+        Some(
+            each.map(|(mode, state)| 0.5 * mode.mass * state[1] * state[1])
+                .sum(),
+        )
+    }
+}
+
+impl Body {
+    /// Adds `Uᵀ f` of a force (N, the mesh's frame) near a point of the surface.
+    fn pushed(&mut self, point: Vector, force: [f64; 3]) -> Result<(), ShapeError> {
+        if self.modes.is_empty() {
+            return Ok(());
+        }
+        let pose = self.mesh.pose();
+        let found = with_workspace(|workspace| {
+            pose.query(workspace)
+                .project_point(wide(point), f64::INFINITY)
+        })?;
+        if let Some(found) = found {
+            pose.add_generalized_force(found.triangle, found.barycentric, force, &mut self.force)?;
+        }
+        Ok(())
+    }
+
+    /// One step of all modes under the force, scaled down so that it brings no more energy than the store has.
+    fn advance(&mut self) {
+        // Work of the force times x is x (free + x forced).
+        let (mut free, mut forced) = (0.0, 0.0);
+        for ((mode, state), force) in self.modes.iter().zip(&self.state).zip(&self.force) {
+            let force = force * mode.limit.slope(state[0]);
+            let moved = mode.transition.apply(*state, 0.0)[0] - state[0];
+            free += force * moved;
+            forced += force * force * mode.transition.q_a / mode.mass;
+        }
+        let work = free + forced;
+        let share = if work <= self.store || forced <= 0.0 {
+            1.0
+        } else {
+            let root = (free * free + 4.0 * forced * self.store).max(0.0).sqrt();
+            ((root - free) / (2.0 * forced)).clamp(0.0, 1.0)
+        };
+        self.store = (self.store - share * (free + share * forced)).clamp(0.0, self.store);
+        for ((mode, state), force) in self.modes.iter().zip(&mut self.state).zip(&self.force) {
+            let force = share * force * mode.limit.slope(state[0]);
+            *state = mode.transition.apply(*state, force / mode.mass);
+        }
+    }
+
+    fn q(&self) -> Vec<f32> {
+        if self.modes.is_empty() {
+            return self.mesh.q().to_vec();
+        }
+        let each = self.modes.iter().zip(&self.state);
+        each.map(|(mode, state)| mode.limit.q(state[0]) as f32)
+            .collect()
+    }
+
+    /// The mesh at the new q, if a vertex may have moved by more than the tolerance.
+    fn deformed(&self) -> Result<Option<DeformingMesh>, ShapeError> {
+        let q = self.q();
+        let changes = q.iter().zip(self.mesh.q()).zip(&self.modes);
+        let moved: f64 = changes
+            .map(|((new, old), mode)| f64::from((new - old).abs()) * mode.reach)
+            .sum();
+        if moved <= self.tolerance {
+            return Ok(None);
+        }
+        self.mesh.with_q(&q).map(Some)
+    }
+
+    fn energy(&self) -> f64 {
+        let each = self.modes.iter().zip(&self.state);
+        each.map(|(mode, [s, rate])| {
+            let swing = mode.oscillator.omega_rad_s * s;
+            0.5 * mode.mass * (rate * rate + swing * swing)
+        })
+        .sum()
+    }
+}
+
+fn whole(pose: Option<&Pose>) -> Pose {
+    pose.copied().unwrap_or(Pose::IDENTITY)
+}
+
+fn transition(oscillator: &Oscillator, step_s: f64) -> Result<Transition, ShapeError> {
+    let made = oscillator.transition(step_s);
+    made.map_err(|error| ShapeError::Dynamics(error.to_string()))
+}
+
+/// The oscillators of a model's modes.
+fn modes(model: &DeformingModel, options: &FlexibleOptions) -> Result<Vec<Mode>, ShapeError> {
+    let asset = model.model().asset();
+    if asset.mass_properties().is_none() {
+        let text = "the asset has no mass: its mesh is not closed, or it was baked without";
+        return Err(ShapeError::Dynamics(text.to_string()));
+    }
+    let world_per_stored = asset.unit() * model.scale();
+    let made = asset.modes().iter().enumerate().map(|(k, record)| {
+        let (omega_rad_s, kg) = (record.omega_rad_s.get(), record.modal_mass_kg.get());
+        if !(omega_rad_s > 0.0 && kg > 0.0) {
+            let text = format!("mode {k} has no frequency or modal mass: no contact can move it");
+            return Err(ShapeError::Dynamics(text));
+        }
+        let oscillator = Oscillator {
+            omega_rad_s,
+            decay_per_s: options.damping.decay_per_s(omega_rad_s),
+        };
+        let range = f64::from(record.q_range.get()) * options.strain_limit;
+        Ok(Mode {
+            transition: transition(&oscillator, 1.0 / 60.0)?,
+            oscillator,
+            mass: kg * model.scale() * model.scale(),
+            limit: StrainLimit(range.min(f64::from(record.q_limit.get()))),
+            reach: f64::from(record.field_norm_max.get()) * world_per_stored,
+        })
+    });
+    made.collect()
+}

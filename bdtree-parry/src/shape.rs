@@ -179,7 +179,10 @@ impl Shape for DeformingMesh {
         if !(x > 0.0 && x == y && y == z) {
             return None;
         }
-        let model = self.model().scaled(self.model().scale() * f64::from(x)).ok()?;
+        let model = self
+            .model()
+            .scaled(self.model().scale() * f64::from(x))
+            .ok()?;
         Some(Box::new(Self::new(&model, self.q()).ok()?))
     }
 

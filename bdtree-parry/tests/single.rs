@@ -1,0 +1,17 @@
+//! Every test in f32.
+
+use bdtree_parry as ours;
+use parry3d as parry;
+
+#[path = "brute.rs"]
+mod brute;
+#[path = "every_shape.rs"]
+mod every_shape;
+#[path = "lasting.rs"]
+mod lasting;
+#[path = "mass.rs"]
+mod mass;
+#[path = "meshes.rs"]
+mod meshes;
+#[path = "support.rs"]
+mod support;
