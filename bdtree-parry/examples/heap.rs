@@ -1,0 +1,123 @@
+//! Lets chairs fall on a heap under rapier, flexible ones and then ones at q = 0, and prints what a step takes.
+//!
+//!     cargo run --release -p bdtree-parry --features rapier --example heap -- 100 10 target/chair.bdt
+//!
+//! Arguments: chairs (4), simulated seconds (1), file (the chair of the fixtures, baked coarsely).
+
+use std::time::Instant;
+
+use bdtree_parry::{DeformingModel, FlexibleBodies, FlexibleOptions, MeshDispatcher};
+use bdtree_runtime::Model;
+use rapier3d::prelude::*;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut args = std::env::args().skip(1);
+    let chairs: usize = args.next().map_or(Ok(4), |text| text.parse())?;
+    let seconds: f32 = args.next().map_or(Ok(1.0), |text| text.parse())?;
+    let file = match args.next() {
+        Some(path) => Model::read(path)?,
+        None => bdtree_fixtures::bake::elastic("chair", 6, 30),
+    };
+    let model = DeformingModel::new(&file, 1.0)?;
+    let mut totals = [0.0; 2];
+    for (total, is_deformable) in totals.iter_mut().zip([true, false]) {
+        println!(
+            "{chairs} chairs, {}",
+            if is_deformable { "flexible" } else { "q = 0" }
+        );
+        let mut heap = Heap::new(&model, chairs, is_deformable)?;
+        let steps = (seconds * 60.0) as usize;
+        for second in 0..steps.div_ceil(60) {
+            let count = (steps - 60 * second).min(60);
+            let start = Instant::now();
+            for _ in 0..count {
+                heap.flexible.step(&mut heap.world)?;
+            }
+            let spent = start.elapsed().as_secs_f64();
+            *total += spent;
+            println!(
+                "{:3} s: {:8.3} ms per step, {:10.3e} J in motion, {} asleep",
+                second + 1,
+                1e3 * spent / count as f64,
+                heap.kinetic_energy(),
+                heap.asleep()
+            );
+        }
+    }
+    println!("flexible over q = 0: {:.2}", totals[0] / totals[1]);
+    Ok(())
+}
+
+/// Chairs above a floor with walls.
+pub struct Heap {
+    /// The rigid side.
+    pub world: PhysicsWorld,
+    /// Their modes.
+    pub flexible: FlexibleBodies,
+    /// Frame and collider of each chair.
+    pub chairs: Vec<(RigidBodyHandle, ColliderHandle)>,
+}
+
+impl Heap {
+    /// Chairs in layers of four, each turned another way, that fall from up to half a meter above each other.
+    pub fn new(
+        model: &DeformingModel,
+        count: usize,
+        is_deformable: bool,
+    ) -> Result<Self, Box<dyn std::error::Error>> {
+        let mut world = PhysicsWorld::new();
+        world.narrow_phase = NarrowPhase::with_query_dispatcher(MeshDispatcher::new());
+        let half = 1.5;
+        world.insert_collider(
+            ColliderBuilder::cuboid(20.0, 0.5, 20.0).translation(Vector::new(0.0, -0.5, 0.0)),
+            None,
+        );
+        for (x, z) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+            let at = Vector::new(x * (half + 0.5), 100.0, z * (half + 0.5));
+            let thick = |along: f32| if along == 0.0 { half + 1.0 } else { 0.5 };
+            let wall = ColliderBuilder::cuboid(thick(x), 100.0, thick(z)).translation(at);
+            world.insert_collider(wall, None);
+        }
+        let mut flexible = FlexibleBodies::new();
+        let options = FlexibleOptions {
+            is_deformable,
+            ..FlexibleOptions::default()
+        };
+        let mut chairs = Vec::new();
+        for k in 0..count {
+            let (layer, place) = (k / 4, k % 4);
+            let at = Vector::new(
+                0.7 * if place % 2 == 0 { -1.0 } else { 1.0 } + 0.03 * (layer % 3) as f32,
+                0.1 + 1.1 * layer as f32 + 0.05 * place as f32,
+                0.7 * if place / 2 == 0 { -1.0 } else { 1.0 },
+            );
+            let turn = Vector::new(0.1 * place as f32, 0.9 * k as f32, 0.07 * layer as f32);
+            let frame = RigidBodyBuilder::dynamic().translation(at).rotation(turn);
+            let (bodies, colliders) = (&mut world.bodies, &mut world.colliders);
+            chairs.push(flexible.insert(model, &options, frame, bodies, colliders)?);
+        }
+        Ok(Self {
+            world,
+            flexible,
+            chairs,
+        })
+    }
+
+    /// Of frames and modes, joules.
+    pub fn kinetic_energy(&self) -> f64 {
+        let each = self.chairs.iter().map(|(frame, collider)| {
+            let of_frame = f64::from(self.world.bodies[*frame].kinetic_energy());
+            of_frame + self.flexible.modal_kinetic_energy(*collider).unwrap_or(0.0)
+        });
+        each.sum()
+    }
+
+    /// How many chairs sleep.
+    pub fn asleep(&self) -> usize {
+        let frames = self
+            .chairs
+            .iter()
+            .map(|(frame, _)| &self.world.bodies[*frame]);
+        frames.filter(|frame| frame.is_sleeping()).count()
+    }
+}
