@@ -51,3 +51,10 @@ pub use error::ShapeError;
 pub use model::DeformingModel;
 #[cfg(feature = "f32")]
 pub use single::*;
+
+/// The program of the guide, compiled with the tests.
+#[cfg(all(doctest, feature = "rapier"))]
+mod pages {
+    #[doc = include_str!("../../docs/guide/rapier.md")]
+    struct Rapier;
+}

@@ -4,9 +4,13 @@
 //! contact, through the weights of the triangle's corners, is the force on q, and each mode is an oscillator that is
 //! integrated exactly. The collider then gets the mesh at the new q.
 //!
-//! rapier finds contact forces for rigid bodies: it does not know that a mode gives way. So that a contact cannot bring
-//! more energy into modes than it took from the motion of frames, each body has a store: what contacts of rapier destroy is
-//! paid in, what modes take is paid from it, and forces on modes are scaled down where it does not suffice.
+//! rapier finds contact forces for rigid bodies: it does not know that a mode gives way, and sees it one step later.
+//!
+//! * A contact whose depth a mode changes would push back too late and too hard. So modes are damped while they are touched, as
+//!   if the force already followed the mode within the step ([`STIFFNESS`]). Where modes rest, that changes nothing.
+//! * So that a contact cannot bring more energy into modes than it took from the motion of frames, each body has a store: what
+//!   contacts of rapier destroy is paid in, what modes take is paid from it, and forces on modes are scaled down where it
+//!   does not suffice.
 
 use std::collections::HashMap;
 
@@ -26,6 +30,10 @@ use crate::model::DeformingModel;
 
 /// Seconds after which half of what a body has stored is forgotten.
 const STORE_HALF_LIFE_S: f64 = 0.25;
+
+/// How stiff contacts are taken for, in shares of the body's mass over the square of the step: rapier stops what approaches
+/// within about a step.
+const STIFFNESS: f64 = 1.0;
 
 /// How a body deforms.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,6 +86,15 @@ struct Body {
     state: Vec<[f64; 2]>,
     /// `Uᵀ f` of the step.
     force: Vec<f64>,
+    /// Of each mode, how much it changes the depth of contacts: Σ |f| w Σ w over contacts, w being how far a unit of the
+    /// mode, of unit modal mass, moves the point of contact along the force.
+    touched: Vec<f64>,
+    /// Σ |f| over contacts.
+    pressure: f64,
+    /// Whether the transitions of modes are those of a step with contacts.
+    is_touched: bool,
+    /// kg.
+    mass: f64,
     tolerance: f64,
     /// Joules that contacts have destroyed and modes have not taken.
     store: f64,
@@ -139,9 +156,9 @@ impl FlexibleBodies {
             Vec::new()
         };
         let collider = ColliderBuilder::new(SharedShape::new(mesh.clone()));
-        let collider = match mesh.baked_mass_properties() {
-            Some(mass) => collider.mass_properties(mass),
-            None => collider,
+        let (collider, mass) = match mesh.baked_mass_properties() {
+            Some(mass) => (collider.mass_properties(mass), f64::from(mass.mass())),
+            None => (collider, 0.0),
         };
         let frame = frames.insert(frame);
         let collider = collider.friction(options.friction);
@@ -151,6 +168,10 @@ impl FlexibleBodies {
             frame,
             state: vec![[0.0; 2]; modes.len()],
             force: vec![0.0; mesh.q().len()],
+            touched: vec![0.0; modes.len()],
+            pressure: 0.0,
+            is_touched: false,
+            mass,
             tolerance: options.tolerance.unwrap_or(1e-4 * size),
             modes,
             mesh,
@@ -211,7 +232,10 @@ impl FlexibleBodies {
         self.step_s = step_s;
         for body in self.bodies.values_mut() {
             body.force.fill(0.0);
-            if is_new_step {
+            body.touched.fill(0.0);
+            body.pressure = 0.0;
+            if is_new_step || body.is_touched {
+                body.is_touched = false;
                 for mode in &mut body.modes {
                     mode.transition = transition(&mode.oscillator, step_s)?;
                 }
@@ -227,7 +251,7 @@ impl FlexibleBodies {
             if is_asleep || body.modes.is_empty() {
                 continue;
             }
-            body.advance();
+            body.advance(step_s)?;
             if let Some(mesh) = body.deformed()? {
                 let Some(collider) = colliders.get_mut(*handle) else {
                     continue;
@@ -371,14 +395,36 @@ impl Body {
             pose.query(workspace)
                 .project_point(wide(point), f64::INFINITY)
         })?;
-        if let Some(found) = found {
-            pose.add_generalized_force(found.triangle, found.barycentric, force, &mut self.force)?;
+        let Some(found) = found else {
+            return Ok(());
+        };
+        let mut own = vec![0.0; self.force.len()];
+        pose.add_generalized_force(found.triangle, found.barycentric, force, &mut own)?;
+        let size = force.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let moves = |(mode, own): (&Mode, &f64)| own.abs() / (size * mode.mass.sqrt());
+        let all: f64 = self.modes.iter().zip(&own).map(moves).sum();
+        for (k, own) in own.iter().enumerate() {
+            self.force[k] += own;
+            self.touched[k] += size * all * moves((&self.modes[k], own));
         }
+        self.pressure += size;
         Ok(())
     }
 
     /// One step of all modes under the force, scaled down so that it brings no more energy than the store has.
-    fn advance(&mut self) {
+    fn advance(&mut self, step_s: f64) -> Result<(), ShapeError> {
+        if self.pressure > 0.0 {
+            self.is_touched = true;
+            // A force that follows the mode at this stiffness within a step is that of a damper of stiffness times step.
+            let decay = 0.5 * STIFFNESS * self.mass / (step_s * self.pressure);
+            for (mode, touched) in self.modes.iter_mut().zip(&self.touched) {
+                let oscillator = Oscillator {
+                    decay_per_s: mode.oscillator.decay_per_s + decay * touched,
+                    ..mode.oscillator
+                };
+                mode.transition = transition(&oscillator, step_s)?;
+            }
+        }
         // Work of the force times x is x (free + x forced).
         let (mut free, mut forced) = (0.0, 0.0);
         for ((mode, state), force) in self.modes.iter().zip(&self.state).zip(&self.force) {
@@ -399,6 +445,7 @@ impl Body {
             let force = share * force * mode.limit.slope(state[0]);
             *state = mode.transition.apply(*state, force / mode.mass);
         }
+        Ok(())
     }
 
     fn q(&self) -> Vec<f32> {

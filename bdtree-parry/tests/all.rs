@@ -3,4 +3,5 @@
 #![allow(clippy::duplicate_mod)]
 
 mod double;
+mod flexible;
 mod single;

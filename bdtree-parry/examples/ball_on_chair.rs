@@ -1,6 +1,6 @@
 //! Drops a ball on a chair that deforms, under rapier.
 //!
-//!     cargo run --release -p bdtree-parry --features rapier --example chair_on_ball -- target/chair.bdt
+//!     cargo run --release -p bdtree-parry --features rapier --example ball_on_chair -- target/chair.bdt
 //!
 //! Without a file it bakes the chair of the fixtures, coarsely.
 

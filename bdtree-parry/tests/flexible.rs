@@ -1,0 +1,203 @@
+//! Bodies of rapier that deform.
+
+use std::sync::OnceLock;
+
+use bdtree_fixtures::bake;
+use bdtree_parry::{DeformingModel, FlexibleBodies, FlexibleOptions, MeshDispatcher, ShapeError};
+use bdtree_runtime::Model;
+use parry3d::query::{Ray, RayCast};
+use rapier3d::prelude::*;
+
+#[path = "../examples/ball_on_chair.rs"]
+#[allow(dead_code, unreachable_pub)]
+mod ball_on_chair;
+#[path = "../examples/heap.rs"]
+#[allow(dead_code, unreachable_pub)]
+mod heap;
+
+/// The chair with six vibration modes; baked once.
+fn chair() -> &'static Model {
+    static CHAIR: OnceLock<Model> = OnceLock::new();
+    CHAIR.get_or_init(|| bake::elastic("chair", 6, 30))
+}
+
+fn ground() -> PhysicsWorld {
+    let mut world = PhysicsWorld::new();
+    world.narrow_phase = NarrowPhase::with_query_dispatcher(MeshDispatcher::new());
+    let floor = ColliderBuilder::cuboid(5.0, 0.5, 5.0).translation(Vector::new(0.0, -0.5, 0.0));
+    world.insert_collider(floor, None);
+    world
+}
+
+/// A chair on the ground, or above it.
+fn standing(
+    world: &mut PhysicsWorld,
+    flexible: &mut FlexibleBodies,
+    height: f32,
+) -> (RigidBodyHandle, ColliderHandle) {
+    let model = DeformingModel::new(chair(), 1.0).expect("a model");
+    let frame = RigidBodyBuilder::dynamic().translation(Vector::new(0.0, height, 0.0));
+    let (frames, colliders) = (&mut world.bodies, &mut world.colliders);
+    flexible
+        .insert(
+            &model,
+            &FlexibleOptions::default(),
+            frame,
+            frames,
+            colliders,
+        )
+        .expect("a body")
+}
+
+#[test]
+fn a_chair_stops_a_ball() {
+    let height = ball_on_chair::drop_on_chair(chair()).expect("a world");
+    assert!((0.48..0.56).contains(&height), "{height}");
+}
+
+/// The page's program is the example, which this file runs.
+#[test]
+fn the_page_shows_the_example() {
+    let page = include_str!("../../docs/guide/rapier.md");
+    let example = include_str!("../examples/ball_on_chair.rs");
+    let start = example
+        .find("/// Drops a ball of 3 kg")
+        .expect("the function");
+    assert!(page.contains(example[start..].trim_end()));
+}
+
+/// What parry does with a shape that it does not know: nothing.
+#[test]
+fn without_the_dispatcher_a_chair_falls_through() {
+    let mut world = ground();
+    world.narrow_phase = NarrowPhase::new();
+    let mut flexible = FlexibleBodies::new();
+    let (frame, _) = standing(&mut world, &mut flexible, 0.1);
+    for _ in 0..120 {
+        flexible.step(&mut world).expect("a step");
+    }
+    assert!(world.bodies[frame].translation().y < -3.0);
+}
+
+/// Height of the surface under a point of the chair's own frame.
+fn seat(flexible: &FlexibleBodies, collider: ColliderHandle) -> f32 {
+    let mesh = flexible.mesh(collider).expect("a mesh");
+    let ray = Ray::new(Vector::new(0.0, 0.6, 0.0), Vector::new(0.0, -1.0, 0.0));
+    0.6 - mesh.cast_local_ray(&ray, 1.0, false).expect("the seat")
+}
+
+/// A load presses the seat down, and modes get as much energy as that takes.
+#[test]
+fn a_load_bends_a_chair() {
+    let mut heights = Vec::new();
+    for load in [0.0, 30.0] {
+        let mut world = ground();
+        let mut flexible = FlexibleBodies::new();
+        let (_, collider) = standing(&mut world, &mut flexible, 0.0);
+        if load > 0.0 {
+            let frame = RigidBodyBuilder::dynamic().translation(Vector::new(0.0, 0.52, 0.0));
+            world.insert(frame, ColliderBuilder::cuboid(0.1, 0.08, 0.1).mass(load));
+        }
+        for _ in 0..240 {
+            flexible.step(&mut world).expect("a step");
+        }
+        heights.push(seat(&flexible, collider));
+        assert!(flexible.modal_energy(collider).expect("modes") > 0.0);
+    }
+    assert!(heights[1] < heights[0] - 1e-5, "{heights:?}");
+}
+
+#[test]
+fn a_fall_gains_no_energy() {
+    let mut world = ground();
+    let mut flexible = FlexibleBodies::new();
+    let (frame, collider) = standing(&mut world, &mut flexible, 0.3);
+    let mass = f64::from(world.bodies[frame].mass());
+    let energy = |world: &PhysicsWorld, flexible: &FlexibleBodies| {
+        let body = &world.bodies[frame];
+        let height = f64::from(body.center_of_mass().y);
+        let modes = flexible.modal_energy(collider).expect("modes");
+        f64::from(body.kinetic_energy()) + 9.81 * mass * height + modes
+    };
+    world.step();
+    let first = energy(&world, &flexible);
+    let rest = 9.81 * mass * (f64::from(world.bodies[frame].center_of_mass().y) - 0.3);
+    for step in 0..600 {
+        flexible.step(&mut world).expect("a step");
+        let now = energy(&world, &flexible);
+        assert!(
+            now < first + 0.01 * (first - rest),
+            "step {step}: {now} of {first}"
+        );
+    }
+    let moving = f64::from(world.bodies[frame].kinetic_energy());
+    assert!(moving < 1e-6 * (first - rest), "{moving}");
+}
+
+/// Chairs that fell on each other lie still after ten seconds, and go on doing so.
+#[test]
+fn a_heap_comes_to_rest() {
+    let model = DeformingModel::new(chair(), 1.0).expect("a model");
+    let mut heap = heap::Heap::new(&model, 6, true).expect("a heap");
+    let mut most = 0.0_f64;
+    for step in 0..720 {
+        heap.flexible.step(&mut heap.world).expect("a step");
+        let now = heap.kinetic_energy();
+        most = most.max(now);
+        assert!(
+            step < 600 || now < 1e-6 * most,
+            "step {step}: {now} of {most}"
+        );
+    }
+    for (frame, _) in &heap.chairs {
+        let at = heap.world.bodies[*frame].translation();
+        assert!(at.y > -0.1 && at.x.abs() < 2.0 && at.z.abs() < 2.0, "{at}");
+    }
+}
+
+#[test]
+fn what_cannot_vibrate_is_refused() {
+    let mesh = bake::bumpy_sphere(4, 3);
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 2, 5));
+    let model = DeformingModel::new(&model, 1.0).expect("a model");
+    let mut world = ground();
+    let mut flexible = FlexibleBodies::new();
+    let mut insert = |options: &FlexibleOptions| {
+        let frame = RigidBodyBuilder::dynamic();
+        let (frames, colliders) = (&mut world.bodies, &mut world.colliders);
+        flexible.insert(&model, options, frame, frames, colliders)
+    };
+    let refused = insert(&FlexibleOptions::default());
+    assert!(matches!(refused, Err(ShapeError::Dynamics(text)) if text.contains("mode 0")));
+    let rigid = FlexibleOptions {
+        is_deformable: false,
+        ..FlexibleOptions::default()
+    };
+    let (_, collider) = insert(&rigid).expect("a rigid body");
+    assert!(flexible.set_modes(collider, &[0.0], &[0.0]).is_err());
+    assert!(flexible.remove(collider) && !flexible.remove(collider));
+}
+
+/// A body that was bent and let go swings as its frequency says.
+#[test]
+fn modes_swing() {
+    let mut world = PhysicsWorld::new();
+    world.gravity = Vector::ZERO;
+    world.integration_parameters.dt = 1.0 / 480.0;
+    let mut flexible = FlexibleBodies::new();
+    let (_, collider) = standing(&mut world, &mut flexible, 0.0);
+    let omega = chair().asset().modes()[0].omega_rad_s.get();
+    let mut start = vec![0.0; 6];
+    start[0] = 0.01;
+    flexible
+        .set_modes(collider, &start, &[0.0; 6])
+        .expect("modes");
+    // Half a swing, to the next whole step.
+    let steps = (std::f64::consts::PI / omega * 480.0).round() as usize;
+    for _ in 0..steps {
+        flexible.step(&mut world).expect("a step");
+    }
+    let q = flexible.q(collider).expect("modes")[0];
+    let expected = -0.01 * (-0.1 * std::f64::consts::PI).exp();
+    assert!((f64::from(q) - expected).abs() < 5e-4, "{q}, {expected}");
+}
