@@ -6,8 +6,10 @@
 //!
 //! rapier finds contact forces for rigid bodies: it does not know that a mode gives way, and sees it one step later.
 //!
-//! * A contact whose depth a mode changes would push back too late and too hard. So modes are damped while they are touched, as
-//!   if the force already followed the mode within the step ([`STIFFNESS`]). Where modes rest, that changes nothing.
+//! * Where modes draw the surface back from a contact, the frame follows: it moves so that points of contact stay where they
+//!   are, as well as a rigid motion can do that. Else contacts would be lost and found in turn.
+//! * What is left of that would push back too late and too hard. So modes are damped while they are touched, as if the force
+//!   already followed the mode within the step ([`STIFFNESS`]). Where modes rest, that changes nothing.
 //! * So that a contact cannot bring more energy into modes than it took from the motion of frames, each body has a store: what
 //!   contacts of rapier destroy is paid in, what modes take is paid from it, and forces on modes are scaled down where it
 //!   does not suffice.
@@ -16,9 +18,11 @@ use std::collections::HashMap;
 
 use bdtree_dynamics::{Damping, Oscillator, StrainLimit, Transition};
 
-use super::parry::math::{Pose, Real, Vector};
+use nalgebra::{Matrix6, Vector3, Vector6};
+
+use super::parry::math::{Pose, Real, Rotation, Vector};
 use super::parry::shape::SharedShape;
-use super::points::{wide, with_workspace};
+use super::points::{narrow, wide, with_workspace};
 use super::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
 use super::rapier::geometry::{
     ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, NarrowPhase,
@@ -34,6 +38,9 @@ const STORE_HALF_LIFE_S: f64 = 0.25;
 /// How stiff contacts are taken for, in shares of the body's mass over the square of the step: rapier stops what approaches
 /// within about a step.
 const STIFFNESS: f64 = 1.0;
+
+/// Smaller motions of a frame after its modes are left out, in shares of its size: it could not fall asleep.
+const LITTLE: f64 = 1e-7;
 
 /// How a body deforms.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,6 +83,19 @@ struct Mode {
     reach: f64,
 }
 
+/// A contact of a body, in its frame.
+#[derive(Debug, Clone)]
+struct Touch {
+    /// On the surface.
+    point: [f64; 3],
+    /// Unit, along the force.
+    direction: [f64; 3],
+    /// N.
+    force: f64,
+    /// How far a unit of q of each mode moves the point along the direction, world units.
+    moves: Vec<f64>,
+}
+
 #[derive(Debug, Clone)]
 struct Body {
     frame: RigidBodyHandle,
@@ -84,13 +104,8 @@ struct Body {
     modes: Vec<Mode>,
     /// s and its rate of each mode: q = limit(s).
     state: Vec<[f64; 2]>,
-    /// `Uᵀ f` of the step.
-    force: Vec<f64>,
-    /// Of each mode, how much it changes the depth of contacts: Σ |f| w Σ w over contacts, w being how far a unit of the
-    /// mode, of unit modal mass, moves the point of contact along the force.
-    touched: Vec<f64>,
-    /// Σ |f| over contacts.
-    pressure: f64,
+    /// The contacts of the step.
+    touches: Vec<Touch>,
     /// Whether the transitions of modes are those of a step with contacts.
     is_touched: bool,
     /// kg.
@@ -167,9 +182,7 @@ impl FlexibleBodies {
         let body = Body {
             frame,
             state: vec![[0.0; 2]; modes.len()],
-            force: vec![0.0; mesh.q().len()],
-            touched: vec![0.0; modes.len()],
-            pressure: 0.0,
+            touches: Vec::new(),
             is_touched: false,
             mass,
             tolerance: options.tolerance.unwrap_or(1e-4 * size),
@@ -196,7 +209,7 @@ impl FlexibleBodies {
         world.step();
         self.after_step(
             &world.narrow_phase,
-            &world.bodies,
+            &mut world.bodies,
             &mut world.colliders,
             step_s,
         )
@@ -223,7 +236,7 @@ impl FlexibleBodies {
     pub fn after_step(
         &mut self,
         contacts: &NarrowPhase,
-        frames: &RigidBodySet,
+        frames: &mut RigidBodySet,
         colliders: &mut ColliderSet,
         step_s: Real,
     ) -> Result<(), ShapeError> {
@@ -231,9 +244,7 @@ impl FlexibleBodies {
         let is_new_step = step_s != self.step_s;
         self.step_s = step_s;
         for body in self.bodies.values_mut() {
-            body.force.fill(0.0);
-            body.touched.fill(0.0);
-            body.pressure = 0.0;
+            body.touches.clear();
             if is_new_step || body.is_touched {
                 body.is_touched = false;
                 for mode in &mut body.modes {
@@ -251,7 +262,12 @@ impl FlexibleBodies {
             if is_asleep || body.modes.is_empty() {
                 continue;
             }
-            body.advance(step_s)?;
+            if let Some(moved) = body.advance(step_s)?
+                && let Some(frame) = frames.get_mut(body.frame)
+                && frame.is_dynamic()
+            {
+                frame.set_position(*frame.position() * moved, false);
+            }
             if let Some(mesh) = body.deformed()? {
                 let Some(collider) = colliders.get_mut(*handle) else {
                     continue;
@@ -398,40 +414,36 @@ impl Body {
         let Some(found) = found else {
             return Ok(());
         };
-        let mut own = vec![0.0; self.force.len()];
-        pose.add_generalized_force(found.triangle, found.barycentric, force, &mut own)?;
         let size = force.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let moves = |(mode, own): (&Mode, &f64)| own.abs() / (size * mode.mass.sqrt());
-        let all: f64 = self.modes.iter().zip(&own).map(moves).sum();
-        for (k, own) in own.iter().enumerate() {
-            self.force[k] += own;
-            self.touched[k] += size * all * moves((&self.modes[k], own));
-        }
-        self.pressure += size;
+        let direction = force.map(|x| x / size);
+        let mut moves = vec![0.0; self.modes.len()];
+        pose.add_generalized_force(found.triangle, found.barycentric, direction, &mut moves)?;
+        self.touches.push(Touch {
+            point: found.point,
+            direction,
+            force: size,
+            moves,
+        });
         Ok(())
     }
 
-    /// One step of all modes under the force, scaled down so that it brings no more energy than the store has.
-    fn advance(&mut self, step_s: f64) -> Result<(), ShapeError> {
-        if self.pressure > 0.0 {
-            self.is_touched = true;
-            // A force that follows the mode at this stiffness within a step is that of a damper of stiffness times step.
-            let decay = 0.5 * STIFFNESS * self.mass / (step_s * self.pressure);
-            for (mode, touched) in self.modes.iter_mut().zip(&self.touched) {
-                let oscillator = Oscillator {
-                    decay_per_s: mode.oscillator.decay_per_s + decay * touched,
-                    ..mode.oscillator
-                };
-                mode.transition = transition(&oscillator, step_s)?;
+    /// One step of all modes under the forces, scaled down so that they bring no more energy than the store has; the rigid
+    /// motion that keeps points of contact where they are, in the body's frame.
+    fn advance(&mut self, step_s: f64) -> Result<Option<Pose>, ShapeError> {
+        self.dampen(step_s)?;
+        let mut forces = vec![0.0; self.modes.len()];
+        for touch in &self.touches {
+            for (force, moves) in forces.iter_mut().zip(&touch.moves) {
+                *force += touch.force * moves;
             }
         }
-        // Work of the force times x is x (free + x forced).
+        // Work of the forces times x is x (free + x forced).
         let (mut free, mut forced) = (0.0, 0.0);
-        for ((mode, state), force) in self.modes.iter().zip(&self.state).zip(&self.force) {
-            let force = force * mode.limit.slope(state[0]);
+        for ((mode, state), force) in self.modes.iter().zip(&self.state).zip(&mut forces) {
+            *force *= mode.limit.slope(state[0]);
             let moved = mode.transition.apply(*state, 0.0)[0] - state[0];
-            free += force * moved;
-            forced += force * force * mode.transition.q_a / mode.mass;
+            free += *force * moved;
+            forced += *force * *force * mode.transition.q_a / mode.mass;
         }
         let work = free + forced;
         let share = if work <= self.store || forced <= 0.0 {
@@ -441,11 +453,75 @@ impl Body {
             ((root - free) / (2.0 * forced)).clamp(0.0, 1.0)
         };
         self.store = (self.store - share * (free + share * forced)).clamp(0.0, self.store);
-        for ((mode, state), force) in self.modes.iter().zip(&mut self.state).zip(&self.force) {
-            let force = share * force * mode.limit.slope(state[0]);
-            *state = mode.transition.apply(*state, force / mode.mass);
+        let mut changes = Vec::with_capacity(self.modes.len());
+        for ((mode, state), force) in self.modes.iter().zip(&mut self.state).zip(&forces) {
+            let before = mode.limit.q(state[0]);
+            *state = mode.transition.apply(*state, share * force / mode.mass);
+            changes.push(mode.limit.q(state[0]) - before);
+        }
+        Ok(self.following(&changes))
+    }
+
+    /// Damps modes by what contacts would do within the step.
+    fn dampen(&mut self, step_s: f64) -> Result<(), ShapeError> {
+        let pressure: f64 = self.touches.iter().map(|touch| touch.force).sum();
+        if !(pressure > 0.0) {
+            return Ok(());
+        }
+        self.is_touched = true;
+        // How far each mode moves the contacts, of unit modal mass, weighted by force: a bound for the rows of their matrix.
+        let mut rows = vec![0.0; self.modes.len()];
+        for touch in &self.touches {
+            let own = |k: usize| touch.moves[k].abs() / self.modes[k].mass.sqrt();
+            let all: f64 = (0..rows.len()).map(own).sum();
+            for (k, row) in rows.iter_mut().enumerate() {
+                *row += touch.force / pressure * own(k) * all;
+            }
+        }
+        // A force that follows the mode at this stiffness within a step is that of a damper of stiffness times step.
+        let decay = 0.5 * STIFFNESS * self.mass / step_s;
+        for (mode, row) in self.modes.iter_mut().zip(&rows) {
+            let oscillator = Oscillator {
+                decay_per_s: mode.oscillator.decay_per_s + decay * row,
+                ..mode.oscillator
+            };
+            mode.transition = transition(&oscillator, step_s)?;
         }
         Ok(())
+    }
+
+    /// The rigid motion that undoes, along the forces of contacts and weighted by them, what these changes of q do there; `None`
+    /// where it is too little to matter.
+    fn following(&self, changes: &[f64]) -> Option<Pose> {
+        let size = f64::from(self.mesh.sphere().radius);
+        let pressure: f64 = self.touches.iter().map(|touch| touch.force).sum();
+        // Turns about the origin, in units that move the body's ends by one.
+        let mut matrix = Matrix6::<f64>::identity() * 1e-6;
+        let mut right = Vector6::<f64>::zeros();
+        for touch in &self.touches {
+            let moved: f64 = touch.moves.iter().zip(changes).map(|(a, b)| a * b).sum();
+            let direction = Vector3::from(touch.direction);
+            let turn = Vector3::from(touch.point).cross(&direction) / size;
+            let row = Vector6::new(
+                direction.x,
+                direction.y,
+                direction.z,
+                turn.x,
+                turn.y,
+                turn.z,
+            );
+            let weight = touch.force / pressure;
+            matrix += row * row.transpose() * weight;
+            right -= row * (moved * weight);
+        }
+        let found = matrix.cholesky()?.solve(&right);
+        if !(found.norm() > LITTLE * size) {
+            return None;
+        }
+        let [x, y, z, a, b, c] = <[f64; 6]>::from(found);
+        let turn = [a, b, c].map(|x| (x / size) as Real);
+        let rotation = Rotation::from_scaled_axis(Vector::from_array(turn));
+        Some(Pose::from_parts(narrow([x, y, z]), rotation))
     }
 
     fn q(&self) -> Vec<f32> {
