@@ -6,10 +6,9 @@
 //!
 //! rapier finds contact forces for rigid bodies: it does not know that a mode gives way, and sees it one step later.
 //!
-//! * Where modes draw the surface back from a contact, the frame follows: it moves so that points of contact stay where they
-//!   are, as well as a rigid motion can do that. Else contacts would be lost and found in turn.
-//! * What is left of that would push back too late and too hard. So modes are damped while they are touched, as if the force
-//!   already followed the mode within the step ([`STIFFNESS`]). Where modes rest, that changes nothing.
+//! * A contact whose depth a mode changes would push back too late and too hard. So modes are damped while they are touched, as
+//!   if the force already followed the mode within the step ([`STIFFNESS`]). Where modes rest, that changes nothing; they
+//!   take longer to get there.
 //! * So that a contact cannot bring more energy into modes than it took from the motion of frames, each body has a store: what
 //!   contacts of rapier destroy is paid in, what modes take is paid from it, and forces on modes are scaled down where it
 //!   does not suffice.
@@ -18,11 +17,9 @@ use std::collections::HashMap;
 
 use bdtree_dynamics::{Damping, Oscillator, StrainLimit, Transition};
 
-use nalgebra::{Matrix6, Vector3, Vector6};
-
-use super::parry::math::{Pose, Real, Rotation, Vector};
+use super::parry::math::{Pose, Real, Vector};
 use super::parry::shape::SharedShape;
-use super::points::{narrow, wide, with_workspace};
+use super::points::{wide, with_workspace};
 use super::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
 use super::rapier::geometry::{
     ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, NarrowPhase,
@@ -35,12 +32,9 @@ use crate::model::DeformingModel;
 /// Seconds after which half of what a body has stored is forgotten.
 const STORE_HALF_LIFE_S: f64 = 0.25;
 
-/// How stiff contacts are taken for, in shares of the body's mass over the square of the step: rapier stops what approaches
-/// within about a step.
-const STIFFNESS: f64 = 1.0;
-
-/// Smaller motions of a frame after its modes are left out, in shares of its size: it could not fall asleep.
-const LITTLE: f64 = 1e-7;
+/// How stiff contacts are taken for, in multiples of the body's mass over the square of the step. rapier stops what approaches
+/// within about a step, which is 1, but by more points than hold in the end: from 30 on chairs on a floor come to rest.
+const STIFFNESS: f64 = 100.0;
 
 /// How a body deforms.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +46,7 @@ pub struct FlexibleOptions {
     /// Limit of q in multiples of each mode's `q_range`; never above `q_limit`. Default 1.
     pub strain_limit: f64,
     /// The collider gets the mesh at the new q once a vertex may have moved by this since the last time, world units. Smaller
-    /// changes let rapier go on with the contacts that it has. Default 1e-4 of the body's size.
+    /// changes let rapier go on with the contacts that it has. Default 1e-3 of the body's size.
     pub tolerance: Option<f64>,
     /// Of the collider; default 0.5.
     pub friction: Real,
@@ -86,10 +80,6 @@ struct Mode {
 /// A contact of a body, in its frame.
 #[derive(Debug, Clone)]
 struct Touch {
-    /// On the surface.
-    point: [f64; 3],
-    /// Unit, along the force.
-    direction: [f64; 3],
     /// N.
     force: f64,
     /// How far a unit of q of each mode moves the point along the direction, world units.
@@ -185,7 +175,7 @@ impl FlexibleBodies {
             touches: Vec::new(),
             is_touched: false,
             mass,
-            tolerance: options.tolerance.unwrap_or(1e-4 * size),
+            tolerance: options.tolerance.unwrap_or(1e-3 * size),
             modes,
             mesh,
             store: 0.0,
@@ -209,7 +199,7 @@ impl FlexibleBodies {
         world.step();
         self.after_step(
             &world.narrow_phase,
-            &mut world.bodies,
+            &world.bodies,
             &mut world.colliders,
             step_s,
         )
@@ -236,7 +226,7 @@ impl FlexibleBodies {
     pub fn after_step(
         &mut self,
         contacts: &NarrowPhase,
-        frames: &mut RigidBodySet,
+        frames: &RigidBodySet,
         colliders: &mut ColliderSet,
         step_s: Real,
     ) -> Result<(), ShapeError> {
@@ -262,12 +252,7 @@ impl FlexibleBodies {
             if is_asleep || body.modes.is_empty() {
                 continue;
             }
-            if let Some(moved) = body.advance(step_s)?
-                && let Some(frame) = frames.get_mut(body.frame)
-                && frame.is_dynamic()
-            {
-                frame.set_position(*frame.position() * moved, false);
-            }
+            body.advance(step_s)?;
             if let Some(mesh) = body.deformed()? {
                 let Some(collider) = colliders.get_mut(*handle) else {
                     continue;
@@ -418,18 +403,12 @@ impl Body {
         let direction = force.map(|x| x / size);
         let mut moves = vec![0.0; self.modes.len()];
         pose.add_generalized_force(found.triangle, found.barycentric, direction, &mut moves)?;
-        self.touches.push(Touch {
-            point: found.point,
-            direction,
-            force: size,
-            moves,
-        });
+        self.touches.push(Touch { force: size, moves });
         Ok(())
     }
 
-    /// One step of all modes under the forces, scaled down so that they bring no more energy than the store has; the rigid
-    /// motion that keeps points of contact where they are, in the body's frame.
-    fn advance(&mut self, step_s: f64) -> Result<Option<Pose>, ShapeError> {
+    /// One step of all modes under the forces, scaled down so that they bring no more energy than the store has.
+    fn advance(&mut self, step_s: f64) -> Result<(), ShapeError> {
         self.dampen(step_s)?;
         let mut forces = vec![0.0; self.modes.len()];
         for touch in &self.touches {
@@ -453,13 +432,10 @@ impl Body {
             ((root - free) / (2.0 * forced)).clamp(0.0, 1.0)
         };
         self.store = (self.store - share * (free + share * forced)).clamp(0.0, self.store);
-        let mut changes = Vec::with_capacity(self.modes.len());
         for ((mode, state), force) in self.modes.iter().zip(&mut self.state).zip(&forces) {
-            let before = mode.limit.q(state[0]);
             *state = mode.transition.apply(*state, share * force / mode.mass);
-            changes.push(mode.limit.q(state[0]) - before);
         }
-        Ok(self.following(&changes))
+        Ok(())
     }
 
     /// Damps modes by what contacts would do within the step.
@@ -488,40 +464,6 @@ impl Body {
             mode.transition = transition(&oscillator, step_s)?;
         }
         Ok(())
-    }
-
-    /// The rigid motion that undoes, along the forces of contacts and weighted by them, what these changes of q do there; `None`
-    /// where it is too little to matter.
-    fn following(&self, changes: &[f64]) -> Option<Pose> {
-        let size = f64::from(self.mesh.sphere().radius);
-        let pressure: f64 = self.touches.iter().map(|touch| touch.force).sum();
-        // Turns about the origin, in units that move the body's ends by one.
-        let mut matrix = Matrix6::<f64>::identity() * 1e-6;
-        let mut right = Vector6::<f64>::zeros();
-        for touch in &self.touches {
-            let moved: f64 = touch.moves.iter().zip(changes).map(|(a, b)| a * b).sum();
-            let direction = Vector3::from(touch.direction);
-            let turn = Vector3::from(touch.point).cross(&direction) / size;
-            let row = Vector6::new(
-                direction.x,
-                direction.y,
-                direction.z,
-                turn.x,
-                turn.y,
-                turn.z,
-            );
-            let weight = touch.force / pressure;
-            matrix += row * row.transpose() * weight;
-            right -= row * (moved * weight);
-        }
-        let found = matrix.cholesky()?.solve(&right);
-        if !(found.norm() > LITTLE * size) {
-            return None;
-        }
-        let [x, y, z, a, b, c] = <[f64; 6]>::from(found);
-        let turn = [a, b, c].map(|x| (x / size) as Real);
-        let rotation = Rotation::from_scaled_axis(Vector::from_array(turn));
-        Some(Pose::from_parts(narrow([x, y, z]), rotation))
     }
 
     fn q(&self) -> Vec<f32> {
