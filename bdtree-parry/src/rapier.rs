@@ -32,6 +32,9 @@ use crate::model::DeformingModel;
 /// Seconds after which half of what a body has stored is forgotten.
 const STORE_HALF_LIFE_S: f64 = 0.25;
 
+/// How much of what contacts destroy modes may take: what rapier's corrections of positions add is not known.
+const LENT: f64 = 0.5;
+
 /// How stiff contacts are taken for, in multiples of the body's mass over the square of the step. rapier stops what approaches
 /// within about a step, which is 1, but by more points than hold in the end: from 30 on chairs on a floor come to rest.
 const STIFFNESS: f64 = 100.0;
@@ -321,7 +324,7 @@ impl FlexibleBodies {
             .collect();
         for side in &flexible {
             if let Some(body) = self.bodies.get_mut(side) {
-                body.store += lost.max(0.0) / flexible.len() as f64;
+                body.store += LENT * lost.max(0.0) / flexible.len() as f64;
             }
         }
         Ok(())
