@@ -40,7 +40,9 @@
 // The same files make the shapes of either precision.
 #![allow(clippy::duplicate_mod)]
 
+// Numbers are of its type already.
 #[cfg(feature = "f64")]
+#[allow(clippy::unnecessary_cast, clippy::useless_conversion)]
 pub mod double;
 mod error;
 mod model;

@@ -14,6 +14,9 @@ mod dispatcher;
 mod manifolds;
 #[path = "mass.rs"]
 mod mass;
+#[cfg(feature = "rapier")]
+#[path = "modes.rs"]
+mod modes;
 #[path = "near.rs"]
 mod near;
 #[cfg(feature = "rapier")]

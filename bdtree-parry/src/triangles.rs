@@ -79,11 +79,15 @@ pub(super) fn convex_pairs(
     }
 }
 
+/// Takes a triangle's id, the triangle, and in which directions its contacts may push.
+type VisitTriangle<'v> =
+    dyn FnMut(u32, &dyn Shape, Option<&dyn NormalConstraints>) -> ControlFlow<()> + 'v;
+
 fn each_triangle(
     mesh: &DeformingMesh,
     ids: &[u32],
     has_normals: bool,
-    visit: &mut dyn FnMut(u32, &dyn Shape, Option<&dyn NormalConstraints>) -> ControlFlow<()>,
+    visit: &mut VisitTriangle<'_>,
 ) {
     for &id in ids {
         let Some(triangle) = mesh.triangle(id) else {

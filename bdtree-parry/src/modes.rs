@@ -1,0 +1,207 @@
+//! The modes of a body that rapier moves.
+
+use bdtree_dynamics::{Oscillator, StrainLimit, Transition};
+
+use super::parry::math::Vector;
+use super::physics::FlexibleOptions;
+use super::points::{wide, with_workspace};
+use super::rapier::dynamics::RigidBodyHandle;
+use super::shape::DeformingMesh;
+use crate::error::ShapeError;
+use crate::model::DeformingModel;
+
+/// How stiff contacts are taken for, in multiples of the body's mass over the square of the step. rapier stops what approaches
+/// within about a step, which is 1, but by more points than hold in the end: from 30 on chairs on a floor come to rest.
+const STIFFNESS: f64 = 100.0;
+
+/// One mode of a body.
+#[derive(Debug, Clone)]
+pub(super) struct Mode {
+    pub(super) oscillator: Oscillator,
+    /// Of the last step's length.
+    pub(super) transition: Transition,
+    /// kg for q in mesh units.
+    pub(super) mass: f64,
+    pub(super) limit: StrainLimit,
+    /// How far q = 1 moves the farthest vertex, world units.
+    pub(super) reach: f64,
+}
+
+/// A contact of a body, in its frame.
+#[derive(Debug, Clone)]
+pub(super) struct Touch {
+    /// N.
+    pub(super) force: f64,
+    /// How far a unit of q of each mode moves the point along the direction, world units.
+    pub(super) moves: Vec<f64>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Body {
+    pub(super) frame: RigidBodyHandle,
+    /// At the q that the collider has.
+    pub(super) mesh: DeformingMesh,
+    pub(super) modes: Vec<Mode>,
+    /// s and its rate of each mode: q = limit(s).
+    pub(super) state: Vec<[f64; 2]>,
+    /// The contacts of the step.
+    pub(super) touches: Vec<Touch>,
+    /// Whether the transitions of modes are those of a step with contacts.
+    pub(super) is_touched: bool,
+    /// kg.
+    pub(super) mass: f64,
+    pub(super) tolerance: f64,
+    /// Joules that contacts have destroyed and modes have not taken.
+    pub(super) store: f64,
+}
+
+impl Body {
+    /// Adds `Uᵀ f` of a force (N, the mesh's frame) near a point of the surface.
+    pub(super) fn pushed(&mut self, point: Vector, force: [f64; 3]) -> Result<(), ShapeError> {
+        if self.modes.is_empty() {
+            return Ok(());
+        }
+        let pose = self.mesh.pose();
+        let found = with_workspace(|workspace| {
+            pose.query(workspace)
+                .project_point(wide(point), f64::INFINITY)
+        })?;
+        let Some(found) = found else {
+            return Ok(());
+        };
+        let size = force.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let direction = force.map(|x| x / size);
+        let mut moves = vec![0.0; self.modes.len()];
+        pose.add_generalized_force(found.triangle, found.barycentric, direction, &mut moves)?;
+        self.touches.push(Touch { force: size, moves });
+        Ok(())
+    }
+
+    /// One step of all modes under the forces, scaled down so that they bring no more energy than the store has.
+    pub(super) fn advance(&mut self, step_s: f64) -> Result<(), ShapeError> {
+        self.dampen(step_s)?;
+        let mut forces = vec![0.0; self.modes.len()];
+        for touch in &self.touches {
+            for (force, moves) in forces.iter_mut().zip(&touch.moves) {
+                *force += touch.force * moves;
+            }
+        }
+        // Work of the forces times x is x (free + x forced).
+        let (mut free, mut forced) = (0.0, 0.0);
+        for ((mode, state), force) in self.modes.iter().zip(&self.state).zip(&mut forces) {
+            *force *= mode.limit.slope(state[0]);
+            let moved = mode.transition.apply(*state, 0.0)[0] - state[0];
+            free += *force * moved;
+            forced += *force * *force * mode.transition.q_a / mode.mass;
+        }
+        let work = free + forced;
+        let share = if work <= self.store || forced <= 0.0 {
+            1.0
+        } else {
+            let root = (free * free + 4.0 * forced * self.store).max(0.0).sqrt();
+            ((root - free) / (2.0 * forced)).clamp(0.0, 1.0)
+        };
+        self.store = (self.store - share * (free + share * forced)).clamp(0.0, self.store);
+        for ((mode, state), force) in self.modes.iter().zip(&mut self.state).zip(&forces) {
+            *state = mode.transition.apply(*state, share * force / mode.mass);
+        }
+        Ok(())
+    }
+
+    /// Damps modes by what contacts would do within the step.
+    fn dampen(&mut self, step_s: f64) -> Result<(), ShapeError> {
+        let pressure: f64 = self.touches.iter().map(|touch| touch.force).sum();
+        if !(pressure > 0.0) {
+            return Ok(());
+        }
+        self.is_touched = true;
+        // How far each mode moves the contacts, of unit modal mass, weighted by force: a bound for the rows of their matrix.
+        let mut rows = vec![0.0; self.modes.len()];
+        for touch in &self.touches {
+            let own = |k: usize| touch.moves[k].abs() / self.modes[k].mass.sqrt();
+            let all: f64 = (0..rows.len()).map(own).sum();
+            for (k, row) in rows.iter_mut().enumerate() {
+                *row += touch.force / pressure * own(k) * all;
+            }
+        }
+        // A force that follows the mode at this stiffness within a step is that of a damper of stiffness times step.
+        let decay = 0.5 * STIFFNESS * self.mass / step_s;
+        for (mode, row) in self.modes.iter_mut().zip(&rows) {
+            let oscillator = Oscillator {
+                decay_per_s: mode.oscillator.decay_per_s + decay * row,
+                ..mode.oscillator
+            };
+            mode.transition = transition(&oscillator, step_s)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn q(&self) -> Vec<f32> {
+        if self.modes.is_empty() {
+            return self.mesh.q().to_vec();
+        }
+        let each = self.modes.iter().zip(&self.state);
+        each.map(|(mode, state)| mode.limit.q(state[0]) as f32)
+            .collect()
+    }
+
+    /// The mesh at the new q, if a vertex may have moved by more than the tolerance.
+    pub(super) fn deformed(&self) -> Result<Option<DeformingMesh>, ShapeError> {
+        let q = self.q();
+        let changes = q.iter().zip(self.mesh.q()).zip(&self.modes);
+        let moved: f64 = changes
+            .map(|((new, old), mode)| f64::from((new - old).abs()) * mode.reach)
+            .sum();
+        if moved <= self.tolerance {
+            return Ok(None);
+        }
+        self.mesh.with_q(&q).map(Some)
+    }
+
+    pub(super) fn energy(&self) -> f64 {
+        let each = self.modes.iter().zip(&self.state);
+        each.map(|(mode, [s, rate])| {
+            let swing = mode.oscillator.omega_rad_s * s;
+            0.5 * mode.mass * (rate * rate + swing * swing)
+        })
+        .sum()
+    }
+}
+
+pub(super) fn transition(oscillator: &Oscillator, step_s: f64) -> Result<Transition, ShapeError> {
+    let made = oscillator.transition(step_s);
+    made.map_err(|error| ShapeError::Dynamics(error.to_string()))
+}
+
+/// The oscillators of a model's modes.
+pub(super) fn modes(
+    model: &DeformingModel,
+    options: &FlexibleOptions,
+) -> Result<Vec<Mode>, ShapeError> {
+    let asset = model.model().asset();
+    if asset.mass_properties().is_none() {
+        let text = "the asset has no mass: its mesh is not closed, or it was baked without";
+        return Err(ShapeError::Dynamics(text.to_string()));
+    }
+    let world_per_stored = asset.unit() * model.scale();
+    let made = asset.modes().iter().enumerate().map(|(k, record)| {
+        let (omega_rad_s, kg) = (record.omega_rad_s.get(), record.modal_mass_kg.get());
+        if !(omega_rad_s > 0.0 && kg > 0.0) {
+            let text = format!("mode {k} has no frequency or modal mass: no contact can move it");
+            return Err(ShapeError::Dynamics(text));
+        }
+        let oscillator = Oscillator {
+            omega_rad_s,
+            decay_per_s: options.damping.decay_per_s(omega_rad_s),
+        };
+        let range = f64::from(record.q_range.get()) * options.strain_limit;
+        Ok(Mode {
+            transition: transition(&oscillator, 1.0 / 60.0)?,
+            oscillator,
+            mass: kg * model.scale() * model.scale(),
+            limit: StrainLimit(range.min(f64::from(record.q_limit.get()))),
+            reach: f64::from(record.field_norm_max.get()) * world_per_stored,
+        })
+    });
+    made.collect()
+}
