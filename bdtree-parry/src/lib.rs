@@ -35,7 +35,7 @@
 //! | feature | gives |
 //! |---|---|
 //! | `f32` (default) | shapes of `parry3d`, here |
-//! | `f64` | shapes of `parry3d-f64`, in [`double`] |
+//! | `f64` | shapes of `parry3d-f64`, in the module `double` |
 //! | `rapier`, `rapier-f64` | `FlexibleBodies`: bodies of `rapier3d` and `rapier3d-f64` whose contacts move q |
 // The same files make the shapes of either precision.
 #![allow(clippy::duplicate_mod)]
