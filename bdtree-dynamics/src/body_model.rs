@@ -40,6 +40,14 @@ impl Damping {
             } => 0.5 * (mass_per_s + stiffness_s * omega_rad_s * omega_rad_s),
         }
     }
+
+    /// A mode of this frequency.
+    pub fn oscillator(&self, omega_rad_s: f64) -> Oscillator {
+        Oscillator {
+            omega_rad_s,
+            decay_per_s: self.decay_per_s(omega_rad_s),
+        }
+    }
 }
 
 /// What of a body touches others.
@@ -214,10 +222,7 @@ impl BodyModel {
                     (omega_rad_s, kg) = (0.0, f64::INFINITY);
                     silent_mode = silent_mode.or(Some(mode));
                 }
-                let oscillator = Oscillator {
-                    omega_rad_s,
-                    decay_per_s: options.damping.decay_per_s(omega_rad_s),
-                };
+                let oscillator = options.damping.oscillator(omega_rad_s);
                 let momentum = match asset.mode_momenta().and_then(|all| all.get(mode)) {
                     Some(record) => axes.inverse() * Vector3::from(record.linear.map(|x| x.get())),
                     None => Vector3::zeros(),
@@ -227,10 +232,7 @@ impl BodyModel {
                     oscillator,
                     transition: oscillator.transition(step_s)?,
                     mass: kg * scale * scale,
-                    limit: StrainLimit(f64::min(
-                        f64::from(record.q_limit.get()),
-                        f64::from(record.q_range.get()) * options.strain_limit,
-                    )),
+                    limit: StrainLimit::of_mode(record, options.strain_limit),
                 });
             }
         }

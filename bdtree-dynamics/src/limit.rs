@@ -4,6 +4,7 @@
 //! `(s / L)⁴ / 4` of it, and never beyond L. Since s moves linearly, its energy `½ m (ṡ² + ω² s²)` is what
 //! the undamped body keeps; a force on q works on s through dq/ds, so that what it does on q is exactly what s gets.
 
+use bdtree_runtime::format::ModeRecord;
 use libm::{fabs, sqrt};
 
 /// A limit of |q|; infinite for none.
@@ -13,6 +14,12 @@ pub struct StrainLimit(pub f64);
 impl StrainLimit {
     /// q stays what s is.
     pub const NONE: Self = Self(f64::INFINITY);
+
+    /// `multiples` of a mode's `q_range`, never above its `q_limit`.
+    pub fn of_mode(record: &ModeRecord, multiples: f64) -> Self {
+        let range = f64::from(record.q_range.get()) * multiples;
+        Self(range.min(f64::from(record.q_limit.get())))
+    }
 
     /// q, never beyond the limit.
     #[inline]

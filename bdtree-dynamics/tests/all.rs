@@ -5,6 +5,7 @@ mod elastic;
 mod errors;
 mod frames;
 mod oscillators;
+mod parts;
 mod regions;
 mod sleep;
 mod support;

@@ -1,17 +1,26 @@
 //! Bodies with modes: what holds them, what bends them.
 
+use bdtree_build::basis::elastic::{Fix, FixRegion};
 use bdtree_dynamics::{
     BodyOptions, ContactLaw, Damping, DynamicsError, Frame, Oscillator, World, WorldOptions,
 };
+use bdtree_fixtures::bake;
 use bdtree_runtime::{Transform, VertexId};
 
-use crate::support::{at, beam, elastic, restless_beams, weightless};
+use crate::support::{at, beam, restless_beams, weightless};
 
 /// A beam that is held at one end bends under its weight by ρ A g L⁴ / (8 E I), within 2 %.
 #[test]
 fn a_held_beam_bends_under_its_weight() {
     // Half a cell of the end is held.
-    let held = elastic("beam", 8, 80, Some(1e-6));
+    let end = Fix {
+        axes: [true; 3],
+        region: FixRegion::Box {
+            min: [-1e3; 3],
+            max: [1e-6, 1e3, 1e3],
+        },
+    };
+    let held = bake::elastic("beam", 8, 80, &[end]);
     let mut world = World::new(WorldOptions::default()).expect("a world");
     let options = BodyOptions {
         damping: Damping::Ratio(0.9),

@@ -2,14 +2,11 @@
 
 use std::sync::OnceLock;
 
-use bdtree_build::basis::elastic::{ElasticOptions, Fix, FixRegion};
 use bdtree_build::input::RawMesh;
-use bdtree_build::progress::Silent;
-use bdtree_build::recipe::{Elastic, Motion, Recipe};
 use bdtree_dynamics::{
     BodyOptions, ContactLaw, Frame, MassProperties, ModelId, Plane, World, WorldOptions,
 };
-use bdtree_fixtures::{bake, models};
+use bdtree_fixtures::bake;
 use bdtree_runtime::{Model, Transform};
 
 /// Radius of [`ball`].
@@ -47,34 +44,10 @@ pub(crate) fn ball(world: &mut World, mass_kg: f64) -> ModelId {
     world.add_model(&ball_model(), &options).expect("a ball")
 }
 
-/// A fixture with vibration modes.
-pub(crate) fn elastic(name: &str, modes: usize, resolution: u32, held: Option<f64>) -> Model {
-    let fixes = held.map(|x| Fix {
-        axes: [true; 3],
-        region: FixRegion::Box {
-            min: [-1e3; 3],
-            max: [x, 1e3, 1e3],
-        },
-    });
-    let options = ElasticOptions {
-        mode_count: modes,
-        resolution: Some(resolution),
-        fixes: fixes.into_iter().collect(),
-        ..ElasticOptions::default()
-    };
-    let motion = Motion::Elastic(Elastic {
-        options,
-        range_rel: None,
-    });
-    let recipe = Recipe::of_surface(models::path(name), motion);
-    let baked = bdtree_build::bake(&recipe, &Silent).expect("a bake");
-    Model::from_bytes(&baked.bytes).expect("an asset")
-}
-
 /// The beam, 1 m long and 5 cm thick, free, with six modes; baked once.
 pub(crate) fn beam() -> &'static Model {
     static BEAM: OnceLock<Model> = OnceLock::new();
-    BEAM.get_or_init(|| elastic("beam", 6, 40, None))
+    BEAM.get_or_init(|| bake::elastic("beam", 6, 40, &[]))
 }
 
 /// A world of this step and law, without gravity.

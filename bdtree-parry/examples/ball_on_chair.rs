@@ -11,7 +11,7 @@ use rapier3d::prelude::*;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = match std::env::args().nth(1) {
         Some(path) => Model::read(path)?,
-        None => bdtree_fixtures::bake::elastic("chair", 6, 30),
+        None => bdtree_fixtures::bake::elastic("chair", 6, 30, &[]),
     };
     let height = drop_on_chair(&file)?;
     println!("after 4 s the ball lies at {height:.3} m");

@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seconds: f32 = args.next().map_or(Ok(1.0), |text| text.parse())?;
     let file = match args.next() {
         Some(path) => Model::read(path)?,
-        None => bdtree_fixtures::bake::elastic("chair", 6, 30),
+        None => bdtree_fixtures::bake::elastic("chair", 6, 30, &[]),
     };
     let model = DeformingModel::new(&file, 1.0)?;
     let mut totals = [0.0; 2];

@@ -1,8 +1,8 @@
 //! Shapes that move until they touch.
 
-use std::ops::ControlFlow::{Break, Continue};
+use std::ops::ControlFlow::Continue;
 
-use super::composite::{Nearness, PartPair, part_pairs};
+use super::composite::{Nearness, PartPair, end_if, part_pairs};
 use super::dispatcher::MeshDispatcher;
 use super::near::{Reach, bounds};
 use super::parry::math::{Pose, Real, Vector};
@@ -157,11 +157,7 @@ impl<D: QueryDispatcher> MeshDispatcher<D> {
                     .cast_shapes(&pair.pos12, own_velocity, a, b, options);
                 first.take(pair, convex, found);
             });
-            if first.failed {
-                Break(())
-            } else {
-                Continue(())
-            }
+            end_if(first.failed)
         });
         first.answer()
     }
@@ -201,11 +197,7 @@ impl<D: QueryDispatcher> MeshDispatcher<D> {
                 );
                 first.take(pair, convex, found);
             });
-            if first.failed {
-                Break(())
-            } else {
-                Continue(())
-            }
+            end_if(first.failed)
         });
         first.answer()
     }

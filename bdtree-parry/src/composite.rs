@@ -61,14 +61,25 @@ impl Nearness {
     }
 }
 
-/// Whether a shape is a deforming mesh or a `Compound` that holds one.
-pub(super) fn holds_mesh(shape: &dyn Shape) -> bool {
-    match shape.as_compound() {
-        Some(compound) => compound
-            .shapes()
-            .iter()
-            .any(|(_, part)| holds_mesh(&**part)),
-        None => shape.as_shape::<DeformingMesh>().is_some(),
+/// Whether any of these shapes is a deforming mesh or a `Compound` that holds one.
+pub(super) fn holds_mesh(shapes: [&dyn Shape; 2]) -> bool {
+    shapes.into_iter().any(|shape| match shape.as_compound() {
+        Some(compound) => (compound.shapes().iter()).any(|(_, part)| is_mesh(&**part)),
+        None => is_mesh(shape),
+    })
+}
+
+/// Whether it is a deforming mesh itself: parts of a `Compound` are no `Compound`s.
+fn is_mesh(shape: &dyn Shape) -> bool {
+    shape.as_shape::<DeformingMesh>().is_some()
+}
+
+/// Ends a walk once something is so.
+pub(super) fn end_if(is_so: bool) -> ControlFlow<()> {
+    if is_so {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
     }
 }
 

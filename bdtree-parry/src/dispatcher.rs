@@ -4,7 +4,7 @@ use std::ops::ControlFlow::{Break, Continue};
 
 use bdtree_runtime::TrianglePair;
 
-use super::composite::{Nearness, PartPair, holds_mesh, part_pairs};
+use super::composite::{Nearness, PartPair, end_if, holds_mesh, part_pairs};
 use super::near::bounds;
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::{
@@ -129,53 +129,41 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
         shape1: &dyn Shape,
         shape2: &dyn Shape,
     ) -> Result<ShapeIntersection, Unsupported> {
-        if !holds_mesh(shape1) && !holds_mesh(shape2) {
+        if !holds_mesh([shape1, shape2]) {
             return self.inner.intersection_test(pos12, shape1, shape2);
         }
         let mut answer = Ok(ShapeIntersection::new(false));
         part_pairs(pos12, shape1, shape2, Nearness::within(0.0), &mut |pair| {
+            let mut is_found = false;
             if let Some(both) = meshes(&pair.one, &pair.two) {
-                let mut first: Vec<TrianglePair> = Vec::new();
-                let touches = ask_pair(both, &pair.pos12, |query| {
-                    let touches = query.intersects()?;
-                    if touches {
-                        query.triangle_pairs(0.0, &mut first)?;
-                    }
-                    Ok(touches)
-                });
-                if let (Some(true), Some(first)) = (touches, first.iter().min()) {
-                    let (a, b) = (first.triangle1.0, first.triangle2.0);
-                    let (a, b) = (pair.one.subshape(a), pair.two.subshape(b));
+                // The first pair of triangles that share a point.
+                let found = ask_pair(both, &pair.pos12, |query| query.closest_points(0.0));
+                if let Some(Some(found)) = found {
+                    let a = pair.one.subshape(found.triangle1.0);
+                    let b = pair.two.subshape(found.triangle2.0);
                     answer = Ok(ShapeIntersection::new(true).with_subshapes(a, b));
+                    is_found = true;
                 }
-            } else {
-                let reach = |mesh: &DeformingMesh, other: &dyn Shape, pos: &Pose| {
-                    mesh.reach_of(other, pos, 0.0)
-                };
-                convex_pairs(pair, &reach, false, &mut |convex| {
-                    let (a, b) = (convex.shape1, convex.shape2);
-                    answer = self
-                        .inner
-                        .intersection_test(&pair.pos12, a, b)
-                        .map(|found| found.with_subshapes(convex.subshape1, convex.subshape2));
-                    match answer {
-                        Ok(found) if !found.intersecting => Continue(()),
-                        _ => Break(()),
+                return end_if(is_found);
+            }
+            let reach = |mesh: &DeformingMesh, other: &dyn Shape, pos: &Pose| {
+                mesh.reach_of(other, pos, 0.0)
+            };
+            convex_pairs(pair, &reach, false, &mut |convex| {
+                let (a, b) = (convex.shape1, convex.shape2);
+                match self.inner.intersection_test(&pair.pos12, a, b) {
+                    Ok(found) if !found.intersecting => return Continue(()),
+                    Ok(found) => {
+                        answer = Ok(found.with_subshapes(convex.subshape1, convex.subshape2));
                     }
-                });
-            }
-            match answer {
-                Ok(found) if !found.intersecting => Continue(()),
-                _ => Break(()),
-            }
+                    Err(Unsupported) => answer = Err(Unsupported),
+                }
+                is_found = true;
+                Break(())
+            });
+            end_if(is_found)
         });
-        answer.map(|found| {
-            if found.intersecting {
-                found
-            } else {
-                ShapeIntersection::new(false)
-            }
-        })
+        answer
     }
 
     fn distance(
@@ -184,7 +172,7 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
         shape1: &dyn Shape,
         shape2: &dyn Shape,
     ) -> Result<ShapeDistance, Unsupported> {
-        if !holds_mesh(shape1) && !holds_mesh(shape2) {
+        if !holds_mesh([shape1, shape2]) {
             return self.inner.distance(pos12, shape1, shape2);
         }
         let mut nearest = Nearest {
@@ -214,14 +202,10 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
                         Ok(of) => nearest.take(of.distance, convex.subshape1, convex.subshape2),
                         Err(Unsupported) => failed = true,
                     }
-                    if failed { Break(()) } else { Continue(()) }
+                    end_if(failed)
                 });
             }
-            if failed || nearest.touches() {
-                Break(())
-            } else {
-                Continue(())
-            }
+            end_if(failed || nearest.touches())
         });
         match nearest.found {
             Some(best) if !failed => Ok(best),
@@ -236,7 +220,7 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
         shape2: &dyn Shape,
         prediction: Real,
     ) -> Result<Option<Contact>, Unsupported> {
-        if !holds_mesh(shape1) && !holds_mesh(shape2) {
+        if !holds_mesh([shape1, shape2]) {
             return self.inner.contact(pos12, shape1, shape2, prediction);
         }
         let mut best: Option<Contact> = None;
@@ -255,7 +239,7 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
                     Ok(_) => {}
                     Err(Unsupported) => failed = true,
                 }
-                if failed { Break(()) } else { Continue(()) }
+                end_if(failed)
             };
             if let Some(both) = meshes(&pair.one, &pair.two) {
                 let mut ids: Vec<TrianglePair> = Vec::new();
@@ -289,7 +273,7 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
                     ask(convex.shape1, convex.shape2, ids)
                 });
             }
-            if failed { Break(()) } else { Continue(()) }
+            end_if(failed)
         });
         if failed { Err(Unsupported) } else { Ok(best) }
     }
@@ -301,7 +285,7 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
         shape2: &dyn Shape,
         max_dist: Real,
     ) -> Result<ClosestPoints, Unsupported> {
-        if !holds_mesh(shape1) && !holds_mesh(shape2) {
+        if !holds_mesh([shape1, shape2]) {
             return self.inner.closest_points(pos12, shape1, shape2, max_dist);
         }
         let mut now = max_dist.min(upper_bound(pos12, shape1, shape2));
@@ -353,14 +337,10 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
                         }
                         Err(Unsupported) => failed = true,
                     }
-                    if failed { Break(()) } else { Continue(()) }
+                    end_if(failed)
                 });
             }
-            if failed || best.is_some_and(|best| best.0 == 0.0) {
-                Break(())
-            } else {
-                Continue(())
-            }
+            end_if(failed || best.is_some_and(|best| best.0 == 0.0))
         });
         match best {
             _ if failed => Err(Unsupported),
@@ -378,7 +358,7 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
         shape2: &dyn Shape,
         options: ShapeCastOptions,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        if !holds_mesh(shape1) && !holds_mesh(shape2) {
+        if !holds_mesh([shape1, shape2]) {
             return self
                 .inner
                 .cast_shapes(pos12, local_vel12, shape1, shape2, options);
@@ -397,7 +377,7 @@ impl<D: QueryDispatcher> QueryDispatcher for MeshDispatcher<D> {
         stop_at_penetration: bool,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
         let times = [start_time, end_time];
-        if !holds_mesh(shape1) && !holds_mesh(shape2) {
+        if !holds_mesh([shape1, shape2]) {
             return self.inner.cast_shapes_nonlinear(
                 motion1,
                 shape1,

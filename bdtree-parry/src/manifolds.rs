@@ -1,10 +1,10 @@
 //! Contact manifolds: the points of all triangles in contact, grouped by normal, with ids that last from step to step.
 
-use std::ops::ControlFlow::{Break, Continue};
+use std::ops::ControlFlow::Continue;
 
 use bdtree_runtime::ContactManifold as Region;
 
-use super::composite::{Nearness, PartPair, holds_mesh, part_pairs};
+use super::composite::{Nearness, PartPair, end_if, holds_mesh, part_pairs};
 use super::dispatcher::MeshDispatcher;
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::NormalConstraints;
@@ -76,7 +76,7 @@ where
         manifolds: &mut Vec<ContactManifold<M, C>>,
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
-        if !holds_mesh(shape1) && !holds_mesh(shape2) {
+        if !holds_mesh([shape1, shape2]) {
             return self
                 .inner
                 .contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
@@ -105,9 +105,9 @@ where
                 );
                 failed |= found.is_err();
                 collect(pair, convex, &manifold, prediction, &mut points);
-                if failed { Break(()) } else { Continue(()) }
+                end_if(failed)
             });
-            if failed { Break(()) } else { Continue(()) }
+            end_if(failed)
         });
         if failed {
             manifolds.clear();

@@ -190,16 +190,12 @@ pub(super) fn modes(
             let text = format!("mode {k} has no frequency or modal mass: no contact can move it");
             return Err(ShapeError::Dynamics(text));
         }
-        let oscillator = Oscillator {
-            omega_rad_s,
-            decay_per_s: options.damping.decay_per_s(omega_rad_s),
-        };
-        let range = f64::from(record.q_range.get()) * options.strain_limit;
+        let oscillator = options.damping.oscillator(omega_rad_s);
         Ok(Mode {
             transition: transition(&oscillator, 1.0 / 60.0)?,
             oscillator,
             mass: kg * model.scale() * model.scale(),
-            limit: StrainLimit(range.min(f64::from(record.q_limit.get()))),
+            limit: StrainLimit::of_mode(record, options.strain_limit),
             reach: f64::from(record.field_norm_max.get()) * world_per_stored,
         })
     });

@@ -46,7 +46,7 @@ pub struct FlexibleOptions {
     /// Limit of q in multiples of each mode's `q_range`; never above `q_limit`. Default 1.
     pub strain_limit: f64,
     /// The collider gets the mesh at the new q once a vertex may have moved by this since the last time, world units. Smaller
-    /// changes let rapier go on with the contacts that it has. Default 1e-3 of the body's size.
+    /// changes let rapier go on with the contacts that it has. Default 1e-3 of the radius of its bounding sphere.
     pub tolerance: Option<f64>,
     /// Of the collider; default 0.5.
     pub friction: Real,
@@ -127,14 +127,14 @@ impl FlexibleBodies {
         let frame = frames.insert(frame);
         let collider = collider.friction(options.friction);
         let handle = colliders.insert_with_parent(collider, frame, frames);
-        let size = f64::from(mesh.sphere().radius);
+        let radius = f64::from(mesh.sphere().radius);
         let body = Body {
             frame,
             state: vec![[0.0; 2]; modes.len()],
             touches: Vec::new(),
             is_touched: false,
             mass,
-            tolerance: options.tolerance.unwrap_or(1e-3 * size),
+            tolerance: options.tolerance.unwrap_or(1e-3 * radius),
             modes,
             mesh,
             store: 0.0,
@@ -299,28 +299,34 @@ impl FlexibleBodies {
     /// Deforms a body: amplitudes and rates (1/s) of its modes. The collider gets them with the next step.
     ///
     /// # Errors
-    /// Another number of modes than the body has, numbers that are not finite or at the strain limit.
+    /// A collider of no body here, another number of modes than the body has, numbers that are not finite or at the strain limit.
     pub fn set_modes(
         &mut self,
         collider: ColliderHandle,
         amplitudes: &[f64],
         rates: &[f64],
     ) -> Result<(), ShapeError> {
-        let refused =
-            || ShapeError::Dynamics("modes: not one finite number below the limit each".into());
-        let body = self.bodies.get_mut(&collider).ok_or_else(refused)?;
-        if amplitudes.len() != body.modes.len() || rates.len() != body.modes.len() {
-            return Err(refused());
+        let refused = |text: String| ShapeError::Dynamics(text);
+        let Some(body) = self.bodies.get_mut(&collider) else {
+            return Err(refused(format!("no body has the collider {collider:?}")));
+        };
+        let expected = body.modes.len();
+        for (what, found) in [("amplitudes", amplitudes.len()), ("rates", rates.len())] {
+            if found != expected {
+                return Err(refused(format!("{found} {what} for {expected} modes")));
+            }
         }
-        let mut state = Vec::with_capacity(body.modes.len());
-        for ((mode, q), rate) in body.modes.iter().zip(amplitudes).zip(rates) {
-            let s = mode
-                .limit
-                .s(*q)
-                .filter(|s| s.is_finite())
-                .ok_or_else(refused)?;
+        let mut state = Vec::with_capacity(expected);
+        let each = body.modes.iter().zip(amplitudes).zip(rates);
+        for (k, ((mode, q), rate)) in each.enumerate() {
+            let limit = mode.limit.0;
+            let Some(s) = mode.limit.s(*q).filter(|s| s.is_finite()) else {
+                return Err(refused(format!(
+                    "mode {k}: |q| of {q} is not below {limit}"
+                )));
+            };
             if !rate.is_finite() {
-                return Err(refused());
+                return Err(refused(format!("mode {k}: a rate of {rate}")));
             }
             state.push([s, rate / mode.limit.slope(s)]);
         }

@@ -35,8 +35,6 @@ pub(super) fn convex_pairs(
     visit: &mut dyn FnMut(&ConvexPair<'_>) -> ControlFlow<()>,
 ) {
     let PartPair { one, two, pos12 } = pair;
-    let of_one = |triangle| one.subshape(triangle);
-    let of_two = |triangle| two.subshape(triangle);
     if let Some(mesh) = one.mesh() {
         let ids = mesh.triangles_in(&reach(mesh, two.shape, pos12));
         each_triangle(mesh, &ids, has_normals, &mut |id, triangle, normals| {
@@ -45,7 +43,7 @@ pub(super) fn convex_pairs(
                 shape2: two.shape,
                 normals1: normals,
                 normals2: two.normals,
-                subshape1: of_one(id),
+                subshape1: one.subshape(id),
                 subshape2: two.id,
                 triangle1: Some(id),
                 triangle2: None,
@@ -60,7 +58,7 @@ pub(super) fn convex_pairs(
                 normals1: one.normals,
                 normals2: normals,
                 subshape1: one.id,
-                subshape2: of_two(id),
+                subshape2: two.subshape(id),
                 triangle1: None,
                 triangle2: Some(id),
             })

@@ -7,7 +7,7 @@ use super::parry::query::{
     ClosestPoints, ContactManifold, DefaultQueryDispatcher, NonlinearRigidMotion,
     PersistentQueryDispatcher, QueryDispatcher, ShapeCastOptions, Unsupported,
 };
-use super::parry::shape::{Cuboid, SharedShape, TriMesh, TriMeshFlags, Triangle, VoxelType};
+use super::parry::shape::{Cuboid, Shape, SharedShape, TriMesh, TriMeshFlags, Triangle, VoxelType};
 
 pub(crate) type Answer<T> = Result<T, Unsupported>;
 
@@ -77,47 +77,26 @@ impl Surface {
         Self { triangles, mesh }
     }
 
-    /// The triangle's element, in the order that is tested.
-    fn pair<T>(
-        &self,
-        (place, other): &Element,
-        pos: &Pose,
-        is_swapped: bool,
-        mut ask: impl FnMut(
-            usize,
-            &Pose,
-            &dyn super::parry::shape::Shape,
-            &dyn super::parry::shape::Shape,
-        ) -> T,
-    ) -> Vec<T> {
-        let pos12 = *pos * *place;
-        let ask = |k: usize| match is_swapped {
-            false => ask(k, &pos12, &self.triangles[k], &**other),
-            true => ask(
-                k,
-                &(place.inverse() * pos.inverse()),
-                &**other,
-                &self.triangles[k],
-            ),
-        };
-        (0..self.triangles.len()).map(ask).collect()
-    }
-
+    /// What is asked of every triangle and every element of the other shape, in the order that is tested.
     fn all<T>(
         &self,
         others: &[Element],
         pos: &Pose,
         is_swapped: bool,
-        mut ask: impl FnMut(
-            usize,
-            &Pose,
-            &dyn super::parry::shape::Shape,
-            &dyn super::parry::shape::Shape,
-        ) -> Answer<T>,
+        mut ask: impl FnMut(&Pose, &dyn Shape, &dyn Shape) -> Answer<T>,
     ) -> Answer<Vec<T>> {
-        let each = others.iter();
-        each.flat_map(|other| self.pair(other, pos, is_swapped, &mut ask))
-            .collect()
+        let mut answers = Vec::new();
+        for (place, other) in others {
+            let pos12 = *pos * *place;
+            let pos21 = place.inverse() * pos.inverse();
+            for triangle in &self.triangles {
+                answers.push(match is_swapped {
+                    false => ask(&pos12, triangle, &**other)?,
+                    true => ask(&pos21, &**other, triangle)?,
+                });
+            }
+        }
+        Ok(answers)
     }
 
     pub(crate) fn intersects(
@@ -126,7 +105,7 @@ impl Surface {
         pos: &Pose,
         is_swapped: bool,
     ) -> Answer<bool> {
-        let all = self.all(others, pos, is_swapped, |_, pos12, a, b| {
+        let all = self.all(others, pos, is_swapped, |pos12, a, b| {
             DefaultQueryDispatcher.intersection_test(pos12, a, b)
         })?;
         Ok(all.iter().any(|found| found.intersecting))
@@ -138,7 +117,7 @@ impl Surface {
         pos: &Pose,
         is_swapped: bool,
     ) -> Answer<Real> {
-        let all = self.all(others, pos, is_swapped, |_, pos12, a, b| {
+        let all = self.all(others, pos, is_swapped, |pos12, a, b| {
             DefaultQueryDispatcher.distance(pos12, a, b)
         })?;
         Ok(all
@@ -154,7 +133,7 @@ impl Surface {
         is_swapped: bool,
         prediction: Real,
     ) -> Answer<Option<Real>> {
-        let all = self.all(others, pos, is_swapped, |_, pos12, a, b| {
+        let all = self.all(others, pos, is_swapped, |pos12, a, b| {
             // With the half-space second parry 0.31 takes the pose for its inverse.
             if b.as_halfspace().is_some() {
                 return DefaultQueryDispatcher.contact(&pos12.inverse(), b, a, prediction);
@@ -176,7 +155,7 @@ impl Surface {
         is_swapped: bool,
         limit: Real,
     ) -> Answer<Option<Real>> {
-        let all = self.all(others, pos, is_swapped, |_, pos12, a, b| {
+        let all = self.all(others, pos, is_swapped, |pos12, a, b| {
             let found = DefaultQueryDispatcher.closest_points(pos12, a, b, limit)?;
             Ok(apart(found, pos12))
         })?;
@@ -195,7 +174,7 @@ impl Surface {
         velocity: Vector,
         options: ShapeCastOptions,
     ) -> Answer<Option<Real>> {
-        let all = self.all(others, pos, is_swapped, |_, pos12, a, b| {
+        let all = self.all(others, pos, is_swapped, |pos12, a, b| {
             DefaultQueryDispatcher.cast_shapes(pos12, velocity, a, b, options)
         })?;
         let times = all.iter().flatten().map(|hit| hit.time_of_impact);

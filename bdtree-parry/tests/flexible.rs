@@ -18,7 +18,7 @@ mod heap;
 /// The chair with six vibration modes; baked once.
 fn chair() -> &'static Model {
     static CHAIR: OnceLock<Model> = OnceLock::new();
-    CHAIR.get_or_init(|| bake::elastic("chair", 6, 30))
+    CHAIR.get_or_init(|| bake::elastic("chair", 6, 30, &[]))
 }
 
 fn ground() -> PhysicsWorld {
@@ -175,8 +175,13 @@ fn what_cannot_vibrate_is_refused() {
         ..FlexibleOptions::default()
     };
     let (_, collider) = insert(&rigid).expect("a rigid body");
-    assert!(flexible.set_modes(collider, &[0.0], &[0.0]).is_err());
+    let refused = |flexible: &mut FlexibleBodies| {
+        let refused = flexible.set_modes(collider, &[0.0], &[0.0]);
+        refused.expect_err("no modes").to_string()
+    };
+    assert_eq!(refused(&mut flexible), "1 amplitudes for 0 modes");
     assert!(flexible.remove(collider) && !flexible.remove(collider));
+    assert!(refused(&mut flexible).starts_with("no body has the collider"));
 }
 
 /// A body that was bent and let go swings as its frequency says.
@@ -189,6 +194,15 @@ fn modes_swing() {
     let (_, collider) = standing(&mut world, &mut flexible, 0.0);
     let omega = chair().asset().modes()[0].omega_rad_s.get();
     let mut start = vec![0.0; 6];
+    start[1] = f64::NAN;
+    let refused = flexible.set_modes(collider, &start, &[0.0; 6]);
+    assert!(
+        refused
+            .expect_err("NaN")
+            .to_string()
+            .starts_with("mode 1: ")
+    );
+    start = vec![0.0; 6];
     start[0] = 0.01;
     flexible
         .set_modes(collider, &start, &[0.0; 6])

@@ -78,9 +78,9 @@ pub(super) struct Body {
     pub(super) is_under_way: bool,
     /// Half of how its center moves in the step without contacts.
     pub(super) way: Vector3<f64>,
-    /// What turning moves any contact sphere by from the middle of the step to either end, and what modes do if contacts move them as
-    /// in the step before.
+    /// What turning moves any contact sphere by from the middle of the step to either end.
     pub(super) swing: f64,
+    /// What modes do, if contacts move them as in the step before.
     pub(super) ripple: f64,
     /// How far contact spheres may be from the snapshot within the step.
     pub(super) far: f64,

@@ -99,7 +99,8 @@ impl World {
         };
         for (j, mode) in model.modes.iter().enumerate() {
             let at = body.start + j;
-            // Without contacts, what is bent would spring back within one step.
+            // Without contacts, what is bent would spring back within one step. Regions are looked for in parts of a step, each as
+            // long as this motion allows: it may not depend on what contacts did in a part of another length.
             let held = if model.contact == ContactShape::Regions {
                 0.0
             } else {
