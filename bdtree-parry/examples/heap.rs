@@ -1,6 +1,6 @@
 //! Lets chairs fall on a heap under rapier, flexible ones and then ones at q = 0, and prints what a step takes.
 //!
-//!     cargo run --release -p bdtree-parry --features rapier --example heap -- 100 10 target/chair.bdt
+//!     cargo run --release -p bdtree-parry --features rapier --example heap -- 24 4
 //!
 //! Arguments: chairs (4), simulated seconds (1), file (the chair of the fixtures, baked coarsely).
 
