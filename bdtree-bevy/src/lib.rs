@@ -1,0 +1,13 @@
+//! Deforming meshes in Bevy: `.bdt` files as assets, poses as components, and collision and proximity queries that are
+//! answered from the pose without deforming the mesh.
+//!
+//! Add [`BdtreePlugin`], load a [`BdtModel`] with Bevy's `AssetServer`, and give an entity a [`DeformingMesh`]. Write what
+//! moves it to its [`Deformation`].
+
+mod asset;
+mod plugin;
+mod pose;
+
+pub use asset::{BdtLoadError, BdtLoader, BdtModel};
+pub use plugin::{BdtreePlugin, BdtreeSystems};
+pub use pose::{Deformation, DeformedInstance, DeformingMesh};

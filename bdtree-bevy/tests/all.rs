@@ -1,0 +1,3 @@
+//! What `bdtree-bevy` promises.
+
+mod loading;
