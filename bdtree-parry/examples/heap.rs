@@ -59,7 +59,8 @@ pub struct Heap {
 }
 
 impl Heap {
-    /// Chairs in layers of four, each turned another way, that fall from up to half a meter above each other.
+    /// Chairs in layers, each turned another way, that fall from up to half a meter above each other: four in a layer, more where
+    /// there would be more than twice as many layers as rows.
     pub fn new(
         model: &DeformingModel,
         count: usize,
@@ -67,7 +68,8 @@ impl Heap {
     ) -> Result<Self, Box<dyn std::error::Error>> {
         let mut world = PhysicsWorld::new();
         world.narrow_phase = NarrowPhase::with_query_dispatcher(MeshDispatcher::new());
-        let half = 1.5;
+        let rows = (count as f32 / 2.0).cbrt().round().max(2.0);
+        let half = 0.7 * rows + 0.1;
         world.insert_collider(
             ColliderBuilder::cuboid(20.0, 0.5, 20.0).translation(Vector::new(0.0, -0.5, 0.0)),
             None,
@@ -85,14 +87,24 @@ impl Heap {
         };
         let mut chairs = Vec::new();
         for k in 0..count {
-            let (layer, place) = (k / 4, k % 4);
+            let rows = rows as usize;
+            let (layer, place) = (k / (rows * rows), k % (rows * rows));
+            let across = |row: usize| 1.4 * (row as f32 - (rows - 1) as f32 / 2.0);
             let at = Vector::new(
-                0.7 * if place % 2 == 0 { -1.0 } else { 1.0 } + 0.03 * (layer % 3) as f32,
-                0.1 + 1.1 * layer as f32 + 0.05 * place as f32,
-                0.7 * if place / 2 == 0 { -1.0 } else { 1.0 },
+                across(place % rows) + 0.03 * (layer % 3) as f32,
+                0.1 + 1.1 * layer as f32 + 0.05 * (place % 4) as f32,
+                across(place / rows),
             );
-            let turn = Vector::new(0.1 * place as f32, 0.9 * k as f32, 0.07 * layer as f32);
-            let frame = RigidBodyBuilder::dynamic().translation(at).rotation(turn);
+            let turn = Vector::new(
+                0.1 * (place % 4) as f32,
+                0.9 * k as f32,
+                0.07 * layer as f32,
+            );
+            // They fall by more than their legs are thick in a step: contacts are looked for as far ahead.
+            let frame = RigidBodyBuilder::dynamic()
+                .translation(at)
+                .rotation(turn)
+                .soft_ccd_prediction(0.2);
             let (bodies, colliders) = (&mut world.bodies, &mut world.colliders);
             chairs.push(flexible.insert(model, &options, frame, bodies, colliders)?);
         }

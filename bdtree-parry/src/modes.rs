@@ -5,14 +5,23 @@ use bdtree_dynamics::{Oscillator, StrainLimit, Transition};
 use super::parry::math::Vector;
 use super::physics::FlexibleOptions;
 use super::points::{wide, with_workspace};
-use super::rapier::dynamics::RigidBodyHandle;
+use super::rapier::dynamics::{RigidBody, RigidBodyHandle};
 use super::shape::DeformingMesh;
 use crate::error::ShapeError;
 use crate::model::DeformingModel;
 
-/// How stiff contacts are taken for, in multiples of the body's mass over the square of the step. rapier stops what approaches
-/// within about a step, which is 1, but by more points than hold in the end: from 30 on chairs on a floor come to rest.
-const STIFFNESS: f64 = 100.0;
+/// How stiff contacts are taken for, per mass of the body, 1/s². Contacts of rapier are springs of 60 Hz against fixed bodies
+/// and of 30 Hz against others: four of the former are 5.7e5. From 1e5 on chairs on a floor come to rest.
+const STIFFNESS: f64 = 3.6e5;
+
+/// Modes rest once frame and surface have been slower than this multiple of rapier's threshold for sleep...
+const SLOW: f64 = 4.0;
+
+/// ...for so many seconds...
+const REST_AFTER_S: f64 = 0.25;
+
+/// ...until they are faster than this multiple of that speed: neighbors that settle do not wake them, and hits do.
+const HIT: f64 = 3.0;
 
 /// One mode of a body.
 #[derive(Debug, Clone)]
@@ -53,6 +62,8 @@ pub(super) struct Body {
     pub(super) tolerance: f64,
     /// Joules that contacts have destroyed and modes have not taken.
     pub(super) store: f64,
+    /// For how many seconds frame and surface have been slow while something touched them.
+    pub(super) slow_s: f64,
 }
 
 impl Body {
@@ -75,6 +86,42 @@ impl Body {
         pose.add_generalized_force(found.triangle, found.barycentric, direction, &mut moves)?;
         self.touches.push(Touch { force: size, moves });
         Ok(())
+    }
+
+    /// Whether its modes rest.
+    pub(super) fn rests(&self) -> bool {
+        self.slow_s >= REST_AFTER_S
+    }
+
+    /// Lets modes rest, or go on, by how fast the frame and the surface are. Every new shape makes rapier find contacts anew,
+    /// whose points are not quite the old ones, so that bodies that go on deforming a little never sleep.
+    pub(super) fn settle(&mut self, frame: &RigidBody, step_s: f64) {
+        let radius = f64::from(self.mesh.sphere().radius);
+        let turning = f64::from(frame.angvel().length()) * radius;
+        let frame_speed = f64::from(frame.linvel().length()) + turning;
+        let each = self.modes.iter().zip(&self.state);
+        let surface_speed: f64 = each
+            .map(|(mode, [s, rate])| (mode.limit.slope(*s) * rate).abs() * mode.reach)
+            .sum();
+        let hit = if self.rests() { HIT } else { 1.0 };
+        // Negative where the body shall never sleep.
+        let limit = hit * SLOW * f64::from(frame.activation().normalized_linear_threshold);
+        let is_held = self.rests() || !self.touches.is_empty();
+        if is_held && frame_speed.max(surface_speed) < limit {
+            self.slow_s += step_s;
+        } else {
+            self.slow_s = 0.0;
+        }
+        if self.rests() {
+            self.stop();
+        }
+    }
+
+    /// No mode moves any more.
+    pub(super) fn stop(&mut self) {
+        for [_, rate] in &mut self.state {
+            *rate = 0.0;
+        }
     }
 
     /// One step of all modes under the forces, scaled down so that they bring no more energy than the store has.
@@ -125,7 +172,7 @@ impl Body {
             }
         }
         // A force that follows the mode at this stiffness within a step is that of a damper of stiffness times step.
-        let decay = 0.5 * STIFFNESS * self.mass / step_s;
+        let decay = 0.5 * STIFFNESS * self.mass * step_s;
         for (mode, row) in self.modes.iter_mut().zip(&rows) {
             let oscillator = Oscillator {
                 decay_per_s: mode.oscillator.decay_per_s + decay * row,

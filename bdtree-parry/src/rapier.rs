@@ -9,6 +9,8 @@
 //! * A contact whose depth a mode changes would push back too late and too hard. So modes are damped while they are touched, as
 //!   if the force already followed the mode within the step ([`STIFFNESS`]). Where modes rest, that changes nothing; they
 //!   take longer to get there.
+//! * Modes rest once frame and surface are slow and something touches them, as rapier's bodies sleep: q stays, until something
+//!   hits the body. What is left of their way to equilibrium is not gone.
 //! * So that a contact cannot bring more energy into modes than it took from the motion of frames, each body has a store: what
 //!   contacts of rapier destroy is paid in, what modes take is paid from it, and forces on modes are scaled down where it
 //!   does not suffice.
@@ -36,6 +38,9 @@ const STORE_HALF_LIFE_S: f64 = 0.25;
 /// How much of what contacts destroy modes may take: what rapier's corrections of positions add is not known.
 const LENT: f64 = 0.5;
 
+/// How far a vertex may be off in the collider, in radii of the mesh's bounding sphere.
+const TOLERANCE: f64 = 5e-3;
+
 /// How a body deforms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlexibleOptions {
@@ -46,7 +51,8 @@ pub struct FlexibleOptions {
     /// Limit of q in multiples of each mode's `q_range`; never above `q_limit`. Default 1.
     pub strain_limit: f64,
     /// The collider gets the mesh at the new q once a vertex may have moved by this since the last time, world units. Smaller
-    /// changes let rapier go on with the contacts that it has. Default 1e-3 of the radius of its bounding sphere.
+    /// changes let rapier go on with the contacts that it has. Default 5e-3 of the radius of its bounding sphere: rapier itself
+    /// keeps contacts of bodies that have moved by up to 5 cm.
     pub tolerance: Option<f64>,
     /// Of the collider; default 0.5.
     pub friction: Real,
@@ -134,10 +140,11 @@ impl FlexibleBodies {
             touches: Vec::new(),
             is_touched: false,
             mass,
-            tolerance: options.tolerance.unwrap_or(1e-3 * radius),
+            tolerance: options.tolerance.unwrap_or(TOLERANCE * radius),
             modes,
             mesh,
             store: 0.0,
+            slow_s: 0.0,
         };
         self.bodies.insert(handle, body);
         Ok((frame, handle))
@@ -207,8 +214,17 @@ impl FlexibleBodies {
         let forgets = 0.5_f64.powf(step_s / STORE_HALF_LIFE_S);
         for (handle, body) in &mut self.bodies {
             body.store *= forgets;
-            let is_asleep = frames.get(body.frame).is_none_or(RigidBody::is_sleeping);
-            if is_asleep || body.modes.is_empty() {
+            let Some(frame) = frames.get(body.frame) else {
+                continue;
+            };
+            if frame.is_sleeping() {
+                body.stop();
+            }
+            if frame.is_sleeping() || body.modes.is_empty() {
+                continue;
+            }
+            body.settle(frame, step_s);
+            if body.rests() {
                 continue;
             }
             body.advance(step_s)?;
@@ -232,7 +248,15 @@ impl FlexibleBodies {
         step_s: f64,
     ) -> Result<(), ShapeError> {
         let sides = [pair.collider1, pair.collider2];
-        if !sides.iter().any(|side| self.bodies.contains_key(side)) {
+        // What sleeps or rests takes no forces.
+        let is_moved = |side: &ColliderHandle| {
+            self.bodies.get(side).is_some_and(|body| {
+                let frame = frames.get(body.frame);
+                frame.is_some_and(|frame| !frame.is_sleeping()) && !body.rests()
+            })
+        };
+        let moved = sides.map(|side| is_moved(&side));
+        if moved == [false; 2] {
             return Ok(());
         }
         let [Some(one), Some(two)] = sides.map(|side| colliders.get(side)) else {
@@ -266,7 +290,8 @@ impl FlexibleBodies {
                 let apart = |k: usize| velocities[1][k].at(at) - velocities[0][k].at(at);
                 lost -= 0.5 * f64::from(impulse.dot(apart(0) + apart(1)));
                 for (side, collider, sign) in [(0, one, -1.0), (1, two, 1.0)] {
-                    let Some(body) = self.bodies.get_mut(&sides[side]) else {
+                    let Some(body) = self.bodies.get_mut(&sides[side]).filter(|_| moved[side])
+                    else {
                         continue;
                     };
                     let own = collider.position().rotation.inverse() * impulse * sign;
@@ -274,13 +299,10 @@ impl FlexibleBodies {
                 }
             }
         }
-        let flexible: Vec<_> = sides
-            .into_iter()
-            .filter(|side| self.bodies.contains_key(side))
-            .collect();
-        for side in &flexible {
-            if let Some(body) = self.bodies.get_mut(side) {
-                body.store += LENT * lost.max(0.0) / flexible.len() as f64;
+        let sharers = moved.iter().filter(|is_moved| **is_moved).count() as f64;
+        for side in 0..2 {
+            if let Some(body) = self.bodies.get_mut(&sides[side]).filter(|_| moved[side]) {
+                body.store += LENT * lost.max(0.0) / sharers;
             }
         }
         Ok(())
@@ -331,6 +353,7 @@ impl FlexibleBodies {
             state.push([s, rate / mode.limit.slope(s)]);
         }
         body.state = state;
+        body.slow_s = 0.0;
         Ok(())
     }
 

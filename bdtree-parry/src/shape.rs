@@ -200,8 +200,10 @@ impl Shape for DeformingMesh {
         TypedShape::Custom(self)
     }
 
+    /// rapier sweeps what moves by more than half of it in a step. It never sweeps the meshes of parry; at 0 it would sweep
+    /// this one in every step.
     fn ccd_thickness(&self) -> Real {
-        0.0
+        self.model().half_thickness() as Real
     }
 
     fn ccd_angular_thickness(&self) -> Real {
