@@ -2,7 +2,7 @@
 
 use bdtree_dynamics::{Oscillator, StrainLimit, Transition};
 
-use super::parry::math::Vector;
+use super::parry::math::{Real, Vector};
 use super::physics::FlexibleOptions;
 use super::points::{wide, with_workspace};
 use super::rapier::dynamics::{RigidBody, RigidBodyHandle};
@@ -62,8 +62,14 @@ pub(super) struct Body {
     pub(super) tolerance: f64,
     /// Joules that contacts have destroyed and modes have not taken.
     pub(super) store: f64,
-    /// For how many seconds frame and surface have been slow while something touched them.
+    /// Whether something touches it in this step, also while it rests.
+    pub(super) is_held: bool,
+    /// For how many seconds frame and surface have been slow while something touched them, at most twice [`REST_AFTER_S`].
     pub(super) slow_s: f64,
+    /// Linear and angular velocity of the frame, and `state`, averaged over about [`REST_AFTER_S`]: what only shakes does not
+    /// get anywhere.
+    pub(super) drift: [Vector; 2],
+    pub(super) mean_state: Vec<[f64; 2]>,
 }
 
 impl Body {
@@ -93,28 +99,49 @@ impl Body {
         self.slow_s >= REST_AFTER_S
     }
 
-    /// Lets modes rest, or go on, by how fast the frame and the surface are. Every new shape makes rapier find contacts anew,
-    /// whose points are not quite the old ones, so that bodies that go on deforming a little never sleep.
+    /// Lets modes rest where they are on average, or go on, by how fast the frame and the surface are. Every new shape makes
+    /// rapier find contacts anew, whose points are not quite the old ones: bodies that may go on deforming a little shake each
+    /// other and never sleep.
     pub(super) fn settle(&mut self, frame: &RigidBody, step_s: f64) {
-        let radius = f64::from(self.mesh.sphere().radius);
-        let turning = f64::from(frame.angvel().length()) * radius;
-        let frame_speed = f64::from(frame.linvel().length()) + turning;
-        let each = self.modes.iter().zip(&self.state);
-        let surface_speed: f64 = each
-            .map(|(mode, [s, rate])| (mode.limit.slope(*s) * rate).abs() * mode.reach)
-            .sum();
-        let hit = if self.rests() { HIT } else { 1.0 };
+        let share = (step_s / REST_AFTER_S).min(1.0);
+        let now = [frame.linvel(), frame.angvel()];
+        for (mean, now) in self.drift.iter_mut().zip(now) {
+            *mean += (now - *mean) * share as Real;
+        }
+        for (mean, now) in self.mean_state.iter_mut().zip(&self.state) {
+            for (mean, now) in mean.iter_mut().zip(now) {
+                *mean += (now - *mean) * share;
+            }
+        }
         // Negative where the body shall never sleep.
-        let limit = hit * SLOW * f64::from(frame.activation().normalized_linear_threshold);
-        let is_held = self.rests() || !self.touches.is_empty();
-        if is_held && frame_speed.max(surface_speed) < limit {
+        let slow = SLOW * f64::from(frame.activation().normalized_linear_threshold);
+        if self.rests() {
+            // A hit shows at once; what lets go of the body may only have lost it for a step.
+            if self.speed(now, &self.state) >= HIT * slow {
+                self.slow_s = 0.0;
+            } else if self.is_held {
+                self.slow_s = (self.slow_s + step_s).min(2.0 * REST_AFTER_S);
+            } else {
+                self.slow_s -= step_s;
+            }
+        } else if self.is_held && self.speed(self.drift, &self.mean_state) < slow {
             self.slow_s += step_s;
+            if self.rests() {
+                self.state.copy_from_slice(&self.mean_state);
+                self.stop();
+            }
         } else {
             self.slow_s = 0.0;
         }
-        if self.rests() {
-            self.stop();
-        }
+    }
+
+    /// No point of the body is faster than this.
+    fn speed(&self, [linear, angular]: [Vector; 2], state: &[[f64; 2]]) -> f64 {
+        let turning = angular.length() * self.mesh.sphere().radius;
+        let modes = self.modes.iter().zip(state);
+        let surface =
+            modes.map(|(mode, [s, rate])| (mode.limit.slope(*s) * rate).abs() * mode.reach);
+        f64::from(linear.length() + turning) + surface.sum::<f64>()
     }
 
     /// No mode moves any more.

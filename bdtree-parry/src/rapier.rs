@@ -25,7 +25,7 @@ use super::parry::shape::SharedShape;
 use super::points::wide;
 use super::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
 use super::rapier::geometry::{
-    ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, NarrowPhase,
+    ColliderBuilder, ColliderHandle, ColliderSet, ContactManifold, ContactPair, NarrowPhase,
 };
 use super::rapier::pipeline::PhysicsWorld;
 use super::shape::DeformingMesh;
@@ -137,7 +137,9 @@ impl FlexibleBodies {
         let body = Body {
             frame,
             state: vec![[0.0; 2]; modes.len()],
+            mean_state: vec![[0.0; 2]; modes.len()],
             touches: Vec::new(),
+            is_held: false,
             is_touched: false,
             mass,
             tolerance: options.tolerance.unwrap_or(TOLERANCE * radius),
@@ -145,6 +147,7 @@ impl FlexibleBodies {
             mesh,
             store: 0.0,
             slow_s: 0.0,
+            drift: [Vector::ZERO; 2],
         };
         self.bodies.insert(handle, body);
         Ok((frame, handle))
@@ -201,6 +204,7 @@ impl FlexibleBodies {
         self.step_s = step_s;
         for body in self.bodies.values_mut() {
             body.touches.clear();
+            body.is_held = false;
             if is_new_step || body.is_touched {
                 body.is_touched = false;
                 for mode in &mut body.modes {
@@ -224,10 +228,9 @@ impl FlexibleBodies {
                 continue;
             }
             body.settle(frame, step_s);
-            if body.rests() {
-                continue;
+            if !body.rests() {
+                body.advance(step_s)?;
             }
-            body.advance(step_s)?;
             if let Some(mesh) = body.deformed()? {
                 let Some(collider) = colliders.get_mut(*handle) else {
                     continue;
@@ -248,6 +251,18 @@ impl FlexibleBodies {
         step_s: f64,
     ) -> Result<(), ShapeError> {
         let sides = [pair.collider1, pair.collider2];
+        let presses = |manifold: &ContactManifold| {
+            let mut impulses = manifold.points.iter().map(|point| point.data.impulse);
+            impulses.any(|impulse| impulse != 0.0)
+        };
+        if !pair.solver_manifolds().iter().any(presses) {
+            return Ok(());
+        }
+        for side in &sides {
+            if let Some(body) = self.bodies.get_mut(side) {
+                body.is_held = true;
+            }
+        }
         // What sleeps or rests takes no forces.
         let is_moved = |side: &ColliderHandle| {
             self.bodies.get(side).is_some_and(|body| {

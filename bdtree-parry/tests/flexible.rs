@@ -181,6 +181,29 @@ fn a_hit_wakes_modes() {
     assert!(run(&mut world, 60) > 1e-4);
 }
 
+/// Modes that rest go on once nothing touches the body any more, however slowly it moves.
+#[test]
+fn what_is_let_go_vibrates() {
+    let mut world = ground();
+    let mut flexible = FlexibleBodies::new();
+    let (frame, collider) = standing(&mut world, &mut flexible, 0.0);
+    for _ in 0..25 {
+        flexible.step(&mut world).expect("a step");
+    }
+    let stored = flexible.modal_energy(collider).expect("modes");
+    assert!(stored > 0.0 && !world.bodies[frame].is_sleeping());
+    assert_eq!(flexible.modal_kinetic_energy(collider), Some(0.0));
+    world.gravity = Vector::ZERO;
+    world.bodies[frame].set_linvel(Vector::new(0.0, 0.2, 0.0), true);
+    let mut most = 0.0_f64;
+    for _ in 0..60 {
+        flexible.step(&mut world).expect("a step");
+        most = most.max(flexible.modal_kinetic_energy(collider).expect("modes"));
+    }
+    assert!(most > 0.0, "{most}");
+    assert!(flexible.modal_energy(collider).expect("modes") < stored);
+}
+
 #[test]
 fn what_cannot_vibrate_is_refused() {
     let mesh = bake::bumpy_sphere(4, 3);
