@@ -10,11 +10,14 @@ mod casts;
 mod composite;
 #[path = "dispatcher.rs"]
 mod dispatcher;
+#[cfg(feature = "modes-f64")]
+#[path = "flexible.rs"]
+mod flexible;
 #[path = "manifolds.rs"]
 mod manifolds;
 #[path = "mass.rs"]
 mod mass;
-#[cfg(feature = "rapier-f64")]
+#[cfg(feature = "modes-f64")]
 #[path = "modes.rs"]
 mod modes;
 #[path = "near.rs"]
@@ -30,6 +33,10 @@ mod shape;
 mod triangles;
 
 pub use dispatcher::MeshDispatcher;
+#[cfg(feature = "modes-f64")]
+pub use flexible::FlexibleBody;
+#[cfg(feature = "modes-f64")]
+pub use modes::FlexibleOptions;
 #[cfg(feature = "rapier-f64")]
-pub use physics::{FlexibleBodies, FlexibleOptions};
+pub use physics::FlexibleBodies;
 pub use shape::DeformingMesh;

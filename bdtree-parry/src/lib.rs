@@ -36,6 +36,7 @@
 //! |---|---|
 //! | `f32` (default) | shapes of `parry3d`, here |
 //! | `f64` | shapes of `parry3d-f64`, in the module `double` |
+//! | `modes`, `modes-f64` | `FlexibleBody`: the modes of a body, for other engines |
 //! | `rapier`, `rapier-f64` | `FlexibleBodies`: bodies of `rapier3d` and `rapier3d-f64` whose contacts move q |
 // The same files make the shapes of either precision.
 #![allow(clippy::duplicate_mod)]

@@ -1,11 +1,9 @@
-//! The modes of a body that rapier moves.
+//! The modes of a body that an engine for rigid bodies moves.
 
-use bdtree_dynamics::{Oscillator, StrainLimit, Transition};
+use bdtree_dynamics::{Damping, Oscillator, StrainLimit, Transition};
 
 use super::parry::math::{Real, Vector};
-use super::physics::FlexibleOptions;
 use super::points::{wide, with_workspace};
-use super::rapier::dynamics::{RigidBody, RigidBodyHandle};
 use super::shape::DeformingMesh;
 use crate::error::ShapeError;
 use crate::model::DeformingModel;
@@ -14,14 +12,54 @@ use crate::model::DeformingModel;
 /// and of 30 Hz against others: four of the former are 5.7e5. From 1e5 on chairs on a floor come to rest.
 const STIFFNESS: f64 = 3.6e5;
 
-/// Modes rest once frame and surface have been slower than this multiple of rapier's threshold for sleep...
-const SLOW: f64 = 4.0;
-
-/// ...for so many seconds...
+/// Modes rest once frame and surface have been slow for so many seconds...
 const REST_AFTER_S: f64 = 0.25;
 
 /// ...until they are faster than this multiple of that speed: neighbors that settle do not wake them, and hits do.
 const HIT: f64 = 3.0;
+
+/// How far a vertex may be off in the collider, in radii of the mesh's bounding sphere.
+const TOLERANCE: f64 = 5e-3;
+
+/// Seconds after which half of what a body has stored is forgotten.
+const STORE_HALF_LIFE_S: f64 = 0.25;
+
+/// How much of what contacts destroy modes may take: what rapier's corrections of positions add is not known.
+const LENT: f64 = 0.5;
+
+/// How a body deforms.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlexibleOptions {
+    /// Whether contacts move q; default true. Without, q stays what it is.
+    pub is_deformable: bool,
+    /// Default a ratio of 0.1 for every mode.
+    pub damping: Damping,
+    /// Limit of q in multiples of each mode's `q_range`; never above `q_limit`. Default 1.
+    pub strain_limit: f64,
+    /// The collider gets the mesh at the new q once a vertex may have moved by this since the last time, world units. Smaller
+    /// changes let rapier go on with the contacts that it has. Default 5e-3 of the radius of its bounding sphere: rapier itself
+    /// keeps contacts of bodies that have moved by up to 5 cm.
+    pub tolerance: Option<f64>,
+    /// Modes rest once something holds the body and no point of it is faster than this on average, world units per second: q
+    /// stays until the body is hit or let go. Default 0.2, four times the speed below which rapier's bodies sleep; 0 for
+    /// never.
+    pub rest_speed: f64,
+    /// Of the collider; default 0.5.
+    pub friction: Real,
+}
+
+impl Default for FlexibleOptions {
+    fn default() -> Self {
+        Self {
+            is_deformable: true,
+            damping: Damping::Ratio(0.1),
+            strain_limit: 1.0,
+            tolerance: None,
+            rest_speed: 0.2,
+            friction: 0.5,
+        }
+    }
+}
 
 /// One mode of a body.
 #[derive(Debug, Clone)]
@@ -46,8 +84,9 @@ pub(super) struct Touch {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Body {
-    pub(super) frame: RigidBodyHandle,
+pub(super) struct Body<F> {
+    /// What the engine calls the rigid body.
+    pub(super) frame: F,
     /// At the q that the collider has.
     pub(super) mesh: DeformingMesh,
     pub(super) modes: Vec<Mode>,
@@ -62,17 +101,126 @@ pub(super) struct Body {
     pub(super) tolerance: f64,
     /// Joules that contacts have destroyed and modes have not taken.
     pub(super) store: f64,
-    /// Whether something touches it in this step, also while it rests.
+    pub(super) rest: Rest,
+}
+
+/// Whether the modes of a body rest.
+#[derive(Debug, Clone)]
+pub(super) struct Rest {
+    /// What counts as slow, world units per second.
+    speed: f64,
+    /// Whether something touches the body in this step, also while it rests.
     pub(super) is_held: bool,
     /// For how many seconds frame and surface have been slow while something touched them, at most twice [`REST_AFTER_S`].
     pub(super) slow_s: f64,
-    /// Linear and angular velocity of the frame, and `state`, averaged over about [`REST_AFTER_S`]: what only shakes does not
-    /// get anywhere.
-    pub(super) drift: [Vector; 2],
-    pub(super) mean_state: Vec<[f64; 2]>,
+    /// Linear and angular velocity of the frame, and the body's `state`, averaged over about [`REST_AFTER_S`]: what only
+    /// shakes does not get anywhere.
+    drift: [Vector; 2],
+    mean_state: Vec<[f64; 2]>,
 }
 
-impl Body {
+impl Body<()> {
+    pub(super) fn with_frame<F>(self, frame: F) -> Body<F> {
+        Body {
+            frame,
+            mesh: self.mesh,
+            modes: self.modes,
+            state: self.state,
+            touches: self.touches,
+            is_touched: self.is_touched,
+            mass: self.mass,
+            tolerance: self.tolerance,
+            store: self.store,
+            rest: self.rest,
+        }
+    }
+}
+
+impl<F> Body<F> {
+    /// At rest.
+    pub(super) fn new(
+        model: &DeformingModel,
+        options: &FlexibleOptions,
+        frame: F,
+    ) -> Result<Self, ShapeError> {
+        let mesh = DeformingMesh::at_rest(model)?;
+        let modes = match options.is_deformable {
+            true => modes(model, options)?,
+            false => Vec::new(),
+        };
+        let mass = mesh.baked_mass_properties();
+        let radius = f64::from(mesh.sphere().radius);
+        Ok(Self {
+            frame,
+            state: vec![[0.0; 2]; modes.len()],
+            rest: Rest {
+                speed: options.rest_speed,
+                is_held: false,
+                slow_s: 0.0,
+                drift: [Vector::ZERO; 2],
+                mean_state: vec![[0.0; 2]; modes.len()],
+            },
+            touches: Vec::new(),
+            is_touched: false,
+            mass: mass.map_or(0.0, |mass| f64::from(mass.mass())),
+            tolerance: options.tolerance.unwrap_or(TOLERANCE * radius),
+            modes,
+            mesh,
+            store: 0.0,
+        })
+    }
+
+    /// Begins a step, of another length than the last one where it is new.
+    pub(super) fn begin(&mut self, step_s: f64, is_new: bool) -> Result<(), ShapeError> {
+        self.touches.clear();
+        self.rest.is_held = false;
+        self.store *= 0.5_f64.powf(step_s / STORE_HALF_LIFE_S);
+        if is_new || self.is_touched {
+            self.is_touched = false;
+            for mode in &mut self.modes {
+                mode.transition = transition(&mode.oscillator, step_s)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Energy that contacts have destroyed, joules.
+    pub(super) fn pay(&mut self, lost: f64) {
+        self.store += LENT * lost.max(0.0);
+    }
+
+    /// Deforms it: amplitudes and rates (1/s).
+    pub(super) fn set_state(
+        &mut self,
+        amplitudes: &[f64],
+        rates: &[f64],
+    ) -> Result<(), ShapeError> {
+        let refused = |text: String| ShapeError::Dynamics(text);
+        let expected = self.modes.len();
+        for (what, found) in [("amplitudes", amplitudes.len()), ("rates", rates.len())] {
+            if found != expected {
+                return Err(refused(format!("{found} {what} for {expected} modes")));
+            }
+        }
+        let mut state = Vec::with_capacity(expected);
+        let each = self.modes.iter().zip(amplitudes).zip(rates);
+        for (k, ((mode, q), rate)) in each.enumerate() {
+            let limit = mode.limit.0;
+            let Some(s) = mode.limit.s(*q).filter(|s| s.is_finite()) else {
+                return Err(refused(format!(
+                    "mode {k}: |q| of {q} is not below {limit}"
+                )));
+            };
+            if !rate.is_finite() {
+                return Err(refused(format!("mode {k}: a rate of {rate}")));
+            }
+            state.push([s, rate / mode.limit.slope(s)]);
+        }
+        self.state = state;
+        self.rest.slow_s = 0.0;
+        Ok(())
+    }
+
     /// Adds `Uᵀ f` of a force (N, the mesh's frame) near a point of the surface.
     pub(super) fn pushed(&mut self, point: Vector, force: [f64; 3]) -> Result<(), ShapeError> {
         if self.modes.is_empty() {
@@ -96,42 +244,42 @@ impl Body {
 
     /// Whether its modes rest.
     pub(super) fn rests(&self) -> bool {
-        self.slow_s >= REST_AFTER_S
+        self.rest.slow_s >= REST_AFTER_S
     }
 
-    /// Lets modes rest where they are on average, or go on, by how fast the frame and the surface are. Every new shape makes
-    /// rapier find contacts anew, whose points are not quite the old ones: bodies that may go on deforming a little shake each
-    /// other and never sleep.
-    pub(super) fn settle(&mut self, frame: &RigidBody, step_s: f64) {
+    /// Lets modes rest where they are on average, or go on, by how fast the frame, whose linear and angular velocity these are,
+    /// and the surface are. Every new shape makes an engine find contacts anew, whose points are not quite the old ones: bodies
+    /// that may go on deforming a little shake each other and never sleep.
+    pub(super) fn settle(&mut self, velocity: [Vector; 2], step_s: f64) {
         let share = (step_s / REST_AFTER_S).min(1.0);
-        let now = [frame.linvel(), frame.angvel()];
-        for (mean, now) in self.drift.iter_mut().zip(now) {
+        let rest = &mut self.rest;
+        for (mean, now) in rest.drift.iter_mut().zip(velocity) {
             *mean += (now - *mean) * share as Real;
         }
-        for (mean, now) in self.mean_state.iter_mut().zip(&self.state) {
+        for (mean, now) in rest.mean_state.iter_mut().zip(&self.state) {
             for (mean, now) in mean.iter_mut().zip(now) {
                 *mean += (now - *mean) * share;
             }
         }
-        // Negative where the body shall never sleep.
-        let slow = SLOW * f64::from(frame.activation().normalized_linear_threshold);
         if self.rests() {
             // A hit shows at once; what lets go of the body may only have lost it for a step.
-            if self.speed(now, &self.state) >= HIT * slow {
-                self.slow_s = 0.0;
-            } else if self.is_held {
-                self.slow_s = (self.slow_s + step_s).min(2.0 * REST_AFTER_S);
+            if self.speed(velocity, &self.state) >= HIT * self.rest.speed {
+                self.rest.slow_s = 0.0;
+            } else if self.rest.is_held {
+                self.rest.slow_s = (self.rest.slow_s + step_s).min(2.0 * REST_AFTER_S);
             } else {
-                self.slow_s -= step_s;
+                self.rest.slow_s -= step_s;
             }
-        } else if self.is_held && self.speed(self.drift, &self.mean_state) < slow {
-            self.slow_s += step_s;
+        } else if self.rest.is_held
+            && self.speed(self.rest.drift, &self.rest.mean_state) < self.rest.speed
+        {
+            self.rest.slow_s += step_s;
             if self.rests() {
-                self.state.copy_from_slice(&self.mean_state);
+                self.state.copy_from_slice(&self.rest.mean_state);
                 self.stop();
             }
         } else {
-            self.slow_s = 0.0;
+            self.rest.slow_s = 0.0;
         }
     }
 
@@ -240,18 +388,21 @@ impl Body {
         })
         .sum()
     }
+
+    pub(super) fn kinetic_energy(&self) -> f64 {
+        let each = self.modes.iter().zip(&self.state);
+        each.map(|(mode, state)| 0.5 * mode.mass * state[1] * state[1])
+            .sum()
+    }
 }
 
-pub(super) fn transition(oscillator: &Oscillator, step_s: f64) -> Result<Transition, ShapeError> {
+fn transition(oscillator: &Oscillator, step_s: f64) -> Result<Transition, ShapeError> {
     let made = oscillator.transition(step_s);
     made.map_err(|error| ShapeError::Dynamics(error.to_string()))
 }
 
 /// The oscillators of a model's modes.
-pub(super) fn modes(
-    model: &DeformingModel,
-    options: &FlexibleOptions,
-) -> Result<Vec<Mode>, ShapeError> {
+fn modes(model: &DeformingModel, options: &FlexibleOptions) -> Result<Vec<Mode>, ShapeError> {
     let asset = model.model().asset();
     if asset.mass_properties().is_none() {
         let text = "the asset has no mass: its mesh is not closed, or it was baked without";

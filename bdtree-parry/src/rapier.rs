@@ -10,16 +10,14 @@
 //!   if the force already followed the mode within the step ([`STIFFNESS`]). Where modes rest, that changes nothing; they
 //!   take longer to get there.
 //! * Modes rest once frame and surface are slow and something touches them, as rapier's bodies sleep: q stays, until something
-//!   hits the body. What is left of their way to equilibrium is not gone.
+//!   hits the body or lets go of it. What is left of their way to equilibrium is not gone.
 //! * So that a contact cannot bring more energy into modes than it took from the motion of frames, each body has a store: what
 //!   contacts of rapier destroy is paid in, what modes take is paid from it, and forces on modes are scaled down where it
 //!   does not suffice.
 
 use std::collections::HashMap;
 
-use bdtree_dynamics::Damping;
-
-use super::modes::{Body, modes, transition};
+use super::modes::{Body, FlexibleOptions};
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::shape::SharedShape;
 use super::points::wide;
@@ -31,44 +29,6 @@ use super::rapier::pipeline::PhysicsWorld;
 use super::shape::DeformingMesh;
 use crate::error::ShapeError;
 use crate::model::DeformingModel;
-
-/// Seconds after which half of what a body has stored is forgotten.
-const STORE_HALF_LIFE_S: f64 = 0.25;
-
-/// How much of what contacts destroy modes may take: what rapier's corrections of positions add is not known.
-const LENT: f64 = 0.5;
-
-/// How far a vertex may be off in the collider, in radii of the mesh's bounding sphere.
-const TOLERANCE: f64 = 5e-3;
-
-/// How a body deforms.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FlexibleOptions {
-    /// Whether contacts move q; default true. Without, q stays what it is.
-    pub is_deformable: bool,
-    /// Default a ratio of 0.1 for every mode.
-    pub damping: Damping,
-    /// Limit of q in multiples of each mode's `q_range`; never above `q_limit`. Default 1.
-    pub strain_limit: f64,
-    /// The collider gets the mesh at the new q once a vertex may have moved by this since the last time, world units. Smaller
-    /// changes let rapier go on with the contacts that it has. Default 5e-3 of the radius of its bounding sphere: rapier itself
-    /// keeps contacts of bodies that have moved by up to 5 cm.
-    pub tolerance: Option<f64>,
-    /// Of the collider; default 0.5.
-    pub friction: Real,
-}
-
-impl Default for FlexibleOptions {
-    fn default() -> Self {
-        Self {
-            is_deformable: true,
-            damping: Damping::Ratio(0.1),
-            strain_limit: 1.0,
-            tolerance: None,
-            friction: 0.5,
-        }
-    }
-}
 
 /// Velocities of a frame before the step.
 #[derive(Debug, Clone, Copy, Default)]
@@ -96,7 +56,7 @@ impl Velocity {
 /// All bodies of a world that deform. Worlds need a [`MeshDispatcher`](super::MeshDispatcher) in their narrow phase.
 #[derive(Debug, Clone, Default)]
 pub struct FlexibleBodies {
-    bodies: HashMap<ColliderHandle, Body>,
+    bodies: HashMap<ColliderHandle, Body<RigidBodyHandle>>,
     before: HashMap<RigidBodyHandle, Velocity>,
     step_s: f64,
 }
@@ -119,37 +79,16 @@ impl FlexibleBodies {
         frames: &mut RigidBodySet,
         colliders: &mut ColliderSet,
     ) -> Result<(RigidBodyHandle, ColliderHandle), ShapeError> {
-        let mesh = DeformingMesh::at_rest(model)?;
-        let modes = if options.is_deformable {
-            modes(model, options)?
-        } else {
-            Vec::new()
-        };
-        let collider = ColliderBuilder::new(SharedShape::new(mesh.clone()));
-        let (collider, mass) = match mesh.baked_mass_properties() {
-            Some(mass) => (collider.mass_properties(mass), f64::from(mass.mass())),
-            None => (collider, 0.0),
+        let body = Body::new(model, options, ())?;
+        let collider = ColliderBuilder::new(SharedShape::new(body.mesh.clone()));
+        let collider = match body.mesh.baked_mass_properties() {
+            Some(mass) => collider.mass_properties(mass),
+            None => collider,
         };
         let frame = frames.insert(frame);
         let collider = collider.friction(options.friction);
         let handle = colliders.insert_with_parent(collider, frame, frames);
-        let radius = f64::from(mesh.sphere().radius);
-        let body = Body {
-            frame,
-            state: vec![[0.0; 2]; modes.len()],
-            mean_state: vec![[0.0; 2]; modes.len()],
-            touches: Vec::new(),
-            is_held: false,
-            is_touched: false,
-            mass,
-            tolerance: options.tolerance.unwrap_or(TOLERANCE * radius),
-            modes,
-            mesh,
-            store: 0.0,
-            slow_s: 0.0,
-            drift: [Vector::ZERO; 2],
-        };
-        self.bodies.insert(handle, body);
+        self.bodies.insert(handle, body.with_frame(frame));
         Ok((frame, handle))
     }
 
@@ -203,21 +142,12 @@ impl FlexibleBodies {
         let is_new_step = step_s != self.step_s;
         self.step_s = step_s;
         for body in self.bodies.values_mut() {
-            body.touches.clear();
-            body.is_held = false;
-            if is_new_step || body.is_touched {
-                body.is_touched = false;
-                for mode in &mut body.modes {
-                    mode.transition = transition(&mode.oscillator, step_s)?;
-                }
-            }
+            body.begin(step_s, is_new_step)?;
         }
         for pair in contacts.contact_pairs() {
             self.push(pair, frames, colliders, step_s)?;
         }
-        let forgets = 0.5_f64.powf(step_s / STORE_HALF_LIFE_S);
         for (handle, body) in &mut self.bodies {
-            body.store *= forgets;
             let Some(frame) = frames.get(body.frame) else {
                 continue;
             };
@@ -227,7 +157,7 @@ impl FlexibleBodies {
             if frame.is_sleeping() || body.modes.is_empty() {
                 continue;
             }
-            body.settle(frame, step_s);
+            body.settle([frame.linvel(), frame.angvel()], step_s);
             if !body.rests() {
                 body.advance(step_s)?;
             }
@@ -260,17 +190,16 @@ impl FlexibleBodies {
         }
         for side in &sides {
             if let Some(body) = self.bodies.get_mut(side) {
-                body.is_held = true;
+                body.rest.is_held = true;
             }
         }
         // What sleeps or rests takes no forces.
-        let is_moved = |side: &ColliderHandle| {
-            self.bodies.get(side).is_some_and(|body| {
+        let moved = sides.map(|side| {
+            self.bodies.get(&side).is_some_and(|body| {
                 let frame = frames.get(body.frame);
                 frame.is_some_and(|frame| !frame.is_sleeping()) && !body.rests()
             })
-        };
-        let moved = sides.map(|side| is_moved(&side));
+        });
         if moved == [false; 2] {
             return Ok(());
         }
@@ -317,7 +246,7 @@ impl FlexibleBodies {
         let sharers = moved.iter().filter(|is_moved| **is_moved).count() as f64;
         for side in 0..2 {
             if let Some(body) = self.bodies.get_mut(&sides[side]).filter(|_| moved[side]) {
-                body.store += LENT * lost.max(0.0) / sharers;
+                body.pay(lost / sharers);
             }
         }
         Ok(())
@@ -343,33 +272,11 @@ impl FlexibleBodies {
         amplitudes: &[f64],
         rates: &[f64],
     ) -> Result<(), ShapeError> {
-        let refused = |text: String| ShapeError::Dynamics(text);
         let Some(body) = self.bodies.get_mut(&collider) else {
-            return Err(refused(format!("no body has the collider {collider:?}")));
+            let text = format!("no body has the collider {collider:?}");
+            return Err(ShapeError::Dynamics(text));
         };
-        let expected = body.modes.len();
-        for (what, found) in [("amplitudes", amplitudes.len()), ("rates", rates.len())] {
-            if found != expected {
-                return Err(refused(format!("{found} {what} for {expected} modes")));
-            }
-        }
-        let mut state = Vec::with_capacity(expected);
-        let each = body.modes.iter().zip(amplitudes).zip(rates);
-        for (k, ((mode, q), rate)) in each.enumerate() {
-            let limit = mode.limit.0;
-            let Some(s) = mode.limit.s(*q).filter(|s| s.is_finite()) else {
-                return Err(refused(format!(
-                    "mode {k}: |q| of {q} is not below {limit}"
-                )));
-            };
-            if !rate.is_finite() {
-                return Err(refused(format!("mode {k}: a rate of {rate}")));
-            }
-            state.push([s, rate / mode.limit.slope(s)]);
-        }
-        body.state = state;
-        body.slow_s = 0.0;
-        Ok(())
+        body.set_state(amplitudes, rates)
     }
 
     /// Energy of a body's modes, joules where a world unit is a meter.
@@ -379,12 +286,7 @@ impl FlexibleBodies {
 
     /// Kinetic energy of a body's modes.
     pub fn modal_kinetic_energy(&self, collider: ColliderHandle) -> Option<f64> {
-        let body = self.bodies.get(&collider)?;
-        let each = body.modes.iter().zip(&body.state);
-        Some(
-            each.map(|(mode, state)| 0.5 * mode.mass * state[1] * state[1])
-                .sum(),
-        )
+        self.bodies.get(&collider).map(Body::kinetic_energy)
     }
 }
 

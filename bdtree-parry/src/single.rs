@@ -10,11 +10,14 @@ mod casts;
 mod composite;
 #[path = "dispatcher.rs"]
 mod dispatcher;
+#[cfg(feature = "modes")]
+#[path = "flexible.rs"]
+mod flexible;
 #[path = "manifolds.rs"]
 mod manifolds;
 #[path = "mass.rs"]
 mod mass;
-#[cfg(feature = "rapier")]
+#[cfg(feature = "modes")]
 #[path = "modes.rs"]
 mod modes;
 #[path = "near.rs"]
@@ -30,6 +33,10 @@ mod shape;
 mod triangles;
 
 pub use dispatcher::MeshDispatcher;
+#[cfg(feature = "modes")]
+pub use flexible::FlexibleBody;
+#[cfg(feature = "modes")]
+pub use modes::FlexibleOptions;
 #[cfg(feature = "rapier")]
-pub use physics::{FlexibleBodies, FlexibleOptions};
+pub use physics::FlexibleBodies;
 pub use shape::DeformingMesh;
