@@ -10,6 +10,10 @@ use bdtree_parry::{DeformingModel, FlexibleBodies, FlexibleOptions, MeshDispatch
 use bdtree_runtime::Model;
 use rapier3d::prelude::*;
 
+/// Steps per second: chairs fall by several centimeters in a sixtieth, which is more than their legs are thick, and those that
+/// passed into each other lie less still.
+pub const RATE: usize = 240;
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
     let chairs: usize = args.next().map_or(Ok(4), |text| text.parse())?;
@@ -26,9 +30,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             if is_deformable { "flexible" } else { "q = 0" }
         );
         let mut heap = Heap::new(&model, chairs, is_deformable)?;
-        let steps = (seconds * 60.0) as usize;
-        for second in 0..steps.div_ceil(60) {
-            let count = (steps - 60 * second).min(60);
+        let steps = (seconds * RATE as f32) as usize;
+        for second in 0..steps.div_ceil(RATE) {
+            let count = (steps - RATE * second).min(RATE);
             let start = Instant::now();
             for _ in 0..count {
                 heap.flexible.step(&mut heap.world)?;
@@ -68,6 +72,7 @@ impl Heap {
     ) -> Result<Self, Box<dyn std::error::Error>> {
         let mut world = PhysicsWorld::new();
         world.narrow_phase = NarrowPhase::with_query_dispatcher(MeshDispatcher::new());
+        world.integration_parameters.dt = 1.0 / RATE as f32;
         let rows = (count as f32 / 2.0).cbrt().round().max(2.0);
         let half = 0.7 * rows + 0.1;
         world.insert_collider(

@@ -141,9 +141,9 @@ fn a_heap_comes_to_rest() {
     let model = DeformingModel::new(chair(), 1.0).expect("a model");
     let mut heap = heap::Heap::new(&model, 12, true).expect("a heap");
     let mut bent = 0.0_f32;
-    for step in 0..630 {
+    for step in 0..11 * heap::RATE {
         heap.flexible.step(&mut heap.world).expect("a step");
-        if step < 600 {
+        if step < 10 * heap::RATE {
             for (_, collider) in &heap.chairs {
                 let q = heap.flexible.mesh(*collider).expect("a mesh").q();
                 bent = q.iter().fold(bent, |most, q| most.max(q.abs()));
