@@ -5,8 +5,12 @@
 //! moves it to its [`Deformation`].
 
 mod asset;
+#[cfg(feature = "avian")]
+pub mod avian;
 mod plugin;
 mod pose;
+#[cfg(any(feature = "avian", feature = "rapier"))]
+mod shape;
 
 pub use asset::{BdtLoadError, BdtLoader, BdtModel};
 pub use plugin::{BdtreePlugin, BdtreeSystems};

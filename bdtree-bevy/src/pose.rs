@@ -106,7 +106,7 @@ fn pose(
 }
 
 /// Row by row, as the runtime has it.
-fn joint(matrix: &Affine3A) -> JointMatrix {
+pub(crate) fn joint(matrix: &Affine3A) -> JointMatrix {
     let rows = matrix.matrix3.transpose();
     let shift = matrix.translation;
     [

@@ -1,3 +1,5 @@
 //! What `bdtree-bevy` promises.
 
+#[cfg(feature = "avian")]
+mod avian;
 mod loading;

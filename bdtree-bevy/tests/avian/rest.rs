@@ -1,0 +1,180 @@
+//! Bodies on meshes that deform.
+
+use avian3d::prelude::*;
+use bdtree_bevy::Deformation;
+use bdtree_bevy::avian::BdtCollider;
+use bdtree_build::input::RawMesh;
+use bdtree_fixtures::bake;
+use bdtree_runtime::Model;
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_transform::components::Transform;
+
+use super::brute::Surface;
+use super::support;
+
+const RADIUS: f32 = 0.25;
+
+fn deck() -> Model {
+    let (mesh, basis) = bake::swaying_deck();
+    bake::baked(&mesh, &basis)
+}
+
+fn ball(app: &mut App, at: Vec3) -> Entity {
+    let body = (
+        RigidBody::Dynamic,
+        Collider::sphere(RADIUS),
+        Transform::from_translation(at),
+        AngularDamping(2.0),
+    );
+    app.world_mut().spawn(body).id()
+}
+
+fn place(app: &App, entity: Entity) -> Vec3 {
+    app.world().get::<Position>(entity).expect("a body").0
+}
+
+fn deform(app: &mut App, entity: Entity, q: &[f32]) {
+    app.world_mut()
+        .get_mut::<Deformation>(entity)
+        .expect("a mesh")
+        .q = q.to_vec();
+}
+
+/// How far a point is from all deformed triangles, in the frame of the mesh.
+fn brute_distance(app: &App, mesh: Entity, point: Vec3) -> f32 {
+    use super::parry::query::PointQuery;
+    let collider = app.world().get::<BdtCollider>(mesh).expect("a collider");
+    let surface = Surface::of(collider.mesh().expect("a mesh"));
+    let distances = surface.triangles.iter().map(|triangle| {
+        triangle
+            .project_local_point(point, false)
+            .point
+            .distance(point)
+    });
+    distances.fold(f32::INFINITY, f32::min)
+}
+
+/// A deck that hangs through, as a body of each kind, standing elsewhere.
+#[test]
+fn a_ball_rests_where_brute_force_says() {
+    for kind in [RigidBody::Static, RigidBody::Kinematic] {
+        let mut app = support::app();
+        let asset = support::add(&mut app, &deck());
+        let origin = Vec3::new(3.0, 1.0, -2.0);
+        let q = vec![-1.0, 0.5];
+        let deformation = Deformation {
+            q,
+            ..Deformation::default()
+        };
+        let more = (kind, deformation, Transform::from_translation(origin));
+        let mesh = support::mesh_body(&mut app, asset, more);
+        let ball = ball(&mut app, origin + Vec3::new(0.6, 0.6, 0.1));
+        support::steps(&mut app, 64 * 8);
+        let at = place(&app, ball) - origin;
+        let apart = brute_distance(&app, mesh, at);
+        assert!((apart - RADIUS).abs() < 5e-3, "{kind:?}: {at}, {apart}");
+        assert!(at.x.abs() < 0.15 && at.y < RADIUS - 0.25, "{kind:?}: {at}");
+        let speed = app.world().get::<LinearVelocity>(ball).expect("a body");
+        assert!(speed.length() < 0.02, "{kind:?}: {speed:?}");
+    }
+}
+
+/// A deck that bends upwards carries the ball with it, also when the ball sleeps.
+#[test]
+fn what_deforms_pushes() {
+    let mut app = support::app();
+    let asset = support::add(&mut app, &deck());
+    let deformation = Deformation {
+        q: vec![-1.0, 0.0],
+        ..Deformation::default()
+    };
+    let mesh = support::mesh_body(&mut app, asset, (RigidBody::Kinematic, deformation));
+    let ball = ball(&mut app, Vec3::new(0.0, 0.1, 0.0));
+    support::steps(&mut app, 64 * 4);
+    assert!(app.world().get::<Sleeping>(ball).is_some(), "it lies still");
+    let low = place(&app, ball);
+    // As long as the deck hangs through the ball does not roll away.
+    for step in 0..64 {
+        let q = -1.0 + 0.8 * (step as f32 / 63.0);
+        deform(&mut app, mesh, &[q, 0.0]);
+        support::steps(&mut app, 1);
+        let apart = brute_distance(&app, mesh, place(&app, ball));
+        assert!((apart - RADIUS).abs() < 2e-2, "step {step}: {apart}");
+    }
+    assert!(app.world().get::<Sleeping>(ball).is_none());
+    support::steps(&mut app, 64);
+    let high = place(&app, ball);
+    assert!((high.y - low.y - 0.24).abs() < 1e-2, "{low}, {high}");
+}
+
+/// Two blocks that a morph target moves towards each other: 0.6 apart at q = 0, 0.2 at q = 1.
+fn jaws() -> Model {
+    let mut mesh = RawMesh {
+        name: "jaws".into(),
+        ..RawMesh::default()
+    };
+    let mut field = Vec::new();
+    for side in [-1.0, 1.0] {
+        let first = mesh.positions.len() as u32;
+        for corner in 0..8 {
+            let sign = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+            mesh.positions
+                .push([0.4 * side + 0.1 * sign(0), 0.3 * sign(1), 0.3 * sign(2)]);
+            field.push([-0.2 * side, 0.0, 0.0]);
+        }
+        // Corners by their bits x, y, z; outwards.
+        for [a, b, c, d] in [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ] {
+            mesh.triangles.push([first + a, first + b, first + c]);
+            mesh.triangles.push([first + a, first + c, first + d]);
+        }
+    }
+    bake::baked(&mesh, &bake::basis_of(&[field]))
+}
+
+/// A ball is pushed to the middle, held without ground, and let go.
+#[test]
+fn morph_targets_squeeze_a_ball() {
+    let mut app = support::app();
+    let asset = support::add(&mut app, &jaws());
+    let mesh = support::mesh_body(&mut app, asset, (RigidBody::Kinematic, Friction::new(1.0)));
+    let floor = (
+        RigidBody::Static,
+        Collider::cuboid(4.0, 1.0, 4.0),
+        Transform::from_xyz(0.0, -0.625, 0.0),
+    );
+    let floor = app.world_mut().spawn(floor).id();
+    let radius = 0.101;
+    let ball = (
+        RigidBody::Dynamic,
+        Collider::sphere(radius),
+        Friction::new(1.0),
+        Transform::from_xyz(0.15, -0.02, 0.0),
+    );
+    let ball = app.world_mut().spawn(ball).id();
+    support::steps(&mut app, 32);
+    for step in 1..=64 {
+        deform(&mut app, mesh, &[step as f32 / 64.0]);
+        support::steps(&mut app, 1);
+    }
+    assert!(place(&app, ball).x.abs() < 5e-3, "{}", place(&app, ball));
+    app.world_mut().entity_mut(floor).despawn();
+    support::steps(&mut app, 128);
+    let held = place(&app, ball);
+    assert!(held.x.abs() < 5e-3 && held.y > -0.1, "held at {held}");
+    let sides: Vec<f32> = (support::contacts(&app, ball, mesh).iter())
+        .map(|point| (point.point.x - held.x).signum())
+        .collect();
+    assert!(sides.contains(&1.0) && sides.contains(&-1.0), "{sides:?}");
+    deform(&mut app, mesh, &[0.0]);
+    support::steps(&mut app, 64);
+    assert!(place(&app, ball).y < -1.0, "it falls");
+}
