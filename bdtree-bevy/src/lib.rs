@@ -9,6 +9,8 @@ mod asset;
 pub mod avian;
 mod plugin;
 mod pose;
+#[cfg(feature = "rapier")]
+pub mod rapier;
 #[cfg(any(feature = "avian", feature = "rapier"))]
 mod shape;
 

@@ -2,4 +2,8 @@
 
 #[cfg(feature = "avian")]
 mod avian;
+#[cfg(any(feature = "avian", feature = "rapier"))]
+mod chair;
 mod loading;
+#[cfg(feature = "rapier")]
+mod rapier;

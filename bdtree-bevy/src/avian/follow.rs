@@ -18,6 +18,7 @@ use bevy_reflect::std_traits::ReflectDefault;
 use bevy_transform::components::Transform;
 
 use super::collider::{BdtCollider, uniform};
+use super::flexible::FlexibleModes;
 use crate::asset::BdtModel;
 use crate::pose::{Deformation, DeformingMesh};
 use crate::shape::{ShapeModels, deformed};
@@ -94,6 +95,7 @@ pub(super) fn follow_meshes(
             Option<&ColliderTransform>,
             Has<ChildOf>,
             Option<&mut BdtCollider>,
+            Option<&FlexibleModes>,
         ),
         With<DeformingCollider>,
     >,
@@ -104,9 +106,11 @@ pub(super) fn follow_meshes(
             _ => None,
         })
         .collect();
-    for (entity, mesh, deformation, transform, own, is_child, collider) in &mut meshes {
+    for (entity, mesh, deformation, transform, own, is_child, collider, modes) in &mut meshes {
         let is_new = mesh.is_changed() || changed.contains(&mesh.0.id()) || collider.is_none();
-        if !is_new && !deformation.is_changed() {
+        // Modes bring their colliders up to date themselves.
+        let is_own = modes.is_some_and(|modes| modes.q() == deformation.q);
+        if !is_new && (is_own || !deformation.is_changed()) {
             continue;
         }
         // What avian scales the colliders of children by, as far as it knows it.
@@ -147,14 +151,21 @@ fn collider_of(
     Some(shape.map(|shape| BdtCollider::deforming(shape, 1.0, scale, Some(deformation.clone()))))
 }
 
-/// Whatever touches a mesh that deforms stays awake or wakes up: meshes push by place, which gives bodies no speed.
+/// Whatever touches a mesh that deforms stays awake or wakes up: meshes push by place, which gives bodies no speed. Dynamic
+/// flexible bodies fall asleep with what they touch, and their modes with them.
 pub(super) fn wake_touched(
-    changed: Query<Entity, (Changed<BdtCollider>, With<DeformingCollider>)>,
+    changed: Query<
+        (Entity, Option<&RigidBody>, Has<FlexibleModes>),
+        (Changed<BdtCollider>, With<DeformingCollider>),
+    >,
     contacts: Res<ContactGraph>,
     mut bodies: Query<(&mut SleepTimer, Has<Sleeping>), With<BodyIslandNode>>,
     mut commands: Commands,
 ) {
-    let changed: EntityHashSet = changed.iter().collect();
+    let changed: EntityHashSet = (changed.iter())
+        .filter(|(_, body, is_flexible)| !(*is_flexible && body.is_some_and(RigidBody::is_dynamic)))
+        .map(|(entity, ..)| entity)
+        .collect();
     if changed.is_empty() {
         return;
     }

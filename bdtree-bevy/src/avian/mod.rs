@@ -7,6 +7,7 @@
 //! * Give an entity avian's `Collider` as ever: it gets a [`BdtCollider`] of the same shape.
 //! * Give a [`DeformingMesh`](crate::DeformingMesh) a [`DeformingCollider`]: its collider takes the entity's
 //!   [`Deformation`](crate::Deformation) before every step, pushes what it meets, and wakes what sleeps on it.
+//! * Add [`Flexible`], and contacts move the coordinates of its vibration modes.
 //!
 //! [`BdtSpatialQuery`] asks all of them; avian's own `SpatialQuery`, ray and shape casters and swept collision detection see
 //! `Collider`s alone. A mesh pushes by place: what it throws up gets no speed from it. Bodies
@@ -14,11 +15,13 @@
 
 mod collider;
 mod contacts;
+mod flexible;
 mod follow;
 mod plugin;
 mod queries;
 
 pub use collider::{BdtCollider, MeshCollider};
+pub use flexible::{Flexible, FlexibleModes};
 pub use follow::DeformingCollider;
 pub use plugin::{BdtreePhysicsPlugins, ColliderPlugin};
 pub use queries::BdtSpatialQuery;

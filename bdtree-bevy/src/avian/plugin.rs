@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use avian3d::collider_tree::ColliderTreePlugin;
+use avian3d::dynamics::solver::schedule::SubstepSolverSystems;
 use avian3d::prelude::*;
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
 use bevy_asset::AssetApp;
@@ -12,7 +13,7 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::SystemParamItem;
 
 use super::collider::BdtCollider;
-use super::follow;
+use super::{flexible, follow};
 use crate::asset::BdtModel;
 use crate::shape::{ShapeModels, forget_models};
 
@@ -102,6 +103,7 @@ impl Plugin for ColliderPlugin {
                 (
                     forget_models,
                     (follow::follow_colliders, follow::follow_meshes),
+                    flexible::make_modes,
                     follow::wake_touched,
                 )
                     .chain()
@@ -113,9 +115,28 @@ impl Plugin for ColliderPlugin {
                     .after(PhysicsSystems::Prepare)
                     .before(PhysicsSystems::StepSimulation),
             )
+            .init_resource::<flexible::Pushes>()
             .add_systems(
                 PhysicsSchedule,
-                follow::renew_contacts.in_set(NarrowPhaseSystems::First),
+                (
+                    follow::renew_contacts.in_set(NarrowPhaseSystems::First),
+                    flexible::begin_step.in_set(NarrowPhaseSystems::Last),
+                    // In the place of nothing of avian's: what else ends a step may come before or after.
+                    flexible::end_step
+                        .in_set(PhysicsStepSystems::Finalize)
+                        .ambiguous_with_all(),
+                ),
             );
+    }
+
+    fn finish(&self, app: &mut App) {
+        // By then avian's plugins have made the schedule.
+        app.add_systems(
+            SubstepSchedule,
+            flexible::gather
+                .after(SubstepSolverSystems::Relax)
+                .before(SubstepSolverSystems::Damping)
+                .ambiguous_with_all(),
+        );
     }
 }

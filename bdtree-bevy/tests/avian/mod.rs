@@ -7,6 +7,7 @@ use bdtree_parry as ours;
 #[allow(dead_code)]
 #[path = "../../../bdtree-parry/tests/brute.rs"]
 mod brute;
+mod flexible;
 #[allow(dead_code)]
 #[path = "../../../bdtree-parry/tests/support.rs"]
 mod parry_shapes;
