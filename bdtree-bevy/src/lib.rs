@@ -17,3 +17,10 @@ mod shape;
 pub use asset::{BdtLoadError, BdtLoader, BdtModel};
 pub use plugin::{BdtreePlugin, BdtreeSystems};
 pub use pose::{Deformation, DeformedInstance, DeformingMesh};
+
+/// The program of the guide, compiled with the tests.
+#[cfg(all(doctest, feature = "avian"))]
+mod pages {
+    #[doc = include_str!("../../docs/guide/avian.md")]
+    struct Avian;
+}

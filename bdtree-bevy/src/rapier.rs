@@ -3,6 +3,37 @@
 //! [`RapierPlugin`] steps one world of rapier per fixed step. [`RapierWorld`] holds it: a program adds its rigid bodies and
 //! colliders there, with rapier's own builders, and gives the entities that draw them a [`RapierBody`]. A [`RapierFlexible`]
 //! makes a [`DeformingMesh`] a body whose contacts move q. After each step places and coordinates are written back.
+//!
+//! ```
+//! # use bdtree_bevy::rapier::{RapierBody, RapierFlexible, RapierPlugin, RapierWorld};
+//! # use bdtree_bevy::{BdtModel, BdtreePlugin, DeformingMesh};
+//! # use bevy_app::{App, TaskPoolPlugin};
+//! # use bevy_asset::{AssetPlugin, Handle};
+//! # use bevy_transform::components::Transform;
+//! # use rapier3d::prelude::*;
+//! # fn build(app: &mut App, chair: Handle<BdtModel>) {
+//! app.add_plugins((BdtreePlugin, RapierPlugin::default()));
+//!
+//! // Bodies of rapier's own builders; the entity follows the body.
+//! let mut physics = app.world_mut().resource_mut::<RapierWorld>();
+//! let (ball, _) = physics.world.insert(
+//!     RigidBodyBuilder::dynamic().translation(Vector::new(0.0, 1.0, 0.0)),
+//!     ColliderBuilder::ball(0.1).mass(3.0),
+//! );
+//! app.world_mut().spawn(RapierBody::from(ball));
+//!
+//! // A mesh becomes a flexible body at its transform, once its file is loaded.
+//! app.world_mut().spawn((
+//!     DeformingMesh(chair), // Handle<BdtModel>
+//!     RapierFlexible::default(),
+//!     Transform::from_xyz(0.0, 0.02, 0.0),
+//! ));
+//! # }
+//! # let mut app = App::new();
+//! # app.add_plugins((TaskPoolPlugin::default(), AssetPlugin::default()));
+//! # build(&mut app, Handle::default());
+//! # assert_eq!(app.world().resource::<RapierWorld>().world.bodies.len(), 1);
+//! ```
 
 use bdtree_parry::{FlexibleBodies, FlexibleOptions, MeshDispatcher, ShapeError};
 use bevy_app::{App, FixedUpdate, Plugin};

@@ -7,3 +7,5 @@ mod chair;
 mod loading;
 #[cfg(feature = "rapier")]
 mod rapier;
+#[cfg(any(feature = "avian", feature = "rapier"))]
+mod scene;

@@ -80,3 +80,17 @@ fn a_chair_stops_a_ball_and_writes_back() {
         .y;
     assert!(height < 0.3, "the ball falls: {height}");
 }
+
+/// The page shows what the module's documentation compiles and runs.
+#[test]
+fn the_page_shows_the_module() {
+    let page = std::fs::read_to_string("../docs/guide/rapier.md").expect("the page");
+    let (_, rest) = page.split_once("```rust,ignore\n").expect("the program");
+    let (program, _) = rest.split_once("```").expect("its end");
+    let module = std::fs::read_to_string("src/rapier.rs").expect("the module");
+    let lines = module.lines().filter_map(|line| line.strip_prefix("//!"));
+    let shown: Vec<&str> = (lines.map(|line| line.strip_prefix(' ').unwrap_or(line)))
+        .filter(|line| !line.starts_with("# "))
+        .collect();
+    assert!(shown.join("\n").contains(program.trim_end()));
+}

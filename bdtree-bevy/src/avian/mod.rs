@@ -23,5 +23,5 @@ mod queries;
 pub use collider::{BdtCollider, MeshCollider};
 pub use flexible::{Flexible, FlexibleModes};
 pub use follow::DeformingCollider;
-pub use plugin::{BdtreePhysicsPlugins, ColliderPlugin};
+pub use plugin::{BdtreePhysicsPlugins, BdtreePhysicsPluginsWithHooks, ColliderPlugin};
 pub use queries::BdtSpatialQuery;

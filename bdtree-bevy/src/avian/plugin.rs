@@ -25,19 +25,21 @@ use crate::shape::{ShapeModels, forget_models};
 /// |---|---|
 /// | `ColliderBackendPlugin<Collider>` | `ColliderBackendPlugin<BdtCollider>` |
 /// | `ColliderTreePlugin<Collider>` | `ColliderTreePlugin<BdtCollider>` |
-/// | `NarrowPhasePlugin<Collider, H>` | `NarrowPhasePlugin<BdtCollider, H>` |
+/// | `NarrowPhasePlugin<Collider>` | `NarrowPhasePlugin<BdtCollider>` |
 /// | `BodySizeMetricsPlugin<Collider>` | `BodySizeMetricsPlugin<BdtCollider>` |
 /// | – | [`ColliderPlugin`] |
 ///
-/// Entities with a `Collider` get a [`BdtCollider`] of the same shape, so that programs go on using it. `H` are avian's
-/// collision hooks.
-pub struct BdtreePhysicsPlugins<H: CollisionHooks = ()> {
+/// Entities with a `Collider` get a [`BdtCollider`] of the same shape, so that programs go on using it.
+pub type BdtreePhysicsPlugins = BdtreePhysicsPluginsWithHooks<()>;
+
+/// [`BdtreePhysicsPlugins`] with avian's collision hooks `H`, which its broad and narrow phases ask.
+pub struct BdtreePhysicsPluginsWithHooks<H: CollisionHooks> {
     schedule: Interned<dyn ScheduleLabel>,
     length_unit: f32,
     hooks: PhantomData<H>,
 }
 
-impl<H: CollisionHooks> BdtreePhysicsPlugins<H> {
+impl<H: CollisionHooks> BdtreePhysicsPluginsWithHooks<H> {
     /// Physics that runs in a schedule. The default is `FixedPostUpdate`.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self {
@@ -55,13 +57,13 @@ impl<H: CollisionHooks> BdtreePhysicsPlugins<H> {
     }
 }
 
-impl<H: CollisionHooks> Default for BdtreePhysicsPlugins<H> {
+impl<H: CollisionHooks> Default for BdtreePhysicsPluginsWithHooks<H> {
     fn default() -> Self {
         Self::new(FixedPostUpdate)
     }
 }
 
-impl<H: CollisionHooks + 'static> PluginGroup for BdtreePhysicsPlugins<H>
+impl<H: CollisionHooks + 'static> PluginGroup for BdtreePhysicsPluginsWithHooks<H>
 where
     for<'w, 's> SystemParamItem<'w, 's, H>: CollisionHooks,
 {

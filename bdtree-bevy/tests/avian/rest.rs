@@ -178,3 +178,90 @@ fn morph_targets_squeeze_a_ball() {
     support::steps(&mut app, 64);
     assert!(place(&app, ball).y < -1.0, "it falls");
 }
+
+/// A fast body needs avian's speculative contacts; then a mesh stops it.
+#[test]
+fn a_fast_ball_is_stopped() {
+    let mut app = support::app();
+    let asset = support::add(&mut app, &deck());
+    support::mesh_body(&mut app, asset, RigidBody::Static);
+    let body = (
+        RigidBody::Dynamic,
+        Collider::sphere(0.05),
+        SpeculativeCcd::MAX,
+        LinearVelocity(Vec3::NEG_Y * 80.0),
+        Transform::from_xyz(0.1, 2.0, 0.1),
+    );
+    let ball = app.world_mut().spawn(body).id();
+    support::steps(&mut app, 64);
+    let at = place(&app, ball);
+    assert!(at.y > 0.0, "{at}");
+}
+
+/// A file that changes, and a scale: the collider follows.
+#[test]
+fn colliders_follow_files_and_scales() {
+    use bdtree_bevy::BdtModel;
+    use bevy_asset::Assets;
+    let mut app = support::app();
+    let asset = support::add(&mut app, &deck());
+    let mesh = support::mesh_body(&mut app, asset.clone(), RigidBody::Static);
+    support::steps(&mut app, 2);
+    let size = |app: &App| {
+        let aabb = app.world().get::<ColliderAabb>(mesh).expect("a collider");
+        aabb.size().x
+    };
+    // Boxes hold more than the mesh.
+    let whole = size(&app);
+    assert!((8.0..9.0).contains(&whole), "{whole}");
+    let scaled = Transform::from_scale(Vec3::splat(0.5));
+    app.world_mut().entity_mut(mesh).insert(scaled);
+    support::steps(&mut app, 2);
+    assert!((size(&app) - 0.5 * whole).abs() < 0.1, "{}", size(&app));
+    // Not one that meshes can have: the last one stays.
+    let uneven = Transform::from_scale(Vec3::new(0.5, 1.0, 0.5));
+    app.world_mut().entity_mut(mesh).insert(uneven);
+    support::steps(&mut app, 2);
+    assert!((size(&app) - 0.5 * whole).abs() < 0.1, "{}", size(&app));
+    app.world_mut().entity_mut(mesh).insert(scaled);
+    let mut assets = app.world_mut().resource_mut::<Assets<BdtModel>>();
+    assets
+        .insert(asset.id(), BdtModel::from(jaws()))
+        .expect("an asset");
+    support::steps(&mut app, 3);
+    assert!(size(&app) < 1.0, "{}", size(&app));
+}
+
+/// avian's own colliders: what the program changes or removes goes with ours.
+#[test]
+fn colliders_of_avian_are_taken_over() {
+    let mut app = support::app();
+    let body = (
+        RigidBody::Static,
+        Collider::sphere(1.0),
+        Transform::default(),
+    );
+    let entity = app.world_mut().spawn(body).id();
+    support::steps(&mut app, 1);
+    let size = |app: &App| {
+        let aabb = app.world().get::<ColliderAabb>(entity).expect("a collider");
+        aabb.size().x
+    };
+    assert!((size(&app) - 2.0).abs() < 0.1, "{}", size(&app));
+    *app.world_mut()
+        .get_mut::<Collider>(entity)
+        .expect("a collider") = Collider::sphere(2.0);
+    support::steps(&mut app, 2);
+    assert!((size(&app) - 4.0).abs() < 0.1, "{}", size(&app));
+    (app.world_mut()
+        .get_mut::<Transform>(entity)
+        .expect("a place"))
+    .scale = Vec3::splat(0.5);
+    support::steps(&mut app, 2);
+    assert!((size(&app) - 2.0).abs() < 0.1, "{}", size(&app));
+    let own = app.world().get::<Collider>(entity).expect("a collider");
+    assert_eq!(own.scale(), Vec3::splat(0.5));
+    app.world_mut().entity_mut(entity).remove::<Collider>();
+    support::steps(&mut app, 2);
+    assert!(app.world().get::<BdtCollider>(entity).is_none());
+}

@@ -24,7 +24,7 @@ pub(crate) fn app() -> App {
         TransformPlugin,
         AssetPlugin::default(),
         BdtreePlugin,
-        <BdtreePhysicsPlugins>::default(),
+        BdtreePhysicsPlugins::default(),
     ))
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(
         STEP_S,
