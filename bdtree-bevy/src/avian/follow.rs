@@ -19,6 +19,7 @@ use bevy_transform::components::Transform;
 
 use super::collider::{BdtCollider, uniform};
 use super::flexible::FlexibleModes;
+use super::surface::Surfaces;
 use crate::asset::BdtModel;
 use crate::pose::{Deformation, DeformingMesh};
 use crate::shape::{ShapeModels, deformed};
@@ -86,6 +87,7 @@ pub(super) fn follow_meshes(
     assets: Res<Assets<BdtModel>>,
     mut models: ResMut<ShapeModels>,
     mut reloads: MessageReader<AssetEvent<BdtModel>>,
+    mut surfaces: ResMut<Surfaces>,
     mut meshes: Query<
         (
             Entity,
@@ -100,6 +102,7 @@ pub(super) fn follow_meshes(
         With<DeformingCollider>,
     >,
 ) {
+    surfaces.begin();
     let changed: Vec<_> = (reloads.read())
         .filter_map(|event| match event {
             AssetEvent::Modified { id } => Some(*id),
@@ -127,7 +130,13 @@ pub(super) fn follow_meshes(
                     error!("{entity}: {why}");
                 }
             }
-            (Some(Ok(made)), Some(mut collider)) => *collider = made,
+            (Some(Ok(made)), Some(mut collider)) => {
+                let is_same = collider.scale() == made.scale() && !is_new && modes.is_none();
+                if let Some(before) = collider.mesh().filter(|_| is_same) {
+                    surfaces.before.insert(entity, before.clone());
+                }
+                *collider = made;
+            }
             (Some(Ok(made)), None) => {
                 commands.entity(entity).try_insert(made);
             }
@@ -151,7 +160,7 @@ fn collider_of(
     Some(shape.map(|shape| BdtCollider::deforming(shape, 1.0, scale, Some(deformation.clone()))))
 }
 
-/// Whatever touches a mesh that deforms stays awake or wakes up: meshes push by place, which gives bodies no speed. Dynamic
+/// Whatever touches a mesh that deforms stays awake or wakes up. Dynamic
 /// flexible bodies fall asleep with what they touch, and their modes with them.
 pub(super) fn wake_touched(
     changed: Query<
@@ -185,12 +194,16 @@ pub(super) fn wake_touched(
     }
 }
 
-/// avian keeps the contacts of bodies that hardly moved: those of shapes that changed are found anew.
+/// avian keeps the contacts of bodies that hardly moved: those of shapes that changed, now or last, are found anew.
 pub(super) fn renew_contacts(
     changed: Query<Entity, Changed<BdtCollider>>,
+    surfaces: Res<Surfaces>,
     mut contacts: ResMut<ContactGraph>,
 ) {
-    let changed: EntityHashSet = changed.iter().collect();
+    let changed: EntityHashSet = changed
+        .iter()
+        .chain(surfaces.last.iter().copied())
+        .collect();
     if changed.is_empty() {
         return;
     }

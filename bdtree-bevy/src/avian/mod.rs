@@ -10,7 +10,7 @@
 //! * Add [`Flexible`], and contacts move the coordinates of its vibration modes.
 //!
 //! [`BdtSpatialQuery`] asks all of them; avian's own `SpatialQuery`, ray and shape casters and swept collision detection see
-//! `Collider`s alone. A mesh pushes by place: what it throws up gets no speed from it. Bodies
+//! `Collider`s alone. Bodies
 //! fast enough to pass through a mesh within a step need avian's `SpeculativeCcd`.
 
 mod collider;
@@ -19,6 +19,7 @@ mod flexible;
 mod follow;
 mod plugin;
 mod queries;
+mod surface;
 
 pub use collider::{BdtCollider, MeshCollider};
 pub use flexible::{Flexible, FlexibleModes};

@@ -13,7 +13,7 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::system::SystemParamItem;
 
 use super::collider::BdtCollider;
-use super::{flexible, follow};
+use super::{flexible, follow, surface};
 use crate::asset::BdtModel;
 use crate::shape::{ShapeModels, forget_models};
 
@@ -118,11 +118,15 @@ impl Plugin for ColliderPlugin {
                     .before(PhysicsSystems::StepSimulation),
             )
             .init_resource::<flexible::Pushes>()
+            .init_resource::<surface::Surfaces>()
             .add_systems(
                 PhysicsSchedule,
                 (
                     follow::renew_contacts.in_set(NarrowPhaseSystems::First),
-                    flexible::begin_step.in_set(NarrowPhaseSystems::Last),
+                    (surface::find_speeds, flexible::begin_step)
+                        .chain()
+                        .in_set(NarrowPhaseSystems::Last),
+                    surface::throw.in_set(SolverSystems::PostSubstep),
                     // In the place of nothing of avian's: what else ends a step may come before or after.
                     flexible::end_step
                         .in_set(PhysicsStepSystems::Finalize)

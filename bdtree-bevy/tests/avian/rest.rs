@@ -265,3 +265,67 @@ fn colliders_of_avian_are_taken_over() {
     support::steps(&mut app, 2);
     assert!(app.world().get::<BdtCollider>(entity).is_none());
 }
+
+/// A deck that rises and stops throws what lies on it as fast as it rose; one that is bent back does not hold it.
+#[test]
+fn what_deforms_throws() {
+    let mut app = support::app();
+    let asset = support::add(&mut app, &deck());
+    let deformation = Deformation {
+        q: vec![-1.0, 0.0],
+        ..Deformation::default()
+    };
+    let mesh = support::mesh_body(&mut app, asset, (RigidBody::Kinematic, deformation));
+    let ball = ball(&mut app, Vec3::new(0.0, 0.1, 0.0));
+    support::steps(&mut app, 64 * 2);
+    let speed = 2.0;
+    for step in 1..=12 {
+        let risen = speed * support::STEP_S * step as f32;
+        deform(&mut app, mesh, &[-1.0 + risen / 0.3, 0.0]);
+        support::steps(&mut app, 1);
+    }
+    let found = app.world().get::<LinearVelocity>(ball).expect("a body").0.y;
+    assert!((found - speed).abs() < 0.1, "{found}");
+    let start = place(&app, ball).y;
+    let mut highest = start;
+    for _ in 0..20 {
+        support::steps(&mut app, 1);
+        highest = highest.max(place(&app, ball).y);
+    }
+    let expected = speed * speed / (2.0 * 9.81);
+    assert!(
+        (highest - start - expected).abs() < 0.03,
+        "{}",
+        highest - start
+    );
+}
+
+/// A surface that moves along itself takes what lies on it along.
+#[test]
+fn what_slides_carries() {
+    let mut app = support::app();
+    let asset = support::add(&mut app, &deck());
+    let deformation = Deformation {
+        q: vec![-1.0, 0.0],
+        ..Deformation::default()
+    };
+    let mesh = support::mesh_body(&mut app, asset, (RigidBody::Kinematic, deformation));
+    let body = (
+        RigidBody::Dynamic,
+        Collider::cuboid(0.2, 0.1, 0.2),
+        Transform::from_xyz(0.0, -0.2, 0.0),
+    );
+    let cube = app.world_mut().spawn(body).id();
+    support::steps(&mut app, 64);
+    let start = place(&app, cube).z;
+    for step in 1..=64 {
+        // The middle moves across by 0.3 m.
+        deform(&mut app, mesh, &[-1.0, step as f32 / 64.0]);
+        support::steps(&mut app, 1);
+    }
+    let carried = place(&app, cube).z - start;
+    assert!((carried - 0.3).abs() < 0.05, "{carried}");
+    support::steps(&mut app, 64);
+    let after = place(&app, cube).z - start;
+    assert!((after - carried).abs() < 0.02, "{after} after {carried}");
+}
