@@ -1,15 +1,13 @@
-//! Shapes of parry at the poses of entities: what the colliders of both engines are made of.
+//! What the colliders of both engines are made of.
 
 use std::collections::HashMap;
 
-use bdtree_parry::{DeformingMesh as MeshShape, DeformingModel, ShapeError};
-use bdtree_runtime::{CacheSize, Instance, JointMatrix};
+use bdtree_parry::{DeformingModel, ShapeError};
 use bevy_asset::{AssetEvent, AssetId, Assets};
 use bevy_ecs::message::MessageReader;
 use bevy_ecs::prelude::*;
 
 use crate::asset::BdtModel;
-use crate::pose::{Deformation, joint};
 
 /// Models as physics engines need them, one for all colliders of a file and scale.
 #[derive(Resource, Debug, Default)]
@@ -47,23 +45,4 @@ pub(crate) fn forget_models(
             models.models.retain(|(of, _), _| of != id);
         }
     }
-}
-
-/// A model at the pose of an entity.
-///
-/// # Errors
-/// Coordinates or joints that the file refuses; a damaged file.
-pub(crate) fn deformed(
-    model: &DeformingModel,
-    deformation: &Deformation,
-) -> Result<MeshShape, ShapeError> {
-    let mut instance = Instance::with_cache(model.model(), CacheSize::NONE)?;
-    if !deformation.q.is_empty() {
-        instance.set_q(&deformation.q)?;
-    }
-    if !deformation.joints.is_empty() {
-        let joints: Vec<JointMatrix> = deformation.joints.iter().map(joint).collect();
-        instance.set_joints(&joints)?;
-    }
-    MeshShape::of_instance(model.clone(), instance)
 }

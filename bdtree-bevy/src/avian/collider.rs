@@ -9,15 +9,14 @@ use avian3d::parry::shape::{Shape, SharedShape};
 use avian3d::prelude::{
     Collider, ColliderAabb, ComputeMassProperties3d, ContactManifold, MassProperties3d,
 };
-use bdtree_parry::{DeformingMesh, ShapeError};
-use bdtree_runtime::PoseError;
+use bdtree_parry::{DeformingMesh, DeformingModel, ShapeError};
+use bdtree_runtime::{CacheSize, Instance, JointMatrix, PoseError};
 use bevy_ecs::prelude::*;
 use bevy_log::error;
 use bevy_math::{Quat, Vec3};
 
 use super::contacts;
-use crate::pose::Deformation;
-use crate::shape::deformed;
+use crate::pose::{Deformation, joint};
 
 /// A collider of avian that may deform.
 ///
@@ -127,6 +126,25 @@ impl BdtCollider {
             }
         }
     }
+}
+
+/// A model at the pose of an entity.
+///
+/// # Errors
+/// Coordinates or joints that the file refuses; a damaged file.
+pub(super) fn deformed(
+    model: &DeformingModel,
+    deformation: &Deformation,
+) -> Result<DeformingMesh, ShapeError> {
+    let mut instance = Instance::with_cache(model.model(), CacheSize::NONE)?;
+    if !deformation.q.is_empty() {
+        instance.set_q(&deformation.q)?;
+    }
+    if !deformation.joints.is_empty() {
+        let joints: Vec<JointMatrix> = deformation.joints.iter().map(joint).collect();
+        instance.set_joints(&joints)?;
+    }
+    DeformingMesh::of_instance(model.clone(), instance)
 }
 
 /// Where a collider stands.

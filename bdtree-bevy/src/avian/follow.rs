@@ -17,12 +17,12 @@ use bevy_reflect::Reflect;
 use bevy_reflect::std_traits::ReflectDefault;
 use bevy_transform::components::Transform;
 
-use super::collider::{BdtCollider, uniform};
+use super::collider::{BdtCollider, deformed, uniform};
 use super::flexible::FlexibleModes;
 use super::surface::Surfaces;
 use crate::asset::BdtModel;
 use crate::pose::{Deformation, DeformingMesh};
-use crate::shape::{ShapeModels, deformed};
+use crate::shape::ShapeModels;
 
 /// Gives a [`DeformingMesh`] a [`BdtCollider`] that takes the entity's [`Deformation`] before every physics step, once the
 /// file is loaded. The scale of the entity has to be the same along all axes.
