@@ -7,7 +7,11 @@
 mod asset;
 mod plugin;
 mod pose;
+#[cfg(feature = "render")]
+mod render;
 
 pub use asset::{BdtLoadError, BdtLoader, BdtModel};
 pub use plugin::{BdtreePlugin, BdtreeSystems};
 pub use pose::{Deformation, DeformedInstance, DeformingMesh};
+#[cfg(feature = "render")]
+pub use render::DrawDeformed;

@@ -40,4 +40,9 @@ impl Plugin for BdtreePlugin {
                 pose::update_instances.in_set(BdtreeSystems::Pose),
             );
     }
+
+    #[cfg(feature = "render")]
+    fn finish(&self, app: &mut App) {
+        crate::render::finish(app);
+    }
 }

@@ -1,0 +1,179 @@
+//! Meshes that the GPU deforms look like meshes that the processor deformed.
+
+use bdtree_bevy::{BdtModel, BdtreePlugin, Deformation, DeformingMesh};
+use bdtree_fixtures::bake;
+use bdtree_runtime::{Instance, JointMatrix, Model, TriangleId, VertexId};
+use bevy_app::App;
+use bevy_asset::{Assets, Handle, RenderAssetUsages};
+use bevy_camera::primitives::Aabb;
+use bevy_camera::visibility::NoFrustumCulling;
+use bevy_color::Color;
+use bevy_ecs::prelude::*;
+use bevy_math::{Affine3A, Mat4, Vec3, Vec3A};
+use bevy_mesh::{Indices, Mesh, Mesh3d, MeshBuilder, Meshable, PrimitiveTopology};
+use bevy_pbr::{MeshMaterial3d, StandardMaterial};
+use bevy_transform::components::Transform;
+
+use crate::support::{self, picture::Picture};
+
+/// One entity of a scene.
+struct Body {
+    model: Model,
+    deformation: Deformation,
+    at: Transform,
+}
+
+/// The mesh as the processor deforms it: `Pose::deformed`, and normals that are the sums of the triangles around a vertex.
+fn deformed_mesh(body: &Body) -> Mesh {
+    let mut instance = Instance::new(&body.model).unwrap();
+    let asset = body.model.asset();
+    if !body.deformation.q.is_empty() {
+        instance.set_q(&body.deformation.q).unwrap();
+    }
+    if !body.deformation.joints.is_empty() {
+        let rows = |m: &Affine3A| -> JointMatrix {
+            let m = Mat4::from(*m).transpose().to_cols_array_2d();
+            [0, 1, 2].map(|r| m[r].map(f64::from))
+        };
+        let joints: Vec<_> = body.deformation.joints.iter().map(rows).collect();
+        instance.set_joints(&joints).unwrap();
+    }
+    let pose = instance.pose();
+    let vertex = |i| Vec3::from_array(pose.deformed(VertexId(i)).unwrap().map(|x| x as f32));
+    let positions: Vec<Vec3> = (0..asset.vertex_count() as u32).map(vertex).collect();
+    let mut normals = vec![Vec3::ZERO; positions.len()];
+    let mut indices = Vec::new();
+    for id in 0..asset.triangle_count() as u32 {
+        let corners = asset.triangle(TriangleId(id)).unwrap().map(|v| v.0);
+        let [a, b, c] = corners.map(|v| positions[v as usize]);
+        for v in corners {
+            normals[v as usize] += (b - a).cross(c - a);
+        }
+        indices.extend(corners);
+    }
+    let normals: Vec<Vec3> = normals.iter().map(|n| n.normalize_or_zero()).collect();
+    Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+    .with_inserted_indices(Indices::U32(indices))
+}
+
+/// Ground, light and camera.
+fn scene(eye: Vec3, at: Vec3) -> App {
+    let mut app = support::app(320, 240, &bdtree_fixtures::golden::folder());
+    app.add_plugins(BdtreePlugin);
+    support::start(&mut app);
+    let world = app.world_mut();
+    support::camera(world, eye, at);
+    support::sun(world, Vec3::new(2.0, 5.0, 3.0));
+    let ground = bevy_shape::Plane3d::default().mesh().size(20.0, 20.0);
+    let ground = world.resource_mut::<Assets<Mesh>>().add(ground.build());
+    let grey = material(world, Color::srgb(0.6, 0.6, 0.6));
+    world.spawn((Mesh3d(ground), grey, Transform::from_xyz(0.0, -1.2, 0.0)));
+    app
+}
+
+fn material(world: &mut World, color: Color) -> MeshMaterial3d<StandardMaterial> {
+    let material = StandardMaterial {
+        base_color: color,
+        perceptual_roughness: 0.6,
+        double_sided: true,
+        cull_mode: None,
+        ..Default::default()
+    };
+    let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+    MeshMaterial3d(materials.add(material))
+}
+
+fn add_model(world: &mut World, model: &Model) -> Handle<BdtModel> {
+    world
+        .resource_mut::<Assets<BdtModel>>()
+        .add(BdtModel::from(model.clone()))
+}
+
+/// Holds all bodies here.
+const AROUND: Aabb = Aabb {
+    center: Vec3A::ZERO,
+    half_extents: Vec3A::splat(10.0),
+};
+
+const ORANGE: Color = Color::srgb(0.85, 0.45, 0.15);
+
+/// A picture with bodies that the GPU deforms, and the same with meshes that the processor deformed.
+fn both(eye: Vec3, at: Vec3, bodies: &[Body]) -> [Picture; 2] {
+    let mut app = scene(eye, at);
+    let orange = material(app.world_mut(), ORANGE);
+    for body in bodies {
+        let model = add_model(app.world_mut(), &body.model);
+        app.world_mut().spawn((
+            DeformingMesh(model),
+            body.deformation.clone(),
+            body.at,
+            orange.clone(),
+            AROUND,
+        ));
+    }
+    support::settle(&mut app);
+    let drawn = support::take(&mut app);
+
+    let mut app = scene(eye, at);
+    let orange = material(app.world_mut(), ORANGE);
+    for body in bodies {
+        let mesh = deformed_mesh(body);
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        app.world_mut()
+            .spawn((Mesh3d(mesh), body.at, orange.clone(), NoFrustumCulling));
+    }
+    support::settle(&mut app);
+    [drawn, support::take(&mut app)]
+}
+
+/// Both pictures are alike, and show something that a picture at rest does not.
+fn assert_alike(name: &str, eye: Vec3, at: Vec3, bodies: &[Body]) {
+    let [drawn, expected] = both(eye, at, bodies);
+    drawn.save(&format!("drawing-{name}"));
+    expected.save(&format!("drawing-{name}-expected"));
+    // Edges of triangles: sums in another order move corners by less than a thousandth of a pixel.
+    let off = drawn.differing(&expected, 3);
+    assert!(off <= 20, "{off} pixels differ");
+    let rest: Vec<Body> = bodies
+        .iter()
+        .map(|body| Body {
+            model: body.model.clone(),
+            deformation: Deformation::default(),
+            at: body.at,
+        })
+        .collect();
+    let [at_rest, _] = both(eye, at, &rest);
+    let moved = drawn.differing(&at_rest, 3);
+    assert!(moved > 1000, "{moved} pixels differ from those at rest");
+}
+
+#[test]
+fn vibration_modes_are_drawn() {
+    let model = bake::elastic("torus", 6, 8, &[]);
+    let bodies: Vec<Body> = (0..6)
+        .map(|k| {
+            let mut q = vec![0.0; 6];
+            q[k] = 0.5;
+            Body {
+                model: model.clone(),
+                deformation: Deformation {
+                    q,
+                    joints: Vec::new(),
+                },
+                at: Transform::from_xyz(2.6 * (k % 3) as f32 - 2.6, 0.0, 2.6 * (k / 3) as f32 - 1.3)
+                    .with_scale(Vec3::splat(0.8)),
+            }
+        })
+        .collect();
+    assert_alike(
+        "modes",
+        Vec3::new(0.0, 5.0, 6.0),
+        Vec3::ZERO,
+        &bodies,
+    );
+}
