@@ -2,7 +2,7 @@
 
 use bdtree_bevy::{BdtModel, BdtreePlugin, Deformation, DeformingMesh};
 use bdtree_fixtures::bake;
-use bdtree_runtime::{Instance, JointMatrix, Model, TriangleId, VertexId};
+use bdtree_runtime::{Instance, JointMatrix, Model, SkeletonPose, TriangleId, VertexId};
 use bevy_app::App;
 use bevy_asset::{Assets, Handle, RenderAssetUsages};
 use bevy_camera::primitives::Aabb;
@@ -102,41 +102,51 @@ const AROUND: Aabb = Aabb {
 
 const ORANGE: Color = Color::srgb(0.85, 0.45, 0.15);
 
-/// A picture with bodies that the GPU deforms, and the same with meshes that the processor deformed.
-fn both(eye: Vec3, at: Vec3, bodies: &[Body]) -> [Picture; 2] {
-    let mut app = scene(eye, at);
-    let orange = material(app.world_mut(), ORANGE);
-    for body in bodies {
-        let model = add_model(app.world_mut(), &body.model);
-        app.world_mut().spawn((
-            DeformingMesh(model),
-            body.deformation.clone(),
-            body.at,
-            orange.clone(),
-            AROUND,
-        ));
-    }
-    support::settle(&mut app);
-    let drawn = support::take(&mut app);
-
-    let mut app = scene(eye, at);
-    let orange = material(app.world_mut(), ORANGE);
-    for body in bodies {
-        let mesh = deformed_mesh(body);
-        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
-        app.world_mut()
-            .spawn((Mesh3d(mesh), body.at, orange.clone(), NoFrustumCulling));
-    }
-    support::settle(&mut app);
-    [drawn, support::take(&mut app)]
+/// Who deforms.
+#[derive(Clone, Copy, PartialEq)]
+enum By {
+    Gpu,
+    Processor,
 }
 
-/// Both pictures are alike, and show something that a picture at rest does not.
+/// A picture of bodies, which then are gone.
+fn picture(app: &mut App, bodies: &[Body], by: By) -> Picture {
+    let orange = material(app.world_mut(), ORANGE);
+    let mut entities = Vec::new();
+    for body in bodies {
+        let world = app.world_mut();
+        let common = (body.at, orange.clone());
+        entities.push(match by {
+            By::Gpu => {
+                let model = add_model(world, &body.model);
+                let deformation = body.deformation.clone();
+                world
+                    .spawn((common, DeformingMesh(model), deformation, AROUND))
+                    .id()
+            }
+            By::Processor => {
+                let mesh = deformed_mesh(body);
+                let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+                world.spawn((common, Mesh3d(mesh), NoFrustumCulling)).id()
+            }
+        });
+    }
+    support::settle(app);
+    let picture = support::take(app);
+    for entity in entities {
+        app.world_mut().despawn(entity);
+    }
+    picture
+}
+
+/// Bodies that the GPU deforms look as those that the processor deforms, and not as bodies at rest.
 fn assert_alike(name: &str, eye: Vec3, at: Vec3, bodies: &[Body]) {
-    let [drawn, expected] = both(eye, at, bodies);
+    let mut app = scene(eye, at);
+    let drawn = picture(&mut app, bodies, By::Gpu);
+    let expected = picture(&mut app, bodies, By::Processor);
     drawn.save(&format!("drawing-{name}"));
     expected.save(&format!("drawing-{name}-expected"));
-    // Edges of triangles: sums in another order move corners by less than a thousandth of a pixel.
+    // Sums in another order move corners by less than a thousandth of a pixel, which edges of triangles may show.
     let off = drawn.differing(&expected, 3);
     assert!(off <= 20, "{off} pixels differ");
     let rest: Vec<Body> = bodies
@@ -147,7 +157,7 @@ fn assert_alike(name: &str, eye: Vec3, at: Vec3, bodies: &[Body]) {
             at: body.at,
         })
         .collect();
-    let [at_rest, _] = both(eye, at, &rest);
+    let at_rest = picture(&mut app, &rest, By::Processor);
     let moved = drawn.differing(&at_rest, 3);
     assert!(moved > 1000, "{moved} pixels differ from those at rest");
 }
@@ -176,4 +186,59 @@ fn vibration_modes_are_drawn() {
         Vec3::ZERO,
         &bodies,
     );
+}
+
+#[test]
+fn morph_targets_are_drawn() {
+    let (mesh, basis) = bake::face_with_shapes();
+    let model = bake::baked(&mesh, &basis);
+    let mode_count = model.asset().mode_count();
+    let bodies: Vec<Body> = (0..3)
+        .map(|k| {
+            let mut q = vec![0.0; mode_count];
+            for j in (k..mode_count).step_by(3) {
+                q[j] = 0.5;
+            }
+            Body {
+                model: model.clone(),
+                deformation: Deformation {
+                    q,
+                    joints: Vec::new(),
+                },
+                at: Transform::from_xyz(2.0 * k as f32 - 2.0, 0.0, 0.0)
+                    .with_scale(Vec3::splat(10.0)),
+            }
+        })
+        .collect();
+    assert_alike("morphs", Vec3::new(0.5, 0.5, 5.0), Vec3::ZERO, &bodies);
+}
+
+#[test]
+fn bones_are_drawn() {
+    let tube = support::models::baked("skinned_tube.glb", 0);
+    let bar = Model::from_bytes(&bdtree_fixtures::skin::skinned_bar()).unwrap();
+    let mut bodies = Vec::new();
+    for k in 0..3 {
+        let mut pose = SkeletonPose::new(&tube).unwrap();
+        pose.play(k, 0.4).unwrap();
+        bodies.push(Body {
+            model: tube.clone(),
+            deformation: Deformation {
+                q: pose.q().to_vec(),
+                joints: support::models::joints(&pose),
+            },
+            at: Transform::from_xyz(-3.0, 0.0, 2.0 * k as f32 - 3.0),
+        });
+        let mut pose = SkeletonPose::new(&bar).unwrap();
+        pose.play(0, 0.3 * k as f64 + 0.2).unwrap();
+        bodies.push(Body {
+            model: bar.clone(),
+            deformation: Deformation {
+                q: pose.q().to_vec(),
+                joints: support::models::joints(&pose),
+            },
+            at: Transform::from_xyz(0.5, -1.0, 2.0 * k as f32 - 5.0).with_scale(Vec3::splat(0.5)),
+        });
+    }
+    assert_alike("bones", Vec3::new(0.0, 5.0, 7.0), Vec3::ZERO, &bodies);
 }

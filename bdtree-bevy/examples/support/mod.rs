@@ -4,6 +4,7 @@
 // Not every program uses all of it.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod models;
 pub mod picture;
 
 use std::path::Path;
