@@ -5,12 +5,16 @@
 //! moves it to its [`Deformation`].
 
 mod asset;
+#[cfg(feature = "gizmos")]
+mod gizmos;
 mod plugin;
 mod pose;
 #[cfg(feature = "render")]
 mod render;
 
 pub use asset::{BdtLoadError, BdtLoader, BdtModel};
+#[cfg(feature = "gizmos")]
+pub use gizmos::{BdtreeGizmos, DeformedGizmos, ShowBox, ShowSpheres};
 pub use plugin::{BdtreePlugin, BdtreeSystems};
 pub use pose::{Deformation, DeformedInstance, DeformingMesh};
 #[cfg(feature = "render")]

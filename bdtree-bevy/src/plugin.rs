@@ -41,8 +41,11 @@ impl Plugin for BdtreePlugin {
             );
     }
 
-    #[cfg(feature = "render")]
     fn finish(&self, app: &mut App) {
+        let _ = &app;
+        #[cfg(feature = "render")]
         crate::render::finish(app);
+        #[cfg(feature = "gizmos")]
+        crate::gizmos::finish(app);
     }
 }
