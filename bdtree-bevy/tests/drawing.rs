@@ -5,26 +5,24 @@ use bdtree_fixtures::bake;
 use bdtree_runtime::{Instance, JointMatrix, Model, SkeletonPose, TriangleId, VertexId};
 use bevy_app::App;
 use bevy_asset::{Assets, Handle, RenderAssetUsages};
-use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::NoFrustumCulling;
 use bevy_color::Color;
 use bevy_ecs::prelude::*;
-use bevy_math::{Affine3A, Mat4, Vec3, Vec3A};
-use bevy_mesh::{Indices, Mesh, Mesh3d, MeshBuilder, Meshable, PrimitiveTopology};
-use bevy_pbr::{MeshMaterial3d, StandardMaterial};
+use bevy_math::{Affine3A, Mat4, Vec3};
+use bevy_mesh::{Indices, Mesh, Mesh3d, Meshable, PrimitiveTopology};
 use bevy_transform::components::Transform;
 
-use crate::support::{self, picture::Picture};
+use crate::support::{self, material, picture::Picture};
 
 /// One entity of a scene.
-struct Body {
-    model: Model,
-    deformation: Deformation,
-    at: Transform,
+pub(crate) struct Body {
+    pub(crate) model: Model,
+    pub(crate) deformation: Deformation,
+    pub(crate) at: Transform,
 }
 
 /// The mesh as the processor deforms it: `Pose::deformed`, and normals that are the sums of the triangles around a vertex.
-fn deformed_mesh(body: &Body) -> Mesh {
+pub(crate) fn deformed_mesh(body: &Body) -> Mesh {
     let mut instance = Instance::new(&body.model).unwrap();
     let asset = body.model.asset();
     if !body.deformation.q.is_empty() {
@@ -62,45 +60,26 @@ fn deformed_mesh(body: &Body) -> Mesh {
 }
 
 /// Ground, light and camera.
-fn scene(eye: Vec3, at: Vec3) -> App {
+pub(crate) fn scene(eye: Vec3, at: Vec3) -> App {
     let mut app = support::app(320, 240, &bdtree_fixtures::golden::folder());
     app.add_plugins(BdtreePlugin);
     support::start(&mut app);
     let world = app.world_mut();
     support::camera(world, eye, at);
     support::sun(world, Vec3::new(2.0, 5.0, 3.0));
-    let ground = bevy_shape::Plane3d::default().mesh().size(20.0, 20.0);
-    let ground = world.resource_mut::<Assets<Mesh>>().add(ground.build());
-    let grey = material(world, Color::srgb(0.6, 0.6, 0.6));
-    world.spawn((Mesh3d(ground), grey, Transform::from_xyz(0.0, -1.2, 0.0)));
+    let plane = bevy_shape::Plane3d::default().mesh().size(20.0, 20.0);
+    let ground = support::solid(world, plane, Color::srgb(0.6, 0.6, 0.6));
+    world.spawn((ground, Transform::from_xyz(0.0, -1.2, 0.0)));
     app
 }
 
-fn material(world: &mut World, color: Color) -> MeshMaterial3d<StandardMaterial> {
-    let material = StandardMaterial {
-        base_color: color,
-        perceptual_roughness: 0.6,
-        double_sided: true,
-        cull_mode: None,
-        ..Default::default()
-    };
-    let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-    MeshMaterial3d(materials.add(material))
-}
-
-fn add_model(world: &mut World, model: &Model) -> Handle<BdtModel> {
+pub(crate) fn add_model(world: &mut World, model: &Model) -> Handle<BdtModel> {
     world
         .resource_mut::<Assets<BdtModel>>()
         .add(BdtModel::from(model.clone()))
 }
 
-/// Holds all bodies here.
-const AROUND: Aabb = Aabb {
-    center: Vec3A::ZERO,
-    half_extents: Vec3A::splat(10.0),
-};
-
-const ORANGE: Color = Color::srgb(0.85, 0.45, 0.15);
+pub(crate) const ORANGE: Color = Color::srgb(0.85, 0.45, 0.15);
 
 /// Who deforms.
 #[derive(Clone, Copy, PartialEq)]
@@ -121,7 +100,7 @@ fn picture(app: &mut App, bodies: &[Body], by: By) -> Picture {
                 let model = add_model(world, &body.model);
                 let deformation = body.deformation.clone();
                 world
-                    .spawn((common, DeformingMesh(model), deformation, AROUND))
+                    .spawn((common, DeformingMesh(model), deformation))
                     .id()
             }
             By::Processor => {
@@ -240,5 +219,5 @@ fn bones_are_drawn() {
             at: Transform::from_xyz(0.5, -1.0, 2.0 * k as f32 - 5.0).with_scale(Vec3::splat(0.5)),
         });
     }
-    assert_alike("bones", Vec3::new(0.0, 5.0, 7.0), Vec3::ZERO, &bodies);
+    assert_alike("bones", Vec3::new(-0.5, 6.0, 11.0), Vec3::new(-0.5, 0.0, 0.0), &bodies);
 }

@@ -22,8 +22,8 @@ use bevy_gizmos_render::GizmoRenderPlugin;
 use bevy_image::{Image, ImagePlugin};
 use bevy_light::{DirectionalLight, GlobalAmbientLight, LightPlugin};
 use bevy_math::Vec3;
-use bevy_mesh::MeshPlugin;
-use bevy_pbr::PbrPlugin;
+use bevy_mesh::{Mesh, Mesh3d, MeshPlugin};
+use bevy_pbr::{MeshMaterial3d, PbrPlugin, StandardMaterial};
 use bevy_render::render_resource::{PipelineCache, TextureFormat};
 use bevy_render::view::Tonemapping;
 use bevy_render::view::screenshot::{Screenshot, ScreenshotCaptured};
@@ -114,6 +114,29 @@ pub fn camera(world: &mut World, eye: Vec3, at: Vec3) -> Entity {
         .id()
 }
 
+/// A mesh of Bevy's in one color.
+pub fn solid(
+    world: &mut World,
+    mesh: impl Into<Mesh>,
+    color: Color,
+) -> (Mesh3d, MeshMaterial3d<StandardMaterial>) {
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh.into());
+    (Mesh3d(mesh), material(world, color))
+}
+
+/// A material of one color, the same on both sides.
+pub fn material(world: &mut World, color: Color) -> MeshMaterial3d<StandardMaterial> {
+    let material = StandardMaterial {
+        base_color: color,
+        perceptual_roughness: 0.6,
+        double_sided: true,
+        cull_mode: None,
+        ..Default::default()
+    };
+    let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+    MeshMaterial3d(materials.add(material))
+}
+
 /// A light like the sun that casts shadows.
 pub fn sun(world: &mut World, from: Vec3) -> Entity {
     world
@@ -152,6 +175,22 @@ pub fn settle(app: &mut App) {
         calm = if is_calm { calm + 1 } else { 0 };
         calm > 3
     });
+}
+
+/// Runs so many frames of which no picture is wanted: cameras rest, so that nothing is drawn.
+pub fn run_undrawn(app: &mut App, frames: usize) {
+    set_cameras(app, false);
+    for _ in 0..frames {
+        app.update();
+    }
+    set_cameras(app, true);
+}
+
+fn set_cameras(app: &mut App, is_active: bool) {
+    let world = app.world_mut();
+    for mut camera in world.query::<&mut Camera>().iter_mut(world) {
+        camera.is_active = is_active;
+    }
 }
 
 /// A picture of the next frame.

@@ -8,6 +8,19 @@ use bdtree_build::recipe::{Elastic, Morphs, Motion, Recipe};
 use bdtree_runtime::{Model, SkeletonPose};
 use bevy_math::{Affine3A, Mat3A, Vec3A};
 
+/// A folder for files that examples bake and load.
+pub fn folder() -> PathBuf {
+    let folder = super::picture::folder().join("models");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// Writes a model as a `.bdt` file to [`folder`], as `bdtree-build` would.
+pub fn write(model: &Model, name: &str) {
+    let bytes = model.asset().bytes();
+    std::fs::write(folder().join(name), bytes).expect("a file");
+}
+
 /// The folder of meshes beside the crate.
 pub fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures")

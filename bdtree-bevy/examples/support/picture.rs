@@ -6,6 +6,18 @@ use std::path::{Path, PathBuf};
 
 use bevy_image::Image;
 
+/// Where pictures lie: `bevy` in the target folder of this build.
+pub fn folder() -> PathBuf {
+    let program = std::env::current_exe().expect("a program");
+    let target = program
+        .ancestors()
+        .find(|folder| folder.join("CACHEDIR.TAG").exists())
+        .unwrap_or(Path::new("target"));
+    let folder = target.join("bevy");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
 /// Pixels of red, green and blue (sRGB), row by row from the top.
 #[derive(Clone, PartialEq)]
 pub struct Picture {
@@ -32,15 +44,9 @@ impl Picture {
         self.pixels[(y * self.width + x) as usize]
     }
 
-    /// Writes `target/bevy/NAME.png`, the target folder being that of this build, and returns its path.
+    /// Writes `NAME.png` to [`folder`] and returns its path.
     pub fn save(&self, name: &str) -> PathBuf {
-        let program = std::env::current_exe().expect("a program");
-        let target = program
-            .ancestors()
-            .find(|folder| folder.join("CACHEDIR.TAG").exists())
-            .unwrap_or(Path::new("target"));
-        let path = target.join("bevy").join(name).with_extension("png");
-        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        let path = folder().join(name).with_extension("png");
         let file = BufWriter::new(File::create(&path).expect("a file"));
         let mut encoder = png::Encoder::new(file, self.width, self.height);
         encoder.set_color(png::ColorType::Rgb);

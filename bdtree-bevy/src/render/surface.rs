@@ -4,10 +4,12 @@ use std::collections::HashMap;
 
 use bdtree_runtime::{Model, TriangleId};
 use bevy_asset::{AssetId, Assets, Handle, RenderAssetUsages};
+use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::NoAutoAabb;
 use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectComponent;
 use bevy_log::error;
+use bevy_math::Vec3A;
 use bevy_mesh::{Indices, Mesh, Mesh3d, PrimitiveTopology, VertexFormat};
 use bevy_pbr::{MeshMaterial3d, StandardMaterial};
 use bevy_reflect::Reflect;
@@ -37,6 +39,12 @@ pub(crate) struct Surface {
     template: Option<Handle<Mesh>>,
     own: Handle<Mesh>,
 }
+
+/// Until there is a box of the pose: Bevy's culling on the GPU may drop meshes that have none.
+const EVERYWHERE: Aabb = Aabb {
+    center: Vec3A::ZERO,
+    half_extents: Vec3A::splat(1e9),
+};
 
 /// Makes the meshes of entities that are to be drawn, where there is none or its file or template changed.
 pub(crate) fn update_surfaces(
@@ -93,7 +101,8 @@ pub(crate) fn update_surfaces(
         // Bevy would take the box of the rest vertices.
         commands
             .entity(entity)
-            .insert((Mesh3d(own), surface, NoAutoAabb));
+            .insert((Mesh3d(own), surface, NoAutoAabb))
+            .insert_if_new(EVERYWHERE);
     }
     for (entity, surface) in &orphans {
         let mut entity = commands.entity(entity);

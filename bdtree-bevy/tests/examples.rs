@@ -1,0 +1,115 @@
+//! Each example runs and shows what it says.
+
+use bdtree_bevy::DeformedInstance;
+use bevy_pbr::{MeshMaterial3d, StandardMaterial};
+use bevy_transform::components::Transform;
+
+#[path = "../examples/first_mesh.rs"]
+mod first_mesh;
+#[path = "../examples/morph_ball.rs"]
+mod morph_ball;
+#[path = "../examples/pick_character.rs"]
+mod pick_character;
+#[path = "../examples/thousand_colliders.rs"]
+mod thousand_colliders;
+
+/// Pixels whose red, green and blue pass.
+fn count(pixels: &[[u8; 3]], passes: impl Fn(u8, u8, u8) -> bool) -> usize {
+    let is_it = |p: &&[u8; 3]| passes(p[0], p[1], p[2]);
+    pixels.iter().filter(is_it).count()
+}
+
+fn is_red(r: u8, g: u8, b: u8) -> bool {
+    r > 110 && r / 2 > g.max(b)
+}
+
+fn is_blue(r: u8, _: u8, b: u8) -> bool {
+    b > 90 && b / 2 > r
+}
+
+#[test]
+fn first_mesh() {
+    let (mut app, picture) = first_mesh::run();
+    picture.save("first_mesh");
+    let world = app.world_mut();
+    let (ball, falling) = world
+        .query::<(&Transform, &first_mesh::Falling)>()
+        .single(world)
+        .unwrap();
+    let height = ball.translation.y;
+    // On the seat, not on the ground.
+    assert!((0.4..0.7).contains(&height), "{height}");
+    assert!(falling.touches > 20, "{}", falling.touches);
+    let body = world.query::<&DeformedInstance>().single(world).unwrap();
+    assert!(body.instance.q().iter().any(|q| q.abs() > 0.01));
+    assert!(count(&picture.pixels, is_blue) > 300);
+}
+
+#[test]
+fn thousand_colliders() {
+    let (mut app, picture) = thousand_colliders::run();
+    picture.save("thousand_colliders");
+    let red = app.world().resource::<thousand_colliders::Red>().0.clone();
+    let world = app.world_mut();
+    let ball = *world
+        .query_filtered::<&Transform, bevy_ecs::prelude::With<thousand_colliders::Flying>>()
+        .single(world)
+        .unwrap();
+    // Brute force over the deformed triangles.
+    let center = ball.translation.to_array().map(f64::from);
+    let mut touched = 0;
+    let mut bodies = world.query::<(&DeformedInstance, &MeshMaterial3d<StandardMaterial>)>();
+    for (body, material) in bodies.iter(world) {
+        let pose = body.instance.pose();
+        let count = body.instance.model().asset().triangle_count() as u32;
+        let is_near = |id| {
+            let corners = pose.deformed_triangle(bdtree_runtime::TriangleId(id)).unwrap();
+            let nearest = bdtree_runtime::narrow::closest_point(center, &corners).point;
+            let off = [0, 1, 2].map(|k| nearest[k] - center[k]);
+            off.iter().map(|d| d * d).sum::<f64>().sqrt() <= 2.0
+        };
+        let is_touched = (0..count).any(is_near);
+        assert_eq!(is_touched, material.0 == red);
+        touched += usize::from(is_touched);
+    }
+    assert!(touched > 5, "{touched}");
+    assert!(count(&picture.pixels, is_red) > 100);
+    assert!(count(&picture.pixels, is_blue) > 100);
+}
+
+#[test]
+fn morph_ball() {
+    let (mut app, [before, after]) = morph_ball::run();
+    before.save("morph_ball_before");
+    after.save("morph_ball");
+    let world = app.world_mut();
+    let ball = world
+        .query_filtered::<&Transform, bevy_ecs::prelude::With<morph_ball::Squeezed>>()
+        .single(world)
+        .unwrap();
+    let height = ball.translation.y;
+    assert!(height > morph_ball::BEFORE + 0.1, "{height}");
+    assert!(height.is_finite() && ball.translation.x.hypot(ball.translation.z) < 0.3);
+    assert!(before.differing(&after, 10) > 2000);
+}
+
+#[test]
+fn pick_character() {
+    let model = crate::support::models::baked("skinned_tube.glb", 0);
+    let (app, picture) = pick_character::run(&model, pick_character::POINTER);
+    picture.save("pick_character");
+    let hit = app.world().resource::<pick_character::Hit>();
+    let (entity, hit) = hit.0.as_ref().expect("a hit");
+    let body = app.world().get::<DeformedInstance>(*entity).unwrap();
+    let corners = body.instance.pose().deformed_triangle(hit.triangle).unwrap();
+    let at = [0, 1, 2].map(|k| (0..3).map(|c| hit.barycentric[c] * corners[c][k]).sum::<f64>());
+    assert!((0..3).all(|k| (at[k] - hit.point[k]).abs() < 1e-9));
+    // The arrow begins at the pointer.
+    let [x, y] = pick_character::POINTER.to_array().map(|x| x as u32);
+    let around = (x - 10..x + 10).flat_map(|x| (y - 10..y + 10).map(move |y| (x, y)));
+    let red = around.filter(|(x, y)| {
+        let [r, g, b] = picture.pixel(*x, *y);
+        is_red(r, g, b)
+    });
+    assert!(red.count() > 5);
+}
