@@ -60,6 +60,10 @@ fn drawn(app: &mut App) -> Picture {
 
 fn assert_same(a: &Picture, b: &Picture, what: &str) {
     let off = a.differing(b, 3);
+    if off > 20 {
+        a.save("drawing-changes-found");
+        b.save("drawing-changes-expected");
+    }
     assert!(off <= 20, "{what}: {off} pixels differ");
 }
 
@@ -94,10 +98,10 @@ fn poses_and_files_that_change_are_drawn_anew() {
     let third = drawn(&mut app);
     let same = expected(&mut app, entity, deformed_mesh(&body(&fine, -3.0)));
     assert_same(&third, &same, "another file");
-    third.save("drawing-reloaded");
 
     // One mesh for each entity, and none that stays behind.
     let count = |app: &App| app.world().resource::<Assets<Mesh>>().len();
+    support::settle(&mut app);
     let before = count(&app);
     app.world_mut()
         .entity_mut(entity)

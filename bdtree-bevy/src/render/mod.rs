@@ -11,7 +11,7 @@ mod write;
 mod windows;
 
 use bevy_app::{App, PostUpdate};
-use bevy_asset::Assets;
+use bevy_asset::{AssetEventSystems, Assets};
 use bevy_ecs::prelude::*;
 use bevy_mesh::Mesh;
 use bevy_render::mesh::allocator::MeshAllocatorSettings;
@@ -42,7 +42,10 @@ pub(crate) fn finish(app: &mut App) {
     app.add_systems(
         PostUpdate,
         surface::update_surfaces
-            .in_set(BdtreeSystems::Pose)
-            .run_if(resource_exists::<Assets<Mesh>>),
+            .run_if(resource_exists::<Assets<Mesh>>)
+            .before(BdtreeSystems::Pose)
+            // The renderer hears of new meshes in the frame in which their entities have them: one that it draws before is
+            // not drawn later either.
+            .before(AssetEventSystems),
     );
 }
