@@ -11,7 +11,9 @@
 
 use std::f32::consts::TAU;
 
-use bdtree_bevy::{BdtModel, BdtreePlugin, BdtreeSystems, Deformation, DeformedInstance, DeformingMesh};
+use bdtree_bevy::{
+    BdtModel, BdtreePlugin, BdtreeSystems, Deformation, DeformedInstance, DeformingMesh,
+};
 use bdtree_runtime::{Ball, Contact, Workspace};
 use bevy_app::{App, PostUpdate, Update};
 use bevy_asset::AssetServer;
@@ -52,7 +54,10 @@ pub fn run() -> (App, Picture) {
         // Where instances are in this frame's pose.
         .add_systems(PostUpdate, fall.after(BdtreeSystems::Pose));
     support::start(&mut app);
-    let chair = app.world().resource::<AssetServer>().load::<BdtModel>("chair.bdt");
+    let chair = app
+        .world()
+        .resource::<AssetServer>()
+        .load::<BdtModel>("chair.bdt");
     let world = app.world_mut();
     support::camera(world, Vec3::new(1.1, 1.1, 1.6), Vec3::new(0.0, 0.4, 0.0));
     support::sun(world, Vec3::new(1.0, 3.0, 1.5));
@@ -61,7 +66,10 @@ pub fn run() -> (App, Picture) {
     let plane = bevy_shape::Plane3d::default().mesh().size(6.0, 6.0);
     let ground = support::solid(world, plane, Color::srgb(0.6, 0.62, 0.6));
     world.spawn(ground);
-    let sphere = bevy_shape::Sphere::new(RADIUS as f32).mesh().ico(5).expect("a sphere");
+    let sphere = bevy_shape::Sphere::new(RADIUS as f32)
+        .mesh()
+        .ico(5)
+        .expect("a sphere");
     let ball = support::solid(world, sphere, Color::srgb(0.15, 0.35, 0.8));
     world.spawn((
         ball,
@@ -108,11 +116,17 @@ fn fall(
         for mut mesh in &mut meshes {
             found.clear();
             let shape = Ball::new(center.to_array(), RADIUS);
-            if let Err(why) = mesh.instance.query(&mut workspace).contacts(shape, &mut *found) {
+            if let Err(why) = mesh
+                .instance
+                .query(&mut workspace)
+                .contacts(shape, &mut *found)
+            {
                 panic!("a ball is refused: {why}");
             }
             // The deepest: others along the same way are gone with it.
-            let deepest = found.iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
+            let deepest = found
+                .iter()
+                .min_by(|a, b| a.distance.total_cmp(&b.distance));
             if let Some(contact) = deepest {
                 let normal = DVec3::from_array(contact.normal);
                 center -= normal * contact.distance;

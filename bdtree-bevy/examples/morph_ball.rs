@@ -9,7 +9,9 @@
 // Tests include it as a module.
 #![allow(unreachable_pub)]
 
-use bdtree_bevy::{BdtModel, BdtreePlugin, BdtreeSystems, Deformation, DeformedInstance, DeformingMesh};
+use bdtree_bevy::{
+    BdtModel, BdtreePlugin, BdtreeSystems, Deformation, DeformedInstance, DeformingMesh,
+};
 use bdtree_build::input::RawMesh;
 use bdtree_fixtures::{bake, models};
 use bdtree_runtime::{Ball, Contact, Model, Workspace};
@@ -51,7 +53,10 @@ pub fn run() -> (App, [Picture; 2]) {
         .add_systems(Update, close)
         .add_systems(PostUpdate, squeeze.after(BdtreeSystems::Pose));
     support::start(&mut app);
-    let ring = app.world().resource::<AssetServer>().load::<BdtModel>("ring.bdt");
+    let ring = app
+        .world()
+        .resource::<AssetServer>()
+        .load::<BdtModel>("ring.bdt");
     let world = app.world_mut();
     support::camera(world, Vec3::new(0.0, 2.4, 3.0), Vec3::new(0.0, 0.2, 0.0));
     support::sun(world, Vec3::new(1.5, 3.0, 1.0));
@@ -60,7 +65,10 @@ pub fn run() -> (App, [Picture; 2]) {
     let plane = bevy_shape::Plane3d::default().mesh().size(8.0, 8.0);
     let ground = support::solid(world, plane, Color::srgb(0.6, 0.62, 0.6));
     world.spawn((ground, Transform::from_xyz(0.0, -0.35, 0.0)));
-    let sphere = bevy_shape::Sphere::new(RADIUS as f32).mesh().ico(5).expect("a sphere");
+    let sphere = bevy_shape::Sphere::new(RADIUS as f32)
+        .mesh()
+        .ico(5)
+        .expect("a sphere");
     let ball = support::solid(world, sphere, Color::srgb(0.8, 0.25, 0.15));
     world.spawn((ball, Squeezed, Transform::from_xyz(0.0, BEFORE, 0.0)));
     support::run_until(&mut app, |app| {
@@ -123,7 +131,10 @@ fn squeeze(
             for _ in 0..8 {
                 found.clear();
                 let shape = Ball::new(center.to_array(), RADIUS);
-                let contacts = ring.instance.query(&mut workspace).contacts(shape, &mut *found);
+                let contacts = ring
+                    .instance
+                    .query(&mut workspace)
+                    .contacts(shape, &mut *found);
                 if let Err(why) = contacts {
                     panic!("a ball is refused: {why}");
                 }

@@ -32,7 +32,7 @@ mod support;
 use support::picture::Picture;
 
 /// What is pointed at (pixels from the upper left).
-pub const POINTER: Vec2 = Vec2::new(235.0, 160.0);
+pub const POINTER: Vec2 = Vec2::new(232.0, 145.0);
 
 /// A clip of the file that plays.
 #[derive(Component)]
@@ -59,9 +59,14 @@ pub fn main() {
     let (app, picture) = run(&model, POINTER);
     if let Some((entity, hit)) = &app.world().resource::<Hit>().0 {
         let asset = model.asset();
-        let joint = asset.joint_of(hit.triangle, hit.barycentric).expect("a hit");
+        let joint = asset
+            .joint_of(hit.triangle, hit.barycentric)
+            .expect("a hit");
         let name = joint.and_then(|joint| asset.skeleton()?.joint_name(joint));
-        println!("{entity}: {:?} of {name:?} at {:?}", hit.triangle, hit.point);
+        println!(
+            "{entity}: {:?} of {name:?} at {:?}",
+            hit.triangle, hit.point
+        );
     }
     println!("{}", picture.save("pick_character").display());
 }
@@ -80,10 +85,13 @@ pub fn run(model: &Model, pointer: Vec2) -> (App, Picture) {
     let handle: Handle<BdtModel> = world.resource_mut::<Assets<BdtModel>>().add(model.clone());
     let (center, size) = extent(model);
     let at = Vec3::new(0.0, 0.6, 0.0);
-    support::camera(world, at + Vec3::new(0.6, 1.0, 2.6), at);
+    support::camera(world, at + Vec3::new(0.3, 0.5, 1.6), at);
     support::sun(world, Vec3::new(1.0, 3.0, 1.5));
     let skin = support::material(world, Color::srgb(0.5, 0.6, 0.75));
-    let clip_count = model.asset().skeleton().map_or(0, |skeleton| skeleton.clip_count());
+    let clip_count = model
+        .asset()
+        .skeleton()
+        .map_or(0, |skeleton| skeleton.clip_count());
     for k in 0..3 {
         let scale = 1.0 / size;
         let place = Vec3::new(1.1 * (k as f32 - 1.0), 0.7, 0.0) - center * scale;
@@ -118,7 +126,11 @@ fn play(time: Res<Time>, mut characters: Query<(&mut Deformation, &mut Playing)>
     for (mut deformation, mut playing) in &mut characters {
         let clip = playing.clip;
         // Each looks at its clip; a file without clips stays at rest.
-        if playing.pose.play(clip, f64::from(time.elapsed_secs())).is_err() {
+        if playing
+            .pose
+            .play(clip, f64::from(time.elapsed_secs()))
+            .is_err()
+        {
             continue;
         }
         deformation.q = playing.pose.q().to_vec();
@@ -145,7 +157,10 @@ fn pick(
         for (entity, mut character) in &mut characters {
             match character.instance.query(&mut workspace).cast_ray(&ray) {
                 Ok(Some(found)) => {
-                    let nearest = hit.0.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.distance);
+                    let nearest = hit
+                        .0
+                        .as_ref()
+                        .map_or(f64::INFINITY, |(_, hit)| hit.distance);
                     if found.distance < nearest {
                         hit.0 = Some((entity, found));
                     }

@@ -1,4 +1,4 @@
-//! A thousand bodies of one file, each in a pose of its own, and a ball that flies through them: those that it touches turn
+//! A thousand bodies of one file, each in a pose of its own, and a ball that flies over them: those that it touches turn
 //! red.
 //!
 //! ```text
@@ -12,7 +12,9 @@
 
 use std::f32::consts::TAU;
 
-use bdtree_bevy::{BdtModel, BdtreePlugin, BdtreeSystems, Deformation, DeformedInstance, DeformingMesh};
+use bdtree_bevy::{
+    BdtModel, BdtreePlugin, BdtreeSystems, Deformation, DeformedInstance, DeformingMesh,
+};
 use bdtree_fixtures::bake;
 use bdtree_runtime::{Ball, Workspace};
 use bevy_app::{App, PostUpdate, Update};
@@ -25,7 +27,7 @@ use bevy_pbr::{MeshMaterial3d, StandardMaterial};
 use bevy_time::Time;
 use bevy_transform::components::Transform;
 
-mod support;
+pub mod support;
 
 use support::picture::Picture;
 
@@ -60,23 +62,30 @@ pub fn run() -> (App, Picture) {
         .add_systems(Update, (swing, fly))
         .add_systems(PostUpdate, touch.after(BdtreeSystems::Pose));
     support::start(&mut app);
-    let stone = app.world().resource::<AssetServer>().load::<BdtModel>("stone.bdt");
+    let stone = app
+        .world()
+        .resource::<AssetServer>()
+        .load::<BdtModel>("stone.bdt");
     let world = app.world_mut();
-    support::camera(world, Vec3::new(8.0, 11.0, 20.0), Vec3::new(0.0, -1.5, 0.0));
+    support::camera(world, Vec3::new(0.0, 15.0, 22.0), Vec3::new(0.0, 0.0, 1.5));
     support::sun(world, Vec3::new(1.0, 3.0, 1.5));
     let yellow = support::material(world, Color::srgb(0.85, 0.7, 0.3));
     let red = support::material(world, Color::srgb(0.8, 0.1, 0.1));
     world.insert_resource(Red(red.0));
     for k in 0..1000 {
-        let place = [k % 10, k / 10 % 10, k / 100].map(|i| 1.5 * (i as f32 - 4.5));
+        let [x, z] = [k % 40, k / 40].map(|i| i as f32);
+        let place = 1.15 * Vec3::new(x - 19.5, 0.0, z - 12.0);
         world.spawn((
             DeformingMesh(stone.clone()),
             yellow.clone(),
             Phase(k as f32 * 0.37),
-            Transform::from_translation(Vec3::from_array(place)).with_scale(Vec3::splat(0.45)),
+            Transform::from_translation(place).with_scale(Vec3::splat(0.45)),
         ));
     }
-    let sphere = bevy_shape::Sphere::new(RADIUS).mesh().ico(5).expect("a sphere");
+    let sphere = bevy_shape::Sphere::new(RADIUS)
+        .mesh()
+        .ico(5)
+        .expect("a sphere");
     let ball = support::solid(world, sphere, Color::srgb(0.15, 0.35, 0.8));
     world.spawn((ball, Flying, Transform::default()));
     support::run_until(&mut app, |app| {
@@ -102,7 +111,7 @@ fn swing(time: Res<Time>, mut bodies: Query<(&mut Deformation, &Phase)>) {
 fn fly(time: Res<Time>, mut balls: Query<&mut Transform, With<Flying>>) {
     let t = time.elapsed_secs();
     for mut ball in &mut balls {
-        ball.translation = 4.0 * Vec3::new((1.1 * t).sin(), 1.0, (0.9 * t).cos());
+        ball.translation = Vec3::new(9.0 * (0.7 * t).sin(), 1.5, -5.0 * (0.9 * t).cos());
     }
 }
 

@@ -94,7 +94,14 @@ impl<Config: GizmoConfigGroup, Clear: 'static + Send + Sync> DeformedGizmos
         color: impl Into<Color>,
     ) -> Result<(), FormatError> {
         let (point, normal) = (vector(hit.point), vector(hit.normal));
-        touch(self, pose, hit.triangle, point, normal * length, color.into())
+        touch(
+            self,
+            pose,
+            hit.triangle,
+            point,
+            normal * length,
+            color.into(),
+        )
     }
 
     fn contact(
@@ -105,7 +112,14 @@ impl<Config: GizmoConfigGroup, Clear: 'static + Send + Sync> DeformedGizmos
         color: impl Into<Color>,
     ) -> Result<(), FormatError> {
         let (point, normal) = (vector(contact.point), vector(contact.normal));
-        touch(self, pose, contact.triangle, point, normal * length, color.into())
+        touch(
+            self,
+            pose,
+            contact.triangle,
+            point,
+            normal * length,
+            color.into(),
+        )
     }
 }
 
@@ -118,7 +132,11 @@ fn touch<Config: GizmoConfigGroup, Clear: 'static + Send + Sync>(
     color: Color,
 ) -> Result<(), FormatError> {
     gizmos.lineloop(pose.deformed_triangle(triangle)?.map(vector), color);
-    gizmos.cross(Isometry3d::from_translation(point), 0.1 * arrow.length(), color);
+    gizmos.cross(
+        Isometry3d::from_translation(point),
+        0.1 * arrow.length(),
+        color,
+    );
     gizmos.arrow(point, point + arrow, color);
     Ok(())
 }

@@ -2,7 +2,7 @@
 //! answered from the pose without deforming the mesh.
 //!
 //! Add [`BdtreePlugin`], load a [`BdtModel`] with Bevy's `AssetServer`, and give an entity a [`DeformingMesh`]. Write what
-//! moves it to its [`Deformation`].
+//! moves it to its [`Deformation`]. With a material it is drawn deformed: `docs/guide/bevy.md` has a complete program.
 
 mod asset;
 #[cfg(feature = "gizmos")]
@@ -19,3 +19,10 @@ pub use plugin::{BdtreePlugin, BdtreeSystems};
 pub use pose::{Deformation, DeformedInstance, DeformingMesh};
 #[cfg(feature = "render")]
 pub use render::DrawDeformed;
+
+/// The program of the guide, compiled with the tests.
+#[cfg(all(doctest, feature = "render"))]
+mod pages {
+    #[doc = include_str!("../../docs/guide/bevy.md")]
+    struct Bevy;
+}

@@ -41,8 +41,8 @@ impl Plugin for BdtreePlugin {
             );
     }
 
+    #[cfg(any(feature = "render", feature = "gizmos"))]
     fn finish(&self, app: &mut App) {
-        let _ = &app;
         #[cfg(feature = "render")]
         crate::render::finish(app);
         #[cfg(feature = "gizmos")]

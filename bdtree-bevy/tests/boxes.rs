@@ -24,8 +24,6 @@ fn update(
         local.set_pose(instance.q(), Placement::IDENTITY).unwrap();
         let found = local.aabb().unwrap();
         let [min, max] = [found.min, found.max].map(|v| Vec3::from_array(v.map(|x| x as f32)));
-        commands
-            .entity(entity)
-            .insert(Aabb::from_min_max(min, max));
+        commands.entity(entity).insert(Aabb::from_min_max(min, max));
     }
 }

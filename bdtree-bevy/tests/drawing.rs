@@ -154,17 +154,16 @@ fn vibration_modes_are_drawn() {
                     q,
                     joints: Vec::new(),
                 },
-                at: Transform::from_xyz(2.6 * (k % 3) as f32 - 2.6, 0.0, 2.6 * (k / 3) as f32 - 1.3)
-                    .with_scale(Vec3::splat(0.8)),
+                at: Transform::from_xyz(
+                    2.6 * (k % 3) as f32 - 2.6,
+                    0.0,
+                    2.6 * (k / 3) as f32 - 1.3,
+                )
+                .with_scale(Vec3::splat(0.8)),
             }
         })
         .collect();
-    assert_alike(
-        "modes",
-        Vec3::new(0.0, 5.0, 6.0),
-        Vec3::ZERO,
-        &bodies,
-    );
+    assert_alike("modes", Vec3::new(0.0, 5.0, 6.0), Vec3::ZERO, &bodies);
 }
 
 #[test]
@@ -219,5 +218,10 @@ fn bones_are_drawn() {
             at: Transform::from_xyz(0.5, -1.0, 2.0 * k as f32 - 5.0).with_scale(Vec3::splat(0.5)),
         });
     }
-    assert_alike("bones", Vec3::new(-0.5, 6.0, 11.0), Vec3::new(-0.5, 0.0, 0.0), &bodies);
+    assert_alike(
+        "bones",
+        Vec3::new(-0.5, 6.0, 11.0),
+        Vec3::new(-0.5, 0.0, 0.0),
+        &bodies,
+    );
 }

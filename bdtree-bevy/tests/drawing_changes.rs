@@ -1,6 +1,6 @@
 //! What is drawn follows poses, files and meshes that change.
 
-use bdtree_bevy::{BdtModel, Deformation, DeformingMesh};
+use bdtree_bevy::{BdtModel, Deformation, DeformingMesh, DrawDeformed};
 use bdtree_fixtures::bake;
 use bdtree_runtime::Model;
 use bevy_app::App;
@@ -103,9 +103,7 @@ fn poses_and_files_that_change_are_drawn_anew() {
     let count = |app: &App| app.world().resource::<Assets<Mesh>>().len();
     support::settle(&mut app);
     let before = count(&app);
-    app.world_mut()
-        .entity_mut(entity)
-        .remove::<DeformingMesh>();
+    app.world_mut().entity_mut(entity).remove::<DeformingMesh>();
     let empty = drawn(&mut app);
     assert!(app.world().get::<Mesh3d>(entity).is_none());
     assert!(empty.differing(&third, 3) > 1000);
@@ -140,7 +138,7 @@ fn a_mesh_of_the_program_keeps_its_colors() {
                     deformation,
                     Transform::from_xyz(x, 0.0, 0.0),
                     white.clone(),
-                        ))
+                ))
                 .id()
         })
         .to_vec();
@@ -160,4 +158,20 @@ fn a_mesh_of_the_program_keeps_its_colors() {
         ));
     }
     assert_same(&found, &drawn(&mut app), "stripes");
+}
+
+#[test]
+fn meshes_are_drawn_that_have_a_material_or_ask_for_it() {
+    let mut app = scene(EYE, Vec3::ZERO);
+    let handle = add_model(app.world_mut(), &sphere(8));
+    let orange = material(app.world_mut(), ORANGE);
+    let world = app.world_mut();
+    let plain = world.spawn(DeformingMesh(handle.clone())).id();
+    let asks = world
+        .spawn((DeformingMesh(handle.clone()), DrawDeformed))
+        .id();
+    let has_one = world.spawn((DeformingMesh(handle), orange)).id();
+    app.update();
+    let is_drawn = |entity| app.world().get::<Mesh3d>(entity).is_some();
+    assert_eq!([plain, asks, has_one].map(is_drawn), [false, true, true]);
 }

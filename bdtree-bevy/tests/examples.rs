@@ -1,8 +1,18 @@
 //! Each example runs and shows what it says.
 
-use bdtree_bevy::DeformedInstance;
+use std::time::Duration;
+
+use bdtree_bevy::{Deformation, DeformedInstance, DeformingMesh};
+use bevy_app::App;
+use bevy_asset::Assets;
+use bevy_camera::visibility::NoFrustumCulling;
+use bevy_ecs::prelude::*;
+use bevy_mesh::{Mesh, Mesh3d};
 use bevy_pbr::{MeshMaterial3d, StandardMaterial};
+use bevy_time::TimeUpdateStrategy;
 use bevy_transform::components::Transform;
+
+use crate::drawing::{Body, deformed_mesh};
 
 #[path = "../examples/first_mesh.rs"]
 mod first_mesh;
@@ -52,7 +62,7 @@ fn thousand_colliders() {
     let red = app.world().resource::<thousand_colliders::Red>().0.clone();
     let world = app.world_mut();
     let ball = *world
-        .query_filtered::<&Transform, bevy_ecs::prelude::With<thousand_colliders::Flying>>()
+        .query_filtered::<&Transform, With<thousand_colliders::Flying>>()
         .single(world)
         .unwrap();
     // Brute force over the deformed triangles.
@@ -63,7 +73,9 @@ fn thousand_colliders() {
         let pose = body.instance.pose();
         let count = body.instance.model().asset().triangle_count() as u32;
         let is_near = |id| {
-            let corners = pose.deformed_triangle(bdtree_runtime::TriangleId(id)).unwrap();
+            let corners = pose
+                .deformed_triangle(bdtree_runtime::TriangleId(id))
+                .unwrap();
             let nearest = bdtree_runtime::narrow::closest_point(center, &corners).point;
             let off = [0, 1, 2].map(|k| nearest[k] - center[k]);
             off.iter().map(|d| d * d).sum::<f64>().sqrt() <= 2.0
@@ -73,8 +85,47 @@ fn thousand_colliders() {
         touched += usize::from(is_touched);
     }
     assert!(touched > 5, "{touched}");
+    assert_drawn_as_deformed(&mut app);
     assert!(count(&picture.pixels, is_red) > 100);
     assert!(count(&picture.pixels, is_blue) > 100);
+}
+
+/// All bodies of the scene, which are more than are deformed at a time, look as the processor deforms them.
+fn assert_drawn_as_deformed(app: &mut App) {
+    use thousand_colliders::support;
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    app.update();
+    let found = support::take(app);
+    let world = app.world_mut();
+    let mut bodies = world.query::<(Entity, &DeformedInstance, &Deformation)>();
+    let body = |(entity, body, deformation): (Entity, &DeformedInstance, &Deformation)| {
+        let mesh = deformed_mesh(&Body {
+            model: body.instance.model().clone(),
+            deformation: deformation.clone(),
+            at: Transform::default(),
+        });
+        (entity, mesh)
+    };
+    let deformed: Vec<(Entity, Mesh)> = bodies.iter(world).map(body).collect();
+    assert_eq!(deformed.len(), 1000);
+    for (entity, _) in &deformed {
+        world.entity_mut(*entity).remove::<DeformingMesh>();
+    }
+    support::settle(app);
+    let none = support::take(app);
+    let world = app.world_mut();
+    for (entity, mesh) in deformed {
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+        world
+            .entity_mut(entity)
+            .insert((Mesh3d(mesh), NoFrustumCulling));
+    }
+    support::settle(app);
+    let expected = support::take(app);
+    let off = found.differing(&expected, 3);
+    assert!(off <= 50, "{off} pixels differ");
+    let drawn = found.differing(&none, 3);
+    assert!(drawn > 50_000, "{drawn} pixels");
 }
 
 #[test]
@@ -84,7 +135,7 @@ fn morph_ball() {
     after.save("morph_ball");
     let world = app.world_mut();
     let ball = world
-        .query_filtered::<&Transform, bevy_ecs::prelude::With<morph_ball::Squeezed>>()
+        .query_filtered::<&Transform, With<morph_ball::Squeezed>>()
         .single(world)
         .unwrap();
     let height = ball.translation.y;
@@ -101,8 +152,16 @@ fn pick_character() {
     let hit = app.world().resource::<pick_character::Hit>();
     let (entity, hit) = hit.0.as_ref().expect("a hit");
     let body = app.world().get::<DeformedInstance>(*entity).unwrap();
-    let corners = body.instance.pose().deformed_triangle(hit.triangle).unwrap();
-    let at = [0, 1, 2].map(|k| (0..3).map(|c| hit.barycentric[c] * corners[c][k]).sum::<f64>());
+    let corners = body
+        .instance
+        .pose()
+        .deformed_triangle(hit.triangle)
+        .unwrap();
+    let at = [0, 1, 2].map(|k| {
+        (0..3)
+            .map(|c| hit.barycentric[c] * corners[c][k])
+            .sum::<f64>()
+    });
     assert!((0..3).all(|k| (at[k] - hit.point[k]).abs() < 1e-9));
     // The arrow begins at the pointer.
     let [x, y] = pick_character::POINTER.to_array().map(|x| x as u32);

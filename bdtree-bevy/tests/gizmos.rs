@@ -36,7 +36,11 @@ fn shoot(mut bodies: Query<&mut DeformedInstance>, mut gizmos: Gizmos) {
 /// Pixels in which one channel is far above the others.
 fn of_color(picture: &Picture, channel: usize) -> usize {
     let is_it = |p: &&[u8; 3]| {
-        let others = (0..3).filter(|k| *k != channel).map(|k| p[k]).max().unwrap();
+        let others = (0..3)
+            .filter(|k| *k != channel)
+            .map(|k| p[k])
+            .max()
+            .unwrap();
         p[channel] > 120 && u16::from(p[channel]) > 2 * u16::from(others)
     };
     picture.pixels.iter().filter(is_it).count()
@@ -81,7 +85,9 @@ fn spheres_boxes_and_hits_are_drawn() {
     let counts = [0, 1, 2].map(|k| of_color(&shown, k));
     assert!(counts.iter().all(|count| *count > 20), "{counts:?}");
 
-    app.world_mut().entity_mut(entity).remove::<(ShowSpheres, ShowBox)>();
+    app.world_mut()
+        .entity_mut(entity)
+        .remove::<(ShowSpheres, ShowBox)>();
     app.world_mut().remove_resource::<Shot>();
     support::settle(&mut app);
     assert_eq!(support::take(&mut app).differing(&plain, 0), 0);

@@ -76,7 +76,9 @@ pub fn app(width: u32, height: u32, files: &Path) -> App {
         PbrPlugin::default(),
     ));
     app.add_plugins((GizmoPlugin, GizmoRenderPlugin));
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs(1) / 60));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(
+        Duration::from_secs(1) / 60,
+    ));
     app.insert_resource(GlobalAmbientLight {
         brightness: 300.0,
         ..Default::default()

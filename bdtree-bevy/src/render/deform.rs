@@ -9,7 +9,7 @@ use bevy_ecs::prelude::*;
 use bevy_log::error;
 use bevy_mesh::{Mesh, VertexFormat};
 use bevy_render::mesh::RenderMesh;
-use bevy_render::mesh::allocator::{MeshAllocator, MeshSlabId};
+use bevy_render::mesh::allocator::{MeshAllocator, MeshAllocatorSettings, MeshSlabId};
 use bevy_render::render_asset::RenderAssets;
 use bevy_render::renderer::{RenderDevice, RenderQueue};
 
@@ -20,7 +20,7 @@ use super::write::{Target, VertexLayout, Writer};
 /// Bytes of deformed positions and normals of one file at a time: more entities are done one batch behind the other.
 const BATCH_BYTES: u64 = 64 << 20;
 /// Entities of a batch.
-const BATCH: u64 = 1024;
+const BATCH: u64 = 512;
 
 /// What deforms, on Bevy's device.
 #[derive(Resource)]
@@ -43,6 +43,20 @@ struct Uploaded {
 /// Entities of one file in one buffer of one layout.
 type Group = (AssetId, MeshSlabId, VertexLayout);
 
+/// Whether a device runs what deforms: WebGL 2 does not.
+fn is_able(device: &RenderDevice) -> bool {
+    let limits = device.limits();
+    limits.max_compute_workgroups_per_dimension > 0
+        && limits.max_storage_buffers_per_shader_stage > 3
+}
+
+/// Lets compute passes write to vertex buffers, before Bevy makes any.
+pub(crate) fn allow_writes(device: Res<RenderDevice>, mut settings: ResMut<MeshAllocatorSettings>) {
+    if is_able(&device) {
+        settings.extra_buffer_usages |= wgpu::BufferUsages::STORAGE;
+    }
+}
+
 /// Makes what is needed on a new device.
 pub(crate) fn start(
     mut commands: Commands,
@@ -52,6 +66,11 @@ pub(crate) fn start(
 ) {
     for body in bodies.0.values_mut() {
         body.is_stale = true;
+    }
+    if !is_able(&device) {
+        commands.remove_resource::<Deformer>();
+        error!("meshes are drawn undeformed: the device has no compute shaders");
+        return;
     }
     match Skinner::new(device.wgpu_device(), &queue) {
         Ok(skinner) => commands.insert_resource(Deformer {
@@ -182,11 +201,12 @@ impl Uploaded {
             }
         }
         self.instances.write();
-        let mut encoder = device
-            .wgpu_device()
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                label: Some("bdtree"),
-            });
+        let mut encoder =
+            device
+                .wgpu_device()
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                    label: Some("bdtree"),
+                });
         skinner.record(&mut encoder, &self.gpu, &self.instances, &self.output)?;
         let limits = device.limits();
         let limit = u64::from(limits.max_storage_buffer_binding_size);
@@ -234,7 +254,10 @@ fn batch_len(gpu: &GpuAsset) -> usize {
 fn layout(mesh: &RenderMesh) -> Option<VertexLayout> {
     let mesh = &mesh.layout.0;
     let word = |attribute: bevy_mesh::MeshVertexAttribute| {
-        let place = mesh.attribute_ids().iter().position(|id| *id == attribute.id)?;
+        let place = mesh
+            .attribute_ids()
+            .iter()
+            .position(|id| *id == attribute.id)?;
         let found = mesh.layout().attributes.get(place)?;
         (found.format == VertexFormat::Float32x3).then_some(found.offset as u32 / 4)
     };

@@ -7,15 +7,17 @@
 mod deform;
 mod extract;
 mod surface;
-mod write;
 mod windows;
+mod write;
 
 use bevy_app::{App, PostUpdate};
 use bevy_asset::{AssetEventSystems, Assets};
 use bevy_ecs::prelude::*;
 use bevy_mesh::Mesh;
-use bevy_render::mesh::allocator::MeshAllocatorSettings;
-use bevy_render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems};
+use bevy_render::mesh::allocator::MeshAllocator;
+use bevy_render::{
+    ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems, init_gpu_resource,
+};
 
 use crate::BdtreeSystems;
 
@@ -26,14 +28,15 @@ pub(crate) fn finish(app: &mut App) {
     let Some(render) = app.get_sub_app_mut(RenderApp) else {
         return;
     };
-    // The allocator takes them when the device is there, after all plugins are finished.
-    render
-        .world_mut()
-        .get_resource_or_init::<MeshAllocatorSettings>()
-        .extra_buffer_usages |= wgpu::BufferUsages::STORAGE;
     render
         .init_resource::<extract::Bodies>()
-        .add_systems(RenderStartup, deform::start)
+        .add_systems(
+            RenderStartup,
+            (
+                deform::allow_writes.before(init_gpu_resource::<MeshAllocator>),
+                deform::start,
+            ),
+        )
         .add_systems(ExtractSchedule, extract::extract)
         .add_systems(
             Render,

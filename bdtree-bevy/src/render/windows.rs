@@ -14,11 +14,7 @@ pub(crate) struct Window {
 
 /// Splits items (ranges of bytes, ascending and apart) into windows of at most `limit` bytes that begin at multiples of
 /// `align`. The first item that fits none is the error.
-pub(crate) fn windows(
-    items: &[Range<u64>],
-    limit: u64,
-    align: u64,
-) -> Result<Vec<Window>, usize> {
+pub(crate) fn windows(items: &[Range<u64>], limit: u64, align: u64) -> Result<Vec<Window>, usize> {
     let mut all: Vec<Window> = Vec::new();
     for (k, item) in items.iter().enumerate() {
         if let Some(last) = all.last_mut()
