@@ -52,7 +52,7 @@ pub fn main() {
     println!("{}", picture.save("thousand_colliders").display());
 }
 
-/// The program, and its picture after two seconds.
+/// The program, and its picture after three quarters of a second.
 pub fn run() -> (App, Picture) {
     let mesh = bake::bumpy_sphere(7, 1);
     let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 4));
@@ -92,7 +92,7 @@ pub fn run() -> (App, Picture) {
         let world = app.world_mut();
         world.query::<&DeformedInstance>().iter(world).count() == 1000
     });
-    support::run_undrawn(&mut app, 120);
+    support::run_undrawn(&mut app, 45);
     support::settle(&mut app);
     let picture = support::take(&mut app);
     (app, picture)

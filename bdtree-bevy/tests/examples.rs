@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bdtree_bevy::{Deformation, DeformedInstance, DeformingMesh};
+use bdtree_bevy::{Deformation, DeformedInstance};
 use bevy_app::App;
 use bevy_asset::Assets;
 use bevy_camera::visibility::NoFrustumCulling;
@@ -97,31 +97,36 @@ fn assert_drawn_as_deformed(app: &mut App) {
     app.update();
     let found = support::take(app);
     let world = app.world_mut();
-    let mut bodies = world.query::<(Entity, &DeformedInstance, &Deformation)>();
-    let body = |(entity, body, deformation): (Entity, &DeformedInstance, &Deformation)| {
+    let mut bodies = world.query::<(
+        Entity,
+        &DeformedInstance,
+        &Deformation,
+        &Transform,
+        &MeshMaterial3d<StandardMaterial>,
+    )>();
+    let mut deformed = Vec::new();
+    for (entity, body, deformation, at, material) in bodies.iter(world) {
         let mesh = deformed_mesh(&Body {
             model: body.instance.model().clone(),
             deformation: deformation.clone(),
-            at: Transform::default(),
+            at: *at,
         });
-        (entity, mesh)
-    };
-    let deformed: Vec<(Entity, Mesh)> = bodies.iter(world).map(body).collect();
+        deformed.push((entity, mesh, *at, material.clone()));
+    }
     assert_eq!(deformed.len(), 1000);
-    for (entity, _) in &deformed {
-        world.entity_mut(*entity).remove::<DeformingMesh>();
+    for (entity, ..) in &deformed {
+        world.despawn(*entity);
     }
     support::settle(app);
     let none = support::take(app);
     let world = app.world_mut();
-    for (entity, mesh) in deformed {
+    for (_, mesh, at, material) in deformed {
         let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
-        world
-            .entity_mut(entity)
-            .insert((Mesh3d(mesh), NoFrustumCulling));
+        world.spawn((Mesh3d(mesh), at, material, NoFrustumCulling));
     }
     support::settle(app);
     let expected = support::take(app);
+    expected.save("thousand_colliders_expected");
     let off = found.differing(&expected, 3);
     assert!(off <= 50, "{off} pixels differ");
     let drawn = found.differing(&none, 3);
