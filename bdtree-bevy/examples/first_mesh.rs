@@ -6,9 +6,6 @@
 //!
 //! writes `target/bevy/first_mesh.png`.
 
-// Tests include it as a module.
-#![allow(unreachable_pub)]
-
 use std::f32::consts::TAU;
 
 use bdtree_bevy::{
@@ -34,19 +31,20 @@ const SEAT: f32 = 0.45;
 
 /// A ball that falls.
 #[derive(Component)]
-pub struct Falling {
-    pub velocity: DVec3,
-    pub touches: usize,
+pub(crate) struct Falling {
+    pub(crate) velocity: DVec3,
+    pub(crate) touches: usize,
 }
 
+// Not run where tests include this file as a module.
 #[allow(dead_code)]
-pub fn main() {
+pub(crate) fn main() {
     let (_, picture) = run();
     println!("{}", picture.save("first_mesh").display());
 }
 
 /// The program, and its picture after three seconds.
-pub fn run() -> (App, Picture) {
+pub(crate) fn run() -> (App, Picture) {
     support::models::write(&support::models::baked("chair.obj", 6), "chair.bdt");
     let mut app = support::app(480, 360, &support::models::folder());
     app.add_plugins(BdtreePlugin)

@@ -6,9 +6,6 @@
 //!
 //! writes `target/bevy/morph_ball.png`.
 
-// Tests include it as a module.
-#![allow(unreachable_pub)]
-
 use bdtree_bevy::{
     BdtModel, BdtreePlugin, BdtreeSystems, Deformation, DeformedInstance, DeformingMesh,
 };
@@ -31,21 +28,22 @@ use support::picture::Picture;
 /// World units; the hole's radius is 0.65.
 const RADIUS: f64 = 0.62;
 /// Where the ball lies before it is squeezed.
-pub const BEFORE: f32 = 0.3;
+pub(crate) const BEFORE: f32 = 0.3;
 
 /// The ball.
 #[derive(Component)]
-pub struct Squeezed;
+pub(crate) struct Squeezed;
 
+// Not run where tests include this file as a module.
 #[allow(dead_code)]
-pub fn main() {
+pub(crate) fn main() {
     let (_, [before, after]) = run();
     println!("{}", before.save("morph_ball_before").display());
     println!("{}", after.save("morph_ball").display());
 }
 
 /// The program, and pictures before and after the weight went from 0 to 1 within two seconds.
-pub fn run() -> (App, [Picture; 2]) {
+pub(crate) fn run() -> (App, [Picture; 2]) {
     support::models::write(&ring(), "ring.bdt");
     let mut app = support::app(480, 360, &support::models::folder());
     app.add_plugins(BdtreePlugin)

@@ -6,9 +6,6 @@
 //!
 //! writes `target/bevy/pick_character.png`. Without an argument the character is a tube with four joints.
 
-// Tests include it as a module.
-#![allow(unreachable_pub)]
-
 use std::path::PathBuf;
 
 use bdtree_bevy::{
@@ -32,7 +29,7 @@ mod support;
 use support::picture::Picture;
 
 /// What is pointed at (pixels from the upper left).
-pub const POINTER: Vec2 = Vec2::new(232.0, 145.0);
+pub(crate) const POINTER: Vec2 = Vec2::new(232.0, 145.0);
 
 /// A clip of the file that plays.
 #[derive(Component)]
@@ -43,14 +40,15 @@ struct Playing {
 
 /// Where the pointer is (pixels from the upper left).
 #[derive(Resource)]
-pub struct Pointer(pub Vec2);
+pub(crate) struct Pointer(pub(crate) Vec2);
 
 /// What it hits.
 #[derive(Resource, Default)]
-pub struct Hit(pub Option<(Entity, RayIntersection)>);
+pub(crate) struct Hit(pub(crate) Option<(Entity, RayIntersection)>);
 
+// Not run where tests include this file as a module.
 #[allow(dead_code)]
-pub fn main() {
+pub(crate) fn main() {
     let file = std::env::args_os().nth(1).map(PathBuf::from);
     let model = match file {
         Some(file) => support::models::baked_file(&file, 0),
@@ -72,7 +70,7 @@ pub fn main() {
 }
 
 /// The program with three characters, each in a moment of its own, and its picture.
-pub fn run(model: &Model, pointer: Vec2) -> (App, Picture) {
+pub(crate) fn run(model: &Model, pointer: Vec2) -> (App, Picture) {
     let mut app = support::app(480, 360, &support::models::folder());
     app.add_plugins(BdtreePlugin)
         .insert_resource(Pointer(pointer))

@@ -7,9 +7,6 @@
 //!
 //! writes `target/bevy/thousand_colliders.png`.
 
-// Tests include it as a module.
-#![allow(unreachable_pub)]
-
 use std::f32::consts::TAU;
 
 use bdtree_bevy::{
@@ -27,7 +24,7 @@ use bevy_pbr::{MeshMaterial3d, StandardMaterial};
 use bevy_time::Time;
 use bevy_transform::components::Transform;
 
-pub mod support;
+pub(crate) mod support;
 
 use support::picture::Picture;
 
@@ -36,7 +33,7 @@ const RADIUS: f32 = 2.0;
 
 /// The ball.
 #[derive(Component)]
-pub struct Flying;
+pub(crate) struct Flying;
 
 /// When the modes of a body begin to swing.
 #[derive(Component)]
@@ -44,16 +41,17 @@ struct Phase(f32);
 
 /// What touched bodies wear.
 #[derive(Resource)]
-pub struct Red(pub Handle<StandardMaterial>);
+pub(crate) struct Red(pub(crate) Handle<StandardMaterial>);
 
+// Not run where tests include this file as a module.
 #[allow(dead_code)]
-pub fn main() {
+pub(crate) fn main() {
     let (_, picture) = run();
     println!("{}", picture.save("thousand_colliders").display());
 }
 
 /// The program, and its picture after three quarters of a second.
-pub fn run() -> (App, Picture) {
+pub(crate) fn run() -> (App, Picture) {
     let mesh = bake::bumpy_sphere(7, 1);
     let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 6, 4));
     support::models::write(&model, "stone.bdt");

@@ -72,7 +72,7 @@ pub fn app(width: u32, height: u32, files: &Path) -> App {
         MeshPlugin,
         CameraPlugin,
         LightPlugin,
-        CorePipelinePlugin::default(),
+        CorePipelinePlugin,
         PbrPlugin::default(),
     ));
     app.add_plugins((GizmoPlugin, GizmoRenderPlugin));

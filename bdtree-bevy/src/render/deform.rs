@@ -209,7 +209,7 @@ impl Uploaded {
                 });
         skinner.record(&mut encoder, &self.gpu, &self.instances, &self.output)?;
         let limits = device.limits();
-        let limit = u64::from(limits.max_storage_buffer_binding_size);
+        let limit = limits.max_storage_buffer_binding_size;
         let align = u64::from(limits.min_storage_buffer_offset_alignment);
         let windows = match windows(&places, limit, align) {
             Ok(windows) => windows,
