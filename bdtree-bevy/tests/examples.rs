@@ -18,8 +18,8 @@ use crate::drawing::{Body, deformed_mesh};
 mod first_mesh;
 #[path = "../examples/morph_ball.rs"]
 mod morph_ball;
-#[path = "../examples/pick_character.rs"]
-mod pick_character;
+#[path = "../examples/point_at_character.rs"]
+mod point_at_character;
 #[path = "../examples/thousand_colliders.rs"]
 mod thousand_colliders;
 
@@ -150,11 +150,11 @@ fn morph_ball() {
 }
 
 #[test]
-fn pick_character() {
+fn point_at_character() {
     let model = crate::support::models::baked("skinned_tube.glb", 0);
-    let (app, picture) = pick_character::run(&model, pick_character::POINTER);
-    picture.save("pick_character");
-    let hit = app.world().resource::<pick_character::Hit>();
+    let (app, picture) = point_at_character::run(&model, point_at_character::POINTER);
+    picture.save("point_at_character");
+    let hit = app.world().resource::<point_at_character::Hit>();
     let (entity, hit) = hit.0.as_ref().expect("a hit");
     let body = app.world().get::<DeformedInstance>(*entity).unwrap();
     let corners = body
@@ -169,7 +169,7 @@ fn pick_character() {
     });
     assert!((0..3).all(|k| (at[k] - hit.point[k]).abs() < 1e-9));
     // The arrow begins at the pointer.
-    let [x, y] = pick_character::POINTER.to_array().map(|x| x as u32);
+    let [x, y] = point_at_character::POINTER.to_array().map(|x| x as u32);
     let around = (x - 10..x + 10).flat_map(|x| (y - 10..y + 10).map(move |y| (x, y)));
     let red = around.filter(|(x, y)| {
         let [r, g, b] = picture.pixel(*x, *y);

@@ -1,10 +1,10 @@
 //! A pointer hits an animated character; the triangle that it hits is shown:
 //!
 //! ```text
-//! cargo run --example pick_character [-- CHARACTER.glb]
+//! cargo run --example point_at_character [-- CHARACTER.glb]
 //! ```
 //!
-//! writes `target/bevy/pick_character.png`. Without an argument the character is a tube with four joints.
+//! writes `target/bevy/point_at_character.png`. Without an argument the character is a tube with four joints.
 
 use std::path::PathBuf;
 
@@ -66,7 +66,7 @@ pub(crate) fn main() {
             hit.triangle, hit.point
         );
     }
-    println!("{}", picture.save("pick_character").display());
+    println!("{}", picture.save("point_at_character").display());
 }
 
 /// The program with three characters, each in a moment of its own, and its picture.
