@@ -128,7 +128,7 @@ pub(crate) fn random_joints(model: &Model, rng: &mut Pcg64Mcg) -> Vec<Affine3A> 
         for column in [&mut bent.x_axis, &mut bent.y_axis, &mut bent.z_axis] {
             *column += Vec3::new(number(0.3), number(0.3), number(0.3));
         }
-        matrix = matrix * Mat4::from_mat3(bent);
+        matrix *= Mat4::from_mat3(bent);
         let size = matrix.x_axis.length();
         matrix.w_axis += Vec3::new(number(0.5), number(0.5), number(0.5)).extend(0.0) * size;
         Affine3A::from_mat4(matrix)

@@ -1,4 +1,4 @@
-//! Which boxes a shape may touch: false only if it certainly touches none of what they hold.
+//! Which boxes a shape may touch: not only if it certainly touches nothing of what they hold.
 
 use bdtree_runtime::{BoundingSphere, Capsule, Cuboid, HalfSpace, Shape};
 use bevy_math::{DMat3, DQuat, DVec3};
@@ -9,11 +9,14 @@ use crate::bounds::DeformedBounds;
 /// normalised.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Not said of what is no number: the query then says what is wrong with the shape.
+/// Whether a shape may touch what is in a box. True of shapes that are not allowed: the query then says what is wrong.
 pub(super) fn may_touch(shape: &Shape, bounds: &DeformedBounds) -> bool {
     match shape {
-        Shape::Ball(ball) => !(bounds.distance_to(ball.center) > ball.radius),
-        Shape::Capsule(capsule) => overlaps(&capsule_box(capsule), bounds),
+        Shape::Ball(ball) => !(bounds.distance_to(ball.center) > ball.radius.abs()),
+        Shape::Capsule(capsule) => match capsule_box(capsule) {
+            Some(around) => overlaps(&around, bounds),
+            None => true,
+        },
         Shape::Cuboid(cuboid) => overlaps(&cuboid_box(cuboid), bounds),
         Shape::HalfSpace(half_space) => reaches_below(half_space, bounds),
         // Shapes to come.
@@ -28,20 +31,20 @@ fn overlaps(shape: &DeformedBounds, bounds: &DeformedBounds) -> bool {
     })
 }
 
-fn capsule_box(capsule: &Capsule) -> DeformedBounds {
+/// `None` of numbers that are not finite.
+fn capsule_box(capsule: &Capsule) -> Option<DeformedBounds> {
     let (a, b) = (DVec3::from_array(capsule.a), DVec3::from_array(capsule.b));
-    // glam's own minimum passes over what is no number: then nothing is left out.
-    let radius = DVec3::splat(capsule.radius) + (a - a) + (b - b);
-    DeformedBounds {
+    let radius = capsule.radius.abs();
+    (a.is_finite() && b.is_finite() && radius.is_finite()).then(|| DeformedBounds {
         min: (a.min(b) - radius).to_array(),
         max: (a.max(b) + radius).to_array(),
-    }
+    })
 }
 
 fn cuboid_box(cuboid: &Cuboid) -> DeformedBounds {
     let center = DVec3::from_array(cuboid.center);
     let turn = DMat3::from_quat(DQuat::from_array(cuboid.rotation).normalize());
-    let half = DVec3::from_array(cuboid.half_extents);
+    let half = DVec3::from_array(cuboid.half_extents).abs();
     let reach = turn.abs() * half + ROUNDING * (half.element_sum() + center.abs().max_element());
     DeformedBounds {
         min: (center - reach).to_array(),
