@@ -11,6 +11,7 @@ use bdtree_bevy::{BdtModel, BdtreePlugin, DeformedInstance, DeformingMesh, Defor
 use bevy_app::{App, AppExit, ScheduleRunnerPlugin, Startup, TaskPoolPlugin, Update};
 use bevy_asset::{AssetPlugin, AssetServer};
 use bevy_ecs::prelude::*;
+use bevy_log::LogPlugin;
 use bevy_transform::TransformPlugin;
 
 /// Where the file lies, when the program began, and what has been seen.
@@ -29,6 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut app = App::new();
     app.add_plugins((
         ScheduleRunnerPlugin::run_loop(Duration::from_millis(5)),
+        LogPlugin::default(),
         TaskPoolPlugin::default(),
         AssetPlugin {
             file_path: folder.path().display().to_string(),

@@ -5,15 +5,16 @@
 
 use std::time::Duration;
 
-use bdtree_bevy::bdtree_runtime::TriangleId;
+use bdtree_bevy::bdtree_runtime::{Model, TriangleId};
 use bdtree_bevy::{
     BdtModel, BdtreePlugin, ClipPlayer, ClipRef, DeformedInstance, DeformingHit, DeformingMesh,
     DeformingPickingPlugin, DeformingPickingSettings, PickVisibility,
 };
 use bevy_app::{App, AppExit, ScheduleRunnerPlugin, Startup, TaskPoolPlugin, Update};
-use bevy_asset::{AssetPlugin, AssetServer};
+use bevy_asset::{AssetPlugin, Assets};
 use bevy_camera::Camera;
 use bevy_ecs::prelude::*;
+use bevy_log::LogPlugin;
 use bevy_math::{Dir3, Vec3};
 use bevy_picking::backend::PointerHits;
 use bevy_picking::backend::ray::{RayId, RayMap};
@@ -26,12 +27,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut app = App::new();
     app.add_plugins((
         ScheduleRunnerPlugin::run_loop(Duration::from_millis(50)),
+        LogPlugin::default(),
         TaskPoolPlugin::default(),
         TimePlugin,
+        // No files here.
         AssetPlugin {
-            file_path: std::path::absolute("../fixtures/golden")?
-                .display()
-                .to_string(),
+            watch_for_changes_override: Some(false),
             ..Default::default()
         },
         TransformPlugin,
@@ -53,13 +54,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
 }
 
-fn spawn(mut commands: Commands, files: Res<AssetServer>, mut rays: ResMut<RayMap>) {
-    // A bar along x on three joints, whose clip bends it to a right angle.
+fn spawn(
+    mut commands: Commands,
+    mut models: ResMut<Assets<BdtModel>>,
+    mut rays: ResMut<RayMap>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    // A bar along x on three joints, whose clip bends it to a half circle. A program loads it:
+    // `files.load::<BdtModel>("character.bdt")` with Bevy's `AssetServer`.
+    let Ok(model) = Model::from_bytes(&bdtree_fixtures::skin::skinned_bar()) else {
+        exit.write(AppExit::error());
+        return;
+    };
     let bend = ClipPlayer {
         clip: ClipRef::Name("bend".to_string()),
         ..Default::default()
     };
-    let model = files.load::<BdtModel>("skinned.bdt");
+    let model = models.add(BdtModel::from(model));
     commands.spawn((DeformingMesh(model), bend));
     let camera = commands.spawn(Camera::default()).id();
     let ray = Ray3d::new(Vec3::new(3.4, 2.3, 9.0), Dir3::NEG_Z);

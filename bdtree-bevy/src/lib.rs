@@ -2,7 +2,50 @@
 //! answered from the pose without deforming the mesh.
 //!
 //! Add [`BdtreePlugin`], load a [`BdtModel`] with Bevy's `AssetServer`, and give an entity a [`DeformingMesh`]. Write what
-//! moves it to its [`Deformation`].
+//! moves it to its [`Deformation`], or let others write it:
+//!
+//! | component | pose |
+//! |---|---|
+//! | [`ClipPlayer`] | a clip or the animation of the file itself |
+//! | [`PoseFromMorphs`] | Bevy's `MeshMorphWeights` or `MorphWeights` |
+//! | [`PoseFromJoints`] | the joint entities of Bevy's `SkinnedMesh` |
+//!
+//! Where two of them write the same, the later of the table wins. What does not fit (another number of weights, a sheared
+//! `GlobalTransform`) stands in the entity's [`PoseFaults`] and is logged once.
+//!
+//! The plugin keeps on the entity a [`DeformedInstance`], [`DeformedBounds`] in the world and Bevy's `Aabb` in the entity's
+//! space, which hold the deformed mesh whatever its morph targets and bones do. [`DeformingQueries`] asks all of them; a
+//! [`DeformingCollider`] has [`ContactStarted`] and [`ContactStopped`] written. [`BdtreeSystems`] says when what happens.
+//! With the feature `picking`, `DeformingPickingPlugin` lets pointers hit the deformed surface.
+//!
+//! ```no_run
+//! use bdtree_bevy::{BdtModel, BdtreePlugin, ClipPlayer, DeformingMesh, DeformingQueries};
+//! use bdtree_bevy::bdtree_runtime::Ray;
+//! use bevy_app::{App, Startup, TaskPoolPlugin, Update};
+//! use bevy_asset::{AssetPlugin, AssetServer};
+//! use bevy_ecs::prelude::*;
+//! use bevy_transform::TransformPlugin;
+//!
+//! fn spawn(mut commands: Commands, files: Res<AssetServer>) {
+//!     let model = files.load::<BdtModel>("walker.bdt");
+//!     commands.spawn((DeformingMesh(model), ClipPlayer::default()));
+//! }
+//!
+//! fn look(mut queries: DeformingQueries) {
+//!     let down = Ray::new([0.0, 9.0, 0.0], [0.0, -1.0, 0.0]);
+//!     if let Ok(Some(hit)) = queries.cast_ray(&down, |_| true) {
+//!         println!("{} is {} below", hit.entity, hit.distance);
+//!     }
+//! }
+//!
+//! # // With Bevy itself: `DefaultPlugins` instead of the first three.
+//! App::new()
+//!     .add_plugins((TaskPoolPlugin::default(), AssetPlugin::default(), TransformPlugin))
+//!     .add_plugins(BdtreePlugin)
+//!     .add_systems(Startup, spawn)
+//!     .add_systems(Update, look)
+//!     .run();
+//! ```
 
 mod asset;
 mod bounds;

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use bdtree_runtime::{BoneMatrices, Instance, JointMatrix, Model, PoseError};
+use bdtree_runtime::{BoneMatrices, CacheSize, Instance, JointMatrix, Model, PoseError};
 use bevy_asset::{Assets, Handle};
 use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectComponent;
@@ -149,7 +149,8 @@ fn placed<'f, 'w>(
 impl Placed<'_, '_> {
     /// At rest where the model refuses the deformation.
     fn new_instance(&mut self, model: &Model, deformation: &Deformation) -> Option<Instance> {
-        match Instance::new(model) {
+        // Systems that read share it, so none of them can use a cache.
+        match Instance::with_cache(model, CacheSize::NONE) {
             Ok(mut instance) => {
                 self.deform(&mut instance, deformation);
                 Some(instance)
