@@ -93,6 +93,8 @@ struct Collider<'w> {
 pub(crate) struct Memory {
     workspace: Workspace<'static>,
     near: Vec<[usize; 2]>,
+    /// Whether the last frame's pairs could not be asked: then what has not changed since is not known either.
+    is_behind: bool,
 }
 
 /// Groups of colliders are those of their instances.
@@ -131,10 +133,12 @@ pub(crate) fn find_contacts(
             options: **options,
             bounds: **bounds,
             pose: body.instance.snapshot(),
-            has_changed: options.is_changed() || body.is_changed(),
+            has_changed: memory.is_behind || options.is_changed() || body.is_changed(),
         })
         .collect();
-    let now = match touching_pairs(&bodies, &touching, &mut memory) {
+    let found = touching_pairs(&bodies, &touching, &mut memory);
+    memory.is_behind = found.is_err();
+    let now = match found {
         Ok(pairs) => pairs,
         Err(why) => {
             error_once!("contacts of deforming meshes: {why}");

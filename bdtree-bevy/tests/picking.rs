@@ -259,3 +259,81 @@ fn layers_markers_visibility_and_cameras_count() {
     app.update();
     assert!(orders(&mut app).is_empty());
 }
+
+#[test]
+fn a_pointer_in_a_viewport_hits_what_is_drawn_there() {
+    use bevy_app::PreUpdate;
+    use bevy_camera::{
+        CameraProjection, PerspectiveProjection, RenderTarget, RenderTargetInfo, Viewport,
+    };
+    use bevy_math::UVec2;
+    use bevy_picking::PickingSystems;
+    use bevy_picking::pointer::{Location, PointerLocation, PointerMap};
+    use bevy_window::PrimaryWindow;
+
+    let mut app = picking_app();
+    let backend = RayMap::repopulate.before(PickingSystems::Backend);
+    app.init_resource::<PointerMap>()
+        .add_systems(PreUpdate, backend);
+    let window = app.world_mut().spawn(PrimaryWindow).id();
+    // Half of a window of 800 × 600 logical pixels, which are two physical ones each way.
+    let (from, size) = (UVec2::new(800, 0), UVec2::new(800, 1200));
+    let mut camera = Camera {
+        viewport: Some(Viewport {
+            physical_position: from,
+            physical_size: size,
+            ..Default::default()
+        }),
+        ..Default::default()
+    };
+    let projection = PerspectiveProjection {
+        aspect_ratio: size.x as f32 / size.y as f32,
+        ..Default::default()
+    };
+    camera.computed.clip_from_view = projection.get_clip_from_view();
+    camera.computed.target_info = Some(RenderTargetInfo {
+        physical_size: UVec2::new(1600, 1200),
+        scale_factor: 2.0,
+    });
+    let eye = Transform::from_xyz(1.0, 2.0, 5.0).looking_at(Vec3::ZERO, Vec3::Y);
+    app.world_mut().spawn((camera.clone(), eye));
+    let entity = spawn(&mut app, &ball(), Transform::default());
+    deformation(&mut app, entity).q = vec![0.9, -0.7, 0.8, 0.5];
+    app.update();
+    let target = RenderTarget::default().normalize(Some(window)).unwrap();
+    let mut pick = |position| {
+        let location = PointerLocation::new(Location {
+            target: target.clone(),
+            position,
+        });
+        let pointer = app.world_mut().spawn((PointerId::Mouse, location)).id();
+        app.update();
+        app.world_mut().despawn(pointer);
+        let (found, body) = (hits(&mut app), instance(&app, entity));
+        let data = found.first().map(|hits| hits.picks[0].1.clone());
+        (data, oracle::deformed_triangles(&body.snapshot()))
+    };
+    let view = bevy_transform::components::GlobalTransform::from(eye);
+    let mut hit_count = 0;
+    for k in 0..30 {
+        let pixel = bevy_math::Vec2::new(410.0 + 13.0 * k as f32, 40.0 + 17.0 * k as f32);
+        let (data, body) = pick(pixel);
+        let ray = camera.viewport_to_world(&view, pixel).unwrap();
+        let origin = ray.origin.to_array().map(f64::from);
+        let direction = oracle::unit(ray.direction.to_array().map(f64::from));
+        let expected = oracle::ray(&body, origin, direction, f64::INFINITY);
+        let found = data.as_ref().map(|data| {
+            let extra = data.extra_as::<DeformingHit>().unwrap();
+            (extra.triangle, extra.distance)
+        });
+        assert_eq!(found, expected);
+        if let Some(point) = data.and_then(|data| data.position) {
+            let drawn = camera.world_to_viewport(&view, point).unwrap();
+            assert!(drawn.distance(pixel) < 0.01, "{drawn} is not {pixel}");
+            hit_count += 1;
+        }
+    }
+    assert!((5..30).contains(&hit_count), "{hit_count}");
+    // What lies left of the viewport is another camera's.
+    assert!(pick(bevy_math::Vec2::new(390.0, 300.0)).0.is_none());
+}
