@@ -165,7 +165,7 @@ fn draw_spheres(
 ) {
     for (entity, show, DeformedInstance { instance }) in &shown {
         let color = show.color.unwrap_or(gizmos.config_ext.spheres);
-        let spheres = level_spheres(&instance.pose(), show.level);
+        let spheres = level_spheres(&instance.snapshot(), show.level);
         match spheres {
             Ok(spheres) => {
                 for (center, radius) in spheres {

@@ -3,8 +3,9 @@
 // Examples have the modules that they share as their own.
 #![allow(clippy::duplicate_mod)]
 
-#[cfg(feature = "render")]
-mod boxes;
+mod bounds;
+mod common;
+mod contacts;
 #[cfg(feature = "render")]
 mod drawing;
 #[cfg(feature = "render")]
@@ -14,6 +15,11 @@ mod examples;
 #[cfg(all(feature = "render", feature = "gizmos"))]
 mod gizmos;
 mod loading;
+#[cfg(feature = "picking")]
+mod picking;
+mod queries;
+mod reload;
+mod sources;
 #[cfg(feature = "render")]
 #[path = "../examples/support/mod.rs"]
 mod support;

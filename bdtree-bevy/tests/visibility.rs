@@ -11,7 +11,6 @@ use bevy_math::{Quat, Vec3};
 use bevy_transform::components::Transform;
 use rand::RngExt;
 
-use crate::boxes;
 use crate::drawing::{ORANGE, add_model, scene};
 use crate::support::{self, material};
 
@@ -44,7 +43,6 @@ fn set_culled(app: &mut App, bodies: &[Entity], is_culled: bool) {
 #[test]
 fn culling_drops_nothing_that_is_on_screen() {
     let mut app = scene(Vec3::new(0.0, 0.0, 8.0), Vec3::ZERO);
-    boxes::write(&mut app);
     let orange = material(app.world_mut(), ORANGE);
     let models = models();
     let mut rng = poses::rng(22);

@@ -5,11 +5,11 @@ use std::collections::HashMap;
 use bdtree_runtime::{JointMatrix, Model};
 use bevy_asset::AssetId;
 use bevy_ecs::prelude::*;
-use bevy_math::Affine3A;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_render::Extract;
 
 use super::surface::Surface;
+use crate::placement::rows;
 use crate::pose::Deformation;
 
 /// Entities of the main world that are drawn deformed.
@@ -65,16 +65,4 @@ pub(crate) fn extract(
         body.joints.extend(deformation.joints.iter().map(rows));
         body.is_stale = true;
     }
-}
-
-/// Row by row, as the runtime has it.
-fn rows(matrix: &Affine3A) -> JointMatrix {
-    let [x, y, z, shift] = [
-        matrix.matrix3.x_axis,
-        matrix.matrix3.y_axis,
-        matrix.matrix3.z_axis,
-        matrix.translation,
-    ]
-    .map(|column| column.to_array().map(f64::from));
-    [0, 1, 2].map(|r| [x[r], y[r], z[r], shift[r]])
 }
