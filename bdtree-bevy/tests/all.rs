@@ -1,11 +1,35 @@
 //! What `bdtree-bevy` promises.
 
+// Examples have the modules that they share as their own.
+#![allow(clippy::duplicate_mod)]
+
 #[cfg(feature = "avian")]
 mod avian;
+mod bounds;
 #[cfg(any(feature = "avian", feature = "rapier"))]
 mod chair;
+mod common;
+mod contacts;
+#[cfg(feature = "render")]
+mod drawing;
+#[cfg(feature = "render")]
+mod drawing_changes;
+#[cfg(all(feature = "render", feature = "gizmos"))]
+mod examples;
+#[cfg(all(feature = "render", feature = "gizmos"))]
+mod gizmos;
 mod loading;
+#[cfg(feature = "picking")]
+mod picking;
+mod queries;
 #[cfg(feature = "rapier")]
 mod rapier;
+mod reload;
 #[cfg(any(feature = "avian", feature = "rapier"))]
 mod scene;
+mod sources;
+#[cfg(feature = "render")]
+#[path = "../examples/support/mod.rs"]
+mod support;
+#[cfg(feature = "render")]
+mod visibility;

@@ -1,43 +1,15 @@
 //! Files are loaded as assets.
 
-use std::time::{Duration, Instant};
-
-use bdtree_bevy::{BdtModel, BdtreePlugin, Deformation, DeformedInstance, DeformingMesh};
-use bevy_app::{App, TaskPoolPlugin};
-use bevy_asset::{AssetPlugin, AssetServer};
-use bevy_ecs::prelude::*;
-use bevy_transform::TransformPlugin;
+use bdtree_bevy::{BdtModel, Deformation, DeformedInstance, DeformingMesh};
+use bevy_asset::AssetServer;
 use bevy_transform::components::Transform;
 
-/// A program without a window whose files lie in a folder.
-fn app(folder: &std::path::Path) -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        TaskPoolPlugin::default(),
-        AssetPlugin {
-            file_path: folder.display().to_string(),
-            ..Default::default()
-        },
-        TransformPlugin,
-        BdtreePlugin,
-    ));
-    app
-}
-
-/// Runs frames until something is so, for 30 s at most.
-fn run_until(app: &mut App, mut done: impl FnMut(&mut World) -> bool) {
-    let start = Instant::now();
-    while !done(app.world_mut()) {
-        assert!(start.elapsed() < Duration::from_secs(30), "nothing in 30 s");
-        app.update();
-        std::thread::sleep(Duration::from_millis(1));
-    }
-}
+use crate::common::{app_in, run_until};
 
 #[test]
 fn a_file_becomes_an_instance_at_the_pose_of_its_entity() {
     let folder = std::path::absolute("../fixtures/golden").unwrap();
-    let mut app = app(&folder);
+    let mut app = app_in(&folder);
     let handle = app
         .world()
         .resource::<AssetServer>()

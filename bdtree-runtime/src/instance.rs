@@ -222,7 +222,16 @@ impl Instance {
         self.current()
     }
 
-    /// [`Instance::pose`] for those who do not look at its motion.
+    /// [`Instance::pose`] without its motion, which then need not be kept: for those who use no
+    /// [`PairFront`](crate::PairFront).
+    #[inline]
+    pub fn snapshot(&self) -> Pose<'_> {
+        let mut pose = self.current();
+        pose.motion = None;
+        pose
+    }
+
+    /// The pose with its motion as far as that is kept.
     #[inline]
     fn current(&self) -> Pose<'_> {
         Pose::again(self.model.asset(), &self.numbers, &self.memory, self.motion)

@@ -16,7 +16,8 @@ use bevy_log::error;
 use bevy_math::{Quat, Vec3};
 
 use super::contacts;
-use crate::pose::{Deformation, joint};
+use crate::placement::rows;
+use crate::pose::Deformation;
 
 /// A collider of avian that may deform.
 ///
@@ -141,7 +142,7 @@ pub(super) fn deformed(
         instance.set_q(&deformation.q)?;
     }
     if !deformation.joints.is_empty() {
-        let joints: Vec<JointMatrix> = deformation.joints.iter().map(joint).collect();
+        let joints: Vec<JointMatrix> = deformation.joints.iter().map(rows).collect();
         instance.set_joints(&joints)?;
     }
     DeformingMesh::of_instance(model.clone(), instance)

@@ -290,7 +290,9 @@ pub(super) fn end_step(
         if of.is_some_and(|of| asleep.contains(of.body)) {
             continue;
         }
-        match modes.0.advance() {
+        let body = of.and_then(|of| bodies.get(of.body).ok());
+        let (linear, angular) = body.map_or((Vec3::ZERO, Vec3::ZERO), |body| (body.4.0, body.5.0));
+        match modes.0.advance(linear, angular) {
             Ok(Some(mesh)) => {
                 let scale = collider.scale();
                 let pose = Deformation {

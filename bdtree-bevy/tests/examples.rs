@@ -1,0 +1,179 @@
+//! Each example runs and shows what it says.
+
+use std::time::Duration;
+
+use bdtree_bevy::{Deformation, DeformedInstance};
+use bevy_app::App;
+use bevy_asset::Assets;
+use bevy_camera::visibility::NoFrustumCulling;
+use bevy_ecs::prelude::*;
+use bevy_mesh::{Mesh, Mesh3d};
+use bevy_pbr::{MeshMaterial3d, StandardMaterial};
+use bevy_time::TimeUpdateStrategy;
+use bevy_transform::components::Transform;
+
+use crate::drawing::{Body, deformed_mesh};
+
+#[path = "../examples/first_mesh.rs"]
+mod first_mesh;
+#[path = "../examples/morph_ball.rs"]
+mod morph_ball;
+#[path = "../examples/point_at_character.rs"]
+mod point_at_character;
+#[path = "../examples/thousand_colliders.rs"]
+mod thousand_colliders;
+
+/// Pixels whose red, green and blue pass.
+fn count(pixels: &[[u8; 3]], passes: impl Fn(u8, u8, u8) -> bool) -> usize {
+    let is_it = |p: &&[u8; 3]| passes(p[0], p[1], p[2]);
+    pixels.iter().filter(is_it).count()
+}
+
+fn is_red(r: u8, g: u8, b: u8) -> bool {
+    r > 110 && r / 2 > g.max(b)
+}
+
+fn is_blue(r: u8, _: u8, b: u8) -> bool {
+    b > 90 && b / 2 > r
+}
+
+#[test]
+fn first_mesh() {
+    let (mut app, picture) = first_mesh::run();
+    picture.save("first_mesh");
+    let world = app.world_mut();
+    let (ball, falling) = world
+        .query::<(&Transform, &first_mesh::Falling)>()
+        .single(world)
+        .unwrap();
+    let height = ball.translation.y;
+    // On the seat, not on the ground.
+    assert!((0.4..0.7).contains(&height), "{height}");
+    assert!(falling.touches > 20, "{}", falling.touches);
+    let body = world.query::<&DeformedInstance>().single(world).unwrap();
+    assert!(body.instance.q().iter().any(|q| q.abs() > 0.01));
+    assert!(count(&picture.pixels, is_blue) > 300);
+}
+
+#[test]
+fn thousand_colliders() {
+    let (mut app, picture) = thousand_colliders::run();
+    picture.save("thousand_colliders");
+    let red = app.world().resource::<thousand_colliders::Red>().0.clone();
+    let world = app.world_mut();
+    let ball = *world
+        .query_filtered::<&Transform, With<thousand_colliders::Flying>>()
+        .single(world)
+        .unwrap();
+    // Brute force over the deformed triangles.
+    let center = ball.translation.to_array().map(f64::from);
+    let mut touched = 0;
+    let mut bodies = world.query::<(&DeformedInstance, &MeshMaterial3d<StandardMaterial>)>();
+    for (body, material) in bodies.iter(world) {
+        let pose = body.instance.pose();
+        let count = body.instance.model().asset().triangle_count() as u32;
+        let is_near = |id| {
+            let corners = pose
+                .deformed_triangle(bdtree_runtime::TriangleId(id))
+                .unwrap();
+            let nearest = bdtree_runtime::narrow::closest_point(center, &corners).point;
+            let off = [0, 1, 2].map(|k| nearest[k] - center[k]);
+            off.iter().map(|d| d * d).sum::<f64>().sqrt() <= 2.0
+        };
+        let is_touched = (0..count).any(is_near);
+        assert_eq!(is_touched, material.0 == red);
+        touched += usize::from(is_touched);
+    }
+    assert!(touched > 5, "{touched}");
+    assert_drawn_as_deformed(&mut app);
+    assert!(count(&picture.pixels, is_red) > 100);
+    assert!(count(&picture.pixels, is_blue) > 100);
+}
+
+/// All bodies of the scene, which are more than are deformed at a time, look as the processor deforms them.
+fn assert_drawn_as_deformed(app: &mut App) {
+    use thousand_colliders::support;
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    app.update();
+    let found = support::take(app);
+    let world = app.world_mut();
+    let mut bodies = world.query::<(
+        Entity,
+        &DeformedInstance,
+        &Deformation,
+        &Transform,
+        &MeshMaterial3d<StandardMaterial>,
+    )>();
+    let mut deformed = Vec::new();
+    for (entity, body, deformation, at, material) in bodies.iter(world) {
+        let mesh = deformed_mesh(&Body {
+            model: body.instance.model().clone(),
+            deformation: deformation.clone(),
+            at: *at,
+        });
+        deformed.push((entity, mesh, *at, material.clone()));
+    }
+    assert_eq!(deformed.len(), 1000);
+    for (entity, ..) in &deformed {
+        world.despawn(*entity);
+    }
+    support::settle(app);
+    let none = support::take(app);
+    let world = app.world_mut();
+    for (_, mesh, at, material) in deformed {
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+        world.spawn((Mesh3d(mesh), at, material, NoFrustumCulling));
+    }
+    support::settle(app);
+    let expected = support::take(app);
+    expected.save("thousand_colliders_expected");
+    let off = found.differing(&expected, 3);
+    assert!(off <= 50, "{off} pixels differ");
+    let drawn = found.differing(&none, 3);
+    assert!(drawn > 50_000, "{drawn} pixels");
+}
+
+#[test]
+fn morph_ball() {
+    let (mut app, [before, after]) = morph_ball::run();
+    before.save("morph_ball_before");
+    after.save("morph_ball");
+    let world = app.world_mut();
+    let ball = world
+        .query_filtered::<&Transform, With<morph_ball::Squeezed>>()
+        .single(world)
+        .unwrap();
+    let height = ball.translation.y;
+    assert!(height > morph_ball::BEFORE + 0.1, "{height}");
+    assert!(height.is_finite() && ball.translation.x.hypot(ball.translation.z) < 0.3);
+    assert!(before.differing(&after, 10) > 2000);
+}
+
+#[test]
+fn point_at_character() {
+    let model = crate::support::models::baked("skinned_tube.glb", 0);
+    let (app, picture) = point_at_character::run(&model, point_at_character::POINTER);
+    picture.save("point_at_character");
+    let hit = app.world().resource::<point_at_character::Hit>();
+    let (entity, hit) = hit.0.as_ref().expect("a hit");
+    let body = app.world().get::<DeformedInstance>(*entity).unwrap();
+    let corners = body
+        .instance
+        .pose()
+        .deformed_triangle(hit.triangle)
+        .unwrap();
+    let at = [0, 1, 2].map(|k| {
+        (0..3)
+            .map(|c| hit.barycentric[c] * corners[c][k])
+            .sum::<f64>()
+    });
+    assert!((0..3).all(|k| (at[k] - hit.point[k]).abs() < 1e-9));
+    // The arrow begins at the pointer.
+    let [x, y] = point_at_character::POINTER.to_array().map(|x| x as u32);
+    let around = (x - 10..x + 10).flat_map(|x| (y - 10..y + 10).map(move |y| (x, y)));
+    let red = around.filter(|(x, y)| {
+        let [r, g, b] = picture.pixel(*x, *y);
+        is_red(r, g, b)
+    });
+    assert!(red.count() > 5);
+}
