@@ -14,6 +14,10 @@ CRATES_IO = "registry+https://github.com/rust-lang/crates.io-index"
 ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "ISC", "Unicode-3.0", "Zlib"}
 # Workspaces of their own: fuzzer, Miri, the proof that nothing allocates. Nothing of them is delivered.
 TOOL_WORKSPACES = ["fuzz", "ci/miri", "ci/no-alloc"]
+# Workspaces of their own that need another Rust. What they link, programs of Bevy link anyway.
+ENGINE_WORKSPACES = ["bdtree-bevy"]
+# Of encase, which Bevy's renderer has, and of notify, with which examples and tests watch files.
+ALLOWED_ENGINES = {"MIT-0", "CC0-1.0"}
 # libFuzzer.
 ALLOWED_TOOLS = {"NCSA"}
 # Fonts are linked as data; the viewer alone has them (THIRD-PARTY-NOTICES.md).
@@ -147,20 +151,25 @@ def main():
         fonts = FONTS.get(package["name"], set())
         check(package, ALLOWED_LIBRARY if id in library else ALLOWED | fonts, wrong)
 
-    tools = set()
-    for folder in TOOL_WORKSPACES:
-        metadata = read(folder, wrong)
-        for package in metadata["packages"]:
-            # Without a source: ours, in another workspace.
-            if package["source"] is not None:
-                check(package, ALLOWED | ALLOWED_TOOLS, wrong)
-                tools.add(package["id"])
+    def others(folders, allowed):
+        """Packages of workspaces of their own."""
+        found = set()
+        for folder in folders:
+            for package in read(folder, wrong)["packages"]:
+                # Without a source: ours, in another workspace.
+                if package["source"] is not None:
+                    check(package, allowed, wrong)
+                    found.add(package["id"])
+        return found - foreign
+
+    tools = others(TOOL_WORKSPACES, ALLOWED | ALLOWED_TOOLS)
+    engines = others(ENGINE_WORKSPACES, ALLOWED | ALLOWED_ENGINES)
     if wrong:
         sys.exit("\n".join(wrong))
     print(
         f"{len(foreign)} packages, {len(foreign & shipped)} of them in what is delivered and "
-        f"{len(foreign & library)} in the library, {len(tools - foreign)} more in tools: licences allowed, "
-        f"all from crates.io; {len(ours)} crates of ours can be published; every Cargo.lock is current"
+        f"{len(foreign & library)} in the library, {len(tools)} more in tools, {len(engines)} in Bevy's workspace: "
+        f"licences allowed, all from crates.io; {len(ours)} crates of ours can be published; every Cargo.lock is current"
     )
 
 
