@@ -2,7 +2,10 @@
 
 use bdtree_parry::double as ours;
 use parry3d_f64 as parry;
+use rapier3d_f64 as rapier;
 
+#[path = "bodies.rs"]
+mod bodies;
 #[path = "brute.rs"]
 mod brute;
 #[path = "every_shape.rs"]

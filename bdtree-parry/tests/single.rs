@@ -2,7 +2,10 @@
 
 use bdtree_parry as ours;
 use parry3d as parry;
+use rapier3d as rapier;
 
+#[path = "bodies.rs"]
+mod bodies;
 #[path = "brute.rs"]
 mod brute;
 #[path = "every_shape.rs"]
