@@ -50,7 +50,8 @@ impl FlexibleBody {
         if force.iter().all(|x| *x == 0.0) {
             return Ok(());
         }
-        self.body.rest.is_held = true;
+        self.body
+            .press(force.iter().map(|x| x * x).sum::<f64>().sqrt());
         if self.body.rests() {
             return Ok(());
         }

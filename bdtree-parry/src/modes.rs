@@ -15,8 +15,12 @@ const STIFFNESS: f64 = 3.6e5;
 /// Modes rest once frame and surface have been slow for so many seconds...
 const REST_AFTER_S: f64 = 0.25;
 
-/// ...until they are faster than this multiple of that speed: neighbors that settle do not wake them, and hits do.
+/// ...until they are faster than this multiple of that speed, or pressed by this multiple of the average force: neighbors that
+/// settle do not wake them, and hits do.
 const HIT: f64 = 3.0;
+
+/// Forces below this, per mass of the body, are no hits: m/s², of the order of gravity.
+const LIGHT: f64 = 20.0;
 
 /// How far a vertex may be off in the collider, in radii of the mesh's bounding sphere.
 const TOLERANCE: f64 = 5e-3;
@@ -109,8 +113,9 @@ pub(super) struct Body<F> {
 pub(super) struct Rest {
     /// What counts as slow, world units per second.
     speed: f64,
-    /// Whether something touches the body in this step, also while it rests.
-    pub(super) is_held: bool,
+    /// What presses on the body in this step, also while it rests: the sum of all contacts, N, and its average.
+    force: f64,
+    mean_force: f64,
     /// For how many seconds frame and surface have been slow while something touched them, at most twice [`REST_AFTER_S`].
     pub(super) slow_s: f64,
     /// Linear and angular velocity of the frame, and the body's `state`, averaged over about [`REST_AFTER_S`]: what only
@@ -155,7 +160,8 @@ impl<F> Body<F> {
             state: vec![[0.0; 2]; modes.len()],
             rest: Rest {
                 speed: options.rest_speed,
-                is_held: false,
+                force: 0.0,
+                mean_force: 0.0,
                 slow_s: 0.0,
                 drift: [Vector::ZERO; 2],
                 mean_state: vec![[0.0; 2]; modes.len()],
@@ -173,7 +179,7 @@ impl<F> Body<F> {
     /// Begins a step, of another length than the last one where it is new.
     pub(super) fn begin(&mut self, step_s: f64, is_new: bool) -> Result<(), ShapeError> {
         self.touches.clear();
-        self.rest.is_held = false;
+        self.rest.force = 0.0;
         self.store *= 0.5_f64.powf(step_s / STORE_HALF_LIFE_S);
         if is_new || self.is_touched {
             self.is_touched = false;
@@ -242,6 +248,11 @@ impl<F> Body<F> {
         Ok(())
     }
 
+    /// A contact presses on the body with this force, N.
+    pub(super) fn press(&mut self, force: f64) {
+        self.rest.force += force;
+    }
+
     /// Whether its modes rest.
     pub(super) fn rests(&self) -> bool {
         self.rest.slow_s >= REST_AFTER_S
@@ -261,18 +272,19 @@ impl<F> Body<F> {
                 *mean += (now - *mean) * share;
             }
         }
+        let is_held = rest.force > 0.0;
+        let is_pressed = rest.force > HIT * rest.mean_force + LIGHT * self.mass;
+        rest.mean_force += (rest.force - rest.mean_force) * share;
         if self.rests() {
             // A hit shows at once; what lets go of the body may only have lost it for a step.
-            if self.speed(velocity, &self.state) >= HIT * self.rest.speed {
+            if is_pressed || self.speed(velocity, &self.state) >= HIT * self.rest.speed {
                 self.rest.slow_s = 0.0;
-            } else if self.rest.is_held {
+            } else if is_held {
                 self.rest.slow_s = (self.rest.slow_s + step_s).min(2.0 * REST_AFTER_S);
             } else {
                 self.rest.slow_s -= step_s;
             }
-        } else if self.rest.is_held
-            && self.speed(self.rest.drift, &self.rest.mean_state) < self.rest.speed
-        {
+        } else if is_held && self.speed(self.rest.drift, &self.rest.mean_state) < self.rest.speed {
             self.rest.slow_s += step_s;
             if self.rests() {
                 self.state.copy_from_slice(&self.rest.mean_state);

@@ -23,7 +23,7 @@ use super::parry::shape::SharedShape;
 use super::points::wide;
 use super::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
 use super::rapier::geometry::{
-    ColliderBuilder, ColliderHandle, ColliderSet, ContactManifold, ContactPair, NarrowPhase,
+    ColliderBuilder, ColliderHandle, ColliderSet, ContactPair, NarrowPhase,
 };
 use super::rapier::pipeline::PhysicsWorld;
 use super::shape::DeformingMesh;
@@ -181,16 +181,15 @@ impl FlexibleBodies {
         step_s: f64,
     ) -> Result<(), ShapeError> {
         let sides = [pair.collider1, pair.collider2];
-        let presses = |manifold: &ContactManifold| {
-            let mut impulses = manifold.points.iter().map(|point| point.data.impulse);
-            impulses.any(|impulse| impulse != 0.0)
-        };
-        if !pair.solver_manifolds().iter().any(presses) {
+        let manifolds = pair.solver_manifolds();
+        let points = manifolds.iter().flat_map(|manifold| &manifold.points);
+        let impulse: f64 = points.map(|point| f64::from(point.data.impulse)).sum();
+        if impulse == 0.0 {
             return Ok(());
         }
         for side in &sides {
             if let Some(body) = self.bodies.get_mut(side) {
-                body.rest.is_held = true;
+                body.press(impulse / step_s);
             }
         }
         // What sleeps or rests takes no forces.
