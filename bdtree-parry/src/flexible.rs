@@ -52,9 +52,6 @@ impl FlexibleBody {
         }
         self.body
             .press(force.iter().map(|x| x * x).sum::<f64>().sqrt());
-        if self.body.rests() {
-            return Ok(());
-        }
         self.body.pushed(point, force)
     }
 

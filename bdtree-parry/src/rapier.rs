@@ -144,20 +144,26 @@ impl FlexibleBodies {
         for body in self.bodies.values_mut() {
             body.begin(step_s, is_new_step)?;
         }
+        // All forces first: a hit wakes modes in time for its own impulse.
+        for pair in contacts.contact_pairs() {
+            self.press(pair, step_s);
+        }
+        for body in self.bodies.values_mut() {
+            match frames.get(body.frame) {
+                Some(frame) if !frame.is_sleeping() => {
+                    body.settle([frame.linvel(), frame.angvel()], step_s);
+                }
+                _ => body.stop(),
+            }
+        }
         for pair in contacts.contact_pairs() {
             self.push(pair, frames, colliders, step_s)?;
         }
         for (handle, body) in &mut self.bodies {
-            let Some(frame) = frames.get(body.frame) else {
-                continue;
-            };
-            if frame.is_sleeping() {
-                body.stop();
-            }
-            if frame.is_sleeping() || body.modes.is_empty() {
+            let is_asleep = frames.get(body.frame).is_none_or(RigidBody::is_sleeping);
+            if is_asleep || body.modes.is_empty() {
                 continue;
             }
-            body.settle([frame.linvel(), frame.angvel()], step_s);
             if !body.rests() {
                 body.advance(step_s)?;
             }
@@ -172,6 +178,18 @@ impl FlexibleBodies {
         Ok(())
     }
 
+    /// How hard the contacts of a pair press on both.
+    fn press(&mut self, pair: &ContactPair, step_s: f64) {
+        let manifolds = pair.solver_manifolds();
+        let points = manifolds.iter().flat_map(|manifold| &manifold.points);
+        let impulse: f64 = points.map(|point| f64::from(point.data.impulse)).sum();
+        for side in [pair.collider1, pair.collider2] {
+            if let Some(body) = self.bodies.get_mut(&side) {
+                body.press(impulse / step_s);
+            }
+        }
+    }
+
     /// What the contacts of a pair do to the modes of both, and the energy that they have destroyed.
     fn push(
         &mut self,
@@ -181,17 +199,6 @@ impl FlexibleBodies {
         step_s: f64,
     ) -> Result<(), ShapeError> {
         let sides = [pair.collider1, pair.collider2];
-        let manifolds = pair.solver_manifolds();
-        let points = manifolds.iter().flat_map(|manifold| &manifold.points);
-        let impulse: f64 = points.map(|point| f64::from(point.data.impulse)).sum();
-        if impulse == 0.0 {
-            return Ok(());
-        }
-        for side in &sides {
-            if let Some(body) = self.bodies.get_mut(side) {
-                body.press(impulse / step_s);
-            }
-        }
         // What sleeps or rests takes no forces.
         let moved = sides.map(|side| {
             self.bodies.get(&side).is_some_and(|body| {
