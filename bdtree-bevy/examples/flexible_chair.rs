@@ -1,25 +1,36 @@
-//! A flexible chair among rigid boxes, under avian or rapier.
+//! A flexible chair among rigid boxes, under avian or rapier:
 //!
-//!     cargo run --features avian --example flexible_chair -- ../target/chair.bdt
-//!     cargo run --features rapier --example flexible_chair -- ../target/chair.bdt
+//! ```text
+//! cargo run --features avian --example flexible_chair [-- CHAIR.bdt]
+//! cargo run --features rapier --example flexible_chair [-- CHAIR.bdt]
+//! ```
 //!
-//! Four boxes fall on a chair and around it. Without a window; prints what happens in five seconds of simulated time. Without a
-//! file it bakes the chair of the fixtures, coarsely. With both features avian moves the bodies.
+//! Four boxes fall on a chair and around it. It prints what happens in four seconds of simulated time and writes
+//! `target/bevy/flexible_chair_avian.png` or `…_rapier.png`. Without a file it bakes the chair of the fixtures, coarsely. With
+//! both features avian moves the bodies; the word `rapier` among the arguments has rapier do it.
 
 use std::time::Duration;
 
+use bdtree_bevy::bdtree_runtime::Model;
 use bdtree_bevy::{BdtModel, BdtreePlugin, Deformation, DeformingMesh};
-use bdtree_runtime::Model;
-use bevy_app::{App, TaskPoolPlugin};
-use bevy_asset::{AssetPlugin, Assets, Handle};
+use bevy_app::App;
+use bevy_asset::{Assets, Handle};
+use bevy_color::Color;
 use bevy_ecs::prelude::*;
 use bevy_math::{Quat, Vec3};
-use bevy_time::{TimePlugin, TimeUpdateStrategy};
-use bevy_transform::TransformPlugin;
+use bevy_mesh::{Mesh, Meshable};
+use bevy_time::TimeUpdateStrategy;
 use bevy_transform::components::Transform;
 
+pub(crate) mod support;
+
+use support::picture::Picture;
+
 /// Half of a box's edge.
-pub const HALF: f32 = 0.08;
+pub(crate) const HALF: f32 = 0.08;
+
+/// Steps of 1/64 s, one a frame.
+const STEPS: usize = 64 * 4;
 
 /// Where boxes start: over the seat, beside it, and on each other.
 const STARTS: [[f32; 3]; 4] = [
@@ -29,65 +40,122 @@ const STARTS: [[f32; 3]; 4] = [
     [0.48, 0.7, 0.12],
 ];
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let file = match std::env::args().nth(1) {
-        Some(path) => Model::read(path)?,
-        None => bdtree_fixtures::bake::elastic("chair", 6, 30, &[]),
-    };
-    let mut app = program();
-    let scene = scene(&mut app, &file);
-    println!("under {}", engine::NAME);
-    for step in 0..=64 * 5 {
-        app.update();
-        if step % 64 == 0 {
-            println!("{}", state(&app, &scene));
+/// What differs between engines of rigid bodies.
+pub(crate) trait Engine {
+    fn name(&self) -> &'static str;
+
+    /// Adds the engine's plugins.
+    fn add(&self, app: &mut App);
+
+    /// The half-space below y = 0, as a large box.
+    fn ground(&self, world: &mut World);
+
+    fn chair(&self, world: &mut World, mesh: Handle<BdtModel>, at: Transform) -> Entity;
+
+    /// A cube of 2 kg with edges of twice [`HALF`].
+    fn cube(&self, world: &mut World, at: Transform) -> Entity;
+}
+
+/// The scene's bodies.
+pub(crate) struct Scene {
+    /// Has a `DeformingMesh`.
+    pub(crate) chair: Entity,
+    pub(crate) boxes: Vec<Entity>,
+}
+
+// Not run where tests include this file as a module.
+#[allow(dead_code)]
+pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut file = None;
+    let mut engines = engines();
+    for argument in std::env::args().skip(1) {
+        match argument.as_str() {
+            name @ ("avian" | "rapier") => engines.retain(|engine| engine.name() == name),
+            path => file = Some(Model::read(path)?),
         }
     }
+    let Some(engine) = engines.first() else {
+        return Err("no such engine: add --features avian or --features rapier".into());
+    };
+    let file = file.unwrap_or_else(|| bdtree_fixtures::bake::elastic("chair", 6, 30, &[]));
+    println!("under {}", engine.name());
+    let mut tell = |line: &str| println!("{line}");
+    let (_, _, picture) = run(&file, &**engine, &mut tell);
+    let name = format!("flexible_chair_{}", engine.name());
+    println!("{}", picture.save(&name).display());
     Ok(())
 }
 
-/// A program without a window: each update is a step of 1/64 s.
-pub fn program() -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        TaskPoolPlugin::default(),
-        TimePlugin,
-        TransformPlugin,
-        AssetPlugin::default(),
-        BdtreePlugin,
-    ))
-    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
-        1.0 / 64.0,
-    )));
-    engine::add(&mut app);
-    app.finish();
-    app.cleanup();
-    app
+/// The engines that are compiled in.
+fn engines() -> Vec<Box<dyn Engine>> {
+    vec![
+        #[cfg(feature = "avian")]
+        Box::new(avian::Avian),
+        #[cfg(feature = "rapier")]
+        Box::new(rapier::Rapier),
+    ]
 }
 
-/// The entities of the scene, for those who draw it.
-pub struct Scene {
-    /// Has a `DeformingMesh`.
-    pub chair: Entity,
-    /// Cubes with edges of twice [`HALF`].
-    pub boxes: Vec<Entity>,
+/// The program and its picture after all steps; `tell` is given a line per second.
+pub(crate) fn run(
+    file: &Model,
+    engine: &dyn Engine,
+    tell: &mut dyn FnMut(&str),
+) -> (App, Scene, Picture) {
+    let mut app = support::app(480, 360, &support::models::folder());
+    app.add_plugins(BdtreePlugin);
+    engine.add(&mut app);
+    let step = Duration::from_secs(1) / 64;
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
+    support::start(&mut app);
+    let scene = build(app.world_mut(), file, engine);
+    for second in 0..=STEPS / 64 {
+        if second > 0 {
+            support::run_undrawn(&mut app, 64);
+        }
+        let seen = state(&app, &scene);
+        tell(&format!("{second} s: {seen}"));
+    }
+    // Shaders may take any number of frames to be ready: the picture is of this moment all the same.
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    support::settle(&mut app);
+    let picture = support::take(&mut app);
+    (app, scene, picture)
 }
 
-/// A chair on the ground, which is the plane y = 0, and boxes above it, in a program with the engine's plugins.
-pub fn scene(app: &mut App, file: &Model) -> Scene {
-    let asset = app
-        .world_mut()
-        .resource_mut::<Assets<BdtModel>>()
-        .add(BdtModel::from(file.clone()));
-    engine::ground(app);
-    let chair = engine::chair(app, asset, Transform::from_xyz(0.0, 0.01, 0.0));
+/// A chair on the ground, which is the plane y = 0, boxes above it, light and a camera.
+fn build(world: &mut World, file: &Model, engine: &dyn Engine) -> Scene {
+    let eye = Vec3::new(1.3, 0.9, 1.7);
+    support::camera(world, eye, Vec3::new(0.15, 0.35, 0.0));
+    support::sun(world, Vec3::new(1.0, 3.0, 1.5));
+    let plane = bevy_shape::Plane3d::default().mesh().size(20.0, 20.0);
+    let ground = support::solid(world, plane, Color::srgb(0.6, 0.62, 0.6));
+    world.spawn(ground);
+    engine.ground(world);
+    let mut models = world.resource_mut::<Assets<BdtModel>>();
+    let mesh = models.add(BdtModel::from(file.clone()));
+    let chair = engine.chair(world, mesh, Transform::from_xyz(0.0, 0.01, 0.0));
+    let wood = support::material(world, WOOD);
+    world.entity_mut(chair).insert(wood);
     let boxes = (0..).zip(STARTS).map(|(k, at)| {
         let turn = Quat::from_rotation_y(0.4 * k as f32);
         let at = Transform::from_translation(Vec3::from_array(at)).with_rotation(turn);
-        engine::cube(app, at)
+        let body = engine.cube(world, at);
+        let look = support::solid(world, cube(), BLUE);
+        world.entity_mut(body).insert(look);
+        body
     });
     let boxes = boxes.collect();
     Scene { chair, boxes }
+}
+
+pub(crate) const WOOD: Color = Color::srgb(0.75, 0.5, 0.3);
+pub(crate) const BLUE: Color = Color::srgb(0.15, 0.35, 0.8);
+
+/// What a box looks like.
+pub(crate) fn cube() -> Mesh {
+    let edge = 2.0 * HALF;
+    bevy_shape::Cuboid::new(edge, edge, edge).into()
 }
 
 /// Heights of the boxes and the largest coordinate of the chair.
@@ -99,112 +167,99 @@ fn state(app: &App, scene: &Scene) -> String {
     let heights: Vec<String> = scene.boxes.iter().map(height).collect();
     let q = app.world().get::<Deformation>(scene.chair);
     let largest = q.map_or(0.0, |pose| pose.q.iter().fold(0.0, |m, q| q.abs().max(m)));
-    format!(
-        "boxes at {} m, largest |q| {largest:.5}",
-        heights.join(", ")
-    )
+    let heights = heights.join(", ");
+    format!("boxes at {heights} m, largest |q| {largest:.5}")
 }
 
-/// What differs between engines: avian.
 #[cfg(feature = "avian")]
-mod engine {
+pub(crate) mod avian {
     use super::*;
     use avian3d::prelude::*;
     use bdtree_bevy::avian::{BdtreePhysicsPlugins, Flexible};
 
-    pub(super) const NAME: &str = "avian";
+    pub(crate) struct Avian;
 
-    pub(super) fn add(app: &mut App) {
-        app.add_plugins(BdtreePhysicsPlugins::default());
-    }
+    impl Engine for Avian {
+        fn name(&self) -> &'static str {
+            "avian"
+        }
 
-    pub(super) fn ground(app: &mut App) {
-        let ground = (
-            RigidBody::Static,
-            Collider::cuboid(10.0, 1.0, 10.0),
-            Transform::from_xyz(0.0, -0.5, 0.0),
-        );
-        app.world_mut().spawn(ground);
-    }
+        fn add(&self, app: &mut App) {
+            app.add_plugins(BdtreePhysicsPlugins::default());
+        }
 
-    pub(super) fn chair(app: &mut App, mesh: Handle<BdtModel>, at: Transform) -> Entity {
-        let chair = (
-            DeformingMesh(mesh),
-            Flexible::default(),
-            RigidBody::Dynamic,
-            Friction::new(0.5),
-            at,
-        );
-        app.world_mut().spawn(chair).id()
-    }
+        fn ground(&self, world: &mut World) {
+            world.spawn((
+                RigidBody::Static,
+                Collider::cuboid(10.0, 1.0, 10.0),
+                Transform::from_xyz(0.0, -0.5, 0.0),
+            ));
+        }
 
-    pub(super) fn cube(app: &mut App, at: Transform) -> Entity {
-        let edge = 2.0 * HALF;
-        let cube = (
-            RigidBody::Dynamic,
-            Collider::cuboid(edge, edge, edge),
-            Mass(2.0),
-            Friction::new(0.5),
-            at,
-        );
-        app.world_mut().spawn(cube).id()
+        fn chair(&self, world: &mut World, mesh: Handle<BdtModel>, at: Transform) -> Entity {
+            let chair = world.spawn((
+                DeformingMesh(mesh),
+                Flexible::default(),
+                RigidBody::Dynamic,
+                Friction::new(0.5),
+                at,
+            ));
+            chair.id()
+        }
+
+        fn cube(&self, world: &mut World, at: Transform) -> Entity {
+            let edge = 2.0 * HALF;
+            let cube = world.spawn((
+                RigidBody::Dynamic,
+                Collider::cuboid(edge, edge, edge),
+                Mass(2.0),
+                Friction::new(0.5),
+                at,
+            ));
+            cube.id()
+        }
     }
 }
 
-/// What differs between engines: rapier.
-#[cfg(all(feature = "rapier", not(feature = "avian")))]
-mod engine {
+#[cfg(feature = "rapier")]
+pub(crate) mod rapier {
     use super::*;
     use bdtree_bevy::rapier::{RapierBody, RapierFlexible, RapierPlugin, RapierWorld};
     use rapier3d::prelude::*;
 
-    pub(super) const NAME: &str = "rapier";
+    pub(crate) struct Rapier;
 
-    pub(super) fn add(app: &mut App) {
-        app.add_plugins(RapierPlugin::default());
-    }
+    impl Engine for Rapier {
+        fn name(&self) -> &'static str {
+            "rapier"
+        }
 
-    pub(super) fn ground(app: &mut App) {
-        let ground = ColliderBuilder::cuboid(5.0, 0.5, 5.0);
-        let mut world = app.world_mut().resource_mut::<RapierWorld>();
-        let at = Vector::new(0.0, -0.5, 0.0);
-        world.world.insert_collider(ground.translation(at), None);
-    }
+        fn add(&self, app: &mut App) {
+            app.add_plugins(RapierPlugin::default());
+        }
 
-    pub(super) fn chair(app: &mut App, mesh: Handle<BdtModel>, at: Transform) -> Entity {
-        let chair = (DeformingMesh(mesh), RapierFlexible::default(), at);
-        app.world_mut().spawn(chair).id()
-    }
+        fn ground(&self, world: &mut World) {
+            let ground = ColliderBuilder::cuboid(5.0, 0.5, 5.0);
+            let at = Vector::new(0.0, -0.5, 0.0);
+            let mut physics = world.resource_mut::<RapierWorld>();
+            physics.world.insert_collider(ground.translation(at), None);
+        }
 
-    pub(super) fn cube(app: &mut App, at: Transform) -> Entity {
-        let pose = rapier3d::math::Pose::from_parts(at.translation, at.rotation);
-        let mut world = app.world_mut().resource_mut::<RapierWorld>();
-        let (body, _) = world.world.insert(
-            RigidBodyBuilder::dynamic().pose(pose),
-            ColliderBuilder::cuboid(HALF, HALF, HALF)
-                .mass(2.0)
-                .friction(0.5),
-        );
-        app.world_mut().spawn((RapierBody::from(body), at)).id()
-    }
-}
+        fn chair(&self, world: &mut World, mesh: Handle<BdtModel>, at: Transform) -> Entity {
+            let chair = (DeformingMesh(mesh), RapierFlexible::default(), at);
+            world.spawn(chair).id()
+        }
 
-/// Without an engine the scene stands still.
-#[cfg(not(any(feature = "avian", feature = "rapier")))]
-mod engine {
-    use super::*;
-
-    pub(super) const NAME: &str = "no engine: add --features avian or --features rapier";
-
-    pub(super) fn add(_: &mut App) {}
-
-    pub(super) fn ground(_: &mut App) {}
-
-    pub(super) fn chair(app: &mut App, mesh: Handle<BdtModel>, at: Transform) -> Entity {
-        app.world_mut().spawn((DeformingMesh(mesh), at)).id()
-    }
-
-    pub(super) fn cube(app: &mut App, at: Transform) -> Entity {
-        app.world_mut().spawn(at).id()
+        fn cube(&self, world: &mut World, at: Transform) -> Entity {
+            let pose = rapier3d::math::Pose::from_parts(at.translation, at.rotation);
+            let mut physics = world.resource_mut::<RapierWorld>();
+            let (body, _) = physics.world.insert(
+                RigidBodyBuilder::dynamic().pose(pose),
+                ColliderBuilder::cuboid(HALF, HALF, HALF)
+                    .mass(2.0)
+                    .friction(0.5),
+            );
+            world.spawn((RapierBody::from(body), at)).id()
+        }
     }
 }

@@ -1,55 +1,84 @@
-//! A file that is baked anew while the program runs: the mesh of its entity changes, and queries answer of the new one.
+//! A file that is baked anew while the program runs: the mesh that is drawn changes, and queries answer of the new one.
 //!
-//! `cargo run --example hot_reload`, in `bdtree-bevy`. It needs no window: it writes a file, casts a ray at it, writes another
-//! one over it and casts the ray again. In a program of yours, turn on Bevy's feature `file_watcher`; nothing else is needed.
+//! ```text
+//! cargo run --example hot_reload
+//! ```
+//!
+//! writes `target/bevy/hot_reload_before.png` and `hot_reload.png`, with a dot where a ray from above meets the mesh. In a
+//! program of yours, turn on Bevy's feature `file_watcher`; nothing else is needed.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 use bdtree_bevy::bdtree_runtime::Ray;
-use bdtree_bevy::{BdtModel, BdtreePlugin, DeformedInstance, DeformingMesh, DeformingQueries};
-use bevy_app::{App, AppExit, ScheduleRunnerPlugin, Startup, TaskPoolPlugin, Update};
-use bevy_asset::{AssetPlugin, AssetServer};
+use bdtree_bevy::{
+    BdtModel, BdtreePlugin, BdtreeSystems, DeformedInstance, DeformingMesh, DeformingQueries,
+};
+use bevy_app::{App, PostUpdate};
+use bevy_asset::AssetServer;
+use bevy_color::Color;
 use bevy_ecs::prelude::*;
-use bevy_log::LogPlugin;
-use bevy_transform::TransformPlugin;
+use bevy_math::Vec3;
+use bevy_transform::components::Transform;
 
-/// Where the file lies, when the program began, and what has been seen.
+pub(crate) mod support;
+
+use support::picture::Picture;
+
+/// The meshes of the fixtures that the file holds one after the other.
+pub(crate) const MESHES: [&str; 2] = ["icosphere", "torus"];
+
+/// Keeps the file while the program runs.
 #[derive(Resource)]
-struct Bench {
-    file: std::path::PathBuf,
-    start: Instant,
-    /// Heights at which the ray met the mesh, one per file.
-    heights: Vec<f64>,
+struct Folder(#[allow(dead_code)] tempfile::TempDir);
+
+/// Marks where a ray from above meets the mesh.
+#[derive(Component)]
+pub(crate) struct Mark;
+
+// Not run where tests include this file as a module.
+#[allow(dead_code)]
+pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (_, [before, after]) = run()?;
+    println!("{}", before.save("hot_reload_before").display());
+    println!("{}", after.save("hot_reload").display());
+    Ok(())
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// The program, and its pictures before and after the file changed.
+pub(crate) fn run() -> std::io::Result<(App, [Picture; 2])> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("body.bdt");
-    bake(&file, "icosphere")?;
-    let mut app = App::new();
-    app.add_plugins((
-        ScheduleRunnerPlugin::run_loop(Duration::from_millis(5)),
-        LogPlugin::default(),
-        TaskPoolPlugin::default(),
-        AssetPlugin {
-            file_path: folder.path().display().to_string(),
-            ..Default::default()
-        },
-        TransformPlugin,
-        BdtreePlugin,
-    ))
-    .insert_resource(Bench {
-        file,
-        start: Instant::now(),
-        heights: Vec::new(),
-    })
-    .add_systems(Startup, spawn)
-    .add_systems(Update, look);
-    match app.run() {
-        AppExit::Success => Ok(()),
-        AppExit::Error(_) => Err("the change did not arrive within 30 s".into()),
-    }
+    bake(&file, MESHES[0])?;
+    let mut app = support::app(320, 240, folder.path());
+    app.insert_resource(Folder(folder))
+        .add_plugins(BdtreePlugin)
+        // Where queries answer of this frame.
+        .add_systems(PostUpdate, mark.after(BdtreeSystems::Bounds));
+    support::start(&mut app);
+    let files = app.world().resource::<AssetServer>();
+    let mesh = files.load::<BdtModel>("body.bdt");
+    let world = app.world_mut();
+    support::camera(world, Vec3::new(0.0, 3.0, 3.5), Vec3::ZERO);
+    support::sun(world, Vec3::new(1.0, 3.0, 1.5));
+    let look = support::material(world, Color::srgb(0.75, 0.5, 0.3));
+    world.spawn((DeformingMesh(mesh), look));
+    let ball = bevy_shape::Sphere::new(0.05);
+    let red = support::solid(world, ball, Color::srgb(0.8, 0.1, 0.1));
+    world.spawn((red, Mark, Transform::default()));
+
+    support::run_until(&mut app, |app| !triangle_counts(app).is_empty());
+    let before = picture(&mut app);
+    let old = triangle_counts(&mut app);
+    bake(&file, MESHES[1])?;
+    support::run_until(&mut app, |app| triangle_counts(app) != old);
+    let after = picture(&mut app);
+    Ok((app, [before, after]))
+}
+
+/// A picture once everything is drawn.
+fn picture(app: &mut App) -> Picture {
+    support::settle(app);
+    support::take(app)
 }
 
 /// Writes the file of a mesh of the fixtures, as a bake beside a running game does.
@@ -58,48 +87,21 @@ fn bake(file: &Path, mesh: &str) -> std::io::Result<()> {
     std::fs::write(file, model.asset().bytes())
 }
 
-fn spawn(mut commands: Commands, files: Res<AssetServer>) {
-    let model = files.load::<BdtModel>("body.bdt");
-    commands.spawn(DeformingMesh(model));
+/// The size of each mesh that is there.
+fn triangle_counts(app: &mut App) -> Vec<usize> {
+    let world = app.world_mut();
+    let mut bodies = world.query::<&DeformedInstance>();
+    let size = |body: &DeformedInstance| body.instance.model().asset().triangle_count();
+    bodies.iter(world).map(size).collect()
 }
 
-/// Casts a ray from above whenever the model has changed; changes the file once.
-fn look(
-    changed: Query<&DeformedInstance, Changed<DeformedInstance>>,
-    mut queries: DeformingQueries,
-    mut bench: ResMut<Bench>,
-    mut exit: MessageWriter<AppExit>,
-) {
-    if bench.start.elapsed() > Duration::from_secs(30) {
-        exit.write(AppExit::error());
-    }
-    let Ok(body) = changed.single() else {
-        return;
-    };
-    let triangles = body.instance.model().asset().triangle_count();
-    let down = Ray::new([0.01, 100.0, 0.02], [0.0, -1.0, 0.0]);
-    match queries.cast_ray(&down, |_| true) {
-        Ok(Some(hit)) => {
-            println!(
-                "{triangles} triangles; the ray meets the top at {:.3}",
-                hit.point[1]
-            );
-            bench.heights.push(hit.point[1]);
+/// Puts the dot where a ray from above meets the mesh; where none does it stays.
+fn mark(mut queries: DeformingQueries, mut marks: Query<&mut Transform, With<Mark>>) -> Result {
+    let down = Ray::new([0.8, 100.0, 0.1], [0.0, -1.0, 0.0]);
+    if let Some(hit) = queries.cast_ray(&down, |_| true)? {
+        for mut mark in &mut marks {
+            mark.translation = hit.position();
         }
-        Ok(None) => println!("{triangles} triangles; the ray meets nothing"),
-        Err(why) => eprintln!("{why}"),
     }
-    match bench.heights.len() {
-        1 => {
-            println!("the file changes");
-            if let Err(why) = bake(&bench.file, "cube") {
-                eprintln!("{}: {why}", bench.file.display());
-                exit.write(AppExit::error());
-            }
-        }
-        2 => {
-            exit.write(AppExit::Success);
-        }
-        _ => {}
-    }
+    Ok(())
 }

@@ -14,7 +14,7 @@ mod contacts;
 mod drawing;
 #[cfg(feature = "render")]
 mod drawing_changes;
-#[cfg(all(feature = "render", feature = "gizmos"))]
+#[cfg(feature = "render")]
 mod examples;
 #[cfg(all(feature = "render", feature = "gizmos"))]
 mod gizmos;
@@ -25,7 +25,7 @@ mod queries;
 #[cfg(feature = "rapier")]
 mod rapier;
 mod reload;
-#[cfg(any(feature = "avian", feature = "rapier"))]
+#[cfg(all(feature = "render", any(feature = "avian", feature = "rapier")))]
 mod scene;
 mod sources;
 #[cfg(feature = "render")]

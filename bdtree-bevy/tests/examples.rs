@@ -5,21 +5,25 @@ use std::time::Duration;
 use bdtree_bevy::{Deformation, DeformedInstance};
 use bevy_app::App;
 use bevy_asset::Assets;
+use bevy_camera::Camera;
 use bevy_camera::visibility::NoFrustumCulling;
 use bevy_ecs::prelude::*;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_pbr::{MeshMaterial3d, StandardMaterial};
 use bevy_time::TimeUpdateStrategy;
-use bevy_transform::components::Transform;
+use bevy_transform::components::{GlobalTransform, Transform};
 
 use crate::drawing::{Body, deformed_mesh};
 
 #[path = "../examples/first_mesh.rs"]
 mod first_mesh;
+#[path = "../examples/hot_reload.rs"]
+mod hot_reload;
 #[path = "../examples/morph_ball.rs"]
 mod morph_ball;
-#[path = "../examples/point_at_character.rs"]
-mod point_at_character;
+#[cfg(feature = "picking")]
+#[path = "../examples/pick_character.rs"]
+mod pick_character;
 #[path = "../examples/thousand_colliders.rs"]
 mod thousand_colliders;
 
@@ -149,31 +153,93 @@ fn morph_ball() {
     assert!(before.differing(&after, 10) > 2000);
 }
 
+#[cfg(feature = "picking")]
 #[test]
-fn point_at_character() {
+fn pick_character() {
+    use pick_character::{Picked, support};
     let model = crate::support::models::baked("skinned_tube.glb", 0);
-    let (app, picture) = point_at_character::run(&model, point_at_character::POINTER);
-    picture.save("point_at_character");
-    let hit = app.world().resource::<point_at_character::Hit>();
-    let (entity, hit) = hit.0.as_ref().expect("a hit");
-    let body = app.world().get::<DeformedInstance>(*entity).unwrap();
-    let corners = body
-        .instance
-        .pose()
-        .deformed_triangle(hit.triangle)
-        .unwrap();
-    let at = [0, 1, 2].map(|k| {
-        (0..3)
-            .map(|c| hit.barycentric[c] * corners[c][k])
-            .sum::<f64>()
-    });
-    assert!((0..3).all(|k| (at[k] - hit.point[k]).abs() < 1e-9));
+    let (mut app, picture) = pick_character::run(&model);
+    picture.save("pick_character");
+    assert!(count(&picture.pixels, is_red) > 50);
     // The arrow begins at the pointer.
-    let [x, y] = point_at_character::POINTER.to_array().map(|x| x as u32);
+    let [x, y] = pick_character::POINTER.to_array().map(|x| x as u32);
     let around = (x - 10..x + 10).flat_map(|x| (y - 10..y + 10).map(move |y| (x, y)));
-    let red = around.filter(|(x, y)| {
-        let [r, g, b] = picture.pixel(*x, *y);
-        is_red(r, g, b)
+    let around: Vec<_> = around.map(|(x, y)| picture.pixel(x, y)).collect();
+    assert!(count(&around, is_red) > 5);
+
+    // What is picked while nothing moves is what brute force over the deformed triangles finds.
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    for _ in 0..3 {
+        app.update();
+    }
+    support::take(&mut app).save("pick_character_still");
+    let world = app.world_mut();
+    let (camera, at) = world
+        .query::<(&Camera, &GlobalTransform)>()
+        .single(world)
+        .unwrap();
+    let ray = camera
+        .viewport_to_world(at, pick_character::POINTER)
+        .unwrap();
+    let (from, along) = (ray.origin.to_array(), ray.direction.to_array());
+    let (from, along) = (from.map(f64::from), along.map(f64::from));
+    let along = bdtree_fixtures::oracle::unit(along);
+    let mut bodies = world.query::<(Entity, &DeformedInstance)>();
+    let found = bodies.iter(world).filter_map(|(entity, body)| {
+        let triangles = bdtree_fixtures::oracle::deformed_triangles(&body.instance.snapshot());
+        let hit = bdtree_fixtures::oracle::ray(&triangles, from, along, f64::INFINITY)?;
+        Some((entity, hit))
     });
-    assert!(red.count() > 5);
+    let (entity, (triangle, distance)) = found
+        .min_by(|a, b| a.1.1.total_cmp(&b.1.1))
+        .expect("a character below the pointer");
+    let picked = world.resource::<Picked>().0;
+    let (picked, hit) = picked.expect("a hit");
+    assert_eq!((picked, hit.triangle), (entity, triangle));
+    assert!((hit.distance - distance).abs() < 1e-9 * distance);
+    assert!(pick_character::bone(&model, &hit).is_some());
+}
+
+#[test]
+fn hot_reload() {
+    use hot_reload::{MESHES, Mark, support};
+    let (mut app, pictures) = hot_reload::run().unwrap();
+    pictures[0].save("hot_reload_before");
+    pictures[1].save("hot_reload");
+    // The dot is on the torus, whose tube has the radius 0.35 around a circle of radius 1.
+    let world = app.world_mut();
+    let mut marks = world.query_filtered::<&Transform, With<Mark>>();
+    let at = marks.single(world).unwrap().translation;
+    let off = at.x.hypot(at.z) - 1.0;
+    assert!((off.hypot(at.y) - 0.35).abs() < 0.02, "{at}");
+    assert!(at.y > 0.2 && count(&pictures[1].pixels, is_red) > 10);
+    // Each picture is that of its mesh, which the processor draws.
+    let mut bodies = world.query_filtered::<Entity, With<DeformedInstance>>();
+    let body = bodies.single(world).unwrap();
+    let look = world.get::<MeshMaterial3d<StandardMaterial>>(body);
+    let look = look.unwrap().clone();
+    world.despawn(body);
+    let mut dots = world.query_filtered::<Entity, With<Mark>>();
+    let dot = dots.single(world).unwrap();
+    world.despawn(dot);
+    for (name, found) in MESHES.iter().zip(&pictures) {
+        let body = Body {
+            model: bdtree_fixtures::bake::elastic(name, 4, 8, &[]),
+            deformation: Deformation::default(),
+            at: Transform::default(),
+        };
+        let world = app.world_mut();
+        let mesh = deformed_mesh(&body);
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+        let drawn = world.spawn((Mesh3d(mesh), look.clone(), NoFrustumCulling));
+        let drawn = drawn.id();
+        support::settle(&mut app);
+        let expected = support::take(&mut app);
+        app.world_mut().despawn(drawn);
+        // All but the dot and its shadow.
+        let off = found.differing(&expected, 3);
+        assert!(off < 200, "{name}: {off} pixels differ");
+    }
+    let changed = pictures[0].differing(&pictures[1], 3);
+    assert!(changed > 5000, "{changed}");
 }

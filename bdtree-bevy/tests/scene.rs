@@ -1,38 +1,119 @@
 //! The scene of the example `flexible_chair`.
 
 #[path = "../examples/flexible_chair.rs"]
-#[allow(dead_code, unreachable_pub)]
+#[allow(dead_code)]
 mod flexible_chair;
 
-use bdtree_bevy::Deformation;
+use bdtree_bevy::{Deformation, DeformedInstance};
+use bdtree_fixtures::oracle;
+use bevy_app::App;
+use bevy_asset::Assets;
+use bevy_camera::visibility::NoFrustumCulling;
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_mesh::{Mesh, Mesh3d};
 use bevy_transform::components::Transform;
 
 use crate::chair::chair;
+use crate::drawing::{Body, deformed_mesh};
+use flexible_chair::{Engine, HALF, Scene, support};
 
-/// Two boxes end up on the seat or on each other there, two beside the chair.
-#[test]
-fn boxes_rest_on_a_chair_and_beside_it() {
-    let mut app = flexible_chair::program();
-    let scene = flexible_chair::scene(&mut app, chair());
-    for _ in 0..64 * 4 {
-        app.update();
-    }
-    let places: Vec<_> = (scene.boxes.iter())
-        .map(|entity| {
-            app.world()
-                .get::<Transform>(*entity)
-                .expect("a box")
-                .translation
+/// Two boxes lie on the deformed chair or on each other there, two beside it; they are drawn where the engine has them, and
+/// the chair as the processor deforms it.
+///
+/// `place` says where the engine itself has a body.
+fn assert_boxes_rest(engine: &dyn Engine, place: fn(&App, Entity) -> Transform) {
+    let mut lines = Vec::new();
+    let mut tell = |line: &str| lines.push(line.to_string());
+    let (mut app, scene, found) = flexible_chair::run(chair(), engine, &mut tell);
+    let name = format!("flexible_chair_{}", engine.name());
+    found.save(&name);
+    let places: Vec<Transform> = scene.boxes.iter().map(|at| place(&app, *at)).collect();
+    let heights: Vec<f32> = places.iter().map(|at| at.translation.y).collect();
+    assert!(heights.iter().all(|y| *y > HALF - 0.01), "{lines:?}");
+    assert!(heights[0] > 0.45 && heights[1] > 0.45, "{lines:?}");
+    assert!(heights[2] < 0.45 && heights[3] < 0.45, "{lines:?}");
+    assert_touches_deformed(&app, &scene, places[0]);
+
+    let deformation = app.world().get::<Deformation>(scene.chair).unwrap().clone();
+    assert!(deformation.q.iter().any(|q| q.abs() > 1e-4), "{lines:?}");
+    let body = Body {
+        model: chair().clone(),
+        deformation,
+        at: place(&app, scene.chair),
+    };
+    let expected = drawn_anew(&mut app, &scene, &body, &places);
+    expected.save(&format!("{name}_expected"));
+    let off = found.differing(&expected, 3);
+    assert!(off <= 20, "{off} pixels differ");
+}
+
+/// The lowest box is at most a centimeter from the triangles of the deformed chair, and not within them.
+fn assert_touches_deformed(app: &App, scene: &Scene, at: Transform) {
+    let chair = app.world().get::<DeformedInstance>(scene.chair).unwrap();
+    let triangles = oracle::deformed_triangles(&chair.instance.snapshot());
+    let corners = (0..8).map(|k: u32| {
+        let side = |bit: u32| if k >> bit & 1 == 0 { -HALF } else { HALF };
+        at.transform_point(Vec3::new(side(0), side(1), side(2)))
+    });
+    let down = [0.0, -1.0, 0.0];
+    let gaps: Vec<f64> = corners
+        .filter(|corner| corner.y < at.translation.y)
+        .filter_map(|corner| {
+            // From the height of the middle, so that a corner that is within shows as less than nothing.
+            let from = Vec3::new(corner.x, at.translation.y, corner.z);
+            let from = from.to_array().map(f64::from);
+            let hit = oracle::ray(&triangles, from, down, 1.0)?;
+            Some(hit.1 - f64::from(at.translation.y - corner.y))
         })
         .collect();
-    let lowest = flexible_chair::HALF - 0.01;
-    assert!(places.iter().all(|at| at.y > lowest), "{places:?}");
-    assert!(places[0].y > 0.45 && places[1].y > 0.45, "{places:?}");
-    assert!(places[2].y < 0.45 && places[3].y < 0.45, "{places:?}");
-    let q = &app
-        .world()
-        .get::<Deformation>(scene.chair)
-        .expect("a mesh")
-        .q;
-    assert!(q.iter().any(|q| q.abs() > 1e-4), "{q:?}");
+    assert!(gaps.len() == 4, "{gaps:?}");
+    assert!(gaps.iter().all(|gap| gap.abs() < 0.01), "{gaps:?}");
+}
+
+/// The same scene of plain meshes: the chair that the processor deformed, and cubes at these places.
+fn drawn_anew(
+    app: &mut App,
+    scene: &Scene,
+    body: &Body,
+    places: &[Transform],
+) -> support::picture::Picture {
+    let world = app.world_mut();
+    for entity in scene.boxes.iter().chain([&scene.chair]) {
+        world.despawn(*entity);
+    }
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(deformed_mesh(body));
+    let wood = support::material(world, flexible_chair::WOOD);
+    world.spawn((Mesh3d(mesh), wood, body.at, NoFrustumCulling));
+    for at in places {
+        let look = support::solid(world, flexible_chair::cube(), flexible_chair::BLUE);
+        world.spawn((look, *at));
+    }
+    support::settle(app);
+    support::take(app)
+}
+
+#[cfg(feature = "avian")]
+#[test]
+fn boxes_rest_on_a_chair_under_avian() {
+    use avian3d::prelude::{Position, Rotation};
+    assert_boxes_rest(&flexible_chair::avian::Avian, |app, body| {
+        let at = app.world().get::<Position>(body).unwrap();
+        let turn = app.world().get::<Rotation>(body).unwrap();
+        Transform::from_translation(at.0).with_rotation(turn.0)
+    });
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn boxes_rest_on_a_chair_under_rapier() {
+    use bdtree_bevy::rapier::{RapierBody, RapierWorld};
+    assert_boxes_rest(&flexible_chair::rapier::Rapier, |app, body| {
+        let own = app.world().get::<RapierBody>(body).unwrap();
+        let world = &app.world().resource::<RapierWorld>().world;
+        let at = world.bodies.get(own.body).unwrap().position();
+        Transform::from_translation(at.translation).with_rotation(at.rotation)
+    });
 }
