@@ -56,17 +56,19 @@ pub(crate) fn rotation(placement: &Placement) -> DMat3 {
 pub(crate) fn rows(matrix: &Affine3A) -> JointMatrix {
     let rows = matrix.matrix3.transpose();
     let shift = matrix.translation;
+    // Spelled out: `array::map` is left as calls, which cost as much as the pose.
+    let row = |row: Vec3A, shift: f32| [row.x.into(), row.y.into(), row.z.into(), shift.into()];
     [
-        (rows.x_axis, shift.x),
-        (rows.y_axis, shift.y),
-        (rows.z_axis, shift.z),
+        row(rows.x_axis, shift.x),
+        row(rows.y_axis, shift.y),
+        row(rows.z_axis, shift.z),
     ]
-    .map(|(row, shift)| [row.x, row.y, row.z, shift].map(f64::from))
 }
 
 /// Column by column, rounded, as Bevy has it.
 pub(crate) fn affine(rows: &JointMatrix) -> Affine3A {
-    let column = |c: usize| Vec3A::from_array(rows.map(|row| row[c] as f32));
+    let [x, y, z] = rows;
+    let column = |c: usize| Vec3A::new(x[c] as f32, y[c] as f32, z[c] as f32);
     Affine3A {
         matrix3: Mat3A::from_cols(column(0), column(1), column(2)),
         translation: column(3),

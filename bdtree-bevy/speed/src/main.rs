@@ -1,6 +1,6 @@
 //! Measures what frames of Bevy with many deforming meshes take, and prints medians.
 //!
-//! Run in `bdtree-bevy`: `cargo run --release -p bdtree-bevy-speed`.
+//! Run in `bdtree-bevy`: `cargo run --release -p bdtree-bevy-speed`; with `-- hover` or `-- colliders` one of the tables.
 
 mod colliders;
 mod hover;
@@ -10,6 +10,13 @@ mod world;
 fn main() {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     println!("{cores} cores; medians of {} frames\n", world::FRAMES);
-    hover::measure();
-    colliders::measure();
+    let wanted: Vec<String> = std::env::args().skip(1).collect();
+    for (name, measure) in [
+        ("hover", hover::measure as fn()),
+        ("colliders", colliders::measure),
+    ] {
+        if wanted.is_empty() || wanted.iter().any(|one| one == name) {
+            measure();
+        }
+    }
 }
