@@ -95,13 +95,8 @@ impl Pose<'_> {
     /// A corrupt asset.
     pub fn bounding_sphere(&self) -> Result<BoundingSphere, QueryError> {
         let root = self.asset.node(0)?;
-        let lanes = root.inner_mask | root.leaf_mask;
-        Ok(self.sphere_around(&self.node_spheres(0)?, lanes))
-    }
-
-    /// The same from the spheres of the root's lanes.
-    fn sphere_around(&self, spheres: &Spheres, lanes: u8) -> BoundingSphere {
-        let (center, radius) = around(spheres, lanes);
+        let spheres = self.node_spheres(0)?;
+        let (center, radius) = around(&spheres, root.inner_mask | root.leaf_mask);
         // No vertex is farther from the origin than B; a radius that is NaN is not smaller.
         let all = self.reach + f64::from(self.slack);
         let (center, radius) = if radius < all {
@@ -111,14 +106,14 @@ impl Pose<'_> {
         };
         let sphere = self.world_sphere(center, radius, self.reach);
         let Some(boxed) = self.bone_box().map(|aabb| aabb.bounding_sphere()) else {
-            return sphere;
+            return Ok(sphere);
         };
         // NaN, of a damaged file, is not smaller.
-        if boxed.radius < sphere.radius {
+        Ok(if boxed.radius < sphere.radius {
             boxed
         } else {
             sphere
-        }
+        })
     }
 
     /// The smallest box around the deformed triangles in the world; infinite, and the wrong way round, without any. It
@@ -154,14 +149,13 @@ impl Pose<'_> {
         }
         let root = self.asset.node(0)?;
         let spheres = self.node_spheres(0)?;
-        let lanes = root.inner_mask | root.leaf_mask;
-        let all = self.sphere_around(&spheres, lanes);
+        let all = self.bounding_sphere()?;
         let whole = all.aabb();
         let mut aabb = Aabb {
             min: [f64::INFINITY; 3],
             max: [f64::NEG_INFINITY; 3],
         };
-        for lane in (0..LANES).filter(|k| lanes & (1 << k) != 0) {
+        for lane in (0..LANES).filter(|k| (root.inner_mask | root.leaf_mask) & (1 << k) != 0) {
             let center = spheres.center.map(|row| row[lane]);
             let radius = f64::from(spheres.radius[lane]);
             // A lane's center lies within twice the reach (docs/design/guarantees.md).

@@ -132,12 +132,9 @@ fn mixed<const N: usize>(a: [f64; N], b: [f64; N], share: f64) -> [f64; N] {
 
 /// A quaternion of length 1; the identity for one without a direction.
 pub(super) fn unit(q: [f64; 4]) -> [f64; 4] {
-    let [x, y, z, w] = q;
-    let length = sqrt(x * x + y * y + z * z + w * w);
+    let length = sqrt(q.iter().map(|x| x * x).sum());
     if length > 0.0 && length.is_finite() {
-        // One division: the reciprocal of a length is finite, since squares underflow long before it is not.
-        let per = 1.0 / length;
-        [x * per, y * per, z * per, w * per]
+        q.map(|x| x / length)
     } else {
         [0.0, 0.0, 0.0, 1.0]
     }
@@ -148,21 +145,10 @@ pub(super) fn slerp(a: [f64; 4], b: [f64; 4], share: f64) -> [f64; 4] {
     /// Quaternions nearer than this are on a straight line: its distance from the arc is below 2⁻⁵³.
     const STRAIGHT: f64 = 1.0 - 1.0 / (1_u64 << 45) as f64;
     let (a, b) = (unit(a), unit(b));
-    let cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+    let cosine: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
     // b and −b are the same rotation.
     let sign = if cosine < 0.0 { -1.0 } else { 1.0 };
-    let apart = {
-        let [x, y, z, w] = [
-            a[0] - sign * b[0],
-            a[1] - sign * b[1],
-            a[2] - sign * b[2],
-            a[3] - sign * b[3],
-        ];
-        x * x + y * y + z * z + w * w
-    };
-    let (from, to) = if apart < NEAR && (0.0..=1.0).contains(&share) {
-        near_shares(apart, share)
-    } else if cosine.abs() < STRAIGHT {
+    let (from, to) = if cosine.abs() < STRAIGHT {
         let angle = libm::acos(cosine.abs());
         let sine = libm::sin(angle);
         (
@@ -172,45 +158,5 @@ pub(super) fn slerp(a: [f64; 4], b: [f64; 4], share: f64) -> [f64; 4] {
     } else {
         (1.0 - share, share)
     };
-    let to = sign * to;
-    unit([
-        from * a[0] + to * b[0],
-        from * a[1] + to * b[1],
-        from * a[2] + to * b[2],
-        from * a[3] + to * b[3],
-    ])
+    unit([0, 1, 2, 3].map(|k| from * a[k] + sign * to * b[k]))
 }
-
-/// Square of the chord between two unit quaternions below which [`near_shares`] holds: a rotation by 28°.
-const NEAR: f64 = 1.0 / 16.0;
-
-/// sin((1 − t) θ) / sin θ and sin(t θ) / sin θ for t from 0 to 1 and the angle θ that belongs to a short chord: what keys
-/// of clips are apart. A series in 1 − cos θ to the last bits of f64 takes a tenth of what the functions take (Eberly, "A
-/// fast and accurate algorithm for computing SLERP", 2011).
-fn near_shares(chord_square: f64, share: f64) -> (f64, f64) {
-    let less = -0.5 * chord_square;
-    let series = |t: f64| {
-        let square = t * t;
-        let (mut sum, mut term) = (1.0, 1.0);
-        for (u, v) in NEAR_TERMS {
-            term *= (u * square - v) * less;
-            sum += term;
-        }
-        t * sum
-    };
-    (series(1.0 - share), series(share))
-}
-
-/// 1 / (i (2 i + 1)) and i / (2 i + 1) from i = 1 on: each term is below 1/64 of the one before, the first left out below
-/// 2⁻⁵⁴.
-const NEAR_TERMS: [(f64, f64); 9] = [
-    (1.0 / 3.0, 1.0 / 3.0),
-    (1.0 / 10.0, 2.0 / 5.0),
-    (1.0 / 21.0, 3.0 / 7.0),
-    (1.0 / 36.0, 4.0 / 9.0),
-    (1.0 / 55.0, 5.0 / 11.0),
-    (1.0 / 78.0, 6.0 / 13.0),
-    (1.0 / 105.0, 7.0 / 15.0),
-    (1.0 / 136.0, 8.0 / 17.0),
-    (1.0 / 171.0, 9.0 / 19.0),
-];

@@ -129,14 +129,7 @@ impl<'a> Track<'a> {
     /// A unit quaternion.
     pub(super) fn rotation(&self, span: Span) -> [f64; 4] {
         if self.interpolation == interpolation::LINEAR {
-            let key = |key: usize| {
-                let at = key * self.components;
-                let Some(&[x, y, z, w]) = self.values.get(at..).and_then(<[f32]>::first_chunk)
-                else {
-                    return [0.0; 4];
-                };
-                [x.into(), y.into(), z.into(), w.into()]
-            };
+            let key = |key: usize| [0, 1, 2, 3].map(|k| self.number(key, 0, k));
             return slerp(key(span.before), key(span.after), span.share);
         }
         unit([0, 1, 2, 3].map(|k| self.component(span, k)))
