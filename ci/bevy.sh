@@ -13,7 +13,7 @@ export RUSTUP_TOOLCHAIN=$channel
 cargo fmt -- --check
 # Tests first: what they compile, the others use.
 cargo test --locked --all-features
-cargo clippy --locked --all-features --all-targets -- -D warnings
+cargo clippy --locked --workspace --all-features --all-targets -- -D warnings
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --all-features
 # Each part by itself.
 for feature in picking gizmos avian rapier; do
