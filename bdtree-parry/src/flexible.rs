@@ -15,7 +15,7 @@ use crate::model::DeformingModel;
 /// and slow ([`FlexibleOptions::rest_speed`]).
 #[derive(Debug, Clone)]
 pub struct FlexibleBody {
-    body: Body<()>,
+    body: Body,
     step_s: f64,
 }
 
@@ -26,7 +26,7 @@ impl FlexibleBody {
     /// A damaged asset; modes without frequencies or modal masses, and a mesh without mass, of a body that shall deform.
     pub fn new(model: &DeformingModel, options: &FlexibleOptions) -> Result<Self, ShapeError> {
         Ok(Self {
-            body: Body::new(model, options, ())?,
+            body: Body::new(model, options)?,
             step_s: 0.0,
         })
     }

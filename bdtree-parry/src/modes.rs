@@ -88,9 +88,7 @@ pub(super) struct Touch {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Body<F> {
-    /// What the engine calls the rigid body.
-    pub(super) frame: F,
+pub(super) struct Body {
     /// At the q that the collider has.
     pub(super) mesh: DeformingMesh,
     pub(super) modes: Vec<Mode>,
@@ -124,29 +122,11 @@ pub(super) struct Rest {
     mean_state: Vec<[f64; 2]>,
 }
 
-impl Body<()> {
-    pub(super) fn with_frame<F>(self, frame: F) -> Body<F> {
-        Body {
-            frame,
-            mesh: self.mesh,
-            modes: self.modes,
-            state: self.state,
-            touches: self.touches,
-            is_touched: self.is_touched,
-            mass: self.mass,
-            tolerance: self.tolerance,
-            store: self.store,
-            rest: self.rest,
-        }
-    }
-}
-
-impl<F> Body<F> {
+impl Body {
     /// At rest.
     pub(super) fn new(
         model: &DeformingModel,
         options: &FlexibleOptions,
-        frame: F,
     ) -> Result<Self, ShapeError> {
         let mesh = DeformingMesh::at_rest(model)?;
         let modes = match options.is_deformable {
@@ -156,7 +136,6 @@ impl<F> Body<F> {
         let mass = mesh.baked_mass_properties();
         let radius = f64::from(mesh.sphere().radius);
         Ok(Self {
-            frame,
             state: vec![[0.0; 2]; modes.len()],
             rest: Rest {
                 speed: options.rest_speed,

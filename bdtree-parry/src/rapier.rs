@@ -56,7 +56,8 @@ impl Velocity {
 /// All bodies of a world that deform. Worlds need a [`MeshDispatcher`](super::MeshDispatcher) in their narrow phase.
 #[derive(Debug, Clone, Default)]
 pub struct FlexibleBodies {
-    bodies: HashMap<ColliderHandle, Body<RigidBodyHandle>>,
+    bodies: HashMap<ColliderHandle, Body>,
+    frame_of: HashMap<ColliderHandle, RigidBodyHandle>,
     before: HashMap<RigidBodyHandle, Velocity>,
     step_s: f64,
 }
@@ -79,7 +80,7 @@ impl FlexibleBodies {
         frames: &mut RigidBodySet,
         colliders: &mut ColliderSet,
     ) -> Result<(RigidBodyHandle, ColliderHandle), ShapeError> {
-        let body = Body::new(model, options, ())?;
+        let body = Body::new(model, options)?;
         let collider = ColliderBuilder::new(SharedShape::new(body.mesh.clone()));
         let collider = match body.mesh.baked_mass_properties() {
             Some(mass) => collider.mass_properties(mass),
@@ -88,12 +89,14 @@ impl FlexibleBodies {
         let frame = frames.insert(frame);
         let collider = collider.friction(options.friction);
         let handle = colliders.insert_with_parent(collider, frame, frames);
-        self.bodies.insert(handle, body.with_frame(frame));
+        self.bodies.insert(handle, body);
+        self.frame_of.insert(handle, frame);
         Ok((frame, handle))
     }
 
     /// Forgets a body; rapier's frame and collider stay.
     pub fn remove(&mut self, collider: ColliderHandle) -> bool {
+        self.frame_of.remove(&collider);
         self.bodies.remove(&collider).is_some()
     }
 
@@ -148,20 +151,27 @@ impl FlexibleBodies {
         for pair in contacts.contact_pairs() {
             self.press(pair, step_s);
         }
-        for body in self.bodies.values_mut() {
-            match frames.get(body.frame) {
-                Some(frame) if !frame.is_sleeping() => {
+        let awake = |handle: &ColliderHandle| {
+            let frame = frames.get(*self.frame_of.get(handle)?);
+            frame.filter(|frame| !frame.is_sleeping())
+        };
+        for (handle, body) in &mut self.bodies {
+            match awake(handle) {
+                Some(frame) => {
                     body.settle([frame.linvel(), frame.angvel()], step_s);
                 }
-                _ => body.stop(),
+                None => body.stop(),
             }
         }
         for pair in contacts.contact_pairs() {
             self.push(pair, frames, colliders, step_s)?;
         }
         for (handle, body) in &mut self.bodies {
-            let is_asleep = frames.get(body.frame).is_none_or(RigidBody::is_sleeping);
-            if is_asleep || body.modes.is_empty() {
+            let frame = self
+                .frame_of
+                .get(handle)
+                .and_then(|frame| frames.get(*frame));
+            if frame.is_none_or(RigidBody::is_sleeping) || body.modes.is_empty() {
                 continue;
             }
             if !body.rests() {
@@ -201,10 +211,12 @@ impl FlexibleBodies {
         let sides = [pair.collider1, pair.collider2];
         // What sleeps or rests takes no forces.
         let moved = sides.map(|side| {
-            self.bodies.get(&side).is_some_and(|body| {
-                let frame = frames.get(body.frame);
-                frame.is_some_and(|frame| !frame.is_sleeping()) && !body.rests()
-            })
+            let frame = self
+                .frame_of
+                .get(&side)
+                .and_then(|frame| frames.get(*frame));
+            let is_awake = frame.is_some_and(|frame| !frame.is_sleeping());
+            is_awake && self.bodies.get(&side).is_some_and(|body| !body.rests())
         });
         if moved == [false; 2] {
             return Ok(());
