@@ -194,7 +194,7 @@ thread_local! {
 }
 
 /// Deforms and places an instance. An error leaves it as it was.
-fn set_pose(
+pub(crate) fn set_pose(
     instance: &mut Instance,
     deformation: &Deformation,
     at: bdtree_runtime::Transform,

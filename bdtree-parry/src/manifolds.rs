@@ -189,9 +189,8 @@ fn collect<M, C>(
     }
 }
 
-/// The points of two meshes: those of their regions of contact, and where they do not touch the nearest point. Pairs of
-/// triangles within rapier's 2 cm are fifty times as many as those within [`MARGIN`] of it, and the nearest is found without
-/// them.
+/// The points of two meshes: those of their regions of contact, and where they do not touch the nearest point. Of a chair on
+/// others 6400 pairs of triangles are within rapier's 2 cm, of which 90 touch; the nearest is found without the others.
 fn regions(
     pair: &PartPair<'_>,
     both: (&DeformingMesh, &DeformingMesh),

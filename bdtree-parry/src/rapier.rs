@@ -151,12 +151,8 @@ impl FlexibleBodies {
         for pair in contacts.contact_pairs() {
             self.press(pair, step_s);
         }
-        let awake = |handle: &ColliderHandle| {
-            let frame = frames.get(*self.frame_of.get(handle)?);
-            frame.filter(|frame| !frame.is_sleeping())
-        };
         for (handle, body) in &mut self.bodies {
-            match awake(handle) {
+            match awake(&self.frame_of, frames, handle) {
                 Some(frame) => {
                     body.settle([frame.linvel(), frame.angvel()], step_s);
                 }
@@ -167,11 +163,7 @@ impl FlexibleBodies {
             self.push(pair, frames, colliders, step_s)?;
         }
         for (handle, body) in &mut self.bodies {
-            let frame = self
-                .frame_of
-                .get(handle)
-                .and_then(|frame| frames.get(*frame));
-            if frame.is_none_or(RigidBody::is_sleeping) || body.modes.is_empty() {
+            if body.modes.is_empty() || awake(&self.frame_of, frames, handle).is_none() {
                 continue;
             }
             if !body.rests() {
@@ -211,12 +203,8 @@ impl FlexibleBodies {
         let sides = [pair.collider1, pair.collider2];
         // What sleeps or rests takes no forces.
         let moved = sides.map(|side| {
-            let frame = self
-                .frame_of
-                .get(&side)
-                .and_then(|frame| frames.get(*frame));
-            let is_awake = frame.is_some_and(|frame| !frame.is_sleeping());
-            is_awake && self.bodies.get(&side).is_some_and(|body| !body.rests())
+            awake(&self.frame_of, frames, &side).is_some()
+                && self.bodies.get(&side).is_some_and(|body| !body.rests())
         });
         if moved == [false; 2] {
             return Ok(());
@@ -306,6 +294,16 @@ impl FlexibleBodies {
     pub fn modal_kinetic_energy(&self, collider: ColliderHandle) -> Option<f64> {
         self.bodies.get(&collider).map(Body::kinetic_energy)
     }
+}
+
+/// The frame of a collider's body, unless it sleeps.
+fn awake<'f>(
+    frame_of: &HashMap<ColliderHandle, RigidBodyHandle>,
+    frames: &'f RigidBodySet,
+    collider: &ColliderHandle,
+) -> Option<&'f RigidBody> {
+    let frame = frames.get(*frame_of.get(collider)?);
+    frame.filter(|frame| !frame.is_sleeping())
 }
 
 fn whole(pose: Option<&Pose>) -> Pose {

@@ -10,14 +10,13 @@ use avian3d::prelude::{
     Collider, ColliderAabb, ComputeMassProperties3d, ContactManifold, MassProperties3d,
 };
 use bdtree_parry::{DeformingMesh, DeformingModel, ShapeError};
-use bdtree_runtime::{CacheSize, Instance, JointMatrix, PoseError};
+use bdtree_runtime::{CacheSize, Instance, PoseError, Transform as Placement};
 use bevy_ecs::prelude::*;
 use bevy_log::error;
 use bevy_math::{Quat, Vec3};
 
 use super::contacts;
-use crate::placement::rows;
-use crate::pose::Deformation;
+use crate::pose::{Deformation, set_pose};
 
 /// A collider of avian that may deform.
 ///
@@ -138,13 +137,7 @@ pub(super) fn deformed(
     deformation: &Deformation,
 ) -> Result<DeformingMesh, ShapeError> {
     let mut instance = Instance::with_cache(model.model(), CacheSize::NONE)?;
-    if !deformation.q.is_empty() {
-        instance.set_q(&deformation.q)?;
-    }
-    if !deformation.joints.is_empty() {
-        let joints: Vec<JointMatrix> = deformation.joints.iter().map(rows).collect();
-        instance.set_joints(&joints)?;
-    }
+    set_pose(&mut instance, deformation, Placement::IDENTITY)?;
     DeformingMesh::of_instance(model.clone(), instance)
 }
 
