@@ -27,6 +27,9 @@ mod near;
 mod physics;
 #[path = "points.rs"]
 mod points;
+#[cfg(feature = "modes-f64")]
+#[path = "rest.rs"]
+mod rest;
 #[path = "shape.rs"]
 mod shape;
 #[path = "triangles.rs"]

@@ -11,8 +11,9 @@ use crate::model::DeformingModel;
 /// engine. In each step call [`FlexibleBody::begin`], [`FlexibleBody::push`] with the impulses of its contacts, and
 /// [`FlexibleBody::advance`]; give the collider the mesh that comes back.
 ///
-/// Modes are damped while they are touched, never take more energy than contacts have destroyed, and rest once the body is held
-/// and slow ([`FlexibleOptions::rest_speed`]).
+/// Modes are damped while they are touched, the less the longer a force pulls them the same way; never gain more energy than
+/// contacts have destroyed; and rest once the body is held and slow ([`FlexibleOptions::rest_speed`]) and no load bends it any
+/// further.
 #[derive(Debug, Clone)]
 pub struct FlexibleBody {
     body: Body,
@@ -82,6 +83,11 @@ impl FlexibleBody {
             self.body.mesh = mesh.clone();
         }
         Ok(made)
+    }
+
+    /// Whether forces may still be bending the body to where they hold it: an engine should not let its frame sleep before.
+    pub fn is_settling(&self) -> bool {
+        self.body.is_settling()
     }
 
     /// The last mesh that [`FlexibleBody::advance`] gave; at rest before.

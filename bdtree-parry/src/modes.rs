@@ -4,6 +4,7 @@ use bdtree_dynamics::{Damping, Oscillator, StrainLimit, Transition};
 
 use super::parry::math::{Real, Vector};
 use super::points::{wide, with_workspace};
+use super::rest::Rest;
 use super::shape::DeformingMesh;
 use crate::error::ShapeError;
 use crate::model::DeformingModel;
@@ -12,15 +13,21 @@ use crate::model::DeformingModel;
 /// and of 30 Hz against others: four of the former are 5.7e5. From 1e5 on chairs on a floor come to rest.
 const STIFFNESS: f64 = 3.6e5;
 
-/// Modes rest once frame and surface have been slow for so many seconds...
-const REST_AFTER_S: f64 = 0.25;
+/// How stiff contacts are to modes is known from above only. A mode that forces have pulled the same way for so many seconds, as
+/// a load on a soft body does...
+const STEADY_S: f64 = 0.1;
 
-/// ...until they are faster than this multiple of that speed, or pressed by this multiple of the average force: neighbors that
-/// settle do not wake them, and hits do.
-const HIT: f64 = 3.0;
+/// ...is damped half as much every so many seconds...
+const EASE_S: f64 = 0.05;
 
-/// Forces below this, per mass of the body, are no hits: m/s², of the order of gravity.
-const LIGHT: f64 = 20.0;
+/// ...until a contact as stiff as [`STIFFNESS`] would answer after so many seconds instead of within the step.
+const GIVE_S: f64 = 0.2;
+
+/// What of its way a mode that goes somewhere must make good.
+const SMOOTH: f64 = 0.7;
+
+/// How much of the tolerance such a mode may move the mesh by before the collider gets it.
+const SMALL: f64 = 0.1;
 
 /// How far a vertex may be off in the collider, in radii of the mesh's bounding sphere.
 const TOLERANCE: f64 = 5e-3;
@@ -44,9 +51,9 @@ pub struct FlexibleOptions {
     /// changes let rapier go on with the contacts that it has. Default 5e-3 of the radius of its bounding sphere: rapier itself
     /// keeps contacts of bodies that have moved by up to 5 cm.
     pub tolerance: Option<f64>,
-    /// Modes rest once something holds the body and no point of it is faster than this on average, world units per second: q
-    /// stays until the body is hit or let go. Default 0.2, four times the speed below which rapier's bodies sleep; 0 for
-    /// never.
+    /// Modes rest once something holds the body, no point of it is faster than this on average, world units per second, and no
+    /// load bends it any further: q stays until the body is hit, pressed harder or let go. Default 0.2, four times the speed
+    /// below which rapier's bodies sleep; 0 for never.
     pub rest_speed: f64,
     /// Of the collider; default 0.5.
     pub friction: Real,
@@ -76,6 +83,17 @@ pub(super) struct Mode {
     pub(super) limit: StrainLimit,
     /// How far q = 1 moves the farthest vertex, world units.
     pub(super) reach: f64,
+    /// How far s is from where the force on it would hold it, averaged over [`STEADY_S`].
+    to_go: f64,
+    /// The rate of s and its absolute value, averaged while the body is slow.
+    pub(super) mean_rate: f64,
+    mean_speed: f64,
+    /// For how long `to_go` has had the same sign while the body is slow, s.
+    steady_s: f64,
+    /// Where the force would hold s, averaged while the body is slow.
+    pub(super) goal: f64,
+    /// How much of the damping by contacts it gets.
+    pub(super) share: f64,
 }
 
 /// A contact of a body, in its frame.
@@ -106,22 +124,6 @@ pub(super) struct Body {
     pub(super) rest: Rest,
 }
 
-/// Whether the modes of a body rest.
-#[derive(Debug, Clone)]
-pub(super) struct Rest {
-    /// What counts as slow, world units per second.
-    speed: f64,
-    /// What presses on the body in this step, also while it rests: the sum of all contacts, N, and its average.
-    force: f64,
-    mean_force: f64,
-    /// For how many seconds frame and surface have been slow while something touched them, at most twice [`REST_AFTER_S`].
-    pub(super) slow_s: f64,
-    /// Linear and angular velocity of the frame, and the body's `state`, averaged over about [`REST_AFTER_S`]: what only
-    /// shakes does not get anywhere.
-    drift: [Vector; 2],
-    mean_state: Vec<[f64; 2]>,
-}
-
 impl Body {
     /// At rest.
     pub(super) fn new(
@@ -137,14 +139,7 @@ impl Body {
         let radius = f64::from(mesh.sphere().radius);
         Ok(Self {
             state: vec![[0.0; 2]; modes.len()],
-            rest: Rest {
-                speed: options.rest_speed,
-                force: 0.0,
-                mean_force: 0.0,
-                slow_s: 0.0,
-                drift: [Vector::ZERO; 2],
-                mean_state: vec![[0.0; 2]; modes.len()],
-            },
+            rest: Rest::new(options.rest_speed, modes.len()),
             touches: Vec::new(),
             is_touched: false,
             mass: mass.map_or(0.0, |mass| f64::from(mass.mass())),
@@ -158,13 +153,20 @@ impl Body {
     /// Begins a step, of another length than the last one where it is new.
     pub(super) fn begin(&mut self, step_s: f64, is_new: bool) -> Result<(), ShapeError> {
         self.touches.clear();
-        self.rest.force = 0.0;
+        self.rest.begin();
         self.store *= 0.5_f64.powf(step_s / STORE_HALF_LIFE_S);
-        if is_new || self.is_touched {
-            self.is_touched = false;
-            for mode in &mut self.modes {
-                mode.transition = transition(&mode.oscillator, step_s)?;
-            }
+        if is_new {
+            self.release(step_s)?;
+        }
+        Ok(())
+    }
+
+    /// Modes are those of a body that nothing touches.
+    fn release(&mut self, step_s: f64) -> Result<(), ShapeError> {
+        self.is_touched = false;
+        for mode in &mut self.modes {
+            mode.share = 1.0;
+            mode.transition = transition(&mode.oscillator, step_s)?;
         }
         Ok(())
     }
@@ -202,7 +204,7 @@ impl Body {
             state.push([s, rate / mode.limit.slope(s)]);
         }
         self.state = state;
-        self.rest.slow_s = 0.0;
+        self.rest.wake();
         Ok(())
     }
 
@@ -227,62 +229,6 @@ impl Body {
         Ok(())
     }
 
-    /// A contact presses on the body with this force, N.
-    pub(super) fn press(&mut self, force: f64) {
-        self.rest.force += force;
-    }
-
-    /// Whether its modes rest.
-    pub(super) fn rests(&self) -> bool {
-        self.rest.slow_s >= REST_AFTER_S
-    }
-
-    /// Lets modes rest where they are on average, or go on, by how fast the frame, whose linear and angular velocity these are,
-    /// and the surface are. Every new shape makes an engine find contacts anew, whose points are not quite the old ones: bodies
-    /// that may go on deforming a little shake each other and never sleep.
-    pub(super) fn settle(&mut self, velocity: [Vector; 2], step_s: f64) {
-        let share = (step_s / REST_AFTER_S).min(1.0);
-        let rest = &mut self.rest;
-        for (mean, now) in rest.drift.iter_mut().zip(velocity) {
-            *mean += (now - *mean) * share as Real;
-        }
-        for (mean, now) in rest.mean_state.iter_mut().zip(&self.state) {
-            for (mean, now) in mean.iter_mut().zip(now) {
-                *mean += (now - *mean) * share;
-            }
-        }
-        let is_held = rest.force > 0.0;
-        let is_pressed = rest.force > HIT * rest.mean_force + LIGHT * self.mass;
-        rest.mean_force += (rest.force - rest.mean_force) * share;
-        if self.rests() {
-            // A hit shows at once; what lets go of the body may only have lost it for a step.
-            if is_pressed || self.speed(velocity, &self.state) >= HIT * self.rest.speed {
-                self.rest.slow_s = 0.0;
-            } else if is_held {
-                self.rest.slow_s = (self.rest.slow_s + step_s).min(2.0 * REST_AFTER_S);
-            } else {
-                self.rest.slow_s -= step_s;
-            }
-        } else if is_held && self.speed(self.rest.drift, &self.rest.mean_state) < self.rest.speed {
-            self.rest.slow_s += step_s;
-            if self.rests() {
-                self.state.copy_from_slice(&self.rest.mean_state);
-                self.stop();
-            }
-        } else {
-            self.rest.slow_s = 0.0;
-        }
-    }
-
-    /// No point of the body is faster than this.
-    fn speed(&self, [linear, angular]: [Vector; 2], state: &[[f64; 2]]) -> f64 {
-        let turning = angular.length() * self.mesh.sphere().radius;
-        let modes = self.modes.iter().zip(state);
-        let surface =
-            modes.map(|(mode, [s, rate])| (mode.limit.slope(*s) * rate).abs() * mode.reach);
-        f64::from(linear.length() + turning) + surface.sum::<f64>()
-    }
-
     /// No mode moves any more.
     pub(super) fn stop(&mut self) {
         for [_, rate] in &mut self.state {
@@ -290,42 +236,84 @@ impl Body {
         }
     }
 
-    /// One step of all modes under the forces, scaled down so that they bring no more energy than the store has.
+    /// One step of all modes under the forces, scaled down so that modes gain no more energy than the store has.
     pub(super) fn advance(&mut self, step_s: f64) -> Result<(), ShapeError> {
-        self.dampen(step_s)?;
-        let mut forces = vec![0.0; self.modes.len()];
+        // Of each mode, per modal mass.
+        let mut pulls = vec![0.0; self.modes.len()];
         for touch in &self.touches {
-            for (force, moves) in forces.iter_mut().zip(&touch.moves) {
-                *force += touch.force * moves;
+            for (pull, moves) in pulls.iter_mut().zip(&touch.moves) {
+                *pull += touch.force * moves;
             }
         }
-        // Work of the forces times x is x (free + x forced).
-        let (mut free, mut forced) = (0.0, 0.0);
-        for ((mode, state), force) in self.modes.iter().zip(&self.state).zip(&mut forces) {
-            *force *= mode.limit.slope(state[0]);
-            let moved = mode.transition.apply(*state, 0.0)[0] - state[0];
-            free += *force * moved;
-            forced += *force * *force * mode.transition.q_a / mode.mass;
+        for ((mode, [s, _]), pull) in self.modes.iter().zip(&self.state).zip(&mut pulls) {
+            *pull *= mode.limit.slope(*s) / mode.mass;
         }
-        let work = free + forced;
-        let share = if work <= self.store || forced <= 0.0 {
+        self.ease(&pulls, step_s);
+        self.dampen(step_s)?;
+        if self.touches.is_empty() && self.rest.is_slow() {
+            return Ok(());
+        }
+        // With forces times x, modes gain a + x (b + x c).
+        let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
+        for ((mode, state), pull) in self.modes.iter().zip(&self.state).zip(&pulls) {
+            let free = mode.transition.apply(*state, 0.0);
+            let forced = mode.transition.apply([0.0; 2], *pull);
+            a += mode.energy(free, free) - mode.energy(*state, *state);
+            b += 2.0 * mode.energy(free, forced);
+            c += mode.energy(forced, forced);
+        }
+        let spare = self.store - a;
+        let share = if b + c <= spare || c <= 0.0 {
             1.0
         } else {
-            let root = (free * free + 4.0 * forced * self.store).max(0.0).sqrt();
-            ((root - free) / (2.0 * forced)).clamp(0.0, 1.0)
+            let root = (b * b + 4.0 * c * spare).max(0.0).sqrt();
+            ((root - b) / (2.0 * c)).clamp(0.0, 1.0)
         };
-        self.store = (self.store - share * (free + share * forced)).clamp(0.0, self.store);
-        for ((mode, state), force) in self.modes.iter().zip(&mut self.state).zip(&forces) {
-            *state = mode.transition.apply(*state, share * force / mode.mass);
+        let gained = a + share * (b + share * c);
+        self.store = (self.store - gained).clamp(0.0, self.store);
+        for ((mode, state), pull) in self.modes.iter_mut().zip(&mut self.state).zip(&pulls) {
+            *state = mode.transition.apply(*state, share * pull);
+            if share < 1.0 {
+                mode.share = 1.0;
+            }
         }
         Ok(())
+    }
+
+    /// Finds how far modes are from where the forces would hold them, and which are damped less because these forces last.
+    fn ease(&mut self, pulls: &[f64], step_s: f64) {
+        let least = (step_s / GIVE_S).min(1.0);
+        let share = (step_s / STEADY_S).min(1.0);
+        let weight = self.rest.weight(step_s);
+        let is_slow = self.rest.is_slow();
+        for ((mode, [s, rate]), pull) in self.modes.iter_mut().zip(&self.state).zip(pulls) {
+            mode.mean_rate += (rate - mode.mean_rate) * weight;
+            mode.mean_speed += (rate.abs() - mode.mean_speed) * weight;
+            let omega = mode.oscillator.omega_rad_s;
+            let goal = pull / (omega * omega);
+            let before = mode.to_go;
+            mode.to_go += (goal - s - before) * share;
+            mode.goal += (goal - mode.goal) * weight;
+            mode.steady_s = match mode.to_go * before >= 0.0 && is_slow {
+                true => mode.steady_s + step_s,
+                false => 0.0,
+            };
+            if !mode.is_steady() {
+                mode.share = 1.0;
+            } else if !self.touches.is_empty() {
+                mode.share = (mode.share * 0.5_f64.powf(step_s / EASE_S)).max(least);
+            }
+        }
     }
 
     /// Damps modes by what contacts would do within the step.
     fn dampen(&mut self, step_s: f64) -> Result<(), ShapeError> {
         let pressure: f64 = self.touches.iter().map(|touch| touch.force).sum();
         if !(pressure > 0.0) {
-            return Ok(());
+            return match self.is_touched && !self.rest.is_held() {
+                true => self.release(step_s),
+                false => Ok(()),
+            };
         }
         self.is_touched = true;
         // How far each mode moves the contacts, of unit modal mass, weighted by force: a bound for the rows of their matrix.
@@ -341,7 +329,7 @@ impl Body {
         let decay = 0.5 * STIFFNESS * self.mass * step_s;
         for (mode, row) in self.modes.iter_mut().zip(&rows) {
             let oscillator = Oscillator {
-                decay_per_s: mode.oscillator.decay_per_s + decay * row,
+                decay_per_s: mode.oscillator.decay_per_s + mode.share * decay * row,
                 ..mode.oscillator
             };
             mode.transition = transition(&oscillator, step_s)?;
@@ -365,7 +353,9 @@ impl Body {
         let moved: f64 = changes
             .map(|((new, old), mode)| f64::from((new - old).abs()) * mode.reach)
             .sum();
-        if moved <= self.tolerance {
+        // What gives way smoothly keeps its contacts: a step of the whole tolerance would drop it from what holds it.
+        let is_steady = self.modes.iter().any(Mode::is_steady);
+        if moved <= self.tolerance * if is_steady { SMALL } else { 1.0 } {
             return Ok(None);
         }
         self.mesh.with_q(&q).map(Some)
@@ -373,17 +363,31 @@ impl Body {
 
     pub(super) fn energy(&self) -> f64 {
         let each = self.modes.iter().zip(&self.state);
-        each.map(|(mode, [s, rate])| {
-            let swing = mode.oscillator.omega_rad_s * s;
-            0.5 * mode.mass * (rate * rate + swing * swing)
-        })
-        .sum()
+        each.map(|(mode, state)| mode.energy(*state, *state)).sum()
     }
 
     pub(super) fn kinetic_energy(&self) -> f64 {
         let each = self.modes.iter().zip(&self.state);
         each.map(|(mode, state)| 0.5 * mode.mass * state[1] * state[1])
             .sum()
+    }
+}
+
+impl Mode {
+    /// Whether the force has pulled it the same way long enough to go on doing so, and it goes there instead of shaking.
+    pub(super) fn is_steady(&self) -> bool {
+        self.steady_s >= STEADY_S && self.mean_rate.abs() > SMOOTH * self.mean_speed
+    }
+
+    /// How far the farthest vertex moves from one s to another, world units.
+    pub(super) fn way(&self, from: f64, to: f64) -> f64 {
+        (self.limit.q(to) - self.limit.q(from)).abs() * self.reach
+    }
+
+    /// The energy of a state, for twice the same one; for two, half of what their sum has beyond theirs.
+    fn energy(&self, one: [f64; 2], two: [f64; 2]) -> f64 {
+        let omega = self.oscillator.omega_rad_s;
+        0.5 * self.mass * (one[1] * two[1] + omega * one[0] * (omega * two[0]))
     }
 }
 
@@ -413,6 +417,12 @@ fn modes(model: &DeformingModel, options: &FlexibleOptions) -> Result<Vec<Mode>,
             mass: kg * model.scale() * model.scale(),
             limit: StrainLimit::of_mode(record, options.strain_limit),
             reach: f64::from(record.field_norm_max.get()) * world_per_stored,
+            to_go: 0.0,
+            steady_s: 0.0,
+            mean_rate: 0.0,
+            mean_speed: 0.0,
+            goal: 0.0,
+            share: 1.0,
         })
     });
     made.collect()

@@ -7,10 +7,11 @@
 //! rapier finds contact forces for rigid bodies: it does not know that a mode gives way, and sees it one step later.
 //!
 //! * A contact whose depth a mode changes would push back too late and too hard. So modes are damped while they are touched, as
-//!   if the force already followed the mode within the step ([`STIFFNESS`]). Where modes rest, that changes nothing; they
-//!   take longer to get there.
-//! * Modes rest once frame and surface are slow and something touches them, as rapier's bodies sleep: q stays, until something
-//!   hits the body or lets go of it. What is left of their way to equilibrium is not gone.
+//!   if the force already followed the mode within the step ([`STIFFNESS`]).
+//! * A lasting load bends a body as far as its stiffness says all the same: modes that forces go on pulling the same way are
+//!   damped less and less.
+//! * Modes rest once frame and surface are slow, something touches them and no load bends them any further, as rapier's bodies
+//!   sleep: q stays, until something hits the body, presses on it a third more or less, or lets go of it.
 //! * So that a contact cannot bring more energy into modes than it took from the motion of frames, each body has a store: what
 //!   contacts of rapier destroy is paid in, what modes take is paid from it, and forces on modes are scaled down where it
 //!   does not suffice.
@@ -110,7 +111,7 @@ impl FlexibleBodies {
         world.step();
         self.after_step(
             &world.narrow_phase,
-            &world.bodies,
+            &mut world.bodies,
             &mut world.colliders,
             step_s,
         )
@@ -129,15 +130,15 @@ impl FlexibleBodies {
         }
     }
 
-    /// Call after rapier's step of `step_s` seconds: contacts push modes, and colliders get the meshes at the new q. Bodies
-    /// that sleep stay as they are.
+    /// Call after rapier's step of `step_s` seconds: contacts push modes, and colliders get the meshes at the new q. Frames do not
+    /// sleep before their modes rest, and bodies that sleep stay as they are.
     ///
     /// # Errors
     /// A step that is not positive; a damaged asset.
     pub fn after_step(
         &mut self,
         contacts: &NarrowPhase,
-        frames: &RigidBodySet,
+        frames: &mut RigidBodySet,
         colliders: &mut ColliderSet,
         step_s: Real,
     ) -> Result<(), ShapeError> {
@@ -151,12 +152,19 @@ impl FlexibleBodies {
         for pair in contacts.contact_pairs() {
             self.press(pair, step_s);
         }
+        let frames_of = &self.frame_of;
         for (handle, body) in &mut self.bodies {
-            match awake(&self.frame_of, frames, handle) {
+            match awake(frames_of, frames, handle) {
                 Some(frame) => {
                     body.settle([frame.linvel(), frame.angvel()], step_s);
                 }
                 None => body.stop(),
+            }
+            // rapier may find a frame slow long before its modes are where a load bends them.
+            if let Some(frame) = frames_of.get(handle).filter(|_| body.is_settling()) {
+                if let Some(frame) = frames.get_mut(*frame) {
+                    frame.activation_mut().time_since_can_sleep = 0.0;
+                }
             }
         }
         for pair in contacts.contact_pairs() {

@@ -12,6 +12,8 @@ mod brute;
 mod every_shape;
 #[path = "lasting.rs"]
 mod lasting;
+#[path = "loads.rs"]
+mod loads;
 #[path = "mass.rs"]
 mod mass;
 #[path = "meshes.rs"]

@@ -213,13 +213,15 @@ pub(super) fn gather(mut pushes: ResMut<Pushes>, constraints: Res<ConstraintGrap
     }
 }
 
-/// After the solver: contacts push modes, and colliders get the meshes at the new q. Bodies that sleep stay as they are.
+/// After the solver: contacts push modes, and colliders get the meshes at the new q. Bodies do not sleep before their modes rest,
+/// and those that sleep stay as they are.
 pub(super) fn end_step(
     mut pushes: ResMut<Pushes>,
     contacts: Res<ContactGraph>,
     constraints: Res<ConstraintGraph>,
     bodies: Query<Moving<'static>>,
     asleep: Query<(), With<Sleeping>>,
+    mut timers: Query<&mut SleepTimer>,
     mut flexible: Query<(
         Entity,
         &mut FlexibleModes,
@@ -303,6 +305,11 @@ pub(super) fn end_step(
             }
             Ok(None) => {}
             Err(why) => error!("{entity}: {why}"),
+        }
+        if let Some(of) = of.filter(|_| modes.0.is_settling()) {
+            if let Ok(mut timer) = timers.get_mut(of.body) {
+                timer.0 = 0.0;
+            }
         }
         let q = modes.q();
         if deformation.q != q {
