@@ -23,8 +23,6 @@ struct Shared {
     is_closed: bool,
     /// Corners run clockwise as seen from outside.
     is_inside_out: bool,
-    /// World units.
-    half_thickness: f64,
 }
 
 impl DeformingModel {
@@ -40,16 +38,9 @@ impl DeformingModel {
         }
         let corners = welded(asset)?;
         let (neighbors, is_closed) = neighbors(&corners);
-        let (volume, area) = volume_and_area(asset, &corners);
-        let half_thickness = if is_closed && area > 0.0 {
-            volume.abs() / area * asset.unit() * scale
-        } else {
-            0.0
-        };
         Ok(Self {
             shared: Arc::new(Shared {
-                is_inside_out: is_closed && volume < 0.0,
-                half_thickness,
+                is_inside_out: is_closed && volume(asset, &corners) < 0.0,
                 model: model.clone(),
                 scale,
                 neighbors,
@@ -80,12 +71,6 @@ impl DeformingModel {
     /// outwards, those of another one away from either side.
     pub fn is_closed(&self) -> bool {
         self.shared.is_closed
-    }
-
-    /// Half of what the mesh is thick on average, at rest, world units: its volume over its area, which is half the thickness of
-    /// a plate and half the radius of a rod. 0 of a mesh that is not closed.
-    pub fn half_thickness(&self) -> f64 {
-        self.shared.half_thickness
     }
 
     /// Where meshes stand in their own frame.
@@ -153,20 +138,21 @@ fn neighbors(corners: &[[u32; 3]]) -> (Vec<[u32; 3]>, bool) {
     (all, is_closed)
 }
 
-/// The enclosed volume, negative where corners run clockwise as seen from outside, and the area, at rest, stored units.
-fn volume_and_area(asset: &Asset<'_>, corners: &[[u32; 3]]) -> (f64, f64) {
+/// The enclosed volume at rest, negative where corners run clockwise as seen from outside, stored units.
+fn volume(asset: &Asset<'_>, corners: &[[u32; 3]]) -> f64 {
     let point = |v: u32| asset.positions()[v as usize].map(f64::from);
-    let minus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| a[k] - b[k]);
-    let (mut volume, mut area) = (0.0, 0.0);
-    for [a, b, c] in corners.iter().map(|corners| corners.map(point)) {
-        let (u, v) = (minus(b, a), minus(c, a));
+    let each = corners.iter().map(|corners| {
+        let [a, b, c] = corners.map(point);
+        let (u, v) = (
+            [0, 1, 2].map(|k| b[k] - a[k]),
+            [0, 1, 2].map(|k| c[k] - a[k]),
+        );
         let normal = [
             u[1] * v[2] - u[2] * v[1],
             u[2] * v[0] - u[0] * v[2],
             u[0] * v[1] - u[1] * v[0],
         ];
-        volume += (0..3).map(|k| normal[k] * a[k]).sum::<f64>() / 6.0;
-        area += normal.map(|x| x * x).iter().sum::<f64>().sqrt() / 2.0;
-    }
-    (volume, area)
+        (0..3).map(|k| normal[k] * a[k]).sum::<f64>() / 6.0
+    });
+    each.sum()
 }

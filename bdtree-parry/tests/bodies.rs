@@ -5,7 +5,8 @@ use bdtree_parry::{DeformingModel, ShapeError};
 
 use super::ours::{FlexibleBodies, FlexibleOptions, MeshDispatcher};
 use super::parry::math::Real;
-use super::parry::query::{Ray, RayCast};
+use super::parry::query::{QueryDispatcher, Ray, RayCast};
+use super::parry::shape::Cuboid;
 use super::rapier::prelude::*;
 use crate::flexible::chair;
 
@@ -76,6 +77,34 @@ fn a_load_bends_a_chair() {
         assert!(flexible.modal_energy(collider).expect("modes") > 0.0);
     }
     assert!(heights[1] < heights[0] - 1e-5, "{heights:?}");
+}
+
+/// A box that fell on a chair lies on its surface, even in steps in which both move by more than the seat is thick.
+#[test]
+fn a_box_does_not_sink_into_a_chair() {
+    let mut world = ground();
+    world.integration_parameters.dt = 1.0 / 64.0;
+    let mut flexible = FlexibleBodies::new();
+    let (frame, collider) = standing(&mut world, &mut flexible, 0.01);
+    let half = Vector::splat(0.08);
+    let (cube, _) = world.insert(
+        RigidBodyBuilder::dynamic().translation(Vector::new(0.02, 0.9, 0.0)),
+        ColliderBuilder::cuboid(half.x, half.y, half.z).mass(4.0),
+    );
+    let mut deepest: Real = 0.0;
+    for step in 0..128 {
+        flexible.step(&mut world).expect("a step");
+        let [chair, cube] = [frame, cube].map(|body| *world.bodies[body].position());
+        let mesh = flexible.mesh(collider).expect("a mesh");
+        let found = MeshDispatcher::new()
+            .contact(&(chair.inverse() * cube), mesh, &Cuboid::new(half), 0.1)
+            .expect("an answer");
+        // After it came to lie.
+        if step > 64 {
+            deepest = deepest.min(found.expect("it lies there").dist);
+        }
+    }
+    assert!(deepest > -0.003, "{deepest}");
 }
 
 #[test]
