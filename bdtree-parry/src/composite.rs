@@ -8,6 +8,7 @@ use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::NormalConstraints;
 use super::parry::shape::{Cuboid, Shape, SubShapeId, VoxelType};
 use super::shape::DeformingMesh;
+use super::voxels::Voxel;
 
 /// A part of a shape, or a shape that has none.
 #[derive(Clone, Copy)]
@@ -21,6 +22,8 @@ pub(super) struct Part<'a> {
     pub(super) is_whole: bool,
     /// In which directions its contacts may push.
     pub(super) normals: Option<&'a dyn NormalConstraints>,
+    /// The voxel, if it is one.
+    pub(super) voxel: Option<Voxel<'a>>,
 }
 
 impl<'a> Part<'a> {
@@ -147,6 +150,7 @@ fn parts(
                     id,
                     is_whole: false,
                     normals,
+                    voxel: None,
                 });
             });
             if flow.is_break() {
@@ -167,6 +171,7 @@ fn parts(
                     id,
                     is_whole: false,
                     normals: super::shape::constraints(&normals),
+                    voxel: None,
                 });
             }
         });
@@ -185,6 +190,10 @@ fn parts(
                 id: voxel.linear_id.flat_id() as SubShapeId,
                 is_whole: false,
                 normals: None,
+                voxel: Some(Voxel {
+                    all: voxels,
+                    own: voxel,
+                }),
             });
             if flow.is_break() {
                 return;
@@ -197,6 +206,7 @@ fn parts(
             id: 0,
             is_whole: true,
             normals: None,
+            voxel: None,
         });
     }
 }

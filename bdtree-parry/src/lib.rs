@@ -30,6 +30,10 @@
 //! with a `Compound`, `TriMesh`, `Polyline`, `HeightField` or `Voxels` would be lost without an error. So
 //! [`MeshDispatcher`] is asked first and takes them apart itself, also a `Compound` that holds deforming meshes.
 //!
+//! `contact_manifolds` pushes out of `Voxels` through the faces that no neighbor covers, as parry does: what slides over a floor
+//! of voxels does not stop at the next one. Nothing pushes out what is behind such faces by more than two voxels. All other
+//! queries, `contact` too, are of each voxel alone.
+//!
 //! # Features
 //!
 //! | feature | gives |

@@ -16,6 +16,7 @@ use super::parry::shape::{FeatureId, PackedFeatureId, Shape, SubShapeId};
 use super::points::narrow;
 use super::shape::DeformingMesh;
 use super::triangles::{ConvexPair, ask_pair, convex_pairs, limit, meshes};
+use super::voxels::Rows;
 
 /// Points whose normals agree within about 8° are one manifold.
 const SAME_NORMAL: Real = 0.99;
@@ -92,8 +93,12 @@ where
                 regions(pair, both, prediction, &mut points);
                 return Continue(());
             }
+            let Some(rows) = Rows::of(pair) else {
+                return Continue(());
+            };
+            let pair = &rows.instead(pair);
             let reach = |mesh: &DeformingMesh, other: &dyn Shape, pos: &Pose| {
-                mesh.reach_of(other, pos, prediction)
+                rows.reach(mesh, other, pos, prediction)
             };
             convex_pairs(pair, &reach, true, &mut |convex| {
                 let mut manifold = ContactManifold::<M, C>::new();
@@ -107,6 +112,9 @@ where
                     &mut manifold,
                 );
                 failed |= found.is_err();
+                manifold
+                    .points
+                    .retain(|point| rows.hold([point.local_p1, point.local_p2]));
                 collect(pair, convex, &manifold, prediction, &mut points);
                 end_if(failed)
             });

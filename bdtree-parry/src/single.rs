@@ -34,6 +34,8 @@ mod rest;
 mod shape;
 #[path = "triangles.rs"]
 mod triangles;
+#[path = "voxels.rs"]
+mod voxels;
 
 pub use dispatcher::MeshDispatcher;
 #[cfg(feature = "modes")]

@@ -20,3 +20,5 @@ mod mass;
 mod meshes;
 #[path = "support.rs"]
 mod support;
+#[path = "voxels.rs"]
+mod voxels;
