@@ -2,6 +2,8 @@
 //!
 //!     cargo run --release -p bdtree-parry --features rapier --example heap -- 24 4
 //!
+//! The example `soft_heap` lets rapier's own soft bodies fall.
+//!
 //! Arguments: chairs (4), simulated seconds (1), file (the chair of the fixtures, baked coarsely).
 
 use std::time::Instant;
@@ -52,6 +54,30 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
+/// An empty world with a floor, and walls around so many chairs.
+pub fn room(count: usize) -> PhysicsWorld {
+    let mut world = PhysicsWorld::new();
+    world.integration_parameters.dt = 1.0 / RATE as f32;
+    let half = bdtree_fixtures::heap::half_width(count);
+    world.insert_collider(
+        ColliderBuilder::cuboid(20.0, 0.5, 20.0).translation(Vector::new(0.0, -0.5, 0.0)),
+        None,
+    );
+    for (x, z) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+        let at = Vector::new(x * (half + 0.5), 100.0, z * (half + 0.5));
+        let thick = |along: f32| if along == 0.0 { half + 1.0 } else { 0.5 };
+        let wall = ColliderBuilder::cuboid(thick(x), 100.0, thick(z)).translation(at);
+        world.insert_collider(wall, None);
+    }
+    world
+}
+
+/// Where chair `k` of `count` starts.
+pub fn start(k: usize, count: usize) -> Pose {
+    let [at, turn] = bdtree_fixtures::heap::start(k, count).map(Vector::from_array);
+    Pose::new(at, turn)
+}
+
 /// Chairs above a floor with walls.
 pub struct Heap {
     /// The rigid side.
@@ -63,28 +89,14 @@ pub struct Heap {
 }
 
 impl Heap {
-    /// Chairs in layers, each turned another way, that fall from up to half a meter above each other: four in a layer, more where
-    /// there would be more than twice as many layers as rows.
+    /// Chairs at their [`start`]s.
     pub fn new(
         model: &DeformingModel,
         count: usize,
         is_deformable: bool,
     ) -> Result<Self, Box<dyn std::error::Error>> {
-        let mut world = PhysicsWorld::new();
+        let mut world = room(count);
         world.narrow_phase = NarrowPhase::with_query_dispatcher(MeshDispatcher::new());
-        world.integration_parameters.dt = 1.0 / RATE as f32;
-        let rows = (count as f32 / 2.0).cbrt().round().max(2.0);
-        let half = 0.7 * rows + 0.1;
-        world.insert_collider(
-            ColliderBuilder::cuboid(20.0, 0.5, 20.0).translation(Vector::new(0.0, -0.5, 0.0)),
-            None,
-        );
-        for (x, z) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
-            let at = Vector::new(x * (half + 0.5), 100.0, z * (half + 0.5));
-            let thick = |along: f32| if along == 0.0 { half + 1.0 } else { 0.5 };
-            let wall = ColliderBuilder::cuboid(thick(x), 100.0, thick(z)).translation(at);
-            world.insert_collider(wall, None);
-        }
         let mut flexible = FlexibleBodies::new();
         let options = FlexibleOptions {
             is_deformable,
@@ -92,23 +104,9 @@ impl Heap {
         };
         let mut chairs = Vec::new();
         for k in 0..count {
-            let rows = rows as usize;
-            let (layer, place) = (k / (rows * rows), k % (rows * rows));
-            let across = |row: usize| 1.4 * (row as f32 - (rows - 1) as f32 / 2.0);
-            let at = Vector::new(
-                across(place % rows) + 0.03 * (layer % 3) as f32,
-                0.1 + 1.1 * layer as f32 + 0.05 * (place % 4) as f32,
-                across(place / rows),
-            );
-            let turn = Vector::new(
-                0.1 * (place % 4) as f32,
-                0.9 * k as f32,
-                0.07 * layer as f32,
-            );
             // They fall by more than their legs are thick in a step: contacts are looked for as far ahead.
             let frame = RigidBodyBuilder::dynamic()
-                .translation(at)
-                .rotation(turn)
+                .pose(start(k, count))
                 .soft_ccd_prediction(0.2);
             let (bodies, colliders) = (&mut world.bodies, &mut world.colliders);
             chairs.push(flexible.insert(model, &options, frame, bodies, colliders)?);
