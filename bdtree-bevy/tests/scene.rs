@@ -48,8 +48,8 @@ fn assert_boxes_rest(engine: &dyn Engine, place: fn(&App, Entity) -> Transform) 
     assert!(off <= 20, "{off} pixels differ");
 }
 
-/// The lowest box is at most two centimeters from the triangles of the deformed chair: rapier keeps contacts of bodies until they
-/// have moved by five, and lets boxes sink in by more than one.
+/// The lowest box lies on the triangles of the deformed chair, three millimeters deep at most, and over no corner of it does the
+/// curved seat leave more than two centimeters.
 fn assert_touches_deformed(app: &App, scene: &Scene, at: Transform) {
     let chair = app.world().get::<DeformedInstance>(scene.chair).unwrap();
     let triangles = oracle::deformed_triangles(&chair.instance.snapshot());
@@ -69,7 +69,10 @@ fn assert_touches_deformed(app: &App, scene: &Scene, at: Transform) {
         })
         .collect();
     assert!(gaps.len() == 4, "{gaps:?}");
-    assert!(gaps.iter().all(|gap| gap.abs() < 0.02), "{gaps:?}");
+    assert!(
+        gaps.iter().all(|gap| *gap > -0.003 && *gap < 0.02),
+        "{gaps:?}"
+    );
 }
 
 /// The same scene of plain meshes: the chair that the processor deformed, and cubes at these places.
