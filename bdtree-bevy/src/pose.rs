@@ -135,15 +135,13 @@ fn placed<'f, 'w>(
     transform: &GlobalTransform,
     faults: &'f mut Mut<'w, PoseFaults>,
 ) -> Option<Placed<'f, 'w>> {
-    let at = placement(transform);
-    PoseFaults::tell(
-        faults,
-        entity,
-        PoseStage::Placement,
-        at.as_ref().map(|_| ()),
-    );
-    let at = at.ok()?;
-    Some(Placed { entity, at, faults })
+    match placement(transform) {
+        Ok(at) => Some(Placed { entity, at, faults }),
+        Err(why) => {
+            PoseFaults::tell(faults, entity, PoseStage::Placement, Err(why));
+            None
+        }
+    }
 }
 
 impl Placed<'_, '_> {
@@ -166,8 +164,9 @@ impl Placed<'_, '_> {
     fn deform(&mut self, instance: &mut Instance, deformation: &Deformation) {
         let deformed = set_pose(instance, deformation, self.at);
         self.tell(PoseStage::Deformation, deformed);
-        if deformed.is_err() {
-            self.place(instance);
+        match deformed {
+            Ok(()) => self.tell(PoseStage::Placement, Ok(())),
+            Err(_) => self.place(instance),
         }
     }
 

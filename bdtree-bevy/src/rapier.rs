@@ -51,6 +51,7 @@ use rapier3d::prelude::{
 };
 
 use crate::asset::BdtModel;
+use crate::faults::Kinds;
 use crate::pose::{Deformation, DeformingMesh};
 use crate::shape::{ShapeModels, forget_models};
 
@@ -220,14 +221,20 @@ fn remove_body(
     }
 }
 
-fn step(mut world: ResMut<RapierWorld>, time: Res<Time>) {
+fn step(mut world: ResMut<RapierWorld>, time: Res<Time>, mut told: Local<Kinds>) {
     let RapierWorld { world, flexible } = &mut *world;
     let step_s = time.delta_secs();
     if step_s > 0.0 {
         world.integration_parameters.dt = step_s;
         let result: Result<(), ShapeError> = flexible.step(world);
-        if let Err(why) = result {
-            error!("flexible bodies: {why}");
+        match result {
+            Ok(()) => *told = Kinds::default(),
+            Err(why) => {
+                let words = why.to_string();
+                if told.is_new(&words) {
+                    error!("flexible bodies: {words}");
+                }
+            }
         }
     }
 }

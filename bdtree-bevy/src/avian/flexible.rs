@@ -13,6 +13,7 @@ use bevy_time::Time;
 
 use super::collider::BdtCollider;
 use super::follow::DeformingCollider;
+use crate::faults::{PoseFaults, PoseStage};
 use crate::pose::{Deformation, DeformingMesh};
 
 /// Lets contacts move the modes of a [`DeformingMesh`]: the impulses of avian's solver push them as `Uᵀ f`, and the entity's
@@ -68,9 +69,10 @@ pub(super) fn make_modes(
         Ref<Deformation>,
         Ref<BdtCollider>,
         Option<&mut FlexibleModes>,
+        &mut PoseFaults,
     )>,
 ) {
-    for (entity, flexible, mesh, deformation, collider, modes) in &mut bodies {
+    for (entity, flexible, mesh, deformation, collider, modes, mut faults) in &mut bodies {
         let Some(shape) = collider.mesh() else {
             continue;
         };
@@ -80,24 +82,28 @@ pub(super) fn make_modes(
             Some(mut modes)
                 if !is_new && modes.0.mesh().model().scale() == shape.model().scale() =>
             {
-                if !deformation.is_changed() || q.is_empty() || *q == modes.q() {
+                if !deformation.is_changed() {
                     continue;
                 }
-                modes.at(q)
+                if q.is_empty() || *q == modes.q() {
+                    Ok(())
+                } else {
+                    modes.at(q).map_err(|why| why.to_string())
+                }
             }
             None if !is_new => continue,
-            _ => FlexibleBody::new(shape.model(), &flexible.0).and_then(|body| {
-                let mut modes = FlexibleModes(body);
-                if flexible.0.is_deformable && !q.is_empty() {
-                    modes.at(q)?;
-                }
-                commands.entity(entity).try_insert(modes);
-                Ok(())
-            }),
+            _ => FlexibleBody::new(shape.model(), &flexible.0)
+                .and_then(|body| {
+                    let mut modes = FlexibleModes(body);
+                    if flexible.0.is_deformable && !q.is_empty() {
+                        modes.at(q)?;
+                    }
+                    commands.entity(entity).try_insert(modes);
+                    Ok(())
+                })
+                .map_err(|why: ShapeError| format!("the body stays rigid: {why}")),
         };
-        if let Err(why) = result {
-            error!("{entity} stays rigid: {why}");
-        }
+        PoseFaults::tell(&mut faults, entity, PoseStage::Modes, result);
     }
 }
 

@@ -11,7 +11,6 @@ use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::message::MessageReader;
 use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectComponent;
-use bevy_log::error;
 use bevy_math::Vec3;
 use bevy_reflect::Reflect;
 use bevy_reflect::std_traits::ReflectDefault;
@@ -21,6 +20,7 @@ use super::collider::{BdtCollider, deformed, uniform};
 use super::flexible::FlexibleModes;
 use super::surface::Surfaces;
 use crate::asset::BdtModel;
+use crate::faults::{PoseFaults, PoseStage};
 use crate::pose::{Deformation, DeformingMesh};
 use crate::shape::ShapeModels;
 
@@ -81,7 +81,7 @@ pub(super) fn scale_colliders(
     }
 }
 
-/// Deformed meshes. A pose that the file refuses is reported once per change, and the last one stays.
+/// Deformed meshes. A pose that the file refuses is reported, and the last one stays.
 pub(super) fn follow_meshes(
     mut commands: Commands,
     assets: Res<Assets<BdtModel>>,
@@ -98,6 +98,7 @@ pub(super) fn follow_meshes(
             Has<ChildOf>,
             Option<&mut BdtCollider>,
             Option<&FlexibleModes>,
+            &mut PoseFaults,
         ),
         With<DeformingCollider>,
     >,
@@ -109,7 +110,9 @@ pub(super) fn follow_meshes(
             _ => None,
         })
         .collect();
-    for (entity, mesh, deformation, transform, own, is_child, collider, modes) in &mut meshes {
+    for (entity, mesh, deformation, transform, own, is_child, collider, modes, mut faults) in
+        &mut meshes
+    {
         let is_new = mesh.is_changed() || changed.contains(&mesh.0.id()) || collider.is_none();
         // Modes bring their colliders up to date themselves.
         let is_own = modes.is_some_and(|modes| modes.q() == deformation.q);
@@ -122,22 +125,21 @@ pub(super) fn follow_meshes(
             _ => transform.scale,
         };
         let made = collider_of(&assets, &mut models, &mesh, &deformation, scale);
+        let Some(made) = made else {
+            continue;
+        };
+        let said = made.as_ref().map(|_| ());
+        PoseFaults::tell(&mut faults, entity, PoseStage::Collider, said);
         match (made, collider) {
-            (None, _) => {}
-            (Some(Err(why)), _) => {
-                // Without a collider this is tried in every step.
-                if mesh.is_changed() || deformation.is_changed() {
-                    error!("{entity}: {why}");
-                }
-            }
-            (Some(Ok(made)), Some(mut collider)) => {
+            (Err(_), _) => {}
+            (Ok(made), Some(mut collider)) => {
                 let is_same = collider.scale() == made.scale() && !is_new && modes.is_none();
                 if let Some(before) = collider.mesh().filter(|_| is_same) {
                     surfaces.before.insert(entity, before.clone());
                 }
                 *collider = made;
             }
-            (Some(Ok(made)), None) => {
+            (Ok(made), None) => {
                 commands.entity(entity).try_insert(made);
             }
         }
