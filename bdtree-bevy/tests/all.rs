@@ -19,8 +19,12 @@ mod examples;
 #[cfg(all(feature = "render", feature = "gizmos"))]
 mod gizmos;
 mod loading;
+#[cfg(feature = "render")]
+mod materials;
 #[cfg(feature = "picking")]
 mod picking;
+#[cfg(feature = "render")]
+mod pipelined;
 mod queries;
 #[cfg(feature = "rapier")]
 mod rapier;

@@ -8,6 +8,7 @@ use bevy_asset::{Assets, Handle, RenderAssetUsages};
 use bevy_camera::visibility::NoFrustumCulling;
 use bevy_color::Color;
 use bevy_ecs::prelude::*;
+use bevy_light::DirectionalLightShadowMap;
 use bevy_math::{Affine3A, Mat4, Vec3};
 use bevy_mesh::{Indices, Mesh, Mesh3d, Meshable, PrimitiveTopology};
 use bevy_transform::components::Transform;
@@ -61,8 +62,16 @@ pub(crate) fn deformed_mesh(body: &Body) -> Mesh {
 
 /// Ground, light and camera.
 pub(crate) fn scene(eye: Vec3, at: Vec3) -> App {
+    scene_with(eye, at, |_| {})
+}
+
+/// The same with other plugins.
+pub(crate) fn scene_with(eye: Vec3, at: Vec3, add: impl FnOnce(&mut App)) -> App {
     let mut app = support::app(320, 240, &bdtree_fixtures::golden::folder());
     app.add_plugins(BdtreePlugin);
+    add(&mut app);
+    // What takes longest on a processor alone.
+    app.insert_resource(DirectionalLightShadowMap { size: 512 });
     support::start(&mut app);
     let world = app.world_mut();
     support::camera(world, eye, at);

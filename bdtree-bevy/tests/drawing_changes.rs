@@ -1,10 +1,10 @@
 //! What is drawn follows poses, files and meshes that change.
 
-use bdtree_bevy::{BdtModel, Deformation, DeformingMesh, DrawDeformed};
+use bdtree_bevy::{BdtModel, Deformation, DeformingMesh, DrawDeformed, PoseStage};
 use bdtree_fixtures::bake;
 use bdtree_runtime::Model;
 use bevy_app::App;
-use bevy_asset::{AssetId, Assets, Handle};
+use bevy_asset::{AssetId, Assets, Handle, RenderAssetUsages};
 use bevy_camera::visibility::NoFrustumCulling;
 use bevy_color::Color;
 use bevy_ecs::prelude::*;
@@ -13,6 +13,7 @@ use bevy_mesh::{Mesh, Mesh3d};
 use bevy_pbr::MeshMaterial3d;
 use bevy_transform::components::Transform;
 
+use crate::common::faults;
 use crate::drawing::{Body, ORANGE, add_model, deformed_mesh, scene};
 use crate::support::{self, material, picture::Picture};
 
@@ -158,6 +159,48 @@ fn a_mesh_of_the_program_keeps_its_colors() {
         ));
     }
     assert_same(&found, &drawn(&mut app), "stripes");
+}
+
+#[test]
+fn a_mesh_of_the_program_that_does_not_fit_is_told_of_and_drawn_as_it_is() {
+    let mut app = scene(EYE, Vec3::ZERO);
+    let model = sphere(8);
+    let handle = add_model(app.world_mut(), &model);
+    let orange = material(app.world_mut(), ORANGE);
+    let fits = || deformed_mesh(&body(&model, 0.0));
+    let other = deformed_mesh(&body(&sphere(9), 0.0));
+    let mut bare = fits();
+    bare.remove_attribute(Mesh::ATTRIBUTE_NORMAL);
+    let mut gone = fits();
+    gone.asset_usage = RenderAssetUsages::RENDER_WORLD;
+    let cases = [
+        (other, "the Mesh3d has 146 vertices and the .bdt file 114"),
+        (bare, "the Mesh3d has no Vertex_Normal as Float32x3"),
+        (gone, "the Mesh3d is in the render world alone"),
+    ];
+    for (mesh, words) in cases {
+        let given = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        // Drawn before it is known that it deforms, as while a file is loaded.
+        let entity = app
+            .world_mut()
+            .spawn((Mesh3d(given.clone()), orange.clone()))
+            .id();
+        app.update();
+        let deforming = (DeformingMesh(handle.clone()), body(&model, 3.0).deformation);
+        app.world_mut().entity_mut(entity).insert(deforming);
+        app.update();
+        let told = faults(&app, entity).get(PoseStage::Drawing).unwrap();
+        assert!(told.starts_with(words), "{told}");
+        assert_eq!(app.world().get::<Mesh3d>(entity).unwrap().0, given);
+
+        // One that fits mends it.
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(fits());
+        app.world_mut().entity_mut(entity).insert(Mesh3d(mesh));
+        app.update();
+        assert!(faults(&app, entity).is_empty());
+        assert_ne!(app.world().get::<Mesh3d>(entity).unwrap().0, given);
+        app.world_mut().despawn(entity);
+    }
 }
 
 #[test]

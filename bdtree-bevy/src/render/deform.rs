@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+use std::sync::Arc;
 
 use bdtree_gpu::{GpuAsset, GpuError, Instances, Normals, Output, Skinner};
 use bdtree_runtime::{AssetId, BoneMatrices, Model, Transform};
@@ -12,10 +13,13 @@ use bevy_render::mesh::RenderMesh;
 use bevy_render::mesh::allocator::{MeshAllocator, MeshAllocatorSettings, MeshSlabId};
 use bevy_render::render_asset::RenderAssets;
 use bevy_render::renderer::{RenderDevice, RenderQueue};
+use wgpu::util::DeviceExt;
 
 use super::extract::{Bodies, Body};
+use super::tangents::Tangents;
 use super::windows::windows;
 use super::write::{Target, VertexLayout, Writer};
+use crate::faults::Kinds;
 
 /// Bytes of deformed positions and normals of one file at a time: more entities are done one batch behind the other.
 const BATCH_BYTES: u64 = 64 << 20;
@@ -29,6 +33,17 @@ pub(crate) struct Deformer {
     writer: Writer,
     /// `None`: refused, and reported.
     uploaded: HashMap<AssetId, Option<Uploaded>>,
+    /// By their address.
+    tangents: HashMap<usize, UploadedTangents>,
+    /// Errors that were reported.
+    told: Kinds,
+}
+
+/// Tangents on the device.
+struct UploadedTangents {
+    /// They stay, or others could get their address.
+    _kept: Arc<Tangents>,
+    words: wgpu::Buffer,
 }
 
 /// A file on the device.
@@ -40,14 +55,19 @@ struct Uploaded {
     output: Output,
 }
 
-/// Entities of one file in one buffer of one layout.
-type Group = (AssetId, MeshSlabId, VertexLayout);
+/// Entities of one file in one buffer of one layout, with the tangents of one mesh.
+type Group = (AssetId, MeshSlabId, VertexLayout, Option<usize>);
+
+/// The address of an entity's tangents.
+fn address(tangents: &Arc<Tangents>) -> usize {
+    Arc::as_ptr(tangents) as usize
+}
 
 /// Whether a device runs what deforms: WebGL 2 does not.
 fn is_able(device: &RenderDevice) -> bool {
     let limits = device.limits();
     limits.max_compute_workgroups_per_dimension > 0
-        && limits.max_storage_buffers_per_shader_stage > 3
+        && limits.max_storage_buffers_per_shader_stage > 4
 }
 
 /// Lets compute passes write to vertex buffers, before Bevy makes any.
@@ -77,6 +97,8 @@ pub(crate) fn start(
             skinner,
             writer: Writer::new(device.wgpu_device()),
             uploaded: HashMap::new(),
+            tangents: HashMap::new(),
+            told: Kinds::default(),
         }),
         Err(why) => {
             commands.remove_resource::<Deformer>();
@@ -99,6 +121,9 @@ pub(crate) fn deform(
     };
     let used: HashSet<AssetId> = bodies.0.values().map(|b| b.model.asset().id()).collect();
     deformer.uploaded.retain(|id, _| used.contains(id));
+    let all = bodies.0.values().filter_map(|b| b.tangents.as_ref());
+    let used: HashSet<usize> = all.map(address).collect();
+    deformer.tangents.retain(|at, _| used.contains(at));
 
     let mut groups: HashMap<Group, Vec<(Range<u64>, &mut Body)>> = HashMap::new();
     for body in bodies.0.values_mut().filter(|body| body.is_stale) {
@@ -116,12 +141,21 @@ pub(crate) fn deform(
         let Some(layout) = layout(mesh) else {
             continue;
         };
+        let tangents = match (&body.tangents, layout.tangent) {
+            (Some(tangents), Some(_)) => deformer.upload(tangents, &device),
+            _ => None,
+        };
         let stride = 4 * u64::from(layout.stride);
         let bytes = stride * u64::from(slice.range.start)..stride * u64::from(slice.range.end);
-        let group = (body.model.asset().id(), slabs.vertex_slab_id, layout);
+        let group = (
+            body.model.asset().id(),
+            slabs.vertex_slab_id,
+            layout,
+            tangents,
+        );
         groups.entry(group).or_default().push((bytes, body));
     }
-    for ((id, slab, layout), mut group) in groups {
+    for ((id, slab, layout, tangents), mut group) in groups {
         let Some(buffer) = allocator.buffer_for_slab(slab) else {
             continue;
         };
@@ -130,6 +164,8 @@ pub(crate) fn deform(
             skinner,
             writer,
             uploaded,
+            tangents: all_tangents,
+            told,
         } = &mut *deformer;
         let uploaded = uploaded
             .entry(id)
@@ -137,12 +173,64 @@ pub(crate) fn deform(
         let Some(uploaded) = uploaded else {
             continue;
         };
+        let target = Buffer {
+            buffer,
+            layout,
+            tangents: tangents.and_then(|at| Some(&all_tangents.get(&at)?.words)),
+        };
         for batch in group.chunks_mut(batch_len(&uploaded.gpu)) {
-            let done = uploaded.batch(skinner, writer, &device, &queue, buffer, layout, batch);
+            let done = uploaded.batch(skinner, writer, &device, &queue, target, batch);
             if let Err(why) = done {
-                error!("meshes are drawn undeformed: {why}");
+                let words = why.to_string();
+                if told.is_new(&words) {
+                    error!("meshes are drawn undeformed: {words}");
+                }
             }
         }
+    }
+}
+
+/// Where the vertices of a group lie.
+#[derive(Clone, Copy)]
+struct Buffer<'b> {
+    buffer: &'b wgpu::Buffer,
+    layout: VertexLayout,
+    tangents: Option<&'b wgpu::Buffer>,
+}
+
+impl Deformer {
+    /// Brings tangents to the device, once. Their address; `None` of what the device cannot bind.
+    fn upload(&mut self, tangents: &Arc<Tangents>, device: &RenderDevice) -> Option<usize> {
+        let bytes = 4 * tangents.words.len() as u64;
+        let limit = device.limits().max_storage_buffer_binding_size;
+        if bytes > limit {
+            let words = format!(
+                "tangents stay undeformed: those of a mesh take {bytes} bytes, the device allows {limit}"
+            );
+            if self.told.is_new(&words) {
+                error!("{words}");
+            }
+            return None;
+        }
+        let at = address(tangents);
+        self.tangents.entry(at).or_insert_with(|| {
+            let bytes: Vec<u8> = (tangents.words.iter())
+                .flat_map(|word| word.to_le_bytes())
+                .collect();
+            let words =
+                device
+                    .wgpu_device()
+                    .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                        label: Some("bdtree tangents"),
+                        contents: &bytes,
+                        usage: wgpu::BufferUsages::STORAGE,
+                    });
+            UploadedTangents {
+                _kept: tangents.clone(),
+                words,
+            }
+        });
+        Some(at)
     }
 }
 
@@ -179,8 +267,7 @@ impl Uploaded {
         writer: &Writer,
         device: &RenderDevice,
         queue: &RenderQueue,
-        buffer: &wgpu::Buffer,
-        layout: VertexLayout,
+        target: Buffer<'_>,
         batch: &[(Range<u64>, &mut Body)],
     ) -> Result<(), GpuError> {
         self.reserve(skinner, batch.len())?;
@@ -225,11 +312,12 @@ impl Uploaded {
         for window in windows {
             let first = window.items.start as u32;
             let of_window = &places[window.items];
-            let target = Target {
-                buffer,
+            let job = Target {
+                buffer: target.buffer,
                 start: window.start,
                 len: window.len,
-                layout,
+                layout: target.layout,
+                tangents: target.tangents,
                 places: of_window
                     .iter()
                     .map(|bytes| ((bytes.start - window.start) / 4) as u32)
@@ -237,7 +325,7 @@ impl Uploaded {
                 first_instance: first,
                 vertex_count: self.gpu.vertex_count(),
             };
-            writer.record(&mut encoder, &self.output, &target);
+            writer.record(&mut encoder, &self.output, &job);
         }
         queue.submit([encoder.finish()]);
         Ok(())
@@ -253,17 +341,18 @@ fn batch_len(gpu: &GpuAsset) -> usize {
 /// Where vertices have what is written; `None` for those that cannot be written, which [`super::surface`] does not make.
 fn layout(mesh: &RenderMesh) -> Option<VertexLayout> {
     let mesh = &mesh.layout.0;
-    let word = |attribute: bevy_mesh::MeshVertexAttribute| {
+    let word = |attribute: bevy_mesh::MeshVertexAttribute, format: VertexFormat| {
         let place = mesh
             .attribute_ids()
             .iter()
             .position(|id| *id == attribute.id)?;
         let found = mesh.layout().attributes.get(place)?;
-        (found.format == VertexFormat::Float32x3).then_some(found.offset as u32 / 4)
+        (found.format == format).then_some(found.offset as u32 / 4)
     };
     Some(VertexLayout {
         stride: mesh.layout().array_stride as u32 / 4,
-        position: word(Mesh::ATTRIBUTE_POSITION)?,
-        normal: word(Mesh::ATTRIBUTE_NORMAL)?,
+        position: word(Mesh::ATTRIBUTE_POSITION, VertexFormat::Float32x3)?,
+        normal: word(Mesh::ATTRIBUTE_NORMAL, VertexFormat::Float32x3)?,
+        tangent: word(Mesh::ATTRIBUTE_TANGENT, VertexFormat::Float32x4),
     })
 }

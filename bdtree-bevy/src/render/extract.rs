@@ -1,6 +1,7 @@
 //! Poses on their way to the renderer.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use bdtree_runtime::{JointMatrix, Model};
 use bevy_asset::AssetId;
@@ -9,6 +10,7 @@ use bevy_mesh::{Mesh, Mesh3d};
 use bevy_render::Extract;
 
 use super::surface::Surface;
+use super::tangents::Tangents;
 use crate::placement::rows;
 use crate::pose::Deformation;
 
@@ -20,6 +22,8 @@ pub(crate) struct Bodies(pub(crate) HashMap<Entity, Body>);
 pub(crate) struct Body {
     pub(crate) model: Model,
     pub(crate) mesh: AssetId<Mesh>,
+    /// Of that mesh, if it has any.
+    pub(crate) tangents: Option<Arc<Tangents>>,
     /// Of all modes.
     pub(crate) q: Vec<f32>,
     /// Empty: the bind pose.
@@ -50,12 +54,14 @@ pub(crate) fn extract(
         let body = bodies.0.entry(entity).or_insert_with(|| Body {
             model: surface.model.clone(),
             mesh: mesh.id(),
+            tangents: None,
             q: Vec::new(),
             joints: Vec::new(),
             is_stale: true,
         });
         body.model = surface.model.clone();
         body.mesh = mesh.id();
+        body.tangents.clone_from(&surface.tangents);
         body.q.clear();
         body.q.extend_from_slice(&deformation.q);
         if body.q.is_empty() {

@@ -2,11 +2,12 @@
 //!
 //! Each drawn entity has a `Mesh` of its own with the rest vertices, so all of Bevy's pipelines, shadows and materials treat
 //! it as any other mesh. Each frame, compute passes of `bdtree-gpu` deform the entities whose pose changed, and a pass of this
-//! crate writes positions and normals over the rest vertices, where Bevy's mesh allocator keeps them. Nothing is read back.
+//! crate writes positions, normals and tangents over the rest vertices, where Bevy's mesh allocator keeps them. Nothing is read back.
 
 mod deform;
 mod extract;
 mod surface;
+mod tangents;
 mod windows;
 mod write;
 

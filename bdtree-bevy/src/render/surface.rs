@@ -1,6 +1,7 @@
 //! The `Mesh` of each drawn entity.
 
 use std::collections::HashMap;
+use std::sync::{Arc, Weak};
 
 use bdtree_runtime::{Model, TriangleId};
 use bevy_asset::{AssetId, Assets, Handle, RenderAssetUsages};
@@ -8,23 +9,26 @@ use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::NoAutoAabb;
 use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectComponent;
-use bevy_log::error;
 use bevy_math::Vec3A;
 use bevy_mesh::{Indices, Mesh, Mesh3d, PrimitiveTopology, VertexFormat};
 use bevy_pbr::{MeshMaterial3d, StandardMaterial};
 use bevy_reflect::Reflect;
 use bevy_reflect::std_traits::ReflectDefault;
+use thiserror::Error;
 
+use super::tangents::Tangents;
 use crate::asset::BdtModel;
+use crate::faults::{PoseFaults, PoseStage};
 use crate::pose::DeformingMesh;
 
 /// The deformed mesh of this entity is drawn. Not needed beside a `MeshMaterial3d<StandardMaterial>`, only for other
 /// materials.
 ///
 /// The entity gets a [`Mesh3d`] of its own. Where it has one already, that mesh is its surface and gives triangles, texture
-/// coordinates and colors: vertex i is vertex i of the `.bdt` file, and positions and normals are written over. It must have
-/// as many vertices as the file, both attributes as `Float32x3`, and be there for the main world
-/// (`RenderAssetUsages::MAIN_WORLD`).
+/// coordinates, colors and tangents: vertex i is vertex i of the `.bdt` file, positions and normals are written over, and
+/// tangents (`Float32x4`, of a list of triangles) go with the triangles around them. It must have as many vertices as the
+/// file, positions and normals as `Float32x3`, and be there for the main world (`RenderAssetUsages::MAIN_WORLD`). One that
+/// does not fit is drawn as it is, and stands in the entity's [`PoseFaults`].
 #[derive(Component, Reflect, Debug, Clone, Copy, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct DrawDeformed;
@@ -38,6 +42,30 @@ pub(crate) struct Surface {
     /// What the program gave, if it gave one.
     template: Option<Handle<Mesh>>,
     own: Handle<Mesh>,
+    /// How the template's tangents follow, if it has any.
+    pub(crate) tangents: Option<Arc<Tangents>>,
+}
+
+/// Why a program's mesh is not drawn deformed.
+#[derive(Debug, Clone, Error)]
+enum TemplateError {
+    #[error(
+        "the Mesh3d has {found} vertices and the .bdt file {expected}: vertex i of one must be vertex i of the other. \
+         Without a Mesh3d, the file's own mesh is drawn"
+    )]
+    Count { expected: usize, found: usize },
+    #[error("the Mesh3d has no {0} as Float32x3")]
+    Format(&'static str),
+    #[error(
+        "the Mesh3d is in the render world alone: make it with RenderAssetUsages::MAIN_WORLD, too"
+    )]
+    Extracted,
+}
+
+/// A mesh to be drawn, of which each entity gets a copy.
+struct Made {
+    mesh: Mesh,
+    tangents: Option<Arc<Tangents>>,
 }
 
 /// Until there is a box of the pose: Bevy's culling on the GPU may drop meshes that have none.
@@ -51,8 +79,14 @@ pub(crate) fn update_surfaces(
     mut commands: Commands,
     models: Res<Assets<BdtModel>>,
     mut meshes: ResMut<Assets<Mesh>>,
-    drawn: Query<
-        (Entity, &DeformingMesh, Option<&Mesh3d>, Option<&Surface>),
+    mut drawn: Query<
+        (
+            Entity,
+            &DeformingMesh,
+            Option<&Mesh3d>,
+            Option<&Surface>,
+            &mut PoseFaults,
+        ),
         Or<(
             With<DrawDeformed>,
             With<MeshMaterial3d<StandardMaterial>>,
@@ -60,11 +94,11 @@ pub(crate) fn update_surfaces(
         )>,
     >,
     orphans: Query<(Entity, &Surface), Without<DeformingMesh>>,
+    mut shared: Local<HashMap<AssetId<Mesh>, Weak<Tangents>>>,
 ) {
     // Many entities share a file.
-    let mut made: HashMap<(AssetId<BdtModel>, Option<AssetId<Mesh>>), Option<Mesh>> =
-        HashMap::new();
-    for (entity, deforming, mesh, surface) in &drawn {
+    let mut made: HashMap<_, Option<Result<Made, TemplateError>>> = HashMap::new();
+    for (entity, deforming, mesh, surface, mut faults) in &mut drawn {
         let Some(BdtModel { model }) = models.get(&deforming.0) else {
             continue;
         };
@@ -85,18 +119,31 @@ pub(crate) fn update_surfaces(
         }
         let key = (asset, template.as_ref().map(Handle::id));
         let new = made.entry(key).or_insert_with(|| match &template {
-            None => Some(rest_mesh(model)),
-            Some(template) => from_template(model, meshes.get(template)?),
+            None => Some(Ok(Made {
+                mesh: rest_mesh(model),
+                tangents: None,
+            })),
+            Some(template) => {
+                let made = from_template(model, meshes.get(template)?);
+                Some(made.map(|made| made.sharing(template.id(), &mut shared)))
+            }
         });
+        // Later, where the template is not loaded yet.
         let Some(new) = new else {
             continue;
         };
-        let own = meshes.add(new.clone());
+        let said = new.as_ref().map(|_| ());
+        PoseFaults::tell(&mut faults, entity, PoseStage::Drawing, said);
+        let Ok(new) = new else {
+            continue;
+        };
+        let own = meshes.add(new.mesh.clone());
         let surface = Surface {
             model: model.clone(),
             asset,
             template,
             own: own.clone(),
+            tangents: new.tangents.clone(),
         };
         // Bevy would take the box of the rest vertices.
         commands
@@ -139,25 +186,44 @@ fn rest_mesh(model: &Model) -> Mesh {
     .with_inserted_indices(indices)
 }
 
-/// A program's mesh as one that can be written over; `None` is reported.
-fn from_template(model: &Model, template: &Mesh) -> Option<Mesh> {
+/// A program's mesh as one that can be written over.
+fn from_template(model: &Model, template: &Mesh) -> Result<Made, TemplateError> {
+    for attribute in [Mesh::ATTRIBUTE_POSITION, Mesh::ATTRIBUTE_NORMAL] {
+        let values = match template.try_attribute_option(attribute.id) {
+            Ok(values) => values,
+            Err(_) => return Err(TemplateError::Extracted),
+        };
+        if values.map(VertexFormat::from) != Some(VertexFormat::Float32x3) {
+            return Err(TemplateError::Format(attribute.name));
+        }
+    }
     let expected = model.asset().vertex_count();
     let found = template.count_vertices();
     if found != expected {
-        error!("a deforming mesh has {expected} vertices, the Mesh3d beside it {found}");
-        return None;
-    }
-    for attribute in [Mesh::ATTRIBUTE_POSITION, Mesh::ATTRIBUTE_NORMAL] {
-        let values = template.attribute(attribute.id);
-        if values.map(VertexFormat::from) != Some(VertexFormat::Float32x3) {
-            error!(
-                "the Mesh3d beside a deforming mesh has no {} as Float32x3",
-                attribute.name
-            );
-            return None;
-        }
+        return Err(TemplateError::Count { expected, found });
     }
     let mut mesh = template.clone();
     mesh.asset_usage = RenderAssetUsages::RENDER_WORLD;
-    Some(mesh)
+    let tangents = Tangents::of(&mesh).map(Arc::new);
+    Ok(Made { mesh, tangents })
+}
+
+impl Made {
+    /// With the tangents that entities of the same template have already, so that there is one of them on the device.
+    fn sharing(
+        mut self,
+        template: AssetId<Mesh>,
+        shared: &mut HashMap<AssetId<Mesh>, Weak<Tangents>>,
+    ) -> Self {
+        shared.retain(|_, tangents| tangents.strong_count() > 0);
+        if let Some(own) = &self.tangents {
+            match shared.get(&template).and_then(Weak::upgrade) {
+                Some(other) if other == *own => self.tangents = Some(other),
+                _ => {
+                    shared.insert(template, Arc::downgrade(own));
+                }
+            }
+        }
+        self
+    }
 }

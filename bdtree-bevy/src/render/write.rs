@@ -15,14 +15,18 @@ pub(crate) struct Target<'b> {
     pub(crate) first_instance: u32,
     /// Of each instance.
     pub(crate) vertex_count: u32,
+    /// The words of the meshes' `Tangents`; not there unless the layout has a place for them.
+    pub(crate) tangents: Option<&'b wgpu::Buffer>,
 }
 
-/// Where a vertex has its position and normal (words).
+/// Where a vertex has what is written (words).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct VertexLayout {
     pub(crate) stride: u32,
     pub(crate) position: u32,
     pub(crate) normal: u32,
+    /// Where tangents are to be written.
+    pub(crate) tangent: Option<u32>,
 }
 
 /// The pass, made once per device.
@@ -64,12 +68,18 @@ impl Writer {
             return;
         }
         let layout = target.layout;
+        // A binding needs a buffer, read or not.
+        let (tangent, around) = match (layout.tangent, target.tangents) {
+            (Some(tangent), Some(around)) => (tangent, around),
+            _ => (u32::MAX, output.positions()),
+        };
         let mut job = vec![
             target.vertex_count,
             target.places.len() as u32,
             layout.stride,
             layout.position,
             layout.normal,
+            tangent,
             target.first_instance,
         ];
         job.extend(&target.places);
@@ -91,6 +101,7 @@ impl Writer {
             output.positions().as_entire_binding(),
             normals.as_entire_binding(),
             vertices,
+            around.as_entire_binding(),
         ];
         let entries: Vec<_> = (0..)
             .zip(resources)
