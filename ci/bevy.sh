@@ -11,8 +11,9 @@ rustup --quiet toolchain install "$channel" --profile minimal --component rustfm
 export RUSTUP_TOOLCHAIN=$channel
 
 cargo fmt -- --check
-# Tests first: what they compile, the others use.
-cargo test --locked --all-features
+# Tests first: what they compile, the others use. Examples run as tests, so they are linked once.
+cargo test --locked --all-features --lib --test all
+cargo test --locked --all-features --doc
 cargo clippy --locked --workspace --all-features --all-targets -- -D warnings
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --all-features
 # Each part by itself.

@@ -92,12 +92,13 @@ fn culling_drops_nothing_that_is_on_screen() {
             .entity_mut(camera)
             .insert(Transform::from_translation(eye).looking_at(at, Vec3::Y));
         set_culled(&mut app, &bodies, true);
-        let culled = support::take(&mut app);
-        for body in &bodies {
-            let is_visible = app.world().get::<ViewVisibility>(*body).unwrap().get();
-            dropped += usize::from(!is_visible);
-            shown += usize::from(is_visible);
-        }
+        let culled = support::take_and(&mut app, |app| {
+            for body in &bodies {
+                let is_visible = app.world().get::<ViewVisibility>(*body).unwrap().get();
+                dropped += usize::from(!is_visible);
+                shown += usize::from(is_visible);
+            }
+        });
         set_culled(&mut app, &bodies, false);
         let all = support::take(&mut app);
         let off = culled.differing(&all, 0);

@@ -197,6 +197,11 @@ fn set_cameras(app: &mut App, is_active: bool) {
 
 /// A picture of the next frame.
 pub fn take(app: &mut App) -> Picture {
+    take_and(app, |_| {})
+}
+
+/// A picture of the next frame, behind which `look` sees the world as it was drawn.
+pub fn take_and(app: &mut App, look: impl FnOnce(&App)) -> Picture {
     app.world_mut().remove_resource::<Taken>();
     let canvas = app.world().resource::<Canvas>().0.clone();
     app.world_mut().spawn(Screenshot::image(canvas)).observe(
@@ -204,6 +209,11 @@ pub fn take(app: &mut App) -> Picture {
             commands.insert_resource(Taken(Picture::of(&captured.image)));
         },
     );
+    app.update();
+    look(app);
+    // Frames that pass until it is there are of no picture.
+    set_cameras(app, false);
     run_until(app, |app| app.world().contains_resource::<Taken>());
+    set_cameras(app, true);
     app.world_mut().remove_resource::<Taken>().unwrap().0
 }
