@@ -39,6 +39,7 @@ pub(crate) struct Falling {
 // Not run where tests include this file as a module.
 #[allow(dead_code)]
 pub(crate) fn main() {
+    support::show_errors();
     let (_, picture) = run();
     println!("{}", picture.save("first_mesh").display());
 }

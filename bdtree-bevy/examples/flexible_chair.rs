@@ -9,6 +9,7 @@
 //! `target/bevy/flexible_chair_avian.png` or `…_rapier.png`. Without a file it bakes the chair of the fixtures, coarsely. With
 //! both features avian moves the bodies; the word `rapier` among the arguments has rapier do it.
 
+use std::process::ExitCode;
 use std::time::Duration;
 
 use bdtree_bevy::bdtree_runtime::Model;
@@ -65,7 +66,19 @@ pub(crate) struct Scene {
 
 // Not run where tests include this file as a module.
 #[allow(dead_code)]
-pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn main() -> ExitCode {
+    support::show_errors();
+    match start() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("flexible_chair: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[allow(dead_code)]
+fn start() -> Result<(), Box<dyn std::error::Error>> {
     let mut file = None;
     let mut engines = engines();
     for argument in std::env::args().skip(1) {

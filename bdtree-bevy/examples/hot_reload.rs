@@ -38,6 +38,7 @@ pub(crate) struct Mark;
 // Not run where tests include this file as a module.
 #[allow(dead_code)]
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
+    support::show_errors();
     let (_, [before, after]) = run()?;
     println!("{}", before.save("hot_reload_before").display());
     println!("{}", after.save("hot_reload").display());

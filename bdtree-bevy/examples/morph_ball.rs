@@ -37,6 +37,7 @@ pub(crate) struct Squeezed;
 // Not run where tests include this file as a module.
 #[allow(dead_code)]
 pub(crate) fn main() {
+    support::show_errors();
     let (_, [before, after]) = run();
     println!("{}", before.save("morph_ball_before").display());
     println!("{}", after.save("morph_ball").display());

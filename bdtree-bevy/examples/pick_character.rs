@@ -41,6 +41,7 @@ pub(crate) struct Picked(pub(crate) Option<(Entity, DeformingHit)>);
 // Not run where tests include this file as a module.
 #[allow(dead_code)]
 pub(crate) fn main() {
+    support::show_errors();
     let file = std::env::args_os().nth(1).map(PathBuf::from);
     let model = match file {
         Some(file) => support::models::baked_file(&file, 0),

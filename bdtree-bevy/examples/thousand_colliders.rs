@@ -46,6 +46,7 @@ pub(crate) struct Red(pub(crate) Handle<StandardMaterial>);
 // Not run where tests include this file as a module.
 #[allow(dead_code)]
 pub(crate) fn main() {
+    support::show_errors();
     let (_, picture) = run();
     println!("{}", picture.save("thousand_colliders").display());
 }

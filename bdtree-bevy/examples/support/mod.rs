@@ -89,6 +89,15 @@ pub fn app(width: u32, height: u32, files: &Path) -> App {
     app
 }
 
+/// Shows on stderr what goes wrong, as Bevy's `DefaultPlugins` do.
+pub fn show_errors() {
+    bevy_log::tracing_subscriber::fmt()
+        .with_max_level(bevy_log::Level::ERROR)
+        .with_writer(std::io::stderr)
+        .without_time()
+        .init();
+}
+
 /// Finishes the plugins, as `App::run` does.
 pub fn start(app: &mut App) {
     while app.plugins_state() == bevy_app::PluginsState::Adding {
