@@ -18,11 +18,16 @@ pub const IDENTITY: JointMatrix = [
 /// The map that does what `inner` does and then what `outer` does.
 pub fn compose(outer: &JointMatrix, inner: &JointMatrix) -> JointMatrix {
     let [a, b, c] = inner;
-    outer.map(|[x, y, z, shift]| {
-        let mut row = [0, 1, 2, 3].map(|k| x * a[k] + y * b[k] + z * c[k]);
-        row[3] += shift;
-        row
-    })
+    // Spelled out: compilers leave `array::map` of this size as calls.
+    let row = |[x, y, z, shift]: [f64; 4]| {
+        [
+            x * a[0] + y * b[0] + z * c[0],
+            x * a[1] + y * b[1] + z * c[1],
+            x * a[2] + y * b[2] + z * c[2],
+            x * a[3] + y * b[3] + z * c[3] + shift,
+        ]
+    };
+    [row(outer[0]), row(outer[1]), row(outer[2])]
 }
 
 /// Where a map takes a point.

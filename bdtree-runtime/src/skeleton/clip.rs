@@ -4,10 +4,12 @@ use bdtree_format::{ChannelRecord, ClipRecord, SectionKind, channel_path};
 use core::mem::size_of;
 
 use super::error::{SkeletonError, same_length};
-use super::track::Track;
+use super::rotation::{KEYS, Slerps};
+use super::track::{Span, Track};
 use super::{LocalTransform, Skeleton};
 use crate::error::{Datum, FormatError};
-use crate::verify::{CHANNELS, KEYS, TARGETS};
+use crate::simd::Kernel;
+use crate::verify::{self, CHANNELS, TARGETS};
 
 /// An animation of the skeleton and of q.
 #[derive(Debug, Clone, Copy)]
@@ -89,10 +91,14 @@ impl<'a> Clip<'a> {
         if !time_s.is_finite() {
             return Err(SkeletonError::Time);
         }
+        let mut turns = Turns::new(self.skeleton.asset.kernel);
+        let mut guess = 0;
         for (k, record) in self.channels()?.iter().enumerate() {
             let channel = self.with_keys(k, record)?;
-            play(&channel, time_s, locals, q).ok_or_else(|| self.broken(k, TARGETS))?;
+            let span = channel.track.span(time_s, &mut guess);
+            play(&channel, span, locals, q, &mut turns).ok_or_else(|| self.broken(k, TARGETS))?;
         }
+        turns.write(locals);
         Ok(())
     }
 
@@ -122,7 +128,7 @@ impl<'a> Clip<'a> {
         record: &'a ChannelRecord,
     ) -> Result<Channel<'a>, FormatError> {
         let track = Track::new(record, self.skeleton.skin.keys);
-        let track = track.ok_or_else(|| self.broken(index, KEYS))?;
+        let track = track.ok_or_else(|| self.broken(index, verify::KEYS))?;
         Ok(Channel { record, track })
     }
 
@@ -145,17 +151,17 @@ impl<'a> Clip<'a> {
     }
 }
 
-/// Writes what a channel animates; `None` where there is no such thing.
+/// Writes what a channel animates, or keeps it in `turns`; `None` where there is no such thing.
 fn play(
     Channel {
         record: channel,
         track,
     }: &Channel<'_>,
-    time_s: f64,
+    span: Span,
     locals: &mut [LocalTransform],
     q: &mut [f32],
+    turns: &mut Turns,
 ) -> Option<()> {
-    let span = track.span(time_s);
     let target = channel.target as usize;
     if channel.path == channel_path::MODES {
         let end = target.checked_add(channel.target_count as usize)?;
@@ -174,8 +180,69 @@ fn play(
     };
     match channel.path {
         channel_path::TRANSLATION => *translation = track.vector(span),
-        channel_path::ROTATION => *rotation = track.rotation(span),
+        channel_path::ROTATION => match track.turn(span) {
+            Some(keys) => turns.push(target, keys, span.share, locals),
+            None => *rotation = track.rotation(span),
+        },
         _ => *scale = track.vector(span),
     }
     Some(())
+}
+
+/// Rotations between two keys that are still to be written: together they take a fraction of the time.
+struct Turns {
+    kernel: Kernel,
+    /// Nodes.
+    targets: [usize; KEYS],
+    from: [[f64; 4]; KEYS],
+    to: [[f64; 4]; KEYS],
+    shares: [f64; KEYS],
+    count: usize,
+}
+
+impl Turns {
+    fn new(kernel: Kernel) -> Self {
+        /// Where there is none to write, one that takes no time.
+        const NONE: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+        Self {
+            kernel,
+            targets: [0; KEYS],
+            from: [NONE; KEYS],
+            to: [NONE; KEYS],
+            shares: [0.0; KEYS],
+            count: 0,
+        }
+    }
+
+    #[inline]
+    fn push(
+        &mut self,
+        target: usize,
+        [from, to]: [[f64; 4]; 2],
+        share: f64,
+        locals: &mut [LocalTransform],
+    ) {
+        if self.count == KEYS {
+            self.write(locals);
+        }
+        let k = self.count % KEYS;
+        (self.targets[k], self.shares[k]) = (target, share);
+        (self.from[k], self.to[k]) = (from, to);
+        self.count += 1;
+    }
+
+    fn write(&mut self, locals: &mut [LocalTransform]) {
+        self.kernel.run(Slerps {
+            from: &mut self.from,
+            to: &self.to,
+            shares: &self.shares,
+            count: self.count,
+        });
+        for (target, turned) in self.targets.iter().zip(&self.from).take(self.count) {
+            if let Some(LocalTransform::Parts { rotation, .. }) = locals.get_mut(*target) {
+                *rotation = *turned;
+            }
+        }
+        self.count = 0;
+    }
 }

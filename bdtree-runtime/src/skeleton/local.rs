@@ -1,8 +1,8 @@
 //! Transforms of nodes to their parents, and mixtures of them.
 
 use super::error::{SkeletonError, same_length};
+use super::rotation::{rows, slerp};
 use crate::joint::JointMatrix;
-use crate::math::{rotation_matrix, sqrt};
 
 /// From a node's space to its parent's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +37,7 @@ impl LocalTransform {
                 rotation,
                 scale,
             } => {
-                let turn = rotation_matrix(unit(rotation));
+                let turn = rows(rotation);
                 let row = |r: usize| {
                     let [x, y, z] = turn[r];
                     [x * scale[0], y * scale[1], z * scale[2], translation[r]]
@@ -128,35 +128,4 @@ pub(super) fn mix(a: f64, b: f64, share: f64) -> f64 {
 
 fn mixed<const N: usize>(a: [f64; N], b: [f64; N], share: f64) -> [f64; N] {
     core::array::from_fn(|k| mix(a[k], b[k], share))
-}
-
-/// A quaternion of length 1; the identity for one without a direction.
-pub(super) fn unit(q: [f64; 4]) -> [f64; 4] {
-    let length = sqrt(q.iter().map(|x| x * x).sum());
-    if length > 0.0 && length.is_finite() {
-        q.map(|x| x / length)
-    } else {
-        [0.0, 0.0, 0.0, 1.0]
-    }
-}
-
-/// Between two rotations along the shorter arc (glTF 2.0, appendix C.4), of length 1.
-pub(super) fn slerp(a: [f64; 4], b: [f64; 4], share: f64) -> [f64; 4] {
-    /// Quaternions nearer than this are on a straight line: its distance from the arc is below 2⁻⁵³.
-    const STRAIGHT: f64 = 1.0 - 1.0 / (1_u64 << 45) as f64;
-    let (a, b) = (unit(a), unit(b));
-    let cosine: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
-    // b and −b are the same rotation.
-    let sign = if cosine < 0.0 { -1.0 } else { 1.0 };
-    let (from, to) = if cosine.abs() < STRAIGHT {
-        let angle = libm::acos(cosine.abs());
-        let sine = libm::sin(angle);
-        (
-            libm::sin(angle * (1.0 - share)) / sine,
-            libm::sin(angle * share) / sine,
-        )
-    } else {
-        (1.0 - share, share)
-    };
-    unit([0, 1, 2, 3].map(|k| from * a[k] + sign * to * b[k]))
 }

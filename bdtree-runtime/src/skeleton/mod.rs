@@ -8,8 +8,10 @@
 mod clip;
 mod error;
 mod local;
+mod model_space;
 #[cfg(feature = "alloc")]
 mod pose;
+mod rotation;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -17,6 +19,7 @@ mod track;
 pub use clip::{Channel, Clip};
 pub use error::SkeletonError;
 pub use local::{LocalTransform, blend, blend_q};
+use model_space::ModelSpace;
 #[cfg(feature = "alloc")]
 pub use pose::SkeletonPose;
 pub(crate) use track::Track;
@@ -25,7 +28,7 @@ use bdtree_format::{NO_PARENT, SectionKind, SkeletonNode, local_kind};
 use core::mem::{offset_of, size_of};
 
 use crate::error::{Datum, FormatError};
-use crate::joint::{self, JointMatrix};
+use crate::joint::JointMatrix;
 use crate::verify::{JOINTS, KINDS, PARENTS};
 use crate::view::{Asset, Skin};
 use error::same_length;
@@ -133,15 +136,16 @@ impl<'a> Skeleton<'a> {
     }
 
     fn rest_of(&self, i: usize, node: &SkeletonNode) -> Result<LocalTransform, FormatError> {
-        let [x, y, z, i0, j0, k0, w, a, b, c, ..] = node.local.map(f64::from);
+        // Spelled out: `array::map` is left as calls.
+        let at = |k: usize| f64::from(node.local[k]);
         match node.kind {
             local_kind::PARTS => Ok(LocalTransform::Parts {
-                translation: [x, y, z],
-                rotation: [i0, j0, k0, w],
-                scale: [a, b, c],
+                translation: [at(0), at(1), at(2)],
+                rotation: [at(3), at(4), at(5), at(6)],
+                scale: [at(7), at(8), at(9)],
             }),
             local_kind::MATRIX => {
-                let row = |r: usize| [0, 1, 2, 3].map(|c| f64::from(node.local[4 * r + c]));
+                let row = |r: usize| [at(4 * r), at(4 * r + 1), at(4 * r + 2), at(4 * r + 3)];
                 Ok(LocalTransform::Matrix([row(0), row(1), row(2)]))
             }
             kind => Err(self
@@ -168,26 +172,17 @@ impl<'a> Skeleton<'a> {
     ) -> Result<(), SkeletonError> {
         same_length("local transforms", self.node_count(), locals.len())?;
         same_length("matrices of nodes", self.node_count(), nodes.len())?;
-        for (i, (record, local)) in self.skin.skeleton.iter().zip(locals).enumerate() {
-            let local = local.to_matrix();
-            let (before, own) = nodes.split_at_mut(i);
-            let placed = if record.parent == NO_PARENT {
-                local
-            } else {
-                let Some(parent) = before.get(record.parent as usize) else {
-                    let place = self.node_place(i, offset_of!(SkeletonNode, parent));
-                    return Err(place
-                        .rule(PARENTS)
-                        .broken(Datum::Below(i as u64), record.parent)
-                        .into());
-                };
-                joint::compose(parent, &local)
-            };
-            if let Some(own) = own.first_mut() {
-                *own = placed;
-            }
-        }
-        Ok(())
+        let work = ModelSpace {
+            records: self.skin.skeleton,
+            locals,
+            nodes,
+        };
+        self.asset.kernel.run(work).map_err(|node| {
+            let place = self.node_place(node, offset_of!(SkeletonNode, parent));
+            let found = self.skin.skeleton[node].parent;
+            let place = place.rule(PARENTS);
+            place.broken(Datum::Below(node as u64), found).into()
+        })
     }
 
     /// The matrices of the joints among those of all nodes: what

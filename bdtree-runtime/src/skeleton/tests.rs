@@ -2,7 +2,8 @@
 
 use bdtree_format::{ChannelRecord, channel_path, interpolation};
 
-use super::local::{LocalTransform, blend, blend_q, slerp, unit};
+use super::local::{LocalTransform, blend, blend_q};
+use super::rotation::{slerp, unit};
 use super::{SkeletonError, Track};
 
 const HALF: f64 = core::f64::consts::FRAC_1_SQRT_2;
@@ -58,7 +59,7 @@ fn linear_keys_hold_outside_their_times() {
     let record = channel(channel_path::TRANSLATION, interpolation::LINEAR, 1, 2);
     let keys = [9.0, 1.0, 3.0, 0.0, 1.0, 2.0, 4.0, 5.0, -2.0];
     let track = Track::new(&record, &keys).expect("a track");
-    let at = |time| track.vector(track.span(time));
+    let at = |time| track.vector(track.span(time, &mut 0));
     assert_eq!(at(-1e9), [0.0, 1.0, 2.0]);
     assert_eq!(at(1.0), [0.0, 1.0, 2.0]);
     assert_eq!(at(1.5), [1.0, 2.0, 1.0]);
@@ -82,7 +83,7 @@ fn steps_hold_until_the_next_key() {
     let record = channel(channel_path::MODES, interpolation::STEP, 2, 3);
     let keys = [9.0, 0.0, 1.0, 2.0, 10.0, 11.0, 20.0, 21.0, 30.0, 31.0];
     let track = Track::new(&record, &keys).expect("a track");
-    let at = |time| [0, 1].map(|k| track.component(track.span(time), k));
+    let at = |time| [0, 1].map(|k| track.component(track.span(time, &mut 0), k));
     assert_eq!(at(-1.0), [10.0, 11.0]);
     assert_eq!(at(0.999), [10.0, 11.0]);
     assert_eq!(at(1.0), [20.0, 21.0]);
@@ -92,12 +93,29 @@ fn steps_hold_until_the_next_key() {
 }
 
 #[test]
+fn a_wrong_guess_finds_the_same_keys() {
+    let record = channel(channel_path::MODES, interpolation::LINEAR, 1, 3);
+    let keys = [9.0, 0.0, 1.0, 2.0, 10.0, 20.0, 40.0];
+    let track = Track::new(&record, &keys).expect("a track");
+    let times = [-1.0, 0.0, 0.25, 1.0, 1.5, 2.0, 3.0];
+    let expected = [10.0, 10.0, 12.5, 20.0, 30.0, 40.0, 40.0];
+    for (time, expected) in times.into_iter().zip(expected) {
+        for mut guess in 0..6 {
+            let span = track.span(time, &mut guess);
+            assert_eq!(track.component(span, 0), expected);
+            let again = track.span(time, &mut guess);
+            assert_eq!(track.component(again, 0), expected);
+        }
+    }
+}
+
+#[test]
 fn splines_are_cubic() {
     let record = channel(channel_path::MODES, interpolation::CUBIC, 1, 2);
     // Times 1 and 3; in-tangent, value and out-tangent of each.
     let keys = [9.0, 1.0, 3.0, 7.0, 1.0, 0.5, -1.0, 2.0, 8.0];
     let track = Track::new(&record, &keys).expect("a track");
-    let at = |time| track.component(track.span(time), 0);
+    let at = |time| track.component(track.span(time, &mut 0), 0);
     assert_eq!(at(0.0), 1.0);
     assert_eq!(at(1.0), 1.0);
     assert_eq!(at(3.0), 2.0);
@@ -115,7 +133,7 @@ fn splines_are_cubic() {
     let values = [still, [0.0, 0.0, 0.0, 1.0], still, still, quarter, still];
     keys[3..].copy_from_slice(values.as_flattened());
     let track = Track::new(&record, &keys).expect("a track");
-    let middle = track.rotation(track.span(0.5));
+    let middle = track.rotation(track.span(0.5, &mut 0));
     let q = f64::from(HALF as f32);
     near(&middle, &unit([0.0, 0.0, q, 1.0 + q]));
 }

@@ -2,7 +2,8 @@
 
 use bdtree_format::{ChannelRecord, interpolation};
 
-use super::local::{mix, slerp, unit};
+use super::local::mix;
+use super::rotation::{slerp, unit};
 use crate::math::clamp;
 
 /// Times and values of a channel; lengths fit each other.
@@ -22,7 +23,7 @@ pub(super) struct Span {
     before: usize,
     after: usize,
     /// 0 at the key before, 1 at the one after.
-    share: f64,
+    pub(super) share: f64,
     /// From key to key.
     seconds: f64,
 }
@@ -55,10 +56,17 @@ impl<'a> Track<'a> {
         self.values
     }
 
-    /// Where a time lies among the keys: at the first before it, at the last behind it.
-    pub(super) fn span(&self, time_s: f64) -> Span {
+    /// Where a time lies among the keys: at the first before it, at the last behind it. `guess` is looked at first, and
+    /// becomes the key after the time: channels of a clip mostly have the same times.
+    pub(super) fn span(&self, time_s: f64, guess: &mut usize) -> Span {
         let at = |key: usize| self.times.get(key).map_or(0.0, |t| f64::from(*t));
-        let after = self.times.partition_point(|t| f64::from(*t) <= time_s);
+        let is_guessed = (1..self.times.len()).contains(guess)
+            && at(*guess - 1) <= time_s
+            && at(*guess) > time_s;
+        if !is_guessed {
+            *guess = self.times.partition_point(|t| f64::from(*t) <= time_s);
+        }
+        let after = *guess;
         if after == 0 || after == self.times.len() {
             let key = after.saturating_sub(1);
             return Span {
@@ -123,15 +131,33 @@ impl<'a> Track<'a> {
 
     /// Three numbers.
     pub(super) fn vector(&self, span: Span) -> [f64; 3] {
-        [0, 1, 2].map(|k| self.component(span, k))
+        // Spelled out: `array::map` is left as calls.
+        [
+            self.component(span, 0),
+            self.component(span, 1),
+            self.component(span, 2),
+        ]
     }
 
     /// A unit quaternion.
     pub(super) fn rotation(&self, span: Span) -> [f64; 4] {
-        if self.interpolation == interpolation::LINEAR {
-            let key = |key: usize| [0, 1, 2, 3].map(|k| self.number(key, 0, k));
-            return slerp(key(span.before), key(span.after), span.share);
+        if let Some([from, to]) = self.turn(span) {
+            return slerp(from, to, span.share);
         }
         unit([0, 1, 2, 3].map(|k| self.component(span, k)))
+    }
+
+    /// The quaternions of both keys as they are, if what is between them is on an arc.
+    #[inline]
+    pub(super) fn turn(&self, span: Span) -> Option<[[f64; 4]; 2]> {
+        let key = |key: usize| {
+            let values = self.values.get(4 * key..)?;
+            let [x, y, z, w] = *values.first_chunk()?;
+            Some([f64::from(x), f64::from(y), f64::from(z), f64::from(w)])
+        };
+        if self.interpolation != interpolation::LINEAR || self.components != 4 {
+            return None;
+        }
+        Some([key(span.before)?, key(span.after)?])
     }
 }
