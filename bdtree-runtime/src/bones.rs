@@ -5,6 +5,8 @@ mod four;
 #[cfg(test)]
 mod tests;
 
+use core::borrow::Borrow;
+
 pub(crate) use eight::columns as columns_of_eight;
 pub(crate) use four::columns;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
@@ -240,8 +242,24 @@ pub(crate) fn maps_in<'p>(asset: &Asset<'_>, memory: &'p [f32]) -> &'p [BoneMap]
     <[BoneMap]>::ref_from_bytes(maps.as_bytes()).unwrap_or_default()
 }
 
-/// A number that tells maps apart: a chain for each row, so that none waits for the one before.
+/// A number that tells maps apart.
 pub(crate) fn hashed_maps(maps: &[BoneMap]) -> u64 {
+    hashed_rows(maps.iter().map(|map| &map.rows))
+}
+
+/// A number that tells as many numbers apart.
+pub(crate) fn hashed_numbers(numbers: &[f32]) -> u64 {
+    let (twelves, rest) = numbers.as_chunks::<12>();
+    let mut last = [0.0; 12];
+    last[..rest.len()].copy_from_slice(rest);
+    let all = twelves.iter().chain((!rest.is_empty()).then_some(&last));
+    hashed_rows(all.map(|[a, b, c, d, e, f, g, h, i, j, k, l]| {
+        [[*a, *b, *c, *d], [*e, *f, *g, *h], [*i, *j, *k, *l]]
+    }))
+}
+
+/// Of each row its own chain, so that none waits for the one before.
+fn hashed_rows(all: impl Iterator<Item = impl Borrow<[[f32; 4]; 3]>>) -> u64 {
     /// Numbers without a pattern: the fraction of π.
     const KEYS: [u64; 3] = [
         0x243f_6a88_85a3_08d3,
@@ -254,9 +272,9 @@ pub(crate) fn hashed_maps(maps: &[BoneMap]) -> u64 {
         0x4528_21e6_38d0_1377,
         0xbe54_66cf_34e9_0c6c,
     ];
-    for map in maps {
+    for rows in all {
         for (r, chain) in chains.iter_mut().enumerate() {
-            let [a, b, c, d] = map.rows[r].map(|x| u64::from(x.to_bits()));
+            let [a, b, c, d] = rows.borrow()[r].map(|x| u64::from(x.to_bits()));
             // The whole product: each of its halves alone forgets the highest bits of words, which are signs, or the lowest.
             let product = u128::from(*chain ^ (a | b << 32)) * u128::from(KEYS[r] ^ (c | d << 32));
             *chain = product as u64 ^ (product >> 64) as u64;

@@ -5,7 +5,7 @@ mod skin;
 
 use bdtree_format::{
     BASE_ALIGNMENT, DEPTH_MAX, Header, LEAF_TRIANGLES_MAX, MAGIC, MODE_COUNT_MAX, ModeRecord,
-    NodeRecord, Row, SECTION_ALIGNMENT, SectionKind, SectionRecord, UNIT_EXPONENT_MAX,
+    NodeRecord, ROW_RADIUS, Row, SECTION_ALIGNMENT, SectionKind, SectionRecord, UNIT_EXPONENT_MAX,
     VERSION_MAJOR, row_count,
 };
 use core::mem::{offset_of, size_of};
@@ -15,6 +15,7 @@ use crate::error::{
     Check, Datum, FILE_LENGTH, FormatError, HEADER_CRC, HEADER_SECTION, MAGIC_BYTES, ONE_VERSION,
     WHOLE_HEADER, WHOLE_TABLES,
 };
+use crate::math::sqrt;
 use crate::simd::Kernel;
 use crate::view::Asset;
 use sections::{locate_sections, section_bytes, view};
@@ -55,7 +56,7 @@ impl<'a> Asset<'a> {
         let rows = view::<Row>(SectionKind::ROWS, slice)?;
         let row_stride = row_count(modes.len());
         let is_even = nodes.len().checked_mul(row_stride) == Some(rows.len());
-        Ok(Self {
+        let mut asset = Self {
             bytes,
             header,
             modes,
@@ -79,8 +80,31 @@ impl<'a> Asset<'a> {
             unit: power_of_two(header.unit_exponent.get()),
             kernel: Kernel::best(),
             row_stride: if is_even { row_stride } else { 0 },
-        })
+            leaf_radius: 0.0,
+        };
+        asset.leaf_radius = leaf_radius(&asset);
+        Ok(asset)
     }
+}
+
+/// About the radius of spheres above leaves of four triangles (stored units): the root's spheres,
+/// each a piece of surface, cut into as many pieces as make leaves.
+fn leaf_radius(asset: &Asset<'_>) -> f64 {
+    let Some(root) = asset.nodes.first() else {
+        return 0.0;
+    };
+    let Ok(rows) = asset.node_rows(root) else {
+        return 0.0; // the first visit says so
+    };
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (lane, radius) in rows.leading[ROW_RADIUS].iter().enumerate() {
+        if (root.leaf_mask | root.inner_mask) & (1 << lane) != 0 {
+            sum += f64::from(*radius);
+            count += 1.0;
+        }
+    }
+    // sum / count · √(4 count / F)
+    2.0 * sum / sqrt(count * asset.triangle_count() as f64).max(1.0)
 }
 
 /// 2^e for |e| ≤ 1000.

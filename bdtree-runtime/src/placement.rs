@@ -147,8 +147,17 @@ impl Placement {
     /// distances between them.
     #[inline]
     pub(crate) fn error(&self, x_norm: f64, reach: f64) -> f64 {
-        let world =
-            x_norm + length_bound(self.translation) + self.scale * length_bound(self.origin);
+        let [translation, origin] = self.far();
+        let world = x_norm + translation + origin;
         MAPS * (world / self.world_per_stored() + reach)
+    }
+
+    /// At least the lengths of the translation and of the origin as scaled.
+    #[inline(always)]
+    pub(crate) fn far(&self) -> [f64; 2] {
+        [
+            length_bound(self.translation),
+            self.scale * length_bound(self.origin),
+        ]
     }
 }

@@ -1,42 +1,22 @@
 //! A pose: q and a placement, prepared once per instance and step.
 
-use bdtree_format::{ModeRecord, ROW_RADIUS};
+use bdtree_format::ModeRecord;
 use zerocopy::{FromBytes, IntoBytes};
 
 #[cfg(feature = "alloc")]
 use crate::bones::BoneSlack;
 use crate::bones::{
     BoneMap, BoneMatrices, BoneSource, MAP_LEN, PosedBones, bones_apart, hashed_maps,
+    hashed_numbers,
 };
 use crate::bound::BoundPose;
 use crate::error::{PoseError, QueryError};
-use crate::math::sqrt;
 use crate::motion::Motion;
 use crate::placement::Placement;
-use crate::quantized_q::{Given, Memory, QuantizedQ};
+use crate::quantized_q::{Given, Memory, QuantizedQ, Rounded, Rounding};
 use crate::rounding::{COARSE, round_up, slack};
 use crate::transform::Transform;
 use crate::view::Asset;
-
-/// About the radius of spheres above leaves of four triangles (stored units): the root's spheres,
-/// each a piece of surface, cut into as many pieces as make leaves.
-fn leaf_radius(asset: &Asset<'_>) -> f64 {
-    let Some(root) = asset.nodes.first() else {
-        return 0.0;
-    };
-    let Ok(rows) = asset.node_rows(root) else {
-        return 0.0; // the first visit says so
-    };
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (lane, radius) in rows.leading[ROW_RADIUS].iter().enumerate() {
-        if (root.leaf_mask | root.inner_mask) & (1 << lane) != 0 {
-            sum += f64::from(*radius);
-            count += 1.0;
-        }
-    }
-    // sum / count · √(4 count / F)
-    2.0 * sum / sqrt(count * asset.triangle_count() as f64).max(1.0)
-}
 
 /// An asset deformed by q and placed in the world: q and placement checked, with the rounding terms that
 /// every node bound shares. Queries on it are [`Pose::query`] and [`Pose::against`].
@@ -147,12 +127,8 @@ impl Asset<'_> {
         else {
             return Err(PoseError::Memory { needed, found });
         };
-        // S(q) = Σ W_j |q_j|.
-        let mut s = 0.0;
         for (mode, ((q, record), out)) in q.iter().zip(modes).zip(own.iter_mut()).enumerate() {
-            let q = checked_q(mode, *q, record)?;
-            s += f64::from(record.field_norm_max.get()) * f64::from(q.abs());
-            *out = q;
+            *out = checked_q(mode, *q, record)?;
         }
         let placement = Placement::new(self, &at.checked()?);
         let p = f64::from(self.header().position_norm_max.get());
@@ -161,13 +137,22 @@ impl Asset<'_> {
         let coarse = if modes.is_empty() {
             0.0
         } else {
-            COARSE * leaf_radius(self)
+            COARSE * self.leaf_radius
         };
-        let (quantized, left_out) =
-            given.round(tolerance / placement.world_per_stored(), coarse, memory);
-        // q̃ may reach farther than q by what the two differ.
-        let s = s + left_out;
-        let inner_slack = round_up(slack(p, s, modes.len() as f64) + left_out);
+        let rounding = Rounding {
+            given,
+            tolerance: tolerance / placement.world_per_stored(),
+            coarse,
+            memory,
+        };
+        let Rounded {
+            quantized,
+            off,
+            reach,
+        } = self.kernel.run(rounding);
+        // S(q) = Σ W_j |q_j|; q̃ may reach farther than q by what the two differ.
+        let s = reach + off;
+        let inner_slack = round_up(slack(p, s, modes.len() as f64) + off);
         let mut pose = Pose {
             asset: self,
             q: own,
@@ -358,8 +343,7 @@ impl<'p> Pose<'p> {
 fn fingerprint(asset: &Asset<'_>, slack: f32, q: &[f32]) -> u64 {
     let (address, crc) = identity(asset);
     let words = [address as u64, u64::from(crc), u64::from(slack.to_bits())];
-    let q = q.iter().map(|q| u64::from(q.to_bits()));
-    hashed(words.into_iter().chain(q))
+    hashed(words.into_iter().chain([hashed_numbers(q)]))
 }
 
 /// FNV-1a over words of 64 bits.

@@ -4,8 +4,10 @@
 //! those of another pose q̃ that is close to q, and what the two differ by is added to every radius.
 
 use bdtree_format::ModeRecord;
+use zerocopy::little_endian::{F32, F64};
 
 use crate::rounding::{RATIO_MIN, SCALE_MIN, round_up};
+use crate::simd::{Lanes, Quad, Work};
 
 /// Σ |n_j| is at most this: times 2¹⁵ it fits 32 bits.
 const TOTAL_MAX: f64 = 65_535.0;
@@ -43,125 +45,76 @@ pub(crate) struct Given<'a> {
     pub(crate) q: &'a [f32],
 }
 
-/// One mode of q.
-struct Mode {
+/// A mode that is not there.
+const STILL: ModeRecord = ModeRecord {
+    q_limit: F32::new(1.0),
+    q_range: F32::new(1.0),
+    step_scale: F32::new(1.0),
+    field_norm_max: F32::new(0.0),
+    omega_rad_s: F64::new(-1.0),
+    modal_mass_kg: F64::new(-1.0),
+};
+
+/// Four modes of q side by side; those that are not there are still and move nothing.
+#[derive(Clone, Copy)]
+struct Modes<Q> {
     /// `q_j` over its limit: exact, since limits are powers of two.
-    share: f64,
+    share: Q,
     /// `W_j` `q_limit`_j: exact.
-    weight: f64,
+    weight: Q,
 }
 
-impl Mode {
-    fn of((record, q): (&ModeRecord, &f32)) -> Self {
-        let limit = record.q_limit.get();
+impl<Q: Quad> Modes<Q> {
+    #[inline(always)]
+    fn of(records: &[ModeRecord], q: &[f32]) -> Self {
+        let (records, q) = match (records.first_chunk(), q.first_chunk()) {
+            (Some([a, b, c, d]), Some(q)) => ([a, b, c, d], *q),
+            _ => {
+                let (mut last, mut rest) = ([&STILL; 4], [0.0; 4]);
+                for k in 0..records.len().min(q.len()).min(4) {
+                    (last[k], rest[k]) = (&records[k], q[k]);
+                }
+                (last, rest)
+            }
+        };
+        // Four numbers that follow each other in the file are one load.
+        let mut rows = [Q::splat(0.0); 4];
+        for k in 0..4 {
+            let record = records[k];
+            rows[k] = Q::widen(&[
+                record.q_limit.get(),
+                record.q_range.get(),
+                record.step_scale.get(),
+                record.field_norm_max.get(),
+            ]);
+        }
+        let [limit, _, _, norm] = Q::transposed(rows);
         Self {
-            share: f64::from(*q) * reciprocal(limit),
-            weight: f64::from(record.field_norm_max.get()) * f64::from(limit),
+            share: Q::widen(&q).div(limit),
+            weight: norm.mul(limit),
         }
     }
 
-    /// How far a vertex is moved by the difference to another share, at most.
-    fn off(&self, share: f64) -> f64 {
-        self.weight * (self.share - share).abs()
+    /// How far a vertex is moved by the difference to other shares, at most.
+    #[inline(always)]
+    fn off(&self, shares: Q) -> Q {
+        self.weight.mul(self.share.sub(shares).abs())
     }
 }
 
-impl<'a> Given<'a> {
-    fn each(self) -> impl Iterator<Item = Mode> + use<'a> {
-        self.modes.iter().zip(self.q).map(Mode::of)
-    }
-
+impl Given<'_> {
     /// How far a pair moves a vertex at most.
     #[inline(never)] // a sort that compares in dozens of places calls it
     fn reach(self, k: u32) -> f64 {
         let modes = self.modes.chunks(2).nth(k as usize).unwrap_or_default();
         let q = self.q.chunks(2).nth(k as usize).unwrap_or_default();
-        let pair = Given { modes, q };
-        pair.each().map(|mode| mode.off(0.0)).sum()
-    }
-
-    /// q̃ and Σ `W_j` |q_j − q̃_j|.
-    ///
-    /// The pairs that move least are left out as long as they move no vertex by more than
-    /// `tolerance` together. q̃ has a second part where one alone would be off by more than `coarse`
-    /// (all in stored units).
-    pub(crate) fn round<'p>(
-        self,
-        tolerance: f64,
-        coarse: f64,
-        memory: Memory<'p>,
-    ) -> (QuantizedQ<'p>, f64) {
-        let Memory {
-            coarse: first,
-            fine: second,
-            active,
-        } = memory;
-        let count = self.q.len();
-        let left_out = self.drop_least(tolerance, first, active);
-        let n = first.as_flattened_mut();
-        n[count..].fill(0); // the mode that an odd count lacks
-
-        let shares = self
-            .each()
-            .zip(&*n)
-            .map(|(mode, kept)| mode.share * f64::from(*kept));
-        let scale = round_up(Size::of(shares).unit(count).max(SCALE_MIN));
-        let wide = f64::from(scale);
-        let per_wide = 1.0 / wide;
-        // What is left out is off by all of it.
-        let mut off = 0.0;
-        for (mode, n) in self.each().zip(&mut *n) {
-            let nearest = Nearest::to(mode.share * per_wide * f64::from(*n));
-            off += mode.off(nearest.value * wide);
-            *n = nearest.number;
-        }
-
-        let mut ratio = 0.0;
-        let in_two = off - left_out > coarse;
-        if in_two {
-            self.drop_least(tolerance, second, active);
-            let m = second.as_flattened_mut();
-            m[count..].fill(0);
-            // The first part towards zero, so that the second has its sign: where rounding makes the
-            // first too large, what remains is below 2⁻⁶ of a step and the second is 0.
-            let parts = |mode: &Mode, kept: i16| {
-                let share = mode.share * f64::from(kept);
-                let n = (share * per_wide) as i16;
-                (n, share - f64::from(n) * wide)
-            };
-            let rests = self
-                .each()
-                .zip(&*m)
-                .map(|(mode, kept)| parts(&mode, *kept).1);
-            ratio = round_up((Size::of(rests).unit(count) * per_wide).max(RATIO_MIN));
-            let step = wide * f64::from(ratio);
-            off = 0.0;
-            for ((mode, n), m) in self.each().zip(n).zip(m) {
-                let (number, rest) = parts(&mode, *m);
-                let nearest = Nearest::to(rest / step);
-                off += mode.off(f64::from(number) * wide + nearest.value * step);
-                (*n, *m) = (number, nearest.number);
-            }
-        }
-        let fine: &[[i16; 2]] = if in_two { second } else { &[] };
-
-        // Pairs that came out zero are nothing to sum.
-        let mut used = 0;
-        for (k, n) in first.iter().enumerate() {
-            if *n != [0; 2] || fine.get(k).is_some_and(|m| *m != [0; 2]) {
-                active[used] = k as u32;
-                used += 1;
-            }
-        }
-        let shares = QuantizedQ {
-            coarse: first,
-            fine,
-            active: &active[..used],
-            scale,
-            ratio,
-            mode_count: count,
-        };
-        (shares, off)
+        let norms = modes
+            .iter()
+            .map(|mode| f64::from(mode.field_norm_max.get()));
+        norms
+            .zip(q)
+            .map(|(norm, q)| norm * f64::from(q.abs()))
+            .sum()
     }
 
     /// Marks the pairs that stay in `kept` by ones, the others by zeros; by how much these move a vertex
@@ -190,52 +143,216 @@ impl<'a> Given<'a> {
     }
 }
 
-/// Largest magnitude and sum of magnitudes.
-#[derive(Default)]
-struct Size {
-    largest: f64,
-    total: f64,
+/// What rounding makes of q.
+pub(crate) struct Rounded<'p> {
+    /// q̃.
+    pub(crate) quantized: QuantizedQ<'p>,
+    /// Σ `W_j` |q_j − q̃_j|.
+    pub(crate) off: f64,
+    /// Σ `W_j` |q_j|.
+    pub(crate) reach: f64,
 }
 
-impl Size {
-    /// Of numbers that are not NaN.
-    fn of(numbers: impl Iterator<Item = f64>) -> Self {
-        let mut size = Self::default();
-        for x in numbers {
-            let x = x.abs();
-            size.largest = if x > size.largest { x } else { size.largest };
-            size.total += x;
+/// Rounds q to q̃, four modes side by side.
+///
+/// The pairs that move least are left out as long as they move no vertex by more than
+/// `tolerance` together. q̃ has a second part where one alone would be off by more than `coarse`
+/// (all in stored units).
+pub(crate) struct Rounding<'a, 'p> {
+    pub(crate) given: Given<'a>,
+    pub(crate) tolerance: f64,
+    pub(crate) coarse: f64,
+    pub(crate) memory: Memory<'p>,
+}
+
+impl<'p> Work for Rounding<'_, 'p> {
+    type Output = Rounded<'p>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Rounded<'p> {
+        let Self {
+            given,
+            tolerance,
+            coarse,
+            memory,
+        } = self;
+        let Memory {
+            coarse: first,
+            fine: second,
+            active,
+        } = memory;
+        let count = given.q.len();
+        let (modes, q) = (given.modes, given.q);
+        let fours = || modes.chunks(4).zip(q.chunks(4));
+        // Nothing is left out: then marks need not be read.
+        let is_whole = tolerance == 0.0;
+        let left_out = given.drop_least(tolerance, first, active);
+        let n = first.as_flattened_mut();
+        n[count..].fill(0); // the mode that an odd count lacks
+
+        let zero = L::Quad::splat(0.0);
+        let mut reach = zero;
+        let mut size = Size::<L::Quad>::new();
+        for ((modes, q), kept) in fours().zip(n.chunks(4)) {
+            let four = Modes::<L::Quad>::of(modes, q);
+            reach = reach.add(four.off(zero));
+            size.hold(marked(four.share, kept, is_whole));
         }
-        size
+        let scale = round_up(size.unit(count).max(SCALE_MIN));
+        let wide = L::Quad::splat(f64::from(scale));
+        let per_wide = L::Quad::splat(1.0 / f64::from(scale));
+        // What is left out is off by all of it.
+        let mut sum = zero;
+        for ((modes, q), n) in fours().zip(n.chunks_mut(4)) {
+            let four = Modes::<L::Quad>::of(modes, q);
+            let nearest = Whole::nearest(marked(four.share.mul(per_wide), n, is_whole));
+            sum = sum.add(four.off(nearest.value.mul(wide)));
+            nearest.store(n);
+        }
+        let mut off = total(sum);
+
+        let mut ratio = 0.0;
+        let in_two = off - left_out > coarse;
+        if in_two {
+            given.drop_least(tolerance, second, active);
+            let m = second.as_flattened_mut();
+            m[count..].fill(0);
+            let mut size = Size::<L::Quad>::new();
+            for ((modes, q), kept) in fours().zip(m.chunks(4)) {
+                let four = Modes::<L::Quad>::of(modes, q);
+                let share = marked(four.share, kept, is_whole);
+                let first = Whole::towards_zero(share.mul(per_wide));
+                size.hold(share.sub(first.value.mul(wide)));
+            }
+            ratio = round_up((size.unit(count) / f64::from(scale)).max(RATIO_MIN));
+            let step = wide.mul(L::Quad::splat(f64::from(ratio)));
+            let mut sum = zero;
+            for (((modes, q), n), m) in fours().zip(n.chunks_mut(4)).zip(m.chunks_mut(4)) {
+                let four = Modes::<L::Quad>::of(modes, q);
+                let share = marked(four.share, m, is_whole);
+                // The first part towards zero, so that the second has its sign: where rounding makes the
+                // first too large, what remains is below 2⁻⁶ of a step and the second is 0.
+                let first = Whole::towards_zero(share.mul(per_wide));
+                let coarse = first.value.mul(wide);
+                let rest = Whole::nearest(share.sub(coarse).div(step));
+                sum = sum.add(four.off(coarse.add(rest.value.mul(step))));
+                first.store(n);
+                rest.store(m);
+            }
+            off = total(sum);
+        }
+        let fine: &[[i16; 2]] = if in_two { second } else { &[] };
+
+        // Pairs that came out zero are nothing to sum.
+        let mut used = 0;
+        for (k, n) in first.iter().enumerate() {
+            if *n != [0; 2] || fine.get(k).is_some_and(|m| *m != [0; 2]) {
+                active[used] = k as u32;
+                used += 1;
+            }
+        }
+        Rounded {
+            quantized: QuantizedQ {
+                coarse: first,
+                fine,
+                active: &active[..used],
+                scale,
+                ratio,
+                mode_count: count,
+            },
+            off,
+            reach: total(reach),
+        }
+    }
+}
+
+/// 0 where the mark of a mode is 0.
+#[inline(always)]
+fn marked<Q: Quad>(numbers: Q, marks: &[i16], is_whole: bool) -> Q {
+    if is_whole {
+        return numbers;
+    }
+    let mut factors = [1.0; 4];
+    for (factor, mark) in factors.iter_mut().zip(marks) {
+        *factor = f64::from(*mark);
+    }
+    numbers.mul(Q::load(&factors))
+}
+
+/// The sum of all four, in the same order everywhere.
+#[inline(always)]
+fn total<Q: Quad>(sums: Q) -> f64 {
+    let [a, b, c, d] = sums.store();
+    (a + b) + (c + d)
+}
+
+/// Largest magnitude and sum of magnitudes, of every fourth mode.
+struct Size<Q> {
+    largest: Q,
+    total: Q,
+}
+
+impl<Q: Quad> Size<Q> {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            largest: Q::splat(0.0),
+            total: Q::splat(0.0),
+        }
+    }
+
+    /// Counts numbers that are not NaN.
+    #[inline(always)]
+    fn hold(&mut self, numbers: Q) {
+        let size = numbers.abs();
+        self.largest = size.max(self.largest);
+        self.total = self.total.add(size);
     }
 
     /// A unit in which `count` such numbers, rounded to the nearest, keep the limits above.
+    #[inline(always)]
     fn unit(&self, count: usize) -> f64 {
-        (self.largest / LARGEST).max(self.total / (TOTAL_MAX - count as f64))
+        let [a, b, c, d] = self.largest.store();
+        let largest = a.max(b).max(c.max(d));
+        (largest / LARGEST).max(total(self.total) / (TOTAL_MAX - count as f64))
     }
 }
 
-/// Of a power of two from 2⁻¹²⁶ to 2¹²⁶, as limits are: exact, and no division.
-fn reciprocal(limit: f32) -> f64 {
-    // The exponents of a number and its reciprocal add up to twice the bias.
-    f64::from(f32::from_bits((254 << 23) - limit.to_bits()))
+/// Four whole numbers of 16 bits.
+struct Whole<Q> {
+    value: Q,
+    /// Its value beside [`BIG`].
+    beside: Q,
 }
 
-/// A whole number of 16 bits.
-struct Nearest {
-    number: i16,
-    value: f64,
-}
+/// Beside it no fractions are left, and the number is in the lowest bits.
+const BIG: f64 = 1.5 * (1_u64 << 52) as f64;
 
-impl Nearest {
+impl<Q: Quad> Whole<Q> {
     /// The nearest to x, of less than 2¹⁵ in magnitude; ties go to the even one.
-    fn to(x: f64) -> Self {
-        /// Beside it no fractions are left, and the number is in the lowest bits.
-        const BIG: f64 = 1.5 * (1_u64 << 52) as f64;
-        let sum = x + BIG;
+    #[inline(always)]
+    fn nearest(x: Q) -> Self {
+        let beside = x.add(Q::splat(BIG));
         Self {
-            number: sum.to_bits() as i16,
-            value: sum - BIG,
+            value: beside.sub(Q::splat(BIG)),
+            beside,
+        }
+    }
+
+    /// The next to x, of less than 2¹⁵ in magnitude, that is not farther from 0.
+    #[inline(always)]
+    fn towards_zero(x: Q) -> Self {
+        let (size, one) = (x.abs(), Q::splat(1.0));
+        let nearest = size.add(Q::splat(BIG)).sub(Q::splat(BIG));
+        let below = Q::select(nearest.above(size), nearest.sub(one), nearest);
+        let zero = Q::splat(0.0);
+        Self::nearest(Q::select(zero.above(x), zero.sub(below), below))
+    }
+
+    #[inline(always)]
+    fn store(&self, out: &mut [i16]) {
+        for (out, beside) in out.iter_mut().zip(self.beside.store()) {
+            *out = beside.to_bits() as i16;
         }
     }
 }

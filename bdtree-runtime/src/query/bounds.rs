@@ -1,13 +1,12 @@
 //! A sphere and a box around a whole deformed mesh, from the root node alone.
 
-use bdtree_format::LANES;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
+use super::root_box::RootBox;
 use super::unit;
-use crate::bound::Spheres;
 use crate::contact::VertexId;
 use crate::error::{FormatError, QueryError};
-use crate::math::{norm, sub};
+use crate::math::norm;
 use crate::pose::Pose;
 use crate::rounding::MARGIN;
 use crate::shape::Ray;
@@ -94,17 +93,7 @@ impl Pose<'_> {
     /// # Errors
     /// A corrupt asset.
     pub fn bounding_sphere(&self) -> Result<BoundingSphere, QueryError> {
-        let root = self.asset.node(0)?;
-        let spheres = self.node_spheres(0)?;
-        let (center, radius) = around(&spheres, root.inner_mask | root.leaf_mask);
-        // No vertex is farther from the origin than B; a radius that is NaN is not smaller.
-        let all = self.reach + f64::from(self.slack);
-        let (center, radius) = if radius < all {
-            (center, radius)
-        } else {
-            ([0.0; 3], all)
-        };
-        let sphere = self.world_sphere(center, radius, self.reach);
+        let (sphere, _) = self.around_root()?;
         let Some(boxed) = self.bone_box().map(|aabb| aabb.bounding_sphere()) else {
             return Ok(sphere);
         };
@@ -114,6 +103,16 @@ impl Pose<'_> {
         } else {
             sphere
         })
+    }
+
+    /// A sphere and a box from the root's spheres.
+    fn around_root(&self) -> Result<(BoundingSphere, Aabb), QueryError> {
+        let root = self.asset.node(0)?;
+        Ok(self.asset.kernel.run(RootBox {
+            pose: self,
+            spheres: &self.node_spheres(0)?,
+            lanes: root.inner_mask | root.leaf_mask,
+        }))
     }
 
     /// The smallest box around the deformed triangles in the world; infinite, and the wrong way round, without any. It
@@ -144,29 +143,20 @@ impl Pose<'_> {
     /// # Errors
     /// A corrupt asset.
     pub fn aabb(&self) -> Result<Aabb, QueryError> {
+        self.bounds().map(|(_, aabb)| aabb)
+    }
+
+    /// [`Pose::aabb`], and in the same time a sphere that holds the mesh: [`Pose::bounding_sphere`], but with bones the one
+    /// around the box.
+    ///
+    /// # Errors
+    /// A corrupt asset.
+    pub fn bounds(&self) -> Result<(BoundingSphere, Aabb), QueryError> {
         if let Some(aabb) = self.bone_box() {
-            return Ok(aabb);
+            return Ok((aabb.bounding_sphere(), aabb));
         }
-        let root = self.asset.node(0)?;
-        let spheres = self.node_spheres(0)?;
-        let all = self.bounding_sphere()?;
+        let (all, mut aabb) = self.around_root()?;
         let whole = all.aabb();
-        let mut aabb = Aabb {
-            min: [f64::INFINITY; 3],
-            max: [f64::NEG_INFINITY; 3],
-        };
-        for lane in (0..LANES).filter(|k| (root.inner_mask | root.leaf_mask) & (1 << k) != 0) {
-            let center = spheres.center.map(|row| row[lane]);
-            let radius = f64::from(spheres.radius[lane]);
-            // A lane's center lies within twice the reach (docs/design/guarantees.md).
-            let part = self.world_sphere(center, radius, 2.0 * self.reach);
-            // Anything but a smaller radius, NaN of a corrupt file included, says no more than the whole.
-            let part = if part.radius < all.radius { part } else { all }.aabb();
-            for k in 0..3 {
-                aabb.min[k] = aabb.min[k].min(part.min[k]);
-                aabb.max[k] = aabb.max[k].max(part.max[k]);
-            }
-        }
         // The whole's sphere holds them too, and may say more where the parts reach far.
         for k in 0..3 {
             aabb.min[k] = aabb.min[k].max(whole.min[k]);
@@ -174,7 +164,7 @@ impl Pose<'_> {
         }
         // Parts that are outside of the whole, or missing, are those of a damaged file.
         let is_sound = (0..3).all(|k| aabb.min[k] <= aabb.max[k]);
-        Ok(if is_sound { aabb } else { whole })
+        Ok((all, if is_sound { aabb } else { whole }))
     }
 
     /// A sphere in the world around one that holds vertices and lies within `reach` of the origin (both in
@@ -187,32 +177,4 @@ impl Pose<'_> {
             radius: radius * self.placement.world_per_stored() * (1.0 + MARGIN),
         }
     }
-}
-
-/// A sphere around those of some lanes (stored units): about the middle of their box, which f32
-/// holds exactly enough since the radius is formed about what it holds.
-fn around(spheres: &Spheres, lanes: u8) -> ([f32; 3], f64) {
-    let used = || (0..LANES).filter(|k| lanes & (1 << k) != 0);
-    let center = [0, 1, 2].map(|axis| {
-        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-        for k in used() {
-            low = low.min(spheres.center[axis][k] - spheres.radius[k]);
-            high = high.max(spheres.center[axis][k] + spheres.radius[k]);
-        }
-        0.5 * low + 0.5 * high
-    });
-    // Without lanes, which no sound root is, nothing is known.
-    let mut radius = if lanes == 0 { f64::INFINITY } else { 0.0 };
-    for k in used() {
-        let apart = [0, 1, 2].map(|axis| f64::from(spheres.center[axis][k]));
-        let apart = norm(sub(apart, center.map(f64::from)));
-        let reach = apart * (1.0 + MARGIN) + f64::from(spheres.radius[k]);
-        // Anything but "not larger" counts, so that NaN stays.
-        let within = reach <= radius;
-        radius = if within { radius } else { reach };
-        if reach.is_nan() {
-            break;
-        }
-    }
-    (center, radius)
 }

@@ -19,6 +19,7 @@ mod pairs;
 mod project;
 mod ray;
 mod rays;
+mod root_box;
 mod single;
 
 pub use bounds::{Aabb, BoundingSphere};

@@ -55,6 +55,8 @@ pub struct Asset<'a> {
     pub(crate) kernel: Kernel,
     /// Rows of each node, where all modes act on all nodes: those of node i begin at i times this. Else 0.
     pub(crate) row_stride: usize,
+    /// About the radius of spheres above leaves of four triangles (stored units).
+    pub(crate) leaf_radius: f64,
 }
 
 /// The rows of a node (SPEC 6.5).
