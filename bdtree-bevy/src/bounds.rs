@@ -1,6 +1,8 @@
 //! Boxes around deformed meshes, from the root of the tree: for culling and as the broad phase of queries.
 
-use bdtree_runtime::{Aabb as Box64, Instance, QueryError, Ray, Transform as Placement};
+use bdtree_runtime::{
+    Aabb as Box64, BoundingSphere, Instance, QueryError, Ray, Transform as Placement,
+};
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
 use bevy_ecs::prelude::*;
@@ -18,6 +20,28 @@ pub struct DeformedBounds {
     pub min: [f64; 3],
     /// Largest coordinates (world units).
     pub max: [f64; 3],
+}
+
+/// A sphere in the world that holds the deformed mesh of an entity: mostly far smaller than one around its box. Kept together
+/// with [`DeformedBounds`].
+#[derive(Component, Debug, Clone, Copy)]
+pub(crate) struct DeformedSphere(pub(crate) BoundingSphere);
+
+impl DeformedSphere {
+    /// What holds a sphere (mesh units) that stands somewhere.
+    fn placed(own: &BoundingSphere, at: &Placement) -> Self {
+        let (center, shift) = (
+            DVec3::from_array(own.center),
+            DVec3::from_array(at.translation),
+        );
+        let middle = rotation(at) * at.scale * center + shift;
+        let largest = at.scale * (center.abs().max_element() + own.radius);
+        let error = ROUNDING * (largest + shift.abs().max_element());
+        Self(BoundingSphere {
+            center: middle.to_array(),
+            radius: at.scale * own.radius + error,
+        })
+    }
 }
 
 /// Shares of the largest number that went in by which boxes are made larger where numbers are added or multiplied.
@@ -128,10 +152,10 @@ pub(crate) fn outward(own: &Box64) -> Aabb {
     }
 }
 
-/// The box of an instance in the space of its entity, which is that of its mesh.
-fn own_box(instance: &Instance) -> Result<Box64, QueryError> {
+/// A sphere and a box around an instance in the space of its entity, which is that of its mesh.
+fn own_bounds(instance: &Instance) -> Result<(BoundingSphere, Box64), QueryError> {
     match instance.snapshot().placed(Placement::IDENTITY) {
-        Ok(pose) => pose.aabb(),
+        Ok(pose) => pose.bounds(),
         // The identity is a placement.
         Err(_) => Err(QueryError::Argument("placement")),
     }
@@ -144,22 +168,25 @@ pub(crate) fn update_bounds(
             Entity,
             &DeformedInstance,
             &mut DeformedBounds,
+            &mut DeformedSphere,
             &mut Aabb,
             &mut PoseFaults,
         ),
         Changed<DeformedInstance>,
     >,
 ) {
-    bodies
-        .par_iter_mut()
-        .for_each(|(entity, body, mut bounds, mut aabb, mut faults)| {
-            let found = own_box(&body.instance);
-            if let Ok(found) = &found {
-                *bounds = DeformedBounds::placed(found, &body.instance.placement());
+    bodies.par_iter_mut().for_each(
+        |(entity, body, mut bounds, mut sphere, mut aabb, mut faults)| {
+            let found = own_bounds(&body.instance);
+            if let Ok((around, found)) = &found {
+                let at = body.instance.placement();
+                *bounds = DeformedBounds::placed(found, &at);
+                *sphere = DeformedSphere::placed(around, &at);
                 *aabb = outward(found);
             }
             PoseFaults::tell(&mut faults, entity, PoseStage::Bounds, found.map(|_| ()));
-        });
+        },
+    );
 }
 
 /// Gives new instances boxes, of which Bevy's own systems keep their hands.
@@ -167,17 +194,25 @@ pub(crate) fn make_bounds(
     mut commands: Commands,
     mut bodies: Query<
         (Entity, &DeformedInstance, &mut PoseFaults),
-        Or<(Without<DeformedBounds>, Without<Aabb>, Without<NoAutoAabb>)>,
+        Or<(
+            Without<DeformedBounds>,
+            Without<DeformedSphere>,
+            Without<Aabb>,
+            Without<NoAutoAabb>,
+        )>,
     >,
     skinned: Query<Entity, (With<DeformedInstance>, With<DynamicSkinnedMeshBounds>)>,
 ) {
     for (entity, body, mut faults) in &mut bodies {
-        match own_box(&body.instance) {
-            Ok(found) => {
-                let placed = DeformedBounds::placed(&found, &body.instance.placement());
-                commands
-                    .entity(entity)
-                    .insert((placed, outward(&found), NoAutoAabb));
+        match own_bounds(&body.instance) {
+            Ok((around, found)) => {
+                let at = body.instance.placement();
+                commands.entity(entity).insert((
+                    DeformedBounds::placed(&found, &at),
+                    DeformedSphere::placed(&around, &at),
+                    outward(&found),
+                    NoAutoAabb,
+                ));
             }
             Err(why) => PoseFaults::tell(&mut faults, entity, PoseStage::Bounds, Err(why)),
         }
@@ -191,5 +226,5 @@ pub(crate) fn make_bounds(
 pub(crate) fn drop_bounds(removed: On<Remove<DeformingMesh>>, mut commands: Commands) {
     commands
         .entity(removed.entity)
-        .try_remove::<(DeformedBounds, Aabb, NoAutoAabb)>();
+        .try_remove::<(DeformedBounds, DeformedSphere, Aabb, NoAutoAabb)>();
 }

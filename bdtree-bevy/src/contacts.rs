@@ -1,6 +1,8 @@
 //! Which deforming entities touch each other.
 
-use bdtree_runtime::{Coverage, Pose, QueryError, SliceSink, TrianglePair, Workspace, broad};
+use bdtree_runtime::{
+    BoundingSphere, Coverage, Pose, QueryError, SliceSink, TrianglePair, Workspace, broad,
+};
 use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectComponent;
 use bevy_log::error_once;
@@ -9,9 +11,8 @@ use bevy_reflect::std_traits::ReflectDefault;
 use bevy_tasks::ComputeTaskPool;
 use std::collections::BTreeSet;
 
-use crate::bounds::DeformedBounds;
+use crate::bounds::{DeformedBounds, DeformedSphere};
 use crate::pose::DeformedInstance;
-use crate::queries::sphere_around;
 
 /// The entity's deforming mesh takes part in contacts between deforming meshes: [`ContactStarted`], [`ContactStopped`],
 /// [`TouchingPairs`]. Meshes are surfaces: one wholly inside another touches nothing.
@@ -76,7 +77,7 @@ impl TouchingPairs {
     }
 }
 
-/// Pairs that a task asks at least, so that handing them out costs less than asking.
+/// Pairs or colliders that a task takes at least, so that handing them out costs less than the work.
 const CHUNK: usize = 16;
 
 /// What one collider is this frame.
@@ -84,6 +85,7 @@ struct Collider<'w> {
     entity: Entity,
     options: DeformingCollider,
     bounds: DeformedBounds,
+    sphere: BoundingSphere,
     pose: Pose<'w>,
     has_changed: bool,
 }
@@ -118,6 +120,7 @@ pub(crate) fn find_contacts(
         Entity,
         Ref<DeformingCollider>,
         &DeformedBounds,
+        &DeformedSphere,
         Ref<DeformedInstance>,
     )>,
     mut touching: ResMut<TouchingPairs>,
@@ -128,10 +131,11 @@ pub(crate) fn find_contacts(
     // Poses borrow from these.
     let found: Vec<_> = colliders.iter().collect();
     let bodies: Vec<Collider<'_>> = (found.iter())
-        .map(|(entity, options, bounds, body)| Collider {
+        .map(|(entity, options, bounds, sphere, body)| Collider {
             entity: *entity,
             options: **options,
             bounds: **bounds,
+            sphere: sphere.0,
             pose: body.instance.snapshot(),
             has_changed: memory.is_behind || options.is_changed() || body.is_changed(),
         })
@@ -166,7 +170,7 @@ fn touching_pairs(
     let margin = |body: &Collider<'_>| body.options.margin.max(0.0);
     let spheres: Vec<_> = (bodies.iter())
         .map(|body| {
-            let mut sphere = sphere_around(&body.bounds);
+            let mut sphere = body.sphere;
             sphere.radius += margin(body);
             sphere
         })
@@ -197,11 +201,11 @@ fn touching_pairs(
         let mut touch = Vec::new();
         for [i, j] in pairs.iter().copied() {
             let (a, b) = (&bodies[i], &bodies[j]);
+            let distance = margin(a) + margin(b);
             // Without room for a pair, the first one that is found ends the question.
             let mut none: [TrianglePair; 0] = [];
             let mut query = a.pose.against(&b.pose, &mut workspace);
-            let coverage =
-                query.triangle_pairs(margin(a) + margin(b), &mut SliceSink::new(&mut none))?;
+            let coverage = query.triangle_pairs(distance, &mut SliceSink::new(&mut none))?;
             if coverage == Coverage::Truncated {
                 touch.push(entities([i, j]));
             }
@@ -211,10 +215,9 @@ fn touching_pairs(
     let answers = if memory.near.len() <= CHUNK {
         vec![ask(&memory.near)]
     } else {
-        let pool = ComputeTaskPool::get();
-        let chunk = memory.near.len().div_ceil(4 * pool.thread_num().max(1));
-        pool.scope(|scope| {
-            for pairs in memory.near.chunks(chunk.max(CHUNK)) {
+        let chunk = chunk(memory.near.len());
+        ComputeTaskPool::get().scope(|scope| {
+            for pairs in memory.near.chunks(chunk) {
                 let ask = &ask;
                 scope.spawn(async move { ask(pairs) });
             }
@@ -224,4 +227,10 @@ fn touching_pairs(
         now.extend(answer?);
     }
     Ok(now)
+}
+
+/// How many of `count` things a task takes: a few tasks for each thread, so that all end at about the same time.
+fn chunk(count: usize) -> usize {
+    let threads = ComputeTaskPool::get().thread_num().max(1);
+    count.div_ceil(4 * threads).max(CHUNK)
 }

@@ -64,8 +64,19 @@ pub(crate) fn update_instances(
             if model.is_none() && !deformation.is_changed() && !transform.is_changed() {
                 return;
             }
-            let Some(mut body) = placed(entity, &transform, &mut faults) else {
-                return;
+            // Where the transform is that of the frame before, so is what it was turned into.
+            let is_placed = !transform.is_changed() && faults.get(PoseStage::Placement).is_none();
+            let mut body = if is_placed {
+                Placed {
+                    entity,
+                    at: kept.instance.placement(),
+                    faults: &mut faults,
+                }
+            } else {
+                let Some(body) = placed(entity, &transform, &mut faults) else {
+                    return;
+                };
+                body
             };
             if let Some(model) = model {
                 if let Some(mut instance) = body.new_instance(model, &deformation) {

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use bdtree_bevy::bdtree_runtime::Model;
 use bdtree_bevy::{BdtModel, BdtreePlugin, DeformingMesh};
-use bevy_app::{App, PostUpdate, TaskPoolPlugin};
+use bevy_app::{App, PostUpdate, TaskPoolOptions, TaskPoolPlugin};
 use bevy_asset::{AssetPlugin, Assets};
 use bevy_ecs::prelude::*;
 use bevy_transform::TransformPlugin;
@@ -22,12 +22,14 @@ pub(crate) fn app(model: &Model, places: impl Iterator<Item = Transform>) -> (Ap
         watch_for_changes_override: Some(false),
         ..Default::default()
     };
-    app.add_plugins((
-        TaskPoolPlugin::default(),
-        files,
-        TransformPlugin,
-        BdtreePlugin,
-    ));
+    // As many threads that compute as cores: by default Bevy keeps two of them for other tasks, which there are none of here.
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut tasks = TaskPoolOptions::default();
+    tasks.compute.min_threads = cores;
+    let tasks = TaskPoolPlugin {
+        task_pool_options: tasks,
+    };
+    app.add_plugins((tasks, files, TransformPlugin, BdtreePlugin));
     let mut models = app.world_mut().resource_mut::<Assets<BdtModel>>();
     let handle = models.add(BdtModel::from(model.clone()));
     let entities = places

@@ -16,8 +16,6 @@ use thiserror::Error;
 use crate::bounds::DeformedBounds;
 use crate::pose::DeformedInstance;
 
-pub(crate) use near::sphere_around;
-
 /// Questions about the deforming meshes of the world: rays, shapes, points, and two entities at a time. Boxes around the
 /// meshes are compared first, then the trees of those that remain are asked, the nearest first.
 ///

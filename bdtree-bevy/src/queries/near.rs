@@ -1,6 +1,6 @@
 //! Which boxes a shape may touch: not only if it certainly touches nothing of what they hold.
 
-use bdtree_runtime::{BoundingSphere, Capsule, Cuboid, HalfSpace, Shape};
+use bdtree_runtime::{Capsule, Cuboid, HalfSpace, Shape};
 use bevy_math::{DMat3, DQuat, DVec3};
 
 use crate::bounds::DeformedBounds;
@@ -61,15 +61,4 @@ fn reaches_below(half_space: &HalfSpace, bounds: &DeformedBounds) -> bool {
     let lowest = normal.dot(center) - normal.abs().dot(half);
     let largest = center.abs().element_sum() + half.element_sum() + half_space.offset.abs();
     !(lowest > half_space.offset + ROUNDING * largest)
-}
-
-/// A sphere around a box.
-pub(crate) fn sphere_around(bounds: &DeformedBounds) -> BoundingSphere {
-    let (min, max) = (DVec3::from_array(bounds.min), DVec3::from_array(bounds.max));
-    let center = 0.5 * min + 0.5 * max;
-    let half = (max - center).max(center - min);
-    BoundingSphere {
-        center: center.to_array(),
-        radius: half.length() * (1.0 + ROUNDING),
-    }
 }
