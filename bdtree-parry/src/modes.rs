@@ -23,6 +23,9 @@ const EASE_S: f64 = 0.05;
 /// ...until a contact as stiff as [`STIFFNESS`] would answer after so many seconds instead of within the step.
 const GIVE_S: f64 = 0.2;
 
+/// Below this share of its way that such a mode makes good, its contacts begin to answer too late, and its damping grows again.
+const CALM: f64 = 0.9;
+
 /// What of its way a mode that goes somewhere must make good.
 const SMOOTH: f64 = 0.7;
 
@@ -298,10 +301,13 @@ impl Body {
                 true => mode.steady_s + step_s,
                 false => 0.0,
             };
+            let factor = 0.5_f64.powf(step_s / EASE_S);
             if !mode.is_steady() {
                 mode.share = 1.0;
+            } else if !mode.is_smooth(CALM) {
+                mode.share = (mode.share / factor).min(1.0);
             } else if !self.touches.is_empty() {
-                mode.share = (mode.share * 0.5_f64.powf(step_s / EASE_S)).max(least);
+                mode.share = (mode.share * factor).max(least);
             }
         }
     }
@@ -376,7 +382,12 @@ impl Body {
 impl Mode {
     /// Whether the force has pulled it the same way long enough to go on doing so, and it goes there instead of shaking.
     pub(super) fn is_steady(&self) -> bool {
-        self.steady_s >= STEADY_S && self.mean_rate.abs() > SMOOTH * self.mean_speed
+        self.steady_s >= STEADY_S && self.is_smooth(SMOOTH)
+    }
+
+    /// Whether it makes good this share of its way.
+    fn is_smooth(&self, share: f64) -> bool {
+        self.mean_rate.abs() > share * self.mean_speed
     }
 
     /// How far the farthest vertex moves from one s to another, world units.
