@@ -161,10 +161,11 @@ impl FlexibleBodies {
                 None => body.stop(),
             }
             // rapier may find a frame slow long before its modes are where a load bends them.
-            if let Some(frame) = frames_of.get(handle).filter(|_| body.is_settling()) {
-                if let Some(frame) = frames.get_mut(*frame) {
-                    frame.activation_mut().time_since_can_sleep = 0.0;
-                }
+            if body.is_settling()
+                && let Some(frame) = frames_of.get(handle)
+                && let Some(frame) = frames.get_mut(*frame)
+            {
+                frame.activation_mut().time_since_can_sleep = 0.0;
             }
         }
         for pair in contacts.contact_pairs() {

@@ -66,7 +66,6 @@ struct Bridge {
     frame: RigidBodyHandle,
     collider: ColliderHandle,
     load: RigidBodyHandle,
-    load_kg: f64,
 }
 
 impl Bridge {
@@ -94,12 +93,11 @@ impl Bridge {
             frame,
             collider,
             load,
-            load_kg,
         }
     }
 
-    fn run(&mut self, seconds: f64) {
-        let steps = seconds / f64::from(self.world.integration_parameters.dt as f32);
+    fn run(&mut self, seconds: Real) {
+        let steps = seconds / self.world.integration_parameters.dt;
         for _ in 0..steps.round() as usize {
             self.flexible.step(&mut self.world).expect("a step");
         }

@@ -312,10 +312,11 @@ pub(super) fn end_step(
             Ok(None) => {}
             Err(why) => error!("{entity}: {why}"),
         }
-        if let Some(of) = of.filter(|_| modes.0.is_settling()) {
-            if let Ok(mut timer) = timers.get_mut(of.body) {
-                timer.0 = 0.0;
-            }
+        if modes.0.is_settling()
+            && let Some(of) = of
+            && let Ok(mut timer) = timers.get_mut(of.body)
+        {
+            timer.0 = 0.0;
         }
         let q = modes.q();
         if deformation.q != q {
