@@ -6,8 +6,9 @@
 //! ```
 //!
 //! Four boxes fall on a chair and around it. It prints what happens in four seconds of simulated time and writes
-//! `target/bevy/flexible_chair_avian.png` or `…_rapier.png`. Without a file it bakes the chair of the fixtures, coarsely. With
-//! both features avian moves the bodies; the word `rapier` among the arguments has rapier do it.
+//! `target/bevy/flexible_chair_avian.png` or `…_rapier.png`. Without a file it bakes the chair of the fixtures, coarsely and of a
+//! soft plastic, so that it gives way visibly. With both features avian moves the bodies; the word `rapier` among the arguments
+//! has rapier do it.
 
 use std::process::ExitCode;
 use std::time::Duration;
@@ -90,13 +91,24 @@ fn start() -> Result<(), Box<dyn std::error::Error>> {
     let Some(engine) = engines.first() else {
         return Err("no such engine: add --features avian or --features rapier".into());
     };
-    let file = file.unwrap_or_else(|| bdtree_fixtures::bake::elastic("chair", 6, 30, &[]));
+    let file = file.unwrap_or_else(chair);
     println!("under {}", engine.name());
     let mut tell = |line: &str| println!("{line}");
     let (_, _, picture) = run(&file, &**engine, &mut tell);
     let name = format!("flexible_chair_{}", engine.name());
     println!("{}", picture.save(&name).display());
     Ok(())
+}
+
+/// The chair of the fixtures, baked coarsely, of a soft plastic: it sags by some centimeters under two boxes.
+pub(crate) fn chair() -> Model {
+    let options = bdtree_build::basis::elastic::ElasticOptions {
+        mode_count: 6,
+        resolution: Some(30),
+        young_pa: 2e8,
+        ..Default::default()
+    };
+    bdtree_fixtures::bake::elastic_of("chair", &options)
 }
 
 /// The engines that are compiled in.

@@ -14,7 +14,6 @@ use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_transform::components::Transform;
 
-use crate::chair::chair;
 use crate::drawing::{Body, deformed_mesh};
 use flexible_chair::{Engine, HALF, Scene, support};
 
@@ -25,7 +24,8 @@ use flexible_chair::{Engine, HALF, Scene, support};
 fn assert_boxes_rest(engine: &dyn Engine, place: fn(&App, Entity) -> Transform) {
     let mut lines = Vec::new();
     let mut tell = |line: &str| lines.push(line.to_string());
-    let (mut app, scene, found) = flexible_chair::run(chair(), engine, &mut tell);
+    let chair = flexible_chair::chair();
+    let (mut app, scene, found) = flexible_chair::run(&chair, engine, &mut tell);
     let name = format!("flexible_chair_{}", engine.name());
     found.save(&name);
     let places: Vec<Transform> = scene.boxes.iter().map(|at| place(&app, *at)).collect();
@@ -36,9 +36,10 @@ fn assert_boxes_rest(engine: &dyn Engine, place: fn(&App, Entity) -> Transform) 
     assert_touches_deformed(&app, &scene, places[0]);
 
     let deformation = app.world().get::<Deformation>(scene.chair).unwrap().clone();
-    assert!(deformation.q.iter().any(|q| q.abs() > 1e-4), "{lines:?}");
+    // By two centimeters and more at the feet.
+    assert!(deformation.q.iter().any(|q| q.abs() > 0.015), "{lines:?}");
     let body = Body {
-        model: chair().clone(),
+        model: chair,
         deformation,
         at: place(&app, scene.chair),
     };

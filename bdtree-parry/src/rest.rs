@@ -110,7 +110,8 @@ impl Body {
 
     /// Whether forces may still be bending it to where they hold it: its frame should not sleep before.
     pub(super) fn is_settling(&self) -> bool {
-        !self.modes.is_empty() && self.rest.is_held() && !self.rests()
+        let may_rest = !self.modes.is_empty() && self.rest.speed > 0.0;
+        may_rest && self.rest.is_held() && !self.rests()
     }
 
     /// Lets modes rest where they are on average, or go on, by how fast the frame, whose linear and angular velocity these are,
