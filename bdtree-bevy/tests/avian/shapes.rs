@@ -62,14 +62,17 @@ fn check(kind: &str) {
             let points = manifolds.iter().flat_map(|manifold| &manifold.points);
             let own =
                 (points.clone().map(|point| -point.penetration)).fold(f32::INFINITY, f32::min);
-            if is_sure(&deepest) {
+            if kind == "voxels" {
+                // Each alone would push where its neighbors cover it: tests of bdtree-parry ask their union.
+                assert!(manifolds.is_empty() || !expected.is_empty(), "{what}");
+            } else if is_sure(&deepest) {
                 assert_eq!(manifolds.is_empty(), expected.is_empty(), "{what}");
                 assert!(
                     own == deepest || (own - deepest).abs() < 2e-4,
                     "{what}: {own}, {deepest}"
                 );
             }
-            touching += usize::from(!expected.is_empty());
+            touching += usize::from(!manifolds.is_empty());
             apart += usize::from(expected.is_empty());
             for manifold in &manifolds {
                 assert!(manifold.normal.is_normalized(), "{what}");
