@@ -7,7 +7,7 @@
 //!
 //! Four boxes fall on a chair and around it. It prints what happens in four seconds of simulated time and writes
 //! `target/bevy/flexible_chair_avian.png` or `…_rapier.png`. Without a file it bakes the chair of the fixtures, coarsely and of a
-//! soft plastic, so that it gives way visibly. With both features avian moves the bodies; the word `rapier` among the arguments
+//! soft plastic, so that its legs give way. With both features avian moves the bodies; the word `rapier` among the arguments
 //! has rapier do it.
 
 use std::process::ExitCode;
@@ -100,7 +100,7 @@ fn start() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The chair of the fixtures, baked coarsely, of a soft plastic: it sags by some centimeters under two boxes.
+/// The chair of the fixtures, baked coarsely, of a soft plastic: its legs give way under two boxes.
 pub(crate) fn chair() -> Model {
     let options = bdtree_build::basis::elastic::ElasticOptions {
         mode_count: 6,
