@@ -37,7 +37,11 @@ fn assert_boxes_rest(engine: &dyn Engine, place: fn(&App, Entity) -> Transform) 
 
     let deformation = app.world().get::<Deformation>(scene.chair).unwrap().clone();
     // Legs give way by centimeters where feet may slide; avian's friction knows how fast they spread, and holds them.
-    let least = if engine.name() == "avian" { 0.003 } else { 0.015 };
+    let least = if engine.name() == "avian" {
+        0.003
+    } else {
+        0.015
+    };
     assert!(deformation.q.iter().any(|q| q.abs() > least), "{lines:?}");
     let body = Body {
         model: chair,
