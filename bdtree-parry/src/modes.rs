@@ -232,13 +232,6 @@ impl Body {
         Ok(())
     }
 
-    /// No mode moves any more.
-    pub(super) fn stop(&mut self) {
-        for [_, rate] in &mut self.state {
-            *rate = 0.0;
-        }
-    }
-
     /// One step of all modes under the forces, scaled down so that modes gain no more energy than the store has.
     pub(super) fn advance(&mut self, step_s: f64) -> Result<(), ShapeError> {
         // Of each mode, per modal mass.

@@ -305,6 +305,15 @@ impl FlexibleBodies {
     }
 }
 
+impl Body {
+    /// No mode moves any more.
+    fn stop(&mut self) {
+        for [_, rate] in &mut self.state {
+            *rate = 0.0;
+        }
+    }
+}
+
 /// The frame of a collider's body, unless it sleeps.
 fn awake<'f>(
     frame_of: &HashMap<ColliderHandle, RigidBodyHandle>,
