@@ -6,8 +6,8 @@
 use super::modes::Body;
 use super::parry::math::{Real, Vector};
 
-/// Modes rest once frame and surface have been slow for so many seconds, and no vertex is farther from where the forces would
-/// hold it than half the tolerance...
+/// Modes rest once frame and surface have been slow for so many seconds, and those that go somewhere steadily have no vertex
+/// farther from where the forces would hold it than half the tolerance...
 const REST_AFTER_S: f64 = 0.25;
 
 /// ...or once they have been slow for so many seconds.
