@@ -51,8 +51,8 @@ pub struct FlexibleOptions {
     /// Limit of q in multiples of each mode's `q_range`; never above `q_limit`. Default 1.
     pub strain_limit: f64,
     /// The collider gets the mesh at the new q once a vertex may have moved by this since the last time, world units, or by a
-    /// tenth of this where a load bends it smoothly. Smaller changes let rapier go on with the contacts that it has. Default 5e-3 of the radius of its bounding sphere: rapier itself
-    /// keeps contacts of bodies that have moved by up to 5 cm.
+    /// tenth of this where a load bends it smoothly. Smaller changes let rapier go on with the contacts that it has. Default
+    /// 5e-3 of the radius of its bounding sphere: rapier itself keeps contacts of bodies that have moved by up to 5 cm.
     pub tolerance: Option<f64>,
     /// Modes rest once something holds the body, no point of it is faster than this on average, world units per second, and no
     /// load bends it any further: q stays until the body is hit, pressed harder or let go. Default 0.2, four times the speed
