@@ -3,8 +3,9 @@
 # linker (gcc), python3, Mesa's software Vulkan and a virtual display, as root or through sudo; without either it prints
 # the line to run.
 #
-# `--quick` runs the core's alone (the aim: a minute once they are compiled) and installs nothing: the unit tests of
-# the runtime and the builder, every query on one small mesh beside brute force, and the bytes of all committed files.
+# `--install` stops there. `--quick` runs the core's alone (the aim: a minute once they are compiled) and installs nothing:
+# the unit tests of the runtime and the builder, every query on one small mesh beside brute force, and the bytes of all
+# committed files.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -56,4 +57,4 @@ if ! command -v cargo >/dev/null; then
     exit 1
 fi
 
-cargo test --workspace --locked "$@"
+[[ ${1:-} == --install ]] || cargo test --workspace --locked "$@"
