@@ -8,8 +8,11 @@
 
 use std::time::Instant;
 
-use bdtree_parry::{DeformingModel, FlexibleBodies, FlexibleOptions, MeshDispatcher};
+use bdtree_parry::{
+    DeformingMesh, DeformingModel, FlexibleBodies, FlexibleOptions, MeshDispatcher,
+};
 use bdtree_runtime::Model;
+use rapier3d::parry::query::PersistentQueryDispatcher;
 use rapier3d::prelude::*;
 
 /// Steps per second: chairs fall by several centimeters in a sixtieth, which is more than their legs are thick, and those that
@@ -42,10 +45,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let spent = start.elapsed().as_secs_f64();
             *total += spent;
             println!(
-                "{:3} s: {:8.3} ms per step, {:10.3e} J in motion, {} asleep",
+                "{:3} s: {:8.3} ms per step, {:10.3e} J in motion, {:5.1} mm into each other, {} asleep",
                 second + 1,
                 1e3 * spent / count as f64,
                 heap.kinetic_energy(),
+                1e3 * heap.overlap()?,
                 heap.asleep()
             );
         }
@@ -125,6 +129,30 @@ impl Heap {
             of_frame + self.flexible.modal_kinetic_energy(*collider).unwrap_or(0.0)
         });
         each.sum()
+    }
+
+    /// How far any two chairs reach into each other, meters, asked anew.
+    pub fn overlap(&self) -> Result<f64, Box<dyn std::error::Error>> {
+        let mut meshes = Vec::new();
+        for (_, collider) in &self.chairs {
+            let mesh = self.flexible.mesh(*collider).ok_or("a chair")?;
+            // A mesh of its own knows no contacts.
+            let fresh = DeformingMesh::new(mesh.model(), mesh.q())?;
+            meshes.push((fresh, *self.world.colliders[*collider].position()));
+        }
+        let mut deepest: f32 = 0.0;
+        for (k, (one, at)) in meshes.iter().enumerate() {
+            for (two, other) in &meshes[..k] {
+                let mut manifolds: Vec<ContactManifold> = Vec::new();
+                let pos12 = at.inv_mul(other);
+                MeshDispatcher::new()
+                    .contact_manifolds(&pos12, one, two, 0.0, &mut manifolds, &mut None)
+                    .map_err(|_| "two meshes")?;
+                let points = manifolds.iter().flat_map(|manifold| &manifold.points);
+                deepest = points.fold(deepest, |most, point| most.max(-point.dist));
+            }
+        }
+        Ok(f64::from(deepest))
     }
 
     /// How many chairs sleep.

@@ -13,6 +13,8 @@ mod dispatcher;
 #[cfg(feature = "modes-f64")]
 #[path = "flexible.rs"]
 mod flexible;
+#[path = "lasting.rs"]
+mod lasting;
 #[path = "manifolds.rs"]
 mod manifolds;
 #[path = "mass.rs"]

@@ -42,18 +42,24 @@ impl FlexibleBody {
         self.body.begin(step_s, is_new)
     }
 
-    /// The impulse on the body (newton seconds) of a contact near `point`, both in the shape's frame.
+    /// The impulse on the body (newton seconds) of a contact at a point of a triangle, both in the shape's frame; without the
+    /// triangle ([`DeformingMesh::triangle_of`]) the nearest point of the surface is looked for.
     ///
     /// # Errors
     /// A damaged asset.
-    pub fn push(&mut self, point: Vector, impulse: Vector) -> Result<(), ShapeError> {
+    pub fn push(
+        &mut self,
+        point: Vector,
+        triangle: Option<u32>,
+        impulse: Vector,
+    ) -> Result<(), ShapeError> {
         let force = wide(impulse).map(|x| x / self.step_s);
         if force.iter().all(|x| *x == 0.0) {
             return Ok(());
         }
         self.body
             .press(force.iter().map(|x| x * x).sum::<f64>().sqrt());
-        self.body.pushed(point, force)
+        self.body.pushed(point, triangle, force)
     }
 
     /// Energy that the body's contacts have taken from the motion of frames in the step, joules: this body's share.

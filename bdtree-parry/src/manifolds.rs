@@ -6,6 +6,7 @@ use bdtree_runtime::ContactManifold as Region;
 
 use super::composite::{Nearness, PartPair, end_if, holds_mesh, part_pairs};
 use super::dispatcher::MeshDispatcher;
+use super::lasting::Both;
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::NormalConstraints;
 use super::parry::query::{
@@ -85,6 +86,18 @@ where
                 .inner
                 .contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
         }
+        let lasting = Both::of(shape1, shape2);
+        if workspace
+            .as_ref()
+            .is_none_or(|is| is.0.downcast_ref::<Grouped>().is_none())
+        {
+            *workspace = Some(Grouped.into());
+        }
+        if let Some(both) = &lasting
+            && both.follow(pos12, prediction, manifolds)
+        {
+            return Ok(());
+        }
         let mut points = Vec::new();
         let mut failed = false;
         let near = Nearness::within(prediction);
@@ -124,13 +137,10 @@ where
             manifolds.clear();
             return Err(Unsupported);
         }
-        if workspace
-            .as_ref()
-            .is_none_or(|is| is.0.downcast_ref::<Grouped>().is_none())
-        {
-            *workspace = Some(Grouped.into());
+        let triangles = replace(manifolds, grouped(points), prediction);
+        if let Some(both) = lasting {
+            both.remember(pos12, prediction, manifolds, &triangles);
         }
-        replace(manifolds, grouped(points), prediction);
         Ok(())
     }
 
@@ -251,6 +261,20 @@ fn regions(
     }
 }
 
+impl DeformingMesh {
+    /// A triangle that a feature of a point of contact belongs to, where manifolds of [`MeshDispatcher`] name one of this mesh and
+    /// the mesh is no part of a `Compound`.
+    pub fn triangle_of(&self, feature: PackedFeatureId) -> Option<u32> {
+        let triangle = match feature.unpack() {
+            FeatureId::Vertex(vertex) => self.model().triangle_at(vertex)?,
+            FeatureId::Edge(edge) => edge / 4,
+            FeatureId::Face(triangle) => triangle,
+            FeatureId::Unknown => return None,
+        };
+        (triangle < self.triangle_count()).then_some(triangle)
+    }
+}
+
 /// What a feature of a triangle is called in its mesh: a vertex by its id in the file, so that all triangles around it agree.
 fn mesh_feature(mesh: &DeformingMesh, triangle: u32, fid: PackedFeatureId) -> PackedFeatureId {
     const CODES: u32 = 0x3fff_ffff;
@@ -293,12 +317,12 @@ fn grouped(mut points: Vec<Point>) -> Vec<Group> {
 }
 
 /// Puts groups in the place of the last step's manifolds, whose data go to those with the nearest normals and whose points'
-/// data go to points of the same features, or else of nearly the same place.
+/// data go to points of the same features, or else of nearly the same place. Gives the sub-shapes of each manifold's points.
 fn replace<M: Default + Clone, C: Default + Copy>(
     manifolds: &mut Vec<ContactManifold<M, C>>,
     groups: Vec<Group>,
     prediction: Real,
-) {
+) -> Vec<Vec<[SubShapeId; 2]>> {
     let mut old = std::mem::take(manifolds);
     let old_points: Vec<(Vector, TrackedContact<C>)> = old
         .iter()
@@ -310,6 +334,7 @@ fn replace<M: Default + Clone, C: Default + Copy>(
         })
         .collect();
     let mut used = vec![false; old_points.len()];
+    let mut subshapes = Vec::with_capacity(groups.len());
     for group in groups {
         let chosen = chosen(&group, &old_points, prediction);
         let (id1, id2) = (group.points[0].subshape1, group.points[0].subshape2);
@@ -326,6 +351,7 @@ fn replace<M: Default + Clone, C: Default + Copy>(
         manifold.local_n1 = group.normal1;
         manifold.local_n2 = group.normal2;
         manifold.points.clear();
+        subshapes.push(chosen.iter().map(|p| [p.subshape1, p.subshape2]).collect());
         for point in chosen {
             let mut tracked = TrackedContact::new(
                 point.local_p1,
@@ -342,6 +368,7 @@ fn replace<M: Default + Clone, C: Default + Copy>(
         }
         manifolds.push(manifold);
     }
+    subshapes
 }
 
 /// The last step's point that this one continues, none that another one continues already.

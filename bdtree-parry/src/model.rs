@@ -20,6 +20,8 @@ struct Shared {
     scale: f64,
     /// Of each triangle, the one across the edge from each corner to the next; itself where there is none.
     neighbors: Vec<[u32; 3]>,
+    /// Of each vertex, a triangle that it is a corner of.
+    triangle_at: Vec<u32>,
     is_closed: bool,
     /// Corners run clockwise as seen from outside.
     is_inside_out: bool,
@@ -38,12 +40,19 @@ impl DeformingModel {
         }
         let corners = welded(asset)?;
         let (neighbors, is_closed) = neighbors(&corners);
+        let mut triangle_at = vec![u32::MAX; asset.vertex_count()];
+        for id in 0..asset.triangle_count() as u32 {
+            for corner in asset.triangle(TriangleId(id))? {
+                triangle_at[corner.0 as usize] = id;
+            }
+        }
         Ok(Self {
             shared: Arc::new(Shared {
                 is_inside_out: is_closed && volume(asset, &corners) < 0.0,
                 model: model.clone(),
                 scale,
                 neighbors,
+                triangle_at,
                 is_closed,
             }),
         })
@@ -85,6 +94,12 @@ impl DeformingModel {
     pub(crate) fn neighbors(&self, triangle: u32) -> [u32; 3] {
         let all = &self.shared.neighbors;
         all.get(triangle as usize).copied().unwrap_or([triangle; 3])
+    }
+
+    /// A triangle that a vertex is a corner of; `None` where it is one of none.
+    pub(crate) fn triangle_at(&self, vertex: u32) -> Option<u32> {
+        let id = self.shared.triangle_at.get(vertex as usize).copied();
+        id.filter(|id| *id != u32::MAX)
     }
 
     /// 1, or −1 where corners run clockwise as seen from outside.

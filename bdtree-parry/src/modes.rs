@@ -1,8 +1,10 @@
 //! The modes of a body that an engine for rigid bodies moves.
 
 use bdtree_dynamics::{Damping, Oscillator, StrainLimit, Transition};
+use bdtree_runtime::TriangleId;
 
 use super::parry::math::{Real, Vector};
+use super::parry::query::PointQueryWithLocation;
 use super::points::{wide, with_workspace};
 use super::rest::Rest;
 use super::shape::DeformingMesh;
@@ -35,6 +37,10 @@ const SMALL: f64 = 0.1;
 /// How far a vertex may be off in the collider, in radii of the mesh's bounding sphere.
 const TOLERANCE: f64 = 5e-3;
 
+/// How far a body and what it touches may move against each other until contacts are looked for anew, in the same unit. Heaps of
+/// chairs take a third of the time that they take with 0, and reach no farther into each other.
+const CONTACT_DRIFT: f64 = 0.02;
+
 /// Seconds after which half of what a body has stored is forgotten.
 const STORE_HALF_LIFE_S: f64 = 0.25;
 
@@ -52,8 +58,12 @@ pub struct FlexibleOptions {
     pub strain_limit: f64,
     /// The collider gets the mesh at the new q once a vertex may have moved by this since the last time, world units, or by a
     /// tenth of this where a load bends it smoothly. Smaller changes let rapier go on with the contacts that it has. Default
-    /// 5e-3 of the radius of its bounding sphere: rapier itself keeps contacts of bodies that have moved by up to 5 cm.
+    /// 5e-3 of the radius of its bounding sphere.
     pub tolerance: Option<f64>,
+    /// The contacts of the body follow its surface until it may have moved by this against what it touches, world units,
+    /// deformation included: see [`DeformingMesh::with_lasting_contacts`]. Default 0.02 of the radius of its bounding sphere; 0 to
+    /// look for contacts whenever it has deformed. rapier itself keeps contacts of bodies that have moved by up to 5 cm.
+    pub contact_drift: Option<f64>,
     /// Modes rest once something holds the body, no point of it is faster than this on average, world units per second, and no
     /// load bends it any further: q stays until the body is hit, pressed harder or let go. Default 0.2, four times the speed
     /// below which rapier's bodies sleep; 0 for never.
@@ -69,6 +79,7 @@ impl Default for FlexibleOptions {
             damping: Damping::Ratio(0.1),
             strain_limit: 1.0,
             tolerance: None,
+            contact_drift: None,
             rest_speed: 0.2,
             friction: 0.5,
         }
@@ -124,6 +135,8 @@ pub(super) struct Body {
     pub(super) tolerance: f64,
     /// Joules that contacts have destroyed and modes have not taken.
     pub(super) store: f64,
+    /// The collider gets the mesh however little it has moved, so that the engine looks for its contacts.
+    pub(super) is_stale: bool,
     pub(super) rest: Rest,
 }
 
@@ -134,12 +147,17 @@ impl Body {
         options: &FlexibleOptions,
     ) -> Result<Self, ShapeError> {
         let mesh = DeformingMesh::at_rest(model)?;
+        let radius = f64::from(mesh.sphere().radius);
+        let drift = options.contact_drift.unwrap_or(CONTACT_DRIFT * radius);
+        let mesh = match drift > 0.0 {
+            true => mesh.with_lasting_contacts(drift as Real)?,
+            false => mesh,
+        };
         let modes = match options.is_deformable {
             true => modes(model, options)?,
             false => Vec::new(),
         };
         let mass = mesh.baked_mass_properties();
-        let radius = f64::from(mesh.sphere().radius);
         Ok(Self {
             state: vec![[0.0; 2]; modes.len()],
             rest: Rest::new(options.rest_speed, modes.len()),
@@ -150,6 +168,7 @@ impl Body {
             modes,
             mesh,
             store: 0.0,
+            is_stale: false,
         })
     }
 
@@ -211,25 +230,48 @@ impl Body {
         Ok(())
     }
 
-    /// Adds `Uᵀ f` of a force (N, the mesh's frame) near a point of the surface.
-    pub(super) fn pushed(&mut self, point: Vector, force: [f64; 3]) -> Result<(), ShapeError> {
+    /// Adds `Uᵀ f` of a force (N, the mesh's frame) at a point of a triangle, or near a point of the surface.
+    pub(super) fn pushed(
+        &mut self,
+        point: Vector,
+        triangle: Option<u32>,
+        force: [f64; 3],
+    ) -> Result<(), ShapeError> {
         if self.modes.is_empty() {
             return Ok(());
+        }
+        let Some((triangle, barycentric)) = self.surface_at(point, triangle)? else {
+            return Ok(());
+        };
+        let size = force.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let direction = force.map(|x| x / size);
+        let mut moves = vec![0.0; self.modes.len()];
+        let pose = self.mesh.pose();
+        pose.add_generalized_force(triangle, barycentric, direction, &mut moves)?;
+        self.touches.push(Touch { force: size, moves });
+        Ok(())
+    }
+
+    /// The point of a triangle that is nearest to a point, or that of the whole surface.
+    fn surface_at(
+        &self,
+        point: Vector,
+        triangle: Option<u32>,
+    ) -> Result<Option<(TriangleId, [f64; 3])>, ShapeError> {
+        if let Some(id) = triangle
+            && let Some(corners) = self.mesh.triangle(id)
+        {
+            let (_, location) = corners.project_local_point_and_get_location(point, false);
+            if let Some(weights) = location.barycentric_coordinates() {
+                return Ok(Some((TriangleId(id), weights.map(f64::from))));
+            }
         }
         let pose = self.mesh.pose();
         let found = with_workspace(|workspace| {
             pose.query(workspace)
                 .project_point(wide(point), f64::INFINITY)
         })?;
-        let Some(found) = found else {
-            return Ok(());
-        };
-        let size = force.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let direction = force.map(|x| x / size);
-        let mut moves = vec![0.0; self.modes.len()];
-        pose.add_generalized_force(found.triangle, found.barycentric, direction, &mut moves)?;
-        self.touches.push(Touch { force: size, moves });
-        Ok(())
+        Ok(found.map(|found| (found.triangle, found.barycentric)))
     }
 
     /// One step of all modes under the forces, scaled down so that modes gain no more energy than the store has.
@@ -346,7 +388,7 @@ impl Body {
     }
 
     /// The mesh at the new q, if a vertex may have moved by more than the tolerance.
-    pub(super) fn deformed(&self) -> Result<Option<DeformingMesh>, ShapeError> {
+    pub(super) fn deformed(&mut self) -> Result<Option<DeformingMesh>, ShapeError> {
         let q = self.q();
         let changes = q.iter().zip(self.mesh.q()).zip(&self.modes);
         let moved: f64 = changes
@@ -354,7 +396,8 @@ impl Body {
             .sum();
         // What gives way smoothly keeps its contacts: a step of the whole tolerance would drop it from what holds it.
         let is_steady = self.modes.iter().any(Mode::is_steady);
-        if moved <= self.tolerance * if is_steady { SMALL } else { 1.0 } {
+        let is_small = moved <= self.tolerance * if is_steady { SMALL } else { 1.0 };
+        if is_small && !std::mem::take(&mut self.is_stale) {
             return Ok(None);
         }
         self.mesh.with_q(&q).map(Some)

@@ -254,7 +254,9 @@ impl FlexibleBodies {
                         continue;
                     };
                     let own = collider.position().rotation.inverse() * impulse * sign;
-                    body.pushed(own_points[side], wide(own).map(|x| x / step_s))?;
+                    let triangle = body.mesh.triangle_of([point.fid1, point.fid2][side]);
+                    let force = wide(own).map(|x| x / step_s);
+                    body.pushed(own_points[side], triangle, force)?;
                 }
             }
         }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use bdtree_runtime::{CacheSize, Instance, Pose as RuntimePose, TriangleId};
 
+use super::lasting::Lasting;
 use super::parry::bounding_volume::{Aabb, BoundingSphere};
 use super::parry::mass_properties::MassProperties;
 use super::parry::math::{Real, Vector};
@@ -29,6 +30,7 @@ struct Shared {
     instance: Instance,
     aabb: Aabb,
     sphere: BoundingSphere,
+    lasting: Option<Arc<Lasting>>,
 }
 
 impl DeformingMesh {
@@ -40,6 +42,30 @@ impl DeformingMesh {
         let mut instance = Instance::with_cache(model.model(), CacheSize::NONE)?;
         instance.set_pose(q, model.placement())?;
         Self::of_instance(model.clone(), instance)
+    }
+
+    /// The same mesh, whose contacts last: [`MeshDispatcher`](super::MeshDispatcher) lets the contacts that a pair has follow the
+    /// surfaces, also those of [`DeformingMesh::with_q`], until one shape may have moved by `drift` (world units) against the
+    /// other, deformation included. Then it looks for contacts anew. Until then it does not see those that begin elsewhere:
+    /// parts may pass into each other by so much.
+    ///
+    /// For one body; others need meshes of their own. Contacts of meshes with bones are looked for in every step all the same.
+    ///
+    /// # Errors
+    /// A damaged asset.
+    pub fn with_lasting_contacts(&self, drift: Real) -> Result<Self, ShapeError> {
+        if self.model().model().asset().has_skin() {
+            return Ok(self.clone());
+        }
+        Ok(Self::new(self.model(), self.q())?.lasting_as(Some(Arc::new(Lasting::new(drift)))))
+    }
+
+    /// What has just been made.
+    fn lasting_as(mut self, lasting: Option<Arc<Lasting>>) -> Self {
+        if let Some(shared) = Arc::get_mut(&mut self.shared) {
+            shared.lasting = lasting;
+        }
+        self
     }
 
     /// A model at rest: q = 0.
@@ -55,7 +81,7 @@ impl DeformingMesh {
     /// # Errors
     /// Those of [`DeformingMesh::new`].
     pub fn with_q(&self, q: &[f32]) -> Result<Self, ShapeError> {
-        Self::new(self.model(), q)
+        Ok(Self::new(self.model(), q)?.lasting_as(self.shared.lasting.clone()))
     }
 
     /// An instance of the model's file, bones and all: its placement is replaced by the model's scale.
@@ -77,6 +103,7 @@ impl DeformingMesh {
             sphere: BoundingSphere::new(vector(ball.center), (ball.radius + margin) as Real),
             model,
             instance,
+            lasting: None,
         };
         Ok(Self {
             shared: Arc::new(shared),
@@ -138,6 +165,11 @@ impl DeformingMesh {
     pub(super) fn corners(&self, id: u32) -> Option<[u32; 3]> {
         let asset = self.model().model().asset();
         Some(asset.triangle(TriangleId(id)).ok()?.map(|v| v.0))
+    }
+
+    /// The contacts of its body, if they last.
+    pub(super) fn lasting(&self) -> Option<&Arc<Lasting>> {
+        self.shared.lasting.as_ref()
     }
 
     /// A sphere that holds it.

@@ -13,6 +13,8 @@ mod dispatcher;
 #[cfg(feature = "modes")]
 #[path = "flexible.rs"]
 mod flexible;
+#[path = "lasting.rs"]
+mod lasting;
 #[path = "manifolds.rs"]
 mod manifolds;
 #[path = "mass.rs"]

@@ -3,9 +3,11 @@
 use bdtree_fixtures::poses;
 
 use super::ours::{DeformingMesh, MeshDispatcher};
-use super::parry::math::{Pose, Real};
-use super::parry::query::{ContactManifold, ContactManifoldsWorkspace, PersistentQueryDispatcher};
-use super::parry::shape::{Cuboid, Shape};
+use super::parry::math::{Pose, Real, Vector};
+use super::parry::query::{
+    ContactManifold, ContactManifoldsWorkspace, PersistentQueryDispatcher, PointQuery,
+};
+use super::parry::shape::{Cuboid, PackedFeatureId, Shape};
 use super::support;
 
 const PREDICTION: Real = 0.05;
@@ -99,4 +101,164 @@ fn what_parted_leaves_no_manifold() {
         &mut kept,
     );
     assert!(kept.is_empty());
+}
+
+/// How far two bodies may drift, world units.
+const DRIFT: Real = 0.02;
+
+/// Contacts of a body and of something that nobody remembers.
+fn fresh(pos12: &Pose, one: &DeformingMesh, two: &dyn Shape, kept: &[Kept]) -> Vec<Kept> {
+    let plain = |mesh: &DeformingMesh| DeformingMesh::new(mesh.model(), mesh.q()).expect("a mesh");
+    let mut found = kept.to_vec();
+    match two.as_shape::<DeformingMesh>() {
+        Some(mesh) => update(pos12, &plain(one), &plain(mesh), &mut found),
+        None => update(pos12, &plain(one), two, &mut found),
+    }
+    found
+}
+
+type Told = (Vector, Vector, Real, [u32; 2]);
+
+fn told(kept: &[Kept]) -> Vec<Told> {
+    let each = kept.iter().flat_map(|manifold| &manifold.points);
+    each.map(|p| (p.local_p1, p.local_p2, p.dist, [p.fid1.0, p.fid2.0]))
+        .collect()
+}
+
+fn deepest(kept: &[Kept]) -> Real {
+    told(kept)
+        .iter()
+        .map(|p| p.2)
+        .fold(Real::INFINITY, Real::min)
+}
+
+/// q at which no vertex has moved farther than `way` from where it was, and some may have.
+fn moved(mesh: &DeformingMesh, way: Real) -> DeformingMesh {
+    let model = mesh.model();
+    let asset = model.model().asset();
+    let reach: f64 = asset
+        .modes()
+        .iter()
+        .map(|mode| f64::from(mode.field_norm_max.get()))
+        .sum();
+    let change = (f64::from(way) / (reach * asset.unit() * model.scale())) as f32;
+    let q: Vec<f32> = mesh.q().iter().map(|q| q + change).collect();
+    mesh.with_q(&q).expect("a mesh")
+}
+
+#[test]
+fn contacts_follow_the_surface() {
+    let mut rng = poses::rng(41);
+    let start = support::mesh(support::bumpy(), &mut rng);
+    let [body, other] = [(); 2].map(|()| start.with_lasting_contacts(DRIFT).expect("a mesh"));
+    let ground = Cuboid::new(support::vector([2.0, 0.5, 2.0]));
+    let cases: [(&dyn Shape, Real); 2] = [(&ground, -1.2), (&other, 1.5)];
+    for (two, height) in cases {
+        let mut kept: Vec<Kept> = Vec::new();
+        update(&Pose::translation(0.0, height, 0.0), &body, two, &mut kept);
+        let features: Vec<_> = told(&kept).iter().map(|p| p.3).collect();
+        assert!(!features.is_empty());
+        for step in 1..10 {
+            // Both move and deform, together by less than they may.
+            let way = 0.05 * DRIFT * step as Real;
+            let pos = Pose::translation(way, height, 0.0);
+            let deformed = moved(&body, way);
+            update(&pos, &deformed, two, &mut kept);
+            let now: Vec<_> = told(&kept).iter().map(|p| p.3).collect();
+            assert_eq!(now, features, "step {step}: the same points");
+            let off = (deepest(&kept) - deepest(&fresh(&pos, &deformed, two, &[]))).abs();
+            assert!(off <= 2.0 * way, "step {step}: the deepest is {off} off");
+            for manifold in &kept {
+                for point in &manifold.points {
+                    let on = deformed.project_local_point(point.local_p1, false).point;
+                    let off = on.distance(point.local_p1);
+                    assert!(off < 1e-5, "step {step}: {off} off the surface");
+                    let dist = (pos * point.local_p2 - point.local_p1).dot(manifold.local_n1);
+                    assert!((dist - point.dist).abs() < 1e-6);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn contacts_are_looked_for_anew_after_a_drift() {
+    let mut rng = poses::rng(43);
+    let start = support::mesh(support::bumpy(), &mut rng);
+    let [body, other] = [(); 2].map(|()| start.with_lasting_contacts(DRIFT).expect("a mesh"));
+    let ground = Cuboid::new(support::vector([2.0, 0.5, 2.0]));
+    let wider = Cuboid::new(support::vector([2.5, 0.5, 2.0]));
+    let (low, high) = (
+        Pose::translation(0.0, -1.2, 0.0),
+        Pose::translation(0.0, 1.5, 0.0),
+    );
+    let aside = |pose: &Pose| Pose::translation(1.1 * DRIFT, 0.0, 0.0) * *pose;
+    let far = moved(&body, 1.1 * DRIFT);
+    type Case<'a> = (&'a dyn Shape, Pose, &'a DeformingMesh, &'a dyn Shape, Pose);
+    let cases: [Case<'_>; 5] = [
+        (&ground, low, &far, &ground, low),
+        (&ground, low, &body, &ground, aside(&low)),
+        (&ground, low, &body, &wider, low),
+        (&other, high, &far, &other, high),
+        (&other, high, &body, &other, aside(&high)),
+    ];
+    for (k, (two, pos, deformed, other, at)) in cases.into_iter().enumerate() {
+        let mut kept: Vec<Kept> = Vec::new();
+        update(&pos, &body, two, &mut kept);
+        let expected = fresh(&at, deformed, other, &kept);
+        update(&at, deformed, other, &mut kept);
+        assert_eq!(told(&kept), told(&expected), "case {k}");
+    }
+}
+
+#[test]
+fn what_comes_near_is_seen() {
+    let mut rng = poses::rng(47);
+    let start = support::mesh(support::bumpy(), &mut rng);
+    // However far bodies may drift.
+    let [body, other] = [(); 2].map(|()| start.with_lasting_contacts(10.0).expect("a mesh"));
+    let ground = Cuboid::new(support::vector([2.0, 0.5, 2.0]));
+    let cases: [(&dyn Shape, Real); 2] = [(&ground, -1.0), (&other, 1.0)];
+    for (two, up) in cases {
+        let mut kept: Vec<Kept> = Vec::new();
+        let mut seen = 0;
+        for step in 0..400 {
+            let pos = Pose::translation(0.0, up * (2.5 - 0.004 * step as Real), 0.0);
+            update(&pos, &body, two, &mut kept);
+            let found = fresh(&pos, &body, two, &[]);
+            if !found.is_empty() && deepest(&found) < 0.5 * PREDICTION {
+                assert!(!kept.is_empty(), "step {step}: {} apart", deepest(&found));
+                seen += 1;
+                break;
+            }
+        }
+        assert_eq!(seen, 1, "they touch");
+    }
+}
+
+#[test]
+fn features_name_triangles_that_the_points_are_on() {
+    let mut rng = poses::rng(53);
+    let mesh = support::mesh(support::bumpy(), &mut rng);
+    let ground = Cuboid::new(support::vector([2.0, 0.5, 2.0]));
+    let other = support::mesh(support::bumpy(), &mut rng);
+    let cases: [(&dyn Shape, Real); 2] = [(&ground, -1.2), (&other, 1.5)];
+    for (two, height) in cases {
+        let mut found: Vec<Kept> = Vec::new();
+        update(&Pose::translation(0.0, height, 0.0), &mesh, two, &mut found);
+        let points: Vec<_> = found.iter().flat_map(|m| &m.points).collect();
+        assert!(!points.is_empty());
+        for point in points {
+            let id = mesh.triangle_of(point.fid1).expect("a triangle");
+            let triangle = mesh.triangle(id).expect("a triangle");
+            let off = triangle
+                .project_local_point(point.local_p1, false)
+                .point
+                .distance(point.local_p1);
+            assert!(off < 1e-5, "{off} off triangle {id}");
+        }
+        assert_eq!(mesh.triangle_of(PackedFeatureId::UNKNOWN), None);
+        let far = PackedFeatureId::face(mesh.triangle_count());
+        assert_eq!(mesh.triangle_of(far), None);
+    }
 }

@@ -279,7 +279,9 @@ pub(super) fn end_step(
                     continue;
                 };
                 let back = turn.inverse();
-                if let Err(why) = modes.0.push(back * (at - *place), back * (impulse * sign)) {
+                let (own, push) = (back * (at - *place), back * (impulse * sign));
+                // Constraints do not name features.
+                if let Err(why) = modes.0.push(own, None, push) {
                     error!("{entity}: {why}");
                 }
             }
