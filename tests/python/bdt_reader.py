@@ -62,6 +62,7 @@ def read_header(data):
     check(features == 0, "9.3", f"unknown required features {features:#x}")
     check(min(n, f, nodes, depth, leaf_max) >= 1 and depth <= 32 and leaf_max <= 255, "2.1", "counts")
     check(abs(e) <= 100 and all(abs(o) <= 2.0 ** 80 for o in origin), "5.2", "unit, origin")
+    check(floats(data[88:92], "position_norm_max")[0] >= 0, "5.1", "position_norm_max")
     modes = list(struct.iter_unpack("<4f2d", data[128:128 + 32 * m]))
     floats(b"".join(struct.pack("<4f", *mode[:4]) for mode in modes), "mode table")
     for limit, q_range, scale, w, omega, mass in modes:

@@ -36,7 +36,7 @@ fn golden_files(folder: &Path, found: &mut Vec<PathBuf>) {
 #[test]
 fn golden_files_are_read() {
     let mut files = vec![root().join("format-spec/tests/example.bdt")];
-    golden_files(&root().join("fixtures"), &mut files);
+    golden_files(&root().join("fixtures/golden"), &mut files);
     for file in files {
         let output = read(&file);
         let errors = String::from_utf8_lossy(&output.stderr);

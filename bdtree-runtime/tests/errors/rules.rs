@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 
-use bdtree_fixtures::mutate::{Damage, repair};
-use bdtree_fixtures::poses;
-use bdtree_runtime::{Asset, Datum, Model, Transform, TriangleId, VertexId};
+use bdtree_fixtures::rules::{self, By, told};
+use bdtree_fixtures::skin::skinned_bar;
+use bdtree_runtime::{
+    Asset, Datum, Model, QueryError, SkeletonError, Transform, TriangleId, VertexId,
+};
+use serde_json::Value;
 
-use crate::deep::list_twice;
 use crate::seen::{FILE, Seen};
-use crate::{asked, deep, mass, open, skin};
 
 /// Rules that no input reaches: they guard what earlier rules already ensure.
 const UNREACHABLE: [&str; 4] = [
@@ -20,8 +21,15 @@ const UNREACHABLE: [&str; 4] = [
     "SPEC 7.3: a displacement is one of a vertex and a mode of the file",
 ];
 
+/// Rules of what a caller gives, which no file breaks.
+const OF_CALLERS: [&str; 3] = [
+    "SPEC 3.2: the first byte lies at an address that is a multiple of 4",
+    "SPEC 7.1: a vertex id is below N",
+    "SPEC 7.2: a triangle id is below F",
+];
+
 /// All rules that the sources cite.
-fn rules() -> BTreeSet<String> {
+fn cited() -> BTreeSet<String> {
     let mut folders = vec![PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/src"))];
     let mut rules = BTreeSet::new();
     while let Some(folder) = folders.pop() {
@@ -46,45 +54,26 @@ fn rules() -> BTreeSet<String> {
 fn every_rule_is_triggered() {
     let mut seen = Seen::default();
     let file = FILE.asset().bytes();
-    seen.everything(file);
-    assert!(seen.0.is_empty(), "{:?}", seen.0);
-    let changes = [
-        open::changes(),
-        deep::changes(),
-        mass::changes(),
-        asked::changes(),
-    ];
-    for change in changes.into_iter().flatten() {
-        let mut bytes = file.to_vec();
-        change(&mut bytes);
-        repair(&mut bytes);
-        seen.everything(&bytes);
+    for (name, bytes) in rules::sound() {
+        assert!(told(&bytes).is_empty(), "{name}");
     }
-    let skinned = skin::file();
-    let mut sound = Seen::default();
-    sound.skinned(&skinned);
-    assert!(sound.0.is_empty(), "{:?}", sound.0);
-    for change in skin::changes() {
-        let mut bytes = skinned.clone();
-        change(&mut bytes);
-        repair(&mut bytes);
-        seen.skinned(&bytes);
+    for damaged in rules::all() {
+        for (by, error) in told(&damaged.bytes) {
+            seen.note(&error);
+            let text = error.to_string();
+            match by {
+                By::Open | By::Verify => {}
+                By::Query => {
+                    let of_query = QueryError::from(error).to_string();
+                    assert!(of_query.ends_with(&text), "{of_query}");
+                    assert_eq!(SkeletonError::from(error).to_string(), text);
+                }
+            }
+        }
     }
-    let model = Model::from_bytes(&skinned).expect("a sound file");
-    let unknown = model.asset().influences(VertexId(u32::MAX));
+    let skinned = Model::from_bytes(&skinned_bar()).expect("a sound file");
+    let unknown = skinned.asset().influences(VertexId(u32::MAX));
     seen.note(&unknown.expect_err("no such vertex"));
-    seen.everything(&list_twice(true));
-    seen.everything(&list_twice(false));
-    // Trees whose leaves share triangles, among others that are none.
-    for seed in 0..40 {
-        seen.everything(&Damage::Tree.done_to(FILE.asset(), &mut poses::rng(seed)));
-    }
-    // Checksums that are not repaired.
-    for at in [100, file.len() - 1] {
-        let mut bytes = file.to_vec();
-        bytes[at] ^= 1;
-        seen.everything(&bytes);
-    }
     // A misaligned base.
     let mut shifted = vec![0; file.len() + 16];
     let start = shifted.as_ptr().align_offset(8);
@@ -135,7 +124,7 @@ fn every_rule_is_triggered() {
     let unknown = asset.rest_vertex(VertexId(u32::MAX), &mut [[0.0; 3]; 6]);
     assert_eq!(unknown.expect_err("no such vertex").expected, range.0);
 
-    let all = rules();
+    let all = cited();
     assert!(all.len() > 60, "{}", all.len());
     let missing: Vec<_> = all
         .iter()
@@ -149,11 +138,37 @@ fn every_rule_is_triggered() {
     assert!(unknown.is_empty(), "not in the sources: {unknown:#?}");
 }
 
+/// Each file of `fixtures/rules` is refused as its index says, and every rule that a file can break has one.
+#[test]
+fn every_rule_of_files_has_a_file() {
+    let text = fs::read_to_string(rules::folder().join("index.json")).expect("the index");
+    let index: Vec<Value> = serde_json::from_str(&text).expect("JSON");
+    let mut found = BTreeSet::new();
+    for entry in &index {
+        let field = |name: &str| entry[name].as_str().expect("text");
+        let bytes = fs::read(rules::folder().join(field("file"))).expect("a file");
+        let told = told(&bytes);
+        let own = told.iter().find(|(_, error)| error.rule == field("rule"));
+        let (by, error) = own.unwrap_or_else(|| panic!("{entry}: {told:?}"));
+        assert_eq!(
+            (by.name(), error.to_string().as_str()),
+            (field("refused_by"), field("error"))
+        );
+        assert_eq!(entry["structural"] == true, entry["why_not"].is_null());
+        found.insert(error.rule.to_string());
+    }
+    let mut of_files = cited();
+    of_files.retain(|rule| {
+        !UNREACHABLE.contains(&rule.as_str()) && !OF_CALLERS.contains(&rule.as_str())
+    });
+    assert_eq!(found, of_files);
+}
+
 /// Cited numbers exist, and speak of the part that they are cited for.
 #[test]
 fn cited_rules_stand_in_the_specification() {
     let spec = include_str!("../../../format-spec/SPEC.md");
-    for rule in rules() {
+    for rule in cited() {
         let number = rule["SPEC ".len()..]
             .split([':', ')'])
             .next()

@@ -1,47 +1,14 @@
 //! A sound file, and the rules of the errors that others lead to.
 
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 use std::sync::LazyLock;
 
-use bdtree_build::input::{GroupKind, RawGroup};
-use bdtree_build::mass::Momentum;
-use bdtree_fixtures::bake;
-use bdtree_runtime::{
-    Ball, Contact, Datum, FormatError, Instance, Model, QueryError, SkeletonError, SkeletonPose,
-    Workspace,
-};
+use bdtree_fixtures::rules::several;
+use bdtree_runtime::{Datum, FormatError, Model};
 
-/// Several nodes, six local modes (so the header block ends with padding), frames, groups, mass
-/// and momenta, metadata.
-pub(crate) static FILE: LazyLock<Model> = LazyLock::new(|| {
-    let mut mesh = bake::bumpy_sphere(14, 1);
-    for name in ["a", "b"] {
-        mesh.groups.push(RawGroup {
-            kind: GroupKind::Group,
-            name: name.to_string(),
-            first_triangle: 3,
-            triangle_count: 4,
-        });
-    }
-    let mut basis = bake::smooth_basis(&mesh, 6, 1);
-    let count = mesh.positions.len();
-    for (k, u) in basis.fields.iter_mut().enumerate() {
-        if mesh.positions[k % count][(k / count) % 3] < 0.5 {
-            *u = [0.0; 3];
-        }
-    }
-    // The sphere is closed, so it has a mass; modes of which that is known have momenta.
-    for (j, mode) in basis.modes.iter_mut().enumerate() {
-        mode.modal_mass_kg = Some(2.0);
-        mode.momentum = Some(Momentum {
-            about: [0.1, 0.2, 0.3],
-            linear: [1.0, 0.0, j as f64],
-            angular: [0.5; 3],
-        });
-    }
-    bake::baked(&mesh, &bake::with_frames(basis, 3, 1.0, 1))
-});
+/// Several nodes, six local modes, frames, groups, mass and momenta, metadata.
+pub(crate) static FILE: LazyLock<Model> =
+    LazyLock::new(|| Model::from_bytes(&several()).expect("a sound file"));
 
 /// The rules of the errors seen so far; each error's text is checked when it is noted.
 #[derive(Default)]
@@ -109,59 +76,5 @@ impl Seen {
         };
         assert_eq!(fault, told);
         self.0.insert(error.rule.to_string());
-    }
-
-    /// Opens, verifies and plays the clips of a skin; notes everything.
-    pub(crate) fn skinned(&mut self, bytes: &[u8]) {
-        let model = match Model::from_bytes(bytes) {
-            Ok(model) => model,
-            Err(error) => return self.note(&error),
-        };
-        let asset = model.asset();
-        let sound = asset.verify(&mut |error| {
-            self.note(&error);
-            ControlFlow::Continue(())
-        });
-        let clips = asset.skeleton().map_or(0, |skeleton| skeleton.clip_count());
-        let played = SkeletonPose::new(&model)
-            .and_then(|mut pose| (0..clips).try_for_each(|clip| pose.play(clip, 0.75)));
-        match played {
-            Err(SkeletonError::Corrupt(error)) => {
-                assert!(!sound, "{error}");
-                let text = SkeletonError::from(error).to_string();
-                assert_eq!(text, error.to_string());
-                self.note(&error);
-            }
-            Err(SkeletonError::NoSkin) => assert!(asset.skeleton().is_none()),
-            Err(error) => panic!("{error}"),
-            Ok(()) => {}
-        }
-    }
-
-    /// Opens, verifies and asks; notes everything.
-    pub(crate) fn everything(&mut self, bytes: &[u8]) {
-        let model = match Model::from_bytes(bytes) {
-            Ok(model) => model,
-            Err(error) => return self.note(&error),
-        };
-        model.asset().verify(&mut |error| {
-            self.note(&error);
-            ControlFlow::Continue(())
-        });
-        let mut body = Instance::new(&model).expect("an instance");
-        let q = vec![0.01; model.asset().mode_count()];
-        body.set_q(&q).expect("pose");
-        let mut workspace = Workspace::new();
-        let mut query = body.query(&mut workspace);
-        let mut found: Vec<Contact> = Vec::new();
-        let ball = query.contacts(Ball::new([0.0; 3], 100.0), &mut found);
-        if let Err(QueryError::Corrupt(error)) = ball {
-            assert!(
-                QueryError::from(error)
-                    .to_string()
-                    .ends_with(&error.to_string())
-            );
-            self.note(&error);
-        }
     }
 }
