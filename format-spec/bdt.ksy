@@ -328,6 +328,11 @@ types:
         valid:
           expr: '_ == -1 or (_ > 0 and _ <= 1.7976931348623157e+308)'
         doc: Modal mass in kg, or -1 when unknown.
+      - id: check_reach
+        size: 0
+        valid:
+          expr: 'reach >= 0'
+        doc: Computed mode by mode, so that no language has to recurse over all modes.
     instances:
       q_limit_bits:
         io: _root._io
@@ -989,6 +994,11 @@ types:
             sum <= 2 and sum - 1 <= _root.skin.weight_defect + 9.094947017729282e-13 * sum
             and 1 - sum <= _root.skin.weight_defect + 9.094947017729282e-13 * sum
         doc: Weights sum to 2 at most, and weight_defect reaches the distance of the sum from 1.
+      - id: check_most
+        size: 0
+        valid:
+          expr: 'most <= _root.skin.influences_max'
+        doc: Computed vertex by vertex, like the reach of modes.
     instances:
       sum:
         value: 'records.size == 0 ? 0.0 : records.last.sum'
@@ -1106,6 +1116,11 @@ types:
         valid:
           expr: 'index == 0 ? _ == 0 : _ >= _parent.starts[index - 1].value'
         doc: Index in BLST.
+      - id: check_most
+        size: 0
+        valid:
+          expr: 'most <= _root.skin.node_bones_max'
+        doc: Computed node by node.
     instances:
       most:
         value: >-
@@ -1226,6 +1241,12 @@ types:
         type: u4
       - id: lane
         type: u4
+    seq:
+      - id: check_sum
+        size: 0
+        valid:
+          expr: 'sum >= 0'
+        doc: Computed term by term.
     instances:
       sum:
         value: '(index == 0 ? 0.0 : _parent.check_terms[index - 1].sum.as<f8>) + 1.0 * _parent._parent.entries[index].middle[lane]'
@@ -1471,6 +1492,12 @@ types:
     params:
       - id: index
         type: u4
+    seq:
+      - id: check_latest
+        size: 0
+        valid:
+          expr: 'latest >= 0'
+        doc: Computed channel by channel.
     instances:
       own:
         value: _parent._parent.check_channels[_parent.clip.first_channel + index].last
