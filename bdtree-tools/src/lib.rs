@@ -51,6 +51,11 @@ pub const BAD_INPUT: u8 = 1;
 /// Exit code: usage.
 pub const USAGE: u8 = 2;
 
+/// The command line of `bdtree`, for those who make man pages and completions of it.
+pub fn command() -> clap::Command {
+    <Cli as clap::CommandFactory>::command()
+}
+
 /// Runs the command with `arguments` (the program's name first) and returns its exit code. A
 /// reader that closes `out` early is no error.
 pub fn run(
