@@ -12,14 +12,15 @@ import tomllib
 CRATES_IO = "registry+https://github.com/rust-lang/crates.io-index"
 # The same licences stand in deny.toml.
 ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "ISC", "Unicode-3.0", "Zlib"}
-# Workspaces of their own: fuzzer, Miri, the proof that nothing allocates. Nothing of them is delivered.
-TOOL_WORKSPACES = ["fuzz", "ci/miri", "ci/no-alloc"]
+# Workspaces of their own: fuzzer, Miri, the proof that nothing allocates, what writes the C header. Nothing of them is
+# delivered.
+TOOL_WORKSPACES = ["fuzz", "ci/miri", "ci/no-alloc", "ci/header"]
 # Workspaces of their own that need another Rust. What they link, programs of Bevy link anyway.
 ENGINE_WORKSPACES = ["bdtree-bevy"]
 # Of encase, which Bevy's renderer has, and of notify, with which examples and tests watch files.
 ALLOWED_ENGINES = {"MIT-0", "CC0-1.0"}
-# libFuzzer.
-ALLOWED_TOOLS = {"NCSA"}
+# libFuzzer; cbindgen.
+ALLOWED_TOOLS = {"NCSA", "MPL-2.0"}
 # Fonts are linked as data; the viewer alone has them (THIRD-PARTY-NOTICES.md).
 FONTS = {"epaint_default_fonts": {"OFL-1.1", "Ubuntu-font-1.0"}}
 # The library itself links nothing but these; macros run when it is built.

@@ -1,0 +1,242 @@
+//! Many rays and many instances in one call.
+#![allow(unsafe_code)] // names of functions: docs/design/unsafe.md
+
+use bdtree_runtime::{Aabb, Query, QueryError, Ray, RayIntersection, Stats};
+
+use crate::answers::BdtHit;
+use crate::border::{Handle, In, Out, call, done};
+use crate::instance::BdtInstance;
+use crate::sink::Array;
+use crate::status::{BdtStatus, Fault};
+use crate::types::BdtRay;
+use crate::workspace::{BdtWorkspace, Desk, VISITS, ask};
+
+/// Casts `count` rays (world): `hits[i]` becomes that of ray i, as `bdt_cast_ray` writes it, with the ray's number as
+/// `index`. Rays after one that is not allowed are not cast.
+/// `hits`: room for `count` hits.
+/// Errors: those of `bdt_cast_ray`. Thread-safety: as `bdt_contacts`.
+#[unsafe(no_mangle)]
+pub extern "C" fn bdt_cast_rays(
+    workspace: Handle<BdtWorkspace>,
+    instance: Handle<BdtInstance>,
+    rays: In<BdtRay>,
+    count: usize,
+    mut hits: Out<BdtHit>,
+) -> BdtStatus {
+    done(|| {
+        let rays = rays.many(count, "rays")?;
+        let hits = hits.many(count, "hits")?;
+        ask(&workspace, &instance, false, |asked| {
+            asked.whole(|query| {
+                for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                    let found = BdtHit::from(query.cast_ray(&(*ray).into())?);
+                    hit.write(BdtHit {
+                        index: i as u32,
+                        ..found
+                    });
+                }
+                Ok(())
+            })
+        })
+    })
+}
+
+/// Casts `count` rays (world): `is_met[i]` becomes 1 if ray i meets the mesh, else 0.
+/// `is_met`: room for `count` bytes.
+/// Errors: those of `bdt_cast_ray`. Thread-safety: as `bdt_contacts`.
+#[unsafe(no_mangle)]
+pub extern "C" fn bdt_intersects_rays(
+    workspace: Handle<BdtWorkspace>,
+    instance: Handle<BdtInstance>,
+    rays: In<BdtRay>,
+    count: usize,
+    mut is_met: Out<u8>,
+) -> BdtStatus {
+    done(|| {
+        let rays = rays.many(count, "rays")?;
+        let is_met = is_met.many(count, "is_met")?;
+        ask(&workspace, &instance, false, |asked| {
+            asked.whole(|query| {
+                for (ray, is_met) in rays.iter().zip(is_met) {
+                    is_met.write(u8::from(query.intersects_ray(&(*ray).into())?));
+                }
+                Ok(())
+            })
+        })
+    })
+}
+
+/// Writes every triangle that each of `ray_count` rays (world) meets, ray after ray, with the ray's number as
+/// `BdtHit::index`. Arrays as in `bdt_contacts`.
+/// Errors and thread-safety: as `bdt_contacts`.
+#[unsafe(no_mangle)]
+pub extern "C" fn bdt_cast_rays_all(
+    workspace: Handle<BdtWorkspace>,
+    instance: Handle<BdtInstance>,
+    rays: In<BdtRay>,
+    ray_count: usize,
+    mut out: Out<BdtHit>,
+    capacity: usize,
+    mut count: Out<usize>,
+) -> BdtStatus {
+    call(|| {
+        let rays = rays.many(ray_count, "rays")?;
+        let mut array = Array::new(&mut out, capacity, &mut count)?;
+        ask(&workspace, &instance, false, |asked| {
+            asked.whole(|query| {
+                for (i, ray) in rays.iter().enumerate() {
+                    let mut numbered = Numbered {
+                        index: i,
+                        array: &mut array,
+                    };
+                    query.cast_ray_all(&(*ray).into(), &mut numbered)?;
+                }
+                Ok(())
+            })
+        })?;
+        array.end(&mut count)
+    })
+}
+
+/// Adds the number of its ray to each hit.
+struct Numbered<'n, 's> {
+    index: usize,
+    array: &'n mut Array<'s, BdtHit>,
+}
+
+impl bdtree_runtime::Sink<RayIntersection> for Numbered<'_, '_> {
+    fn push(&mut self, hit: RayIntersection) -> std::ops::ControlFlow<()> {
+        self.array.put((self.index, hit).into());
+        std::ops::ControlFlow::Continue(())
+    }
+}
+
+/// Casts each of `ray_count` rays (world) at each of `instance_count` instances: hits[i · ray_count + k] becomes that of
+/// ray k with instance i, as `bdt_cast_ray` writes it, with the instance's number as `BdtHit::index`. Instances whose box
+/// a ray misses cost little.
+/// `hits`: room for instance_count · ray_count hits.
+/// Errors: those of `bdt_cast_ray`; what was written before stays. Thread-safety: as `bdt_contacts`, for each instance.
+#[unsafe(no_mangle)]
+pub extern "C" fn bdt_cast_rays_at_instances(
+    workspace: Handle<BdtWorkspace>,
+    instances: In<Handle<BdtInstance>>,
+    instance_count: usize,
+    rays: In<BdtRay>,
+    ray_count: usize,
+    mut hits: Out<BdtHit>,
+) -> BdtStatus {
+    done(|| {
+        let instances = instances.handles(instance_count, "instances")?;
+        let rays = rays.many(ray_count, "rays")?;
+        let hits = hits.many(instance_count.saturating_mul(ray_count), "hits")?;
+        if rays.is_empty() {
+            return Ok(());
+        }
+        let mut desk = workspace.exclusive()?;
+        let mut sum = Stats::default();
+        let rows = hits.chunks_exact_mut(ray_count);
+        for (i, (instance, row)) in instances.iter().zip(rows).enumerate() {
+            let mut hits = row.iter_mut();
+            let put = |_: usize, found: Option<RayIntersection>| {
+                let index = i as u32;
+                if let Some(hit) = hits.next() {
+                    hit.write(BdtHit {
+                        index,
+                        ..found.into()
+                    });
+                }
+            };
+            at_instance(&mut desk, &mut sum, instance, rays, put)?;
+        }
+        desk.stats = sum;
+        Ok(())
+    })
+}
+
+/// Casts each of `ray_count` rays (world) at all of `instance_count` instances: hits[k] becomes what ray k meets first,
+/// with the instance's number as `BdtHit::index`, the lowest of those at the same distance.
+/// `hits`: room for `ray_count` hits.
+/// Errors and thread-safety: as `bdt_cast_rays_at_instances`.
+#[unsafe(no_mangle)]
+pub extern "C" fn bdt_cast_rays_nearest(
+    workspace: Handle<BdtWorkspace>,
+    instances: In<Handle<BdtInstance>>,
+    instance_count: usize,
+    rays: In<BdtRay>,
+    ray_count: usize,
+    mut hits: Out<BdtHit>,
+) -> BdtStatus {
+    done(|| {
+        let instances = instances.handles(instance_count, "instances")?;
+        let rays = rays.many(ray_count, "rays")?;
+        let slots = hits.many(ray_count, "hits")?;
+        let mut best = vec![BdtHit::MISS; ray_count];
+        let mut desk = workspace.exclusive()?;
+        let mut sum = Stats::default();
+        for (i, instance) in instances.iter().enumerate() {
+            let put = |k: usize, found: Option<RayIntersection>| {
+                if let (Some(hit), Some(best)) = (found, best.get_mut(k))
+                    && (best.triangle == BdtHit::MISS.triangle || hit.distance < best.distance)
+                {
+                    *best = (i, hit).into();
+                }
+            };
+            at_instance(&mut desk, &mut sum, instance, rays, put)?;
+        }
+        desk.stats = sum;
+        for (slot, hit) in slots.iter_mut().zip(best) {
+            slot.write(hit);
+        }
+        Ok(())
+    })
+}
+
+/// Casts rays at one of several instances; `put` gets the number of each ray and its hit.
+fn at_instance(
+    desk: &mut Desk,
+    sum: &mut Stats,
+    instance: &Handle<BdtInstance>,
+    rays: &[BdtRay],
+    put: impl FnMut(usize, Option<RayIntersection>),
+) -> Result<(), Fault> {
+    const LEVELS: &str = "max_levels: queries of several instances have no such limit";
+    if desk.max_visits.is_some() {
+        return Err(Fault::Argument(VISITS));
+    }
+    if desk.levels != [None; 2] {
+        return Err(Fault::Argument(LEVELS));
+    }
+    let memory = &mut desk.memory;
+    if desk.is_shared {
+        let instance = instance.shared()?;
+        let (aabb, pose) = (instance.aabb()?, instance.snapshot());
+        Ok(cast(&mut pose.query(memory), &aabb, rays, sum, put)?)
+    } else {
+        let mut instance = instance.exclusive()?;
+        let aabb = instance.aabb()?;
+        Ok(cast(&mut instance.query(memory), &aabb, rays, sum, put)?)
+    }
+}
+
+fn cast(
+    query: &mut Query<'_, '_>,
+    aabb: &Aabb,
+    rays: &[BdtRay],
+    sum: &mut Stats,
+    mut put: impl FnMut(usize, Option<RayIntersection>),
+) -> Result<(), QueryError> {
+    for (k, ray) in rays.iter().enumerate() {
+        let ray = Ray::from(*ray);
+        // What is no ray meets the box, so that the query refuses it; one of negative length does not.
+        if !(aabb.intersects_ray(&ray) || ray.max_distance < 0.0) {
+            put(k, None);
+            continue;
+        }
+        let found = query.cast_ray(&ray)?;
+        let stats = query.stats();
+        sum.nodes_visited += stats.nodes_visited;
+        sum.nodes_updated += stats.nodes_updated;
+        put(k, found);
+    }
+    Ok(())
+}
