@@ -6,12 +6,12 @@
 macro_rules! any {
     ($fuzz:ident.$list:ident) => {{
         let list = &$fuzz.$list;
-        let address = match $fuzz.rng.random_range(0..40) {
+        let address = match $fuzz.values.rng.random_range(0..40) {
             0 => null_mut(),
             1 => $fuzz.worlds.last().map_or(null_mut(), |other| other.cast()),
             2 => $fuzz.models.last().map_or(null_mut(), |other| other.cast()),
             3 => std::ptr::without_provenance_mut(16),
-            _ => list[$fuzz.rng.random_range(0..list.len())],
+            _ => list[$fuzz.values.rng.random_range(0..list.len())],
         };
         handle(address)
     }};
@@ -19,6 +19,8 @@ macro_rules! any {
 
 mod values;
 mod worlds;
+
+use values::Values;
 
 use std::collections::HashMap;
 use std::ptr::null_mut;
@@ -47,7 +49,7 @@ use crate::shared::*;
 const ROOM: usize = 64;
 
 struct Fuzz {
-    rng: Pcg64Mcg,
+    values: Values,
     /// Addresses of all kinds, freed ones too.
     models: Vec<*mut BdtModel>,
     instances: Vec<*mut BdtInstance>,
@@ -89,15 +91,15 @@ impl Fuzz {
             "tetrahedron.bdt",
             "none.bdt",
         ];
-        let name = golden(names[self.rng.random_range(0..names.len())]);
+        let name = golden(names[self.values.rng.random_range(0..names.len())]);
         let (mut model, mut instance, mut desk) = (null_mut(), null_mut(), null_mut());
         let (mut pose, mut front, mut world) = (null_mut(), null_mut(), null_mut());
-        let status = match self.rng.random_range(0..8) {
+        let status = match self.values.rng.random_range(0..8) {
             0 => bdt_model_read(text(&name), one(&mut model)),
             1 => bdt_model_load(text(&name), one(&mut model)),
             2 => bdt_instance_new(any!(self.models), one(&mut instance)),
             3 => {
-                let (nodes, leaves) = (self.small() as usize, self.small() as usize);
+                let (nodes, leaves) = (self.values.small() as usize, self.values.small() as usize);
                 bdt_instance_new_with_cache(any!(self.models), nodes, leaves, one(&mut instance))
             }
             4 => bdt_workspace_new(one(&mut desk)),
@@ -117,8 +119,8 @@ impl Fuzz {
 
     /// Frees a handle of a random kind; its address stays in the list.
     fn end_one(&mut self) {
-        let pick = self.rng.random_range(0..1000);
-        match self.rng.random_range(0..6) {
+        let pick = self.values.rng.random_range(0..1000);
+        match self.values.rng.random_range(0..6) {
             0 => self.free(self.models.get(pick).copied(), bdt_model_free),
             1 => self.free(self.instances.get(pick).copied(), bdt_instance_free),
             2 => self.free(self.workspaces.get(pick).copied(), bdt_workspace_free),
@@ -130,14 +132,18 @@ impl Fuzz {
 
     /// Sets or reads something.
     fn change(&mut self) {
-        let count = [0, 1, 2, 3, 3, 3, 4][self.rng.random_range(0..7)];
-        let q: Vec<f32> = (0..4).map(|_| self.number() as f32 * 0.1).collect();
+        let count = [0, 1, 2, 3, 3, 3, 4][self.values.rng.random_range(0..7)];
+        let q: Vec<f32> = (0..4).map(|_| self.values.number() as f32 * 0.1).collect();
         let q64: Vec<f64> = q.iter().map(|q| f64::from(*q)).collect();
-        let (at, matrix, index) = (self.place(), self.matrix(), self.small());
+        let (at, matrix, index) = (
+            self.values.place(),
+            self.values.matrix(),
+            self.values.small(),
+        );
         let (at, matrices, index_) = ([at], [matrix; 4], index as usize);
         let (mut out_q, mut out_q64) = ([0.0_f32; 4], [0.0_f64; 4]);
-        let (x, force) = (self.number(), self.vec3());
-        let status = match self.rng.random_range(0..40) {
+        let (x, force) = (self.values.number(), self.values.vec3());
+        let status = match self.values.rng.random_range(0..40) {
             0 => bdt_instance_set_q(any!(self.instances), read(&q), count),
             1 => bdt_instance_q(any!(self.instances), write(&mut out_q), count),
             2 => bdt_instance_set_placement(any!(self.instances), read(&at)),
@@ -199,7 +205,7 @@ impl Fuzz {
             34 => bdt_model_clip_duration(any!(self.models), index_, one(&mut 0.0)),
             35 => bdt_model_joint_parent(any!(self.models), index_, one(&mut 0)),
             36 => self.name(index_),
-            37 => bdt_transform_after(at[0], self.place(), one(&mut zeroed())),
+            37 => bdt_transform_after(at[0], self.values.place(), one(&mut zeroed())),
             38 => bdt_joint_in_model(at[0], matrix, one(&mut zeroed())),
             _ => bdt_body_set_modes(any!(self.worlds), index, read(&q64), read(&q64), count),
         };
@@ -207,7 +213,7 @@ impl Fuzz {
     }
 
     fn name(&mut self, index: usize) -> BdtStatus {
-        let capacity = self.rng.random_range(0..9);
+        let capacity = self.values.rng.random_range(0..9);
         let (mut bytes, mut found) = ([0; 9], 0);
         let names = [
             bdt_model_mode_name,
@@ -220,7 +226,7 @@ impl Fuzz {
             bdt_model_joint_index,
             bdt_model_clip_index,
         ];
-        let pick = self.rng.random_range(0..7);
+        let pick = self.values.rng.random_range(0..7);
         match names.get(pick) {
             Some(name) => name(
                 any!(self.models),
@@ -235,15 +241,20 @@ impl Fuzz {
 
     /// Asks one instance.
     fn ask(&mut self) {
-        let (shape, ray, point, length) = (self.shape(), self.ray(), self.vec3(), self.length());
-        let (shape, rays, level) = ([shape], [ray, self.ray(), RAY], self.small());
-        let capacity = self.rng.random_range(0..=ROOM);
+        let (shape, ray, point, length) = (
+            self.values.shape(),
+            self.values.ray(),
+            self.values.vec3(),
+            self.values.length(),
+        );
+        let (shape, rays, level) = ([shape], [ray, self.values.ray(), RAY], self.values.small());
+        let capacity = self.values.rng.random_range(0..=ROOM);
         let (mut contacts, mut hits): ([BdtContact; ROOM], [BdtHit; ROOM]) = (zeroed(), zeroed());
         let mut lanes: [BdtLane; ROOM] = zeroed();
         let (mut count, mut is_met) = (0, 0);
         let (desk, body) = (any!(self.workspaces), any!(self.instances));
         let handles = [any!(self.instances), any!(self.instances)];
-        let status = match self.rng.random_range(0..22) {
+        let status = match self.values.rng.random_range(0..22) {
             0 | 1 => bdt_contacts(
                 desk,
                 body,
@@ -333,7 +344,11 @@ impl Fuzz {
 
     /// Asks two instances.
     fn pair(&mut self) {
-        let (length, level, reach) = (self.length() * 0.1, self.small(), self.length() * 0.1);
+        let (length, level, reach) = (
+            self.values.length() * 0.1,
+            self.values.small(),
+            self.values.length() * 0.1,
+        );
         let (mut contacts, mut regions): ([BdtPairContact; ROOM], [BdtManifold; 4]) =
             (zeroed(), zeroed());
         let (mut pairs, mut lanes): ([BdtIndexPair; ROOM], [BdtLanePair; ROOM]) =
@@ -344,12 +359,12 @@ impl Fuzz {
             any!(self.instances),
             any!(self.instances),
         );
-        let front = if self.rng.random() {
+        let front = if self.values.rng.random() {
             any!(self.fronts)
         } else {
             handle(null_mut())
         };
-        let status = match self.rng.random_range(0..9) {
+        let status = match self.values.rng.random_range(0..9) {
             0 => bdt_pair_contacts(
                 desk,
                 a,
@@ -435,7 +450,9 @@ fn setting(name: &str, usual: u64) -> u64 {
 #[test]
 fn random_calls_return_statuses() {
     let mut fuzz = Fuzz {
-        rng: Pcg64Mcg::seed_from_u64(setting("BDTREE_FUZZ_SEED", 23)),
+        values: Values {
+            rng: Pcg64Mcg::seed_from_u64(setting("BDTREE_FUZZ_SEED", 23)),
+        },
         models: vec![
             load("sphere.bdt"),
             load("skinned.bdt"),
@@ -453,12 +470,12 @@ fn random_calls_return_statuses() {
         if call % 500 < 30 {
             fuzz.make();
         }
-        match fuzz.rng.random_range(0..100) {
+        match fuzz.values.rng.random_range(0..100) {
             0 => fuzz.end_one(),
             1..30 => fuzz.change(),
             30..65 => fuzz.ask(),
             65..85 => fuzz.pair(),
-            _ => fuzz.step(),
+            _ => worlds::step(&mut fuzz),
         }
         if fuzz.instances.len() > 60 {
             fuzz.instances.drain(1..20).for_each(|address| {

@@ -2,11 +2,16 @@
 
 use bdtree_capi::types::*;
 use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
 
-use super::Fuzz;
-use crate::shared::*;
+use crate::shared::vec3;
 
-impl Fuzz {
+/// Where they come from.
+pub(super) struct Values {
+    pub(super) rng: Pcg64Mcg,
+}
+
+impl Values {
     pub(super) fn number(&mut self) -> f64 {
         const SPECIAL: [f64; 8] = [
             0.0,
