@@ -83,7 +83,8 @@ gcc -std=c99 "${warnings[@]}" "${checked[@]}" $tests/golden.c "${flags[@]}" -o "
 gcc -std=c99 "${warnings[@]}" -g $tests/golden.c "${flags[@]}" -o "$out/golden-c"
 g++ -std=c++17 "${warnings[@]}" "${checked[@]}" $tests/golden.cpp "${flags[@]}" -o "$out/golden-cpp-checked"
 mcs -langversion:7.2 -warnaserror -out:"$out/golden.exe" bdtree-capi/csharp/Bdtree.cs $tests/Golden.cs
-memory=(valgrind --quiet --error-exitcode=1 --leak-check=full --errors-for-leak-kinds=definite)
+memory=(valgrind --quiet --error-exitcode=1 --leak-check=full --show-leak-kinds=definite
+    --errors-for-leak-kinds=definite)
 same() {
     local file=$1
     shift
@@ -121,4 +122,33 @@ for program in "$out/example-c" "$out/example-cpp" "mono $out/Example.exe" "$out
     if $program README.md >"$out/error.txt" 2>&1; then echo "$program takes README.md" >&2; exit 1; fi
     grep -q 'not a .bdt file' "$out/error.txt" || { cat "$out/error.txt" >&2; exit 1; }
 done
+# The programs of the guide.
+programs() {
+    python3 - "$1" "$2" "$out/guide-$2" <<'EOF'
+import re, sys
+page, language, folder = sys.argv[1:]
+blocks = re.findall(rf"^```{language}\n(.*?)^```$", open(page, encoding="utf-8").read(), re.DOTALL | re.MULTILINE)
+for number, block in enumerate(blocks):
+    open(f"{folder}-{number}.{ {'csharp': 'cs'}.get(language, language) }", "w", encoding="utf-8").write(block)
+print(f"{page}: {len(blocks)} programs")
+assert blocks
+EOF
+}
+programs docs/guide/c.md c
+programs docs/guide/cpp.md cpp
+programs docs/guide/unity.md csharp
+gcc -std=c99 "${warnings[@]}" "${checked[@]}" "$out/guide-c-0.c" "${flags[@]}" -o "$out/guide-c-0"
+gcc -std=c99 "${warnings[@]}" "${checked[@]}" "$out/guide-c-1.c" "${flags[@]}" -o "$out/guide-c-1"
+g++ -std=c++20 "${warnings[@]}" "${checked[@]}" "$out/guide-cpp-0.cpp" "${flags[@]}" -o "$out/guide-cpp-0"
+mcs -langversion:7.2 -warnaserror -out:"$out/guide.exe" bdtree-capi/csharp/Bdtree.cs "$out/guide-csharp-0.cs"
+says() {
+    local word=$1 said
+    shift
+    said=$("$@" "$out/cube.bdt")
+    [[ $said == *"$word"* ]] || { echo "$*: $said" >&2; exit 1; }
+}
+says 'triangles touched' "$out/guide-c-0"
+says 'body 0 lands in step' "$out/guide-c-1"
+says 'depth ' "$out/guide-cpp-0"
+says 'triangles touched' mono "$out/guide.exe"
 echo "examples: pkg-config, CMake, static; ASan, UBSan, valgrind: $answer"

@@ -1,9 +1,11 @@
 //! Questions about one instance.
 #![allow(unsafe_code)] // names of functions: docs/design/unsafe.md
 
+use std::cell::Cell;
 use std::ffi::c_void;
+use std::mem::MaybeUninit;
 
-use bdtree_runtime::{Budgeted, Frustum, FrustumState, Ray, Shape};
+use bdtree_runtime::{Budgeted, Frustum, FrustumState, Ray, RayIntersection, Shape};
 
 use crate::answers::{BdtBound, BdtContact, BdtHit, BdtLane};
 use crate::border::{Handle, In, Out, call, done};
@@ -142,15 +144,21 @@ pub extern "C" fn bdt_cast_ray(
 ) -> BdtStatus {
     done(|| {
         let ray = Ray::from(*ray.one("ray")?);
-        let out = out.one("out")?;
-        let found = ask(&workspace, &instance, false, |asked| {
+        let out = Cell::from_mut(out.one("out")?);
+        // Written where it is found: each time that a hit is handed on takes some nanoseconds.
+        let put = |found: Option<RayIntersection>| {
+            out.set(MaybeUninit::new(found.into()));
+        };
+        ask(&workspace, &instance, false, |asked| {
             asked.either(
-                |query| query.cast_ray(&ray),
-                |query| Ok(bounded(query.cast_ray(&ray)?)),
+                |query| query.cast_ray(&ray).map(put),
+                |query| {
+                    let (found, bound) = bounded(query.cast_ray(&ray)?);
+                    put(found);
+                    Ok(((), bound))
+                },
             )
-        })?;
-        out.write(found.into());
-        Ok(())
+        })
     })
 }
 
