@@ -323,7 +323,7 @@ typedef struct BdtTransform {
 } BdtTransform;
 
 /**
- * An affine map of points: row r of the result is rows[r] · (x, y, z, 1). Of a joint: from its space to the model's
+ * An affine map of points: row r of the result is `rows[r]` · (x, y, z, 1). Of a joint: from its space to the model's
  * (mesh units).
  */
 typedef struct BdtMatrix {
@@ -1407,7 +1407,7 @@ BdtStatus bdt_cast_rays_all(struct BdtWorkspace *workspace,
                             size_t *count);
 
 /**
- * Casts each of `ray_count` rays (world) at each of `instance_count` instances: hits[i · ray_count + k] becomes that of
+ * Casts each of `ray_count` rays (world) at each of `instance_count` instances: `hits[i * ray_count + k]` becomes that of
  * ray k with instance i, as `bdt_cast_ray` writes it, with the instance's number as `BdtHit::index`. Instances whose box
  * a ray misses cost little.
  * `hits`: room for instance_count · ray_count hits.
@@ -1421,7 +1421,7 @@ BdtStatus bdt_cast_rays_at_instances(struct BdtWorkspace *workspace,
                                      struct BdtHit *hits);
 
 /**
- * Casts each of `ray_count` rays (world) at all of `instance_count` instances: hits[k] becomes what ray k meets first,
+ * Casts each of `ray_count` rays (world) at all of `instance_count` instances: `hits[k]` becomes what ray k meets first,
  * with the instance's number as `BdtHit::index`, the lowest of those at the same distance.
  * `hits`: room for `ray_count` hits.
  * Errors and thread-safety: as `bdt_cast_rays_at_instances`.

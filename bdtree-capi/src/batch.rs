@@ -111,7 +111,7 @@ impl bdtree_runtime::Sink<RayIntersection> for Numbered<'_, '_> {
     }
 }
 
-/// Casts each of `ray_count` rays (world) at each of `instance_count` instances: hits[i · ray_count + k] becomes that of
+/// Casts each of `ray_count` rays (world) at each of `instance_count` instances: `hits[i * ray_count + k]` becomes that of
 /// ray k with instance i, as `bdt_cast_ray` writes it, with the instance's number as `BdtHit::index`. Instances whose box
 /// a ray misses cost little.
 /// `hits`: room for instance_count · ray_count hits.
@@ -153,7 +153,7 @@ pub extern "C" fn bdt_cast_rays_at_instances(
     })
 }
 
-/// Casts each of `ray_count` rays (world) at all of `instance_count` instances: hits[k] becomes what ray k meets first,
+/// Casts each of `ray_count` rays (world) at all of `instance_count` instances: `hits[k]` becomes what ray k meets first,
 /// with the instance's number as `BdtHit::index`, the lowest of those at the same distance.
 /// `hits`: room for `ray_count` hits.
 /// Errors and thread-safety: as `bdt_cast_rays_at_instances`.

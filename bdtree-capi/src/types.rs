@@ -93,7 +93,7 @@ impl From<BdtTransform> for Transform {
     }
 }
 
-/// An affine map of points: row r of the result is rows[r] · (x, y, z, 1). Of a joint: from its space to the model's
+/// An affine map of points: row r of the result is `rows[r]` · (x, y, z, 1). Of a joint: from its space to the model's
 /// (mesh units).
 #[derive(Debug, Clone, Copy, PartialEq, FromBytes)]
 #[repr(C)]
