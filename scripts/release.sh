@@ -27,15 +27,15 @@ build() {
     # Paths of this machine are no part of a program.
     export CARGO_INCREMENTAL=0 CARGO_TARGET_DIR=$root/target/dist
     export RUSTFLAGS="--remap-path-prefix=$root=bdtree --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=cargo"
-    local packages=(-p bdtree-build -p bdtree-tools -p bdtree-view -p bdtree-release --features bdtree-tools/report)
-    # The C library, where this tree has it.
-    if [[ -d bdtree-capi ]]; then packages+=(-p bdtree-capi); fi
-    cargo build --locked --release "${packages[@]}"
+    cargo build --locked --release -p bdtree-build -p bdtree-tools -p bdtree-view -p bdtree-release \
+        --features bdtree-tools/report
+    cargo build --locked --profile capi -p bdtree-capi
 }
 
-# pack BINARIES FOLDER: the archive, the bills and the checksums, of the programs that lie in BINARIES.
+# pack BINARIES LIBRARIES FOLDER: the archive, the bills and the checksums, of the programs that lie in BINARIES and the
+# libraries for C in LIBRARIES.
 pack() {
-    local binaries=$1 dist=$2 files=$2/$name line
+    local binaries=$1 libraries=$2 dist=$3 files=$3/$name line
     rm -rf "$dist"
     mkdir -p "$files/bin" "$files/share/doc/bdtree"
     for line in "${programs[@]}"; do
@@ -49,9 +49,9 @@ pack() {
     "$binaries/bdtree-pages" "$files/share"
     cp README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE THIRD-PARTY-NOTICES.md format-spec/SPEC.md format-spec/bdt.ksy \
         "$files/share/doc/bdtree"
-    # The C library installs its headers, libraries, pkg-config file and CMake package itself, where this tree has it.
-    if [[ -e $binaries/libbdtree_capi.so ]]; then
-        bdtree-capi/install.sh "$files" "$binaries"
+    # A check takes the libraries if they are there.
+    if [[ -z $check || -e $libraries/libbdtree_capi.so && -e $libraries/libbdtree_capi.a ]]; then
+        bdtree-capi/install.sh "$files" "$libraries"
     fi
     if [[ -z $check ]]; then
         find "$files" -type f \( -path '*/bin/*' -o -name '*.so*' \) -exec strip --strip-unneeded {} +
@@ -66,8 +66,8 @@ pack() {
 check=
 if [[ ${1:-} == --check ]]; then
     check=1
-    pack target/debug target/dist-check/first
-    pack target/debug target/dist-check/second
+    pack target/debug target/debug target/dist-check/first
+    pack target/debug target/debug target/dist-check/second
     diff -r target/dist-check/first target/dist-check/second
     (cd target/dist-check/first && sha256sum --quiet -c SHA256SUMS)
     listed=$(tar -tzf "target/dist-check/first/$name.tar.gz")
@@ -79,6 +79,6 @@ if [[ ${1:-} == --check ]]; then
     rm -rf target/dist-check
 else
     build
-    pack target/dist/release dist
+    pack target/dist/release target/dist/capi dist
     cat dist/SHA256SUMS
 fi
