@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What must compile, and what must not: the library for WebAssembly, runtime, builder, dynamics and command for Windows and
-# macOS, everything with the oldest Rust that Cargo.toml promises, and nothing for big-endian targets. Installs the targets
-# and the tool chain that it needs.
+# What must compile, and what must not: the library for WebAssembly; runtime, builder, dynamics, command and C interface for
+# Windows and macOS; everything with the oldest Rust that Cargo.toml promises; nothing for big-endian targets. Installs the
+# targets and the tool chain that it needs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export CARGO_TARGET_DIR=$PWD/target/targets
@@ -22,7 +22,7 @@ fi
 
 # No crate that these link compiles C code, so checking them takes no compiler of those systems. bdtree-parry, which has
 # nothing of its own for a system, and what draws, whose wgpu takes minutes, are left out for their time.
-core=(-p bdtree-build -p bdtree-dynamics -p bdtree-tools --features bdtree-dynamics/threads,bdtree-runtime/mint)
+core=(-p bdtree-build -p bdtree-capi -p bdtree-dynamics -p bdtree-tools --features bdtree-dynamics/threads,bdtree-runtime/mint)
 cargo check --locked --target $windows "${core[@]}"
 cargo check --locked --target $mac "${core[@]}"
 
