@@ -18,10 +18,20 @@ use crate::pose::{Deformation, DeformingMesh};
 
 /// Lets contacts move the modes of a [`DeformingMesh`]: the impulses of avian's solver push them as `Uᵀ f`, and the entity's
 /// [`Deformation`] follows. The file needs vibration modes with frequencies and modal masses, and a mass. avian itself sees a
-/// rigid body of the mesh's shape. `FlexibleOptions::friction` is not used: give the body avian's `Friction`.
+/// rigid body of the mesh's shape. `FlexibleOptions::friction` is not used: give the body avian's `Friction`. Contacts are looked
+/// for in every step, as avian does it, unless `FlexibleOptions::contact_drift` says how long they last.
 #[derive(Component, Debug, Clone, Default)]
 #[require(DeformingCollider)]
 pub struct Flexible(pub FlexibleOptions);
+
+/// What it is made with.
+fn options(own: &FlexibleOptions) -> FlexibleOptions {
+    FlexibleOptions {
+        // A box that tips on another one fell off the chair where contacts lasted.
+        contact_drift: own.contact_drift.or(Some(0.0)),
+        ..own.clone()
+    }
+}
 
 /// The modes of a [`Flexible`] body, from the step on in which its file is loaded. They start at rest, at the q that the
 /// entity has; a program that writes another q to the [`Deformation`] later lets the modes go on from there, at rest.
@@ -92,7 +102,7 @@ pub(super) fn make_modes(
                 }
             }
             None if !is_new => continue,
-            _ => FlexibleBody::new(shape.model(), &flexible.0)
+            _ => FlexibleBody::new(shape.model(), &options(&flexible.0))
                 .and_then(|body| {
                     let mut modes = FlexibleModes(body);
                     if flexible.0.is_deformable && !q.is_empty() {
