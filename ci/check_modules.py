@@ -168,7 +168,7 @@ def self_test():
         ("a line is missing", without("all.rs", "mod queries;\n"), ["queries.rs"]),
         ("a line is a comment", without("all.rs", "mod queries;", "// mod queries;"), ["queries.rs"]),
         ("a line is a string", without("all.rs", "mod queries;", 'const S: &str = "mod queries;";'), ["queries.rs"]),
-        ("a program's line is missing", without("errors/main.rs", "mod deep;\n"), ["errors/deep.rs"]),
+        ("a program's line is missing", without("errors/main.rs", "mod seen;\n"), ["errors/seen.rs"]),
         ("a file without tests", empty, ["queries.rs"]),
         ("all kinds of modules", nested, ["outer/lost.rs"]),
     ]
