@@ -5,6 +5,7 @@ mod diff;
 #[cfg(feature = "render")]
 mod drawn;
 mod frames;
+mod golden;
 mod hostile;
 mod info;
 mod mass;
