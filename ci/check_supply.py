@@ -17,6 +17,9 @@ ALLOWED = {"MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "ISC", "Unicod
 TOOL_WORKSPACES = ["fuzz", "ci/miri", "ci/no-alloc", "ci/header"]
 # Workspaces of their own that need another Rust. What they link, programs of Bevy link anyway.
 ENGINE_WORKSPACES = ["bdtree-bevy"]
+# The extension for Godot, a workspace of its own: nothing else links its binding, which is under the MPL.
+GODOT_WORKSPACES = ["bdtree-godot"]
+ALLOWED_GODOT = {"MPL-2.0"}
 # Of encase, which Bevy's renderer has, and of notify, with which examples and tests watch files.
 ALLOWED_ENGINES = {"MIT-0", "CC0-1.0"}
 # libFuzzer; cbindgen.
@@ -165,11 +168,12 @@ def main():
 
     tools = others(TOOL_WORKSPACES, ALLOWED | ALLOWED_TOOLS)
     engines = others(ENGINE_WORKSPACES, ALLOWED | ALLOWED_ENGINES)
+    godot = others(GODOT_WORKSPACES, ALLOWED | ALLOWED_GODOT)
     if wrong:
         sys.exit("\n".join(wrong))
     print(
         f"{len(foreign)} packages, {len(foreign & shipped)} of them in what is delivered and "
-        f"{len(foreign & library)} in the library, {len(tools)} more in tools, {len(engines)} in Bevy's workspace: "
+        f"{len(foreign & library)} in the library, {len(tools)} more in tools, {len(engines)} in Bevy's workspace, {len(godot)} in Godot's: "
         f"licences allowed, all from crates.io; {len(ours)} crates of ours can be published; every Cargo.lock is current"
     )
 
