@@ -151,4 +151,24 @@ says 'triangles touched' "$out/guide-c-0"
 says 'body 0 lands in step' "$out/guide-c-1"
 says 'depth ' "$out/guide-cpp-0"
 says 'triangles touched' mono "$out/guide.exe"
+# The page of Unreal: files that begin with their name, and a program. What needs Unreal is compiled against declarations.
+unreal=$out/unreal
+mkdir -p "$unreal"
+python3 - "$unreal" <<'EOF'
+import re, sys
+text = open("docs/guide/unreal.md", encoding="utf-8").read()
+for block in re.findall(r"^```(?:cpp|c\+\+|csharp)\n(.*?)^```$", text, re.DOTALL | re.MULTILINE):
+    name = re.match(r"// (?:\w+/)*([\w.]+)\n", block)
+    open(f"{sys.argv[1]}/{name[1] if name else 'ray.cpp'}", "w", encoding="utf-8").write(block)
+EOF
+g++ -std=c++17 "${warnings[@]}" "${checked[@]}" "$unreal/ray.cpp" "${flags[@]}" -o "$out/unreal-ray"
+says ' cm away' "$out/unreal-ray"
+g++ -std=c++17 "${warnings[@]}" "${checked[@]}" -I"$unreal" bdtree-capi/tests/unreal/axes.cpp "${flags[@]}" -o "$out/unreal-axes"
+says '200 transforms' "$out/unreal-axes"
+for compiler in g++ clang++; do
+    $compiler -std=c++20 "${warnings[@]}" -fsyntax-only -Ibdtree-capi/tests/unreal -I"$unreal" -I"$prefix/include" \
+        "$unreal/BdtreeComponent.cpp"
+done
+mcs -langversion:7.2 -warnaserror -target:library -out:"$out/unreal.dll" bdtree-capi/tests/unreal/BuildTool.cs \
+    "$unreal/Bdtree.Build.cs" "$unreal/Game.Build.cs"
 echo "examples: pkg-config, CMake, static; ASan, UBSan, valgrind: $answer"

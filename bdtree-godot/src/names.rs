@@ -35,8 +35,8 @@ pub(crate) fn bones_of_joints(joints: &[&str], bones: &[String]) -> Result<Vec<u
 }
 
 /// Of each blend shape the mode that it moves: the mode of its name, else the one that is called `node/name`, as modes are
-/// where several mesh nodes have targets; in order where no mode has a name and there are as many. `node`: the name of the
-/// MeshInstance3D.
+/// where several mesh nodes have targets, else one whose `:` the importer has made `_`; in order where no mode has a name
+/// and there are as many. `node`: the name of the MeshInstance3D.
 ///
 /// # Errors
 /// A blend shape that no mode is; two of one mode; modes without names, of another number.
@@ -56,8 +56,12 @@ pub(crate) fn modes_of_shapes(
     }
     let mut found: Vec<usize> = Vec::with_capacity(shapes.len());
     for shape in shapes {
-        let named = |name: &str| modes.iter().position(|mode| *mode == Some(name));
-        let Some(mode) = named(shape).or_else(|| named(&format!("{node}/{shape}"))) else {
+        let of_node = format!("{node}/{shape}");
+        let named = |is: &dyn Fn(&str) -> bool| modes.iter().position(|mode| mode.is_some_and(is));
+        let mode = named(&|mode| mode == shape)
+            .or_else(|| named(&|mode| mode == of_node))
+            .or_else(|| named(&|mode| [shape, &of_node].contains(&&mode.replace(':', "_"))));
+        let Some(mode) = mode else {
             let own: Vec<_> = modes.iter().flatten().collect();
             return Err(Fault::NoMode(shape.clone(), format!("{own:?}")));
         };
@@ -135,6 +139,10 @@ mod tests {
         assert_eq!(found.expect("both are there"), [3, 0]);
         let found = modes_of_shapes(&modes[..3], &owned(&["blink"]), "face");
         assert_eq!(found.expect("by the node's name"), [2]);
+        let modes_with_colons = [Some("lip:up"), Some("face/lip:down"), Some("lip_low")];
+        let shapes = owned(&["lip_low", "lip_down", "lip_up"]);
+        let found = modes_of_shapes(&modes_with_colons, &shapes, "face");
+        assert_eq!(found.expect("as the importer calls them"), [2, 1, 0]);
         // Without names by their order; a mesh without blend shapes leaves q alone.
         let found = modes_of_shapes(&[None, None], &owned(&["morph_0", "morph_1"]), "face");
         assert_eq!(found.expect("as many"), [0, 1]);

@@ -1,8 +1,10 @@
 //! The node that scripts see.
+// Within the module: what the macros write is public.
+#![allow(unreachable_pub)]
 
 use bdtree_runtime::joint::compose;
 use bdtree_runtime::{Ball, BoneMatrices, Capsule, JointMatrix, Shape};
-use godot::classes::{ArrayMesh, FileAccess, INode3D, MeshInstance3D, Skeleton3D, Skin};
+use godot::classes::{ArrayMesh, FileAccess, INode3D, Mesh, MeshInstance3D, Skeleton3D, Skin};
 use godot::prelude::*;
 
 use crate::body::{Body, Found, Value};
@@ -38,6 +40,8 @@ pub struct BdtCollider3D {
     use_skin_binds: bool,
     body: Option<Body>,
     source: Option<Source>,
+    /// A pose was taken since the file was opened.
+    is_posed: bool,
     told: Told,
     base: Base<Node3D>,
 }
@@ -45,6 +49,9 @@ pub struct BdtCollider3D {
 /// What was found of a MeshInstance3D, until one of the two is another.
 struct Source {
     mesh: Gd<MeshInstance3D>,
+    /// What it showed, and whose bones it named.
+    drawn: Option<Gd<Mesh>>,
+    path: NodePath,
     skeleton: Option<Gd<Skeleton3D>>,
     /// The Skin and, of each bone of the file, its bind, if that is wanted.
     skin: Option<(Gd<Skin>, Vec<usize>)>,
@@ -67,11 +74,6 @@ impl INode3D for BdtCollider3D {
             // After animations, scripts and whatever else poses the skeleton.
             self.base_mut().set_process_priority(1000);
         }
-        let opened = self.open();
-        self.answer(opened, ());
-        if self.auto_update {
-            self.update_pose();
-        }
     }
 
     fn process(&mut self, _delta: f64) {
@@ -92,13 +94,14 @@ impl BdtCollider3D {
     #[func]
     fn update_pose(&mut self) -> bool {
         let posed = self.try_update();
+        self.is_posed |= posed.is_ok();
         self.answer(posed.map(|()| true), false)
     }
 
     /// What the segment meets first; empty if nothing.
     #[func]
     fn cast_ray(&mut self, from: Vector3, to: Vector3) -> VarDictionary {
-        let hit = self.ask(|body| body.cast_ray(wide(from), wide(to)));
+        let hit = self.query(|body| body.cast_ray(wide(from), wide(to)));
         self.dictionary(hit.flatten())
     }
 
@@ -123,7 +126,7 @@ impl BdtCollider3D {
     /// All triangles that a ball touches.
     #[func]
     fn contacts_sphere(&mut self, center: Vector3, radius: f64) -> Array<VarDictionary> {
-        let contacts = self.ask(|body| body.contacts(wide(center), radius));
+        let contacts = self.query(|body| body.contacts(wide(center), radius));
         let contacts = contacts.unwrap_or_default().into_iter();
         contacts.map(|found| self.dictionary(Some(found))).collect()
     }
@@ -131,14 +134,14 @@ impl BdtCollider3D {
     /// The nearest point of the surface within a distance (`INF`: any); empty if there is none.
     #[func]
     fn closest_point(&mut self, point: Vector3, max_distance: f64) -> VarDictionary {
-        let found = self.ask(|body| body.closest_point(wide(point), max_distance));
+        let found = self.query(|body| body.closest_point(wide(point), max_distance));
         self.dictionary(found.flatten())
     }
 
     /// A box that holds the surface in its pose; it is not the smallest one.
     #[func]
     fn get_aabb(&mut self) -> Aabb {
-        let (low, size) = self.ask(|body| body.aabb()).unwrap_or_default();
+        let (low, size) = self.query(|body| body.aabb()).unwrap_or_default();
         Aabb::new(Vector3::from_array(low), Vector3::from_array(size))
     }
 
@@ -183,6 +186,7 @@ impl BdtCollider3D {
     fn set_file(&mut self, file: GString) {
         self.file = file;
         self.body = None;
+        self.is_posed = false;
         self.source = None;
         self.told.forget();
     }
@@ -226,8 +230,17 @@ impl BdtCollider3D {
         self.answer(answer.map(Some), None)
     }
 
+    /// Asks a body that has a pose: the first query comes before the first frame.
+    fn query<T>(&mut self, question: impl FnOnce(&mut Body) -> Result<T, Fault>) -> Option<T> {
+        if !self.is_posed && self.auto_update {
+            self.update_pose();
+        }
+        self.ask(question)
+    }
+
     fn intersects<S: Into<Shape>>(&mut self, shape: impl FnOnce() -> Result<S, Fault>) -> bool {
-        self.ask(|body| body.intersects(shape()?)).unwrap_or(false)
+        self.query(|body| body.intersects(shape()?))
+            .unwrap_or(false)
     }
 
     fn dictionary(&self, found: Option<Found>) -> VarDictionary {
@@ -276,7 +289,7 @@ impl BdtCollider3D {
         self.open()?;
         let mesh = self.mesh()?;
         let is_same = match (&self.source, &mesh) {
-            (Some(source), Some(mesh)) => source.is_alive() && source.mesh == *mesh,
+            (Some(source), Some(mesh)) => source.is_current() && source.mesh == *mesh,
             _ => false,
         };
         if !is_same {
@@ -351,14 +364,15 @@ impl Source {
             names: Vec::new(),
             joint_of: body.joints_of_bones(),
             matrices: Vec::new(),
+            drawn: mesh.get_mesh(),
+            path: mesh.get_skeleton_path(),
             mesh,
         };
         if !body.asset().has_skin() {
             return Ok(source);
         }
-        let path = source.mesh.get_skeleton_path();
-        let skeleton = source.mesh.try_get_node_as::<Skeleton3D>(&path);
-        let skeleton = skeleton.ok_or_else(|| Fault::NoSkeleton(path.to_string()))?;
+        let skeleton = source.mesh.try_get_node_as::<Skeleton3D>(&source.path);
+        let skeleton = skeleton.ok_or_else(|| Fault::NoSkeleton(source.path.to_string()))?;
         let bones: Vec<_> = (0..skeleton.get_bone_count())
             .map(|bone| skeleton.get_bone_name(bone).to_string())
             .collect();
@@ -387,10 +401,13 @@ impl Source {
         Ok(source)
     }
 
-    /// Whether the nodes were not freed and show the same skeleton.
-    fn is_alive(&self) -> bool {
+    /// Whether the nodes still exist, and the mesh and its skeleton are those of before.
+    fn is_current(&self) -> bool {
+        // First: nodes that were freed must not be asked.
         self.mesh.is_instance_valid()
             && (self.skeleton.as_ref()).is_none_or(|skeleton| skeleton.is_instance_valid())
+            && self.mesh.get_mesh() == self.drawn
+            && self.mesh.get_skeleton_path() == self.path
     }
 
     /// Where the skeleton puts the joints, or the bones of the file, in the world.
