@@ -34,6 +34,8 @@ nm -D --defined-only "$packed" | grep -q " T $entry\$" || { echo "the library ha
 foreign=$(readelf -d "$packed" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' |
     grep -vE '^(libc\.so\.6|libm\.so\.6|libgcc_s\.so\.1|ld-linux.*)$' || true)
 [[ -z $foreign ]] || { echo "the library needs $foreign" >&2; exit 1; }
+# All that it needs of other libraries is there.
+python3 -c 'import ctypes, os, sys; ctypes.CDLL(sys.argv[1], os.RTLD_NOW)' "$packed"
 grep -q '^godot-core .*MPL-2.0' "$addon/LICENSES.txt"
 
 tools=$root/target/gdscript
