@@ -3,14 +3,14 @@
 #![allow(unreachable_pub)]
 
 use bdtree_runtime::joint::compose;
-use bdtree_runtime::{Ball, BoneMatrices, Capsule, JointMatrix, Shape};
+use bdtree_runtime::{Ball, BoneMatrices, Capsule, JointMatrix, Shape, Transform};
 use godot::classes::{ArrayMesh, FileAccess, INode3D, Mesh, MeshInstance3D, Skeleton3D, Skin};
 use godot::prelude::*;
 
 use crate::body::{Body, Found, Value};
 use crate::fault::{Fault, Told};
 use crate::names::{binds_of_bones, bones_of_joints, modes_of_shapes};
-use crate::place::{cuboid, matrix, placement};
+use crate::place::{bone_in_model, cuboid, matrix, placement};
 use crate::shared::Files;
 
 static FILES: Files = Files::new();
@@ -63,7 +63,7 @@ struct Source {
     joint_of: Vec<usize>,
     /// Of each blend shape its mode.
     modes: Vec<usize>,
-    /// Global, of each joint; or of each bone with its bind.
+    /// In the collider's model, of each joint; or of each bone with its bind.
     matrices: Vec<JointMatrix>,
 }
 
@@ -312,10 +312,7 @@ impl BdtCollider3D {
         for (shape, mode) in source.modes.iter().enumerate() {
             body.set_weight(*mode, source.mesh.get_blend_shape_value(shape as i32));
         }
-        source.read_bones();
-        for of in &mut source.matrices {
-            *of = at.joint_in_model(of);
-        }
+        source.read_bones(&at);
         if let Some((skin, binds)) = &source.skin {
             for (of, bind) in source.matrices.iter_mut().zip(binds) {
                 *of = compose(of, &rows(&skin.get_bind_pose(*bind as i32)));
@@ -410,17 +407,16 @@ impl Source {
             && self.mesh.get_skeleton_path() == self.path
     }
 
-    /// Where the skeleton puts the joints, or the bones of the file, in the world.
-    fn read_bones(&mut self) {
+    /// Where the skeleton puts the joints, or the bones of the file, in the model of a collider that stands at `at`.
+    fn read_bones(&mut self, at: &Transform) {
         self.matrices.clear();
         let Some(skeleton) = &self.skeleton else {
             return;
         };
-        // Godot draws a skinned mesh at its own transform, with poses relative to the skeleton.
         let world = rows(&self.mesh.get_global_transform());
         let pose = |joint: usize| {
             let bone = self.places[joint] as i32;
-            compose(&world, &rows(&skeleton.get_bone_global_pose(bone)))
+            bone_in_model(at, &world, &rows(&skeleton.get_bone_global_pose(bone)))
         };
         if self.skin.is_some() {
             self.matrices

@@ -1,5 +1,6 @@
 //! From Godot's transforms to the library's placements, matrices and boxes, in f64.
 
+use bdtree_runtime::joint::compose;
 use bdtree_runtime::{Cuboid, JointMatrix, Transform};
 
 use crate::fault::Fault;
@@ -38,6 +39,13 @@ pub(crate) fn placement(of: &JointMatrix) -> Result<Transform, Fault> {
         translation: of.map(|row| row[3]),
         scale,
     })
+}
+
+/// A bone as the collider's model has it. `at`: where the collider stands; `mesh`: the global transform of the
+/// MeshInstance3D, at which Godot draws a skinned mesh; `pose`: the bone's, relative to the skeleton. Whatever `at` is, the
+/// mesh is then where it is drawn.
+pub(crate) fn bone_in_model(at: &Transform, mesh: &JointMatrix, pose: &JointMatrix) -> JointMatrix {
+    at.joint_in_model(&compose(mesh, pose))
 }
 
 /// The box of a `BoxShape3D` of this size in a node of this transform, whose axes may be of different lengths.

@@ -1,9 +1,10 @@
 //! A skinned tube in bent poses, beside loops over all of its deformed triangles.
 
-use bdtree_runtime::joint::IDENTITY;
+use bdtree_runtime::joint::{IDENTITY, compose, transform_point};
 use bdtree_runtime::{Capsule, Cuboid, JointMatrix, SkeletonPose, VertexId};
 
 use super::*;
+use crate::place::bone_in_model;
 
 const SKINNED: &[u8] = include_bytes!("../../../fixtures/golden/skinned.bdt");
 const RIGID: &[u8] = include_bytes!("../../../fixtures/golden/tetrahedron.bdt");
@@ -297,6 +298,72 @@ fn poses_follow_bones_weights_and_placement() {
             found: 0
         })
     ));
+}
+
+#[test]
+fn a_skinned_mesh_is_where_it_is_drawn_wherever_the_collider_stands() {
+    // What Godot draws: sum of weights * (mesh * pose * bind) * p.
+    let poses: Vec<JointMatrix> = {
+        let model = Model::from_bytes(SKINNED).expect("a file");
+        let mut pose = SkeletonPose::new(&model).expect("a skeleton");
+        pose.play(0, 0.4).expect("a clip");
+        pose.joints().to_vec()
+    };
+    // Mirrored, sheared and of three lengths, as a collider must not be.
+    let mesh = [
+        [0.0, -2.0, 0.0, 1.0],
+        [1.0, 0.25, 0.0, -3.0],
+        [0.0, 0.5, 0.5, 2.0],
+    ];
+    let mut body = open(SKINNED);
+    body.set_q(&[0.0]).expect("one mode");
+    let asset = body.asset();
+    let bind = |bone: usize| {
+        asset.bones()[bone]
+            .inverse_bind
+            .map(|row| row.map(|x| x.get()))
+    };
+    let drawn: Vec<[f64; 3]> = (0..asset.vertex_count() as u32)
+        .map(|vertex| {
+            let p = asset.positions()[vertex as usize];
+            let p = [0, 1, 2].map(|k| asset.origin()[k] + f64::from(p[k]) * asset.unit());
+            let influences = asset.influences(VertexId(vertex)).expect("a vertex");
+            let parts = influences.iter().map(|influence| {
+                let bone = usize::from(influence.bone);
+                let joint = asset.bones()[bone].joint.get() as usize;
+                let carried = compose(&mesh, &compose(&poses[joint], &bind(bone)));
+                let weight = f64::from(influence.weight);
+                transform_point(&carried, p).map(|x| weight * x)
+            });
+            parts.fold([0.0; 3], |sum, part| [0, 1, 2].map(|k| sum[k] + part[k]))
+        })
+        .collect();
+    let (joint_of, binds): (Vec<_>, Vec<_>) = (
+        body.joints_of_bones(),
+        (0..asset.bone_count()).map(bind).collect(),
+    );
+    for at in [Transform::IDENTITY, somewhere()] {
+        let joints: Vec<_> = (poses.iter())
+            .map(|pose| bone_in_model(&at, &mesh, pose))
+            .collect();
+        let products: Vec<_> = (joint_of.iter().zip(&binds))
+            .map(|(joint, bind)| compose(&joints[*joint], bind))
+            .collect();
+        for bones in [
+            BoneMatrices::Joints(&joints),
+            BoneMatrices::Skinning(&products),
+        ] {
+            body.pose(bones, at).expect("a pose");
+            let pose = body.instance.pose();
+            for (vertex, expected) in drawn.iter().enumerate() {
+                let found = pose.deformed(VertexId(vertex as u32)).expect("a vertex");
+                assert!(
+                    distance(found, *expected) < 1e-5,
+                    "{at:?}: {found:?} {expected:?}"
+                );
+            }
+        }
+    }
 }
 
 #[test]
