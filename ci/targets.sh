@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What must compile, and what must not: the library for WebAssembly; runtime, builder, dynamics, command and C interface for
-# Windows, and all but builder and command for macOS; everything with the oldest Rust that Cargo.toml promises; nothing for big-endian targets. Installs the
-# targets and the tool chain that it needs.
+# Windows; the same without builder and command for macOS; everything with the oldest Rust that Cargo.toml promises; nothing
+# for big-endian targets. Installs the targets and the tool chain that it needs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export CARGO_TARGET_DIR=$PWD/target/targets
