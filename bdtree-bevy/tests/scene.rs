@@ -36,7 +36,7 @@ fn assert_boxes_rest(engine: &dyn Engine, place: fn(&App, Entity) -> Transform) 
     assert_touches_deformed(&app, &scene, places[0]);
 
     let deformation = app.world().get::<Deformation>(scene.chair).unwrap().clone();
-    // Legs give way by centimeters under rapier, and by millimeters under avian.
+    // Legs give way by centimeters under rapier, and by millimeters under avian, whose friction knows that feet spread.
     let least = if engine.name() == "avian" {
         0.003
     } else {
