@@ -37,8 +37,9 @@ const SMALL: f64 = 0.1;
 /// How far a vertex may be off in the collider, in radii of the mesh's bounding sphere.
 const TOLERANCE: f64 = 5e-3;
 
-/// How far a body and what it touches may move against each other until contacts are looked for anew, in the same unit. Heaps of
-/// chairs take a third of the time that they take with 0, and reach no farther into each other.
+/// How far a body and what it touches may move against each other until contacts are looked for anew, in the same unit. Four
+/// heaps of flexible chairs took less than half of the time that they take with 0; legs were at most 6 cm inside other chairs, and
+/// 4 cm with 0.
 const CONTACT_DRIFT: f64 = 0.02;
 
 /// Seconds after which half of what a body has stored is forgotten.
@@ -397,7 +398,8 @@ impl Body {
         // What gives way smoothly keeps its contacts: a step of the whole tolerance would drop it from what holds it.
         let is_steady = self.modes.iter().any(Mode::is_steady);
         let is_small = moved <= self.tolerance * if is_steady { SMALL } else { 1.0 };
-        if is_small && !std::mem::take(&mut self.is_stale) {
+        // What has moved is given as well, and needs no second time.
+        if !std::mem::take(&mut self.is_stale) && is_small {
             return Ok(None);
         }
         self.mesh.with_q(&q).map(Some)
