@@ -208,16 +208,6 @@ pub(crate) fn evaluate<V: Lanes>(
     })
 }
 
-/// [`evaluate`] in a function of its own, for instruction sets that everything is compiled with.
-#[inline(never)]
-pub(crate) fn evaluate_apart<V: Lanes>(
-    rows: &NodeRows<'_>,
-    modes: &[u16],
-    pose: &BoundPose<'_>,
-) -> Option<WideSpheres<V>> {
-    evaluate(rows, modes, pose)
-}
-
 /// Running sums over modes: exact, in whole numbers (SPEC 5.6).
 #[derive(Clone, Copy)]
 struct Sums<V: Lanes> {

@@ -58,7 +58,7 @@ fn turned(scale: f32) -> BoneMap {
 
 #[test]
 fn stretches_in_f32_are_close_or_not_taken() {
-    use crate::simd::Reference;
+    use crate::simd::Compact;
     for count in [1, 7, 8, 9, 17] {
         for scale in [1e-2, 0.5, 1.0, 300.0, 1e8, 1e12] {
             let mut maps = std::vec![turned(scale); count];
@@ -66,7 +66,7 @@ fn stretches_in_f32_are_close_or_not_taken() {
             if count == 1 {
                 maps[0] = turned(scale);
             }
-            let (farthest, largest) = eight::reach::<Reference>(&mut maps, 2.0).expect("in range");
+            let (farthest, largest) = eight::reach::<Compact>(&mut maps, 2.0).expect("in range");
             let close = scale..=scale * (1.0 + 2e-5);
             assert!(close.contains(&largest), "{scale}: {largest}");
             let reach = f64::from(scale) * 2.0 + f64::sqrt(3.0);
@@ -83,10 +83,10 @@ fn stretches_in_f32_are_close_or_not_taken() {
     for scale in [0.0, 1e-9, 1e30, f32::INFINITY, f32::NAN] {
         for beside in 0..3 {
             let mut maps = std::vec![turned(scale); 1 + beside];
-            assert_eq!(eight::reach::<Reference>(&mut maps, 2.0), None, "{scale}");
+            assert_eq!(eight::reach::<Compact>(&mut maps, 2.0), None, "{scale}");
         }
     }
     // Farther than any map may reach.
-    assert_eq!(eight::reach::<Reference>(&mut [turned(1.0)], 2e18), None);
-    assert_eq!(eight::reach::<Reference>(&mut [], 2.0), None);
+    assert_eq!(eight::reach::<Compact>(&mut [turned(1.0)], 2e18), None);
+    assert_eq!(eight::reach::<Compact>(&mut [], 2.0), None);
 }

@@ -4,7 +4,7 @@ use bdtree_format::{ROWS_LEADING, TriangleRecord};
 
 use super::slots::{CHUNK, LeafChunk, LeafSlot, NodeSlot, leaf_place, place, tag};
 use super::step::Kept;
-use crate::bound::{WideSpheres, evaluate, evaluate_apart};
+use crate::bound::{WideSpheres, evaluate};
 use crate::depth::DepthLimit;
 use crate::epoch::Drift;
 use crate::error::FormatError;
@@ -179,6 +179,30 @@ impl Posed<'_> {
         index: u32,
         out: &mut WideSpheres<L>,
     ) -> Result<bool, FormatError> {
+        if L::IS_COMPACT {
+            return self.spheres_apart(asset, index, out);
+        }
+        self.spheres_here(asset, index, out)
+    }
+
+    /// [`Posed::spheres`] in a function of its own, for instruction sets that everything is compiled with.
+    #[inline(never)]
+    fn spheres_apart<L: Lanes>(
+        &mut self,
+        asset: &Asset<'_>,
+        index: u32,
+        out: &mut WideSpheres<L>,
+    ) -> Result<bool, FormatError> {
+        self.spheres_here(asset, index, out)
+    }
+
+    #[inline(always)]
+    fn spheres_here<L: Lanes>(
+        &mut self,
+        asset: &Asset<'_>,
+        index: u32,
+        out: &mut WideSpheres<L>,
+    ) -> Result<bool, FormatError> {
         let pose = self.drift.map_or(self.pose, |(reference, _)| reference);
         let evaluated = self.spheres_at::<L>(asset, index, pose, out)?;
         if let Some((_, drift)) = self.drift {
@@ -207,14 +231,7 @@ impl Posed<'_> {
         }
         let node = asset.node(index)?;
         let (rows, modes) = (asset.node_rows(node)?, asset.node_modes(node)?);
-        // Spelled out: behind a function that takes `evaluate` it would not be compiled with the
-        // instruction set of the caller.
-        let spheres = if L::IS_COMPACT {
-            evaluate_apart::<L>(&rows, modes, &pose.bound())
-        } else {
-            evaluate::<L>(&rows, modes, &pose.bound())
-        };
-        let Some(mut spheres) = spheres else {
+        let Some(mut spheres) = evaluate::<L>(&rows, modes, &pose.bound()) else {
             return Err(asset.unknown_mode(node.mode_list_start));
         };
         if let Some(bones) = pose.bones() {

@@ -15,7 +15,7 @@ use crate::epoch::Drift;
 use crate::error::FormatError;
 use crate::pair_frame::PairFrame;
 use crate::placement::Placement;
-use crate::simd::{Lanes, Reference, Work};
+use crate::simd::{Compact, Lanes, Work};
 use crate::view::Asset;
 use crate::{Kernel, LaneId, Pose, Transform, VertexId};
 
@@ -279,7 +279,7 @@ fn proxies_in_the_world() {
             } else {
                 alone(&pose)
             };
-            let mut spheres = WideSpheres::<Reference>::empty();
+            let mut spheres = WideSpheres::<Compact>::empty();
             posed.spheres(asset, node, &mut spheres).expect("a node");
             let id = LaneId {
                 node,

@@ -118,9 +118,8 @@ impl Visitor for Closest {
     }
 
     #[inline(always)]
-    fn wanted(&self, key: f32) -> bool {
-        let beyond = key > self.bound;
-        !beyond
+    fn bound(&self) -> f32 {
+        self.bound
     }
 
     #[inline(always)]

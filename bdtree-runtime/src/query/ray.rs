@@ -109,9 +109,8 @@ impl Visitor for First {
     }
 
     #[inline(always)]
-    fn wanted(&self, key: f32) -> bool {
-        let beyond = key > self.bound;
-        !beyond
+    fn bound(&self) -> f32 {
+        self.bound
     }
 
     #[inline(always)]

@@ -28,6 +28,11 @@ impl Lanes for Avx8 {
     type Quad = Avx4;
     type Sums = Whole8;
 
+    #[inline(always)]
+    fn apart<W: Work>(work: W) -> W::Output {
+        run(work)
+    }
+
     instructions! {
         add(other) = _mm256_add_ps;
         sub(other) = _mm256_sub_ps;

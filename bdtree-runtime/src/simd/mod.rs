@@ -33,8 +33,7 @@ pub(crate) use fields::Fields;
 pub(crate) use four::Four;
 pub(crate) use prefetch::{LINE, prefetch, prefetch_from, prefetch_lines};
 pub(crate) use quad::{Quad, Quad3, add3, cross3, dot3, four_of, scale3, select3, splat3, sub3};
-#[cfg(test)]
-pub(crate) use scalar::Array8 as Reference;
+pub(crate) use scalar::Array8 as Compact;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use sse::Four;
 
@@ -44,9 +43,15 @@ pub(crate) trait Lanes: Copy {
     type Quad: Quad;
     /// Eight whole numbers of the same instruction set.
     type Sums: PairSums;
-    /// Whether all walks call one copy of the node kernel. Inlined into each it is faster, but without wide registers it is
-    /// most of a walk's code.
+    /// Whether all walks call one copy of the node kernel and ask their visitors through a table of functions. Compiled
+    /// for each visitor they are faster, but that is most of a library's code, and without wide registers more than with.
     const IS_COMPACT: bool = false;
+
+    /// Does a piece of work with these lanes, in a function of its own: [`Kernel::run`] where the kernel is known.
+    #[inline(always)]
+    fn apart<W: Work>(work: W) -> W::Output {
+        run_portable::<Self, W>(work)
+    }
 
     fn splat(x: f32) -> Self;
     fn load(row: &Row) -> Self;

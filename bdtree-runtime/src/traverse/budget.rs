@@ -4,6 +4,7 @@ use bdtree_format::{LANES, Row};
 
 use super::frontier::{Frontier, SearchEntry, insert};
 use super::leaf_side::LeafSide;
+use super::shared::Shared;
 use super::visitor::{Visitor, Walk};
 use super::{lane_subtree, used_lanes};
 use crate::bound::WideSpheres;
@@ -102,13 +103,7 @@ impl Frontier for Queue<'_> {
     }
 }
 
-/// A question whose keys say how promising a lane is.
-pub(crate) trait Guided: Visitor {
-    /// Above this no key is an answer.
-    fn bound(&self) -> f32;
-}
-
-/// Visits the nodes of one tree as `queue` gives them out.
+/// Visits the nodes of one tree as `queue` gives them out, by the visitor's keys.
 pub(crate) struct BudgetedOne<'n, 'q, V> {
     pub(crate) posed: Posed<'n>,
     pub(crate) queue: &'n mut Queue<'q>,
@@ -117,7 +112,7 @@ pub(crate) struct BudgetedOne<'n, 'q, V> {
     pub(crate) settled: &'n mut u64,
 }
 
-impl<V: Guided> Work for BudgetedOne<'_, '_, V> {
+impl<V: Visitor> Work for BudgetedOne<'_, '_, V> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
@@ -128,6 +123,14 @@ impl<V: Guided> Work for BudgetedOne<'_, '_, V> {
             visitor,
             settled,
         } = self;
+        if L::IS_COMPACT && !V::IS_SHARED {
+            return L::apart(BudgetedOne {
+                posed: posed.shorter(),
+                queue,
+                visitor: &mut Shared::<true>(visitor),
+                settled,
+            });
+        }
         let asset = posed.pose.asset;
         let mut side = LeafSide::new(posed);
         let mut walk = Walk::default();

@@ -71,7 +71,7 @@ impl Leaves {
                 let flow = if V::IN_FOURS {
                     self.near.push(chunk.ids[k], &corners);
                     if self.near.is_full() {
-                        take_near(&mut self.near, asset, &pose.placement, visitor)
+                        take_near::<L, V>(&mut self.near, &pose.placement, visitor)
                     } else {
                         ControlFlow::Continue(())
                     }
@@ -100,7 +100,7 @@ impl Leaves {
             if self.fresh.len > 0 && self.sieve::<L, V>(asset, pose, visitor)?.is_break() {
                 return Ok(ControlFlow::Break(()));
             }
-            return Ok(take_near(&mut self.near, asset, &pose.placement, visitor));
+            return Ok(take_near::<L, V>(&mut self.near, &pose.placement, visitor));
         }
         Ok(ControlFlow::Continue(()))
     }
@@ -123,7 +123,7 @@ impl Leaves {
             left &= left - 1;
             self.near.push(chunk.ids[k], &chunk.stored(k));
             if self.near.is_full()
-                && take_near(&mut self.near, asset, &pose.placement, visitor).is_break()
+                && take_near::<L, V>(&mut self.near, &pose.placement, visitor).is_break()
             {
                 return Ok(ControlFlow::Break(()));
             }
@@ -200,13 +200,12 @@ impl<V: Visitor> Work for TakeNear<'_, V> {
 
 /// The exact test of what was not rejected.
 #[inline(always)]
-fn take_near<V: Visitor>(
+fn take_near<L: Lanes, V: Visitor>(
     near: &mut Near,
-    asset: &Asset<'_>,
     frame: &Placement,
     visitor: &mut V,
 ) -> ControlFlow<()> {
-    asset.kernel.run(TakeNear {
+    L::apart(TakeNear {
         near,
         frame,
         visitor,

@@ -18,6 +18,7 @@ mod pair_leaves;
 mod pair_side;
 mod pair_stack;
 mod separating_plane;
+mod shared;
 mod sphere_triangles;
 mod supports;
 mod two;
@@ -27,7 +28,7 @@ mod visitor;
 pub(crate) use frontier::SearchEntry;
 pub(crate) use pair_stack::FrontSlot;
 
-pub(crate) use budget::{BudgetedOne, Guided, Queue};
+pub(crate) use budget::{BudgetedOne, Queue};
 pub(crate) use frontier::Stack;
 pub(crate) use gap::Gap;
 pub(crate) use leaf_pairs::LeafPairs;

@@ -5,6 +5,7 @@ use core::ops::ControlFlow;
 
 use super::leaves::Leaves;
 use super::nearest::nearest_first;
+use super::shared::Shared;
 use super::visit::{NO_NODE, TOGETHER, look};
 use super::visitor::{Visitor, Walk};
 use super::{StackEntry, lane_subtree};
@@ -55,6 +56,23 @@ impl<V: Visitor> Work for OneWalk<'_, '_, '_, V> {
             visitor,
             mut limit,
         } = self;
+        if L::IS_COMPACT && !V::IS_SHARED {
+            return if V::ORDERED {
+                L::apart(OneWalk {
+                    posed,
+                    stack,
+                    visitor: &mut Shared::<true>(visitor),
+                    limit,
+                })
+            } else {
+                L::apart(OneWalk {
+                    posed,
+                    stack,
+                    visitor: &mut Shared::<false>(visitor),
+                    limit,
+                })
+            };
+        }
         if V::ORDERED {
             nearest_first::<L, V>(posed, stack, visitor, &mut limit)
         } else {

@@ -46,9 +46,12 @@ impl Work for SeparatingPlane<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let [posed_a, posed_b] = self.posed;
-        let mut a = Side::new(posed_a, None);
-        let mut b = Side::new(posed_b, Some(self.frame));
-        let apart = search::<L>(&mut a, &mut b, self.frame, self.stack)?;
+        let mut sides = [
+            Side::new(posed_a, None),
+            Side::new(posed_b, Some(self.frame)),
+        ];
+        let apart = search::<L>(&mut sides, self.frame, self.stack)?;
+        let [a, b] = sides;
         Ok(Found {
             apart,
             nodes_visited: a.visited + b.visited,
@@ -57,33 +60,44 @@ impl Work for SeparatingPlane<'_, '_> {
     }
 }
 
+/// In loops over the two sides: what is done with one is long, and compiled once.
 #[inline(always)]
 fn search<L: Lanes>(
-    a: &mut Side<'_, '_>,
-    b: &mut Side<'_, '_>,
+    sides: &mut [Side<'_, '_>; 2],
     frame: &PairFrame,
     stack: &mut [PairStackEntry],
 ) -> Result<bool, QueryError> {
-    let (from, to) = (a.middle::<L>()?, b.middle::<L>()?);
-    let Some(mut normal) = unit(minus(to, from)) else {
+    let mut middles = [[0.0; 3]; 2];
+    for (side, middle) in sides.iter_mut().zip(&mut middles) {
+        *middle = side.middle::<L>()?;
+    }
+    let Some(mut normal) = unit(minus(middles[1], middles[0])) else {
         return Ok(false);
     };
     let margin = frame.height_margin();
     for _ in 0..TRIES {
-        let back = normal.map(|x| -x);
-        let (top_a, top_b) = (a.climb::<L>(normal)?, b.climb::<L>(back)?);
-        let gap = -(top_a.height + top_b.height);
+        let directions = [normal, normal.map(|x| -x)];
+        let mut tops = [Top::NONE; 2];
+        for k in 0..2 {
+            tops[k] = sides[k].climb::<L>(directions[k])?;
+        }
+        let gap = -(tops[0].height + tops[1].height);
         // NaN ends the search too.
         if gap > 2.0 * margin {
-            let limit = -top_b.height - margin;
-            let Some(plane) = a.below::<L>(normal, top_a.height + 0.5 * gap, limit, stack)? else {
-                return Ok(false);
-            };
-            let plane = -plane - margin;
-            return Ok(b.below::<L>(back, plane, plane, stack)?.is_some());
+            let mut plane = tops[0].height + 0.5 * gap;
+            let mut limit = -tops[1].height - margin;
+            for k in 0..2 {
+                let Some(top) = sides[k].below::<L>(directions[k], plane, limit, stack)? else {
+                    return Ok(false);
+                };
+                // Of the other one all must stay on the plane's other side.
+                plane = -top - margin;
+                limit = plane;
+            }
+            return Ok(true);
         }
         // The normal as reflected by what overlaps along it.
-        let Some(across) = unit(minus(top_b.point, top_a.point)) else {
+        let Some(across) = unit(minus(tops[1].point, tops[0].point)) else {
             return Ok(false);
         };
         let along = dot(normal, across);
@@ -96,9 +110,17 @@ fn search<L: Lanes>(
 }
 
 /// A corner far along a direction.
+#[derive(Clone, Copy)]
 struct Top {
     height: f32,
     point: [f32; 3],
+}
+
+impl Top {
+    const NONE: Self = Self {
+        height: f32::NEG_INFINITY,
+        point: [0.0; 3],
+    };
 }
 
 /// One asset in the frame of the first.
@@ -169,10 +191,7 @@ impl<'p, 's> Side<'p, 's> {
     /// its radius.
     #[inline(always)]
     fn climb<L: Lanes>(&mut self, direction: [f32; 3]) -> Result<Top, QueryError> {
-        let mut top = Top {
-            height: f32::NEG_INFINITY,
-            point: [0.0; 3],
-        };
+        let mut top = Top::NONE;
         let mut at = Subtree::default();
         for _ in 0..=self.asset.depth() {
             if at.triangles > 0 {

@@ -57,7 +57,7 @@ pub(super) fn look<'s, L: Lanes, V: Visitor>(
         return Ok(ControlFlow::Continue((node, mask)));
     };
     core::hint::cold_path();
-    let settled = asset.kernel.run(Settle {
+    let settled = L::apart(Settle {
         asset,
         posed,
         leaves,

@@ -15,14 +15,24 @@ pub(crate) trait Visitor {
     /// Whether nearer lanes are to be visited first (by `keys`).
     const ORDERED: bool;
 
+    /// Whether it stands for any other ([`super::shared`]).
+    const IS_SHARED: bool = false;
+
     /// The lanes that may hold an answer, and, when ordered, a lower bound for each of what the
     /// question minimises. Anything not proved useless is kept, NaN included.
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8;
 
+    /// Above this no key is an answer.
+    #[inline(always)]
+    fn bound(&self) -> f32 {
+        f32::INFINITY
+    }
+
     /// Whether a subtree with this lower bound may still hold an answer.
     #[inline(always)]
-    fn wanted(&self, _key: f32) -> bool {
-        true
+    fn wanted(&self, key: f32) -> bool {
+        let beyond = key > self.bound();
+        !beyond
     }
 
     /// Whether a triangle with these corners (stored units) certainly is no answer: a cheap test

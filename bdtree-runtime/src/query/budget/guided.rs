@@ -5,30 +5,17 @@ use core::ops::ControlFlow;
 
 use super::super::ball::Ball;
 use super::super::project::Closest;
-use super::super::ray::First;
 use crate::bound::WideSpheres;
 use crate::contact::TriangleId;
 use crate::narrow::Triangle;
 use crate::rounding::MARGIN;
 use crate::simd::Lanes;
-use crate::traverse::{Guided, Visitor};
+use crate::traverse::Visitor;
 
 impl Closest {
     /// What everything at a key is not nearer than (world).
     pub(super) fn distance(&self, key: f32) -> f64 {
         (f64::from(key) / self.stored_per_world * (1.0 - MARGIN)).max(0.0)
-    }
-}
-
-impl Guided for Closest {
-    fn bound(&self) -> f32 {
-        self.bound
-    }
-}
-
-impl Guided for First {
-    fn bound(&self) -> f32 {
-        self.bound
     }
 }
 
@@ -47,17 +34,11 @@ impl Visitor for Deepest<'_> {
         self.near.lanes(spheres, keys)
     }
 
-    fn wanted(&self, key: f32) -> bool {
-        self.near.wanted(key)
+    fn bound(&self) -> f32 {
+        self.near.bound
     }
 
     fn triangle(&mut self, id: TriangleId, corners: &Triangle) -> ControlFlow<()> {
         self.ball.triangle(id, corners)
-    }
-}
-
-impl Guided for Deepest<'_> {
-    fn bound(&self) -> f32 {
-        self.near.bound
     }
 }

@@ -12,7 +12,7 @@ use crate::cache::{OwnCache, Posed};
 use crate::contact::{Contact, Coverage, PairContact, PointProjection, RayIntersection, Sink};
 use crate::error::QueryError;
 use crate::shape::{self, Ray};
-use crate::traverse::{BudgetedOne, Gap, Guided, LeafPairs, NearestTwo, Queue, SearchEntry, Walk};
+use crate::traverse::{BudgetedOne, Gap, LeafPairs, NearestTwo, Queue, SearchEntry, Visitor, Walk};
 use guided::Deepest;
 
 /// The best that a query found within its budget, and a bound for what it left out.
@@ -138,7 +138,7 @@ impl Budget<'_> {
         Ok(rest.budgeted(found, pairs.limit(), gap.distance(rest.key)))
     }
 
-    fn one<V: Guided>(&mut self, posed: Posed<'_>, visitor: &mut V) -> Result<Rest, QueryError> {
+    fn one<V: Visitor>(&mut self, posed: Posed<'_>, visitor: &mut V) -> Result<Rest, QueryError> {
         let mut queue = Queue::new(self.queue, self.max_visits);
         let mut settled = 0;
         let walk = posed.pose.asset.kernel.run(BudgetedOne {
