@@ -11,7 +11,7 @@ use crate::instance::BdtInstance;
 use crate::query::bounded;
 use crate::sink::{Array, Callback};
 use crate::status::{BdtStatus, Fault};
-use crate::workspace::{BdtWorkspace, Desk, VISITS};
+use crate::workspace::{BdtWorkspace, Desk, NOT_ASKED, VISITS};
 
 /// What a pair of instances keeps from step to step: `bdt_pair_contacts`, `bdt_pair_triangles`, `bdt_pair_intersects` and
 /// `bdt_pair_manifolds` give the same answers with it, and visit no node until the two have moved by a margin. Keep the
@@ -42,7 +42,7 @@ pub extern "C" fn bdt_front_free(front: Handle<BdtFront>) -> BdtStatus {
     done(|| front.free())
 }
 
-/// What a question of two instances takes.
+/// Two instances to ask.
 struct Pair<'h> {
     workspace: &'h Handle<BdtWorkspace>,
     instances: [&'h Handle<BdtInstance>; 2],
@@ -50,13 +50,38 @@ struct Pair<'h> {
     has_callbacks: bool,
 }
 
-impl Pair<'_> {
+impl<'h> Pair<'h> {
+    fn new(
+        workspace: &'h Handle<BdtWorkspace>,
+        first: &'h Handle<BdtInstance>,
+        second: &'h Handle<BdtInstance>,
+    ) -> Self {
+        Self {
+            workspace,
+            instances: [first, second],
+            front: None,
+            has_callbacks: false,
+        }
+    }
+
+    /// With what is kept from step to step, unless it is NULL.
+    fn front(mut self, front: &'h Handle<BdtFront>) -> Self {
+        self.front = (!front.address().is_null()).then_some(front);
+        self
+    }
+
+    /// The question calls the program.
+    fn with_callbacks(mut self) -> Self {
+        self.has_callbacks = true;
+        self
+    }
+
     fn ask<T>(
         &self,
         question: impl FnOnce(&mut PairQuery<'_, '_, 'static>) -> Result<T, QueryError>,
     ) -> Result<T, Fault> {
-        self.with(|desk_visits, mut query| {
-            if desk_visits.is_some() {
+        self.within(|max_visits, mut query| {
+            if max_visits.is_some() {
                 return Err(Fault::Argument(VISITS));
             }
             Ok(question(&mut query)?)
@@ -64,10 +89,22 @@ impl Pair<'_> {
     }
 
     /// The question gets the limit of visits, and what to ask.
-    fn with<T>(
+    fn within<T>(
         &self,
         question: impl FnOnce(Option<u64>, PairQuery<'_, '_, 'static>) -> Result<T, Fault>,
     ) -> Result<T, Fault> {
+        // As in `ask` for one instance.
+        let (mut question, mut answer) = (Some(question), None);
+        self.put_question(&mut |max_visits, query| {
+            if let Some(question) = question.take() {
+                answer = Some(question(max_visits, query)?);
+            }
+            Ok(())
+        })?;
+        answer.ok_or(NOT_ASKED)
+    }
+
+    fn put_question(&self, question: &mut Question<'_>) -> Result<(), Fault> {
         let [first, second] = self.instances;
         if first.address() == second.address() && !first.address().is_null() {
             // The handle itself is checked first.
@@ -85,10 +122,7 @@ impl Pair<'_> {
             stats,
             ..
         } = &mut *desk;
-        let mut front = match self.front {
-            Some(front) if !front.address().is_null() => Some(front.exclusive()?),
-            _ => None,
-        };
+        let mut front = self.front.map(Handle::exclusive).transpose()?;
         let front = front.as_deref_mut();
         let answer = if *is_shared {
             let (one, two) = (
@@ -107,6 +141,9 @@ impl Pair<'_> {
         answer
     }
 }
+
+/// [`Pair::within`]'s, of any answer.
+type Question<'q> = dyn FnMut(Option<u64>, PairQuery<'_, '_, 'static>) -> Result<(), Fault> + 'q;
 
 fn options<'q, 'm>(
     mut query: PairQuery<'q, 'm, 'static>,
@@ -145,13 +182,9 @@ pub extern "C" fn bdt_pair_contacts(
 ) -> BdtStatus {
     call(|| {
         let mut array = Array::new(&mut out, capacity, &mut count)?;
-        Pair {
-            workspace: &workspace,
-            instances: [&first, &second],
-            front: Some(&front),
-            has_callbacks: false,
-        }
-        .ask(|query| query.contacts(prediction, &mut array))?;
+        Pair::new(&workspace, &first, &second)
+            .front(&front)
+            .ask(|query| query.contacts(prediction, &mut array))?;
         array.end(&mut count)
     })
 }
@@ -175,13 +208,10 @@ pub extern "C" fn bdt_pair_contacts_each(
 ) -> BdtStatus {
     call(|| {
         let mut sink = Callback::<BdtPairContact>::new(callback, context)?;
-        Pair {
-            workspace: &workspace,
-            instances: [&first, &second],
-            front: Some(&front),
-            has_callbacks: true,
-        }
-        .ask(|query| query.contacts(prediction, &mut sink))?;
+        Pair::new(&workspace, &first, &second)
+            .front(&front)
+            .with_callbacks()
+            .ask(|query| query.contacts(prediction, &mut sink))?;
         Ok(sink.end())
     })
 }
@@ -202,13 +232,9 @@ pub extern "C" fn bdt_pair_triangles(
 ) -> BdtStatus {
     call(|| {
         let mut array = Array::new(&mut out, capacity, &mut count)?;
-        Pair {
-            workspace: &workspace,
-            instances: [&first, &second],
-            front: Some(&front),
-            has_callbacks: false,
-        }
-        .ask(|query| query.triangle_pairs(prediction, &mut array))?;
+        Pair::new(&workspace, &first, &second)
+            .front(&front)
+            .ask(|query| query.triangle_pairs(prediction, &mut array))?;
         array.end(&mut count)
     })
 }
@@ -224,13 +250,9 @@ pub extern "C" fn bdt_pair_intersects(
     mut is_touching: Out<i32>,
 ) -> BdtStatus {
     done(|| {
-        let found = Pair {
-            workspace: &workspace,
-            instances: [&first, &second],
-            front: Some(&front),
-            has_callbacks: false,
-        }
-        .ask(|query| query.intersects())?;
+        let found = Pair::new(&workspace, &first, &second)
+            .front(&front)
+            .ask(|query| query.intersects())?;
         is_touching.one("is_touching")?.write(i32::from(found));
         Ok(())
     })
@@ -248,13 +270,8 @@ pub extern "C" fn bdt_pair_closest_points(
     mut out: Out<BdtPairContact>,
 ) -> BdtStatus {
     done(|| {
-        let pair = Pair {
-            workspace: &workspace,
-            instances: [&first, &second],
-            front: None,
-            has_callbacks: false,
-        };
-        let (found, bound) = pair.with(|max_visits, mut query| match max_visits {
+        let pair = Pair::new(&workspace, &first, &second);
+        let (found, bound) = pair.within(|max_visits, mut query| match max_visits {
             None => Ok((query.closest_points(max_distance)?, None)),
             Some(visits) => {
                 let found = query.max_visits(visits).closest_points(max_distance)?;
@@ -281,13 +298,8 @@ pub extern "C" fn bdt_pair_distance(
     mut distance: Out<f64>,
 ) -> BdtStatus {
     done(|| {
-        let found = Pair {
-            workspace: &workspace,
-            instances: [&first, &second],
-            front: None,
-            has_callbacks: false,
-        }
-        .ask(|query| query.distance(max_distance))?;
+        let found =
+            Pair::new(&workspace, &first, &second).ask(|query| query.distance(max_distance))?;
         distance.one("distance")?.write(found.unwrap_or(-1.0));
         Ok(())
     })
@@ -310,13 +322,9 @@ pub extern "C" fn bdt_pair_manifolds(
 ) -> BdtStatus {
     call(|| {
         let mut array = Array::new(&mut out, capacity, &mut count)?;
-        Pair {
-            workspace: &workspace,
-            instances: [&first, &second],
-            front: Some(&front),
-            has_callbacks: false,
-        }
-        .ask(|query| query.contact_manifolds(prediction, &mut array))?;
+        Pair::new(&workspace, &first, &second)
+            .front(&front)
+            .ask(|query| query.contact_manifolds(prediction, &mut array))?;
         array.end(&mut count)
     })
 }
@@ -339,13 +347,8 @@ pub extern "C" fn bdt_pair_condense(
     call(|| {
         let mut pairs: Vec<PairContact> = crate::sink::converted(&pairs, pair_count, "pairs")?;
         let mut array = Array::new(&mut out, capacity, &mut count)?;
-        Pair {
-            workspace: &workspace,
-            instances: [&first, &second],
-            front: None,
-            has_callbacks: false,
-        }
-        .ask(|query| query.condense(&mut pairs, &mut array))?;
+        Pair::new(&workspace, &first, &second)
+            .ask(|query| query.condense(&mut pairs, &mut array))?;
         array.end(&mut count)
     })
 }
@@ -371,13 +374,8 @@ pub extern "C" fn bdt_pair_level_spheres(
     call(|| {
         let mut array = Array::new(&mut out, capacity, &mut count)?;
         let levels = [level1, level2].map(|level| level as usize);
-        Pair {
-            workspace: &workspace,
-            instances: [&first, &second],
-            front: None,
-            has_callbacks: false,
-        }
-        .ask(|query| query.level_spheres(levels, prediction, reach, &mut array))?;
+        Pair::new(&workspace, &first, &second)
+            .ask(|query| query.level_spheres(levels, prediction, reach, &mut array))?;
         array.end(&mut count)
     })
 }
@@ -400,13 +398,8 @@ pub extern "C" fn bdt_pair_level_triangles(
 ) -> BdtStatus {
     call(|| {
         let mut array = Array::new(&mut out, capacity, &mut count)?;
-        Pair {
-            workspace: &workspace,
-            instances: [&first, &second],
-            front: None,
-            has_callbacks: false,
-        }
-        .ask(|query| query.level_triangles(level as usize, prediction, reach, &mut array))?;
+        Pair::new(&workspace, &first, &second)
+            .ask(|query| query.level_triangles(level as usize, prediction, reach, &mut array))?;
         array.end(&mut count)
     })
 }

@@ -241,6 +241,27 @@ pub(crate) fn ask<T>(
     has_callbacks: bool,
     question: impl FnOnce(Asked<'_, '_>) -> Result<T, Fault>,
 ) -> Result<T, Fault> {
+    // Through a pointer, so that what comes before and after a question is compiled once for all of them.
+    let (mut question, mut answer) = (Some(question), None);
+    put_question(workspace, instance, has_callbacks, &mut |asked| {
+        if let Some(question) = question.take() {
+            answer = Some(question(asked)?);
+        }
+        Ok(())
+    })?;
+    answer.ok_or(NOT_ASKED)
+}
+
+/// Never seen: a question that is put is asked.
+pub(crate) const NOT_ASKED: Fault = Fault::Argument("query: it was not asked");
+
+/// [`ask`] for any question.
+fn put_question(
+    workspace: &Handle<BdtWorkspace>,
+    instance: &Handle<BdtInstance>,
+    has_callbacks: bool,
+    question: &mut dyn FnMut(Asked<'_, '_>) -> Result<(), Fault>,
+) -> Result<(), Fault> {
     let mut desk = workspace.exclusive()?;
     desk.clear();
     let Desk {
