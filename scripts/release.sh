@@ -30,6 +30,7 @@ build() {
     cargo build --locked --release -p bdtree-build -p bdtree-tools -p bdtree-view -p bdtree-release \
         --features bdtree-tools/report
     cargo build --locked --profile capi -p bdtree-capi
+    bash ci/bevy.sh --alone
 }
 
 # pack BINARIES LIBRARIES FOLDER: the archive, the bills and the checksums, of the programs that lie in BINARIES and the
