@@ -139,7 +139,7 @@ fn the_advised_file_has_the_stated_length() {
             "--modes",
             "10",
             "--resolution",
-            "12",
+            "8",
             "--max-error-rel",
             "0.1",
         ],

@@ -339,7 +339,7 @@ fn the_resolution_that_is_suggested_fits() {
     let chair = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/chair.obj");
     let chair = read_model(&chair, None, BadFaces::Refuse).expect("a chair");
     let chair = chair.mesh;
-    for (mib, resolution) in [(2, 40), (5, 40), (10, 12), (20, 200), (50, 40), (100, 40)] {
+    for (mib, resolution) in [(2, 40), (5, 40), (10, 12), (20, 200), (50, 40)] {
         let mut o = options(resolution);
         o.memory_limit_bytes = mib << 20;
         let text = run(&chair, &o).expect_err("too fine").to_string();

@@ -2,7 +2,7 @@
 //! place, with every kernel, with subnormals kept and flushed; what is no asset is refused in words.
 //!
 //! `BDTREE_HARD_ROUNDS=20 cargo test -p bdtree-runtime --test all hard_cases::` asks more random questions of each
-//! kind (2 without), and all about pairs of large meshes.
+//! kind (one without), and all about pairs of large meshes.
 
 use bdtree_build::pipeline::{BakeSettings, Provenance, bake_fields};
 use bdtree_build::progress::Silent;

@@ -40,7 +40,7 @@ fn check(name: &str, mesh: &RawMesh, rounds: usize) {
 fn check_fixtures(names: &[&str]) {
     for name in names {
         let mesh = read_mesh(&models::path(name)).expect("fixture");
-        check(name, &mesh, 5);
+        check(name, &mesh, 3);
     }
 }
 
