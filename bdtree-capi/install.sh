@@ -10,7 +10,7 @@ version=$(sed -n 's/^version = "\(.*\)"$/\1/p' "$here/../Cargo.toml" | head -n 1
 
 install -d "$prefix"/{include,lib/pkgconfig,lib/cmake/bdtree,share/bdtree}
 install -m 644 "$here"/include/bdtree.h "$here"/include/bdtree.hpp "$prefix/include"
-install -m 644 "$here/csharp/Bdtree.cs" "$prefix/share/bdtree"
+install -m 644 "$here"/csharp/*.cs "$prefix/share/bdtree"
 install -m 755 "$from/libbdtree_capi.so" "$prefix/lib/libbdtree.so.$version"
 ln -sf "libbdtree.so.$version" "$prefix/lib/libbdtree.so.${version%.*}"
 ln -sf "libbdtree.so.${version%.*}" "$prefix/lib/libbdtree.so"

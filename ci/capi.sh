@@ -43,6 +43,8 @@ diff bdtree-capi/symbols.txt "$out/symbols.txt" || {
     echo "the library exports other symbols than bdtree-capi/symbols.txt lists" >&2
     exit 1
 }
+python3 ci/check_wrappers.py --self-test
+python3 ci/check_wrappers.py
 foreign=$(readelf -d "$library" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -vE '^(libc\.so\.6|ld-linux.*)$' || true)
 [[ -z $foreign ]] || { echo "the library needs $foreign besides libc" >&2; exit 1; }
 if [[ $profile == capi ]]; then
@@ -83,7 +85,7 @@ tests=bdtree-capi/tests/c
 gcc -std=c99 "${warnings[@]}" "${checked[@]}" $tests/golden.c "${flags[@]}" -o "$out/golden-c-checked"
 gcc -std=c99 "${warnings[@]}" -g $tests/golden.c "${flags[@]}" -o "$out/golden-c"
 g++ -std=c++17 "${warnings[@]}" "${checked[@]}" $tests/golden.cpp "${flags[@]}" -o "$out/golden-cpp-checked"
-mcs -langversion:7.2 -warnaserror -out:"$out/golden.exe" bdtree-capi/csharp/Bdtree.cs $tests/Golden.cs
+mcs -langversion:7.2 -warnaserror -out:"$out/golden.exe" bdtree-capi/csharp/*.cs $tests/Golden.cs
 memory=(valgrind --quiet --error-exitcode=1 --leak-check=full --show-leak-kinds=definite
     --errors-for-leak-kinds=definite)
 same() {
@@ -111,7 +113,7 @@ for example in c cpp; do
 done
 gcc -std=c99 "${warnings[@]}" "${checked[@]}" $examples/example.c "${flags[@]}" -o "$out/example-c"
 g++ -std=c++17 "${warnings[@]}" "${checked[@]}" $examples/example.cpp "${flags[@]}" -o "$out/example-cpp"
-mcs -langversion:7.2 -warnaserror -out:"$out/Example.exe" bdtree-capi/csharp/Bdtree.cs $examples/Example.cs
+mcs -langversion:7.2 -warnaserror -out:"$out/Example.exe" bdtree-capi/csharp/*.cs $examples/Example.cs
 cmake -S $examples -B "$out/cmake" -DCMAKE_PREFIX_PATH="$prefix" >"$out/cmake.log"
 cmake --build "$out/cmake" >>"$out/cmake.log" || { cat "$out/cmake.log" >&2; exit 1; }
 for program in "$out/example-c" "$out/example-cpp" "mono $out/Example.exe" "$out/cmake/example_c" \
@@ -124,6 +126,15 @@ for program in "$out/example-c" "$out/example-cpp" "mono $out/Example.exe" "$out
     if $program README.md >"$out/error.txt" 2>&1; then echo "$program takes README.md" >&2; exit 1; fi
     grep -q 'not a .bdt file' "$out/error.txt" || { cat "$out/error.txt" >&2; exit 1; }
 done
+# Every function through C++ and C#, with a body whose modes vibrate. The programs call each of them: of the one the
+# linker knows, of the other the loader, which looks each up at its first call.
+target/debug/bdtree-build --tets fixtures/beam_tets.vtk --modes 3 -o "$out/beam.bdt" >/dev/null 2>&1
+g++ -std=c++17 "${warnings[@]}" "${checked[@]}" $tests/wrapper.cpp "${flags[@]}" -o "$out/wrapper-cpp"
+mcs -langversion:7.2 -warnaserror -out:"$out/wrapper.exe" bdtree-capi/csharp/*.cs $tests/Wrapper.cs
+"$out/wrapper-cpp" fixtures/golden "$out/beam.bdt"
+nm -u "$out/wrapper-cpp" | awk '/ bdt_/ { print $2 }' | LC_ALL=C sort | diff bdtree-capi/symbols.txt -
+LD_DEBUG=symbols LD_DEBUG_OUTPUT=$out/lookups mono "$out/wrapper.exe" fixtures/golden "$out/beam.bdt"
+cat "$out"/lookups.* | grep -o 'symbol=bdt_[a-z_0-9]*' | cut -d= -f2 | LC_ALL=C sort -u | diff bdtree-capi/symbols.txt -
 # The programs of the guide.
 programs() {
     python3 - "$1" "$2" "$out/guide-$2" <<'EOF'
@@ -142,7 +153,8 @@ programs docs/guide/unity.md csharp
 gcc -std=c99 "${warnings[@]}" "${checked[@]}" "$out/guide-c-0.c" "${flags[@]}" -o "$out/guide-c-0"
 gcc -std=c99 "${warnings[@]}" "${checked[@]}" "$out/guide-c-1.c" "${flags[@]}" -o "$out/guide-c-1"
 g++ -std=c++20 "${warnings[@]}" "${checked[@]}" "$out/guide-cpp-0.cpp" "${flags[@]}" -o "$out/guide-cpp-0"
-mcs -langversion:7.2 -warnaserror -out:"$out/guide.exe" bdtree-capi/csharp/Bdtree.cs "$out/guide-csharp-0.cs"
+g++ -std=c++17 "${warnings[@]}" "${checked[@]}" "$out/guide-cpp-1.cpp" "${flags[@]}" -o "$out/guide-cpp-1"
+mcs -langversion:7.2 -warnaserror -out:"$out/guide.exe" bdtree-capi/csharp/*.cs "$out/guide-csharp-0.cs"
 says() {
     local word=$1 said
     shift
@@ -152,6 +164,7 @@ says() {
 says 'triangles touched' "$out/guide-c-0"
 says 'body 0 lands in step' "$out/guide-c-1"
 says 'depth ' "$out/guide-cpp-0"
+says 'seen triangle ' "$out/guide-cpp-1"
 says 'triangles touched' mono "$out/guide.exe"
 # The page of Unreal: files that begin with their name, and a program. What needs Unreal is compiled against declarations.
 unreal=$out/unreal

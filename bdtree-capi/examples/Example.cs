@@ -1,4 +1,4 @@
-// Bake: bdtree-build chair.obj --modes 10 -o chair.bdt. Then: mcs Example.cs Bdtree.cs && mono Example.exe chair.bdt
+// Bake: bdtree-build chair.obj --modes 10 -o chair.bdt. Then: mcs Example.cs ../csharp/*.cs && mono Example.exe chair.bdt
 using System;
 using Bdtree;
 

@@ -1,18 +1,27 @@
 /*
  * bdtree for C++17: owners of the handles of bdtree.h, vectors in place of arrays, exceptions in place of statuses.
- * Header only; link libbdtree. Each function calls the one of bdtree.h of the same name, whose comment says units,
- * frames, errors and which threads may call it. Structs are those of bdtree.h.
+ * Header only; link libbdtree. Each function calls the one of bdtree.h of the same name (without the name of what it is a
+ * member of), whose comment says units, frames, errors and which threads may call it. Structs are those of bdtree.h.
+ *
+ * All functions of bdtree.h are here. The language has its own form of these:
+ * - *_new, *_free: constructors and destructors; bdt_instance_new_with_cache is a constructor with two sizes more.
+ * - *_each: any callable takes the items: see Workspace::contacts_each.
+ * - bdt_instance_set_pose_with_joints, bdt_instance_set_skeleton_pose: overloads of Instance::set_pose.
+ * - BDT_TRUNCATED is not seen: vectors and strings grow. BDT_STOPPED is the answer false of *_each.
+ * - BDT_NONE in place of a hit is an empty std::optional; in arrays of hits it stays.
  */
 #ifndef BDTREE_HPP
 #define BDTREE_HPP
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -31,22 +40,21 @@ private:
     BdtStatus status_;
 };
 
+/** What went wrong in this thread's last call that returned an error; empty before the first one. */
+inline std::string last_error();
+
+/** What a status means, in a few words. */
+inline std::string status_text(std::int32_t status) { return bdt_status_text(status); }
+
 /** Throws an Error for statuses below 0; returns the others. */
 inline BdtStatus check(BdtStatus status)
 {
     if (status >= 0) {
         return status;
     }
-    char text[512];
-    text[0] = '\0';
-    bdt_last_error(text, sizeof text, nullptr);
-    throw Error(status, text[0] != '\0' ? text : bdt_status_text(status));
+    const std::string text = last_error();
+    throw Error(status, text.empty() ? status_text(status) : text);
 }
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/** World and mesh coordinates are the same. */
-constexpr BdtTransform identity{{0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, 1.0};
 
 namespace detail {
 
@@ -58,29 +66,34 @@ struct Deleter {
 template <class T, BdtStatus (*Free)(T *)>
 using Owner = std::unique_ptr<T, Deleter<T, Free>>;
 
-/** All items of an answer: `ask` gets array, capacity and count. */
-template <class T, class Ask>
-std::vector<T> all(Ask ask, std::size_t room = 32)
+/** What a function writes to its last argument: a struct, a number or a new handle. */
+template <class T, class Ask, class... Args>
+T one(Ask ask, Args... args)
 {
-    std::vector<T> items(room);
+    T out{};
+    check(ask(args..., &out));
+    return out;
+}
+
+/** All items that a function writes to its last arguments: array, capacity and count. The first try has room for 4 KB. */
+template <class T, class Items = std::vector<T>, class Ask, class... Args>
+Items all(Ask ask, Args... args)
+{
+    // Texts are closed by a 0 that is not counted.
+    constexpr std::size_t closing = std::is_same_v<Items, std::string> ? 1 : 0;
+    Items items(4096 / sizeof(T), T{});
     std::size_t count = 0;
-    while (check(ask(items.data(), items.size(), &count)) == BDT_TRUNCATED) {
-        items.resize(count);
+    while (check(ask(args..., items.data(), items.size(), &count)) == BDT_TRUNCATED) {
+        items.resize(count + closing);
     }
     items.resize(count);
     return items;
 }
 
-template <class Ask>
-std::string text(Ask ask)
+template <class Ask, class... Args>
+std::string text(Ask ask, Args... args)
 {
-    std::string out(64, '\0');
-    std::size_t length = 0;
-    while (check(ask(out.data(), out.size(), &length)) == BDT_TRUNCATED) {
-        out.resize(length + 1);
-    }
-    out.resize(length);
-    return out;
+    return all<char, std::string>(ask, args...);
 }
 
 inline std::optional<BdtHit> found(const BdtHit &hit)
@@ -88,7 +101,84 @@ inline std::optional<BdtHit> found(const BdtHit &hit)
     return hit.triangle == BDT_NONE ? std::nullopt : std::optional<BdtHit>(hit);
 }
 
+template <class Owner>
+auto handle_of(const Owner *owner) noexcept
+{
+    return owner == nullptr ? nullptr : owner->get();
+}
+
+/** Hands items of a query to a callable, whose exceptions wait until the query has ended. */
+template <class T, class Call>
+struct Taker {
+    Call &call;
+    std::exception_ptr thrown;
+
+    static std::int32_t take(const T *item, void *context) noexcept
+    {
+        Taker &taker = *static_cast<Taker *>(context);
+        using Answer = decltype(taker.call(*item));
+        static_assert(std::is_void_v<Answer> || std::is_same_v<Answer, bool>,
+                      "it returns nothing, or a bool: false ends the query");
+        try {
+            if constexpr (std::is_void_v<Answer>) {
+                taker.call(*item);
+                return 0;
+            } else {
+                return taker.call(*item) ? 0 : 1;
+            }
+        } catch (...) {
+            taker.thrown = std::current_exception();
+            return 1;
+        }
+    }
+};
+
+/** Calls a function whose last arguments are callback and context; false if `call` has ended the query. */
+template <class T, class Call, class Ask, class... Args>
+bool each(Call &call, Ask ask, Args... args)
+{
+    Taker<T, Call> taker{call, nullptr};
+    const BdtStatus status = ask(args..., Taker<T, Call>::take, static_cast<void *>(&taker));
+    if (taker.thrown) {
+        std::rethrow_exception(taker.thrown);
+    }
+    return check(status) != BDT_STOPPED;
+}
+
 } // namespace detail
+
+inline std::string last_error() { return detail::text(bdt_last_error); }
+
+/** Of the library: major · 10^6 + minor · 10^3 + patch. */
+inline std::uint32_t version() noexcept { return bdt_version(); }
+inline std::string version_text() { return bdt_version_text(); }
+/** Whether the library knows which handles live. */
+inline bool checks_handles() noexcept { return bdt_checks_handles() != 0; }
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/** World and mesh coordinates are the same. */
+constexpr BdtTransform identity{{0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, 1.0};
+
+inline BdtShape ball(BdtVec3 center, double radius) { return bdt_ball(center, radius); }
+inline BdtShape capsule(BdtVec3 a, BdtVec3 b, double radius) { return bdt_capsule(a, b, radius); }
+inline BdtShape cuboid(BdtVec3 center, BdtQuat rotation, BdtVec3 half_extents)
+{
+    return bdt_cuboid(center, rotation, half_extents);
+}
+inline BdtShape half_space(BdtVec3 normal, double offset) { return bdt_half_space(normal, offset); }
+
+/** The placement that does what `first` does and then what `then` does. */
+inline BdtTransform transform_after(const BdtTransform &then, const BdtTransform &first)
+{
+    return detail::one<BdtTransform>(bdt_transform_after, then, first);
+}
+
+/** A joint's matrix to the model's space, of the one to the world's and the placement: for Instance::set_joints. */
+inline BdtMatrix joint_in_model(const BdtTransform &at, const BdtMatrix &in_world)
+{
+    return detail::one<BdtMatrix>(bdt_joint_in_model, at, in_world);
+}
 
 class Model {
 public:
@@ -105,48 +195,45 @@ public:
     BdtMode mode(std::size_t index) const { return one<BdtMode>(bdt_model_mode, index); }
     BdtMass mass() const { return one<BdtMass>(bdt_model_mass); }
     BdtGroup group(std::size_t index) const { return one<BdtGroup>(bdt_model_group, index); }
-    std::string mode_name(std::size_t index) const { return name(bdt_model_mode_name, index); }
-    std::string joint_name(std::size_t index) const { return name(bdt_model_joint_name, index); }
-    std::string clip_name(std::size_t index) const { return name(bdt_model_clip_name, index); }
-    std::string group_name(std::size_t index) const { return name(bdt_model_group_name, index); }
-    std::size_t mode_index(const std::string &name) const { return index(bdt_model_mode_index, name); }
-    std::size_t joint_index(const std::string &name) const { return index(bdt_model_joint_index, name); }
-    std::size_t clip_index(const std::string &name) const { return index(bdt_model_clip_index, name); }
-
-    std::uint32_t joint_parent(std::size_t index) const
+    std::string mode_name(std::size_t index) const { return detail::text(bdt_model_mode_name, get(), index); }
+    std::string joint_name(std::size_t index) const { return detail::text(bdt_model_joint_name, get(), index); }
+    std::string clip_name(std::size_t index) const { return detail::text(bdt_model_clip_name, get(), index); }
+    std::string group_name(std::size_t index) const { return detail::text(bdt_model_group_name, get(), index); }
+    std::size_t mode_index(const std::string &name) const
     {
-        std::uint32_t parent = BDT_NONE;
-        check(bdt_model_joint_parent(get(), index, &parent));
-        return parent;
+        return one<std::size_t>(bdt_model_mode_index, name.c_str());
     }
-
+    std::size_t joint_index(const std::string &name) const
+    {
+        return one<std::size_t>(bdt_model_joint_index, name.c_str());
+    }
+    std::size_t clip_index(const std::string &name) const
+    {
+        return one<std::size_t>(bdt_model_clip_index, name.c_str());
+    }
+    std::uint32_t joint_parent(std::size_t index) const { return one<std::uint32_t>(bdt_model_joint_parent, index); }
     std::uint32_t joint_of(std::uint32_t triangle, BdtVec3 barycentric) const
     {
-        std::uint32_t joint = BDT_NONE;
-        check(bdt_model_joint_of(get(), triangle, barycentric, &joint));
-        return joint;
+        return one<std::uint32_t>(bdt_model_joint_of, triangle, barycentric);
     }
+    double clip_duration(std::size_t index) const { return one<double>(bdt_model_clip_duration, index); }
 
-    double clip_duration(std::size_t index) const
+    /** Three vertices of each of `count` triangles. */
+    std::vector<std::uint32_t> triangles(std::uint32_t first, std::size_t count) const
     {
-        double seconds = 0.0;
-        check(bdt_model_clip_duration(get(), index, &seconds));
-        return seconds;
-    }
-
-    /** Three vertices of each triangle. */
-    std::vector<std::uint32_t> triangles() const
-    {
-        std::vector<std::uint32_t> corners(std::size_t{3} * info().triangle_count);
-        check(bdt_model_triangles(get(), 0, corners.size() / 3, corners.data()));
+        std::vector<std::uint32_t> corners(std::size_t{3} * count);
+        check(bdt_model_triangles(get(), first, count, corners.data()));
         return corners;
     }
 
-    /** q and placement of a frame of the animation. */
-    std::pair<std::vector<float>, BdtTransform> frame(std::size_t index) const
+    /** Three vertices of each triangle. */
+    std::vector<std::uint32_t> triangles() const { return triangles(0, info().triangle_count); }
+
+    /** q and placement of a frame of the animation; `time_s`, if not null, becomes when it is shown. */
+    std::pair<std::vector<float>, BdtTransform> frame(std::size_t index, double *time_s = nullptr) const
     {
         std::pair<std::vector<float>, BdtTransform> out{std::vector<float>(info().mode_count), identity};
-        check(bdt_model_frame(get(), index, out.first.data(), out.first.size(), &out.second, nullptr));
+        check(bdt_model_frame(get(), index, out.first.data(), out.first.size(), &out.second, time_s));
         return out;
     }
 
@@ -167,33 +254,13 @@ private:
     template <class Make, class... Args>
     static Model made(Make make, Args... args)
     {
-        BdtModel *handle = nullptr;
-        check(make(args..., &handle));
-        return Model(handle);
+        return Model(detail::one<BdtModel *>(make, args...));
     }
 
-    template <class T, class Read, class... Args>
-    T one(Read read, Args... args) const
+    template <class T, class Ask, class... Args>
+    T one(Ask ask, Args... args) const
     {
-        T out{};
-        check(read(get(), args..., &out));
-        return out;
-    }
-
-    template <class Read>
-    std::string name(Read read, std::size_t index) const
-    {
-        return detail::text([&](char *out, std::size_t capacity, std::size_t *length) {
-            return read(get(), index, out, capacity, length);
-        });
-    }
-
-    template <class Find>
-    std::size_t index(Find find, const std::string &name) const
-    {
-        std::size_t out = 0;
-        check(find(get(), name.c_str(), &out));
-        return out;
+        return detail::one<T>(ask, get(), args...);
     }
 
     detail::Owner<BdtModel, bdt_model_free> handle_;
@@ -202,11 +269,8 @@ private:
 class SkeletonPose {
 public:
     explicit SkeletonPose(const Model &model)
+        : handle_(detail::one<BdtSkeletonPose *>(bdt_skeleton_pose_new, model.get())), info_(model.info())
     {
-        BdtSkeletonPose *handle = nullptr;
-        check(bdt_skeleton_pose_new(model.get(), &handle));
-        handle_.reset(handle);
-        info_ = model.info();
     }
 
     BdtSkeletonPose *get() const noexcept { return handle_.get(); }
@@ -222,48 +286,36 @@ public:
     {
         check(bdt_skeleton_pose_set_local(get(), node, &local));
     }
+    BdtLocal local(std::size_t node) const { return detail::one<BdtLocal>(bdt_skeleton_pose_local, get(), node); }
 
-    BdtLocal local(std::size_t node) const
-    {
-        BdtLocal out{};
-        check(bdt_skeleton_pose_local(get(), node, &out));
-        return out;
-    }
-
-    std::vector<BdtMatrix> joints() const
-    {
-        std::vector<BdtMatrix> out(info_.joint_count);
-        check(bdt_skeleton_pose_joints(get(), out.data(), out.size()));
-        return out;
-    }
-
+    std::vector<BdtMatrix> joints() const { return filled<BdtMatrix>(bdt_skeleton_pose_joints, info_.joint_count); }
     std::vector<BdtMatrix> nodes() const
     {
-        std::vector<BdtMatrix> out(info_.skeleton_node_count);
-        check(bdt_skeleton_pose_nodes(get(), out.data(), out.size()));
-        return out;
+        return filled<BdtMatrix>(bdt_skeleton_pose_nodes, info_.skeleton_node_count);
     }
-
-    std::vector<float> q() const
-    {
-        std::vector<float> out(info_.mode_count);
-        check(bdt_skeleton_pose_q(get(), out.data(), out.size()));
-        return out;
-    }
+    std::vector<float> q() const { return filled<float>(bdt_skeleton_pose_q, info_.mode_count); }
 
 private:
+    template <class T, class Ask>
+    std::vector<T> filled(Ask ask, std::size_t count) const
+    {
+        std::vector<T> out(count);
+        check(ask(get(), out.data(), count));
+        return out;
+    }
+
     detail::Owner<BdtSkeletonPose, bdt_skeleton_pose_free> handle_;
-    BdtModelInfo info_{};
+    BdtModelInfo info_;
 };
 
 class Instance {
 public:
-    explicit Instance(const Model &model)
+    explicit Instance(const Model &model) : Instance(detail::one<BdtInstance *>(bdt_instance_new, model.get()), model) {}
+
+    /** With a step cache of so many nodes and leaves. */
+    Instance(const Model &model, std::size_t nodes, std::size_t leaves)
+        : Instance(detail::one<BdtInstance *>(bdt_instance_new_with_cache, model.get(), nodes, leaves), model)
     {
-        BdtInstance *handle = nullptr;
-        check(bdt_instance_new(model.get(), &handle));
-        handle_.reset(handle);
-        mode_count_ = model.info().mode_count;
     }
 
     BdtInstance *get() const noexcept { return handle_.get(); }
@@ -296,11 +348,11 @@ public:
         return out;
     }
 
-    BdtTransform placement() const { return one<BdtTransform>(bdt_instance_placement); }
-    BdtTags tags() const { return one<BdtTags>(bdt_instance_tags); }
-    BdtAabb aabb() const { return one<BdtAabb>(bdt_instance_aabb); }
-    BdtAabb exact_aabb() const { return one<BdtAabb>(bdt_instance_exact_aabb); }
-    BdtSphere bounding_sphere() const { return one<BdtSphere>(bdt_instance_bounding_sphere); }
+    BdtTransform placement() const { return detail::one<BdtTransform>(bdt_instance_placement, get()); }
+    BdtTags tags() const { return detail::one<BdtTags>(bdt_instance_tags, get()); }
+    BdtAabb aabb() const { return detail::one<BdtAabb>(bdt_instance_aabb, get()); }
+    BdtAabb exact_aabb() const { return detail::one<BdtAabb>(bdt_instance_exact_aabb, get()); }
+    BdtSphere bounding_sphere() const { return detail::one<BdtSphere>(bdt_instance_bounding_sphere, get()); }
 
     std::vector<BdtVec3> vertices(std::uint32_t first, std::size_t count) const
     {
@@ -309,28 +361,27 @@ public:
         return out;
     }
 
-private:
-    template <class T, class Read>
-    T one(Read read) const
+    /** Adds what a force at a point of a triangle does to each mode to `forces`, one number per mode. */
+    void add_generalized_force(std::uint32_t triangle, BdtVec3 barycentric, BdtVec3 force,
+                               std::vector<double> &forces) const
     {
-        T out{};
-        check(read(get(), &out));
-        return out;
+        check(bdt_instance_add_generalized_force(get(), triangle, barycentric, force, forces.data(), forces.size()));
     }
 
+private:
+    Instance(BdtInstance *handle, const Model &model) : handle_(handle), mode_count_(model.info().mode_count) {}
+
     detail::Owner<BdtInstance, bdt_instance_free> handle_;
-    std::size_t mode_count_ = 0;
+    std::size_t mode_count_;
 };
+
+/** Instances that are asked together. */
+using Instances = std::vector<const Instance *>;
 
 /** What a pair of instances keeps from step to step. */
 class Front {
 public:
-    Front()
-    {
-        BdtFront *handle = nullptr;
-        check(bdt_front_new(&handle));
-        handle_.reset(handle);
-    }
+    Front() : handle_(detail::one<BdtFront *>(bdt_front_new)) {}
 
     BdtFront *get() const noexcept { return handle_.get(); }
 
@@ -341,12 +392,7 @@ private:
 /** The memory of queries, and the queries. */
 class Workspace {
 public:
-    Workspace()
-    {
-        BdtWorkspace *handle = nullptr;
-        check(bdt_workspace_new(&handle));
-        handle_.reset(handle);
-    }
+    Workspace() : handle_(detail::one<BdtWorkspace *>(bdt_workspace_new)) {}
 
     BdtWorkspace *get() const noexcept { return handle_.get(); }
 
@@ -357,67 +403,50 @@ public:
     }
     void set_max_visits(std::uint64_t visits) { check(bdt_workspace_set_max_visits(get(), visits)); }
 
-    std::vector<BdtProxy> proxies(std::size_t side = 0) const
-    {
-        return detail::all<BdtProxy>([&](BdtProxy *out, std::size_t capacity, std::size_t *count) {
-            return bdt_workspace_proxies(get(), side, out, capacity, count);
-        });
-    }
-
-    BdtBound bound() const
-    {
-        BdtBound out{};
-        check(bdt_workspace_bound(get(), &out));
-        return out;
-    }
-
-    BdtStats stats() const
-    {
-        BdtStats out{};
-        check(bdt_workspace_stats(get(), &out));
-        return out;
-    }
+    std::vector<BdtProxy> proxies(std::size_t side = 0) const { return all<BdtProxy>(bdt_workspace_proxies, side); }
+    BdtBound bound() const { return one<BdtBound>(bdt_workspace_bound); }
+    BdtStats stats() const { return one<BdtStats>(bdt_workspace_stats); }
 
     std::vector<BdtContact> contacts(const Instance &of, const BdtShape &shape)
     {
-        return detail::all<BdtContact>([&](BdtContact *out, std::size_t capacity, std::size_t *count) {
-            return bdt_contacts(get(), of.get(), &shape, out, capacity, count);
-        });
+        return all<BdtContact>(bdt_contacts, of.get(), &shape);
     }
 
-    bool intersects(const Instance &of, const BdtShape &shape)
+    /**
+     * Hands contacts to `call(const BdtContact &)`, which returns nothing, or a bool of which false ends the query; then
+     * this returns false. What `call` throws ends the query, and is thrown on from here. `call` must not use this
+     * workspace nor the instance.
+     */
+    template <class Call>
+    bool contacts_each(const Instance &of, const BdtShape &shape, Call &&call)
     {
-        std::int32_t is_touched = 0;
-        check(bdt_intersects(get(), of.get(), &shape, &is_touched));
-        return is_touched != 0;
+        return detail::each<BdtContact>(call, bdt_contacts_each, get(), of.get(), &shape);
     }
+
+    bool intersects(const Instance &of, const BdtShape &shape) { return is(bdt_intersects, of.get(), &shape); }
 
     std::optional<BdtHit> project_point(const Instance &of, BdtVec3 point, double max_distance = infinity)
     {
-        BdtHit hit{};
-        check(bdt_project_point(get(), of.get(), point, max_distance, &hit));
-        return detail::found(hit);
+        return detail::found(one<BdtHit>(bdt_project_point, of.get(), point, max_distance));
     }
 
     std::optional<BdtHit> cast_ray(const Instance &of, const BdtRay &ray)
     {
-        BdtHit hit{};
-        check(bdt_cast_ray(get(), of.get(), &ray, &hit));
-        return detail::found(hit);
+        return detail::found(one<BdtHit>(bdt_cast_ray, of.get(), &ray));
     }
 
-    bool intersects_ray(const Instance &of, const BdtRay &ray)
-    {
-        std::int32_t is_met = 0;
-        check(bdt_intersects_ray(get(), of.get(), &ray, &is_met));
-        return is_met != 0;
-    }
+    bool intersects_ray(const Instance &of, const BdtRay &ray) { return is(bdt_intersects_ray, of.get(), &ray); }
 
     std::vector<BdtHit> cast_ray_all(const Instance &of, const BdtRay &ray)
     {
-        return detail::all<BdtHit>([&](BdtHit *out, std::size_t capacity, std::size_t *count) {
-            return bdt_cast_ray_all(get(), of.get(), &ray, out, capacity, count);
-        });
+        return all<BdtHit>(bdt_cast_ray_all, of.get(), &ray);
+    }
+
+    /** Hands hits to `call(const BdtHit &)`, as contacts_each contacts. */
+    template <class Call>
+    bool cast_ray_all_each(const Instance &of, const BdtRay &ray, Call &&call)
+    {
+        return detail::each<BdtHit>(call, bdt_cast_ray_all_each, get(), of.get(), &ray);
     }
 
     /** One hit per ray; `triangle` is BDT_NONE where it misses. */
@@ -428,13 +457,33 @@ public:
         return hits;
     }
 
-    /** What each ray meets first of several instances. */
-    std::vector<BdtHit> cast_rays_nearest(const std::vector<const Instance *> &of, const std::vector<BdtRay> &rays)
+    /** For each ray 1 if it meets the mesh, else 0. */
+    std::vector<std::uint8_t> intersects_rays(const Instance &of, const std::vector<BdtRay> &rays)
     {
-        std::vector<BdtInstance *> handles;
-        for (const Instance *instance : of) {
-            handles.push_back(instance->get());
-        }
+        std::vector<std::uint8_t> is_met(rays.size());
+        check(bdt_intersects_rays(get(), of.get(), rays.data(), rays.size(), is_met.data()));
+        return is_met;
+    }
+
+    /** Every triangle that each ray meets, ray after ray: `index` is the ray. */
+    std::vector<BdtHit> cast_rays_all(const Instance &of, const std::vector<BdtRay> &rays)
+    {
+        return all<BdtHit>(bdt_cast_rays_all, of.get(), rays.data(), rays.size());
+    }
+
+    /** The hit of ray k with instance i at [i * rays.size() + k]. */
+    std::vector<BdtHit> cast_rays_at_instances(const Instances &of, const std::vector<BdtRay> &rays)
+    {
+        const auto handles = handles_of(of);
+        std::vector<BdtHit> hits(handles.size() * rays.size());
+        check(bdt_cast_rays_at_instances(get(), handles.data(), handles.size(), rays.data(), rays.size(), hits.data()));
+        return hits;
+    }
+
+    /** What each ray meets first of several instances. */
+    std::vector<BdtHit> cast_rays_nearest(const Instances &of, const std::vector<BdtRay> &rays)
+    {
+        const auto handles = handles_of(of);
         std::vector<BdtHit> hits(rays.size());
         check(bdt_cast_rays_nearest(get(), handles.data(), handles.size(), rays.data(), rays.size(), hits.data()));
         return hits;
@@ -443,59 +492,135 @@ public:
     /** BDT_INSIDE, BDT_ACROSS or BDT_OUTSIDE. */
     std::uint32_t frustum_state(const Instance &of, const std::vector<BdtPlane> &planes)
     {
-        std::uint32_t state = BDT_ACROSS;
-        check(bdt_frustum_state(get(), of.get(), planes.data(), planes.size(), &state));
-        return state;
+        return one<std::uint32_t>(bdt_frustum_state, of.get(), planes.data(), planes.size());
+    }
+
+    /** Lanes of a level whose spheres the shape touches. */
+    std::vector<BdtLane> level_spheres(const Instance &of, std::uint32_t level, const BdtShape &shape)
+    {
+        return all<BdtLane>(bdt_level_spheres, of.get(), level, &shape);
     }
 
     std::vector<BdtPairContact> pair_contacts(const Instance &first, const Instance &second, double prediction = 0.0,
                                               const Front *front = nullptr)
     {
-        return detail::all<BdtPairContact>([&](BdtPairContact *out, std::size_t capacity, std::size_t *count) {
-            return bdt_pair_contacts(get(), first.get(), second.get(), front_of(front), prediction, out, capacity,
-                                     count);
-        });
+        return all<BdtPairContact>(bdt_pair_contacts, first.get(), second.get(), detail::handle_of(front), prediction);
+    }
+
+    /** Hands contacts to `call(const BdtPairContact &)`, as contacts_each; it must not use the front either. */
+    template <class Call>
+    bool pair_contacts_each(const Instance &first, const Instance &second, Call &&call, double prediction = 0.0,
+                            const Front *front = nullptr)
+    {
+        return detail::each<BdtPairContact>(call, bdt_pair_contacts_each, get(), first.get(), second.get(),
+                                            detail::handle_of(front), prediction);
     }
 
     std::vector<BdtIndexPair> pair_triangles(const Instance &first, const Instance &second, double prediction = 0.0,
                                              const Front *front = nullptr)
     {
-        return detail::all<BdtIndexPair>([&](BdtIndexPair *out, std::size_t capacity, std::size_t *count) {
-            return bdt_pair_triangles(get(), first.get(), second.get(), front_of(front), prediction, out, capacity,
-                                      count);
-        });
+        return all<BdtIndexPair>(bdt_pair_triangles, first.get(), second.get(), detail::handle_of(front), prediction);
     }
 
     bool pair_intersects(const Instance &first, const Instance &second, const Front *front = nullptr)
     {
-        std::int32_t is_touching = 0;
-        check(bdt_pair_intersects(get(), first.get(), second.get(), front_of(front), &is_touching));
-        return is_touching != 0;
+        return is(bdt_pair_intersects, first.get(), second.get(), detail::handle_of(front));
     }
 
     std::optional<BdtPairContact> pair_closest_points(const Instance &first, const Instance &second,
                                                       double max_distance = infinity)
     {
-        BdtPairContact out{};
-        check(bdt_pair_closest_points(get(), first.get(), second.get(), max_distance, &out));
+        const auto out = one<BdtPairContact>(bdt_pair_closest_points, first.get(), second.get(), max_distance);
         return out.triangle1 == BDT_NONE ? std::nullopt : std::optional<BdtPairContact>(out);
+    }
+
+    /** Empty beyond `max_distance`. */
+    std::optional<double> pair_distance(const Instance &first, const Instance &second, double max_distance = infinity)
+    {
+        const double distance = one<double>(bdt_pair_distance, first.get(), second.get(), max_distance);
+        return distance < 0.0 ? std::nullopt : std::optional<double>(distance);
     }
 
     std::vector<BdtManifold> pair_manifolds(const Instance &first, const Instance &second, double prediction = 0.0,
                                             const Front *front = nullptr)
     {
-        return detail::all<BdtManifold>(
-            [&](BdtManifold *out, std::size_t capacity, std::size_t *count) {
-                return bdt_pair_manifolds(get(), first.get(), second.get(), front_of(front), prediction, out, capacity,
-                                          count);
-            },
-            4);
+        return all<BdtManifold>(bdt_pair_manifolds, first.get(), second.get(), detail::handle_of(front), prediction);
+    }
+
+    /** The manifolds of all contacts that pair_contacts has answered. */
+    std::vector<BdtManifold> pair_condense(const Instance &first, const Instance &second,
+                                           const std::vector<BdtPairContact> &pairs)
+    {
+        return all<BdtManifold>(bdt_pair_condense, first.get(), second.get(), pairs.data(), pairs.size());
+    }
+
+    /** Lanes of both trees, of these levels, whose spheres are near each other. */
+    std::vector<BdtLanePair> pair_level_spheres(const Instance &first, const Instance &second, std::uint32_t level1,
+                                                std::uint32_t level2, double prediction = 0.0, double reach = 0.0)
+    {
+        return all<BdtLanePair>(bdt_pair_level_spheres, first.get(), second.get(), level1, level2, prediction, reach);
+    }
+
+    /** Lanes of the first tree, of this level, and triangles of the second mesh near their spheres. */
+    std::vector<BdtLaneTriangle> pair_level_triangles(const Instance &first, const Instance &second,
+                                                      std::uint32_t level, double prediction = 0.0, double reach = 0.0)
+    {
+        return all<BdtLaneTriangle>(bdt_pair_level_triangles, first.get(), second.get(), level, prediction, reach);
+    }
+
+    /** Pairs of spheres at most `prediction` apart. */
+    std::vector<BdtIndexPair> sphere_pairs(const std::vector<BdtSphere> &spheres, double prediction = 0.0)
+    {
+        return all<BdtIndexPair>(bdt_sphere_pairs, spheres.data(), spheres.size(), prediction);
+    }
+
+    /** Pairs of instances whose spheres are at most `prediction` apart and whose groups meet. */
+    std::vector<BdtIndexPair> instance_pairs(const Instances &of, double prediction = 0.0)
+    {
+        const auto handles = handles_of(of);
+        return all<BdtIndexPair>(bdt_instance_pairs, handles.data(), handles.size(), prediction);
     }
 
 private:
-    static BdtFront *front_of(const Front *front) noexcept { return front == nullptr ? nullptr : front->get(); }
+    static std::vector<BdtInstance *> handles_of(const Instances &of)
+    {
+        std::vector<BdtInstance *> handles;
+        for (const Instance *instance : of) {
+            handles.push_back(detail::handle_of(instance));
+        }
+        return handles;
+    }
+
+    template <class T, class Ask, class... Args>
+    T one(Ask ask, Args... args) const
+    {
+        return detail::one<T>(ask, get(), args...);
+    }
+
+    template <class T, class Ask, class... Args>
+    std::vector<T> all(Ask ask, Args... args) const
+    {
+        return detail::all<T>(ask, get(), args...);
+    }
+
+    template <class Ask, class... Args>
+    bool is(Ask ask, Args... args) const
+    {
+        return one<std::int32_t>(ask, args...) != 0;
+    }
 
     detail::Owner<BdtWorkspace, bdt_workspace_free> handle_;
+};
+
+/** How many bodies a world has, how many of them sleep, and how many steps were taken. */
+struct Counts {
+    std::uint32_t bodies, asleep;
+    std::uint64_t steps;
+};
+
+/** Momentum, and angular momentum about the world's origin, of all free bodies. */
+struct Momenta {
+    BdtVec3 linear, angular;
 };
 
 /** Bodies that fall, touch and vibrate. */
@@ -504,66 +629,58 @@ public:
     World() : World(nullptr) {}
     explicit World(const BdtWorldOptions &options) : World(&options) {}
 
-    static BdtWorldOptions defaults()
-    {
-        BdtWorldOptions out{};
-        check(bdt_world_defaults(&out));
-        return out;
-    }
-
-    static BdtBodyOptions body_defaults()
-    {
-        BdtBodyOptions out{};
-        check(bdt_body_defaults(&out));
-        return out;
-    }
+    static BdtWorldOptions defaults() { return detail::one<BdtWorldOptions>(bdt_world_defaults); }
+    static BdtBodyOptions body_defaults() { return detail::one<BdtBodyOptions>(bdt_body_defaults); }
 
     BdtWorld *get() const noexcept { return handle_.get(); }
 
     std::uint32_t add_model(const Model &model, const BdtBodyOptions &options = body_defaults())
     {
-        std::uint32_t id = BDT_NONE;
-        check(bdt_world_add_model(get(), model.get(), &options, &id));
-        return id;
+        return one<std::uint32_t>(bdt_world_add_model, model.get(), &options);
     }
 
     void add_plane(const BdtPlane &plane) { check(bdt_world_add_plane(get(), &plane)); }
 
     std::uint32_t add_body(std::uint32_t model, const BdtTransform &at, std::uint32_t frame = BDT_FREE)
     {
-        std::uint32_t id = BDT_NONE;
-        check(bdt_world_add_body(get(), model, frame, &at, &id));
-        return id;
+        return one<std::uint32_t>(bdt_world_add_body, model, frame, &at);
     }
 
-    BdtStepReport step()
-    {
-        BdtStepReport report{};
-        check(bdt_world_step(get(), &report));
-        return report;
-    }
+    BdtStepReport step() { return one<BdtStepReport>(bdt_world_step); }
 
-    BdtBodyState state(std::uint32_t body) const
+    Counts counts() const
     {
-        BdtBodyState out{};
-        check(bdt_body_state(get(), body, &out));
+        Counts out{};
+        check(bdt_world_counts(get(), &out.bodies, &out.asleep, &out.steps));
         return out;
     }
 
-    BdtTransform placement(std::uint32_t body) const
-    {
-        BdtTransform out{};
-        check(bdt_body_placement(get(), body, &out));
-        return out;
-    }
+    BdtBodyState state(std::uint32_t body) const { return one<BdtBodyState>(bdt_body_state, body); }
+    BdtTransform placement(std::uint32_t body) const { return one<BdtTransform>(bdt_body_placement, body); }
+    std::size_t mode_count(std::uint32_t body) const { return one<std::size_t>(bdt_body_mode_count, body); }
 
     std::vector<double> q(std::uint32_t body) const
     {
-        std::size_t count = 0;
-        check(bdt_body_mode_count(get(), body, &count));
-        std::vector<double> out(count);
-        check(bdt_body_q(get(), body, out.data(), nullptr, count));
+        std::vector<double> out(mode_count(body));
+        check(bdt_body_q(get(), body, out.data(), nullptr, out.size()));
         return out;
+    }
+
+    /** How fast q changes (per second). */
+    std::vector<double> rate(std::uint32_t body) const
+    {
+        std::vector<double> out(mode_count(body));
+        check(bdt_body_q(get(), body, nullptr, out.data(), out.size()));
+        return out;
+    }
+
+    /** Throws BDT_ERROR_LENGTH if `q` and `rate` have not as many numbers as the body has modes. */
+    void set_modes(std::uint32_t body, const std::vector<double> &q, const std::vector<double> &rate)
+    {
+        if (rate.size() != q.size()) {
+            throw Error(BDT_ERROR_LENGTH, "rate has another length than q");
+        }
+        check(bdt_body_set_modes(get(), body, q.data(), rate.data(), q.size()));
     }
 
     void set_velocity(std::uint32_t body, BdtVec3 velocity, BdtVec3 angular_velocity)
@@ -576,45 +693,41 @@ public:
         check(bdt_body_add_force(get(), body, force, torque));
     }
 
+    void add_modal_force(std::uint32_t body, const std::vector<double> &force)
+    {
+        check(bdt_body_add_modal_force(get(), body, force.data(), force.size()));
+    }
+
+    void add_modal_impulse(std::uint32_t body, const std::vector<double> &impulse)
+    {
+        check(bdt_body_add_modal_impulse(get(), body, impulse.data(), impulse.size()));
+    }
+
     void drive(std::uint32_t body, const std::vector<double> &q, const BdtTransform &at)
     {
         check(bdt_body_drive(get(), body, q.data(), q.size(), &at));
     }
 
-    std::vector<BdtEvent> events() const
-    {
-        return detail::all<BdtEvent>([&](BdtEvent *out, std::size_t capacity, std::size_t *count) {
-            return bdt_world_events(get(), out, capacity, count);
-        });
-    }
+    std::vector<BdtEvent> events() const { return all<BdtEvent>(bdt_world_events); }
+    std::vector<BdtWorldContact> contacts() const { return all<BdtWorldContact>(bdt_world_contacts); }
+    BdtEnergy energy() const { return one<BdtEnergy>(bdt_world_energy); }
 
-    std::vector<BdtWorldContact> contacts() const
+    Momenta momenta() const
     {
-        return detail::all<BdtWorldContact>([&](BdtWorldContact *out, std::size_t capacity, std::size_t *count) {
-            return bdt_world_contacts(get(), out, capacity, count);
-        });
-    }
-
-    BdtEnergy energy() const
-    {
-        BdtEnergy out{};
-        check(bdt_world_energy(get(), &out));
+        Momenta out{};
+        check(bdt_world_momenta(get(), &out.linear, &out.angular));
         return out;
     }
 
     std::optional<BdtHit> cast_ray(const BdtRay &ray)
     {
-        BdtHit hit{};
-        check(bdt_world_cast_ray(get(), &ray, &hit));
-        return detail::found(hit);
+        return detail::found(one<BdtHit>(bdt_world_cast_ray, &ray));
     }
 
-    std::vector<std::uint8_t> save() const
-    {
-        return detail::all<std::uint8_t>([&](std::uint8_t *out, std::size_t capacity, std::size_t *count) {
-            return bdt_world_save(get(), out, capacity, count);
-        });
-    }
+    /** Every triangle of every body that the shape touches; `body` is the body. */
+    std::vector<BdtContact> touched_by(const BdtShape &shape) { return all<BdtContact>(bdt_world_touched_by, &shape); }
+
+    std::vector<std::uint8_t> save() const { return all<std::uint8_t>(bdt_world_save); }
 
     void restore(const std::vector<std::uint8_t> &bytes)
     {
@@ -622,11 +735,18 @@ public:
     }
 
 private:
-    explicit World(const BdtWorldOptions *options)
+    explicit World(const BdtWorldOptions *options) : handle_(detail::one<BdtWorld *>(bdt_world_new, options)) {}
+
+    template <class T, class Ask, class... Args>
+    T one(Ask ask, Args... args) const
     {
-        BdtWorld *handle = nullptr;
-        check(bdt_world_new(options, &handle));
-        handle_.reset(handle);
+        return detail::one<T>(ask, get(), args...);
+    }
+
+    template <class T, class Ask, class... Args>
+    std::vector<T> all(Ask ask, Args... args) const
+    {
+        return detail::all<T>(ask, get(), args...);
     }
 
     detail::Owner<BdtWorld, bdt_world_free> handle_;

@@ -121,14 +121,14 @@ void answers(const char *path)
         } else {
             std::tie(q, at) = model.frame(static_cast<std::size_t>(step - 3) / 2);
             if ((step - 3) % 2) {
-                bdtree::check(bdt_transform_after(place(1), at, &at));
+                at = bdtree::transform_after(place(1), at);
             }
         }
         const auto joints = skeleton ? turned(*skeleton, info.skeleton_node_count, step) : std::vector<BdtMatrix>();
         body.set_pose(q, joints, at);
         const BdtVec3 point{0.75, 0.5, 0.25};
-        line(contacts(workspace.contacts(body, bdt_ball(point, 0.5))), "ball", step);
-        line(contacts(workspace.contacts(body, bdt_half_space({0.0, 3.0, 4.0}, -0.75))), "plane", step);
+        line(contacts(workspace.contacts(body, bdtree::ball(point, 0.5))), "ball", step);
+        line(contacts(workspace.contacts(body, bdtree::half_space({0.0, 3.0, 4.0}, -0.75))), "plane", step);
         line(hit(workspace.project_point(body, point)), "closest", step);
         line(hit(workspace.cast_ray(body, {{3.0, 1.5, 0.5}, {-1.0, -0.5, -0.25}, 100.0})), "ray", step);
         line(pairs(workspace.pair_contacts(body, other)), "pair", step);
