@@ -31,7 +31,10 @@ namespace Bdtree
             Native.Check(Native.bdt_instance_set_pose_with_joints(this, q, Length(q), joints, Length(joints), ref at));
         }
         public void SetPose(SkeletonPose pose) { Native.Check(Native.bdt_instance_set_skeleton_pose(this, pose)); }
-        public void SetJoints(Matrix[] joints) { Native.Check(Native.bdt_instance_set_joints(this, joints, Length(joints))); }
+        public void SetJoints(Matrix[] joints)
+        {
+            Native.Check(Native.bdt_instance_set_joints(this, joints, Length(joints)));
+        }
         public void SetSkinningMatrices(Matrix[] bones)
         {
             Native.Check(Native.bdt_instance_set_skinning_matrices(this, bones, Length(bones)));

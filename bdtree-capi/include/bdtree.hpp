@@ -310,7 +310,9 @@ private:
 
 class Instance {
 public:
-    explicit Instance(const Model &model) : Instance(detail::one<BdtInstance *>(bdt_instance_new, model.get()), model) {}
+    explicit Instance(const Model &model) : Instance(detail::one<BdtInstance *>(bdt_instance_new, model.get()), model)
+    {
+    }
 
     /** With a step cache of so many nodes and leaves. */
     Instance(const Model &model, std::size_t nodes, std::size_t leaves)

@@ -143,6 +143,16 @@ static class Wrapper
             body.Tags = new Tags { UserData = 7, CollisionGroup = 1, CollisionMask = 2 };
             Require(body.Tags.UserData == 7 && body.Tags.CollisionMask == 2);
             Require(body.Aabb.Min.X <= body.ExactAabb.Min.X && body.BoundingSphere.Radius >= 1.0);
+            // A cache of nodes keeps what the first of two queries has computed.
+            foreach (int nodes in new[] { 0, 64 })
+                using (Workspace workspace = new Workspace())
+                using (Instance cached = new Instance(sphere, nodes, 64 - nodes))
+                {
+                    workspace.CastRay(cached, Down(0.1, 0.2));
+                    workspace.CastRay(cached, Down(0.1, 0.2));
+                    Require((workspace.Stats.NodesUpdated == 0) == (nodes == 64));
+                }
+            Require(StatusOf(() => new Instance(sphere, 1 << 25, 0)) == Status.ErrorArgument);
             Vec3 third = new Vec3(1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0), force = new Vec3(1.0, 2.0, 3.0);
             double[] forces = new double[3];
             body.AddGeneralizedForce(5, third, force, forces);
@@ -276,12 +286,14 @@ static class Wrapper
         Require(workspace.PairDistance(body, other) == 0.0);
         Require(workspace.PairDistance(body, far) == workspace.PairClosestPoints(body, far).Distance);
         Require(workspace.PairDistance(body, far, 1.0) == null && !workspace.PairClosestPoints(body, far, 1.0).IsHit);
-        LanePair[] lanes = workspace.PairLevelSpheres(body, other, 1, 1, 0.1);
-        Require(lanes.Length > 32 && lanes.All(pair => pair.First.Index < 8 && pair.Second.Index < 8));
-        Require(lanes.Distinct().Count() == lanes.Length);
+        // The root is node 0.
+        LanePair[] lanes = workspace.PairLevelSpheres(body, other, 0, 1, 0.1);
+        Require(lanes.Length > 32 && lanes.All(pair => pair.First.Node == 0 && pair.Second.Node != 0));
+        Require(workspace.PairLevelSpheres(body, far, 0, 1).Length == 0);
         LaneTriangle[] triangles = workspace.PairLevelTriangles(body, other, 1, 0.1);
-        Require(triangles.Length > 32 && triangles.All(pair => pair.Lane.Index < 8 && pair.Triangle < 192));
-        Require(workspace.PairLevelSpheres(body, far, 1, 1).Length == 0);
+        Require(triangles.Length > 32 && triangles.All(pair => pair.Lane.Node != 0 && pair.Triangle < 192));
+        Require(workspace.PairLevelTriangles(body, far, 0).Length == 0);
+        Require(workspace.PairLevelTriangles(body, far, 0, 200.0).Length == 7 * 192);
 
         Sphere[] spheres = new[] { 0.0, 5.0, 1.5 }.Select(x => new Sphere { Center = new Vec3(x, 0.0, 0.0), Radius = 1.0 })
             .ToArray();
