@@ -129,7 +129,7 @@ done
 # Every function through C++ and C#, with a body whose modes vibrate. The programs call each of them: of the one the
 # linker knows, of the other the loader, which looks each up at its first call.
 target/debug/bdtree-build --tets fixtures/beam_tets.vtk --modes 3 -o "$out/beam.bdt" >/dev/null 2>&1
-g++ -std=c++17 "${warnings[@]}" "${checked[@]}" $tests/wrapper.cpp "${flags[@]}" -o "$out/wrapper-cpp"
+g++ -std=c++17 "${warnings[@]}" "${checked[@]}" -O0 $tests/wrapper.cpp "${flags[@]}" -o "$out/wrapper-cpp"
 mcs -langversion:7.2 -warnaserror -out:"$out/wrapper.exe" bdtree-capi/csharp/*.cs $tests/Wrapper.cs
 "$out/wrapper-cpp" fixtures/golden "$out/beam.bdt"
 nm -u "$out/wrapper-cpp" | awk '/ bdt_/ { print $2 }' | LC_ALL=C sort | diff bdtree-capi/symbols.txt -
