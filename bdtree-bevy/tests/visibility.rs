@@ -15,7 +15,7 @@ use crate::drawing::{ORANGE, add_model, scene};
 use crate::support::{self, material};
 
 /// Random poses and cameras.
-const ROUNDS: usize = 40;
+const ROUNDS: usize = 20;
 
 fn models() -> Vec<Model> {
     let sphere = bake::bumpy_sphere(10, 5);

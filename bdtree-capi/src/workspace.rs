@@ -176,7 +176,8 @@ pub extern "C" fn bdt_workspace_stats(
 
 /// A question about to be asked.
 pub(crate) struct Asked<'q, 'm> {
-    query: Query<'q, 'm>,
+    /// Until it is asked with a limit of visits.
+    query: Option<Query<'q, 'm>>,
     max_visits: Option<u64>,
     bound: &'q mut BdtBound,
 }
@@ -185,7 +186,7 @@ impl<'q, 'm> Asked<'q, 'm> {
     /// One that has no limit of visits.
     #[inline]
     pub(crate) fn whole<T>(
-        mut self,
+        &mut self,
         question: impl FnOnce(&mut Query<'q, 'm>) -> Result<T, QueryError>,
     ) -> Result<T, Fault> {
         if self.max_visits.is_some() {
@@ -199,13 +200,14 @@ impl<'q, 'm> Asked<'q, 'm> {
         &mut self,
         question: impl FnOnce(&mut Query<'q, 'm>) -> Result<T, QueryError>,
     ) -> Result<T, Fault> {
-        Ok(question(&mut self.query)?)
+        let query = self.query.as_mut().ok_or(NOT_ASKED)?;
+        Ok(question(query)?)
     }
 
     /// One with a limit of visits or without: the second closure asks within a limit and says what it may have missed.
     #[inline]
     pub(crate) fn either<T>(
-        mut self,
+        &mut self,
         question: impl FnOnce(&mut Query<'q, 'm>) -> Result<T, QueryError>,
         within: impl FnOnce(&mut BudgetedQuery<'q, 'm>) -> Result<(T, BdtBound), QueryError>,
     ) -> Result<T, Fault> {
@@ -222,11 +224,12 @@ impl<'q, 'm> Asked<'q, 'm> {
 
     /// One with a limit of visits.
     pub(crate) fn within<T>(
-        self,
+        &mut self,
         question: impl FnOnce(&mut BudgetedQuery<'q, 'm>) -> Result<(T, BdtBound), QueryError>,
     ) -> Result<T, Fault> {
         let max_visits = self.max_visits.unwrap_or(u64::MAX);
-        let (answer, bound) = question(&mut self.query.max_visits(max_visits))?;
+        let query = self.query.take().ok_or(NOT_ASKED)?;
+        let (answer, bound) = question(&mut query.max_visits(max_visits))?;
         *self.bound = bound;
         Ok(answer)
     }
@@ -239,9 +242,9 @@ pub(crate) fn ask<T>(
     workspace: &Handle<BdtWorkspace>,
     instance: &Handle<BdtInstance>,
     has_callbacks: bool,
-    question: impl FnOnce(Asked<'_, '_>) -> Result<T, Fault>,
+    question: impl FnOnce(&mut Asked<'_, '_>) -> Result<T, Fault>,
 ) -> Result<T, Fault> {
-    // Through a pointer, so that what comes before and after a question is compiled once for all of them.
+    // Through pointers, so that what comes before and after a question is compiled once for all of them, and none is copied.
     let (mut question, mut answer) = (Some(question), None);
     put_question(workspace, instance, has_callbacks, &mut |asked| {
         if let Some(question) = question.take() {
@@ -252,7 +255,7 @@ pub(crate) fn ask<T>(
     answer.ok_or(NOT_ASKED)
 }
 
-/// Never seen: a question that is put is asked.
+/// Never seen: a question that is put is asked, once.
 pub(crate) const NOT_ASKED: Fault = Fault::Argument("query: it was not asked");
 
 /// [`ask`] for any question.
@@ -260,7 +263,7 @@ fn put_question(
     workspace: &Handle<BdtWorkspace>,
     instance: &Handle<BdtInstance>,
     has_callbacks: bool,
-    question: &mut dyn FnMut(Asked<'_, '_>) -> Result<(), Fault>,
+    question: &mut dyn FnMut(&mut Asked<'_, '_>) -> Result<(), Fault>,
 ) -> Result<(), Fault> {
     let mut desk = workspace.exclusive()?;
     desk.clear();
@@ -278,15 +281,15 @@ fn put_question(
     let answer = if *is_shared {
         let instance = instance.reading(has_callbacks)?;
         let pose = instance.snapshot();
-        question(Asked {
-            query: to_level(pose.query(memory), limit),
+        question(&mut Asked {
+            query: Some(to_level(pose.query(memory), limit)),
             max_visits,
             bound,
         })
     } else {
         let mut instance = instance.exclusive()?;
-        question(Asked {
-            query: to_level(instance.query(memory), limit),
+        question(&mut Asked {
+            query: Some(to_level(instance.query(memory), limit)),
             max_visits,
             bound,
         })
