@@ -30,7 +30,10 @@ build() {
     cargo build --locked --release -p bdtree-build -p bdtree-tools -p bdtree-view -p bdtree-release \
         --features bdtree-tools/report
     cargo build --locked --profile capi -p bdtree-capi
+    # What .ci/run leaves out for the time that it takes to compile.
+    cargo clippy --locked -p bdtree-tools --features render -- -D warnings
     bash ci/bevy.sh --alone
+    bash ci/book.sh
 }
 
 # pack BINARIES LIBRARIES FOLDER: the archive, the bills and the checksums, of the programs that lie in BINARIES and the
