@@ -30,6 +30,6 @@ cargo test --locked --all-features --lib --test all
 cargo test --locked --all-features --doc
 cargo clippy --locked --workspace --all-features --all-targets -- -D warnings
 # With the examples: the features of tests and examples then count for Bevy's crates, as for clippy, which has compiled them so.
-# Other features would compile them again, once for each part: a quarter of an hour of processor time.
+# Other features would compile them again, once for each part: some ten minutes of processor time.
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --all-features --lib --examples
 check_parts --lib --examples

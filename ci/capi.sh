@@ -3,8 +3,7 @@
 # exports what symbols.txt lists and needs nothing but libc; golden answers are the same through C, C++ and C#; examples
 # find the library through pkg-config and CMake and run under ASan, UBSan and valgrind. Installs what it needs.
 #
-# `--delivered` builds the library as it is delivered (profile `capi`, minutes) and compares its size as well; `--built`
-# takes the one that `cargo build --workspace` has left in target/debug.
+# `--delivered` builds the library as it is delivered (profile `capi`, minutes) and compares its size as well.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -35,7 +34,8 @@ CARGO_TARGET_DIR=target/header cargo run --quiet --locked --manifest-path ci/hea
 profile=${CAPI_PROFILE:-dev}
 [[ ${1:-} == --delivered ]] && profile=capi
 folder=target/${profile/#dev/debug}
-[[ ${1:-} == --built ]] || cargo build --locked --profile "$profile" -p bdtree-capi
+# Alone: what other crates of the workspace ask of nalgebra would make it need libm.
+cargo build --locked --profile "$profile" -p bdtree-capi
 library=$folder/libbdtree_capi.so
 
 nm -D --defined-only "$library" | awk '{ print $3 }' | LC_ALL=C sort >"$out/symbols.txt"
