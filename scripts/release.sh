@@ -2,7 +2,7 @@
 # Builds what a release for Linux holds into dist/: one archive of the programs with man pages, completions, headers,
 # libraries and licences, a bill of materials per program (CycloneDX), and their checksums. The same programs of the same
 # commit give the same bytes. Paths of the machine are kept out of the programs, so that the same tool chain should make
-# them alike elsewhere; no test compares that.
+# them alike elsewhere; no test compares that. First it checks what .ci/run has no time for.
 #
 # `--check` packs what `cargo build` has left in target/debug, twice, and compares the two: it tests this script and not
 # the programs.
@@ -30,7 +30,10 @@ build() {
     cargo build --locked --release -p bdtree-build -p bdtree-tools -p bdtree-view -p bdtree-release \
         --features bdtree-tools/report
     cargo build --locked --profile capi -p bdtree-capi
-    # What .ci/run leaves out for the time that it takes to compile.
+}
+
+# What .ci/run leaves out for the time that it takes to compile.
+check_more() {
     cargo clippy --locked -p bdtree-tools --features render -- -D warnings
     bash ci/bevy.sh --alone
     bash ci/book.sh
@@ -81,7 +84,11 @@ if [[ ${1:-} == --check ]]; then
     done
     echo "two archives of $(wc -l <<<"$listed") files, the same bytes"
     rm -rf target/dist-check
+elif (($#)); then
+    echo "scripts/release.sh takes --check or nothing, not: $*" >&2
+    exit 2
 else
+    check_more
     build
     pack target/dist/release target/dist/capi dist
     cat dist/SHA256SUMS

@@ -63,9 +63,6 @@ struct Deleter {
     void operator()(T *handle) const noexcept { Free(handle); }
 };
 
-template <class T, BdtStatus (*Free)(T *)>
-using Owner = std::unique_ptr<T, Deleter<T, Free>>;
-
 /** What a function writes to its last argument: a struct, a number or a new handle. */
 template <class T, class Ask, class... Args>
 T one(Ask ask, Args... args)
@@ -145,6 +142,32 @@ bool each(Call &call, Ask ask, Args... args)
     return check(status) != BDT_STOPPED;
 }
 
+/** The owner of a handle, which is the first argument of what it asks. */
+template <class T, BdtStatus (*Free)(T *)>
+class Owner {
+public:
+    /** The handle, which stays with its owner. */
+    T *get() const noexcept { return handle_.get(); }
+
+protected:
+    explicit Owner(T *handle) noexcept : handle_(handle) {}
+
+    template <class Item, class Ask, class... Args>
+    Item one(Ask ask, Args... args) const
+    {
+        return detail::one<Item>(ask, get(), args...);
+    }
+
+    template <class Item, class Ask, class... Args>
+    std::vector<Item> all(Ask ask, Args... args) const
+    {
+        return detail::all<Item>(ask, get(), args...);
+    }
+
+private:
+    std::unique_ptr<T, Deleter<T, Free>> handle_;
+};
+
 } // namespace detail
 
 inline std::string last_error() { return detail::text(bdt_last_error); }
@@ -180,7 +203,7 @@ inline BdtMatrix joint_in_model(const BdtTransform &at, const BdtMatrix &in_worl
     return detail::one<BdtMatrix>(bdt_joint_in_model, at, in_world);
 }
 
-class Model {
+class Model : public detail::Owner<BdtModel, bdt_model_free> {
 public:
     static Model load(const std::string &path) { return made(bdt_model_load, path.c_str()); }
     static Model read(const std::string &path) { return made(bdt_model_read, path.c_str()); }
@@ -188,8 +211,6 @@ public:
     {
         return made(bdt_model_from_memory, static_cast<const std::uint8_t *>(bytes), length);
     }
-
-    BdtModel *get() const noexcept { return handle_.get(); }
 
     BdtModelInfo info() const { return one<BdtModelInfo>(bdt_model_info); }
     BdtMode mode(std::size_t index) const { return one<BdtMode>(bdt_model_mode, index); }
@@ -249,31 +270,21 @@ public:
     void verify_checksums() const { check(bdt_model_verify_checksums(get())); }
 
 private:
-    explicit Model(BdtModel *handle) : handle_(handle) {}
+    explicit Model(BdtModel *handle) : Owner(handle) {}
 
     template <class Make, class... Args>
     static Model made(Make make, Args... args)
     {
         return Model(detail::one<BdtModel *>(make, args...));
     }
-
-    template <class T, class Ask, class... Args>
-    T one(Ask ask, Args... args) const
-    {
-        return detail::one<T>(ask, get(), args...);
-    }
-
-    detail::Owner<BdtModel, bdt_model_free> handle_;
 };
 
-class SkeletonPose {
+class SkeletonPose : public detail::Owner<BdtSkeletonPose, bdt_skeleton_pose_free> {
 public:
     explicit SkeletonPose(const Model &model)
-        : handle_(detail::one<BdtSkeletonPose *>(bdt_skeleton_pose_new, model.get())), info_(model.info())
+        : Owner(detail::one<BdtSkeletonPose *>(bdt_skeleton_pose_new, model.get())), info_(model.info())
     {
     }
-
-    BdtSkeletonPose *get() const noexcept { return handle_.get(); }
 
     void rest() { check(bdt_skeleton_pose_rest(get())); }
     void play(std::size_t clip, double time_s) { check(bdt_skeleton_pose_play(get(), clip, time_s)); }
@@ -304,11 +315,10 @@ private:
         return out;
     }
 
-    detail::Owner<BdtSkeletonPose, bdt_skeleton_pose_free> handle_;
     BdtModelInfo info_;
 };
 
-class Instance {
+class Instance : public detail::Owner<BdtInstance, bdt_instance_free> {
 public:
     explicit Instance(const Model &model) : Instance(detail::one<BdtInstance *>(bdt_instance_new, model.get()), model)
     {
@@ -319,8 +329,6 @@ public:
         : Instance(detail::one<BdtInstance *>(bdt_instance_new_with_cache, model.get(), nodes, leaves), model)
     {
     }
-
-    BdtInstance *get() const noexcept { return handle_.get(); }
 
     void set_q(const std::vector<float> &q) { check(bdt_instance_set_q(get(), q.data(), q.size())); }
     void set_placement(const BdtTransform &at) { check(bdt_instance_set_placement(get(), &at)); }
@@ -371,9 +379,8 @@ public:
     }
 
 private:
-    Instance(BdtInstance *handle, const Model &model) : handle_(handle), mode_count_(model.info().mode_count) {}
+    Instance(BdtInstance *handle, const Model &model) : Owner(handle), mode_count_(model.info().mode_count) {}
 
-    detail::Owner<BdtInstance, bdt_instance_free> handle_;
     std::size_t mode_count_;
 };
 
@@ -381,22 +388,15 @@ private:
 using Instances = std::vector<const Instance *>;
 
 /** What a pair of instances keeps from step to step. */
-class Front {
+class Front : public detail::Owner<BdtFront, bdt_front_free> {
 public:
-    Front() : handle_(detail::one<BdtFront *>(bdt_front_new)) {}
-
-    BdtFront *get() const noexcept { return handle_.get(); }
-
-private:
-    detail::Owner<BdtFront, bdt_front_free> handle_;
+    Front() : Owner(detail::one<BdtFront *>(bdt_front_new)) {}
 };
 
 /** The memory of queries, and the queries. */
-class Workspace {
+class Workspace : public detail::Owner<BdtWorkspace, bdt_workspace_free> {
 public:
-    Workspace() : handle_(detail::one<BdtWorkspace *>(bdt_workspace_new)) {}
-
-    BdtWorkspace *get() const noexcept { return handle_.get(); }
+    Workspace() : Owner(detail::one<BdtWorkspace *>(bdt_workspace_new)) {}
 
     void set_shared(bool is_shared) { check(bdt_workspace_set_shared(get(), is_shared ? 1 : 0)); }
     void set_max_levels(std::int32_t first, std::int32_t second = -1)
@@ -593,25 +593,11 @@ private:
         return handles;
     }
 
-    template <class T, class Ask, class... Args>
-    T one(Ask ask, Args... args) const
-    {
-        return detail::one<T>(ask, get(), args...);
-    }
-
-    template <class T, class Ask, class... Args>
-    std::vector<T> all(Ask ask, Args... args) const
-    {
-        return detail::all<T>(ask, get(), args...);
-    }
-
     template <class Ask, class... Args>
     bool is(Ask ask, Args... args) const
     {
         return one<std::int32_t>(ask, args...) != 0;
     }
-
-    detail::Owner<BdtWorkspace, bdt_workspace_free> handle_;
 };
 
 /** How many bodies a world has, how many of them sleep, and how many steps were taken. */
@@ -626,15 +612,13 @@ struct Momenta {
 };
 
 /** Bodies that fall, touch and vibrate. */
-class World {
+class World : public detail::Owner<BdtWorld, bdt_world_free> {
 public:
     World() : World(nullptr) {}
     explicit World(const BdtWorldOptions &options) : World(&options) {}
 
     static BdtWorldOptions defaults() { return detail::one<BdtWorldOptions>(bdt_world_defaults); }
     static BdtBodyOptions body_defaults() { return detail::one<BdtBodyOptions>(bdt_body_defaults); }
-
-    BdtWorld *get() const noexcept { return handle_.get(); }
 
     std::uint32_t add_model(const Model &model, const BdtBodyOptions &options = body_defaults())
     {
@@ -737,21 +721,7 @@ public:
     }
 
 private:
-    explicit World(const BdtWorldOptions *options) : handle_(detail::one<BdtWorld *>(bdt_world_new, options)) {}
-
-    template <class T, class Ask, class... Args>
-    T one(Ask ask, Args... args) const
-    {
-        return detail::one<T>(ask, get(), args...);
-    }
-
-    template <class T, class Ask, class... Args>
-    std::vector<T> all(Ask ask, Args... args) const
-    {
-        return detail::all<T>(ask, get(), args...);
-    }
-
-    detail::Owner<BdtWorld, bdt_world_free> handle_;
+    explicit World(const BdtWorldOptions *options) : Owner(detail::one<BdtWorld *>(bdt_world_new, options)) {}
 };
 
 } // namespace bdtree

@@ -11,7 +11,7 @@ use crate::instance::BdtInstance;
 use crate::query::bounded;
 use crate::sink::{Array, Callback};
 use crate::status::{BdtStatus, Fault};
-use crate::workspace::{BdtWorkspace, Desk, NOT_ASKED, VISITS};
+use crate::workspace::{BdtWorkspace, Desk, VISITS, not_asked};
 
 /// What a pair of instances keeps from step to step: `bdt_pair_contacts`, `bdt_pair_triangles`, `bdt_pair_intersects` and
 /// `bdt_pair_manifolds` give the same answers with it, and visit no node until the two have moved by a margin. Keep the
@@ -101,7 +101,7 @@ impl<'h> Pair<'h> {
             }
             Ok(())
         })?;
-        answer.ok_or(NOT_ASKED)
+        answer.ok_or_else(not_asked)
     }
 
     fn put_question(&self, question: &mut Question<'_>) -> Result<(), Fault> {

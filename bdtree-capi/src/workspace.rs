@@ -200,7 +200,7 @@ impl<'q, 'm> Asked<'q, 'm> {
         &mut self,
         question: impl FnOnce(&mut Query<'q, 'm>) -> Result<T, QueryError>,
     ) -> Result<T, Fault> {
-        let query = self.query.as_mut().ok_or(NOT_ASKED)?;
+        let query = self.query.as_mut().ok_or_else(not_asked)?;
         Ok(question(query)?)
     }
 
@@ -228,7 +228,7 @@ impl<'q, 'm> Asked<'q, 'm> {
         question: impl FnOnce(&mut BudgetedQuery<'q, 'm>) -> Result<(T, BdtBound), QueryError>,
     ) -> Result<T, Fault> {
         let max_visits = self.max_visits.unwrap_or(u64::MAX);
-        let query = self.query.take().ok_or(NOT_ASKED)?;
+        let query = self.query.take().ok_or_else(not_asked)?;
         let (answer, bound) = question(&mut query.max_visits(max_visits))?;
         *self.bound = bound;
         Ok(answer)
@@ -252,11 +252,13 @@ pub(crate) fn ask<T>(
         }
         Ok(())
     })?;
-    answer.ok_or(NOT_ASKED)
+    answer.ok_or_else(not_asked)
 }
 
 /// Never seen: a question that is put is asked, once.
-pub(crate) const NOT_ASKED: Fault = Fault::Argument("query: it was not asked");
+pub(crate) fn not_asked() -> Fault {
+    Fault::Panic("a question was not asked once".to_string())
+}
 
 /// [`ask`] for any question.
 fn put_question(

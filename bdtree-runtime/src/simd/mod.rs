@@ -44,7 +44,8 @@ pub(crate) trait Lanes: Copy {
     /// Eight whole numbers of the same instruction set.
     type Sums: PairSums;
     /// Whether all walks call one copy of the node kernel and ask their visitors through a table of functions. Compiled
-    /// for each visitor they are faster, but that is most of a library's code, and without wide registers more than with.
+    /// for each visitor rays are a ninth faster (docs/measured/capi.md), but that is most of a library's code, and without
+    /// wide registers more than with.
     const IS_COMPACT: bool = false;
 
     /// Does a piece of work with these lanes, in a function of its own: [`Kernel::run`] where the kernel is known.

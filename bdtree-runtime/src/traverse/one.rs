@@ -45,34 +45,37 @@ struct OneWalk<'w, 's, 'l, V> {
     limit: Option<DepthLimit<'l>>,
 }
 
+impl<V: Visitor> OneWalk<'_, '_, '_, V> {
+    /// The walk that all visitors of an order share.
+    #[inline(always)]
+    fn shared<L: Lanes, const ORDERED: bool>(self) -> Result<Walk, QueryError> {
+        L::apart(OneWalk {
+            posed: self.posed,
+            stack: self.stack,
+            visitor: &mut Shared::<ORDERED>(self.visitor),
+            limit: self.limit,
+        })
+    }
+}
+
 impl<V: Visitor> Work for OneWalk<'_, '_, '_, V> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
+        if L::IS_COMPACT && !V::IS_SHARED {
+            return if V::ORDERED {
+                self.shared::<L, true>()
+            } else {
+                self.shared::<L, false>()
+            };
+        }
         let Self {
             posed,
             stack,
             visitor,
             mut limit,
         } = self;
-        if L::IS_COMPACT && !V::IS_SHARED {
-            return if V::ORDERED {
-                L::apart(OneWalk {
-                    posed,
-                    stack,
-                    visitor: &mut Shared::<true>(visitor),
-                    limit,
-                })
-            } else {
-                L::apart(OneWalk {
-                    posed,
-                    stack,
-                    visitor: &mut Shared::<false>(visitor),
-                    limit,
-                })
-            };
-        }
         if V::ORDERED {
             nearest_first::<L, V>(posed, stack, visitor, &mut limit)
         } else {
