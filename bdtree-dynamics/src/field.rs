@@ -11,20 +11,20 @@ pub struct Field<'f>(pub(crate) &'f [f64]);
 
 impl Field<'_> {
     /// Modes, padded.
-    #[inline]
+    #[inline(always)]
     pub fn stride(self) -> usize {
         self.0.len() / 3
     }
 
     /// U q, in the body's frame; `q` is padded.
-    #[inline]
+    #[inline(always)] // several hundred thousand calls a step
     pub fn displacement(self, q: &[f64]) -> Vector3<f64> {
         let [x, y, z] = self.rows();
         Vector3::new(dot(x, q), dot(y, q), dot(z, q))
     }
 
     /// Adds `D Uᵀ f` to `out`, D being diagonal: what a force in the body's frame does to q.
-    #[inline]
+    #[inline(always)] // as above
     pub fn pull(self, force: Vector3<f64>, diagonal: &[f64], out: &mut [f64]) {
         let [x, y, z] = self.rows();
         let each = x.iter().zip(y).zip(z).zip(diagonal).zip(out);
@@ -67,7 +67,7 @@ impl Field<'_> {
 }
 
 impl<'f> Field<'f> {
-    #[inline]
+    #[inline(always)]
     fn rows(self) -> [&'f [f64]; 3] {
         let stride = self.0.len() / 3;
         let (x, rest) = self.0.split_at(stride);
@@ -77,7 +77,7 @@ impl<'f> Field<'f> {
 }
 
 /// In four sums, which a compiler puts into lanes; the order is fixed, so that results are the same everywhere.
-#[inline]
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, _) = a.as_chunks::<PAD>();
     let (b, _) = b.as_chunks::<PAD>();

@@ -284,6 +284,7 @@ impl Solver<'_> {
     }
 
     /// How forces have moved a side's point so far, and its slip.
+    #[inline(always)] // with what surrounds it, since it is most of a visit
     fn displacement(
         &self,
         clusters: &mut Clusters<'_>,
@@ -318,6 +319,7 @@ impl Solver<'_> {
         }
     }
 
+    #[inline(always)] // as above
     fn push_side(
         &self,
         clusters: &mut Clusters<'_>,
