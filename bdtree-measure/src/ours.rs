@@ -1,8 +1,8 @@
 //! The product as one of those who are compared: a pose, then queries, in memory that is kept.
 
 use bdtree_runtime::{
-    Asset, Ball, BoneMatrices, CacheSize, Contact, Query, QueryError, Ray, StepCache, Transform,
-    Workspace,
+    Asset, Ball, BoneMatrices, CacheSize, Contact, Query, QueryError, Ray, RefinedPose, StepCache,
+    Transform, Workspace,
 };
 
 use crate::MeasureError;
@@ -36,6 +36,7 @@ pub struct Ours<'a> {
     workspace: Workspace<'static>,
     /// For steps of [`CACHED`] queries and more.
     cache: Option<StepCache<'static>>,
+    refined: Option<RefinedPose<'static>>,
     /// Contacts of the last ball.
     pub found: Vec<Contact>,
 }
@@ -56,6 +57,7 @@ impl<'a> Ours<'a> {
             memory: vec![0.0; asset.pose_len()],
             workspace: Workspace::new(),
             cache: None,
+            refined: None,
             found: Vec::new(),
             asset,
         }
@@ -66,6 +68,14 @@ impl<'a> Ours<'a> {
         let nodes = asset.node_count();
         Self {
             cache: Some(StepCache::new(CacheSize { nodes, leaves })),
+            ..Self::new(asset)
+        }
+    }
+
+    /// The same, with the whole pose refined first in each step.
+    pub fn refining(asset: Asset<'a>) -> Self {
+        Self {
+            refined: Some(RefinedPose::new()),
             ..Self::new(asset)
         }
     }
@@ -85,6 +95,10 @@ impl<'a> Ours<'a> {
         if let Some(cache) = self.cache.as_mut().filter(|_| queries.len() >= CACHED) {
             cache.start(&pose);
             step = step.cached(cache);
+        }
+        if let Some(refined) = &mut self.refined {
+            refined.prepare(&pose)?;
+            step = step.refined(refined);
         }
         let mut answer = Answer::default();
         for query in queries {

@@ -32,8 +32,8 @@
 //! Which of many instances may meet at all: [`broad::pairs`], and `broad::instance_pairs` with the feature `alloc`.
 //!
 //! *Options* of a query are methods that return it: a [`StepCache`] ([`Query::cached`]), a deepest level
-//! ([`Query::max_level`]), a number of visits ([`Query::max_visits`]), for pairs a [`PairFront`]
-//! ([`PairQuery::front`]).
+//! ([`Query::max_level`]), a number of visits ([`Query::max_visits`]), for many rays a [`RefinedPose`]
+//! ([`Query::refined`]), for pairs a [`PairFront`] ([`PairQuery::front`]).
 //!
 //! Rules that hold for all of them:
 //!
@@ -52,7 +52,7 @@
 //! | feature | gives |
 //! |---|---|
 //! | (none) | `no_std`, no allocation: [`Asset`] over bytes of the caller's, [`Asset::pose`], [`Workspace::in_bytes`] and every query |
-//! | `alloc` | what owns its memory: [`Model`], [`Instance`], [`SkeletonPose`], [`Workspace::new`], [`StepCache::new`], [`PairFront::new`] |
+//! | `alloc` | what owns its memory: [`Model`], [`Instance`], [`SkeletonPose`], [`Workspace::new`], [`StepCache::new`], [`RefinedPose::new`], [`PairFront::new`] |
 //! | `std` (default) | `alloc`; instruction sets are detected at run time; `Model::read`, `LoadError` |
 //! | `mmap` | `std`; `Model::load` maps a file, whose pages are read when queries touch them |
 //! | `mint` | conversions between [`Vec3`], [`Quat`], [`Transform`] and the types of mint, which glam, nalgebra and others convert to and from |
@@ -130,6 +130,7 @@ mod quantized_q;
 mod query;
 #[cfg(test)]
 mod reference;
+mod refined;
 mod rounding;
 mod shape;
 mod simd;
@@ -166,6 +167,7 @@ pub use query::{
     Aabb, BoundingSphere, Budgeted, BudgetedContacts, BudgetedPairQuery, BudgetedQuery,
     ContactManifold, ContactPoint, PairFront, PairQuery, Query,
 };
+pub use refined::RefinedPose;
 pub use shape::{Ball, Capsule, Cuboid, Frustum, FrustumState, HalfSpace, Ray, Shape};
 pub use simd::Kernel;
 #[cfg(feature = "alloc")]

@@ -137,6 +137,15 @@ pub(crate) const PLANE_HEIGHT: f64 = 8.0 * U32;
 /// `Line::lanes`: 32u B, for the ray's origin, direction and parameter in f32.
 pub(crate) const RAY: f64 = 32.0 * U32;
 
+/// `Slabs`: 16u B, for the distance of a plane from the ray's origin in f32.
+pub(crate) const BOX_GROWN: f64 = 16.0 * U32;
+
+/// `Slabs`: 32u B, for the parameter where the ray meets a plane.
+pub(crate) const BOX_PARAMETER: f64 = 32.0 * U32;
+
+/// `Slabs`: 2^-40. A slower ray leaves no slab within its window of 4 B.
+pub(crate) const ALONG_LEAST: f32 = 1.0 / (1_u64 << 40) as f32;
+
 /// `Line::lanes`: 1 + 16u of the reach, for comparing the line's distance with it.
 pub(crate) const RAY_REACH: f64 = 1.0 + 16.0 * U32;
 

@@ -123,6 +123,21 @@ impl<'m> Memory<'m> {
         Err(QueryError::Memory { needed, found })
     }
 
+    /// The first two kinds of [`Memory::three_slots`], to read.
+    pub(crate) fn first_two<A: Slot, B: Slot>(
+        &self,
+        [a, b, _]: [usize; 3],
+    ) -> Option<(&[A], &[B])> {
+        let bytes = match self {
+            Self::Bytes(bytes) => &**bytes,
+            #[cfg(feature = "alloc")]
+            Self::Owned(words) => words.as_bytes(),
+        };
+        let (a, rest) = <[A]>::ref_from_prefix_with_elems(bytes, a).ok()?;
+        let (b, _) = <[B]>::ref_from_prefix_with_elems(rest, b).ok()?;
+        Some((a, b))
+    }
+
     /// Its size now.
     pub(crate) fn len(&mut self) -> usize {
         self.bytes().len()

@@ -9,6 +9,7 @@ use crate::depth::DepthLimit;
 use crate::epoch::Drift;
 use crate::error::FormatError;
 use crate::pose::Pose;
+use crate::refined::Refined;
 use crate::simd::{Lanes, Work, prefetch, prefetch_from};
 use crate::view::Asset;
 
@@ -19,6 +20,8 @@ pub(crate) struct Posed<'s> {
     pub(super) drift: Option<(&'s Pose<'s>, Drift)>,
     kept: Kept<'s>,
     pub(crate) limit: Option<DepthLimit<'s>>,
+    /// The same pose, refined.
+    pub(crate) refined: Option<Refined<'s>>,
 }
 
 impl<'s> Posed<'s> {
@@ -36,6 +39,7 @@ impl<'s> Posed<'s> {
             drift,
             kept,
             limit,
+            refined: None,
         }
     }
 }
@@ -58,6 +62,7 @@ impl<'s> Posed<'s> {
             drift: self.drift,
             kept: self.kept,
             limit: self.limit.map(DepthLimit::shorter),
+            refined: self.refined,
         }
     }
 
@@ -99,6 +104,7 @@ impl Posed<'_> {
             drift: self.drift,
             kept: self.kept.again(),
             limit: self.limit.as_mut().map(DepthLimit::again),
+            refined: self.refined,
         }
     }
 

@@ -10,8 +10,10 @@ use crate::error::QueryError;
 use crate::math::{add_scaled, clamp, dot, length_bound, scale};
 use crate::narrow::{self, RayHit, Triangle, ray_hit};
 use crate::pose::Pose;
+use crate::refined::Boxes;
 use crate::rounding::{
-    CHORD, EDGE_FUNCTION, MARGIN, RAY, RAY_RANGE, RAY_REACH, SKIP, next_above, round_up,
+    ALONG_LEAST, BOX_GROWN, BOX_PARAMETER, CHORD, EDGE_FUNCTION, MARGIN, RAY, RAY_RANGE, RAY_REACH,
+    SKIP, next_above, round_up,
 };
 use crate::shape::Ray;
 use crate::simd::{Lanes, Quad};
@@ -34,16 +36,21 @@ pub(super) struct Line {
     /// Parameters farther from `near` mean nothing.
     window: f64,
     sieve: Sieve,
+    slabs: Slabs,
 }
 
 impl Line {
-    /// `None` when the ray certainly misses the whole asset.
+    /// `None` when the ray certainly misses the whole asset. With `has_boxes`, [`Line::boxes`] may be asked.
     ///
     /// # Errors
     /// An origin that is not finite or beyond 2^100, a direction that is zero or not finite, a
     /// negative or NaN distance.
     #[inline(always)] // a result that is as large is copied
-    pub(super) fn new(pose: &Pose<'_>, ray: &Ray) -> Result<Option<Self>, QueryError> {
+    pub(super) fn new(
+        pose: &Pose<'_>,
+        ray: &Ray,
+        has_boxes: bool,
+    ) -> Result<Option<Self>, QueryError> {
         let origin = point(
             ray.origin,
             "origin: a coordinate is not finite or beyond 2^100",
@@ -67,11 +74,19 @@ impl Line {
         }
         let window = 4.0 * reach;
         let (t_min, t_max) = (-shift.min(window), (t_max - shift).min(window));
+        let near32 = [near[0] as f32, near[1] as f32, near[2] as f32];
+        let along32 = [along[0] as f32, along[1] as f32, along[2] as f32];
+        let slabs = if has_boxes {
+            Slabs::new(near32, along32, extra, reach)
+        } else {
+            Slabs::default()
+        };
         Ok(Some(Self {
             ray: narrow::PreparedRay::new(origin, direction),
             max_distance,
-            near: [near[0] as f32, near[1] as f32, near[2] as f32],
-            along: [along[0] as f32, along[1] as f32, along[2] as f32],
+            near: near32,
+            along: along32,
+            slabs,
             t_min: -round_up(-t_min),
             t_max: round_up(t_max),
             extra: round_up(extra),
@@ -101,6 +116,33 @@ impl Line {
         let half = squared.mul(L::splat(CHORD)).sub(apart).sqrt();
         *keys = t.sub(half).sub(extra).store();
         !apart.above(squared)
+    }
+
+    /// The boxes that the ray may meet, and for each a lower bound of the parameter where it does.
+    #[inline(always)]
+    pub(super) fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
+        let Slabs {
+            per_along,
+            enter,
+            leave,
+            is_backward,
+            slack,
+        } = &self.slabs;
+        let mut first = L::splat(self.t_min);
+        let mut last = L::splat(self.t_max);
+        for k in 0..3 {
+            let (near, far) = if is_backward[k] {
+                (&boxes.high[k], &boxes.low[k])
+            } else {
+                (&boxes.low[k], &boxes.high[k])
+            };
+            let per_along = L::splat(per_along[k]);
+            first = first.max(L::load(near).sub(L::splat(enter[k])).mul(per_along));
+            last = last.min(L::load(far).sub(L::splat(leave[k])).mul(per_along));
+        }
+        let first = first.sub(L::splat(*slack));
+        *keys = first.store();
+        !first.above(last)
     }
 
     /// The triangles, of four, that the ray certainly misses up to the best hit so far.
@@ -155,6 +197,48 @@ impl Line {
         let t = (distance * self.stored_per_world - self.shift).min(self.window);
         self.sieve.shorten(t);
         next_above(t)
+    }
+}
+
+/// The ray for boxes: where it enters and leaves the slab between two planes across an axis, both moved outwards by all errors
+/// (docs/design/guarantees.md, rays and boxes).
+#[derive(Default)]
+struct Slabs {
+    /// 1 / d of each axis.
+    per_along: [f32; 3],
+    /// What planes are compared with: `near` moved along or against the ray.
+    enter: [f32; 3],
+    leave: [f32; 3],
+    /// Whether it enters through the higher plane.
+    is_backward: [bool; 3],
+    /// Of the parameter.
+    slack: f32,
+}
+
+impl Slabs {
+    fn new(near: [f32; 3], along: [f32; 3], extra: f64, reach: f64) -> Self {
+        let grown = round_up(extra + BOX_GROWN * reach);
+        let mut slabs = Self {
+            slack: round_up(extra + BOX_PARAMETER * reach),
+            ..Self::default()
+        };
+        for k in 0..3 {
+            slabs.is_backward[k] = along[k] < 0.0;
+            // So slow across the slab that within the window it moves by less than the slab has grown.
+            let along = if along[k].abs() < ALONG_LEAST {
+                if slabs.is_backward[k] {
+                    -ALONG_LEAST
+                } else {
+                    ALONG_LEAST
+                }
+            } else {
+                along[k]
+            };
+            let grown = if slabs.is_backward[k] { -grown } else { grown };
+            slabs.per_along[k] = 1.0 / along;
+            (slabs.enter[k], slabs.leave[k]) = (near[k] + grown, near[k] - grown);
+        }
+        slabs
     }
 }
 

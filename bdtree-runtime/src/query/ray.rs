@@ -12,6 +12,7 @@ use crate::cache::Posed;
 use crate::contact::{RayIntersection, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::narrow::Triangle;
+use crate::refined::Boxes;
 use crate::shape::Ray;
 use crate::simd::{Lanes, Quad};
 use crate::traverse::{StackEntry, Visitor, Walk, one};
@@ -27,7 +28,7 @@ pub(super) fn first(
     ray: &Ray,
     stack: &mut [StackEntry],
 ) -> Result<(Option<RayIntersection>, Walk), QueryError> {
-    let Some(line) = Line::new(posed.pose, ray)? else {
+    let Some(line) = Line::new(posed.pose, ray, posed.refined.is_some())? else {
         return Ok((None, Walk::default()));
     };
     let mut visitor = First::new(line);
@@ -44,7 +45,7 @@ pub(super) fn any(
     ray: &Ray,
     stack: &mut [StackEntry],
 ) -> Result<(bool, Walk), QueryError> {
-    let Some(line) = Line::new(posed.pose, ray)? else {
+    let Some(line) = Line::new(posed.pose, ray, posed.refined.is_some())? else {
         return Ok((false, Walk::default()));
     };
     let mut visitor = First {
@@ -66,7 +67,7 @@ pub(super) fn all(
     stack: &mut [StackEntry],
     sink: &mut dyn Sink<RayIntersection>,
 ) -> Result<Walk, QueryError> {
-    let Some(line) = Line::new(posed.pose, ray)? else {
+    let Some(line) = Line::new(posed.pose, ray, posed.refined.is_some())? else {
         return Ok(Walk::default());
     };
     let mut visitor = All { line, sink };
@@ -98,12 +99,22 @@ impl First {
 
 impl Visitor for First {
     const ORDERED: bool = true;
+    const HAS_BOXES: bool = true;
 
     #[inline(always)]
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8 {
         let met = self.line.lanes(&spheres, keys);
         if self.bound == f32::INFINITY {
             return met; // without waiting for the keys
+        }
+        met & !L::load(keys).above(L::splat(self.bound))
+    }
+
+    #[inline(always)]
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
+        let met = self.line.boxes::<L>(boxes, keys);
+        if self.bound == f32::INFINITY {
+            return met;
         }
         met & !L::load(keys).above(L::splat(self.bound))
     }
@@ -146,10 +157,16 @@ struct All<'s> {
 
 impl Visitor for All<'_> {
     const ORDERED: bool = false;
+    const HAS_BOXES: bool = true;
 
     #[inline(always)]
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8 {
         self.line.lanes(&spheres, keys)
+    }
+
+    #[inline(always)]
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
+        self.line.boxes::<L>(boxes, keys)
     }
 
     #[inline(always)]

@@ -35,6 +35,26 @@ impl Four {
         Self([a * i, b * j, c * k, d * l])
     }
 
+    /// The smaller of the two, `other` where one is NaN.
+    #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        let mut least = other;
+        for (least, x) in least.0.iter_mut().zip(self.0) {
+            *least = if x < *least { x } else { *least };
+        }
+        least
+    }
+
+    /// The larger of the two, `other` where one is NaN.
+    #[inline(always)]
+    pub(crate) fn max(self, other: Self) -> Self {
+        let mut most = other;
+        for (most, x) in most.0.iter_mut().zip(self.0) {
+            *most = if x > *most { x } else { *most };
+        }
+        most
+    }
+
     /// Columns as rows.
     #[inline(always)]
     pub(crate) fn transposed(rows: [Self; 4]) -> [Self; 4] {
@@ -69,5 +89,16 @@ mod tests {
         let of_arrays = Arrays::load(&a).mul(Arrays::load(&b));
         let of_arrays = of_arrays.add(Arrays::splat(0.1)).store();
         assert_eq!(of_registers, of_arrays);
+        let (a, b) = ([1.0, f32::NAN, -0.0, 5.0], [2.0, 3.0, 0.0, f32::NAN]);
+        let of_registers = [
+            Four::load(&a).min(Four::load(&b)).store(),
+            Four::load(&a).max(Four::load(&b)).store(),
+        ];
+        let of_arrays = [
+            Arrays::load(&a).min(Arrays::load(&b)).store(),
+            Arrays::load(&a).max(Arrays::load(&b)).store(),
+        ];
+        let bits = |all: [[f32; 4]; 2]| all.map(|row| row.map(f32::to_bits));
+        assert_eq!(bits(of_registers), bits(of_arrays));
     }
 }

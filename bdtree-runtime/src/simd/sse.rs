@@ -7,9 +7,9 @@
 use bdtree_format::{LANES, PairRow};
 use core::arch::x86_64::{
     __m128, __m128i, _mm_add_epi32, _mm_add_ps, _mm_loadu_ps, _mm_loadu_si128, _mm_madd_epi16,
-    _mm_max_epi16, _mm_movehl_ps, _mm_movelh_ps, _mm_mul_ps, _mm_set1_epi32, _mm_set1_ps,
-    _mm_setzero_si128, _mm_storeu_ps, _mm_storeu_si128, _mm_sub_epi16, _mm_unpackhi_ps,
-    _mm_unpacklo_ps,
+    _mm_max_epi16, _mm_max_ps, _mm_min_ps, _mm_movehl_ps, _mm_movelh_ps, _mm_mul_ps,
+    _mm_set1_epi32, _mm_set1_ps, _mm_setzero_si128, _mm_storeu_ps, _mm_storeu_si128, _mm_sub_epi16,
+    _mm_unpackhi_ps, _mm_unpacklo_ps,
 };
 
 use super::{Fields, PairSums};
@@ -94,6 +94,20 @@ impl Four {
     pub(crate) fn mul(self, other: Self) -> Self {
         // SAFETY: see above.
         Self(unsafe { _mm_mul_ps(self.0, other.0) })
+    }
+
+    /// The smaller of the two, `other` where one is NaN.
+    #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm_min_ps(self.0, other.0) })
+    }
+
+    /// The larger of the two, `other` where one is NaN.
+    #[inline(always)]
+    pub(crate) fn max(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm_max_ps(self.0, other.0) })
     }
 
     /// Columns as rows.

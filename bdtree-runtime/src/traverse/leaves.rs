@@ -215,7 +215,7 @@ fn take_near<L: Lanes, V: Visitor>(
 impl<'a> Asset<'a> {
     /// The triangles of a leaf.
     #[inline(always)]
-    pub(super) fn leaf(&self, leaf: Subtree) -> Result<&'a [TriangleRecord], QueryError> {
+    pub(crate) fn leaf(&self, leaf: Subtree) -> Result<&'a [TriangleRecord], QueryError> {
         let start = leaf.start as usize;
         let end = start.saturating_add(leaf.triangles as usize);
         match self.triangles.get(start..end) {
@@ -235,7 +235,16 @@ impl<'a> Asset<'a> {
     /// More than there are: leaves share triangles.
     #[inline(always)]
     pub(super) fn fewer_triangles(&self, left: u64, leaf: Subtree) -> Result<u64, FormatError> {
-        match left.checked_sub(u64::from(leaf.triangles)) {
+        self.fewer(left, u64::from(leaf.triangles))
+    }
+
+    /// What is left of `left` triangles behind so many.
+    ///
+    /// # Errors
+    /// As above.
+    #[inline(always)]
+    pub(crate) fn fewer(&self, left: u64, triangles: u64) -> Result<u64, FormatError> {
+        match left.checked_sub(triangles) {
             Some(left) => Ok(left),
             None => Err(self.shared_triangles()),
         }

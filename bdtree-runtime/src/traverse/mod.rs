@@ -17,6 +17,7 @@ mod one;
 mod pair_leaves;
 mod pair_side;
 mod pair_stack;
+mod refined;
 mod separating_plane;
 mod shared;
 mod sphere_triangles;
@@ -75,19 +76,19 @@ pub(crate) struct PairStackEntry {
 #[repr(C)]
 pub(crate) struct Subtree {
     /// Node index, or first triangle slot.
-    start: u32,
+    pub(crate) start: u32,
     /// 0 for a node, else the number of triangles.
-    triangles: u32,
+    pub(crate) triangles: u32,
 }
 
 /// The lanes that lead somewhere: a leaf lane without triangles (a corrupt one) does not.
-fn used_lanes(node: &NodeRecord) -> u8 {
+pub(crate) fn used_lanes(node: &NodeRecord) -> u8 {
     (node.inner_mask & !node.leaf_mask) | (node.leaf_mask & mask_of(|k| node.leaf_counts[k] > 0))
 }
 
 /// What a lane leads to.
 #[inline(always)]
-fn lane_subtree(node: &NodeRecord, lane: usize) -> Subtree {
+pub(crate) fn lane_subtree(node: &NodeRecord, lane: usize) -> Subtree {
     let bit = 1_u8 << lane;
     if node.leaf_mask & bit != 0 {
         // The bytes below the lane's, added as four numbers of sixteen bits at once.

@@ -5,6 +5,7 @@ use core::ops::ControlFlow;
 
 use super::leaves::Leaves;
 use super::nearest::nearest_first;
+use super::refined::RefinedWalk;
 use super::shared::Shared;
 use super::visit::{NO_NODE, TOGETHER, look};
 use super::visitor::{Visitor, Walk};
@@ -28,6 +29,17 @@ pub(crate) fn one<V: Visitor>(
         return Err(QueryError::Memory { needed, found });
     }
     let limit = posed.take_limit(asset);
+    if V::HAS_BOXES
+        && limit.is_none()
+        && let Some(refined) = posed.refined
+    {
+        return asset.kernel.run(RefinedWalk {
+            pose: posed.pose,
+            refined,
+            stack,
+            visitor,
+        });
+    }
     asset.kernel.run(OneWalk {
         posed: &mut posed,
         stack,

@@ -8,11 +8,13 @@ use super::visitor::Visitor;
 use crate::bound::{Spheres, WideSpheres};
 use crate::contact::TriangleId;
 use crate::narrow::Triangle;
+use crate::refined::Boxes;
 use crate::simd::{Compact, Lanes, Quad};
 
 /// What a walk asks a visitor.
 pub(super) trait Asked {
     fn lanes(&self, spheres: &Spheres, keys: &mut Row) -> u8;
+    fn boxes(&self, boxes: &Boxes, keys: &mut Row) -> u8;
     fn bound(&self) -> f32;
     fn misses(&self, corners: &[[f32; 3]; 3]) -> bool;
     fn misses_four(&self, corners: &[[[f32; 4]; 3]; 3]) -> u8;
@@ -22,6 +24,10 @@ pub(super) trait Asked {
 impl<V: Visitor> Asked for V {
     fn lanes(&self, spheres: &Spheres, keys: &mut Row) -> u8 {
         Visitor::lanes(self, WideSpheres::<Compact>::load(spheres), keys)
+    }
+
+    fn boxes(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
+        Visitor::boxes::<Compact>(self, boxes, keys)
     }
 
     fn bound(&self) -> f32 {
@@ -51,6 +57,11 @@ impl<const ORDERED: bool> Visitor for Shared<'_, ORDERED> {
     #[inline(always)]
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8 {
         self.0.lanes(&spheres.store(), keys)
+    }
+
+    #[inline(always)]
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
+        self.0.boxes(boxes, keys)
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! What walks ask and what they tell.
 
-use bdtree_format::Row;
+use bdtree_format::{LANES, Row};
 use core::ops::ControlFlow;
 
 use super::pair_stack::FrontSlot;
@@ -8,6 +8,7 @@ use crate::bound::WideSpheres;
 use crate::contact::{LaneId, TriangleId};
 use crate::narrow::Triangle;
 use crate::placement::Placement;
+use crate::refined::Boxes;
 use crate::simd::{Lanes, Quad};
 
 /// A question about one deformed mesh.
@@ -18,9 +19,19 @@ pub(crate) trait Visitor {
     /// Whether it stands for any other ([`super::shared`]).
     const IS_SHARED: bool = false;
 
+    /// Whether [`Visitor::boxes`] says anything: refined poses serve those that it does.
+    const HAS_BOXES: bool = false;
+
     /// The lanes that may hold an answer, and, when ordered, a lower bound for each of what the
     /// question minimises. Anything not proved useless is kept, NaN included.
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8;
+
+    /// [`Visitor::lanes`] for exact boxes.
+    #[inline(always)]
+    fn boxes<L: Lanes>(&self, _boxes: &Boxes, keys: &mut Row) -> u8 {
+        *keys = [f32::NEG_INFINITY; LANES];
+        u8::MAX
+    }
 
     /// Above this no key is an answer.
     #[inline(always)]

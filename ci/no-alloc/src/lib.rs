@@ -5,7 +5,7 @@
 
 use bdtree_dynamics::{ContactLaw, FrameMass, FrameState, Oscillator, StrainLimit};
 use bdtree_runtime::{
-    Asset, Ball, CacheSize, Contact, Coverage, Cuboid, Motion, PairFront, Proxy, QueryError, Ray,
+    Asset, Ball, CacheSize, Contact, Coverage, Cuboid, Motion, PairFront, Proxy, QueryError, Ray, RefinedPose,
     Sink, SliceSink, StepCache, Transform, Workspace, broad, include_bdt, studies,
 };
 use core::ops::ControlFlow;
@@ -104,6 +104,11 @@ fn one(asset: &Asset<'_>) -> Result<usize, QueryError> {
     let rays = [Ray::new([3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]); 2];
     query.cast_ray_all(&rays[0], &mut count)?;
     query.cast_rays_all(&rays, &mut count)?;
+    let mut exact = [0; 1 << 15];
+    let mut refined = RefinedPose::in_bytes(&mut exact);
+    refined.prepare(&pose)?;
+    let mut query = pose.query(&mut workspace).refined(&refined);
+    count.0 += usize::from(query.cast_ray(&rays[0])?.is_some());
     let mut slots = [Proxy::EMPTY; 8];
     let mut proxies = SliceSink::new(&mut slots);
     let mut query = pose.query(&mut workspace).max_level(0, &mut proxies);

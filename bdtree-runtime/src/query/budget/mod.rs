@@ -76,7 +76,7 @@ impl Budget<'_> {
         ray: &Ray,
     ) -> Result<(Budgeted<Option<RayIntersection>>, Walk), QueryError> {
         let max_distance = ray.max_distance;
-        let Some(line) = Line::new(posed.pose, ray)? else {
+        let Some(line) = Line::new(posed.pose, ray, false)? else {
             return Ok(Rest::NONE.budgeted(None, max_distance, max_distance));
         };
         let mut visitor = First::new(line);

@@ -133,6 +133,7 @@ pub(crate) fn ray(
     let mut others = libraries.and_layered(&work.body, cast.layered())?;
     // Random rays seldom meet a leaf twice: keeping leaves costs more than it saves.
     let (mut ours, mut still) = (Ours::keeping(asset, 0), Ours::keeping(rigid, 0));
+    let mut refined = Ours::refining(asset);
     let mut all = Vec::new();
     for (count, goals) in goals {
         let own = (&work, *count);
@@ -143,12 +144,19 @@ pub(crate) fn ray(
             Entry::new("ours rigid", Role::Rigid, Counts::Other, |i| {
                 frame(|| still.rays(&[], work.wide(i, *count)))
             }),
+            Entry::new("ours refined", Role::Variant, Counts::Same, |i| {
+                frame(|| refined.rays(work.q(i), work.wide(i, *count)))
+            }),
             paper::ray(&cast.tree, asset, own),
         ];
         entries.extend(others.iter_mut().map(|(name, kind, peer)| {
             refitting::ray(name, *kind, peer.as_mut(), &cast.deformer, own)
         }));
-        let frames = 0..if *count > 100 { 10 } else { rays::FRAMES };
+        let frames = 0..match *count {
+            0..=100 => rays::FRAMES,
+            101..10_000 => 10,
+            _ => 2,
+        };
         let name = format!("W3 {name}, {count} rays");
         all.push(done(name, *goals, entries, frames, rounds)?);
     }

@@ -1,0 +1,163 @@
+//! A pose whose bounds are exact: what pays where a step asks much.
+//!
+//! A walk of the tree costs what it visits, each node some ten nanoseconds and each leaf the deformation of its vertices.
+//! Where a step asks thousands of rays, most of the tree is visited anyway, many times. [`RefinedPose::prepare`] then does
+//! once what every visit would do: it deforms all vertices, puts the corners of each leaf side by side, and gives all nodes
+//! boxes of what lies below them, which are much tighter than spheres that hold for any q. Answers keep their bits, since
+//! triangles are the same.
+
+mod prepare;
+mod record;
+
+pub(crate) use record::{Boxes, RefinedLeaf, RefinedNode};
+
+use crate::error::{FormatError, QueryError};
+use crate::pose::Pose;
+use crate::view::Asset;
+use crate::workspace::Memory;
+
+/// Exact boxes of all nodes and the deformed corners of all triangles of one pose; made by [`RefinedPose::prepare`] and used by
+/// [`Query::refined`](crate::Query::refined). One serves any number of assets and poses, one after the other, and once it is
+/// prepared any number of threads at a time.
+///
+/// Rays use it; all other queries go as without. It pays from some 500 rays a step on for 36 000 triangles and from some
+/// 5000 on for 480 000: preparing takes 10 to 15 ns per triangle, and each ray 0.4 to 0.5 of its time
+/// (`docs/measured/benchmarks.md`, refined poses).
+///
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # use bdtree_runtime::{Asset, Ray, RefinedPose, Transform, Workspace, include_bdt};
+/// # let asset = Asset::open(include_bdt!("../../../fixtures/golden/sphere.bdt"))?;
+/// # let (q, mut memory) = (vec![0.0; asset.mode_count()], vec![0.0; asset.pose_len()]);
+/// # let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
+/// let mut refined = RefinedPose::new();
+/// refined.prepare(&pose)?; // in each step, where it asks some hundreds of rays or more
+/// let mut workspace = Workspace::new();
+/// let mut query = pose.query(&mut workspace).refined(&refined);
+/// let hit = query.cast_ray(&Ray::new([0.0, 5.0, 0.0], [0.0, -1.0, 0.0]))?;
+/// # assert!(hit.is_some());
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct RefinedPose<'m> {
+    memory: Memory<'m>,
+    counts: Counts,
+    /// What identifies the pose; `None` before it is whole.
+    fingerprint: Option<u64>,
+}
+
+/// How much there is of what memory holds.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Counts {
+    nodes: usize,
+    /// Of up to four triangles of a leaf.
+    leaves: usize,
+    vertices: usize,
+}
+
+impl Counts {
+    /// # Errors
+    /// Leaves that hold more triangles than there are.
+    fn of(asset: &Asset<'_>) -> Result<Self, FormatError> {
+        let mut left = asset.triangle_count() as u64;
+        let mut leaves = 0;
+        for node in asset.nodes() {
+            let triangles = node.leaf_counts.iter().map(|count| u64::from(*count)).sum();
+            left = asset.fewer(left, triangles)?;
+            leaves += record::groups_before(&node.leaf_counts, 8);
+        }
+        Ok(Self {
+            nodes: asset.node_count(),
+            leaves: leaves as usize,
+            vertices: asset.vertex_count(),
+        })
+    }
+
+    fn slots(self) -> [usize; 3] {
+        [self.nodes, self.leaves, self.vertices]
+    }
+
+    fn bytes(self) -> usize {
+        let nodes = size_of::<RefinedNode>().saturating_mul(self.nodes);
+        let leaves = size_of::<RefinedLeaf>().saturating_mul(self.leaves);
+        let vertices = size_of::<[f32; 4]>().saturating_mul(self.vertices);
+        nodes.saturating_add(leaves).saturating_add(vertices)
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl RefinedPose<'static> {
+    /// One that holds nothing yet, and grows to what the largest asset so far has needed.
+    pub const fn new() -> Self {
+        Self {
+            memory: Memory::Owned(alloc::vec::Vec::new()),
+            counts: Counts {
+                nodes: 0,
+                leaves: 0,
+                vertices: 0,
+            },
+            fingerprint: None,
+        }
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl Default for RefinedPose<'static> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<'m> RefinedPose<'m> {
+    /// One in these bytes, at any address; what they hold does not matter. [`RefinedPose::bytes_for`] tells how many.
+    pub fn in_bytes(memory: &'m mut [u8]) -> Self {
+        Self {
+            memory: Memory::of_bytes(memory),
+            counts: Counts::default(),
+            fingerprint: None,
+        }
+    }
+
+    /// Bytes that suffice for poses of an asset: some 65 per triangle.
+    ///
+    /// # Errors
+    /// A corrupt asset.
+    pub fn bytes_for(asset: &Asset<'_>) -> Result<usize, FormatError> {
+        Ok(Counts::of(asset)?.bytes() + align_of::<RefinedNode>())
+    }
+
+    /// Refines this pose, wherever it is placed; what it held before is forgotten.
+    ///
+    /// # Errors
+    /// [`QueryError::Memory`] where there are too few bytes; a corrupt asset. It then holds nothing.
+    pub fn prepare(&mut self, pose: &Pose<'_>) -> Result<(), QueryError> {
+        self.fingerprint = None;
+        self.counts = Counts::of(pose.asset)?;
+        let (nodes, leaves, vertices) = self.memory.three_slots(self.counts.slots())?;
+        prepare::prepare(pose, nodes, leaves, vertices)?;
+        self.fingerprint = Some(pose.fingerprint());
+        Ok(())
+    }
+
+    /// Whether it holds this pose, wherever that is placed.
+    pub fn serves(&self, pose: &Pose<'_>) -> bool {
+        self.fingerprint == Some(pose.fingerprint())
+    }
+
+    /// What queries see of it.
+    pub(crate) fn view(&self) -> Refined<'_> {
+        let (nodes, leaves) = self
+            .memory
+            .first_two(self.counts.slots())
+            .unwrap_or_default();
+        Refined { nodes, leaves }
+    }
+}
+
+/// A refined pose as a walk sees it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Refined<'r> {
+    pub(crate) nodes: &'r [RefinedNode],
+    pub(crate) leaves: &'r [RefinedLeaf],
+}

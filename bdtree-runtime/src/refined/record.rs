@@ -1,0 +1,95 @@
+//! What is kept of a node and of a leaf.
+
+use bdtree_format::{LANES, Row};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+
+use crate::cache::CHUNK;
+use crate::traverse::Subtree;
+
+/// Eight boxes, side by side (stored units, relative to the origin): the least and the greatest coordinates of all deformed
+/// corners below a lane, exactly. Of a lane that leads nowhere the least is above the greatest.
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct Boxes {
+    pub(crate) low: [Row; 3],
+    pub(crate) high: [Row; 3],
+}
+
+/// A node: its boxes, and where its lanes lead, so that walks need not read the asset's.
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct RefinedNode {
+    pub(crate) boxes: Boxes,
+    pub(super) first_child: u32,
+    /// Of its leaves' groups of four triangles.
+    pub(super) first_leaf: u32,
+    pub(super) leaf_counts: [u8; LANES],
+    /// Lanes that lead to nodes, and to leaves that have triangles.
+    pub(crate) inner_mask: u8,
+    pub(crate) leaf_mask: u8,
+    /// Fills up to a multiple of eight bytes.
+    pub(super) unused: [u8; 6],
+}
+
+/// Up to four triangles of a leaf, deformed.
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct RefinedLeaf {
+    /// Stored units: of each corner, of each coordinate, that of the four. Places without a triangle repeat the first one.
+    pub(crate) corners: [[[f32; CHUNK]; 3]; 3],
+    pub(crate) ids: [u32; CHUNK],
+}
+
+impl RefinedNode {
+    /// What a lane leads to: a node, or the first group of a leaf and how many triangles it has.
+    #[inline(always)]
+    pub(crate) fn subtree(&self, lane: usize) -> Subtree {
+        let bit = 1_u8 << lane;
+        if self.leaf_mask & bit != 0 {
+            return Subtree {
+                start: self.first_leaf + groups_before(&self.leaf_counts, lane),
+                triangles: u32::from(self.leaf_counts[lane]),
+            };
+        }
+        let before = (self.inner_mask & (bit - 1)).count_ones();
+        Subtree {
+            start: self.first_child.saturating_add(before),
+            triangles: 0,
+        }
+    }
+}
+
+/// Groups of four triangles that leaves with so many triangles make, those of the lanes below `lane`.
+#[inline(always)]
+pub(super) fn groups_before(leaf_counts: &[u8; LANES], lane: usize) -> u32 {
+    const EVEN: u64 = 0x00ff_00ff_00ff_00ff;
+    let all = u64::from_le_bytes(*leaf_counts);
+    let below = if lane < LANES {
+        all & !(u64::MAX << (8 * lane))
+    } else {
+        all
+    };
+    // Four numbers of sixteen bits at once: each rounded up to fours, then added.
+    const THREE: u64 = 0x0003_0003_0003_0003;
+    const FOURS: u64 = 0x003f_003f_003f_003f | 0x0040_0040_0040_0040;
+    let groups = |counts: u64| ((counts + THREE) >> 2) & FOURS;
+    let pairs = groups(below & EVEN) + groups((below >> 8) & EVEN);
+    (pairs.wrapping_mul(0x0001_0001_0001_0001) >> 48) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::groups_before;
+
+    #[test]
+    fn groups_are_counts_rounded_up_to_fours() {
+        let counts = [0, 1, 4, 5, 255, 3, 254, 255];
+        for lane in 0..=8 {
+            let expected: u32 = counts[..lane]
+                .iter()
+                .map(|n| u32::from(*n).div_ceil(4))
+                .sum();
+            assert_eq!(groups_before(&counts, lane), expected);
+        }
+    }
+}

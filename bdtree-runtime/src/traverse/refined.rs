@@ -1,0 +1,154 @@
+//! A walk of one tree whose pose is refined: boxes instead of spheres, and leaves that are deformed already.
+
+use bdtree_format::{LANES, Row};
+use core::ops::ControlFlow;
+
+use super::shared::Shared;
+use super::visitor::{Visitor, Walk, world};
+use super::{StackEntry, Subtree};
+use crate::cache::CHUNK;
+use crate::contact::TriangleId;
+use crate::error::QueryError;
+use crate::pose::Pose;
+use crate::refined::Refined;
+use crate::simd::{Lanes, Work, prefetch_lines};
+
+/// Lanes that are asked for ahead, the nearest first: few of the others are visited before a hit ends the walk.
+const AHEAD: usize = 2;
+
+/// A walk and who it is for.
+pub(super) struct RefinedWalk<'w, V> {
+    pub(super) pose: &'w Pose<'w>,
+    pub(super) refined: Refined<'w>,
+    pub(super) stack: &'w mut [StackEntry],
+    pub(super) visitor: &'w mut V,
+}
+
+impl<V: Visitor> RefinedWalk<'_, V> {
+    #[inline(always)]
+    fn shared<L: Lanes, const ORDERED: bool>(self) -> Result<Walk, QueryError> {
+        L::apart(RefinedWalk {
+            pose: self.pose,
+            refined: self.refined,
+            stack: self.stack,
+            visitor: &mut Shared::<ORDERED>(self.visitor),
+        })
+    }
+}
+
+impl<V: Visitor> Work for RefinedWalk<'_, V> {
+    type Output = Result<Walk, QueryError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        if L::IS_COMPACT && !V::IS_SHARED {
+            return if V::ORDERED {
+                self.shared::<L, true>()
+            } else {
+                self.shared::<L, false>()
+            };
+        }
+        let Self {
+            pose,
+            refined,
+            stack,
+            visitor,
+        } = self;
+        let asset = pose.asset;
+        let mut walk = Walk::default();
+        let visits_max = refined.nodes.len() as u64;
+        let mut keys: Row = [0.0; LANES];
+        stack[0] = StackEntry {
+            key: f32::NEG_INFINITY,
+            ..StackEntry::default()
+        };
+        let mut len = 1;
+        while len > 0 {
+            len -= 1;
+            let StackEntry { at, key } = stack[len];
+            if V::ORDERED && !visitor.wanted(key) {
+                continue;
+            }
+            if at.triangles > 0 {
+                if leaf::<L, V>(pose, refined, at, visitor).is_break() {
+                    walk.stopped = true;
+                    return Ok(walk);
+                }
+                continue;
+            }
+            walk.nodes_visited += 1;
+            let node = refined.nodes.get(at.start as usize);
+            let (Some(node), true) = (node, walk.nodes_visited <= visits_max) else {
+                return Err(asset.endless(visits_max).into());
+            };
+            let mut mask = visitor.boxes::<L>(&node.boxes, &mut keys);
+            mask &= node.inner_mask | node.leaf_mask;
+            let Some(room) = stack.get_mut(len..len + LANES) else {
+                return Err(asset.too_deep().into());
+            };
+            let mut count = 0;
+            while mask != 0 {
+                let lane = (7 - mask.leading_zeros()) as usize;
+                mask &= !(1 << lane);
+                let entry = StackEntry {
+                    at: node.subtree(lane),
+                    key: keys[lane],
+                };
+                // The nearest on top, of equal ones the lowest lane.
+                let mut place = count;
+                if V::ORDERED {
+                    while place > 0 && room[place - 1].key < entry.key {
+                        room[place] = room[place - 1];
+                        place -= 1;
+                    }
+                }
+                room[place] = entry;
+                count += 1;
+            }
+            len += count;
+            for entry in room[..count].iter().rev().take(AHEAD) {
+                ask_for(refined, entry.at);
+            }
+        }
+        Ok(walk)
+    }
+}
+
+/// Asks for all of what is visited soon, wherever that begins in a line.
+#[inline(always)]
+fn ask_for(refined: Refined<'_>, at: Subtree) {
+    let start = at.start as usize;
+    if at.triangles > 0 {
+        prefetch_lines::<3, _>(refined.leaves.as_ptr().wrapping_add(start));
+    } else {
+        prefetch_lines::<4, _>(refined.nodes.as_ptr().wrapping_add(start));
+    }
+}
+
+/// Hands the triangles of a leaf to the visitor.
+#[inline(always)]
+fn leaf<L: Lanes, V: Visitor>(
+    pose: &Pose<'_>,
+    refined: Refined<'_>,
+    at: Subtree,
+    visitor: &mut V,
+) -> ControlFlow<()> {
+    let start = at.start as usize;
+    let end = start + (at.triangles as usize).div_ceil(CHUNK);
+    let mut count = at.triangles;
+    for leaf in refined.leaves.get(start..end).unwrap_or_default() {
+        let misses = visitor.misses_four::<L::Quad>(&leaf.corners);
+        let mut left = !misses & !(u8::MAX << count.min(CHUNK as u32));
+        count = count.saturating_sub(CHUNK as u32);
+        while left != 0 {
+            let k = (left.trailing_zeros() & 3) as usize;
+            left &= left - 1;
+            let corners = leaf.corners.map(|corner| corner.map(|of| of[k]));
+            if visitor.misses(&corners) {
+                continue;
+            }
+            visitor.triangle(TriangleId(leaf.ids[k]), &world(&pose.placement, &corners))?;
+        }
+    }
+    ControlFlow::Continue(())
+}
