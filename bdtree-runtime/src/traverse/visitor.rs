@@ -53,7 +53,7 @@ pub(crate) trait Visitor {
         false
     }
 
-    /// Whether triangles are taken four at a time, by [`Visitor::four`].
+    /// Whether triangles are taken four at a time, by [`Visitor::fours`].
     const IN_FOURS: bool = false;
 
     /// [`Visitor::misses`] for four (of each corner, of each coordinate, that of the four).
