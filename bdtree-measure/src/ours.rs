@@ -72,7 +72,7 @@ impl<'a> Ours<'a> {
         }
     }
 
-    /// The same, with the whole pose refined first in each step.
+    /// On an asset, with the whole pose refined first in each step.
     pub fn refining(asset: Asset<'a>) -> Self {
         Self {
             refined: Some(RefinedPose::new()),

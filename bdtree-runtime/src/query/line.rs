@@ -201,7 +201,7 @@ impl Line {
 }
 
 /// The ray for boxes: where it enters and leaves the slab between two planes across an axis, both moved outwards by all errors
-/// (docs/design/guarantees.md, rays and boxes).
+/// (docs/design/guarantees.md, where a ray enters a box).
 #[derive(Default)]
 struct Slabs {
     /// 1 / d of each axis.
