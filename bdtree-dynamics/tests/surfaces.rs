@@ -13,22 +13,30 @@ const SIDE: f64 = 4.0;
 
 /// A square of 8 × 8 × 2 triangles in the plane y = 0, without thickness.
 fn plate(world: &mut World, mass_kg: f64) -> ModelId {
+    plates(world, mass_kg, &[[0.0; 2]])
+}
+
+/// One such square at each x and y.
+fn plates(world: &mut World, mass_kg: f64, at: &[[f64; 2]]) -> ModelId {
     const CELLS: u32 = 8;
     let mut mesh = RawMesh {
         name: "plate".to_string(),
         ..RawMesh::default()
     };
-    for z in 0..=CELLS {
-        for x in 0..=CELLS {
-            let place = |k: u32| (f64::from(k) / f64::from(CELLS) - 0.5) * SIDE;
-            mesh.positions.push([place(x), 0.0, place(z)]);
+    for [shift, height] in at {
+        let first = mesh.positions.len() as u32;
+        for z in 0..=CELLS {
+            for x in 0..=CELLS {
+                let place = |k: u32| (f64::from(k) / f64::from(CELLS) - 0.5) * SIDE;
+                (mesh.positions).push([place(x) + shift, *height, place(z)]);
+            }
         }
-    }
-    for z in 0..CELLS {
-        for x in 0..CELLS {
-            let a = z * (CELLS + 1) + x;
-            let (b, c, d) = (a + 1, a + CELLS + 1, a + CELLS + 2);
-            mesh.triangles.extend([[a, c, b], [b, c, d]]);
+        for z in 0..CELLS {
+            for x in 0..CELLS {
+                let a = first + z * (CELLS + 1) + x;
+                let (b, c, d) = (a + 1, a + CELLS + 1, a + CELLS + 2);
+                mesh.triangles.extend([[a, c, b], [b, c, d]]);
+            }
         }
     }
     let model = bake::baked(&mesh, &bake::rigid(&mesh));
@@ -79,6 +87,46 @@ fn fast_balls_do_not_pass_through_a_plate_without_thickness() {
                 }
                 assert!(side * height(&world, body) > RADIUS, "{speed} {x} {z}");
             }
+        }
+    }
+}
+
+/// A ball touches the edge of a plate, is hit from below and pushed against a plate above it, faster than its own speed let
+/// expect: that the lower plate touched it before does not mean that it came through the upper one.
+#[test]
+fn a_ball_stays_between_two_plates() {
+    for (speed, gap) in [(5.0, 1e-3), (10.0, 3e-3), (30.0, 1e-2)] {
+        for share in [0.2, 0.3, 0.4, 0.5] {
+            let h = 1e-2;
+            let mut world = weightless(h, ContactLaw::default());
+            let top = 2.0 * RADIUS + gap;
+            // The lower one's edge is at x = 0.
+            let both = plates(&mut world, 1.0, &[[-0.5 * SIDE, 0.0], [0.0, top]]);
+            let of_ball = ball(&mut world, 1.0);
+            (world.add_body(both, Frame::Held, at([0.0; 3]))).expect("plates");
+            let place = at([-0.05, RADIUS * (1.0 - 1e-6), 0.15]);
+            let body = (world.add_body(of_ball, Frame::Free, place)).expect("a ball");
+            let towards = [-0.5, f64::sqrt(0.75)];
+            // They meet within the first step.
+            let apart = 2.0 * RADIUS + share * speed * h;
+            let place = [
+                -0.05 - apart * towards[0],
+                RADIUS - apart * towards[1],
+                0.15,
+            ];
+            let other = (world.add_body(of_ball, Frame::Free, at(place))).expect("a ball");
+            let velocity = towards.map(|x| speed * x);
+            (world.set_velocity(other, [velocity[0], velocity[1], 0.0], [0.0; 3]))
+                .expect("a velocity");
+            let mut deepest = 0.0_f64;
+            for step in 0..100 {
+                let report = world.step().expect("a step");
+                deepest = deepest.max(report.penetration);
+                let above = height(&world, body);
+                assert!(above < top, "{speed} {gap} {share} {step}: {above}");
+            }
+            // It met the upper one.
+            assert!(deepest > 1e-3 * RADIUS, "{speed} {gap} {share}: {deepest}");
         }
     }
 }

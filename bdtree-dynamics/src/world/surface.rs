@@ -42,6 +42,8 @@ pub(super) struct Near {
 pub(super) struct Scratch {
     near: Vec<Near>,
     pub(super) corners: Vec<Corners>,
+    /// Of a triangle of the step before.
+    old: Corners,
 }
 
 /// A body whose triangles touch others, in a step.
@@ -100,11 +102,22 @@ struct Held<'w> {
 }
 
 impl Held<'_> {
-    /// Whether the sphere, which is in direction `away` of the triangle, was on the other side of it, or of what lay there.
-    fn is_across(&self, away: &Vector3<f64>) -> bool {
+    /// Whether the sphere has been pressed through the surface: its center, in direction `away` of the triangle, was on the other
+    /// side of it in the step before, or of a triangle that pushed it and that it is behind by now. A wall that faces what
+    /// pushed it, in a narrow place, is not what it was pressed through.
+    ///
+    /// # Errors
+    /// A damaged asset.
+    fn is_across(
+        &self,
+        target: &Target<'_>,
+        center: &Vector3<f64>,
+        away: &Vector3<f64>,
+        corners: &mut Corners,
+    ) -> Result<bool, DynamicsError> {
         const ALIKE: f64 = 0.7;
         let size = away.norm();
-        let (mut is_alike, mut is_opposite) = (false, false);
+        let (mut is_alike, mut is_through) = (false, false);
         for warm in self.old {
             if warm.sides[self.sphere].sphere != self.number {
                 continue;
@@ -116,13 +129,20 @@ impl Held<'_> {
                 -warm.along
             };
             let share = along.dot(away);
-            if warm.sides[1 - self.sphere].sphere == self.triangle {
-                return share < 0.0;
+            let triangle = warm.sides[1 - self.sphere].sphere;
+            if triangle == self.triangle {
+                return Ok(share < 0.0);
             }
             is_alike |= share > ALIKE * size;
-            is_opposite |= share < -ALIKE * size;
+            if share < -ALIKE * size && warm.normal > 0.0 {
+                target.surface.corners(TriangleId(triangle), corners)?;
+                let at = target.at(corners, 0);
+                let closest = closest_point((*center).into(), &at.map(Into::into));
+                let off = center - weighted(&at, closest.barycentric);
+                is_through |= along.dot(&off) < 0.0;
+            }
         }
-        is_opposite && !is_alike
+        Ok(is_through && !is_alike)
     }
 }
 
@@ -173,7 +193,8 @@ impl World {
                     number: sphere as u32,
                     triangle,
                 };
-                let found = meeting(&target, corners, way, radius, near, &held);
+                let old = &mut scratch.old;
+                let found = meeting(&target, corners, way, radius, near, &held, old)?;
                 scratch.near.extend(found.map(|found| Near {
                     triangle,
                     corners: k,
@@ -273,11 +294,12 @@ fn meeting(
     radius: f64,
     near: f64,
     held: &Held<'_>,
-) -> Option<Near> {
+    old: &mut Corners,
+) -> Result<Option<Near>, DynamicsError> {
     let start = target.at(corners, 0);
     let mut closest = closest_point(from.into(), &start.map(Into::into));
     if closest.distance > radius + near {
-        return None;
+        return Ok(None);
     }
     let distance = closest.distance;
     let end = target.at(corners, 1);
@@ -308,12 +330,14 @@ fn meeting(
         let last = closest_point(to.into(), &end.map(Into::into));
         let way = seen(last.barycentric).norm();
         if !(last.distance - radius < NEAR * (way + 1e-3 * radius)) {
-            return None;
+            return Ok(None);
         }
         // Others may yet push them together.
         let way = [&start, &end].map(|of| weighted(of, last.barycentric));
-        let normal = (to - way[1]).try_normalize(1e-9 * radius)?;
-        return Some(Near {
+        let Some(normal) = (to - way[1]).try_normalize(1e-9 * radius) else {
+            return Ok(None);
+        };
+        return Ok(Some(Near {
             triangle: 0,
             normal,
             weights: last.barycentric,
@@ -322,23 +346,27 @@ fn meeting(
             overlaps: [radius - distance, radius - last.distance],
             first: [f64::INFINITY, distance],
             corners: 0,
-        });
+        }));
     }
     let weights = closest.barycentric;
     let mut away = center - weighted(&start, weights);
     // Pressed so deep that its center is on the other side of the triangle.
-    if distance <= radius && held.is_across(&away) {
+    if distance <= radius && held.is_across(target, &from, &away, old)? {
         away = -away;
     }
     let normal = match away.try_normalize(1e-9 * radius) {
         Some(normal) => normal,
         // The center is in the triangle: along its own normal.
-        None => (start[1] - start[0])
-            .cross(&(start[2] - start[0]))
-            .try_normalize(0.0)?,
+        None => {
+            let across = (start[1] - start[0]).cross(&(start[2] - start[0]));
+            let Some(normal) = across.try_normalize(0.0) else {
+                return Ok(None);
+            };
+            normal
+        }
     };
     let way = [&start, &end].map(|of| weighted(of, weights));
-    Some(Near {
+    Ok(Some(Near {
         triangle: 0,
         normal,
         weights,
@@ -349,7 +377,7 @@ fn meeting(
         ],
         first: [at, distance],
         corners: 0,
-    })
+    }))
 }
 
 /// Leaves out triangles that lie behind what the sphere meets before: of a flat or convex part of the surface, one triangle
