@@ -146,6 +146,12 @@ pub(crate) const BOX_PARAMETER: f64 = 32.0 * U32;
 /// `Slabs`: 2^-40. A slower ray leaves no slab within its window of 4 B.
 pub(crate) const ALONG_LEAST: f32 = 1.0 / (1_u64 << 40) as f32;
 
+/// `Boxes::spheres`: 32u B, for centers of boxes, which may be farther from the origin than B.
+pub(crate) const BOX_CENTER: f64 = 32.0 * U32;
+
+/// `Boxes::spheres`: 1 + 2⁻²⁰, for half of a box's diagonal in f32.
+pub(crate) const BOX_RADIUS: f32 = 1.0 + 1.0 / (1 << 20) as f32;
+
 /// `Line::lanes`: 1 + 16u of the reach, for comparing the line's distance with it.
 pub(crate) const RAY_REACH: f64 = 1.0 + 16.0 * U32;
 

@@ -123,19 +123,20 @@ impl<'m> Memory<'m> {
         Err(QueryError::Memory { needed, found })
     }
 
-    /// The first two kinds of [`Memory::three_slots`], to read.
-    pub(crate) fn first_two<A: Slot, B: Slot>(
+    /// What [`Memory::three_slots`] has given, to read.
+    pub(crate) fn three_to_read<A: Slot, B: Slot, C: Slot>(
         &self,
-        [a, b, _]: [usize; 3],
-    ) -> Option<(&[A], &[B])> {
+        [a, b, c]: [usize; 3],
+    ) -> Option<(&[A], &[B], &[C])> {
         let bytes = match self {
             Self::Bytes(bytes) => &**bytes,
             #[cfg(feature = "alloc")]
             Self::Owned(words) => words.as_bytes(),
         };
         let (a, rest) = <[A]>::ref_from_prefix_with_elems(bytes, a).ok()?;
-        let (b, _) = <[B]>::ref_from_prefix_with_elems(rest, b).ok()?;
-        Some((a, b))
+        let (b, rest) = <[B]>::ref_from_prefix_with_elems(rest, b).ok()?;
+        let (c, _) = <[C]>::ref_from_prefix_with_elems(rest, c).ok()?;
+        Some((a, b, c))
     }
 
     /// Its size now.

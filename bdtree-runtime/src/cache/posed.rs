@@ -20,7 +20,7 @@ pub(crate) struct Posed<'s> {
     pub(super) drift: Option<(&'s Pose<'s>, Drift)>,
     kept: Kept<'s>,
     pub(crate) limit: Option<DepthLimit<'s>>,
-    /// The same pose, refined.
+    /// The same pose, refined; not for walks that report spheres.
     pub(crate) refined: Option<Refined<'s>>,
 }
 
@@ -209,6 +209,10 @@ impl Posed<'_> {
         index: u32,
         out: &mut WideSpheres<L>,
     ) -> Result<bool, FormatError> {
+        if let Some(refined) = &self.refined {
+            refined.spheres(asset, index, out)?;
+            return Ok(false);
+        }
         let pose = self.drift.map_or(self.pose, |(reference, _)| reference);
         let evaluated = self.spheres_at::<L>(asset, index, pose, out)?;
         if let Some((_, drift)) = self.drift {
@@ -262,17 +266,18 @@ impl Posed<'_> {
         records: &[TriangleRecord],
         spare: &'l mut LeafChunk,
     ) -> Result<&'l LeafChunk, FormatError> {
+        let (pose, refined) = (self.pose, self.refined);
         let tag = tag(self.kept.step, start);
         let len = records.len().min(CHUNK) as u32;
         let place = leaf_place(start, self.kept.leaves.len());
         let Some(slot) = self.kept.leaves.get_mut(place) else {
-            deform(asset, self.pose, records, spare)?;
+            deform(asset, pose, refined, records, spare)?;
             return Ok(spare);
         };
         // In a corrupt file one slot may begin leaves of several lengths.
         if slot.tag != tag || slot.leaf.len != len {
             slot.tag = 0; // until it is whole
-            deform(asset, self.pose, records, &mut slot.leaf)?;
+            deform(asset, pose, refined, records, &mut slot.leaf)?;
             slot.tag = tag;
         }
         Ok(&slot.leaf)
@@ -284,12 +289,14 @@ impl Posed<'_> {
 pub(crate) fn deform(
     asset: &Asset<'_>,
     pose: &Pose<'_>,
+    refined: Option<Refined<'_>>,
     records: &[TriangleRecord],
     chunk: &mut LeafChunk,
 ) -> Result<(), FormatError> {
     asset.kernel.run(Deform {
         asset,
         pose,
+        refined,
         records,
         chunk,
     })
@@ -298,6 +305,7 @@ pub(crate) fn deform(
 struct Deform<'d, 'a> {
     asset: &'d Asset<'a>,
     pose: &'d Pose<'d>,
+    refined: Option<Refined<'d>>,
     records: &'d [TriangleRecord],
     chunk: &'d mut LeafChunk,
 }
@@ -307,6 +315,6 @@ impl Work for Deform<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        self.chunk.deform::<L>(self.asset, self.pose, self.records)
+        (self.chunk).deform::<L>(self.asset, self.pose, self.refined, self.records)
     }
 }

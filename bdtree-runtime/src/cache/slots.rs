@@ -6,6 +6,7 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 use crate::bound::Spheres;
 use crate::error::FormatError;
 use crate::pose::Pose;
+use crate::refined::Refined;
 use crate::simd::Lanes;
 use crate::view::Asset;
 
@@ -83,12 +84,13 @@ impl LeafChunk {
         corners
     }
 
-    /// Deforms `records`, of which the first four are taken.
+    /// Deforms `records`, of which the first four are taken; `refined` is the same pose.
     #[inline(always)]
     pub(crate) fn deform<L: Lanes>(
         &mut self,
         asset: &Asset<'_>,
         pose: &Pose<'_>,
+        refined: Option<Refined<'_>>,
         records: &[TriangleRecord],
     ) -> Result<(), FormatError> {
         let Some(first) = records.first() else {
@@ -97,7 +99,10 @@ impl LeafChunk {
         };
         // Beyond the end the first one again: a NaN there would be a lane that is never rejected.
         let four = [0, 1, 2, 3].map(|k| records.get(k).unwrap_or(first));
-        asset.deform_four::<L>(pose, four, &mut self.corners)?;
+        match refined {
+            Some(refined) => refined.corners(asset, four, &mut self.corners)?,
+            None => asset.deform_four::<L>(pose, four, &mut self.corners)?,
+        }
         self.ids = four.map(|record| record.id);
         self.len = records.len().min(CHUNK) as u32;
         Ok(())

@@ -13,6 +13,7 @@ use crate::narrow::four::closest_four;
 use crate::narrow::{Triangle, closest_point};
 use crate::placement::Placement;
 use crate::pose::Pose;
+use crate::refined::Boxes;
 use crate::rounding::{BALL_RADIUS, POINT, SKIP, round_up};
 use crate::shape;
 use crate::simd::{Lanes, Quad, Quad3, dot3, splat3, sub3};
@@ -74,10 +75,18 @@ impl<'s> Ball<'s> {
 impl Visitor for Ball<'_> {
     const ORDERED: bool = false;
     const IN_FOURS: bool = true;
+    const HAS_BOXES: bool = true;
 
     #[inline(always)]
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, _keys: &mut Row) -> u8 {
         spheres.within(self.stored, self.reach, SKIP)
+    }
+
+    #[inline(always)]
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, _: f32, _keys: &mut Row) -> u8 {
+        let squared = boxes.squared_distances::<L>(self.stored);
+        let reach = L::splat(self.reach);
+        !squared.mul(L::splat(SKIP)).above(reach.mul(reach))
     }
 
     #[inline(always)]

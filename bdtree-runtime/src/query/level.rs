@@ -154,7 +154,7 @@ impl PairQuery<'_, '_, '_> {
         let mut limit = DepthLimit::of_spheres(level, &mut unused);
         limit.nearer = round_down(reach / side1.pose.placement.world_per_stored());
         let posed1 = limited(side1, limit, TRIANGLES_LEVEL)?.shorter();
-        let posed2 = side2.posed_whole(TRIANGLES_LEVEL)?.shorter();
+        let posed2 = side2.posed_spheres(TRIANGLES_LEVEL)?.shorter();
         let mut walk = Walk::default();
         if let Some(frame) = PairFrame::of_spheres(&posed1, &posed2, near.entered) {
             let map = PairMap::new(&posed1, &posed2);
@@ -180,7 +180,7 @@ pub(super) fn limited<'w>(
     limit: DepthLimit<'w>,
     what: &'static str,
 ) -> Result<Posed<'w>, QueryError> {
-    let mut posed = side.posed_whole(what)?;
+    let mut posed = side.posed_spheres(what)?;
     posed.limit = Some(limit);
     Ok(posed)
 }

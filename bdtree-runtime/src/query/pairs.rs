@@ -389,8 +389,8 @@ impl BudgetedPairQuery<'_, '_, '_> {
     ) -> Result<Budgeted<Option<PairContact>>, QueryError> {
         let [side1, side2] = &mut self.query.sides;
         let posed = [
-            side1.posed_whole(BUDGET_AND_LEVEL)?,
-            side2.posed_whole(BUDGET_AND_LEVEL)?,
+            side1.posed_spheres(BUDGET_AND_LEVEL)?,
+            side2.posed_spheres(BUDGET_AND_LEVEL)?,
         ];
         let [nodes1, nodes2] = posed.each_ref().map(|posed| posed.pose.asset.node_count());
         // Never more than there are pairs of a node or leaf of one and a node or leaf of the other.

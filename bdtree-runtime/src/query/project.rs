@@ -12,6 +12,7 @@ use crate::error::QueryError;
 use crate::math::norm;
 use crate::narrow::{Triangle, closest_point};
 use crate::pose::Pose;
+use crate::refined::Boxes;
 use crate::rounding::{GAP_DISTANCE, POINT, round_up};
 use crate::simd::{Lanes, Quad};
 use crate::traverse::{StackEntry, Visitor, Walk, one};
@@ -87,6 +88,17 @@ impl Closest {
         Ok(Some(PointProjection { normal, ..best }))
     }
 
+    /// The lanes whose `distance` less `reach` does not exceed the bound.
+    #[inline(always)]
+    fn keep<L: Lanes>(&self, distance: L, reach: L, keys: &mut Row) -> u8 {
+        let gap = distance
+            .mul(L::splat(GAP_DISTANCE))
+            .sub(reach)
+            .max(L::splat(0.0));
+        *keys = gap.store();
+        !gap.above(L::splat(self.bound))
+    }
+
     fn tighten(&mut self, distance: f64) {
         if distance.is_finite() {
             self.bound = round_up(distance * self.stored_per_world);
@@ -96,6 +108,7 @@ impl Closest {
 
 impl Visitor for Closest {
     const ORDERED: bool = true;
+    const HAS_BOXES: bool = true;
 
     #[inline(always)]
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8 {
@@ -109,12 +122,17 @@ impl Visitor for Closest {
         let dz = spheres.center[2].sub(L::splat(z));
         let distance = dx.mul(dx).add(dy.mul(dy)).add(dz.mul(dz)).sqrt();
         let reach = spheres.radius.add(L::splat(self.extra));
-        let gap = distance
-            .mul(L::splat(GAP_DISTANCE))
-            .sub(reach)
-            .max(L::splat(0.0));
-        *keys = gap.store();
-        !gap.above(L::splat(self.bound))
+        self.keep(distance, reach, keys)
+    }
+
+    #[inline(always)]
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, _: f32, keys: &mut Row) -> u8 {
+        let Some(point) = self.stored else {
+            *keys = [0.0; LANES];
+            return u8::MAX;
+        };
+        let distance = boxes.squared_distances::<L>(point).sqrt();
+        self.keep(distance, L::splat(self.extra), keys)
     }
 
     #[inline(always)]

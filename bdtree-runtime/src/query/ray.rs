@@ -111,7 +111,7 @@ impl Visitor for First {
     }
 
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, _: f32, keys: &mut Row) -> u8 {
         let met = self.line.boxes::<L>(boxes, keys);
         if self.bound == f32::INFINITY {
             return met;
@@ -165,7 +165,7 @@ impl Visitor for All<'_> {
     }
 
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, _: f32, keys: &mut Row) -> u8 {
         self.line.boxes::<L>(boxes, keys)
     }
 

@@ -11,8 +11,14 @@ mod record;
 
 pub(crate) use record::{Boxes, RefinedLeaf, RefinedNode};
 
+use bdtree_format::TriangleRecord;
+
+use crate::bound::WideSpheres;
+use crate::cache::CHUNK;
 use crate::error::{FormatError, QueryError};
 use crate::pose::Pose;
+use crate::rounding::{BOX_CENTER, round_up};
+use crate::simd::Lanes;
 use crate::view::Asset;
 use crate::workspace::Memory;
 
@@ -43,6 +49,8 @@ use crate::workspace::Memory;
 pub struct RefinedPose<'m> {
     memory: Memory<'m>,
     counts: Counts,
+    /// What is added to radii of spheres around boxes.
+    added: f32,
     /// What identifies the pose; `None` before it is whole.
     fingerprint: Option<u64>,
 }
@@ -97,6 +105,7 @@ impl RefinedPose<'static> {
                 leaves: 0,
                 vertices: 0,
             },
+            added: 0.0,
             fingerprint: None,
         }
     }
@@ -115,6 +124,7 @@ impl<'m> RefinedPose<'m> {
         Self {
             memory: Memory::of_bytes(memory),
             counts: Counts::default(),
+            added: 0.0,
             fingerprint: None,
         }
     }
@@ -136,6 +146,7 @@ impl<'m> RefinedPose<'m> {
         self.counts = Counts::of(pose.asset)?;
         let (nodes, leaves, vertices) = self.memory.three_slots(self.counts.slots())?;
         prepare::prepare(pose, nodes, leaves, vertices)?;
+        self.added = round_up(BOX_CENTER * (pose.reach + f64::from(pose.slack)));
         self.fingerprint = Some(pose.fingerprint());
         Ok(())
     }
@@ -147,11 +158,16 @@ impl<'m> RefinedPose<'m> {
 
     /// What queries see of it.
     pub(crate) fn view(&self) -> Refined<'_> {
-        let (nodes, leaves) = self
+        let (nodes, leaves, vertices) = self
             .memory
-            .first_two(self.counts.slots())
+            .three_to_read(self.counts.slots())
             .unwrap_or_default();
-        Refined { nodes, leaves }
+        Refined {
+            nodes,
+            leaves,
+            vertices,
+            added: self.added,
+        }
     }
 }
 
@@ -160,4 +176,44 @@ impl<'m> RefinedPose<'m> {
 pub(crate) struct Refined<'r> {
     pub(crate) nodes: &'r [RefinedNode],
     pub(crate) leaves: &'r [RefinedLeaf],
+    /// Deformed (stored units); the fourth number is not used.
+    vertices: &'r [[f32; 4]],
+    /// Of [`Boxes::spheres`].
+    pub(crate) added: f32,
+}
+
+impl Refined<'_> {
+    /// Puts the spheres of a node into `out`.
+    ///
+    /// # Errors
+    /// A node that the asset does not have.
+    #[inline(always)]
+    pub(crate) fn spheres<L: Lanes>(
+        &self,
+        asset: &Asset<'_>,
+        index: u32,
+        out: &mut WideSpheres<L>,
+    ) -> Result<(), FormatError> {
+        match self.nodes.get(index as usize) {
+            Some(node) => *out = node.boxes.spheres(self.added),
+            None => _ = asset.node(index)?, // says that it does not exist
+        }
+        Ok(())
+    }
+
+    /// Puts the corners of four triangles side by side.
+    ///
+    /// # Errors
+    /// A vertex that the asset does not have.
+    #[inline(always)]
+    pub(crate) fn corners(
+        &self,
+        asset: &Asset<'_>,
+        four: [&TriangleRecord; 4],
+        out: &mut [[[f32; CHUNK]; 3]; 3],
+    ) -> Result<(), FormatError> {
+        prepare::gather(asset, four, self.vertices, |i, axis, of| {
+            out[i][axis] = of.store();
+        })
+    }
 }

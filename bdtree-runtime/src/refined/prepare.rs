@@ -191,6 +191,34 @@ impl Corners {
     }
 }
 
+/// Hands over each coordinate of each corner of four triangles: corner, axis and the four numbers.
+///
+/// # Errors
+/// A vertex that the asset does not have.
+#[inline(always)]
+pub(super) fn gather(
+    asset: &Asset<'_>,
+    four: [&TriangleRecord; 4],
+    vertices: &[[f32; 4]],
+    mut take: impl FnMut(usize, usize, Four),
+) -> Result<(), FormatError> {
+    for i in 0..3 {
+        let mut rows = [Four::splat(0.0); 4];
+        for k in 0..4 {
+            let vertex = four[k].corners[i];
+            let Some(at) = vertices.get(vertex as usize) else {
+                return Err(asset.unknown_vertex(VertexId(vertex)));
+            };
+            rows[k] = Four::load(at);
+        }
+        let columns = Four::transposed(rows);
+        for axis in 0..3 {
+            take(i, axis, columns[axis]);
+        }
+    }
+    Ok(())
+}
+
 /// Puts the corners of a leaf's triangles side by side.
 #[inline(always)]
 fn leaf(
@@ -206,22 +234,11 @@ fn leaf(
             continue;
         };
         let four = [0, 1, 2, 3].map(|k| records.get(k).unwrap_or(first));
-        for i in 0..3 {
-            let mut rows = [Four::splat(0.0); 4];
-            for k in 0..4 {
-                let vertex = four[k].corners[i];
-                let Some(at) = vertices.get(vertex as usize) else {
-                    return Err(asset.unknown_vertex(VertexId(vertex)));
-                };
-                rows[k] = Four::load(at);
-            }
-            let columns = Four::transposed(rows);
-            for axis in 0..3 {
-                out.corners[i][axis] = columns[axis].store();
-                low[axis] = low[axis].min(columns[axis]);
-                high[axis] = high[axis].max(columns[axis]);
-            }
-        }
+        gather(asset, four, vertices, |i, axis, of| {
+            out.corners[i][axis] = of.store();
+            low[axis] = low[axis].min(of);
+            high[axis] = high[axis].max(of);
+        })?;
         for k in 0..4 {
             out.ids[k] = four[k].id;
         }

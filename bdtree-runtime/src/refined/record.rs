@@ -3,7 +3,10 @@
 use bdtree_format::{LANES, Row};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
+use crate::bound::WideSpheres;
 use crate::cache::CHUNK;
+use crate::rounding::BOX_RADIUS;
+use crate::simd::Lanes;
 use crate::traverse::Subtree;
 
 /// Eight boxes, side by side (stored units, relative to the origin): the least and the greatest coordinates of all deformed
@@ -13,6 +16,40 @@ use crate::traverse::Subtree;
 pub(crate) struct Boxes {
     pub(crate) low: [Row; 3],
     pub(crate) high: [Row; 3],
+}
+
+impl Boxes {
+    /// Spheres around the boxes; `added` to all radii, it pays for centers that are farther from the origin than any vertex is
+    /// (docs/design/guarantees.md, spheres around boxes).
+    #[inline(always)]
+    pub(crate) fn spheres<L: Lanes>(&self, added: f32) -> WideSpheres<L> {
+        let half = L::splat(0.5);
+        let mut spheres = WideSpheres::empty();
+        let mut squared = L::splat(0.0);
+        for axis in 0..3 {
+            let (low, high) = (L::load(&self.low[axis]), L::load(&self.high[axis]));
+            let center = low.add(high).mul(half);
+            let far = high.sub(center).max(center.sub(low));
+            squared = squared.add(far.mul(far));
+            spheres.center[axis] = center;
+        }
+        let radius = squared.sqrt().mul(L::splat(BOX_RADIUS));
+        spheres.radius = radius.add(L::splat(added));
+        spheres
+    }
+
+    /// Squares of the distances from a point to the boxes: 0 within one.
+    #[inline(always)]
+    pub(crate) fn squared_distances<L: Lanes>(&self, point: [f32; 3]) -> L {
+        let mut squared = L::splat(0.0);
+        for axis in 0..3 {
+            let (low, high) = (L::load(&self.low[axis]), L::load(&self.high[axis]));
+            let at = L::splat(point[axis]);
+            let gap = low.sub(at).max(at.sub(high)).max(L::splat(0.0));
+            squared = squared.add(gap.mul(gap));
+        }
+        squared
+    }
 }
 
 /// A node: its boxes, and where its lanes lead, so that walks need not read the asset's.

@@ -67,20 +67,9 @@ impl Leaves {
             while left != 0 {
                 let k = (left.trailing_zeros() & 3) as usize;
                 left &= left - 1;
-                let corners = chunk.stored(k);
-                let flow = if V::IN_FOURS {
-                    self.near.push(chunk.ids[k], &corners);
-                    if self.near.is_full() {
-                        take_near::<L, V>(&mut self.near, &pose.placement, visitor)
-                    } else {
-                        ControlFlow::Continue(())
-                    }
-                } else if visitor.misses(&corners) {
-                    ControlFlow::Continue(())
-                } else {
-                    visitor.triangle(TriangleId(chunk.ids[k]), &world(&pose.placement, &corners))
-                };
-                if flow.is_break() {
+                let (id, corners) = (chunk.ids[k], chunk.stored(k));
+                let near = &mut self.near;
+                if test::<L, V>(near, &pose.placement, id, &corners, visitor).is_break() {
                     return Ok(ControlFlow::Break(()));
                 }
             }
@@ -114,7 +103,13 @@ impl Leaves {
         visitor: &mut V,
     ) -> Result<ControlFlow<()>, QueryError> {
         let chunk = &mut self.spare;
-        deform(asset, pose, &self.fresh.records[..self.fresh.len], chunk)?;
+        deform(
+            asset,
+            pose,
+            None,
+            &self.fresh.records[..self.fresh.len],
+            chunk,
+        )?;
         self.fresh.len = 0;
         let misses = visitor.misses_four::<L::Quad>(&chunk.corners);
         let mut left = !misses & !(u8::MAX << chunk.len);
@@ -159,7 +154,7 @@ impl Fresh {
 /// Triangles that wait for the exact test: eight, so that the four numbers of one half are computed while
 /// those of the other are waited for.
 #[derive(Default)]
-struct Near {
+pub(super) struct Near {
     fours: [Four; 2],
     len: usize,
 }
@@ -175,6 +170,28 @@ impl Near {
     fn is_full(&self) -> bool {
         self.len == 8
     }
+}
+
+/// Hands a triangle that was not rejected with its neighbors to the visitor, or, in fours, keeps it back.
+#[inline(always)]
+pub(super) fn test<L: Lanes, V: Visitor>(
+    near: &mut Near,
+    frame: &Placement,
+    id: u32,
+    corners: &[[f32; 3]; 3],
+    visitor: &mut V,
+) -> ControlFlow<()> {
+    if V::IN_FOURS {
+        near.push(id, corners);
+        return match near.is_full() {
+            true => take_near::<L, V>(near, frame, visitor),
+            false => ControlFlow::Continue(()),
+        };
+    }
+    if visitor.misses(corners) {
+        return ControlFlow::Continue(());
+    }
+    visitor.triangle(TriangleId(id), &world(frame, corners))
 }
 
 /// [`Visitor::fours`] as work of its own.
@@ -200,7 +217,7 @@ impl<V: Visitor> Work for TakeNear<'_, V> {
 
 /// The exact test of what was not rejected.
 #[inline(always)]
-fn take_near<L: Lanes, V: Visitor>(
+pub(super) fn take_near<L: Lanes, V: Visitor>(
     near: &mut Near,
     frame: &Placement,
     visitor: &mut V,

@@ -29,8 +29,7 @@ pub(crate) fn one<V: Visitor>(
         return Err(QueryError::Memory { needed, found });
     }
     let limit = posed.take_limit(asset);
-    if V::HAS_BOXES
-        && limit.is_none()
+    if limit.is_none()
         && let Some(refined) = posed.refined
     {
         return asset.kernel.run(RefinedWalk {

@@ -3,11 +3,11 @@
 use bdtree_format::{LANES, Row};
 use core::ops::ControlFlow;
 
+use super::leaves::{Near, take_near, test};
 use super::shared::Shared;
-use super::visitor::{Visitor, Walk, world};
+use super::visitor::{Visitor, Walk};
 use super::{StackEntry, Subtree};
 use crate::cache::CHUNK;
-use crate::contact::TriangleId;
 use crate::error::QueryError;
 use crate::pose::Pose;
 use crate::refined::Refined;
@@ -58,6 +58,7 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
         let mut walk = Walk::default();
         let visits_max = refined.nodes.len() as u64;
         let mut keys: Row = [0.0; LANES];
+        let mut near = Near::default();
         stack[0] = StackEntry {
             key: f32::NEG_INFINITY,
             ..StackEntry::default()
@@ -70,7 +71,7 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
                 continue;
             }
             if at.triangles > 0 {
-                if leaf::<L, V>(pose, refined, at, visitor).is_break() {
+                if leaf::<L, V>(pose, refined, at, &mut near, visitor).is_break() {
                     walk.stopped = true;
                     return Ok(walk);
                 }
@@ -81,7 +82,7 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
             let (Some(node), true) = (node, walk.nodes_visited <= visits_max) else {
                 return Err(asset.endless(visits_max).into());
             };
-            let mut mask = visitor.boxes::<L>(&node.boxes, &mut keys);
+            let mut mask = visitor.boxes::<L>(&node.boxes, refined.added, &mut keys);
             mask &= node.inner_mask | node.leaf_mask;
             let Some(room) = stack.get_mut(len..len + LANES) else {
                 return Err(asset.too_deep().into());
@@ -110,6 +111,9 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
                 ask_for(refined, entry.at);
             }
         }
+        if V::IN_FOURS {
+            walk.stopped = take_near::<L, V>(&mut near, &pose.placement, visitor).is_break();
+        }
         Ok(walk)
     }
 }
@@ -125,12 +129,13 @@ fn ask_for(refined: Refined<'_>, at: Subtree) {
     }
 }
 
-/// Hands the triangles of a leaf to the visitor.
+/// Hands the triangles of a leaf to the visitor, or, in fours, keeps some of them back.
 #[inline(always)]
 fn leaf<L: Lanes, V: Visitor>(
     pose: &Pose<'_>,
     refined: Refined<'_>,
     at: Subtree,
+    near: &mut Near,
     visitor: &mut V,
 ) -> ControlFlow<()> {
     let start = at.start as usize;
@@ -144,10 +149,7 @@ fn leaf<L: Lanes, V: Visitor>(
             let k = (left.trailing_zeros() & 3) as usize;
             left &= left - 1;
             let corners = leaf.corners.map(|corner| corner.map(|of| of[k]));
-            if visitor.misses(&corners) {
-                continue;
-            }
-            visitor.triangle(TriangleId(leaf.ids[k]), &world(&pose.placement, &corners))?;
+            test::<L, V>(near, &pose.placement, leaf.ids[k], &corners, visitor)?;
         }
     }
     ControlFlow::Continue(())

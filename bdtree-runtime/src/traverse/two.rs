@@ -58,6 +58,10 @@ impl<'s> Two<'s> {
             (posed.limit.as_ref()).is_some_and(|limit| limit.cuts(asset))
         };
         let is_limited = cuts(&posed_a, asset_a) || cuts(&posed_b, asset_b);
+        if is_limited {
+            // Spheres are the answer then.
+            (posed_a.refined, posed_b.refined) = (None, None);
+        }
         // Where one side is cut off, the other's sink takes the spheres that those meet.
         let limits = [posed_a.limit.take(), posed_b.limit.take()];
         let limits = is_limited.then_some(limits);

@@ -1,6 +1,6 @@
 //! What walks ask and what they tell.
 
-use bdtree_format::{LANES, Row};
+use bdtree_format::Row;
 use core::ops::ControlFlow;
 
 use super::pair_stack::FrontSlot;
@@ -19,18 +19,17 @@ pub(crate) trait Visitor {
     /// Whether it stands for any other ([`super::shared`]).
     const IS_SHARED: bool = false;
 
-    /// Whether [`Visitor::boxes`] says anything: refined poses serve those that it does.
+    /// Whether [`Visitor::boxes`] is more than [`Visitor::lanes`] for spheres around the boxes.
     const HAS_BOXES: bool = false;
 
     /// The lanes that may hold an answer, and, when ordered, a lower bound for each of what the
     /// question minimises. Anything not proved useless is kept, NaN included.
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8;
 
-    /// [`Visitor::lanes`] for exact boxes.
+    /// [`Visitor::lanes`] for exact boxes; `added` is of [`Boxes::spheres`].
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, _boxes: &Boxes, keys: &mut Row) -> u8 {
-        *keys = [f32::NEG_INFINITY; LANES];
-        u8::MAX
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, added: f32, keys: &mut Row) -> u8 {
+        self.lanes(boxes.spheres::<L>(added), keys)
     }
 
     /// Above this no key is an answer.
