@@ -12,6 +12,7 @@ use super::{Frame, World, half_way, part};
 use crate::body_model::{BodyModel, ContactShape};
 use crate::error::DynamicsError;
 use crate::level_spheres::LevelSpheres;
+use crate::rotation::rotation;
 
 /// Contact spheres may move within a step by as much as falling and turning move them without contacts and this many times as
 /// much: contacts elsewhere may push them on. What modes move is taken once.
@@ -27,6 +28,9 @@ const STEPS: f64 = 8.0;
 const LEAST: f64 = 0.1;
 const MOST: f64 = 0.5;
 const FEW_STEPS: f64 = 2.0;
+
+/// How far ahead of a body its snapshot is, as a share of what it may move by.
+const LEAD: f64 = 0.75;
 
 /// A snapshot is taken before it must be, in one step of `TURN`, if the allowance would be `MUCH` smaller.
 const TURN: u64 = 16;
@@ -97,7 +101,7 @@ impl World {
         let spheres = &model.spheres;
         let own = body.start..body.start + spheres.stride();
         let modal = &mut self.modal;
-        let q = &modal.q[own.clone()];
+        let (q, end_q) = (&modal.q[own.clone()], &modal.end_q[own.clone()]);
         let (change, kept) = (&mut modal.change[own.clone()], &mut modal.snapshot_q[own]);
         let mut size = 0.0;
         for (change, q) in change.iter().zip(q) {
@@ -172,17 +176,42 @@ impl World {
         if is_enough && snapshot.allowance <= MUCH * (needed + margin) {
             return Ok(());
         }
-        body.far = needed;
+        // Ahead of the body, so that it comes to its snapshot and then leaves it: that lasts longer than leaving it at once. Modes
+        // turn round too soon for that, but for those that are told how to move.
+        let lead = if margin > 0.0 {
+            f64::min(LEAD * margin / per_step, STEPS)
+        } else {
+            0.0
+        };
+        let is_driven = body.frame == Frame::Driven;
+        let way = if is_driven {
+            body.way * 2.0
+        } else {
+            body.state.velocity * self.part_s
+        };
+        let position = middle + way * lead;
+        let orientation = rotation(body.spin * (self.part_s * lead)) * half;
+        let mut kept_size = 0.0;
+        let ends = q.iter().zip(end_q);
+        for ((kept, change), (from, to)) in kept.iter_mut().zip(change.iter_mut()).zip(ends) {
+            let ahead = if is_driven { (to - from) * lead } else { 0.0 };
+            *kept += *change + ahead;
+            *change = ahead;
+            kept_size += *kept * *kept;
+        }
+        size = size.max(libm::sqrt(kept_size));
+        let extent = model.extent() + model.moved_within(size);
+        let off = (position - middle).norm()
+            + chord(&orientation, &half) * extent
+            + model.moved(change, 0.0);
+        body.far = (off + needed) * (1.0 + 1e-9);
         *snapshot = Snapshot {
-            position: middle,
-            orientation: half,
-            allowance: needed + margin,
+            position,
+            orientation,
+            allowance: f64::max(needed + margin, body.far),
             is_brief: margin == 0.0,
             is_new: true,
         };
-        for (kept, change) in kept.iter_mut().zip(change) {
-            *kept += *change;
-        }
         self.pose_at_snapshot(index)
     }
 
