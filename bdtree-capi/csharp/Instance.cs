@@ -21,6 +21,8 @@ namespace Bdtree
         }
 
         public void SetQ(float[] q) { Native.Check(Native.bdt_instance_set_q(this, q, Length(q))); }
+        /// <summary>Whether queries refine the pose by themselves where a step asks so much that it pays.</summary>
+        public void SetRefining(bool on) { Native.Check(Native.bdt_instance_set_refining(this, on ? 1 : 0)); }
         public void SetPlacement(Transform at) { Native.Check(Native.bdt_instance_set_placement(this, ref at)); }
         public void SetPose(float[] q, Transform at)
         {

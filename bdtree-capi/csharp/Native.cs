@@ -75,6 +75,7 @@ namespace Bdtree
         [DllImport(Name)] internal static extern Status bdt_instance_set_q(Instance instance, float[] q, UIntPtr count);
         [DllImport(Name)] internal static extern Status bdt_instance_q(Instance instance, [Out] float[] q,
             UIntPtr count);
+        [DllImport(Name)] internal static extern Status bdt_instance_set_refining(Instance instance, int on);
         [DllImport(Name)] internal static extern Status bdt_instance_set_placement(Instance instance, ref Transform at);
         [DllImport(Name)] internal static extern Status bdt_instance_placement(Instance instance, out Transform found);
         [DllImport(Name)] internal static extern Status bdt_instance_set_pose(Instance instance, float[] q,

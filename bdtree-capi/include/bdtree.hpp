@@ -349,6 +349,8 @@ public:
         check(bdt_instance_set_pose_with_joints(get(), q.data(), q.size(), joints.data(), joints.size(), &at));
     }
     void set_pose(const SkeletonPose &pose) { check(bdt_instance_set_skeleton_pose(get(), pose.get())); }
+    /// Whether queries refine the pose by themselves where a step asks so much that it pays.
+    void set_refining(bool on) { check(bdt_instance_set_refining(get(), on ? 1 : 0)); }
     void set_tags(const BdtTags &tags) { check(bdt_instance_set_tags(get(), &tags)); }
 
     std::vector<float> q() const

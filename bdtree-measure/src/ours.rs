@@ -41,6 +41,15 @@ pub struct Ours<'a> {
     pub found: Vec<Contact>,
 }
 
+/// Rays that are asked together.
+const BATCH: usize = 128;
+
+const NO_RAY: Ray = Ray {
+    origin: [0.0; 3],
+    direction: [0.0; 3],
+    max_distance: 0.0,
+};
+
 /// What a step's queries found.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Answer {
@@ -63,13 +72,19 @@ impl<'a> Ours<'a> {
         }
     }
 
-    /// The same, all nodes and so many leaves kept during a step from [`CACHED`] queries on.
+    /// The same, all nodes and so many leaves kept during a step from [`CACHED`] queries on, and poses refined where it pays.
     pub fn keeping(asset: Asset<'a>, leaves: usize) -> Self {
         let nodes = asset.node_count();
+        let cache = StepCache::new(CacheSize { nodes, leaves });
         Self {
-            cache: Some(StepCache::new(CacheSize { nodes, leaves })),
+            cache: Some(cache.refining(RefinedPose::new())),
             ..Self::new(asset)
         }
+    }
+
+    /// Whether the last step has refined its pose by itself.
+    pub fn is_refined(&self) -> bool {
+        self.cache.as_ref().is_some_and(StepCache::is_refined)
     }
 
     /// On an asset, with the whole pose refined first in each step.
@@ -80,19 +95,19 @@ impl<'a> Ours<'a> {
         }
     }
 
-    /// A pose and so many queries, each of which adds what it found to the step's.
-    fn step<Q>(
+    /// A pose and so many queries, which `ask` adds to the step's answer.
+    fn step(
         &mut self,
         Posture { q, bones }: Posture<'_>,
-        queries: impl ExactSizeIterator<Item = Q>,
-        mut ask: impl FnMut(&mut Query<'_, '_>, &mut Vec<Contact>, Q) -> Result<u64, QueryError>,
+        count: usize,
+        ask: impl FnOnce(&mut Query<'_, '_>, &mut Vec<Contact>, &mut Answer) -> Result<(), QueryError>,
     ) -> Result<Answer, MeasureError> {
         let here = Transform::IDENTITY;
         let pose = self
             .asset
             .pose_with_bones(q, bones, here, &mut self.memory)?;
         let mut step = pose.query(&mut self.workspace);
-        if let Some(cache) = self.cache.as_mut().filter(|_| queries.len() >= CACHED) {
+        if let Some(cache) = self.cache.as_mut().filter(|_| count >= CACHED) {
             cache.start(&pose);
             step = step.cached(cache);
         }
@@ -101,10 +116,7 @@ impl<'a> Ours<'a> {
             step = step.refined(refined);
         }
         let mut answer = Answer::default();
-        for query in queries {
-            answer.found += ask(&mut step, &mut self.found, query)?;
-            answer.nodes.add(step.stats());
-        }
+        ask(&mut step, &mut self.found, &mut answer)?;
         Ok(answer)
     }
 
@@ -117,10 +129,15 @@ impl<'a> Ours<'a> {
         posture: impl Into<Posture<'p>>,
         balls: impl ExactSizeIterator<Item = ([f64; 3], f64)>,
     ) -> Result<Answer, MeasureError> {
-        self.step(posture.into(), balls, |step, found, (center, radius)| {
-            found.clear();
-            step.contacts(Ball::new(center, radius), found)?;
-            Ok(found.len() as u64)
+        let count = balls.len();
+        self.step(posture.into(), count, |step, found, answer| {
+            for (center, radius) in balls {
+                found.clear();
+                step.contacts(Ball::new(center, radius), found)?;
+                answer.found += found.len() as u64;
+                answer.nodes.add(step.stats());
+            }
+            Ok(())
         })
     }
 
@@ -133,9 +150,30 @@ impl<'a> Ours<'a> {
         posture: impl Into<Posture<'p>>,
         rays: impl ExactSizeIterator<Item = [[f64; 3]; 2]>,
     ) -> Result<Answer, MeasureError> {
-        self.step(posture.into(), rays, |step, _, [origin, direction]| {
-            let hit = step.cast_ray(&Ray::new(origin, direction))?;
-            Ok(u64::from(hit.is_some()))
+        let count = rays.len();
+        self.step(posture.into(), count, |step, _, answer| {
+            let mut rays = rays.map(|[origin, direction]| Ray::new(origin, direction));
+            if count < BATCH {
+                for ray in rays {
+                    answer.found += u64::from(step.cast_ray(&ray)?.is_some());
+                    answer.nodes.add(step.stats());
+                }
+                return Ok(());
+            }
+            let (mut batch, mut hits) = ([NO_RAY; BATCH], [None; BATCH]);
+            loop {
+                let len = batch
+                    .iter_mut()
+                    .zip(&mut rays)
+                    .map(|(to, ray)| *to = ray)
+                    .count();
+                if len == 0 {
+                    return Ok(());
+                }
+                step.cast_rays(&batch[..len], &mut hits)?;
+                answer.found += hits[..len].iter().flatten().count() as u64;
+                answer.nodes.add(step.stats());
+            }
         })
     }
 }

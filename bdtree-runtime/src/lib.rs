@@ -32,8 +32,8 @@
 //! Which of many instances may meet at all: [`broad::pairs`], and `broad::instance_pairs` with the feature `alloc`.
 //!
 //! *Options* of a query are methods that return it: a [`StepCache`] ([`Query::cached`]), a deepest level
-//! ([`Query::max_level`]), a number of visits ([`Query::max_visits`]), for many rays a [`RefinedPose`]
-//! ([`Query::refined`]), for pairs a [`PairFront`] ([`PairQuery::front`]).
+//! ([`Query::max_level`]), a number of visits ([`Query::max_visits`]), for many questions at one pose a
+//! [`RefinedPose`] ([`Query::refined`], [`StepCache::refining`]), for pairs a [`PairFront`] ([`PairQuery::front`]).
 //!
 //! Rules that hold for all of them:
 //!

@@ -6,7 +6,9 @@ use bdtree_build::input::RawMesh;
 use bdtree_fixtures::compare::cached::check_cached;
 use bdtree_fixtures::compare::kernels;
 use bdtree_fixtures::{bake, poses};
-use bdtree_runtime::Transform;
+use bdtree_runtime::{
+    Ball, CacheSize, Contact, Instance, LaneId, Ray, RefinedPose, StepCache, Transform, Workspace,
+};
 
 fn check(mesh: &RawMesh, basis: &Basis, seed: u64, rounds: usize) {
     let model = bake::baked(mesh, basis);
@@ -44,4 +46,81 @@ fn triangles_without_area_are_missed_by_rays_of_every_kind() {
         mesh.triangles.extend([[a, b, b], [c, c, c], [a, b, c]]);
     }
     check(&mesh, &bake::smooth_basis(&mesh, 3, 2), 5, 3);
+}
+
+/// A cache that refines by itself does so when a step has asked twice what pays, or where nothing is known once, at once in
+/// the step after such a one and for many rays together, and not where memory is short.
+#[test]
+fn caches_refine_poses_where_it_pays() {
+    let mesh = bake::bumpy_sphere(30, 1);
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 4, 2));
+    let asset = model.asset();
+    let mut memory = vec![0.0; asset.pose_len()];
+    let pose = asset.pose(&[0.01; 4], Transform::IDENTITY, &mut memory);
+    let pose = pose.expect("a pose");
+    let mut workspace = Workspace::new();
+    let enough = asset.triangle_count() as u64 / 3;
+    let ball = Ball::new([1.0, 0.0, 0.0], 0.3);
+    // Balls until the pose is refined, at most so many; nodes and triangles that they visited, at least.
+    let mut ask = |cache: &mut StepCache<'_>, most: usize| {
+        let mut visits = 0;
+        for _ in 0..most {
+            let mut found: Vec<Contact> = Vec::new();
+            let mut query = pose.query(&mut workspace).cached(cache);
+            query.contacts(ball, &mut found).expect("contacts");
+            if cache.is_refined() {
+                break;
+            }
+            visits += workspace.stats().nodes_visited + found.len() as u64;
+        }
+        visits
+    };
+    let mut cache = StepCache::new(CacheSize::NONE).refining(RefinedPose::new());
+    cache.start(&pose);
+    assert!(!cache.is_refined());
+    let visits = ask(&mut cache, 1000);
+    assert!(
+        cache.is_refined() && visits < 2 * enough,
+        "{visits} {enough}"
+    );
+    // The step before had enough.
+    cache.start(&pose);
+    assert!(!cache.is_refined());
+    assert_eq!(ask(&mut cache, 1), 0);
+    assert!(cache.is_refined());
+    // So had this one? It asked little: the next one waits, for twice as much.
+    cache.start(&pose);
+    let visits = ask(&mut cache, 1000);
+    assert!(visits > enough / 2, "{visits} {enough}");
+    // Many rays are counted before they are cast.
+    let mut cache = StepCache::new(CacheSize::NONE).refining(RefinedPose::new());
+    cache.start(&pose);
+    let rays = vec![Ray::new([0.0, 5.0, 0.0], [0.0, -1.0, 0.0]); enough as usize];
+    let mut hits = vec![None; rays.len()];
+    let mut workspace = Workspace::new();
+    let mut query = pose.query(&mut workspace).cached(&mut cache);
+    query.cast_rays(&rays, &mut hits).expect("rays");
+    assert_eq!(query.stats().nodes_updated, 0);
+    assert!(cache.is_refined());
+    // What ends at a level does not use it.
+    let mut lanes: Vec<LaneId> = Vec::new();
+    let mut query = pose.query(&mut workspace).cached(&mut cache);
+    query.level_spheres(0, ball, &mut lanes).expect("lanes");
+    assert!(query.stats().nodes_updated > 0);
+    // No room.
+    let mut bytes = [0; 100];
+    let cache = StepCache::new(CacheSize::NONE);
+    let mut cache = cache.refining(RefinedPose::in_bytes(&mut bytes));
+    cache.start(&pose);
+    let mut query = pose.query(&mut workspace).cached(&mut cache);
+    query.cast_rays(&rays, &mut hits).expect("rays");
+    assert!(query.stats().nodes_updated > 0 && !cache.is_refined());
+    // An instance's own.
+    let mut body = Instance::new(&model).expect("an instance");
+    body.set_refining(true);
+    let found = body.query(&mut workspace).cast_rays(&rays, &mut hits);
+    found.expect("rays");
+    assert!(body.is_refined());
+    body.set_refining(false);
+    assert!(!body.is_refined());
 }

@@ -138,6 +138,7 @@ static class Wrapper
         {
             body.SetQ(new[] { 0.25f, 0.0f, 0.125f });
             Require(body.Q().SequenceEqual(new[] { 0.25f, 0.0f, 0.125f }));
+            body.SetRefining(true);
             body.Placement = At(3.0);
             Require(body.Placement.Translation.X == 3.0 && body.Tags.CollisionMask == uint.MaxValue);
             body.Tags = new Tags { UserData = 7, CollisionGroup = 1, CollisionMask = 2 };

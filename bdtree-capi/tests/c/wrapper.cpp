@@ -170,6 +170,8 @@ void instances(const bdtree::Model &sphere)
     body.set_q({0.25f, 0.0f, 0.125f});
     REQUIRE(body.q() == (std::vector<float>{0.25f, 0.0f, 0.125f}));
     REQUIRE(status_of([&] { body.set_q({0.0f}); }) == BDT_ERROR_LENGTH);
+    body.set_refining(true);
+    body.set_refining(false);
     body.set_placement(at(3.0));
     REQUIRE(body.placement().translation.x == 3.0);
     REQUIRE(body.tags().collision_mask == UINT32_MAX);

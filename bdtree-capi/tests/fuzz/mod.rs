@@ -143,7 +143,7 @@ impl Fuzz {
         let (at, matrices, index_) = ([at], [matrix; 4], index as usize);
         let (mut out_q, mut out_q64) = ([0.0_f32; 4], [0.0_f64; 4]);
         let (x, force) = (self.values.number(), self.values.vec3());
-        let status = match self.values.rng.random_range(0..40) {
+        let status = match self.values.rng.random_range(0..41) {
             0 => bdt_instance_set_q(any!(self.instances), read(&q), count),
             1 => bdt_instance_q(any!(self.instances), write(&mut out_q), count),
             2 => bdt_instance_set_placement(any!(self.instances), read(&at)),
@@ -174,6 +174,7 @@ impl Fuzz {
                 count,
             ),
             12 => bdt_instance_tags(any!(self.instances), one(&mut zeroed())),
+            39 => bdt_instance_set_refining(any!(self.instances), index as i32 & 1),
             13 => bdt_instance_set_tags(any!(self.instances), read(&[zeroed()])),
             14 => bdt_instance_placement(any!(self.instances), one(&mut zeroed())),
             15 => bdt_instance_set_skeleton_pose(any!(self.instances), any!(self.poses)),

@@ -304,6 +304,8 @@ pub struct Refit {
     pub refit_micros: f64,
     /// Preparing a pose instead, µs.
     pub pose_micros: f64,
+    /// Memory that a refined pose takes, which ours uses where a step asks so much that it pays.
+    pub refined_bytes: u64,
     /// Questions of one kind, by how many are asked per step.
     pub curves: Vec<Curve>,
 }
@@ -336,6 +338,8 @@ pub struct CurvePoint {
     pub ratio: f64,
     /// Nodes visited over all nodes; above 1 where several questions visit the same.
     pub visited_rel: f64,
+    /// Share of the steps in which ours refined the pose.
+    pub refined_rel: f64,
 }
 
 /// A section of the file.

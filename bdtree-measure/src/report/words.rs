@@ -194,6 +194,7 @@ pub(super) mod tests {
             refit_micros: *ratio,
             ratio: *ratio,
             visited_rel: 0.0,
+            refined_rel: 0.0,
         };
         Curve {
             question: question.to_string(),

@@ -3,6 +3,7 @@
 use super::slots::{LeafSlot, NodeSlot, STEP_END, place, tag};
 use crate::error::QueryError;
 use crate::pose::Pose;
+use crate::refined::{Refine, RefinedPose, Refining};
 use crate::view::Asset;
 use crate::workspace::Memory;
 
@@ -62,6 +63,9 @@ pub struct StepCache<'m> {
     /// The step that nodes were evaluated in, and what identifies its pose.
     epoch: u32,
     reference: Option<u64>,
+    /// Triangles of that pose's mesh.
+    triangles: usize,
+    refining: Option<Refining<'m>>,
 }
 
 #[cfg(feature = "alloc")]
@@ -95,11 +99,52 @@ impl<'m> StepCache<'m> {
             step: 0,
             epoch: 0,
             reference: None,
+            triangles: 0,
+            refining: None,
         }
+    }
+
+    /// Lets the cache refine poses by itself, in this memory, where [`RefinedPose::prepare`] pays: at once in a step that
+    /// follows one in which it would have, or is asked for many rays together, else when the step has visited twice as much as
+    /// pays. Where the memory is too small, queries go on without. Answers stay the same.
+    ///
+    /// Steps among their like then cost as much as the better of both ways, within some percent, and one that asks
+    /// unexpectedly much at most three times as much. Queries of one mesh decide; those of two use what is there.
+    ///
+    /// ```
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # use bdtree_runtime::{Asset, CacheSize, Ray, RefinedPose, StepCache, Transform, Workspace, include_bdt};
+    /// # let asset = Asset::open(include_bdt!("../../../fixtures/golden/sphere.bdt"))?;
+    /// # let (q, mut memory) = (vec![0.0; asset.mode_count()], vec![0.0; asset.pose_len()]);
+    /// # let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
+    /// let mut cache = StepCache::new(CacheSize::NONE).refining(RefinedPose::new());
+    /// cache.start(&pose); // in each step
+    /// let rays = vec![Ray::new([0.0, 5.0, 0.0], [0.0, -1.0, 0.0]); 10_000];
+    /// let mut hits = vec![None; rays.len()];
+    /// let mut workspace = Workspace::new();
+    /// pose.query(&mut workspace).cached(&mut cache).cast_rays(&rays, &mut hits)?;
+    /// assert!(cache.is_refined());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn refining(mut self, memory: RefinedPose<'m>) -> Self {
+        self.set_refining(Some(memory));
+        self
+    }
+
+    /// The same, or no more of it.
+    pub(crate) fn set_refining(&mut self, memory: Option<RefinedPose<'m>>) {
+        self.refining = memory.map(|memory| Refining::new(memory, self.triangles));
+    }
+
+    /// Whether the pose is refined now.
+    pub fn is_refined(&self) -> bool {
+        self.refining.as_ref().is_some_and(Refining::is_ready)
     }
 
     /// Forgets everything, in constant time, and serves this pose from now on, wherever it is placed.
     pub fn start(&mut self, pose: &Pose<'_>) {
+        self.triangles = pose.asset.triangle_count();
         self.next_step();
         self.epoch = self.step;
         self.reference = Some(pose.fingerprint());
@@ -131,20 +176,31 @@ impl<'m> StepCache<'m> {
     /// What it keeps, for a query.
     #[inline]
     pub(crate) fn slots(&mut self) -> Kept<'_> {
+        self.parts().0
+    }
+
+    /// The same, and what refines by itself.
+    #[inline]
+    pub(crate) fn parts(&mut self) -> (Kept<'_>, Option<&mut dyn Refine>) {
         let counts = [self.size.nodes, self.size.leaves];
         // There is room for them since the cache was made.
         let (nodes, leaves) = self.memory.two_slots(counts).unwrap_or_default();
-        Kept {
+        let kept = Kept {
             nodes,
             leaves,
             step: self.step,
             epoch: self.epoch,
-        }
+        };
+        let refining = self.refining.as_mut();
+        (kept, refining.map(|refining| refining as &mut dyn Refine))
     }
 
     /// Counts on; at the end of the count everything is forgotten.
     fn next_step(&mut self) {
         self.step += 1;
+        if let Some(refining) = &mut self.refining {
+            refining.next_step(self.triangles);
+        }
         if self.step == STEP_END {
             let kept = self.slots();
             clear(kept.nodes, kept.leaves);

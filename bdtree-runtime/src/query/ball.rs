@@ -83,7 +83,7 @@ impl Visitor for Ball<'_> {
     }
 
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, boxes: &Boxes, _: f32, _keys: &mut Row) -> u8 {
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, _keys: &mut Row) -> u8 {
         let squared = boxes.squared_distances::<L>(self.stored);
         let reach = L::splat(self.reach);
         !squared.mul(L::splat(SKIP)).above(reach.mul(reach))

@@ -36,6 +36,7 @@ pub(super) fn state(
     let mut walk = Walk {
         nodes_visited: 1,
         nodes_updated: 1,
+        triangles: 0,
         stopped: false,
     };
     if state != FrustumState::Intersects {

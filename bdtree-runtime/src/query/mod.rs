@@ -20,6 +20,7 @@ mod project;
 mod ray;
 mod rays;
 mod root_box;
+mod side;
 mod single;
 
 pub use bounds::{Aabb, BoundingSphere};

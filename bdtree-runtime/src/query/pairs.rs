@@ -7,7 +7,8 @@ use super::distance::closest_points;
 use super::front::PairFront;
 use super::manifold::{ContactManifold, ManifoldSlot, manifolds};
 use super::pair::{Contacts, Ids, tolerance, walk};
-use super::single::{BUDGET_AND_LEVEL, First, Query, Side};
+use super::side::Side;
+use super::single::{BUDGET_AND_LEVEL, First, Query};
 use core::ops::ControlFlow;
 
 use crate::cache::{Posed, StepCache};

@@ -126,7 +126,7 @@ impl Visitor for Closest {
     }
 
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, boxes: &Boxes, _: f32, keys: &mut Row) -> u8 {
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
         let Some(point) = self.stored else {
             *keys = [0.0; LANES];
             return u8::MAX;

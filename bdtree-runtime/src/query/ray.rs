@@ -12,6 +12,7 @@ use crate::cache::Posed;
 use crate::contact::{RayIntersection, Sink, TriangleId};
 use crate::error::QueryError;
 use crate::narrow::Triangle;
+use crate::pose::Pose;
 use crate::refined::Boxes;
 use crate::shape::Ray;
 use crate::simd::{Lanes, Quad};
@@ -86,6 +87,24 @@ pub(super) struct First {
 }
 
 impl First {
+    /// Of a ray over a refined pose: the first hit, or whether there is any. `None` when it certainly misses the whole asset.
+    ///
+    /// # Errors
+    /// As [`first`].
+    #[inline(always)]
+    pub(super) fn of(pose: &Pose<'_>, ray: &Ray, any: bool) -> Result<Option<Self>, QueryError> {
+        let line = Line::new(pose, ray, true)?;
+        Ok(line.map(|line| Self {
+            any,
+            ..Self::new(line)
+        }))
+    }
+
+    /// Whether any hit was found, where any would do.
+    pub(super) fn is_met(&self) -> bool {
+        self.is_met
+    }
+
     pub(super) fn new(line: Line) -> Self {
         Self {
             line,
@@ -111,7 +130,7 @@ impl Visitor for First {
     }
 
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, boxes: &Boxes, _: f32, keys: &mut Row) -> u8 {
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
         let met = self.line.boxes::<L>(boxes, keys);
         if self.bound == f32::INFINITY {
             return met;
@@ -165,7 +184,7 @@ impl Visitor for All<'_> {
     }
 
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, boxes: &Boxes, _: f32, keys: &mut Row) -> u8 {
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
         self.line.boxes::<L>(boxes, keys)
     }
 

@@ -2,12 +2,13 @@
 
 use core::ops::ControlFlow;
 
-use super::ray;
+use super::ray::{self, First};
 use crate::cache::Posed;
 use crate::contact::{RayIntersection, Sink};
 use crate::error::QueryError;
+use crate::pose::Pose;
 use crate::shape::Ray;
-use crate::traverse::{StackEntry, Walk};
+use crate::traverse::{Questions, RefinedTree, StackEntry, Walk, stream};
 
 /// [`ray::first`] for each of `rays`: `hits[i]` becomes the first hit of ray i.
 ///
@@ -19,6 +20,18 @@ pub(super) fn first(
     stack: &mut [StackEntry],
     hits: &mut [Option<RayIntersection>],
 ) -> Result<Walk, QueryError> {
+    if let Some(tree) = refined(&posed) {
+        enough(rays, hits)?;
+        let mut firsts = Streamed {
+            pose: tree.pose,
+            rays: rays.iter().enumerate(),
+            is_any: false,
+            put: |number: usize, first: Option<&First>| {
+                hits[number] = first.and_then(|first| first.best)
+            },
+        };
+        return stream(tree, stack, &mut firsts);
+    }
     each(posed, rays, hits, |posed, r| ray::first(posed, r, stack))
 }
 
@@ -32,7 +45,63 @@ pub(super) fn any(
     stack: &mut [StackEntry],
     hits: &mut [bool],
 ) -> Result<Walk, QueryError> {
+    if let Some(tree) = refined(&posed) {
+        enough(rays, hits)?;
+        let mut anys = Streamed {
+            pose: tree.pose,
+            rays: rays.iter().enumerate(),
+            is_any: true,
+            put: |number: usize, first: Option<&First>| {
+                hits[number] = first.is_some_and(First::is_met)
+            },
+        };
+        return stream(tree, stack, &mut anys);
+    }
     each(posed, rays, hits, |posed, r| ray::any(posed, r, stack))
+}
+
+/// The refined pose, where walks use it.
+fn refined<'s>(posed: &Posed<'s>) -> Option<RefinedTree<'s>> {
+    let refined = posed.refined.filter(|_| posed.limit.is_none())?;
+    let pose = posed.pose;
+    Some(RefinedTree { pose, refined })
+}
+
+fn enough<T>(rays: &[Ray], hits: &[T]) -> Result<(), QueryError> {
+    match hits.len() < rays.len() {
+        true => Err(QueryError::Argument("hits: fewer than rays")),
+        false => Ok(()),
+    }
+}
+
+/// Rays that are cast together.
+struct Streamed<'r, I, P> {
+    pose: &'r Pose<'r>,
+    rays: I,
+    is_any: bool,
+    put: P,
+}
+
+impl<'r, I, P> Questions<First> for Streamed<'r, I, P>
+where
+    I: Iterator<Item = (usize, &'r Ray)>,
+    P: FnMut(usize, Option<&First>),
+{
+    #[inline(always)]
+    fn next(&mut self) -> Result<Option<(usize, First)>, QueryError> {
+        for (number, ray) in &mut self.rays {
+            match First::of(self.pose, ray, self.is_any)? {
+                Some(first) => return Ok(Some((number, first))),
+                None => (self.put)(number, None),
+            }
+        }
+        Ok(None)
+    }
+
+    #[inline(always)]
+    fn answered(&mut self, number: usize, visitor: &First) {
+        (self.put)(number, Some(visitor));
+    }
 }
 
 fn each<T>(
@@ -41,9 +110,7 @@ fn each<T>(
     hits: &mut [T],
     mut cast: impl FnMut(Posed<'_>, &Ray) -> Result<(T, Walk), QueryError>,
 ) -> Result<Walk, QueryError> {
-    if hits.len() < rays.len() {
-        return Err(QueryError::Argument("hits: fewer than rays"));
-    }
+    enough(rays, hits)?;
     let mut all = Walk::default();
     for (r, hit) in rays.iter().zip(hits) {
         let (found, walk) = cast(posed.again(), r)?;

@@ -3,16 +3,16 @@
 use core::ops::ControlFlow;
 
 use super::budget::{Budget, Budgeted, BudgetedContacts, queue_len};
+use super::side::Side;
 use super::{ball, capsule, cuboid, frustum, half_space, project, ray, rays};
-use crate::cache::{Kept, Posed, StepCache};
+use crate::cache::{Posed, StepCache};
 use crate::contact::{Contact, Coverage, PointProjection, Proxy, RayIntersection, Sink};
 use crate::depth::Proxies;
-use crate::epoch::Drift;
 use crate::error::QueryError;
 use crate::pose::Pose;
-use crate::refined::{Refined, RefinedPose};
+use crate::refined::RefinedPose;
 use crate::shape::{Ball, Frustum, FrustumState, Ray, Shape};
-use crate::traverse::{SearchEntry, StackEntry, Walk};
+use crate::traverse::{STREAM, SearchEntry, StackEntry, Walk};
 use crate::vector::Vec3;
 use crate::workspace::{Stats, Workspace};
 
@@ -37,91 +37,6 @@ use crate::workspace::{Stats, Workspace};
 pub struct Query<'q, 'm> {
     pub(crate) side: Side<'q>,
     pub(super) workspace: &'q mut Workspace<'m>,
-}
-
-/// A pose and how it is looked at.
-#[derive(Debug)]
-pub(crate) struct Side<'q> {
-    pub(super) pose: Pose<'q>,
-    /// What a step keeps.
-    kept: Kept<'q>,
-    /// Whether that is of another pose, which the next question says.
-    is_stale: bool,
-    /// The pose at which nodes are evaluated, if it is another one.
-    drift: Option<(&'q Pose<'q>, Drift)>,
-    pub(super) limit: Option<Proxies<'q>>,
-    refined: Option<Refined<'q>>,
-}
-
-impl<'q> Side<'q> {
-    #[inline]
-    pub(super) fn new(pose: Pose<'q>) -> Self {
-        Self {
-            pose,
-            kept: Kept::nothing(),
-            is_stale: false,
-            drift: None,
-            limit: None,
-            refined: None,
-        }
-    }
-
-    #[inline]
-    pub(super) fn keep(&mut self, cache: &'q mut StepCache<'_>) {
-        self.is_stale |= !cache.serves(&self.pose);
-        self.kept = cache.slots();
-    }
-
-    /// Takes spheres from those of `reference`, with which the cache was started (paper, eq. 8).
-    pub(crate) fn follow(&mut self, cache: &'q mut StepCache<'_>, reference: &'q Pose<'q>) {
-        self.drift = Drift::new(reference, &self.pose).map(|drift| (reference, drift));
-        self.is_stale |= self.drift.is_none() || !cache.serves(reference);
-        self.kept = cache.slots();
-    }
-
-    /// What following a reference has added to the radii of the root's lanes, at most (world units).
-    pub(crate) fn growth(&self) -> Result<f64, QueryError> {
-        let Some((_, drift)) = &self.drift else {
-            return Ok(0.0);
-        };
-        let asset = self.pose.asset;
-        let added = drift.added(asset.node_rows(asset.node(0)?)?.steps);
-        let largest = added.into_iter().fold(0.0_f32, f32::max);
-        Ok(f64::from(largest) * self.pose.placement.world_per_stored())
-    }
-
-    /// For one walk.
-    #[inline]
-    pub(super) fn posed(&mut self) -> Result<Posed<'_>, QueryError> {
-        if self.is_stale {
-            return Err(QueryError::Cache);
-        }
-        let limit = self.limit.as_mut().map(Proxies::limit);
-        let is_whole = limit.is_none() && self.drift.is_none();
-        let mut posed = Posed::new(&self.pose, self.drift, self.kept.again(), limit);
-        posed.refined = self.refined.filter(|_| is_whole);
-        Ok(posed)
-    }
-
-    /// Whether the last walk ended because there was no room for a proxy.
-    pub(super) fn is_cut(&self) -> bool {
-        self.limit.as_ref().is_some_and(|proxies| proxies.is_full)
-    }
-
-    /// What it is, for one walk that has no levels to end at.
-    pub(super) fn posed_whole(&mut self, what: &'static str) -> Result<Posed<'_>, QueryError> {
-        if self.limit.is_some() {
-            return Err(QueryError::Argument(what));
-        }
-        self.posed()
-    }
-
-    /// The same for a walk whose answer is spheres or depends on what they rule out.
-    pub(super) fn posed_spheres(&mut self, what: &'static str) -> Result<Posed<'_>, QueryError> {
-        let mut posed = self.posed_whole(what)?;
-        posed.refined = None;
-        Ok(posed)
-    }
 }
 
 impl Pose<'_> {
@@ -163,8 +78,7 @@ impl<'q, 'm> Query<'q, 'm> {
     /// [`QueryError::Cache`].
     #[inline]
     pub fn refined(mut self, refined: &'q RefinedPose<'_>) -> Self {
-        self.side.is_stale |= !refined.serves(&self.side.pose);
-        self.side.refined = Some(refined.view());
+        self.side.refine(refined);
         self
     }
 
@@ -312,7 +226,9 @@ impl<'q, 'm> Query<'q, 'm> {
         rays: &[Ray],
         hits: &mut [Option<RayIntersection>],
     ) -> Result<(), QueryError> {
-        self.walk(|posed, stack| Ok(((), rays::first(posed, rays, stack, hits)?)))?;
+        self.walk_for(rays.len(), |posed, stack| {
+            Ok(((), rays::first(posed, rays, stack, hits)?))
+        })?;
         self.settled((), false)
     }
 
@@ -321,7 +237,9 @@ impl<'q, 'm> Query<'q, 'm> {
     /// # Errors
     /// Those of [`Query::cast_rays`].
     pub fn intersects_rays(&mut self, rays: &[Ray], hits: &mut [bool]) -> Result<(), QueryError> {
-        self.walk(|posed, stack| Ok(((), rays::any(posed, rays, stack, hits)?)))?;
+        self.walk_for(rays.len(), |posed, stack| {
+            Ok(((), rays::any(posed, rays, stack, hits)?))
+        })?;
         self.settled((), false)
     }
 
@@ -334,7 +252,7 @@ impl<'q, 'm> Query<'q, 'm> {
         rays: &[Ray],
         out: &mut impl Sink<(usize, RayIntersection)>,
     ) -> Result<Coverage, QueryError> {
-        self.walk(|posed, stack| {
+        self.walk_for(rays.len(), |posed, stack| {
             let walk = rays::all(posed, rays, stack, out)?;
             Ok((Coverage::of(walk.stopped), walk))
         })
@@ -370,11 +288,27 @@ impl<'q, 'm> Query<'q, 'm> {
         &mut self,
         ask: impl FnOnce(Posed<'_>, &mut [StackEntry]) -> Result<(T, Walk), QueryError>,
     ) -> Result<T, QueryError> {
-        let posed = self.side.posed()?;
+        self.walk_for(1, ask)
+    }
+
+    /// Several walks together.
+    #[inline(always)]
+    fn walk_for<T>(
+        &mut self,
+        walks: usize,
+        ask: impl FnOnce(Posed<'_>, &mut [StackEntry]) -> Result<(T, Walk), QueryError>,
+    ) -> Result<T, QueryError> {
+        let posed = self.side.posed_for(walks)?;
         let needed = posed.pose.asset.stack_len();
-        let stack = self.workspace.memory.slots(needed)?;
+        let memory = &mut self.workspace.memory;
+        let stack = match (walks, posed.refined) {
+            // As many as go on together, or as there is room for.
+            (2.., Some(_)) => memory.up_to(needed.saturating_mul(STREAM.min(walks))),
+            _ => memory.slots(needed)?,
+        };
         let (answer, walk) = ask(posed, stack)?;
         self.workspace.stats = Stats::of(&walk);
+        self.side.note(&walk);
         Ok(answer)
     }
 }

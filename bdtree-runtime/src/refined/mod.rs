@@ -6,9 +6,11 @@
 //! boxes of what lies below them, which are much tighter than spheres that hold for any q. Answers keep their bits, since
 //! triangles are the same.
 
+mod by_itself;
 mod prepare;
 mod record;
 
+pub(crate) use by_itself::{Refine, Refining};
 pub(crate) use record::{Boxes, RefinedLeaf, RefinedNode};
 
 use bdtree_format::TriangleRecord;
@@ -26,9 +28,9 @@ use crate::workspace::Memory;
 /// [`Query::refined`](crate::Query::refined). One serves any number of assets and poses, one after the other, and once it is
 /// prepared any number of threads at a time.
 ///
-/// Rays use it; all other queries go as without. It pays from some 500 rays a step on for 36 000 triangles and from some
-/// 5000 on for 480 000: preparing takes 10 to 15 ns per triangle, and each ray 0.4 to 0.5 of its time
-/// (`docs/measured/benchmarks.md`, refined poses).
+/// It pays from some 500 rays a step on for 36 000 triangles and from some 5000 on for 480 000: preparing takes 10 to 15 ns per
+/// triangle, and then a ray, a ball or a nearest point takes 0.3 to 0.5 of its time (`docs/measured/benchmarks.md`, refined
+/// poses). Pairs gain little. [`StepCache::refining`](crate::StepCache::refining) decides by itself.
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -10,7 +10,6 @@ use crate::cache::{CHUNK, LeafChunk, Posed, deform};
 use crate::contact::TriangleId;
 use crate::error::{Datum, FormatError, QueryError};
 use crate::placement::Placement;
-use crate::pose::Pose;
 use crate::simd::{Lanes, Work, prefetch};
 use crate::view::Asset;
 
@@ -52,7 +51,7 @@ impl Leaves {
         let records = asset.leaf(leaf)?;
         if V::IN_FOURS && !posed.keeps_leaves() {
             for record in records {
-                if self.fresh.push(record) && self.sieve::<L, V>(asset, pose, visitor)?.is_break() {
+                if self.fresh.push(record) && self.sieve::<L, V>(posed, visitor)?.is_break() {
                     return Ok(ControlFlow::Break(()));
                 }
             }
@@ -77,19 +76,28 @@ impl Leaves {
         Ok(ControlFlow::Continue(()))
     }
 
+    /// Triangles of the leaves so far.
+    #[inline(always)]
+    pub(super) fn taken(&self, asset: &Asset<'_>) -> u64 {
+        asset.triangle_count() as u64 - self.left
+    }
+
     /// Hands over what was kept back.
     #[inline(always)]
     pub(super) fn finish<L: Lanes, V: Visitor>(
         &mut self,
-        asset: &Asset<'_>,
-        pose: &Pose<'_>,
+        posed: &Posed<'_>,
         visitor: &mut V,
     ) -> Result<ControlFlow<()>, QueryError> {
         if V::IN_FOURS {
-            if self.fresh.len > 0 && self.sieve::<L, V>(asset, pose, visitor)?.is_break() {
+            if self.fresh.len > 0 && self.sieve::<L, V>(posed, visitor)?.is_break() {
                 return Ok(ControlFlow::Break(()));
             }
-            return Ok(take_near::<L, V>(&mut self.near, &pose.placement, visitor));
+            return Ok(take_near::<L, V>(
+                &mut self.near,
+                &posed.pose.placement,
+                visitor,
+            ));
         }
         Ok(ControlFlow::Continue(()))
     }
@@ -98,18 +106,12 @@ impl Leaves {
     #[inline(always)]
     fn sieve<L: Lanes, V: Visitor>(
         &mut self,
-        asset: &Asset<'_>,
-        pose: &Pose<'_>,
+        posed: &Posed<'_>,
         visitor: &mut V,
     ) -> Result<ControlFlow<()>, QueryError> {
         let chunk = &mut self.spare;
-        deform(
-            asset,
-            pose,
-            None,
-            &self.fresh.records[..self.fresh.len],
-            chunk,
-        )?;
+        let records = &self.fresh.records[..self.fresh.len];
+        deform(posed.pose.asset, posed.pose, posed.refined, records, chunk)?;
         self.fresh.len = 0;
         let misses = visitor.misses_four::<L::Quad>(&chunk.corners);
         let mut left = !misses & !(u8::MAX << chunk.len);
@@ -118,7 +120,7 @@ impl Leaves {
             left &= left - 1;
             self.near.push(chunk.ids[k], &chunk.stored(k));
             if self.near.is_full()
-                && take_near::<L, V>(&mut self.near, &pose.placement, visitor).is_break()
+                && take_near::<L, V>(&mut self.near, &posed.pose.placement, visitor).is_break()
             {
                 return Ok(ControlFlow::Break(()));
             }

@@ -21,6 +21,7 @@ mod refined;
 mod separating_plane;
 mod shared;
 mod sphere_triangles;
+mod stream;
 mod supports;
 mod two;
 mod visit;
@@ -35,6 +36,8 @@ pub(crate) use gap::Gap;
 pub(crate) use leaf_pairs::LeafPairs;
 pub(crate) use nearest_two::NearestTwo;
 pub(crate) use one::one;
+pub(crate) use refined::RefinedTree;
+pub(crate) use stream::{Questions, STREAM, stream};
 pub(crate) use two::Two;
 pub(crate) use visitor::{Four, PairVisitor, Visitor, Walk};
 

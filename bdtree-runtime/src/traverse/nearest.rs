@@ -124,7 +124,8 @@ pub(super) fn nearest_first<L: Lanes, V: Visitor>(
             }
         }
     }
-    walk.stopped = leaves.finish::<L, V>(asset, pose, visitor)?.is_break();
+    walk.triangles = leaves.taken(asset);
+    walk.stopped = leaves.finish::<L, V>(posed, visitor)?.is_break();
     Ok(walk)
 }
 

@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 
 use super::leaves::Leaves;
 use super::nearest::nearest_first;
-use super::refined::RefinedWalk;
+use super::refined::{RefinedTree, RefinedWalk};
 use super::shared::Shared;
 use super::visit::{NO_NODE, TOGETHER, look};
 use super::visitor::{Visitor, Walk};
@@ -29,12 +29,13 @@ pub(crate) fn one<V: Visitor>(
         return Err(QueryError::Memory { needed, found });
     }
     let limit = posed.take_limit(asset);
-    if limit.is_none()
+    if V::HAS_BOXES
+        && limit.is_none()
         && let Some(refined) = posed.refined
     {
+        let pose = posed.pose;
         return asset.kernel.run(RefinedWalk {
-            pose: posed.pose,
-            refined,
+            tree: RefinedTree { pose, refined },
             stack,
             visitor,
         });
@@ -172,6 +173,7 @@ fn in_lane_order<L: Lanes, V: Visitor>(
             }
         }
     }
-    walk.stopped = leaves.finish::<L, V>(asset, pose, visitor)?.is_break();
+    walk.triangles = leaves.taken(asset);
+    walk.stopped = leaves.finish::<L, V>(posed, visitor)?.is_break();
     Ok(walk)
 }

@@ -16,10 +16,16 @@ use crate::simd::{Lanes, Work, prefetch_lines};
 /// Lanes that are asked for ahead, the nearest first: few of the others are visited before a hit ends the walk.
 const AHEAD: usize = 2;
 
+/// What is walked: the same pose twice.
+#[derive(Clone, Copy)]
+pub(crate) struct RefinedTree<'w> {
+    pub(crate) pose: &'w Pose<'w>,
+    pub(crate) refined: Refined<'w>,
+}
+
 /// A walk and who it is for.
 pub(super) struct RefinedWalk<'w, V> {
-    pub(super) pose: &'w Pose<'w>,
-    pub(super) refined: Refined<'w>,
+    pub(super) tree: RefinedTree<'w>,
     pub(super) stack: &'w mut [StackEntry],
     pub(super) visitor: &'w mut V,
 }
@@ -28,8 +34,7 @@ impl<V: Visitor> RefinedWalk<'_, V> {
     #[inline(always)]
     fn shared<L: Lanes, const ORDERED: bool>(self) -> Result<Walk, QueryError> {
         L::apart(RefinedWalk {
-            pose: self.pose,
-            refined: self.refined,
+            tree: self.tree,
             stack: self.stack,
             visitor: &mut Shared::<ORDERED>(self.visitor),
         })
@@ -49,15 +54,11 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
             };
         }
         let Self {
-            pose,
-            refined,
+            tree,
             stack,
             visitor,
         } = self;
-        let asset = pose.asset;
         let mut walk = Walk::default();
-        let visits_max = refined.nodes.len() as u64;
-        let mut keys: Row = [0.0; LANES];
         let mut near = Near::default();
         stack[0] = StackEntry {
             key: f32::NEG_INFINITY,
@@ -70,52 +71,75 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
             if V::ORDERED && !visitor.wanted(key) {
                 continue;
             }
-            if at.triangles > 0 {
-                if leaf::<L, V>(pose, refined, at, &mut near, visitor).is_break() {
-                    walk.stopped = true;
-                    return Ok(walk);
-                }
-                continue;
-            }
-            walk.nodes_visited += 1;
-            let node = refined.nodes.get(at.start as usize);
-            let (Some(node), true) = (node, walk.nodes_visited <= visits_max) else {
-                return Err(asset.endless(visits_max).into());
-            };
-            let mut mask = visitor.boxes::<L>(&node.boxes, refined.added, &mut keys);
-            mask &= node.inner_mask | node.leaf_mask;
-            let Some(room) = stack.get_mut(len..len + LANES) else {
-                return Err(asset.too_deep().into());
-            };
-            let mut count = 0;
-            while mask != 0 {
-                let lane = (7 - mask.leading_zeros()) as usize;
-                mask &= !(1 << lane);
-                let entry = StackEntry {
-                    at: node.subtree(lane),
-                    key: keys[lane],
-                };
-                // The nearest on top, of equal ones the lowest lane.
-                let mut place = count;
-                if V::ORDERED {
-                    while place > 0 && room[place - 1].key < entry.key {
-                        room[place] = room[place - 1];
-                        place -= 1;
-                    }
-                }
-                room[place] = entry;
-                count += 1;
-            }
-            len += count;
-            for entry in room[..count].iter().rev().take(AHEAD) {
-                ask_for(refined, entry.at);
+            let (len, near, walk) = (&mut len, &mut near, &mut walk);
+            if visit::<L, V>(tree, at, stack, len, near, visitor, walk)?.is_break() {
+                return Ok(*walk);
             }
         }
         if V::IN_FOURS {
-            walk.stopped = take_near::<L, V>(&mut near, &pose.placement, visitor).is_break();
+            walk.stopped = take_near::<L, V>(&mut near, &tree.pose.placement, visitor).is_break();
         }
         Ok(walk)
     }
+}
+
+/// One visit: of a leaf, or of a node, whose lanes are put onto the stack, of which `len` entries are left.
+#[inline(always)]
+pub(super) fn visit<L: Lanes, V: Visitor>(
+    tree: RefinedTree<'_>,
+    at: Subtree,
+    stack: &mut [StackEntry],
+    len: &mut usize,
+    near: &mut Near,
+    visitor: &mut V,
+    walk: &mut Walk,
+) -> Result<ControlFlow<()>, QueryError> {
+    let RefinedTree { pose, refined } = tree;
+    let asset = pose.asset;
+    if at.triangles > 0 {
+        walk.triangles += u64::from(at.triangles);
+        // Nodes of a corrupt file may share leaves, which preparing does not see.
+        asset.fewer(asset.triangle_count() as u64, walk.triangles)?;
+        let flow = leaf::<L, V>(tree, at, near, visitor);
+        walk.stopped = flow.is_break();
+        return Ok(flow);
+    }
+    walk.nodes_visited += 1;
+    let visits_max = refined.nodes.len() as u64;
+    let node = refined.nodes.get(at.start as usize);
+    let (Some(node), true) = (node, walk.nodes_visited <= visits_max) else {
+        return Err(asset.endless(visits_max).into());
+    };
+    let mut keys: Row = [0.0; LANES];
+    let mut mask = visitor.boxes::<L>(&node.boxes, &mut keys);
+    mask &= node.inner_mask | node.leaf_mask;
+    let Some(room) = stack.get_mut(*len..*len + LANES) else {
+        return Err(asset.too_deep().into());
+    };
+    let mut count = 0;
+    while mask != 0 {
+        let lane = (7 - mask.leading_zeros()) as usize;
+        mask &= !(1 << lane);
+        let entry = StackEntry {
+            at: node.subtree(lane),
+            key: keys[lane],
+        };
+        // The nearest on top, of equal ones the lowest lane.
+        let mut place = count;
+        if V::ORDERED {
+            while place > 0 && room[place - 1].key < entry.key {
+                room[place] = room[place - 1];
+                place -= 1;
+            }
+        }
+        room[place] = entry;
+        count += 1;
+    }
+    *len += count;
+    for entry in room[..count].iter().rev().take(AHEAD) {
+        ask_for(refined, entry.at);
+    }
+    Ok(ControlFlow::Continue(()))
 }
 
 /// Asks for all of what is visited soon, wherever that begins in a line.
@@ -132,8 +156,7 @@ fn ask_for(refined: Refined<'_>, at: Subtree) {
 /// Hands the triangles of a leaf to the visitor, or, in fours, keeps some of them back.
 #[inline(always)]
 fn leaf<L: Lanes, V: Visitor>(
-    pose: &Pose<'_>,
-    refined: Refined<'_>,
+    tree: RefinedTree<'_>,
     at: Subtree,
     near: &mut Near,
     visitor: &mut V,
@@ -141,7 +164,7 @@ fn leaf<L: Lanes, V: Visitor>(
     let start = at.start as usize;
     let end = start + (at.triangles as usize).div_ceil(CHUNK);
     let mut count = at.triangles;
-    for leaf in refined.leaves.get(start..end).unwrap_or_default() {
+    for leaf in tree.refined.leaves.get(start..end).unwrap_or_default() {
         let misses = visitor.misses_four::<L::Quad>(&leaf.corners);
         let mut left = !misses & !(u8::MAX << count.min(CHUNK as u32));
         count = count.saturating_sub(CHUNK as u32);
@@ -149,7 +172,7 @@ fn leaf<L: Lanes, V: Visitor>(
             let k = (left.trailing_zeros() & 3) as usize;
             left &= left - 1;
             let corners = leaf.corners.map(|corner| corner.map(|of| of[k]));
-            test::<L, V>(near, &pose.placement, leaf.ids[k], &corners, visitor)?;
+            test::<L, V>(near, &tree.pose.placement, leaf.ids[k], &corners, visitor)?;
         }
     }
     ControlFlow::Continue(())

@@ -14,7 +14,7 @@ use crate::simd::{Compact, Lanes, Quad};
 /// What a walk asks a visitor.
 pub(super) trait Asked {
     fn lanes(&self, spheres: &Spheres, keys: &mut Row) -> u8;
-    fn boxes(&self, boxes: &Boxes, added: f32, keys: &mut Row) -> u8;
+    fn boxes(&self, boxes: &Boxes, keys: &mut Row) -> u8;
     fn bound(&self) -> f32;
     fn misses(&self, corners: &[[f32; 3]; 3]) -> bool;
     fn misses_four(&self, corners: &[[[f32; 4]; 3]; 3]) -> u8;
@@ -26,12 +26,8 @@ impl<V: Visitor> Asked for V {
         Visitor::lanes(self, WideSpheres::<Compact>::load(spheres), keys)
     }
 
-    fn boxes(&self, boxes: &Boxes, added: f32, keys: &mut Row) -> u8 {
-        if V::HAS_BOXES {
-            return Visitor::boxes::<Compact>(self, boxes, added, keys);
-        }
-        // Not another copy of the test.
-        Asked::lanes(self, &boxes.spheres::<Compact>(added).store(), keys)
+    fn boxes(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
+        Visitor::boxes::<Compact>(self, boxes, keys)
     }
 
     fn bound(&self) -> f32 {
@@ -64,8 +60,8 @@ impl<const ORDERED: bool> Visitor for Shared<'_, ORDERED> {
     }
 
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, boxes: &Boxes, added: f32, keys: &mut Row) -> u8 {
-        self.0.boxes(boxes, added, keys)
+    fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
+        self.0.boxes(boxes, keys)
     }
 
     #[inline(always)]

@@ -202,6 +202,7 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
                 return Ok(Walk {
                     nodes_visited,
                     nodes_updated: a.updated + b.updated,
+                    triangles: 0,
                     stopped,
                 });
             }
@@ -285,6 +286,7 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
                 return Ok(Walk {
                     nodes_visited,
                     nodes_updated: a.updated + b.updated,
+                    triangles: 0,
                     stopped: true,
                 });
             }

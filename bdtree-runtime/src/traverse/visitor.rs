@@ -1,6 +1,6 @@
 //! What walks ask and what they tell.
 
-use bdtree_format::Row;
+use bdtree_format::{LANES, Row};
 use core::ops::ControlFlow;
 
 use super::pair_stack::FrontSlot;
@@ -19,17 +19,18 @@ pub(crate) trait Visitor {
     /// Whether it stands for any other ([`super::shared`]).
     const IS_SHARED: bool = false;
 
-    /// Whether [`Visitor::boxes`] is more than [`Visitor::lanes`] for spheres around the boxes.
+    /// Whether [`Visitor::boxes`] says anything; others ask for spheres around the boxes of a refined pose.
     const HAS_BOXES: bool = false;
 
     /// The lanes that may hold an answer, and, when ordered, a lower bound for each of what the
     /// question minimises. Anything not proved useless is kept, NaN included.
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8;
 
-    /// [`Visitor::lanes`] for exact boxes; `added` is of [`Boxes::spheres`].
+    /// [`Visitor::lanes`] for exact boxes.
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, boxes: &Boxes, added: f32, keys: &mut Row) -> u8 {
-        self.lanes(boxes.spheres::<L>(added), keys)
+    fn boxes<L: Lanes>(&self, _boxes: &Boxes, keys: &mut Row) -> u8 {
+        *keys = [f32::NEG_INFINITY; LANES];
+        u8::MAX
     }
 
     /// Above this no key is an answer.
@@ -153,6 +154,8 @@ pub(crate) struct Walk {
     pub(crate) nodes_visited: u64,
     /// Of them, those whose spheres were evaluated.
     pub(crate) nodes_updated: u64,
+    /// Triangles of visited leaves; walks of one tree that come to their end count them.
+    pub(crate) triangles: u64,
     /// The visitor broke off.
     pub(crate) stopped: bool,
 }
@@ -162,6 +165,7 @@ impl Walk {
     pub(crate) fn add(&mut self, other: &Self) {
         self.nodes_visited += other.nodes_visited;
         self.nodes_updated += other.nodes_updated;
+        self.triangles += other.triangles;
         self.stopped |= other.stopped;
     }
 }

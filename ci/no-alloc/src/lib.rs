@@ -109,6 +109,12 @@ fn one(asset: &Asset<'_>) -> Result<usize, QueryError> {
     refined.prepare(&pose)?;
     let mut query = pose.query(&mut workspace).refined(&refined);
     count.0 += usize::from(query.cast_ray(&rays[0])?.is_some());
+    let mut kept = [0; CACHE.bytes()];
+    let mut by_itself = StepCache::in_bytes(&mut kept, CACHE)?.refining(refined);
+    by_itself.start(&pose);
+    let mut query = pose.query(&mut workspace).cached(&mut by_itself);
+    query.intersects_rays(&[rays[0]; 100], &mut [false; 100])?;
+    count.0 += usize::from(by_itself.is_refined());
     let mut slots = [Proxy::EMPTY; 8];
     let mut proxies = SliceSink::new(&mut slots);
     let mut query = pose.query(&mut workspace).max_level(0, &mut proxies);

@@ -16,7 +16,7 @@ use crate::comparison::{AMOUNTS, Comparison, LEAF_SLOTS, VISITS_MAX};
 use crate::ours::{Answer, Ours};
 use crate::stats::median;
 use bdtree_build::progress::Progress;
-use bdtree_runtime::{Asset, PairContact, Workspace};
+use bdtree_runtime::{Asset, PairContact, RefinedPose, Workspace};
 
 use super::REPETITIONS;
 use super::content::{Curve, CurvePoint, Refit};
@@ -64,7 +64,10 @@ pub(super) fn compare(
     let balls = curve("ball", "balls per step", &AMOUNTS, &mut |amount| {
         let ours = mean(&steps, |sample| {
             let balls: Vec<_> = sample.balls(amount).collect();
-            ours(asset, || own.balls(sample.posture(), balls.iter().copied()))
+            ours(asset, || {
+                let answer = own.balls(sample.posture(), balls.iter().copied())?;
+                Ok((answer, own.is_refined()))
+            })
         })?;
         let theirs = mean(&steps, |sample| contender.balls(sample, amount))?;
         Ok((amount as f64, ours, theirs))
@@ -72,7 +75,10 @@ pub(super) fn compare(
     let rays = curve("ray", "rays per step", &AMOUNTS, &mut |amount| {
         let ours = mean(&steps, |sample| {
             let rays: Vec<_> = sample.rays(amount).collect();
-            ours(asset, || own.rays(sample.posture(), rays.iter().copied()))
+            ours(asset, || {
+                let answer = own.rays(sample.posture(), rays.iter().copied())?;
+                Ok((answer, own.is_refined()))
+            })
         })?;
         let theirs = mean(&steps, |sample| contender.rays(sample, amount))?;
         Ok((amount as f64, ours, theirs))
@@ -93,18 +99,21 @@ pub(super) fn compare(
         deform_micros: median(&deform),
         refit_micros: median(&refit),
         pose_micros: median(&pose),
+        refined_bytes: RefinedPose::bytes_for(asset)? as u64,
         curves: vec![balls, rays, pairs],
     })
 }
 
-/// A step of ours.
+/// A step of ours, which tells whether it has refined its pose.
 fn ours(
     asset: &Asset<'_>,
-    mut ask: impl FnMut() -> Result<Answer, MeasureError>,
+    mut ask: impl FnMut() -> Result<(Answer, bool), MeasureError>,
 ) -> Result<Cost, MeasureError> {
     timed(|| {
+        let (answer, is_refined) = ask()?;
         Ok(Cost {
-            visited: ask()?.nodes.visited as f64 / asset.node_count().max(1) as f64,
+            visited: answer.nodes.visited as f64 / asset.node_count().max(1) as f64,
+            refined: if is_refined { 1.0 } else { 0.0 },
             ..Cost::default()
         })
     })
@@ -126,7 +135,7 @@ fn pair(asset: &Asset<'_>, sample: &Sample, which: usize) -> Result<Cost, Measur
         Ok(Cost {
             visited: visits as f64 / asset.node_count().max(1) as f64,
             amount: found.len() as f64,
-            micros: 0.0,
+            ..Cost::default()
         })
     })
 }
@@ -148,6 +157,8 @@ struct Cost {
     visited: f64,
     /// Pairs that touch.
     amount: f64,
+    /// 1 if the pose was refined; in means the share of steps.
+    refined: f64,
 }
 
 fn mean(
@@ -160,12 +171,14 @@ fn mean(
         sum.micros += cost.micros;
         sum.visited += cost.visited;
         sum.amount += cost.amount;
+        sum.refined += cost.refined;
     }
     let count = steps.len().max(1) as f64;
     Ok(Cost {
         micros: sum.micros / count,
         visited: sum.visited / count,
         amount: sum.amount / count,
+        refined: sum.refined / count,
     })
 }
 
@@ -190,6 +203,7 @@ fn curve(
             refit_micros: theirs.micros,
             ratio: theirs.micros / ours.micros,
             visited_rel: ours.visited,
+            refined_rel: ours.refined,
         });
         if ours.visited > VISITS_MAX {
             break;
@@ -223,6 +237,7 @@ fn as_one(same: &[CurvePoint]) -> CurvePoint {
             refit_micros,
             ratio: refit_micros / bdtree_micros,
             visited_rel: mean(&|p| p.visited_rel),
+            refined_rel: mean(&|p| p.refined_rel),
         },
     }
 }

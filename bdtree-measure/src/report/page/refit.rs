@@ -2,8 +2,8 @@
 
 use crate::comparison::NOISE;
 
-use super::super::content::{Content, Curve, CurvePoint};
-use super::super::text::{count, figure, number, percent};
+use super::super::content::{Content, Curve, CurvePoint, Refit};
+use super::super::text::{count, figure, grouped, number, percent};
 use super::super::words;
 use super::{Page, line};
 use crate::plot::{Axis, Mark, Plot};
@@ -37,6 +37,7 @@ impl Page {
              likewise at every larger one.",
             NOISE[0], NOISE[1]
         ));
+        self.text(&refining(refit));
         self.open();
         for curve in &refit.curves {
             self.curve(curve);
@@ -53,6 +54,7 @@ impl Page {
                     ("deform + refit, µs", &|p| figure(p.refit_micros)),
                     ("ratio", &|p| figure(p.ratio)),
                     ("visits / nodes", &|p| figure(p.visited_rel)),
+                    ("steps refined", &|p| percent(p.refined_rel)),
                 ],
             );
         }
@@ -73,6 +75,26 @@ impl Page {
             y: Axis::log("µs per step"),
             lines,
         });
+    }
+}
+
+/// From how much on a refined pose pays.
+fn refining(refit: &Refit) -> String {
+    let first = |curve: &Curve| {
+        let point = curve.points.iter().find(|p| p.refined_rel == 1.0)?;
+        Some(format!("{} {}", count(point.amount), curve.unit))
+    };
+    let from: Vec<String> = refit.curves.iter().filter_map(first).collect();
+    let bytes = grouped(refit.refined_bytes);
+    match from.is_empty() {
+        true => format!(
+            "No step here asks so much that refining the pose pays (StepCache::refining, {bytes} bytes)."
+        ),
+        false => format!(
+            "bdtree refines its pose by itself where that pays (StepCache::refining, {bytes} bytes): of the amounts tried, \
+             from {} on.",
+            from.join(" and ")
+        ),
     }
 }
 

@@ -176,6 +176,7 @@ impl Rest {
         walk: Walk {
             nodes_visited: 0,
             nodes_updated: 0,
+            triangles: 0,
             stopped: false,
         },
     };

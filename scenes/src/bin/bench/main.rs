@@ -13,6 +13,7 @@ mod hard_cases;
 mod kernel;
 mod open;
 mod record;
+mod refining;
 mod scene;
 mod turns;
 mod workloads;
@@ -84,6 +85,8 @@ enum Command {
     Open(open::Arguments),
     /// All benchmarks with their defaults into one CSV file
     Record(record::Arguments),
+    /// Questions per step from which on refined poses pay, and step caches that find that out
+    Refining(refining::Arguments),
     /// W1 to W5: the product beside libraries that deform and refit (feature `peers`)
     Workloads(workloads::Arguments),
 }
@@ -122,6 +125,7 @@ fn measure(cli: &Cli) -> Result<(&'static str, Vec<Table>)> {
         Command::Kernel(arguments) => ("kernel", kernel::run(arguments, rounds(31))),
         Command::Open(arguments) => ("open", open::run(arguments, rounds(200))),
         Command::Record(_) => return Err("a record is no benchmark".into()),
+        Command::Refining(arguments) => ("refining", refining::run(arguments, rounds(5))),
         Command::Workloads(arguments) => ("workloads", workloads::run(arguments, rounds(15))),
     };
     Ok((name, tables?))
