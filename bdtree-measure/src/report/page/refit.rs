@@ -54,7 +54,6 @@ impl Page {
                     ("deform + refit, µs", &|p| figure(p.refit_micros)),
                     ("ratio", &|p| figure(p.ratio)),
                     ("visits / nodes", &|p| figure(p.visited_rel)),
-                    ("steps refined", &|p| percent(p.refined_rel)),
                 ],
             );
         }
