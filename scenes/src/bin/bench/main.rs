@@ -125,7 +125,7 @@ fn measure(cli: &Cli) -> Result<(&'static str, Vec<Table>)> {
         Command::Kernel(arguments) => ("kernel", kernel::run(arguments, rounds(31))),
         Command::Open(arguments) => ("open", open::run(arguments, rounds(200))),
         Command::Record(_) => return Err("a record is no benchmark".into()),
-        Command::Refining(arguments) => ("refining", refining::run(arguments, rounds(5))),
+        Command::Refining(arguments) => ("refining", refining::run(arguments, rounds(3))),
         Command::Workloads(arguments) => ("workloads", workloads::run(arguments, rounds(15))),
     };
     Ok((name, tables?))
