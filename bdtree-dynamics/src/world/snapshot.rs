@@ -39,7 +39,7 @@ const MUCH: f64 = 1.5;
 /// Motion of modes that need not be known better than by the length of q, in mean radii.
 const LITTLE: f64 = 0.03;
 
-/// Where a body was when trees were asked for it; q is [`Modal::snapshot_q`](super::body::Modal).
+/// Where trees were asked for a body, ahead of where it was then; q is [`Modal::snapshot_q`](super::body::Modal).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Snapshot {
     pub(super) position: Vector3<f64>,
