@@ -37,6 +37,7 @@ pub struct Ours<'a> {
     /// For steps of [`CACHED`] queries and more.
     cache: Option<StepCache<'static>>,
     refined: Option<RefinedPose<'static>>,
+    is_refined: bool,
     /// Contacts of the last ball.
     pub found: Vec<Contact>,
 }
@@ -67,6 +68,7 @@ impl<'a> Ours<'a> {
             workspace: Workspace::new(),
             cache: None,
             refined: None,
+            is_refined: false,
             found: Vec::new(),
             asset,
         }
@@ -84,7 +86,7 @@ impl<'a> Ours<'a> {
 
     /// Whether the last step has refined its pose by itself.
     pub fn is_refined(&self) -> bool {
-        self.cache.as_ref().is_some_and(StepCache::is_refined)
+        self.is_refined
     }
 
     /// On an asset, with the whole pose refined first in each step.
@@ -107,7 +109,8 @@ impl<'a> Ours<'a> {
             .asset
             .pose_with_bones(q, bones, here, &mut self.memory)?;
         let mut step = pose.query(&mut self.workspace);
-        if let Some(cache) = self.cache.as_mut().filter(|_| count >= CACHED) {
+        let is_cached = count >= CACHED;
+        if let Some(cache) = self.cache.as_mut().filter(|_| is_cached) {
             cache.start(&pose);
             step = step.cached(cache);
         }
@@ -117,6 +120,8 @@ impl<'a> Ours<'a> {
         }
         let mut answer = Answer::default();
         ask(&mut step, &mut self.found, &mut answer)?;
+        let by_itself = self.cache.as_ref().is_some_and(StepCache::is_refined);
+        self.is_refined = is_cached && by_itself;
         Ok(answer)
     }
 
