@@ -109,7 +109,7 @@ impl<'m> StepCache<'m> {
     /// pays. Where the memory is too small, queries go on without. Answers stay the same.
     ///
     /// Steps among their like then cost as much as the better of both ways, within some percent, and one that asks
-    /// unexpectedly much at most three times as much. Queries of one mesh decide; those of two use what is there.
+    /// unexpectedly much about three times as much, at most. Queries of one mesh decide; those of two use what is there.
     ///
     /// ```
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {

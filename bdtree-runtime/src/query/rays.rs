@@ -21,16 +21,7 @@ pub(super) fn first(
     hits: &mut [Option<RayIntersection>],
 ) -> Result<Walk, QueryError> {
     if let Some(tree) = refined(&posed) {
-        enough(rays, hits)?;
-        let mut firsts = Streamed {
-            pose: tree.pose,
-            rays: rays.iter().enumerate(),
-            is_any: false,
-            put: |number: usize, first: Option<&First>| {
-                hits[number] = first.and_then(|first| first.best)
-            },
-        };
-        return stream(tree, stack, &mut firsts);
+        return together(tree, rays, stack, hits, false, |first| first.best);
     }
     each(posed, rays, hits, |posed, r| ray::first(posed, r, stack))
 }
@@ -46,16 +37,7 @@ pub(super) fn any(
     hits: &mut [bool],
 ) -> Result<Walk, QueryError> {
     if let Some(tree) = refined(&posed) {
-        enough(rays, hits)?;
-        let mut anys = Streamed {
-            pose: tree.pose,
-            rays: rays.iter().enumerate(),
-            is_any: true,
-            put: |number: usize, first: Option<&First>| {
-                hits[number] = first.is_some_and(First::is_met)
-            },
-        };
-        return stream(tree, stack, &mut anys);
+        return together(tree, rays, stack, hits, true, First::is_met);
     }
     each(posed, rays, hits, |posed, r| ray::any(posed, r, stack))
 }
@@ -72,6 +54,28 @@ fn enough<T>(rays: &[Ray], hits: &[T]) -> Result<(), QueryError> {
         true => Err(QueryError::Argument("hits: fewer than rays")),
         false => Ok(()),
     }
+}
+
+/// Casts rays in streams; the default is the answer of those that miss the whole asset.
+#[inline(always)]
+fn together<T: Default>(
+    tree: RefinedTree<'_>,
+    rays: &[Ray],
+    stack: &mut [StackEntry],
+    hits: &mut [T],
+    is_any: bool,
+    answer: impl Fn(&First) -> T,
+) -> Result<Walk, QueryError> {
+    enough(rays, hits)?;
+    let mut streamed = Streamed {
+        pose: tree.pose,
+        rays: rays.iter().enumerate(),
+        is_any,
+        put: |number: usize, first: Option<&First>| {
+            hits[number] = first.map(&answer).unwrap_or_default();
+        },
+    };
+    stream(tree, stack, &mut streamed)
 }
 
 /// Rays that are cast together.

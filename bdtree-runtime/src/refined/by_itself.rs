@@ -4,7 +4,7 @@
 //! each node and each triangle that is visited costs less. The first walk of a step prepares if the step before has visited that
 //! many. If it has not, a step prepares when it has visited twice as many, so that steps that ask about as much as pays do
 //! not pay for both. A step among its like so costs as much as the better of both ways, and one that asks unexpectedly much at
-//! most three times as much.
+//! most about three times as much (by the rule above, not measured).
 
 use super::{Refined, RefinedPose};
 use crate::pose::Pose;
