@@ -210,6 +210,7 @@ impl Posed<'_> {
         out: &mut WideSpheres<L>,
     ) -> Result<bool, FormatError> {
         if let Some(refined) = &self.refined {
+            core::hint::cold_path(); // the other way is the one that must not wait
             refined.spheres(asset, index, out)?;
             return Ok(false);
         }
@@ -266,7 +267,7 @@ impl Posed<'_> {
         records: &[TriangleRecord],
         spare: &'l mut LeafChunk,
     ) -> Result<&'l LeafChunk, FormatError> {
-        let (pose, refined) = (self.pose, self.refined);
+        let (pose, refined) = (self.pose, self.refined.as_ref());
         let tag = tag(self.kept.step, start);
         let len = records.len().min(CHUNK) as u32;
         let place = leaf_place(start, self.kept.leaves.len());
@@ -289,7 +290,7 @@ impl Posed<'_> {
 pub(crate) fn deform(
     asset: &Asset<'_>,
     pose: &Pose<'_>,
-    refined: Option<Refined<'_>>,
+    refined: Option<&Refined<'_>>,
     records: &[TriangleRecord],
     chunk: &mut LeafChunk,
 ) -> Result<(), FormatError> {
@@ -305,7 +306,7 @@ pub(crate) fn deform(
 struct Deform<'d, 'a> {
     asset: &'d Asset<'a>,
     pose: &'d Pose<'d>,
-    refined: Option<Refined<'d>>,
+    refined: Option<&'d Refined<'d>>,
     records: &'d [TriangleRecord],
     chunk: &'d mut LeafChunk,
 }

@@ -90,7 +90,7 @@ impl LeafChunk {
         &mut self,
         asset: &Asset<'_>,
         pose: &Pose<'_>,
-        refined: Option<Refined<'_>>,
+        refined: Option<&Refined<'_>>,
         records: &[TriangleRecord],
     ) -> Result<(), FormatError> {
         let Some(first) = records.first() else {

@@ -111,7 +111,13 @@ impl Leaves {
     ) -> Result<ControlFlow<()>, QueryError> {
         let chunk = &mut self.spare;
         let records = &self.fresh.records[..self.fresh.len];
-        deform(posed.pose.asset, posed.pose, posed.refined, records, chunk)?;
+        deform(
+            posed.pose.asset,
+            posed.pose,
+            posed.refined.as_ref(),
+            records,
+            chunk,
+        )?;
         self.fresh.len = 0;
         let misses = visitor.misses_four::<L::Quad>(&chunk.corners);
         let mut left = !misses & !(u8::MAX << chunk.len);
