@@ -269,3 +269,19 @@ fn zero_area_is_missed() {
         }
     }
 }
+
+#[test]
+fn zero_area_is_missed_from_anywhere() {
+    let mut r = rng(26);
+    for case in 0..100_000 {
+        // Exactly collinear; seen from points with all digits, the sheared corners are so only up to rounding.
+        let size = 2_f64.powi(r.random_range(-30..30));
+        let [p, d] = [(); 2].map(|()| grid_point(&mut r, 9));
+        let at = |k: f64| [0, 1, 2].map(|i| size * (p[i] + k * d[i]));
+        let tri = [at(0.0), at(f64::from(case % 7) - 3.0), at(1.0)];
+        let far = size * 10_f64.powi(r.random_range(-1..4));
+        let from = [(); 3].map(|()| far * r.random_range(-1.0..1.0));
+        let ray = PreparedRay::new(from, toward(from, at(r.random_range(0.0..1.0))));
+        assert_eq!(ray_hit(&ray, &tri, f64::MAX), None, "{tri:?} from {from:?}");
+    }
+}

@@ -20,6 +20,7 @@ use crate::simd::{Lanes, Quad};
 
 /// A ray over one pose. Its point nearest to the asset, `near`, becomes its origin, so that f32
 /// serves from there.
+#[derive(Default)]
 pub(super) struct Line {
     /// The ray as asked: what triangles are tested with.
     ray: narrow::PreparedRay,
@@ -118,9 +119,9 @@ impl Line {
         !apart.above(squared)
     }
 
-    /// The boxes that the ray may meet, and for each a lower bound of the parameter where it does.
+    /// The boxes that the ray may meet up to a key, and for each a lower bound of the parameter where it does: its key.
     #[inline(always)]
-    pub(super) fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
+    pub(super) fn boxes<L: Lanes>(&self, boxes: &Boxes, key_max: f32, keys: &mut Row) -> u8 {
         let Slabs {
             per_along,
             enter,
@@ -129,7 +130,7 @@ impl Line {
             slack,
         } = &self.slabs;
         let mut first = L::splat(self.t_min);
-        let mut last = L::splat(self.t_max);
+        let mut last = L::splat(self.t_max.min(key_max));
         for k in 0..3 {
             let (near, far) = if is_backward[k] {
                 (&boxes.high[k], &boxes.low[k])
@@ -223,18 +224,11 @@ impl Slabs {
             ..Self::default()
         };
         for k in 0..3 {
-            slabs.is_backward[k] = along[k] < 0.0;
+            // By the sign, without a branch: it cannot be foreseen.
+            slabs.is_backward[k] = along[k].is_sign_negative();
+            let grown = grown.copysign(along[k]);
             // So slow across the slab that within the window it moves by less than the slab has grown.
-            let along = if along[k].abs() < ALONG_LEAST {
-                if slabs.is_backward[k] {
-                    -ALONG_LEAST
-                } else {
-                    ALONG_LEAST
-                }
-            } else {
-                along[k]
-            };
-            let grown = if slabs.is_backward[k] { -grown } else { grown };
+            let along = along[k].abs().max(ALONG_LEAST).copysign(along[k]);
             slabs.per_along[k] = 1.0 / along;
             (slabs.enter[k], slabs.leave[k]) = (near[k] + grown, near[k] - grown);
         }
@@ -244,6 +238,7 @@ impl Slabs {
 
 /// The shear of [`narrow::ray_hit`] in stored units, without its exactness: four triangles at once
 /// by the signs of their edge functions, with a margin (docs/design/guarantees.md, rays).
+#[derive(Default)]
 struct Sieve {
     /// The coordinate of largest |direction| comes last.
     axes: [usize; 3],

@@ -67,6 +67,7 @@ fn limit(max_distance: f64) -> Result<f64, QueryError> {
 }
 
 /// A vector scaled to unit length; not finite and zero ones are refused.
+#[inline(always)] // rays begin with it
 fn unit(v: [f64; 3], what: &'static str) -> Result<[f64; 3], QueryError> {
     let largest = v.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
     if !v.iter().all(|c| c.is_finite()) || largest == 0.0 {

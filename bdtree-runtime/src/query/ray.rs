@@ -76,6 +76,7 @@ pub(super) fn all(
 }
 
 /// Looks for the first hit, or for any.
+#[derive(Default)]
 pub(super) struct First {
     pub(super) line: Line,
     /// Parameter of the best hit, rounded up.
@@ -87,17 +88,26 @@ pub(super) struct First {
 }
 
 impl First {
-    /// Of a ray over a refined pose: the first hit, or whether there is any. `None` when it certainly misses the whole asset.
+    /// Becomes that of a ray over a refined pose: for the first hit, or for whether there is any. False when it certainly misses
+    /// the whole asset.
     ///
     /// # Errors
     /// As [`first`].
     #[inline(always)]
-    pub(super) fn of(pose: &Pose<'_>, ray: &Ray, any: bool) -> Result<Option<Self>, QueryError> {
-        let line = Line::new(pose, ray, true)?;
-        Ok(line.map(|line| Self {
+    pub(super) fn restart(
+        &mut self,
+        pose: &Pose<'_>,
+        ray: &Ray,
+        any: bool,
+    ) -> Result<bool, QueryError> {
+        let Some(line) = Line::new(pose, ray, true)? else {
+            return Ok(false);
+        };
+        *self = Self {
             any,
             ..Self::new(line)
-        }))
+        };
+        Ok(true)
     }
 
     /// Whether any hit was found, where any would do.
@@ -131,11 +141,7 @@ impl Visitor for First {
 
     #[inline(always)]
     fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
-        let met = self.line.boxes::<L>(boxes, keys);
-        if self.bound == f32::INFINITY {
-            return met;
-        }
-        met & !L::load(keys).above(L::splat(self.bound))
+        self.line.boxes::<L>(boxes, self.bound, keys)
     }
 
     #[inline(always)]
@@ -148,7 +154,7 @@ impl Visitor for First {
         self.line.misses::<Q>(corners)
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn triangle(&mut self, id: TriangleId, corners: &Triangle) -> ControlFlow<()> {
         let Some(hit) = self.line.hit(corners) else {
             return ControlFlow::Continue(());
@@ -185,7 +191,7 @@ impl Visitor for All<'_> {
 
     #[inline(always)]
     fn boxes<L: Lanes>(&self, boxes: &Boxes, keys: &mut Row) -> u8 {
-        self.line.boxes::<L>(boxes, keys)
+        self.line.boxes::<L>(boxes, f32::INFINITY, keys)
     }
 
     #[inline(always)]

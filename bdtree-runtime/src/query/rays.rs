@@ -92,12 +92,12 @@ where
     P: FnMut(usize, Option<&First>),
 {
     #[inline(always)]
-    fn next(&mut self) -> Result<Option<(usize, First)>, QueryError> {
+    fn next(&mut self, first: &mut First) -> Result<Option<usize>, QueryError> {
         for (number, ray) in &mut self.rays {
-            match First::of(self.pose, ray, self.is_any)? {
-                Some(first) => return Ok(Some((number, first))),
-                None => (self.put)(number, None),
+            if first.restart(self.pose, ray, self.is_any)? {
+                return Ok(Some(number));
             }
+            (self.put)(number, None);
         }
         Ok(None)
     }

@@ -58,25 +58,31 @@ impl Work for Prepare<'_> {
             let used = used_lanes(node);
             *slot = RefinedNode {
                 boxes: Boxes::EMPTY,
-                first_child: node.first_child,
-                first_leaf: leaf_count,
-                leaf_counts: node.leaf_counts,
+                starts: [0; LANES],
+                triangles: [0; LANES],
                 inner_mask: used & !node.leaf_mask,
                 leaf_mask: used & node.leaf_mask,
                 unused: [0; 6],
             };
-            leaf_count += groups_before(&node.leaf_counts, LANES);
             let mut corners = [Corners::EMPTY; LANES];
-            let mut lanes = slot.leaf_mask;
+            let mut lanes = used;
             while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize;
+                let lane = lanes.trailing_zeros() as usize & (LANES - 1);
                 lanes &= lanes - 1;
-                let records = asset.leaf(lane_subtree(node, lane))?;
+                let subtree = lane_subtree(node, lane);
+                if subtree.triangles == 0 {
+                    slot.starts[lane] = subtree.start;
+                    continue;
+                }
+                let first = leaf_count + groups_before(&node.leaf_counts, lane);
+                (slot.starts[lane], slot.triangles[lane]) = (first, node.leaf_counts[lane]);
+                let records = asset.leaf(subtree)?;
                 // As many as were counted.
-                let room = leaves.get_mut(slot.subtree(lane).start as usize..);
+                let room = leaves.get_mut(first as usize..);
                 let room = room.unwrap_or_default();
-                corners[lane & (LANES - 1)] = leaf(asset, records, vertices, room)?;
+                leaf(asset, records, vertices, room, &mut corners[lane])?;
             }
+            leaf_count += groups_before(&node.leaf_counts, LANES);
             slot.boxes = boxes::<L>(&corners);
         }
         for index in (0..nodes.len()).rev() {
@@ -88,14 +94,14 @@ impl Work for Prepare<'_> {
             }
             let mut corners = [Corners::EMPTY; LANES];
             while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize;
+                let lane = lanes.trailing_zeros() as usize & (LANES - 1);
                 lanes &= lanes - 1;
-                let child = slot.subtree(lane).start;
+                let child = slot.starts[lane];
                 let Some(child) = behind.get(child as usize - index - 1) else {
                     asset.node(child)?; // says that it does not exist
                     continue;
                 };
-                corners[lane & (LANES - 1)] = Corners::of_boxes(&child.boxes);
+                corners[lane].of_boxes(&child.boxes);
             }
             slot.boxes.add::<L>(&boxes::<L>(&corners));
         }
@@ -173,10 +179,9 @@ impl Corners {
         high: [[f32::NEG_INFINITY; 4]; 3],
     };
 
-    /// Of all boxes of a node.
+    /// Becomes that of all boxes of a node.
     #[inline(always)]
-    fn of_boxes(boxes: &Boxes) -> Self {
-        let mut all = Self::EMPTY;
+    fn of_boxes(&mut self, boxes: &Boxes) {
         for axis in 0..3 {
             let ([low, low_rest], _) = boxes.low[axis].as_chunks::<4>() else {
                 continue; // a row is two fours
@@ -184,10 +189,9 @@ impl Corners {
             let ([high, high_rest], _) = boxes.high[axis].as_chunks::<4>() else {
                 continue;
             };
-            all.low[axis] = Four::load(low).min(Four::load(low_rest)).store();
-            all.high[axis] = Four::load(high).max(Four::load(high_rest)).store();
+            self.low[axis] = Four::load(low).min(Four::load(low_rest)).store();
+            self.high[axis] = Four::load(high).max(Four::load(high_rest)).store();
         }
-        all
     }
 }
 
@@ -219,14 +223,15 @@ pub(super) fn gather(
     Ok(())
 }
 
-/// Puts the corners of a leaf's triangles side by side.
+/// Puts the corners of a leaf's triangles side by side, and the least and the greatest of them into `all`.
 #[inline(always)]
 fn leaf(
     asset: &Asset<'_>,
     records: &[TriangleRecord],
     vertices: &[[f32; 4]],
     out: &mut [RefinedLeaf],
-) -> Result<Corners, FormatError> {
+    all: &mut Corners,
+) -> Result<(), FormatError> {
     let infinite = [f32::INFINITY, f32::NEG_INFINITY].map(|x| [Four::splat(x); 3]);
     let [mut low, mut high] = infinite;
     for (records, out) in records.chunks(CHUNK).zip(out) {
@@ -243,11 +248,11 @@ fn leaf(
             out.ids[k] = four[k].id;
         }
     }
-    let mut corners = Corners::EMPTY;
+    // Row by row where they are needed: as a result they were copied number by number.
     for axis in 0..3 {
-        (corners.low[axis], corners.high[axis]) = (low[axis].store(), high[axis].store());
+        (all.low[axis], all.high[axis]) = (low[axis].store(), high[axis].store());
     }
-    Ok(corners)
+    Ok(())
 }
 
 /// Eight boxes from the parts of eight lanes.

@@ -7,7 +7,6 @@ use crate::bound::WideSpheres;
 use crate::cache::CHUNK;
 use crate::rounding::BOX_RADIUS;
 use crate::simd::Lanes;
-use crate::traverse::Subtree;
 
 /// Eight boxes, side by side (stored units, relative to the origin): the least and the greatest coordinates of all deformed
 /// corners below a lane, exactly. Of a lane that leads nowhere the least is above the greatest.
@@ -57,15 +56,23 @@ impl Boxes {
 #[repr(C)]
 pub(crate) struct RefinedNode {
     pub(crate) boxes: Boxes,
-    pub(super) first_child: u32,
-    /// Of its leaves' groups of four triangles.
-    pub(super) first_leaf: u32,
-    pub(super) leaf_counts: [u8; LANES],
+    /// Where each lane leads: the index of a node, or of the first group of a leaf.
+    pub(crate) starts: [u32; LANES],
+    /// Of each lane's leaf; 0 where it leads to a node.
+    pub(crate) triangles: [u8; LANES],
     /// Lanes that lead to nodes, and to leaves that have triangles.
-    pub(crate) inner_mask: u8,
-    pub(crate) leaf_mask: u8,
+    pub(super) inner_mask: u8,
+    pub(super) leaf_mask: u8,
     /// Fills up to a multiple of eight bytes.
     pub(super) unused: [u8; 6],
+}
+
+impl RefinedNode {
+    /// Lanes that lead anywhere.
+    #[inline(always)]
+    pub(crate) fn used(&self) -> u8 {
+        self.inner_mask | self.leaf_mask
+    }
 }
 
 /// Up to four triangles of a leaf, deformed.
@@ -75,25 +82,6 @@ pub(crate) struct RefinedLeaf {
     /// Stored units: of each corner, of each coordinate, that of the four. Places without a triangle repeat the first one.
     pub(crate) corners: [[[f32; CHUNK]; 3]; 3],
     pub(crate) ids: [u32; CHUNK],
-}
-
-impl RefinedNode {
-    /// What a lane leads to: a node, or the first group of a leaf and how many triangles it has.
-    #[inline(always)]
-    pub(crate) fn subtree(&self, lane: usize) -> Subtree {
-        let bit = 1_u8 << lane;
-        if self.leaf_mask & bit != 0 {
-            return Subtree {
-                start: self.first_leaf + groups_before(&self.leaf_counts, lane),
-                triangles: u32::from(self.leaf_counts[lane]),
-            };
-        }
-        let before = (self.inner_mask & (bit - 1)).count_ones();
-        Subtree {
-            start: self.first_child.saturating_add(before),
-            triangles: 0,
-        }
-    }
 }
 
 /// Groups of four triangles that leaves with so many triangles make, those of the lanes below `lane`.

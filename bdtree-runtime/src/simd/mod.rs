@@ -11,11 +11,14 @@ use bdtree_format::{LANES, PairRow, Row};
 mod avx4;
 #[cfg(target_arch = "x86_64")]
 mod avx8;
+#[cfg(target_arch = "x86_64")]
+mod avx_order;
 mod fields;
 #[cfg(any(test, not(target_arch = "x86_64")))]
 mod four;
 #[cfg(target_arch = "aarch64")]
 mod neon;
+mod order;
 mod prefetch;
 pub(crate) mod quad;
 mod scalar;
@@ -31,6 +34,7 @@ mod whole;
 pub(crate) use fields::Fields;
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) use four::Four;
+pub(crate) use order::{Listed, Order};
 pub(crate) use prefetch::{LINE, prefetch, prefetch_from, prefetch_lines};
 pub(crate) use quad::{Quad, Quad3, add3, cross3, dot3, four_of, scale3, select3, splat3, sub3};
 pub(crate) use scalar::Array8 as Compact;
@@ -43,6 +47,8 @@ pub(crate) trait Lanes: Copy {
     type Quad: Quad;
     /// Eight whole numbers of the same instruction set.
     type Sums: PairSums;
+    /// Orders of eight lanes.
+    type Order: Order;
     /// Whether all walks call one copy of the node kernel and ask their visitors through a table of functions. Compiled
     /// for each visitor rays are a ninth faster (docs/measured/capi.md), but that is most of a library's code, and without
     /// wide registers more than with.
@@ -99,6 +105,11 @@ pub(crate) trait Lanes: Copy {
     fn moved(fields: &Fields<'_>) -> [[[f32; 4]; 3]; 3] {
         fields.moved()
     }
+    /// The lanes of `among`, that of the greatest key first; behind them any others. Keys that differ by less than 2⁻²⁰ of
+    /// themselves count as equal, and then the highest lane comes first.
+    fn order(self, among: u8) -> Self::Order;
+    /// The numbers in an order.
+    fn ordered(self, order: Self::Order) -> Self;
     /// The lanes in which `self > other`; none where one is NaN.
     #[inline(always)]
     fn above(self, other: Self) -> u8 {

@@ -10,7 +10,7 @@ use core::arch::aarch64::{
 };
 
 use super::quad::Array4;
-use super::{Lanes, PairSums};
+use super::{Lanes, Listed, PairSums};
 
 /// Methods that are one instruction on each of the two registers of the operands.
 macro_rules! instructions {
@@ -33,6 +33,17 @@ pub(super) struct Neon8(float32x4_t, float32x4_t);
 impl Lanes for Neon8 {
     type Quad = Array4;
     type Sums = Whole8;
+    type Order = Listed;
+
+    #[inline(always)]
+    fn order(self, among: u8) -> Listed {
+        Listed::new(&self.store(), among)
+    }
+
+    #[inline(always)]
+    fn ordered(self, order: Listed) -> Self {
+        Self::load(&order.of(&self.store()))
+    }
 
     #[inline(always)]
     fn splat(x: f32) -> Self {

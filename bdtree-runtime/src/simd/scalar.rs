@@ -3,10 +3,10 @@
 
 use bdtree_format::{LANES, Row};
 
-use super::Lanes;
 use super::quad::{Array4, operators};
 #[cfg(target_arch = "x86_64")]
 use super::sse::Sums;
+use super::{Lanes, Listed};
 use crate::math::sqrt_f32;
 
 #[cfg(not(target_arch = "x86_64"))]
@@ -29,7 +29,18 @@ impl Array8 {
 impl Lanes for Array8 {
     type Quad = Array4;
     type Sums = Sums;
+    type Order = Listed;
     const IS_COMPACT: bool = true;
+
+    #[inline(always)]
+    fn order(self, among: u8) -> Listed {
+        Listed::new(&self.store(), among)
+    }
+
+    #[inline(always)]
+    fn ordered(self, order: Listed) -> Self {
+        Self::load(&order.of(&self.store()))
+    }
 
     #[inline(always)]
     fn splat(x: f32) -> Self {

@@ -11,7 +11,7 @@ use core::arch::wasm32::{
 };
 use zerocopy::{FromBytes, IntoBytes};
 
-use super::{Lanes, PairSums, Quad};
+use super::{Lanes, Listed, PairSums, Quad};
 
 /// The two halves of 32 bytes.
 #[inline(always)]
@@ -53,6 +53,17 @@ pub(super) struct Simd8(v128, v128);
 impl Lanes for Simd8 {
     type Quad = Simd4;
     type Sums = Whole8;
+    type Order = Listed;
+
+    #[inline(always)]
+    fn order(self, among: u8) -> Listed {
+        Listed::new(&self.store(), among)
+    }
+
+    #[inline(always)]
+    fn ordered(self, order: Listed) -> Self {
+        Self::load(&order.of(&self.store()))
+    }
 
     #[inline(always)]
     fn splat(x: f32) -> Self {

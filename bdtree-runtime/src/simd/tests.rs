@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::whole::Whole8;
-use super::{Compact, Kernel, Lanes, PairSums, Work};
+use super::{Compact, Kernel, Lanes, Order, PairSums, Work};
 
 /// All operations on two rows: numbers by their bits, masks by theirs.
 struct Operations([Row; 2]);
@@ -48,6 +48,69 @@ fn every_kernel_rounds_each_operation_once() {
                 expected,
                 "{kernel:?}: {a:?}, {b:?}"
             );
+        }
+    }
+}
+
+/// Keys in their order and what else the lanes hold.
+struct OrderOf<'a>(&'a Row, u8);
+
+impl Work for OrderOf<'_> {
+    type Output = [[u32; LANES]; 3];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let keys = L::load(self.0);
+        let order = keys.order(self.1);
+        let lanes: [u8; LANES] = core::array::from_fn(|k| k as u8);
+        let sorted = keys.ordered(order).store();
+        [
+            sorted.map(f32::to_bits),
+            order.numbers(&lanes.map(|k| 1000 + u32::from(k))),
+            order.bytes(&lanes),
+        ]
+    }
+}
+
+#[test]
+fn every_kernel_orders_lanes_alike() {
+    let mut random = Pcg64Mcg::seed_from_u64(4);
+    for round in 0..20_000 {
+        let keys: Row = core::array::from_fn(|_| match random.random_range(0..9) {
+            0 => f32::INFINITY,
+            1 => f32::NEG_INFINITY,
+            2 => f32::NAN,
+            3 => -f32::NAN,
+            4 | 5 => random.random_range(-2.0_f32..2.0).round(),
+            6 => 1.0 + f32::EPSILON * random.random_range(0.0..20.0_f32).round(),
+            _ => random.random_range(-1.0..1.0),
+        });
+        let among = match round % 3 {
+            0 => u8::MAX,
+            _ => random.random_range(0..=u8::MAX),
+        };
+        let expected = OrderOf(&keys, among).run::<Compact>();
+        let count = among.count_ones() as usize;
+        let [_, numbers, lanes] = expected;
+        let mut met = 0;
+        for k in 0..count {
+            assert_eq!(numbers[k], 1000 + lanes[k]);
+            met |= 1 << lanes[k];
+            if k > 0 {
+                let [before, key] = [k - 1, k].map(|k| keys[lanes[k] as usize]);
+                // Eight steps of the last place are not told apart.
+                let near = key.abs().max(before.abs()) * 2_f32.powi(-20);
+                assert!(!(key > before + near), "{keys:?}, {among:b}: {lanes:?}");
+                let is_same = key.to_bits() == before.to_bits();
+                assert!(!is_same || lanes[k] < lanes[k - 1], "{keys:?}: {lanes:?}");
+            }
+        }
+        assert_eq!(met, among, "{keys:?}: {lanes:?}");
+        for kernel in Kernel::ALL.into_iter().filter(|k| k.is_available()) {
+            let found = kernel.run(OrderOf(&keys, among));
+            for (found, expected) in found.iter().zip(&expected) {
+                assert_eq!(found[..count], expected[..count], "{kernel:?}: {keys:?}");
+            }
         }
     }
 }

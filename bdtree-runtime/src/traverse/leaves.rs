@@ -199,7 +199,30 @@ pub(super) fn test<L: Lanes, V: Visitor>(
     if visitor.misses(corners) {
         return ControlFlow::Continue(());
     }
-    visitor.triangle(TriangleId(id), &world(frame, corners))
+    L::apart(Exact {
+        id: TriangleId(id),
+        corners,
+        frame,
+        visitor,
+    })
+}
+
+/// [`Visitor::triangle`] as work of its own.
+struct Exact<'t, V> {
+    id: TriangleId,
+    corners: &'t [[f32; 3]; 3],
+    frame: &'t Placement,
+    visitor: &'t mut V,
+}
+
+impl<V: Visitor> Work for Exact<'_, V> {
+    type Output = ControlFlow<()>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> ControlFlow<()> {
+        let corners = world(self.frame, self.corners);
+        self.visitor.triangle(self.id, &corners)
+    }
 }
 
 /// [`Visitor::fours`] as work of its own.

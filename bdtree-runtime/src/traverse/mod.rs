@@ -26,6 +26,7 @@ mod supports;
 mod two;
 mod visit;
 mod visitor;
+mod wide_stack;
 
 pub(crate) use frontier::SearchEntry;
 pub(crate) use pair_stack::FrontSlot;

@@ -6,15 +6,13 @@ use core::ops::ControlFlow;
 use super::leaves::{Near, take_near, test};
 use super::shared::Shared;
 use super::visitor::{Visitor, Walk};
+use super::wide_stack::WideStack;
 use super::{StackEntry, Subtree};
 use crate::cache::CHUNK;
 use crate::error::QueryError;
 use crate::pose::Pose;
 use crate::refined::Refined;
-use crate::simd::{Lanes, Work, prefetch_lines};
-
-/// Lanes that are asked for ahead, the nearest first: few of the others are visited before a hit ends the walk.
-const AHEAD: usize = 2;
+use crate::simd::{Lanes, Order, Work, prefetch_lines};
 
 /// What is walked: the same pose twice.
 #[derive(Clone, Copy)]
@@ -60,19 +58,10 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
         } = self;
         let mut walk = Walk::default();
         let mut near = Near::default();
-        stack[0] = StackEntry {
-            key: f32::NEG_INFINITY,
-            ..StackEntry::default()
-        };
-        let mut len = 1;
-        while len > 0 {
-            len -= 1;
-            let StackEntry { at, key } = stack[len];
-            if V::ORDERED && !visitor.wanted(key) {
-                continue;
-            }
-            let (len, near, walk) = (&mut len, &mut near, &mut walk);
-            if visit::<L, V>(tree, at, stack, len, near, visitor, walk)?.is_break() {
+        let mut stack = WideStack::new(stack);
+        while let Some(at) = stack.pop(|key| !V::ORDERED || visitor.wanted(key)) {
+            let (stack, near, walk) = (&mut stack, &mut near, &mut walk);
+            if visit::<L, V>(tree, at, stack, near, visitor, walk)?.is_break() {
                 return Ok(*walk);
             }
         }
@@ -83,13 +72,12 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
     }
 }
 
-/// One visit: of a leaf, or of a node, whose lanes are put onto the stack, of which `len` entries are left.
+/// One visit: of a leaf, or of a node, whose lanes are put onto the stack, the nearest on top.
 #[inline(always)]
 pub(super) fn visit<L: Lanes, V: Visitor>(
     tree: RefinedTree<'_>,
     at: Subtree,
-    stack: &mut [StackEntry],
-    len: &mut usize,
+    stack: &mut WideStack<'_>,
     near: &mut Near,
     visitor: &mut V,
     walk: &mut Walk,
@@ -111,46 +99,33 @@ pub(super) fn visit<L: Lanes, V: Visitor>(
         return Err(asset.endless(visits_max).into());
     };
     let mut keys: Row = [0.0; LANES];
-    let mut mask = visitor.boxes::<L>(&node.boxes, &mut keys);
-    mask &= node.inner_mask | node.leaf_mask;
-    let Some(room) = stack.get_mut(*len..*len + LANES) else {
+    let mask = visitor.boxes::<L>(&node.boxes, &mut keys) & node.used();
+    let keys = L::load(&keys);
+    let order = keys.order(mask);
+    let room = stack.push(
+        &keys.ordered(order).store(),
+        &order.numbers(&node.starts),
+        &order.bytes(&node.triangles),
+        mask.count_ones() as usize,
+    );
+    if !room {
         return Err(asset.too_deep().into());
-    };
-    let mut count = 0;
-    while mask != 0 {
-        let lane = (7 - mask.leading_zeros()) as usize;
-        mask &= !(1 << lane);
-        let entry = StackEntry {
-            at: node.subtree(lane),
-            key: keys[lane],
-        };
-        // The nearest on top, of equal ones the lowest lane.
-        let mut place = count;
-        if V::ORDERED {
-            while place > 0 && room[place - 1].key < entry.key {
-                room[place] = room[place - 1];
-                place -= 1;
-            }
-        }
-        room[place] = entry;
-        count += 1;
     }
-    *len += count;
-    for entry in room[..count].iter().rev().take(AHEAD) {
-        ask_for(refined, entry.at);
+    if let Some(at) = stack.top() {
+        ask_for(refined, at);
     }
     Ok(ControlFlow::Continue(()))
 }
 
-/// Asks for all of what is visited soon, wherever that begins in a line.
+/// Asks for all of what is visited next, wherever that begins in a line.
 #[inline(always)]
 fn ask_for(refined: Refined<'_>, at: Subtree) {
     let start = at.start as usize;
-    if at.triangles > 0 {
-        prefetch_lines::<3, _>(refined.leaves.as_ptr().wrapping_add(start));
-    } else {
-        prefetch_lines::<4, _>(refined.nodes.as_ptr().wrapping_add(start));
-    }
+    let leaf: *const u8 = refined.leaves.as_ptr().wrapping_add(start).cast();
+    let node: *const u8 = refined.nodes.as_ptr().wrapping_add(start).cast();
+    // Without a branch: which it is cannot be foreseen.
+    let at = core::hint::select_unpredictable(at.triangles > 0, leaf, node);
+    prefetch_lines::<4, _>(at);
 }
 
 /// Hands the triangles of a leaf to the visitor, or, in fours, keeps some of them back.
@@ -171,7 +146,9 @@ fn leaf<L: Lanes, V: Visitor>(
         while left != 0 {
             let k = (left.trailing_zeros() & 3) as usize;
             left &= left - 1;
-            let corners = leaf.corners.map(|corner| corner.map(|of| of[k]));
+            // One number at a time: rows need not be copied.
+            let corner = |i: usize| [0, 1, 2].map(|axis| leaf.corners[i][axis][k]);
+            let corners = [corner(0), corner(1), corner(2)];
             test::<L, V>(near, &tree.pose.placement, leaf.ids[k], &corners, visitor)?;
         }
     }

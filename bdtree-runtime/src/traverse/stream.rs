@@ -6,6 +6,7 @@ use super::StackEntry;
 use super::leaves::Near;
 use super::refined::{RefinedTree, RefinedWalk, visit};
 use super::visitor::{Visitor, Walk};
+use super::wide_stack::WideStack;
 use crate::error::QueryError;
 use crate::simd::{Lanes, Work};
 
@@ -14,11 +15,11 @@ pub(crate) const STREAM: usize = 8;
 
 /// Who asks, and is told the answers.
 pub(crate) trait Questions<V> {
-    /// The next one and its number; `None` after the last.
+    /// Makes the visitor that of the next question, and returns its number; `None` after the last.
     ///
     /// # Errors
     /// One that cannot be asked.
-    fn next(&mut self) -> Result<Option<(usize, V)>, QueryError>;
+    fn next(&mut self, visitor: &mut V) -> Result<Option<usize>, QueryError>;
 
     /// This one has come to its end.
     fn answered(&mut self, number: usize, visitor: &V);
@@ -26,7 +27,7 @@ pub(crate) trait Questions<V> {
 
 /// Answers all questions, in stacks for one or several; the visitor is ordered and takes triangles one by one. The first
 /// error ends it, after the questions before it are answered.
-pub(crate) fn stream<V: Visitor, Q: Questions<V>>(
+pub(crate) fn stream<V: Visitor + Default, Q: Questions<V>>(
     tree: RefinedTree<'_>,
     stack: &mut [StackEntry],
     questions: &mut Q,
@@ -51,32 +52,15 @@ struct Stream<'w, V, Q> {
     of: PhantomData<V>,
 }
 
-/// A question under way.
-struct UnderWay<V> {
-    number: usize,
+/// A question under way, or none yet.
+struct UnderWay<'s, V> {
+    number: Option<usize>,
     visitor: V,
-    /// Entries of its stack.
-    len: usize,
+    stack: WideStack<'s>,
     walk: Walk,
 }
 
-impl<V> UnderWay<V> {
-    #[inline(always)]
-    fn new((number, visitor): (usize, V), stack: &mut [StackEntry]) -> Self {
-        stack[0] = StackEntry {
-            key: f32::NEG_INFINITY,
-            ..StackEntry::default()
-        };
-        Self {
-            number,
-            visitor,
-            len: 1,
-            walk: Walk::default(),
-        }
-    }
-}
-
-impl<V: Visitor, Q: Questions<V>> Work for Stream<'_, V, Q> {
+impl<V: Visitor + Default, Q: Questions<V>> Work for Stream<'_, V, Q> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
@@ -90,7 +74,8 @@ impl<V: Visitor, Q: Questions<V>> Work for Stream<'_, V, Q> {
         let mut all = Walk::default();
         if L::IS_COMPACT {
             // One after the other, with the code of single ones.
-            while let Some((number, mut visitor)) = questions.next()? {
+            let mut visitor = V::default();
+            while let Some(number) = questions.next(&mut visitor)? {
                 let walk = RefinedWalk {
                     tree,
                     stack: &mut *stack,
@@ -101,57 +86,44 @@ impl<V: Visitor, Q: Questions<V>> Work for Stream<'_, V, Q> {
             }
             return Ok(all);
         }
+        let mut stacks = stack.chunks_exact_mut(tree.pose.asset.stack_len());
+        let mut count = stacks.len().min(STREAM);
+        let mut under_way: [UnderWay<'_, V>; STREAM] = core::array::from_fn(|_| UnderWay {
+            number: None,
+            visitor: V::default(),
+            stack: WideStack::new(stacks.next().unwrap_or_default()),
+            walk: Walk::default(),
+        });
         let mut error = None;
-        let mut next = |questions: &mut Q| {
-            if error.is_some() {
-                return None;
-            }
-            match questions.next() {
-                Ok(next) => next,
-                Err(found) => {
-                    error = Some(found);
-                    None
-                }
-            }
-        };
-        let each = tree.pose.asset.stack_len();
-        let mut stacks = stack.chunks_exact_mut(each);
-        let mut under_way: [Option<(UnderWay<V>, &mut [StackEntry])>; STREAM] =
-            [const { None }; STREAM];
-        let mut count = 0;
-        for slot in &mut under_way {
-            let Some(stack) = stacks.next() else {
-                break;
-            };
-            let Some(question) = next(questions) else {
-                break;
-            };
-            *slot = Some((UnderWay::new(question, stack), stack));
-            count += 1;
-        }
         let mut turn = 0;
         while count > 0 {
             if turn >= count {
                 turn = 0;
             }
-            let Some((one, stack)) = &mut under_way[turn & (STREAM - 1)] else {
-                break; // the first `count` are there
-            };
-            if !go_on::<L, V>(tree, one, stack)? {
+            let one = &mut under_way[turn & (STREAM - 1)];
+            if one.number.is_some() && !go_on::<L, V>(tree, one)? {
                 turn += 1;
                 continue;
             }
-            all.add(&one.walk);
-            questions.answered(one.number, &one.visitor);
-            match next(questions) {
-                Some(question) => {
-                    *one = UnderWay::new(question, stack);
-                    turn += 1;
-                }
-                None => {
-                    count -= 1;
-                    under_way.swap(turn, count);
-                }
+            if let Some(number) = one.number {
+                all.add(&one.walk);
+                questions.answered(number, &one.visitor);
+            }
+            // Here alone, so that it is compiled once.
+            one.number = match &error {
+                None => questions.next(&mut one.visitor).unwrap_or_else(|found| {
+                    error = Some(found);
+                    None
+                }),
+                Some(_) => None,
+            };
+            if one.number.is_some() {
+                one.walk = Walk::default();
+                one.stack.restart();
+                turn += 1;
+            } else {
+                count -= 1;
+                under_way.swap(turn & (STREAM - 1), count & (STREAM - 1));
             }
         }
         match error {
@@ -165,21 +137,17 @@ impl<V: Visitor, Q: Questions<V>> Work for Stream<'_, V, Q> {
 #[inline(always)]
 fn go_on<L: Lanes, V: Visitor>(
     tree: RefinedTree<'_>,
-    one: &mut UnderWay<V>,
-    stack: &mut [StackEntry],
+    one: &mut UnderWay<'_, V>,
 ) -> Result<bool, QueryError> {
     let UnderWay {
-        visitor, len, walk, ..
+        visitor,
+        stack,
+        walk,
+        ..
     } = one;
-    while *len > 0 {
-        *len -= 1;
-        let StackEntry { at, key } = stack[*len];
-        if !visitor.wanted(key) {
-            continue;
-        }
-        let near = &mut Near::default();
-        let flow = visit::<L, V>(tree, at, stack, len, near, visitor, walk)?;
-        return Ok(flow.is_break() || *len == 0);
-    }
-    Ok(true)
+    let Some(at) = stack.pop(|key| visitor.wanted(key)) else {
+        return Ok(true);
+    };
+    let near = &mut Near::default();
+    Ok(visit::<L, V>(tree, at, stack, near, visitor, walk)?.is_break())
 }
