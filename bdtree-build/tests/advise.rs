@@ -201,6 +201,19 @@ fn counts_and_errors_are_the_same_twice() {
         for name in ["command", "arguments", "sentences", "leaf_size", "chosen"] {
             assert!(object.remove(name).is_some(), "{name}");
         }
+        let refining = object.remove("refining").expect("refined poses");
+        assert!(refining["bytes"].as_u64() > Some(1000), "{refining:#}");
+        assert!(
+            refining["prepare_seconds"].as_f64() > Some(0.0),
+            "{refining:#}"
+        );
+        for kind in ["ball", "ray"] {
+            let gain = &refining[kind];
+            for name in ["seconds", "refined_seconds"] {
+                assert!(gain[name].as_f64() > Some(0.0), "{refining:#}");
+            }
+            assert!(gain["pays_from"].is_null() || gain["pays_from"].as_f64() > Some(0.0));
+        }
         forget_times(&mut json);
         json
     });

@@ -4,7 +4,7 @@
 //! And what the product is measured against: the paper's own BD-Tree and its layered hierarchy ([`paper_tree`]),
 //! libraries that deform all vertices and refit a tree ([`peers`]), all on the same numbers ([`Body`], [`deform`]) as the
 //! product ([`ours`]), with
-//! contacts from the product's exact arithmetic ([`leaf`] says who tests how many triangles at a time). [`comparison`]
+//! contacts from the product's exact arithmetic ([`leaf`] says who tests how many triangles at a time). [`sample`] poses an asset and asks about it. [`comparison`]
 //! tells who is ahead over how much is asked.
 
 mod body;
@@ -20,6 +20,7 @@ pub mod peers;
 pub mod place;
 pub mod plot;
 pub mod report;
+pub mod sample;
 mod skin;
 pub mod stats;
 pub mod table;

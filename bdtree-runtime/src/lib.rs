@@ -167,7 +167,7 @@ pub use query::{
     Aabb, BoundingSphere, Budgeted, BudgetedContacts, BudgetedPairQuery, BudgetedQuery,
     ContactManifold, ContactPoint, PairFront, PairQuery, Query,
 };
-pub use refined::RefinedPose;
+pub use refined::{PreparePart, RefinedPose};
 pub use shape::{Ball, Capsule, Cuboid, Frustum, FrustumState, HalfSpace, Ray, Shape};
 pub use simd::Kernel;
 #[cfg(feature = "alloc")]

@@ -5,6 +5,7 @@ use super::curve::{Bench, POINTS_MAX, Point, counts};
 use super::errors::Over;
 use super::samples::{Bones, Source};
 use super::subject::Subject;
+use super::works::Refining;
 use crate::pipeline::default_leaf_size;
 use crate::progress::Progress;
 
@@ -33,10 +34,12 @@ pub struct Goal {
     pub seconds: f64,
     /// Numbers of modes to measure besides those that matter, at most [`POINTS_MAX`].
     pub curve_points: usize,
+    /// Whether to measure from how many questions a step on refined poses pay.
+    pub refines: bool,
 }
 
 impl Default for Goal {
-    /// 1 % of the diagonal, as many modes as there are, the usual leaf sizes, no curve.
+    /// 1 % of the diagonal, as many modes as there are, the usual leaf sizes, no curve, refined poses.
     fn default() -> Self {
         Self {
             max_error_rel: 0.01,
@@ -46,6 +49,7 @@ impl Default for Goal {
             samples: super::samples::SAMPLES,
             seconds: 0.4,
             curve_points: 0,
+            refines: true,
         }
     }
 }
@@ -89,6 +93,8 @@ pub struct Advice {
     pub mode_names: Vec<Option<String>>,
     /// Errors, bytes and times over the number of modes, ascending: what is advised and all modes among them.
     pub curve: Vec<Point>,
+    /// Whether refined poses pay with what is advised, if that was asked for.
+    pub refining: Option<Refining>,
     /// What is not known: sentences.
     pub missing: Vec<String>,
 }
@@ -151,6 +157,12 @@ pub fn advise(
             curve.extend(bench.points(&[(&first, default)], progress)?.1);
         }
     }
+    let refining = if goal.refines {
+        progress.stage("refined poses", None);
+        Some(bench.refining((&chosen.modes, chosen.leaf_size))?)
+    } else {
+        None
+    };
     Ok(Advice {
         max_error_rel: goal.max_error_rel,
         is_met: subset.is_some() || first.is_some(),
@@ -183,6 +195,7 @@ pub fn advise(
             .map(|mode| mode.name.clone())
             .collect(),
         curve,
+        refining,
         missing: subject.missing.clone(),
     })
 }

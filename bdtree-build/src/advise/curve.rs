@@ -9,7 +9,7 @@ use super::AdviceError;
 use super::errors::Over;
 use super::samples::Samples;
 use super::subject::Subject;
-use super::works::{Contender, Measured, Works};
+use super::works::{Contender, Measured, Refining, Works};
 use crate::basis::BasisError;
 use crate::basis::dropped::{error_of, select};
 use crate::error::BakeError;
@@ -142,6 +142,24 @@ impl<'s> Bench<'s> {
         progress.advance(settings.len() as u64);
         let whole = points.next().ok_or(AdviceError::NothingMeasured)?;
         Ok((whole, points.collect()))
+    }
+
+    /// Whether refined poses pay with a setting.
+    ///
+    /// # Errors
+    /// What the bake and queries refuse.
+    pub fn refining(&self, (modes, leaf_size): Setting<'_>) -> Result<Refining, AdviceError> {
+        let settings = BakeSettings {
+            leaf_size: Some(leaf_size),
+            ..self.subject.settings.clone()
+        };
+        let (file, _) = baked(self.subject, Some(modes), &settings, &Silent)?;
+        let samples = self.samples.select(modes);
+        let refining = self.works.refining(Contender {
+            asset: file.asset(),
+            samples: &samples,
+        });
+        Ok(refining?)
     }
 
     /// The leaf size of the asset as it is.

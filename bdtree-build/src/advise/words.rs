@@ -4,7 +4,7 @@ use super::choose::Advice;
 use super::curve::Point;
 use super::errors::Over;
 use super::samples::{Bones, Source};
-use super::works::Work;
+use super::works::{Refining, Work};
 use crate::figures::numbers;
 
 /// Savings below this are within what one run measures.
@@ -24,6 +24,7 @@ impl Advice {
         sentences.extend(self.savings());
         sentences.extend(self.leaf());
         sentences.extend(self.bounds());
+        sentences.extend(self.refining.as_ref().map(refining));
         sentences.extend(self.posed());
         sentences.extend(self.unknown());
         sentences.extend(self.missing.iter().cloned());
@@ -255,6 +256,33 @@ impl Advice {
     }
 }
 
+/// From how many questions a step on memory for refined poses pays.
+fn refining(refining: &Refining) -> String {
+    let kinds = [("ball", refining.ball), ("ray", refining.ray)];
+    let prepare = time(refining.prepare_seconds);
+    let (mut from, mut gains) = (Vec::new(), Vec::new());
+    for (name, gain) in kinds {
+        let Some(count) = gain.pays_from else {
+            continue;
+        };
+        from.push(format!("{} {name}s", round_up(count)));
+        let [without, with] = [gain.seconds, gain.refined_seconds].map(time);
+        gains.push(format!("a {name} takes {with} instead of {without}"));
+    }
+    if from.is_empty() {
+        return format!(
+            "Grant no memory for refined poses: preparing one takes {prepare}, and no question is faster by 5 % then."
+        );
+    }
+    format!(
+        "Grant {} bytes for a refined pose (StepCache::refining, which decides by itself) if steps ask more than {}: \
+         preparing takes {prepare}, then {}.",
+        refining.bytes,
+        from.join(" or "),
+        gains.join(" and ")
+    )
+}
+
 /// Times of each kind of question, and how many nodes it visits.
 fn times(chosen: &Point, all: &Point) -> String {
     let works = chosen
@@ -329,6 +357,12 @@ fn percent(share: f64) -> String {
 /// A share in whole per cent, downwards: no more is claimed than was measured.
 fn saving(share: f64) -> String {
     format!("{:.0} %", (100.0 * share).floor())
+}
+
+/// A count to two digits, upwards.
+fn round_up(count: f64) -> u64 {
+    let unit = 10.0_f64.powf((count.max(1.0).log10().floor() - 1.0).max(0.0));
+    ((count / unit).ceil() * unit) as u64
 }
 
 /// Seconds to three digits.

@@ -6,6 +6,7 @@
 
 mod ask;
 mod questions;
+mod refined;
 
 use std::borrow::Cow;
 use std::time::Instant;
@@ -16,6 +17,7 @@ use serde::Serialize;
 
 use super::samples::Samples;
 use ask::Asked;
+pub use refined::{Gain, Refining};
 
 /// Balls per sample.
 pub const BALLS: usize = 4;

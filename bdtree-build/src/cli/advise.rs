@@ -103,6 +103,7 @@ impl Advised {
             "all": advice.all,
             "leaves": advice.leaves,
             "curve": advice.curve,
+            "refining": advice.refining,
             "missing": advice.missing,
             "warnings": self.warnings,
         })

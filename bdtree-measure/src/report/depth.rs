@@ -12,8 +12,8 @@ use bdtree_runtime::{
 };
 
 use super::content::{DepthRow, WholeQuery};
-use super::sample::{HERE, Sample};
 use super::{REPETITIONS, lanes};
+use crate::sample::{HERE, Sample};
 
 /// Queries without a level limit, and level by level; the last one is where answers are exact.
 pub(super) fn depth(

@@ -12,10 +12,10 @@ use bdtree_build::progress::Progress;
 use bdtree_runtime::{Asset, FormatError, VertexId};
 
 use super::content::{self, Content, Facts, Machine, Margin, Parts, Seconds};
-use super::sample::{HERE, SMALL_BALL, Sample};
 use super::{
     REPETITIONS, advice, comparison, depth, made, modes, poses, sections, tightness, verdict,
 };
+use crate::sample::{HERE, SMALL_BALL, Sample, bounds_at_rest};
 
 /// Meshes of more triangles get fewer samples of what looks at all vertices.
 const LARGE_TRIANGLES: usize = 100_000;
@@ -58,7 +58,7 @@ pub fn measure(
     progress: &(dyn Progress + Sync),
 ) -> Result<Content, MeasureError> {
     let mut seconds = Clockwork::new(subject.check_seconds);
-    let bounds = bounds(asset)?;
+    let bounds = bounds_at_rest(asset)?;
     let diagonal = distance(bounds[1], bounds[0]);
     let samples = Samples::of(asset, SAMPLES)?;
     let mut missing = poses::missing(asset, &samples);
@@ -219,22 +219,6 @@ fn carried_farthest(asset: &Asset<'_>, sample: &Sample) -> Result<f64, MeasureEr
         most = most.max(distance(p, rest));
     }
     Ok(most)
-}
-
-/// The box of the vertices that triangles use, at rest (mesh units).
-fn bounds(asset: &Asset<'_>) -> Result<[[f64; 3]; 2], MeasureError> {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    let corners = asset.triangles().iter().flat_map(|t| t.corners);
-    let at_rest = at_rest(asset)?;
-    for p in corners.filter_map(|v| at_rest.get(v as usize)) {
-        for k in 0..3 {
-            let x = asset.origin()[k] + asset.unit() * f64::from(p[k]);
-            low[k] = low[k].min(x);
-            high[k] = high[k].max(x);
-        }
-    }
-    Ok([low, high])
 }
 
 /// Times of parts.

@@ -13,7 +13,6 @@ mod measure;
 mod modes;
 mod page;
 mod poses;
-mod sample;
 mod sections;
 mod text;
 mod tightness;

@@ -61,6 +61,8 @@ pub(super) fn modes(asset: &Asset<'_>, progress: &dyn Progress) -> Result<Modes,
             (_, true) => POINTS_MAX / 3,
             (_, false) => POINTS_MAX,
         },
+        // The report measures that itself, beside deform + refit.
+        refines: false,
         ..Goal::default()
     };
     if is_large {

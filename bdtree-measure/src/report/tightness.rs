@@ -7,8 +7,8 @@ use bdtree_runtime::{Asset, FormatError, Pose, VertexId};
 
 use super::content::{Ratio, TightnessRow};
 use super::lanes;
-use super::sample::{HERE, Sample};
 use crate::MeasureError;
+use crate::sample::{HERE, Sample};
 use crate::vector::{distance, length};
 
 /// Displacements of the vertex that moves most, over the diagonal.

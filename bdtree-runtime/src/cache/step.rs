@@ -3,7 +3,7 @@
 use super::slots::{LeafSlot, NodeSlot, STEP_END, place, tag};
 use crate::error::QueryError;
 use crate::pose::Pose;
-use crate::refined::{Refine, RefinedPose, Refining};
+use crate::refined::{Refine, RefinedPose, Refining, refining_cost};
 use crate::view::Asset;
 use crate::workspace::Memory;
 
@@ -63,8 +63,8 @@ pub struct StepCache<'m> {
     /// The step that nodes were evaluated in, and what identifies its pose.
     epoch: u32,
     reference: Option<u64>,
-    /// Triangles of that pose's mesh.
-    triangles: usize,
+    /// What refining that pose costs.
+    cost: u64,
     refining: Option<Refining<'m>>,
 }
 
@@ -99,7 +99,7 @@ impl<'m> StepCache<'m> {
             step: 0,
             epoch: 0,
             reference: None,
-            triangles: 0,
+            cost: u64::MAX,
             refining: None,
         }
     }
@@ -134,7 +134,7 @@ impl<'m> StepCache<'m> {
 
     /// The same, or no more of it.
     pub(crate) fn set_refining(&mut self, memory: Option<RefinedPose<'m>>) {
-        self.refining = memory.map(|memory| Refining::new(memory, self.triangles));
+        self.refining = memory.map(|memory| Refining::new(memory, self.cost));
     }
 
     /// Whether the pose is refined now.
@@ -144,7 +144,7 @@ impl<'m> StepCache<'m> {
 
     /// Forgets everything, in constant time, and serves this pose from now on, wherever it is placed.
     pub fn start(&mut self, pose: &Pose<'_>) {
-        self.triangles = pose.asset.triangle_count();
+        self.cost = refining_cost(pose.asset);
         self.next_step();
         self.epoch = self.step;
         self.reference = Some(pose.fingerprint());
@@ -199,7 +199,7 @@ impl<'m> StepCache<'m> {
     fn next_step(&mut self) {
         self.step += 1;
         if let Some(refining) = &mut self.refining {
-            refining.next_step(self.triangles);
+            refining.next_step(self.cost);
         }
         if self.step == STEP_END {
             let kept = self.slots();

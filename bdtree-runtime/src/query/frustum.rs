@@ -37,6 +37,7 @@ pub(super) fn state(
         nodes_visited: 1,
         nodes_updated: 1,
         triangles: 0,
+        gain: 0,
         stopped: false,
     };
     if state != FrustumState::Intersects {

@@ -1,32 +1,45 @@
-//! Whether a step asks so much that preparing pays, from what it has visited so far and what the step before visited.
+//! Whether a step asks so much that preparing pays, from what it has asked so far and what the step before asked.
 //!
-//! Preparing costs as much as it saves in a number of visits that grows with the mesh alone: it deforms all vertices, and then
-//! each node and each triangle that is visited costs less. The first walk of a step prepares if the step before has visited that
-//! many. If it has not, a step prepares when it has visited twice as many, so that steps that ask about as much as pays do
-//! not pay for both. A step among its like so costs as much as the better of both ways, and one that asks unexpectedly much at
-//! most about three times as much (by the rule above, not measured).
+//! Preparing costs what grows with the mesh alone: it deforms all vertices. Then each node and each triangle that is visited
+//! costs less. The first walk of a step prepares if the step before would have saved that much. If it would not, a step prepares
+//! when it would have saved twice as much, so that steps that ask about as much as pays do not pay for both. A step among its
+//! like so costs as much as the better of both ways, and one that asks unexpectedly much at most about three times as much (by
+//! the rule above, not measured).
 
 use super::{Refined, RefinedPose};
 use crate::pose::Pose;
 use crate::traverse::Walk;
+use crate::view::Asset;
 
-/// Preparing costs as much per triangle of the mesh as a third of what it saves per node and per triangle that a walk of
-/// spheres visits (docs/measured/benchmarks.md, refined poses).
-const PER_VISIT: u64 = 3;
+/// What a ray gains, for many that are asked at once: [`Walk::gain`] of 13 nodes and 18 triangles.
+const RAY_GAIN: u64 = 70;
 
-/// Nodes and triangles that a ray visits, for many that are asked at once.
-const RAY_VISITS: u64 = 20;
-
-/// Visits of spheres that stand for two of boxes, which are tighter.
+/// What spheres would have gained where two were gained with boxes, which are tighter.
 const OF_TWO: u64 = 3;
+
+/// Meshes of more triangles do not stay in the caches, so that deforming a leaf takes longer.
+const LARGE: usize = 50_000;
+
+/// What preparing a pose costs, in the unit of [`Walk::gain`]: 5 ns per triangle and 10 per vertex
+/// (docs/measured/benchmarks.md, refined poses). Where bones carry vertices or the mesh is large, what is visited saves more.
+pub(crate) fn refining_cost(asset: &Asset<'_>) -> u64 {
+    let (triangles, vertices) = (asset.triangle_count(), asset.vertex_count());
+    let cost = (triangles as u64 + 2 * vertices as u64) / 3;
+    let cost = match (asset.has_skin(), triangles > LARGE) {
+        (true, _) => cost * 2 / 5,
+        (false, true) => cost * 2 / 3,
+        (false, false) => cost,
+    };
+    cost.max(1)
+}
 
 /// A step cache's memory for refined poses, and when it uses it.
 #[derive(Debug)]
 pub(crate) struct Refining<'m> {
     pose: RefinedPose<'m>,
-    /// Nodes and triangles of this step, as walks of spheres visit them.
-    visits: u64,
-    /// From how many on a step prepares: 0 where the step before had enough.
+    /// Of this step, of walks of spheres ([`Walk::gain`]).
+    gain: u64,
+    /// From how much on a step prepares: 0 where the step before had enough.
     enough: u64,
     is_ready: bool,
     /// Meshes of so many triangles or more have found too little memory.
@@ -34,26 +47,25 @@ pub(crate) struct Refining<'m> {
 }
 
 impl<'m> Refining<'m> {
-    /// For poses of a mesh of so many triangles to begin with.
-    pub(crate) fn new(memory: RefinedPose<'m>, triangles: usize) -> Self {
+    /// For poses that cost so much ([`refining_cost`]) to begin with.
+    pub(crate) fn new(memory: RefinedPose<'m>, cost: u64) -> Self {
         Self {
             pose: memory,
-            visits: 0,
-            enough: enough(triangles),
+            gain: 0,
+            enough: cost,
             is_ready: false,
             too_large: usize::MAX,
         }
     }
 
-    /// Another pose.
-    pub(crate) fn next_step(&mut self, triangles: usize) {
-        let enough = enough(triangles);
-        self.enough = match self.visits {
-            0 => enough, // nothing is known
-            few if few < enough => enough.saturating_mul(2),
+    /// Another pose, which costs so much.
+    pub(crate) fn next_step(&mut self, cost: u64) {
+        self.enough = match self.gain {
+            0 => cost, // nothing is known
+            little if little < cost => cost.saturating_mul(2),
             _ => 0,
         };
-        self.visits = 0;
+        self.gain = 0;
         self.is_ready = false;
     }
 
@@ -62,17 +74,12 @@ impl<'m> Refining<'m> {
     }
 }
 
-/// Nodes and triangles whose visits cost as much without as preparing and they do.
-fn enough(triangles: usize) -> u64 {
-    (triangles as u64 / PER_VISIT).max(1)
-}
-
 /// [`Refining`] behind a lifetime that can be shortened.
 pub(crate) trait Refine: core::fmt::Debug + Send + Sync {
     /// The refined pose, if it is there or pays now, before `walks` walks.
     fn before(&mut self, pose: &Pose<'_>, walks: usize) -> Option<Refined<'_>>;
 
-    /// Counts what was visited.
+    /// Counts what was gained, or would have been.
     fn after(&mut self, walk: &Walk);
 }
 
@@ -80,9 +87,9 @@ impl Refine for Refining<'_> {
     fn before(&mut self, pose: &Pose<'_>, walks: usize) -> Option<Refined<'_>> {
         if !self.is_ready {
             let triangles = pose.asset.triangle_count();
-            let expected = self.visits.saturating_add(match walks {
+            let expected = self.gain.saturating_add(match walks {
                 1 => 0,
-                _ => RAY_VISITS.saturating_mul(walks as u64),
+                _ => RAY_GAIN.saturating_mul(walks as u64),
             });
             if expected < self.enough || triangles >= self.too_large {
                 return None;
@@ -99,10 +106,10 @@ impl Refine for Refining<'_> {
     }
 
     fn after(&mut self, walk: &Walk) {
-        let mut visits = walk.nodes_visited.saturating_add(walk.triangles);
+        let mut gain = walk.gain;
         if self.is_ready {
-            visits = visits.saturating_mul(OF_TWO) / 2;
+            gain = gain.saturating_mul(OF_TWO) / 2;
         }
-        self.visits = self.visits.saturating_add(visits);
+        self.gain = self.gain.saturating_add(gain);
     }
 }

@@ -10,7 +10,9 @@ mod by_itself;
 mod prepare;
 mod record;
 
-pub(crate) use by_itself::{Refine, Refining};
+pub(crate) use by_itself::{Refine, Refining, refining_cost};
+pub use prepare::PreparePart;
+use prepare::Slots;
 pub(crate) use record::{Boxes, RefinedLeaf, RefinedNode};
 
 use bdtree_format::TriangleRecord;
@@ -144,10 +146,48 @@ impl<'m> RefinedPose<'m> {
     /// # Errors
     /// [`QueryError::Memory`] where there are too few bytes; a corrupt asset. It then holds nothing.
     pub fn prepare(&mut self, pose: &Pose<'_>) -> Result<(), QueryError> {
+        self.prepare_in_parts(pose, 1, |parts| parts.iter_mut().for_each(PreparePart::run))
+    }
+
+    /// [`RefinedPose::prepare`], with the same bytes, split into about so many parts, at most 33, that may run at the same time.
+    /// `run` is called twice, and must have every part run before it returns, on threads of the caller's:
+    ///
+    /// ```
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # use bdtree_runtime::{Asset, RefinedPose, Transform, include_bdt};
+    /// # let asset = Asset::open(include_bdt!("../../../fixtures/golden/sphere.bdt"))?;
+    /// # let (q, mut memory) = (vec![0.0; asset.mode_count()], vec![0.0; asset.pose_len()]);
+    /// # let pose = asset.pose(&q, Transform::IDENTITY, &mut memory)?;
+    /// # let mut refined = RefinedPose::new();
+    /// refined.prepare_in_parts(&pose, 4, |parts| {
+    ///     std::thread::scope(|scope| {
+    ///         for part in parts {
+    ///             scope.spawn(|| part.run());
+    ///         }
+    ///     })
+    /// })?;
+    /// # assert!(refined.serves(&pose));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`RefinedPose::prepare`]; a part that was not run.
+    pub fn prepare_in_parts(
+        &mut self,
+        pose: &Pose<'_>,
+        parts: usize,
+        mut run: impl FnMut(&mut [PreparePart<'_>]),
+    ) -> Result<(), QueryError> {
         self.fingerprint = None;
         self.counts = Counts::of(pose.asset)?;
         let (nodes, leaves, vertices) = self.memory.three_slots(self.counts.slots())?;
-        prepare::prepare(pose, nodes, leaves, vertices)?;
+        let slots = Slots {
+            nodes,
+            leaves,
+            vertices,
+        };
+        prepare::prepare(pose, slots, parts, &mut run)?;
         self.added = round_up(BOX_CENTER * (pose.reach + f64::from(pose.slack)));
         self.fingerprint = Some(pose.fingerprint());
         Ok(())

@@ -1,5 +1,7 @@
 //! Deforms all vertices, puts the corners of leaves side by side, and finds all boxes: those of leaves first, then all others
 //! from the last node to the first, since children stand behind their nodes.
+//!
+//! The first two are done in parts, which may run at the same time.
 
 use bdtree_format::{LANES, TriangleRecord};
 
@@ -13,48 +15,185 @@ use crate::simd::{Four, Lanes, Work};
 use crate::traverse::{lane_subtree, used_lanes};
 use crate::view::Asset;
 
-/// Fills all three.
+/// Most parts that preparing is split into: nodes without leaves may be one more.
+const PARTS_MAX: usize = 32 + 1;
+
+/// Vertices that are deformed together: the corners of four triangles.
+const TOGETHER: usize = 12;
+
+/// A part of preparing a pose, which any thread may run; [`RefinedPose::prepare_in_parts`](super::RefinedPose::prepare_in_parts)
+/// hands them out.
+#[derive(Debug, Default)]
+pub struct PreparePart<'p> {
+    work: PartWork<'p>,
+    outcome: Option<Result<(), QueryError>>,
+}
+
+impl PreparePart<'_> {
+    /// Does this part.
+    pub fn run(&mut self) {
+        // A kernel's work is moved into it.
+        self.outcome = match core::mem::take(&mut self.work) {
+            PartWork::Vertices(part) => Some(part.pose.asset.kernel.run(part)),
+            PartWork::Leaves(part) => Some(part.pose.asset.kernel.run(part)),
+            PartWork::Done => self.outcome.take(),
+        };
+    }
+}
+
+#[derive(Debug, Default)]
+enum PartWork<'p> {
+    Vertices(Vertices<'p>),
+    Leaves(Leaves<'p>),
+    #[default]
+    Done,
+}
+
+/// Vertices to deform, from one on; the fourth number is not used.
+#[derive(Debug)]
+struct Vertices<'p> {
+    pose: &'p Pose<'p>,
+    first: u32,
+    out: &'p mut [[f32; 4]],
+}
+
+/// Nodes whose leaves are to be put side by side, from one on.
+#[derive(Debug)]
+struct Leaves<'p> {
+    pose: &'p Pose<'p>,
+    vertices: &'p [[f32; 4]],
+    first_node: u32,
+    nodes: &'p mut [RefinedNode],
+    first_leaf: u32,
+    leaves: &'p mut [RefinedLeaf],
+}
+
+/// What is to be filled.
+pub(super) struct Slots<'p> {
+    pub(super) nodes: &'p mut [RefinedNode],
+    pub(super) leaves: &'p mut [RefinedLeaf],
+    pub(super) vertices: &'p mut [[f32; 4]],
+}
+
+/// Fills all slots, in so many parts or fewer.
 ///
 /// # Errors
-/// A corrupt asset.
+/// A corrupt asset, a part that was not run.
 pub(super) fn prepare(
     pose: &Pose<'_>,
-    nodes: &mut [RefinedNode],
-    leaves: &mut [RefinedLeaf],
-    vertices: &mut [[f32; 4]],
+    slots: Slots<'_>,
+    parts: usize,
+    run: &mut dyn FnMut(&mut [PreparePart<'_>]),
 ) -> Result<(), QueryError> {
-    pose.asset.kernel.run(Prepare {
-        pose,
+    let Slots {
         nodes,
         leaves,
         vertices,
+    } = slots;
+    let parts = parts.clamp(1, PARTS_MAX - 1);
+    {
+        let each = vertices.len().div_ceil(parts).next_multiple_of(TOGETHER);
+        let starts = (0..).step_by(each.max(1));
+        let of = vertices.chunks_mut(each.max(1)).zip(starts);
+        run_all(
+            of.map(|(out, first)| PartWork::Vertices(Vertices { pose, first, out })),
+            run,
+        )?;
+    }
+    let vertices = &*vertices;
+    let split = Split {
+        pose,
+        vertices,
+        each: leaves.len().div_ceil(parts) as u32,
+        nodes: &mut *nodes,
+        leaves,
+        first_node: 0,
+        first_leaf: 0,
+    };
+    run_all(split, run)?;
+    pose.asset.kernel.run(Inner {
+        asset: pose.asset,
+        nodes,
     })
 }
 
-struct Prepare<'w> {
-    pose: &'w Pose<'w>,
-    nodes: &'w mut [RefinedNode],
-    leaves: &'w mut [RefinedLeaf],
-    /// The fourth number is not used.
-    vertices: &'w mut [[f32; 4]],
+/// Has all run.
+fn run_all<'p>(
+    works: impl Iterator<Item = PartWork<'p>>,
+    run: &mut dyn FnMut(&mut [PreparePart<'_>]),
+) -> Result<(), QueryError> {
+    let mut parts: [PreparePart<'_>; PARTS_MAX] = core::array::from_fn(|_| PreparePart::default());
+    let mut count = 0;
+    for (part, work) in parts.iter_mut().zip(works) {
+        part.work = work;
+        count += 1;
+    }
+    let parts = parts.get_mut(..count).unwrap_or_default();
+    run(parts);
+    for part in parts {
+        let not_run = Err(QueryError::Argument("run: a part was not run"));
+        part.outcome.take().unwrap_or(not_run)?;
+    }
+    Ok(())
 }
 
-impl Work for Prepare<'_> {
+/// Cuts nodes into parts of about as many leaves.
+struct Split<'p> {
+    pose: &'p Pose<'p>,
+    vertices: &'p [[f32; 4]],
+    /// Leaves of a part, from which on it ends.
+    each: u32,
+    nodes: &'p mut [RefinedNode],
+    leaves: &'p mut [RefinedLeaf],
+    first_node: u32,
+    first_leaf: u32,
+}
+
+impl<'p> Iterator for Split<'p> {
+    type Item = PartWork<'p>;
+
+    fn next(&mut self) -> Option<PartWork<'p>> {
+        if self.nodes.is_empty() {
+            return None;
+        }
+        let from = self.pose.asset.nodes().get(self.first_node as usize..)?;
+        let (mut node_count, mut leaf_count) = (0, 0);
+        for node in from {
+            node_count += 1;
+            leaf_count += groups_before(&node.leaf_counts, LANES);
+            if leaf_count >= self.each.max(1) {
+                break;
+            }
+        }
+        let nodes = core::mem::take(&mut self.nodes);
+        let (nodes, rest) = nodes.split_at_mut(node_count.min(nodes.len()));
+        self.nodes = rest;
+        let leaves = core::mem::take(&mut self.leaves);
+        let (leaves, rest) = leaves.split_at_mut((leaf_count as usize).min(leaves.len()));
+        self.leaves = rest;
+        let part = Leaves {
+            pose: self.pose,
+            vertices: self.vertices,
+            first_node: self.first_node,
+            nodes,
+            first_leaf: self.first_leaf,
+            leaves,
+        };
+        self.first_node += node_count as u32;
+        self.first_leaf += leaf_count;
+        Some(PartWork::Leaves(part))
+    }
+}
+
+impl Work for Leaves<'_> {
     type Output = Result<(), QueryError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        let Self {
-            pose,
-            nodes,
-            leaves,
-            vertices,
-        } = self;
-        let asset = pose.asset;
-        deform::<L>(pose, vertices)?;
+        let asset = self.pose.asset;
         let mut leaf_count = 0;
-        for (index, slot) in nodes.iter_mut().enumerate() {
-            let node = asset.node(index as u32)?;
+        for (index, slot) in (self.first_node..).zip(self.nodes) {
+            let node = asset.node(index)?;
             let used = used_lanes(node);
             *slot = RefinedNode {
                 boxes: Boxes::EMPTY,
@@ -75,16 +214,33 @@ impl Work for Prepare<'_> {
                     continue;
                 }
                 let first = leaf_count + groups_before(&node.leaf_counts, lane);
-                (slot.starts[lane], slot.triangles[lane]) = (first, node.leaf_counts[lane]);
+                slot.starts[lane] = self.first_leaf + first;
+                slot.triangles[lane] = node.leaf_counts[lane];
                 let records = asset.leaf(subtree)?;
                 // As many as were counted.
-                let room = leaves.get_mut(first as usize..);
+                let room = self.leaves.get_mut(first as usize..);
                 let room = room.unwrap_or_default();
-                leaf(asset, records, vertices, room, &mut corners[lane])?;
+                leaf(asset, records, self.vertices, room, &mut corners[lane])?;
             }
             leaf_count += groups_before(&node.leaf_counts, LANES);
             slot.boxes = boxes::<L>(&corners);
         }
+        Ok(())
+    }
+}
+
+/// Finds the boxes of lanes that lead to nodes.
+struct Inner<'p> {
+    asset: &'p Asset<'p>,
+    nodes: &'p mut [RefinedNode],
+}
+
+impl Work for Inner<'_> {
+    type Output = Result<(), QueryError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self { asset, nodes } = self;
         for index in (0..nodes.len()).rev() {
             let (front, behind) = nodes.split_at_mut(index + 1);
             let slot = &mut front[index];
@@ -126,44 +282,51 @@ impl Boxes {
     }
 }
 
-/// Puts all deformed vertices into `out`, to the bit as [`Pose::deformed_stored`] says.
-#[inline(always)]
-fn deform<L: Lanes>(pose: &Pose<'_>, out: &mut [[f32; 4]]) -> Result<(), FormatError> {
-    const TOGETHER: usize = 12;
-    let mut first = 0;
-    let (twelves, rest) = out.as_chunks_mut::<TOGETHER>();
-    for twelve in twelves {
-        // Twelve corners of four triangles.
-        let record = |k: u32| TriangleRecord {
-            corners: [first + k, first + 4 + k, first + 8 + k],
-            id: 0,
-        };
-        let records = [record(0), record(1), record(2), record(3)];
-        let [a, b, c, d] = &records;
-        let mut corners = [[[0.0; 4]; 3]; 3];
-        pose.asset
-            .deform_four::<L>(pose, [a, b, c, d], &mut corners)?;
-        let (fours, _) = twelve.as_chunks_mut::<4>();
-        for (four, [x, y, z]) in fours.iter_mut().zip(&corners) {
-            let columns = [
-                Four::load(x),
-                Four::load(y),
-                Four::load(z),
-                Four::splat(0.0),
-            ];
-            let rows = Four::transposed(columns);
-            for k in 0..4 {
-                four[k] = rows[k].store();
+/// To the bit as [`Pose::deformed_stored`] says.
+impl Work for Vertices<'_> {
+    type Output = Result<(), QueryError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self {
+            pose,
+            mut first,
+            out,
+        } = self;
+        let (twelves, rest) = out.as_chunks_mut::<TOGETHER>();
+        for twelve in twelves {
+            // Twelve corners of four triangles.
+            let record = |k: u32| TriangleRecord {
+                corners: [first + k, first + 4 + k, first + 8 + k],
+                id: 0,
+            };
+            let records = [record(0), record(1), record(2), record(3)];
+            let [a, b, c, d] = &records;
+            let mut corners = [[[0.0; 4]; 3]; 3];
+            pose.asset
+                .deform_four::<L>(pose, [a, b, c, d], &mut corners)?;
+            let (fours, _) = twelve.as_chunks_mut::<4>();
+            for (four, [x, y, z]) in fours.iter_mut().zip(&corners) {
+                let columns = [
+                    Four::load(x),
+                    Four::load(y),
+                    Four::load(z),
+                    Four::splat(0.0),
+                ];
+                let rows = Four::transposed(columns);
+                for k in 0..4 {
+                    four[k] = rows[k].store();
+                }
             }
+            first += TOGETHER as u32;
         }
-        first += TOGETHER as u32;
+        for vertex in rest {
+            let [x, y, z] = pose.deformed_stored(VertexId(first))?;
+            *vertex = [x, y, z, 0.0];
+            first += 1;
+        }
+        Ok(())
     }
-    for vertex in rest {
-        let [x, y, z] = pose.deformed_stored(VertexId(first))?;
-        *vertex = [x, y, z, 0.0];
-        first += 1;
-    }
-    Ok(())
 }
 
 /// The least and the greatest of what a lane holds, of each coordinate in four parts.

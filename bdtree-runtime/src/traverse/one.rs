@@ -34,18 +34,20 @@ pub(crate) fn one<V: Visitor>(
         && let Some(refined) = posed.refined
     {
         let pose = posed.pose;
-        return asset.kernel.run(RefinedWalk {
+        let walk = asset.kernel.run(RefinedWalk {
             tree: RefinedTree { pose, refined },
             stack,
             visitor,
         });
+        return walk.map(Walk::of::<V>);
     }
-    asset.kernel.run(OneWalk {
+    let walk = asset.kernel.run(OneWalk {
         posed: &mut posed,
         stack,
         visitor,
         limit,
-    })
+    });
+    walk.map(Walk::of::<V>)
 }
 
 /// A walk and who it is for: node bounds and the visitor's test of them are one piece of code,

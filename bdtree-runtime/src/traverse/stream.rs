@@ -37,12 +37,13 @@ pub(crate) fn stream<V: Visitor + Default, Q: Questions<V>>(
     if found < needed {
         return Err(QueryError::Memory { needed, found });
     }
-    tree.pose.asset.kernel.run(Stream {
+    let walk = tree.pose.asset.kernel.run(Stream {
         tree,
         stack,
         questions,
         of: PhantomData,
-    })
+    });
+    walk.map(Walk::of::<V>)
 }
 
 struct Stream<'w, V, Q> {

@@ -203,6 +203,7 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
                     nodes_visited,
                     nodes_updated: a.updated + b.updated,
                     triangles: 0,
+                    gain: 0,
                     stopped,
                 });
             }
@@ -287,6 +288,7 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
                     nodes_visited,
                     nodes_updated: a.updated + b.updated,
                     triangles: 0,
+                    gain: 0,
                     stopped: true,
                 });
             }

@@ -71,6 +71,7 @@ fn sentences_claim_what_was_measured() {
         has_default_leaves: true,
         mode_names: Vec::new(),
         curve: Vec::new(),
+        refining: None,
         missing: Vec::new(),
     };
     let said = advice.sentences();
@@ -154,5 +155,43 @@ fn sentences_claim_what_was_measured() {
     assert_eq!(
         advice.sentences()[0],
         "5 modes leave an error of 5 % (goal: 1 %). Allow more with --modes."
+    );
+}
+
+#[test]
+fn memory_is_granted_only_where_it_pays() {
+    use super::super::works::{Gain, Refining};
+    let gain = |refined_seconds: f64, pays_from: Option<f64>| Gain {
+        seconds: 2e-6,
+        refined_seconds,
+        pays_from,
+    };
+    let mut refining = Refining {
+        bytes: 2_352_104,
+        prepare_seconds: 3.4e-4,
+        ball: gain(1.2e-6, Some(425.0)),
+        ray: gain(5e-7, Some(226.7)),
+    };
+    assert_eq!(
+        super::refining(&refining),
+        "Grant 2352104 bytes for a refined pose (StepCache::refining, which decides by itself) if steps ask more than \
+         430 balls or 230 rays: preparing takes 340 µs, then a ball takes 1.20 µs instead of 2.00 µs and a ray takes \
+         500 ns instead of 2.00 µs."
+            .replace("500 ns", "0.50 µs")
+    );
+    refining.ball.pays_from = None;
+    let said = super::refining(&refining);
+    assert!(
+        said.contains(" more than 230 rays: ") && !said.contains("ball"),
+        "{said}"
+    );
+    refining.ray.pays_from = None;
+    assert_eq!(
+        super::refining(&refining),
+        "Grant no memory for refined poses: preparing one takes 340 µs, and no question is faster by 5 % then."
+    );
+    assert_eq!(
+        [0.4, 7.2, 99.1, 426.7, 1203.0].map(round_up),
+        [1, 8, 100, 430, 1300]
     );
 }

@@ -20,7 +20,7 @@ use bdtree_runtime::{Asset, PairContact, RefinedPose, Workspace};
 
 use super::REPETITIONS;
 use super::content::{Curve, CurvePoint, Refit};
-use super::sample::{HERE, Sample};
+use crate::sample::{HERE, Sample};
 use refitted::Contender;
 
 /// Samples that are measured, of those there are.

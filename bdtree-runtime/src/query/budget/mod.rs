@@ -177,6 +177,7 @@ impl Rest {
             nodes_visited: 0,
             nodes_updated: 0,
             triangles: 0,
+            gain: 0,
             stopped: false,
         },
     };

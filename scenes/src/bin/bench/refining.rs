@@ -1,86 +1,137 @@
 //! How often a step must ask until refining its pose pays, and what a step cache that decides by itself costs beside the
 //! better of both ways.
 
+use std::fs;
+use std::path::PathBuf;
+
+use bdtree_build::advise::samples::{SAMPLES, Samples};
+use bdtree_measure::MeasureError;
+use bdtree_measure::plot::{Axis, Line, Plot, sheet};
+use bdtree_measure::sample::{HERE, SMALL_BALL, Sample, bounds_at_rest};
 use bdtree_measure::turns::{self, Rounds, Turns};
-use bdtree_runtime::{Ball, CacheSize, Query, QueryError, Ray, RefinedPose, StepCache};
+use bdtree_runtime::{
+    Ball, CacheSize, PairContact, Query, QueryError, Ray, RefinedPose, StepCache,
+};
 use bdtree_scenes::contenders::assets::baked;
-use bdtree_scenes::workloads::rays::{self, Rays};
+use bdtree_scenes::workloads::{characters, rays};
 
 use crate::prelude::*;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Questions per step
+    /// Assets to ask [default: W3's bodies and W5's characters]
+    #[arg(value_name = "FILE.bdt")]
+    files: Vec<PathBuf>,
+    /// Questions per step; of pairs, as many as it takes at most
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "1,16,128,256,512,1024,2048,4096,16384"
+        default_value = "1,8,64,256,1024,4096,16384,100000"
     )]
     counts: Vec<usize>,
-    /// Steps of each run
+    /// Most steps of each run
     #[arg(long, default_value_t = 30)]
     steps: usize,
+    /// Most questions of a run, of which pairs count as a hundred: with more, it has fewer steps, but at least three
+    #[arg(long, default_value_t = 100_000)]
+    questions: usize,
+    /// Only questions whose names contain this
+    #[arg(long, default_value = "")]
+    only: String,
+    /// Where a plot of the curves goes
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
 }
 
-/// Most questions of a run: with more, it has fewer steps, but at least three.
-const QUESTIONS: usize = 100_000;
-
-/// What a step asks, at points about the body and along rays towards it.
-#[derive(Clone, Copy)]
+/// What a step asks, near the surface of a body and along rays towards it.
+#[derive(Clone, Copy, PartialEq)]
 enum Kind {
     IsTouched,
     Contacts,
     Project,
     CastRay,
+    Pair,
 }
 
-const KINDS: [(&str, Kind); 4] = [
-    ("ball of radius 0.02: intersects", Kind::IsTouched),
-    ("ball of radius 0.05: contacts", Kind::Contacts),
+const KINDS: [(&str, Kind); 5] = [
+    ("intersects, small ball", Kind::IsTouched),
+    ("contacts, small ball", Kind::Contacts),
     ("project_point", Kind::Project),
     ("cast_ray", Kind::CastRay),
+    ("contacts of a pair", Kind::Pair),
 ];
 
-/// Points from 0.34 of the way to where rays begin: at the surface, more or less.
-const NEAR: f64 = 0.34;
+/// Pairs of a step: some hundreds of neighbours are more than bodies have.
+const PAIRS_MAX: usize = 256;
 
-impl Kind {
-    fn ask(
-        self,
-        query: &mut Query<'_, '_>,
-        [origin, direction]: [[f64; 3]; 2],
-        found: &mut Vec<Contact>,
-    ) -> std::result::Result<u64, QueryError> {
-        let point = origin.map(|x| NEAR * x);
-        Ok(match self {
-            Self::IsTouched => u64::from(query.intersects(Ball::new(point, 0.02))?),
-            Self::Contacts => {
-                found.clear();
-                query.contacts(Ball::new(point, 0.05), found)?;
-                found.len() as u64
-            }
-            Self::Project => u64::from(query.project_point(point, f64::INFINITY)?.is_some()),
-            Self::CastRay => u64::from(query.cast_ray(&Ray::new(origin, direction))?.is_some()),
+/// A pair's part of a run's questions.
+const OF_PAIR: usize = 100;
+
+/// How far from the surface balls and points are, of the way to where rays begin: most balls are touched.
+const NEAR: f64 = 0.01;
+
+/// An asset and the poses in which it is asked.
+struct Body {
+    name: String,
+    model: Model,
+    samples: Vec<Sample>,
+}
+
+impl Body {
+    fn new(name: String, model: Model) -> Result<Self> {
+        let asset = model.asset();
+        let samples = Samples::of(asset, SAMPLES)?;
+        let samples = Sample::all(asset, &samples, bounds_at_rest(asset)?)?;
+        Ok(Self {
+            name,
+            model,
+            samples,
         })
     }
 }
 
+fn bodies(files: &[PathBuf]) -> Result<Vec<Body>> {
+    let mut bodies = Vec::new();
+    for file in files {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy();
+        let model = Model::read(file).map_err(|e| format!("{}: {e}", file.display()))?;
+        bodies.push(Body::new(name.into_owned(), model)?);
+    }
+    if files.is_empty() {
+        for (name, n) in rays::SIZES {
+            bodies.push(Body::new(name.into(), baked(&rays::rays(name, n).body)?)?);
+        }
+        for (name, size) in characters::SIZES {
+            let character = characters::character(name, size)?;
+            bodies.push(Body::new(name.into(), character.model)?);
+        }
+    }
+    Ok(bodies)
+}
+
 pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
-    let mut all = Vec::new();
-    for (name, n) in rays::SIZES {
-        let work = rays::rays(name, n);
-        let model = baked(&work.body)?;
+    let (mut all, mut curves) = (Vec::new(), Vec::new());
+    for body in bodies(&arguments.files)? {
         for (question, kind) in KINDS {
+            if !question.contains(&arguments.only) {
+                continue;
+            }
+            let mut points = Vec::new();
             for &count in &arguments.counts {
-                let steps = (QUESTIONS / count.max(1)).clamp(3, arguments.steps.max(3));
+                if kind == Kind::Pair && count > PAIRS_MAX {
+                    continue;
+                }
+                let each = if kind == Kind::Pair { OF_PAIR } else { 1 };
+                let steps = arguments.questions / (each * count.max(1));
+                let steps = steps.clamp(3, arguments.steps.max(3));
                 let run = Run {
-                    asset: *model.asset(),
-                    work: &work,
+                    body: &body,
                     kind,
                     count,
                     steps,
                 };
-                let about = row! {"body" => name, "question" => question, "per step" => count};
+                let about = row! {"body" => body.name.as_str(), "triangles" => body.model.asset().triangle_count(),
+                "question" => question, "per step" => count};
                 // One after the other: what refines every pose empties the near caches of those who do not.
                 let of_run = Rounds {
                     repeats: rounds,
@@ -88,23 +139,64 @@ pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
                     with: &[],
                 };
                 let measured = turns::compare(run.entries(), &[0], of_run)?;
-                let of = |k: usize| measured[k].median[TOTAL];
+                // The least of each: a burst of other work falls on the turns of one.
+                let of = |k: usize| measured[k].floor[TOTAL];
                 let better = of(0).min(of(1));
+                points.push((count as f64, of(2) / better));
                 for row in &measured {
                     let mut cells = about.clone();
                     cells.extend(row! {
                         "contender" => row.name.as_str(),
                         "µs per step" => 1e6 * row.median[TOTAL] / steps as f64,
                         "floor" => 1e6 * row.floor[TOTAL] / steps as f64,
-                        "to the better of the first two" => row.median[TOTAL] / better,
+                        "floor to the better's" => row.floor[TOTAL] / better,
                     });
                     all.push(cells);
                 }
             }
+            curves.push(Curve {
+                question,
+                body: body.name.clone(),
+                points,
+            });
         }
     }
-    let title = "W3's bodies: steps that ask alike; preparing included";
+    if let Some(path) = &arguments.plot {
+        fs::write(path, picture(&curves)?).map_err(|e| format!("{}: {e}", path.display()))?;
+    }
+    let title = "Steps that ask alike; preparing included";
     Ok(vec![table("refining", title, &all)])
+}
+
+/// How much longer a body's steps take by themselves than in the better way, over the questions per step.
+struct Curve {
+    question: &'static str,
+    body: String,
+    points: Vec<(f64, f64)>,
+}
+
+/// A plot for each question, a line for each body.
+fn picture(curves: &[Curve]) -> Result<String> {
+    let mut plots = Vec::new();
+    for (title, _) in KINDS {
+        let its = curves.iter().filter(|curve| curve.question == title);
+        let lines = its.map(|curve| Line {
+            name: curve.body.clone(),
+            points: curve.points.clone(),
+        });
+        let lines: Vec<Line> = lines.collect();
+        if lines.is_empty() {
+            continue;
+        }
+        plots.push(Plot {
+            title: title.into(),
+            x: Axis::log("questions per step"),
+            y: Axis::from("time to the better way's", 0.5).to(1.5),
+            lines,
+            mark: None,
+        });
+    }
+    Ok(sheet(&plots)?)
 }
 
 /// Who decides whether poses are refined.
@@ -117,11 +209,20 @@ enum Way {
 
 /// Steps that ask so many questions each.
 struct Run<'a> {
-    asset: Asset<'a>,
-    work: &'a Rays,
+    body: &'a Body,
     kind: Kind,
     count: usize,
     steps: usize,
+}
+
+/// What questions are asked in.
+struct Own {
+    workspace: Workspace<'static>,
+    refined: RefinedPose<'static>,
+    /// They keep nothing: beginning a step with one takes some microseconds, and that is what all pay.
+    caches: [StepCache<'static>; 2],
+    found: Vec<Contact>,
+    touching: Vec<PairContact>,
 }
 
 impl Run<'_> {
@@ -135,33 +236,118 @@ impl Run<'_> {
     }
 
     fn entry(&self, name: &'static str, way: Way) -> Entry<'_> {
-        let (mut workspace, mut refined) = (Workspace::new(), RefinedPose::new());
-        // All have a cache that keeps nothing: beginning a step with one takes some microseconds.
-        let mut cache = StepCache::new(CacheSize::NONE);
-        if let Way::ByItself = way {
-            cache = cache.refining(RefinedPose::new());
-        }
-        let mut memory = vec![0.0; self.asset.pose_len()];
-        let mut found = Vec::new();
+        let cache = || match way {
+            Way::ByItself => StepCache::new(CacheSize::NONE).refining(RefinedPose::new()),
+            Way::Never | Way::Always => StepCache::new(CacheSize::NONE),
+        };
+        let mut own = Own {
+            workspace: Workspace::new(),
+            refined: RefinedPose::new(),
+            caches: [cache(), cache()],
+            found: Vec::new(),
+            touching: Vec::new(),
+        };
         Entry::new(name, Role::Ours, Counts::Same, move |_| {
             frame(|| {
                 let mut answer = Answer::default();
-                for step in 0..self.steps {
-                    let q = self.work.q(step % rays::FRAMES);
-                    let pose = self.asset.pose(q, Transform::IDENTITY, &mut memory)?;
-                    cache.start(&pose);
-                    let mut query = pose.query(&mut workspace).cached(&mut cache);
-                    if let Way::Always = way {
-                        refined.prepare(&pose)?;
-                        query = query.refined(&refined);
-                    }
-                    for ray in self.work.wide(step, self.count) {
-                        answer.found += self.kind.ask(&mut query, ray, &mut found)?;
-                        answer.nodes.add(query.stats());
+                let samples = self.body.samples.iter().cycle();
+                for sample in samples.take(self.steps) {
+                    match self.kind {
+                        Kind::Pair => self.pairs(sample, way, &mut own, &mut answer)?,
+                        _ => self.step(sample, way, &mut own, &mut answer)?,
                     }
                 }
                 Ok(answer)
             })
         })
+    }
+
+    /// A step of questions at one body.
+    fn step(
+        &self,
+        sample: &Sample,
+        way: Way,
+        own: &mut Own,
+        answer: &mut Answer,
+    ) -> std::result::Result<(), MeasureError> {
+        let asset = self.body.model.asset();
+        let mut memory = vec![0.0; asset.pose_len()];
+        let pose = sample.pose(asset, HERE, &mut memory)?;
+        let [cache, _] = &mut own.caches;
+        cache.start(&pose);
+        let mut query = pose.query(&mut own.workspace).cached(cache);
+        if let Way::Always = way {
+            own.refined.prepare(&pose)?;
+            query = query.refined(&own.refined);
+        }
+        if self.kind == Kind::CastRay {
+            for [origin, direction] in sample.rays(self.count) {
+                let hit = query.cast_ray(&Ray::new(origin, direction))?;
+                answer.found += u64::from(hit.is_some());
+                answer.nodes.add(query.stats());
+            }
+            return Ok(());
+        }
+        let radius = SMALL_BALL * sample.ball.1;
+        for point in sample.points(self.count, NEAR) {
+            answer.found += self.at(point, radius, &mut query, &mut own.found)?;
+            answer.nodes.add(query.stats());
+        }
+        Ok(())
+    }
+
+    /// A question about a point.
+    fn at(
+        &self,
+        point: [f64; 3],
+        radius: f64,
+        query: &mut Query<'_, '_>,
+        found: &mut Vec<Contact>,
+    ) -> std::result::Result<u64, QueryError> {
+        Ok(match self.kind {
+            Kind::IsTouched => u64::from(query.intersects(Ball::new(point, radius))?),
+            Kind::Contacts => {
+                found.clear();
+                query.contacts(Ball::new(point, radius), found)?;
+                found.len() as u64
+            }
+            _ => u64::from(query.project_point(point, f64::INFINITY)?.is_some()),
+        })
+    }
+
+    /// A step of pairs of a body and others like it around it.
+    fn pairs(
+        &self,
+        sample: &Sample,
+        way: Way,
+        own: &mut Own,
+        answer: &mut Answer,
+    ) -> std::result::Result<(), MeasureError> {
+        let asset = self.body.model.asset();
+        let mut memory = vec![0.0; asset.pose_len()];
+        let pose = sample.pose(asset, HERE, &mut memory)?;
+        if let Way::Always = way {
+            own.refined.prepare(&pose)?; // that of all, wherever they are
+        }
+        let [first, second] = &mut own.caches;
+        first.start(&pose);
+        second.start(&pose);
+        let mut memory = vec![0.0; asset.pose_len()];
+        for place in sample.places.iter().cycle().take(self.count) {
+            let other = sample.pose(asset, *place, &mut memory)?;
+            let mut others = Workspace::new();
+            let mut query = pose.query(&mut own.workspace).cached(first);
+            let mut other = other.query(&mut others).cached(second);
+            if let Way::Always = way {
+                query = query.refined(&own.refined);
+                other = other.refined(&own.refined);
+            }
+            let mut query = query.against(other);
+            own.touching.clear();
+            query.contacts(0.0, &mut own.touching)?;
+            answer.found += own.touching.len() as u64;
+            answer.nodes.add(query.stats());
+        }
+        Ok(())
     }
 }

@@ -6,21 +6,21 @@ use crate::leaf::unit;
 use crate::ours::Posture;
 use crate::vector::{length, minus};
 use bdtree_build::advise::samples::Samples;
-use bdtree_build::advise::works::BALL_RADIUS_REL;
+use bdtree_build::advise::works::{BALL_RADIUS_REL, at_rest};
 use bdtree_runtime::{
     Asset, BoneMap, BoneMatrices, JointMatrix, Pose, PoseError, Transform, TriangleId, VertexId,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// The placement of reports: world coordinates are the mesh's.
-pub(super) const HERE: Transform = Transform::IDENTITY;
+/// The placement of samples: world coordinates are the mesh's.
+pub const HERE: Transform = Transform::IDENTITY;
 
 /// Surface points per sample that rays aim at: more rays come to them from elsewhere.
 const POINTS: usize = 512;
 
 /// Radius of the balls of [`Sample::balls`] over that of [`Sample::ball`].
-pub(super) const SMALL_BALL: f64 = 0.2;
+pub const SMALL_BALL: f64 = 0.2;
 
 /// Sets the stream of small balls apart from that of the other questions.
 const BALLS_STREAM: u64 = 0xba11;
@@ -29,16 +29,18 @@ const BALLS_STREAM: u64 = 0xba11;
 const APART: [f64; 8] = [1.1, 0.98, 0.9, 0.8, 0.65, 0.5, 0.3, 0.1];
 
 /// A pose of an asset, and what is asked about it (world coordinates are the mesh's).
-pub(super) struct Sample {
-    pub(super) q: Vec<f32>,
+#[derive(Debug)]
+pub struct Sample {
+    /// One number per mode.
+    pub q: Vec<f32>,
     /// One matrix per joint; `None` without a skin.
     joints: Option<Vec<JointMatrix>>,
     /// The same as those who deform all vertices take it.
-    pub(super) maps: Vec<BoneMap>,
+    pub maps: Vec<BoneMap>,
     /// Center and radius of the ball that levels are compared with.
-    pub(super) ball: ([f64; 3], f64),
+    pub ball: ([f64; 3], f64),
     /// Where a second instance stands, nearer each time.
-    pub(super) places: Vec<Transform>,
+    pub places: Vec<Transform>,
     /// Points of the deformed surface.
     points: Vec<[f64; 3]>,
     /// Where rays come from, one for each point.
@@ -49,8 +51,11 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// One for every pose of `samples`; `bounds` is the box of the mesh at rest.
-    pub(super) fn all(
+    /// One for every pose of `samples`; `bounds` is the box of the mesh at rest ([`bounds_at_rest`]).
+    ///
+    /// # Errors
+    /// A corrupt asset.
+    pub fn all(
         asset: &Asset<'_>,
         samples: &Samples,
         bounds: [[f64; 3]; 2],
@@ -129,7 +134,7 @@ impl Sample {
     }
 
     /// What the asset is posed by.
-    pub(super) fn posture(&self) -> Posture<'_> {
+    pub fn posture(&self) -> Posture<'_> {
         let joints = self.joints.as_deref();
         Posture {
             q: &self.q,
@@ -138,7 +143,10 @@ impl Sample {
     }
 
     /// The asset in this pose, at a placement.
-    pub(super) fn pose<'p>(
+    ///
+    /// # Errors
+    /// Memory that is too short; samples of another asset.
+    pub fn pose<'p>(
         &self,
         asset: &'p Asset<'p>,
         at: Transform,
@@ -149,20 +157,48 @@ impl Sample {
     }
 
     /// So many balls about points of the surface, [`MOST`] at most, [`SMALL_BALL`] as large as the one.
-    pub(super) fn balls(&self, amount: usize) -> impl Iterator<Item = ([f64; 3], f64)> {
+    pub fn balls(&self, amount: usize) -> impl Iterator<Item = ([f64; 3], f64)> {
         let radius = SMALL_BALL * self.ball.1;
         self.centers.iter().take(amount).map(move |p| (*p, radius))
     }
 
     /// So many rays, origin and unit direction, from around the body to points of its surface.
-    pub(super) fn rays(&self, amount: usize) -> impl Iterator<Item = [[f64; 3]; 2]> {
+    pub fn rays(&self, amount: usize) -> impl Iterator<Item = [[f64; 3]; 2]> {
+        self.lines(amount)
+            .map(|[from, to]| [from, unit(minus(to, from))])
+    }
+
+    /// So many points off the surface, `away` of the way to where rays come from.
+    pub fn points(&self, amount: usize, away: f64) -> impl Iterator<Item = [f64; 3]> {
+        self.lines(amount)
+            .map(move |[from, to]| [0, 1, 2].map(|k| to[k] + away * (from[k] - to[k])))
+    }
+
+    /// From where and to where rays go.
+    fn lines(&self, amount: usize) -> impl Iterator<Item = [[f64; 3]; 2]> {
         // Past the last point, other origins meet other points.
         let shift = |i: usize| (i + i / POINTS) % POINTS;
-        (0..amount).map(move |i| {
-            let (from, to) = (self.origins[shift(i)], self.points[i % POINTS]);
-            [from, unit(minus(to, from))]
-        })
+        (0..amount).map(move |i| [self.origins[shift(i)], self.points[i % POINTS]])
     }
+}
+
+/// The box of the vertices that triangles use, at rest (mesh units).
+///
+/// # Errors
+/// A corrupt asset.
+pub fn bounds_at_rest(asset: &Asset<'_>) -> Result<[[f64; 3]; 2], MeasureError> {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    let corners = asset.triangles().iter().flat_map(|t| t.corners);
+    let at_rest = at_rest(asset)?;
+    for p in corners.filter_map(|v| at_rest.get(v as usize)) {
+        for k in 0..3 {
+            let x = asset.origin()[k] + asset.unit() * f64::from(p[k]);
+            low[k] = low[k].min(x);
+            high[k] = high[k].max(x);
+        }
+    }
+    Ok([low, high])
 }
 
 /// The box of the vertices that triangles use (mesh units).
