@@ -17,15 +17,16 @@ const RAY_GAIN: u64 = 70;
 /// What spheres would have gained where two were gained with boxes, which are tighter.
 const OF_TWO: u64 = 3;
 
-/// Meshes of more triangles do not stay in the caches, so that deforming a leaf takes longer.
-const LARGE: usize = 50_000;
+/// Meshes of so many triangles do not stay in the near caches, so that deforming a leaf takes longer; of more, preparing waits for
+/// memory as well.
+const FAR: core::ops::Range<usize> = 50_000..200_000;
 
 /// What preparing a pose costs, in the unit of [`Walk::gain`]: 5 ns per triangle and 10 per vertex
-/// (docs/measured/benchmarks.md, refined poses). Where bones carry vertices or the mesh is large, what is visited saves more.
+/// (docs/measured/benchmarks.md, refined poses). Where bones carry vertices, what is visited saves more.
 pub(crate) fn refining_cost(asset: &Asset<'_>) -> u64 {
     let (triangles, vertices) = (asset.triangle_count(), asset.vertex_count());
     let cost = (triangles as u64 + 2 * vertices as u64) / 3;
-    let cost = match (asset.has_skin(), triangles > LARGE) {
+    let cost = match (asset.has_skin(), FAR.contains(&triangles)) {
         (true, _) => cost * 2 / 5,
         (false, true) => cost * 2 / 3,
         (false, false) => cost,

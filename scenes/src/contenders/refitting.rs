@@ -114,14 +114,17 @@ pub enum Ask {
     Ball,
     /// The first hit of a ray.
     Ray,
+    /// The first hits of many.
+    Rays(usize),
 }
 
 impl Ask {
     /// For tables.
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> String {
         match self {
-            Self::Ball => "ball",
-            Self::Ray => "ray",
+            Self::Ball => "one ball".into(),
+            Self::Ray => "one ray".into(),
+            Self::Rays(count) => format!("{count} rays"),
         }
     }
 }
@@ -154,6 +157,11 @@ pub fn character<'a>(
                 found.len()
             }
             Ask::Ray => usize::from(peer.ray(origin, direction).is_some()),
+            Ask::Rays(count) => {
+                let hits =
+                    |[origin, direction]: &[[f32; 3]; 2]| peer.ray(*origin, *direction).is_some();
+                asked.stored_rays(count).filter(hits).count()
+            }
         })
     })
 }

@@ -1,4 +1,4 @@
-//! W5: a character of sixty bones that all turn, asked with one ball or one ray at its skin per frame.
+//! W5: a character of sixty bones that all turn, asked with one ball, one ray or many rays at its skin per frame.
 
 use std::error::Error;
 use std::path::Path;
@@ -10,7 +10,7 @@ use bdtree_fixtures::models;
 use bdtree_measure::Body;
 use bdtree_runtime::math::{add_scaled, norm, sub};
 use bdtree_runtime::{
-    BoneMap, BoneMatrices, JointMatrix, Model, SkeletonPose, Transform, VertexId,
+    BoneMap, BoneMatrices, JointMatrix, Model, SkeletonPose, Transform, TriangleId, VertexId,
 };
 
 use super::random::Stream;
@@ -21,6 +21,9 @@ pub const FRAMES: usize = 40;
 /// The two characters: name, and rings and sides of each of its five limbs.
 pub const SIZES: [(&str, [usize; 2]); 2] =
     [("character5k", [50, 10]), ("character100k", [250, 40])];
+
+/// Rays of a frame that asks many; more repeat them.
+const RAYS: usize = 4096;
 
 /// Radius of balls over the diagonal of the character's box: a fingertip.
 const BALL: f64 = 0.003;
@@ -47,6 +50,20 @@ pub struct Frame {
     pub ours: Question<f64>,
     /// In stored coordinates, those of [`Body::of_asset`].
     pub stored: Question<f32>,
+    /// Origins and unit directions of many, in mesh and in stored coordinates.
+    rays: Vec<([[f64; 3]; 2], [[f32; 3]; 2])>,
+}
+
+impl Frame {
+    /// So many rays, in mesh coordinates.
+    pub fn rays(&self, count: usize) -> impl ExactSizeIterator<Item = [[f64; 3]; 2]> + '_ {
+        (0..count).map(|i| self.rays[i % RAYS].0)
+    }
+
+    /// The same in stored coordinates.
+    pub fn stored_rays(&self, count: usize) -> impl Iterator<Item = [[f32; 3]; 2]> + '_ {
+        (0..count).map(|i| self.rays[i % RAYS].1)
+    }
 }
 
 /// A baked character and what it is asked.
@@ -94,30 +111,48 @@ fn frames(model: &Model) -> Result<Vec<Frame>, Box<dyn Error>> {
         let pose = asset.pose_with_bones(player.q(), bones, Transform::IDENTITY, &mut memory)?;
         let aabb = pose.aabb()?;
         let diagonal = norm(sub(aabb.max, aabb.min));
-        let vertex = VertexId((stream.bits() % asset.vertex_count() as u64) as u32);
-        let on_skin = pose.deformed(vertex)?;
-        let radius = BALL * diagonal;
-        let center = add_scaled(on_skin, 0.5 * radius, stream.direction());
-        let from = stream.direction();
-        // Both contenders get the numbers that are left in f32.
-        let start = [0, 1, 2].map(|c| {
-            f64::from(((on_skin[c] - origin[c] - 2.0 * diagonal * from[c]) / unit) as f32)
-        });
-        let direction = from.map(|x| x as f32);
         let stored = |p: [f64; 3]| [0, 1, 2].map(|c| (p[c] - origin[c]) / unit);
         let there = |p: [f64; 3]| [0, 1, 2].map(|c| origin[c] + unit * p[c]);
+        let on_skin = |stream: &mut Stream| {
+            let vertex = VertexId((stream.bits() % asset.vertex_count() as u64) as u32);
+            pose.deformed(vertex)
+        };
+        // From two diagonals away. Both contenders get the numbers that are left in f32.
+        let ray_to = |to: [f64; 3], from: [f64; 3]| {
+            let start = add_scaled(to, -2.0 * diagonal, from);
+            let start = stored(start).map(|x| f64::from(x as f32));
+            let direction = from.map(|x| x as f32);
+            (
+                [there(start), direction.map(f64::from)],
+                [start.map(|x| x as f32), direction],
+            )
+        };
+        let at = on_skin(&mut stream)?;
+        let radius = BALL * diagonal;
+        let center = add_scaled(at, 0.5 * radius, stream.direction());
+        let (ray, stored_ray) = ray_to(at, stream.direction());
+        // Apart, so that the single questions are those of earlier measurements.
+        let mut many = Stream::new(1000 + k as u64);
+        let rays = (0..RAYS).map(|_| {
+            // At middles of triangles: at vertices libraries of less precision miss some.
+            let triangle = TriangleId((many.bits() % asset.triangle_count() as u64) as u32);
+            let [a, b, c] = pose.deformed_triangle(triangle)?;
+            let middle = [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0);
+            Ok(ray_to(middle, many.direction()))
+        });
         frames.push(Frame {
             q: player.q().to_vec(),
             joints: player.joints().to_vec(),
             maps: pose.bone_maps().to_vec(),
             ours: Question {
                 ball: (center, radius),
-                ray: [there(start), direction.map(f64::from)],
+                ray,
             },
             stored: Question {
                 ball: (stored(center), radius / unit),
-                ray: [start.map(|x| x as f32), direction],
+                ray: stored_ray,
             },
+            rays: rays.collect::<Result<_, Box<dyn Error>>>()?,
         });
     }
     Ok(frames)

@@ -175,26 +175,27 @@ struct Curve {
     points: Vec<(f64, f64)>,
 }
 
-/// A plot for each question, a line for each body.
+/// Lines of a plot that can be told from each other.
+const LINES_MAX: usize = 6;
+
+/// A plot for each question, a line for each body; a second one beside it where there are too many.
 fn picture(curves: &[Curve]) -> Result<String> {
     let mut plots = Vec::new();
     for (title, _) in KINDS {
-        let its = curves.iter().filter(|curve| curve.question == title);
-        let lines = its.map(|curve| Line {
-            name: curve.body.clone(),
-            points: curve.points.clone(),
-        });
-        let lines: Vec<Line> = lines.collect();
-        if lines.is_empty() {
-            continue;
+        let its: Vec<&Curve> = curves.iter().filter(|c| c.question == title).collect();
+        for part in its.chunks(LINES_MAX) {
+            let line = |curve: &&Curve| Line {
+                name: curve.body.clone(),
+                points: curve.points.clone(),
+            };
+            plots.push(Plot {
+                title: title.into(),
+                x: Axis::log("questions per step"),
+                y: Axis::from("time to the better way's", 0.5).to(1.5),
+                lines: part.iter().map(line).collect(),
+                mark: None,
+            });
         }
-        plots.push(Plot {
-            title: title.into(),
-            x: Axis::log("questions per step"),
-            y: Axis::from("time to the better way's", 0.5).to(1.5),
-            lines,
-            mark: None,
-        });
     }
     Ok(sheet(&plots)?)
 }

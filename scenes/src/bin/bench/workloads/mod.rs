@@ -66,6 +66,12 @@ const RAYS: [[(usize, [f64; 2]); 4]; 2] = [
 /// W5: must and aim by size.
 const CHARACTERS: [[f64; 2]; 2] = [[10.0, 20.0], [100.0, 200.0]];
 
+/// W5: rays a frame with must and aim, by size.
+const CHARACTER_RAYS: [&[(usize, [f64; 2])]; 2] = [
+    &[],
+    &[(16, [8.0, 15.0]), (1024, [0.5, 1.0]), (100_000, [0.8, 0.8])],
+];
+
 pub(crate) fn run(arguments: &Arguments, repeats: usize) -> Result<Vec<Table>> {
     let rounds = Rounds {
         repeats,
@@ -104,7 +110,8 @@ pub(crate) fn run(arguments: &Arguments, repeats: usize) -> Result<Vec<Table>> {
     }
     if wanted(Which::W5) {
         for (size, goals) in CHARACTERS.into_iter().enumerate() {
-            works.extend(works::character(&libraries, (size, goals), rounds)?);
+            let goals = (size, goals, CHARACTER_RAYS[size]);
+            works.extend(works::character(&libraries, goals, rounds)?);
         }
     }
     let mut tables = vec![table("run", "The run", &[run])];

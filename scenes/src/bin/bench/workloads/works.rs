@@ -202,10 +202,10 @@ pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
     done(name, [3.0, 6.0], entries, 0..pile::STEPS, rounds)
 }
 
-/// W5 on one character: a ball, then a ray.
+/// W5 on one character: a ball, then a ray, then many rays with their goals.
 pub(crate) fn character(
     libraries: &Libraries,
-    (size, goals): (usize, [f64; 2]),
+    (size, goals, many): (usize, [f64; 2], &[(usize, [f64; 2])]),
     rounds: Rounds<'_>,
 ) -> Result<Vec<Work>> {
     let (name, detail) = characters::SIZES[size];
@@ -219,22 +219,32 @@ pub(crate) fn character(
             bones: BoneMatrices::Joints(&frame.joints),
         }
     };
-    let (mut ours, mut others) = (Ours::new(asset), libraries.of(&work.body)?);
+    let (mut ours, mut others) = (Ours::keeping(asset, 0), libraries.of(&work.body)?);
     let mut all = Vec::new();
-    for ask in [Ask::Ball, Ask::Ray] {
+    let one = [Ask::Ball, Ask::Ray].map(|ask| (ask, goals));
+    let many = many
+        .iter()
+        .map(|(count, goals)| (Ask::Rays(*count), *goals));
+    for (ask, goals) in one.into_iter().chain(many) {
         let mut entries = vec![Entry::new("ours", Role::Ours, Counts::Same, |i| {
-            let question = &work.frames[i].ours;
+            let asked = &work.frames[i];
             frame(|| match ask {
-                Ask::Ball => ours.balls(posture(i), [question.ball].into_iter()),
-                Ask::Ray => ours.rays(posture(i), [question.ray].into_iter()),
+                Ask::Ball => ours.balls(posture(i), [asked.ours.ball].into_iter()),
+                Ask::Ray => ours.rays(posture(i), [asked.ours.ray].into_iter()),
+                Ask::Rays(count) => ours.rays(posture(i), asked.rays(count)),
             })
         })];
         entries.extend(others.iter_mut().map(|(name, (role, counts), peer)| {
             let kind = (*role, *counts);
             refitting::character(name, kind, peer.as_mut(), &deformer, (&work, ask))
         }));
-        let name = format!("W5 {name}, one {}", ask.name());
-        all.push(done(name, goals, entries, 0..characters::FRAMES, rounds)?);
+        let name = format!("W5 {name}, {}", ask.name());
+        let frames = match ask {
+            Ask::Rays(101..10_000) => 10,
+            Ask::Rays(10_000..) => 2,
+            _ => characters::FRAMES,
+        };
+        all.push(done(name, goals, entries, 0..frames, rounds)?);
     }
     Ok(all)
 }
