@@ -37,6 +37,9 @@ pub struct Question<T> {
     pub ray: [[T; 3]; 2],
 }
 
+/// A ray's origin and unit direction, in mesh and in stored coordinates.
+type TwoRays = ([[f64; 3]; 2], [[f32; 3]; 2]);
+
 /// A frame of the clip.
 #[derive(Debug, Clone)]
 pub struct Frame {
@@ -50,8 +53,8 @@ pub struct Frame {
     pub ours: Question<f64>,
     /// In stored coordinates, those of [`Body::of_asset`].
     pub stored: Question<f32>,
-    /// Origins and unit directions of many, in mesh and in stored coordinates.
-    rays: Vec<([[f64; 3]; 2], [[f32; 3]; 2])>,
+    /// Many of them.
+    rays: Vec<TwoRays>,
 }
 
 impl Frame {
@@ -118,7 +121,7 @@ fn frames(model: &Model) -> Result<Vec<Frame>, Box<dyn Error>> {
             pose.deformed(vertex)
         };
         // From two diagonals away. Both contenders get the numbers that are left in f32.
-        let ray_to = |to: [f64; 3], from: [f64; 3]| {
+        let ray_to = |to: [f64; 3], from: [f64; 3]| -> TwoRays {
             let start = add_scaled(to, -2.0 * diagonal, from);
             let start = stored(start).map(|x| f64::from(x as f32));
             let direction = from.map(|x| x as f32);
