@@ -202,10 +202,13 @@ pub(crate) fn pile(rounds: Rounds<'_>) -> Result<Work> {
     done(name, [3.0, 6.0], entries, 0..pile::STEPS, rounds)
 }
 
+/// Must and aim.
+type Goals = [f64; 2];
+
 /// W5 on one character: a ball, then a ray, then many rays with their goals.
 pub(crate) fn character(
     libraries: &Libraries,
-    (size, goals, many): (usize, [f64; 2], &[(usize, [f64; 2])]),
+    (size, goals, many): (usize, Goals, &[(usize, Goals)]),
     rounds: Rounds<'_>,
 ) -> Result<Vec<Work>> {
     let (name, detail) = characters::SIZES[size];
