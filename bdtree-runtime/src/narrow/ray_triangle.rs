@@ -99,7 +99,7 @@ impl PreparedRay {
 ///
 /// *Edge-on* means: exactly so after the shear. Then t is the first common point, 0 if the origin
 /// is inside. A ray in the plane of the triangle in some skew direction may, by rounding, pass beside it.
-#[inline(always)]
+#[inline(always)] // walks compile it with their instruction set
 pub fn ray_hit(ray: &PreparedRay, tri: &Triangle, t_max: f64) -> Option<RayHit> {
     let (a, depth_a) = ray.shear(tri[0]);
     let (b, depth_b) = ray.shear(tri[1]);

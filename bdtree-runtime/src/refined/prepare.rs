@@ -199,8 +199,8 @@ impl Work for Leaves<'_> {
                 boxes: Boxes::EMPTY,
                 starts: [0; LANES],
                 triangles: [0; LANES],
+                used,
                 inner_mask: used & !node.leaf_mask,
-                leaf_mask: used & node.leaf_mask,
                 unused: [0; 6],
             };
             let mut corners = [Corners::EMPTY; LANES];

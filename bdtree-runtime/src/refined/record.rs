@@ -60,19 +60,11 @@ pub(crate) struct RefinedNode {
     pub(crate) starts: [u32; LANES],
     /// Of each lane's leaf; 0 where it leads to a node.
     pub(crate) triangles: [u8; LANES],
-    /// Lanes that lead to nodes, and to leaves that have triangles.
+    /// Lanes that lead anywhere, and of these those that lead to nodes.
+    pub(crate) used: u8,
     pub(super) inner_mask: u8,
-    pub(super) leaf_mask: u8,
     /// Fills up to a multiple of eight bytes.
     pub(super) unused: [u8; 6],
-}
-
-impl RefinedNode {
-    /// Lanes that lead anywhere.
-    #[inline(always)]
-    pub(crate) fn used(&self) -> u8 {
-        self.inner_mask | self.leaf_mask
-    }
 }
 
 /// Up to four triangles of a leaf, deformed.

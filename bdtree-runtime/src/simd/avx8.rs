@@ -6,9 +6,8 @@ use core::arch::x86_64::{
     __m256, __m256i, _CMP_GT_OQ, _mm256_abs_epi16, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps,
     _mm256_cvtepi32_ps, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_loadu2_m128, _mm256_madd_epi16,
     _mm256_max_epi16, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
-    _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_si256,
-    _mm256_shuffle_ps, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_epi16, _mm256_sub_ps,
-    _mm256_unpackhi_ps, _mm256_unpacklo_ps,
+    _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_si256, _mm256_shuffle_ps, _mm256_sqrt_ps,
+    _mm256_storeu_ps, _mm256_sub_epi16, _mm256_sub_ps, _mm256_unpackhi_ps, _mm256_unpacklo_ps,
 };
 
 use super::avx_order::AvxOrder;
@@ -101,17 +100,6 @@ impl Lanes for Avx8 {
         let mask = unsafe { _mm256_movemask_ps(above) };
         // One bit per lane.
         mask as u8
-    }
-
-    #[inline(always)]
-    fn order(self, among: u8) -> AvxOrder {
-        AvxOrder::new(self.0, among)
-    }
-
-    #[inline(always)]
-    fn ordered(self, order: AvxOrder) -> Self {
-        // SAFETY: needs AVX2; see `Avx8`.
-        Self(unsafe { _mm256_permutevar8x32_ps(self.0, order.lanes()) })
     }
 
     #[inline(always)]

@@ -1,13 +1,13 @@
 //! Lanes in the order of their keys with AVX2: one network sorts eight of them.
 #![allow(unsafe_code)] // intrinsics; every block has its proof
 
+use bdtree_format::Row;
 use core::arch::x86_64::{
-    __m256, __m256i, _mm_loadl_epi64, _mm256_and_si256, _mm256_andnot_si256, _mm256_blend_epi32,
-    _mm256_blendv_epi8, _mm256_castps_si256, _mm256_cmpeq_epi32, _mm256_cvtepu8_epi32,
-    _mm256_loadu_si256, _mm256_max_epi32, _mm256_min_epi32, _mm256_or_si256,
-    _mm256_permute4x64_epi64, _mm256_permutevar8x32_epi32, _mm256_set1_epi32, _mm256_setr_epi32,
-    _mm256_shuffle_epi32, _mm256_srai_epi32, _mm256_srli_epi32, _mm256_storeu_si256,
-    _mm256_xor_si256,
+    __m256i, _mm_loadl_epi64, _mm256_and_si256, _mm256_andnot_si256, _mm256_blend_epi32,
+    _mm256_blendv_epi8, _mm256_cmpeq_epi32, _mm256_cvtepu8_epi32, _mm256_loadu_si256,
+    _mm256_max_epi32, _mm256_min_epi32, _mm256_or_si256, _mm256_permute4x64_epi64,
+    _mm256_permutevar8x32_epi32, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_epi32,
+    _mm256_srai_epi32, _mm256_srli_epi32, _mm256_storeu_si256, _mm256_xor_si256,
 };
 
 use super::order::{LANE_BITS, Order};
@@ -32,13 +32,24 @@ macro_rules! layer {
     };
 }
 
-impl AvxOrder {
-    /// As [`Lanes::order`](super::Lanes::order) says: whole numbers that are ordered as the keys, with the lanes' numbers in their
-    /// last bits, go through a bitonic network.
+/// The numbers of a register in an order.
+#[inline(always)]
+fn permuted(numbers: __m256i, order: AvxOrder) -> [u32; 8] {
+    // Only the last three bits of each lane's number count.
+    // SAFETY: needs AVX2; see `AvxOrder`.
+    let numbers = unsafe { _mm256_permutevar8x32_epi32(numbers, order.0) };
+    let mut out = [0; 8];
+    // SAFETY: needs AVX, see `AvxOrder`; `out` is 32 writable bytes, any alignment will do.
+    unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), numbers) };
+    out
+}
+
+impl Order for AvxOrder {
+    // Whole numbers that are ordered as the keys, with the lanes' numbers in their last bits, go through a bitonic network.
     #[inline(always)]
-    pub(super) fn new(keys: __m256, among: u8) -> Self {
-        // SAFETY: needs AVX; see `AvxOrder`.
-        let bits = unsafe { _mm256_castps_si256(keys) };
+    fn new(keys: &Row, among: u8) -> Self {
+        // SAFETY: needs AVX, see `AvxOrder`; a `Row` is 32 readable bytes, any alignment will do.
+        let bits = unsafe { _mm256_loadu_si256(keys.as_ptr().cast()) };
         // Of a negative number larger bits are less.
         // SAFETY: needs AVX2; see `AvxOrder`.
         let negative = unsafe { _mm256_srai_epi32::<31>(bits) };
@@ -101,26 +112,6 @@ impl AvxOrder {
         Self(numbers)
     }
 
-    /// The lanes' numbers, in the last three bits.
-    #[inline(always)]
-    pub(super) fn lanes(self) -> __m256i {
-        self.0
-    }
-}
-
-/// The numbers of a register in an order.
-#[inline(always)]
-fn permuted(numbers: __m256i, order: AvxOrder) -> [u32; 8] {
-    // Only the last three bits of each lane's number count.
-    // SAFETY: needs AVX2; see `AvxOrder`.
-    let numbers = unsafe { _mm256_permutevar8x32_epi32(numbers, order.0) };
-    let mut out = [0; 8];
-    // SAFETY: needs AVX, see `AvxOrder`; `out` is 32 writable bytes, any alignment will do.
-    unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), numbers) };
-    out
-}
-
-impl Order for AvxOrder {
     #[inline(always)]
     fn numbers(self, of: &[u32; 8]) -> [u32; 8] {
         // SAFETY: needs AVX, see `AvxOrder`; `of` is 32 readable bytes, any alignment will do.

@@ -47,7 +47,7 @@ pub(crate) trait Lanes: Copy {
     type Quad: Quad;
     /// Eight whole numbers of the same instruction set.
     type Sums: PairSums;
-    /// Orders of eight lanes.
+    /// How the same instruction set puts lanes in order.
     type Order: Order;
     /// Whether all walks call one copy of the node kernel and ask their visitors through a table of functions. Compiled
     /// for each visitor rays are a ninth faster (docs/measured/capi.md), but that is most of a library's code, and without
@@ -105,11 +105,6 @@ pub(crate) trait Lanes: Copy {
     fn moved(fields: &Fields<'_>) -> [[[f32; 4]; 3]; 3] {
         fields.moved()
     }
-    /// The lanes of `among`, that of the greatest key first; behind them any others. Keys that differ by less than 2⁻²⁰ of
-    /// themselves count as equal, and then the highest lane comes first.
-    fn order(self, among: u8) -> Self::Order;
-    /// The numbers in an order.
-    fn ordered(self, order: Self::Order) -> Self;
     /// The lanes in which `self > other`; none where one is NaN.
     #[inline(always)]
     fn above(self, other: Self) -> u8 {

@@ -36,16 +36,6 @@ impl Lanes for Neon8 {
     type Order = Listed;
 
     #[inline(always)]
-    fn order(self, among: u8) -> Listed {
-        Listed::new(&self.store(), among)
-    }
-
-    #[inline(always)]
-    fn ordered(self, order: Listed) -> Self {
-        Self::load(&order.of(&self.store()))
-    }
-
-    #[inline(always)]
     fn splat(x: f32) -> Self {
         // SAFETY: NEON is part of AArch64.
         let v = unsafe { vdupq_n_f32(x) };

@@ -4,8 +4,16 @@ use bdtree_format::{LANES, Row};
 
 /// An order of eight lanes.
 pub(crate) trait Order: Copy {
+    /// The lanes of `among`, that of the greatest key first; behind them any others. Keys that differ by less than 2⁻²⁰ of
+    /// themselves count as equal, and then the highest lane comes first.
+    fn new(keys: &Row, among: u8) -> Self;
     /// What the lanes hold, in this order.
     fn numbers(self, of: &[u32; LANES]) -> [u32; LANES];
+    /// As [`Order::numbers`].
+    #[inline(always)]
+    fn keys(self, of: &Row) -> Row {
+        self.numbers(&of.map(f32::to_bits)).map(f32::from_bits)
+    }
     /// As [`Order::numbers`].
     fn bytes(self, of: &[u8; LANES]) -> [u32; LANES];
 }
@@ -18,9 +26,24 @@ pub(super) const LANE_BITS: i32 = 7;
 pub(crate) struct Listed([u8; LANES]);
 
 impl Listed {
-    /// The lanes `among` which the key decides, as [`Lanes::order`](super::Lanes::order) says.
     #[inline(always)]
-    pub(super) fn new(keys: &Row, among: u8) -> Self {
+    fn of<T: Copy>(self, row: &[T; LANES]) -> [T; LANES] {
+        self.0.map(|lane| row[usize::from(lane) & (LANES - 1)])
+    }
+}
+
+/// A whole number that is as great as the key, but for the last bits, where the lane's number is.
+#[inline(always)]
+fn rank(key: f32, lane: i32) -> i32 {
+    let bits = key.to_bits() as i32;
+    // Of a negative number larger bits are less.
+    let turned = ((bits >> 31) as u32 >> 1) as i32;
+    (bits ^ turned) & !LANE_BITS | lane
+}
+
+impl Order for Listed {
+    #[inline(always)]
+    fn new(keys: &Row, among: u8) -> Self {
         let mut sorted = [0; LANES];
         let mut count = 0;
         let mut left = among;
@@ -39,22 +62,6 @@ impl Listed {
         Self(sorted.map(|rank| (rank & LANE_BITS) as u8))
     }
 
-    #[inline(always)]
-    pub(super) fn of<T: Copy>(self, row: &[T; LANES]) -> [T; LANES] {
-        self.0.map(|lane| row[usize::from(lane) & (LANES - 1)])
-    }
-}
-
-/// A whole number that is as great as the key, but for the last bits, where the lane's number is.
-#[inline(always)]
-fn rank(key: f32, lane: i32) -> i32 {
-    let bits = key.to_bits() as i32;
-    // Of a negative number larger bits are less.
-    let turned = ((bits >> 31) as u32 >> 1) as i32;
-    (bits ^ turned) & !LANE_BITS | lane
-}
-
-impl Order for Listed {
     #[inline(always)]
     fn numbers(self, of: &[u32; LANES]) -> [u32; LANES] {
         self.of(of)

@@ -33,16 +33,6 @@ impl Lanes for Array8 {
     const IS_COMPACT: bool = true;
 
     #[inline(always)]
-    fn order(self, among: u8) -> Listed {
-        Listed::new(&self.store(), among)
-    }
-
-    #[inline(always)]
-    fn ordered(self, order: Listed) -> Self {
-        Self::load(&order.of(&self.store()))
-    }
-
-    #[inline(always)]
     fn splat(x: f32) -> Self {
         Self([x; LANES])
     }

@@ -56,16 +56,6 @@ impl Lanes for Simd8 {
     type Order = Listed;
 
     #[inline(always)]
-    fn order(self, among: u8) -> Listed {
-        Listed::new(&self.store(), among)
-    }
-
-    #[inline(always)]
-    fn ordered(self, order: Listed) -> Self {
-        Self::load(&order.of(&self.store()))
-    }
-
-    #[inline(always)]
     fn splat(x: f32) -> Self {
         Self(f32x4_splat(x), f32x4_splat(x))
     }

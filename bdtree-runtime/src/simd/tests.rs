@@ -60,12 +60,10 @@ impl Work for OrderOf<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        let keys = L::load(self.0);
-        let order = keys.order(self.1);
+        let order = L::Order::new(self.0, self.1);
         let lanes: [u8; LANES] = core::array::from_fn(|k| k as u8);
-        let sorted = keys.ordered(order).store();
         [
-            sorted.map(f32::to_bits),
+            order.keys(self.0).map(f32::to_bits),
             order.numbers(&lanes.map(|k| 1000 + u32::from(k))),
             order.bytes(&lanes),
         ]

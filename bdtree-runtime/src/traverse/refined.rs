@@ -99,11 +99,10 @@ pub(super) fn visit<L: Lanes, V: Visitor>(
         return Err(asset.endless(visits_max).into());
     };
     let mut keys: Row = [0.0; LANES];
-    let mask = visitor.boxes::<L>(&node.boxes, &mut keys) & node.used();
-    let keys = L::load(&keys);
-    let order = keys.order(mask);
+    let mask = visitor.boxes::<L>(&node.boxes, &mut keys) & node.used;
+    let order = L::Order::new(&keys, mask);
     let room = stack.push(
-        &keys.ordered(order).store(),
+        &order.keys(&keys),
         &order.numbers(&node.starts),
         &order.bytes(&node.triangles),
         mask.count_ones() as usize,

@@ -6,7 +6,6 @@ use zerocopy::{FromBytes, IntoBytes};
 use super::{StackEntry, Subtree};
 
 /// Entries, each kind of number by itself.
-#[derive(Default)]
 pub(super) struct WideStack<'s> {
     /// Lower bounds of what the query minimises.
     keys: &'s mut [f32],
