@@ -1266,7 +1266,7 @@ BdtStatus bdt_workspace_proxies(struct BdtWorkspace *workspace,
 BdtStatus bdt_workspace_bound(struct BdtWorkspace *workspace, struct BdtBound *out);
 
 /**
- * Writes how many nodes the last query looked at.
+ * Writes how many nodes the last query looked at, of several rays together.
  * Errors: `BDT_ERROR_NULL`, `BDT_ERROR_HANDLE`, `BDT_ERROR_BUSY`. Thread-safety: one thread at a time per workspace.
  */
 BdtStatus bdt_workspace_stats(struct BdtWorkspace *workspace, struct BdtStats *out);

@@ -6,6 +6,7 @@ use bdtree_runtime::{Aabb, Query, QueryError, Ray, RayIntersection, Stats};
 use crate::answers::BdtHit;
 use crate::border::{Handle, In, Out, call, done};
 use crate::instance::BdtInstance;
+use crate::ray_blocks::{add, cast_in_blocks};
 use crate::sink::Array;
 use crate::status::{BdtStatus, Fault};
 use crate::types::BdtRay;
@@ -27,13 +28,20 @@ pub extern "C" fn bdt_cast_rays(
         let rays = rays.many(count, "rays")?;
         let hits = hits.many(count, "hits")?;
         ask(&workspace, &instance, false, |asked| {
-            asked.whole(|query| {
-                for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                    // Written once: each copy takes some nanoseconds.
-                    let hit = hit.write(query.cast_ray(&(*ray).into())?.into());
-                    hit.index = i as u32;
-                }
-                Ok(())
+            asked.summed(|query, sum| {
+                let mut hits = hits.iter_mut();
+                cast_in_blocks(
+                    query,
+                    sum,
+                    numbered(rays),
+                    None,
+                    Query::cast_rays,
+                    |i, found| {
+                        if let Some(slot) = hits.next() {
+                            slot.write(found.into()).index = i as u32;
+                        }
+                    },
+                )
             })
         })
     })
@@ -54,11 +62,20 @@ pub extern "C" fn bdt_intersects_rays(
         let rays = rays.many(count, "rays")?;
         let is_met = is_met.many(count, "is_met")?;
         ask(&workspace, &instance, false, |asked| {
-            asked.whole(|query| {
-                for (ray, is_met) in rays.iter().zip(is_met) {
-                    is_met.write(u8::from(query.intersects_ray(&(*ray).into())?));
-                }
-                Ok(())
+            asked.summed(|query, sum| {
+                let mut is_met = is_met.iter_mut();
+                cast_in_blocks(
+                    query,
+                    sum,
+                    numbered(rays),
+                    false,
+                    Query::intersects_rays,
+                    |_, met| {
+                        if let Some(slot) = is_met.next() {
+                            slot.write(u8::from(met));
+                        }
+                    },
+                )
             })
         })
     })
@@ -81,13 +98,14 @@ pub extern "C" fn bdt_cast_rays_all(
         let rays = rays.many(ray_count, "rays")?;
         let mut array = Array::new(&mut out, capacity, &mut count)?;
         ask(&workspace, &instance, false, |asked| {
-            asked.whole(|query| {
-                for (i, ray) in rays.iter().enumerate() {
+            asked.summed(|query, sum| {
+                for (index, ray) in numbered(rays) {
                     let mut numbered = Numbered {
-                        index: i,
+                        index,
                         array: &mut array,
                     };
-                    query.cast_ray_all(&(*ray).into(), &mut numbered)?;
+                    query.cast_ray_all(&ray, &mut numbered)?;
+                    add(sum, query.stats());
                 }
                 Ok(())
             })
@@ -134,17 +152,18 @@ pub extern "C" fn bdt_cast_rays_at_instances(
         let mut sum = Stats::default();
         let rows = hits.chunks_exact_mut(ray_count);
         for (i, (instance, row)) in instances.iter().zip(rows).enumerate() {
-            let mut hits = row.iter_mut();
-            let put = |_: usize, found: Option<RayIntersection>| {
-                let index = i as u32;
-                if let Some(hit) = hits.next() {
-                    hit.write(BdtHit {
-                        index,
-                        ..found.into()
-                    });
+            let index = i as u32;
+            for hit in &mut *row {
+                hit.write(BdtHit {
+                    index,
+                    ..BdtHit::MISS
+                });
+            }
+            at_instance(&mut desk, &mut sum, instance, rays, |k, hit| {
+                if let Some(slot) = row.get_mut(k) {
+                    slot.write((i, hit).into());
                 }
-            };
-            at_instance(&mut desk, &mut sum, instance, rays, put)?;
+            })?;
         }
         desk.stats = sum;
         Ok(())
@@ -172,14 +191,13 @@ pub extern "C" fn bdt_cast_rays_nearest(
         let mut desk = workspace.exclusive()?;
         let mut sum = Stats::default();
         for (i, instance) in instances.iter().enumerate() {
-            let put = |k: usize, found: Option<RayIntersection>| {
-                if let (Some(hit), Some(best)) = (found, best.get_mut(k))
+            at_instance(&mut desk, &mut sum, instance, rays, |k, hit| {
+                if let Some(best) = best.get_mut(k)
                     && (best.triangle == BdtHit::MISS.triangle || hit.distance < best.distance)
                 {
                     *best = (i, hit).into();
                 }
-            };
-            at_instance(&mut desk, &mut sum, instance, rays, put)?;
+            })?;
         }
         desk.stats = sum;
         for (slot, hit) in slots.iter_mut().zip(best) {
@@ -189,13 +207,13 @@ pub extern "C" fn bdt_cast_rays_nearest(
     })
 }
 
-/// Casts rays at one of several instances; `put` gets the number of each ray and its hit.
+/// Casts rays at one of several instances; `put` gets the number of each ray that meets it, and its hit.
 fn at_instance(
     desk: &mut Desk,
     sum: &mut Stats,
     instance: &Handle<BdtInstance>,
     rays: &[BdtRay],
-    put: impl FnMut(usize, Option<RayIntersection>),
+    put: impl FnMut(usize, RayIntersection),
 ) -> Result<(), Fault> {
     const LEVELS: &str = "max_levels: queries of several instances have no such limit";
     if desk.max_visits.is_some() {
@@ -221,20 +239,18 @@ fn cast(
     aabb: &Aabb,
     rays: &[BdtRay],
     sum: &mut Stats,
-    mut put: impl FnMut(usize, Option<RayIntersection>),
+    mut put: impl FnMut(usize, RayIntersection),
 ) -> Result<(), QueryError> {
-    for (k, ray) in rays.iter().enumerate() {
-        let ray = Ray::from(*ray);
-        // What is no ray meets the box, so that the query refuses it; one of negative length does not.
-        if !(aabb.intersects_ray(&ray) || ray.max_distance < 0.0) {
-            put(k, None);
-            continue;
+    // What is no ray meets the box, so that the query refuses it; one of negative length does not.
+    let near = numbered(rays).filter(|(_, ray)| aabb.intersects_ray(ray) || ray.max_distance < 0.0);
+    cast_in_blocks(query, sum, near, None, Query::cast_rays, |k, found| {
+        if let Some(hit) = found {
+            put(k, hit);
         }
-        let found = query.cast_ray(&ray)?;
-        let stats = query.stats();
-        sum.nodes_visited += stats.nodes_visited;
-        sum.nodes_updated += stats.nodes_updated;
-        put(k, found);
-    }
-    Ok(())
+    })
+}
+
+/// The runtime's rays, numbered.
+fn numbered(rays: &[BdtRay]) -> impl Iterator<Item = (usize, Ray)> {
+    rays.iter().map(|ray| Ray::from(*ray)).enumerate()
 }

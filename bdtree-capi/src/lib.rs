@@ -24,6 +24,7 @@ pub mod model;
 pub mod names;
 pub mod pair;
 pub mod query;
+mod ray_blocks;
 mod registry;
 mod sink;
 pub mod skeleton;

@@ -161,7 +161,7 @@ pub extern "C" fn bdt_workspace_bound(
     })
 }
 
-/// Writes how many nodes the last query looked at.
+/// Writes how many nodes the last query looked at, of several rays together.
 /// Errors: `BDT_STATUS_ERROR_NULL`, `_HANDLE`, `_BUSY`. Thread-safety: one thread at a time per workspace.
 #[unsafe(no_mangle)]
 pub extern "C" fn bdt_workspace_stats(
@@ -180,6 +180,8 @@ pub(crate) struct Asked<'q, 'm> {
     query: Option<Query<'q, 'm>>,
     max_visits: Option<u64>,
     bound: &'q mut BdtBound,
+    /// What several queries of one call did together.
+    sum: Option<Stats>,
 }
 
 impl<'q, 'm> Asked<'q, 'm> {
@@ -193,6 +195,18 @@ impl<'q, 'm> Asked<'q, 'm> {
             return Err(Fault::Argument(VISITS));
         }
         self.plain(question)
+    }
+
+    /// Several that have no limit of visits; they add up what they do.
+    #[inline]
+    pub(crate) fn summed<T>(
+        &mut self,
+        questions: impl FnOnce(&mut Query<'q, 'm>, &mut Stats) -> Result<T, QueryError>,
+    ) -> Result<T, Fault> {
+        let mut sum = Stats::default();
+        let answer = self.whole(|query| questions(query, &mut sum));
+        self.sum = Some(sum);
+        answer
     }
 
     #[inline]
@@ -279,24 +293,26 @@ fn put_question(
         stats,
     } = &mut *desk;
     let limit = level.map(|level| (level, proxies));
-    let max_visits = *max_visits;
+    let mut sum = None;
+    let put = |query| {
+        let mut asked = Asked {
+            query: Some(to_level(query, limit)),
+            max_visits: *max_visits,
+            bound,
+            sum: None,
+        };
+        let answer = question(&mut asked);
+        sum = asked.sum;
+        answer
+    };
     let answer = if *is_shared {
         let instance = instance.reading(has_callbacks)?;
-        let pose = instance.snapshot();
-        question(&mut Asked {
-            query: Some(to_level(pose.query(memory), limit)),
-            max_visits,
-            bound,
-        })
+        put(instance.snapshot().query(memory))
     } else {
         let mut instance = instance.exclusive()?;
-        question(&mut Asked {
-            query: Some(to_level(instance.query(memory), limit)),
-            max_visits,
-            bound,
-        })
+        put(instance.query(memory))
     };
-    *stats = memory.stats();
+    *stats = sum.unwrap_or_else(|| memory.stats());
     answer
 }
 

@@ -42,10 +42,13 @@ fn bodies_of_the_library() -> [Instance; 2] {
     [one, two]
 }
 
+/// More than are cast together twice.
+const RAYS: usize = 300;
+
 fn rays() -> Vec<BdtRay> {
-    (0..50)
+    (0..RAYS)
         .map(|k| {
-            let x = f64::from(k) * 0.08 - 1.5;
+            let x = k as f64 * (4.0 / RAYS as f64) - 1.5;
             BdtRay {
                 origin: vec3(x, 3.0, 0.02 * x),
                 direction: vec3(0.1, -1.0, 0.05),
@@ -70,18 +73,18 @@ fn batches_are_single_calls() {
         );
     }
     let handles = [handle(one), handle(two)];
-    let mut hits = vec![zeroed::<BdtHit>(); 100];
+    let mut hits = vec![zeroed::<BdtHit>(); 2 * RAYS];
     let status = bdt_cast_rays_at_instances(
         handle(desk),
         read(&handles),
         2,
         read(&rays),
-        50,
+        RAYS,
         write(&mut hits),
     );
     assert_eq!(status, BdtStatus::Ok, "{}", last_error());
     for (i, row) in rows.iter().enumerate() {
-        for (hit, own) in hits[50 * i..].iter().zip(row) {
+        for (hit, own) in hits[RAYS * i..].iter().zip(row) {
             assert_eq!(
                 *hit,
                 BdtHit {
@@ -91,19 +94,19 @@ fn batches_are_single_calls() {
             );
         }
     }
-    let mut nearest = vec![zeroed::<BdtHit>(); 50];
+    let mut nearest = vec![zeroed::<BdtHit>(); RAYS];
     let status = bdt_cast_rays_nearest(
         handle(desk),
         read(&handles),
         2,
         read(&rays),
-        50,
+        RAYS,
         write(&mut nearest),
     );
     assert_eq!(status, BdtStatus::Ok, "{}", last_error());
     let mut met = [0; 2];
     for (k, hit) in nearest.iter().enumerate() {
-        let both = [hits[k], hits[50 + k]]
+        let both = [hits[k], hits[RAYS + k]]
             .into_iter()
             .filter(|hit| hit.triangle != BDT_NONE);
         let first = both.min_by(|a, b| a.distance.total_cmp(&b.distance));
@@ -116,8 +119,12 @@ fn batches_are_single_calls() {
         }
     }
     assert!(met.iter().all(|count| *count > 3), "{met:?}");
-    let (mut single, mut is_met) = (vec![zeroed::<BdtHit>(); 50], vec![9_u8; 50]);
-    for shared in [1, 0] {
+    let (mut single, mut is_met) = (vec![zeroed::<BdtHit>(); RAYS], vec![9_u8; RAYS]);
+    for (shared, refined) in [(1, 0), (0, 0), (0, 1)] {
+        assert_eq!(
+            bdt_instance_set_refining(handle(one), refined),
+            BdtStatus::Ok
+        );
         assert_eq!(
             bdt_workspace_set_shared(handle(desk), shared),
             BdtStatus::Ok
@@ -126,7 +133,7 @@ fn batches_are_single_calls() {
             handle(desk),
             handle(one),
             read(&rays),
-            50,
+            RAYS,
             write(&mut single),
         );
         assert_eq!(status, BdtStatus::Ok);
@@ -134,7 +141,7 @@ fn batches_are_single_calls() {
             handle(desk),
             handle(one),
             read(&rays),
-            50,
+            RAYS,
             write(&mut is_met),
         );
         assert_eq!(status, BdtStatus::Ok);
@@ -149,6 +156,63 @@ fn batches_are_single_calls() {
             assert_eq!(is_met[k] == 1, own.triangle != BDT_NONE);
         }
     }
+}
+
+/// Rays in front of one that is refused are answered, those behind it are not touched; of several rays their visits add up.
+#[test]
+fn a_refused_ray_ends_a_batch() {
+    let ([one, _], desk, mut rays) = (bodies(), workspace(), rays());
+    assert_eq!(bdt_workspace_set_shared(handle(desk), 1), BdtStatus::Ok);
+    let mut visits = [0; RAYS];
+    let mut single = vec![zeroed::<BdtHit>(); RAYS];
+    for ((ray, hit), visits) in rays.iter().zip(&mut single).zip(&mut visits) {
+        let status = bdt_cast_ray(
+            handle(desk),
+            handle(one),
+            read(&[*ray]),
+            write(std::slice::from_mut(hit)),
+        );
+        assert_eq!(status, BdtStatus::Ok);
+        *visits = stats(desk).nodes_visited;
+    }
+    assert!(visits.iter().any(|visits| *visits > 1));
+    let mut hits = vec![zeroed::<BdtHit>(); RAYS];
+    let mut cast = |rays: &[BdtRay]| {
+        hits.fill(zeroed());
+        let status = bdt_cast_rays(
+            handle(desk),
+            handle(one),
+            read(rays),
+            RAYS,
+            write(&mut hits),
+        );
+        (status, hits.clone())
+    };
+    assert_eq!(cast(&rays).0, BdtStatus::Ok);
+    assert_eq!(stats(desk).nodes_visited, visits.iter().sum::<u64>());
+    for bad in [0, 127, 128, 200, RAYS - 1] {
+        let direction = std::mem::replace(&mut rays[bad].direction, vec3(0.0, 0.0, 0.0));
+        let (status, hits) = cast(&rays);
+        rays[bad].direction = direction;
+        assert_eq!(status, BdtStatus::ErrorArgument, "{}", last_error());
+        for (k, (hit, single)) in hits.iter().zip(&single).enumerate() {
+            let expected = match k < bad {
+                true => BdtHit {
+                    index: k as u32,
+                    ..*single
+                },
+                false => zeroed(),
+            };
+            assert_eq!(*hit, expected, "ray {k} of {bad}");
+        }
+    }
+}
+
+fn stats(desk: *mut BdtWorkspace) -> BdtStats {
+    let mut found = [zeroed::<BdtStats>()];
+    let status = bdt_workspace_stats(handle(desk), write(&mut found));
+    assert_eq!(status, BdtStatus::Ok);
+    found[0]
 }
 
 #[test]
