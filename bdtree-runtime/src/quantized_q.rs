@@ -102,7 +102,99 @@ impl<Q: Quad> Modes<Q> {
     }
 }
 
+/// Modes of which [`Fours`] keeps what it reads: one kilobyte.
+const KEPT: usize = 64;
+
+/// The given modes, four side by side. What rounding reads of the first ones is kept, because each pass asks for it again.
+struct Fours<'a, Q> {
+    given: Given<'a>,
+    first: [Modes<Q>; KEPT / 4],
+}
+
+impl<'a, Q: Quad> Fours<'a, Q> {
+    #[inline(always)]
+    fn of(given: Given<'a>) -> Self {
+        let zero = Q::splat(0.0);
+        let still = Modes {
+            share: zero,
+            weight: zero,
+        };
+        let mut first = [still; KEPT / 4];
+        let fours = given.modes.chunks(4).zip(given.q.chunks(4));
+        for (kept, (modes, q)) in first.iter_mut().zip(fours) {
+            *kept = Modes::of(modes, q);
+        }
+        Self { given, first }
+    }
+
+    /// Modes 4k to 4k + 3.
+    #[inline(always)]
+    fn at(&self, k: usize) -> Modes<Q> {
+        match self.first.get(k) {
+            Some(kept) => *kept,
+            None => {
+                let [share, weight] = self.given.four(k);
+                Modes {
+                    share: Q::load(&share),
+                    weight: Q::load(&weight),
+                }
+            }
+        }
+    }
+}
+
+/// Whole numbers, an even count of them, four side by side; what the last four lack is 0.
+struct Wholes<'a> {
+    fours: &'a mut [[i16; 4]],
+    rest: &'a mut [i16],
+    last: [i16; 4],
+}
+
+impl<'a> Wholes<'a> {
+    #[inline(always)]
+    fn of(numbers: &'a mut [i16]) -> Self {
+        let (fours, rest) = numbers.as_chunks_mut();
+        let last = match rest {
+            [a, b] => [*a, *b, 0, 0],
+            _ => [0; 4],
+        };
+        Self { fours, rest, last }
+    }
+
+    /// How many fours there are.
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.fours.len() + usize::from(!self.rest.is_empty())
+    }
+
+    #[inline(always)]
+    fn at(&mut self, k: usize) -> &mut [i16; 4] {
+        self.fours.get_mut(k).unwrap_or(&mut self.last)
+    }
+
+    /// Writes the last four.
+    #[inline(always)]
+    fn end(self) {
+        if let ([a, b], [x, y, ..]) = (self.rest, self.last) {
+            (*a, *b) = (x, y);
+        }
+    }
+}
+
 impl Given<'_> {
+    /// What [`Modes`] has of modes 4k to 4k + 3, of which there may be fewer.
+    #[inline(never)] // seldom asked, in four places
+    fn four(self, k: usize) -> [[f64; 4]; 2] {
+        let [mut share, mut weight] = [[0.0; 4]; 2];
+        let modes = self.modes.iter().zip(self.q).skip(4 * k);
+        for ((mode, q), (share, weight)) in modes.zip(share.iter_mut().zip(&mut weight)) {
+            let limit = f64::from(mode.q_limit.get());
+            *share = f64::from(*q) / limit;
+            *weight = f64::from(mode.field_norm_max.get()) * limit;
+        }
+        [share, weight]
+    }
+
     /// How far a pair moves a vertex at most.
     #[inline(never)] // a sort that compares in dozens of places calls it
     fn reach(self, k: u32) -> f64 {
@@ -182,8 +274,7 @@ impl<'p> Work for Rounding<'_, 'p> {
             active,
         } = memory;
         let count = given.q.len();
-        let (modes, q) = (given.modes, given.q);
-        let fours = || modes.chunks(4).zip(q.chunks(4));
+        let fours = Fours::<L::Quad>::of(given);
         // Nothing is left out: then marks need not be read.
         let is_whole = tolerance == 0.0;
         let left_out = given.drop_least(tolerance, first, active);
@@ -193,21 +284,22 @@ impl<'p> Work for Rounding<'_, 'p> {
         let zero = L::Quad::splat(0.0);
         let mut reach = zero;
         let mut size = Size::<L::Quad>::new();
-        for ((modes, q), kept) in fours().zip(n.chunks(4)) {
-            let four = Modes::<L::Quad>::of(modes, q);
+        let mut n = Wholes::of(n);
+        for k in 0..n.count() {
+            let four = fours.at(k);
             reach = reach.add(four.off(zero));
-            size.hold(marked(four.share, kept, is_whole));
+            size.hold(marked(four.share, n.at(k), is_whole));
         }
         let scale = round_up(size.unit(count).max(SCALE_MIN));
         let wide = L::Quad::splat(f64::from(scale));
         let per_wide = L::Quad::splat(1.0 / f64::from(scale));
         // What is left out is off by all of it.
         let mut sum = zero;
-        for ((modes, q), n) in fours().zip(n.chunks_mut(4)) {
-            let four = Modes::<L::Quad>::of(modes, q);
+        for k in 0..n.count() {
+            let (four, n) = (fours.at(k), n.at(k));
             let nearest = Whole::nearest(marked(four.share.mul(per_wide), n, is_whole));
             sum = sum.add(four.off(nearest.value.mul(wide)));
-            nearest.store(n);
+            *n = nearest.bits();
         }
         let mut off = total(sum);
 
@@ -218,29 +310,31 @@ impl<'p> Work for Rounding<'_, 'p> {
             let m = second.as_flattened_mut();
             m[count..].fill(0);
             let mut size = Size::<L::Quad>::new();
-            for ((modes, q), kept) in fours().zip(m.chunks(4)) {
-                let four = Modes::<L::Quad>::of(modes, q);
-                let share = marked(four.share, kept, is_whole);
+            let mut m = Wholes::of(m);
+            for k in 0..m.count() {
+                let share = marked(fours.at(k).share, m.at(k), is_whole);
+                // The first part towards zero, so that the second has its sign: where rounding makes the
+                // first too large, what remains is below 2⁻⁶ of a step and the second is 0.
                 let first = Whole::towards_zero(share.mul(per_wide));
                 size.hold(share.sub(first.value.mul(wide)));
             }
             ratio = round_up((size.unit(count) / f64::from(scale)).max(RATIO_MIN));
             let step = wide.mul(L::Quad::splat(f64::from(ratio)));
             let mut sum = zero;
-            for (((modes, q), n), m) in fours().zip(n.chunks_mut(4)).zip(m.chunks_mut(4)) {
-                let four = Modes::<L::Quad>::of(modes, q);
+            for k in 0..m.count() {
+                let (four, m) = (fours.at(k), m.at(k));
                 let share = marked(four.share, m, is_whole);
-                // The first part towards zero, so that the second has its sign: where rounding makes the
-                // first too large, what remains is below 2⁻⁶ of a step and the second is 0.
                 let first = Whole::towards_zero(share.mul(per_wide));
                 let coarse = first.value.mul(wide);
                 let rest = Whole::nearest(share.sub(coarse).div(step));
                 sum = sum.add(four.off(coarse.add(rest.value.mul(step))));
-                first.store(n);
-                rest.store(m);
+                *n.at(k) = first.bits();
+                *m = rest.bits();
             }
+            m.end();
             off = total(sum);
         }
+        n.end();
         let fine: &[[i16; 2]] = if in_two { second } else { &[] };
 
         // Pairs that came out zero are nothing to sum.
@@ -268,15 +362,12 @@ impl<'p> Work for Rounding<'_, 'p> {
 
 /// 0 where the mark of a mode is 0.
 #[inline(always)]
-fn marked<Q: Quad>(numbers: Q, marks: &[i16], is_whole: bool) -> Q {
+fn marked<Q: Quad>(numbers: Q, marks: &[i16; 4], is_whole: bool) -> Q {
     if is_whole {
         return numbers;
     }
-    let mut factors = [1.0; 4];
-    for (factor, mark) in factors.iter_mut().zip(marks) {
-        *factor = f64::from(*mark);
-    }
-    numbers.mul(Q::load(&factors))
+    let [a, b, c, d] = *marks;
+    numbers.mul(Q::load(&[a.into(), b.into(), c.into(), d.into()]))
 }
 
 /// The sum of all four, in the same order everywhere.
@@ -350,9 +441,14 @@ impl<Q: Quad> Whole<Q> {
     }
 
     #[inline(always)]
-    fn store(&self, out: &mut [i16]) {
-        for (out, beside) in out.iter_mut().zip(self.beside.store()) {
-            *out = beside.to_bits() as i16;
-        }
+    fn bits(&self) -> [i16; 4] {
+        let [a, b, c, d] = self.beside.store();
+        // Spelled out: `array::map` is left as calls.
+        [
+            a.to_bits() as i16,
+            b.to_bits() as i16,
+            c.to_bits() as i16,
+            d.to_bits() as i16,
+        ]
     }
 }
