@@ -104,24 +104,10 @@ impl From<PointProjection> for BdtHit {
     }
 }
 
-impl From<Option<RayIntersection>> for BdtHit {
-    /// Without a branch: of many rays, which of them hit is not to be guessed.
+impl<T: Into<BdtHit>> From<Option<T>> for BdtHit {
     #[inline]
-    fn from(found: Option<RayIntersection>) -> Self {
-        const NOTHING: RayIntersection = RayIntersection {
-            triangle: TriangleId(BDT_NONE),
-            point: [0.0; 3],
-            normal: [0.0; 3],
-            distance: 0.0,
-            barycentric: [0.0; 3],
-        };
-        (*found.as_ref().unwrap_or(&NOTHING)).into()
-    }
-}
-
-impl From<Option<PointProjection>> for BdtHit {
-    fn from(found: Option<PointProjection>) -> Self {
-        found.map_or(Self::MISS, Self::from)
+    fn from(found: Option<T>) -> Self {
+        found.map_or(Self::MISS, T::into)
     }
 }
 
