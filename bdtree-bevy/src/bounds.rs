@@ -5,7 +5,10 @@ use bdtree_runtime::{
 };
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
+use bevy_ecs::change_detection::Tick;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_ecs::system::SystemChangeTick;
 use bevy_math::{DVec3, Vec3A};
 
 use crate::faults::{PoseFaults, PoseStage};
@@ -161,32 +164,59 @@ fn own_bounds(instance: &Instance) -> Result<(BoundingSphere, Box64), QueryError
     }
 }
 
-/// Writes the boxes of what has moved.
+/// What is around the deformed mesh of an entity.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Around {
+    bounds: &'static mut DeformedBounds,
+    sphere: &'static mut DeformedSphere,
+    aabb: &'static mut Aabb,
+}
+
+impl AroundItem<'_, '_> {
+    /// Writes what is around an instance as it is now.
+    pub(crate) fn update(
+        &mut self,
+        entity: Entity,
+        instance: &Instance,
+        faults: &mut Mut<'_, PoseFaults>,
+    ) {
+        let found = own_bounds(instance);
+        if let Ok((around, found)) = &found {
+            let at = instance.placement();
+            *self.bounds = DeformedBounds::placed(found, &at);
+            *self.sphere = DeformedSphere::placed(around, &at);
+            *self.aabb = outward(found);
+        }
+        PoseFaults::tell(faults, entity, PoseStage::Bounds, found.map(|_| ()));
+    }
+}
+
+/// Writes the boxes of instances that others than [`update_instances`](crate::pose::update_instances) have moved: what that
+/// poses has its boxes while it is in the cache.
 pub(crate) fn update_bounds(
+    ticks: SystemChangeTick,
     mut bodies: Query<
-        (
-            Entity,
-            &DeformedInstance,
-            &mut DeformedBounds,
-            &mut DeformedSphere,
-            &mut Aabb,
-            &mut PoseFaults,
-        ),
+        (Entity, Ref<DeformedInstance>, Around, &mut PoseFaults),
         Changed<DeformedInstance>,
     >,
 ) {
-    bodies.par_iter_mut().for_each(
-        |(entity, body, mut bounds, mut sphere, mut aabb, mut faults)| {
-            let found = own_bounds(&body.instance);
-            if let Ok((around, found)) = &found {
-                let at = body.instance.placement();
-                *bounds = DeformedBounds::placed(found, &at);
-                *sphere = DeformedSphere::placed(around, &at);
-                *aabb = outward(found);
+    let is_behind = |body: &Ref<DeformedInstance>, bounds: Tick| {
+        body.last_changed().is_newer_than(bounds, ticks.this_run())
+    };
+    // Mostly none is: then no thread is woken.
+    if !(bodies.iter_mut())
+        .any(|(_, body, around, _)| is_behind(&body, around.bounds.last_changed()))
+    {
+        return;
+    }
+    bodies
+        .par_iter_mut()
+        .for_each(|(entity, body, mut around, mut faults)| {
+            if is_behind(&body, around.bounds.last_changed()) {
+                around.update(entity, &body.instance, &mut faults);
             }
-            PoseFaults::tell(&mut faults, entity, PoseStage::Bounds, found.map(|_| ()));
-        },
-    );
+        });
 }
 
 /// Gives new instances boxes, of which Bevy's own systems keep their hands.

@@ -12,6 +12,7 @@ use bevy_reflect::std_traits::ReflectDefault;
 use bevy_transform::components::{GlobalTransform, Transform};
 
 use crate::asset::BdtModel;
+use crate::bounds::Around;
 use crate::faults::{PoseFaults, PoseStage};
 use crate::placement::{placement, rows};
 
@@ -44,7 +45,7 @@ pub struct DeformedInstance {
 }
 
 /// Brings instances to the pose of their entities, where something changed, and makes new ones of models that were loaded
-/// anew.
+/// anew; writes their boxes, where they have them.
 pub(crate) fn update_instances(
     models: Res<Assets<BdtModel>>,
     mut meshes: Query<(
@@ -54,10 +55,11 @@ pub(crate) fn update_instances(
         Ref<GlobalTransform>,
         &mut PoseFaults,
         &mut DeformedInstance,
+        Option<Around>,
     )>,
 ) {
     meshes.par_iter_mut().for_each(
-        |(entity, mesh, deformation, transform, mut faults, mut kept)| {
+        |(entity, mesh, deformation, transform, mut faults, mut kept, around)| {
             // A model that could not be loaded anew is still the old one here.
             let model = models.get(&mesh.0).map(|asset| &asset.model);
             let model = model.filter(|model| !is_of(&kept.instance, model));
@@ -89,6 +91,9 @@ pub(crate) fn update_instances(
                 body.deform(&mut kept.instance, &deformation);
             } else {
                 body.place(&mut kept.instance);
+            }
+            if let Some(mut around) = around {
+                around.update(entity, &kept.instance, &mut faults);
             }
         },
     );

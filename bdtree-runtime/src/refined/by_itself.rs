@@ -21,11 +21,11 @@ const OF_TWO: u64 = 3;
 /// memory as well.
 const FAR: core::ops::Range<usize> = 50_000..200_000;
 
-/// What preparing a pose costs, in the unit of [`Walk::gain`]: 5 ns per triangle and 10 per vertex
+/// What preparing a pose costs, in the unit of [`Walk::gain`], some 15 ns: 4 ns per triangle and 8 per vertex
 /// (docs/measured/benchmarks.md, refined poses). Where bones carry vertices, what is visited saves more.
 pub(crate) fn refining_cost(asset: &Asset<'_>) -> u64 {
     let (triangles, vertices) = (asset.triangle_count(), asset.vertex_count());
-    let cost = (triangles as u64 + 2 * vertices as u64) / 3;
+    let cost = (4 * triangles as u64 + 8 * vertices as u64) / 15;
     let cost = match (asset.has_skin(), FAR.contains(&triangles)) {
         (true, _) => cost * 2 / 5,
         (false, true) => cost * 2 / 3,

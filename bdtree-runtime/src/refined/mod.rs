@@ -77,7 +77,7 @@ impl Counts {
         for node in asset.nodes() {
             let triangles = node.leaf_counts.iter().map(|count| u64::from(*count)).sum();
             left = asset.fewer(left, triangles)?;
-            leaves += record::groups_before(&node.leaf_counts, 8);
+            leaves += record::groups_in(&node.leaf_counts);
         }
         Ok(Self {
             nodes: asset.node_count(),

@@ -5,14 +5,14 @@
 
 use bdtree_format::{LANES, TriangleRecord};
 
-use super::record::groups_before;
+use super::record::{groups_in, groups_of};
 use super::{Boxes, RefinedLeaf, RefinedNode};
 use crate::cache::CHUNK;
 use crate::contact::VertexId;
 use crate::error::{FormatError, QueryError};
 use crate::pose::Pose;
 use crate::simd::{Four, Lanes, Work};
-use crate::traverse::{lane_subtree, used_lanes};
+use crate::traverse::{Subtree, lane_subtree, used_lanes};
 use crate::view::Asset;
 
 /// Most parts that preparing is split into: nodes without leaves may be one more.
@@ -160,7 +160,7 @@ impl<'p> Iterator for Split<'p> {
         let (mut node_count, mut leaf_count) = (0, 0);
         for node in from {
             node_count += 1;
-            leaf_count += groups_before(&node.leaf_counts, LANES);
+            leaf_count += groups_in(&node.leaf_counts);
             if leaf_count >= self.each.max(1) {
                 break;
             }
@@ -204,25 +204,30 @@ impl Work for Leaves<'_> {
                 unused: [0; 6],
             };
             let mut corners = [Corners::EMPTY; LANES];
-            let mut lanes = used;
-            while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize & (LANES - 1);
-                lanes &= lanes - 1;
-                let subtree = lane_subtree(node, lane);
-                if subtree.triangles == 0 {
-                    slot.starts[lane] = subtree.start;
+            // Where the lane's leaf begins among the node's triangles, and among its groups.
+            let (mut before, mut groups) = (0, leaf_count);
+            for lane in 0..LANES {
+                let count = node.leaf_counts[lane];
+                let (start, first) = (node.first_slot.saturating_add(before), groups);
+                before += u32::from(count);
+                groups += groups_of(count);
+                if used >> lane & 1 == 0 {
                     continue;
                 }
-                let first = leaf_count + groups_before(&node.leaf_counts, lane);
+                if node.leaf_mask >> lane & 1 == 0 {
+                    slot.starts[lane] = lane_subtree(node, lane).start;
+                    continue;
+                }
                 slot.starts[lane] = self.first_leaf + first;
-                slot.triangles[lane] = node.leaf_counts[lane];
-                let records = asset.leaf(subtree)?;
+                slot.triangles[lane] = count;
+                let triangles = u32::from(count);
+                let records = asset.leaf(Subtree { start, triangles })?;
                 // As many as were counted.
-                let room = self.leaves.get_mut(first as usize..);
+                let room = self.leaves.get_mut(first as usize..groups as usize);
                 let room = room.unwrap_or_default();
                 leaf(asset, records, self.vertices, room, &mut corners[lane])?;
             }
-            leaf_count += groups_before(&node.leaf_counts, LANES);
+            leaf_count = groups;
             slot.boxes = boxes::<L>(&corners);
         }
         Ok(())
@@ -390,30 +395,39 @@ pub(super) fn gather(
 #[inline(always)]
 fn leaf(
     asset: &Asset<'_>,
-    records: &[TriangleRecord],
+    mut records: &[TriangleRecord],
     vertices: &[[f32; 4]],
-    out: &mut [RefinedLeaf],
+    groups: &mut [RefinedLeaf],
     all: &mut Corners,
 ) -> Result<(), FormatError> {
-    let infinite = [f32::INFINITY, f32::NEG_INFINITY].map(|x| [Four::splat(x); 3]);
-    let [mut low, mut high] = infinite;
-    for (records, out) in records.chunks(CHUNK).zip(out) {
+    for (index, group) in groups.iter_mut().enumerate() {
         let Some(first) = records.first() else {
-            continue;
+            break;
         };
         let four = [0, 1, 2, 3].map(|k| records.get(k).unwrap_or(first));
+        let [mut low, mut high] = [[Four::splat(0.0); 3]; 2];
         gather(asset, four, vertices, |i, axis, of| {
-            out.corners[i][axis] = of.store();
-            low[axis] = low[axis].min(of);
-            high[axis] = high[axis].max(of);
+            group.corners[i][axis] = of.store();
+            (low[axis], high[axis]) = match i {
+                0 => (of, of),
+                _ => (low[axis].min(of), high[axis].max(of)),
+            };
         })?;
         for k in 0..4 {
-            out.ids[k] = four[k].id;
+            group.ids[k] = four[k].id;
         }
-    }
-    // Row by row where they are needed: as a result they were copied number by number.
-    for axis in 0..3 {
-        (all.low[axis], all.high[axis]) = (low[axis].store(), high[axis].store());
+        records = records.get(CHUNK..).unwrap_or_default();
+        // Seldom more than one.
+        if index > 0 {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(Four::load(&all.low[axis]));
+                high[axis] = high[axis].max(Four::load(&all.high[axis]));
+            }
+        }
+        // Row by row where they are needed: as a result they were copied number by number.
+        for axis in 0..3 {
+            (all.low[axis], all.high[axis]) = (low[axis].store(), high[axis].store());
+        }
     }
     Ok(())
 }

@@ -76,37 +76,37 @@ pub(crate) struct RefinedLeaf {
     pub(crate) ids: [u32; CHUNK],
 }
 
-/// Groups of four triangles that leaves with so many triangles make, those of the lanes below `lane`.
+/// Groups of four triangles that a leaf with so many triangles makes.
 #[inline(always)]
-pub(super) fn groups_before(leaf_counts: &[u8; LANES], lane: usize) -> u32 {
-    const EVEN: u64 = 0x00ff_00ff_00ff_00ff;
-    let all = u64::from_le_bytes(*leaf_counts);
-    let below = if lane < LANES {
-        all & !(u64::MAX << (8 * lane))
-    } else {
-        all
-    };
+pub(super) fn groups_of(triangles: u8) -> u32 {
+    u32::from(triangles).div_ceil(CHUNK as u32)
+}
+
+/// The same of a node's leaves together.
+#[inline(always)]
+pub(super) fn groups_in(leaf_counts: &[u8; LANES]) -> u32 {
     // Four numbers of sixteen bits at once: each rounded up to fours, then added.
+    const EVEN: u64 = 0x00ff_00ff_00ff_00ff;
     const THREE: u64 = 0x0003_0003_0003_0003;
     const FOURS: u64 = 0x003f_003f_003f_003f | 0x0040_0040_0040_0040;
+    let all = u64::from_le_bytes(*leaf_counts);
     let groups = |counts: u64| ((counts + THREE) >> 2) & FOURS;
-    let pairs = groups(below & EVEN) + groups((below >> 8) & EVEN);
+    let pairs = groups(all & EVEN) + groups((all >> 8) & EVEN);
     (pairs.wrapping_mul(0x0001_0001_0001_0001) >> 48) as u32
 }
 
 #[cfg(test)]
 mod tests {
-    use super::groups_before;
+    use super::{groups_in, groups_of};
 
     #[test]
     fn groups_are_counts_rounded_up_to_fours() {
-        let counts = [0, 1, 4, 5, 255, 3, 254, 255];
-        for lane in 0..=8 {
-            let expected: u32 = counts[..lane]
-                .iter()
-                .map(|n| u32::from(*n).div_ceil(4))
-                .sum();
-            assert_eq!(groups_before(&counts, lane), expected);
+        for (count, groups) in [(0, 0), (1, 1), (4, 1), (5, 2), (254, 64), (255, 64)] {
+            assert_eq!(groups_of(count), groups);
+        }
+        for counts in [[0, 1, 4, 5, 255, 3, 254, 255], [255; 8], [0; 8]] {
+            let expected: u32 = counts.iter().map(|n| groups_of(*n)).sum();
+            assert_eq!(groups_in(&counts), expected);
         }
     }
 }
