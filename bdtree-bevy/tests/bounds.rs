@@ -1,8 +1,9 @@
 //! Boxes hold what they are around.
 
 use bdtree_bevy::bdtree_runtime::{Model, VertexId};
-use bdtree_bevy::{DeformedBounds, DeformedInstance};
+use bdtree_bevy::{BdtreeSystems, DeformedBounds, DeformedInstance};
 use bdtree_fixtures::{bake, poses, skin};
+use bevy_app::{PostUpdate, Update};
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
 use bevy_ecs::prelude::*;
@@ -67,6 +68,43 @@ fn check(world: &World, entity: Entity, rng: &mut Pcg64Mcg) {
             x.cmpge(min).all() && x.cmple(max).all(),
             "{x} is not within {min} to {max}"
         );
+    }
+}
+
+/// Of a frame in which the plugin poses an instance and another system moves it, in either order, and of one in which nothing
+/// else happens.
+#[test]
+fn boxes_follow_instances_that_other_systems_move() {
+    fn shift(mut bodies: Query<&mut DeformedInstance>, mut by: Local<f64>) {
+        *by += 3.0;
+        for mut body in &mut bodies {
+            let mut at = body.instance.placement();
+            at.translation[0] = *by;
+            body.instance.set_placement(at).unwrap();
+        }
+    }
+    for is_between in [true, false] {
+        let (mut app, mut rng) = (app(), poses::rng(3));
+        if is_between {
+            let between = shift
+                .after(BdtreeSystems::Pose)
+                .before(BdtreeSystems::Bounds);
+            app.add_systems(PostUpdate, between);
+        } else {
+            app.add_systems(Update, shift);
+        }
+        let entity = spawn(&mut app, &ball(), Transform::default());
+        app.update();
+        for frame in 0..6 {
+            if frame % 2 == 0 {
+                let q = &mut deformation(&mut app, entity).q;
+                *q = vec![0.1 * frame as f32; 4];
+            }
+            app.update();
+            check(app.world(), entity, &mut rng);
+        }
+        let moved = instance(&app, entity).placement().translation[0];
+        assert!(moved > 15.0, "{moved}");
     }
 }
 
