@@ -71,8 +71,7 @@ fn check(world: &World, entity: Entity, rng: &mut Pcg64Mcg) {
     }
 }
 
-/// Of a frame in which the plugin poses an instance and another system moves it, in either order, and of one in which nothing
-/// else happens.
+/// Another system moves an instance before the plugin poses it or afterwards, or in a frame in which the plugin does not.
 #[test]
 fn boxes_follow_instances_that_other_systems_move() {
     fn shift(mut bodies: Query<&mut DeformedInstance>, mut by: Local<f64>) {

@@ -1,6 +1,8 @@
 //! Many rays and many instances in one call.
 #![allow(unsafe_code)] // names of functions: docs/design/unsafe.md
 
+use std::mem::MaybeUninit;
+
 use bdtree_runtime::{Aabb, Query, QueryError, Ray, RayIntersection, Stats};
 
 use crate::answers::BdtHit;
@@ -27,21 +29,35 @@ pub extern "C" fn bdt_cast_rays(
     done(|| {
         let rays = rays.many(count, "rays")?;
         let hits = hits.many(count, "hits")?;
-        ask(&workspace, &instance, false, |asked| {
-            asked.summed(|query, sum| {
-                let mut hits = hits.iter_mut();
-                cast_in_blocks(
-                    query,
-                    sum,
-                    numbered(rays),
-                    None,
-                    Query::cast_rays,
-                    |i, found| {
-                        if let Some(slot) = hits.next() {
-                            slot.write(found.into()).index = i as u32;
-                        }
-                    },
-                )
+        let hit = |i, found: Option<RayIntersection>| BdtHit {
+            index: i as u32,
+            ..found.into()
+        };
+        let cast = |query: &mut Query<'_, '_>, rays: &[Ray], found: &mut [_]| {
+            query.cast_rays(rays, found) // behind a closure, it takes a query of any lifetime
+        };
+        cast_each(&workspace, &instance, rays, hits, None, cast, hit)
+    })
+}
+
+/// Casts rays at one instance and writes what `answer` makes of each one's number and result.
+#[inline(always)] // answers are written where they are to stay
+fn cast_each<T: Copy, C>(
+    workspace: &Handle<BdtWorkspace>,
+    instance: &Handle<BdtInstance>,
+    rays: &[BdtRay],
+    slots: &mut [MaybeUninit<C>],
+    none: T,
+    cast: impl Fn(&mut Query<'_, '_>, &[Ray], &mut [T]) -> Result<(), QueryError>,
+    answer: impl Fn(usize, T) -> C,
+) -> Result<(), Fault> {
+    ask(workspace, instance, false, |asked| {
+        asked.summed(|query, sum| {
+            let mut slots = slots.iter_mut();
+            cast_in_blocks(query, sum, numbered(rays), none, cast, |i, found| {
+                if let Some(slot) = slots.next() {
+                    slot.write(answer(i, found));
+                }
             })
         })
     })
@@ -61,23 +77,11 @@ pub extern "C" fn bdt_intersects_rays(
     done(|| {
         let rays = rays.many(count, "rays")?;
         let is_met = is_met.many(count, "is_met")?;
-        ask(&workspace, &instance, false, |asked| {
-            asked.summed(|query, sum| {
-                let mut is_met = is_met.iter_mut();
-                cast_in_blocks(
-                    query,
-                    sum,
-                    numbered(rays),
-                    false,
-                    Query::intersects_rays,
-                    |_, met| {
-                        if let Some(slot) = is_met.next() {
-                            slot.write(u8::from(met));
-                        }
-                    },
-                )
-            })
-        })
+        let cast = |query: &mut Query<'_, '_>, rays: &[Ray], found: &mut [_]| {
+            query.intersects_rays(rays, found)
+        };
+        let byte = |_, met| u8::from(met);
+        cast_each(&workspace, &instance, rays, is_met, false, cast, byte)
     })
 }
 

@@ -133,11 +133,10 @@ impl<'a, Q: Quad> Fours<'a, Q> {
         match self.first.get(k) {
             Some(kept) => *kept,
             None => {
-                let [share, weight] = self.given.four(k);
-                Modes {
-                    share: Q::load(&share),
-                    weight: Q::load(&weight),
-                }
+                core::hint::cold_path();
+                let Given { modes, q } = self.given;
+                let (modes, q) = (modes.get(4 * k..), q.get(4 * k..));
+                Modes::of(modes.unwrap_or_default(), q.unwrap_or_default())
             }
         }
     }
@@ -182,19 +181,6 @@ impl<'a> Wholes<'a> {
 }
 
 impl Given<'_> {
-    /// What [`Modes`] has of modes 4k to 4k + 3, of which there may be fewer.
-    #[inline(never)] // seldom asked, in four places
-    fn four(self, k: usize) -> [[f64; 4]; 2] {
-        let [mut share, mut weight] = [[0.0; 4]; 2];
-        let modes = self.modes.iter().zip(self.q).skip(4 * k);
-        for ((mode, q), (share, weight)) in modes.zip(share.iter_mut().zip(&mut weight)) {
-            let limit = f64::from(mode.q_limit.get());
-            *share = f64::from(*q) / limit;
-            *weight = f64::from(mode.field_norm_max.get()) * limit;
-        }
-        [share, weight]
-    }
-
     /// How far a pair moves a vertex at most.
     #[inline(never)] // a sort that compares in dozens of places calls it
     fn reach(self, k: u32) -> f64 {

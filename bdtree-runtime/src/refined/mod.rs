@@ -30,7 +30,7 @@ use crate::workspace::Memory;
 /// [`Query::refined`](crate::Query::refined). One serves any number of assets and poses, one after the other, and once it is
 /// prepared any number of threads at a time.
 ///
-/// It pays from some 300 rays a step on for 36 000 triangles and from some 4000 on for 480 000: preparing takes 10 to 20 ns per
+/// It pays from some 300 rays a step on for 36 000 triangles and from some 3000 on for 480 000: preparing takes 8 to 12 ns per
 /// triangle, and then a ray, a ball or a nearest point takes 0.2 to 0.5 of its time (`docs/measured/benchmarks.md`, refined
 /// poses). Pairs gain little. [`StepCache::refining`](crate::StepCache::refining) decides by itself.
 ///
