@@ -88,6 +88,10 @@ pub(super) fn visit<L: Lanes, V: Visitor>(
         walk.triangles += u64::from(at.triangles);
         // Nodes of a corrupt file may share leaves, which preparing does not see.
         asset.fewer(asset.triangle_count() as u64, walk.triangles)?;
+        // What comes after it lies below, and was asked for only if it was on top once.
+        if let Some(next) = stack.top() {
+            ask_for(refined, next);
+        }
         let flow = leaf::<L, V>(tree, at, near, visitor);
         walk.stopped = flow.is_break();
         return Ok(flow);
