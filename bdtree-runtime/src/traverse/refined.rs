@@ -88,10 +88,8 @@ pub(super) fn visit<L: Lanes, V: Visitor>(
         walk.triangles += u64::from(at.triangles);
         // Nodes of a corrupt file may share leaves, which preparing does not see.
         asset.fewer(asset.triangle_count() as u64, walk.triangles)?;
-        // What comes after it lies below, and was asked for only if it was on top once.
-        if let Some(next) = stack.top() {
-            ask_for(refined, next);
-        }
+        // What is on top now lay below the leaf when it was put there: nobody has asked for it yet.
+        ask_for_top(refined, stack);
         let flow = leaf::<L, V>(tree, at, near, visitor);
         walk.stopped = flow.is_break();
         return Ok(flow);
@@ -114,15 +112,16 @@ pub(super) fn visit<L: Lanes, V: Visitor>(
     if !room {
         return Err(asset.too_deep().into());
     }
-    if let Some(at) = stack.top() {
-        ask_for(refined, at);
-    }
+    ask_for_top(refined, stack);
     Ok(ControlFlow::Continue(()))
 }
 
 /// Asks for all of what is visited next, wherever that begins in a line.
 #[inline(always)]
-fn ask_for(refined: Refined<'_>, at: Subtree) {
+fn ask_for_top(refined: Refined<'_>, stack: &WideStack<'_>) {
+    let Some(at) = stack.top() else {
+        return;
+    };
     let start = at.start as usize;
     let leaf: *const u8 = refined.leaves.as_ptr().wrapping_add(start).cast();
     let node: *const u8 = refined.nodes.as_ptr().wrapping_add(start).cast();
