@@ -11,10 +11,20 @@ use super::parry::math::{Real, Vector};
 const REST_AFTER_S: f64 = 0.25;
 
 /// ...or once they have been slow for so many seconds.
-const PATIENCE_S: f64 = 6.0;
+const PATIENCE_S: f64 = 2.0;
+
+/// Two bodies that are wedged into each other may bend each other to and fro without end, and keep a heap awake. So modes that
+/// another force makes go on within so many seconds are restless: each time halves their patience, and doubles how long they rest
+/// at least, whatever presses on the body, from [`REST_AFTER_S`] on...
+const SOON_S: f64 = 5.0;
+
+/// ...to so many seconds, which is more than rapier takes to send a heap to sleep, and no longer than a load that changes all the
+/// time should wait.
+const REST_AT_MOST_S: f64 = 2.0;
 
 /// Contacts of slow bodies are looked for anew every so many seconds: those that follow a surface stay where they were on it, also
-/// where it slides over an edge. A beam with a load of 2 kg came to rest 3 mm from its balance without, and 2 mm with.
+/// where it slides over an edge. A beam with a load of 2 kg came to rest 3 mm from its balance without, and 2 mm with. Not of those
+/// that are restless: each time shakes what is wedged.
 const RENEW_S: f64 = 0.1;
 
 /// They go on when they are faster than this multiple of that speed, or pressed by this multiple of the average force: neighbors
@@ -46,6 +56,9 @@ pub(super) struct Rest {
     untouched_s: f64,
     /// The average when modes came to rest, while they rest.
     held_by: Option<f64>,
+    /// For how many seconds they have rested, and how often before that they went on too soon ([`SOON_S`]).
+    rested_s: f64,
+    restless: i32,
     /// For how many seconds frame and surface have been slow while something touched them; counts down while modes rest and
     /// nothing touches them.
     slow_s: f64,
@@ -68,6 +81,8 @@ impl Rest {
             mean_force: 0.0,
             untouched_s: f64::INFINITY,
             held_by: None,
+            rested_s: 0.0,
+            restless: 0,
             slow_s: 0.0,
             renewed_s: 0.0,
             drift: [Vector::ZERO; 2],
@@ -139,7 +154,15 @@ impl Body {
         self.average(velocity, step_s);
         let is_hit = self.rest.meet(step_s, self.mass);
         if let Some(held_by) = self.rest.held_by {
-            if is_hit || self.is_let_go(held_by, velocity, step_s) {
+            self.rest.rested_s += step_s;
+            let is_free = is_hit || self.is_let_go(velocity, step_s);
+            let is_pressed = self.is_pressed_otherwise(held_by);
+            if is_hit || self.rest.rested_s >= SOON_S {
+                self.rest.restless = 0;
+            } else if is_pressed && !is_free {
+                self.rest.restless += 1;
+            }
+            if is_free || is_pressed {
                 self.rest.wake();
             }
         } else {
@@ -169,19 +192,26 @@ impl Body {
         }
     }
 
-    /// Whether modes that rest, held by this force, go on: nothing holds them any more, the body is fast, or what presses on
-    /// it has become another force.
-    fn is_let_go(&mut self, held_by: f64, velocity: [Vector; 2], step_s: f64) -> bool {
+    /// Whether nothing holds a body whose modes rest any more, or it is fast.
+    fn is_let_go(&mut self, velocity: [Vector; 2], step_s: f64) -> bool {
         // What lets go of the body may only have lost it for a step.
         let held_s = match self.rest.is_held() {
             true => step_s,
             false => -step_s,
         };
         self.rest.slow_s = (self.rest.slow_s + held_s).min(REST_AFTER_S);
-        let more = self.rest.mean_force / held_by - 1.0;
-        let bends = more.abs() > CHANGE && self.bends_by(more) > self.tolerance;
         let is_fast = self.speed(velocity, &self.rates()) >= HIT * self.rest.speed;
-        is_fast || bends || self.rest.slow_s <= 0.0
+        is_fast || self.rest.slow_s <= 0.0
+    }
+
+    /// Whether modes that rest, held by this force, have rested long enough to go on, and what presses on the body has become
+    /// another force, which bends it by more than the tolerance.
+    fn is_pressed_otherwise(&self, held_by: f64) -> bool {
+        let least_s = (REST_AFTER_S * 2_f64.powi(self.rest.restless)).min(REST_AT_MOST_S);
+        let more = self.rest.mean_force / held_by - 1.0;
+        self.rest.rested_s >= least_s
+            && more.abs() > CHANGE
+            && self.bends_by(more) > self.tolerance
     }
 
     /// Lets modes rest once they have been slow for long enough.
@@ -193,12 +223,13 @@ impl Body {
         }
         self.rest.slow_s += step_s;
         self.rest.renewed_s += step_s;
-        if self.rest.renewed_s >= RENEW_S {
+        if self.rest.renewed_s >= RENEW_S && self.rest.restless == 0 {
             self.rest.renewed_s = 0.0;
             self.is_stale |= self.mesh.forget_contacts();
         }
+        let patience_s = (PATIENCE_S * 0.5_f64.powi(self.rest.restless)).max(REST_AFTER_S);
         let is_there = self.rest.slow_s >= REST_AFTER_S && self.to_go() <= 0.5 * self.tolerance;
-        if !(is_there || self.rest.slow_s >= PATIENCE_S) {
+        if !(is_there || self.rest.slow_s >= patience_s) {
             return;
         }
         let each = self.state.iter_mut().zip(&self.rest.mean_s);
@@ -206,6 +237,7 @@ impl Body {
             *state = [mean + mode.mean_rate * self.rest.lag_s, 0.0];
         }
         self.rest.held_by = Some(self.rest.mean_force);
+        self.rest.rested_s = 0.0;
         self.rest.slow_s = REST_AFTER_S;
     }
 
