@@ -1,17 +1,23 @@
-//! Four triangles against four: which pairs certainly do not touch, told before the exact test.
+//! Four triangles against four: which pairs certainly do not touch, or are farther apart than a tolerance, told before the exact
+//! test.
 //!
 //! The rejections are those of [`triangles_intersect`](super::triangles_intersect), boxes and
-//! planes, four at a time; a plane counts only where rounding cannot have turned a sign
+//! planes, four at a time, and with a tolerance the line of their centers; a plane counts only where rounding cannot have turned a sign
 //! (Shewchuk's first stage, "Adaptive Precision Floating-Point Arithmetic and Fast Robust
 //! Geometric Predicates", 1997).
 
 use super::four::closest_four;
 use super::{Triangle, closest_point};
 use crate::rounding::{BOXES_APART, HEIGHT_FLUSHED, HEIGHT_ROUNDING, MARGIN};
-use crate::simd::{Quad, Quad3, cross3, dot3, splat3, sub3};
+use crate::simd::{Quad, Quad3, add3, cross3, dot3, splat3, sub3};
 
 /// Largest sum of a triangle's coordinates, in magnitude, that is filtered: 2¹⁰⁰.
 const LARGEST: f64 = f64::from_bits((1023 + 100) << 52);
+
+/// Below this tolerance, 2⁻¹⁰⁰, boxes alone decide, and directions shorter than 2⁻⁵⁰⁰ decide nothing: squares of what is smaller
+/// underflow.
+const PLANES_FROM: f64 = f64::from_bits((1023 - 100) << 52);
+const SHORTEST: f64 = f64::from_bits((1023 - 500) << 52);
 
 /// Of each coordinate, that of four.
 type Rows = [[f64; 4]; 3];
@@ -127,24 +133,27 @@ impl WorldFour {
                 load3(&others.corners[1]),
                 load3(&others.corners[2]),
             ];
-            left &= !beside::<Q>(mine[0], one3(&self.normal, k), one3(&self.size, k), &theirs);
+            let zero = Q::splat(0.0);
+            let (normal, size) = (one3(&self.normal, k), one3(&self.size, k));
+            left &= !beside::<Q>(mine[0], normal, size, &theirs, zero);
             if left != 0 {
                 let (normal, size) = (load3(&others.normal), load3(&others.size));
-                left &= !beside::<Q>(theirs[0], normal, size, &mine);
+                left &= !beside::<Q>(theirs[0], normal, size, &mine, zero);
             }
         }
         left | !others.fair
     }
 
     /// Those of `others` whose distance to triangle `k` may be at most `tolerance`, as
-    /// [`triangle_distance`](super::triangle_distance()) computes it: their boxes say so, with room
-    /// for its rounding.
+    /// [`triangle_distance`](super::triangle_distance()) computes it: their boxes, their planes and what they reach along the line
+    /// of their centers say so, with room for its rounding.
     #[inline(always)]
     pub(crate) fn near<Q: Quad>(&self, k: usize, others: &Self, tolerance: f64) -> u8 {
         if self.fair & (1 << k) == 0 {
             return u8::MAX;
         }
         let mut near = Q::splat(0.0).at_least(Q::splat(0.0));
+        let mut widest = Q::splat(0.0);
         for axis in 0..3 {
             let low1: Q = one(&self.low, axis, k);
             let high1: Q = one(&self.high, axis, k);
@@ -153,8 +162,32 @@ impl WorldFour {
             let span = high1.max(high2).sub(low1.min(low2));
             let reach = Q::splat(tolerance).add(span.mul(Q::splat(BOXES_APART)));
             near = Q::both(near, reach.at_least(gap));
+            widest = widest.max(span);
         }
-        Q::bits(near) | !others.fair
+        let mut left = Q::bits(near) & others.fair;
+        if left != 0 && tolerance >= PLANES_FROM {
+            let reach = Q::splat(tolerance).add(widest.mul(Q::splat(BOXES_APART)));
+            let mine = [
+                one3(&self.corners[0], k),
+                one3(&self.corners[1], k),
+                one3(&self.corners[2], k),
+            ];
+            let theirs = [
+                load3(&others.corners[0]),
+                load3(&others.corners[1]),
+                load3(&others.corners[2]),
+            ];
+            let (normal, size) = (one3(&self.normal, k), one3(&self.size, k));
+            left &= !far_beside::<Q>(mine[0], normal, size, &theirs, reach);
+            if left != 0 {
+                let (normal, size) = (load3(&others.normal), load3(&others.size));
+                left &= !far_beside::<Q>(theirs[0], normal, size, &mine, reach);
+            }
+            if left != 0 {
+                left &= !far_apart::<Q>(&mine, &theirs, reach);
+            }
+        }
+        left | !others.fair
     }
 
     /// The triangles whose distance to `point`, as [`closest_point`] computes it, is at most `reach`, which must hold that
@@ -208,9 +241,56 @@ impl WorldFour {
     }
 }
 
-/// Where all corners surely lie strictly on one side of the plane through `a`.
+/// Where all corners surely lie farther than `reach` from the plane through `a`, on one side of it.
 #[inline(always)]
-fn beside<Q: Quad>(a: Quad3<Q>, normal: Quad3<Q>, size: Quad3<Q>, corners: &[Quad3<Q>; 3]) -> u8 {
+fn far_beside<Q: Quad>(
+    a: Quad3<Q>,
+    normal: Quad3<Q>,
+    size: Quad3<Q>,
+    corners: &[Quad3<Q>; 3],
+    reach: Q,
+) -> u8 {
+    let length = dot3(normal, normal).sqrt();
+    // Not less than the exact normal's, as far as squares do not underflow.
+    let rounding = size[0]
+        .add(size[1])
+        .add(size[2])
+        .mul(Q::splat(HEIGHT_ROUNDING));
+    let longest = length.mul(Q::splat(1.0 + MARGIN)).add(rounding);
+    let is_normal = Q::bits(length.at_least(Q::splat(SHORTEST)));
+    beside(a, normal, size, corners, longest.mul(reach)) & is_normal
+}
+
+/// Where the gap along the line of the centers of `a` and `b` is surely wider than `reach`.
+#[inline(always)]
+fn far_apart<Q: Quad>(a: &[Quad3<Q>; 3], b: &[Quad3<Q>; 3], reach: Q) -> u8 {
+    let sum = |t: &[Quad3<Q>; 3]| add3(add3(t[0], t[1]), t[2]);
+    let along = sub3(sum(b), sum(a));
+    let length = dot3(along, along).sqrt();
+    let first = sub3(b[0], a[0]);
+    let (mut high, mut low) = (Q::splat(0.0), dot3(first, along));
+    let mut squared = dot3(first, first);
+    for k in 1..3 {
+        let (x, y) = (sub3(a[k], a[0]), sub3(b[k], a[0]));
+        high = high.max(dot3(x, along));
+        low = low.min(dot3(y, along));
+        squared = squared.max(dot3(x, x)).max(dot3(y, y));
+    }
+    let rounding = squared.sqrt().mul(Q::splat(MARGIN));
+    let wider = reach.mul(Q::splat(1.0 + MARGIN)).add(rounding);
+    let is_line = length.at_least(Q::splat(SHORTEST));
+    Q::bits(Q::both(is_line, low.sub(high).above(wider.mul(length))))
+}
+
+/// Where all corners surely lie on one side of the plane through `a`, with heights above `least`, both times the normal's length.
+#[inline(always)]
+fn beside<Q: Quad>(
+    a: Quad3<Q>,
+    normal: Quad3<Q>,
+    size: Quad3<Q>,
+    corners: &[Quad3<Q>; 3],
+    least: Q,
+) -> u8 {
     let yes = Q::splat(0.0).at_least(Q::splat(0.0));
     let (mut above, mut below) = (yes, yes);
     for corner in corners {
@@ -219,8 +299,9 @@ fn beside<Q: Quad>(a: Quad3<Q>, normal: Quad3<Q>, size: Quad3<Q>, corners: &[Qua
         let error = dot3(size, abs3(d))
             .mul(Q::splat(HEIGHT_ROUNDING))
             .add(Q::splat(HEIGHT_FLUSHED));
-        above = Q::both(above, height.above(error));
-        below = Q::both(below, Q::splat(0.0).sub(height).above(error));
+        let limit = least.add(error);
+        above = Q::both(above, height.above(limit));
+        below = Q::both(below, Q::splat(0.0).sub(height).above(limit));
     }
     Q::bits(above) | Q::bits(below)
 }
@@ -250,3 +331,6 @@ fn store3<Q: Quad>([x, y, z]: Quad3<Q>) -> Rows {
 fn abs3<Q: Quad>([x, y, z]: Quad3<Q>) -> Quad3<Q> {
     [x.abs(), y.abs(), z.abs()]
 }
+
+#[cfg(test)]
+mod tests;

@@ -34,7 +34,12 @@ pub struct SegmentDistance {
 pub fn segment_triangle_distance(segment: &[[f64; 3]; 2], tri: &Triangle) -> SegmentDistance {
     let [p, q] = *segment;
     let segment = [p, q, q];
-    let nearest = distance_of::<2>(&segment, tri, triangles_intersect(&segment, tri));
+    let nearest = distance_of::<2>(
+        &segment,
+        tri,
+        triangles_intersect(&segment, tri),
+        f64::INFINITY,
+    );
     let [_, second, repeated] = nearest.barycentric1;
     let touching = nearest.distance == 0.0;
     SegmentDistance {

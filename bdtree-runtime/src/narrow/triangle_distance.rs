@@ -9,7 +9,7 @@ use super::point_triangle::closest_weights;
 use super::triangle_triangle::triangles_intersect;
 use super::{Triangle, combine};
 use crate::math::{add_scaled, clamp, cross, dot, sqrt, sub};
-use crate::rounding::{NORMAL_EQUATIONS, TOUCHING_GAP};
+use crate::rounding::{MARGIN, NORMAL_EQUATIONS, TOUCHING_GAP};
 
 /// The nearest points of two triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,12 +54,18 @@ impl Candidate {
 /// 01, 12, 20 of a, each against those of b. Swapping a and b may choose another pair of points and
 /// change the distance by rounding.
 pub fn triangle_distance(a: &Triangle, b: &Triangle) -> PairDistance {
-    distance_of::<3>(a, b, triangles_intersect(a, b))
+    distance_of::<3>(a, b, triangles_intersect(a, b), f64::INFINITY)
 }
 
-/// [`triangle_distance`] where [`triangles_intersect`] has answered `touching` already.
-pub(crate) fn nearest_points(a: &Triangle, b: &Triangle, touching: bool) -> PairDistance {
-    distance_of::<3>(a, b, touching)
+/// [`triangle_distance`] where [`triangles_intersect`] has answered `touching` already; of triangles farther apart than `limit`
+/// some distance above that, and some points.
+pub(crate) fn nearest_points(
+    a: &Triangle,
+    b: &Triangle,
+    touching: bool,
+    limit: f64,
+) -> PairDistance {
+    distance_of::<3>(a, b, touching, limit)
 }
 
 /// [`nearest_points`] where a is a triangle (`CORNERS` 3) or, its last two corners being the
@@ -69,14 +75,17 @@ pub(super) fn distance_of<const CORNERS: usize>(
     a: &Triangle,
     b: &Triangle,
     touching: bool,
+    limit: f64,
 ) -> PairDistance {
     let edges_of_a = if CORNERS == 2 { 1 } else { 3 };
+    // Above the squares of all distances up to the limit.
     let mut best = Candidate {
-        squared: f64::INFINITY,
+        squared: limit * limit * (1.0 + MARGIN) + f64::MIN_POSITIVE,
         weights: [[1.0, 0.0, 0.0]; 2],
     };
     let mut enough = 0.0;
     if touching {
+        best.squared = f64::INFINITY;
         enough = rounding_squared(a, b);
         crossings(a, b, [0, 1], enough, &mut best);
         crossings(b, a, [1, 0], enough, &mut best);

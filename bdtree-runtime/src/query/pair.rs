@@ -8,7 +8,7 @@ use crate::cache::Posed;
 use crate::contact::{PairContact, Sink, TriangleId, TrianglePair};
 use crate::error::QueryError;
 use crate::math::scale;
-use crate::narrow::{Triangle, nearest_points, triangle_distance, triangles_intersect};
+use crate::narrow::{Triangle, nearest_points, triangles_intersect};
 use crate::pair_frame::PairFrame;
 use crate::traverse::{PairStackEntry, PairVisitor, Two, Walk};
 
@@ -79,7 +79,7 @@ impl PairVisitor for Contacts<'_> {
         if !touching && self.tolerance == 0.0 {
             return ControlFlow::Continue(());
         }
-        let nearest = nearest_points(corners1, corners2, touching);
+        let nearest = nearest_points(corners1, corners2, touching, self.tolerance);
         if nearest.distance > self.tolerance {
             return ControlFlow::Continue(());
         }
@@ -99,6 +99,45 @@ impl PairVisitor for Contacts<'_> {
     }
 }
 
+/// Pairs for [`manifolds`](super::manifold::manifolds), which looks at the points of those alone that do not touch.
+pub(super) struct Members<'s> {
+    pub(super) tolerance: f64,
+    pub(super) sink: &'s mut (dyn Sink<PairContact> + 's),
+}
+
+impl PairVisitor for Members<'_> {
+    fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    fn triangles(
+        &mut self,
+        [triangle1, triangle2]: [TriangleId; 2],
+        [corners1, corners2]: [&Triangle; 2],
+    ) -> ControlFlow<()> {
+        let mut member = PairContact {
+            triangle1,
+            triangle2,
+            distance: 0.0,
+            ..PairContact::EMPTY
+        };
+        if !triangles_intersect(corners1, corners2) {
+            if self.tolerance == 0.0 {
+                return ControlFlow::Continue(());
+            }
+            let nearest = nearest_points(corners1, corners2, false, self.tolerance);
+            if nearest.distance > self.tolerance {
+                return ControlFlow::Continue(());
+            }
+            member.distance = nearest.distance;
+            (member.point1, member.point2) = (nearest.point1, nearest.point2);
+            member.barycentric1 = nearest.barycentric1;
+            member.barycentric2 = nearest.barycentric2;
+        }
+        self.sink.push(member)
+    }
+}
+
 pub(super) struct Ids<'s> {
     pub(super) tolerance: f64,
     pub(super) sink: &'s mut (dyn Sink<TrianglePair> + 's),
@@ -114,11 +153,10 @@ impl PairVisitor for Ids<'_> {
         [triangle1, triangle2]: [TriangleId; 2],
         [corners1, corners2]: [&Triangle; 2],
     ) -> ControlFlow<()> {
-        let meet = if self.tolerance == 0.0 {
-            triangles_intersect(corners1, corners2)
-        } else {
-            triangle_distance(corners1, corners2).distance <= self.tolerance
-        };
+        let meet = triangles_intersect(corners1, corners2)
+            || self.tolerance > 0.0
+                && nearest_points(corners1, corners2, false, self.tolerance).distance
+                    <= self.tolerance;
         if !meet {
             return ControlFlow::Continue(());
         }

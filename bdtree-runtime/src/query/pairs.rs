@@ -6,7 +6,7 @@ use super::budget::{Budget, Budgeted, queue_len};
 use super::distance::closest_points;
 use super::front::PairFront;
 use super::manifold::{ContactManifold, ManifoldSlot, manifolds};
-use super::pair::{Contacts, Ids, tolerance, walk};
+use super::pair::{Contacts, Ids, Members, tolerance, walk};
 use super::side::Side;
 use super::single::{BUDGET_AND_LEVEL, First, Query};
 use core::ops::ControlFlow;
@@ -304,7 +304,7 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
             let found = self.workspace.memory.slots::<u8>(needed)?.len();
             let (pairs, stack) = self.workspace.memory.two_slots([room, stack])?;
             let mut sink = SliceSink::new(pairs);
-            let mut visitor = Contacts {
+            let mut visitor = Members {
                 tolerance,
                 sink: &mut sink,
             };
@@ -315,7 +315,7 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
             }
             if !grows {
                 let mut count = Counted(0);
-                let mut visitor = Contacts {
+                let mut visitor = Members {
                     tolerance,
                     sink: &mut count,
                 };

@@ -102,7 +102,7 @@ impl Bodies<'_, '_> {
         let area = area1.min(area2).min(largest_area);
         let (mut point1, mut point2) = (pair.point1, pair.point2);
         let (mut barycentric1, mut barycentric2) = (pair.barycentric1, pair.barycentric2);
-        if dist < 0.0 {
+        if pair.distance == 0.0 {
             // The points that meet once the first triangle has moved back by its depth: so they are that
             // far apart.
             let (a, b) = self.triangles(pair)?;

@@ -110,7 +110,7 @@ pub(super) fn manifolds(
         posed2: posed2.or_keep(&mut own2),
         stack,
     };
-    let pairs = sorted_once(pairs);
+    let pairs = regions::sorted_once(pairs, memory)?;
     let members = regions::regions(asset1, asset2, pairs, memory)?;
     for region in members.chunk_by(|x, y| x.region() == y.region()) {
         let members = region.iter().filter_map(|slot| pairs.get(slot.pair()));
@@ -122,18 +122,4 @@ pub(super) fn manifolds(
         }
     }
     Ok(Coverage::Complete)
-}
-
-/// The pairs by their ids, each of them once.
-fn sorted_once(pairs: &mut [PairContact]) -> &mut [PairContact] {
-    let ids = |p: &PairContact| (p.triangle1, p.triangle2);
-    pairs.sort_unstable_by_key(ids);
-    let mut kept = 0;
-    for k in 0..pairs.len() {
-        if kept == 0 || ids(&pairs[k]) != ids(&pairs[kept - 1]) {
-            pairs[kept] = pairs[k];
-            kept += 1;
-        }
-    }
-    &mut pairs[..kept]
 }

@@ -50,6 +50,43 @@ impl ManifoldSlot {
     }
 }
 
+/// The pairs by their ids, each of them once.
+///
+/// # Errors
+/// Too little memory.
+pub(super) fn sorted_once<'p>(
+    pairs: &'p mut [PairContact],
+    memory: &mut [ManifoldSlot],
+) -> Result<&'p mut [PairContact], QueryError> {
+    let found = memory.len();
+    let Some(order) = memory.get_mut(..pairs.len()) else {
+        let needed = ManifoldSlot::count(pairs.len());
+        return Err(QueryError::Memory { needed, found });
+    };
+    // Slots are a thirteenth of a pair: pairs are moved once, when their order is known.
+    for (i, (slot, pair)) in order.iter_mut().zip(&*pairs).enumerate() {
+        slot.key = u64::from(pair.triangle1.0) << 32 | u64::from(pair.triangle2.0);
+        slot.pair = i as u32;
+    }
+    order.sort_unstable();
+    for i in 0..pairs.len() {
+        // What was there went where an earlier one came from.
+        let mut from = order[i].pair as usize;
+        while from < i {
+            from = order[from].pair as usize;
+        }
+        pairs.swap(i, from);
+    }
+    let mut kept = 0;
+    for i in 0..pairs.len() {
+        if i == 0 || order[i].key != order[i - 1].key {
+            pairs.swap(kept, i);
+            kept += 1;
+        }
+    }
+    Ok(&mut pairs[..kept])
+}
+
 /// A slot for each pair, by region and index; regions are named by their first pair.
 pub(super) fn regions<'m>(
     asset1: &Asset<'_>,
